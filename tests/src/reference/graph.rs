@@ -7,7 +7,7 @@ use plcc_syntax::ast::SectionKind;
 use plcc_program::tables::chart::{Effect, OPERATING_BITS, PARAMETERS, Parameter, Set};
 
 /// The page without its tables.
-const TEXT: &str = include_str!("graph.md");
+const TEXT: &str = include_str!("graph.md.in");
 
 /// Bits of MOP that no parameter sets as a request, with their meaning; all others are requests. In order of the bits.
 const LASTING: [(&str, &str); 18] = [

@@ -9,7 +9,7 @@ use plcc_syntax::network::elements::{
 use super::scl;
 
 /// The page without its tables.
-const TEXT: &str = include_str!("lad_fbd.md");
+const TEXT: &str = include_str!("lad_fbd.md.in");
 
 /// Chapters of the table: title, chapters of the LAD/FBD reference, name of the first element.
 const CHAPTERS: [(&str, &str, &str); 10] = [

@@ -9,7 +9,7 @@ use plcc_program::tables::scl::{FUNCTIONS, Implicit, Kind, Question, Row, Rules,
 use plcc_stdlib::NOT_SUPPORTED;
 
 /// The page without its tables.
-const TEXT: &str = include_str!("scl.md");
+const TEXT: &str = include_str!("scl.md.in");
 
 /// The page in Markdown: `docs/reference/scl.md`.
 pub fn reference() -> String {

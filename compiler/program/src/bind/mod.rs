@@ -3,12 +3,13 @@
 //! Each of these names only those before it, which a test holds:
 //!
 //! 1. [`trees`]: what the syntax trees show without names and types.
-//! 2. [`declarations`]: names, types, interfaces, data blocks and the library.
-//! 3. [`stl`], [`scl`], [`network`] (LAD and FBD) and [`chart`] (GRAPH) bind statements over them, each by a type of its own. Networks
+//! 2. [`globals`]: names and numbers of the whole program, constants, the library; the report.
+//! 3. [`declarations`]: types, interfaces and data blocks.
+//! 4. [`stl`], [`scl`], [`network`] (LAD and FBD) and [`chart`] (GRAPH) bind statements over them, each by a type of its own. Networks
 //!    become the typed tree of SCL, and charts use SCL and networks.
-//! 4. [`cpu`]: the CPU that sources imply.
-//! 5. [`program`](mod@program) binds a whole program, each block in its language.
-//! 6. [`partial`] binds a program in which parts may be missing, by binding it several times.
+//! 5. [`cpu`]: the CPU that sources imply.
+//! 6. [`program`](mod@program) binds a whole program, each block in its language.
+//! 7. [`partial`] binds a program in which parts may be missing, by binding it several times.
 //!
 //! With errors the program is incomplete and must not be lowered; the same applies to `partial` runs with warnings about
 //! undefined names.
@@ -16,6 +17,7 @@
 mod chart;
 mod cpu;
 mod declarations;
+mod globals;
 mod network;
 mod partial;
 mod program;
@@ -38,7 +40,7 @@ pub use program::{bind, library_interface};
 pub mod tables {
     /// Functions and conversions of SCL.
     pub mod scl {
-        pub use crate::bind::declarations::rules::Rules;
+        pub use crate::bind::globals::rules::Rules;
         pub use crate::bind::scl::convert::{Implicit, implicit, on_300};
         pub use crate::bind::scl::function::{FUNCTIONS, Kind, Row, TextNumber};
         pub use crate::bind::scl::variant::Question;

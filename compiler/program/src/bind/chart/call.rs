@@ -81,7 +81,7 @@ impl ChartBinder<'_, '_> {
                 None => instance.clone(),
             }),
             Some((prefix, _)) => {
-                let text = self.program.text(call.block.span);
+                let text = self.program.globals.text(call.block.span);
                 let help = match prefix {
                     BlockPrefix::Fc | BlockPrefix::Sfc => "a function has no instance: remove the data block",
                     _ => "call a function, or a function block with its instance",

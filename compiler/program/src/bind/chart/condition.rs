@@ -43,12 +43,12 @@ impl ChartBinder<'_, '_> {
 
     /// A BOOL.
     pub(super) fn condition_value(&mut self, ctx: &mut SclBlock, node: &Node, what: &str) -> Option<Expr> {
-        let value = self.scl().scl_value(ctx, node)?;
+        let value = self.scl().value(ctx, node)?;
         if Shape::of(&value) == Shape::Of(Elementary::Bool) {
-            return self.scl().scl_convert(ctx, value, Elementary::Bool);
+            return self.scl().convert(ctx, value, Elementary::Bool);
         }
-        let (text, is) = (self.program.text(node.span), described(&value));
-        self.program.report.push(
+        let (text, is) = (self.program.globals.text(node.span), described(&value));
+        self.program.report(
             Diagnostic::new(Code::ConditionType, node.span, format!("`{text}` is {is}, but {what} needs a BOOL"))
                 .label(is)
                 .help("compare it, for example with `> 0`, or name a bit"),
@@ -80,7 +80,7 @@ impl ChartBinder<'_, '_> {
         };
         match coils.as_slice() {
             [] => {
-                self.program.report.push(
+                self.program.report(
                     Diagnostic::new(
                         Code::MissingCondition,
                         network.span,
@@ -94,7 +94,7 @@ impl ChartBinder<'_, '_> {
             [_] => Some((statements, result?)),
             [first, second, ..] => {
                 let title = format!("the network of {what} has several results");
-                self.program.report.push(
+                self.program.report(
                     Diagnostic::new(Code::ElementPlace, *second, title)
                         .label("a second coil of the condition")
                         .also(*first, "the first one")
@@ -141,12 +141,12 @@ impl ChartBinder<'_, '_> {
         let folded = fold(text);
         *form == NameForm::Bare
             && !ctx.block.bound.locals.contains_key(&folded)
-            && !self.program.names.globals.contains_key(&folded)
+            && !self.program.globals.names.symbols.contains_key(&folded)
             && plcc_syntax::scl::absolute(text).is_none()
     }
 
     fn no_condition_at_end(&mut self, span: Span, what: &str) {
-        self.program.report.push(
+        self.program.report(
             Diagnostic::new(Code::ConditionType, span, format!("the last statement of {what} is not a condition"))
                 .label("it has no value")
                 .help("end with the condition alone, `a AND b;`, or assign it to the name of the transition"),

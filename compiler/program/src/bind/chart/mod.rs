@@ -25,10 +25,6 @@ mod template;
 #[cfg(test)]
 mod testing;
 
-use crate::bind::declarations::Declarations;
-use crate::bind::declarations::block::CurrentBlock;
-use crate::bind::network::NetworkBinder;
-use crate::bind::scl::SclBinder;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::Elementary;
 use plcc_syntax::ast::{self, SectionKind};
@@ -37,7 +33,10 @@ use plcc_syntax::scl;
 
 use super::scl::Scope;
 use super::scl::temporary;
-use crate::bind::scl::SclBlock;
+use crate::bind::declarations::Declarations;
+use crate::bind::declarations::block::CurrentBlock;
+use crate::bind::network::NetworkBinder;
+use crate::bind::scl::{SclBinder, SclBlock};
 use crate::bind::trees::chart_data::parameters::{self, Effect, PARAMETERS, Parameter};
 use crate::bind::trees::chart_data::{self, Members};
 use assemble::{Assembly, Condition, Features, Parts};
@@ -97,12 +96,12 @@ impl<'b, 'a> ChartBinder<'b, 'a> {
 
 impl ChartBinder<'_, '_> {
     /// Binds the chart of a block.
-    pub fn bind_chart(&mut self, current: &mut CurrentBlock, block: &ast::CodeBlock, chart: &Chart) -> Body {
+    pub fn bind_block(&mut self, current: &mut CurrentBlock, block: &ast::CodeBlock, chart: &Chart) -> Body {
         let dialect = match chart.dialect {
             Dialect::Classic => scl::ast::Dialect::Classic,
             Dialect::Tia | Dialect::Sfc => scl::ast::Dialect::Tia,
         };
-        let scope = Scope::new(self.program.input, &block.header, dialect);
+        let scope = Scope::new(self.program.globals.input, &block.header, dialect);
         let ctx = &mut SclBlock { block: current, scope };
         ctx.scope.address_numbers = chart.dialect == Dialect::Classic;
         let sets_flag = ctx.scope.sets_flag;
@@ -183,7 +182,7 @@ impl ChartBinder<'_, '_> {
             .condition_code(ctx, engine, condition, what)
             .unwrap_or_else(|| (Vec::new(), number(0, Elementary::Bool, engine.span)));
         if let Some(span) = label(&statements) {
-            self.program.report.push(
+            self.program.report(
                 Diagnostic::new(Code::ElementPlace, span, format!("{what} has a jump label"))
                     .label("conditions are evaluated without jumps")
                     .help("write the condition with AND, OR and comparisons, or compute it in a permanent instruction"),
@@ -256,14 +255,14 @@ impl ChartBinder<'_, '_> {
         trees: &[scl::ast::Statement],
         holes: rustc_hash::FxHashMap<&'static str, Vec<Statement>>,
     ) -> Vec<Statement> {
-        let mut scope = Scope::new(self.program.input, &ast::Header::default(), scl::ast::Dialect::Tia);
+        let mut scope = Scope::new(self.program.globals.input, &ast::Header::default(), scl::ast::Dialect::Tia);
         scope.holes = holes;
         scope.hidden = engine.names.iter().map(|(name, variable)| (name.to_string(), variable.clone())).collect();
         let users = std::mem::replace(&mut ctx.scope, scope);
         let span = ctx.block.fixed_span.replace(engine.span);
-        let told = self.program.report.diagnostics.len();
+        let told = self.program.globals.report.diagnostics.len();
         let statements = self.scl().statements(ctx, trees);
-        let messages = self.program.report.diagnostics.split_off(told);
+        let messages = self.program.globals.report.diagnostics.split_off(told);
         debug_assert!(!messages.iter().any(Diagnostic::is_error), "{messages:?}");
         ctx.block.fixed_span = span;
         ctx.scope = users;
@@ -272,7 +271,7 @@ impl ChartBinder<'_, '_> {
 
     /// Whether a source has this word, in any letter case.
     fn mentions_word(&self, word: &str) -> bool {
-        self.program.input.sources.files().any(|(_, file)| {
+        self.program.globals.input.sources.files().any(|(_, file)| {
             let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
             file.text.split(|c| !is_word(c)).any(|found| found.eq_ignore_ascii_case(word))
         })

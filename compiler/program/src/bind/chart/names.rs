@@ -1,6 +1,5 @@
 //! Steps and transitions in expressions: `S002.X`, `T002.TT` and names become components of the instance. Source: GRAPH reference A.1, F.3.
 
-use crate::bind::declarations::Declarations;
 use plcc_diag::{Code, Diagnostic};
 use plcc_syntax::ast::{CodeBlock, OperandKind};
 use plcc_syntax::chart::ast::{ActionBody, Body as Chart, Call, Condition, PermanentKind};
@@ -10,6 +9,7 @@ use rustc_hash::FxHashSet;
 
 use super::index::Index;
 use crate::bind::chart::ChartBinder;
+use crate::bind::declarations::Declarations;
 use crate::bind::trees::SYSTEM_FILE;
 use crate::bind::trees::chart_data::Members;
 use plcc_binding::fold;
@@ -229,7 +229,7 @@ impl Names<'_, '_> {
     /// Data of the step or transition before a point; none if it is something else.
     fn data(&mut self, owner: &Name, component: &Name) -> Option<Expr> {
         let text = &owner.text;
-        let global = owner.form == NameForm::Quoted && self.program.names.globals.contains_key(&fold(text));
+        let global = owner.form == NameForm::Quoted && self.program.globals.names.symbols.contains_key(&fold(text));
         if global || self.declared.contains(&fold(text)) {
             return None;
         }
@@ -243,9 +243,9 @@ impl Names<'_, '_> {
         }
         let looks_so = owner.form == NameForm::Bare
             && (is_numbered(text, 'S') && is(&OF_STEPS) || is_numbered(text, 'T') && is(&OF_TRANSITIONS));
-        if looks_so && !self.program.names.globals.contains_key(&fold(text)) {
+        if looks_so && !self.program.globals.names.symbols.contains_key(&fold(text)) {
             let what = if is_numbered(text, 'S') { "step" } else { "transition" };
-            self.program.report.push(
+            self.program.report(
                 Diagnostic::new(Code::UnknownStep, owner.span, format!("the chart has no {what} `{text}`"))
                     .label(format!("no {what} of this name or number"))
                     .help("name a step or transition of this block, with its name or number"),

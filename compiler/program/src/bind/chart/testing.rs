@@ -8,8 +8,7 @@ use plcc_syntax::{ParseOptions, ast};
 use crate::bind::chart::ChartBinder;
 use crate::bind::declarations::Declarations;
 use crate::bind::declarations::block::CurrentBlock;
-use crate::bind::scl::SclBlock;
-use crate::bind::scl::Scope;
+use crate::bind::scl::{SclBlock, Scope};
 use plcc_binding::BindInput;
 use plcc_model::BlockKey;
 use plcc_model::profile;
@@ -49,16 +48,16 @@ pub fn in_block<T>(
         safety_as_standard: false,
     };
     let mut program = Declarations::new(&input);
-    program.collect();
+    program.globals.collect();
     program.bind_types();
     program.bind_data();
     let key = BlockKey { kind: BlockKind::Fb, number: 1 };
-    let source = program.sources.code[&key].clone();
+    let source = program.globals.sources.code[&key].clone();
     let block = source.block();
     let ast::Code::Scl(code) = &block.code else { panic!("the test is SCL") };
     let bound = program.interface(key, block.name.span()).expect("the interface is good");
     let mut current = CurrentBlock::new(key, bound);
     let mut ctx = SclBlock { block: &mut current, scope: Scope::new(&input, &block.header, Dialect::Tia) };
     let result = work(&mut ChartBinder::new(&mut program), &mut ctx, &code.statements);
-    (result, program.report.finish().0.iter().map(|message| message.code.name()).collect())
+    (result, program.globals.report.finish().0.iter().map(|message| message.code.name()).collect())
 }

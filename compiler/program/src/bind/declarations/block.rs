@@ -2,10 +2,13 @@
 
 use std::rc::Rc;
 
+use plcc_abi::layout::L_CLASS_BYTES;
 use plcc_diag::Span;
 use plcc_model::BlockKey;
+use plcc_syntax::ast::{Area, Width};
 use rustc_hash::FxHashSet;
 
+use crate::bind::declarations::Declarations;
 use crate::bind::declarations::types::BoundInterface;
 
 /// A block while its statements are bound, in any language.
@@ -32,5 +35,23 @@ impl CurrentBlock {
             fragment: false,
             fixed_span: None,
         }
+    }
+}
+
+impl Declarations<'_> {
+    /// Checks an address of a block's statements; `None` if it cannot exist, which is reported.
+    pub fn check_address(
+        &mut self,
+        ctx: &mut CurrentBlock,
+        area: Area,
+        width: Width,
+        byte: u32,
+        span: Span,
+    ) -> Option<()> {
+        let end = u64::from(byte) + u64::from(width.bytes());
+        if area == Area::L && end <= u64::from(L_CLASS_BYTES) {
+            ctx.local_bytes = ctx.local_bytes.max(end as u32);
+        }
+        self.globals.check_area(area, width, byte, span)
     }
 }

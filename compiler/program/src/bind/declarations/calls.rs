@@ -76,7 +76,7 @@ impl Declarations<'_> {
                 Some(other) => format!("DB {number} is an instance of {other}"),
                 None => format!("DB {number} is a shared data block"),
             };
-            self.report.push(
+            self.report(
                 Diagnostic::new(Code::NoBlockFits, span, format!("DB {number} is not an instance of {key}"))
                     .label(what)
                     .also(defined, "the data block")
@@ -99,7 +99,7 @@ impl Declarations<'_> {
             .label("no such parameter");
         let is_static = bound.locals.contains_key(&fold(name));
         let meant = similar(name, names()).filter(|_| !is_static);
-        self.report.push(match meant {
+        self.report(match meant {
             _ if is_static => message.help("it is static or temporary data of the block, which a call cannot supply"),
             Some(other) => message.help(format!("is `{other}` meant?")),
             None => {
@@ -108,7 +108,7 @@ impl Declarations<'_> {
                     true => "the block has no parameters".to_string(),
                     false => format!("its parameters are {}", all.join(", ")),
                 };
-                message.help(self.with_library_note(key, help))
+                message.help(self.globals.with_library_note(key, help))
             }
         });
         meant.map(str::to_owned)
@@ -134,7 +134,7 @@ impl Declarations<'_> {
             .collect();
         uses.sort_by_key(|pointer| (pointer.span.file, pointer.span.start));
         for PointerUse { span, block, parameter, .. } in uses {
-            self.report.push(
+            self.report(
                 Diagnostic::new(
                     Code::MissingPointer,
                     span,

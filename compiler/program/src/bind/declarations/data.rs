@@ -55,11 +55,11 @@ impl DataBlocks {
 
 impl Declarations<'_> {
     pub fn bind_data(&mut self) {
-        let mut numbers: Vec<u16> = self.sources.data.keys().copied().collect();
+        let mut numbers: Vec<u16> = self.globals.sources.data.keys().copied().collect();
         numbers.sort_unstable();
         self.types.scope = self.data_scope();
         for number in numbers {
-            let source = self.sources.data[&number];
+            let source = self.globals.sources.data[&number];
             if let Some((typed, instance_of)) = self.db_content(source)
                 && self.fits_with_others(typed.ty.bytes, source.name.span())
             {
@@ -75,7 +75,7 @@ impl Declarations<'_> {
         let before = self.data.bytes;
         self.data.bytes += u64::from(bytes);
         if before <= ALL_BYTES_MAX && self.data.bytes > ALL_BYTES_MAX {
-            self.report.push(
+            self.report(
                 Diagnostic::new(Code::LayoutTooLarge, span, "the data blocks are too large together")
                     .label(format!("with this one they exceed {ALL_BYTES_MAX} bytes")),
             );
@@ -86,10 +86,10 @@ impl Declarations<'_> {
     /// Notes the use of a DB by number; a missing DB is a warning.
     pub fn use_db(&mut self, number: u16, span: Span) {
         let known = self.data.blocks.contains_key(&number)
-            || self.sources.data.contains_key(&number)
+            || self.globals.sources.data.contains_key(&number)
             || self.data.unknown_instances.contains(&number);
         if number != 0 && !known {
-            self.report.missing_db(number, span);
+            self.globals.report.missing_db(number, span);
         }
     }
 
@@ -99,7 +99,7 @@ impl Declarations<'_> {
             let length = db.block.data.len() as u32;
             if end > length {
                 let defined = db.block.span;
-                self.report.push(
+                self.report(
                     Diagnostic::new(Code::DbRange, span, format!("this address is beyond the end of DB {number}"))
                         .label(format!("the data block has {length} bytes"))
                         .also(defined, "the data block")
@@ -146,7 +146,7 @@ impl Declarations<'_> {
                     return None;
                 }
                 // A block without data is complete: the TIA Portal exports an empty data block so.
-                if let Some(message) = self.report.diagnostics.last_mut() {
+                if let Some(message) = self.globals.report.diagnostics.last_mut() {
                     message.severity = Severity::Warning;
                 }
                 let empty = StructBuilder::default();
@@ -168,8 +168,8 @@ impl Declarations<'_> {
     }
 
     fn no_content(&mut self, source: &ast::DataBlock, span: Span) {
-        let name = self.text(source.name.span());
-        self.report.push(
+        let name = self.globals.text(source.name.span());
+        self.report(
             Diagnostic::new(Code::DeclarationSyntax, span, format!("{name} declares no data"))
                 .label("a STRUCT, a UDT, an FB or an SFB is expected")
                 .help("write `STRUCT ... END_STRUCT ;`, or the name of a UDT or FB"),
@@ -181,20 +181,20 @@ impl Declarations<'_> {
         let (prefix, number) = match name {
             BlockName::Symbol { name, .. } => match self.type_block(name) {
                 Some(block) => block,
-                None if self.names.globals.contains_key(&fold(name)) => self.named_block(name, span)?,
+                None if self.globals.names.symbols.contains_key(&fold(name)) => self.globals.named_block(name, span)?,
                 None => {
                     if let Some(typed) = self.predefined(name, span) {
                         return Some((self.as_structure(typed, span)?, None));
                     }
                     if plcc_stdlib::LIBRARY.iter().any(|block| block.name.eq_ignore_ascii_case(name)) {
-                        self.unknown_name(name, span);
+                        self.globals.unknown_name(name, span);
                     } else {
-                        self.report.missing_type(name, span);
+                        self.globals.report.missing_type(name, span);
                     }
                     return None;
                 }
             },
-            BlockName::Numbered { .. } => self.block_number(name)?,
+            BlockName::Numbered { .. } => self.globals.block_number(name)?,
         };
         match prefix {
             BlockPrefix::Udt => {
@@ -227,7 +227,7 @@ impl Declarations<'_> {
                 PathRoot::Local { name, span } | PathRoot::Quoted { name, span } | PathRoot::Bare { name, span } => {
                     PathPart::Member { name: name.clone(), span: *span }
                 }
-                PathRoot::Block(name) => PathPart::Member { name: self.text(name.span()), span: name.span() },
+                PathRoot::Block(name) => PathPart::Member { name: self.globals.text(name.span()), span: name.span() },
             };
             let ty = DataType::Struct(Rc::clone(&typed.ty));
             let start = Variable { base: Base::Db(number), byte: 0, bit: 0, ty, untyped: false };
@@ -241,7 +241,7 @@ impl Declarations<'_> {
         self.check_db_size(number, data.len() as u32, source.name.span());
         let block = DataBlock {
             number,
-            name: self.names.block_name(BlockPrefix::Db, number),
+            name: self.globals.names.block_name(BlockPrefix::Db, number),
             span: source.name.span(),
             data: at_least_a_word(data),
             members: typed.ty.members.clone(),
@@ -259,7 +259,7 @@ impl Declarations<'_> {
         }
         let block = DataBlock {
             number,
-            name: self.names.block_name(BlockPrefix::Db, number),
+            name: self.globals.names.block_name(BlockPrefix::Db, number),
             span,
             data: at_least_a_word(typed.image.to_vec()),
             members: typed.ty.members.clone(),
@@ -271,12 +271,12 @@ impl Declarations<'_> {
     }
 
     fn check_db_size(&mut self, number: u16, bytes: u32, span: Span) {
-        let profile = &self.input.profile;
+        let profile = &self.globals.input.profile;
         if bytes <= profile.db_bytes_max {
             return;
         }
         let code = if profile.limits_checked { Code::LayoutTooLarge } else { Code::CpuLimit };
-        self.report.push(
+        self.report(
             Diagnostic::new(code, span, format!("DB {number} is larger than the CPU allows"))
                 .label(format!("{bytes} bytes; the profile {} allows {}", profile.name, profile.db_bytes_max)),
         );
@@ -286,7 +286,10 @@ impl Declarations<'_> {
     fn generate_instances(&mut self) {
         for call in self.instance_calls() {
             let InstanceCall { target, target_span, instance, span } = call;
-            if instance == 0 || self.sources.data.contains_key(&instance) || self.data.blocks.contains_key(&instance) {
+            if instance == 0
+                || self.globals.sources.data.contains_key(&instance)
+                || self.data.blocks.contains_key(&instance)
+            {
                 continue;
             }
             let (kind, fb) = match target {
@@ -299,7 +302,7 @@ impl Declarations<'_> {
                 }
             };
             let key = BlockKey { kind, number: fb };
-            let known = self.sources.code.contains_key(&key) || self.in_library(key);
+            let known = self.globals.sources.code.contains_key(&key) || self.globals.in_library(key);
             let Some(typed) =
                 known.then(|| self.interface(key, target_span)).flatten().and_then(|bound| bound.instance.clone())
             else {
@@ -311,7 +314,7 @@ impl Declarations<'_> {
             }
             let block = DataBlock {
                 number: instance,
-                name: self.names.block_name(BlockPrefix::Db, instance),
+                name: self.globals.names.block_name(BlockPrefix::Db, instance),
                 span,
                 data: at_least_a_word(typed.image.to_vec()),
                 members: typed.ty.members.clone(),
@@ -326,7 +329,7 @@ impl Declarations<'_> {
     /// Calls that name an instance DB: `CALL FB 1, DB 1`, `FB1.DB1(...)`.
     fn instance_calls(&self) -> Vec<InstanceCall> {
         let mut calls = Vec::new();
-        for block in self.input.units.iter().flat_map(|(_, unit)| &unit.blocks) {
+        for block in self.globals.input.units.iter().flat_map(|(_, unit)| &unit.blocks) {
             let ast::Block::Code(code) = block else { continue };
             let networks = code.networks().iter().flat_map(|network| &network.statements);
             for statement in networks.chain(mentions::stl_statements(&code.code)) {
@@ -361,7 +364,7 @@ impl Declarations<'_> {
 
     /// The block that an operand names; no message if it names none.
     pub fn named_number(&self, operand: &ast::Operand) -> Option<(BlockPrefix, u16)> {
-        let symbol = |name: &str| match self.global(name) {
+        let symbol = |name: &str| match self.globals.global(name) {
             Some(SymbolTarget::Block { prefix, number }) => Some((prefix, u16::try_from(number).ok()?)),
             Some(SymbolTarget::Memory { .. } | SymbolTarget::Cell { .. }) | None => None,
         };

@@ -10,6 +10,7 @@ use plcc_syntax::scl::ast::{Expr, ExprKind, Name};
 use crate::bind::declarations::Declarations;
 use crate::bind::declarations::pointer::pointer_bytes;
 use crate::bind::declarations::types::put;
+use crate::bind::globals::Globals;
 use plcc_binding::constant::Constant;
 use plcc_binding::value::{Mismatch, Place, elementary_bytes, literal_kind};
 use plcc_model::layout;
@@ -71,7 +72,7 @@ impl Declarations<'_> {
                 InitialKind::List(_) | InitialKind::Elements(_) | InitialKind::Repeat { .. } | InitialKind::Fields(_),
                 _,
             ) => {
-                self.report.push(
+                self.report(
                     Diagnostic::new(
                         Code::InitialValue,
                         value.span,
@@ -123,7 +124,7 @@ impl Declarations<'_> {
                 ParameterType::Pointer => "P#M 10.0",
                 ParameterType::Any | ParameterType::Variant => "P#M 10.0 BYTE 4",
             };
-            self.report.push(
+            self.report(
                 Diagnostic::new(Code::InitialValue, span, format!("this is not a value of type {name}"))
                     .label(format!("the parameter is of type {name}"))
                     .help(format!("write it as `{example}`")),
@@ -147,10 +148,10 @@ impl Declarations<'_> {
             OperandKind::Block(BlockName::Numbered { prefix, number, .. }) => {
                 SymbolTarget::Block { prefix: *prefix, number: *number }
             }
-            OperandKind::Block(BlockName::Symbol { name, span }) => match self.global(name) {
+            OperandKind::Block(BlockName::Symbol { name, span }) => match self.globals.global(name) {
                 Some(target) => target,
                 None => {
-                    self.unknown_name(name, *span);
+                    self.globals.unknown_name(name, *span);
                     return None;
                 }
             },
@@ -159,7 +160,7 @@ impl Declarations<'_> {
         let number = match (parameter, named) {
             (ParameterType::Timer, SymbolTarget::Cell { kind: kind @ CellKind::Timer, number })
             | (ParameterType::Counter, SymbolTarget::Cell { kind: kind @ CellKind::Counter, number }) => {
-                self.check_cell(kind, number, span)?
+                self.globals.check_cell(kind, number, span)?
             }
             (ParameterType::BlockFb, SymbolTarget::Block { prefix: BlockPrefix::Fb | BlockPrefix::Sfb, number })
             | (ParameterType::BlockFc, SymbolTarget::Block { prefix: BlockPrefix::Fc | BlockPrefix::Sfc, number })
@@ -191,7 +192,7 @@ impl Declarations<'_> {
             let title = format!("the start value of the element [{shown}] does not fit any element");
             let message = Diagnostic::new(Code::InitialValue, value.span, title);
             let help = "correct the bounds of the array, or export the block again";
-            binder.report.push(message.label(format!("the type is {}", layout::type_name(ty))).help(help));
+            binder.report(message.label(format!("the type is {}", layout::type_name(ty))).help(help));
             None
         };
         let DataType::Array(array) = ty else { return wrong(self) };
@@ -270,7 +271,7 @@ impl Declarations<'_> {
                 InitialKind::Default => *next += 1,
                 InitialKind::Fields(fields) if fields.is_empty() => *next += 1,
                 InitialKind::Literal(_) if matches!(array.element, DataType::Struct(_)) => {
-                    self.report.push(
+                    self.report(
                         Diagnostic::new(
                             Code::InitialValue,
                             value.span,
@@ -346,7 +347,7 @@ impl Declarations<'_> {
                 None => match structure.members.get(at) {
                     Some(member) => member.clone(),
                     None => {
-                        self.report.push(
+                        self.report(
                             Diagnostic::new(Code::InitialValue, span, "more values than the structure has components")
                                 .label(format!("{} values, {} components", fields.len(), structure.members.len())),
                         );
@@ -360,7 +361,7 @@ impl Declarations<'_> {
     }
 
     fn surplus(&mut self, span: Span) {
-        self.report.push(
+        self.report(
             Diagnostic::new(Code::InitialValue, span, "more values than the array has elements")
                 .label("there is no element left for this one")
                 .help("remove values or make the array larger"),
@@ -381,12 +382,12 @@ impl Declarations<'_> {
             DataType::Elementary(elementary) => match elementary_bytes(*elementary, literal, Place::Declaration) {
                 Err(Mismatch::Type) if !in_stl(*elementary) => Constant::of_stl(literal)
                     .ok_or(Mismatch::Type)
-                    .and_then(|constant| Self::constant_bytes(&constant, ty)),
+                    .and_then(|constant| Globals::constant_bytes(&constant, ty)),
                 result => result,
             },
-            _ => {
-                Constant::of_stl(literal).ok_or(Mismatch::Type).and_then(|constant| Self::constant_bytes(&constant, ty))
-            }
+            _ => Constant::of_stl(literal)
+                .ok_or(Mismatch::Type)
+                .and_then(|constant| Globals::constant_bytes(&constant, ty)),
         };
         self.encode_bytes(bytes, literal_kind(literal), span, ty, image, byte, bit)
     }
@@ -400,7 +401,7 @@ impl Declarations<'_> {
         byte: u32,
         bit: u8,
     ) -> Option<()> {
-        let bytes = Self::constant_bytes(constant, ty);
+        let bytes = Globals::constant_bytes(constant, ty);
         self.encode_bytes(bytes, &constant.describe(), span, ty, image, byte, bit)
     }
 
@@ -421,7 +422,7 @@ impl Declarations<'_> {
                 Some(())
             }
             Err(problem) => {
-                self.bad_initial(what, ty, problem, span);
+                self.globals.bad_initial(what, ty, problem, span);
                 None
             }
         }

@@ -1,6 +1,5 @@
 //! Interfaces of blocks: parameters, static and temporary data with their addresses.
 
-use crate::bind::trees::blocks;
 use std::rc::Rc;
 
 use plcc_abi::image::BlockKind;
@@ -9,13 +8,14 @@ use plcc_syntax::ast::{self, SectionKind, TypeKind};
 use plcc_syntax::scl::ast::Dialect;
 use rustc_hash::FxHashMap;
 
-use crate::bind::declarations::Declarations;
 use crate::bind::declarations::path::Base;
-use crate::bind::declarations::sources::CodeSource;
-use crate::bind::declarations::sources::State;
 use crate::bind::declarations::types::{
-    self, BoundInterface, DeclarationScope, Local, StructBuilder, Typed, Use, is_complex,
+    BoundInterface, DeclarationScope, Local, StructBuilder, Typed, Use, is_complex,
 };
+use crate::bind::declarations::{Declarations, State};
+use crate::bind::globals::Globals;
+use crate::bind::globals::sources::{CodeSource, portal_cpu};
+use crate::bind::trees::blocks;
 use plcc_binding::constant::Constant;
 use plcc_binding::fold;
 use plcc_model::layout::{self, Placer};
@@ -45,14 +45,14 @@ impl<'a> Declarations<'a> {
 
     /// The syntax tree of a block; one of the system is parsed when it is first used.
     fn code_source(&mut self, key: BlockKey, span: Span) -> Option<CodeSource<'a>> {
-        if self.in_library(key) && !self.use_system(key, span) {
+        if self.globals.in_library(key) && !self.globals.use_system(key, span) {
             return None;
         }
-        if !self.sources.code.contains_key(&key) {
-            self.unknown_block(crate::bind::declarations::names::kind_prefix(key.kind), key.number, span);
+        if !self.globals.sources.code.contains_key(&key) {
+            self.globals.unknown_block(crate::bind::globals::names::kind_prefix(key.kind), key.number, span);
             return None;
         }
-        self.sources.code.get(&key).cloned()
+        self.globals.sources.code.get(&key).cloned()
     }
 
     fn bind_interface(&mut self, key: BlockKey, block: &ast::CodeBlock) -> Option<BoundInterface> {
@@ -70,7 +70,7 @@ impl<'a> Declarations<'a> {
         let tia = match blocks::dialect(block) {
             Some(Dialect::Tia) => true,
             Some(Dialect::Classic) => false,
-            Some(Dialect::Either) | None => types::portal_cpu(self.input),
+            Some(Dialect::Either) | None => portal_cpu(self.globals.input),
         };
         DeclarationScope {
             scl: !matches!(block.code, ast::Code::Stl(_)),
@@ -152,7 +152,8 @@ impl<'a> Declarations<'a> {
         if bound.locals.is_empty() {
             return;
         }
-        let free = |number: &u16| !self.sources.data.contains_key(number) && !self.data.blocks.contains_key(number);
+        let free =
+            |number: &u16| !self.globals.sources.data.contains_key(number) && !self.data.blocks.contains_key(number);
         let number = (1..=u16::MAX).rev().find(free);
         let (Some(number), Some(typed)) = (number, self.finish_structure(data, String::new(), None, span)) else {
             return;
@@ -176,7 +177,7 @@ impl<'a> Declarations<'a> {
             DataType::DateAndTime => Some(Constant::DateAndTime(plcc_binding::value::DT_DEFAULT)),
             other => {
                 let name = layout::type_name(other);
-                self.report.push(
+                self.report(
                     Diagnostic::new(
                         Code::ConstantRequired,
                         constant.name_span,
@@ -192,10 +193,10 @@ impl<'a> Declarations<'a> {
 
     fn typed_constant(&mut self, value: Constant, ty: &DataType, span: Span) -> Option<Constant> {
         if let DataType::Elementary(ty) = ty {
-            return self.constant_bits(&value, *ty, span).map(|bits| Constant::Typed { ty: *ty, bits });
+            return self.globals.constant_bits(&value, *ty, span).map(|bits| Constant::Typed { ty: *ty, bits });
         }
-        if let Err(problem) = Self::constant_bytes(&value, ty) {
-            self.bad_initial(&value.describe(), ty, problem, span);
+        if let Err(problem) = Globals::constant_bytes(&value, ty) {
+            self.globals.bad_initial(&value.describe(), ty, problem, span);
             return None;
         }
         Some(match (value, ty) {
@@ -213,7 +214,7 @@ impl<'a> Declarations<'a> {
                 BlockKind::Fb | BlockKind::Sfb | BlockKind::Db => true,
             };
             if !allowed {
-                self.report.push(
+                self.report(
                     Diagnostic::new(
                         Code::SectionNotAllowed,
                         section.span,
@@ -252,7 +253,7 @@ impl<'a> Declarations<'a> {
                     self.no_initial(variable, "a parameter of this type points to its actual");
                     if kind == SectionKind::Output {
                         let name = layout::type_name(&DataType::Parameter(*parameter));
-                        self.report.push(
+                        self.report(
                             Diagnostic::new(
                                 Code::SectionNotAllowed,
                                 variable.ty.span,
@@ -303,8 +304,8 @@ impl<'a> Declarations<'a> {
                 add_local(&mut bound.locals, variable, typed.ty, base, byte, bit);
             }
         }
-        let prefix = crate::bind::declarations::names::kind_prefix(key.kind);
-        let name = match self.names.block_name(prefix, key.number) {
+        let prefix = crate::bind::globals::names::kind_prefix(key.kind);
+        let name = match self.globals.names.block_name(prefix, key.number) {
             name if name.is_empty() => key.to_string(),
             name => name,
         };
@@ -369,9 +370,9 @@ impl<'a> Declarations<'a> {
     ) {
         let mut placer = Placer::default();
         if key.kind == BlockKind::Ob {
-            bound.interface.start_bytes = crate::bind::declarations::ob::OB_START_INFORMATION_BYTES;
+            bound.interface.start_bytes = crate::bind::declarations::start_inputs::OB_START_INFORMATION_BYTES;
             if self.hides_start_information(key.number, block) {
-                placer.reserve(crate::bind::declarations::ob::OB_START_INFORMATION_BYTES);
+                placer.reserve(crate::bind::declarations::start_inputs::OB_START_INFORMATION_BYTES);
             }
             if self.has_start_inputs(block) {
                 self.start_inputs(key.number, block, bound, names, &mut placer);
@@ -390,12 +391,12 @@ impl<'a> Declarations<'a> {
             return;
         }
         bound.temp_bytes = bytes as u32;
-        let profile = &self.input.profile;
+        let profile = &self.globals.input.profile;
         if bound.temp_bytes > profile.local_data {
             let code = if profile.limits_checked { Code::LayoutTooLarge } else { Code::CpuLimit };
             let name = profile.name.clone();
             let limit = profile.local_data;
-            self.report.push(
+            self.report(
                 Diagnostic::new(
                     code,
                     block.name.span(),
@@ -406,7 +407,8 @@ impl<'a> Declarations<'a> {
             );
         }
         if key.kind == BlockKind::Ob {
-            bound.temp_bytes = bound.temp_bytes.max(crate::bind::declarations::ob::OB_START_INFORMATION_BYTES);
+            bound.temp_bytes =
+                bound.temp_bytes.max(crate::bind::declarations::start_inputs::OB_START_INFORMATION_BYTES);
         }
     }
 
@@ -415,10 +417,10 @@ impl<'a> Declarations<'a> {
         for section in &block.sections {
             for variable in &section.variables {
                 let Some((base, span)) = &variable.at else { continue };
-                self.check_view_access(block, section, *span);
+                self.globals.check_view_access(block, section, *span);
                 self.declare_name(names, &variable.name, variable.name_span);
                 let Some(under) = bound.locals.get(&fold(base)).cloned() else {
-                    self.report.push(
+                    self.report(
                         Diagnostic::new(Code::UnknownLocal, *span, format!("`{base}` is not declared"))
                             .label("AT names a variable of this block that is declared before it"),
                     );
@@ -443,7 +445,7 @@ impl Declarations<'_> {
             return;
         }
         if matches!(under, DataType::OpenArray(_)) {
-            self.report.push(
+            self.report(
                 Diagnostic::new(Code::WidthMismatch, variable.ty.span, format!("`{base}` cannot have a view"))
                     .label("the length of an ARRAY[*] is only known at run time"),
             );
@@ -453,7 +455,7 @@ impl Declarations<'_> {
         let target = if *under == DataType::Elementary(Elementary::Bool) { 1 } else { target };
         if view > target {
             let size = |bits: u32| if bits == 1 { "1 bit".to_string() } else { format!("{} bytes", bits.div_ceil(8)) };
-            self.report.push(
+            self.report(
                 Diagnostic::new(
                     Code::WidthMismatch,
                     variable.ty.span,
@@ -473,9 +475,9 @@ impl Declarations<'_> {
 
     /// An initial value without effect, as programs that run on CPUs may have it.
     pub fn ignored_initial(&mut self, variable: &ast::Variable, why: &str) {
-        let before = self.report.diagnostics.len();
+        let before = self.globals.report.diagnostics.len();
         self.no_initial(variable, why);
-        for diagnostic in &mut self.report.diagnostics[before..] {
+        for diagnostic in &mut self.globals.report.diagnostics[before..] {
             diagnostic.severity = Severity::Warning;
         }
     }

@@ -113,7 +113,9 @@ impl Declarations<'_> {
             PathRoot::Local { name, span } => match self.local(ctx, name) {
                 Some(variable) => Resolved::Variable(variable),
                 // As STEP 7 does: a `#` before a name that the block does not declare is ignored.
-                None if self.names.globals.contains_key(&fold(name)) => self.resolve_global(ctx, name, *span)?,
+                None if self.globals.names.symbols.contains_key(&fold(name)) => {
+                    self.resolve_global(ctx, name, *span)?
+                }
                 None => {
                     self.undeclared(ctx, name, *span, Code::UnknownSymbol);
                     return None;
@@ -125,7 +127,7 @@ impl Declarations<'_> {
             },
             PathRoot::Quoted { name, span } => self.resolve_global(ctx, name, *span)?,
             PathRoot::Block(name) => {
-                let (prefix, number) = self.block_number(name)?;
+                let (prefix, number) = self.globals.block_number(name)?;
                 Resolved::Block { prefix, number }
             }
         };
@@ -136,15 +138,17 @@ impl Declarations<'_> {
             Resolved::Variable(variable) => variable,
             Resolved::Block { prefix: BlockPrefix::Db, number } => {
                 let Some(ty) = self.data.db_type(number) else {
-                    if !self.sources.data.contains_key(&number) && !self.data.unknown_instances.contains(&number) {
-                        self.report.missing_db_layout(number, path.span);
+                    if !self.globals.sources.data.contains_key(&number)
+                        && !self.data.unknown_instances.contains(&number)
+                    {
+                        self.globals.report.missing_db_layout(number, path.span);
                     }
                     return None;
                 };
                 Variable { base: Base::Db(number), byte: 0, bit: 0, ty: DataType::Struct(ty), untyped: false }
             }
             Resolved::Cell { .. } | Resolved::Block { .. } => {
-                self.report.push(
+                self.report(
                     Diagnostic::new(Code::UnknownMember, path.span, "only data blocks and structures have components")
                         .label("this name means something else"),
                 );
@@ -181,23 +185,23 @@ impl Declarations<'_> {
         // Statements without a header are part of a block: its declarations are missing.
         if ctx.fragment {
             let help = "add the header of the block, with its VAR sections, before the statements";
-            return self.report.missing(MissingKey::Local(fold(name)), span, || message().help(help));
+            return self.globals.report.missing(MissingKey::Local(fold(name)), span, || message().help(help));
         }
         let message = message();
         let names = ctx.bound.locals.values().map(|local| local.name.as_str());
-        self.report.push(match similar(name, names) {
+        self.report(match similar(name, names) {
             Some(other) => message.help(format!("is `#{other}` meant?")),
             None => message.help("declare it in one of the VAR sections of the block"),
         });
     }
 
     pub fn resolve_global(&mut self, ctx: &mut CurrentBlock, name: &str, span: Span) -> Option<Resolved> {
-        let Some(target) = self.global(name) else {
-            self.unknown_name(name, span);
+        let Some(target) = self.globals.global(name) else {
+            self.globals.unknown_name(name, span);
             return None;
         };
-        self.check_system_tag(name, target, span);
-        let ty = self.names.globals.get(&fold(name)).and_then(|global| global.ty);
+        self.globals.check_system_tag(name, target, span);
+        let ty = self.globals.names.symbols.get(&fold(name)).and_then(|global| global.ty);
         Some(match target {
             SymbolTarget::Memory { area, width, byte, bit } => {
                 if let Some(variable) = self.stand_in(name, span) {
@@ -228,14 +232,18 @@ impl Declarations<'_> {
 
     /// A tag that stands in for a missing one: of any type, in memory that the CPU does not have.
     fn stand_in(&mut self, name: &str, span: Span) -> Option<Variable> {
-        let global =
-            self.names.globals.get(&fold(name)).filter(|global| Some(global.span.file) == self.input.stand_ins)?;
+        let global = self
+            .globals
+            .names
+            .symbols
+            .get(&fold(name))
+            .filter(|global| Some(global.span.file) == self.globals.input.stand_ins)?;
         let SymbolTarget::Memory { area, byte, bit, .. } = global.target else { return None };
         let ty = match (global.ty, global.structure.clone()) {
             (Some(ty), _) => DataType::Elementary(ty),
             (None, Some(alias)) => {
                 let SymbolTarget::Block { prefix: BlockPrefix::Udt, number } =
-                    self.names.globals.get(&fold(&alias))?.target
+                    self.globals.names.symbols.get(&fold(&alias))?.target
                 else {
                     return None;
                 };
@@ -248,7 +256,7 @@ impl Declarations<'_> {
 
     /// The structure of a tag whose type in the tag table is one of the program.
     fn structure_of_tag(&mut self, name: &str, span: Span) -> Option<Rc<StructType>> {
-        let ty = self.names.globals.get(&fold(name))?.structure.clone()?;
+        let ty = self.globals.names.symbols.get(&fold(name))?.structure.clone()?;
         let (BlockPrefix::Udt, number) = self.type_block(&ty)? else { return None };
         match self.udt(number, span)?.ty {
             DataType::Struct(structure) => Some(structure),
@@ -278,7 +286,7 @@ impl Declarations<'_> {
                         indices.push(self.bound(value)?);
                     }
                     if indices.len() != array.bounds.len() {
-                        self.report.push(
+                        self.report(
                             Diagnostic::new(Code::ArrayIndex, *span, "a wrong number of indices").label(format!(
                                 "{} given, {} dimensions declared",
                                 indices.len(),
@@ -296,7 +304,7 @@ impl Declarations<'_> {
                         }
                         Err(dimension) => {
                             let (low, high) = array.bounds[dimension];
-                            self.report.push(
+                            self.report(
                                 Diagnostic::new(
                                     Code::ArrayIndex,
                                     *span,
@@ -321,7 +329,7 @@ impl Declarations<'_> {
                 }
                 (PathPart::Member { name, span }, DataType::Elementary(ty)) if name.starts_with('%') => {
                     let Some((byte, bit, part)) = slice(name, *ty) else {
-                        self.report.push(
+                        self.report(
                             Diagnostic::new(Code::UnknownMember, *span, format!("{} has no part `{name}`", ty.name()))
                                 .label(format!("{} bits", ty.bits()))
                                 .help("`%X0` is the lowest bit, `%B0` the lowest byte, `%W0` the lowest word"),
@@ -333,14 +341,14 @@ impl Declarations<'_> {
                     variable.ty = DataType::Elementary(part);
                 }
                 (PathPart::Member { name, span }, ty) => {
-                    self.report.push(
+                    self.report(
                         Diagnostic::new(Code::UnknownMember, *span, format!("there is no component `{name}` here"))
                             .label(format!("the name before it is of type {}", layout::type_name(ty))),
                     );
                     return None;
                 }
                 (PathPart::Index { span, .. }, ty) => {
-                    self.report.push(
+                    self.report(
                         Diagnostic::new(Code::UnknownMember, *span, "this is not an array")
                             .label(format!("the name before it is of type {}", layout::type_name(ty))),
                     );
@@ -352,7 +360,7 @@ impl Declarations<'_> {
     }
 
     fn bad_character(&mut self, span: Span, length: u8) -> Option<Variable> {
-        self.report.push(
+        self.report(
             Diagnostic::new(Code::ArrayIndex, span, "this character is outside the STRING")
                 .label(format!("the STRING has the characters 1 to {length}")),
         );
@@ -366,7 +374,7 @@ impl Declarations<'_> {
         };
         let message = Diagnostic::new(Code::UnknownMember, span, title).label("no such component");
         let names = structure.members.iter().map(|member| member.name.as_str());
-        self.report.push(match similar(name, names) {
+        self.report(match similar(name, names) {
             Some(other) => message.help(format!("is `{other}` meant?")),
             None => message,
         });

@@ -9,8 +9,8 @@ use plcc_abi::image::BlockKind;
 use plcc_syntax::ast::{BlockPrefix, TypeRef};
 
 use crate::bind::declarations::Declarations;
-use crate::bind::declarations::names;
 use crate::bind::declarations::types::{StructBuilder, Typed, TypedStruct, Use, elementary_typed};
+use crate::bind::globals::names;
 use plcc_diag::Span;
 use plcc_model::types::{ArrayType, DTL, DataType, Elementary};
 use plcc_stdlib::BlockClass;
@@ -143,11 +143,11 @@ const INSTANCES: &[(&str, &[&str])] = &[
 impl Declarations<'_> {
     /// The block that a data type's name means: one of the sources, `FB10`, or one of the library; no message.
     pub fn type_block(&self, name: &str) -> Option<(BlockPrefix, u16)> {
-        if let Some(number) = self.names.types.get(&plcc_binding::fold(name)) {
+        if let Some(number) = self.globals.names.types.get(&plcc_binding::fold(name)) {
             return Some((BlockPrefix::Udt, *number));
         }
-        if self.names.globals.contains_key(&plcc_binding::fold(name)) {
-            return match self.global(name) {
+        if self.globals.names.symbols.contains_key(&plcc_binding::fold(name)) {
+            return match self.globals.global(name) {
                 Some(SymbolTarget::Block { prefix, number }) => Some((prefix, u16::try_from(number).ok()?)),
                 Some(SymbolTarget::Memory { .. } | SymbolTarget::Cell { .. }) | None => None,
             };
@@ -164,7 +164,7 @@ impl Declarations<'_> {
         let tia = || candidates.iter().find_map(|name| plcc_stdlib::find_tia(name).filter(is_type));
         let classic = || candidates.iter().find_map(|name| plcc_stdlib::find_name(name).filter(is_type));
         let block = if self.types.scope.tia { tia().or_else(classic) } else { classic().or_else(tia) }?;
-        let key = self.library.key_of(block);
+        let key = self.globals.library.key_of(block);
         Some((names::kind_prefix(key.kind), key.number))
     }
 

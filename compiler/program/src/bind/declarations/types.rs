@@ -1,19 +1,15 @@
 //! Data types of declarations, with the start values of their variables.
 
-use crate::bind::trees::blocks::dialect;
 use std::rc::Rc;
 
-use plcc_abi::image::{BlockKind, Family};
+use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{self, BlockName, BlockPrefix, Bound, SectionKind, TypeKind, TypeRef};
 use plcc_syntax::chart::ast as chart;
-use plcc_syntax::scl::ast::Dialect;
 use rustc_hash::FxHashMap;
 
-use crate::bind::declarations::Declarations;
 use crate::bind::declarations::path::Base;
-use crate::bind::declarations::predefined;
-use crate::bind::declarations::sources::State;
+use crate::bind::declarations::{Declarations, State, predefined};
 use crate::bind::trees::SYSTEM_FILE;
 use plcc_binding::constant::Constants;
 use plcc_binding::fold;
@@ -139,10 +135,10 @@ impl Types {
 impl<'a> Declarations<'a> {
     /// Every UDT, so that unused ones are checked, too.
     pub fn bind_types(&mut self) {
-        let mut numbers: Vec<u16> = self.sources.types.keys().copied().collect();
+        let mut numbers: Vec<u16> = self.globals.sources.types.keys().copied().collect();
         numbers.sort_unstable();
         for number in numbers {
-            let span = self.sources.types[&number].name.span();
+            let span = self.globals.sources.types[&number].name.span();
             self.udt(number, span);
         }
     }
@@ -158,7 +154,7 @@ impl<'a> Declarations<'a> {
     /// Determines a type; `None` if it is not known, which is reported.
     pub fn resolve_type(&mut self, ty: &TypeRef, used: Use) -> Option<Typed> {
         if self.types.depth >= DEPTH_MAX {
-            self.report.push(
+            self.report(
                 Diagnostic::new(Code::LayoutTooLarge, ty.span, "types are nested too deep")
                     .label(format!("more than {DEPTH_MAX} nested types"))
                     .help("STEP 7 allows 8 nested structures"),
@@ -200,7 +196,7 @@ impl<'a> Declarations<'a> {
             TypeKind::Reference(_) => {
                 self.types.references_refused = true;
                 let title = format!("`{}` is a reference, which is not supported", self.types.scope.variable);
-                self.report.push(
+                self.report(
                     Diagnostic::new(Code::DeclarationSyntax, ty.span, title)
                         .label("REF_TO is not possible here")
                         .help("pass the variable itself as an IN_OUT parameter, or its index in an array"),
@@ -211,7 +207,7 @@ impl<'a> Declarations<'a> {
     }
 
     fn bad_type(&mut self, span: Span, title: &str, label: &str) {
-        self.report.push(Diagnostic::new(Code::DeclarationSyntax, span, title).label(label));
+        self.report(Diagnostic::new(Code::DeclarationSyntax, span, title).label(label));
     }
 
     /// `ARRAY[*]`: the actual determines the bounds.
@@ -222,7 +218,7 @@ impl<'a> Declarations<'a> {
             _ => false,
         };
         if !allowed {
-            self.report.push(
+            self.report(
                 Diagnostic::new(Code::SectionNotAllowed, span, "ARRAY[*] is only possible for parameters")
                     .label("not possible in this declaration")
                     .help("a function can declare it in VAR_INPUT, VAR_OUTPUT and VAR_IN_OUT, a function block in VAR_IN_OUT"),
@@ -273,7 +269,7 @@ impl<'a> Declarations<'a> {
             Use::Component | Use::Static => false,
         };
         if !allowed {
-            self.report.push(
+            self.report(
                 Diagnostic::new(Code::SectionNotAllowed, span, format!("{word} is only possible for parameters"))
                     .label("not possible in this declaration")
                     .help("declare it in VAR_INPUT; POINTER and ANY also in VAR_IN_OUT and as results, ANY also in VAR_TEMP"),
@@ -295,7 +291,7 @@ impl<'a> Declarations<'a> {
             }
         }
         if !good || limits.is_empty() || limits.len() > 6 {
-            self.report.push(
+            self.report(
                 Diagnostic::new(Code::DeclarationSyntax, span, "these array bounds are not possible")
                     .label("1 to 6 dimensions, each from a low to a high bound of type DINT"),
             );
@@ -320,7 +316,7 @@ impl<'a> Declarations<'a> {
     }
 
     pub fn too_large(&mut self, span: Span, what: &str, bytes: u64) {
-        self.report.push(
+        self.report(
             Diagnostic::new(Code::LayoutTooLarge, span, format!("{what} is too large"))
                 .label(format!("it needs {bytes} bytes; {BYTES_MAX} are possible")),
         );
@@ -331,16 +327,16 @@ impl<'a> Declarations<'a> {
         let (prefix, number) = match name {
             BlockName::Symbol { name, .. } => match self.type_block(name) {
                 Some(block) => block,
-                None if self.names.globals.contains_key(&fold(name)) => self.named_block(name, span)?,
+                None if self.globals.names.symbols.contains_key(&fold(name)) => self.globals.named_block(name, span)?,
                 None => {
                     let typed = self.predefined(name, span);
                     if typed.is_none() {
-                        self.report.missing_type(name, span);
+                        self.globals.report.missing_type(name, span);
                     }
                     return typed;
                 }
             },
-            BlockName::Numbered { .. } => self.block_number(name)?,
+            BlockName::Numbered { .. } => self.globals.block_number(name)?,
         };
         match prefix {
             BlockPrefix::Udt => self.udt(number, span),
@@ -354,7 +350,7 @@ impl<'a> Declarations<'a> {
                     Use::Temp | Use::Result => false,
                 };
                 if !possible {
-                    self.report.push(
+                    self.report(
                         Diagnostic::new(
                             Code::SectionNotAllowed,
                             span,
@@ -367,14 +363,14 @@ impl<'a> Declarations<'a> {
                 }
                 let bound = self.interface(key, span)?;
                 if bound.interface.code_version1 {
-                    self.report.push(
+                    self.report(
                         Diagnostic::new(Code::SectionNotAllowed, span, format!("{key} cannot be a multi-instance"))
                             .label("its source has the attribute CODE_VERSION1")
                             .help(format!("remove CODE_VERSION1 from {key}, or call it with its own DB")),
                     );
                 }
                 if used == Use::Static && self.is_portal_chart(key) {
-                    self.report.push(
+                    self.report(
                         Diagnostic::new(Code::ChartInstance, span, format!("{key} cannot be a multi-instance"))
                             .label("a block in GRAPH of the TIA Portal")
                             .help("call it with its own instance DB"),
@@ -384,7 +380,7 @@ impl<'a> Declarations<'a> {
                 Some(Typed { ty: DataType::Struct(instance.ty), image: instance.image })
             }
             _ => {
-                self.report.push(
+                self.report(
                     Diagnostic::new(Code::UnknownType, span, "this block is not a data type")
                         .label("a UDT is expected; in VAR of a function block also an FB or SFB"),
                 );
@@ -395,7 +391,7 @@ impl<'a> Declarations<'a> {
 
     /// A block in GRAPH of the TIA Portal. Source: GRAPH reference, chapter 0.
     fn is_portal_chart(&self, key: BlockKey) -> bool {
-        match self.sources.code.get(&key).map(|source| &source.block().code) {
+        match self.globals.sources.code.get(&key).map(|source| &source.block().code) {
             Some(ast::Code::Chart(body)) => body.dialect == chart::Dialect::Tia,
             Some(ast::Code::Stl(_) | ast::Code::Scl(_) | ast::Code::Graphic(_)) | None => false,
         }
@@ -411,12 +407,12 @@ impl<'a> Declarations<'a> {
             }
             None => {}
         }
-        let Some(&block) = self.sources.types.get(&number) else {
-            self.report.missing_type(&format!("UDT {number}"), span);
+        let Some(&block) = self.globals.sources.types.get(&number) else {
+            self.globals.report.missing_type(&format!("UDT {number}"), span);
             return None;
         };
         self.types.udts.insert(number, State::Running);
-        let name = match self.names.block_name(BlockPrefix::Udt, number) {
+        let name = match self.globals.names.block_name(BlockPrefix::Udt, number) {
             name if name.is_empty() => format!("UDT {number}"),
             name => name,
         };
@@ -435,11 +431,11 @@ impl<'a> Declarations<'a> {
 
     /// Where components of data blocks and UDTs are.
     pub fn data_scope(&self) -> DeclarationScope {
-        DeclarationScope { tia: self.sources.tia, ..DeclarationScope::default() }
+        DeclarationScope { tia: self.globals.sources.tia, ..DeclarationScope::default() }
     }
 
     pub fn recursive(&mut self, name: &str, span: Span) {
-        self.report.push(
+        self.report(
             Diagnostic::new(Code::RecursiveType, span, format!("{name} contains itself"))
                 .label("this component closes the loop")
                 .help("a structure must not contain itself, not even through other types"),
@@ -459,7 +455,7 @@ impl<'a> Declarations<'a> {
         for variable in variables {
             self.declare_name(&mut names, &variable.name, variable.name_span);
             if let Some((_, span)) = variable.at {
-                self.report.push(
+                self.report(
                     Diagnostic::new(Code::SectionNotAllowed, span, "a component of a structure cannot be a view")
                         .label("AT is only possible for variables of a block")
                         .help("declare the view in a VAR section, over the whole structure"),
@@ -498,14 +494,14 @@ impl<'a> Declarations<'a> {
         if let Some(first) = names.insert(fold(name), span) {
             // Declarations that a language adds come after everything that the source declares.
             if span.file == SYSTEM_FILE && first.file != SYSTEM_FILE {
-                self.report.push(
+                self.report(
                     Diagnostic::new(Code::DuplicateName, first, format!("GRAPH uses the name `{name}` in this block"))
                         .label("the chart keeps its own data under this name")
                         .help("give the variable another name"),
                 );
                 return;
             }
-            self.report.push(
+            self.report(
                 Diagnostic::new(Code::DuplicateName, span, format!("`{name}` is declared twice"))
                     .label("the second declaration")
                     .also(first, "the first declaration")
@@ -529,7 +525,7 @@ impl<'a> Declarations<'a> {
 
     pub fn no_initial(&mut self, variable: &ast::Variable, why: &str) {
         if let Some(initial) = &variable.initial {
-            self.report.push(
+            self.report(
                 Diagnostic::new(
                     Code::InitialValue,
                     initial.span,
@@ -613,18 +609,4 @@ pub fn elementary_typed(ty: Elementary) -> Typed {
         *last = b' ';
     }
     Typed { ty: DataType::Elementary(ty), image: Rc::from(image) }
-}
-
-/// True if names of instructions mean those of the TIA Portal where a data block or UDT declares them.
-pub fn is_tia(input: &plcc_binding::BindInput) -> bool {
-    portal_cpu(input)
-        || input.units.iter().flat_map(|(_, unit)| &unit.blocks).any(|block| match block {
-            ast::Block::Code(code) => dialect(code) == Some(Dialect::Tia),
-            ast::Block::Data(_) | ast::Block::Type(_) => false,
-        })
-}
-
-/// Only the TIA Portal can program this CPU.
-pub fn portal_cpu(input: &plcc_binding::BindInput) -> bool {
-    matches!(input.profile.family, Family::S71200 | Family::S71500)
 }

@@ -12,13 +12,12 @@ use plcc_syntax::{Class, Elementary};
 use super::pins::{and, bare, connected, inverted, no, yes};
 use super::sheet::Sheet;
 use crate::bind::network::NetworkBinder;
-use crate::bind::scl::Intent;
-use crate::bind::scl::SclBlock;
 use crate::bind::scl::assign::value_of;
 use crate::bind::scl::expression::{binary_expr, constant_expr};
 use crate::bind::scl::numeric::Shape;
 use crate::bind::scl::place::{Thing, shifted};
 use crate::bind::scl::value::Value;
+use crate::bind::scl::{Intent, SclBlock};
 use plcc_model::layout;
 use plcc_model::scl::{Access, Base, BinaryOp, Expr, StatementKind};
 use plcc_model::types::{ArrayType, DataType};
@@ -64,7 +63,7 @@ impl NetworkBinder<'_, '_> {
         };
         let mut result: Option<Expr> = None;
         for value in values {
-            let value = self.scl().scl_convert(ctx, value, ty)?;
+            let value = self.scl().convert(ctx, value, ty)?;
             result = Some(match result {
                 None => value,
                 Some(before) => binary_expr(op, before, value, ty, span),
@@ -127,7 +126,7 @@ impl NetworkBinder<'_, '_> {
         if !set && let Some(kind) = self.cell_operand(ctx, node) {
             self.reset_cell(ctx, sheet, kind, node, condition, span)?;
         } else {
-            let target = self.scl().scl_access(ctx, node, Intent::Write)?;
+            let target = self.scl().access(ctx, node, Intent::Write)?;
             let value = if set { yes(span) } else { no(span) };
             let kind = self.scl().assignment(ctx, target, Value::Elementary(value))?;
             self.conditional(sheet, condition, kind, span);
@@ -148,9 +147,9 @@ impl NetworkBinder<'_, '_> {
         if !matches!(node.kind, NodeKind::Name(_) | NodeKind::Absolute(_)) {
             return None;
         }
-        let told = self.program.report.diagnostics.len();
+        let told = self.program.globals.report.diagnostics.len();
         let thing = self.scl().thing(ctx, node, Intent::Read);
-        self.program.report.diagnostics.truncate(told);
+        self.program.globals.report.diagnostics.truncate(told);
         match thing? {
             Thing::Cell { kind, .. } => Some(kind),
             _ => None,
@@ -185,12 +184,12 @@ impl NetworkBinder<'_, '_> {
         arguments: Vec<Argument>,
         span: Span,
     ) -> Option<()> {
-        let before = self.program.report.diagnostics.len();
+        let before = self.program.globals.report.diagnostics.len();
         let node = call_node(name, arguments, span);
         let tree = Tree { kind: TreeKind::Expression(node), span };
         let mut bound = Vec::new();
         self.scl().statement(ctx, &tree, &mut bound);
-        let good = !self.program.report.diagnostics[before..].iter().any(Diagnostic::is_error);
+        let good = !self.program.globals.report.diagnostics[before..].iter().any(Diagnostic::is_error);
         sheet.statements.extend(bound);
         good.then_some(())
     }
@@ -226,9 +225,9 @@ impl NetworkBinder<'_, '_> {
         let element = sheet.element(at);
         let span = element.span;
         let PinValue::Operand(bit) = &connected(element, "bit")?.value else { return None };
-        let access = self.scl().scl_access(ctx, bit, Intent::Both)?;
+        let access = self.scl().access(ctx, bit, Intent::Both)?;
         self.check_edge_bit(&access, bit.span);
-        let before = self.scl().scl_convert(ctx, value_of(&access, bit.span)?, Elementary::Bool)?;
+        let before = self.scl().convert(ctx, value_of(&access, bit.span)?, Elementary::Bool)?;
         let edge = if rising {
             and(value.clone(), inverted(before), span)
         } else {
@@ -247,11 +246,11 @@ impl NetworkBinder<'_, '_> {
             Base::Place(Place::I { .. }) => "an input, which the process image overwrites",
             _ => return,
         };
-        let text = self.program.text(span);
+        let text = self.program.globals.text(span);
         let message = Diagnostic::new(Code::EdgeBit, span, format!("`{text}` cannot remember an edge"))
             .label(area)
             .help("use a bit memory, a static variable or a bit of a data block");
-        self.program.report.push(message);
+        self.program.report(message);
     }
 
     pub fn flip_flop(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, set_wins: bool) -> Option<()> {
@@ -267,8 +266,8 @@ impl NetworkBinder<'_, '_> {
         };
         let (set, reset) = (input(self, set)?, input(self, reset)?);
         let PinValue::Operand(node) = &connected(element, "operand")?.value else { return None };
-        let access = self.scl().scl_access(ctx, node, Intent::Both)?;
-        let state = self.scl().scl_convert(ctx, value_of(&access, node.span)?, Elementary::Bool)?;
+        let access = self.scl().access(ctx, node, Intent::Both)?;
+        let state = self.scl().convert(ctx, value_of(&access, node.span)?, Elementary::Bool)?;
         let value = if set_wins {
             super::pins::or(and(state, inverted(reset), span), set, span)
         } else {
@@ -297,7 +296,7 @@ impl NetworkBinder<'_, '_> {
         let PinValue::Operand(count) = &connected(element, "n")?.value else { return None };
         let count = self.constant_integer(ctx, count)?;
         let PinValue::Operand(node) = &connected(element, "operand")?.value else { return None };
-        let access = self.scl().scl_access(ctx, node, Intent::Write)?;
+        let access = self.scl().access(ctx, node, Intent::Write)?;
         let count = count.clamp(0, BIT_FIELD_MAX);
         let array = self.array_of_bits(ctx, node);
         let count = match &array {
@@ -305,7 +304,7 @@ impl NetworkBinder<'_, '_> {
             None => count,
         };
         if access.elementary() != Some(Elementary::Bool) || access.part.is_some() || !access.indices.is_empty() {
-            let text = self.program.text(node.span);
+            let text = self.program.globals.text(node.span);
             self.scl().refuse(
                 Code::OperandKind,
                 node.span,
@@ -341,7 +340,7 @@ impl NetworkBinder<'_, '_> {
     /// The array that `node` names an element of, with constant indices; none for other operands.
     fn array_of_bits(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<BitArray> {
         let NodeKind::Index { base, indices } = &node.kind else { return None };
-        let access = self.scl().scl_access(ctx, base, Intent::Write)?;
+        let access = self.scl().access(ctx, base, Intent::Write)?;
         let DataType::Array(ty) = &access.ty else { return None };
         let mut position = 0;
         for (index, (low, high)) in indices.iter().zip(&ty.bounds) {

@@ -106,7 +106,7 @@ impl NetworkBinder<'_, '_> {
         let Some((_, pin)) = outputs(sheet.element(at), name).next() else { return Some(()) };
         let member = Name { text: component.to_string(), form: NameForm::Bare, span: pin.span };
         let node = Node { kind: NodeKind::Member { base: Box::new(instance.clone()), name: member }, span: pin.span };
-        let value = self.scl().scl_value(ctx, &node)?;
+        let value = self.scl().value(ctx, &node)?;
         self.output(ctx, sheet, at, name, value)
     }
 
@@ -134,10 +134,10 @@ impl NetworkBinder<'_, '_> {
     ) -> Option<()> {
         let node = Node { kind: NodeKind::Call { callee: Box::new(callee), arguments }, span };
         let tree = Tree { kind: TreeKind::Expression(node), span };
-        let before = self.program.report.diagnostics.len();
+        let before = self.program.globals.report.diagnostics.len();
         let mut bound = Vec::new();
         self.scl().statement(ctx, &tree, &mut bound);
-        let good = !self.program.report.diagnostics[before..].iter().any(Diagnostic::is_error);
+        let good = !self.program.globals.report.diagnostics[before..].iter().any(Diagnostic::is_error);
         sheet.statements.extend(bound);
         good.then_some(())
     }
@@ -151,7 +151,7 @@ impl NetworkBinder<'_, '_> {
                 None => callee.clone(),
                 Some(instance) => binder.instance_callee(callee, instance),
             };
-            let told = binder.program.report.diagnostics.len();
+            let told = binder.program.globals.report.diagnostics.len();
             let key = match binder.scl().callee(ctx, &node) {
                 Some(Callee::Block { key, .. }) => key,
                 Some(Callee::Function(_)) => return binder.function_call(ctx, sheet, at, &node),
@@ -162,7 +162,7 @@ impl NetworkBinder<'_, '_> {
                     });
                     let operands: Vec<Argument> = operands.collect();
                     binder.scl().note_arguments(ctx, &operands);
-                    if binder.program.report.diagnostics.len() == told {
+                    if binder.program.globals.report.diagnostics.len() == told {
                         return Some(());
                     }
                     return None;
@@ -171,7 +171,7 @@ impl NetworkBinder<'_, '_> {
             let bound = binder.program.interface(key, node.span)?;
             let element = sheet.element(at);
             let names = element.pins.iter().filter(|pin| pin.value != PinValue::Open).map(|pin| pin.name.as_str());
-            if binder.program.is_own_of_program(key, &bound, names, callee.span) {
+            if binder.program.globals.is_own_of_program(key, &bound.interface.parameters, names, callee.span) {
                 return Some(());
             }
             if matches!(key.kind, BlockKind::Fb | BlockKind::Sfb) {
@@ -186,14 +186,16 @@ impl NetworkBinder<'_, '_> {
     fn instance_callee(&self, callee: &Node, instance: &Node) -> Node {
         match (&callee.kind, &instance.kind) {
             (NodeKind::Name(block), NodeKind::Name(name))
-                if name.form != NameForm::Local && self.program.names.globals.contains_key(&fold(&block.text)) =>
+                if name.form != NameForm::Local
+                    && self.program.globals.names.symbols.contains_key(&fold(&block.text)) =>
             {
                 let kind = NodeKind::Member { base: Box::new(callee.clone()), name: name.clone() };
                 Node { kind, span: callee.span }
             }
             // Neither is defined: report the block as missing.
             (NodeKind::Name(_), NodeKind::Name(name))
-                if name.form != NameForm::Local && !self.program.names.globals.contains_key(&fold(&name.text)) =>
+                if name.form != NameForm::Local
+                    && !self.program.globals.names.symbols.contains_key(&fold(&name.text)) =>
             {
                 callee.clone()
             }
@@ -302,7 +304,7 @@ impl NetworkBinder<'_, '_> {
         match result {
             Some(name) => {
                 let call = Node { kind: NodeKind::Call { callee: Box::new(node), arguments }, span };
-                let value = self.scl().scl_call(ctx, &call, false)?;
+                let value = self.scl().call(ctx, &call, false)?;
                 let value = match value {
                     Value::Elementary(expr) => Value::Elementary(sheet.keep(ctx, expr)),
                     value => value,
@@ -319,7 +321,7 @@ impl NetworkBinder<'_, '_> {
 
     /// An output without a single value cannot feed a wire.
     fn wire_without_type(&mut self, span: Span) {
-        self.program.report.push(
+        self.program.report(
             Diagnostic::new(Code::MissingOperand, span, "this output needs an operand")
                 .label("a wire can only carry a single value")
                 .help("put a variable at the output"),

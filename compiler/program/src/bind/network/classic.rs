@@ -15,12 +15,11 @@ use super::bits::{argument, call_node};
 use super::pins::{and, connected, inverted, no, or, outputs, yes};
 use super::sheet::{Hidden, Sheet};
 use crate::bind::network::NetworkBinder;
-use crate::bind::scl::Intent;
-use crate::bind::scl::SclBlock;
 use crate::bind::scl::convert::converted;
 use crate::bind::scl::expression::{binary_expr, constant_expr};
 use crate::bind::scl::place::{Db, Thing};
 use crate::bind::scl::value::Value;
+use crate::bind::scl::{Intent, SclBlock};
 use plcc_model::Width;
 use plcc_model::scl::{BinaryOp, CompareOp, Conversion, Expr, ExprKind, Part, Statement, StatementKind};
 
@@ -332,7 +331,7 @@ impl NetworkBinder<'_, '_> {
         }
         let node = self.operand_node(element, pin);
         if node.is_none() {
-            let text = self.program.text(element.span);
+            let text = self.program.globals.text(element.span);
             self.scl().refuse(
                 Code::MissingOperand,
                 element.span,
@@ -395,8 +394,8 @@ impl NetworkBinder<'_, '_> {
         }
         let call = call_node(name, arguments, span);
         if !bcd.is_empty() && self.is_wanted(sheet, at, bcd) {
-            let value = self.scl().scl_value(ctx, &call)?;
-            let value = self.scl().scl_own_type(ctx, value)?;
+            let value = self.scl().value(ctx, &call)?;
+            let value = self.scl().own_type(ctx, value)?;
             let value = converted(value, Conversion::Bits { checked: false }, Elementary::Word);
             let value = sheet.keep(ctx, value);
             self.output(ctx, sheet, at, bcd, Value::Elementary(value))?;

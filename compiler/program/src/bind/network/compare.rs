@@ -60,11 +60,11 @@ impl NetworkBinder<'_, '_> {
         let values = self.typed_inputs(ctx, sheet, at, &["min", "in", "max"])?;
         let [min, value, max] = <[Value; 3]>::try_from(values).ok()?;
         let ty = self.common_type(ctx, &[&min, &value, &max], span)?;
-        let value = self.scl().scl_convert(ctx, value, ty)?;
+        let value = self.scl().convert(ctx, value, ty)?;
         let value = sheet.keep(ctx, value);
-        let min = self.scl().scl_convert(ctx, min, ty)?;
+        let min = self.scl().convert(ctx, min, ty)?;
         let min = sheet.keep(ctx, min);
-        let max = self.scl().scl_convert(ctx, max, ty)?;
+        let max = self.scl().convert(ctx, max, ty)?;
         let max = sheet.keep(ctx, max);
         let compare = |op, left: &Expr, right: Expr| Expr {
             kind: ExprKind::Compare { op, left: Box::new(left.clone()), right: Box::new(right) },
@@ -97,7 +97,7 @@ impl NetworkBinder<'_, '_> {
         let span = sheet.element(at).span;
         let flow = self.flow(ctx, sheet, at, "pre")?;
         let value = self.input(ctx, sheet, at, "operand")?;
-        let value = self.scl().scl_own_type(ctx, value)?;
+        let value = self.scl().own_type(ctx, value)?;
         if !value.ty.is_float() {
             self.scl().wrong_type(value.span, value.ty.name(), "a floating-point number", None);
             return None;

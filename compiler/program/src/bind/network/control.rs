@@ -46,7 +46,7 @@ impl NetworkBinder<'_, '_> {
 
     fn block_label(&mut self, ctx: &mut SclBlock, name: &str, span: Span) {
         if let Some(first) = ctx.scope.labels.get(&fold(name)).map(|label| label.span) {
-            self.program.report.push(
+            self.program.report(
                 Diagnostic::new(Code::DuplicateLabel, span, format!("the label `{name}` is defined twice"))
                     .label("the second one")
                     .also(first, "the first one")
@@ -61,9 +61,11 @@ impl NetworkBinder<'_, '_> {
     /// The jump to the label that a pin names.
     fn jump_to(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<StatementKind> {
         let name = label_name(node)?;
-        let told = self.program.report.diagnostics.len();
+        let told = self.program.globals.report.diagnostics.len();
         let found = self.scl().goto(ctx, name);
-        for message in self.program.report.diagnostics[told..].iter_mut().filter(|one| one.code == Code::UnknownLabel) {
+        for message in
+            self.program.globals.report.diagnostics[told..].iter_mut().filter(|one| one.code == Code::UnknownLabel)
+        {
             message.help = Some(format!("give the label `{}` to the network to jump to", name.text));
         }
         found.map(StatementKind::Goto)
@@ -85,7 +87,7 @@ impl NetworkBinder<'_, '_> {
         let span = element.span;
         let flow = self.flow(ctx, sheet, at, "en")?;
         let selector = self.input(ctx, sheet, at, "k")?;
-        let selector = self.scl().scl_own_type(ctx, selector)?;
+        let selector = self.scl().own_type(ctx, selector)?;
         let mut arms = Vec::new();
         for pin in &element.pins {
             let Some(number) = pin.name.strip_prefix("dest").and_then(|digits| digits.parse::<i128>().ok()) else {
@@ -105,7 +107,7 @@ impl NetworkBinder<'_, '_> {
         let span = element.span;
         let flow = self.flow(ctx, sheet, at, "en")?;
         let selector = self.input(ctx, sheet, at, "k")?;
-        let selector = self.scl().scl_own_type(ctx, selector)?;
+        let selector = self.scl().own_type(ctx, selector)?;
         let selector = sheet.keep(ctx, selector);
         let mut branches = Vec::new();
         for (number, comparison) in element.cases.iter().enumerate() {

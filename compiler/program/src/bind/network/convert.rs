@@ -41,29 +41,29 @@ impl NetworkBinder<'_, '_> {
             let named = source.as_deref().and_then(Elementary::from_word);
             let (node, from) = match (named, own) {
                 (Some(ty), _) => {
-                    let value = binder.scl().scl_convert(ctx, value, ty)?;
+                    let value = binder.scl().convert(ctx, value, ty)?;
                     (binder.value_node(ctx, sheet, value), ty.name().to_string())
                 }
                 (None, _) if source.is_some() => (binder.pin_node(ctx, sheet, pin)?, source.unwrap_or_default()),
                 (None, Some(ty)) => {
-                    let value = binder.scl().scl_convert(ctx, value, ty)?;
+                    let value = binder.scl().convert(ctx, value, ty)?;
                     (binder.value_node(ctx, sheet, value), ty.name().to_string())
                 }
                 (None, None) => {
-                    let value = binder.scl().scl_own_type(ctx, value)?;
+                    let value = binder.scl().own_type(ctx, value)?;
                     let name = value.ty.name().to_string();
                     (binder.value_node(ctx, sheet, value), name)
                 }
             };
             let value = if from == target {
-                binder.scl().scl_value(ctx, &node)?
+                binder.scl().value(ctx, &node)?
             } else {
                 let call = call_node(
                     &format!("{}_TO_{}", short(&from), short(&target)),
                     vec![argument("IN", node, false)],
                     span,
                 );
-                binder.scl().scl_call(ctx, &call, false)?
+                binder.scl().call(ctx, &call, false)?
             };
             binder.box_result(ctx, sheet, at, value)
         })
@@ -90,7 +90,7 @@ impl NetworkBinder<'_, '_> {
                 binder.impossible_type(element, source);
                 return None;
             }
-            let value = binder.scl().scl_convert(ctx, value, source)?;
+            let value = binder.scl().convert(ctx, value, source)?;
             let target = binder
                 .template_type(element, &[TemplateKey::Destination])
                 .or_else(|| binder.output_type(ctx, element, "out"))
@@ -109,7 +109,7 @@ impl NetworkBinder<'_, '_> {
                 false => {
                     let node = binder.value_node(ctx, sheet, value);
                     let call = call_node(&format!("{name}_{}", target.name()), vec![argument("IN", node, false)], span);
-                    binder.scl().scl_call(ctx, &call, false)?
+                    binder.scl().call(ctx, &call, false)?
                 }
                 true => binder.rounded_float(ctx, sheet, name, value, target)?,
             };
@@ -163,7 +163,7 @@ impl NetworkBinder<'_, '_> {
             span,
         };
         self.conditional(sheet, inverted(valid), StatementKind::SetFlag(no(span)), span);
-        let result = self.scl().scl_convert(ctx, Value::Elementary(result.load(span)), target)?;
+        let result = self.scl().convert(ctx, Value::Elementary(result.load(span)), target)?;
         Some(Value::Elementary(result))
     }
 }

@@ -12,14 +12,12 @@ use super::bits::{argument, call_node};
 use super::pins::{connected, inverted};
 use super::sheet::Sheet;
 use crate::bind::network::NetworkBinder;
-use crate::bind::scl::Intent;
-use crate::bind::scl::SclBlock;
 use crate::bind::scl::assign::value_of;
-use crate::bind::scl::constant;
 use crate::bind::scl::convert::converted;
 use crate::bind::scl::expression::{binary_expr, binary_op, constant_expr};
 use crate::bind::scl::numeric::{self, Shape};
 use crate::bind::scl::value::Value;
+use crate::bind::scl::{Intent, SclBlock, constant};
 use plcc_binding::constant::Constant;
 use plcc_model::scl::{BinaryOp, Conversion, Expr, ExprKind, UnaryOp};
 
@@ -40,11 +38,11 @@ impl NetworkBinder<'_, '_> {
 
     /// An integer whose value is known now.
     pub fn constant_integer(&mut self, ctx: &SclBlock, node: &Node) -> Option<i128> {
-        match self.program.constant(&ctx.block.bound.constants, node)? {
+        match self.program.globals.constant(&ctx.block.bound.constants, node)? {
             Constant::Integer { value, .. } => Some(value),
             Constant::Typed { ty, bits } if !ty.is_float() => Some(constant::integer(ty, bits)),
             _ => {
-                let text = self.program.text(node.span);
+                let text = self.program.globals.text(node.span);
                 self.scl().wrong_type(node.span, &format!("`{text}`"), "an integer", None);
                 None
             }
@@ -64,7 +62,7 @@ impl NetworkBinder<'_, '_> {
         for name in names {
             let value = self.input(ctx, sheet, at, name);
             values.push(match (value, ty) {
-                (Some(value), Some(ty)) => self.scl().scl_convert(ctx, value, ty).map(Value::Elementary),
+                (Some(value), Some(ty)) => self.scl().convert(ctx, value, ty).map(Value::Elementary),
                 (value, _) => value,
             });
         }
@@ -99,8 +97,8 @@ impl NetworkBinder<'_, '_> {
 
     /// The data type of an element is not known.
     pub fn no_type(&mut self, span: Span) {
-        let text = self.program.text(span);
-        self.program.report.push(
+        let text = self.program.globals.text(span);
+        self.program.report(
             Diagnostic::new(Code::ElementType, span, format!("the data type of `{text}` is not known"))
                 .label("its operands do not have one type")
                 .help("set the type of the element, or use operands of one type"),
@@ -125,9 +123,9 @@ impl NetworkBinder<'_, '_> {
     pub fn output_type(&mut self, ctx: &mut SclBlock, element: &Element, name: &str) -> Option<Elementary> {
         let (_, pin) = super::pins::outputs(element, name).next()?;
         let PinValue::Operand(node) = &pin.value else { return None };
-        let told = self.program.report.diagnostics.len();
-        let access = self.scl().scl_access(ctx, node, Intent::Write);
-        self.program.report.diagnostics.truncate(told);
+        let told = self.program.globals.report.diagnostics.len();
+        let access = self.scl().access(ctx, node, Intent::Write);
+        self.program.globals.report.diagnostics.truncate(told);
         access?.elementary()
     }
 
@@ -161,15 +159,15 @@ impl NetworkBinder<'_, '_> {
         for value in values {
             result = match (ty, operator) {
                 (Some(ty), _) if operator != Operator::Power => {
-                    let left = self.scl().scl_convert(ctx, result, ty)?;
-                    let right = self.scl().scl_convert(ctx, value, ty)?;
+                    let left = self.scl().convert(ctx, result, ty)?;
+                    let right = self.scl().convert(ctx, value, ty)?;
                     Value::Elementary(binary_expr(binary_op(operator), left, right, ty, span))
                 }
                 (_, Operator::Power) => {
                     let ty =
                         ty.or_else(|| self.own_type(&result)).filter(|ty| ty.is_float()).unwrap_or(Elementary::Real);
-                    let left = self.scl().scl_convert(ctx, result, ty)?;
-                    let right = self.scl().scl_convert(ctx, value, ty)?;
+                    let left = self.scl().convert(ctx, result, ty)?;
+                    let right = self.scl().convert(ctx, value, ty)?;
                     Value::Elementary(binary_expr(BinaryOp::Power, left, right, ty, span))
                 }
                 (_, Operator::And | Operator::Or | Operator::Xor) => {
@@ -180,8 +178,8 @@ impl NetworkBinder<'_, '_> {
                         self.no_type(span);
                         return None;
                     };
-                    let left = self.scl().scl_convert(ctx, result, ty)?;
-                    let right = self.scl().scl_convert(ctx, value, ty)?;
+                    let left = self.scl().convert(ctx, result, ty)?;
+                    let right = self.scl().convert(ctx, value, ty)?;
                     Value::Elementary(binary_expr(binary_op(operator), left, right, ty, span))
                 }
                 _ => self.scl().binary_value(ctx, operator, span, result, value, span)?,
@@ -240,7 +238,7 @@ impl NetworkBinder<'_, '_> {
                 binder.no_type(span);
                 return None;
             };
-            let value = binder.scl().scl_convert(ctx, value, ty)?;
+            let value = binder.scl().convert(ctx, value, ty)?;
             let possible = if negate {
                 matches!(ty.class(), Class::Signed | Class::Float | Class::Duration)
             } else {
@@ -261,8 +259,8 @@ impl NetworkBinder<'_, '_> {
 
     /// An element that does not work with a type.
     pub fn impossible_type(&mut self, element: &Element, ty: Elementary) {
-        let text = self.program.text(element.span);
-        self.program.report.push(
+        let text = self.program.globals.text(element.span);
+        self.program.report(
             Diagnostic::new(Code::ElementType, element.span, format!("`{text}` does not work with {}", ty.name()))
                 .label(format!("no element for values of type {}", ty.name()))
                 .help("convert the value first, with CONVERT"),
@@ -275,7 +273,7 @@ impl NetworkBinder<'_, '_> {
         let span = element.span;
         self.boxed(ctx, sheet, at, |binder, ctx, sheet| {
             let PinValue::Operand(node) = &connected(element, "operand")?.value else { return None };
-            let access = binder.scl().scl_access(ctx, node, Intent::Both)?;
+            let access = binder.scl().access(ctx, node, Intent::Both)?;
             let named = binder.template_type(element, &[TemplateKey::Destination, TemplateKey::Source]);
             let ty = match access.elementary() {
                 Some(ty) if ty.is_integer() => ty,
@@ -292,7 +290,7 @@ impl NetworkBinder<'_, '_> {
                     return None;
                 }
             };
-            let value = binder.scl().scl_own_type(ctx, value_of(&access, node.span)?)?;
+            let value = binder.scl().own_type(ctx, value_of(&access, node.span)?)?;
             let value = as_bits(value, ty);
             let op = if up { BinaryOp::Add } else { BinaryOp::Subtract };
             let value = binary_expr(op, value, constant_expr(1, ty, span), ty, span);
@@ -338,15 +336,15 @@ impl NetworkBinder<'_, '_> {
             for pin in element.pins.iter().filter(|pin| !pin.output && pin.name.starts_with("in")) {
                 let Some(value) = binder.pin_value(ctx, sheet, pin) else { continue };
                 let value = match ty {
-                    Some(ty) => binder.scl().scl_convert(ctx, value, ty)?,
-                    None => binder.scl().scl_own_type(ctx, value)?,
+                    Some(ty) => binder.scl().convert(ctx, value, ty)?,
+                    None => binder.scl().own_type(ctx, value)?,
                 };
                 let node = binder.value_node(ctx, sheet, value);
                 substitute(&mut formula, &pin.name, &node);
             }
-            let value = binder.scl().scl_value(ctx, &formula)?;
+            let value = binder.scl().value(ctx, &formula)?;
             let value = match ty {
-                Some(ty) => Value::Elementary(binder.scl().scl_convert(ctx, value, ty)?),
+                Some(ty) => Value::Elementary(binder.scl().convert(ctx, value, ty)?),
                 None => value,
             };
             binder.box_result(ctx, sheet, at, value)
@@ -362,7 +360,7 @@ impl NetworkBinder<'_, '_> {
                 let node = binder.pin_node(ctx, sheet, pin)?;
                 substitute(&mut formula, &pin.name, &node);
             }
-            let value = binder.scl().scl_value(ctx, &formula)?;
+            let value = binder.scl().value(ctx, &formula)?;
             binder.box_result(ctx, sheet, at, value)
         })
     }
@@ -386,7 +384,7 @@ impl NetworkBinder<'_, '_> {
                 let node = match ty {
                     Some(ty) => {
                         let value = binder.pin_value(ctx, sheet, pin)?;
-                        let value = binder.scl().scl_convert(ctx, value, ty)?;
+                        let value = binder.scl().convert(ctx, value, ty)?;
                         binder.value_node(ctx, sheet, value)
                     }
                     None => binder.pin_node(ctx, sheet, pin)?,
@@ -407,7 +405,7 @@ impl NetworkBinder<'_, '_> {
             let targets: Vec<_> = output.into_iter().map(|node| (node, AssignOp::Set)).collect();
             let value = match binder.scl().value_for_target(ctx, &targets, &call) {
                 Some(value) => value?,
-                None => binder.scl().scl_call(ctx, &call, false)?,
+                None => binder.scl().call(ctx, &call, false)?,
             };
             binder.box_result(ctx, sheet, at, value)
         })

@@ -26,10 +26,6 @@ mod stl;
 pub use pins::{and, inverted, no, yes};
 pub use sheet::Hidden;
 
-use crate::bind::declarations::Declarations;
-use crate::bind::declarations::block::CurrentBlock;
-use crate::bind::scl::SclBinder;
-use crate::bind::stl::StlBinder;
 use plcc_diag::{Code, Diagnostic, Severity, Span};
 use plcc_syntax::Elementary;
 use plcc_syntax::ast;
@@ -41,7 +37,10 @@ use plcc_syntax::scl::ast::Dialect;
 use super::scl::expression::constant_expr;
 use super::scl::temporary;
 use super::scl::{Rules, Scope};
-use crate::bind::scl::SclBlock;
+use crate::bind::declarations::Declarations;
+use crate::bind::declarations::block::CurrentBlock;
+use crate::bind::scl::{SclBinder, SclBlock};
+use crate::bind::stl::StlBinder;
 use crate::bind::trees::mentions;
 use classic::Registers;
 use plcc_model::scl::{Body, Expr, ExprKind, Statement, StatementKind};
@@ -96,8 +95,8 @@ impl<'b, 'a> NetworkBinder<'b, 'a> {
 
 impl NetworkBinder<'_, '_> {
     /// Binds the networks of a block.
-    pub fn bind_networks(&mut self, current: &mut CurrentBlock, block: &ast::CodeBlock, networks: &Networks) -> Body {
-        let scope = Scope::new(self.program.input, &block.header, Dialect::Tia);
+    pub fn bind_block(&mut self, current: &mut CurrentBlock, block: &ast::CodeBlock, networks: &Networks) -> Body {
+        let scope = Scope::new(self.program.globals.input, &block.header, Dialect::Tia);
         let ctx = &mut SclBlock { block: current, scope };
         // Boxes report their errors through ENO.
         ctx.scope.sets_flag = true;
@@ -117,11 +116,11 @@ impl NetworkBinder<'_, '_> {
         };
         statements.push(Statement { kind: StatementKind::SetFlag(eno), span });
         for warning in legality::block_warnings(networks) {
-            self.program.report.push(warning);
+            self.program.report(warning);
         }
         // All others have a message; this one is for elements that none of the checks found.
         if let Some(span) = page.failed
-            && self.program.report.is_clean()
+            && self.program.globals.report.is_clean()
         {
             self.not_bound(span);
         }
@@ -176,7 +175,7 @@ impl NetworkBinder<'_, '_> {
         self.bind_network(ctx, page, network, 1, &mut statements);
         ctx.scope.lists.pop();
         if let Some(span) = page.failed.take()
-            && self.program.report.is_clean()
+            && self.program.globals.report.is_clean()
         {
             self.not_bound(span);
         }
@@ -217,29 +216,30 @@ impl NetworkBinder<'_, '_> {
     }
 
     fn bind_graph(&mut self, ctx: &mut SclBlock, page: &mut Page, network: &Network, graph: &Graph) -> Vec<Statement> {
-        let (first, failed) = (self.program.report.diagnostics.len(), page.failed);
+        let (first, failed) = (self.program.globals.report.diagnostics.len(), page.failed);
         let mut messages = Vec::new();
         if !graph.broken {
             legality::legality(network, &mut messages);
         }
         let legal = !graph.broken && !messages.iter().any(Diagnostic::is_error);
-        messages.into_iter().for_each(|message| self.program.report.push(message));
+        messages.into_iter().for_each(|message| self.program.report(message));
         let mut sheet = Sheet::new(page, graph);
         let mut drawn = 0;
         for element in order::order(graph) {
-            let before = self.program.report.diagnostics.len();
+            let before = self.program.globals.report.diagnostics.len();
             if self.bind_element(ctx, &mut sheet, element).is_none() && !graph.broken {
                 sheet.page.failed.get_or_insert(graph.elements[element].span);
             }
             if !legal {
                 // Only messages that do not follow from the shape of the network.
-                let found = self.program.report.diagnostics.split_off(before);
+                let found = self.program.globals.report.diagnostics.split_off(before);
                 self.program
+                    .globals
                     .report
                     .diagnostics
                     .extend(found.into_iter().filter(|message| is_about_names(message.code)));
             }
-            for message in &mut self.program.report.diagnostics[before..] {
+            for message in &mut self.program.globals.report.diagnostics[before..] {
                 if message.note.is_none() && drawn < DRAWINGS_MAX {
                     drawn += 1;
                     message.note = Some(draw(network, Some(element)));
@@ -247,7 +247,7 @@ impl NetworkBinder<'_, '_> {
             }
         }
         let statements = sheet.statements;
-        if self.program.input.partial && self.is_unfinished(graph, first) {
+        if self.program.globals.input.partial && self.is_unfinished(graph, first) {
             page.failed = failed;
             return Vec::new();
         }
@@ -258,7 +258,7 @@ impl NetworkBinder<'_, '_> {
     /// and messages about the network since message `first` become warnings. The network then does nothing.
     fn is_unfinished(&mut self, graph: &Graph, first: usize) -> bool {
         let mut unfinished = graph.broken;
-        for message in &mut self.program.report.diagnostics[first..] {
+        for message in &mut self.program.globals.report.diagnostics[first..] {
             if message.is_error() && is_about_drafts(message.code) {
                 unfinished = true;
                 message.severity = Severity::Warning;
@@ -272,8 +272,8 @@ impl NetworkBinder<'_, '_> {
 
     /// An incomplete element that no message reports.
     fn not_bound(&mut self, span: Span) {
-        let text = self.program.text(span);
-        self.program.report.push(
+        let text = self.program.globals.text(span);
+        self.program.report(
             Diagnostic::new(Code::MissingOperand, span, format!("`{text}` is not connected as it must be"))
                 .label("a pin has no operand and no wire")
                 .help("connect all its inputs"),

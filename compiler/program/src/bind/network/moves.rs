@@ -6,11 +6,10 @@ use plcc_syntax::{Class, Elementary};
 use super::pins::{connected, no, outputs};
 use super::sheet::Sheet;
 use crate::bind::network::NetworkBinder;
-use crate::bind::scl::Intent;
-use crate::bind::scl::SclBlock;
 use crate::bind::scl::convert::{converted, explicit_expr};
 use crate::bind::scl::numeric::Shape;
 use crate::bind::scl::value::Value;
+use crate::bind::scl::{Intent, SclBlock};
 use plcc_model::scl::{Arm, Conversion, Expr, Statement, StatementKind};
 
 impl NetworkBinder<'_, '_> {
@@ -29,7 +28,7 @@ impl NetworkBinder<'_, '_> {
                 (Some(on), Value::Elementary(expr)) => Value::Elementary(binder.relayed_value(ctx, sheet, expr, on)),
                 (Some(on), value @ Value::Constant(..)) => match binder.output_type(ctx, element, "out1") {
                     Some(ty) => {
-                        let expr = binder.scl().scl_convert(ctx, value, ty)?;
+                        let expr = binder.scl().convert(ctx, value, ty)?;
                         Value::Elementary(binder.relayed_value(ctx, sheet, expr, on))
                     }
                     None => value,
@@ -55,7 +54,7 @@ impl NetworkBinder<'_, '_> {
         let Value::Elementary(expr) = &value else { return self.output(ctx, sheet, at, name, value) };
         let Some((_, pin)) = outputs(element, name).next() else { return Some(()) };
         let PinValue::Operand(node) = &pin.value else { return self.output(ctx, sheet, at, name, value) };
-        let access = self.scl().scl_access(ctx, node, Intent::Write)?;
+        let access = self.scl().access(ctx, node, Intent::Write)?;
         let fitted = match access.elementary() {
             Some(to) => moved_value(expr.clone(), to).map(Value::Elementary),
             None => None,
@@ -71,7 +70,7 @@ impl NetworkBinder<'_, '_> {
         let span = element.span;
         self.boxed(ctx, sheet, at, |binder, ctx, sheet| {
             let selector = binder.input(ctx, sheet, at, "k")?;
-            let selector = binder.scl().scl_own_type(ctx, selector)?;
+            let selector = binder.scl().own_type(ctx, selector)?;
             let selector = sheet.keep(ctx, selector);
             let ty = binder.template_type(element, &[TemplateKey::Source, TemplateKey::Value]);
             let mut inputs: Vec<(u32, Value)> = Vec::new();
@@ -122,7 +121,7 @@ impl NetworkBinder<'_, '_> {
         ty: Option<Elementary>,
     ) -> Option<Vec<Statement>> {
         let value = match ty {
-            Some(ty) => Value::Elementary(self.scl().scl_convert(ctx, value, ty)?),
+            Some(ty) => Value::Elementary(self.scl().convert(ctx, value, ty)?),
             None => value,
         };
         let outer = std::mem::take(&mut sheet.statements);
@@ -147,12 +146,12 @@ impl NetworkBinder<'_, '_> {
         let span = element.span;
         self.boxed(ctx, sheet, at, |binder, ctx, sheet| {
             let selector = binder.input(ctx, sheet, at, "k")?;
-            let selector = binder.scl().scl_own_type(ctx, selector)?;
+            let selector = binder.scl().own_type(ctx, selector)?;
             let selector = sheet.keep(ctx, selector);
             let value = binder.input(ctx, sheet, at, "in")?;
             let value = match (value, binder.template_type(element, &[TemplateKey::Source, TemplateKey::Value])) {
                 (value, Some(ty)) => {
-                    let value = binder.scl().scl_convert(ctx, value, ty)?;
+                    let value = binder.scl().convert(ctx, value, ty)?;
                     Value::Elementary(sheet.keep(ctx, value))
                 }
                 (Value::Elementary(value), None) => Value::Elementary(sheet.keep(ctx, value)),

@@ -1,6 +1,5 @@
 //! Values that come in at pins and go out of them; EN and ENO. Source: LAD/FBD reference A.5, A.6, C.1.
 
-use crate::bind::scl::message::DEPTH_MAX;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::Elementary;
 use plcc_syntax::network::ast::{Element, Eno, NetId, Pin, PinValue, Source, Storage, Target};
@@ -8,11 +7,11 @@ use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind, Name, NameForm, 
 
 use super::sheet::Sheet;
 use crate::bind::network::NetworkBinder;
-use crate::bind::scl::Intent;
-use crate::bind::scl::SclBlock;
 use crate::bind::scl::expression::{binary_expr, constant_expr};
+use crate::bind::scl::message::DEPTH_MAX;
 use crate::bind::scl::numeric::Shape;
 use crate::bind::scl::value::Value;
+use crate::bind::scl::{Intent, SclBlock};
 use plcc_model::scl::{BinaryOp, Expr, ExprKind, StatementKind, UnaryOp};
 
 /// TRUE.
@@ -67,7 +66,7 @@ impl NetworkBinder<'_, '_> {
                 Source::Rail => yes(net.span),
                 Source::Pin { element, pin } => sheet.outputs.get(&(*element, *pin)).cloned()?,
                 Source::Operand { value, negated } => {
-                    let value = self.scl().scl_of_type(ctx, value, Elementary::Bool)?;
+                    let value = self.scl().of_type(ctx, value, Elementary::Bool)?;
                     sheet.keep(ctx, if *negated { inverted(value) } else { value })
                 }
                 Source::Net(other) => self.net_value_inner(ctx, sheet, *other, depth + 1)?,
@@ -91,7 +90,7 @@ impl NetworkBinder<'_, '_> {
 
     /// Data of two outputs in one net.
     fn two_sources(&mut self, span: Span) {
-        self.program.report.push(
+        self.program.report(
             Diagnostic::new(Code::OperandKind, span, "two outputs feed one input with values")
                 .label("only Boolean branches can be joined")
                 .help("connect one output only, or choose between them with SEL or MUX"),
@@ -103,9 +102,9 @@ impl NetworkBinder<'_, '_> {
         let value = match &pin.value {
             PinValue::Net(id) => Value::Elementary(self.net_value(ctx, sheet, *id)?),
             PinValue::Operand(node) if pin.negated => {
-                return self.scl().scl_value(ctx, &negation(node));
+                return self.scl().value(ctx, &negation(node));
             }
-            PinValue::Operand(node) => return self.scl().scl_value(ctx, node),
+            PinValue::Operand(node) => return self.scl().value(ctx, node),
             PinValue::Open => return None,
         };
         Some(match value {
@@ -130,7 +129,7 @@ impl NetworkBinder<'_, '_> {
         ty: Elementary,
     ) -> Option<Expr> {
         let value = self.input(ctx, sheet, at, name)?;
-        self.scl().scl_convert(ctx, value, ty)
+        self.scl().convert(ctx, value, ty)
     }
 
     /// The flow that enters an element: the value of its first flow pin; TRUE where a box has none.
@@ -138,7 +137,7 @@ impl NetworkBinder<'_, '_> {
         match connected(sheet.element(at), name) {
             Some(pin) => {
                 let value = self.pin_value(ctx, sheet, pin)?;
-                self.scl().scl_convert(ctx, value, Elementary::Bool)
+                self.scl().convert(ctx, value, Elementary::Bool)
             }
             None => Some(yes(sheet.element(at).span)),
         }
@@ -152,7 +151,7 @@ impl NetworkBinder<'_, '_> {
             PinValue::Open => None,
             PinValue::Net(_) => {
                 let value = self.pin_value(ctx, sheet, pin)?;
-                let value = self.scl().scl_own_type(ctx, value)?;
+                let value = self.scl().own_type(ctx, value)?;
                 Some(self.value_node(ctx, sheet, value))
             }
         }
@@ -195,7 +194,7 @@ impl NetworkBinder<'_, '_> {
         value: Value,
     ) -> Option<()> {
         let value = if pin.negated {
-            Value::Elementary(inverted(self.scl().scl_convert(ctx, value, Elementary::Bool)?))
+            Value::Elementary(inverted(self.scl().convert(ctx, value, Elementary::Bool)?))
         } else {
             value
         };
@@ -203,7 +202,7 @@ impl NetworkBinder<'_, '_> {
             PinValue::Net(_) => {
                 let expr = match value {
                     Value::Elementary(_) | Value::Constant(..) | Value::Cell { .. } => {
-                        self.scl().scl_own_type(ctx, value)?
+                        self.scl().own_type(ctx, value)?
                     }
                     _ => {
                         self.needs_operand(pin.span);
@@ -231,7 +230,7 @@ impl NetworkBinder<'_, '_> {
 
     /// A wire cannot carry a value that is not a single value.
     fn needs_operand(&mut self, span: Span) {
-        self.program.report.push(
+        self.program.report(
             Diagnostic::new(Code::MissingOperand, span, "this output needs an operand")
                 .label("a wire cannot carry texts and structures")
                 .help("put a variable at the output, and the same one at the input"),
@@ -251,15 +250,15 @@ impl NetworkBinder<'_, '_> {
         let value = match storage {
             Storage::None => value,
             Storage::Set | Storage::Reset => {
-                let condition = self.scl().scl_convert(ctx, value, Elementary::Bool)?;
-                let target = self.scl().scl_access(ctx, node, Intent::Write)?;
+                let condition = self.scl().convert(ctx, value, Elementary::Bool)?;
+                let target = self.scl().access(ctx, node, Intent::Write)?;
                 let value = if storage == Storage::Set { yes(span) } else { no(span) };
                 let kind = self.scl().assignment(ctx, target, Value::Elementary(value))?;
                 self.conditional(sheet, condition, kind, span);
                 return Some(());
             }
         };
-        let target = self.scl().scl_access(ctx, node, Intent::Write)?;
+        let target = self.scl().access(ctx, node, Intent::Write)?;
         let kind = self.scl().assignment(ctx, target, value)?;
         sheet.push(kind, span);
         Some(())

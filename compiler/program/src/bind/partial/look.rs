@@ -54,9 +54,9 @@ pub enum Start {
 impl<'a> Look<'_, 'a> {
     /// The result of `ask`, without messages.
     pub fn quietly<T>(&mut self, ask: impl FnOnce(&mut Declarations<'a>) -> T) -> T {
-        let report = std::mem::replace(&mut self.program.report, Report::new(true));
+        let report = std::mem::replace(&mut self.program.globals.report, Report::new(true));
         let answer = ask(self.program);
-        self.program.report = report;
+        self.program.globals.report = report;
         answer
     }
 
@@ -74,8 +74,8 @@ impl<'a> Look<'_, 'a> {
             return Some(Hint::Type(DataType::Parameter(ParameterType::Variant)));
         }
         let (value, clean) = self.quietly(|program| {
-            let value = SclBinder::new(program).scl_value(ctx, node);
-            (value, program.report.is_clean())
+            let value = SclBinder::new(program).value(ctx, node);
+            (value, program.globals.report.is_clean())
         });
         let is_address = matches!(&node.kind, NodeKind::Absolute(_) | NodeKind::MemberAbsolute { .. })
             || matches!(&node.kind, NodeKind::Name(name) if name.form == NameForm::Bare && absolute(&name.text).is_some());
@@ -142,7 +142,7 @@ impl<'a> Look<'_, 'a> {
 
     /// An integer whose value is known now.
     fn number(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<i64> {
-        match self.quietly(|program| program.constant(&ctx.block.bound.constants, node))? {
+        match self.quietly(|program| program.globals.constant(&ctx.block.bound.constants, node))? {
             Constant::Integer { value, .. } => i64::try_from(value).ok(),
             Constant::Typed { ty, bits } if ty.is_integer() => {
                 i64::try_from(Constant::Typed { ty, bits }.integer()?).ok()
@@ -157,7 +157,7 @@ impl<'a> Look<'_, 'a> {
         match name.form {
             NameForm::Local => return local.then(|| Start::Local(text.to_string())),
             NameForm::Bare if local => return Some(Start::Local(text.to_string())),
-            NameForm::Quoted if local && self.program.global(text).is_none() && !self.is_missing(text) => {
+            NameForm::Quoted if local && self.program.globals.global(text).is_none() && !self.is_missing(text) => {
                 return Some(Start::Local(text.to_string()));
             }
             NameForm::Bare => {
@@ -187,8 +187,8 @@ impl<'a> Look<'_, 'a> {
     pub fn note(&mut self, ctx: &SclBlock, start: &Start, steps: &[Step], span: Span, hint: Option<&Hint>) {
         // A tag may have the name of a function of the library, which has no value without a call.
         if let Start::Global(name) = start
-            && !self.program.names.globals.contains_key(&fold(name))
-            && !self.program.names.constants.contains_key(&fold(name))
+            && !self.program.globals.names.symbols.contains_key(&fold(name))
+            && !self.program.globals.names.constants.contains_key(&fold(name))
         {
             return descend(self.found.of(Missing::name(name), name, span), steps, &mut |shape| shape.learn(hint));
         }
@@ -211,11 +211,11 @@ impl<'a> Look<'_, 'a> {
             }
             Start::Global(name) => {
                 let missing = Missing::name(name);
-                match self.program.global(name) {
+                match self.program.globals.global(name) {
                     _ if self.found.things.contains_key(&missing) => {
                         descend(self.found.of(missing, name, span), steps, teach)
                     }
-                    None if self.program.names.constants.contains_key(&fold(name)) => {}
+                    None if self.program.globals.names.constants.contains_key(&fold(name)) => {}
                     None => descend(self.found.of(missing, name, span), steps, teach),
                     Some(SymbolTarget::Block { prefix: BlockPrefix::Db, number }) => {
                         self.inside_db(number, name, steps, span, teach);
@@ -224,8 +224,13 @@ impl<'a> Look<'_, 'a> {
                         self.numbered(prefix, number, name, steps, span, teach)
                     }
                     Some(SymbolTarget::Memory { .. }) => {
-                        let structure =
-                            self.program.names.globals.get(&fold(name)).and_then(|global| global.structure.clone());
+                        let structure = self
+                            .program
+                            .globals
+                            .names
+                            .symbols
+                            .get(&fold(name))
+                            .and_then(|global| global.structure.clone());
                         if let Some(name) = structure {
                             let name = BlockName::Symbol { name, span };
                             self.inside_type(&TypeRef { kind: TypeKind::Block(name), span }, steps, span, teach, 0);
@@ -261,13 +266,13 @@ impl<'a> Look<'_, 'a> {
     /// True if a source or the library defines the block.
     pub fn is_block(&mut self, prefix: BlockPrefix, number: u32) -> bool {
         let Ok(number) = u16::try_from(number) else { return true };
-        if self.program.names.defined.contains_key(&(prefix, number)) {
+        if self.program.globals.names.defined.contains_key(&(prefix, number)) {
             return true;
         }
-        match crate::bind::declarations::names::code_kind(prefix) {
+        match crate::bind::globals::names::code_kind(prefix) {
             Some(kind) => {
                 let key = BlockKey { kind, number };
-                self.program.sources.code.contains_key(&key) || self.program.in_library(key)
+                self.program.globals.sources.code.contains_key(&key) || self.program.globals.in_library(key)
             }
             None => false,
         }
@@ -276,7 +281,7 @@ impl<'a> Look<'_, 'a> {
     fn inside_db(&mut self, number: u32, name: &str, steps: &[Step], span: Span, teach: &mut dyn FnMut(&mut Shape)) {
         let Ok(narrow) = u16::try_from(number) else { return };
         let Some(missing) = Missing::block(BlockPrefix::Db, number) else { return };
-        let source = self.program.sources.data.get(&narrow).copied();
+        let source = self.program.globals.sources.data.get(&narrow).copied();
         match source {
             _ if self.found.things.contains_key(&missing) => {
                 descend(self.found.of(missing, name, span), steps, teach);
@@ -310,7 +315,7 @@ impl<'a> Look<'_, 'a> {
 
     /// The type in the declaration of a variable of a block.
     fn declared_type(&self, key: BlockKey, name: &str) -> Option<TypeRef> {
-        let source = self.program.sources.code.get(&key)?;
+        let source = self.program.globals.sources.code.get(&key)?;
         let block = source.block();
         let mut variables = block.sections.iter().flat_map(|section| &section.variables);
         let variable = variables.find(|variable| fold(&variable.name) == fold(name));
@@ -378,7 +383,7 @@ impl<'a> Look<'_, 'a> {
             BlockName::Symbol { name: text, span: place } => {
                 let missing = Missing::name(text);
                 let known = self.quietly(|program| {
-                    program.type_block(text).or_else(|| match program.global(text) {
+                    program.type_block(text).or_else(|| match program.globals.global(text) {
                         Some(SymbolTarget::Block { prefix, number }) => Some((prefix, number as u16)),
                         _ => None,
                     })
@@ -414,7 +419,7 @@ impl<'a> Look<'_, 'a> {
         let Ok(number) = u16::try_from(number) else { return };
         match prefix {
             BlockPrefix::Udt => {
-                let Some(&block) = self.program.sources.types.get(&number) else { return };
+                let Some(&block) = self.program.globals.sources.types.get(&number) else { return };
                 match &block.alias {
                     Some(ty) => self.inside_type(ty, steps, span, teach, depth + 1),
                     None => self.inside_members(&block.members, steps, span, teach, depth + 1),
@@ -515,7 +520,7 @@ impl<'a> Look<'_, 'a> {
             ast::InitialKind::Literal(literal) => Constant::of_stl(literal).map(|constant| of_constant(&constant)),
             ast::InitialKind::Expr(node) => {
                 let none = plcc_binding::constant::Constants::default();
-                self.quietly(|program| program.constant(&none, node)).map(|constant| of_constant(&constant))
+                self.quietly(|program| program.globals.constant(&none, node)).map(|constant| of_constant(&constant))
             }
             _ => None,
         }
@@ -596,7 +601,7 @@ impl<'a> Look<'_, 'a> {
         let folded = fold(name);
         // Constants of blocks are looked up in their own lists first.
         let own = self.program.types.scope.constants.contains_key(&folded)
-            || self.program.input.units.iter().flat_map(|(_, unit)| &unit.blocks).any(|block| match block {
+            || self.program.globals.input.units.iter().flat_map(|(_, unit)| &unit.blocks).any(|block| match block {
                 ast::Block::Code(code) if code.span.file == span.file => {
                     code.constants.iter().any(|constant| fold(&constant.name) == folded)
                 }
@@ -604,8 +609,8 @@ impl<'a> Look<'_, 'a> {
             });
         let missing = Missing::name(name);
         let known = own
-            || self.program.names.constants.contains_key(&folded)
-            || self.program.global(name).is_some()
+            || self.program.globals.names.constants.contains_key(&folded)
+            || self.program.globals.global(name).is_some()
             || absolute(name).is_some();
         if !known || self.found.things.contains_key(&missing) {
             let shape = self.found.of(missing, name, span);

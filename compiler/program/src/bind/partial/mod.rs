@@ -16,20 +16,19 @@ mod scl;
 mod stl;
 mod write;
 
-use crate::bind::trees::blocks;
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 use plcc_syntax::ast::{self, BlockName, BlockPrefix, CodeKind, SourceUnit};
 use plcc_syntax::scl::ast::Dialect;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::declarations::types::BoundInterface;
 use plcc_binding::report::MissingKey;
 use plcc_binding::stand_ins::{Completed, Missing, Parts, Told, Whole, errors, finish};
 
+use super::declarations::types::BoundInterface;
 use crate::bind::declarations::Declarations;
 use crate::bind::declarations::block::CurrentBlock;
-use crate::bind::scl::SclBlock;
-use crate::bind::scl::Scope;
+use crate::bind::scl::{SclBlock, Scope};
+use crate::bind::trees::blocks;
 use evidence::Evidence;
 use look::Look;
 use plcc_binding::BindInput;
@@ -189,8 +188,8 @@ fn gather(input: &BindInput, file: FileId) -> Evidence {
             let whole = with(input, input.units, &evidence, &stand_ins, file);
             let input = whole.as_input(input, file);
             let mut program = Declarations::new(&input);
-            program.collect();
-            program.ob_classes();
+            program.globals.collect();
+            program.globals.ob_classes();
             program.bind_types();
             program.bind_data();
             look_at(&mut program, &mut evidence, file);
@@ -203,7 +202,7 @@ fn gather(input: &BindInput, file: FileId) -> Evidence {
 }
 
 fn look_at(program: &mut Declarations, evidence: &mut Evidence, file: FileId) {
-    let input = program.input;
+    let input = program.globals.input;
     let mut look = Look { program, found: evidence };
     for (unit_file, unit) in input.units {
         if *unit_file == file {
@@ -230,6 +229,7 @@ impl Look<'_, '_> {
         let span = code.name.span();
         let key = self
             .program
+            .globals
             .sources
             .code
             .iter()
@@ -243,7 +243,8 @@ impl Look<'_, '_> {
         let dialect = blocks::dialect(code).unwrap_or_default();
         let mut block = CurrentBlock::new(key, bound);
         block.fragment = blocks::is_fragment(code);
-        let mut ctx = SclBlock { block: &mut block, scope: Scope::new(self.program.input, &code.header, dialect) };
+        let mut ctx =
+            SclBlock { block: &mut block, scope: Scope::new(self.program.globals.input, &code.header, dialect) };
         self.code(&mut ctx, &code.code);
     }
 }

@@ -138,8 +138,8 @@ impl Look<'_, '_> {
             value.filter(|word| name.starts_with("CT") && word != "INT" && Elementary::from_word(word).is_some());
         let name = long.map_or(name.to_string(), |word| format!("{name}_{word}"));
         let block = plcc_stdlib::find_tia(&name).or_else(|| plcc_stdlib::find_name(&name));
-        let Some(key) = block.map(|block| self.program.library.key_of(block)) else { return };
-        let prefix = crate::bind::declarations::names::kind_prefix(key.kind);
+        let Some(key) = block.map(|block| self.program.globals.library.key_of(block)) else { return };
+        let prefix = crate::bind::globals::names::kind_prefix(key.kind);
         let of = Missing::block(prefix, u32::from(key.number));
         self.with_shape(ctx, &start, &steps, span, &mut |shape| shape.of.clone_from(&of));
     }

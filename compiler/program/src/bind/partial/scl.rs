@@ -111,7 +111,7 @@ impl Look<'_, '_> {
 
     /// A value of an arm, which must be a constant.
     fn constant_of_arm(&mut self, ctx: &mut SclBlock, node: &Node, hint: Option<&Hint>) {
-        let known = self.quietly(|program| program.constant(&ctx.block.bound.constants, node).is_some());
+        let known = self.quietly(|program| program.globals.constant(&ctx.block.bound.constants, node).is_some());
         if !known {
             let own =
                 matches!(&node.kind, NodeKind::Name(name) if ctx.block.bound.locals.contains_key(&fold(&name.text)));
@@ -248,7 +248,7 @@ impl Look<'_, '_> {
                 shape.is_db = true;
                 shape.of = Some(of.clone());
             });
-            let kind = crate::bind::declarations::names::code_kind(prefix);
+            let kind = crate::bind::globals::names::code_kind(prefix);
             if let Some(kind) = kind {
                 self.known_block(ctx, BlockKey { kind, number }, arguments, base.span);
             }

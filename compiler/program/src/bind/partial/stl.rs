@@ -243,7 +243,7 @@ impl Look<'_, '_> {
         let Some((start, steps, span)) = start_of_operand(ctx, &call.target) else { return };
         let known = self.quietly(|program| match StlBinder::new(program).settle(ctx.block, &call.target)? {
             Settled::Block { prefix, number: Number::Known(number) } => {
-                Some(BlockKey { kind: crate::bind::declarations::names::code_kind(prefix)?, number })
+                Some(BlockKey { kind: crate::bind::globals::names::code_kind(prefix)?, number })
             }
             Settled::Complex(variable) => match &variable.ty {
                 DataType::Struct(structure) => {
@@ -275,7 +275,7 @@ impl Look<'_, '_> {
                 _ => None,
             };
             // The binder creates the instance of a known block.
-            if of.is_some() || matches!(&instance, Start::Global(name) if self.program.global(name).is_none()) {
+            if of.is_some() || matches!(&instance, Start::Global(name) if self.program.globals.global(name).is_none()) {
                 let of = of.or_else(|| known.and_then(known_block));
                 self.with_shape(ctx, &instance, &[], span, &mut |shape| {
                     shape.is_db = true;
@@ -312,7 +312,7 @@ impl Look<'_, '_> {
 
 /// A block that is known, as instances refer to it.
 fn known_block(key: BlockKey) -> Option<Missing> {
-    Missing::block(crate::bind::declarations::names::kind_prefix(key.kind), u32::from(key.number))
+    Missing::block(crate::bind::globals::names::kind_prefix(key.kind), u32::from(key.number))
 }
 
 fn start_of_block(name: &BlockName) -> Start {

@@ -1,6 +1,5 @@
 //! Names, components, indices and slices. Source: SCL reference, case and names; addressing.
 
-use crate::bind::scl::message::DEPTH_MAX;
 use std::rc::Rc;
 
 use plcc_diag::{Code, Diagnostic, Span};
@@ -14,8 +13,8 @@ use super::place::{Db, Root, Spot, Thing};
 use super::scope::TempUse;
 use super::value::Value;
 use crate::bind::declarations::path::{self, Resolved, Variable, type_of_width};
-use crate::bind::scl::SclBinder;
-use crate::bind::scl::SclBlock;
+use crate::bind::scl::message::DEPTH_MAX;
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::fold;
 use plcc_model::Number;
 use plcc_model::layout;
@@ -25,13 +24,13 @@ use plcc_syntax::symbols::SymbolTarget;
 
 impl SclBinder<'_, '_> {
     /// Binds a variable.
-    pub(in crate::bind) fn scl_access(&mut self, ctx: &mut SclBlock, node: &Node, intent: Intent) -> Option<Access> {
-        let spot = self.scl_spot(ctx, node, intent)?;
+    pub(in crate::bind) fn access(&mut self, ctx: &mut SclBlock, node: &Node, intent: Intent) -> Option<Access> {
+        let spot = self.spot(ctx, node, intent)?;
         Some(spot.access(node.span))
     }
 
     /// Binds a variable, as its parts.
-    pub(super) fn scl_spot(&mut self, ctx: &mut SclBlock, node: &Node, intent: Intent) -> Option<Spot> {
+    pub(super) fn spot(&mut self, ctx: &mut SclBlock, node: &Node, intent: Intent) -> Option<Spot> {
         match self.thing(ctx, node, intent)? {
             Thing::Spot(spot) => {
                 self.check_intent(ctx, &spot, intent, node.span)?;
@@ -39,7 +38,7 @@ impl SclBinder<'_, '_> {
             }
             Thing::Db { db: Db::Known(number), .. } => Some(Spot::fixed(self.whole_db(number, node.span)?)),
             Thing::Constant(_) => {
-                let text = self.program.text(node.span);
+                let text = self.program.globals.text(node.span);
                 self.refuse(
                     Code::Protected,
                     node.span,
@@ -50,7 +49,7 @@ impl SclBinder<'_, '_> {
                 None
             }
             Thing::Cell { .. } | Thing::Block { .. } | Thing::Db { .. } | Thing::Flag | Thing::LastEno => {
-                let text = self.program.text(node.span);
+                let text = self.program.globals.text(node.span);
                 self.refuse(
                     Code::OperandKind,
                     node.span,
@@ -134,7 +133,7 @@ impl SclBinder<'_, '_> {
                 None
             }
             NodeKind::Literal(_) | NodeKind::Unary { .. } | NodeKind::Binary { .. } => {
-                let text = self.program.text(span);
+                let text = self.program.globals.text(span);
                 self.refuse(
                     Code::OperandKind,
                     span,
@@ -153,7 +152,7 @@ impl SclBinder<'_, '_> {
         if let Some(variable) = ctx.scope.hidden.get(text) {
             return Some(Thing::Spot(Spot::fixed(variable.clone())));
         }
-        let global = self.program.names.globals.contains_key(&fold(text));
+        let global = self.program.globals.names.symbols.contains_key(&fold(text));
         let elsewhere = global && name.form == NameForm::Quoted || self.is_unknown_global(ctx, name);
         if elsewhere
             && !global
@@ -189,14 +188,14 @@ impl SclBinder<'_, '_> {
         {
             return self.peripheral_tag(ctx, tag, name.span);
         }
-        if !global && let Some(constant) = self.program.names.constants.get(&fold(text)) {
+        if !global && let Some(constant) = self.program.globals.names.constants.get(&fold(text)) {
             return Some(Thing::Constant(constant.clone()));
         }
         if !global && name.form == NameForm::Quoted {
-            if let Some(constant) = self.program.system_constant(text) {
+            if let Some(constant) = self.program.globals.system_constant(text) {
                 return Some(Thing::Constant(constant));
             }
-            if self.program.missing_hardware(text, name.span) {
+            if self.program.globals.missing_hardware(text, name.span) {
                 return None;
             }
         }
@@ -209,8 +208,8 @@ impl SclBinder<'_, '_> {
 
     /// `"tag":P`: the input or output itself, past the process image.
     fn peripheral_tag(&mut self, ctx: &mut SclBlock, tag: &str, span: Span) -> Option<Thing> {
-        let Some(global) = self.program.names.globals.get(&fold(tag)) else {
-            self.program.unknown_name(tag, span);
+        let Some(global) = self.program.globals.names.symbols.get(&fold(tag)) else {
+            self.program.globals.unknown_name(tag, span);
             return None;
         };
         let (target, ty) = (global.target, global.ty);
@@ -264,12 +263,13 @@ impl SclBinder<'_, '_> {
             return false;
         }
         let wanted = fold(&name.text);
-        let prefix = crate::bind::declarations::names::kind_prefix(ctx.block.key.kind);
-        fold(&self.program.names.block_name(prefix, ctx.block.key.number)) == wanted
+        let prefix = crate::bind::globals::names::kind_prefix(ctx.block.key.kind);
+        fold(&self.program.globals.names.block_name(prefix, ctx.block.key.number)) == wanted
             || wanted.split_whitespace().collect::<String>() == format!("fc{}", ctx.block.key.number)
             || (ctx.block.key.number >= 1000 || ctx.block.key.kind == BlockKind::Sfc)
                 && self
                     .program
+                    .globals
                     .sources
                     .code
                     .get(&ctx.block.key)
@@ -320,7 +320,7 @@ impl SclBinder<'_, '_> {
     }
 
     fn cell(&mut self, kind: CellKind, number: u32, span: Span) -> Option<Thing> {
-        let number = Number::Known(self.program.check_cell(kind, number, span)?);
+        let number = Number::Known(self.program.globals.check_cell(kind, number, span)?);
         Some(Thing::Cell { kind, number })
     }
 
@@ -357,7 +357,7 @@ impl SclBinder<'_, '_> {
             }
             OperandKind::Cell { kind, number } => self.cell(*kind, *number, span),
             OperandKind::DbAbsolute { db, width, byte, bit } => {
-                let (prefix, number) = self.program.block_number(db)?;
+                let (prefix, number) = self.program.globals.block_number(db)?;
                 if prefix != BlockPrefix::Db {
                     self.no_db(span);
                     return None;
@@ -365,7 +365,7 @@ impl SclBinder<'_, '_> {
                 self.db_place(ctx, Db::Known(number), *width, *byte, *bit, span)
             }
             OperandKind::Block(name @ BlockName::Numbered { .. }) => {
-                let (prefix, number) = self.program.block_number(name)?;
+                let (prefix, number) = self.program.globals.block_number(name)?;
                 Some(block_thing(prefix, Number::Known(number)))
             }
             _ => {
@@ -419,7 +419,7 @@ impl SclBinder<'_, '_> {
             | Thing::LastEno
             | Thing::Area(..)
             | Thing::DbArea(..) => {
-                self.program.report.push(
+                self.program.report(
                     Diagnostic::new(Code::UnknownMember, name.span, "only data blocks and structures have components")
                         .label("this comes before the point and is something else"),
                 );
@@ -431,10 +431,10 @@ impl SclBinder<'_, '_> {
     /// A data block as one structure.
     pub(super) fn whole_db(&mut self, number: u16, span: Span) -> Option<Variable> {
         let Some(ty) = self.program.data.db_type(number) else {
-            if !self.program.sources.data.contains_key(&number)
+            if !self.program.globals.sources.data.contains_key(&number)
                 && !self.program.data.unknown_instances.contains(&number)
             {
-                self.program.report.missing_db_layout(number, span);
+                self.program.globals.report.missing_db_layout(number, span);
             }
             return None;
         };
@@ -445,7 +445,7 @@ impl SclBinder<'_, '_> {
         let DataType::Struct(structure) = &spot.ty else {
             let ty = layout::type_name(&spot.ty);
             let text = &name.text;
-            self.program.report.push(
+            self.program.report(
                 Diagnostic::new(Code::UnknownMember, name.span, format!("there is no component `{text}` here"))
                     .label(format!("the name before it is of type {ty}")),
             );
@@ -527,7 +527,7 @@ impl SclBinder<'_, '_> {
     }
 
     fn no_address(&mut self, span: Span) {
-        let text = self.program.text(span);
+        let text = self.program.globals.text(span);
         self.refuse(
             Code::OperandKind,
             span,
@@ -545,7 +545,7 @@ impl SclBinder<'_, '_> {
         intent: Intent,
         span: Span,
     ) -> Option<()> {
-        let text = self.program.text(span);
+        let text = self.program.globals.text(span);
         let area = match &spot.root {
             Root::Fixed(path::Base::Pi) | Root::Indexed { area: IndexedArea::Memory(Area::Pi), .. } => Some(Area::Pi),
             Root::Fixed(path::Base::Pq) | Root::Indexed { area: IndexedArea::Memory(Area::Pq), .. } => Some(Area::Pq),
@@ -604,7 +604,7 @@ impl SclBinder<'_, '_> {
             if !error {
                 message.severity = plcc_diag::Severity::Warning;
             }
-            self.program.report.push(message);
+            self.program.report(message);
             if error {
                 return None;
             }

@@ -11,9 +11,8 @@ use plcc_syntax::{Class, Elementary};
 use super::message::described;
 use super::value::Value;
 use super::{Intent, coerce};
-use crate::bind::declarations::names::code_kind;
-use crate::bind::scl::SclBinder;
-use crate::bind::scl::SclBlock;
+use crate::bind::globals::names::code_kind;
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_model::layout;
 use plcc_model::scl::{Access, Actual, Conversion, Expr, ExprKind};
 use plcc_model::types::{DataType, OpenArrayType, ParameterType};
@@ -21,13 +20,7 @@ use plcc_model::{BlockKey, Direction, Number, Parameter};
 
 impl SclBinder<'_, '_> {
     /// Binds the actual of parameter `formal` of block `callee`; `None` after a message, or if it cannot be determined.
-    pub fn scl_actual(
-        &mut self,
-        ctx: &mut SclBlock,
-        callee: BlockKey,
-        formal: &Parameter,
-        node: &Node,
-    ) -> Option<Actual> {
+    pub fn actual(&mut self, ctx: &mut SclBlock, callee: BlockKey, formal: &Parameter, node: &Node) -> Option<Actual> {
         let intent = match formal.direction {
             Direction::Input => Intent::Read,
             Direction::Output => Intent::Write,
@@ -53,7 +46,7 @@ impl SclBinder<'_, '_> {
         }
         match &formal.ty {
             DataType::Elementary(ty) => match intent {
-                Intent::Read => Some(Actual::Value(self.scl_of_type(ctx, node, *ty)?)),
+                Intent::Read => Some(Actual::Value(self.of_type(ctx, node, *ty)?)),
                 Intent::Write | Intent::Both => self.elementary_variable(ctx, callee, formal, *ty, node, intent),
             },
             DataType::DateAndTime
@@ -61,9 +54,9 @@ impl SclBinder<'_, '_> {
             | DataType::WideString(_)
             | DataType::Array(_)
             | DataType::Struct(_) => match intent {
-                Intent::Read => Some(Actual::Complex(self.scl_complex(ctx, node, &formal.ty)?)),
+                Intent::Read => Some(Actual::Complex(self.complex(ctx, node, &formal.ty)?)),
                 Intent::Write | Intent::Both => {
-                    let access = self.scl_access(ctx, node, intent)?;
+                    let access = self.access(ctx, node, intent)?;
                     if !coerce::assignable(ctx.scope.rules, &formal.ty, &access.ty) || access.part.is_some() {
                         return self.wrong_actual(callee, formal, &access_type(&access), node.span);
                     }
@@ -71,18 +64,18 @@ impl SclBinder<'_, '_> {
                 }
             },
             DataType::OpenArray(array) => self.open_array_actual(ctx, callee, formal, &array.clone(), node, intent),
-            DataType::Parameter(ParameterType::Pointer) => self.scl_pointer(ctx, callee, formal, node, intent),
+            DataType::Parameter(ParameterType::Pointer) => self.pointer(ctx, callee, formal, node, intent),
             DataType::Parameter(ParameterType::Any | ParameterType::Variant) => {
-                self.scl_any(ctx, callee, formal, node, intent)
+                self.any(ctx, callee, formal, node, intent)
             }
-            DataType::Parameter(parameter) => self.scl_number(ctx, callee, formal, *parameter, node),
+            DataType::Parameter(parameter) => self.number(ctx, callee, formal, *parameter, node),
             DataType::Void => None,
         }
     }
 
     fn not_writable(&mut self, callee: BlockKey, formal: &Parameter, span: Span) -> Option<Actual> {
-        let text = self.program.text(span);
-        self.program.report.push(
+        let text = self.program.globals.text(span);
+        self.program.report(
             Diagnostic::new(Code::Protected, span, format!("`{text}` cannot be written"))
                 .label(format!("`{}` is written by {callee}", formal.name))
                 .help("name a variable or an address"),
@@ -92,7 +85,7 @@ impl SclBinder<'_, '_> {
 
     /// An actual whose type is not that of the formal parameter.
     pub fn wrong_actual(&mut self, callee: BlockKey, formal: &Parameter, is: &str, span: Span) -> Option<Actual> {
-        let text = self.program.text(span);
+        let text = self.program.globals.text(span);
         let wanted = layout::type_name(&formal.ty);
         let help = match &formal.ty {
             DataType::Parameter(ParameterType::Any | ParameterType::Variant) => {
@@ -101,7 +94,7 @@ impl SclBinder<'_, '_> {
             DataType::Parameter(ParameterType::Pointer) => "write for example `P#M50.0`, or name a variable".into(),
             _ => format!("name a variable of type {wanted}"),
         };
-        self.program.report.push(
+        self.program.report(
             Diagnostic::new(
                 Code::TypeMismatch,
                 span,
@@ -123,7 +116,7 @@ impl SclBinder<'_, '_> {
         node: &Node,
         intent: Intent,
     ) -> Option<Actual> {
-        let access = self.scl_access(ctx, node, intent)?;
+        let access = self.access(ctx, node, intent)?;
         let Some(found) = access.elementary() else {
             return self.wrong_actual(callee, formal, &access_type(&access), node.span);
         };
@@ -164,11 +157,11 @@ impl SclBinder<'_, '_> {
         if !is_variable(node) {
             return self.wrong_actual(callee, formal, "not a variable", node.span);
         }
-        let access = self.scl_access(ctx, node, intent)?;
+        let access = self.access(ctx, node, intent)?;
         // Instructions that accept characters also accept bytes.
         let kin = |element: &DataType| match (element, &wanted.element) {
             (DataType::Elementary(own), DataType::Elementary(wanted)) => {
-                self.program.library_block(callee).is_some_and(|block| block.is_tia())
+                self.program.globals.library_block(callee).is_some_and(|block| block.is_tia())
                     && own.bits() == wanted.bits()
                     && [own, wanted].iter().all(|ty| matches!(ty.class(), Class::Bits | Class::Character))
             }
@@ -192,7 +185,7 @@ impl SclBinder<'_, '_> {
     }
 
     /// TIMER, COUNTER and BLOCK_x: the number of what is named.
-    fn scl_number(
+    fn number(
         &mut self,
         ctx: &mut SclBlock,
         callee: BlockKey,
@@ -200,7 +193,7 @@ impl SclBinder<'_, '_> {
         parameter: ParameterType,
         node: &Node,
     ) -> Option<Actual> {
-        let value = self.scl_value(ctx, node)?;
+        let value = self.value(ctx, node)?;
         match (parameter, &value) {
             (ParameterType::Timer, Value::Cell { kind: CellKind::Timer, number, .. })
             | (ParameterType::Counter, Value::Cell { kind: CellKind::Counter, number, .. }) => {

@@ -5,24 +5,23 @@
 
 use plcc_syntax::{Class, Elementary};
 
-use crate::bind::scl::SclBinder;
-use crate::bind::scl::SclBlock;
 use crate::bind::scl::convert::explicit_expr;
 use crate::bind::scl::numeric::Shape;
 use crate::bind::scl::value::Value;
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
 
 impl SclBinder<'_, '_> {
     /// The two sides of a comparison or of `+ - * /`, in the types that it uses.
-    pub fn chart_operands(&mut self, ctx: &mut SclBlock, left: Value, right: Value) -> (Value, Value) {
+    pub fn address_operands(&mut self, ctx: &mut SclBlock, left: Value, right: Value) -> (Value, Value) {
         let (left_type, right_type) = (taken_as(&left, &right), taken_as(&right, &left));
-        (self.chart_operand(ctx, left, left_type), self.chart_operand(ctx, right, right_type))
+        (self.address_operand(ctx, left, left_type), self.address_operand(ctx, right, right_type))
     }
 
-    fn chart_operand(&mut self, ctx: &mut SclBlock, value: Value, ty: Option<Elementary>) -> Value {
+    fn address_operand(&mut self, ctx: &mut SclBlock, value: Value, ty: Option<Elementary>) -> Value {
         let Some(ty) = ty else { return value };
         let kept = value.clone();
-        let Some(value) = self.scl_own_type(ctx, value) else { return kept };
+        let Some(value) = self.own_type(ctx, value) else { return kept };
         explicit_expr(ctx.scope.rules, value, ty).map_or(kept, Value::Elementary)
     }
 }

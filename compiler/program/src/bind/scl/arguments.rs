@@ -13,8 +13,7 @@ use rustc_hash::FxHashMap;
 use super::call::is_result;
 use super::{Intent, Rules};
 use crate::bind::declarations::types::BoundInterface;
-use crate::bind::scl::SclBinder;
-use crate::bind::scl::SclBlock;
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::fold;
 use plcc_model::scl::{Access, Actual, Argument, Expr, ExprKind};
 use plcc_model::types::DataType;
@@ -79,7 +78,7 @@ impl SclBinder<'_, '_> {
             let span = argument.name.as_ref().map_or(argument.span, |name| name.span);
             if let Some(first) = seen.get(&index) {
                 good = false;
-                self.program.report.push(
+                self.program.report(
                     Diagnostic::new(
                         Code::DuplicateParameter,
                         span,
@@ -104,7 +103,7 @@ impl SclBinder<'_, '_> {
                 continue;
             };
             seen.insert(index, span);
-            match self.scl_actual(ctx, key, formal, value) {
+            match self.actual(ctx, key, formal, value) {
                 Some(actual) => list.arguments.push(Argument { parameter: index, actual, span: value.span }),
                 None => good = false,
             }
@@ -135,7 +134,7 @@ impl SclBinder<'_, '_> {
             (None, "en") => Formal::Enable,
             (None, "eno") => Formal::Eno,
             (None, "ret_val") if bound.interface.parameters.iter().any(|parameter| is_result(key, parameter)) => {
-                self.program.report.push(
+                self.program.report(
                     Diagnostic::new(Code::UnknownParameter, name.span, "RET_VAL is the value of the call")
                         .label("no parameter in SCL")
                         .help("write `result := Name(...);`"),
@@ -172,14 +171,14 @@ impl SclBinder<'_, '_> {
         };
         let message = Diagnostic::new(code, name, format!("{} arguments do not fit {key}", given.len()))
             .label(format!("it has {} parameters, {} of them inputs", all.len(), inputs.len()))
-            .help(self.program.with_library_note(key, help));
-        self.program.report.push(message);
+            .help(self.program.globals.with_library_note(key, help));
+        self.program.report(message);
         self.note_arguments(ctx, given);
         None
     }
 
     fn mixed_arguments(&mut self, span: Span) {
-        self.program.report.push(
+        self.program.report(
             Diagnostic::new(Code::MissingOperand, span, "this argument names no parameter")
                 .label("others of this call are named")
                 .help("write `parameter := value`"),
@@ -187,7 +186,7 @@ impl SclBinder<'_, '_> {
     }
 
     fn wrong_arrow(&mut self, key: BlockKey, formal: &Parameter, argument: &Given) {
-        self.program.report.push(
+        self.program.report(
             Diagnostic::new(Code::AssignSign, argument.span, format!("`{}` of {key} is an input", formal.name))
                 .label("`=>` is for outputs of the block")
                 .help(format!("write `{} := ...`", formal.name)),
@@ -197,7 +196,7 @@ impl SclBinder<'_, '_> {
     /// `EN := condition`.
     fn enable(&mut self, ctx: &mut SclBlock, list: &mut Arguments, argument: &Given) -> Option<()> {
         let value = argument.value.as_ref()?;
-        list.enable = Some(self.scl_of_type(ctx, value, Elementary::Bool)?);
+        list.enable = Some(self.of_type(ctx, value, Elementary::Bool)?);
         Some(())
     }
 
@@ -252,7 +251,7 @@ impl SclBinder<'_, '_> {
             .label("the value of this output is lost")
             .help(format!("add `{} => ...`; leave `=>` empty if you do not need the value", dropped[0]));
             message.severity = Severity::Warning;
-            self.program.report.push(message);
+            self.program.report(message);
         }
         if missing.is_empty() {
             return true;
@@ -261,8 +260,8 @@ impl SclBinder<'_, '_> {
         let message =
             Diagnostic::new(Code::MissingParameter, name, format!("the call of {key} omits {}", missing.join(", ")))
                 .label("a function needs all its parameters")
-                .help(self.program.with_library_note(key, help));
-        self.program.report.push(message);
+                .help(self.program.globals.with_library_note(key, help));
+        self.program.report(message);
         false
     }
 
@@ -274,7 +273,7 @@ impl SclBinder<'_, '_> {
         ty: Elementary,
         intent: Intent,
     ) -> Option<Access> {
-        let access = self.scl_access(ctx, node, intent)?;
+        let access = self.access(ctx, node, intent)?;
         let found = access.elementary();
         let fits = found.is_some_and(|found| found.bits() == ty.bits());
         if !fits {

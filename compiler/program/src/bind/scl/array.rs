@@ -11,8 +11,7 @@ use super::memory::{binary, elementary_at, failed, load, minus_one, number, whol
 use super::message::described;
 use super::pins::Pins;
 use super::value::Value;
-use crate::bind::scl::SclBinder;
-use crate::bind::scl::SclBlock;
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_model::Place;
 use plcc_model::layout;
 use plcc_model::scl::{
@@ -115,7 +114,7 @@ impl SclBinder<'_, '_> {
             self.wrong_type(target.array.span, &is, "an array of an elementary type", None);
             return None;
         };
-        let value = self.scl_of_type(ctx, pins.get("IN")?, ty);
+        let value = self.of_type(ctx, pins.get("IN")?, ty);
         let count = self.dint(ctx, pins.get("COUNT")?);
         let mut code = Vec::new();
         let value = self.kept(ctx, &mut code, value?);
@@ -139,7 +138,7 @@ impl SclBinder<'_, '_> {
     pub(super) fn run(&mut self, ctx: &mut SclBlock, node: &Node, intent: Intent) -> Option<Run> {
         let NodeKind::Index { base, indices } = &node.kind else { return self.no_element(node.span) };
         let [index] = indices.as_slice() else { return self.no_element(node.span) };
-        let array = self.scl_access(ctx, base, intent)?;
+        let array = self.access(ctx, base, intent)?;
         let (element, bounds) = match &array.ty {
             DataType::Array(ty) if ty.bounds.len() == 1 => {
                 (ty.element.clone(), IndexBounds::Known(ty.bounds[0].0, ty.bounds[0].1))
@@ -154,7 +153,7 @@ impl SclBinder<'_, '_> {
         if let (ExprKind::Const(value), IndexBounds::Known(low, high)) = (&first.kind, bounds)
             && !(low..=high).contains(&(*value as u32 as i32))
         {
-            self.program.report.push(
+            self.program.report(
                 Diagnostic::new(
                     Code::ArrayIndex,
                     index.span,
@@ -169,8 +168,8 @@ impl SclBinder<'_, '_> {
     }
 
     fn no_element<T>(&mut self, span: Span) -> Option<T> {
-        let text = self.program.text(span);
-        self.program.report.push(
+        let text = self.program.globals.text(span);
+        self.program.report(
             Diagnostic::new(Code::OperandKind, span, format!("`{text}` is not an element of an array"))
                 .label("the first element is expected here")
                 .help("name an element of an array of one dimension, for example `#data[0]`"),
@@ -180,7 +179,7 @@ impl SclBinder<'_, '_> {
 
     /// LOWER_BOUND, UPPER_BOUND.
     pub fn bound_function(&mut self, ctx: &mut SclBlock, upper: bool, pins: &Pins, span: Span) -> Option<Value> {
-        let array = self.scl_value(ctx, pins.get("ARR")?);
+        let array = self.value(ctx, pins.get("ARR")?);
         let dimension = self.dint(ctx, pins.get("DIM")?);
         match (array?, dimension?) {
             (Value::Parameter { access, span: place }, dimension) if matches!(access.ty, DataType::OpenArray(_)) => {
@@ -191,7 +190,7 @@ impl SclBinder<'_, '_> {
                 let index = usize::try_from(dimension).ok().and_then(|dimension| dimension.checked_sub(1));
                 let bounds = index.and_then(|index| array.bounds.get(index));
                 let Some((low, high)) = bounds else {
-                    self.program.report.push(
+                    self.program.report(
                         Diagnostic::new(Code::ArrayIndex, span, "the array does not have this dimension")
                             .label(format!("it has {} dimensions", array.bounds.len())),
                     );
@@ -207,8 +206,8 @@ impl SclBinder<'_, '_> {
     }
 
     fn no_bounds<T>(&mut self, span: Span) -> Option<T> {
-        let text = self.program.text(span);
-        self.program.report.push(
+        let text = self.program.globals.text(span);
+        self.program.report(
             Diagnostic::new(Code::TypeMismatch, span, format!("`{text}` has no bounds to query"))
                 .label("an ARRAY[*] parameter, or an array and a constant dimension, is expected"),
         );
@@ -218,7 +217,7 @@ impl SclBinder<'_, '_> {
     /// CountOfElements: a UDINT, 0 for what is not an array.
     pub fn count_of_elements(&mut self, ctx: &mut SclBlock, pins: &Pins, span: Span) -> Option<Value> {
         let udint = |value: u64| Expr { kind: ExprKind::Const(value), ty: Elementary::Udint, span };
-        let count = match self.scl_value(ctx, pins.get("IN")?)? {
+        let count = match self.value(ctx, pins.get("IN")?)? {
             Value::Complex { ty: DataType::Array(array), .. } => udint(layout::element_count(&array.bounds)),
             Value::Parameter { access, span: place } => match &access.ty {
                 DataType::OpenArray(array) => {

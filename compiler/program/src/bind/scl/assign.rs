@@ -9,8 +9,7 @@ use super::convert;
 use super::place::Thing;
 use super::value::Value;
 use super::{Intent, Rules, message};
-use crate::bind::scl::SclBinder;
-use crate::bind::scl::SclBlock;
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_model::layout;
 use plcc_model::scl::{Access, Complex, Expr, ExprKind, Function, Statement, StatementKind};
 use plcc_model::types::DataType;
@@ -27,7 +26,7 @@ impl SclBinder<'_, '_> {
     ) {
         let mut value = match self.value_for_target(ctx, targets, value) {
             Some(value) => value,
-            None => self.scl_value(ctx, value),
+            None => self.value(ctx, value),
         };
         for (at, (target, op)) in targets.iter().enumerate().rev() {
             let read = at > 0;
@@ -58,7 +57,7 @@ impl SclBinder<'_, '_> {
         if self.is_flag(ctx, target) {
             return self.assign_flag(ctx, target, op, value?, span, read, bound);
         }
-        let access = self.scl_access(ctx, target, Intent::Write);
+        let access = self.access(ctx, target, Intent::Write);
         let (access, value) = (access?, value?);
         if (read || op != AssignOp::Set) && access_has_call(&access) {
             self.refuse(
@@ -111,7 +110,7 @@ impl SclBinder<'_, '_> {
             Err(value) => value,
         };
         if let Some(ty) = target.elementary() {
-            let value = self.scl_convert(ctx, value, ty)?;
+            let value = self.convert(ctx, value, ty)?;
             let value = with_else(ctx.scope.rules, &target, value);
             return Some(StatementKind::Assign { target, value });
         }
@@ -119,11 +118,11 @@ impl SclBinder<'_, '_> {
         match &ty {
             DataType::Elementary(_) | DataType::Void => None,
             DataType::String(_) | DataType::WideString(_) => {
-                let value = self.scl_complex_value(ctx, value, &ty)?;
+                let value = self.complex_value(ctx, value, &ty)?;
                 Some(StatementKind::AssignText { target, value })
             }
             DataType::DateAndTime | DataType::Array(_) | DataType::Struct(_) | DataType::Parameter(_) => {
-                let source = self.scl_complex_value(ctx, value, &ty)?;
+                let source = self.complex_value(ctx, value, &ty)?;
                 Some(StatementKind::Copy { target, source, bytes: copied_bytes(&ty) })
             }
             DataType::OpenArray(_) => {
@@ -161,7 +160,7 @@ impl SclBinder<'_, '_> {
             self.wrong_type(target.span, "a BOOL", "a number", Some(format!("assign {is} with `:=`")));
             return None;
         }
-        let value = self.scl_convert(ctx, value, Elementary::Bool)?;
+        let value = self.convert(ctx, value, Elementary::Bool)?;
         bound.push(Statement { kind: StatementKind::SetFlag(value), span });
         read.then_some(Value::Elementary(Expr { kind: ExprKind::Flag, ty: Elementary::Bool, span }))
     }

@@ -11,9 +11,8 @@ use plcc_syntax::scl::ast::{Argument as Given, Expr as Node, ExprKind as NodeKin
 use super::function::Named;
 use super::value::Value;
 use super::{Intent, Rules};
-use crate::bind::declarations::names::code_kind;
-use crate::bind::scl::SclBinder;
-use crate::bind::scl::SclBlock;
+use crate::bind::globals::names::code_kind;
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::fold;
 use plcc_binding::similar;
 use plcc_model::layout;
@@ -30,7 +29,7 @@ pub enum Callee {
 
 impl SclBinder<'_, '_> {
     /// Binds a call: of a block, an instance, a function of the language. `statement`: its value may be unused.
-    pub fn scl_call(&mut self, ctx: &mut SclBlock, node: &Node, statement: bool) -> Option<Value> {
+    pub fn call(&mut self, ctx: &mut SclBlock, node: &Node, statement: bool) -> Option<Value> {
         let NodeKind::Call { callee, arguments } = &node.kind else { return None };
         let wide = self.overload(ctx, callee, arguments).map(|key| Callee::Block { key, instance: None });
         let Some(target) = wide.or_else(|| self.callee(ctx, callee)) else {
@@ -61,7 +60,7 @@ impl SclBinder<'_, '_> {
             return None;
         };
         let names = given.iter().filter_map(|argument| argument.name.as_ref()).map(|name| name.text.as_str());
-        if self.program.is_own_of_program(key, &bound, names, name) {
+        if self.program.globals.is_own_of_program(key, &bound.interface.parameters, names, name) {
             self.note_arguments(ctx, given);
             return None;
         }
@@ -102,8 +101,8 @@ impl SclBinder<'_, '_> {
                 Some(Value::Elementary(Expr { kind: ExprKind::Call(Box::new(call)), ty, span }))
             }
             Some(DataType::Void | DataType::Parameter(_) | DataType::OpenArray(_)) | None => {
-                let text = self.program.text(name);
-                self.program.report.push(
+                let text = self.program.globals.text(name);
+                self.program.report(
                     Diagnostic::new(Code::TypeMismatch, name, format!("`{text}` has no value"))
                         .label(match key.kind {
                             BlockKind::Fb | BlockKind::Sfb => "the call of a function block is a statement",
@@ -123,7 +122,7 @@ impl SclBinder<'_, '_> {
         let values = given.iter().filter_map(|argument| argument.value.as_ref());
         // NULL may be handed to a parameter of type VARIANT, which this one may be.
         for value in values.filter(|value| !matches!(value.kind, NodeKind::Literal(Literal::Null))) {
-            self.scl_value(ctx, value);
+            self.value(ctx, value);
         }
         // It is not known which of them the call writes.
         let uses = ctx.scope.temp_reads.drain(known..).map(|read| (read.first, read.end));
@@ -134,7 +133,7 @@ impl SclBinder<'_, '_> {
         match &node.kind {
             NodeKind::Name(name) => self.named_callee(ctx, node, name),
             NodeKind::Absolute(OperandKind::Block(name)) => {
-                let (prefix, number) = self.program.block_number(name)?;
+                let (prefix, number) = self.program.globals.block_number(name)?;
                 self.block_callee(prefix, number, node.span)
             }
             NodeKind::Member { base, name } => self.member_callee(ctx, node, base, name),
@@ -154,11 +153,11 @@ impl SclBinder<'_, '_> {
             return self.variable_callee(ctx, node);
         }
         if let Some(block) = block_of_name(name) {
-            let (prefix, number) = self.program.block_number(&block)?;
+            let (prefix, number) = self.program.globals.block_number(&block)?;
             return self.block_callee(prefix, number, node.span);
         }
         let rules = ctx.scope.rules;
-        if let Some(global) = self.program.names.globals.get(&fold(&name.text)) {
+        if let Some(global) = self.program.globals.names.symbols.get(&fold(&name.text)) {
             let target = global.target;
             if name.form != NameForm::Bare || self.is_called(target) || !self.is_function(rules, &name.text) {
                 return match target {
@@ -168,14 +167,12 @@ impl SclBinder<'_, '_> {
             }
         }
         // A quoted name is a block of the program, which a part of the program may not include.
-        let quoted = name.form == NameForm::Quoted && self.program.input.partial;
+        let quoted = name.form == NameForm::Quoted && self.program.globals.input.partial;
         if let Some(named) = Named::find(&name.text).filter(|_| !quoted) {
             return Some(Callee::Function(named));
         }
         match self.library_function(rules, &name.text) {
-            Some(key) => {
-                self.block_callee(crate::bind::declarations::names::kind_prefix(key.kind), key.number, node.span)
-            }
+            Some(key) => self.block_callee(crate::bind::globals::names::kind_prefix(key.kind), key.number, node.span),
             None if local => self.variable_callee(ctx, node),
             None => {
                 self.unknown_function(name);
@@ -212,7 +209,7 @@ impl SclBinder<'_, '_> {
         ctx.block.bound.locals.contains_key(&folded)
             && match name.form {
                 NameForm::Bare | NameForm::Local => true,
-                NameForm::Quoted => !self.program.names.globals.contains_key(&folded),
+                NameForm::Quoted => !self.program.globals.names.symbols.contains_key(&folded),
             }
     }
 
@@ -220,7 +217,7 @@ impl SclBinder<'_, '_> {
     pub(super) fn is_unknown_global(&self, ctx: &SclBlock, name: &Name) -> bool {
         name.form == NameForm::Quoted
             && ctx.scope.marks_locals
-            && !self.program.names.globals.contains_key(&fold(&name.text))
+            && !self.program.globals.names.symbols.contains_key(&fold(&name.text))
     }
 
     /// The library block with the name of a function. One name can mean different blocks in STEP 7 V5 and in the TIA Portal.
@@ -238,7 +235,9 @@ impl SclBinder<'_, '_> {
             Rules::Classic => classic().or_else(tia),
             Rules::Tia300 | Rules::Tia1200 | Rules::Tia1500 => tia().or_else(classic),
         };
-        block.filter(|block| !self.program.library.is_foreign(block)).map(|block| self.program.library.key_of(block))
+        block
+            .filter(|block| !self.program.globals.library.is_foreign(block))
+            .map(|block| self.program.globals.library.key_of(block))
     }
 
     /// A block alone: a function, or a data block that is an instance.
@@ -248,8 +247,8 @@ impl SclBinder<'_, '_> {
                 Some(Callee::Block { key: BlockKey { kind: code_kind(prefix)?, number }, instance: None })
             }
             BlockPrefix::Fb | BlockPrefix::Sfb => {
-                let text = self.program.text(span);
-                self.program.report.push(
+                let text = self.program.globals.text(span);
+                self.program.report(
                     Diagnostic::new(Code::MissingOperand, span, format!("the call of `{text}` names no instance"))
                         .label("a function block keeps its data in an instance")
                         .help("call the instance data block, a static variable of this type, or write `FB1.DB2(...)`"),
@@ -258,10 +257,10 @@ impl SclBinder<'_, '_> {
             }
             BlockPrefix::Db | BlockPrefix::Di => {
                 let Some(db) = self.program.data.blocks.get(&number) else {
-                    if !self.program.sources.data.contains_key(&number)
+                    if !self.program.globals.sources.data.contains_key(&number)
                         && !self.program.data.unknown_instances.contains(&number)
                     {
-                        self.program.report.missing_block(prefix, number, span);
+                        self.program.globals.report.missing_block(prefix, number, span);
                     }
                     return None;
                 };
@@ -269,7 +268,7 @@ impl SclBinder<'_, '_> {
                     Some(key) => Some(Callee::Block { key, instance: Some(Instance::Db(number)) }),
                     None => {
                         let defined = db.block.span;
-                        self.program.report.push(
+                        self.program.report(
                             Diagnostic::new(Code::NoBlockFits, span, format!("DB {number} is not an instance"))
                                 .label("a shared data block cannot be called")
                                 .also(defined, "the data block")
@@ -293,17 +292,17 @@ impl SclBinder<'_, '_> {
             Some((BlockPrefix::Db, number)) => match self.program.data.db_type(number) {
                 Some(ty) => (ty, Instance::Db(number)),
                 None => {
-                    if !self.program.sources.data.contains_key(&number)
+                    if !self.program.globals.sources.data.contains_key(&number)
                         && !self.program.data.unknown_instances.contains(&number)
                     {
-                        self.program.report.missing_db_layout(number, base.span);
+                        self.program.globals.report.missing_db_layout(number, base.span);
                     }
                     return None;
                 }
             },
             Some(_) => return self.no_callee(node.span),
             None => {
-                let access = self.scl_access(ctx, base, Intent::Both)?;
+                let access = self.access(ctx, base, Intent::Both)?;
                 match &access.ty {
                     DataType::Struct(ty) => (std::rc::Rc::clone(ty), Instance::Variable(access)),
                     _ => return self.variable_callee(ctx, node),
@@ -335,14 +334,15 @@ impl SclBinder<'_, '_> {
             Instance::Variable(_) => instance_key(ty),
         };
         if let Some(key) = own
-            && let Some(block) = self.program.library_block(key)
+            && let Some(block) = self.program.globals.library_block(key)
             && (block.name.eq_ignore_ascii_case(name)
                 || block.name.split('_').next().is_some_and(|first| first.eq_ignore_ascii_case(name)))
         {
             return Some(key);
         }
         // Timers share one layout, and counters of one type theirs, so IEC_TIMER accepts each of them.
-        let typed = own.and_then(|key| self.program.library_block(key)).and_then(|block| block.name.split_once('_'));
+        let typed =
+            own.and_then(|key| self.program.globals.library_block(key)).and_then(|block| block.name.split_once('_'));
         let key = typed
             .and_then(|(_, ty)| self.library_function(ctx.scope.rules, &format!("{name}_{ty}")))
             .or_else(|| self.library_function(ctx.scope.rules, name))?;
@@ -368,7 +368,8 @@ impl SclBinder<'_, '_> {
         };
         let message = match own {
             Some(key) => {
-                let known = self.program.library_block(key).map_or(key.to_string(), |block| block.name.to_string());
+                let known =
+                    self.program.globals.library_block(key).map_or(key.to_string(), |block| block.name.to_string());
                 Diagnostic::new(Code::NoBlockFits, name.span, format!("{what} is not an instance of `{}`", name.text))
                     .label(format!("the name before the point is an instance of {known}"))
                     .help(format!("write `{known}` here, or call the instance by its name alone"))
@@ -386,7 +387,7 @@ impl SclBinder<'_, '_> {
                 }
             }
         };
-        self.program.report.push(message);
+        self.program.report(message);
         None
     }
 
@@ -394,9 +395,9 @@ impl SclBinder<'_, '_> {
     fn instance_db(&mut self, key: BlockKey, name: &Name) -> Option<Callee> {
         let block =
             block_of_name(name).unwrap_or_else(|| BlockName::Symbol { name: name.text.clone(), span: name.span });
-        let (prefix, number) = self.program.block_number(&block)?;
+        let (prefix, number) = self.program.globals.block_number(&block)?;
         if prefix != BlockPrefix::Db || number == 0 {
-            self.program.report.push(
+            self.program.report(
                 Diagnostic::new(Code::OperandKind, name.span, format!("`{}` is not a data block", name.text))
                     .label("the instance data block is expected here"),
             );
@@ -410,13 +411,13 @@ impl SclBinder<'_, '_> {
 
     /// A variable that is an instance.
     fn variable_callee(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Callee> {
-        let access = self.scl_access(ctx, node, Intent::Both)?;
+        let access = self.access(ctx, node, Intent::Both)?;
         match instance_of(&access) {
             Some(key) => Some(Callee::Block { key, instance: Some(Instance::Variable(access)) }),
             None => {
-                let text = self.program.text(node.span);
+                let text = self.program.globals.text(node.span);
                 let name = layout::type_name(&access.ty);
-                self.program.report.push(
+                self.program.report(
                     Diagnostic::new(Code::OperandKind, node.span, format!("`{text}` cannot be called"))
                         .label(format!("a variable of type {name}"))
                         .help(
@@ -429,8 +430,8 @@ impl SclBinder<'_, '_> {
     }
 
     fn no_callee(&mut self, span: Span) -> Option<Callee> {
-        let text = self.program.text(span);
-        self.program.report.push(
+        let text = self.program.globals.text(span);
+        self.program.report(
             Diagnostic::new(Code::OperandKind, span, format!("`{text}` cannot be called"))
                 .label("a function, or an instance of a function block, is expected here"),
         );
@@ -449,7 +450,7 @@ impl SclBinder<'_, '_> {
         if let Some(BlockName::Numbered { prefix, number, .. }) = block_of_name(name) {
             return Some((prefix, u16::try_from(number).ok()?));
         }
-        match self.program.global(&name.text)? {
+        match self.program.globals.global(&name.text)? {
             SymbolTarget::Block { prefix, number } => Some((prefix, number as u16)),
             SymbolTarget::Memory { .. } | SymbolTarget::Cell { .. } => None,
         }
@@ -458,23 +459,28 @@ impl SclBinder<'_, '_> {
     /// Reports a function that neither the program nor the language has.
     fn unknown_function(&mut self, name: &Name) {
         if plcc_stdlib::not_supported(&name.text) {
-            self.program.report.missing_function(&name.text, name.span, None, true);
+            self.program.globals.report.missing_function(&name.text, name.span, None, true);
             return;
         }
         let folded = fold(&name.text);
         if plcc_stdlib::LIBRARY.iter().any(|block| fold(block.name) == folded) {
-            self.program.unknown_name(&name.text, name.span);
+            self.program.globals.unknown_name(&name.text, name.span);
             return;
         }
-        let own =
-            self.program.names.globals.values().filter(|global| matches!(global.target, SymbolTarget::Block { .. }));
+        let own = self
+            .program
+            .globals
+            .names
+            .symbols
+            .values()
+            .filter(|global| matches!(global.target, SymbolTarget::Block { .. }));
         let own: Vec<&str> = own.map(|global| global.name.as_str()).collect();
         let shipped = plcc_stdlib::blocks().iter().map(|block| block.name);
         let meant = similar(&name.text, own.into_iter())
             .or_else(|| similar(&name.text, super::function::names()))
             .or_else(|| similar(&name.text, shipped))
             .map(str::to_owned);
-        self.program.report.missing_function(&name.text, name.span, meant, false);
+        self.program.globals.report.missing_function(&name.text, name.span, meant, false);
     }
 }
 

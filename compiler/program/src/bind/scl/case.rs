@@ -6,8 +6,7 @@ use plcc_syntax::{Class, Elementary};
 
 use super::value::Value;
 use super::{constant, message};
-use crate::bind::scl::SclBinder;
-use crate::bind::scl::SclBlock;
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
 use plcc_model::scl::{Arm, Expr, StatementKind};
 
@@ -37,7 +36,7 @@ impl SclBinder<'_, '_> {
     }
 
     fn selector(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Expr> {
-        let value = self.scl_value(ctx, node)?;
+        let value = self.value(ctx, node)?;
         let fits = match &value {
             Value::Elementary(expr) => {
                 matches!(expr.ty.class(), Class::Bits | Class::Signed | Class::Unsigned | Class::Character)
@@ -51,7 +50,7 @@ impl SclBinder<'_, '_> {
             self.wrong_type(node.span, &is, "an integer", Some("for other values use IF and ELSIF".to_string()));
             return None;
         }
-        self.scl_own_type(ctx, value)
+        self.own_type(ctx, value)
     }
 
     /// The values of one entry, if it can match.
@@ -98,7 +97,7 @@ impl SclBinder<'_, '_> {
         if of_types && let Some(Constant::Typed { bits, .. }) = self.named_type_number(ctx, node) {
             return Some(i128::from(bits));
         }
-        let value = self.program.constant(&ctx.block.bound.constants, node)?;
+        let value = self.program.globals.constant(&ctx.block.bound.constants, node)?;
         let (least, most) = constant::range(ty);
         match &value {
             // Bits of a signed number, as 16#FFFF for -1.
@@ -142,7 +141,7 @@ impl SclBinder<'_, '_> {
                 && entry.1.0 <= high
             {
                 let (earlier, later) = if order < entry.0 { (first, entry.1.2) } else { (entry.1.2, first) };
-                self.program.report.push(
+                self.program.report(
                     Diagnostic::new(Code::CaseValue, later, "this value is already in an earlier arm")
                         .label("the earlier arm runs instead")
                         .also(earlier, "the arm that runs")

@@ -9,8 +9,7 @@ use super::convert::{self, Implicit};
 use super::place::Spot;
 use super::value::Value;
 use super::{Rules, constant, message};
-use crate::bind::scl::SclBinder;
-use crate::bind::scl::SclBlock;
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
 use plcc_model::Number;
 use plcc_model::layout;
@@ -22,13 +21,13 @@ const STRING_MAX: usize = 254;
 
 impl SclBinder<'_, '_> {
     /// Binds an expression whose value must have type `ty`, with an implicit conversion if needed.
-    pub(in crate::bind) fn scl_of_type(&mut self, ctx: &mut SclBlock, node: &Node, ty: Elementary) -> Option<Expr> {
-        let value = self.scl_value(ctx, node)?;
-        self.scl_convert(ctx, value, ty)
+    pub(in crate::bind) fn of_type(&mut self, ctx: &mut SclBlock, node: &Node, ty: Elementary) -> Option<Expr> {
+        let value = self.value(ctx, node)?;
+        self.convert(ctx, value, ty)
     }
 
     /// Converts a bound value to type `ty` if needed; reports a value without an implicit conversion.
-    pub(in crate::bind) fn scl_convert(&mut self, ctx: &mut SclBlock, value: Value, ty: Elementary) -> Option<Expr> {
+    pub(in crate::bind) fn convert(&mut self, ctx: &mut SclBlock, value: Value, ty: Elementary) -> Option<Expr> {
         match value {
             Value::Elementary(expr) => self.implicit(ctx, expr, ty),
             Value::Constant(constant, span) => self.constant_of_type(ctx, &constant, span, ty),
@@ -56,7 +55,7 @@ impl SclBinder<'_, '_> {
     }
 
     /// A value in its own type; a constant in the type that it has without a partner.
-    pub(in crate::bind) fn scl_own_type(&mut self, ctx: &mut SclBlock, value: Value) -> Option<Expr> {
+    pub(in crate::bind) fn own_type(&mut self, ctx: &mut SclBlock, value: Value) -> Option<Expr> {
         let ty = match &value {
             Value::Elementary(expr) => expr.ty,
             Value::Constant(constant, _) => constant::default_type(ctx.scope.rules, constant),
@@ -66,7 +65,7 @@ impl SclBinder<'_, '_> {
                 return None;
             }
         };
-        self.scl_convert(ctx, value, ty)
+        self.convert(ctx, value, ty)
     }
 
     /// The implicit conversion of a value to `ty`.
@@ -102,7 +101,7 @@ impl SclBinder<'_, '_> {
         };
         match &value.kind {
             ExprKind::Convert { operand, .. } if operand.ty.is_float() && !rules.is_300() => {
-                let text = self.program.text(value.span);
+                let text = self.program.globals.text(value.span);
                 let name = text.split('(').next().unwrap_or("").trim();
                 ["ROUND", "TRUNC", "CEIL", "FLOOR"].iter().any(|own| own.eq_ignore_ascii_case(name))
             }
@@ -117,7 +116,7 @@ impl SclBinder<'_, '_> {
     }
 
     fn unusual(&mut self, span: Span, from: Elementary, to: Elementary) {
-        let text = self.program.text(span);
+        let text = self.program.globals.text(span);
         self.refuse(
             Code::Narrowing,
             span,
@@ -128,13 +127,13 @@ impl SclBinder<'_, '_> {
     }
 
     /// Binds an expression whose value must have the complex type `ty` (a text may have another length).
-    pub(super) fn scl_complex(&mut self, ctx: &mut SclBlock, node: &Node, ty: &DataType) -> Option<Complex> {
-        let value = self.scl_value(ctx, node)?;
-        self.scl_complex_value(ctx, value, ty)
+    pub(super) fn complex(&mut self, ctx: &mut SclBlock, node: &Node, ty: &DataType) -> Option<Complex> {
+        let value = self.value(ctx, node)?;
+        self.complex_value(ctx, value, ty)
     }
 
     /// Converts a bound value to the complex type `ty`; reports a value that cannot have it.
-    pub(super) fn scl_complex_value(&mut self, ctx: &mut SclBlock, value: Value, ty: &DataType) -> Option<Complex> {
+    pub(super) fn complex_value(&mut self, ctx: &mut SclBlock, value: Value, ty: &DataType) -> Option<Complex> {
         let span = value.span();
         let value = match self.date_as(ctx, value, ty) {
             Ok(value) => value?,
@@ -170,7 +169,7 @@ impl SclBinder<'_, '_> {
                 }
                 let ty = variable.ty.clone();
                 let value = Complex::Variable(Spot::fixed(variable).access(span));
-                self.scl_complex_value(ctx, Value::Complex { value, ty, span }, wanted)
+                self.complex_value(ctx, Value::Complex { value, ty, span }, wanted)
             }
             (Value::Elementary(expr), DataType::String(_)) if expr.ty == Elementary::Char => {
                 Some(Complex::Character(Box::new(expr)))

@@ -11,8 +11,7 @@ use super::expression::{binary_expr, constant_expr, typed_constant};
 use super::numeric::{self, Shape};
 use super::value::Value;
 use super::{Rules, constant, text, time};
-use crate::bind::scl::SclBinder;
-use crate::bind::scl::SclBlock;
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
 use plcc_model::layout;
 use plcc_model::scl::{Access, Actual, BinaryOp, CompareOp, Complex, Expr, ExprKind};
@@ -45,11 +44,11 @@ impl SclBinder<'_, '_> {
     ) -> Option<Expr> {
         let op = compare_op(op)?;
         let (left, right) =
-            if ctx.scope.address_numbers { self.chart_operands(ctx, left, right) } else { (left, right) };
+            if ctx.scope.address_numbers { self.address_operands(ctx, left, right) } else { (left, right) };
         if let Some(ty) = self.compared_type(ctx, &left, &right) {
             self.decided_before(op, op_span, &left, &right, ty);
-            let left = self.scl_convert(ctx, left, ty);
-            let right = self.scl_convert(ctx, right, ty);
+            let left = self.convert(ctx, left, ty);
+            let right = self.convert(ctx, right, ty);
             return Some(comparison(op, left?, right?, span));
         }
         if time::compare_as_dates(&left, &right) {
@@ -150,7 +149,7 @@ impl SclBinder<'_, '_> {
         };
         let Some(always) = always else { return };
         let word = if always { "TRUE" } else { "FALSE" };
-        self.program.report.push(
+        self.program.report(
             Diagnostic::new(Code::AlwaysSame, op_span, format!("this comparison is always {word}"))
                 .label(format!("a value of type {} is never negative", ty.name()))
                 .help("compare with another value, or remove the condition"),
@@ -166,8 +165,8 @@ impl SclBinder<'_, '_> {
         ty: &DataType,
         span: Span,
     ) -> Option<Expr> {
-        let left = self.scl_complex_value(ctx, left, ty);
-        let right = self.scl_complex_value(ctx, right, ty);
+        let left = self.complex_value(ctx, left, ty);
+        let right = self.complex_value(ctx, right, ty);
         match self.library_value(number, vec![Actual::Complex(left?), Actual::Complex(right?)], span)? {
             Value::Elementary(expr) => Some(expr),
             _ => None,

@@ -7,8 +7,7 @@ use plcc_syntax::{Class, Elementary};
 use super::convert::{self, Implicit};
 use super::value::Value;
 use super::{Rules, message};
-use crate::bind::scl::SclBinder;
-use crate::bind::scl::SclBlock;
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
 use plcc_model::scl::{Expr, ExprKind};
 
@@ -146,9 +145,9 @@ impl SclBinder<'_, '_> {
 
     /// A constant that loses bits in the type of its partner.
     fn value_lost(&mut self, span: Span, ty: Elementary) {
-        let text = self.program.text(span);
+        let text = self.program.globals.text(span);
         let (low, high) = range(ty);
-        self.program.report.push(
+        self.program.report(
             Diagnostic::new(Code::Narrowing, span, format!("`{text}` does not fit type {}", ty.name()))
                 .label(format!("{} goes from {low} to {high}; the low bits remain", ty.name()))
                 .help("give the other operand or the target a larger type"),

@@ -14,8 +14,7 @@ use super::arguments::names_eno;
 use super::expression::constant_expr;
 use super::function::Named;
 use super::memory::{binary, load};
-use crate::bind::scl::SclBinder;
-use crate::bind::scl::SclBlock;
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::fold;
 use plcc_model::layout;
 use plcc_model::scl::{Access, BinaryOp, Expr, ExprKind, Statement, StatementKind};
@@ -37,7 +36,7 @@ impl SclBinder<'_, '_> {
             return false;
         }
         let span = ctx.block.fixed_span.unwrap_or(tree.span);
-        let condition = enable.as_ref().map(|node| self.scl_of_type(ctx, node, Elementary::Bool));
+        let condition = enable.as_ref().map(|node| self.of_type(ctx, node, Elementary::Bool));
         let target = result.as_ref().map(|node| self.result_of_enable(ctx, node));
         let mut body = Vec::new();
         self.statement(ctx, &plain, &mut body);
@@ -66,7 +65,7 @@ impl SclBinder<'_, '_> {
         match &callee.kind {
             NodeKind::Name(name) => {
                 !self.is_instance(ctx, name)
-                    && !self.program.names.globals.contains_key(&fold(&name.text))
+                    && !self.program.globals.names.symbols.contains_key(&fold(&name.text))
                     && Named::find(&name.text).is_some()
             }
             _ => false,
@@ -75,7 +74,7 @@ impl SclBinder<'_, '_> {
 
     /// The variable after `ENO =>`.
     fn result_of_enable(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Access> {
-        let target = self.scl_access(ctx, node, Intent::Write)?;
+        let target = self.access(ctx, node, Intent::Write)?;
         if target.elementary() == Some(Elementary::Bool) {
             return Some(target);
         }

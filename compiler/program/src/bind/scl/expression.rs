@@ -1,6 +1,5 @@
 //! Operators of expressions. Both sides of each are evaluated, the left one first. Source: SCL reference, operators.
 
-use crate::bind::scl::message::DEPTH_MAX;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::scl::ast::{BinaryOp as Operator, Expr as Node, ExprKind as NodeKind, Literal, UnaryOp as Sign};
 use plcc_syntax::{Class, Elementary};
@@ -9,15 +8,15 @@ use super::compare::comparison;
 use super::numeric::{self, Shape};
 use super::value::Value;
 use super::{Intent, Rules, message};
-use crate::bind::scl::SclBinder;
-use crate::bind::scl::SclBlock;
+use crate::bind::scl::message::DEPTH_MAX;
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
 use plcc_model::scl::{BinaryOp, CompareOp, Conversion, Expr, ExprKind, UnaryOp};
 use plcc_model::types::{DataType, ParameterType};
 
 impl SclBinder<'_, '_> {
     /// Binds an expression, calls included.
-    pub(in crate::bind) fn scl_value(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Value> {
+    pub(in crate::bind) fn value(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Value> {
         if ctx.scope.depth >= DEPTH_MAX {
             self.too_deep(node.span);
             return None;
@@ -45,7 +44,7 @@ impl SclBinder<'_, '_> {
                     let thing = thing?;
                     self.thing_value(ctx, thing, node.span)
                 }
-                None => self.scl_call(ctx, node, false),
+                None => self.call(ctx, node, false),
             },
             NodeKind::Dereference(_) | NodeKind::Reference(_) => {
                 self.no_references(node.span);
@@ -58,7 +57,7 @@ impl SclBinder<'_, '_> {
     }
 
     fn unary(&mut self, ctx: &mut SclBlock, node: &Node, op: Sign, operand: &Node) -> Option<Value> {
-        let value = self.scl_value(ctx, operand)?;
+        let value = self.value(ctx, operand)?;
         let shape = Shape::of(&value);
         if shape.is_untyped() && !matches!((op, shape), (Sign::Not, Shape::Real)) {
             return self.folded_constant(ctx, node);
@@ -84,7 +83,7 @@ impl SclBinder<'_, '_> {
             );
             return None;
         };
-        let operand = Box::new(self.scl_convert(ctx, value, ty)?);
+        let operand = Box::new(self.convert(ctx, value, ty)?);
         let op = match op {
             Sign::Plus => return Some(Value::Elementary(*operand)),
             Sign::Minus => UnaryOp::Negate,
@@ -105,7 +104,7 @@ impl SclBinder<'_, '_> {
             self.too_deep(node.span);
             return None;
         }
-        let mut value = self.scl_value(ctx, first);
+        let mut value = self.value(ctx, first);
         for node in operators.into_iter().rev() {
             let NodeKind::Binary { op, left, right, op_span } = &node.kind else { continue };
             if let Some(compared) = self.compared_with_null(*op, value.as_ref(), right, node.span) {
@@ -121,7 +120,7 @@ impl SclBinder<'_, '_> {
             }
             let right = match self.compared_type_name(ctx, *op, left, right) {
                 Some(number) => Some(number),
-                None => self.scl_value(ctx, right),
+                None => self.value(ctx, right),
             };
             value = match (value, right) {
                 (Some(left), Some(right)) => self.binary(ctx, node, *op, *op_span, left, right),
@@ -139,7 +138,7 @@ impl SclBinder<'_, '_> {
             Operator::NotEqual => CompareOp::NotEqual,
             _ => return None,
         };
-        let mut spot = self.scl_spot(ctx, left, Intent::Read)?;
+        let mut spot = self.spot(ctx, left, Intent::Read)?;
         if spot.ty != DataType::Parameter(ParameterType::Any) {
             return None;
         }
@@ -179,7 +178,7 @@ impl SclBinder<'_, '_> {
             | Operator::DivideInteger
             | Operator::Modulo => {
                 let (left, right) =
-                    if ctx.scope.address_numbers { self.chart_operands(ctx, left, right) } else { (left, right) };
+                    if ctx.scope.address_numbers { self.address_operands(ctx, left, right) } else { (left, right) };
                 match self.time_arithmetic(ctx, op, op_span, left, right, span) {
                     Ok(value) => value,
                     Err((left, right)) => self.arithmetic(ctx, op, op_span, left, right, span),
@@ -190,7 +189,7 @@ impl SclBinder<'_, '_> {
 
     /// The result of two untyped constants is an untyped constant.
     fn folded_constant(&mut self, ctx: &SclBlock, node: &Node) -> Option<Value> {
-        let constant = self.program.constant(&ctx.block.bound.constants, node)?;
+        let constant = self.program.globals.constant(&ctx.block.bound.constants, node)?;
         Some(Value::Constant(constant, node.span))
     }
 
@@ -227,8 +226,8 @@ impl SclBinder<'_, '_> {
         ty: Elementary,
         span: Span,
     ) -> Option<Value> {
-        let left = self.scl_convert(ctx, left, ty);
-        let right = self.scl_convert(ctx, right, ty);
+        let left = self.convert(ctx, left, ty);
+        let right = self.convert(ctx, right, ty);
         Some(Value::Elementary(binary_expr(op, left?, right?, ty, span)))
     }
 
@@ -275,9 +274,9 @@ impl SclBinder<'_, '_> {
 
     /// Operands that an operator cannot combine.
     pub(super) fn operator_types(&mut self, op_span: Span, left: &Value, right: &Value, help: &str) {
-        let op = self.program.text(op_span);
+        let op = self.program.globals.text(op_span);
         let (left_is, right_is) = (message::described(left), message::described(right));
-        self.program.report.push(
+        self.program.report(
             Diagnostic::new(
                 Code::TypeMismatch,
                 op_span,

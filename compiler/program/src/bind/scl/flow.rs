@@ -1,6 +1,5 @@
 //! Labels and jumps, and data that is read and never written. Source: SCL reference, GOTO.
 
-use crate::bind::scl::message::DEPTH_MAX;
 use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic};
 use plcc_syntax::ast;
@@ -8,8 +7,8 @@ use plcc_syntax::scl::ast::{Name, Statement, StatementKind};
 use rustc_hash::FxHashSet;
 
 use super::scope::Label;
-use crate::bind::scl::SclBinder;
-use crate::bind::scl::SclBlock;
+use crate::bind::scl::message::DEPTH_MAX;
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::fold;
 use plcc_binding::similar;
 use plcc_model::LabelId;
@@ -60,7 +59,7 @@ impl SclBinder<'_, '_> {
         };
         let (first, second) =
             if other.span.start <= name.span.start { (other.span, name.span) } else { (name.span, other.span) };
-        self.program.report.push(
+        self.program.report(
             Diagnostic::new(Code::DuplicateLabel, second, format!("the label `{}` is defined twice", name.text))
                 .label("the second one")
                 .also(first, "the first one")
@@ -79,7 +78,7 @@ impl SclBinder<'_, '_> {
         let Some(label) = ctx.scope.labels.get(&fold(text)) else {
             let message = Diagnostic::new(Code::UnknownLabel, name.span, format!("this block has no label `{text}`"))
                 .label("nowhere to jump to");
-            self.program.report.push(match similar(text, ctx.scope.labels.keys().map(String::as_str)) {
+            self.program.report(match similar(text, ctx.scope.labels.keys().map(String::as_str)) {
                 Some(other) => message.help(format!("is `{other}` meant?")),
                 None => message
                     .help(format!("write `{text}:` before the statement to jump to, or give the network this label")),
@@ -87,7 +86,7 @@ impl SclBinder<'_, '_> {
             return None;
         };
         if !ctx.scope.lists.contains(&label.list) {
-            self.program.report.push(
+            self.program.report(
                 Diagnostic::new(Code::JumpIntoStatement, name.span, format!("`{text}` is inside another statement"))
                     .label("a jump into a loop, an IF or a CASE is not possible")
                     .also(label.span, "the label")
@@ -120,7 +119,7 @@ impl SclBinder<'_, '_> {
             if known || !told.insert((read.first, read.end)) {
                 continue;
             }
-            self.program.report.push(
+            self.program.report(
                 Diagnostic::new(Code::NeverWritten, read.span, format!("`{}` is read and never written", read.name))
                     .label("temporary data is undefined on the CPU until it is written")
                     .help("assign a value to it first, or declare it as static data"),
@@ -133,7 +132,7 @@ impl SclBinder<'_, '_> {
                 ast::BlockName::Symbol { name, .. } => format!("#{name}"),
                 ast::BlockName::Numbered { number, .. } => format!("FC{number}"),
             };
-            self.program.report.push(
+            self.program.report(
                 Diagnostic::new(Code::ValueNeverSet, block.name.span(), "the value of this function is never set")
                     .label("it is always 0")
                     .help(format!("assign it: `{name} := …;`, or make the function VOID")),

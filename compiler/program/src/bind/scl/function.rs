@@ -12,8 +12,7 @@ use plcc_syntax::scl::ast::Argument as Given;
 use super::value::Value;
 use super::variant::Question;
 use super::{convert, text};
-use crate::bind::scl::SclBinder;
-use crate::bind::scl::SclBlock;
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_model::scl::{BinaryOp, Function, TimerKind};
 
 /// The computation of a function.
@@ -282,7 +281,7 @@ impl SclBinder<'_, '_> {
             | Kind::BitSum
             | Kind::IsValid => self.number_function(ctx, row, suffix, &pins, span),
             Kind::Operator(op) => self.operator_function(ctx, op, &pins, span),
-            Kind::Identity => self.scl_value(ctx, pins.get("IN")?),
+            Kind::Identity => self.value(ctx, pins.get("IN")?),
             Kind::Bound { upper } => self.bound_function(ctx, upper, &pins, span),
             Kind::CountOfElements => self.count_of_elements(ctx, &pins, span),
             Kind::Type(question) => self.type_question(ctx, question, &pins, span),

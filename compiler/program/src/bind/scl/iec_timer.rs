@@ -8,8 +8,7 @@ use super::Intent;
 use super::expression::constant_expr;
 use super::pins::Pins;
 use super::place::shifted;
-use crate::bind::scl::SclBinder;
-use crate::bind::scl::SclBlock;
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_model::layout;
 use plcc_model::scl::{Access, StatementKind};
 use plcc_model::types::DataType;
@@ -27,7 +26,7 @@ impl SclBinder<'_, '_> {
 
     /// The running time then also ends with the new PT.
     pub(super) fn preset_timer(&mut self, ctx: &mut SclBlock, pins: &Pins) -> Option<Vec<StatementKind>> {
-        let value = self.scl_of_type(ctx, pins.get("PT")?, Elementary::Time);
+        let value = self.of_type(ctx, pins.get("PT")?, Elementary::Time);
         let members = self.timer_members(ctx, pins.get("TIMER")?, &["PT", "LATCHED"])?;
         let mut code = Vec::new();
         let value = self.kept(ctx, &mut code, value?);
@@ -37,7 +36,7 @@ impl SclBinder<'_, '_> {
 
     /// Components of the instance of an IEC timer.
     fn timer_members(&mut self, ctx: &mut SclBlock, node: &Node, names: &[&str]) -> Option<Vec<Access>> {
-        let access = self.scl_access(ctx, node, Intent::Both)?;
+        let access = self.access(ctx, node, Intent::Both)?;
         let member = |name: &&str| match &access.ty {
             DataType::Struct(ty) => {
                 let member = ty.members.iter().find(|member| member.name.eq_ignore_ascii_case(name))?;

@@ -15,8 +15,7 @@ use super::place::{Db, Root, Spot, Thing};
 use super::value::Value;
 use super::{Intent, constant, message};
 use crate::bind::declarations::path::{self, Variable, type_of_width};
-use crate::bind::scl::SclBinder;
-use crate::bind::scl::SclBlock;
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
 use plcc_model::layout;
 use plcc_model::scl::{Expr, Index, IndexBounds, IndexedArea};
@@ -107,7 +106,7 @@ impl SclBinder<'_, '_> {
     }
 
     fn index_count(&mut self, given: usize, declared: usize, span: Span) {
-        self.program.report.push(
+        self.program.report(
             Diagnostic::new(Code::ArrayIndex, span, "a wrong number of indices")
                 .label(format!("{given} given, {declared} dimensions declared")),
         );
@@ -189,7 +188,7 @@ impl SclBinder<'_, '_> {
 
     /// An index or byte address: an integer.
     fn position(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Position> {
-        let value = self.scl_value(ctx, node)?;
+        let value = self.value(ctx, node)?;
         if let Value::Constant(Constant::Integer { value, .. }, _) = &value {
             return Some(Position::Known(i64::try_from(*value).unwrap_or(i64::MAX)));
         }
@@ -260,7 +259,7 @@ impl SclBinder<'_, '_> {
             Db::Known(number) => {
                 self.program.use_db(number, span);
                 // Reported there; the rest is still checked.
-                let _ = self.program.check_absolute_access(number, span);
+                let _ = self.program.globals.check_absolute_access(number, span);
                 IndexedArea::Db(number)
             }
             Db::Dynamic(number) => IndexedArea::DynamicDb(Box::new(number)),
@@ -282,7 +281,7 @@ impl SclBinder<'_, '_> {
         match db {
             Db::Known(number) => {
                 self.program.use_db(number, span);
-                self.program.check_absolute_access(number, span)?;
+                self.program.globals.check_absolute_access(number, span)?;
                 self.program.check_db_end(number, byte + width.bytes(), span);
                 let base = path::Base::Db(number);
                 Some(Thing::Spot(Spot::fixed(Variable { base, byte, bit, ty, untyped: true })))
@@ -321,7 +320,7 @@ impl SclBinder<'_, '_> {
         match &callee.kind {
             NodeKind::Name(name) if name.text.eq_ignore_ascii_case("WORD_TO_BLOCK_DB") => {
                 let [Argument { value: Some(word), .. }] = arguments else { return None };
-                let word = self.scl_of_type(ctx, word, Elementary::Word);
+                let word = self.of_type(ctx, word, Elementary::Word);
                 Some(word.map(|word| Thing::Db { db: Db::Dynamic(word), number: None }))
             }
             NodeKind::Name(name) => {

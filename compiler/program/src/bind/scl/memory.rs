@@ -14,8 +14,7 @@ use super::message::described;
 use super::numeric::Shape;
 use super::pins::Pins;
 use super::value::Value;
-use crate::bind::scl::SclBinder;
-use crate::bind::scl::SclBlock;
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
 use plcc_model::layout;
 use plcc_model::scl::{Access, Arm, Base, BinaryOp, Complex, Expr, ExprKind, IndexedArea, Statement, StatementKind};
@@ -65,28 +64,28 @@ impl SclBinder<'_, '_> {
     }
 
     fn move_text(&mut self, ctx: &mut SclBlock, pins: &Pins) -> Option<StatementKind> {
-        let target = self.scl_access(ctx, pins.get("OUT")?, Intent::Write)?;
+        let target = self.access(ctx, pins.get("OUT")?, Intent::Write)?;
         if !matches!(target.ty, DataType::String(_) | DataType::WideString(_)) {
             let is = format!("of type {}", layout::type_name(&target.ty));
             self.wrong_type(target.span, &is, "STRING", None);
             return None;
         }
-        let value = self.scl_complex(ctx, pins.get("IN")?, &target.ty.clone())?;
+        let value = self.complex(ctx, pins.get("IN")?, &target.ty.clone())?;
         Some(StatementKind::AssignText { target, value })
     }
 
     /// S_CONV between two texts is S_MOVE. Whatever binds the pins reports mistakes in them.
     fn is_text_to_text(&mut self, ctx: &mut SclBlock, pins: &Pins) -> bool {
         let (Some(input), Some(output), None) = (pins.get("IN"), pins.get("OUT"), pins.eno) else { return false };
-        let told = self.program.report.diagnostics.len();
-        let target = self.scl_access(ctx, output, Intent::Write);
+        let told = self.program.globals.report.diagnostics.len();
+        let target = self.access(ctx, output, Intent::Write);
         let to_text = target.is_some_and(|access| matches!(access.ty, DataType::String(_)));
         let from_text = to_text
             && matches!(
-                self.scl_value(ctx, input),
+                self.value(ctx, input),
                 Some(Value::Complex { ty: DataType::String(_), .. } | Value::Constant(Constant::Text { .. }, _))
             );
-        self.program.report.diagnostics.truncate(told);
+        self.program.globals.report.diagnostics.truncate(told);
         from_text
     }
 
@@ -114,7 +113,7 @@ impl SclBinder<'_, '_> {
         pins: &Pins,
         span: Span,
     ) -> Option<Vec<StatementKind>> {
-        let value = self.scl_value(ctx, pins.get("VALUE")?)?;
+        let value = self.value(ctx, pins.get("VALUE")?)?;
         let ty = match (bit, suffix, Shape::of(&value)) {
             (true, ..) => Elementary::Bool,
             (_, Some(ty), _) | (_, None, Shape::Of(ty)) if ty != Elementary::Bool => ty,
@@ -126,7 +125,7 @@ impl SclBinder<'_, '_> {
                 return None;
             }
         };
-        let value = self.scl_convert(ctx, value, ty);
+        let value = self.convert(ctx, value, ty);
         let target = self.coded_access(ctx, ty, bit, ("AREA", "DBNUMBER", "BYTEOFFSET"), pins, span)?;
         Some(vec![StatementKind::Assign { target, value: value? }])
     }
@@ -142,7 +141,7 @@ impl SclBinder<'_, '_> {
     ) -> Option<Access> {
         let coded = self.coded(ctx, names, pins);
         let bit = match bit {
-            true => Some(Box::new(self.scl_of_type(ctx, pins.get("BITOFFSET")?, Elementary::Int)?)),
+            true => Some(Box::new(self.of_type(ctx, pins.get("BITOFFSET")?, Elementary::Int)?)),
             false => None,
         };
         let Coded { area, db, byte } = coded?;
@@ -151,15 +150,15 @@ impl SclBinder<'_, '_> {
     }
 
     fn coded(&mut self, ctx: &mut SclBlock, names: (&str, &str, &str), pins: &Pins) -> Option<Coded> {
-        let area = self.scl_of_type(ctx, pins.get(names.0)?, Elementary::Byte);
+        let area = self.of_type(ctx, pins.get(names.0)?, Elementary::Byte);
         let db = self.db_number(ctx, pins.get(names.1)?);
-        let byte = self.scl_of_type(ctx, pins.get(names.2)?, Elementary::Dint);
+        let byte = self.of_type(ctx, pins.get(names.2)?, Elementary::Dint);
         Some(Coded { area: Box::new(area?), db: Box::new(db?), byte: Box::new(byte?) })
     }
 
     /// The number of a data block: any integer, or the block itself.
     fn db_number(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Expr> {
-        let value = self.scl_value(ctx, node)?;
+        let value = self.value(ctx, node)?;
         match (Shape::of(&value), &value) {
             (_, Value::Block { prefix: BlockPrefix::Db, number: Number::Known(number), span }) => {
                 let (number, span) = (*number, *span);
@@ -167,10 +166,10 @@ impl SclBinder<'_, '_> {
                 Some(Expr { kind: ExprKind::Const(u64::from(number)), ty: Elementary::Word, span })
             }
             (Shape::Of(ty), _) if ty.is_integer() || ty.class() == Class::Bits => {
-                let number = self.scl_own_type(ctx, value)?;
+                let number = self.own_type(ctx, value)?;
                 convert::explicit_expr(ctx.scope.rules, number, Elementary::Word)
             }
-            _ => self.scl_convert(ctx, value, Elementary::Word),
+            _ => self.convert(ctx, value, Elementary::Word),
         }
     }
 
@@ -206,9 +205,9 @@ impl SclBinder<'_, '_> {
 
     /// SCATTER: bit i of IN to element i of OUT.
     fn scatter(&mut self, ctx: &mut SclBlock, pins: &Pins, span: Span) -> Option<Vec<StatementKind>> {
-        let value = self.scl_value(ctx, pins.get("IN")?)?;
-        let value = self.scl_own_type(ctx, value)?;
-        let target = self.scl_access(ctx, pins.get("OUT")?, Intent::Write)?;
+        let value = self.value(ctx, pins.get("IN")?)?;
+        let value = self.own_type(ctx, value)?;
+        let target = self.access(ctx, pins.get("OUT")?, Intent::Write)?;
         let bits = self.bits_of(&target, value.ty, pins.name)?;
         let mut code = Vec::new();
         let whole = self.temp(ctx, value.ty, span);
@@ -222,8 +221,8 @@ impl SclBinder<'_, '_> {
 
     /// GATHER: element i of IN to bit i of OUT.
     fn gather(&mut self, ctx: &mut SclBlock, pins: &Pins, span: Span) -> Option<Vec<StatementKind>> {
-        let source = self.scl_access(ctx, pins.get("IN")?, Intent::Read)?;
-        let target = self.scl_access(ctx, pins.get("OUT")?, Intent::Write)?;
+        let source = self.access(ctx, pins.get("IN")?, Intent::Read)?;
+        let target = self.access(ctx, pins.get("OUT")?, Intent::Write)?;
         let Some(ty) = target.elementary() else {
             let is = format!("of type {}", layout::type_name(&target.ty));
             self.wrong_type(target.span, &is, "a bit string", None);
@@ -257,8 +256,8 @@ impl SclBinder<'_, '_> {
             _ => None,
         };
         let Some(places) = places.filter(|places| places.len() == ty.bits() as usize && ty.bits() > 1) else {
-            let text = self.program.text(access.span);
-            self.program.report.push(
+            let text = self.program.globals.text(access.span);
+            self.program.report(
                 Diagnostic::new(
                     Code::TypeMismatch,
                     access.span,
@@ -276,12 +275,12 @@ impl SclBinder<'_, '_> {
     /// DEMUX: IN to the output with number K.
     fn demux(&mut self, ctx: &mut SclBlock, pins: &Pins, span: Span) -> Option<Vec<StatementKind>> {
         let selector = self.dint(ctx, pins.get("K")?);
-        let value = self.scl_value(ctx, pins.get("IN")?)?;
-        let value = self.scl_own_type(ctx, value)?;
+        let value = self.value(ctx, pins.get("IN")?)?;
+        let value = self.own_type(ctx, value)?;
         let mut code = Vec::new();
         let kept = self.kept(ctx, &mut code, value);
         let mut assign = |node: &Node| {
-            let target = self.scl_access(ctx, node, Intent::Write)?;
+            let target = self.access(ctx, node, Intent::Write)?;
             let Some(ty) = target.elementary() else {
                 let is = format!("of type {}", layout::type_name(&target.ty));
                 self.wrong_type(target.span, &is, kept.ty.name(), None);
@@ -305,13 +304,13 @@ impl SclBinder<'_, '_> {
 
     /// An integer of any type as DINT.
     pub fn dint(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Expr> {
-        let value = self.scl_value(ctx, node)?;
+        let value = self.value(ctx, node)?;
         match Shape::of(&value) {
             Shape::Of(ty) if ty.is_integer() || (ty.class() == Class::Bits && ty != Elementary::Bool) => {
-                let value = self.scl_own_type(ctx, value)?;
+                let value = self.own_type(ctx, value)?;
                 convert::explicit_expr(ctx.scope.rules, value, Elementary::Dint)
             }
-            _ => self.scl_convert(ctx, value, Elementary::Dint),
+            _ => self.convert(ctx, value, Elementary::Dint),
         }
     }
 

@@ -14,7 +14,7 @@ pub const DEPTH_MAX: u32 = 200;
 
 impl SclBinder<'_, '_> {
     pub(super) fn too_deep(&mut self, span: Span) {
-        self.program.report.push(
+        self.program.report(
             Diagnostic::new(Code::Syntax, span, "this is nested too deep")
                 .label(format!("more than {} levels", DEPTH_MAX))
                 .help("store parts of it in variables, or split the block"),
@@ -23,10 +23,10 @@ impl SclBinder<'_, '_> {
 
     /// A value whose type does not convert to `wanted` implicitly.
     pub(in crate::bind) fn wrong_type(&mut self, span: Span, is: &str, wanted: &str, help: Option<String>) {
-        let text = self.program.text(span);
+        let text = self.program.globals.text(span);
         let message = Diagnostic::new(Code::TypeMismatch, span, format!("`{text}` is {is}, but {wanted} is expected"))
             .label(is.to_string());
-        self.program.report.push(match help {
+        self.program.report(match help {
             Some(help) => message.help(help),
             None => message,
         });
@@ -45,8 +45,8 @@ impl SclBinder<'_, '_> {
 
     /// A value that may not fit where it goes.
     pub(super) fn may_lose(&mut self, span: Span, from: Elementary, to: Elementary) {
-        let text = self.program.text(span);
-        self.program.report.push(
+        let text = self.program.globals.text(span);
+        self.program.report(
             Diagnostic::new(
                 Code::Narrowing,
                 span,
@@ -60,7 +60,7 @@ impl SclBinder<'_, '_> {
     /// Something that is not possible here, and what to do about it.
     pub(in crate::bind) fn refuse(&mut self, code: Code, span: Span, title: &str, label: &str, help: &str) {
         let message = Diagnostic::new(code, span, title).label(label);
-        self.program.report.push(if help.is_empty() { message } else { message.help(help) });
+        self.program.report(if help.is_empty() { message } else { message.help(help) });
     }
 }
 

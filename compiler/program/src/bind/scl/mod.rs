@@ -52,13 +52,13 @@ mod call_tests;
 #[cfg(test)]
 pub(in crate::bind) mod tests;
 
-use crate::bind::declarations::Declarations;
-use crate::bind::declarations::block::CurrentBlock;
-use crate::bind::stl::StlBinder;
 use plcc_syntax::ast;
 use plcc_syntax::scl::ast::{Body as Tree, Dialect, ExprKind, NameForm};
 
-pub use crate::bind::declarations::rules::Rules;
+use crate::bind::declarations::Declarations;
+use crate::bind::declarations::block::CurrentBlock;
+pub use crate::bind::globals::rules::Rules;
+use crate::bind::stl::StlBinder;
 use plcc_model::scl::Body;
 pub use scope::Scope;
 
@@ -95,8 +95,8 @@ impl<'b, 'a> SclBinder<'b, 'a> {
 
 impl SclBinder<'_, '_> {
     /// Binds the statements of a block.
-    pub fn bind_scl(&mut self, current: &mut CurrentBlock, block: &ast::CodeBlock, body: &Tree) -> Body {
-        let scope = Scope::new(self.program.input, &block.header, body.dialect);
+    pub fn bind_block(&mut self, current: &mut CurrentBlock, block: &ast::CodeBlock, body: &Tree) -> Body {
+        let scope = Scope::new(self.program.globals.input, &block.header, body.dialect);
         let ctx = &mut SclBlock { block: current, scope };
         ctx.scope.marks_locals = body.dialect == Dialect::Tia && marks_locals(&block.code);
         self.collect_labels(ctx, &body.statements);

@@ -14,8 +14,7 @@ use super::pins::Pins;
 use super::text::is_wide_text;
 use super::value::Value;
 use super::{Rules, constant};
-use crate::bind::scl::SclBinder;
-use crate::bind::scl::SclBlock;
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
 use plcc_model::scl::{BinaryOp, Conversion, Expr, ExprKind, Function, UnaryOp};
 use plcc_model::types::DataType;
@@ -39,7 +38,7 @@ impl SclBinder<'_, '_> {
             }
             Kind::Extreme(op) => {
                 let nodes = pins.numbered("IN1");
-                let values: Vec<Option<Value>> = nodes.iter().map(|node| self.scl_value(ctx, node)).collect();
+                let values: Vec<Option<Value>> = nodes.iter().map(|node| self.value(ctx, node)).collect();
                 let values: Vec<Value> = values.into_iter().collect::<Option<_>>()?;
                 if let Some(kind) = values.iter().find_map(ordered_kind) {
                     let name = if op == BinaryOp::Min { "MIN" } else { "MAX" };
@@ -60,7 +59,7 @@ impl SclBinder<'_, '_> {
             }
             Kind::Limit => {
                 let nodes = [pins.get("MN")?, pins.get("IN")?, pins.get("MX")?];
-                let values = nodes.map(|node| self.scl_value(ctx, node));
+                let values = nodes.map(|node| self.value(ctx, node));
                 let values: Vec<Value> = values.into_iter().collect::<Option<_>>()?;
                 if let Some(kind) = values.iter().find_map(ordered_kind) {
                     return self.instruction_value(ctx, &format!("LIMIT_{kind}"), values, span);
@@ -69,8 +68,8 @@ impl SclBinder<'_, '_> {
                 Some(computed(Function::Limit, arguments, ty, span))
             }
             Kind::Select => {
-                let selector = self.scl_of_type(ctx, pins.get("G")?, Elementary::Bool);
-                let values = [pins.get("IN0")?, pins.get("IN1")?].map(|node| self.scl_value(ctx, node));
+                let selector = self.of_type(ctx, pins.get("G")?, Elementary::Bool);
+                let values = [pins.get("IN0")?, pins.get("IN1")?].map(|node| self.value(ctx, node));
                 let values: Vec<Value> = values.into_iter().collect::<Option<_>>()?;
                 if let Some(kind) = values.iter().find_map(complex_kind) {
                     let inputs = std::iter::once(Value::Elementary(selector?)).chain(values).collect();
@@ -143,7 +142,7 @@ impl SclBinder<'_, '_> {
 
     /// A value as a float: LREAL stays, everything else converts to REAL.
     fn float_value(&mut self, ctx: &mut SclBlock, node: &Node, suffix: Option<Elementary>) -> Option<Expr> {
-        let value = self.scl_value(ctx, node)?;
+        let value = self.value(ctx, node)?;
         let ty = match (suffix, Shape::of(&value)) {
             (Some(ty), _) if ty.is_float() => ty,
             (_, Shape::Of(Elementary::Lreal)) => Elementary::Lreal,
@@ -151,40 +150,40 @@ impl SclBinder<'_, '_> {
             (_, Shape::Real) => constant::default_type(ctx.scope.rules, &Constant::Real(0.0)),
             // Also of a DINT, which TIA only converts to LREAL.
             (_, Shape::Of(ty)) if ty.is_integer() => {
-                let expr = self.scl_own_type(ctx, value)?;
+                let expr = self.own_type(ctx, value)?;
                 return convert::explicit_expr(ctx.scope.rules, expr, Elementary::Real);
             }
             _ => Elementary::Real,
         };
-        self.scl_convert(ctx, value, ty)
+        self.convert(ctx, value, ty)
     }
 
     /// A value as a bit string: with its own type, or that of the suffix.
     fn bits_value(&mut self, ctx: &mut SclBlock, node: &Node, suffix: Option<Elementary>) -> Option<Expr> {
-        let value = self.scl_value(ctx, node)?;
+        let value = self.value(ctx, node)?;
         let ty = match (suffix, Shape::of(&value)) {
             (Some(ty), _) => ty,
             (None, Shape::Of(ty)) if ty != Elementary::Bool => match numeric::bit_string(Rules::Tia1500, ty) {
                 Some(bits) if bits == ty => ty,
                 Some(bits) => {
-                    let expr = self.scl_own_type(ctx, value)?;
+                    let expr = self.own_type(ctx, value)?;
                     return Some(converted(expr, Conversion::Bits { checked: false }, bits));
                 }
                 None => Elementary::Dword,
             },
             _ => Elementary::Dword,
         };
-        self.scl_convert(ctx, value, ty)
+        self.convert(ctx, value, ty)
     }
 
     /// A count: an integer of any type.
     fn count_value(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Expr> {
-        let value = self.scl_value(ctx, node)?;
+        let value = self.value(ctx, node)?;
         if let Value::Constant(Constant::Integer { value: count, .. }, span) = &value
             && *count < 0
         {
             let span = *span;
-            self.program.report.push(
+            self.program.report(
                 Diagnostic::new(Code::ShiftCount, span, "this number is negative")
                     .label("0 or more is expected")
                     .help("for the other direction call the other function"),
@@ -192,10 +191,10 @@ impl SclBinder<'_, '_> {
             return None;
         }
         match Shape::of(&value) {
-            Shape::Of(ty) if ty.is_integer() => self.scl_own_type(ctx, value),
+            Shape::Of(ty) if ty.is_integer() => self.own_type(ctx, value),
             // A bit string counts with its value.
             Shape::Of(ty) if ty.class() == Class::Bits && ty != Elementary::Bool => {
-                let expr = self.scl_own_type(ctx, value)?;
+                let expr = self.own_type(ctx, value)?;
                 let target = match ty.bits() {
                     8 => Elementary::Usint,
                     16 => Elementary::Uint,
@@ -207,7 +206,7 @@ impl SclBinder<'_, '_> {
             _ => {
                 let is_long = matches!(&value, Value::Constant(Constant::Integer { value: count, .. }, _) if *count > i128::from(i16::MAX));
                 let wide = is_long && !ctx.scope.rules.is_300();
-                self.scl_convert(ctx, value, if wide { Elementary::Udint } else { Elementary::Int })
+                self.convert(ctx, value, if wide { Elementary::Udint } else { Elementary::Int })
             }
         }
     }
@@ -217,7 +216,7 @@ impl SclBinder<'_, '_> {
         let mut nodes = pins.numbered("IN0");
         let otherwise = pins.get("INELSE");
         nodes.extend(otherwise);
-        let values: Vec<Option<Value>> = nodes.iter().map(|node| self.scl_value(ctx, node)).collect();
+        let values: Vec<Option<Value>> = nodes.iter().map(|node| self.value(ctx, node)).collect();
         let values: Vec<Value> = values.into_iter().collect::<Option<_>>()?;
         if let Some(kind) = values.iter().find_map(complex_kind) {
             return self.mux_by_selection(ctx, kind, selector?, values, otherwise.is_some(), span);
@@ -286,7 +285,7 @@ impl SclBinder<'_, '_> {
         pins: &Pins,
         span: Span,
     ) -> Option<Expr> {
-        let value = self.scl_value(ctx, pins.get("IN")?);
+        let value = self.value(ctx, pins.get("IN")?);
         let count = self.count_value(ctx, pins.get("N")?);
         let value = value?;
         let ty = match (suffix, Shape::of(&value)) {
@@ -299,7 +298,7 @@ impl SclBinder<'_, '_> {
             self.wrong_type(value.span(), &is, "a bit string or an integer", None);
             return None;
         }
-        let left = self.scl_convert(ctx, value, ty)?;
+        let left = self.convert(ctx, value, ty)?;
         let bits = numeric::bit_string(Rules::Tia1500, ty).filter(|bits| *bits != ty);
         let make = |left: Expr, count: Expr| {
             let ty = left.ty;
@@ -321,7 +320,7 @@ impl SclBinder<'_, '_> {
         nodes: &[&Node],
         suffix: Option<Elementary>,
     ) -> Option<(Vec<Expr>, Elementary)> {
-        let values: Vec<Option<Value>> = nodes.iter().map(|node| self.scl_value(ctx, node)).collect();
+        let values: Vec<Option<Value>> = nodes.iter().map(|node| self.value(ctx, node)).collect();
         let values: Vec<Value> = values.into_iter().collect::<Option<_>>()?;
         self.alike_values(ctx, values, suffix)
     }
@@ -336,7 +335,7 @@ impl SclBinder<'_, '_> {
             Some(ty) => ty,
             None => self.widest(ctx, &values)?,
         };
-        let bound: Vec<Option<Expr>> = values.into_iter().map(|value| self.scl_convert(ctx, value, ty)).collect();
+        let bound: Vec<Option<Expr>> = values.into_iter().map(|value| self.convert(ctx, value, ty)).collect();
         Some((bound.into_iter().collect::<Option<_>>()?, ty))
     }
 
@@ -393,7 +392,7 @@ impl SclBinder<'_, '_> {
     }
 
     fn bad_suffix<T>(&mut self, row: &Row, ty: Elementary, name: Span) -> Option<T> {
-        self.program.report.push(
+        self.program.report(
             Diagnostic::new(Code::TypeMismatch, name, format!("{} has no variant for type {}", row.name, ty.name()))
                 .label("this type cannot follow the name")
                 .help(format!("write {} alone, and convert its result", row.name)),
@@ -412,17 +411,17 @@ impl SclBinder<'_, '_> {
     ) -> Option<Value> {
         let node = self.only_argument(ctx, given, span)?;
         let value = match from {
-            Some(from) => self.scl_of_type(ctx, node, from)?,
+            Some(from) => self.of_type(ctx, node, from)?,
             None => {
-                let value = self.scl_value(ctx, node)?;
-                self.scl_own_type(ctx, value)?
+                let value = self.value(ctx, node)?;
+                self.own_type(ctx, value)?
             }
         };
         let from = value.ty;
         match convert::explicit_expr(ctx.scope.rules, value, to) {
             Some(expr) => Some(Value::Elementary(Expr { span, ..expr })),
             None => {
-                self.program.report.push(
+                self.program.report(
                     Diagnostic::new(
                         Code::TypeMismatch,
                         span,
@@ -440,7 +439,7 @@ impl SclBinder<'_, '_> {
     pub fn bcd_conversion(&mut self, ctx: &mut SclBlock, name: &str, given: &[Given], span: Span) -> Option<Value> {
         let node = self.only_argument(ctx, given, span)?;
         let (from, conversion, to) = convert::bcd(ctx.scope.rules, name)?;
-        let value = self.scl_of_type(ctx, node, from)?;
+        let value = self.of_type(ctx, node, from)?;
         Some(Value::Elementary(Expr { span, ..converted(value, conversion, to) }))
     }
 
@@ -449,7 +448,7 @@ impl SclBinder<'_, '_> {
         if let [Given { output: false, value: Some(value), .. }] = given {
             return Some(value);
         }
-        self.program.report.push(
+        self.program.report(
             Diagnostic::new(
                 if given.len() > 1 { Code::SurplusOperand } else { Code::MissingParameter },
                 span,
@@ -464,7 +463,7 @@ impl SclBinder<'_, '_> {
 
     /// An operator as a function.
     pub fn operator_function(&mut self, ctx: &mut SclBlock, op: NodeOp, pins: &Pins, span: Span) -> Option<Value> {
-        let (left, right) = (self.scl_value(ctx, pins.get("IN1")?), self.scl_value(ctx, pins.get("IN2")?));
+        let (left, right) = (self.value(ctx, pins.get("IN1")?), self.value(ctx, pins.get("IN2")?));
         self.operation(ctx, op, pins.name, left?, right?, span)
     }
 

@@ -5,8 +5,7 @@ use plcc_syntax::scl::ast::{Argument as Given, Expr as Node};
 
 use super::arguments::names_eno;
 use super::function::{Kind, Row};
-use crate::bind::scl::SclBinder;
-use crate::bind::scl::SclBlock;
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::fold;
 use plcc_binding::similar;
 
@@ -89,7 +88,7 @@ impl SclBinder<'_, '_> {
             let span = argument.name.as_ref().map_or(argument.span, |name| name.span);
             if pins.given.iter().any(|(name, other, _)| *name == pin.name() && *other == number) {
                 good = false;
-                self.program.report.push(
+                self.program.report(
                     Diagnostic::new(Code::DuplicateParameter, span, format!("`{}` is given twice", pin.name()))
                         .label("the second time"),
                 );
@@ -97,7 +96,7 @@ impl SclBinder<'_, '_> {
             }
             if argument.output && !pin.output {
                 good = false;
-                self.program.report.push(
+                self.program.report(
                     Diagnostic::new(Code::AssignSign, argument.span, format!("`{}` is an input", pin.name()))
                         .label("`=>` is for outputs of the function")
                         .help(format!("write `{} := ...`", pin.name())),
@@ -114,7 +113,7 @@ impl SclBinder<'_, '_> {
             .collect();
         if good && !missing.is_empty() {
             good = false;
-            self.program.report.push(
+            self.program.report(
                 Diagnostic::new(
                     Code::MissingParameter,
                     name,
@@ -149,7 +148,7 @@ impl SclBinder<'_, '_> {
             };
             if found.is_none() {
                 *good = false;
-                self.program.report.push(
+                self.program.report(
                     Diagnostic::new(Code::SurplusOperand, argument.span, format!("{} has no such argument", row.name))
                         .label(format!("its arguments are {}", list.len())),
                 );
@@ -173,7 +172,7 @@ impl SclBinder<'_, '_> {
         .label("no such parameter");
         let names = list.iter().map(|pin| pin.name());
         let all: Vec<&str> = names.clone().collect();
-        self.program.report.push(match similar(&name.text, names) {
+        self.program.report(match similar(&name.text, names) {
             _ if eno => message.help("read `ENO` in the statement after it"),
             Some(other) => message.help(format!("is `{other}` meant?")),
             None => message.help(format!("its parameters are {}", all.join(", "))),
@@ -183,8 +182,8 @@ impl SclBinder<'_, '_> {
 
     /// A function without a value inside an expression.
     pub fn no_value(&mut self, span: Span) {
-        let text = self.program.text(span);
-        self.program.report.push(
+        let text = self.program.globals.text(span);
+        self.program.report(
             Diagnostic::new(Code::TypeMismatch, span, format!("`{text}` has no value"))
                 .label("this function has no result that an expression could use")
                 .help("call it in a separate statement"),

@@ -7,13 +7,10 @@ use super::actual::{access_type, is_variable};
 use super::message::described;
 use super::value::Value;
 use crate::bind::declarations::pointer::{
-    POINTS_AT_NOTHING, code_for, code_for_elements, for_formal, pointed_at, pointed_at_by_literal, pointer_bytes,
+    POINTS_AT_NOTHING, any_bytes, any_number_of_block, any_number_of_cell, code_for, code_for_elements, for_formal,
+    known_pointer, local_place, pointed_at, pointed_at_by_literal, pointer_bytes,
 };
-use crate::bind::declarations::pointer::{
-    any_bytes, any_number_of_block, any_number_of_cell, known_pointer, local_place,
-};
-use crate::bind::scl::SclBinder;
-use crate::bind::scl::SclBlock;
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
 use plcc_model::layout::{self, type_code};
 use plcc_model::scl::{Access, Actual, Base, Complex, Expr, ExprKind};
@@ -22,7 +19,7 @@ use plcc_model::{BlockKey, Number, Parameter, Place, Pointed};
 
 impl SclBinder<'_, '_> {
     /// The actual of a POINTER.
-    pub fn scl_pointer(
+    pub fn pointer(
         &mut self,
         ctx: &mut SclBlock,
         callee: BlockKey,
@@ -57,7 +54,7 @@ impl SclBinder<'_, '_> {
     }
 
     /// The actual of an ANY.
-    pub fn scl_any(
+    pub fn any(
         &mut self,
         ctx: &mut SclBlock,
         callee: BlockKey,
@@ -91,7 +88,7 @@ impl SclBinder<'_, '_> {
             let access = self.pointed(ctx, node, intent)?;
             return self.any_to(callee, formal, access, node);
         }
-        match self.scl_value(ctx, node)? {
+        match self.value(ctx, node)? {
             Value::Elementary(Expr { kind: ExprKind::Load(access), .. }) if access.part.is_none() => {
                 self.any_to(callee, formal, *access, node)
             }
@@ -115,7 +112,7 @@ impl SclBinder<'_, '_> {
                 self.any_of_complex(ctx, formal, node, &DataType::DateAndTime)
             }
             value @ Value::Constant(..) => {
-                let value = self.scl_own_type(ctx, value)?;
+                let value = self.own_type(ctx, value)?;
                 Some(any_of_value(formal, value))
             }
             Value::Cell { kind, number: Number::Known(number), .. } => {
@@ -131,7 +128,7 @@ impl SclBinder<'_, '_> {
 
     fn any_of_complex(&mut self, ctx: &mut SclBlock, formal: &Parameter, node: &Node, ty: &DataType) -> Option<Actual> {
         let (type_code, count) = code_for(formal, ty);
-        let value = self.scl_complex(ctx, node, ty)?;
+        let value = self.complex(ctx, node, ty)?;
         let any = Actual::PointerToComplex { value, type_code, count: count.min(0xFFFF) as u16 };
         Some(for_formal(formal, any, pointed_at(ty)))
     }
@@ -173,7 +170,7 @@ impl SclBinder<'_, '_> {
 
     /// The variable that a pointer points at. The target of an ANY or POINTER formal is not itself read or written here.
     fn pointed(&mut self, ctx: &mut SclBlock, node: &Node, intent: Intent) -> Option<Access> {
-        self.scl_access(ctx, node, intent)
+        self.access(ctx, node, intent)
     }
 }
 

@@ -7,13 +7,13 @@
 use plcc_abi::image::BlockKind;
 use plcc_stdlib::{BlockClass, Form};
 
-use super::call::is_result;
-use crate::bind::scl::SclBinder;
 use plcc_model::BlockKey;
 use plcc_model::scl::{Access, Actual, Argument, Call, Complex, ExprKind, StatementKind};
 use plcc_model::types::DataType;
 
+use super::call::is_result;
 use super::value::Value;
+use crate::bind::scl::SclBinder;
 
 impl SclBinder<'_, '_> {
     /// The call that writes `value` to `target` itself; otherwise returns the value.
@@ -54,12 +54,13 @@ impl SclBinder<'_, '_> {
 
     fn writes_texts(&self, key: BlockKey) -> bool {
         let function = matches!(key.kind, BlockKind::Fc | BlockKind::Sfc);
-        function && self.program.library_block(key).is_some_and(|block| block.form == Form::Source)
+        function && self.program.globals.library_block(key).is_some_and(|block| block.form == Form::Source)
     }
 
     /// FC 37 STRNG_DI, FC 38 STRNG_I, FC 39 STRNG_R.
     fn may_write_nothing(&self, key: BlockKey) -> bool {
         self.program
+            .globals
             .library_block(key)
             .is_some_and(|block| block.class == BlockClass::Fc && (37..=39).contains(&block.number))
     }

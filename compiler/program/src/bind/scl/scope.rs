@@ -7,7 +7,7 @@ use rustc_hash::FxHashMap;
 
 use super::place::Spot;
 use crate::bind::declarations::path::Variable;
-use crate::bind::declarations::rules::Rules;
+use crate::bind::globals::rules::Rules;
 use plcc_binding::BindInput;
 use plcc_model::LabelId;
 use plcc_model::scl::{Expr, Statement};

@@ -1,6 +1,5 @@
 //! Statements. Source: SCL reference, statements.
 
-use crate::bind::scl::message::DEPTH_MAX;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::Elementary;
 use plcc_syntax::scl::ast::{
@@ -11,8 +10,8 @@ use super::Intent;
 use super::constant;
 use super::expression::{constant_expr, typed_constant};
 use super::value::Value;
-use crate::bind::scl::SclBinder;
-use crate::bind::scl::SclBlock;
+use crate::bind::scl::message::DEPTH_MAX;
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_model::scl::{Complex, Expr, ExprKind, Statement, StatementKind};
 use plcc_model::types::DataType;
 use plcc_model::{self, StlStatementKind};
@@ -102,8 +101,8 @@ impl SclBinder<'_, '_> {
 
     /// A condition: BOOL only.
     fn condition(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Expr> {
-        let value = self.scl_value(ctx, node)?;
-        self.scl_convert(ctx, value, Elementary::Bool)
+        let value = self.value(ctx, node)?;
+        self.convert(ctx, value, Elementary::Bool)
     }
 
     /// A call, or an expression that was meant as something else.
@@ -118,7 +117,7 @@ impl SclBinder<'_, '_> {
                 bound.extend(filling);
                 None
             }
-            NodeKind::Call { .. } => match self.scl_call(ctx, node, true)? {
+            NodeKind::Call { .. } => match self.call(ctx, node, true)? {
                 Value::Nothing(call) => Some(StatementKind::Call(call)),
                 Value::Complex { value: Complex::Call(call), .. } => Some(StatementKind::Call(call)),
                 Value::Elementary(Expr { kind: ExprKind::Call(call), .. }) => Some(StatementKind::Call(call)),
@@ -134,7 +133,7 @@ impl SclBinder<'_, '_> {
                 _ => None,
             },
             NodeKind::Binary { op: Operator::Equal, op_span, .. } => {
-                self.program.report.push(
+                self.program.report(
                     Diagnostic::new(Code::AssignSign, *op_span, "this compares and does nothing with the result")
                         .label("a comparison")
                         .help("to assign write `:=`"),
@@ -143,7 +142,7 @@ impl SclBinder<'_, '_> {
             }
             NodeKind::Error => None,
             _ => {
-                let text = self.program.text(node.span);
+                let text = self.program.globals.text(node.span);
                 self.refuse(
                     Code::Syntax,
                     node.span,
@@ -185,11 +184,11 @@ impl SclBinder<'_, '_> {
         body: &[Tree],
         span: Span,
     ) -> Option<StatementKind> {
-        let spot = self.scl_spot(ctx, variable, Intent::Write);
+        let spot = self.spot(ctx, variable, Intent::Write);
         let ty = match spot.as_ref().map(|spot| (&spot.ty, spot.part)) {
             Some((DataType::Elementary(ty), None)) if ty.is_integer() => Some(*ty),
             Some(_) => {
-                let text = self.program.text(variable.span);
+                let text = self.program.globals.text(variable.span);
                 self.refuse(
                     Code::TypeMismatch,
                     variable.span,
@@ -202,8 +201,8 @@ impl SclBinder<'_, '_> {
             None => None,
         };
         let mut limit = |binder: &mut Self, node: &Node| match ty {
-            Some(ty) => binder.scl_of_type(ctx, node, ty),
-            None => binder.scl_value(ctx, node).and(None),
+            Some(ty) => binder.of_type(ctx, node, ty),
+            None => binder.value(ctx, node).and(None),
         };
         let start = limit(self, start);
         let end = limit(self, end);

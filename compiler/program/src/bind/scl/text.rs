@@ -10,8 +10,7 @@ use super::function::Named;
 use super::pins::Pins;
 use super::value::Value;
 use super::{Intent, Rules, convert};
-use crate::bind::scl::SclBinder;
-use crate::bind::scl::SclBlock;
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
 use plcc_binding::fold;
 use plcc_model::scl::{Actual, Argument, Call, Complex, Expr};
@@ -142,20 +141,20 @@ impl SclBinder<'_, '_> {
         match (from, to) {
             ("CHAR", "STRING") | ("WCHAR", "WSTRING") => {
                 let wide = from == "WCHAR";
-                let value = self.scl_of_type(ctx, node, if wide { Elementary::Wchar } else { Elementary::Char })?;
+                let value = self.of_type(ctx, node, if wide { Elementary::Wchar } else { Elementary::Char })?;
                 let ty = if wide { DataType::WideString(1) } else { DataType::String(1) };
                 return Some(Value::Complex { value: Complex::Character(Box::new(value)), ty, span });
             }
             _ => {}
         }
-        let value = self.scl_value(ctx, node)?;
+        let value = self.value(ctx, node)?;
         let own = type_word(&value);
         let from = if from == ANY_TYPE { own.as_deref().unwrap_or_default() } else { from };
         match self.converted_text(ctx, from, to, value, name, span) {
             Ok(value) => value,
             Err(_) => {
                 let function = function.trim_start_matches(ANY_TYPE).trim_start_matches('_');
-                self.program.report.missing_function(function, name, None, true);
+                self.program.globals.report.missing_function(function, name, None, true);
                 None
             }
         }
@@ -179,7 +178,7 @@ impl SclBinder<'_, '_> {
         if let Some(own) = Elementary::from_word(from)
             && let Some((through, key)) = self.wider_block(ctx, own, |word| (word.to_string(), to.to_string()))
         {
-            let Some(value) = self.scl_convert(ctx, value, own) else { return Ok(None) };
+            let Some(value) = self.convert(ctx, value, own) else { return Ok(None) };
             let Some(value) = convert::explicit_expr(ctx.scope.rules, value, through) else { return Ok(None) };
             return Ok(self.library_call(ctx, key, vec![Value::Elementary(value)], name, span));
         }
@@ -243,7 +242,7 @@ impl SclBinder<'_, '_> {
             "Chars_TO_Strg" => Overload::Text(text_argument(given)),
             _ => Overload::Text(deciding),
         };
-        if self.is_instance(ctx, name) || self.program.names.globals.contains_key(&fold(own)) {
+        if self.is_instance(ctx, name) || self.program.globals.names.symbols.contains_key(&fold(own)) {
             return None;
         }
         let suffix = match kind {
@@ -260,7 +259,7 @@ impl SclBinder<'_, '_> {
                 "WSTRING"
             }
         };
-        plcc_stdlib::find_tia(&format!("{own}_{suffix}")).map(|block| self.program.library.key_of(block))
+        plcc_stdlib::find_tia(&format!("{own}_{suffix}")).map(|block| self.program.globals.library.key_of(block))
     }
 
     /// The type of an expression; reports no mistakes in it.
@@ -275,9 +274,9 @@ impl SclBinder<'_, '_> {
     }
 
     fn quiet_value(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Value> {
-        let (told, reads) = (self.program.report.diagnostics.len(), ctx.scope.temp_reads.len());
-        let value = self.scl_value(ctx, node);
-        self.program.report.diagnostics.truncate(told);
+        let (told, reads) = (self.program.globals.report.diagnostics.len(), ctx.scope.temp_reads.len());
+        let value = self.value(ctx, node);
+        self.program.globals.report.diagnostics.truncate(told);
         ctx.scope.temp_reads.truncate(reads);
         value
     }
@@ -302,7 +301,7 @@ impl SclBinder<'_, '_> {
 
     /// True of a function whose result is a WSTRING; reports no mistakes.
     fn gives_wide_text(&mut self, ctx: &mut SclBlock, callee: &Node) -> bool {
-        let told = self.program.report.diagnostics.len();
+        let told = self.program.globals.report.diagnostics.len();
         let wide = match self.callee(ctx, callee) {
             Some(Callee::Block { key, instance: None }) => {
                 self.program.interface(key, callee.span).is_some_and(|bound| {
@@ -312,7 +311,7 @@ impl SclBinder<'_, '_> {
             }
             _ => false,
         };
-        self.program.report.diagnostics.truncate(told);
+        self.program.globals.report.diagnostics.truncate(told);
         wide
     }
 
@@ -320,14 +319,14 @@ impl SclBinder<'_, '_> {
     pub fn concat(&mut self, ctx: &mut SclBlock, pins: &Pins, name: Span, span: Span) -> Option<Value> {
         let nodes = pins.numbered("IN1");
         if nodes.len() < 2 {
-            self.program.report.push(
+            self.program.report(
                 Diagnostic::new(Code::MissingParameter, name, "CONCAT joins two texts or more")
                     .label("one is given")
                     .help("add `IN2 := ...`"),
             );
             return None;
         }
-        let values: Vec<Option<Value>> = nodes.iter().map(|node| self.scl_value(ctx, node)).collect();
+        let values: Vec<Option<Value>> = nodes.iter().map(|node| self.value(ctx, node)).collect();
         let values: Vec<Value> = values.into_iter().collect::<Option<_>>()?;
         let is_wide = values.iter().any(|value| match value {
             Value::Elementary(expr) => expr.ty == Elementary::Wchar,
@@ -335,7 +334,7 @@ impl SclBinder<'_, '_> {
         });
         let block = if is_wide { "CONCAT_WSTRING" } else { "CONCAT" };
         let Some(key) = self.library_function(ctx.scope.rules, block) else {
-            self.program.report.missing_function(block, name, None, true);
+            self.program.globals.report.missing_function(block, name, None, true);
             return None;
         };
         let mut values = values.into_iter();
@@ -365,8 +364,8 @@ impl SclBinder<'_, '_> {
         for ((parameter, formal), value) in inputs.zip(values) {
             let span = value.span();
             let actual = match &formal.ty {
-                DataType::Elementary(ty) => Actual::Value(self.scl_convert(ctx, value, *ty)?),
-                ty => Actual::Complex(self.scl_complex_value(ctx, value, ty)?),
+                DataType::Elementary(ty) => Actual::Value(self.convert(ctx, value, *ty)?),
+                ty => Actual::Complex(self.complex_value(ctx, value, ty)?),
             };
             arguments.push(Argument { parameter, actual, span });
         }

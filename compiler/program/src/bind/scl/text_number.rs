@@ -14,8 +14,7 @@ use super::function::TextNumber;
 use super::pins::Pins;
 use super::text::is_wide_text;
 use super::value::Value;
-use crate::bind::scl::SclBinder;
-use crate::bind::scl::SclBlock;
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
 use plcc_model::layout;
 use plcc_model::scl::{Access, Actual, Argument, Call, StatementKind};
@@ -42,7 +41,7 @@ const fn written_as(ty: Elementary) -> Option<&'static str> {
 impl SclBinder<'_, '_> {
     pub fn text_number(&mut self, ctx: &mut SclBlock, kind: TextNumber, pins: &Pins, span: Span) -> Option<Call> {
         let (input, output) = (pins.get("IN")?, pins.get("OUT")?);
-        let target = self.scl_access(ctx, output, Intent::Write)?;
+        let target = self.access(ctx, output, Intent::Write)?;
         if kind == TextNumber::Write && matches!(target.ty, DataType::WideString(_)) {
             return self.write_wide(ctx, pins, target, span);
         }
@@ -68,7 +67,7 @@ impl SclBinder<'_, '_> {
             }
         };
         let Some(key) = self.library_function(ctx.scope.rules, &block) else {
-            self.program.report.missing_function(&block, pins.name, None, true);
+            self.program.globals.report.missing_function(&block, pins.name, None, true);
             return None;
         };
         let bound = self.program.interface(key, pins.name)?;
@@ -102,7 +101,7 @@ impl SclBinder<'_, '_> {
         let (Some(writer), Some(key)) =
             (self.library_function(ctx.scope.rules, &narrow), self.library_function(ctx.scope.rules, wide))
         else {
-            self.program.report.missing_function(&narrow, pins.name, None, true);
+            self.program.globals.report.missing_function(&narrow, pins.name, None, true);
             return None;
         };
         let bound = self.program.interface(writer, pins.name)?;
@@ -119,12 +118,12 @@ impl SclBinder<'_, '_> {
             arguments.push(Argument { parameter, actual, span: node.span });
         }
         let field = Call { target: writer, instance: None, arguments, enable: None, eno: None, span };
-        let mut values = vec![self.call_value(field, false, pins.name)?, self.scl_value(ctx, output)?].into_iter();
+        let mut values = vec![self.call_value(field, false, pins.name)?, self.value(ctx, output)?].into_iter();
         let bound = self.program.interface(key, pins.name)?;
         let mut arguments = Vec::with_capacity(bound.interface.parameters.len());
         for (parameter, formal) in bound.interface.parameters.iter().enumerate() {
             let actual = match formal.direction {
-                Direction::Input => Actual::Complex(self.scl_complex_value(ctx, values.next()?, &formal.ty)?),
+                Direction::Input => Actual::Complex(self.complex_value(ctx, values.next()?, &formal.ty)?),
                 Direction::InOut => self.text_number_actual(ctx, key, formal, pins.get("P")?)?,
                 _ => Actual::Reference(target.clone()),
             };
@@ -147,16 +146,16 @@ impl SclBinder<'_, '_> {
     ) -> Option<Actual> {
         match (&formal.ty, formal.direction) {
             (DataType::Elementary(ty), Direction::InOut) if !is_variable(node) => {
-                Some(Actual::Value(self.scl_of_type(ctx, node, *ty)?))
+                Some(Actual::Value(self.of_type(ctx, node, *ty)?))
             }
             (DataType::String(_), Direction::Input) => {
-                let mut value = self.scl_value(ctx, node)?;
+                let mut value = self.value(ctx, node)?;
                 if is_wide_text(&value) {
                     value = self.instruction_value(ctx, "WSTRING_TO_STRING", vec![value], node.span)?;
                 }
-                Some(Actual::Complex(self.scl_complex_value(ctx, value, &formal.ty)?))
+                Some(Actual::Complex(self.complex_value(ctx, value, &formal.ty)?))
             }
-            _ => self.scl_actual(ctx, key, formal, node),
+            _ => self.actual(ctx, key, formal, node),
         }
     }
 
@@ -166,14 +165,14 @@ impl SclBinder<'_, '_> {
         if pins.eno.is_some() {
             return None;
         }
-        let (told, reads) = (self.program.report.diagnostics.len(), ctx.scope.temp_reads.len());
-        let target = self.scl_access(ctx, output, Intent::Write);
-        let value = self.scl_value(ctx, input);
+        let (told, reads) = (self.program.globals.report.diagnostics.len(), ctx.scope.temp_reads.len());
+        let target = self.access(ctx, output, Intent::Write);
+        let value = self.value(ctx, input);
         let wide_target = matches!(target.as_ref()?.ty, DataType::WideString(_));
         let from_wide = is_wide_text(value.as_ref()?);
         let narrowed = from_wide && matches!(target.as_ref()?.ty, DataType::String(_));
         if !wide_target && !narrowed {
-            self.program.report.diagnostics.truncate(told);
+            self.program.globals.report.diagnostics.truncate(told);
             ctx.scope.temp_reads.truncate(reads);
             return None;
         }
@@ -201,7 +200,7 @@ impl SclBinder<'_, '_> {
 
     /// The type of a number that is to be written; a constant has one that can hold it.
     fn number_type(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Elementary> {
-        let value = self.scl_value(ctx, node)?;
+        let value = self.value(ctx, node)?;
         self.number_type_of(&value, node.span)
     }
 
@@ -216,7 +215,7 @@ impl SclBinder<'_, '_> {
     }
 
     fn wrong_pin<T>(&mut self, span: Span, wanted: &str) -> Option<T> {
-        let text = self.program.text(span);
+        let text = self.program.globals.text(span);
         self.wrong_type(span, &format!("`{text}`"), wanted, None);
         None
     }

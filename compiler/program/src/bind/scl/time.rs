@@ -11,8 +11,7 @@ use super::function::Named;
 use super::numeric::Shape;
 use super::value::Value;
 use super::{Intent, Rules};
-use crate::bind::scl::SclBinder;
-use crate::bind::scl::SclBlock;
+use crate::bind::scl::{SclBinder, SclBlock};
 use Elementary::*;
 use plcc_binding::constant::Constant;
 use plcc_binding::fold;
@@ -92,28 +91,28 @@ impl SclBinder<'_, '_> {
                 self.combined(ctx, binary_op(op), left, right, ty, span)
             }
             (Of(ty @ (Time | Ltime)), Number) if op != Operator::Modulo => {
-                let left = self.scl_convert(ctx, left, ty);
+                let left = self.convert(ctx, left, ty);
                 let right = self.factor(ctx, right, ty);
                 let both = left.zip(right);
                 both.map(|(left, right)| Value::Elementary(binary_expr(binary_op(op), left, right, ty, span)))
             }
             (Number, Of(ty @ (Time | Ltime))) if matches!(op, Operator::Add | Operator::Multiply) => {
                 let left = self.factor(ctx, left, ty);
-                let right = self.scl_convert(ctx, right, ty);
+                let right = self.convert(ctx, right, ty);
                 let both = left.zip(right);
                 both.map(|(left, right)| Value::Elementary(binary_expr(binary_op(op), left, right, ty, span)))
             }
             (Of(day @ (TimeOfDay | Ltod)), Of(Time | Ltime)) if sum => {
                 let step = if day == Ltod { Ltime } else { Time };
-                let left = self.scl_convert(ctx, left, day);
-                let right = self.scl_convert(ctx, right, step);
+                let left = self.convert(ctx, left, day);
+                let right = self.convert(ctx, right, step);
                 let op = if subtract { BinaryOp::SubtractDay } else { BinaryOp::AddDay };
                 let both = left.zip(right);
                 both.map(|(left, right)| Value::Elementary(binary_expr(op, left, as_bits(right, day), day, span)))
             }
             (Of(Ldt), Of(Time | Ltime)) if sum => {
-                let left = self.scl_convert(ctx, left, Ldt);
-                let right = self.scl_convert(ctx, right, Ltime);
+                let left = self.convert(ctx, left, Ldt);
+                let right = self.convert(ctx, right, Ltime);
                 let both = left.zip(right);
                 both.map(|(left, right)| {
                     let sum = binary_expr(binary_op(op), as_bits(left, Lint), as_bits(right, Lint), Lint, span);
@@ -122,21 +121,21 @@ impl SclBinder<'_, '_> {
             }
             (Of(day), Of(other)) if subtract && day == other => self.difference(ctx, day, left, right, span),
             (Of(Date), Of(TimeOfDay)) if op == Operator::Add && ctx.scope.rules.is_300() => {
-                let left = self.scl_convert(ctx, left, Date);
-                let right = self.scl_convert(ctx, right, TimeOfDay);
+                let left = self.convert(ctx, left, Date);
+                let right = self.convert(ctx, right, TimeOfDay);
                 let both = left.zip(right);
                 both.and_then(|(a, b)| self.library_value(D_TOD_DT, vec![Actual::Value(a), Actual::Value(b)], span))
             }
             (DateAndTime, Of(Time)) if sum => {
                 let number = if subtract { SB_DT_TM } else { AD_DT_TM };
-                let left = self.scl_complex_value(ctx, left, &DataType::DateAndTime);
-                let right = self.scl_convert(ctx, right, Time);
+                let left = self.complex_value(ctx, left, &DataType::DateAndTime);
+                let right = self.convert(ctx, right, Time);
                 let both = left.zip(right);
                 both.and_then(|(a, b)| self.library_value(number, vec![Actual::Complex(a), Actual::Value(b)], span))
             }
             (DateAndTime, DateAndTime) if subtract => {
-                let left = self.scl_complex_value(ctx, left, &DataType::DateAndTime);
-                let right = self.scl_complex_value(ctx, right, &DataType::DateAndTime);
+                let left = self.complex_value(ctx, left, &DataType::DateAndTime);
+                let right = self.complex_value(ctx, right, &DataType::DateAndTime);
                 let both = left.zip(right);
                 both.and_then(|(a, b)| self.library_value(SB_DT_DT, vec![Actual::Complex(a), Actual::Complex(b)], span))
             }
@@ -200,27 +199,27 @@ impl SclBinder<'_, '_> {
         let NodeKind::Name(name) = &callee.kind else { return None };
         let Named::Row { row, suffix: None } = Named::find(&name.text)? else { return None };
         let own = matches!(row.name, "T_CONV" | "T_DIFF") && !ctx.scope.rules.is_300();
-        if !own || self.is_instance(ctx, name) || self.program.names.globals.contains_key(&fold(&name.text)) {
+        if !own || self.is_instance(ctx, name) || self.program.globals.names.symbols.contains_key(&fold(&name.text)) {
             return None;
         }
-        let (told, reads) = (self.program.report.diagnostics.len(), ctx.scope.temp_reads.len());
-        let access = self.scl_access(ctx, target, Intent::Write);
-        self.program.report.diagnostics.truncate(told);
+        let (told, reads) = (self.program.globals.report.diagnostics.len(), ctx.scope.temp_reads.len());
+        let access = self.access(ctx, target, Intent::Write);
+        self.program.globals.report.diagnostics.truncate(told);
         ctx.scope.temp_reads.truncate(reads);
         let to = access.filter(|access| access.part.is_none())?.ty;
         let span = node.span;
         let Some(pins) = self.pins(ctx, row, arguments, name.span) else { return Some(None) };
         if row.name == "T_CONV" {
-            let value = self.scl_value(ctx, pins.get("IN")?);
+            let value = self.value(ctx, pins.get("IN")?);
             return Some(value.and_then(|value| self.converted_time(ctx, value, &to, span)));
         }
-        let (left, right) = (self.scl_value(ctx, pins.get("IN1")?), self.scl_value(ctx, pins.get("IN2")?));
+        let (left, right) = (self.value(ctx, pins.get("IN1")?), self.value(ctx, pins.get("IN2")?));
         let Some((left, right)) = left.zip(right) else { return Some(None) };
         Some(match (moment(&left), moment(&right), &to) {
             // The days between two dates.
             (Moment::Of(Date), Moment::Of(Date), DataType::Elementary(ty)) if ty.is_integer() => {
-                let left = self.scl_convert(ctx, left, Date);
-                let right = self.scl_convert(ctx, right, Date);
+                let left = self.convert(ctx, left, Date);
+                let right = self.convert(ctx, right, Date);
                 left.zip(right).and_then(|(left, right)| {
                     let days = binary_expr(BinaryOp::Subtract, days_of(left), days_of(right), Dint, span);
                     convert::explicit_expr(ctx.scope.rules, days, *ty).map(Value::Elementary)
@@ -281,8 +280,8 @@ impl SclBinder<'_, '_> {
             return self.instruction_value(ctx, "ADD_DTL_TIME", vec![left, right, back], span);
         }
         let left = self.instruction_value(ctx, "DTL_TO_LDT", vec![left], span)?;
-        let left = self.scl_convert(ctx, left, Ldt)?;
-        let right = self.scl_convert(ctx, right, Ltime)?;
+        let left = self.convert(ctx, left, Ldt)?;
+        let right = self.convert(ctx, right, Ltime)?;
         let op = if back { BinaryOp::Subtract } else { BinaryOp::Add };
         let sum = binary_expr(op, as_bits(left, Lint), as_bits(right, Lint), Lint, span);
         self.instruction_value(ctx, "LDT_TO_DTL", vec![Value::Elementary(as_bits(sum, Ldt))], span)
@@ -309,7 +308,7 @@ impl SclBinder<'_, '_> {
     pub(super) fn as_ldt(&mut self, ctx: &mut SclBlock, value: Value) -> Option<Expr> {
         let span = value.span();
         match moment(&value) {
-            Moment::Of(Ldt) => self.scl_convert(ctx, value, Ldt),
+            Moment::Of(Ldt) => self.convert(ctx, value, Ldt),
             Moment::DateAndTime => {
                 let dtl = self.instruction_value(ctx, "DT_TO_DTL", vec![value], span)?;
                 self.as_ldt(ctx, dtl)
@@ -330,7 +329,7 @@ impl SclBinder<'_, '_> {
         inputs: Vec<Value>,
         span: Span,
     ) -> Option<Value> {
-        let key = self.program.library.key_of(plcc_stdlib::find_tia(name)?);
+        let key = self.program.globals.library.key_of(plcc_stdlib::find_tia(name)?);
         self.library_call(ctx, key, inputs, span, span)
     }
 
@@ -340,7 +339,7 @@ impl SclBinder<'_, '_> {
         let value = match value {
             Value::Elementary(expr) => expr,
             Value::Constant(Constant::Typed { ty, bits }, span) => constant_expr(bits, ty, span),
-            other => self.scl_convert(ctx, other, own)?,
+            other => self.convert(ctx, other, own)?,
         };
         let span = value.span;
         let from = value.ty;
@@ -360,8 +359,8 @@ impl SclBinder<'_, '_> {
         right: Value,
         span: Span,
     ) -> Option<Value> {
-        let left = self.scl_convert(ctx, left, ty);
-        let right = self.scl_convert(ctx, right, ty);
+        let left = self.convert(ctx, left, ty);
+        let right = self.convert(ctx, right, ty);
         let (left, right) = (left?, right?);
         let simple = |through: Elementary, left: Expr, right: Expr| {
             binary_expr(BinaryOp::Subtract, as_bits(left, through), as_bits(right, through), through, span)
@@ -386,7 +385,7 @@ impl SclBinder<'_, '_> {
 
     /// The value of a function of the standard library, called with all its parameters in order.
     pub(super) fn library_value(&mut self, number: u16, actuals: Vec<Actual>, span: Span) -> Option<Value> {
-        let target = self.program.library.key_of(plcc_stdlib::find(plcc_stdlib::BlockClass::Fc, number)?);
+        let target = self.program.globals.library.key_of(plcc_stdlib::find(plcc_stdlib::BlockClass::Fc, number)?);
         let bound = self.program.interface(target, span)?;
         let result = bound.interface.parameters.iter().find(|formal| formal.name == "RET_VAL");
         let Some(result) = result.filter(|_| bound.interface.parameters.len() == actuals.len() + 1) else {

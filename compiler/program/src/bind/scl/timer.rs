@@ -11,8 +11,7 @@ use super::message::described;
 use super::numeric::Shape;
 use super::pins::Pins;
 use super::value::Value;
-use crate::bind::scl::SclBinder;
-use crate::bind::scl::SclBlock;
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
 use plcc_model::Number;
 use plcc_model::scl::{Access, CounterCall, Expr, ExprKind, TimerCall, TimerKind};
@@ -59,13 +58,13 @@ impl SclBinder<'_, '_> {
 
     /// The timer or counter that a function uses.
     fn cell_argument(&mut self, ctx: &mut SclBlock, wanted: CellKind, node: &Node) -> Option<Number> {
-        let value = self.scl_value(ctx, node)?;
+        let value = self.value(ctx, node)?;
         match value {
             Value::Cell { kind, number, .. } if kind == wanted => Some(number),
             // TIA Portal, S7-300/400: the number itself.
             Value::Constant(Constant::Integer { value, .. }, span) => {
                 let number = u32::try_from(value).unwrap_or(u32::MAX);
-                Some(Number::Known(self.program.check_cell(wanted, number, span)?))
+                Some(Number::Known(self.program.globals.check_cell(wanted, number, span)?))
             }
             other => {
                 let (name, example) = match wanted {
@@ -82,7 +81,7 @@ impl SclBinder<'_, '_> {
     /// The outer `None` after a message.
     fn optional(&mut self, ctx: &mut SclBlock, node: Option<&Node>, ty: Elementary) -> Option<Option<Expr>> {
         match node {
-            Some(node) => self.scl_of_type(ctx, node, ty).map(Some),
+            Some(node) => self.of_type(ctx, node, ty).map(Some),
             None => Some(None),
         }
     }
@@ -96,31 +95,31 @@ impl SclBinder<'_, '_> {
 
     /// The time of a timer: S5TIME, a WORD in the form of one, or a TIME.
     fn timer_value(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Expr> {
-        let value = self.scl_value(ctx, node)?;
+        let value = self.value(ctx, node)?;
         match Shape::of(&value) {
-            Shape::Of(Elementary::S5Time | Elementary::Word) => self.scl_own_type(ctx, value),
+            Shape::Of(Elementary::S5Time | Elementary::Word) => self.own_type(ctx, value),
             Shape::Of(Elementary::Time) => {
-                let time = self.scl_own_type(ctx, value)?;
+                let time = self.own_type(ctx, value)?;
                 convert::explicit_expr(ctx.scope.rules, time, Elementary::S5Time)
             }
-            _ => self.scl_convert(ctx, value, Elementary::S5Time),
+            _ => self.convert(ctx, value, Elementary::S5Time),
         }
     }
 
     /// The preset of a counter: a WORD in BCD. A decimal number would be read as BCD, which is hardly intended.
     fn counter_value(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Expr> {
-        let value = self.scl_value(ctx, node)?;
+        let value = self.value(ctx, node)?;
         if let Value::Constant(Constant::Integer { value: number, based: false }, span) = &value
             && *number > 9
         {
             let (number, span) = (*number, *span);
-            self.program.report.push(
+            self.program.report(
                 Diagnostic::new(Code::BadLiteral, span, "a counter needs its value in BCD")
                     .label("this is a decimal number")
                     .help(format!("write `C#{number}` or `16#{number}`")),
             );
             return None;
         }
-        self.scl_convert(ctx, value, Elementary::Word)
+        self.convert(ctx, value, Elementary::Word)
     }
 }

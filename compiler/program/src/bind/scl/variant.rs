@@ -15,8 +15,7 @@ use super::pins::Pins;
 use super::value::Value;
 use crate::bind::declarations::pointer::pointed_at;
 use crate::bind::declarations::types::Use;
-use crate::bind::scl::SclBinder;
-use crate::bind::scl::SclBlock;
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
 use plcc_binding::fold;
 use plcc_model::Pointed;
@@ -40,7 +39,7 @@ pub enum Question {
 
 impl SclBinder<'_, '_> {
     pub fn type_question(&mut self, ctx: &mut SclBlock, question: Question, pins: &Pins, span: Span) -> Option<Value> {
-        let value = self.scl_value(ctx, pins.get("IN")?)?;
+        let value = self.value(ctx, pins.get("IN")?)?;
         if let Value::Parameter { access, .. } = &value
             && access.ty == DataType::Parameter(ParameterType::Variant)
         {
@@ -100,7 +99,7 @@ impl SclBinder<'_, '_> {
         let NodeKind::Call { callee, .. } = &node.kind else { return false };
         let NodeKind::Name(name) = &callee.kind else { return false };
         let asks = |row: &super::function::Row| matches!(row.kind, Kind::Type(Question::Type | Question::ElementType));
-        !self.program.names.globals.contains_key(&fold(&name.text))
+        !self.program.globals.names.symbols.contains_key(&fold(&name.text))
             && matches!(Named::find(&name.text), Some(Named::Row { row, .. }) if asks(row))
     }
 

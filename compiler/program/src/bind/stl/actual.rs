@@ -8,15 +8,15 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{self, Area, BlockPrefix, CellKind, OperandKind, Width};
 use plcc_syntax::literal::Literal;
 
-use crate::bind::declarations::Declarations;
 use crate::bind::declarations::block::CurrentBlock;
-use crate::bind::declarations::names::code_kind;
 use crate::bind::declarations::path::{Base, type_of_width};
 use crate::bind::declarations::pointer::{
     CODE_BYTE, CODE_DATE_AND_TIME, POINTS_AT_NOTHING, any_bytes, any_number_of_block, any_number_of_cell, code_for,
     for_formal, known_pointer, local_place, pointed_at, pointed_at_by_literal, pointer_bytes,
 };
 use crate::bind::declarations::types::is_complex;
+use crate::bind::globals::Globals;
+use crate::bind::globals::names::code_kind;
 use crate::bind::stl::StlBinder;
 use crate::bind::stl::settle::Settled;
 use plcc_binding::constant::Constant;
@@ -37,8 +37,8 @@ impl StlBinder<'_, '_> {
         let settled = self.settle(ctx, actual)?;
         let span = actual.span;
         if let Settled::Memory { place: Place::Indirect { .. } | Place::Register { .. }, .. } = &settled {
-            let text = self.program.text(span);
-            self.program.report.push(
+            let text = self.program.globals.text(span);
+            self.program.report(
                 Diagnostic::new(Code::OperandKind, span, format!("`{text}` cannot be an actual parameter"))
                     .label("this address is only known at run time")
                     .help("load it, transfer it to a variable of TEMP, and pass that variable"),
@@ -56,8 +56,8 @@ impl StlBinder<'_, '_> {
             ),
         };
         if constant && formal.direction != Direction::Input && !points {
-            let text = self.program.text(span);
-            self.program.report.push(
+            let text = self.program.globals.text(span);
+            self.program.report(
                 Diagnostic::new(Code::Protected, span, format!("`{text}` cannot be written"))
                     .label(format!("`{}` is written by {callee}", formal.name))
                     .help("name an address or a variable"),
@@ -84,7 +84,7 @@ impl StlBinder<'_, '_> {
                 | ParameterType::BlockSdb),
             ) => self.number_actual(callee, formal, *parameter, settled, span),
             DataType::OpenArray(_) => {
-                self.program.report.push(
+                self.program.report(
                     Diagnostic::new(Code::TypeMismatch, span, format!("`{}` of {callee} is an ARRAY[*]", formal.name))
                         .label("STL cannot pass the bounds")
                         .help("call the block from SCL"),
@@ -97,7 +97,7 @@ impl StlBinder<'_, '_> {
 
     /// Reports an actual whose type is not that of the formal.
     fn mismatch(&mut self, callee: BlockKey, formal: &Parameter, settled: &Settled, span: Span) -> Option<Actual> {
-        let text = self.program.text(span);
+        let text = self.program.globals.text(span);
         let is = match settled {
             Settled::Memory { ty: Some(ty), .. } => ty.name().to_string(),
             Settled::Memory { width, .. } => match width {
@@ -125,7 +125,7 @@ impl StlBinder<'_, '_> {
             format!("`{}` of {callee} is of type {wanted}, but `{text}` is {is}", formal.name),
         )
         .label(is);
-        self.program.report.push(match (&formal.ty, settled) {
+        self.program.report(match (&formal.ty, settled) {
             (DataType::Elementary(ty), Settled::Literal(_)) => {
                 message.help(format!("write a constant as {}", value::example(*ty)))
             }
@@ -163,7 +163,7 @@ impl StlBinder<'_, '_> {
                     None => self.mismatch(callee, formal, &settled, span),
                 },
                 Err(Mismatch::Range) => {
-                    self.program.report.push(
+                    self.program.report(
                         Diagnostic::new(
                             Code::TypeMismatch,
                             span,
@@ -193,7 +193,7 @@ impl StlBinder<'_, '_> {
                     }
                     _ => return Some(Actual::Place(place.clone())),
                 };
-                self.program.report.push(
+                self.program.report(
                     Diagnostic::new(Code::Protected, span, title)
                         .label(match formal.direction {
                             Direction::Input => format!("`{}` is read by {callee}", formal.name),
@@ -257,8 +257,8 @@ impl StlBinder<'_, '_> {
             area::P if formal.direction == Direction::Output => (Area::Pq, Place::Pq { byte, bit }),
             area::P => (Area::Pi, Place::Pi { byte, bit }),
             _ => {
-                let text = self.program.text(span);
-                self.program.report.push(
+                let text = self.program.globals.text(span);
+                self.program.report(
                     Diagnostic::new(Code::OperandKind, span, format!("`{text}` cannot be an actual parameter"))
                         .label("not an address of this block")
                         .help("name an address of I, Q, M, L or a data block"),
@@ -326,7 +326,7 @@ impl StlBinder<'_, '_> {
             {
                 let bytes = Constant::of_stl(literal)
                     .ok_or(Mismatch::Type)
-                    .and_then(|constant| Declarations::constant_bytes(&constant, &formal.ty));
+                    .and_then(|constant| Globals::constant_bytes(&constant, &formal.ty));
                 return match bytes {
                     Ok(bytes) => Some(Actual::Const(bytes)),
                     Err(_) => self.mismatch(callee, formal, &settled, span),
@@ -392,8 +392,8 @@ impl StlBinder<'_, '_> {
     fn forwarded(&mut self, number: &Number, span: Span) -> Option<Actual> {
         match number {
             Number::Word(place) if !matches!(**place, Place::Instance { .. }) => {
-                let text = self.program.text(span);
-                self.program.report.push(
+                let text = self.program.globals.text(span);
+                self.program.report(
                     Diagnostic::new(Code::OperandKind, span, format!("`{text}` cannot be an actual parameter"))
                         .label("this number is only known at run time")
                         .help("name the timer, counter or block itself"),

@@ -9,9 +9,9 @@ use rustc_hash::FxHashMap;
 
 use crate::bind::declarations::block::CurrentBlock;
 use crate::bind::declarations::calls::InstanceId;
-use crate::bind::declarations::names::code_kind;
 use crate::bind::declarations::path::Base;
 use crate::bind::declarations::types::BoundInterface;
+use crate::bind::globals::names::code_kind;
 use crate::bind::stl::StlBinder;
 use crate::bind::stl::settle::Settled;
 use plcc_binding::fold;
@@ -65,7 +65,7 @@ impl StlBinder<'_, '_> {
         };
         let bound = self.program.interface(key, span)?;
         let names = call.parameters.iter().map(|parameter| parameter.name.as_str());
-        if self.program.is_own_of_program(key, &bound, names, span) {
+        if self.program.globals.is_own_of_program(key, &bound.interface.parameters, names, span) {
             return None;
         }
         Some((key, multi, bound))
@@ -82,8 +82,8 @@ impl StlBinder<'_, '_> {
     }
 
     fn not_callable<T>(&mut self, span: Span) -> Option<T> {
-        let text = self.program.text(span);
-        self.program.report.push(
+        let text = self.program.globals.text(span);
+        self.program.report(
             Diagnostic::new(Code::OperandKind, span, format!("`CALL` calls a block, but `{text}` is not a block"))
                 .label("an FC, FB, SFC, SFB or a multi-instance is expected here")
                 .help("to call a block whose number is only known at run time, use `UC FC [MW 10]`"),
@@ -105,7 +105,7 @@ impl StlBinder<'_, '_> {
                 return Some(Some(Instance::Multi { byte }));
             }
             if needs {
-                self.program.report.push(
+                self.program.report(
                     Diagnostic::new(
                         Code::MissingOperand,
                         call.target.span,
@@ -119,7 +119,7 @@ impl StlBinder<'_, '_> {
             return Some(None);
         };
         if multi.is_some() || !needs {
-            self.program.report.push(
+            self.program.report(
                 Diagnostic::new(Code::SurplusOperand, operand.span, "this call cannot have an instance data block")
                     .label(if needs {
                         "a multi-instance is in the data of its block"
@@ -133,8 +133,8 @@ impl StlBinder<'_, '_> {
         let number = match self.settle(ctx, operand)? {
             Settled::Block { prefix: BlockPrefix::Db, number: Number::Known(number) } if number != 0 => number,
             _ => {
-                let text = self.program.text(operand.span);
-                self.program.report.push(
+                let text = self.program.globals.text(operand.span);
+                self.program.report(
                     Diagnostic::new(Code::OperandKind, operand.span, format!("`{text}` is not a data block"))
                         .label("the instance data block is expected here"),
                 );
@@ -182,7 +182,7 @@ impl StlBinder<'_, '_> {
             };
             if let Some(first) = seen.insert(index, given.name_span) {
                 good = false;
-                self.program.report.push(
+                self.program.report(
                     Diagnostic::new(
                         Code::DuplicateParameter,
                         given.name_span,
@@ -223,14 +223,14 @@ impl StlBinder<'_, '_> {
                 )
                 .label("a function needs all its parameters");
                 let help = format!("add `{} := ...`", missing[0]);
-                self.program.report.push(message.help(self.program.with_library_note(key, help)));
+                self.program.report(message.help(self.program.globals.with_library_note(key, help)));
             }
         }
         good.then_some(arguments)
     }
 
     fn surplus_pointer(&mut self, key: BlockKey, count: usize, span: Span) {
-        self.program.report.push(
+        self.program.report(
             Diagnostic::new(
                 Code::UnknownParameter,
                 span,
@@ -267,7 +267,7 @@ impl StlBinder<'_, '_> {
                 let clash = area == other_area && start < other_end && other_start < end;
                 if clash && outputs > 0 && !(same && outputs == 1) {
                     let name = &bound.interface.parameters[first.parameter].name;
-                    self.program.report.push(
+                    self.program.report(
                         Diagnostic::new(Code::OverlappingActuals, second.span, "two actual parameters overlap")
                             .label("these bytes are also part of another actual")
                             .also(first.span, format!("the actual of `{name}`"))

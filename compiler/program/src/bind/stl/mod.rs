@@ -7,12 +7,12 @@ pub mod operand;
 pub mod pragma;
 pub mod settle;
 
-use crate::bind::declarations::Declarations;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{self, OperandKind, Statement, StatementKind};
 use plcc_syntax::stl::StlInsn;
 use rustc_hash::FxHashMap;
 
+use crate::bind::declarations::Declarations;
 use crate::bind::declarations::block::CurrentBlock;
 use plcc_binding::fold;
 use plcc_model::{LabelId, Operand, StlStatement, StlStatementKind};
@@ -53,7 +53,7 @@ impl<'b, 'a> StlBinder<'b, 'a> {
 
 impl StlBinder<'_, '_> {
     /// Binds the statements of a block.
-    pub fn bind_body(&mut self, ctx: &mut CurrentBlock, block: &ast::CodeBlock) -> Vec<StlStatement> {
+    pub fn bind_block(&mut self, ctx: &mut CurrentBlock, block: &ast::CodeBlock) -> Vec<StlStatement> {
         let mut statements = Vec::new();
         for (network, content) in block.networks().iter().enumerate() {
             let number = u16::try_from(network + 1).unwrap_or(u16::MAX);
@@ -113,7 +113,7 @@ impl StlBinder<'_, '_> {
                 }
                 StatementKind::Call(call) => {
                     if flow.zones[at - 1] > 0 && call.parameters.iter().any(|parameter| parameter.actual.is_some()) {
-                        self.program.report.push(
+                        self.program.report(
                             Diagnostic::new(
                                 Code::CallInMcrZone,
                                 call.target.span,
@@ -174,7 +174,7 @@ impl StlBinder<'_, '_> {
     fn define_label<'b>(&mut self, flow: &mut Flow<'b>, label: &'b ast::Label, region: u32) {
         if let Some(first) = flow.labels.get(label.name.as_str()) {
             let first = first.span;
-            self.program.report.push(
+            self.program.report(
                 Diagnostic::new(
                     Code::DuplicateLabel,
                     label.span,
@@ -191,10 +191,10 @@ impl StlBinder<'_, '_> {
     }
 
     fn check_instruction(&mut self, insn: StlInsn, mnemonic: Span) {
-        if matches!(insn, StlInsn::Enter | StlInsn::Leave) && self.program.input.profile.accumulators < 4 {
-            let profile = &self.program.input.profile.name;
-            let name = self.program.text(mnemonic);
-            self.program.report.push(
+        if matches!(insn, StlInsn::Enter | StlInsn::Leave) && self.program.globals.input.profile.accumulators < 4 {
+            let profile = &self.program.globals.input.profile.name;
+            let name = self.program.globals.text(mnemonic);
+            self.program.report(
                 Diagnostic::new(Code::CpuInstruction, mnemonic, format!("`{name}` needs a CPU with 4 accumulators"))
                     .label(format!("the profile {profile} has 2 accumulators"))
                     .help("name a CPU with 4 accumulators, e.g. --cpu s7-400, or store the value in a double word"),
@@ -233,7 +233,7 @@ impl StlBinder<'_, '_> {
                 .label("nowhere to jump to");
             let other = flow.labels.keys().copied().find(|other| other.eq_ignore_ascii_case(name));
             let other = other.or_else(|| plcc_binding::similar(name, flow.labels.keys().copied()));
-            self.program.report.push(match other {
+            self.program.report(match other {
                 Some(other) => {
                     message.help(format!("is `{other}` meant? Upper and lower case are different in labels"))
                 }
@@ -242,7 +242,7 @@ impl StlBinder<'_, '_> {
             return None;
         };
         if label.region != region {
-            self.program.report.push(
+            self.program.report(
                 Diagnostic::new(
                     Code::JumpIntoNesting,
                     span,
@@ -265,16 +265,16 @@ impl StlBinder<'_, '_> {
         mnemonic: Span,
         operand: Option<&ast::Operand>,
     ) -> (usize, Option<StlStatementKind>) {
-        let name = self.program.text(mnemonic);
+        let name = self.program.globals.text(mnemonic);
         let Some(ast::Operand { kind: OperandKind::Label(default), span }) = operand else {
-            self.program.report.push(
+            self.program.report(
                 Diagnostic::new(Code::MissingOperand, mnemonic, format!("`{name}` needs the label after its list"))
                     .label("the label is missing"),
             );
             return (0, None);
         };
         let region = flow.regions[at - 1];
-        let before = self.program.report.diagnostics.len();
+        let before = self.program.globals.report.diagnostics.len();
         let default_label = self.jump(flow, region, default, *span);
         let mut targets = Vec::new();
         let mut length = 0;
@@ -309,7 +309,7 @@ impl StlBinder<'_, '_> {
         };
         // If the label does not exist at all, that is already reported.
         if let (Some((place, title)), Some(_)) = (problem, default_label) {
-            self.program.report.push(
+            self.program.report(
                 Diagnostic::new(Code::JumpList, place, title)
                     .label("only unconditional jumps are possible between it and its label")
                     .also(mnemonic, "the jump distributor")
@@ -317,7 +317,7 @@ impl StlBinder<'_, '_> {
             );
         }
         let kind = match default_label {
-            Some(default) if self.program.report.diagnostics.len() == before => {
+            Some(default) if self.program.globals.report.diagnostics.len() == before => {
                 Some(StlStatementKind::JumpList { targets, default })
             }
             _ => None,

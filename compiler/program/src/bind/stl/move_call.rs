@@ -34,7 +34,7 @@ impl StlBinder<'_, '_> {
                 path.parts.is_empty()
                     && call.instance.is_none()
                     && fold(name) == "move"
-                    && self.program.global(name).is_none()
+                    && self.program.globals.global(name).is_none()
             }
             PathRoot::Local { .. } | PathRoot::Block(_) => false,
         }
@@ -49,7 +49,7 @@ impl StlBinder<'_, '_> {
                 "in" => from = parameter.actual.as_ref(),
                 "out" | "out1" => to = parameter.actual.as_ref(),
                 _ => {
-                    self.program.report.push(
+                    self.program.report(
                         Diagnostic::new(
                             Code::UnknownParameter,
                             parameter.name_span,
@@ -63,7 +63,7 @@ impl StlBinder<'_, '_> {
             }
         }
         let (Some(from), Some(to)) = (from, to) else {
-            self.program.report.push(
+            self.program.report(
                 Diagnostic::new(Code::MissingParameter, span, "MOVE needs IN and OUT").label("one of them is missing"),
             );
             return None;
@@ -101,7 +101,7 @@ impl StlBinder<'_, '_> {
     }
 
     fn no_move<T>(&mut self, span: Span) -> Option<T> {
-        self.program.report.push(
+        self.program.report(
             Diagnostic::new(
                 Code::TypeMismatch,
                 span,

@@ -7,7 +7,7 @@ use plcc_syntax::literal::Literal;
 use plcc_syntax::stl::{OperandClass, StlInsn};
 
 use crate::bind::declarations::block::CurrentBlock;
-use crate::bind::declarations::names::code_kind;
+use crate::bind::globals::names::code_kind;
 use crate::bind::stl::StlBinder;
 use crate::bind::stl::settle::{OFFSET_MAX, Settled, holds_pointer};
 use plcc_binding::value;
@@ -75,8 +75,8 @@ impl StlBinder<'_, '_> {
             return self.without_operand(class, mnemonic);
         };
         if class == OperandClass::None {
-            let name = self.program.text(mnemonic);
-            self.program.report.push(
+            let name = self.program.globals.text(mnemonic);
+            self.program.report(
                 Diagnostic::new(Code::SurplusOperand, operand.span, format!("`{name}` cannot have an operand"))
                     .label("this operand is not possible")
                     .help("remove the operand, or end the statement before it"),
@@ -88,7 +88,7 @@ impl StlBinder<'_, '_> {
         if matches!(insn, StlInsn::EdgePositive | StlInsn::EdgeNegative)
             && matches!(bound, Operand::Memory { place: Place::L { .. }, .. })
         {
-            self.program.report.push(
+            self.program.report(
                 Diagnostic::new(
                     Code::EdgeBitLocal,
                     operand.span,
@@ -106,8 +106,8 @@ impl StlBinder<'_, '_> {
             return Some(Operand::None);
         }
         let (does, help) = wanted(class);
-        let name = self.program.text(mnemonic);
-        self.program.report.push(
+        let name = self.program.globals.text(mnemonic);
+        self.program.report(
             Diagnostic::new(Code::MissingOperand, mnemonic, format!("`{name}` {does} and needs an operand"))
                 .label("the operand is missing")
                 .help(help),
@@ -118,7 +118,7 @@ impl StlBinder<'_, '_> {
     /// Reports an operand that does not fit its instruction.
     fn unfit<T>(&mut self, class: OperandClass, mnemonic: Span, span: Span, settled: &Settled) -> Option<T> {
         let (does, help) = wanted(class);
-        let (name, text) = (self.program.text(mnemonic), self.program.text(span));
+        let (name, text) = (self.program.globals.text(mnemonic), self.program.globals.text(span));
         let (code, is) = match settled {
             // The declared type does not fit; the address alone would be fine.
             Settled::Memory { ty: Some(ty), .. } => (Code::WidthMismatch, format!("is of type {}", ty.name())),
@@ -144,7 +144,7 @@ impl StlBinder<'_, '_> {
             Settled::Special(_) | Settled::Register(_) => (Code::OperandKind, "is a register of the CPU".to_string()),
             Settled::Label => (Code::OperandKind, "is a label".to_string()),
         };
-        self.program.report.push(
+        self.program.report(
             Diagnostic::new(code, span, format!("`{name}` {does}, but `{text}` {is}"))
                 .label(is)
                 .also(mnemonic, does)
@@ -164,8 +164,8 @@ impl StlBinder<'_, '_> {
         use OperandClass as Class;
         match (class, settled) {
             (Class::Bit | Class::BitOrNone, Settled::Memory { place: Place::Pq { .. }, width: Width::Bit, .. }) => {
-                let text = self.program.text(span);
-                self.program.report.push(
+                let text = self.program.globals.text(span);
+                self.program.report(
                     Diagnostic::new(Code::OperandKind, span, format!("`{text}` cannot be read"))
                         .label("this is a peripheral output")
                         .help("read the process image, without `:P`"),
@@ -176,8 +176,8 @@ impl StlBinder<'_, '_> {
                 Class::BitWrite | Class::BitWriteOrCounter | Class::BitWriteOrCell,
                 Settled::Memory { place: Place::Pi { .. }, width: Width::Bit, .. },
             ) => {
-                let text = self.program.text(span);
-                self.program.report.push(
+                let text = self.program.globals.text(span);
+                self.program.report(
                     Diagnostic::new(Code::Protected, span, format!("`{text}` cannot be written"))
                         .label("this is a peripheral input")
                         .help("only outputs can be written"),
@@ -203,8 +203,8 @@ impl StlBinder<'_, '_> {
                 if !matches!(width, Width::Bit | Width::Lword) =>
             {
                 if is_peripheral(&place, Area::Pq) {
-                    let text = self.program.text(span);
-                    self.program.report.push(
+                    let text = self.program.globals.text(span);
+                    self.program.report(
                         Diagnostic::new(Code::OperandKind, span, format!("`{text}` cannot be read"))
                             .label("this is a peripheral output")
                             .help("read the process image, e.g. `QW 4`"),
@@ -225,8 +225,8 @@ impl StlBinder<'_, '_> {
                 if !matches!(width, Width::Bit | Width::Lword) =>
             {
                 if is_peripheral(&place, Area::Pi) {
-                    let text = self.program.text(span);
-                    self.program.report.push(
+                    let text = self.program.globals.text(span);
+                    self.program.report(
                         Diagnostic::new(Code::Protected, span, format!("`{text}` cannot be written"))
                             .label("this is a peripheral input")
                             .help("write a peripheral output: `PQW`"),
@@ -242,8 +242,8 @@ impl StlBinder<'_, '_> {
                 Class::TransferTarget | Class::BitWrite,
                 Settled::Literal(_) | Settled::Pointer(_) | Settled::ParameterPointer(_),
             ) => {
-                let text = self.program.text(span);
-                self.program.report.push(
+                let text = self.program.globals.text(span);
+                self.program.report(
                     Diagnostic::new(Code::Protected, span, format!("`{text}` cannot be written"))
                         .label("a constant")
                         .help("name an address or a variable"),
@@ -263,7 +263,7 @@ impl StlBinder<'_, '_> {
             }
             (Class::PointerOrNone, Settled::Literal(&Literal::Pointer(value))) => {
                 if value > OFFSET_MAX {
-                    self.program.report.push(
+                    self.program.report(
                         Diagnostic::new(Code::AddressRange, span, "this offset is too large")
                             .label("P#0.0 to P#4095.7"),
                     );
@@ -277,7 +277,7 @@ impl StlBinder<'_, '_> {
                     Some(Operand::Const { value: value.min(255), wide: false })
                 }
                 Some(_) => {
-                    self.program.report.push(
+                    self.program.report(
                         Diagnostic::new(Code::LiteralRange, span, "this number is too large")
                             .label("0 to 255 are possible"),
                     );
@@ -313,8 +313,8 @@ impl StlBinder<'_, '_> {
                 match byte_constant(literal) {
                     Some(value) if value <= most => Some(Operand::Const { value, wide: false }),
                     Some(_) => {
-                        let name = self.program.text(mnemonic);
-                        self.program.report.push(
+                        let name = self.program.globals.text(mnemonic);
+                        self.program.report(
                             Diagnostic::new(Code::ShiftCount, span, format!("`{name}` cannot shift by that many bits"))
                                 .label(format!("0 to {most} are possible"))
                                 .help("for a larger count, use ACCU2-LL and no operand"),
@@ -353,7 +353,7 @@ impl StlBinder<'_, '_> {
                         (Code::OperandKind, "this constant cannot be loaded", "`L` accepts constants of up to 32 bits")
                     }
                 };
-                self.program.report.push(Diagnostic::new(code, span, title).label(why).help(help));
+                self.program.report(Diagnostic::new(code, span, title).label(why).help(help));
                 None
             }
         }
@@ -364,10 +364,10 @@ impl StlBinder<'_, '_> {
         if let Number::Known(known) = number {
             let bound = self.program.interface(BlockKey { kind, number: known }, span)?;
             if matches!(kind, BlockKind::Fc | BlockKind::Sfc) && !bound.interface.parameters.is_empty() {
-                let name = self.program.text(mnemonic);
+                let name = self.program.globals.text(mnemonic);
                 let parameters: Vec<&str> =
                     bound.interface.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
-                self.program.report.push(
+                self.program.report(
                     Diagnostic::new(Code::MissingParameter, span, format!("`{name}` cannot pass parameters"))
                         .label(format!("this block has the parameters {}", parameters.join(", ")))
                         .help("use CALL"),

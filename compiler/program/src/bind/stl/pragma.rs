@@ -17,8 +17,8 @@ impl StlBinder<'_, '_> {
     /// The settings of all files for tests.
     pub fn file_pragmas(&mut self) -> TestSettings {
         let mut settings = TestSettings::default();
-        if self.program.input.pragmas {
-            for (_, unit) in self.program.input.units {
+        if self.program.globals.input.pragmas {
+            for (_, unit) in self.program.globals.input.units {
                 for pragma in &unit.pragmas {
                     self.file_pragma(pragma, &mut settings);
                 }
@@ -29,7 +29,7 @@ impl StlBinder<'_, '_> {
 
     /// A pragma between statements.
     pub fn statement_pragma(&mut self, ctx: &mut CurrentBlock, pragma: &Pragma) -> Option<StlStatementKind> {
-        if !self.program.input.pragmas {
+        if !self.program.globals.input.pragmas {
             return None;
         }
         let (word, rest) = split(&pragma.text);
@@ -54,15 +54,15 @@ impl StlBinder<'_, '_> {
 
     /// A pragma of the whole file.
     pub fn file_pragma(&mut self, pragma: &Pragma, settings: &mut TestSettings) {
-        file_pragma(&mut self.program.report, pragma, settings);
+        file_pragma(&mut self.program.globals.report, pragma, settings);
     }
 
     fn unknown_pragma(&mut self, pragma: &Pragma) {
-        unknown_pragma(&mut self.program.report, pragma);
+        unknown_pragma(&mut self.program.globals.report, pragma);
     }
 
     fn bad_pragma(&mut self, span: Span, title: &str, help: &str) {
-        bad_pragma(&mut self.program.report, span, title, help);
+        bad_pragma(&mut self.program.globals.report, span, title, help);
     }
 
     fn assert(&mut self, ctx: &mut CurrentBlock, pragma: &Pragma) -> Option<StlStatementKind> {
@@ -76,7 +76,7 @@ impl StlBinder<'_, '_> {
             match assertion::compare(assertion::op(comparison.op), left, right) {
                 Ok(comparison) => comparisons.push(comparison),
                 Err(mismatch) => {
-                    self.program.report.push(mismatch.message());
+                    self.program.report(mismatch.message());
                     return None;
                 }
             }
@@ -110,7 +110,7 @@ impl StlBinder<'_, '_> {
         let operand = match &written.value {
             ast::AssertSide::Register(register) => {
                 if let ast::AssertRegister::Accu(number @ (3 | 4)) = register
-                    && self.program.input.profile.accumulators < 4
+                    && self.program.globals.input.profile.accumulators < 4
                 {
                     self.bad_pragma(
                         span,
@@ -167,7 +167,7 @@ impl StlBinder<'_, '_> {
                         let (ty, at) = ty?;
                         let title = format!(
                             "`{}` is of type {}, not {}",
-                            self.program.text(operand.span),
+                            self.program.globals.text(operand.span),
                             own.name(),
                             ty.name()
                         );
@@ -214,7 +214,7 @@ impl StlBinder<'_, '_> {
         match assertion::typed_literal(&literal, ty, span) {
             Ok(side) => Some(side),
             Err(mismatch) => {
-                self.program.report.push(mismatch.message());
+                self.program.report(mismatch.message());
                 None
             }
         }
@@ -228,7 +228,7 @@ impl StlBinder<'_, '_> {
     }
 
     fn not_comparable<T>(&mut self, operand: &ast::Operand) -> Option<T> {
-        let text = self.program.text(operand.span);
+        let text = self.program.globals.text(operand.span);
         self.bad_pragma(
             operand.span,
             &format!("`{text}` has no value to compare"),

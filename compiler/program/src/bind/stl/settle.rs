@@ -59,7 +59,7 @@ impl StlBinder<'_, '_> {
                 Some(Settled::Memory { place, width: *width, ty: None })
             }
             OperandKind::Cell { kind, number } => {
-                let number = Number::Known(self.program.check_cell(*kind, *number, span)?);
+                let number = Number::Known(self.program.globals.check_cell(*kind, *number, span)?);
                 Some(Settled::Cell { kind: *kind, number })
             }
             OperandKind::DbAbsolute { db, width, byte, bit } => self.db_absolute(ctx, db, *width, *byte, *bit, span),
@@ -78,7 +78,7 @@ impl StlBinder<'_, '_> {
             }
             OperandKind::RegisterIndirect { area, width, register, offset } => {
                 if *offset > OFFSET_MAX {
-                    self.program.report.push(
+                    self.program.report(
                         Diagnostic::new(Code::AddressRange, span, "this offset is too large")
                             .label("P#0.0 to P#4095.7"),
                     );
@@ -88,7 +88,7 @@ impl StlBinder<'_, '_> {
                 Some(Settled::Memory { place, width: *width, ty: None })
             }
             OperandKind::Block(name) => {
-                let (prefix, number) = self.program.block_number(name)?;
+                let (prefix, number) = self.program.globals.block_number(name)?;
                 Some(Settled::Block { prefix, number: Number::Known(number) })
             }
             OperandKind::Path(path) => self.settle_path(ctx, path),
@@ -112,9 +112,9 @@ impl StlBinder<'_, '_> {
         bit: u8,
         span: Span,
     ) -> Option<Settled<'static>> {
-        let (prefix, number) = self.program.block_number(db)?;
+        let (prefix, number) = self.program.globals.block_number(db)?;
         if prefix != BlockPrefix::Db {
-            self.program.report.push(
+            self.program.report(
                 Diagnostic::new(Code::OperandKind, db.span(), "this is not a data block")
                     .label("a data block is expected before the point"),
             );
@@ -132,12 +132,12 @@ impl StlBinder<'_, '_> {
         match settled {
             Settled::Memory { place, width: found, .. } if found == width && holds_pointer(&place) => Some(place),
             _ => {
-                let text = self.program.text(pointer.span);
+                let text = self.program.globals.text(pointer.span);
                 let (what, example) = match width {
                     Width::Dword => ("a double word", "`[MD 10]`"),
                     Width::Bit | Width::Byte | Width::Word | Width::Lword => ("a word", "`[MW 10]`"),
                 };
-                self.program.report.push(
+                self.program.report(
                     Diagnostic::new(Code::OperandKind, pointer.span, format!("`{text}` cannot hold this address"))
                         .label(format!("{what} of M, L, DB or DI is expected here"))
                         .help(format!("write for example {example}, or name a variable of this width")),
@@ -160,8 +160,8 @@ impl StlBinder<'_, '_> {
         match settled {
             Some(variable) => self.settle_variable(ctx, variable),
             None => {
-                let text = self.program.text(span);
-                self.program.report.push(
+                let text = self.program.globals.text(span);
+                self.program.report(
                     Diagnostic::new(Code::OperandKind, span, format!("`{text}` is neither an input nor an output"))
                         .label("`:P` reads an input or writes an output past the process image")
                         .help("remove `:P`"),
@@ -174,7 +174,7 @@ impl StlBinder<'_, '_> {
     fn settle_path(&mut self, ctx: &mut CurrentBlock, path: &Path) -> Option<Settled<'static>> {
         match self.program.resolve(ctx, path)? {
             Resolved::Cell { kind, number } => {
-                let number = Number::Known(self.program.check_cell(kind, number, path.span)?);
+                let number = Number::Known(self.program.globals.check_cell(kind, number, path.span)?);
                 Some(Settled::Cell { kind, number })
             }
             Resolved::Block { prefix, number } => Some(Settled::Block { prefix, number: Number::Known(number) }),
@@ -219,7 +219,7 @@ impl StlBinder<'_, '_> {
     /// formal parameters.
     fn address_of(&mut self, ctx: &mut CurrentBlock, path: &Path, span: Span) -> Option<Settled<'static>> {
         let Resolved::Variable(variable) = self.program.resolve(ctx, path)? else {
-            self.program.report.push(
+            self.program.report(
                 Diagnostic::new(Code::OperandKind, span, "`P##` needs a variable of this block")
                     .label("this is not a variable of this block"),
             );
@@ -246,9 +246,9 @@ impl StlBinder<'_, '_> {
             // Its type is not defined, which is already reported.
             Base::Parameter(_) if variable.ty == DataType::Void => None,
             Base::Parameter(_) | Base::ThroughPointer(_) => {
-                let text = self.program.text(span);
+                let text = self.program.globals.text(span);
                 let name = layout::type_name(&variable.ty);
-                self.program.report.push(
+                self.program.report(
                     Diagnostic::new(Code::OperandKind, span, format!("`{text}` has no address in this block"))
                         .label(format!("a parameter of type {name}, which is in the caller's memory"))
                         .help(
@@ -259,14 +259,14 @@ impl StlBinder<'_, '_> {
             }
             base => {
                 let place = base.at(variable.byte, variable.bit);
-                let text = self.program.text(span);
+                let text = self.program.globals.text(span);
                 let help = match place {
                     Place::I { byte, bit } => format!("write `P#I {byte}.{bit}`"),
                     Place::Q { byte, bit } => format!("write `P#Q {byte}.{bit}`"),
                     Place::M { byte, bit } => format!("write `P#M {byte}.{bit}`"),
                     _ => "write a pointer constant such as `P#DBX 4.0`".to_string(),
                 };
-                self.program.report.push(
+                self.program.report(
                     Diagnostic::new(Code::OperandKind, span, format!("`{text}` is not a variable of this block"))
                         .label("`P##` needs a parameter, static or temporary data")
                         .help(help),

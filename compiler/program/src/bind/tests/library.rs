@@ -14,11 +14,11 @@ fn every_block_binds() {
         let file = sources.add(SourceFile::new("", ""));
         let input = empty(&sources);
         let mut program = Declarations::new(&input);
-        let key = program.library.key_of(block);
+        let key = program.globals.library.key_of(block);
         assert!(program.interface(key, Span { file, start: 0, end: 0 }).is_some(), "{}", block.name);
         let mut bound = Vec::new();
         bind_system_blocks(&mut program, &mut bound);
-        let (messages, _) = program.report.finish();
+        let (messages, _) = program.globals.report.finish();
         assert!(messages.is_empty(), "{}: {messages:#?}", block.name);
         assert!(bound.iter().any(|other| other.key() == key), "{}", block.name);
     }

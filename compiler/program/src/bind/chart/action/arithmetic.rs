@@ -2,20 +2,19 @@
 //!
 //! They are those of SCL, with two additions: an address such as MD4 is also the number of its width, and functions have names of STL.
 
-use crate::bind::scl::message::DEPTH_MAX;
 use plcc_diag::Span;
 use plcc_syntax::scl::ast::{Argument, Expr as Node, ExprKind as NodeKind, Name, NameForm};
 use plcc_syntax::{Class, Elementary};
 
 use crate::bind::chart::ChartBinder;
 use crate::bind::network::Page;
-use crate::bind::scl::Intent;
-use crate::bind::scl::SclBlock;
 use crate::bind::scl::constant::float_bits;
 use crate::bind::scl::convert::{converted, explicit_expr, rounding};
 use crate::bind::scl::expression::constant_expr;
+use crate::bind::scl::message::DEPTH_MAX;
 use crate::bind::scl::numeric::Shape;
 use crate::bind::scl::value::Value;
+use crate::bind::scl::{Intent, SclBlock};
 use plcc_binding::constant::Constant;
 use plcc_binding::fold;
 use plcc_model::scl::{Conversion, Expr, ExprKind, Statement, UnaryOp};
@@ -75,8 +74,8 @@ impl ChartBinder<'_, '_> {
         page.pool.next_network();
         let mut statements = Vec::new();
         let value = self.without_mnemonics(ctx, page, value, &mut statements, 0);
-        let value = value.and_then(|value| self.scl().scl_value(ctx, &value));
-        let target = self.scl().scl_access(ctx, operand, Intent::Write);
+        let value = value.and_then(|value| self.scl().value(ctx, &value));
+        let target = self.scl().access(ctx, operand, Intent::Write);
         let (Some(value), Some(target)) = (value, target) else { return Vec::new() };
         let value = match target.elementary() {
             Some(ty) => self.as_width(ctx, value, ty),
@@ -100,7 +99,7 @@ impl ChartBinder<'_, '_> {
                     && from.bits() == ty.bits()
                     && (from.class() == Class::Bits || ty.class() == Class::Bits) =>
             {
-                let value = self.scl().scl_own_type(ctx, value)?;
+                let value = self.scl().own_type(ctx, value)?;
                 match explicit_expr(rules, value.clone(), ty) {
                     Some(value) => Some(Value::Elementary(value)),
                     None => Some(Value::Elementary(value)),
@@ -163,7 +162,7 @@ impl ChartBinder<'_, '_> {
     /// A function with a name of STL, unless the program defines one with this name.
     fn called_mnemonic(&self, callee: &Node) -> Option<Mnemonic> {
         let NodeKind::Name(Name { text, form: NameForm::Bare, .. }) = &callee.kind else { return None };
-        if self.program.names.globals.contains_key(&fold(text)) {
+        if self.program.globals.names.symbols.contains_key(&fold(text)) {
             return None;
         }
         mnemonic(text)
@@ -171,7 +170,7 @@ impl ChartBinder<'_, '_> {
 
     /// The result of a function; for one of SCL its argument.
     fn mnemonic_value(&mut self, ctx: &mut SclBlock, meant: Mnemonic, argument: &Node, span: Span) -> Option<Expr> {
-        let value = self.scl().scl_value(ctx, argument)?;
+        let value = self.scl().value(ctx, argument)?;
         let rules = ctx.scope.rules;
         let own = match Shape::of(&value) {
             Shape::Of(ty) => ty,
@@ -212,7 +211,7 @@ impl ChartBinder<'_, '_> {
             }
             Mnemonic::Real => match own {
                 Elementary::Dword => self.of_width(ctx, value, Elementary::Real)?,
-                _ => self.scl().scl_convert(ctx, value, own)?,
+                _ => self.scl().convert(ctx, value, own)?,
             },
         })
     }
@@ -220,6 +219,6 @@ impl ChartBinder<'_, '_> {
     /// A value as one of type `ty`; a bit string of the same width counts as one.
     fn of_width(&mut self, ctx: &mut SclBlock, value: Value, ty: Elementary) -> Option<Expr> {
         let value = self.as_width(ctx, value, ty)?;
-        self.scl().scl_convert(ctx, value, ty)
+        self.scl().convert(ctx, value, ty)
     }
 }

@@ -13,14 +13,13 @@ use super::operand::{plain_time, thing_text};
 use super::{Moment, Rows, guarded};
 use crate::bind::chart::ChartBinder;
 use crate::bind::network::{no, yes};
-use crate::bind::scl::Intent;
-use crate::bind::scl::SclBlock;
 use crate::bind::scl::convert::explicit_expr;
 use crate::bind::scl::expression::constant_expr;
 use crate::bind::scl::message::described;
 use crate::bind::scl::numeric::Shape;
 use crate::bind::scl::place::Thing;
 use crate::bind::scl::value::Value;
+use crate::bind::scl::{Intent, SclBlock};
 use plcc_binding::constant::Constant;
 use plcc_model::Number;
 use plcc_model::scl::{CounterCall, Expr, ExprKind, Statement, StatementKind, TimerCall, TimerKind};
@@ -146,7 +145,7 @@ impl ChartBinder<'_, '_> {
             CellKind::Timer => ("a timer", "T5"),
             CellKind::Counter => ("a counter", "C5"),
         };
-        let text = self.program.text(node.span);
+        let text = self.program.globals.text(node.span);
         let title = format!("`{text}` is {is}, but this action needs {name}");
         self.scl().refuse(Code::ActionOperand, node.span, &title, is, &format!("name {name}: `{example}`"));
         None
@@ -154,7 +153,7 @@ impl ChartBinder<'_, '_> {
 
     /// The value of CS: a WORD in BCD.
     fn count(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Expr> {
-        let value = self.scl().scl_value(ctx, node)?;
+        let value = self.scl().value(ctx, node)?;
         match (&value, Shape::of(&value)) {
             (Value::Constant(Constant::Integer { value: count, based: false }, span), _)
                 if (0..=COUNT_MAX).contains(count) =>
@@ -162,10 +161,10 @@ impl ChartBinder<'_, '_> {
                 Some(constant_expr(bcd(*count as u64), Elementary::Word, *span))
             }
             (Value::Constant(Constant::Integer { based: true, .. }, _), _) | (_, Shape::Of(Elementary::Word)) => {
-                self.scl().scl_convert(ctx, value, Elementary::Word)
+                self.scl().convert(ctx, value, Elementary::Word)
             }
             (Value::Constant(Constant::Integer { .. }, span), _) => {
-                let title = format!("a counter cannot hold {}", self.program.text(*span));
+                let title = format!("a counter cannot hold {}", self.program.globals.text(*span));
                 self.scl().refuse(
                     Code::ActionOperand,
                     *span,
@@ -176,7 +175,7 @@ impl ChartBinder<'_, '_> {
                 None
             }
             _ => {
-                let (text, is) = (self.program.text(node.span), described(&value));
+                let (text, is) = (self.program.globals.text(node.span), described(&value));
                 let title = format!("`{text}` is not a value of a counter");
                 self.scl().refuse(
                     Code::ActionOperand,
@@ -192,12 +191,12 @@ impl ChartBinder<'_, '_> {
 
     /// The time of a timer: an S5TIME, or a WORD in the same format.
     fn timer_time(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Expr> {
-        let value = self.scl().scl_value(ctx, &plain_time(node))?;
+        let value = self.scl().value(ctx, &plain_time(node))?;
         match (&value, Shape::of(&value)) {
             (Value::Constant(Constant::Typed { ty: Elementary::Time, bits }, span), _)
                 if *bits > TIMER_MILLISECONDS_MAX =>
             {
-                let title = format!("a timer cannot run for {}", self.program.text(*span));
+                let title = format!("a timer cannot run for {}", self.program.globals.text(*span));
                 self.scl().refuse(
                     Code::ActionOperand,
                     *span,
@@ -208,15 +207,15 @@ impl ChartBinder<'_, '_> {
                 None
             }
             (Value::Constant(Constant::Integer { based: true, .. }, _), _) => {
-                self.scl().scl_convert(ctx, value, Elementary::Word)
+                self.scl().convert(ctx, value, Elementary::Word)
             }
-            (_, Shape::Of(Elementary::S5Time | Elementary::Word)) => self.scl().scl_own_type(ctx, value),
+            (_, Shape::Of(Elementary::S5Time | Elementary::Word)) => self.scl().own_type(ctx, value),
             (_, Shape::Of(Elementary::Time)) => {
-                let time = self.scl().scl_own_type(ctx, value)?;
+                let time = self.scl().own_type(ctx, value)?;
                 explicit_expr(ctx.scope.rules, time, Elementary::S5Time)
             }
             _ => {
-                let (text, is) = (self.program.text(node.span), described(&value));
+                let (text, is) = (self.program.globals.text(node.span), described(&value));
                 let title = format!("`{text}` is not a time of a timer");
                 let help = "write a time, `S5T#5S` or `T#5S`, or a variable of type S5TIME, WORD or TIME";
                 self.scl().refuse(Code::ActionOperand, node.span, &title, &is, help);

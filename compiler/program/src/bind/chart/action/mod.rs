@@ -130,7 +130,7 @@ impl ChartBinder<'_, '_> {
         let mut rows = Rows::default();
         for action in &chart.steps[step].actions {
             for message in legality::messages(action, has_interlock) {
-                self.program.report.push(message);
+                self.program.report(message);
             }
             let moment = moment(engine, step, action);
             match (action.qualifier, &action.body) {
@@ -206,7 +206,7 @@ impl ChartBinder<'_, '_> {
                 return self.off_delay_row(ctx, rows, moment, operand, value, span);
             }
             (qualifier, body) => {
-                self.program.report.push(wrong_body(qualifier, body, span));
+                self.program.report(wrong_body(qualifier, body, span));
                 return;
             }
         };
@@ -261,7 +261,7 @@ impl ChartBinder<'_, '_> {
             NodeKind::Name(name) => name,
             NodeKind::Error => return None,
             _ => {
-                let text = self.program.text(node.span);
+                let text = self.program.globals.text(node.span);
                 self.scl().refuse(
                     Code::ActionOperand,
                     node.span,
@@ -277,7 +277,7 @@ impl ChartBinder<'_, '_> {
             let title = format!("the chart has no step `{}`", name.text);
             let message = Diagnostic::new(Code::UnknownStep, name.span, title).label("no such step");
             let names = engine.chart.steps.iter().map(|step| step.name.text.as_str());
-            self.program.report.push(match similar(&name.text, names) {
+            self.program.report(match similar(&name.text, names) {
                 Some(other) => message.help(format!("is `{other}` meant?")),
                 None => message.help("name a step of this block, or write its number: `S002`"),
             });

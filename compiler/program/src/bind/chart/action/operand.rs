@@ -8,12 +8,11 @@ use plcc_syntax::ast::CellKind;
 use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind, Literal, Name, NameForm};
 
 use crate::bind::chart::ChartBinder;
-use crate::bind::scl::Intent;
-use crate::bind::scl::SclBlock;
 use crate::bind::scl::convert::explicit_expr;
 use crate::bind::scl::message::described;
 use crate::bind::scl::numeric::Shape;
 use crate::bind::scl::place::{Spot, Thing};
+use crate::bind::scl::{Intent, SclBlock};
 use plcc_model::layout;
 use plcc_model::scl::Expr;
 
@@ -46,21 +45,21 @@ impl ChartBinder<'_, '_> {
     }
 
     fn no_bit(&mut self, span: Span, is: &str) {
-        let text = self.program.text(span);
+        let text = self.program.globals.text(span);
         let title = format!("`{text}` is {is}, but this action writes a BOOL");
         self.scl().refuse(Code::ActionOperand, span, &title, is, "name a bit: `Q4.0`, or a variable of type BOOL");
     }
 
     /// The time of D and L, a TIME.
     pub fn action_time(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Expr> {
-        let value = self.scl().scl_value(ctx, &plain_time(node))?;
+        let value = self.scl().value(ctx, &plain_time(node))?;
         match Shape::of(&value) {
             Shape::Of(Elementary::Time | Elementary::Dword | Elementary::Dint | Elementary::S5Time) => {
-                let value = self.scl().scl_own_type(ctx, value)?;
+                let value = self.scl().own_type(ctx, value)?;
                 explicit_expr(ctx.scope.rules, value, Elementary::Time)
             }
             _ => {
-                let (text, is) = (self.program.text(node.span), described(&value));
+                let (text, is) = (self.program.globals.text(node.span), described(&value));
                 let title = format!("`{text}` is not a time");
                 let help = "write a time, `T#5S`, or a variable of type TIME; DWORD and DINT hold milliseconds";
                 self.scl().refuse(Code::ActionOperand, node.span, &title, &is, help);

@@ -29,7 +29,7 @@ impl ChartBinder<'_, '_> {
         if parameters.any(acknowledges) || self.blocks().any(names_acknowledgement) {
             return;
         }
-        self.program.report.push(
+        self.program.report(
             Diagnostic::new(
                 Code::NoAcknowledgement,
                 step.name.span,
@@ -58,11 +58,11 @@ impl ChartBinder<'_, '_> {
                 }
             }
         }
-        messages.into_iter().for_each(|message| self.program.report.push(message));
+        messages.into_iter().for_each(|message| self.program.report(message));
     }
 
     fn blocks(&self) -> impl Iterator<Item = &ast::CodeBlock> {
-        self.program.input.units.iter().flat_map(|(_, unit)| &unit.blocks).filter_map(|block| match block {
+        self.program.globals.input.units.iter().flat_map(|(_, unit)| &unit.blocks).filter_map(|block| match block {
             ast::Block::Code(code) => Some(code),
             ast::Block::Data(_) | ast::Block::Type(_) => None,
         })

@@ -53,11 +53,11 @@ impl ChartBinder<'_, '_> {
             .map(|(name, _)| name.clone())
             .collect();
         let messages = {
-            let symbol = |name: &str| self.program.global(name);
+            let symbol = |name: &str| self.program.globals.global(name);
             let facts = Facts { parameters, temporary, symbol: &symbol };
             check(chart, block.name.span(), index, &facts)
         };
-        messages.into_iter().for_each(|message| self.program.report.push(message));
+        messages.into_iter().for_each(|message| self.program.report(message));
         self.acknowledgement(ctx, chart);
         self.called_twice(ctx);
     }

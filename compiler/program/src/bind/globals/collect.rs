@@ -1,14 +1,14 @@
 //! Reads the tables and numbers the blocks of all sources, so that their order does not matter.
 
-use crate::bind::trees::blocks::is_fragment;
 use plcc_abi::ob::{OB_FREE, ObClass};
 use plcc_diag::{Code, Diagnostic, Severity, Span};
 use plcc_syntax::ast::{self, BlockName, BlockPrefix, CodeKind};
 use plcc_syntax::scl::ast::{self as scl, Dialect};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use crate::bind::declarations::Declarations;
-use crate::bind::declarations::names::{Global, code_kind};
+use crate::bind::globals::Globals;
+use crate::bind::globals::names::{Global, code_kind};
+use crate::bind::trees::blocks::is_fragment;
 use crate::bind::trees::mentions;
 use plcc_binding::constant::{Constant, Constants};
 use plcc_binding::fold;
@@ -95,7 +95,7 @@ fn number_of_start_information(block: &ast::Block) -> Option<u32> {
 fn block_class(block: &ast::Block) -> Option<ObClass> {
     match block {
         ast::Block::Code(code) if code.kind == CodeKind::Ob => {
-            crate::bind::declarations::ob::class_attribute(&code.header)?.0
+            crate::bind::globals::ob::class_attribute(&code.header)?.0
         }
         ast::Block::Code(_) | ast::Block::Data(_) | ast::Block::Type(_) => None,
     }
@@ -226,7 +226,7 @@ fn is_forward(block: &ast::Block) -> bool {
     }
 }
 
-impl<'a> Declarations<'a> {
+impl<'a> Globals<'a> {
     /// Reads the symbol tables and assigns a number to every block of the sources.
     pub fn collect(&mut self) {
         self.collect_tables();
@@ -234,7 +234,7 @@ impl<'a> Declarations<'a> {
         let blocks = self.without_forwards();
         self.safety_blocks(&blocks);
         let mut used: FxHashSet<(BlockPrefix, u32)> = FxHashSet::default();
-        for global in self.names.globals.values() {
+        for global in self.names.symbols.values() {
             if let SymbolTarget::Block { prefix, number } = global.target {
                 used.insert((prefix, number));
             }
@@ -248,7 +248,7 @@ impl<'a> Declarations<'a> {
                     Some((prefix, number)) => {
                         (prefix, (BlockName::Numbered { prefix, number, span: name.span() }, false))
                     }
-                    None => (prefix, numbered(block, prefix, name, &self.names.globals)),
+                    None => (prefix, numbered(block, prefix, name, &self.names.symbols)),
                 };
                 if is_movable == movable {
                     self.place(block, (prefix, numbered), movable, &mut used, &mut unnumbered);
@@ -273,7 +273,7 @@ impl<'a> Declarations<'a> {
                 }
                 class => class,
             };
-            if let Some(global) = own_global(&self.names.globals, prefix, &name) {
+            if let Some(global) = own_global(&self.names.symbols, prefix, &name) {
                 // Two blocks with one name: the second would replace the first.
                 let first = global.span;
                 let help = self.choice(first, span, "give one of them another name");
@@ -311,7 +311,7 @@ impl<'a> Declarations<'a> {
             self.name_block(&name, prefix, number, span);
             self.define(block, prefix, number as u16, span);
         }
-        for global in self.names.globals.values() {
+        for global in self.names.symbols.values() {
             if let SymbolTarget::Block { prefix, number } = global.target
                 && number <= 65_535
             {
@@ -440,7 +440,7 @@ impl<'a> Declarations<'a> {
                     self.name_block(name, prefix, number, span);
                 }
             }
-            BlockName::Symbol { name, span } => match own_global(&self.names.globals, prefix, &name) {
+            BlockName::Symbol { name, span } => match own_global(&self.names.symbols, prefix, &name) {
                 None => unnumbered.push(Unnumbered { block, prefix, name, span, class }),
                 Some(&Global { target: SymbolTarget::Block { prefix: named, number }, .. })
                     if named == prefix && number <= 65_535 =>
@@ -473,9 +473,9 @@ impl<'a> Declarations<'a> {
         if prefix == BlockPrefix::Udt {
             self.names.types.entry(fold(name)).or_insert(number as u16);
             self.names.blocks.insert((prefix, number as u16), name.trim().to_string());
-            self.names.globals.entry(fold(name)).or_insert(global);
-        } else if own_global(&self.names.globals, prefix, name).is_none() {
-            self.names.globals.insert(fold(name), global);
+            self.names.symbols.entry(fold(name)).or_insert(global);
+        } else if own_global(&self.names.symbols, prefix, name).is_none() {
+            self.names.symbols.insert(fold(name), global);
         }
     }
 
@@ -527,13 +527,13 @@ impl<'a> Declarations<'a> {
 
     fn collect_tables(&mut self) {
         let rows: usize = self.input.tables.iter().map(|table| table.symbols.len()).sum();
-        self.names.globals.reserve(rows);
+        self.names.symbols.reserve(rows);
         for symbol in self.input.tables.iter().flat_map(|table| &table.symbols) {
             let ty = Elementary::from_word(&symbol.ty.to_ascii_uppercase());
             let structure = ty.is_none().then(|| symbol.ty.trim().trim_matches('"').to_string());
             let structure = structure.filter(|name| !name.is_empty());
             let global = Global { name: symbol.name.clone(), target: symbol.target, ty, structure, span: symbol.span };
-            match self.names.globals.entry(fold(&symbol.name)) {
+            match self.names.symbols.entry(fold(&symbol.name)) {
                 std::collections::hash_map::Entry::Vacant(entry) => {
                     entry.insert(global);
                 }
@@ -605,13 +605,13 @@ impl<'a> Declarations<'a> {
                         ast::Code::Stl(_) if prefix != source_prefix(code.kind) => {
                             let mut code = code.clone();
                             code.kind = if prefix == BlockPrefix::Fb { CodeKind::Fb } else { CodeKind::Fc };
-                            crate::bind::declarations::sources::CodeSource::Expanded(std::rc::Rc::new(code))
+                            crate::bind::globals::sources::CodeSource::Expanded(std::rc::Rc::new(code))
                         }
-                        ast::Code::Chart(chart) => crate::bind::declarations::sources::CodeSource::Expanded(
+                        ast::Code::Chart(chart) => crate::bind::globals::sources::CodeSource::Expanded(
                             std::rc::Rc::new(crate::bind::trees::chart_data::expanded(code, chart)),
                         ),
                         ast::Code::Stl(_) | ast::Code::Scl(_) | ast::Code::Graphic(_) => {
-                            crate::bind::declarations::sources::CodeSource::User(code)
+                            crate::bind::globals::sources::CodeSource::User(code)
                         }
                     };
                     self.sources.code.insert(BlockKey { kind, number }, source);

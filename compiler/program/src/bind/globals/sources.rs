@@ -1,10 +1,15 @@
-//! Syntax trees of blocks, and values that are made when first needed.
+//! The syntax trees of all blocks.
 
 use std::rc::Rc;
 
+use plcc_abi::image::Family;
+use plcc_binding::BindInput;
 use plcc_model::BlockKey;
 use plcc_syntax::ast;
+use plcc_syntax::scl::ast::Dialect;
 use rustc_hash::FxHashMap;
+
+use crate::bind::trees::blocks::dialect;
 
 /// The syntax trees of all blocks, by their numbers.
 pub struct Sources<'a> {
@@ -13,13 +18,6 @@ pub struct Sources<'a> {
     pub types: FxHashMap<u16, &'a ast::TypeBlock>,
     /// A block of the TIA Portal is among the sources, or the CPU only exists there.
     pub tia: bool,
-}
-
-/// A value that is made when first needed.
-pub enum State<T> {
-    /// In progress: a use now means a loop.
-    Running,
-    Done(T),
 }
 
 /// The syntax tree of a block with code.
@@ -38,4 +36,18 @@ impl CodeSource<'_> {
             CodeSource::Expanded(block) | CodeSource::System(block) => block,
         }
     }
+}
+
+/// True if names of instructions mean those of the TIA Portal where a data block or UDT declares them.
+pub fn is_tia(input: &BindInput) -> bool {
+    portal_cpu(input)
+        || input.units.iter().flat_map(|(_, unit)| &unit.blocks).any(|block| match block {
+            ast::Block::Code(code) => dialect(code) == Some(Dialect::Tia),
+            ast::Block::Data(_) | ast::Block::Type(_) => false,
+        })
+}
+
+/// Only the TIA Portal can program this CPU.
+pub fn portal_cpu(input: &BindInput) -> bool {
+    matches!(input.profile.family, Family::S71200 | Family::S71500)
 }

@@ -4,8 +4,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{Area, CellKind, Width};
 use rustc_hash::FxHashSet;
 
-use crate::bind::declarations::Declarations;
-use crate::bind::declarations::block::CurrentBlock;
+use crate::bind::globals::Globals;
 use crate::bind::trees::SYSTEM_FILE;
 
 /// What is only reported once.
@@ -18,7 +17,7 @@ pub struct Told {
     pub system_tags: FxHashSet<String>,
 }
 
-impl Declarations<'_> {
+impl Globals<'_> {
     /// Text of the source at `span`, on one line.
     pub fn text(&self, span: Span) -> String {
         if span.file == SYSTEM_FILE {
@@ -38,14 +37,7 @@ impl Declarations<'_> {
     }
 
     /// Checks an address against its area and the CPU; `None` if it cannot exist, which is reported.
-    pub fn check_address(
-        &mut self,
-        ctx: &mut CurrentBlock,
-        area: Area,
-        width: Width,
-        byte: u32,
-        span: Span,
-    ) -> Option<()> {
+    pub fn check_area(&mut self, area: Area, width: Width, byte: u32, span: Span) -> Option<()> {
         use plcc_abi::layout::{AREA_BYTES, L_CLASS_BYTES};
         let profile = &self.input.profile;
         let end = u64::from(byte) + u64::from(width.bytes());
@@ -58,9 +50,6 @@ impl Declarations<'_> {
             Area::Pq => ("peripheral outputs", AREA_BYTES, AREA_BYTES),
             Area::Db | Area::Di => ("a data block", AREA_BYTES, AREA_BYTES),
         };
-        if area == Area::L && end <= u64::from(space) {
-            ctx.local_bytes = ctx.local_bytes.max(end as u32);
-        }
         self.check_limit(end, limit, space, (name, "bytes"), (area, byte), span)
     }
 

@@ -4,19 +4,19 @@
 //!
 //! Source: LAD/FBD reference for S7-1200, data types HW_*, EVENT_* and OB_*; optimised and standard access.
 
-use crate::bind::trees::blocks::is_optimized;
 use plcc_abi::technology::{EVENT_ID, HSC_ID, PULSE_ID};
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{self, BlockPrefix};
 
-use crate::bind::declarations::Declarations;
+use crate::bind::globals::Globals;
+use crate::bind::trees::blocks::is_optimized;
 use plcc_binding::constant::Constant;
 use plcc_binding::fold;
 use plcc_model::profile;
 use plcc_model::types::Elementary;
 use plcc_syntax::symbols::SymbolTarget;
 
-impl Declarations<'_> {
+impl Globals<'_> {
     /// Reports the name of a fast counter or pulse generator that the CPU does not have; false: the name means something else.
     pub fn missing_hardware(&mut self, name: &str, span: Span) -> bool {
         let folded = fold(name);
@@ -99,7 +99,7 @@ impl Declarations<'_> {
             let bits = u64::from(EVENT_ID) + index as u64 + 1;
             return Some(Constant::Typed { ty: Elementary::Dword, bits });
         }
-        match self.names.globals.get(name.strip_prefix("ob_")?)?.target {
+        match self.names.symbols.get(name.strip_prefix("ob_")?)?.target {
             SymbolTarget::Block { prefix: BlockPrefix::Ob, number } => {
                 Some(Constant::Typed { ty: Elementary::Int, bits: u64::from(number) })
             }

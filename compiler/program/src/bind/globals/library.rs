@@ -14,14 +14,12 @@ use plcc_syntax::ast::{self, BlockPrefix};
 use plcc_syntax::{ParseOptions, scl, stl};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use crate::bind::declarations::Declarations;
-use crate::bind::declarations::names::kind_prefix;
-use crate::bind::declarations::sources::CodeSource;
-use crate::bind::declarations::types::BoundInterface;
-use crate::bind::trees::SYSTEM_FILE;
-use crate::bind::trees::mentions;
+use crate::bind::globals::Globals;
+use crate::bind::globals::names::kind_prefix;
+use crate::bind::globals::sources::CodeSource;
+use crate::bind::trees::{SYSTEM_FILE, mentions};
 use plcc_binding::fold;
-use plcc_model::BlockKey;
+use plcc_model::{BlockKey, Parameter};
 
 /// A system block that is used.
 pub struct SystemUse {
@@ -44,7 +42,7 @@ pub struct Library {
 }
 
 impl Library {
-    /// Whether the program means its own block with the name and number of this one: see [`Declarations::find_foreign`].
+    /// Whether the program means its own block with the name and number of this one: see [`Globals::find_foreign`].
     pub fn is_foreign(&self, block: &SystemBlock) -> bool {
         self.foreign.contains(&(block.class, block.number))
     }
@@ -78,7 +76,7 @@ const fn kind_of(class: BlockClass) -> BlockKind {
     }
 }
 
-impl Declarations<'_> {
+impl Globals<'_> {
     /// Gives library blocks other numbers if the program uses theirs for its own blocks. `used`: numbers that are taken.
     pub fn move_library(&mut self, used: &FxHashSet<(BlockPrefix, u32)>) {
         let mut free = u32::from(u16::MAX);
@@ -127,7 +125,7 @@ impl Declarations<'_> {
                 }
                 mentions::Called::Name(name) => match self.global(&name) {
                     Some(plcc_syntax::symbols::SymbolTarget::Block { prefix, number }) => {
-                        crate::bind::declarations::names::code_kind(prefix)
+                        crate::bind::globals::names::code_kind(prefix)
                             .zip(u16::try_from(number).ok())
                             .and_then(|(kind, number)| self.library_block(BlockKey { kind, number }))
                     }
@@ -213,7 +211,7 @@ impl Declarations<'_> {
     pub fn is_own_of_program<'n>(
         &mut self,
         key: BlockKey,
-        bound: &BoundInterface,
+        parameters: &[Parameter],
         names: impl IntoIterator<Item = &'n str>,
         span: Span,
     ) -> bool {
@@ -221,7 +219,6 @@ impl Declarations<'_> {
         let Some(block) = self.library_block(key).filter(|_| self.input.partial && span.file != SYSTEM_FILE) else {
             return false;
         };
-        let parameters = &bound.interface.parameters;
         let known = |name: &str| {
             let folded = fold(name);
             matches!(folded.as_str(), "en" | "eno")

@@ -7,7 +7,7 @@
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{Area, Width};
 
-use crate::bind::declarations::Declarations;
+use crate::bind::globals::Globals;
 use plcc_binding::fold;
 use plcc_syntax::symbols::{Symbol, SymbolTarget};
 
@@ -50,7 +50,7 @@ fn byte_of(target: SymbolTarget, bit: Option<u8>) -> Option<u16> {
     }
 }
 
-impl Declarations<'_> {
+impl Globals<'_> {
     /// Settles the bytes that the configuration leaves open, and reports it.
     pub fn system_memory(&mut self) {
         for memory in [Memory::Clock, Memory::System] {

@@ -5,7 +5,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{Area, BlockName, BlockPrefix, CellKind, Width};
 use rustc_hash::FxHashMap;
 
-use crate::bind::declarations::Declarations;
+use crate::bind::globals::Globals;
 use plcc_binding::constant::Constants;
 use plcc_binding::fold;
 use plcc_model::types::Elementary;
@@ -15,7 +15,7 @@ use plcc_syntax::symbols::SymbolTarget;
 #[derive(Default)]
 pub struct Names {
     /// By folded name.
-    pub globals: FxHashMap<String, Global>,
+    pub symbols: FxHashMap<String, Global>,
     /// Numbers of the program's data types, by folded name.
     pub types: FxHashMap<String, u16>,
     /// User constants of tag tables, by folded name.
@@ -81,7 +81,7 @@ impl Names {
     /// Named addresses of memory, timers, counters and DBs.
     pub fn entries(&self) -> Vec<SymbolEntry> {
         let mut entries: Vec<SymbolEntry> = self
-            .globals
+            .symbols
             .values()
             .filter_map(|global| {
                 let address = match global.target {
@@ -99,7 +99,7 @@ impl Names {
     }
 }
 
-impl Declarations<'_> {
+impl Globals<'_> {
     /// The block that a name means; reports a name that is defined nowhere. A system block is found by its standard name.
     pub fn block_number(&mut self, name: &BlockName) -> Option<(BlockPrefix, u16)> {
         match name {
@@ -152,7 +152,7 @@ impl Declarations<'_> {
 
     /// What a global name means: a row of a table, a block of the sources, or a system block with this standard name.
     pub fn global(&self, name: &str) -> Option<SymbolTarget> {
-        if let Some(global) = self.names.globals.get(&fold(name)) {
+        if let Some(global) = self.names.symbols.get(&fold(name)) {
             return Some(global.target);
         }
         let name = classic_name(name.trim());
