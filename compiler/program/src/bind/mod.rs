@@ -7,15 +7,13 @@
 //! 3. [`declarations`]: types, interfaces and data blocks.
 //! 4. [`stl`], [`scl`], [`network`] (LAD and FBD) and [`chart`] (GRAPH) bind statements over them, each by a type of its own. Networks
 //!    become the typed tree of SCL, and charts use SCL and networks.
-//! 5. [`cpu`]: the CPU that sources imply.
-//! 6. [`program`](mod@program) binds a whole program, each block in its language.
-//! 7. [`partial`] binds a program in which parts may be missing, by binding it several times.
+//! 5. [`program`](mod@program) binds a whole program, each block in its language.
+//! 6. [`partial`] binds a program in which parts may be missing, by binding it several times.
 //!
 //! With errors the program is incomplete and must not be lowered; the same applies to `partial` runs with warnings about
 //! undefined names.
 
 mod chart;
-mod cpu;
 mod declarations;
 mod globals;
 mod network;
@@ -31,10 +29,10 @@ mod notation;
 #[cfg(test)]
 mod tests;
 
-pub use cpu::{implied_profile, is_s7200, runs};
 pub use network::is_about_drafts;
 pub use partial::complete;
 pub use program::{bind, library_interface};
+pub use trees::cpu::{implied_profile, is_s7200, runs};
 
 /// Tables of the languages, from which their reference pages are printed.
 pub mod tables {

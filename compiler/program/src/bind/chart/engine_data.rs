@@ -9,7 +9,7 @@ use super::assemble::{Features, Parts};
 use super::build::{assign, element, if_then, load, number};
 use super::index::Index;
 use crate::bind::declarations::path::{Base, Variable};
-use crate::bind::declarations::types::BoundInterface;
+use crate::bind::declarations::typed::BoundInterface;
 use crate::bind::network::Page;
 use crate::bind::scl::SclBlock;
 use crate::bind::scl::expression::{binary_expr, constant_expr};

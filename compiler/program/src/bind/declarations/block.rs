@@ -9,7 +9,7 @@ use plcc_syntax::ast::{Area, Width};
 use rustc_hash::FxHashSet;
 
 use crate::bind::declarations::Declarations;
-use crate::bind::declarations::types::BoundInterface;
+use crate::bind::declarations::typed::BoundInterface;
 
 /// A block while its statements are bound, in any language.
 pub struct CurrentBlock {

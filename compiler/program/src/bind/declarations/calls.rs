@@ -4,7 +4,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 use rustc_hash::FxHashMap;
 
 use crate::bind::declarations::Declarations;
-use crate::bind::declarations::types::BoundInterface;
+use crate::bind::declarations::typed::BoundInterface;
 use plcc_binding::fold;
 use plcc_binding::similar;
 use plcc_model::{BlockKey, Direction, Passing};

@@ -9,7 +9,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::bind::declarations::Declarations;
 use crate::bind::declarations::path::{Base, Variable};
-use crate::bind::declarations::types::{StructBuilder, Typed, TypedStruct, Use};
+use crate::bind::declarations::typed::{StructBuilder, Typed, TypedStruct, Use};
 use crate::bind::trees::mentions;
 use plcc_binding::fold;
 use plcc_model::types::{DataType, StructType};

@@ -9,7 +9,7 @@ use plcc_syntax::scl::ast::{Expr, ExprKind, Name};
 
 use crate::bind::declarations::Declarations;
 use crate::bind::declarations::pointer::pointer_bytes;
-use crate::bind::declarations::types::put;
+use crate::bind::declarations::typed::put;
 use crate::bind::globals::Globals;
 use plcc_binding::constant::Constant;
 use plcc_binding::value::{Mismatch, Place, elementary_bytes, literal_kind};

@@ -2,12 +2,14 @@
 //!
 //! Each is made when first needed, since declarations may be in any order.
 //!
-//! - [`types`] resolves data types, [`predefined`] those of the language and the CPU; [`constant`] their bounds, [`initial`] start values.
-//! - [`interface`] lays out the interface of a block, [`start_inputs`] the inputs of organization blocks; [`data`] makes the data blocks.
+//! - [`types`] resolves data types ([`typed`]), [`predefined`] those of the language and the CPU; [`constant`] their bounds, [`initial`] start values.
+//! - [`interface`] lays out the interface of a block, [`start_inputs`] the inputs of organization blocks, [`block_constants`] its constants;
+//!   [`data`] makes the data blocks.
 //! - [`path`] turns names into places; [`pointer`] has the bytes of pointers.
 //! - [`block`] is the block whose statements are bound; [`calls`] is what calls of all languages check.
 
 pub mod block;
+pub mod block_constants;
 pub mod calls;
 pub mod constant;
 pub mod data;
@@ -17,6 +19,7 @@ pub mod path;
 pub mod pointer;
 pub mod predefined;
 pub mod start_inputs;
+pub mod typed;
 pub mod types;
 
 use std::rc::Rc;
@@ -29,7 +32,8 @@ use calls::InstancePointers;
 use data::DataBlocks;
 use plcc_binding::BindInput;
 use plcc_model::BlockKey;
-use types::{BoundInterface, Types};
+use typed::BoundInterface;
+use types::Types;
 
 /// A value that is made when first needed.
 pub enum State<T> {

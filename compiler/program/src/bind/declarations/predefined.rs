@@ -9,7 +9,7 @@ use plcc_abi::image::BlockKind;
 use plcc_syntax::ast::{BlockPrefix, TypeRef};
 
 use crate::bind::declarations::Declarations;
-use crate::bind::declarations::types::{StructBuilder, Typed, TypedStruct, Use, elementary_typed};
+use crate::bind::declarations::typed::{StructBuilder, Typed, TypedStruct, Use, elementary_typed};
 use crate::bind::globals::names;
 use plcc_diag::Span;
 use plcc_model::types::{ArrayType, DTL, DataType, Elementary};

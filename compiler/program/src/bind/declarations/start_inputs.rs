@@ -9,7 +9,7 @@ use rustc_hash::FxHashMap;
 
 use crate::bind::declarations::Declarations;
 use crate::bind::declarations::path::Base;
-use crate::bind::declarations::types::{BoundInterface, Local, Use};
+use crate::bind::declarations::typed::{BoundInterface, Local, Use};
 use crate::bind::globals::rules::Rules;
 use crate::bind::globals::sources::portal_cpu;
 use crate::bind::trees::blocks;

@@ -9,17 +9,7 @@ use plcc_syntax::ast;
 
 use crate::bind::globals::Globals;
 use crate::bind::globals::sources::CodeSource;
-
-/// Attributes that state what starts an OB: in sources, in SimaticML.
-const CLASS_ATTRIBUTES: [&str; 2] = ["S7_EventClass", "SecondaryType"];
-
-/// What the attributes of a block state about its start; also the value, for messages.
-pub fn class_attribute(header: &ast::Header) -> Option<(Option<ObClass>, &str)> {
-    let is_class = |name: &str| CLASS_ATTRIBUTES.iter().any(|known| known.eq_ignore_ascii_case(name));
-    let (_, value) = header.attributes.iter().find(|(name, _)| is_class(name))?;
-    let value = value.trim().trim_matches(['\'', '"']);
-    Some((ObClass::of_name(value), value))
-}
+use crate::bind::trees::blocks::class_attribute;
 
 impl Globals<'_> {
     /// The classes of the program's OBs: from plc.toml, otherwise from their attributes.

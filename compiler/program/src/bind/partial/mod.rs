@@ -24,7 +24,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use plcc_binding::report::MissingKey;
 use plcc_binding::stand_ins::{Completed, Missing, Parts, Told, Whole, errors, finish};
 
-use super::declarations::types::BoundInterface;
+use super::declarations::typed::BoundInterface;
 use crate::bind::declarations::Declarations;
 use crate::bind::declarations::block::CurrentBlock;
 use crate::bind::scl::{SclBlock, Scope};

@@ -12,7 +12,7 @@ use rustc_hash::FxHashMap;
 
 use super::call::is_result;
 use super::{Intent, Rules};
-use crate::bind::declarations::types::BoundInterface;
+use crate::bind::declarations::typed::BoundInterface;
 use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::fold;
 use plcc_model::scl::{Access, Actual, Argument, Expr, ExprKind};

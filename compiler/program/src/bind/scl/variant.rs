@@ -14,7 +14,7 @@ use super::function::{Kind, Named};
 use super::pins::Pins;
 use super::value::Value;
 use crate::bind::declarations::pointer::pointed_at;
-use crate::bind::declarations::types::Use;
+use crate::bind::declarations::typed::Use;
 use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
 use plcc_binding::fold;

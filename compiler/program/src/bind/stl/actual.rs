@@ -14,7 +14,7 @@ use crate::bind::declarations::pointer::{
     CODE_BYTE, CODE_DATE_AND_TIME, POINTS_AT_NOTHING, any_bytes, any_number_of_block, any_number_of_cell, code_for,
     for_formal, known_pointer, local_place, pointed_at, pointed_at_by_literal, pointer_bytes,
 };
-use crate::bind::declarations::types::is_complex;
+use crate::bind::declarations::typed::is_complex;
 use crate::bind::globals::Globals;
 use crate::bind::globals::names::code_kind;
 use crate::bind::stl::StlBinder;

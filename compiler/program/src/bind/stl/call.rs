@@ -10,7 +10,7 @@ use rustc_hash::FxHashMap;
 use crate::bind::declarations::block::CurrentBlock;
 use crate::bind::declarations::calls::InstanceId;
 use crate::bind::declarations::path::Base;
-use crate::bind::declarations::types::BoundInterface;
+use crate::bind::declarations::typed::BoundInterface;
 use crate::bind::globals::names::code_kind;
 use crate::bind::stl::StlBinder;
 use crate::bind::stl::settle::Settled;

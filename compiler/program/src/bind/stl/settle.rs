@@ -9,7 +9,7 @@ use plcc_syntax::literal::Literal;
 
 use crate::bind::declarations::block::CurrentBlock;
 use crate::bind::declarations::path::{Base, Resolved, Variable};
-use crate::bind::declarations::types::is_complex;
+use crate::bind::declarations::typed::is_complex;
 use crate::bind::stl::StlBinder;
 use plcc_model::layout;
 use plcc_model::types::{DataType, Elementary, ParameterType};

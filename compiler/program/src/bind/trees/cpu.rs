@@ -9,7 +9,7 @@ use plcc_syntax::ast::{self, SourceUnit, StatementKind};
 use plcc_syntax::scl::ast::ExprKind;
 use plcc_syntax::stl::StlInsn;
 
-use crate::bind::globals::collect::has_free_obs;
+use crate::bind::trees::numbering::has_free_obs;
 use crate::bind::trees::{blocks, mentions};
 
 /// Names of the CPU's objects of an S7-1200.
