@@ -49,7 +49,7 @@ fn the_reference_of_the_standard_library_is_current() {
 
 #[test]
 fn the_reference_of_diagnostics_is_current() {
-    expect_file(&root().join("docs/reference/diagnostics.md"), &plcc_diag::reference::diagnostics()).unwrap();
+    expect_file(&root().join("docs/reference/diagnostics.md"), &reference::diagnostics()).unwrap();
 }
 
 #[test]

@@ -75,7 +75,7 @@ const ONLY_STEPS: &str = "IF DINT_TO_UDINT(INT_TO_DINT(#k) - 1) <= #last_step TH
 
 /// Binds charts of GRAPH.
 pub struct ChartBinder<'b, 'a> {
-    pub program: &'b mut Declarations<'a>,
+    program: &'b mut Declarations<'a>,
 }
 
 impl<'b, 'a> ChartBinder<'b, 'a> {

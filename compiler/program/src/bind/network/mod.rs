@@ -74,7 +74,7 @@ const DRAWINGS_MAX: usize = 50;
 
 /// Binds networks of LAD and FBD.
 pub struct NetworkBinder<'b, 'a> {
-    pub program: &'b mut Declarations<'a>,
+    program: &'b mut Declarations<'a>,
 }
 
 impl<'b, 'a> NetworkBinder<'b, 'a> {

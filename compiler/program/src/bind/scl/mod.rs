@@ -79,7 +79,7 @@ pub struct SclBlock<'c> {
 
 /// Binds statements and expressions of SCL.
 pub struct SclBinder<'b, 'a> {
-    pub program: &'b mut Declarations<'a>,
+    program: &'b mut Declarations<'a>,
 }
 
 impl<'b, 'a> SclBinder<'b, 'a> {

@@ -1,6 +1,6 @@
 //! The reference page of all diagnostic codes, printed from the table.
 
-use crate::codes::{Code, Severity};
+use plcc_diag::{Code, Severity};
 
 /// `docs/reference/diagnostics.md`.
 pub fn diagnostics() -> String {
