@@ -9,6 +9,7 @@
 //!   what they compute.
 //! - `variant`: queries of a VARIANT.
 //! - `value`: what an expression is before its context decides on its type; `message`: messages that several of these report.
+//! - `address_numbers`: operands in charts of S7-GRAPH V5; `scope`: what is known of a block while its statements are bound.
 
 mod access;
 mod actual;

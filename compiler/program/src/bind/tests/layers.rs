@@ -30,6 +30,33 @@ fn no_layer_names_one_above() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
+/// The types that hold a layer together, and the layer that alone adds methods to each.
+const OWNERS: [(&str, &str); 6] = [
+    ("Globals", "globals"),
+    ("Declarations", "declarations"),
+    ("StlBinder", "stl"),
+    ("SclBinder", "scl"),
+    ("NetworkBinder", "network"),
+    ("ChartBinder", "chart"),
+];
+
+#[test]
+fn no_layer_adds_methods_to_one_below() {
+    let bind = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/bind");
+    let mut wrong = Vec::new();
+    for path in files(&bind) {
+        let place = path.strip_prefix(&bind).expect("the file is in this folder");
+        let text = fs::read_to_string(&path).expect("sources can be read");
+        for line in text.lines().filter(|line| line.starts_with("impl")) {
+            let owner = OWNERS.iter().find(|(ty, _)| line.contains(&format!(" {ty}<")));
+            if owner.is_some_and(|(_, layer)| !place.starts_with(layer)) {
+                wrong.push(format!("{}: {line}", place.display()));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
 #[test]
 fn what_counts_as_naming() {
     let names = |text| named_modules(text, 2);
