@@ -15,7 +15,7 @@ use plcc_syntax::network::elements::ELEMENTS;
 use plcc_syntax::s7200::{Compare, Insn};
 use plcc_syntax::stl::{Mnemonics, StlInsn};
 use plcc_syntax::{Elementary, ParseOptions};
-use plcc_tests::{expect_file, files, plan, root, shown, tests_folder};
+use plcc_tests::{expect_file, files, plan, reference, root, shown, tests_folder};
 
 #[test]
 fn the_instruction_reference_is_current() {
@@ -24,32 +24,32 @@ fn the_instruction_reference_is_current() {
 
 #[test]
 fn the_reference_of_the_s7_200_is_current() {
-    expect_file(&root().join("docs/reference/s7-200.md"), &plcc_model::profile::s7200::reference()).unwrap();
+    expect_file(&root().join("docs/reference/s7-200.md"), &reference::s7200()).unwrap();
 }
 
 #[test]
 fn the_reference_of_scl_is_current() {
-    expect_file(&root().join("docs/reference/scl.md"), &plcc_program::scl_reference()).unwrap();
+    expect_file(&root().join("docs/reference/scl.md"), &reference::scl()).unwrap();
 }
 
 #[test]
 fn the_reference_of_lad_and_fbd_is_current() {
-    expect_file(&root().join("docs/reference/lad-fbd.md"), &plcc_program::lad_fbd_reference()).unwrap();
+    expect_file(&root().join("docs/reference/lad-fbd.md"), &reference::lad_fbd()).unwrap();
 }
 
 #[test]
 fn the_reference_of_graph_is_current() {
-    expect_file(&root().join("docs/reference/graph.md"), &plcc_program::graph_reference()).unwrap();
+    expect_file(&root().join("docs/reference/graph.md"), &reference::graph()).unwrap();
 }
 
 #[test]
 fn the_reference_of_the_standard_library_is_current() {
-    expect_file(&root().join("docs/reference/stdlib.md"), &plcc_program::standard_library()).unwrap();
+    expect_file(&root().join("docs/reference/stdlib.md"), &reference::standard_library()).unwrap();
 }
 
 #[test]
 fn the_reference_of_diagnostics_is_current() {
-    expect_file(&root().join("docs/reference/diagnostics.md"), &plcc_diag::reference::diagnostics()).unwrap();
+    expect_file(&root().join("docs/reference/diagnostics.md"), &reference::diagnostics()).unwrap();
 }
 
 #[test]
@@ -95,7 +95,9 @@ fn every_element_and_every_function_is_in_a_test() {
     let missing: Vec<&str> = missing.map(|row| row.name).filter(|name| !WITHOUT_A_NAME.contains(name)).collect();
     assert!(missing.is_empty(), "no file in tests/run has the elements {}", missing.join(", "));
     let statements = words(&paths, &["scl", "s7dcl"]);
-    let missing: Vec<&str> = plcc_program::scl_functions()
+    let missing: Vec<&str> = plcc_program::tables::scl::FUNCTIONS
+        .iter()
+        .map(|row| row.name)
         .filter(|name| !statements.iter().any(|word| word.starts_with(&name.to_uppercase())))
         .collect();
     assert!(missing.is_empty(), "no file in tests/run has the functions {}", missing.join(", "));

@@ -1,12 +1,11 @@
 //! Source files, spans, diagnostic codes and their drawing, for every language.
 //!
-//! [`drawing`] shows messages to people, [`json`] and [`sarif`] to tools, [`reference`](mod@reference) is the page of all codes.
+//! [`drawing`] shows messages to people, [`json`] and [`sarif`] to tools.
 
 mod codes;
 mod diagnostic;
 pub mod drawing;
 pub mod json;
-pub mod reference;
 pub mod sarif;
 mod source;
 

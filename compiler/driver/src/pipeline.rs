@@ -13,15 +13,15 @@ use plcc_readers::ReadOptions;
 use plcc_readers::sd::Texts;
 use plcc_readers::symbols;
 use plcc_syntax::Language;
-use plcc_syntax::ast::{Block, SourceUnit, StatementKind};
-use plcc_syntax::stl::{Mnemonics, StlInsn};
+use plcc_syntax::ast::SourceUnit;
+use plcc_syntax::stl::Mnemonics;
 use plcc_syntax::symbols::SymbolTable;
 
 use crate::cli::{CompileArgs, Level};
 use crate::inputs::Read;
 use crate::project::Project;
+use crate::s7200;
 use crate::technology;
-use crate::{s7200, station};
 
 /// Settings of the stages up to the bound program.
 #[derive(Clone, Debug, Default)]
@@ -159,7 +159,7 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
         require_main: settings.require_main && !units.is_empty(),
     };
     // Programs of the S7-200 share nothing with those of the other families.
-    let is_s7200 = units.iter().any(|(_, unit)| unit.s7200.is_some());
+    let is_s7200 = plcc_program::is_s7200(&units);
     let program = if partial {
         let completed = match is_s7200 {
             true => plcc_program_s7200::complete(&input),
@@ -178,7 +178,7 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
         program
     };
     if has_station {
-        diagnostics.extend(station::check_program(&program));
+        diagnostics.extend(plcc_program::check_modules(&program));
     }
     plcc_diag::sort(&mut diagnostics);
     // Two stages may find the same fault; report it once.
@@ -206,7 +206,7 @@ fn pragma_profile(settings: &Settings, units: &[(plcc_diag::FileId, SourceUnit)]
     }
     let pragmas = units.iter().flat_map(|(_, unit)| &unit.pragmas);
     let names = pragmas.filter_map(|pragma| pragma.text.strip_prefix("cpu")).map(str::trim);
-    names.filter_map(profile_named).rfind(|profile| runs(profile, units))
+    names.filter_map(profile_named).rfind(|profile| plcc_program::runs(profile, units))
 }
 
 fn profile_named(name: &str) -> Option<Profile> {
@@ -226,15 +226,15 @@ fn profile_of(
     sources: &mut SourceMap,
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Profile {
-    let generic = implied_profile(units);
+    let generic = plcc_program::implied_profile(units);
     let (name, span) = match (&settings.cpu, project.and_then(|project| project.cpu.clone())) {
         (Some(name), _) => (name.clone(), None),
         (None, Some((name, span))) => (name, Some(span)),
         (None, None) => return generic,
     };
-    let is_s7200 = is_s7200(units);
+    let is_s7200 = plcc_program::is_s7200(units);
     let title = match profile::lookup(&name) {
-        Some(profile) if runs(&profile, units) => return profile,
+        Some(profile) if plcc_program::runs(&profile, units) => return profile,
         Some(profile) if is_s7200 => format!("`{}` does not run programs of the S7-200", profile.name),
         Some(profile) if profile.family == Family::S71200 => {
             format!("`{}` has no STL; it runs LAD, FBD and SCL", profile.name)
@@ -249,53 +249,6 @@ fn profile_of(
     };
     diagnostics.push(Diagnostic::new(Code::UnknownCpu, span, title).help(help));
     generic
-}
-
-/// Whether the program is for an S7-200, whose sources cannot be mixed with others.
-fn is_s7200(units: &[(plcc_diag::FileId, SourceUnit)]) -> bool {
-    units.iter().any(|(_, unit)| unit.s7200.is_some())
-}
-
-/// Whether the CPU runs programs in these languages: an S7-1200 has no STL, an S7-200 has its own language.
-fn runs(profile: &Profile, units: &[(plcc_diag::FileId, SourceUnit)]) -> bool {
-    match profile.family {
-        Family::S7200 => is_s7200(units),
-        _ if is_s7200(units) => false,
-        Family::S7300 | Family::S7400 | Family::S71500 => true,
-        Family::S71200 => units.iter().flat_map(|(_, unit)| &unit.blocks).all(|block| match block {
-            Block::Code(code) => !matches!(code.code, plcc_syntax::ast::Code::Stl(_)),
-            Block::Data(_) | Block::Type(_) => true,
-        }),
-    }
-}
-
-/// The CPU of sources that name none: the generic S7-200 for those of Micro/WIN; else the generic S7-300, or the S7-400 if an instruction
-/// needs its accumulators. Exceeding its limits is a warning, because the CPU of the plant may have more.
-fn implied_profile(units: &[(plcc_diag::FileId, SourceUnit)]) -> Profile {
-    if is_s7200(units) {
-        return profile::generic(Family::S7200);
-    }
-    if let Some(family) = plcc_program::implied_family(units) {
-        return Profile { limits_checked: false, ..profile::generic(family) };
-    }
-    if plcc_program::has_free_obs(units) {
-        return Profile { limits_checked: false, ..profile::generic(Family::S71500) };
-    }
-    let statements = units
-        .iter()
-        .flat_map(|(_, unit)| &unit.blocks)
-        .filter_map(|block| match block {
-            Block::Code(code) => Some(code.networks()),
-            Block::Data(_) | Block::Type(_) => None,
-        })
-        .flatten()
-        .flat_map(|network| &network.statements);
-    let mut instructions = statements.filter_map(|statement| match &statement.kind {
-        StatementKind::Instruction { insn, .. } => Some(*insn),
-        StatementKind::Empty | StatementKind::Call(_) | StatementKind::Pragma(_) | StatementKind::Error => None,
-    });
-    let four = instructions.any(|insn| matches!(insn, StlInsn::Enter | StlInsn::Leave));
-    Profile { limits_checked: false, ..profile::generic(if four { Family::S7400 } else { Family::S7300 }) }
 }
 
 /// Parses and binds.

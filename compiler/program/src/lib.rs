@@ -1,13 +1,14 @@
 //! Symbols, names, types and checks: syntax trees in, the bound program out.
 //!
-//! - [`symbols`]: symbol tables.
-//! - [`bind()`] settles every name, type and address; its result is [`plcc_model`].
+//! - [`bind()`] settles every name, type and address; its result is [`plcc_model`]. [`complete`] does so for a program in which parts
+//!   are missing.
+//! - [`implied_profile`]: the CPU of sources that name none.
+//! - [`check_modules`] compares a bound program with the modules of its station.
 //!
 //! **Invariant**: a program that binds without errors lowers without errors.
 
 mod bind;
+mod modules;
 
-pub use bind::{
-    bind, complete, graph_reference, has_free_obs, implied_family, is_about_drafts, lad_fbd_reference, scl_functions,
-    scl_reference, standard_library,
-};
+pub use bind::{bind, complete, implied_profile, is_about_drafts, is_s7200, library_interface, runs, tables};
+pub use modules::check_modules;

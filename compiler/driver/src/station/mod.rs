@@ -1,7 +1,7 @@
 //! The station: racks, slots and modules from plc.toml, with the addresses that the CPU assigns.
 //!
 //! - [`keys`]: the text; [`catalog`]: modules and CPUs; this file converts keys to modules.
-//! - [`rules`]: limits of a station; [`list`]: its table as text; [`uses`]: the addresses that the program uses.
+//! - [`rules`]: limits of a station; [`list`]: its table as text.
 //!
 //! Source: SIMATIC S7-300 hardware and installation, arranging and addressing modules.
 
@@ -11,7 +11,6 @@ mod list;
 mod rules;
 #[cfg(test)]
 mod tests;
-mod uses;
 
 use std::ops::Range;
 
@@ -24,7 +23,6 @@ use catalog::{CpuRow, Kind, Type};
 pub use keys::StationKeys;
 use keys::{ModuleKeys, OneOrMore};
 pub use list::table;
-pub use uses::check_program;
 
 /// A station as plc.toml describes it.
 #[derive(Clone, Debug, Default)]

@@ -2,13 +2,9 @@
 //!
 //! Source: S7-200 system manual, memory ranges and features; for the 21x generation, the first edition of its manual.
 
-mod reference;
-
 use plcc_abi::image::{Family, Profile};
 use plcc_abi::s7200::LOCAL_BYTES;
 use plcc_abi::s7200::image::CpuRow;
-
-pub use reference::reference;
 
 /// One CPU.
 pub(super) struct Cpu {

@@ -3,7 +3,7 @@
 //! A box is read as its instruction where the order of operands is the same. Source: S7-200 system manual, instruction set.
 
 /// Spellings that mean an instruction, with its mnemonic in the international set.
-pub(super) const ALIASES: &[(&str, &str)] = &[
+pub const ALIASES: &[(&str, &str)] = &[
     ("MOV_B", "MOVB"),
     ("MOV_W", "MOVW"),
     ("MOV_DW", "MOVD"),
@@ -42,7 +42,7 @@ pub(super) const ALIASES: &[(&str, &str)] = &[
 ];
 
 /// Boxes whose pins have another order than the operands of their instruction: box, statement.
-pub(super) const BOXES: &[(&str, &str)] = &[
+pub const BOXES: &[(&str, &str)] = &[
     ("ADD_I", "+I IN, OUT"),
     ("ADD_DI", "+D IN, OUT"),
     ("ADD_R", "+R IN, OUT"),

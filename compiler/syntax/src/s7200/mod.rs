@@ -18,7 +18,6 @@ mod mnemonics;
 mod outline;
 mod pragma;
 mod raw;
-mod reference;
 mod suggest;
 pub(crate) mod text;
 mod token;
@@ -39,9 +38,9 @@ use crate::ast::SourceUnit;
 use crate::stl::Mnemonics;
 use crate::{ParseOptions, frame};
 
+pub use aliases::{ALIASES, BOXES};
 pub use instructions::{Acts, Compare, CompareKind, Contact, Insn, OperandClass, Relation};
 pub use outline::is_s7200;
-pub use reference::reference;
 
 /// Whether `word` is a mnemonic of either set, or another spelling of one.
 pub fn is_mnemonic(word: &str) -> bool {

@@ -10,7 +10,7 @@ use rustc_hash::FxHashMap;
 use super::action::StepCode;
 use super::build::{assign, if_then, number};
 use super::engine_data::{Engine, all, compared, not};
-use crate::bind::path::Variable;
+use crate::bind::declarations::path::Variable;
 use crate::bind::scl::expression::binary_expr;
 use plcc_model::scl::{Arm, BinaryOp, CompareOp, Expr, Statement, StatementKind};
 

@@ -3,7 +3,7 @@
 use plcc_diag::Span;
 use plcc_syntax::Elementary;
 
-use crate::bind::path::Variable;
+use crate::bind::declarations::path::Variable;
 use crate::bind::scl::expression::constant_expr;
 use crate::bind::scl::place::Spot;
 use plcc_model::layout;

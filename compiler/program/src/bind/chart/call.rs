@@ -10,21 +10,22 @@ use plcc_syntax::scl::ast::{
     StatementKind as TreeKind,
 };
 
+use crate::bind::chart::ChartBinder;
+use crate::bind::scl::SclBlock;
 use crate::bind::scl::call::{Callee, is_result};
-use crate::bind::{Binder, Ctx};
 use plcc_binding::fold;
 use plcc_model::scl::Statement;
 use plcc_model::{BlockKey, Direction};
 
-impl Binder<'_> {
+impl ChartBinder<'_, '_> {
     /// Binds a call.
-    pub(super) fn chart_call(&mut self, ctx: &mut Ctx, call: &Call) -> Vec<Statement> {
+    pub(super) fn chart_call(&mut self, ctx: &mut SclBlock, call: &Call) -> Vec<Statement> {
         let mut statements = Vec::new();
         let Some(callee) = self.chart_callee(ctx, call) else {
             self.note_values(ctx, call);
             return statements;
         };
-        let Some(target) = self.callee(ctx, &callee) else {
+        let Some(target) = self.scl().callee(ctx, &callee) else {
             self.note_values(ctx, call);
             return statements;
         };
@@ -38,13 +39,13 @@ impl Binder<'_> {
             Some(target) => TreeKind::Assign { targets: vec![(target, AssignOp::Set)], value: node },
             None => TreeKind::Expression(node),
         };
-        self.statement(ctx, &Tree { kind, span: call.span }, &mut statements);
+        self.scl().statement(ctx, &Tree { kind, span: call.span }, &mut statements);
         statements
     }
 
     /// The arguments of a call, and the operand that receives its value.
     fn chart_arguments(&mut self, call: &Call, key: Option<BlockKey>) -> (Vec<Argument>, Option<Node>) {
-        let bound = key.and_then(|key| self.interface(key, call.block.span));
+        let bound = key.and_then(|key| self.program.interface(key, call.block.span));
         let parameters = bound.as_ref().map_or(&[][..], |bound| &bound.interface.parameters);
         let mut arguments = Vec::with_capacity(call.parameters.len());
         let mut result = None;
@@ -69,9 +70,9 @@ impl Binder<'_> {
     }
 
     /// The called block, in the form of SCL: `FB1.DB1`, or the instance alone.
-    fn chart_callee(&mut self, ctx: &mut Ctx, call: &Call) -> Option<Node> {
+    fn chart_callee(&mut self, ctx: &mut SclBlock, call: &Call) -> Option<Node> {
         let Some(instance) = &call.instance else { return Some(call.block.clone()) };
-        match self.quiet_block(ctx, &call.block) {
+        match self.scl().quiet_block(ctx, &call.block) {
             Some((BlockPrefix::Fb | BlockPrefix::Sfb, _)) => Some(match data_block(instance) {
                 Some(name) => {
                     let kind = NodeKind::Member { base: Box::new(call.block.clone()), name };
@@ -80,21 +81,21 @@ impl Binder<'_> {
                 None => instance.clone(),
             }),
             Some((prefix, _)) => {
-                let text = self.text(call.block.span);
+                let text = self.program.globals.text(call.block.span);
                 let help = match prefix {
                     BlockPrefix::Fc | BlockPrefix::Sfc => "a function has no instance: remove the data block",
                     _ => "call a function, or a function block with its instance",
                 };
                 let title = format!("`{text}` is not a function block");
-                self.refuse(Code::ActionText, instance.span, &title, "the instance of a function block", help);
+                self.scl().refuse(Code::ActionText, instance.span, &title, "the instance of a function block", help);
                 None
             }
             // A block of the library, named by its type, or one that is defined nowhere.
             None => {
                 if let NodeKind::Name(name) = &call.block.kind
-                    && self.library_function(ctx.scl.rules, &name.text).is_none()
+                    && self.scl().library_function(ctx.scope.rules, &name.text).is_none()
                 {
-                    self.callee(ctx, &call.block);
+                    self.scl().callee(ctx, &call.block);
                     return None;
                 }
                 Some(instance.clone())
@@ -103,9 +104,9 @@ impl Binder<'_> {
     }
 
     /// Reports names in the parameters of a call that cannot be checked.
-    fn note_values(&mut self, ctx: &mut Ctx, call: &Call) {
+    fn note_values(&mut self, ctx: &mut SclBlock, call: &Call) {
         let (arguments, _) = self.chart_arguments(call, None);
-        self.note_arguments(ctx, &arguments);
+        self.scl().note_arguments(ctx, &arguments);
     }
 }
 

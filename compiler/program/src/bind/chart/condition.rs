@@ -13,19 +13,20 @@ use plcc_syntax::scl::ast::{
 };
 
 use super::engine_data::Engine;
+use crate::bind::chart::ChartBinder;
 use crate::bind::network::Page;
+use crate::bind::scl::SclBlock;
 use crate::bind::scl::message::described;
 use crate::bind::scl::numeric::Shape;
-use crate::bind::{Binder, Ctx};
 use plcc_binding::fold;
 use plcc_model::scl::{Expr, Statement};
 
-impl Binder<'_> {
+impl ChartBinder<'_, '_> {
     /// Binds a condition: statements, and their result, a BOOL that is valid until the next network or row is bound.
     /// `what` names it: "the transition `T1`".
     pub fn condition_code(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         engine: &mut Engine,
         condition: &Condition,
         what: &str,
@@ -41,13 +42,13 @@ impl Binder<'_> {
     }
 
     /// A BOOL.
-    pub(super) fn condition_value(&mut self, ctx: &mut Ctx, node: &Node, what: &str) -> Option<Expr> {
-        let value = self.scl_value(ctx, node)?;
+    pub(super) fn condition_value(&mut self, ctx: &mut SclBlock, node: &Node, what: &str) -> Option<Expr> {
+        let value = self.scl().value(ctx, node)?;
         if Shape::of(&value) == Shape::Of(Elementary::Bool) {
-            return self.scl_convert(ctx, value, Elementary::Bool);
+            return self.scl().convert(ctx, value, Elementary::Bool);
         }
-        let (text, is) = (self.text(node.span), described(&value));
-        self.report.push(
+        let (text, is) = (self.program.globals.text(node.span), described(&value));
+        self.program.report(
             Diagnostic::new(Code::ConditionType, node.span, format!("`{text}` is {is}, but {what} needs a BOOL"))
                 .label(is)
                 .help("compare it, for example with `> 0`, or name a bit"),
@@ -58,13 +59,13 @@ impl Binder<'_> {
     /// A network: the coil of the condition has the result.
     fn condition_network(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         page: &mut Page,
         network: &Network,
         what: &str,
     ) -> Option<(Vec<Statement>, Expr)> {
         page.condition = Some(None);
-        let statements = self.bind_lone_network(ctx, page, network);
+        let statements = self.networks().bind_lone_network(ctx, page, network);
         self.check_leaving(&statements);
         let result = page.condition.take().flatten();
         let coils = match &network.content {
@@ -79,7 +80,7 @@ impl Binder<'_> {
         };
         match coils.as_slice() {
             [] => {
-                self.report.push(
+                self.program.report(
                     Diagnostic::new(
                         Code::MissingCondition,
                         network.span,
@@ -93,7 +94,7 @@ impl Binder<'_> {
             [_] => Some((statements, result?)),
             [first, second, ..] => {
                 let title = format!("the network of {what} has several results");
-                self.report.push(
+                self.program.report(
                     Diagnostic::new(Code::ElementPlace, *second, title)
                         .label("a second coil of the condition")
                         .also(*first, "the first one")
@@ -105,14 +106,19 @@ impl Binder<'_> {
     }
 
     /// Statements. The last one is the condition, or assigns it to the name of the transition.
-    fn condition_statements(&mut self, ctx: &mut Ctx, list: &[Tree], what: &str) -> Option<(Vec<Statement>, Expr)> {
+    fn condition_statements(
+        &mut self,
+        ctx: &mut SclBlock,
+        list: &[Tree],
+        what: &str,
+    ) -> Option<(Vec<Statement>, Expr)> {
         let list = match list.iter().rposition(|tree| !matches!(tree.kind, TreeKind::Empty | TreeKind::Pragma(_))) {
             Some(last) => &list[..=last],
             None => return None,
         };
         let (last, before) = list.split_last()?;
-        self.collect_labels(ctx, before);
-        let statements = self.statements(ctx, before);
+        self.scl().collect_labels(ctx, before);
+        let statements = self.scl().statements(ctx, before);
         self.check_leaving(&statements);
         let value = match &last.kind {
             TreeKind::Expression(node) => node,
@@ -128,19 +134,19 @@ impl Binder<'_> {
     }
 
     /// The target is not a variable, so it means the transition.
-    fn is_own_value(&self, ctx: &Ctx, targets: &[(Node, AssignOp)]) -> bool {
+    fn is_own_value(&self, ctx: &SclBlock, targets: &[(Node, AssignOp)]) -> bool {
         let [(Node { kind: NodeKind::Name(Name { text, form, .. }), .. }, AssignOp::Set)] = targets else {
             return false;
         };
         let folded = fold(text);
         *form == NameForm::Bare
-            && !ctx.bound.locals.contains_key(&folded)
-            && !self.globals.contains_key(&folded)
+            && !ctx.block.bound.locals.contains_key(&folded)
+            && !self.program.globals.names.symbols.contains_key(&folded)
             && plcc_syntax::scl::absolute(text).is_none()
     }
 
     fn no_condition_at_end(&mut self, span: Span, what: &str) {
-        self.report.push(
+        self.program.report(
             Diagnostic::new(Code::ConditionType, span, format!("the last statement of {what} is not a condition"))
                 .label("it has no value")
                 .help("end with the condition alone, `a AND b;`, or assign it to the name of the transition"),

@@ -8,12 +8,12 @@ use rustc_hash::FxHashMap;
 use super::assemble::{Features, Parts};
 use super::build::{assign, element, if_then, load, number};
 use super::index::Index;
-use super::instance::{Members, TIA_DATA, words};
-use crate::bind::Ctx;
-use crate::bind::declare::BoundInterface;
+use crate::bind::declarations::path::{Base, Variable};
+use crate::bind::declarations::typed::BoundInterface;
 use crate::bind::network::Page;
-use crate::bind::path::{Base, Variable};
+use crate::bind::scl::SclBlock;
 use crate::bind::scl::expression::{binary_expr, constant_expr};
+use crate::bind::trees::chart_data::{Members, TIA_DATA, words};
 use plcc_binding::fold;
 use plcc_model::layout;
 use plcc_model::scl::{BinaryOp, CompareOp, Expr, ExprKind, Statement, StatementKind, UnaryOp};
@@ -128,8 +128,14 @@ const KEPT: &[(&str, &[&str])] = &[
 
 impl<'c> Engine<'c> {
     /// None if the declarations could not be bound, which has been reported.
-    pub fn new(ctx: &mut Ctx, chart: &'c Chart, index: &'c Index, members: &Members, span: Span) -> Option<Engine<'c>> {
-        let bound = std::rc::Rc::clone(&ctx.bound);
+    pub fn new(
+        ctx: &mut SclBlock,
+        chart: &'c Chart,
+        index: &'c Index,
+        members: &Members,
+        span: Span,
+    ) -> Option<Engine<'c>> {
+        let bound = std::rc::Rc::clone(&ctx.block.bound);
         let (steps, transitions) = if members.arrays {
             (
                 elements(&variable(&bound, &["G7S"])?),

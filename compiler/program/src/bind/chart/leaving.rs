@@ -3,15 +3,15 @@
 use plcc_diag::{Code, Span};
 use plcc_syntax::stl::StlInsn;
 
-use crate::bind::Binder;
+use crate::bind::chart::ChartBinder;
 use plcc_model::StlStatementKind;
 use plcc_model::scl::{Statement, StatementKind, walk};
 
-impl Binder<'_> {
+impl ChartBinder<'_, '_> {
     /// Reports RETURN and other exits among statements of an action, a condition or a permanent instruction.
     pub(super) fn check_leaving(&mut self, statements: &[Statement]) {
         if let Some(span) = block_end(statements) {
-            self.refuse(
+            self.scl().refuse(
                 Code::ElementPlace,
                 span,
                 "code of a chart cannot end the block",

@@ -1,14 +1,12 @@
 //! Binding of GRAPH: a chart becomes statements of the typed tree of SCL, so that all languages share one lowering.
 //!
-//! - `parameters`: the operating parameters, one row for each; `instance`: data of the chart in the instance.
 //! - `index`: steps and transitions by name and number; `names`: their names in expressions.
 //! - `engine.scl`, `monitor.scl`: one call of the block as SCL with placeholders; `template` reads them.
 //! - `engine_data`: the data that statements of the chart use: where it is, sets of steps; `build`: pieces of the typed tree.
-//! - `action`: rows of actions; `permanent`: permanent instructions; `condition`: conditions; `numbers`: the numbers that they compare and
-//!   rows compute with; `call`: block calls of the first two; `leaving`: statements that are not possible in them.
+//! - `action`: rows of actions; `permanent`: permanent instructions; `condition`: conditions; `call`: block calls of the first two;
+//!   `leaving`: statements that are not possible in them.
 //! - `assemble`: the code of steps and transitions, put into the placeholders.
 //! - `analysis`: which charts are valid.
-//! - `reference`: the page about GRAPH.
 //!
 //! Source: GRAPH reference, chapters D to G.
 
@@ -20,19 +18,12 @@ mod call;
 mod condition;
 mod engine_data;
 mod index;
-mod instance;
 mod leaving;
 mod names;
-mod numbers;
-mod parameters;
 mod permanent;
-mod reference;
 mod template;
 #[cfg(test)]
 mod testing;
-
-pub use instance::{expanded, type_named};
-pub use reference::reference;
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::Elementary;
@@ -42,13 +33,16 @@ use plcc_syntax::scl;
 
 use super::scl::Scope;
 use super::scl::temporary;
-use super::{Binder, Ctx};
+use crate::bind::declarations::Declarations;
+use crate::bind::declarations::block::CurrentBlock;
+use crate::bind::network::NetworkBinder;
+use crate::bind::scl::{SclBinder, SclBlock};
+use crate::bind::trees::chart_data::parameters::{self, Effect, PARAMETERS, Parameter};
+use crate::bind::trees::chart_data::{self, Members};
 use assemble::{Assembly, Condition, Features, Parts};
 use build::number;
 use engine_data::Engine;
 use index::Index;
-use instance::Members;
-use parameters::{Effect, PARAMETERS, Parameter};
 use plcc_model::Direction;
 use plcc_model::scl::{SclBody, Statement, StatementKind, walk};
 use plcc_model::types::DataType;
@@ -79,27 +73,49 @@ END_IF;";
 /// Continues a loop if `k` is not a position of a step.
 const ONLY_STEPS: &str = "IF DINT_TO_UDINT(INT_TO_DINT(#k) - 1) <= #last_step THEN ; ELSE CONTINUE; END_IF;";
 
-impl Binder<'_> {
+/// Binds charts of GRAPH.
+pub struct ChartBinder<'b, 'a> {
+    program: &'b mut Declarations<'a>,
+}
+
+impl<'b, 'a> ChartBinder<'b, 'a> {
+    pub fn new(program: &'b mut Declarations<'a>) -> ChartBinder<'b, 'a> {
+        ChartBinder { program }
+    }
+
+    /// SCL, for expressions and statements of conditions and actions.
+    fn scl(&mut self) -> SclBinder<'_, 'a> {
+        SclBinder::new(self.program)
+    }
+
+    /// LAD and FBD, for conditions and actions that are networks.
+    fn networks(&mut self) -> NetworkBinder<'_, 'a> {
+        NetworkBinder::new(self.program)
+    }
+}
+
+impl ChartBinder<'_, '_> {
     /// Binds the chart of a block.
-    pub fn bind_chart(&mut self, ctx: &mut Ctx, block: &ast::CodeBlock, chart: &Chart) -> SclBody {
+    pub fn bind_block(&mut self, current: &mut CurrentBlock, block: &ast::CodeBlock, chart: &Chart) -> SclBody {
         let dialect = match chart.dialect {
             Dialect::Classic => scl::ast::Dialect::Classic,
             Dialect::Tia | Dialect::Sfc => scl::ast::Dialect::Tia,
         };
-        ctx.scl = Scope::new(self.input, &block.header, dialect);
-        ctx.scl.address_numbers = chart.dialect == Dialect::Classic;
-        let sets_flag = ctx.scl.sets_flag;
+        let scope = Scope::new(self.program.globals.input, &block.header, dialect);
+        let ctx = &mut SclBlock { block: current, scope };
+        ctx.scope.address_numbers = chart.dialect == Dialect::Classic;
+        let sets_flag = ctx.scope.sets_flag;
         let index = Index::new(chart);
         self.check_chart(ctx, block, chart, &index);
         let members = Members::new(block, chart);
         let chart = &self.resolved_chart(block, chart, &index, &members);
         let span = block.name.span();
-        if instance::clashes(block, chart) {
+        if chart_data::clashes(block, chart) {
             return SclBody::default();
         }
         let Some(mut engine) = Engine::new(ctx, chart, &index, &members, span) else { return SclBody::default() };
         let parts = self.chart_parts(ctx, &mut engine);
-        self.unused_data(ctx, block, false);
+        self.scl().unused_data(ctx, block, false);
         let mut statements = self.fill_engine(ctx, &mut engine, parts);
         let yes = number(1, Elementary::Bool, span);
         statements.push(Statement { kind: StatementKind::SetFlag(yes), span });
@@ -107,13 +123,13 @@ impl Binder<'_> {
             statements,
             sets_flag,
             calls_set_flag: false,
-            temporary_texts: temporary::texts(&ctx.bound),
+            temporary_texts: temporary::texts(&ctx.block.bound),
             networks: Vec::new(),
         }
     }
 
     /// Binds conditions, actions and permanent instructions.
-    fn chart_parts(&mut self, ctx: &mut Ctx, engine: &mut Engine) -> Parts {
+    fn chart_parts(&mut self, ctx: &mut SclBlock, engine: &mut Engine) -> Parts {
         let chart = engine.chart;
         let index = engine.index;
         let places = |names: &[scl::ast::Name]| -> Vec<usize> {
@@ -156,7 +172,7 @@ impl Binder<'_> {
     /// A condition, if there is one; FALSE if it could not be bound.
     fn chart_condition(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         engine: &mut Engine,
         condition: Option<&Tree>,
         what: &str,
@@ -166,7 +182,7 @@ impl Binder<'_> {
             .condition_code(ctx, engine, condition, what)
             .unwrap_or_else(|| (Vec::new(), number(0, Elementary::Bool, engine.span)));
         if let Some(span) = label(&statements) {
-            self.report.push(
+            self.program.report(
                 Diagnostic::new(Code::ElementPlace, span, format!("{what} has a jump label"))
                     .label("conditions are evaluated without jumps")
                     .help("write the condition with AND, OR and comparisons, or compute it in a permanent instruction"),
@@ -177,7 +193,7 @@ impl Binder<'_> {
     }
 
     /// Puts the code of the chart into the engine.
-    fn fill_engine(&mut self, ctx: &mut Ctx, engine: &mut Engine, parts: Parts) -> Vec<Statement> {
+    fn fill_engine(&mut self, ctx: &mut SclBlock, engine: &mut Engine, parts: Parts) -> Vec<Statement> {
         let chart = engine.chart;
         let owned = assemble::owners(chart.steps.len(), &parts.from, &chart.transitions);
         let competing = assemble::competing(chart.steps.len(), &parts.from, &chart.transitions);
@@ -234,28 +250,28 @@ impl Binder<'_> {
     /// Binds the engine's own statements, with its names and without the names of the user.
     fn bind_template(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         engine: &Engine,
         trees: &[scl::ast::Statement],
         holes: rustc_hash::FxHashMap<&'static str, Vec<Statement>>,
     ) -> Vec<Statement> {
-        let mut scope = Scope::new(self.input, &ast::Header::default(), scl::ast::Dialect::Tia);
+        let mut scope = Scope::new(self.program.globals.input, &ast::Header::default(), scl::ast::Dialect::Tia);
         scope.holes = holes;
         scope.hidden = engine.names.iter().map(|(name, variable)| (name.to_string(), variable.clone())).collect();
-        let users = std::mem::replace(&mut ctx.scl, scope);
-        let span = ctx.fixed_span.replace(engine.span);
-        let told = self.report.diagnostics.len();
-        let statements = self.statements(ctx, trees);
-        let messages = self.report.diagnostics.split_off(told);
+        let users = std::mem::replace(&mut ctx.scope, scope);
+        let span = ctx.block.fixed_span.replace(engine.span);
+        let told = self.program.globals.report.diagnostics.len();
+        let statements = self.scl().statements(ctx, trees);
+        let messages = self.program.globals.report.diagnostics.split_off(told);
         debug_assert!(!messages.iter().any(Diagnostic::is_error), "{messages:?}");
-        ctx.fixed_span = span;
-        ctx.scl = users;
+        ctx.block.fixed_span = span;
+        ctx.scope = users;
         statements
     }
 
     /// Whether a source has this word, in any letter case.
     fn mentions_word(&self, word: &str) -> bool {
-        self.input.sources.files().any(|(_, file)| {
+        self.program.globals.input.sources.files().any(|(_, file)| {
             let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
             file.text.split(|c| !is_word(c)).any(|found| found.eq_ignore_ascii_case(word))
         })
@@ -269,12 +285,12 @@ const DISPLAYS: [&str; 12] = [
 ];
 
 /// The block has this operating parameter: one with its name, type and direction.
-fn is_declared(ctx: &Ctx, parameter: &Parameter) -> bool {
+fn is_declared(ctx: &SclBlock, parameter: &Parameter) -> bool {
     let direction = match parameter.section {
         SectionKind::Output => Direction::Output,
         _ => Direction::Input,
     };
-    ctx.bound.interface.parameters.iter().any(|one| {
+    ctx.block.bound.interface.parameters.iter().any(|one| {
         one.name.eq_ignore_ascii_case(parameter.name)
             && one.direction == direction
             && one.ty == Elementary::from_word(parameter.ty).map_or(DataType::Void, DataType::Elementary)

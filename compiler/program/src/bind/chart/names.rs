@@ -8,8 +8,10 @@ use plcc_syntax::scl::ast::{Expr, ExprKind, Literal, Name, NameForm, Statement, 
 use rustc_hash::FxHashSet;
 
 use super::index::Index;
-use super::instance::Members;
-use crate::bind::{Binder, SYSTEM_FILE};
+use crate::bind::chart::ChartBinder;
+use crate::bind::declarations::Declarations;
+use crate::bind::trees::SYSTEM_FILE;
+use crate::bind::trees::chart_data::Members;
 use plcc_binding::fold;
 
 /// Components of transitions; all others are those of steps.
@@ -50,16 +52,16 @@ struct Names<'n, 'b> {
     members: &'n Members,
     /// Names that the block declares.
     declared: FxHashSet<String>,
-    binder: &'n mut Binder<'b>,
+    program: &'n mut Declarations<'b>,
 }
 
-impl Binder<'_> {
+impl ChartBinder<'_, '_> {
     /// The chart with names of steps and transitions resolved.
     pub fn resolved_chart(&mut self, block: &CodeBlock, chart: &Chart, index: &Index, members: &Members) -> Chart {
         let variables = block.sections.iter().flat_map(|section| &section.variables);
         let users = variables.filter(|variable| variable.name_span.file != SYSTEM_FILE);
         let declared = users.map(|variable| fold(&variable.name)).collect();
-        let mut names = Names { index, members, declared, binder: self };
+        let mut names = Names { index, members, declared, program: self.program };
         let mut chart = chart.clone();
         names.chart(&mut chart);
         chart
@@ -227,7 +229,7 @@ impl Names<'_, '_> {
     /// Data of the step or transition before a point; none if it is something else.
     fn data(&mut self, owner: &Name, component: &Name) -> Option<Expr> {
         let text = &owner.text;
-        let global = owner.form == NameForm::Quoted && self.binder.globals.contains_key(&fold(text));
+        let global = owner.form == NameForm::Quoted && self.program.globals.names.symbols.contains_key(&fold(text));
         if global || self.declared.contains(&fold(text)) {
             return None;
         }
@@ -241,9 +243,9 @@ impl Names<'_, '_> {
         }
         let looks_so = owner.form == NameForm::Bare
             && (is_numbered(text, 'S') && is(&OF_STEPS) || is_numbered(text, 'T') && is(&OF_TRANSITIONS));
-        if looks_so && !self.binder.globals.contains_key(&fold(text)) {
+        if looks_so && !self.program.globals.names.symbols.contains_key(&fold(text)) {
             let what = if is_numbered(text, 'S') { "step" } else { "transition" };
-            self.binder.report.push(
+            self.program.report(
                 Diagnostic::new(Code::UnknownStep, owner.span, format!("the chart has no {what} `{text}`"))
                     .label(format!("no {what} of this name or number"))
                     .help("name a step or transition of this block, with its name or number"),

@@ -3,13 +3,14 @@
 use plcc_syntax::chart::ast::{Coil, Permanent, PermanentKind};
 
 use super::engine_data::Engine;
+use crate::bind::chart::ChartBinder;
 use crate::bind::network::{no, yes};
-use crate::bind::{Binder, Ctx};
+use crate::bind::scl::SclBlock;
 use plcc_model::scl::{Statement, StatementKind};
 
-impl Binder<'_> {
+impl ChartBinder<'_, '_> {
     /// Binds permanent instructions, which run in each call.
-    pub fn permanent_code(&mut self, ctx: &mut Ctx, engine: &mut Engine, list: &[Permanent]) -> Vec<Statement> {
+    pub fn permanent_code(&mut self, ctx: &mut SclBlock, engine: &mut Engine, list: &[Permanent]) -> Vec<Statement> {
         let mut statements = Vec::new();
         for permanent in list {
             let span = permanent.span;
@@ -36,7 +37,7 @@ impl Binder<'_> {
                 }
                 PermanentKind::Call(call) => statements.extend(self.chart_call(ctx, call)),
                 PermanentKind::Network(network) => {
-                    let bound = self.bind_lone_network(ctx, &mut engine.page, network);
+                    let bound = self.networks().bind_lone_network(ctx, &mut engine.page, network);
                     self.check_leaving(&bound);
                     statements.extend(bound);
                 }

@@ -4,7 +4,7 @@ use plcc_syntax::Elementary;
 use plcc_syntax::scl::ast::{BinaryOp, Expr, ExprKind, Literal, Statement, StatementKind, UnaryOp};
 use plcc_syntax::scl::fragment;
 
-use crate::bind::SYSTEM_FILE;
+use crate::bind::trees::SYSTEM_FILE;
 
 /// The engine.
 pub const ENGINE: &str = include_str!("engine.scl");

@@ -4,10 +4,12 @@ use plcc_abi::image::{BlockKind, Config, Family};
 use plcc_diag::{SourceFile, SourceMap};
 use plcc_syntax::scl::ast::{Dialect, Statement};
 use plcc_syntax::{ParseOptions, ast};
-use rustc_hash::FxHashSet;
 
-use crate::bind::scl::Scope;
-use crate::bind::{BindInput, Binder, Ctx};
+use crate::bind::chart::ChartBinder;
+use crate::bind::declarations::Declarations;
+use crate::bind::declarations::block::CurrentBlock;
+use crate::bind::scl::{SclBlock, Scope};
+use plcc_binding::BindInput;
 use plcc_model::BlockKey;
 use plcc_model::profile;
 
@@ -23,7 +25,7 @@ const OTHERS: &str = "FUNCTION FC 5 : INT\nVAR_INPUT\n x : INT;\nEND_VAR\nVAR_OU
 /// Runs a function on the statements of an SCL function block before they are bound; returns its result and the message codes.
 pub fn in_block<T>(
     statements: &str,
-    work: impl FnOnce(&mut Binder, &mut Ctx, &[Statement]) -> T,
+    work: impl FnOnce(&mut ChartBinder, &mut SclBlock, &[Statement]) -> T,
 ) -> (T, Vec<&'static str>) {
     let source =
         format!("{OTHERS}FUNCTION_BLOCK FB 1\nVAR\n{DATA}\nEND_VAR\nBEGIN\n{statements}\nEND_FUNCTION_BLOCK\n");
@@ -45,23 +47,17 @@ pub fn in_block<T>(
         require_main: false,
         safety_as_standard: false,
     };
-    let mut binder = Binder::new(&input);
-    binder.collect();
-    binder.bind_types();
-    binder.bind_data();
+    let mut program = Declarations::new(&input);
+    program.globals.collect();
+    program.bind_types();
+    program.bind_data();
     let key = BlockKey { kind: BlockKind::Fb, number: 1 };
-    let source = binder.code[&key].clone();
+    let source = program.globals.sources.code[&key].clone();
     let block = source.block();
     let ast::Code::Scl(code) = &block.code else { panic!("the test is SCL") };
-    let mut ctx = Ctx {
-        key,
-        bound: binder.interface(key, block.name.span()).expect("the interface is good"),
-        unknown_locals: FxHashSet::default(),
-        local_bytes: 0,
-        fragment: false,
-        fixed_span: None,
-        scl: Scope::new(&input, &block.header, Dialect::Tia),
-    };
-    let result = work(&mut binder, &mut ctx, &code.statements);
-    (result, binder.report.finish().0.iter().map(|message| message.code.name()).collect())
+    let bound = program.interface(key, block.name.span()).expect("the interface is good");
+    let mut current = CurrentBlock::new(key, bound);
+    let mut ctx = SclBlock { block: &mut current, scope: Scope::new(&input, &block.header, Dialect::Tia) };
+    let result = work(&mut ChartBinder::new(&mut program), &mut ctx, &code.statements);
+    (result, program.globals.report.finish().0.iter().map(|message| message.code.name()).collect())
 }

@@ -11,13 +11,13 @@ use plcc_syntax::{Class, Elementary};
 
 use super::pins::{and, bare, connected, inverted, no, yes};
 use super::sheet::Sheet;
-use crate::bind::scl::Intent;
+use crate::bind::network::NetworkBinder;
 use crate::bind::scl::assign::value_of;
 use crate::bind::scl::expression::{binary_expr, constant_expr};
 use crate::bind::scl::numeric::Shape;
 use crate::bind::scl::place::{Thing, shifted};
 use crate::bind::scl::value::Value;
-use crate::bind::{Binder, Ctx};
+use crate::bind::scl::{Intent, SclBlock};
 use plcc_model::layout;
 use plcc_model::scl::{Access, Base, BinaryOp, Expr, StatementKind};
 use plcc_model::types::{ArrayType, DataType};
@@ -26,21 +26,21 @@ use plcc_model::{Place, Width};
 /// No memory area has more bits.
 const BIT_FIELD_MAX: i128 = 8 * 65_536;
 
-impl Binder<'_> {
-    pub fn contact(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
+impl NetworkBinder<'_, '_> {
+    pub fn contact(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize) -> Option<()> {
         let span = sheet.element(at).span;
         let flow = self.flow(ctx, sheet, at, "in");
         let operand = self.input_of(ctx, sheet, at, "operand", Elementary::Bool);
         self.output(ctx, sheet, at, "out", Value::Elementary(and(flow?, operand?, span)))
     }
 
-    pub fn not_element(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
+    pub fn not_element(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize) -> Option<()> {
         let flow = self.flow(ctx, sheet, at, "in")?;
         self.output(ctx, sheet, at, "out", Value::Elementary(inverted(flow)))
     }
 
     /// All inputs are read. PLCopen has one name for the gates of BOOL and of bit strings.
-    pub fn gate(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, gate: Gate) -> Option<()> {
+    pub fn gate(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, gate: Gate) -> Option<()> {
         let element = sheet.element(at);
         let span = element.span;
         let mut values = Vec::new();
@@ -63,7 +63,7 @@ impl Binder<'_> {
         };
         let mut result: Option<Expr> = None;
         for value in values {
-            let value = self.scl_convert(ctx, value, ty)?;
+            let value = self.scl().convert(ctx, value, ty)?;
             result = Some(match result {
                 None => value,
                 Some(before) => binary_expr(op, before, value, ty, span),
@@ -73,12 +73,12 @@ impl Binder<'_> {
     }
 
     /// The flow of a coil: the value that it writes, and the one that leaves it. A relay that is off writes 0.
-    fn coil_flow(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<Expr> {
+    fn coil_flow(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize) -> Option<Expr> {
         let flow = self.flow(ctx, sheet, at, "in")?;
         Some(sheet.keep(ctx, flow))
     }
 
-    pub fn coil(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
+    pub fn coil(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize) -> Option<()> {
         let element = sheet.element(at);
         let span = element.span;
         let flow = self.coil_flow(ctx, sheet, at)?;
@@ -93,10 +93,10 @@ impl Binder<'_> {
     }
 
     /// The coil at the end of a condition of GRAPH.
-    pub fn condition_coil(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
+    pub fn condition_coil(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize) -> Option<()> {
         let flow = self.flow(ctx, sheet, at, "in")?;
         if sheet.page.condition.is_none() {
-            self.refuse(
+            self.scl().refuse(
                 Code::UnknownElement,
                 sheet.element(at).span,
                 "the coil of a condition is only possible in a chart of GRAPH",
@@ -110,14 +110,14 @@ impl Binder<'_> {
     }
 
     /// Writes the operand of a coil.
-    fn write_pin(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, pin: &Pin, value: Expr) -> Option<()> {
+    fn write_pin(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, pin: &Pin, value: Expr) -> Option<()> {
         match &pin.value {
             PinValue::Operand(node) => self.write(ctx, sheet, node, Value::Elementary(value), Storage::None),
             PinValue::Net(_) | PinValue::Open => None,
         }
     }
 
-    pub fn set_coil(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, set: bool) -> Option<()> {
+    pub fn set_coil(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, set: bool) -> Option<()> {
         let element = sheet.element(at);
         let span = element.span;
         let flow = self.coil_flow(ctx, sheet, at)?;
@@ -126,9 +126,9 @@ impl Binder<'_> {
         if !set && let Some(kind) = self.cell_operand(ctx, node) {
             self.reset_cell(ctx, sheet, kind, node, condition, span)?;
         } else {
-            let target = self.scl_access(ctx, node, Intent::Write)?;
+            let target = self.scl().access(ctx, node, Intent::Write)?;
             let value = if set { yes(span) } else { no(span) };
-            let kind = self.assignment(ctx, target, Value::Elementary(value))?;
+            let kind = self.scl().assignment(ctx, target, Value::Elementary(value))?;
             self.conditional(sheet, condition, kind, span);
         }
         self.output(ctx, sheet, at, "out", Value::Elementary(flow))
@@ -143,13 +143,13 @@ impl Binder<'_> {
     }
 
     /// The operand is a timer or counter of the S7-300/400.
-    fn cell_operand(&mut self, ctx: &mut Ctx, node: &Node) -> Option<CellKind> {
+    fn cell_operand(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<CellKind> {
         if !matches!(node.kind, NodeKind::Name(_) | NodeKind::Absolute(_)) {
             return None;
         }
-        let told = self.report.diagnostics.len();
-        let thing = self.thing(ctx, node, Intent::Read);
-        self.report.diagnostics.truncate(told);
+        let told = self.program.globals.report.diagnostics.len();
+        let thing = self.scl().thing(ctx, node, Intent::Read);
+        self.program.globals.report.diagnostics.truncate(told);
         match thing? {
             Thing::Cell { kind, .. } => Some(kind),
             _ => None,
@@ -159,7 +159,7 @@ impl Binder<'_> {
     /// `R T1`, `R C1`.
     fn reset_cell(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         sheet: &mut Sheet,
         kind: CellKind,
         node: &Node,
@@ -178,23 +178,23 @@ impl Binder<'_> {
     /// A function of SCL as a statement.
     pub fn call_statement(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         sheet: &mut Sheet,
         name: &str,
         arguments: Vec<Argument>,
         span: Span,
     ) -> Option<()> {
-        let before = self.report.diagnostics.len();
+        let before = self.program.globals.report.diagnostics.len();
         let node = call_node(name, arguments, span);
         let tree = Tree { kind: TreeKind::Expression(node), span };
         let mut bound = Vec::new();
-        self.statement(ctx, &tree, &mut bound);
-        let good = !self.report.diagnostics[before..].iter().any(Diagnostic::is_error);
+        self.scl().statement(ctx, &tree, &mut bound);
+        let good = !self.program.globals.report.diagnostics[before..].iter().any(Diagnostic::is_error);
         sheet.statements.extend(bound);
         good.then_some(())
     }
 
-    pub fn edge_contact(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, rising: bool) -> Option<()> {
+    pub fn edge_contact(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, rising: bool) -> Option<()> {
         let span = sheet.element(at).span;
         let flow = self.flow(ctx, sheet, at, "pre")?;
         let operand = self.input_of(ctx, sheet, at, "operand", Elementary::Bool)?;
@@ -203,14 +203,14 @@ impl Binder<'_> {
         self.output(ctx, sheet, at, "out", Value::Elementary(and(flow, edge, span)))
     }
 
-    pub fn edge_trigger(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, rising: bool) -> Option<()> {
+    pub fn edge_trigger(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, rising: bool) -> Option<()> {
         let flow = self.flow(ctx, sheet, at, "in")?;
         let flow = sheet.keep(ctx, flow);
         let edge = self.edge(ctx, sheet, at, flow, rising)?;
         self.output(ctx, sheet, at, "out", Value::Elementary(edge))
     }
 
-    pub fn edge_coil(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, rising: bool) -> Option<()> {
+    pub fn edge_coil(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, rising: bool) -> Option<()> {
         let element = sheet.element(at);
         let span = element.span;
         let flow = self.coil_flow(ctx, sheet, at)?;
@@ -221,20 +221,20 @@ impl Binder<'_> {
     }
 
     /// The edge of a value compared with its memory bit, which then holds the value.
-    fn edge(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, value: Expr, rising: bool) -> Option<Expr> {
+    fn edge(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, value: Expr, rising: bool) -> Option<Expr> {
         let element = sheet.element(at);
         let span = element.span;
         let PinValue::Operand(bit) = &connected(element, "bit")?.value else { return None };
-        let access = self.scl_access(ctx, bit, Intent::Both)?;
+        let access = self.scl().access(ctx, bit, Intent::Both)?;
         self.check_edge_bit(&access, bit.span);
-        let before = self.scl_convert(ctx, value_of(&access, bit.span)?, Elementary::Bool)?;
+        let before = self.scl().convert(ctx, value_of(&access, bit.span)?, Elementary::Bool)?;
         let edge = if rising {
             and(value.clone(), inverted(before), span)
         } else {
             and(inverted(value.clone()), before, span)
         };
         let edge = sheet.keep(ctx, edge);
-        let kind = self.assignment(ctx, access, Value::Elementary(value))?;
+        let kind = self.scl().assignment(ctx, access, Value::Elementary(value))?;
         sheet.push(kind, span);
         Some(edge)
     }
@@ -246,14 +246,14 @@ impl Binder<'_> {
             Base::Place(Place::I { .. }) => "an input, which the process image overwrites",
             _ => return,
         };
-        let text = self.text(span);
+        let text = self.program.globals.text(span);
         let message = Diagnostic::new(Code::EdgeBit, span, format!("`{text}` cannot remember an edge"))
             .label(area)
             .help("use a bit memory, a static variable or a bit of a data block");
-        self.report.push(message);
+        self.program.report(message);
     }
 
-    pub fn flip_flop(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, set_wins: bool) -> Option<()> {
+    pub fn flip_flop(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, set_wins: bool) -> Option<()> {
         let element = sheet.element(at);
         let span = element.span;
         let (set, reset) = if set_wins { ("s1", "r") } else { ("s", "r1") };
@@ -266,15 +266,15 @@ impl Binder<'_> {
         };
         let (set, reset) = (input(self, set)?, input(self, reset)?);
         let PinValue::Operand(node) = &connected(element, "operand")?.value else { return None };
-        let access = self.scl_access(ctx, node, Intent::Both)?;
-        let state = self.scl_convert(ctx, value_of(&access, node.span)?, Elementary::Bool)?;
+        let access = self.scl().access(ctx, node, Intent::Both)?;
+        let state = self.scl().convert(ctx, value_of(&access, node.span)?, Elementary::Bool)?;
         let value = if set_wins {
             super::pins::or(and(state, inverted(reset), span), set, span)
         } else {
             and(super::pins::or(state, set, span), inverted(reset), span)
         };
         let value = sheet.keep(ctx, value);
-        let kind = self.assignment(ctx, access.clone(), Value::Elementary(value.clone()))?;
+        let kind = self.scl().assignment(ctx, access.clone(), Value::Elementary(value.clone()))?;
         match sheet.registers().relay(span) {
             Some(on) => {
                 self.conditional(sheet, on, kind, span);
@@ -289,14 +289,14 @@ impl Binder<'_> {
     }
 
     /// SET_BF, RESET_BF: whole bytes where these are known.
-    pub fn bit_field(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, set: bool) -> Option<()> {
+    pub fn bit_field(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, set: bool) -> Option<()> {
         let element = sheet.element(at);
         let span = element.span;
         let flow = self.coil_flow(ctx, sheet, at)?;
         let PinValue::Operand(count) = &connected(element, "n")?.value else { return None };
         let count = self.constant_integer(ctx, count)?;
         let PinValue::Operand(node) = &connected(element, "operand")?.value else { return None };
-        let access = self.scl_access(ctx, node, Intent::Write)?;
+        let access = self.scl().access(ctx, node, Intent::Write)?;
         let count = count.clamp(0, BIT_FIELD_MAX);
         let array = self.array_of_bits(ctx, node);
         let count = match &array {
@@ -304,8 +304,8 @@ impl Binder<'_> {
             None => count,
         };
         if access.elementary() != Some(Elementary::Bool) || access.part.is_some() || !access.indices.is_empty() {
-            let text = self.text(node.span);
-            self.refuse(
+            let text = self.program.globals.text(node.span);
+            self.scl().refuse(
                 Code::OperandKind,
                 node.span,
                 &format!("`{text}` cannot begin a bit field"),
@@ -338,9 +338,9 @@ impl Binder<'_> {
     }
 
     /// The array that `node` names an element of, with constant indices; none for other operands.
-    fn array_of_bits(&mut self, ctx: &mut Ctx, node: &Node) -> Option<BitArray> {
+    fn array_of_bits(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<BitArray> {
         let NodeKind::Index { base, indices } = &node.kind else { return None };
-        let access = self.scl_access(ctx, base, Intent::Write)?;
+        let access = self.scl().access(ctx, base, Intent::Write)?;
         let DataType::Array(ty) = &access.ty else { return None };
         let mut position = 0;
         for (index, (low, high)) in indices.iter().zip(&ty.bounds) {

@@ -12,9 +12,10 @@ use plcc_syntax::scl::ast::{
 use super::bits::{argument, call_node};
 use super::pins::{connected, outputs};
 use super::sheet::Sheet;
+use crate::bind::network::NetworkBinder;
+use crate::bind::scl::SclBlock;
 use crate::bind::scl::call::Callee;
 use crate::bind::scl::value::Value;
-use crate::bind::{Binder, Ctx};
 use plcc_abi::image::BlockKind;
 use plcc_binding::fold;
 use plcc_model::scl::{Instance, StatementKind};
@@ -24,13 +25,13 @@ use plcc_model::{BlockKey, Direction};
 /// The parameter with the return value of an FC.
 const RESULT: &str = "ret_val";
 
-impl Binder<'_> {
+impl NetworkBinder<'_, '_> {
     /// TON, CTU, R_TRIG, TSEND_C and similar blocks with an instance.
-    pub fn instance_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, name: &str) -> Option<()> {
+    pub fn instance_box(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, name: &str) -> Option<()> {
         let element = sheet.element(at);
         let span = element.span;
         let Target::Element { row, instance: Some(instance) } = &element.target else {
-            self.refuse(
+            self.scl().refuse(
                 Code::MissingOperand,
                 span,
                 &format!("{name} has no instance"),
@@ -48,7 +49,7 @@ impl Binder<'_> {
 
     fn instance_call(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         sheet: &mut Sheet,
         at: usize,
         row: &'static Row,
@@ -73,20 +74,20 @@ impl Binder<'_> {
 
     /// The component of an instance that has an output's value. Data for several blocks, such as IEC_COUNTER, may have another name
     /// there: Q of CTU is QU.
-    fn component_of_output(&mut self, ctx: &mut Ctx, callee: &Node, output: &str) -> String {
+    fn component_of_output(&mut self, ctx: &mut SclBlock, callee: &Node, output: &str) -> String {
         self.other_component(ctx, callee, output).unwrap_or_else(|| output.to_string())
     }
 
-    fn other_component(&mut self, ctx: &mut Ctx, callee: &Node, output: &str) -> Option<String> {
-        let Some(Callee::Block { key, instance: Some(instance) }) = self.callee(ctx, callee) else { return None };
+    fn other_component(&mut self, ctx: &mut SclBlock, callee: &Node, output: &str) -> Option<String> {
+        let Some(Callee::Block { key, instance: Some(instance) }) = self.scl().callee(ctx, callee) else { return None };
         let data = match instance {
-            Instance::Db(number) => self.db_type(number)?,
+            Instance::Db(number) => self.program.data.db_type(number)?,
             Instance::Variable(access) => match access.ty {
                 DataType::Struct(data) => data,
                 _ => return None,
             },
         };
-        let bound = self.interface(key, callee.span)?;
+        let bound = self.program.interface(key, callee.span)?;
         let own = bound.interface.instance.iter().find(|member| member.name.eq_ignore_ascii_case(output))?;
         let there = data.members.iter().find(|member| (member.byte, member.bit) == (own.byte, own.bit))?;
         Some(there.name.clone())
@@ -95,7 +96,7 @@ impl Binder<'_> {
     /// Sends the output of an instance, which is the given component, to what is connected to it.
     fn instance_output(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         sheet: &mut Sheet,
         at: usize,
         instance: &Node,
@@ -105,12 +106,12 @@ impl Binder<'_> {
         let Some((_, pin)) = outputs(sheet.element(at), name).next() else { return Some(()) };
         let member = Name { text: component.to_string(), form: NameForm::Bare, span: pin.span };
         let node = Node { kind: NodeKind::Member { base: Box::new(instance.clone()), name: member }, span: pin.span };
-        let value = self.scl_value(ctx, &node)?;
+        let value = self.scl().value(ctx, &node)?;
         self.output(ctx, sheet, at, name, value)
     }
 
     /// Arguments for the inputs and in-outs of an element.
-    fn input_arguments(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, element: &Element) -> Option<Vec<Argument>> {
+    fn input_arguments(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, element: &Element) -> Option<Vec<Argument>> {
         let mut arguments = Vec::new();
         for pin in element.pins.iter().filter(|pin| !pin.output && !pin.name.eq_ignore_ascii_case("en")) {
             if pin.value == PinValue::Open {
@@ -125,7 +126,7 @@ impl Binder<'_> {
     /// A call as a statement.
     fn call_tree(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         sheet: &mut Sheet,
         callee: Node,
         arguments: Vec<Argument>,
@@ -133,16 +134,16 @@ impl Binder<'_> {
     ) -> Option<()> {
         let node = Node { kind: NodeKind::Call { callee: Box::new(callee), arguments }, span };
         let tree = Tree { kind: TreeKind::Expression(node), span };
-        let before = self.report.diagnostics.len();
+        let before = self.program.globals.report.diagnostics.len();
         let mut bound = Vec::new();
-        self.statement(ctx, &tree, &mut bound);
-        let good = !self.report.diagnostics[before..].iter().any(Diagnostic::is_error);
+        self.scl().statement(ctx, &tree, &mut bound);
+        let good = !self.program.globals.report.diagnostics[before..].iter().any(Diagnostic::is_error);
         sheet.statements.extend(bound);
         good.then_some(())
     }
 
     /// The call of an FC or FB.
-    pub fn block_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
+    pub fn block_box(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize) -> Option<()> {
         self.boxed(ctx, sheet, at, |binder, ctx, sheet| {
             let element = sheet.element(at);
             let Target::Block { callee, instance } = &element.target else { return None };
@@ -150,8 +151,8 @@ impl Binder<'_> {
                 None => callee.clone(),
                 Some(instance) => binder.instance_callee(callee, instance),
             };
-            let told = binder.report.diagnostics.len();
-            let key = match binder.callee(ctx, &node) {
+            let told = binder.program.globals.report.diagnostics.len();
+            let key = match binder.scl().callee(ctx, &node) {
                 Some(Callee::Block { key, .. }) => key,
                 Some(Callee::Function(_)) => return binder.function_call(ctx, sheet, at, &node),
                 None => {
@@ -160,17 +161,17 @@ impl Binder<'_> {
                         PinValue::Net(_) | PinValue::Open => None,
                     });
                     let operands: Vec<Argument> = operands.collect();
-                    binder.note_arguments(ctx, &operands);
-                    if binder.report.diagnostics.len() == told {
+                    binder.scl().note_arguments(ctx, &operands);
+                    if binder.program.globals.report.diagnostics.len() == told {
                         return Some(());
                     }
                     return None;
                 }
             };
-            let bound = binder.interface(key, node.span)?;
+            let bound = binder.program.interface(key, node.span)?;
             let element = sheet.element(at);
             let names = element.pins.iter().filter(|pin| pin.value != PinValue::Open).map(|pin| pin.name.as_str());
-            if binder.is_own_of_program(key, &bound, names, callee.span) {
+            if binder.program.globals.is_own_of_program(key, &bound.interface.parameters, names, callee.span) {
                 return Some(());
             }
             if matches!(key.kind, BlockKind::Fb | BlockKind::Sfb) {
@@ -185,14 +186,16 @@ impl Binder<'_> {
     fn instance_callee(&self, callee: &Node, instance: &Node) -> Node {
         match (&callee.kind, &instance.kind) {
             (NodeKind::Name(block), NodeKind::Name(name))
-                if name.form != NameForm::Local && self.globals.contains_key(&fold(&block.text)) =>
+                if name.form != NameForm::Local
+                    && self.program.globals.names.symbols.contains_key(&fold(&block.text)) =>
             {
                 let kind = NodeKind::Member { base: Box::new(callee.clone()), name: name.clone() };
                 Node { kind, span: callee.span }
             }
             // Neither is defined: report the block as missing.
             (NodeKind::Name(_), NodeKind::Name(name))
-                if name.form != NameForm::Local && !self.globals.contains_key(&fold(&name.text)) =>
+                if name.form != NameForm::Local
+                    && !self.program.globals.names.symbols.contains_key(&fold(&name.text)) =>
             {
                 callee.clone()
             }
@@ -202,7 +205,7 @@ impl Binder<'_> {
 
     fn function_block_call(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         sheet: &mut Sheet,
         at: usize,
         node: Node,
@@ -211,7 +214,7 @@ impl Binder<'_> {
     ) -> Option<()> {
         let element = sheet.element(at);
         let span = element.span;
-        let bound = self.interface(key, span)?;
+        let bound = self.program.interface(key, span)?;
         let mut arguments = Vec::new();
         let mut after = Vec::new();
         for pin in element.pins.iter().filter(|pin| !is_enable(pin) && pin.value != PinValue::Open) {
@@ -249,7 +252,7 @@ impl Binder<'_> {
     /// The call of an FC: outputs that feed nets are written into hidden variables first.
     fn function_call_of(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         sheet: &mut Sheet,
         at: usize,
         node: Node,
@@ -257,7 +260,7 @@ impl Binder<'_> {
     ) -> Option<()> {
         let element = sheet.element(at);
         let span = element.span;
-        let bound = self.interface(key, span)?;
+        let bound = self.program.interface(key, span)?;
         let mut arguments = Vec::new();
         let mut after = Vec::new();
         let mut result = None;
@@ -301,7 +304,7 @@ impl Binder<'_> {
         match result {
             Some(name) => {
                 let call = Node { kind: NodeKind::Call { callee: Box::new(node), arguments }, span };
-                let value = self.scl_call(ctx, &call, false)?;
+                let value = self.scl().call(ctx, &call, false)?;
                 let value = match value {
                     Value::Elementary(expr) => Value::Elementary(sheet.keep(ctx, expr)),
                     value => value,
@@ -318,7 +321,7 @@ impl Binder<'_> {
 
     /// An output without a single value cannot feed a wire.
     fn wire_without_type(&mut self, span: Span) {
-        self.report.push(
+        self.program.report(
             Diagnostic::new(Code::MissingOperand, span, "this output needs an operand")
                 .label("a wire can only carry a single value")
                 .help("put a variable at the output"),
@@ -326,21 +329,21 @@ impl Binder<'_> {
     }
 
     /// A function of SCL that a file calls like a block.
-    fn function_call(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, node: &Node) -> Option<()> {
+    fn function_call(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, node: &Node) -> Option<()> {
         let NodeKind::Name(name) = &node.kind else { return None };
         self.procedure(ctx, sheet, at, &name.text)
     }
 
     /// A function without a value, or a block of the library.
-    pub fn procedure_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, name: &str) -> Option<()> {
+    pub fn procedure_box(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, name: &str) -> Option<()> {
         self.boxed(ctx, sheet, at, |binder, ctx, sheet| binder.procedure(ctx, sheet, at, name))
     }
 
-    fn procedure(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, name: &str) -> Option<()> {
+    fn procedure(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, name: &str) -> Option<()> {
         let element = sheet.element(at);
         let span = element.span;
         let node = super::pins::bare(name, span);
-        if let Some(key) = self.library_function(ctx.scl.rules, name)
+        if let Some(key) = self.scl().library_function(ctx.scope.rules, name)
             && matches!(key.kind, BlockKind::Fc | BlockKind::Sfc)
         {
             return self.function_call_of(ctx, sheet, at, node, key);
@@ -363,7 +366,7 @@ impl Binder<'_> {
     }
 
     /// TP, TON, TOF, TONR as coils: the flow is IN.
-    pub fn timer_coil(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, name: &str) -> Option<()> {
+    pub fn timer_coil(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, name: &str) -> Option<()> {
         let element = sheet.element(at);
         let span = element.span;
         let flow = self.flow(ctx, sheet, at, "in")?;
@@ -378,16 +381,16 @@ impl Binder<'_> {
     }
 
     /// RT.
-    pub fn reset_timer_coil(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
+    pub fn reset_timer_coil(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize) -> Option<()> {
         self.timer_function_coil(ctx, sheet, at, "RESET_TIMER")
     }
 
     /// PT.
-    pub fn preset_timer_coil(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
+    pub fn preset_timer_coil(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize) -> Option<()> {
         self.timer_function_coil(ctx, sheet, at, "PRESET_TIMER")
     }
 
-    fn timer_function_coil(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, name: &str) -> Option<()> {
+    fn timer_function_coil(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, name: &str) -> Option<()> {
         let element = sheet.element(at);
         let span = element.span;
         let flow = self.flow(ctx, sheet, at, "in")?;
@@ -398,7 +401,7 @@ impl Binder<'_> {
         }
         let node = call_node(name, arguments, span);
         let mut body = Vec::new();
-        self.statement(ctx, &Tree { kind: TreeKind::Expression(node), span }, &mut body);
+        self.scl().statement(ctx, &Tree { kind: TreeKind::Expression(node), span }, &mut body);
         sheet.push(StatementKind::If { branches: vec![(flow.clone(), body)], otherwise: Vec::new() }, span);
         self.output(ctx, sheet, at, "out", Value::Elementary(flow))
     }

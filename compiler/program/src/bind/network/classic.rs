@@ -14,12 +14,12 @@ use super::Page;
 use super::bits::{argument, call_node};
 use super::pins::{and, connected, inverted, no, or, outputs, yes};
 use super::sheet::{Hidden, Sheet};
-use crate::bind::scl::Intent;
+use crate::bind::network::NetworkBinder;
 use crate::bind::scl::convert::converted;
 use crate::bind::scl::expression::{binary_expr, constant_expr};
 use crate::bind::scl::place::{Db, Thing};
 use crate::bind::scl::value::Value;
-use crate::bind::{Binder, Ctx};
+use crate::bind::scl::{Intent, SclBlock};
 use plcc_model::Width;
 use plcc_model::scl::{BinaryOp, CompareOp, Conversion, Expr, ExprKind, Part, Statement, StatementKind};
 
@@ -68,11 +68,11 @@ impl Registers {
     }
 }
 
-impl Binder<'_> {
+impl NetworkBinder<'_, '_> {
     /// Hidden variables for the registers that the networks use.
     pub fn begin_registers(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         page: &mut Page,
         networks: &Networks,
         span: Span,
@@ -108,13 +108,13 @@ impl Binder<'_> {
             page.registers.db = Some((db, di));
         }
         if let Some((db, di)) = &page.registers.db {
-            ctx.scl.open_db = Some(db.load(span));
-            ctx.scl.open_di = Some(di.load(span));
+            ctx.scope.open_db = Some(db.load(span));
+            ctx.scope.open_di = Some(di.load(span));
         }
     }
 
     /// A value as the relay passes it on: 0 while the relay is off.
-    pub fn relayed_value(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, value: Expr, on: Expr) -> Expr {
+    pub fn relayed_value(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, value: Expr, on: Expr) -> Expr {
         let (ty, span) = (value.ty, value.span);
         let hidden = sheet.hidden(ctx, ty);
         sheet.statements.push(hidden.set(constant_expr(0, ty, span), span));
@@ -155,7 +155,7 @@ impl Binder<'_> {
     }
 
     /// A contact of the status word.
-    pub fn flag_contact(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, flag: Flag) -> Option<()> {
+    pub fn flag_contact(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, flag: Flag) -> Option<()> {
         let element = sheet.element(at);
         let span = element.span;
         let flow = self.flow(ctx, sheet, at, "pre")?;
@@ -192,7 +192,7 @@ impl Binder<'_> {
     }
 
     /// MCRA, MCR<, MCR>, MCRD.
-    pub fn mcr_coil(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, coil: Mcr) -> Option<()> {
+    pub fn mcr_coil(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, coil: Mcr) -> Option<()> {
         let span = sheet.element(at).span;
         let flow = self.flow(ctx, sheet, at, "in")?;
         let registers = &mut sheet.page.registers;
@@ -213,7 +213,7 @@ impl Binder<'_> {
             }
             Mcr::Close => {
                 let Some(left) = registers.zones.checked_sub(1) else {
-                    self.refuse(
+                    self.scl().refuse(
                         Code::ElementPlace,
                         span,
                         "MCR> closes no zone",
@@ -230,7 +230,7 @@ impl Binder<'_> {
         let depth = registers.zones;
         sheet.statements.push(statement);
         if depth > MCR_DEPTH {
-            self.refuse(
+            self.scl().refuse(
                 Code::ElementPlace,
                 span,
                 "more than 8 nested MCR zones",
@@ -243,7 +243,7 @@ impl Binder<'_> {
     }
 
     /// SAVE: writes the flow to BR, which is ENO of the block.
-    pub fn save_coil(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
+    pub fn save_coil(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize) -> Option<()> {
         let span = sheet.element(at).span;
         let flow = self.flow(ctx, sheet, at, "in")?;
         let flow = sheet.keep(ctx, flow);
@@ -255,13 +255,13 @@ impl Binder<'_> {
     }
 
     /// OPN.
-    pub fn open_db(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, di: bool) -> Option<()> {
+    pub fn open_db(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, di: bool) -> Option<()> {
         let element = sheet.element(at);
         let span = element.span;
         let flow = self.flow(ctx, sheet, at, "in")?;
         let node = self.operand_node(element, "operand")?;
-        let Some(Thing::Db { db, .. }) = self.thing(ctx, &node, Intent::Read) else {
-            self.refuse(
+        let Some(Thing::Db { db, .. }) = self.scl().thing(ctx, &node, Intent::Read) else {
+            self.scl().refuse(
                 Code::OperandKind,
                 node.span,
                 "OPN opens data blocks",
@@ -282,7 +282,7 @@ impl Binder<'_> {
     }
 
     /// S_PULSE, S_PEXT, S_ODT, S_ODTS, S_OFFDT, as boxes and as coils.
-    pub fn s5_timer_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, name: &str) -> Option<()> {
+    pub fn s5_timer_box(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, name: &str) -> Option<()> {
         let element = sheet.element(at);
         let cell = self.cell_node(element, "timer", "T1")?;
         let mut arguments = vec![argument("T_NO", cell, false)];
@@ -292,7 +292,7 @@ impl Binder<'_> {
     }
 
     /// S_CU, S_CD, S_CUD.
-    pub fn s5_counter_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, name: &str) -> Option<()> {
+    pub fn s5_counter_box(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, name: &str) -> Option<()> {
         let element = sheet.element(at);
         let cell = self.cell_node(element, "counter", "C1")?;
         let mut arguments = vec![argument("C_NO", cell, false)];
@@ -302,7 +302,7 @@ impl Binder<'_> {
     }
 
     /// CU, CD, SC.
-    pub fn counter_coil(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, coil: CounterCoil) -> Option<()> {
+    pub fn counter_coil(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, coil: CounterCoil) -> Option<()> {
         let element = sheet.element(at);
         let cell = self.cell_node(element, "counter", "C1")?;
         let mut arguments = vec![argument("C_NO", cell, false)];
@@ -317,7 +317,7 @@ impl Binder<'_> {
     }
 
     /// The flow after a coil is the same as before it.
-    fn passed(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, flow: Option<Expr>) -> Option<()> {
+    fn passed(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, flow: Option<Expr>) -> Option<()> {
         match flow {
             Some(flow) => self.output(ctx, sheet, at, "out", Value::Elementary(flow)),
             None => Some(()),
@@ -331,8 +331,8 @@ impl Binder<'_> {
         }
         let node = self.operand_node(element, pin);
         if node.is_none() {
-            let text = self.text(element.span);
-            self.refuse(
+            let text = self.program.globals.text(element.span);
+            self.scl().refuse(
                 Code::MissingOperand,
                 element.span,
                 &format!("`{text}` has no {pin}"),
@@ -346,7 +346,7 @@ impl Binder<'_> {
     /// Arguments for the connected inputs; returns the flow, the first of them.
     fn cell_inputs(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         sheet: &mut Sheet,
         at: usize,
         pins: &[(&str, &str)],
@@ -373,7 +373,7 @@ impl Binder<'_> {
     #[allow(clippy::too_many_arguments, reason = "the parts of one call")]
     fn cell_call(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         sheet: &mut Sheet,
         at: usize,
         name: &str,
@@ -394,14 +394,14 @@ impl Binder<'_> {
         }
         let call = call_node(name, arguments, span);
         if !bcd.is_empty() && self.is_wanted(sheet, at, bcd) {
-            let value = self.scl_value(ctx, &call)?;
-            let value = self.scl_own_type(ctx, value)?;
+            let value = self.scl().value(ctx, &call)?;
+            let value = self.scl().own_type(ctx, value)?;
             let value = converted(value, Conversion::Bits { checked: false }, Elementary::Word);
             let value = sheet.keep(ctx, value);
             self.output(ctx, sheet, at, bcd, Value::Elementary(value))?;
         } else {
             let mut bound = Vec::new();
-            self.statement(ctx, &Tree { kind: TreeKind::Expression(call), span }, &mut bound);
+            self.scl().statement(ctx, &Tree { kind: TreeKind::Expression(call), span }, &mut bound);
             sheet.statements.extend(bound);
         }
         for (pin, hidden) in after {
@@ -411,14 +411,14 @@ impl Binder<'_> {
     }
 
     /// CALL of a block without parameters.
-    pub fn call_coil(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
+    pub fn call_coil(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize) -> Option<()> {
         let element = sheet.element(at);
         let span = element.span;
         let flow = self.flow(ctx, sheet, at, "in")?;
         let callee = self.operand_node(element, "operand")?;
         let node = Node { kind: NodeKind::Call { callee: Box::new(callee), arguments: Vec::new() }, span };
         let mut body = Vec::new();
-        self.statement(ctx, &Tree { kind: TreeKind::Expression(node), span }, &mut body);
+        self.scl().statement(ctx, &Tree { kind: TreeKind::Expression(node), span }, &mut body);
         sheet.push(StatementKind::If { branches: vec![(flow, body)], otherwise: Vec::new() }, span);
         Some(())
     }

@@ -6,9 +6,10 @@ use plcc_syntax::scl::ast::BinaryOp as Operator;
 
 use super::pins::{and, inverted, or};
 use super::sheet::Sheet;
+use crate::bind::network::NetworkBinder;
+use crate::bind::scl::SclBlock;
 use crate::bind::scl::expression::constant_expr;
 use crate::bind::scl::value::Value;
-use crate::bind::{Binder, Ctx};
 use plcc_model::scl::{CompareOp, Expr, ExprKind, Function};
 
 /// The bits of the smallest REAL that is not denormal.
@@ -16,8 +17,8 @@ const LEAST_NORMAL: u64 = 0x0080_0000;
 /// The same for LREAL.
 const LEAST_NORMAL_LONG: u64 = 0x0010_0000_0000_0000;
 
-impl Binder<'_> {
-    pub fn compare_contact(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, op: &str) -> Option<()> {
+impl NetworkBinder<'_, '_> {
+    pub fn compare_contact(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, op: &str) -> Option<()> {
         let span = sheet.element(at).span;
         let flow = self.flow(ctx, sheet, at, "pre")?;
         let values = self.typed_inputs(ctx, sheet, at, &["in1", "in2"])?;
@@ -36,27 +37,34 @@ impl Binder<'_> {
     }
 
     /// A comparison by a box: unlike in SCL, a NaN is equal to nothing, except on an S7-300/400.
-    pub fn box_compare(&mut self, ctx: &mut Ctx, op: Operator, left: Value, right: Value, span: Span) -> Option<Expr> {
-        let result = self.compare(ctx, op, span, left, right, span)?;
+    pub fn box_compare(
+        &mut self,
+        ctx: &mut SclBlock,
+        op: Operator,
+        left: Value,
+        right: Value,
+        span: Span,
+    ) -> Option<Expr> {
+        let result = self.scl().compare(ctx, op, span, left, right, span)?;
         let ExprKind::Compare { op: CompareOp::NotEqual, left, right } = &result.kind else { return Some(result) };
-        if !left.ty.is_float() || ctx.scl.rules.is_300() {
+        if !left.ty.is_float() || ctx.scope.rules.is_300() {
             return Some(result);
         }
         let equal = ExprKind::Compare { op: CompareOp::Equal, left: left.clone(), right: right.clone() };
         Some(inverted(Expr { kind: equal, ..result }))
     }
 
-    pub fn range_contact(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, inside: bool) -> Option<()> {
+    pub fn range_contact(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, inside: bool) -> Option<()> {
         let span = sheet.element(at).span;
         let flow = self.flow(ctx, sheet, at, "pre")?;
         let values = self.typed_inputs(ctx, sheet, at, &["min", "in", "max"])?;
         let [min, value, max] = <[Value; 3]>::try_from(values).ok()?;
         let ty = self.common_type(ctx, &[&min, &value, &max], span)?;
-        let value = self.scl_convert(ctx, value, ty)?;
+        let value = self.scl().convert(ctx, value, ty)?;
         let value = sheet.keep(ctx, value);
-        let min = self.scl_convert(ctx, min, ty)?;
+        let min = self.scl().convert(ctx, min, ty)?;
         let min = sheet.keep(ctx, min);
-        let max = self.scl_convert(ctx, max, ty)?;
+        let max = self.scl().convert(ctx, max, ty)?;
         let max = sheet.keep(ctx, max);
         let compare = |op, left: &Expr, right: Expr| Expr {
             kind: ExprKind::Compare { op, left: Box::new(left.clone()), right: Box::new(right) },
@@ -85,13 +93,13 @@ impl Binder<'_> {
     }
 
     /// A denormal number counts as 0 in computations, but is not valid.
-    pub fn valid_contact(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, valid: bool) -> Option<()> {
+    pub fn valid_contact(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, valid: bool) -> Option<()> {
         let span = sheet.element(at).span;
         let flow = self.flow(ctx, sheet, at, "pre")?;
         let value = self.input(ctx, sheet, at, "operand")?;
-        let value = self.scl_own_type(ctx, value)?;
+        let value = self.scl().own_type(ctx, value)?;
         if !value.ty.is_float() {
-            self.wrong_type(value.span, value.ty.name(), "a floating-point number", None);
+            self.scl().wrong_type(value.span, value.ty.name(), "a floating-point number", None);
             return None;
         }
         let value = sheet.keep(ctx, value);

@@ -9,24 +9,26 @@ use plcc_syntax::scl::ast::{BinaryOp as Operator, Expr as Node, ExprKind as Node
 use super::TOP;
 use super::pins::{connected, inverted, no, yes};
 use super::sheet::Sheet;
-use crate::bind::scl::rules::Label;
+use crate::bind::network::NetworkBinder;
+use crate::bind::scl::SclBlock;
+use crate::bind::scl::scope::Label;
 use crate::bind::scl::value::Value;
-use crate::bind::{Binder, Ctx};
 use plcc_binding::fold;
 use plcc_model::LabelId;
 use plcc_model::scl::{Arm, Statement, StatementKind};
 
-impl Binder<'_> {
+impl NetworkBinder<'_, '_> {
     /// Labels of all networks, including those of SCL networks.
-    pub fn collect_network_labels(&mut self, ctx: &mut Ctx, networks: &[Network]) {
+    pub fn collect_network_labels(&mut self, ctx: &mut SclBlock, networks: &[Network]) {
         for network in networks {
             match &network.content {
                 Content::Graphic(_) => {}
                 Content::Scl(list) => {
-                    self.collect_labels(ctx, list);
+                    self.scl().collect_labels(ctx, list);
                     // The networks of a block are one list of statements.
                     let inside = list.as_ptr() as usize;
-                    for label in ctx.scl.labels.values_mut().filter(|label| label.list == inside && !list.is_empty()) {
+                    for label in ctx.scope.labels.values_mut().filter(|label| label.list == inside && !list.is_empty())
+                    {
                         label.list = TOP;
                     }
                 }
@@ -42,9 +44,9 @@ impl Binder<'_> {
         }
     }
 
-    fn block_label(&mut self, ctx: &mut Ctx, name: &str, span: Span) {
-        if let Some(first) = ctx.scl.labels.get(&fold(name)).map(|label| label.span) {
-            self.report.push(
+    fn block_label(&mut self, ctx: &mut SclBlock, name: &str, span: Span) {
+        if let Some(first) = ctx.scope.labels.get(&fold(name)).map(|label| label.span) {
+            self.program.report(
                 Diagnostic::new(Code::DuplicateLabel, span, format!("the label `{name}` is defined twice"))
                     .label("the second one")
                     .also(first, "the first one")
@@ -52,22 +54,24 @@ impl Binder<'_> {
             );
             return;
         }
-        let id = LabelId(ctx.scl.labels.len() as u32);
-        ctx.scl.labels.insert(fold(name), Label { id, span, list: TOP });
+        let id = LabelId(ctx.scope.labels.len() as u32);
+        ctx.scope.labels.insert(fold(name), Label { id, span, list: TOP });
     }
 
     /// The jump to the label that a pin names.
-    fn jump_to(&mut self, ctx: &mut Ctx, node: &Node) -> Option<StatementKind> {
+    fn jump_to(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<StatementKind> {
         let name = label_name(node)?;
-        let told = self.report.diagnostics.len();
-        let found = self.goto(ctx, name);
-        for message in self.report.diagnostics[told..].iter_mut().filter(|one| one.code == Code::UnknownLabel) {
+        let told = self.program.globals.report.diagnostics.len();
+        let found = self.scl().goto(ctx, name);
+        for message in
+            self.program.globals.report.diagnostics[told..].iter_mut().filter(|one| one.code == Code::UnknownLabel)
+        {
             message.help = Some(format!("give the label `{}` to the network to jump to", name.text));
         }
         found.map(StatementKind::Goto)
     }
 
-    pub fn jump_coil(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, negated: bool) -> Option<()> {
+    pub fn jump_coil(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, negated: bool) -> Option<()> {
         let element = sheet.element(at);
         let flow = self.flow(ctx, sheet, at, "in")?;
         let condition = if negated { inverted(flow) } else { flow };
@@ -78,12 +82,12 @@ impl Binder<'_> {
     }
 
     /// JMP_LIST: jumps to the label with number K; other numbers continue.
-    pub fn jump_list_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
+    pub fn jump_list_box(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize) -> Option<()> {
         let element = sheet.element(at);
         let span = element.span;
         let flow = self.flow(ctx, sheet, at, "en")?;
         let selector = self.input(ctx, sheet, at, "k")?;
-        let selector = self.scl_own_type(ctx, selector)?;
+        let selector = self.scl().own_type(ctx, selector)?;
         let mut arms = Vec::new();
         for pin in &element.pins {
             let Some(number) = pin.name.strip_prefix("dest").and_then(|digits| digits.parse::<i128>().ok()) else {
@@ -98,12 +102,12 @@ impl Binder<'_> {
     }
 
     /// SWITCH: jumps to the label of the first comparison that is true.
-    pub fn switch_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
+    pub fn switch_box(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize) -> Option<()> {
         let element = sheet.element(at);
         let span = element.span;
         let flow = self.flow(ctx, sheet, at, "en")?;
         let selector = self.input(ctx, sheet, at, "k")?;
-        let selector = self.scl_own_type(ctx, selector)?;
+        let selector = self.scl().own_type(ctx, selector)?;
         let selector = sheet.keep(ctx, selector);
         let mut branches = Vec::new();
         for (number, comparison) in element.cases.iter().enumerate() {
@@ -128,7 +132,7 @@ impl Binder<'_> {
     }
 
     /// RET: leaves the block with its ENO.
-    pub fn return_coil(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, value: ReturnValue) -> Option<()> {
+    pub fn return_coil(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, value: ReturnValue) -> Option<()> {
         let element = sheet.element(at);
         let span = element.span;
         let flow = self.flow(ctx, sheet, at, "in")?;

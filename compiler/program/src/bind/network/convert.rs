@@ -7,10 +7,11 @@ use plcc_syntax::network::ast::{Element, TemplateKey};
 use super::bits::{argument, call_node};
 use super::pins::{connected, inverted, no};
 use super::sheet::Sheet;
+use crate::bind::network::NetworkBinder;
+use crate::bind::scl::SclBlock;
 use crate::bind::scl::convert::{converted, rounding};
 use crate::bind::scl::expression::constant_expr;
 use crate::bind::scl::value::Value;
-use crate::bind::{Binder, Ctx};
 use plcc_model::scl::{CompareOp, Conversion, Expr, ExprKind, Function, Overflow, StatementKind, UnaryOp};
 
 /// Types that only CONVERT has: numbers in BCD.
@@ -22,9 +23,9 @@ fn word(template: &str) -> Option<String> {
     }
 }
 
-impl Binder<'_> {
+impl NetworkBinder<'_, '_> {
     /// CONVERT: the function `source_TO_destination` of SCL.
-    pub fn convert_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
+    pub fn convert_box(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize) -> Option<()> {
         let element = sheet.element(at);
         let span = element.span;
         self.boxed(ctx, sheet, at, |binder, ctx, sheet| {
@@ -40,36 +41,36 @@ impl Binder<'_> {
             let named = source.as_deref().and_then(Elementary::from_word);
             let (node, from) = match (named, own) {
                 (Some(ty), _) => {
-                    let value = binder.scl_convert(ctx, value, ty)?;
+                    let value = binder.scl().convert(ctx, value, ty)?;
                     (binder.value_node(ctx, sheet, value), ty.name().to_string())
                 }
                 (None, _) if source.is_some() => (binder.pin_node(ctx, sheet, pin)?, source.unwrap_or_default()),
                 (None, Some(ty)) => {
-                    let value = binder.scl_convert(ctx, value, ty)?;
+                    let value = binder.scl().convert(ctx, value, ty)?;
                     (binder.value_node(ctx, sheet, value), ty.name().to_string())
                 }
                 (None, None) => {
-                    let value = binder.scl_own_type(ctx, value)?;
+                    let value = binder.scl().own_type(ctx, value)?;
                     let name = value.ty.name().to_string();
                     (binder.value_node(ctx, sheet, value), name)
                 }
             };
             let value = if from == target {
-                binder.scl_value(ctx, &node)?
+                binder.scl().value(ctx, &node)?
             } else {
                 let call = call_node(
                     &format!("{}_TO_{}", short(&from), short(&target)),
                     vec![argument("IN", node, false)],
                     span,
                 );
-                binder.scl_call(ctx, &call, false)?
+                binder.scl().call(ctx, &call, false)?
             };
             binder.box_result(ctx, sheet, at, value)
         })
     }
 
     /// Source and destination from the settings, or from the variables at the pins.
-    fn conversion_types(&mut self, ctx: &mut Ctx, element: &Element) -> (Option<String>, Option<String>) {
+    fn conversion_types(&mut self, ctx: &mut SclBlock, element: &Element) -> (Option<String>, Option<String>) {
         let named = |key| element.template(key).and_then(|template| word(&template.value));
         let source = named(TemplateKey::Source);
         let target = named(TemplateKey::Destination)
@@ -78,7 +79,7 @@ impl Binder<'_> {
     }
 
     /// ROUND, TRUNC, CEIL, FLOOR: into the type of the destination.
-    pub fn round_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, name: &str) -> Option<()> {
+    pub fn round_box(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, name: &str) -> Option<()> {
         let element = sheet.element(at);
         let span = element.span;
         self.boxed(ctx, sheet, at, |binder, ctx, sheet| {
@@ -89,13 +90,13 @@ impl Binder<'_> {
                 binder.impossible_type(element, source);
                 return None;
             }
-            let value = binder.scl_convert(ctx, value, source)?;
+            let value = binder.scl().convert(ctx, value, source)?;
             let target = binder
                 .template_type(element, &[TemplateKey::Destination])
                 .or_else(|| binder.output_type(ctx, element, "out"))
                 .unwrap_or(Elementary::Dint);
             if !target.is_integer() && !target.is_float() {
-                binder.refuse(
+                binder.scl().refuse(
                     Code::ElementType,
                     span,
                     &format!("{name} cannot convert to {}", target.name()),
@@ -108,7 +109,7 @@ impl Binder<'_> {
                 false => {
                     let node = binder.value_node(ctx, sheet, value);
                     let call = call_node(&format!("{name}_{}", target.name()), vec![argument("IN", node, false)], span);
-                    binder.scl_call(ctx, &call, false)?
+                    binder.scl().call(ctx, &call, false)?
                 }
                 true => binder.rounded_float(ctx, sheet, name, value, target)?,
             };
@@ -125,11 +126,11 @@ fn short(name: &str) -> &str {
     }
 }
 
-impl Binder<'_> {
+impl NetworkBinder<'_, '_> {
     /// Rounding to a floating-point number: a number too large for a fraction is already whole.
     fn rounded_float(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         sheet: &mut Sheet,
         name: &str,
         value: Expr,
@@ -143,7 +144,7 @@ impl Binder<'_> {
         let value = sheet.keep(ctx, value);
         let result = sheet.hidden(ctx, ty);
         sheet.statements.push(result.set(value.clone(), span));
-        let conversion = rounding(ctx.scl.rules, name)?;
+        let conversion = rounding(ctx.scope.rules, name)?;
         let rounded = converted(converted(value.clone(), conversion, whole), Conversion::Value(Overflow::LowBits), ty);
         let amount = Expr { kind: ExprKind::Unary { op: UnaryOp::Abs, operand: Box::new(value.clone()) }, ty, span };
         let small = Expr {
@@ -162,7 +163,7 @@ impl Binder<'_> {
             span,
         };
         self.conditional(sheet, inverted(valid), StatementKind::SetFlag(no(span)), span);
-        let result = self.scl_convert(ctx, Value::Elementary(result.load(span)), target)?;
+        let result = self.scl().convert(ctx, Value::Elementary(result.load(span)), target)?;
         Some(Value::Elementary(result))
     }
 }

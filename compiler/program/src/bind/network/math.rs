@@ -11,18 +11,17 @@ use plcc_syntax::{Class, Elementary};
 use super::bits::{argument, call_node};
 use super::pins::{connected, inverted};
 use super::sheet::Sheet;
-use crate::bind::scl::Intent;
+use crate::bind::network::NetworkBinder;
 use crate::bind::scl::assign::value_of;
-use crate::bind::scl::constant;
 use crate::bind::scl::convert::converted;
 use crate::bind::scl::expression::{binary_expr, binary_op, constant_expr};
 use crate::bind::scl::numeric::{self, Shape};
 use crate::bind::scl::value::Value;
-use crate::bind::{Binder, Ctx};
+use crate::bind::scl::{Intent, SclBlock, constant};
 use plcc_binding::constant::Constant;
 use plcc_model::scl::{BinaryOp, Conversion, Expr, ExprKind, UnaryOp};
 
-impl Binder<'_> {
+impl NetworkBinder<'_, '_> {
     /// The type that a setting names; none if it is missing, found from the operands, or not elementary.
     pub fn template_type(&self, element: &Element, keys: &[TemplateKey]) -> Option<Elementary> {
         let template = keys.iter().find_map(|key| element.template(*key))?;
@@ -38,26 +37,32 @@ impl Binder<'_> {
     }
 
     /// An integer whose value is known now.
-    pub fn constant_integer(&mut self, ctx: &Ctx, node: &Node) -> Option<i128> {
-        match self.constant(&ctx.bound.constants, node)? {
+    pub fn constant_integer(&mut self, ctx: &SclBlock, node: &Node) -> Option<i128> {
+        match self.program.globals.constant(&ctx.block.bound.constants, node)? {
             Constant::Integer { value, .. } => Some(value),
             Constant::Typed { ty, bits } if !ty.is_float() => Some(constant::integer(ty, bits)),
             _ => {
-                let text = self.text(node.span);
-                self.wrong_type(node.span, &format!("`{text}`"), "an integer", None);
+                let text = self.program.globals.text(node.span);
+                self.scl().wrong_type(node.span, &format!("`{text}`"), "an integer", None);
                 None
             }
         }
     }
 
     /// The values of inputs, in the type of the element if its settings name one.
-    pub fn typed_inputs(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, names: &[&str]) -> Option<Vec<Value>> {
+    pub fn typed_inputs(
+        &mut self,
+        ctx: &mut SclBlock,
+        sheet: &mut Sheet,
+        at: usize,
+        names: &[&str],
+    ) -> Option<Vec<Value>> {
         let ty = self.working_type(sheet.element(at));
         let mut values = Vec::with_capacity(names.len());
         for name in names {
             let value = self.input(ctx, sheet, at, name);
             values.push(match (value, ty) {
-                (Some(value), Some(ty)) => self.scl_convert(ctx, value, ty).map(Value::Elementary),
+                (Some(value), Some(ty)) => self.scl().convert(ctx, value, ty).map(Value::Elementary),
                 (value, _) => value,
             });
         }
@@ -65,8 +70,8 @@ impl Binder<'_> {
     }
 
     /// The common type of values; with a message if there is none.
-    pub fn common_type(&mut self, ctx: &Ctx, values: &[&Value], span: Span) -> Option<Elementary> {
-        let rules = ctx.scl.rules;
+    pub fn common_type(&mut self, ctx: &SclBlock, values: &[&Value], span: Span) -> Option<Elementary> {
+        let rules = ctx.scope.rules;
         let mut shape: Option<Shape> = None;
         for value in values {
             let next = Shape::of(value);
@@ -92,8 +97,8 @@ impl Binder<'_> {
 
     /// The data type of an element is not known.
     pub fn no_type(&mut self, span: Span) {
-        let text = self.text(span);
-        self.report.push(
+        let text = self.program.globals.text(span);
+        self.program.report(
             Diagnostic::new(Code::ElementType, span, format!("the data type of `{text}` is not known"))
                 .label("its operands do not have one type")
                 .help("set the type of the element, or use operands of one type"),
@@ -101,7 +106,7 @@ impl Binder<'_> {
     }
 
     /// The numbered inputs of an element, in order.
-    fn numbered_inputs(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<Vec<Value>> {
+    fn numbered_inputs(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize) -> Option<Vec<Value>> {
         let element = sheet.element(at);
         let mut pins: Vec<(u32, &plcc_syntax::network::ast::Pin)> = element
             .pins
@@ -115,17 +120,17 @@ impl Binder<'_> {
     }
 
     /// The type of a variable that is connected to an output; binds nothing.
-    pub fn output_type(&mut self, ctx: &mut Ctx, element: &Element, name: &str) -> Option<Elementary> {
+    pub fn output_type(&mut self, ctx: &mut SclBlock, element: &Element, name: &str) -> Option<Elementary> {
         let (_, pin) = super::pins::outputs(element, name).next()?;
         let PinValue::Operand(node) = &pin.value else { return None };
-        let told = self.report.diagnostics.len();
-        let access = self.scl_access(ctx, node, Intent::Write);
-        self.report.diagnostics.truncate(told);
+        let told = self.program.globals.report.diagnostics.len();
+        let access = self.scl().access(ctx, node, Intent::Write);
+        self.program.globals.report.diagnostics.truncate(told);
         access?.elementary()
     }
 
     /// ADD, SUB, MUL, DIV, MOD, EXPT, AND, OR, XOR: from the first input to the last.
-    pub fn operator_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, op: &str) -> Option<()> {
+    pub fn operator_box(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, op: &str) -> Option<()> {
         let element = sheet.element(at);
         self.boxed(ctx, sheet, at, |binder, ctx, sheet| {
             let values = binder.numbered_inputs(ctx, sheet, at)?;
@@ -134,7 +139,7 @@ impl Binder<'_> {
         })
     }
 
-    fn operated(&mut self, ctx: &mut Ctx, element: &Element, op: &str, values: Vec<Value>) -> Option<Value> {
+    fn operated(&mut self, ctx: &mut SclBlock, element: &Element, op: &str, values: Vec<Value>) -> Option<Value> {
         let span = element.span;
         let operator = match op {
             "+" => Operator::Add,
@@ -154,30 +159,30 @@ impl Binder<'_> {
         for value in values {
             result = match (ty, operator) {
                 (Some(ty), _) if operator != Operator::Power => {
-                    let left = self.scl_convert(ctx, result, ty)?;
-                    let right = self.scl_convert(ctx, value, ty)?;
+                    let left = self.scl().convert(ctx, result, ty)?;
+                    let right = self.scl().convert(ctx, value, ty)?;
                     Value::Elementary(binary_expr(binary_op(operator), left, right, ty, span))
                 }
                 (_, Operator::Power) => {
                     let ty =
                         ty.or_else(|| self.own_type(&result)).filter(|ty| ty.is_float()).unwrap_or(Elementary::Real);
-                    let left = self.scl_convert(ctx, result, ty)?;
-                    let right = self.scl_convert(ctx, value, ty)?;
+                    let left = self.scl().convert(ctx, result, ty)?;
+                    let right = self.scl().convert(ctx, value, ty)?;
                     Value::Elementary(binary_expr(BinaryOp::Power, left, right, ty, span))
                 }
                 (_, Operator::And | Operator::Or | Operator::Xor) => {
                     let bits = |value: &Value| {
-                        Shape::of(value).elementary().and_then(|ty| numeric::bit_string(ctx.scl.rules, ty))
+                        Shape::of(value).elementary().and_then(|ty| numeric::bit_string(ctx.scope.rules, ty))
                     };
                     let Some(ty) = wider(bits(&result), bits(&value)) else {
                         self.no_type(span);
                         return None;
                     };
-                    let left = self.scl_convert(ctx, result, ty)?;
-                    let right = self.scl_convert(ctx, value, ty)?;
+                    let left = self.scl().convert(ctx, result, ty)?;
+                    let right = self.scl().convert(ctx, value, ty)?;
                     Value::Elementary(binary_expr(binary_op(operator), left, right, ty, span))
                 }
-                _ => self.binary_value(ctx, operator, span, result, value, span)?,
+                _ => self.scl().binary_value(ctx, operator, span, result, value, span)?,
             };
         }
         Some(result)
@@ -187,13 +192,13 @@ impl Binder<'_> {
     /// type for the operation. Source: LAD/FBD reference A.7, C.8.
     fn type_of_all(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         element: &Element,
         operator: Operator,
         values: &[Value],
     ) -> Option<Elementary> {
         let works = |ty: &Elementary| works_in(operator, *ty);
-        let rules = ctx.scl.rules;
+        let rules = ctx.scope.rules;
         let target = self.output_type(ctx, element, "out").filter(works);
         let (typed, constants): (Vec<Shape>, Vec<Shape>) =
             values.iter().map(Shape::of).partition(|shape| !shape.is_untyped());
@@ -208,7 +213,7 @@ impl Binder<'_> {
     }
 
     /// Writes the value of a box to `out`. If a single variable is connected there, the value has its type.
-    pub fn box_result(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, value: Value) -> Option<()> {
+    pub fn box_result(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, value: Value) -> Option<()> {
         let value = match value {
             Value::Elementary(expr) => {
                 let expr = sheet.keep(ctx, expr);
@@ -222,7 +227,7 @@ impl Binder<'_> {
     }
 
     /// NEG or INV.
-    pub fn unary_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, negate: bool) -> Option<()> {
+    pub fn unary_box(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, negate: bool) -> Option<()> {
         let element = sheet.element(at);
         let span = element.span;
         self.boxed(ctx, sheet, at, |binder, ctx, sheet| {
@@ -233,7 +238,7 @@ impl Binder<'_> {
                 binder.no_type(span);
                 return None;
             };
-            let value = binder.scl_convert(ctx, value, ty)?;
+            let value = binder.scl().convert(ctx, value, ty)?;
             let possible = if negate {
                 matches!(ty.class(), Class::Signed | Class::Float | Class::Duration)
             } else {
@@ -254,8 +259,8 @@ impl Binder<'_> {
 
     /// An element that does not work with a type.
     pub fn impossible_type(&mut self, element: &Element, ty: Elementary) {
-        let text = self.text(element.span);
-        self.report.push(
+        let text = self.program.globals.text(element.span);
+        self.program.report(
             Diagnostic::new(Code::ElementType, element.span, format!("`{text}` does not work with {}", ty.name()))
                 .label(format!("no element for values of type {}", ty.name()))
                 .help("convert the value first, with CONVERT"),
@@ -263,12 +268,12 @@ impl Binder<'_> {
     }
 
     /// INC, DEC.
-    pub fn step_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, up: bool) -> Option<()> {
+    pub fn step_box(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, up: bool) -> Option<()> {
         let element = sheet.element(at);
         let span = element.span;
         self.boxed(ctx, sheet, at, |binder, ctx, sheet| {
             let PinValue::Operand(node) = &connected(element, "operand")?.value else { return None };
-            let access = binder.scl_access(ctx, node, Intent::Both)?;
+            let access = binder.scl().access(ctx, node, Intent::Both)?;
             let named = binder.template_type(element, &[TemplateKey::Destination, TemplateKey::Source]);
             let ty = match access.elementary() {
                 Some(ty) if ty.is_integer() => ty,
@@ -285,19 +290,19 @@ impl Binder<'_> {
                     return None;
                 }
             };
-            let value = binder.scl_own_type(ctx, value_of(&access, node.span)?)?;
+            let value = binder.scl().own_type(ctx, value_of(&access, node.span)?)?;
             let value = as_bits(value, ty);
             let op = if up { BinaryOp::Add } else { BinaryOp::Subtract };
             let value = binary_expr(op, value, constant_expr(1, ty, span), ty, span);
             let value = as_bits(value, access.elementary()?);
-            let kind = binder.assignment(ctx, access, Value::Elementary(value))?;
+            let kind = binder.scl().assignment(ctx, access, Value::Elementary(value))?;
             sheet.push(kind, span);
             Some(())
         })
     }
 
     /// The type of a function whose inputs are constants, where none is set: that of its output.
-    fn type_of_constants(&mut self, ctx: &mut Ctx, element: &Element) -> Option<Elementary> {
+    fn type_of_constants(&mut self, ctx: &mut SclBlock, element: &Element) -> Option<Elementary> {
         let typing = typing(element);
         if !typing.follows_output {
             return None;
@@ -311,11 +316,11 @@ impl Binder<'_> {
     }
 
     /// CALCULATE: the formula over the inputs, each read once.
-    pub fn calculate_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
+    pub fn calculate_box(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize) -> Option<()> {
         let element = sheet.element(at);
         let span = element.span;
         let Some(equation) = &element.equation else {
-            self.refuse(
+            self.scl().refuse(
                 Code::MissingOperand,
                 span,
                 "CALCULATE has no formula",
@@ -331,15 +336,15 @@ impl Binder<'_> {
             for pin in element.pins.iter().filter(|pin| !pin.output && pin.name.starts_with("in")) {
                 let Some(value) = binder.pin_value(ctx, sheet, pin) else { continue };
                 let value = match ty {
-                    Some(ty) => binder.scl_convert(ctx, value, ty)?,
-                    None => binder.scl_own_type(ctx, value)?,
+                    Some(ty) => binder.scl().convert(ctx, value, ty)?,
+                    None => binder.scl().own_type(ctx, value)?,
                 };
                 let node = binder.value_node(ctx, sheet, value);
                 substitute(&mut formula, &pin.name, &node);
             }
-            let value = binder.scl_value(ctx, &formula)?;
+            let value = binder.scl().value(ctx, &formula)?;
             let value = match ty {
-                Some(ty) => Value::Elementary(binder.scl_convert(ctx, value, ty)?),
+                Some(ty) => Value::Elementary(binder.scl().convert(ctx, value, ty)?),
                 None => value,
             };
             binder.box_result(ctx, sheet, at, value)
@@ -347,7 +352,7 @@ impl Binder<'_> {
     }
 
     /// A function that the file has as a formula: each input keeps its type.
-    pub fn formula_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
+    pub fn formula_box(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize) -> Option<()> {
         let element = sheet.element(at);
         let mut formula = element.equation.clone()?;
         self.boxed(ctx, sheet, at, |binder, ctx, sheet| {
@@ -355,13 +360,13 @@ impl Binder<'_> {
                 let node = binder.pin_node(ctx, sheet, pin)?;
                 substitute(&mut formula, &pin.name, &node);
             }
-            let value = binder.scl_value(ctx, &formula)?;
+            let value = binder.scl().value(ctx, &formula)?;
             binder.box_result(ctx, sheet, at, value)
         })
     }
 
     /// A function of SCL with a value. Inputs that have the element's type are first converted to it.
-    pub fn function_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, name: &str) -> Option<()> {
+    pub fn function_box(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, name: &str) -> Option<()> {
         let element = sheet.element(at);
         let span = element.span;
         self.boxed(ctx, sheet, at, |binder, ctx, sheet| {
@@ -379,7 +384,7 @@ impl Binder<'_> {
                 let node = match ty {
                     Some(ty) => {
                         let value = binder.pin_value(ctx, sheet, pin)?;
-                        let value = binder.scl_convert(ctx, value, ty)?;
+                        let value = binder.scl().convert(ctx, value, ty)?;
                         binder.value_node(ctx, sheet, value)
                     }
                     None => binder.pin_node(ctx, sheet, pin)?,
@@ -398,9 +403,9 @@ impl Binder<'_> {
             // T_CONV and T_DIFF have the type of the variable at OUT.
             let output = connected(element, "out").and_then(|_| binder.operand_node(element, "out"));
             let targets: Vec<_> = output.into_iter().map(|node| (node, AssignOp::Set)).collect();
-            let value = match binder.value_for_target(ctx, &targets, &call) {
+            let value = match binder.scl().value_for_target(ctx, &targets, &call) {
                 Some(value) => value?,
-                None => binder.scl_call(ctx, &call, false)?,
+                None => binder.scl().call(ctx, &call, false)?,
             };
             binder.box_result(ctx, sheet, at, value)
         })

@@ -6,7 +6,6 @@
 //! - `bits`, `compare`, `math`, `moves`, `convert`, `calls`, `control`, `classic`: the elements, by the kinds of the table.
 //! - `stl`: networks in STL between the others.
 //! - `legality`: which networks are valid.
-//! - `reference`: the page about all elements.
 //!
 //! Source: LAD/FBD reference, chapters A.11, C and E.2.
 
@@ -21,12 +20,10 @@ mod math;
 mod moves;
 mod order;
 mod pins;
-mod reference;
 mod sheet;
 mod stl;
 
 pub use pins::{and, inverted, no, yes};
-pub use reference::reference;
 pub use sheet::Hidden;
 
 use plcc_diag::{Code, Diagnostic, Severity, Span};
@@ -37,11 +34,14 @@ use plcc_syntax::network::draw::draw;
 use plcc_syntax::network::elements::Kind;
 use plcc_syntax::scl::ast::Dialect;
 
-use super::mentions;
 use super::scl::expression::constant_expr;
 use super::scl::temporary;
 use super::scl::{Rules, Scope};
-use super::{Binder, Ctx};
+use crate::bind::declarations::Declarations;
+use crate::bind::declarations::block::CurrentBlock;
+use crate::bind::scl::{SclBinder, SclBlock};
+use crate::bind::stl::StlBinder;
+use crate::bind::trees::mentions;
 use classic::Registers;
 use plcc_model::scl::{Expr, ExprKind, SclBody, Statement, StatementKind};
 use sheet::{Pool, Sheet};
@@ -59,12 +59,12 @@ pub struct Page {
 }
 
 impl Page {
-    pub fn new(ctx: &mut Ctx) -> Page {
+    pub fn new(ctx: &mut SclBlock) -> Page {
         Page { pool: Pool::new(ctx), eno: None, registers: Registers::default(), condition: None, failed: None }
     }
 
     /// A hidden variable, until the next network begins.
-    pub fn hidden(&mut self, ctx: &mut Ctx, ty: Elementary) -> Hidden {
+    pub fn hidden(&mut self, ctx: &mut SclBlock, ty: Elementary) -> Hidden {
         self.pool.take(ctx, ty, sheet::Use::Value)
     }
 }
@@ -72,15 +72,37 @@ impl Page {
 /// Limit of messages of one network that have a drawing: more would not help, and drawing takes time in large networks.
 const DRAWINGS_MAX: usize = 50;
 
-impl Binder<'_> {
+/// Binds networks of LAD and FBD.
+pub struct NetworkBinder<'b, 'a> {
+    program: &'b mut Declarations<'a>,
+}
+
+impl<'b, 'a> NetworkBinder<'b, 'a> {
+    pub fn new(program: &'b mut Declarations<'a>) -> NetworkBinder<'b, 'a> {
+        NetworkBinder { program }
+    }
+
+    /// STL, for networks that are written in it.
+    fn stl(&mut self) -> StlBinder<'_, 'a> {
+        StlBinder::new(self.program)
+    }
+
+    /// SCL, whose expressions elements become.
+    fn scl(&mut self) -> SclBinder<'_, 'a> {
+        SclBinder::new(self.program)
+    }
+}
+
+impl NetworkBinder<'_, '_> {
     /// Binds the networks of a block.
-    pub fn bind_networks(&mut self, ctx: &mut Ctx, block: &ast::CodeBlock, networks: &Networks) -> SclBody {
-        ctx.scl = Scope::new(self.input, &block.header, Dialect::Tia);
+    pub fn bind_block(&mut self, current: &mut CurrentBlock, block: &ast::CodeBlock, networks: &Networks) -> SclBody {
+        let scope = Scope::new(self.program.globals.input, &block.header, Dialect::Tia);
+        let ctx = &mut SclBlock { block: current, scope };
         // Boxes report their errors through ENO.
-        ctx.scl.sets_flag = true;
-        ctx.scl.lists = vec![TOP];
+        ctx.scope.sets_flag = true;
+        ctx.scope.lists = vec![TOP];
         self.collect_network_labels(ctx, &networks.networks);
-        let span = ctx.fixed_span.unwrap_or(block.name.span());
+        let span = ctx.block.fixed_span.unwrap_or(block.name.span());
         let mut page = Page::new(ctx);
         let mut statements = Vec::new();
         self.begin_registers(ctx, &mut page, networks, span, &mut statements);
@@ -94,20 +116,20 @@ impl Binder<'_> {
         };
         statements.push(Statement { kind: StatementKind::SetFlag(eno), span });
         for warning in legality::block_warnings(networks) {
-            self.report.push(warning);
+            self.program.report(warning);
         }
         // All others have a message; this one is for elements that none of the checks found.
         if let Some(span) = page.failed
-            && self.report.is_clean()
+            && self.program.globals.report.is_clean()
         {
             self.not_bound(span);
         }
-        self.unused_data(ctx, block, networks.networks.is_empty());
+        self.scl().unused_data(ctx, block, networks.networks.is_empty());
         SclBody {
             statements,
             sets_flag: true,
             calls_set_flag: true,
-            temporary_texts: temporary::texts(&ctx.bound),
+            temporary_texts: temporary::texts(&ctx.block.bound),
             networks: networks.networks.iter().map(|network| network.span.start).collect(),
         }
     }
@@ -115,7 +137,7 @@ impl Binder<'_> {
     /// ENO of the block is stored separately where SCL networks set it, and on an S7-300/400, where it is the BR that boxes and SAVE change.
     fn begin_eno(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         page: &mut Page,
         networks: &Networks,
         span: Span,
@@ -132,7 +154,7 @@ impl Binder<'_> {
                 .any(|element| matches!(&element.target, Target::Element { row, .. } if row.kind == Kind::Save)),
             Content::Scl(_) | Content::Stl(_) => false,
         };
-        if !scl && !has_br(ctx.scl.rules) && !networks.networks.iter().any(saves) {
+        if !scl && !has_br(ctx.scope.rules) && !networks.networks.iter().any(saves) {
             return;
         }
         let eno = page.pool.lasting(ctx, Elementary::Bool);
@@ -143,17 +165,17 @@ impl Binder<'_> {
     /// Binds a network of a chart, which is independent of others.
     pub(in crate::bind) fn bind_lone_network(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         page: &mut Page,
         network: &Network,
     ) -> Vec<Statement> {
         self.collect_network_labels(ctx, std::slice::from_ref(network));
         let mut statements = Vec::new();
-        ctx.scl.lists.push(TOP);
+        ctx.scope.lists.push(TOP);
         self.bind_network(ctx, page, network, 1, &mut statements);
-        ctx.scl.lists.pop();
+        ctx.scope.lists.pop();
         if let Some(span) = page.failed.take()
-            && self.report.is_clean()
+            && self.program.globals.report.is_clean()
         {
             self.not_bound(span);
         }
@@ -162,7 +184,7 @@ impl Binder<'_> {
 
     fn bind_network(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         page: &mut Page,
         network: &Network,
         number: u16,
@@ -170,7 +192,7 @@ impl Binder<'_> {
     ) {
         page.pool.next_network();
         for label in &network.labels {
-            if let Some(id) = self.label(ctx, label) {
+            if let Some(id) = self.scl().label(ctx, label) {
                 statements.push(Statement { kind: StatementKind::Label(id), span: label.span });
             }
         }
@@ -183,7 +205,7 @@ impl Binder<'_> {
                     let kind = StatementKind::SetFlag(eno.load(network.span));
                     statements.push(Statement { kind, span: network.span });
                 }
-                statements.extend(self.statements(ctx, list));
+                statements.extend(self.scl().statements(ctx, list));
                 if let Some(eno) = eno {
                     let flag = Expr { kind: ExprKind::Flag, ty: Elementary::Bool, span: network.span };
                     statements.push(eno.set(flag, network.span));
@@ -193,27 +215,31 @@ impl Binder<'_> {
         }
     }
 
-    fn bind_graph(&mut self, ctx: &mut Ctx, page: &mut Page, network: &Network, graph: &Graph) -> Vec<Statement> {
-        let (first, failed) = (self.report.diagnostics.len(), page.failed);
+    fn bind_graph(&mut self, ctx: &mut SclBlock, page: &mut Page, network: &Network, graph: &Graph) -> Vec<Statement> {
+        let (first, failed) = (self.program.globals.report.diagnostics.len(), page.failed);
         let mut messages = Vec::new();
         if !graph.broken {
             legality::legality(network, &mut messages);
         }
         let legal = !graph.broken && !messages.iter().any(Diagnostic::is_error);
-        messages.into_iter().for_each(|message| self.report.push(message));
+        messages.into_iter().for_each(|message| self.program.report(message));
         let mut sheet = Sheet::new(page, graph);
         let mut drawn = 0;
         for element in order::order(graph) {
-            let before = self.report.diagnostics.len();
+            let before = self.program.globals.report.diagnostics.len();
             if self.bind_element(ctx, &mut sheet, element).is_none() && !graph.broken {
                 sheet.page.failed.get_or_insert(graph.elements[element].span);
             }
             if !legal {
                 // Only messages that do not follow from the shape of the network.
-                let found = self.report.diagnostics.split_off(before);
-                self.report.diagnostics.extend(found.into_iter().filter(|message| is_about_names(message.code)));
+                let found = self.program.globals.report.diagnostics.split_off(before);
+                self.program
+                    .globals
+                    .report
+                    .diagnostics
+                    .extend(found.into_iter().filter(|message| is_about_names(message.code)));
             }
-            for message in &mut self.report.diagnostics[before..] {
+            for message in &mut self.program.globals.report.diagnostics[before..] {
                 if message.note.is_none() && drawn < DRAWINGS_MAX {
                     drawn += 1;
                     message.note = Some(draw(network, Some(element)));
@@ -221,7 +247,7 @@ impl Binder<'_> {
             }
         }
         let statements = sheet.statements;
-        if self.input.partial && self.is_unfinished(graph, first) {
+        if self.program.globals.input.partial && self.is_unfinished(graph, first) {
             page.failed = failed;
             return Vec::new();
         }
@@ -232,7 +258,7 @@ impl Binder<'_> {
     /// and messages about the network since message `first` become warnings. The network then does nothing.
     fn is_unfinished(&mut self, graph: &Graph, first: usize) -> bool {
         let mut unfinished = graph.broken;
-        for message in &mut self.report.diagnostics[first..] {
+        for message in &mut self.program.globals.report.diagnostics[first..] {
             if message.is_error() && is_about_drafts(message.code) {
                 unfinished = true;
                 message.severity = Severity::Warning;
@@ -246,22 +272,22 @@ impl Binder<'_> {
 
     /// An incomplete element that no message reports.
     fn not_bound(&mut self, span: Span) {
-        let text = self.text(span);
-        self.report.push(
+        let text = self.program.globals.text(span);
+        self.program.report(
             Diagnostic::new(Code::MissingOperand, span, format!("`{text}` is not connected as it must be"))
                 .label("a pin has no operand and no wire")
                 .help("connect all its inputs"),
         );
     }
 
-    fn bind_element(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
+    fn bind_element(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize) -> Option<()> {
         let element = sheet.element(at);
         let row = match &element.target {
             Target::Block { .. } => return self.block_box(ctx, sheet, at),
             Target::Element { row, .. } => *row,
         };
-        if !has_br(ctx.scl.rules) && needs_registers(row.kind) {
-            self.refuse(
+        if !has_br(ctx.scope.rules) && needs_registers(row.kind) {
+            self.scl().refuse(
                 Code::UnknownElement,
                 element.span,
                 &format!("`{}` is an element of the S7-300 and S7-400", row.name),

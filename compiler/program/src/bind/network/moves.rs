@@ -5,16 +5,16 @@ use plcc_syntax::{Class, Elementary};
 
 use super::pins::{connected, no, outputs};
 use super::sheet::Sheet;
-use crate::bind::scl::Intent;
+use crate::bind::network::NetworkBinder;
 use crate::bind::scl::convert::{converted, explicit_expr};
 use crate::bind::scl::numeric::Shape;
 use crate::bind::scl::value::Value;
-use crate::bind::{Binder, Ctx};
+use crate::bind::scl::{Intent, SclBlock};
 use plcc_model::scl::{Arm, Conversion, Expr, Statement, StatementKind};
 
-impl Binder<'_> {
+impl NetworkBinder<'_, '_> {
     /// MOVE: the value to each output, in the output's width.
-    pub fn move_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
+    pub fn move_box(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize) -> Option<()> {
         let element = sheet.element(at);
         let span = element.span;
         self.boxed(ctx, sheet, at, |binder, ctx, sheet| {
@@ -28,7 +28,7 @@ impl Binder<'_> {
                 (Some(on), Value::Elementary(expr)) => Value::Elementary(binder.relayed_value(ctx, sheet, expr, on)),
                 (Some(on), value @ Value::Constant(..)) => match binder.output_type(ctx, element, "out1") {
                     Some(ty) => {
-                        let expr = binder.scl_convert(ctx, value, ty)?;
+                        let expr = binder.scl().convert(ctx, value, ty)?;
                         Value::Elementary(binder.relayed_value(ctx, sheet, expr, on))
                     }
                     None => value,
@@ -49,28 +49,28 @@ impl Binder<'_> {
         })
     }
 
-    fn moved(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, name: &str, value: Value) -> Option<()> {
+    fn moved(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, name: &str, value: Value) -> Option<()> {
         let element = sheet.element(at);
         let Value::Elementary(expr) = &value else { return self.output(ctx, sheet, at, name, value) };
         let Some((_, pin)) = outputs(element, name).next() else { return Some(()) };
         let PinValue::Operand(node) = &pin.value else { return self.output(ctx, sheet, at, name, value) };
-        let access = self.scl_access(ctx, node, Intent::Write)?;
+        let access = self.scl().access(ctx, node, Intent::Write)?;
         let fitted = match access.elementary() {
             Some(to) => moved_value(expr.clone(), to).map(Value::Elementary),
             None => None,
         };
-        let kind = self.assignment(ctx, access, fitted.unwrap_or(value))?;
+        let kind = self.scl().assignment(ctx, access, fitted.unwrap_or(value))?;
         sheet.push(kind, node.span);
         Some(())
     }
 
     /// MUX. If no input has number K: ELSE, or nothing is written; ENO is 0.
-    pub fn mux_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
+    pub fn mux_box(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize) -> Option<()> {
         let element = sheet.element(at);
         let span = element.span;
         self.boxed(ctx, sheet, at, |binder, ctx, sheet| {
             let selector = binder.input(ctx, sheet, at, "k")?;
-            let selector = binder.scl_own_type(ctx, selector)?;
+            let selector = binder.scl().own_type(ctx, selector)?;
             let selector = sheet.keep(ctx, selector);
             let ty = binder.template_type(element, &[TemplateKey::Source, TemplateKey::Value]);
             let mut inputs: Vec<(u32, Value)> = Vec::new();
@@ -114,14 +114,14 @@ impl Binder<'_> {
     /// The statements that write one input of MUX to the output.
     fn selected(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         sheet: &mut Sheet,
         at: usize,
         value: Value,
         ty: Option<Elementary>,
     ) -> Option<Vec<Statement>> {
         let value = match ty {
-            Some(ty) => Value::Elementary(self.scl_convert(ctx, value, ty)?),
+            Some(ty) => Value::Elementary(self.scl().convert(ctx, value, ty)?),
             None => value,
         };
         let outer = std::mem::take(&mut sheet.statements);
@@ -141,17 +141,17 @@ impl Binder<'_> {
     }
 
     /// DEMUX: the output with number K gets the input, the others stay.
-    pub fn demux_box(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize) -> Option<()> {
+    pub fn demux_box(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize) -> Option<()> {
         let element = sheet.element(at);
         let span = element.span;
         self.boxed(ctx, sheet, at, |binder, ctx, sheet| {
             let selector = binder.input(ctx, sheet, at, "k")?;
-            let selector = binder.scl_own_type(ctx, selector)?;
+            let selector = binder.scl().own_type(ctx, selector)?;
             let selector = sheet.keep(ctx, selector);
             let value = binder.input(ctx, sheet, at, "in")?;
             let value = match (value, binder.template_type(element, &[TemplateKey::Source, TemplateKey::Value])) {
                 (value, Some(ty)) => {
-                    let value = binder.scl_convert(ctx, value, ty)?;
+                    let value = binder.scl().convert(ctx, value, ty)?;
                     Value::Elementary(sheet.keep(ctx, value))
                 }
                 (Value::Elementary(value), None) => Value::Elementary(sheet.keep(ctx, value)),

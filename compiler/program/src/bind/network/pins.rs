@@ -6,11 +6,12 @@ use plcc_syntax::network::ast::{Element, Eno, NetId, Pin, PinValue, Source, Stor
 use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind, Name, NameForm, UnaryOp as Sign};
 
 use super::sheet::Sheet;
-use crate::bind::scl::Intent;
+use crate::bind::network::NetworkBinder;
 use crate::bind::scl::expression::{binary_expr, constant_expr};
+use crate::bind::scl::message::DEPTH_MAX;
 use crate::bind::scl::numeric::Shape;
 use crate::bind::scl::value::Value;
-use crate::bind::{Binder, Ctx};
+use crate::bind::scl::{Intent, SclBlock};
 use plcc_model::scl::{BinaryOp, Expr, ExprKind, StatementKind, UnaryOp};
 
 /// TRUE.
@@ -45,17 +46,17 @@ pub fn inverted(value: Expr) -> Expr {
     }
 }
 
-impl Binder<'_> {
+impl NetworkBinder<'_, '_> {
     /// The value of a net; none if nothing feeds it, which is reported elsewhere.
-    pub fn net_value(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, id: NetId) -> Option<Expr> {
+    pub fn net_value(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, id: NetId) -> Option<Expr> {
         self.net_value_inner(ctx, sheet, id, 0)
     }
 
-    fn net_value_inner(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, id: NetId, depth: u32) -> Option<Expr> {
+    fn net_value_inner(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, id: NetId, depth: u32) -> Option<Expr> {
         if let Some(known) = sheet.nets.get(&id) {
             return Some(known.clone());
         }
-        if depth > Self::DEPTH_MAX {
+        if depth > DEPTH_MAX {
             return None;
         }
         let net = sheet.graph.net(id);
@@ -65,7 +66,7 @@ impl Binder<'_> {
                 Source::Rail => yes(net.span),
                 Source::Pin { element, pin } => sheet.outputs.get(&(*element, *pin)).cloned()?,
                 Source::Operand { value, negated } => {
-                    let value = self.scl_of_type(ctx, value, Elementary::Bool)?;
+                    let value = self.scl().of_type(ctx, value, Elementary::Bool)?;
                     sheet.keep(ctx, if *negated { inverted(value) } else { value })
                 }
                 Source::Net(other) => self.net_value_inner(ctx, sheet, *other, depth + 1)?,
@@ -89,7 +90,7 @@ impl Binder<'_> {
 
     /// Data of two outputs in one net.
     fn two_sources(&mut self, span: Span) {
-        self.report.push(
+        self.program.report(
             Diagnostic::new(Code::OperandKind, span, "two outputs feed one input with values")
                 .label("only Boolean branches can be joined")
                 .help("connect one output only, or choose between them with SEL or MUX"),
@@ -97,13 +98,13 @@ impl Binder<'_> {
     }
 
     /// The value at an input pin.
-    pub fn pin_value(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, pin: &Pin) -> Option<Value> {
+    pub fn pin_value(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, pin: &Pin) -> Option<Value> {
         let value = match &pin.value {
             PinValue::Net(id) => Value::Elementary(self.net_value(ctx, sheet, *id)?),
             PinValue::Operand(node) if pin.negated => {
-                return self.scl_value(ctx, &negation(node));
+                return self.scl().value(ctx, &negation(node));
             }
-            PinValue::Operand(node) => return self.scl_value(ctx, node),
+            PinValue::Operand(node) => return self.scl().value(ctx, node),
             PinValue::Open => return None,
         };
         Some(match value {
@@ -113,7 +114,7 @@ impl Binder<'_> {
     }
 
     /// The value at the input `name`; none without a message if it is not connected.
-    pub fn input(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, name: &str) -> Option<Value> {
+    pub fn input(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, name: &str) -> Option<Value> {
         let pin = connected(sheet.element(at), name)?;
         self.pin_value(ctx, sheet, pin)
     }
@@ -121,43 +122,43 @@ impl Binder<'_> {
     /// Like `input`, with a type.
     pub fn input_of(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         sheet: &mut Sheet,
         at: usize,
         name: &str,
         ty: Elementary,
     ) -> Option<Expr> {
         let value = self.input(ctx, sheet, at, name)?;
-        self.scl_convert(ctx, value, ty)
+        self.scl().convert(ctx, value, ty)
     }
 
     /// The flow that enters an element: the value of its first flow pin; TRUE where a box has none.
-    pub fn flow(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, name: &str) -> Option<Expr> {
+    pub fn flow(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, name: &str) -> Option<Expr> {
         match connected(sheet.element(at), name) {
             Some(pin) => {
                 let value = self.pin_value(ctx, sheet, pin)?;
-                self.scl_convert(ctx, value, Elementary::Bool)
+                self.scl().convert(ctx, value, Elementary::Bool)
             }
             None => Some(yes(sheet.element(at).span)),
         }
     }
 
     /// An input as an expression of the syntax tree: anything but a plain operand goes through a hidden variable.
-    pub fn pin_node(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, pin: &Pin) -> Option<Node> {
+    pub fn pin_node(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, pin: &Pin) -> Option<Node> {
         match &pin.value {
             PinValue::Operand(node) if pin.negated => Some(negation(node)),
             PinValue::Operand(node) => Some(node.clone()),
             PinValue::Open => None,
             PinValue::Net(_) => {
                 let value = self.pin_value(ctx, sheet, pin)?;
-                let value = self.scl_own_type(ctx, value)?;
+                let value = self.scl().own_type(ctx, value)?;
                 Some(self.value_node(ctx, sheet, value))
             }
         }
     }
 
     /// A value as an expression of the syntax tree.
-    pub fn value_node(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, value: Expr) -> Node {
+    pub fn value_node(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, value: Expr) -> Node {
         let span = value.span;
         let hidden = sheet.hidden(ctx, value.ty);
         sheet.statements.push(hidden.set(value, span));
@@ -170,7 +171,7 @@ impl Binder<'_> {
     }
 
     /// Writes a value to the output `name`, and to everything that is connected to it.
-    pub fn output(&mut self, ctx: &mut Ctx, sheet: &mut Sheet, at: usize, name: &str, value: Value) -> Option<()> {
+    pub fn output(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, name: &str, value: Value) -> Option<()> {
         let element = sheet.element(at);
         let mut good = Some(());
         let mut value = value;
@@ -186,21 +187,23 @@ impl Binder<'_> {
 
     fn output_pin(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         sheet: &mut Sheet,
         place: (usize, usize),
         pin: &Pin,
         value: Value,
     ) -> Option<()> {
         let value = if pin.negated {
-            Value::Elementary(inverted(self.scl_convert(ctx, value, Elementary::Bool)?))
+            Value::Elementary(inverted(self.scl().convert(ctx, value, Elementary::Bool)?))
         } else {
             value
         };
         match &pin.value {
             PinValue::Net(_) => {
                 let expr = match value {
-                    Value::Elementary(_) | Value::Constant(..) | Value::Cell { .. } => self.scl_own_type(ctx, value)?,
+                    Value::Elementary(_) | Value::Constant(..) | Value::Cell { .. } => {
+                        self.scl().own_type(ctx, value)?
+                    }
                     _ => {
                         self.needs_operand(pin.span);
                         return None;
@@ -227,7 +230,7 @@ impl Binder<'_> {
 
     /// A wire cannot carry a value that is not a single value.
     fn needs_operand(&mut self, span: Span) {
-        self.report.push(
+        self.program.report(
             Diagnostic::new(Code::MissingOperand, span, "this output needs an operand")
                 .label("a wire cannot carry texts and structures")
                 .help("put a variable at the output, and the same one at the input"),
@@ -237,7 +240,7 @@ impl Binder<'_> {
     /// Writes an operand.
     pub fn write(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         sheet: &mut Sheet,
         node: &Node,
         value: Value,
@@ -247,16 +250,16 @@ impl Binder<'_> {
         let value = match storage {
             Storage::None => value,
             Storage::Set | Storage::Reset => {
-                let condition = self.scl_convert(ctx, value, Elementary::Bool)?;
-                let target = self.scl_access(ctx, node, Intent::Write)?;
+                let condition = self.scl().convert(ctx, value, Elementary::Bool)?;
+                let target = self.scl().access(ctx, node, Intent::Write)?;
                 let value = if storage == Storage::Set { yes(span) } else { no(span) };
-                let kind = self.assignment(ctx, target, Value::Elementary(value))?;
+                let kind = self.scl().assignment(ctx, target, Value::Elementary(value))?;
                 self.conditional(sheet, condition, kind, span);
                 return Some(());
             }
         };
-        let target = self.scl_access(ctx, node, Intent::Write)?;
-        let kind = self.assignment(ctx, target, value)?;
+        let target = self.scl().access(ctx, node, Intent::Write)?;
+        let kind = self.scl().assignment(ctx, target, value)?;
         sheet.push(kind, span);
         Some(())
     }
@@ -274,16 +277,16 @@ impl Binder<'_> {
     /// Runs `body` under EN of a box, and returns ENO.
     pub fn boxed(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         sheet: &mut Sheet,
         at: usize,
-        body: impl FnOnce(&mut Self, &mut Ctx, &mut Sheet) -> Option<()>,
+        body: impl FnOnce(&mut Self, &mut SclBlock, &mut Sheet) -> Option<()>,
     ) -> Option<()> {
         let element = sheet.element(at);
         let span = element.span;
         let enable = self.flow(ctx, sheet, at, "en")?;
         let generated = element.eno != Eno::Disabled;
-        let br = sheet.page.eno.clone().filter(|_| super::has_br(ctx.scl.rules) && has_eno(element));
+        let br = sheet.page.eno.clone().filter(|_| super::has_br(ctx.scope.rules) && has_eno(element));
         let wanted = self.is_wanted(sheet, at, "eno");
         let eno = (wanted || (br.is_some() && generated)).then(|| sheet.hidden(ctx, Elementary::Bool));
         let outer = std::mem::take(&mut sheet.statements);

@@ -8,8 +8,8 @@ use rustc_hash::FxHashMap;
 
 use super::Page;
 use super::classic::Registers;
-use crate::bind::Ctx;
-use crate::bind::path::{self, Variable};
+use crate::bind::declarations::path::{self, Variable};
+use crate::bind::scl::SclBlock;
 use crate::bind::scl::place::Spot;
 use plcc_model::scl::{Access, Expr, ExprKind, Statement, StatementKind};
 use plcc_model::types::DataType;
@@ -64,8 +64,8 @@ pub enum Use {
 }
 
 impl Pool {
-    pub fn new(ctx: &mut Ctx) -> Pool {
-        ctx.local_bytes = ctx.local_bytes.max(ctx.bound.temp_bytes);
+    pub fn new(ctx: &mut SclBlock) -> Pool {
+        ctx.block.local_bytes = ctx.block.local_bytes.max(ctx.block.bound.temp_bytes);
         Pool { values: FxHashMap::default(), taken: FxHashMap::default(), count: 0 }
     }
 
@@ -75,7 +75,7 @@ impl Pool {
     }
 
     /// A variable for this network.
-    pub fn take(&mut self, ctx: &mut Ctx, ty: Elementary, used: Use) -> Hidden {
+    pub fn take(&mut self, ctx: &mut SclBlock, ty: Elementary, used: Use) -> Hidden {
         let at = self.taken.entry((ty, used)).or_default();
         let known = self.values.get(&(ty, used)).and_then(|list| list.get(*at)).cloned();
         *at += 1;
@@ -87,13 +87,13 @@ impl Pool {
     }
 
     /// A variable for all networks of the block.
-    pub fn lasting(&mut self, ctx: &mut Ctx, ty: Elementary) -> Hidden {
-        let byte = ctx.local_bytes.next_multiple_of(2);
-        ctx.local_bytes = byte + ty.bits().div_ceil(8);
+    pub fn lasting(&mut self, ctx: &mut SclBlock, ty: Elementary) -> Hidden {
+        let byte = ctx.block.local_bytes.next_multiple_of(2);
+        ctx.block.local_bytes = byte + ty.bits().div_ceil(8);
         self.count += 1;
         // No name of a source has this character.
         let hidden = Hidden { ty, name: format!("\u{1}{}", self.count), byte };
-        ctx.scl.hidden.insert(hidden.name.clone(), hidden.variable());
+        ctx.scope.hidden.insert(hidden.name.clone(), hidden.variable());
         hidden
     }
 }
@@ -132,12 +132,12 @@ impl<'n> Sheet<'n> {
     }
 
     /// A hidden variable.
-    pub fn hidden(&mut self, ctx: &mut Ctx, ty: Elementary) -> Hidden {
+    pub fn hidden(&mut self, ctx: &mut SclBlock, ty: Elementary) -> Hidden {
         self.page.pool.take(ctx, ty, Use::Value)
     }
 
     /// A hidden variable that a call writes.
-    pub fn hidden_reference(&mut self, ctx: &mut Ctx, ty: Elementary) -> Hidden {
+    pub fn hidden_reference(&mut self, ctx: &mut SclBlock, ty: Elementary) -> Hidden {
         self.page.pool.take(ctx, ty, Use::Reference)
     }
 
@@ -146,7 +146,7 @@ impl<'n> Sheet<'n> {
     }
 
     /// Stores a value, so that it is not computed again.
-    pub fn keep(&mut self, ctx: &mut Ctx, value: Expr) -> Expr {
+    pub fn keep(&mut self, ctx: &mut SclBlock, value: Expr) -> Expr {
         if matches!(value.kind, ExprKind::Const(_)) {
             return value;
         }

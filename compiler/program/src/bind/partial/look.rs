@@ -12,8 +12,9 @@ use plcc_syntax::scl::{absolute, db_address};
 use plcc_syntax::{Elementary, scl};
 
 use super::evidence::{Evidence, Hint, Shape};
+use crate::bind::declarations::Declarations;
 use crate::bind::scl::value::Value;
-use crate::bind::{Binder, Ctx};
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_abi::image::BlockKind;
 use plcc_binding::constant::Constant;
 use plcc_binding::fold;
@@ -25,7 +26,7 @@ use plcc_syntax::symbols::SymbolTarget;
 
 /// Examines one program.
 pub struct Look<'b, 'a> {
-    pub binder: &'b mut Binder<'a>,
+    pub program: &'b mut Declarations<'a>,
     pub found: &'b mut Evidence,
 }
 
@@ -52,15 +53,15 @@ pub enum Start {
 
 impl<'a> Look<'_, 'a> {
     /// The result of `ask`, without messages.
-    pub fn quietly<T>(&mut self, ask: impl FnOnce(&mut Binder<'a>) -> T) -> T {
-        let report = std::mem::replace(&mut self.binder.report, Report::new(true));
-        let answer = ask(self.binder);
-        self.binder.report = report;
+    pub fn quietly<T>(&mut self, ask: impl FnOnce(&mut Declarations<'a>) -> T) -> T {
+        let report = std::mem::replace(&mut self.program.globals.report, Report::new(true));
+        let answer = ask(self.program);
+        self.program.globals.report = report;
         answer
     }
 
     /// The type of an expression, if all of it is known.
-    pub fn hint_of(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Hint> {
+    pub fn hint_of(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Hint> {
         if let NodeKind::Absolute(OperandKind::Cell { kind, number }) = &node.kind {
             self.found.cells.insert((*kind, *number));
         }
@@ -72,9 +73,9 @@ impl<'a> Look<'_, 'a> {
         if matches!(node.kind, NodeKind::Literal(Literal::Null)) {
             return Some(Hint::Type(DataType::Parameter(ParameterType::Variant)));
         }
-        let (value, clean) = self.quietly(|binder| {
-            let value = binder.scl_value(ctx, node);
-            (value, binder.report.is_clean())
+        let (value, clean) = self.quietly(|program| {
+            let value = SclBinder::new(program).value(ctx, node);
+            (value, program.globals.report.is_clean())
         });
         let is_address = matches!(&node.kind, NodeKind::Absolute(_) | NodeKind::MemberAbsolute { .. })
             || matches!(&node.kind, NodeKind::Name(name) if name.form == NameForm::Bare && absolute(&name.text).is_some());
@@ -92,7 +93,7 @@ impl<'a> Look<'_, 'a> {
     }
 
     /// Steps of an SCL expression that names a place, outermost last; none if it is not a place.
-    pub fn steps(&mut self, ctx: &mut Ctx, node: &Node) -> Option<(Start, Vec<Step>, Span)> {
+    pub fn steps(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<(Start, Vec<Step>, Span)> {
         let mut steps = Vec::new();
         let mut at = node;
         loop {
@@ -140,8 +141,8 @@ impl<'a> Look<'_, 'a> {
     }
 
     /// An integer whose value is known now.
-    fn number(&mut self, ctx: &mut Ctx, node: &Node) -> Option<i64> {
-        match self.quietly(|binder| binder.constant(&ctx.bound.constants, node))? {
+    fn number(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<i64> {
+        match self.quietly(|program| program.globals.constant(&ctx.block.bound.constants, node))? {
             Constant::Integer { value, .. } => i64::try_from(value).ok(),
             Constant::Typed { ty, bits } if ty.is_integer() => {
                 i64::try_from(Constant::Typed { ty, bits }.integer()?).ok()
@@ -150,13 +151,13 @@ impl<'a> Look<'_, 'a> {
         }
     }
 
-    fn start_of(&mut self, ctx: &Ctx, name: &Name) -> Option<Start> {
+    fn start_of(&mut self, ctx: &SclBlock, name: &Name) -> Option<Start> {
         let text = name.text.trim();
-        let local = ctx.bound.locals.contains_key(&fold(text));
+        let local = ctx.block.bound.locals.contains_key(&fold(text));
         match name.form {
             NameForm::Local => return local.then(|| Start::Local(text.to_string())),
             NameForm::Bare if local => return Some(Start::Local(text.to_string())),
-            NameForm::Quoted if local && self.binder.global(text).is_none() && !self.is_missing(text) => {
+            NameForm::Quoted if local && self.program.globals.global(text).is_none() && !self.is_missing(text) => {
                 return Some(Start::Local(text.to_string()));
             }
             NameForm::Bare => {
@@ -183,11 +184,11 @@ impl<'a> Look<'_, 'a> {
     }
 
     /// Notes a use of a place that the binder does not know.
-    pub fn note(&mut self, ctx: &Ctx, start: &Start, steps: &[Step], span: Span, hint: Option<&Hint>) {
+    pub fn note(&mut self, ctx: &SclBlock, start: &Start, steps: &[Step], span: Span, hint: Option<&Hint>) {
         // A tag may have the name of a function of the library, which has no value without a call.
         if let Start::Global(name) = start
-            && !self.binder.globals.contains_key(&fold(name))
-            && !self.binder.global_constants.contains_key(&fold(name))
+            && !self.program.globals.names.symbols.contains_key(&fold(name))
+            && !self.program.globals.names.constants.contains_key(&fold(name))
         {
             return descend(self.found.of(Missing::name(name), name, span), steps, &mut |shape| shape.learn(hint));
         }
@@ -197,7 +198,7 @@ impl<'a> Look<'_, 'a> {
     /// Shows `teach` the missing name that a place is, or is part of.
     pub fn with_shape(
         &mut self,
-        ctx: &Ctx,
+        ctx: &SclBlock,
         start: &Start,
         steps: &[Step],
         span: Span,
@@ -205,16 +206,16 @@ impl<'a> Look<'_, 'a> {
     ) {
         match start {
             Start::Local(name) => {
-                let Some(ty) = self.declared_type(ctx.key, name) else { return };
+                let Some(ty) = self.declared_type(ctx.block.key, name) else { return };
                 self.inside_type(&ty, steps, span, teach, 0);
             }
             Start::Global(name) => {
                 let missing = Missing::name(name);
-                match self.binder.global(name) {
+                match self.program.globals.global(name) {
                     _ if self.found.things.contains_key(&missing) => {
                         descend(self.found.of(missing, name, span), steps, teach)
                     }
-                    None if self.binder.global_constants.contains_key(&fold(name)) => {}
+                    None if self.program.globals.names.constants.contains_key(&fold(name)) => {}
                     None => descend(self.found.of(missing, name, span), steps, teach),
                     Some(SymbolTarget::Block { prefix: BlockPrefix::Db, number }) => {
                         self.inside_db(number, name, steps, span, teach);
@@ -223,8 +224,13 @@ impl<'a> Look<'_, 'a> {
                         self.numbered(prefix, number, name, steps, span, teach)
                     }
                     Some(SymbolTarget::Memory { .. }) => {
-                        let structure =
-                            self.binder.globals.get(&fold(name)).and_then(|global| global.structure.clone());
+                        let structure = self
+                            .program
+                            .globals
+                            .names
+                            .symbols
+                            .get(&fold(name))
+                            .and_then(|global| global.structure.clone());
                         if let Some(name) = structure {
                             let name = BlockName::Symbol { name, span };
                             self.inside_type(&TypeRef { kind: TypeKind::Block(name), span }, steps, span, teach, 0);
@@ -260,13 +266,13 @@ impl<'a> Look<'_, 'a> {
     /// True if a source or the library defines the block.
     pub fn is_block(&mut self, prefix: BlockPrefix, number: u32) -> bool {
         let Ok(number) = u16::try_from(number) else { return true };
-        if self.binder.defined.contains_key(&(prefix, number)) {
+        if self.program.globals.names.defined.contains_key(&(prefix, number)) {
             return true;
         }
-        match crate::bind::names::code_kind(prefix) {
+        match crate::bind::globals::names::code_kind(prefix) {
             Some(kind) => {
                 let key = BlockKey { kind, number };
-                self.binder.code.contains_key(&key) || self.binder.in_library(key)
+                self.program.globals.sources.code.contains_key(&key) || self.program.globals.in_library(key)
             }
             None => false,
         }
@@ -275,13 +281,13 @@ impl<'a> Look<'_, 'a> {
     fn inside_db(&mut self, number: u32, name: &str, steps: &[Step], span: Span, teach: &mut dyn FnMut(&mut Shape)) {
         let Ok(narrow) = u16::try_from(number) else { return };
         let Some(missing) = Missing::block(BlockPrefix::Db, number) else { return };
-        let source = self.binder.data.get(&narrow).copied();
+        let source = self.program.globals.sources.data.get(&narrow).copied();
         match source {
             _ if self.found.things.contains_key(&missing) => {
                 descend(self.found.of(missing, name, span), steps, teach);
             }
             // A symbol table names it, but no source defines it.
-            None if !self.binder.dbs.contains_key(&narrow) && number != 0 => {
+            None if !self.program.data.blocks.contains_key(&narrow) && number != 0 => {
                 descend(self.found.of(missing, name, span), steps, teach);
             }
             None => {}
@@ -309,7 +315,7 @@ impl<'a> Look<'_, 'a> {
 
     /// The type in the declaration of a variable of a block.
     fn declared_type(&self, key: BlockKey, name: &str) -> Option<TypeRef> {
-        let source = self.binder.code.get(&key)?;
+        let source = self.program.globals.sources.code.get(&key)?;
         let block = source.block();
         let mut variables = block.sections.iter().flat_map(|section| &section.variables);
         let variable = variables.find(|variable| fold(&variable.name) == fold(name));
@@ -376,8 +382,8 @@ impl<'a> Look<'_, 'a> {
         let (prefix, number, missing, text) = match name {
             BlockName::Symbol { name: text, span: place } => {
                 let missing = Missing::name(text);
-                let known = self.quietly(|binder| {
-                    binder.type_block(text).or_else(|| match binder.global(text) {
+                let known = self.quietly(|program| {
+                    program.type_block(text).or_else(|| match program.globals.global(text) {
                         Some(SymbolTarget::Block { prefix, number }) => Some((prefix, number as u16)),
                         _ => None,
                     })
@@ -387,7 +393,7 @@ impl<'a> Look<'_, 'a> {
                         (prefix, u32::from(number), None, text.clone())
                     }
                     _ => {
-                        let predefined = self.quietly(|binder| binder.predefined(text, *place).is_some());
+                        let predefined = self.quietly(|program| program.predefined(text, *place).is_some());
                         if predefined {
                             return;
                         }
@@ -413,7 +419,7 @@ impl<'a> Look<'_, 'a> {
         let Ok(number) = u16::try_from(number) else { return };
         match prefix {
             BlockPrefix::Udt => {
-                let Some(&block) = self.binder.type_blocks.get(&number) else { return };
+                let Some(&block) = self.program.globals.sources.types.get(&number) else { return };
                 match &block.alias {
                     Some(ty) => self.inside_type(ty, steps, span, teach, depth + 1),
                     None => self.inside_members(&block.members, steps, span, teach, depth + 1),
@@ -514,7 +520,7 @@ impl<'a> Look<'_, 'a> {
             ast::InitialKind::Literal(literal) => Constant::of_stl(literal).map(|constant| of_constant(&constant)),
             ast::InitialKind::Expr(node) => {
                 let none = plcc_binding::constant::Constants::default();
-                self.quietly(|binder| binder.constant(&none, node)).map(|constant| of_constant(&constant))
+                self.quietly(|program| program.globals.constant(&none, node)).map(|constant| of_constant(&constant))
             }
             _ => None,
         }
@@ -594,8 +600,8 @@ impl<'a> Look<'_, 'a> {
     fn missing_constant(&mut self, name: &str, span: Span, hint: Option<&Hint>) {
         let folded = fold(name);
         // Constants of blocks are looked up in their own lists first.
-        let own = self.binder.scope.constants.contains_key(&folded)
-            || self.binder.input.units.iter().flat_map(|(_, unit)| &unit.blocks).any(|block| match block {
+        let own = self.program.types.scope.constants.contains_key(&folded)
+            || self.program.globals.input.units.iter().flat_map(|(_, unit)| &unit.blocks).any(|block| match block {
                 ast::Block::Code(code) if code.span.file == span.file => {
                     code.constants.iter().any(|constant| fold(&constant.name) == folded)
                 }
@@ -603,8 +609,8 @@ impl<'a> Look<'_, 'a> {
             });
         let missing = Missing::name(name);
         let known = own
-            || self.binder.global_constants.contains_key(&folded)
-            || self.binder.global(name).is_some()
+            || self.program.globals.names.constants.contains_key(&folded)
+            || self.program.globals.global(name).is_some()
             || absolute(name).is_some();
         if !known || self.found.things.contains_key(&missing) {
             let shape = self.found.of(missing, name, span);
@@ -710,5 +716,5 @@ pub fn of_constant(constant: &Constant) -> Hint {
 
 /// The type of an address of this width.
 pub const fn of_width(width: Width) -> Elementary {
-    crate::bind::path::type_of_width(width)
+    crate::bind::declarations::path::type_of_width(width)
 }

@@ -21,13 +21,18 @@ use plcc_syntax::ast::{self, BlockName, BlockPrefix, CodeKind, SourceUnit};
 use plcc_syntax::scl::ast::Dialect;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::declare::BoundInterface;
 use plcc_binding::report::MissingKey;
 use plcc_binding::stand_ins::{Completed, Missing, Parts, Told, Whole, errors, finish};
 
-use super::{BindInput, Binder, Bound, Ctx, scl::Scope};
+use super::declarations::typed::BoundInterface;
+use crate::bind::declarations::Declarations;
+use crate::bind::declarations::block::CurrentBlock;
+use crate::bind::scl::{SclBlock, Scope};
+use crate::bind::trees::blocks;
 use evidence::Evidence;
 use look::Look;
+use plcc_binding::BindInput;
+use plcc_binding::Bound;
 use plcc_model::Program;
 use write::{StandIns, Writer};
 
@@ -39,7 +44,7 @@ const ROUNDS_MAX: u32 = 40;
 
 /// Binds a program in which parts may be missing, with stand-ins for them.
 pub fn complete(input: &BindInput) -> Completed {
-    let first = super::bind_all(input);
+    let first = super::program::bind_all(input);
     let no_main = input.require_main && !has_main(input, &first.program);
     let has_errors = first.diagnostics.iter().any(Diagnostic::is_error);
     if first.missing.is_empty() && !no_main && !has_errors {
@@ -56,7 +61,7 @@ pub fn complete(input: &BindInput) -> Completed {
     let own: FxHashSet<(Code, Span)> = errors(&first.diagnostics).collect();
     for round in 0.. {
         let stand_ins = stand_ins(input, &evidence, file, true, &refused, no_main);
-        let bound = super::bind_all(&with(input, &units, &evidence, &stand_ins, file).as_input(input, file));
+        let bound = super::program::bind_all(&with(input, &units, &evidence, &stand_ins, file).as_input(input, file));
         let wrong =
             wrong.get_or_insert_with(|| errors(&bound.diagnostics).filter(|error| own.contains(error)).collect());
         let mut places: Vec<Span> =
@@ -95,7 +100,7 @@ pub fn complete(input: &BindInput) -> Completed {
 }
 
 fn has_main(input: &BindInput, program: &Program) -> bool {
-    program.blocks.iter().any(|block| super::is_main(input, &program.config, block))
+    program.blocks.iter().any(|block| super::program::is_main(input, &program.config, block))
 }
 
 fn with(
@@ -182,12 +187,12 @@ fn gather(input: &BindInput, file: FileId) -> Evidence {
             let stand_ins = stand_ins(input, &evidence, file, vague, &none, false);
             let whole = with(input, input.units, &evidence, &stand_ins, file);
             let input = whole.as_input(input, file);
-            let mut binder = Binder::new(&input);
-            binder.collect();
-            binder.ob_classes();
-            binder.bind_types();
-            binder.bind_data();
-            look_at(&mut binder, &mut evidence, file);
+            let mut program = Declarations::new(&input);
+            program.globals.collect();
+            program.globals.ob_classes();
+            program.bind_types();
+            program.bind_data();
+            look_at(&mut program, &mut evidence, file);
             if evidence.weight() == before {
                 break;
             }
@@ -196,9 +201,9 @@ fn gather(input: &BindInput, file: FileId) -> Evidence {
     evidence
 }
 
-fn look_at(binder: &mut Binder, evidence: &mut Evidence, file: FileId) {
-    let input = binder.input;
-    let mut look = Look { binder, found: evidence };
+fn look_at(program: &mut Declarations, evidence: &mut Evidence, file: FileId) {
+    let input = program.globals.input;
+    let mut look = Look { program, found: evidence };
     for (unit_file, unit) in input.units {
         if *unit_file == file {
             continue;
@@ -222,22 +227,24 @@ fn look_at(binder: &mut Binder, evidence: &mut Evidence, file: FileId) {
 impl Look<'_, '_> {
     fn block(&mut self, code: &ast::CodeBlock) {
         let span = code.name.span();
-        let key = self.binder.code.iter().find(|(_, source)| source.block().name.span() == span).map(|(key, _)| *key);
+        let key = self
+            .program
+            .globals
+            .sources
+            .code
+            .iter()
+            .find(|(_, source)| source.block().name.span() == span)
+            .map(|(key, _)| *key);
         // A second definition of a block does not count.
         let Some(key) = key else { return };
         let bound = self
-            .quietly(|binder| binder.interface(key, span))
+            .quietly(|program| program.interface(key, span))
             .unwrap_or_else(|| std::rc::Rc::new(BoundInterface::default()));
-        let dialect = super::declare::dialect(code).unwrap_or_default();
-        let mut ctx = Ctx {
-            key,
-            bound,
-            unknown_locals: FxHashSet::default(),
-            local_bytes: 0,
-            fragment: super::names::is_fragment(code),
-            fixed_span: None,
-            scl: Scope::new(self.binder.input, &code.header, dialect),
-        };
+        let dialect = blocks::dialect(code).unwrap_or_default();
+        let mut block = CurrentBlock::new(key, bound);
+        block.fragment = blocks::is_fragment(code);
+        let mut ctx =
+            SclBlock { block: &mut block, scope: Scope::new(self.program.globals.input, &code.header, dialect) };
         self.code(&mut ctx, &code.code);
     }
 }

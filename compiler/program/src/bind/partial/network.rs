@@ -12,7 +12,7 @@ use plcc_syntax::scl::ast::{Argument, Expr as Node, ExprKind as NodeKind, Name, 
 use super::evidence::Hint;
 use super::look::{Look, Start};
 use super::scl::{surest, typed};
-use crate::bind::Ctx;
+use crate::bind::scl::SclBlock;
 use crate::bind::scl::function::Named;
 use plcc_binding::fold;
 use plcc_binding::stand_ins::Missing;
@@ -22,13 +22,13 @@ const BOOL: Hint = typed(Elementary::Bool);
 const INT: Hint = Hint::Literal(DataType::Elementary(Elementary::Int));
 
 impl Look<'_, '_> {
-    pub fn networks(&mut self, ctx: &mut Ctx, body: &Body) {
+    pub fn networks(&mut self, ctx: &mut SclBlock, body: &Body) {
         for network in &body.networks {
             self.network(ctx, network);
         }
     }
 
-    fn network(&mut self, ctx: &mut Ctx, network: &Network) {
+    fn network(&mut self, ctx: &mut SclBlock, network: &Network) {
         match &network.content {
             Content::Scl(list) => self.statements(ctx, list),
             Content::Stl(list) => self.list(ctx, list.iter()),
@@ -36,7 +36,7 @@ impl Look<'_, '_> {
         }
     }
 
-    fn graph(&mut self, ctx: &mut Ctx, graph: &Graph) {
+    fn graph(&mut self, ctx: &mut SclBlock, graph: &Graph) {
         for net in &graph.nets {
             for source in &net.sources {
                 if let Source::Operand { value, .. } = source {
@@ -56,7 +56,12 @@ impl Look<'_, '_> {
     }
 
     /// The type that the pins at the end of a net need.
-    fn net_hint(&mut self, ctx: &mut Ctx, graph: &Graph, net: *const plcc_syntax::network::ast::Net) -> Option<Hint> {
+    fn net_hint(
+        &mut self,
+        ctx: &mut SclBlock,
+        graph: &Graph,
+        net: *const plcc_syntax::network::ast::Net,
+    ) -> Option<Hint> {
         let at = graph.nets.iter().position(|known| std::ptr::eq(known, net))?;
         let id = NetId(u32::try_from(at).ok()?);
         let mut hints = Vec::new();
@@ -70,7 +75,7 @@ impl Look<'_, '_> {
     }
 
     /// The type of an element: from its settings, otherwise from its other operands.
-    fn element_type(&mut self, ctx: &mut Ctx, graph: &Graph, element: &Element) -> Option<Hint> {
+    fn element_type(&mut self, ctx: &mut SclBlock, graph: &Graph, element: &Element) -> Option<Hint> {
         let keys = [TemplateKey::Source, TemplateKey::Value, TemplateKey::Destination, TemplateKey::Time];
         let given = keys.iter().find_map(|key| {
             let word = element.template(*key)?.value.trim().to_ascii_uppercase();
@@ -99,7 +104,14 @@ impl Look<'_, '_> {
         surest(hints)
     }
 
-    fn row_element(&mut self, ctx: &mut Ctx, graph: &Graph, element: &Element, row: &Row, instance: Option<&Node>) {
+    fn row_element(
+        &mut self,
+        ctx: &mut SclBlock,
+        graph: &Graph,
+        element: &Element,
+        row: &Row,
+        instance: Option<&Node>,
+    ) {
         let working = self.element_type(ctx, graph, element);
         if let Some(instance) = instance {
             self.system_instance(ctx, row, instance, element);
@@ -115,7 +127,7 @@ impl Look<'_, '_> {
     }
 
     /// The instance of TON, CTU and similar blocks: a missing one is an instance of that block.
-    fn system_instance(&mut self, ctx: &mut Ctx, row: &Row, instance: &Node, element: &Element) {
+    fn system_instance(&mut self, ctx: &mut SclBlock, row: &Row, instance: &Node, element: &Element) {
         let (Kind::Instance(name) | Kind::TimerCoil(name)) = row.kind else { return };
         if self.hint_of(ctx, instance).is_some() {
             return;
@@ -126,15 +138,15 @@ impl Look<'_, '_> {
             value.filter(|word| name.starts_with("CT") && word != "INT" && Elementary::from_word(word).is_some());
         let name = long.map_or(name.to_string(), |word| format!("{name}_{word}"));
         let block = plcc_stdlib::find_tia(&name).or_else(|| plcc_stdlib::find_name(&name));
-        let Some(key) = block.map(|block| self.binder.library_key(block)) else { return };
-        let prefix = crate::bind::names::kind_prefix(key.kind);
+        let Some(key) = block.map(|block| self.program.globals.library.key_of(block)) else { return };
+        let prefix = crate::bind::globals::names::kind_prefix(key.kind);
         let of = Missing::block(prefix, u32::from(key.number));
         self.with_shape(ctx, &start, &steps, span, &mut |shape| shape.of.clone_from(&of));
     }
 
     fn block_element(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         graph: &Graph,
         element: &Element,
         callee: &Node,
@@ -218,7 +230,7 @@ impl Look<'_, '_> {
     }
 
     /// A static variable as an instance: the type in its declaration is the block of the call.
-    fn local_instance(&mut self, ctx: &mut Ctx, callee: &Node, instance: &Node) {
+    fn local_instance(&mut self, ctx: &mut SclBlock, callee: &Node, instance: &Node) {
         if let (Some((start @ (Start::Global(_) | Start::Block(..)), steps, span)), Some(_)) =
             (self.steps(ctx, callee), self.steps(ctx, instance))
             && steps.is_empty()
@@ -230,7 +242,7 @@ impl Look<'_, '_> {
     }
 
     /// The type on a wire: from what feeds it, or what it feeds.
-    fn wire_hint(&mut self, ctx: &mut Ctx, graph: &Graph, id: NetId, output: bool) -> Option<Hint> {
+    fn wire_hint(&mut self, ctx: &mut SclBlock, graph: &Graph, id: NetId, output: bool) -> Option<Hint> {
         if output {
             let mut hints = vec![self.net_hint(ctx, graph, graph.net(id) as *const _)];
             for element in &graph.elements {
@@ -265,7 +277,7 @@ impl Look<'_, '_> {
 
     // Charts.
 
-    pub fn chart(&mut self, ctx: &mut Ctx, body: &chart::Body) {
+    pub fn chart(&mut self, ctx: &mut SclBlock, body: &chart::Body) {
         for permanent in body.before.iter().chain(&body.after) {
             match &permanent.kind {
                 chart::PermanentKind::Coil { operand, value, .. } => {
@@ -292,7 +304,7 @@ impl Look<'_, '_> {
         }
     }
 
-    fn condition(&mut self, ctx: &mut Ctx, condition: &chart::Condition) {
+    fn condition(&mut self, ctx: &mut SclBlock, condition: &chart::Condition) {
         match condition {
             chart::Condition::Expression(value) => self.expect(ctx, value, Some(&BOOL)),
             chart::Condition::Network(network) => self.network(ctx, network),
@@ -302,7 +314,7 @@ impl Look<'_, '_> {
         }
     }
 
-    fn action(&mut self, ctx: &mut Ctx, action: &chart::Action) {
+    fn action(&mut self, ctx: &mut SclBlock, action: &chart::Action) {
         use chart::Qualifier;
         let cell = match action.qualifier {
             Qualifier::Cs | Qualifier::Cu | Qualifier::Cd | Qualifier::Cr => Some(Hint::Cell(CellKind::Counter)),
@@ -344,7 +356,7 @@ impl Look<'_, '_> {
         }
     }
 
-    fn chart_call(&mut self, ctx: &mut Ctx, call: &chart::Call) {
+    fn chart_call(&mut self, ctx: &mut SclBlock, call: &chart::Call) {
         let arguments: Vec<Argument> = call
             .parameters
             .iter()
@@ -365,7 +377,7 @@ impl Look<'_, '_> {
         self.call(ctx, &callee, &arguments, None, true);
     }
 
-    pub fn code(&mut self, ctx: &mut Ctx, code: &ast::Code) {
+    pub fn code(&mut self, ctx: &mut SclBlock, code: &ast::Code) {
         match code {
             ast::Code::Stl(networks) => {
                 self.list(ctx, networks.iter().flat_map(|network| &network.statements));

@@ -9,9 +9,9 @@ use plcc_syntax::scl::ast::{
 
 use super::evidence::Hint;
 use super::look::{Look, Start, Step};
-use crate::bind::Ctx;
 use crate::bind::scl::call::Callee;
 use crate::bind::scl::function::Named;
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::fold;
 use plcc_binding::stand_ins::Missing;
 use plcc_model::types::DataType;
@@ -35,13 +35,13 @@ pub fn surest(hints: impl IntoIterator<Item = Option<Hint>>) -> Option<Hint> {
 }
 
 impl Look<'_, '_> {
-    pub fn statements(&mut self, ctx: &mut Ctx, list: &[Statement]) {
+    pub fn statements(&mut self, ctx: &mut SclBlock, list: &[Statement]) {
         for statement in list {
             self.statement(ctx, statement);
         }
     }
 
-    fn statement(&mut self, ctx: &mut Ctx, statement: &Statement) {
+    fn statement(&mut self, ctx: &mut SclBlock, statement: &Statement) {
         match &statement.kind {
             StatementKind::Expression(node) => match &node.kind {
                 NodeKind::Call { callee, arguments } => self.call(ctx, callee, arguments, None, true),
@@ -94,7 +94,7 @@ impl Look<'_, '_> {
         }
     }
 
-    fn assignment(&mut self, ctx: &mut Ctx, targets: &[(Node, AssignOp)], value: &Node) {
+    fn assignment(&mut self, ctx: &mut SclBlock, targets: &[(Node, AssignOp)], value: &Node) {
         let of_value = self.hint_of(ctx, value);
         let of_targets: Vec<Option<Hint>> = targets.iter().map(|(target, _)| self.hint_of(ctx, target)).collect();
         let wanted = surest(of_targets.iter().cloned());
@@ -110,10 +110,11 @@ impl Look<'_, '_> {
     }
 
     /// A value of an arm, which must be a constant.
-    fn constant_of_arm(&mut self, ctx: &mut Ctx, node: &Node, hint: Option<&Hint>) {
-        let known = self.quietly(|binder| binder.constant(&ctx.bound.constants, node).is_some());
+    fn constant_of_arm(&mut self, ctx: &mut SclBlock, node: &Node, hint: Option<&Hint>) {
+        let known = self.quietly(|program| program.globals.constant(&ctx.block.bound.constants, node).is_some());
         if !known {
-            let own = matches!(&node.kind, NodeKind::Name(name) if ctx.bound.locals.contains_key(&fold(&name.text)));
+            let own =
+                matches!(&node.kind, NodeKind::Name(name) if ctx.block.bound.locals.contains_key(&fold(&name.text)));
             if !own {
                 self.constant_names(node, hint);
             }
@@ -121,16 +122,16 @@ impl Look<'_, '_> {
     }
 
     /// Examines an expression that should have the type `hint`.
-    pub fn expect(&mut self, ctx: &mut Ctx, node: &Node, hint: Option<&Hint>) {
-        if ctx.scl.depth >= crate::bind::Binder::DEPTH_MAX {
+    pub fn expect(&mut self, ctx: &mut SclBlock, node: &Node, hint: Option<&Hint>) {
+        if ctx.scope.depth >= crate::bind::scl::message::DEPTH_MAX {
             return;
         }
-        ctx.scl.depth += 1;
+        ctx.scope.depth += 1;
         self.expect_inner(ctx, node, hint);
-        ctx.scl.depth -= 1;
+        ctx.scope.depth -= 1;
     }
 
-    fn expect_inner(&mut self, ctx: &mut Ctx, node: &Node, hint: Option<&Hint>) {
+    fn expect_inner(&mut self, ctx: &mut SclBlock, node: &Node, hint: Option<&Hint>) {
         match &node.kind {
             NodeKind::Literal(_) | NodeKind::Error => {}
             NodeKind::Name(_)
@@ -162,7 +163,7 @@ impl Look<'_, '_> {
     }
 
     /// Operators in a row, all of one kind.
-    fn chain(&mut self, ctx: &mut Ctx, node: &Node, hint: Option<&Hint>) {
+    fn chain(&mut self, ctx: &mut SclBlock, node: &Node, hint: Option<&Hint>) {
         let NodeKind::Binary { op, .. } = &node.kind else { return };
         let group = group(*op);
         let mut operands = Vec::new();
@@ -202,11 +203,18 @@ impl Look<'_, '_> {
     }
 
     /// Examines a call. `hint`: the type that its value should have; `statement`: it is a statement.
-    pub fn call(&mut self, ctx: &mut Ctx, callee: &Node, arguments: &[Argument], hint: Option<&Hint>, statement: bool) {
+    pub fn call(
+        &mut self,
+        ctx: &mut SclBlock,
+        callee: &Node,
+        arguments: &[Argument],
+        hint: Option<&Hint>,
+        statement: bool,
+    ) {
         if self.missing_callee(ctx, callee, arguments, hint, statement) {
             return;
         }
-        let target = self.quietly(|binder| binder.callee(ctx, callee));
+        let target = self.quietly(|program| SclBinder::new(program).callee(ctx, callee));
         match target {
             Some(Callee::Block { key, .. }) => self.known_block(ctx, key, arguments, callee.span),
             Some(Callee::Function(named)) => self.function(ctx, &named, arguments, hint),
@@ -221,7 +229,7 @@ impl Look<'_, '_> {
     /// A call of something that is missing; false if it is not.
     fn missing_callee(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         callee: &Node,
         arguments: &[Argument],
         hint: Option<&Hint>,
@@ -229,7 +237,8 @@ impl Look<'_, '_> {
     ) -> bool {
         // A block that is known, with an instance that may be missing.
         if let NodeKind::Member { base, name } = &callee.kind
-            && let Some((prefix @ (BlockPrefix::Fb | BlockPrefix::Sfb), number)) = self.binder.quiet_block(ctx, base)
+            && let Some((prefix @ (BlockPrefix::Fb | BlockPrefix::Sfb), number)) =
+                SclBinder::new(self.program).quiet_block(ctx, base)
             && let Some(of) = block_named(base).or_else(|| Missing::block(prefix, u32::from(number)))
             && !self.found.things.contains_key(&of)
             && self.is_block(prefix, u32::from(number))
@@ -239,7 +248,7 @@ impl Look<'_, '_> {
                 shape.is_db = true;
                 shape.of = Some(of.clone());
             });
-            let kind = crate::bind::names::code_kind(prefix);
+            let kind = crate::bind::globals::names::code_kind(prefix);
             if let Some(kind) = kind {
                 self.known_block(ctx, BlockKey { kind, number }, arguments, base.span);
             }
@@ -276,7 +285,7 @@ impl Look<'_, '_> {
     }
 
     /// The missing name at the start of a place, if it is missing.
-    fn missing_block(&mut self, ctx: &Ctx, start: &Start) -> Option<Missing> {
+    fn missing_block(&mut self, ctx: &SclBlock, start: &Start) -> Option<Missing> {
         let missing = match start {
             Start::Global(name) => Missing::name(name),
             Start::Block(prefix, number) => Missing::block(*prefix, *number)?,
@@ -286,7 +295,7 @@ impl Look<'_, '_> {
     }
 
     /// True if the place is missing, or is part of a missing one.
-    fn lies_in_missing(&mut self, ctx: &Ctx, start: &Start, steps: &[Step], span: Span) -> bool {
+    fn lies_in_missing(&mut self, ctx: &SclBlock, start: &Start, steps: &[Step], span: Span) -> bool {
         let mut hit = false;
         self.with_shape(ctx, start, steps, span, &mut |_| hit = true);
         hit
@@ -296,7 +305,7 @@ impl Look<'_, '_> {
     #[allow(clippy::too_many_arguments)] // A call, and its position.
     fn formals(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         start: &Start,
         steps: &[Step],
         span: Span,
@@ -344,8 +353,8 @@ impl Look<'_, '_> {
     }
 
     /// Arguments of a block that is known.
-    pub fn known_block(&mut self, ctx: &mut Ctx, key: BlockKey, arguments: &[Argument], span: Span) {
-        let Some(bound) = self.quietly(|binder| binder.interface(key, span)) else { return };
+    pub fn known_block(&mut self, ctx: &mut SclBlock, key: BlockKey, arguments: &[Argument], span: Span) {
+        let Some(bound) = self.quietly(|program| program.interface(key, span)) else { return };
         let inputs: Vec<_> =
             bound.interface.parameters.iter().filter(|one| one.direction != Direction::Output).collect();
         for (at, argument) in arguments.iter().enumerate() {
@@ -370,7 +379,7 @@ impl Look<'_, '_> {
     }
 
     /// Arguments of a function of the language.
-    fn function(&mut self, ctx: &mut Ctx, named: &Named, arguments: &[Argument], hint: Option<&Hint>) {
+    fn function(&mut self, ctx: &mut SclBlock, named: &Named, arguments: &[Argument], hint: Option<&Hint>) {
         let hints: Vec<Option<Hint>> = arguments
             .iter()
             .map(|argument| argument.value.as_ref().and_then(|value| self.hint_of(ctx, value)))

@@ -8,8 +8,9 @@ use plcc_syntax::stl::{OperandClass, StlInsn};
 use super::evidence::Hint;
 use super::look::{Look, Start, Step, of_constant, of_width, step_of_part};
 use super::scl::{parameter_hint, typed};
-use crate::bind::Ctx;
-use crate::bind::settle::Settled;
+use crate::bind::scl::SclBlock;
+use crate::bind::stl::StlBinder;
+use crate::bind::stl::settle::Settled;
 use plcc_binding::constant::Constant;
 use plcc_binding::fold;
 use plcc_binding::stand_ins::Missing;
@@ -25,7 +26,7 @@ struct Open {
 }
 
 impl Look<'_, '_> {
-    pub fn list<'s>(&mut self, ctx: &mut Ctx, statements: impl Iterator<Item = &'s Statement>) {
+    pub fn list<'s>(&mut self, ctx: &mut SclBlock, statements: impl Iterator<Item = &'s Statement>) {
         let statements: Vec<&Statement> = statements.collect();
         let mut open = Open::default();
         for (at, statement) in statements.iter().enumerate() {
@@ -44,7 +45,7 @@ impl Look<'_, '_> {
 
     fn instruction(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         statements: &[&Statement],
         at: usize,
         insn: StlInsn,
@@ -106,7 +107,7 @@ impl Look<'_, '_> {
     }
 
     /// `DBW 10` reaches into the data block that was opened.
-    fn extent(&mut self, ctx: &Ctx, operand: &Operand, open: &Open) {
+    fn extent(&mut self, ctx: &SclBlock, operand: &Operand, open: &Open) {
         if let OperandKind::Absolute { area: area @ (Area::Db | Area::Di), width, byte, .. } = &operand.kind
             && let Some(start) = if *area == Area::Db { open.db.clone() } else { open.di.clone() }
         {
@@ -116,7 +117,7 @@ impl Look<'_, '_> {
     }
 
     /// What the statements around `L` and `T` show about the value in ACCU1.
-    fn around(&mut self, ctx: &mut Ctx, statements: &[&Statement], at: usize) -> Option<Hint> {
+    fn around(&mut self, ctx: &mut SclBlock, statements: &[&Statement], at: usize) -> Option<Hint> {
         const FAR: usize = 4;
         let insn_at = |at: usize| match statements.get(at).map(|statement| &statement.kind) {
             Some(ast::StatementKind::Instruction { insn, operand, .. }) => Some((*insn, operand.as_ref())),
@@ -169,8 +170,8 @@ impl Look<'_, '_> {
     }
 
     /// The type of an operand of STL, if known.
-    fn operand_hint(&mut self, ctx: &mut Ctx, operand: &Operand) -> Option<Hint> {
-        let settled = self.quietly(|binder| binder.settle(ctx, operand))?;
+    fn operand_hint(&mut self, ctx: &mut SclBlock, operand: &Operand) -> Option<Hint> {
+        let settled = self.quietly(|program| StlBinder::new(program).settle(ctx.block, operand))?;
         Some(match settled {
             Settled::Memory { ty: Some(ty), .. } => typed(ty),
             Settled::Memory { width: ast::Width::Bit, ty: None, .. } => typed(Elementary::Bool),
@@ -199,7 +200,7 @@ impl Look<'_, '_> {
     }
 
     /// Notes the name of an operand, if it is missing.
-    pub fn operand(&mut self, ctx: &mut Ctx, operand: &Operand, hint: Option<&Hint>) {
+    pub fn operand(&mut self, ctx: &mut SclBlock, operand: &Operand, hint: Option<&Hint>) {
         match &operand.kind {
             OperandKind::Cell { kind, number } => {
                 self.found.cells.insert((*kind, *number));
@@ -227,22 +228,22 @@ impl Look<'_, '_> {
         }
     }
 
-    fn is_known_start(&mut self, _ctx: &Ctx, start: &Start) -> bool {
+    fn is_known_start(&mut self, _ctx: &SclBlock, start: &Start) -> bool {
         match start {
             Start::Block(BlockPrefix::Db | BlockPrefix::Di, number) => {
-                u16::try_from(*number).is_ok_and(|number| number == 0 || self.binder.dbs.contains_key(&number))
+                u16::try_from(*number).is_ok_and(|number| number == 0 || self.program.data.blocks.contains_key(&number))
             }
             _ => true,
         }
     }
 
-    fn stl_call(&mut self, ctx: &mut Ctx, call: &ast::Call, open: &mut Open) {
+    fn stl_call(&mut self, ctx: &mut SclBlock, call: &ast::Call, open: &mut Open) {
         // The callee may change the data block register.
         *open = Open::default();
         let Some((start, steps, span)) = start_of_operand(ctx, &call.target) else { return };
-        let known = self.quietly(|binder| match binder.settle(ctx, &call.target)? {
+        let known = self.quietly(|program| match StlBinder::new(program).settle(ctx.block, &call.target)? {
             Settled::Block { prefix, number: Number::Known(number) } => {
-                Some(BlockKey { kind: crate::bind::names::code_kind(prefix)?, number })
+                Some(BlockKey { kind: crate::bind::globals::names::code_kind(prefix)?, number })
             }
             Settled::Complex(variable) => match &variable.ty {
                 DataType::Struct(structure) => {
@@ -274,7 +275,7 @@ impl Look<'_, '_> {
                 _ => None,
             };
             // The binder creates the instance of a known block.
-            if of.is_some() || matches!(&instance, Start::Global(name) if self.binder.global(name).is_none()) {
+            if of.is_some() || matches!(&instance, Start::Global(name) if self.program.globals.global(name).is_none()) {
                 let of = of.or_else(|| known.and_then(known_block));
                 self.with_shape(ctx, &instance, &[], span, &mut |shape| {
                     shape.is_db = true;
@@ -297,7 +298,7 @@ impl Look<'_, '_> {
             }
             return;
         }
-        let bound = known.and_then(|key| self.quietly(|binder| binder.interface(key, span)));
+        let bound = known.and_then(|key| self.quietly(|program| program.interface(key, span)));
         for parameter in &call.parameters {
             let Some(actual) = &parameter.actual else { continue };
             let formal = bound.as_ref().and_then(|bound| {
@@ -311,7 +312,7 @@ impl Look<'_, '_> {
 
 /// A block that is known, as instances refer to it.
 fn known_block(key: BlockKey) -> Option<Missing> {
-    Missing::block(crate::bind::names::kind_prefix(key.kind), u32::from(key.number))
+    Missing::block(crate::bind::globals::names::kind_prefix(key.kind), u32::from(key.number))
 }
 
 fn start_of_block(name: &BlockName) -> Start {
@@ -322,7 +323,7 @@ fn start_of_block(name: &BlockName) -> Start {
 }
 
 /// The start of an operand, and its steps; none for operands without a name.
-fn start_of_operand(ctx: &Ctx, operand: &Operand) -> Option<(Start, Vec<Step>, Span)> {
+fn start_of_operand(ctx: &SclBlock, operand: &Operand) -> Option<(Start, Vec<Step>, Span)> {
     match &operand.kind {
         OperandKind::Block(name) => Some((start_of_block(name), Vec::new(), operand.span)),
         OperandKind::DbAbsolute { db, width, byte, .. } => {
@@ -332,7 +333,7 @@ fn start_of_operand(ctx: &Ctx, operand: &Operand) -> Option<(Start, Vec<Step>, S
             let steps: Vec<Step> = path.parts.iter().map(step_of_part).collect();
             let (start, span) = match &path.root {
                 PathRoot::Local { name, span } => (Start::Local(name.clone()), *span),
-                PathRoot::Bare { name, span } if ctx.bound.locals.contains_key(&fold(name)) => {
+                PathRoot::Bare { name, span } if ctx.block.bound.locals.contains_key(&fold(name)) => {
                     (Start::Local(name.clone()), *span)
                 }
                 PathRoot::Bare { name, span } | PathRoot::Quoted { name, span } => (Start::Global(name.clone()), *span),

@@ -10,10 +10,11 @@ use plcc_syntax::scl::{absolute, area_word, db_address, db_area_word};
 
 use super::Intent;
 use super::place::{Db, Root, Spot, Thing};
-use super::rules::TempUse;
+use super::scope::TempUse;
 use super::value::Value;
-use crate::bind::path::{self, Resolved, Variable, type_of_width};
-use crate::bind::{Binder, Ctx};
+use crate::bind::declarations::path::{self, Resolved, Variable, type_of_width};
+use crate::bind::scl::message::DEPTH_MAX;
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::fold;
 use plcc_model::Number;
 use plcc_model::layout;
@@ -21,15 +22,15 @@ use plcc_model::scl::{Access, Complex, Expr, ExprKind, IndexedArea, Part};
 use plcc_model::types::{DataType, ParameterType};
 use plcc_syntax::symbols::SymbolTarget;
 
-impl Binder<'_> {
+impl SclBinder<'_, '_> {
     /// Binds a variable.
-    pub(in crate::bind) fn scl_access(&mut self, ctx: &mut Ctx, node: &Node, intent: Intent) -> Option<Access> {
-        let spot = self.scl_spot(ctx, node, intent)?;
+    pub(in crate::bind) fn access(&mut self, ctx: &mut SclBlock, node: &Node, intent: Intent) -> Option<Access> {
+        let spot = self.spot(ctx, node, intent)?;
         Some(spot.access(node.span))
     }
 
     /// Binds a variable, as its parts.
-    pub(super) fn scl_spot(&mut self, ctx: &mut Ctx, node: &Node, intent: Intent) -> Option<Spot> {
+    pub(super) fn spot(&mut self, ctx: &mut SclBlock, node: &Node, intent: Intent) -> Option<Spot> {
         match self.thing(ctx, node, intent)? {
             Thing::Spot(spot) => {
                 self.check_intent(ctx, &spot, intent, node.span)?;
@@ -37,7 +38,7 @@ impl Binder<'_> {
             }
             Thing::Db { db: Db::Known(number), .. } => Some(Spot::fixed(self.whole_db(number, node.span)?)),
             Thing::Constant(_) => {
-                let text = self.text(node.span);
+                let text = self.program.globals.text(node.span);
                 self.refuse(
                     Code::Protected,
                     node.span,
@@ -48,7 +49,7 @@ impl Binder<'_> {
                 None
             }
             Thing::Cell { .. } | Thing::Block { .. } | Thing::Db { .. } | Thing::Flag | Thing::LastEno => {
-                let text = self.text(node.span);
+                let text = self.program.globals.text(node.span);
                 self.refuse(
                     Code::OperandKind,
                     node.span,
@@ -66,18 +67,18 @@ impl Binder<'_> {
     }
 
     /// The meaning of an expression of names.
-    pub(in crate::bind) fn thing(&mut self, ctx: &mut Ctx, node: &Node, intent: Intent) -> Option<Thing> {
-        if ctx.scl.depth >= Self::DEPTH_MAX {
+    pub(in crate::bind) fn thing(&mut self, ctx: &mut SclBlock, node: &Node, intent: Intent) -> Option<Thing> {
+        if ctx.scope.depth >= DEPTH_MAX {
             self.too_deep(node.span);
             return None;
         }
-        ctx.scl.depth += 1;
+        ctx.scope.depth += 1;
         let thing = self.thing_inner(ctx, node, intent);
-        ctx.scl.depth -= 1;
+        ctx.scope.depth -= 1;
         thing
     }
 
-    fn thing_inner(&mut self, ctx: &mut Ctx, node: &Node, intent: Intent) -> Option<Thing> {
+    fn thing_inner(&mut self, ctx: &mut SclBlock, node: &Node, intent: Intent) -> Option<Thing> {
         let span = node.span;
         match &node.kind {
             NodeKind::Name(name) => self.name_thing(ctx, name, intent),
@@ -132,7 +133,7 @@ impl Binder<'_> {
                 None
             }
             NodeKind::Literal(_) | NodeKind::Unary { .. } | NodeKind::Binary { .. } => {
-                let text = self.text(span);
+                let text = self.program.globals.text(span);
                 self.refuse(
                     Code::OperandKind,
                     span,
@@ -146,32 +147,32 @@ impl Binder<'_> {
         }
     }
 
-    fn name_thing(&mut self, ctx: &mut Ctx, name: &Name, intent: Intent) -> Option<Thing> {
+    fn name_thing(&mut self, ctx: &mut SclBlock, name: &Name, intent: Intent) -> Option<Thing> {
         let text = name.text.as_str();
-        if let Some(variable) = ctx.scl.hidden.get(text) {
+        if let Some(variable) = ctx.scope.hidden.get(text) {
             return Some(Thing::Spot(Spot::fixed(variable.clone())));
         }
-        let global = self.globals.contains_key(&fold(text));
+        let global = self.program.globals.names.symbols.contains_key(&fold(text));
         let elsewhere = global && name.form == NameForm::Quoted || self.is_unknown_global(ctx, name);
         if elsewhere
             && !global
-            && let Some(constant) = ctx.bound.constants.get(&fold(text))
+            && let Some(constant) = ctx.block.bound.constants.get(&fold(text))
         {
             return Some(Thing::Constant(constant.clone()));
         }
         if !elsewhere || self.is_own_name(ctx, name) {
             let own = if self.is_own_name(ctx, name) { "RET_VAL" } else { text };
-            if let Some(variable) = self.local(ctx, text).or_else(|| self.local(ctx, own)) {
+            if let Some(variable) = self.program.local(ctx.block, text).or_else(|| self.program.local(ctx.block, own)) {
                 self.note_use(ctx, &variable, text, intent, name.span);
                 return self.local_thing(ctx, variable);
             }
-            if let Some(constant) = ctx.bound.constants.get(&fold(text)) {
+            if let Some(constant) = ctx.block.bound.constants.get(&fold(text)) {
                 return Some(Thing::Constant(constant.clone()));
             }
         }
         match name.form {
             NameForm::Local => {
-                self.unknown_local(ctx, text, name.span);
+                self.program.unknown_local(ctx.block, text, name.span);
                 return None;
             }
             NameForm::Bare if !global => {
@@ -187,18 +188,18 @@ impl Binder<'_> {
         {
             return self.peripheral_tag(ctx, tag, name.span);
         }
-        if !global && let Some(constant) = self.global_constants.get(&fold(text)) {
+        if !global && let Some(constant) = self.program.globals.names.constants.get(&fold(text)) {
             return Some(Thing::Constant(constant.clone()));
         }
         if !global && name.form == NameForm::Quoted {
-            if let Some(constant) = self.system_constant(text) {
+            if let Some(constant) = self.program.globals.system_constant(text) {
                 return Some(Thing::Constant(constant));
             }
-            if self.missing_hardware(text, name.span) {
+            if self.program.globals.missing_hardware(text, name.span) {
                 return None;
             }
         }
-        match self.resolve_global(ctx, text, name.span)? {
+        match self.program.resolve_global(ctx.block, text, name.span)? {
             Resolved::Variable(variable) => Some(Thing::Spot(Spot::fixed(variable))),
             Resolved::Cell { kind, number } => self.cell(kind, number, name.span),
             Resolved::Block { prefix, number } => Some(block_thing(prefix, Number::Known(number))),
@@ -206,9 +207,9 @@ impl Binder<'_> {
     }
 
     /// `"tag":P`: the input or output itself, past the process image.
-    fn peripheral_tag(&mut self, ctx: &mut Ctx, tag: &str, span: Span) -> Option<Thing> {
-        let Some(global) = self.globals.get(&fold(tag)) else {
-            self.unknown_name(tag, span);
+    fn peripheral_tag(&mut self, ctx: &mut SclBlock, tag: &str, span: Span) -> Option<Thing> {
+        let Some(global) = self.program.globals.names.symbols.get(&fold(tag)) else {
+            self.program.globals.unknown_name(tag, span);
             return None;
         };
         let (target, ty) = (global.target, global.ty);
@@ -239,8 +240,8 @@ impl Binder<'_> {
     }
 
     /// Words with their own meaning: `OK`, `ENO`, `MW10`, `T5`, `DB10`, `MW` before an index.
-    fn word_thing(&mut self, ctx: &mut Ctx, text: &str, span: Span) -> Option<Option<Thing>> {
-        let rules = ctx.scl.rules;
+    fn word_thing(&mut self, ctx: &mut SclBlock, text: &str, span: Span) -> Option<Option<Thing>> {
+        let rules = ctx.scope.rules;
         if text.eq_ignore_ascii_case("OK") {
             return Some(Some(Thing::Flag));
         }
@@ -256,44 +257,47 @@ impl Binder<'_> {
     }
 
     /// The name is that of the function itself.
-    fn is_own_name(&self, ctx: &Ctx, name: &Name) -> bool {
+    fn is_own_name(&self, ctx: &SclBlock, name: &Name) -> bool {
         use plcc_abi::image::BlockKind;
-        if !matches!(ctx.key.kind, BlockKind::Fc | BlockKind::Sfc) {
+        if !matches!(ctx.block.key.kind, BlockKind::Fc | BlockKind::Sfc) {
             return false;
         }
         let wanted = fold(&name.text);
-        let prefix = crate::bind::names::kind_prefix(ctx.key.kind);
-        fold(&self.block_name(prefix, ctx.key.number)) == wanted
-            || wanted.split_whitespace().collect::<String>() == format!("fc{}", ctx.key.number)
-            || (ctx.key.number >= 1000 || ctx.key.kind == BlockKind::Sfc)
+        let prefix = crate::bind::globals::names::kind_prefix(ctx.block.key.kind);
+        fold(&self.program.globals.names.block_name(prefix, ctx.block.key.number)) == wanted
+            || wanted.split_whitespace().collect::<String>() == format!("fc{}", ctx.block.key.number)
+            || (ctx.block.key.number >= 1000 || ctx.block.key.kind == BlockKind::Sfc)
                 && self
+                    .program
+                    .globals
+                    .sources
                     .code
-                    .get(&ctx.key)
+                    .get(&ctx.block.key)
                     .is_some_and(|source| source.block().header.name.as_deref().is_some_and(|own| fold(own) == wanted))
     }
 
-    fn note_use(&self, ctx: &mut Ctx, variable: &Variable, name: &str, intent: Intent, span: Span) {
+    fn note_use(&self, ctx: &mut SclBlock, variable: &Variable, name: &str, intent: Intent, span: Span) {
         let bytes = layout::bytes(&variable.ty);
         match variable.base {
             path::Base::L => {
                 let (first, end) = (variable.byte, variable.byte + bytes);
                 match intent {
                     Intent::Read => {
-                        ctx.scl.temp_reads.push(TempUse { name: name.to_string(), first, end, span });
+                        ctx.scope.temp_reads.push(TempUse { name: name.to_string(), first, end, span });
                     }
-                    Intent::Write | Intent::Both => ctx.scl.temp_writes.push((first, end)),
+                    Intent::Write | Intent::Both => ctx.scope.temp_writes.push((first, end)),
                 }
             }
             path::Base::Parameter(index) if intent != Intent::Read => {
-                let parameter = ctx.bound.interface.parameters.get(index);
-                ctx.scl.value_set |= parameter.is_some_and(|parameter| parameter.name == "RET_VAL");
+                let parameter = ctx.block.bound.interface.parameters.get(index);
+                ctx.scope.value_set |= parameter.is_some_and(|parameter| parameter.name == "RET_VAL");
             }
             _ => {}
         }
     }
 
     /// A variable of the block, by its type.
-    fn local_thing(&mut self, ctx: &Ctx, variable: Variable) -> Option<Thing> {
+    fn local_thing(&mut self, ctx: &SclBlock, variable: Variable) -> Option<Thing> {
         let number = match variable.base {
             path::Base::Parameter(parameter) => Number::Parameter(parameter),
             base => Number::Word(Box::new(base.at(variable.byte, variable.bit))),
@@ -304,7 +308,7 @@ impl Binder<'_> {
             DataType::Parameter(ParameterType::BlockFb) => Thing::Block { prefix: BlockPrefix::Fb, number },
             DataType::Parameter(ParameterType::BlockFc) => Thing::Block { prefix: BlockPrefix::Fc, number },
             DataType::Parameter(ParameterType::BlockDb | ParameterType::BlockSdb) => {
-                let span = ctx.fixed_span.unwrap_or_default();
+                let span = ctx.block.fixed_span.unwrap_or_default();
                 let access = Spot::fixed(variable.clone()).access(span);
                 let load = Expr { kind: ExprKind::Load(Box::new(access)), ty: Elementary::Word, span };
                 Thing::Db { db: Db::Dynamic(load), number: Some(number) }
@@ -316,12 +320,12 @@ impl Binder<'_> {
     }
 
     fn cell(&mut self, kind: CellKind, number: u32, span: Span) -> Option<Thing> {
-        let number = Number::Known(self.check_cell(kind, number, span)?);
+        let number = Number::Known(self.program.globals.check_cell(kind, number, span)?);
         Some(Thing::Cell { kind, number })
     }
 
     /// An operand in one token.
-    fn operand_thing(&mut self, ctx: &mut Ctx, operand: &OperandKind, span: Span) -> Option<Thing> {
+    fn operand_thing(&mut self, ctx: &mut SclBlock, operand: &OperandKind, span: Span) -> Option<Thing> {
         match operand {
             OperandKind::Absolute { area: area @ (Area::Db | Area::Di), width, byte, bit }
                 if let Some(opened) = opened(ctx, *area) =>
@@ -339,7 +343,7 @@ impl Binder<'_> {
                 None
             }
             OperandKind::Absolute { area, width, byte, bit } => {
-                self.check_address(ctx, *area, *width, *byte, span)?;
+                self.program.check_address(ctx.block, *area, *width, *byte, span)?;
                 let ty = DataType::Elementary(type_of_width(*width));
                 let base = path::Base::of_area(*area);
                 let mut spot = Spot::fixed(Variable { base, byte: *byte, bit: *bit, ty, untyped: true });
@@ -353,7 +357,7 @@ impl Binder<'_> {
             }
             OperandKind::Cell { kind, number } => self.cell(*kind, *number, span),
             OperandKind::DbAbsolute { db, width, byte, bit } => {
-                let (prefix, number) = self.block_number(db)?;
+                let (prefix, number) = self.program.globals.block_number(db)?;
                 if prefix != BlockPrefix::Db {
                     self.no_db(span);
                     return None;
@@ -361,7 +365,7 @@ impl Binder<'_> {
                 self.db_place(ctx, Db::Known(number), *width, *byte, *bit, span)
             }
             OperandKind::Block(name @ BlockName::Numbered { .. }) => {
-                let (prefix, number) = self.block_number(name)?;
+                let (prefix, number) = self.program.globals.block_number(name)?;
                 Some(block_thing(prefix, Number::Known(number)))
             }
             _ => {
@@ -371,13 +375,13 @@ impl Binder<'_> {
         }
     }
 
-    fn member_thing(&mut self, ctx: &mut Ctx, base: Thing, name: &Name, span: Span) -> Option<Thing> {
+    fn member_thing(&mut self, ctx: &mut SclBlock, base: Thing, name: &Name, span: Span) -> Option<Thing> {
         match base {
             Thing::Spot(spot) => self.component(spot, name).map(Thing::Spot),
             Thing::Db { db, .. } => {
                 if let Db::Known(number) = db
-                    && let Some(ty) = self.db_type(number)
-                    && let Some(member) = self.member(&ty, &name.text)
+                    && let Some(ty) = self.program.data.db_type(number)
+                    && let Some(member) = self.program.types.member(&ty, &name.text)
                 {
                     let base = path::Base::Db(number);
                     let (byte, bit, ty) = (member.byte, member.bit, member.ty);
@@ -415,7 +419,7 @@ impl Binder<'_> {
             | Thing::LastEno
             | Thing::Area(..)
             | Thing::DbArea(..) => {
-                self.report.push(
+                self.program.report(
                     Diagnostic::new(Code::UnknownMember, name.span, "only data blocks and structures have components")
                         .label("this comes before the point and is something else"),
                 );
@@ -426,9 +430,11 @@ impl Binder<'_> {
 
     /// A data block as one structure.
     pub(super) fn whole_db(&mut self, number: u16, span: Span) -> Option<Variable> {
-        let Some(ty) = self.db_type(number) else {
-            if !self.data.contains_key(&number) && !self.unknown_instances.contains(&number) {
-                self.report.missing_db_layout(number, span);
+        let Some(ty) = self.program.data.db_type(number) else {
+            if !self.program.globals.sources.data.contains_key(&number)
+                && !self.program.data.unknown_instances.contains(&number)
+            {
+                self.program.globals.report.missing_db_layout(number, span);
             }
             return None;
         };
@@ -439,15 +445,15 @@ impl Binder<'_> {
         let DataType::Struct(structure) = &spot.ty else {
             let ty = layout::type_name(&spot.ty);
             let text = &name.text;
-            self.report.push(
+            self.program.report(
                 Diagnostic::new(Code::UnknownMember, name.span, format!("there is no component `{text}` here"))
                     .label(format!("the name before it is of type {ty}")),
             );
             return None;
         };
         let structure = Rc::clone(structure);
-        let Some(member) = self.member(&structure, &name.text) else {
-            self.unknown_member(&structure, &name.text, name.span);
+        let Some(member) = self.program.types.member(&structure, &name.text) else {
+            self.program.unknown_member(&structure, &name.text, name.span);
             return None;
         };
         spot.byte += member.byte;
@@ -491,7 +497,7 @@ impl Binder<'_> {
     }
 
     /// The value of an expression of names.
-    pub(super) fn thing_value(&mut self, ctx: &mut Ctx, thing: Thing, span: Span) -> Option<Value> {
+    pub(super) fn thing_value(&mut self, ctx: &mut SclBlock, thing: Thing, span: Span) -> Option<Value> {
         Some(match thing {
             Thing::Spot(spot) => {
                 self.check_intent(ctx, &spot, Intent::Read, span)?;
@@ -509,7 +515,7 @@ impl Binder<'_> {
             Thing::Db { number: Some(number), .. } => Value::Block { prefix: BlockPrefix::Db, number, span },
             // This code reads it, so it must be set somewhere.
             Thing::Flag => {
-                ctx.scl.sets_flag = true;
+                ctx.scope.sets_flag = true;
                 Value::Elementary(Expr { kind: ExprKind::Flag, ty: Elementary::Bool, span })
             }
             Thing::LastEno => Value::Elementary(Expr { kind: ExprKind::LastEno, ty: Elementary::Bool, span }),
@@ -521,7 +527,7 @@ impl Binder<'_> {
     }
 
     fn no_address(&mut self, span: Span) {
-        let text = self.text(span);
+        let text = self.program.globals.text(span);
         self.refuse(
             Code::OperandKind,
             span,
@@ -532,8 +538,14 @@ impl Binder<'_> {
     }
 
     /// Whether a variable can be read or written as the access requires.
-    pub(in crate::bind) fn check_intent(&mut self, ctx: &Ctx, spot: &Spot, intent: Intent, span: Span) -> Option<()> {
-        let text = self.text(span);
+    pub(in crate::bind) fn check_intent(
+        &mut self,
+        ctx: &SclBlock,
+        spot: &Spot,
+        intent: Intent,
+        span: Span,
+    ) -> Option<()> {
+        let text = self.program.globals.text(span);
         let area = match &spot.root {
             Root::Fixed(path::Base::Pi) | Root::Indexed { area: IndexedArea::Memory(Area::Pi), .. } => Some(Area::Pi),
             Root::Fixed(path::Base::Pq) | Root::Indexed { area: IndexedArea::Memory(Area::Pq), .. } => Some(Area::Pq),
@@ -558,7 +570,7 @@ impl Binder<'_> {
         if intent == Intent::Read {
             return Some(());
         }
-        if ctx.bound.constant_db.is_some_and(|number| spot.lies_in_db(number)) {
+        if ctx.block.bound.constant_db.is_some_and(|number| spot.lies_in_db(number)) {
             let title = format!("`{text}` cannot be written");
             self.refuse(Code::Protected, span, &title, "a constant", "name a variable");
             return None;
@@ -582,8 +594,8 @@ impl Binder<'_> {
             self.refuse(Code::Protected, span, &title, "this is an instance", "assign its inputs one by one");
             return None;
         }
-        if let Some((_, head)) = ctx.scl.loop_variables.iter().rev().find(|(variable, _)| variable.is_same(spot)) {
-            let error = !ctx.scl.rules.is_300();
+        if let Some((_, head)) = ctx.scope.loop_variables.iter().rev().find(|(variable, _)| variable.is_same(spot)) {
+            let error = !ctx.scope.rules.is_300();
             let mut message =
                 Diagnostic::new(Code::LoopVariable, span, format!("`{text}` counts this loop and is changed in it"))
                     .label("changed here")
@@ -592,7 +604,7 @@ impl Binder<'_> {
             if !error {
                 message.severity = plcc_diag::Severity::Warning;
             }
-            self.report.push(message);
+            self.program.report(message);
             if error {
                 return None;
             }
@@ -612,6 +624,6 @@ fn block_thing(prefix: BlockPrefix, number: Number) -> Thing {
 }
 
 /// Number of the DB in the register of an area, where the block opens data blocks.
-fn opened(ctx: &Ctx, area: Area) -> Option<Expr> {
-    if area == Area::Di { ctx.scl.open_di.clone() } else { ctx.scl.open_db.clone() }
+fn opened(ctx: &SclBlock, area: Area) -> Option<Expr> {
+    if area == Area::Di { ctx.scope.open_di.clone() } else { ctx.scope.open_db.clone() }
 }

@@ -11,16 +11,16 @@ use plcc_syntax::{Class, Elementary};
 use super::message::described;
 use super::value::Value;
 use super::{Intent, coerce};
-use crate::bind::names::code_kind;
-use crate::bind::{Binder, Ctx};
+use crate::bind::globals::names::code_kind;
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_model::layout;
 use plcc_model::scl::{Access, Actual, Conversion, Expr, ExprKind};
 use plcc_model::types::{DataType, OpenArrayType, ParameterType};
 use plcc_model::{BlockKey, Direction, Number, Parameter};
 
-impl Binder<'_> {
+impl SclBinder<'_, '_> {
     /// Binds the actual of parameter `formal` of block `callee`; `None` after a message, or if it cannot be determined.
-    pub fn scl_actual(&mut self, ctx: &mut Ctx, callee: BlockKey, formal: &Parameter, node: &Node) -> Option<Actual> {
+    pub fn actual(&mut self, ctx: &mut SclBlock, callee: BlockKey, formal: &Parameter, node: &Node) -> Option<Actual> {
         let intent = match formal.direction {
             Direction::Input => Intent::Read,
             Direction::Output => Intent::Write,
@@ -46,7 +46,7 @@ impl Binder<'_> {
         }
         match &formal.ty {
             DataType::Elementary(ty) => match intent {
-                Intent::Read => Some(Actual::Value(self.scl_of_type(ctx, node, *ty)?)),
+                Intent::Read => Some(Actual::Value(self.of_type(ctx, node, *ty)?)),
                 Intent::Write | Intent::Both => self.elementary_variable(ctx, callee, formal, *ty, node, intent),
             },
             DataType::DateAndTime
@@ -54,28 +54,28 @@ impl Binder<'_> {
             | DataType::WideString(_)
             | DataType::Array(_)
             | DataType::Struct(_) => match intent {
-                Intent::Read => Some(Actual::Complex(self.scl_complex(ctx, node, &formal.ty)?)),
+                Intent::Read => Some(Actual::Complex(self.complex(ctx, node, &formal.ty)?)),
                 Intent::Write | Intent::Both => {
-                    let access = self.scl_access(ctx, node, intent)?;
-                    if !coerce::assignable(ctx.scl.rules, &formal.ty, &access.ty) || access.part.is_some() {
+                    let access = self.access(ctx, node, intent)?;
+                    if !coerce::assignable(ctx.scope.rules, &formal.ty, &access.ty) || access.part.is_some() {
                         return self.wrong_actual(callee, formal, &access_type(&access), node.span);
                     }
                     Some(Actual::Reference(access))
                 }
             },
             DataType::OpenArray(array) => self.open_array_actual(ctx, callee, formal, &array.clone(), node, intent),
-            DataType::Parameter(ParameterType::Pointer) => self.scl_pointer(ctx, callee, formal, node, intent),
+            DataType::Parameter(ParameterType::Pointer) => self.pointer(ctx, callee, formal, node, intent),
             DataType::Parameter(ParameterType::Any | ParameterType::Variant) => {
-                self.scl_any(ctx, callee, formal, node, intent)
+                self.any(ctx, callee, formal, node, intent)
             }
-            DataType::Parameter(parameter) => self.scl_number(ctx, callee, formal, *parameter, node),
+            DataType::Parameter(parameter) => self.number(ctx, callee, formal, *parameter, node),
             DataType::Void => None,
         }
     }
 
     fn not_writable(&mut self, callee: BlockKey, formal: &Parameter, span: Span) -> Option<Actual> {
-        let text = self.text(span);
-        self.report.push(
+        let text = self.program.globals.text(span);
+        self.program.report(
             Diagnostic::new(Code::Protected, span, format!("`{text}` cannot be written"))
                 .label(format!("`{}` is written by {callee}", formal.name))
                 .help("name a variable or an address"),
@@ -85,7 +85,7 @@ impl Binder<'_> {
 
     /// An actual whose type is not that of the formal parameter.
     pub fn wrong_actual(&mut self, callee: BlockKey, formal: &Parameter, is: &str, span: Span) -> Option<Actual> {
-        let text = self.text(span);
+        let text = self.program.globals.text(span);
         let wanted = layout::type_name(&formal.ty);
         let help = match &formal.ty {
             DataType::Parameter(ParameterType::Any | ParameterType::Variant) => {
@@ -94,7 +94,7 @@ impl Binder<'_> {
             DataType::Parameter(ParameterType::Pointer) => "write for example `P#M50.0`, or name a variable".into(),
             _ => format!("name a variable of type {wanted}"),
         };
-        self.report.push(
+        self.program.report(
             Diagnostic::new(
                 Code::TypeMismatch,
                 span,
@@ -109,14 +109,14 @@ impl Binder<'_> {
     /// OUT and IN_OUT of elementary types.
     fn elementary_variable(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         callee: BlockKey,
         formal: &Parameter,
         ty: Elementary,
         node: &Node,
         intent: Intent,
     ) -> Option<Actual> {
-        let access = self.scl_access(ctx, node, intent)?;
+        let access = self.access(ctx, node, intent)?;
         let Some(found) = access.elementary() else {
             return self.wrong_actual(callee, formal, &access_type(&access), node.span);
         };
@@ -129,7 +129,7 @@ impl Binder<'_> {
             return Some(Actual::Variable { access, back: Some(Conversion::Bits { checked: false }) });
         }
         if intent == Intent::Both {
-            if found.bits() == ty.bits() && ctx.scl.rules.is_300() {
+            if found.bits() == ty.bits() && ctx.scope.rules.is_300() {
                 return Some(Actual::Variable { access, back: Some(Conversion::Bits { checked: false }) });
             }
             return self.wrong_actual(callee, formal, &access_type(&access), node.span);
@@ -147,7 +147,7 @@ impl Binder<'_> {
     /// ARRAY[*]: an array of the same element type and number of dimensions, or a formal that is one.
     fn open_array_actual(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         callee: BlockKey,
         formal: &Parameter,
         wanted: &OpenArrayType,
@@ -157,11 +157,11 @@ impl Binder<'_> {
         if !is_variable(node) {
             return self.wrong_actual(callee, formal, "not a variable", node.span);
         }
-        let access = self.scl_access(ctx, node, intent)?;
+        let access = self.access(ctx, node, intent)?;
         // Instructions that accept characters also accept bytes.
         let kin = |element: &DataType| match (element, &wanted.element) {
             (DataType::Elementary(own), DataType::Elementary(wanted)) => {
-                self.library_block(callee).is_some_and(|block| block.is_tia())
+                self.program.globals.library_block(callee).is_some_and(|block| block.is_tia())
                     && own.bits() == wanted.bits()
                     && [own, wanted].iter().all(|ty| matches!(ty.class(), Class::Bits | Class::Character))
             }
@@ -185,15 +185,15 @@ impl Binder<'_> {
     }
 
     /// TIMER, COUNTER and BLOCK_x: the number of what is named.
-    fn scl_number(
+    fn number(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         callee: BlockKey,
         formal: &Parameter,
         parameter: ParameterType,
         node: &Node,
     ) -> Option<Actual> {
-        let value = self.scl_value(ctx, node)?;
+        let value = self.value(ctx, node)?;
         match (parameter, &value) {
             (ParameterType::Timer, Value::Cell { kind: CellKind::Timer, number, .. })
             | (ParameterType::Counter, Value::Cell { kind: CellKind::Counter, number, .. }) => {
@@ -201,7 +201,7 @@ impl Binder<'_> {
             }
             (ParameterType::BlockDb, Value::Block { prefix: BlockPrefix::Db, number, span }) => {
                 if let Number::Known(number) = number {
-                    self.use_db(*number, *span);
+                    self.program.use_db(*number, *span);
                 }
                 Some(Actual::Number(number.clone()))
             }
@@ -214,7 +214,7 @@ impl Binder<'_> {
                 Value::Block { prefix: prefix @ (BlockPrefix::Fc | BlockPrefix::Sfc), number, span },
             ) => {
                 if let (Number::Known(number), Some(kind)) = (number, code_kind(*prefix)) {
-                    self.interface(BlockKey { kind, number: *number }, *span)?;
+                    self.program.interface(BlockKey { kind, number: *number }, *span)?;
                 }
                 Some(Actual::Number(number.clone()))
             }

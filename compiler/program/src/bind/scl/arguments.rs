@@ -12,8 +12,8 @@ use rustc_hash::FxHashMap;
 
 use super::call::is_result;
 use super::{Intent, Rules};
-use crate::bind::declare::BoundInterface;
-use crate::bind::{Binder, Ctx};
+use crate::bind::declarations::typed::BoundInterface;
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::fold;
 use plcc_model::scl::{Access, Actual, Argument, Expr, ExprKind};
 use plcc_model::types::DataType;
@@ -28,11 +28,11 @@ pub struct Arguments {
     pub eno: Option<Access>,
 }
 
-impl Binder<'_> {
+impl SclBinder<'_, '_> {
     /// Binds the arguments of a call of `key`; `name` is the callee in the text.
     pub fn arguments(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         key: BlockKey,
         bound: &Rc<BoundInterface>,
         given: &[Given],
@@ -78,7 +78,7 @@ impl Binder<'_> {
             let span = argument.name.as_ref().map_or(argument.span, |name| name.span);
             if let Some(first) = seen.get(&index) {
                 good = false;
-                self.report.push(
+                self.program.report(
                     Diagnostic::new(
                         Code::DuplicateParameter,
                         span,
@@ -103,7 +103,7 @@ impl Binder<'_> {
                 continue;
             };
             seen.insert(index, span);
-            match self.scl_actual(ctx, key, formal, value) {
+            match self.actual(ctx, key, formal, value) {
                 Some(actual) => list.arguments.push(Argument { parameter: index, actual, span: value.span }),
                 None => good = false,
             }
@@ -134,21 +134,21 @@ impl Binder<'_> {
             (None, "en") => Formal::Enable,
             (None, "eno") => Formal::Eno,
             (None, "ret_val") if bound.interface.parameters.iter().any(|parameter| is_result(key, parameter)) => {
-                self.report.push(
+                self.program.report(
                     Diagnostic::new(Code::UnknownParameter, name.span, "RET_VAL is the value of the call")
                         .label("no parameter in SCL")
                         .help("write `result := Name(...);`"),
                 );
                 Formal::Unknown(None)
             }
-            _ => Formal::Unknown(self.unknown_parameter(key, bound, (&name.text, name.span))),
+            _ => Formal::Unknown(self.program.unknown_parameter(key, bound, (&name.text, name.span))),
         }
     }
 
     /// The parameters that arguments without names supply.
     fn positions(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         key: BlockKey,
         parameters: &[Parameter],
         given: &[Given],
@@ -171,14 +171,14 @@ impl Binder<'_> {
         };
         let message = Diagnostic::new(code, name, format!("{} arguments do not fit {key}", given.len()))
             .label(format!("it has {} parameters, {} of them inputs", all.len(), inputs.len()))
-            .help(self.with_library_note(key, help));
-        self.report.push(message);
+            .help(self.program.globals.with_library_note(key, help));
+        self.program.report(message);
         self.note_arguments(ctx, given);
         None
     }
 
     fn mixed_arguments(&mut self, span: Span) {
-        self.report.push(
+        self.program.report(
             Diagnostic::new(Code::MissingOperand, span, "this argument names no parameter")
                 .label("others of this call are named")
                 .help("write `parameter := value`"),
@@ -186,7 +186,7 @@ impl Binder<'_> {
     }
 
     fn wrong_arrow(&mut self, key: BlockKey, formal: &Parameter, argument: &Given) {
-        self.report.push(
+        self.program.report(
             Diagnostic::new(Code::AssignSign, argument.span, format!("`{}` of {key} is an input", formal.name))
                 .label("`=>` is for outputs of the block")
                 .help(format!("write `{} := ...`", formal.name)),
@@ -194,14 +194,14 @@ impl Binder<'_> {
     }
 
     /// `EN := condition`.
-    fn enable(&mut self, ctx: &mut Ctx, list: &mut Arguments, argument: &Given) -> Option<()> {
+    fn enable(&mut self, ctx: &mut SclBlock, list: &mut Arguments, argument: &Given) -> Option<()> {
         let value = argument.value.as_ref()?;
-        list.enable = Some(self.scl_of_type(ctx, value, Elementary::Bool)?);
+        list.enable = Some(self.of_type(ctx, value, Elementary::Bool)?);
         Some(())
     }
 
     /// `ENO => variable`.
-    fn eno(&mut self, ctx: &mut Ctx, list: &mut Arguments, argument: &Given) -> Option<()> {
+    fn eno(&mut self, ctx: &mut SclBlock, list: &mut Arguments, argument: &Given) -> Option<()> {
         // `ENO => ENO` changes nothing in a block that uses ENO.
         let Some(value) = argument.value.as_ref().filter(|value| !names_eno(ctx, value)) else { return Some(()) };
         list.eno = Some(self.variable_of_type(ctx, value, Elementary::Bool, Intent::Write)?);
@@ -212,7 +212,7 @@ impl Binder<'_> {
     #[allow(clippy::too_many_arguments)]
     fn check_missing(
         &mut self,
-        ctx: &Ctx,
+        ctx: &SclBlock,
         key: BlockKey,
         parameters: &[Parameter],
         seen: &FxHashMap<usize, Span>,
@@ -220,7 +220,7 @@ impl Binder<'_> {
         name: Span,
         list: &mut Arguments,
     ) -> bool {
-        let rules = ctx.scl.rules;
+        let rules = ctx.scope.rules;
         let mut missing: Vec<&str> = Vec::new();
         let mut dropped: Vec<&str> = Vec::new();
         for (index, formal) in parameters.iter().enumerate() {
@@ -251,7 +251,7 @@ impl Binder<'_> {
             .label("the value of this output is lost")
             .help(format!("add `{} => ...`; leave `=>` empty if you do not need the value", dropped[0]));
             message.severity = Severity::Warning;
-            self.report.push(message);
+            self.program.report(message);
         }
         if missing.is_empty() {
             return true;
@@ -260,14 +260,20 @@ impl Binder<'_> {
         let message =
             Diagnostic::new(Code::MissingParameter, name, format!("the call of {key} omits {}", missing.join(", ")))
                 .label("a function needs all its parameters")
-                .help(self.with_library_note(key, help));
-        self.report.push(message);
+                .help(self.program.globals.with_library_note(key, help));
+        self.program.report(message);
         false
     }
 
     /// A variable of an elementary type, or of the bit string with its width.
-    pub fn variable_of_type(&mut self, ctx: &mut Ctx, node: &Node, ty: Elementary, intent: Intent) -> Option<Access> {
-        let access = self.scl_access(ctx, node, intent)?;
+    pub fn variable_of_type(
+        &mut self,
+        ctx: &mut SclBlock,
+        node: &Node,
+        ty: Elementary,
+        intent: Intent,
+    ) -> Option<Access> {
+        let access = self.access(ctx, node, intent)?;
         let found = access.elementary();
         let fits = found.is_some_and(|found| found.bits() == ty.bits());
         if !fits {
@@ -300,14 +306,14 @@ pub const fn is_function(key: BlockKey) -> bool {
 }
 
 /// True if a node is the predefined name ENO or OK.
-pub fn names_eno(ctx: &Ctx, node: &Node) -> bool {
+pub fn names_eno(ctx: &SclBlock, node: &Node) -> bool {
     use plcc_syntax::scl::ast::{ExprKind, NameForm};
     match &node.kind {
         ExprKind::Name(name) => {
             let folded = fold(&name.text);
             name.form == NameForm::Bare
                 && matches!(folded.as_str(), "eno" | "ok")
-                && !ctx.bound.locals.contains_key(&folded)
+                && !ctx.block.bound.locals.contains_key(&folded)
         }
         _ => false,
     }

@@ -11,7 +11,7 @@ use super::memory::{binary, elementary_at, failed, load, minus_one, number, whol
 use super::message::described;
 use super::pins::Pins;
 use super::value::Value;
-use crate::bind::{Binder, Ctx};
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_model::Place;
 use plcc_model::layout;
 use plcc_model::scl::{
@@ -55,8 +55,8 @@ impl Run {
     }
 }
 
-impl Binder<'_> {
-    pub fn move_block(&mut self, ctx: &mut Ctx, pins: &Pins, span: Span) -> Option<Vec<StatementKind>> {
+impl SclBinder<'_, '_> {
+    pub fn move_block(&mut self, ctx: &mut SclBlock, pins: &Pins, span: Span) -> Option<Vec<StatementKind>> {
         let source = self.run(ctx, pins.get("IN")?, Intent::Read);
         let count = self.dint(ctx, pins.get("COUNT")?);
         let target = self.run(ctx, pins.get("OUT")?, Intent::Write);
@@ -107,14 +107,14 @@ impl Binder<'_> {
         Some(code)
     }
 
-    pub fn fill_block(&mut self, ctx: &mut Ctx, pins: &Pins, span: Span) -> Option<Vec<StatementKind>> {
+    pub fn fill_block(&mut self, ctx: &mut SclBlock, pins: &Pins, span: Span) -> Option<Vec<StatementKind>> {
         let target = self.run(ctx, pins.get("OUT")?, Intent::Write)?;
         let DataType::Elementary(ty) = target.element else {
             let is = format!("an array of {}", layout::type_name(&target.element));
             self.wrong_type(target.array.span, &is, "an array of an elementary type", None);
             return None;
         };
-        let value = self.scl_of_type(ctx, pins.get("IN")?, ty);
+        let value = self.of_type(ctx, pins.get("IN")?, ty);
         let count = self.dint(ctx, pins.get("COUNT")?);
         let mut code = Vec::new();
         let value = self.kept(ctx, &mut code, value?);
@@ -135,10 +135,10 @@ impl Binder<'_> {
     }
 
     /// `a[i]` and everything after it in the array.
-    pub(super) fn run(&mut self, ctx: &mut Ctx, node: &Node, intent: Intent) -> Option<Run> {
+    pub(super) fn run(&mut self, ctx: &mut SclBlock, node: &Node, intent: Intent) -> Option<Run> {
         let NodeKind::Index { base, indices } = &node.kind else { return self.no_element(node.span) };
         let [index] = indices.as_slice() else { return self.no_element(node.span) };
-        let array = self.scl_access(ctx, base, intent)?;
+        let array = self.access(ctx, base, intent)?;
         let (element, bounds) = match &array.ty {
             DataType::Array(ty) if ty.bounds.len() == 1 => {
                 (ty.element.clone(), IndexBounds::Known(ty.bounds[0].0, ty.bounds[0].1))
@@ -153,7 +153,7 @@ impl Binder<'_> {
         if let (ExprKind::Const(value), IndexBounds::Known(low, high)) = (&first.kind, bounds)
             && !(low..=high).contains(&(*value as u32 as i32))
         {
-            self.report.push(
+            self.program.report(
                 Diagnostic::new(
                     Code::ArrayIndex,
                     index.span,
@@ -168,8 +168,8 @@ impl Binder<'_> {
     }
 
     fn no_element<T>(&mut self, span: Span) -> Option<T> {
-        let text = self.text(span);
-        self.report.push(
+        let text = self.program.globals.text(span);
+        self.program.report(
             Diagnostic::new(Code::OperandKind, span, format!("`{text}` is not an element of an array"))
                 .label("the first element is expected here")
                 .help("name an element of an array of one dimension, for example `#data[0]`"),
@@ -178,8 +178,8 @@ impl Binder<'_> {
     }
 
     /// LOWER_BOUND, UPPER_BOUND.
-    pub fn bound_function(&mut self, ctx: &mut Ctx, upper: bool, pins: &Pins, span: Span) -> Option<Value> {
-        let array = self.scl_value(ctx, pins.get("ARR")?);
+    pub fn bound_function(&mut self, ctx: &mut SclBlock, upper: bool, pins: &Pins, span: Span) -> Option<Value> {
+        let array = self.value(ctx, pins.get("ARR")?);
         let dimension = self.dint(ctx, pins.get("DIM")?);
         match (array?, dimension?) {
             (Value::Parameter { access, span: place }, dimension) if matches!(access.ty, DataType::OpenArray(_)) => {
@@ -190,7 +190,7 @@ impl Binder<'_> {
                 let index = usize::try_from(dimension).ok().and_then(|dimension| dimension.checked_sub(1));
                 let bounds = index.and_then(|index| array.bounds.get(index));
                 let Some((low, high)) = bounds else {
-                    self.report.push(
+                    self.program.report(
                         Diagnostic::new(Code::ArrayIndex, span, "the array does not have this dimension")
                             .label(format!("it has {} dimensions", array.bounds.len())),
                     );
@@ -206,8 +206,8 @@ impl Binder<'_> {
     }
 
     fn no_bounds<T>(&mut self, span: Span) -> Option<T> {
-        let text = self.text(span);
-        self.report.push(
+        let text = self.program.globals.text(span);
+        self.program.report(
             Diagnostic::new(Code::TypeMismatch, span, format!("`{text}` has no bounds to query"))
                 .label("an ARRAY[*] parameter, or an array and a constant dimension, is expected"),
         );
@@ -215,9 +215,9 @@ impl Binder<'_> {
     }
 
     /// CountOfElements: a UDINT, 0 for what is not an array.
-    pub fn count_of_elements(&mut self, ctx: &mut Ctx, pins: &Pins, span: Span) -> Option<Value> {
+    pub fn count_of_elements(&mut self, ctx: &mut SclBlock, pins: &Pins, span: Span) -> Option<Value> {
         let udint = |value: u64| Expr { kind: ExprKind::Const(value), ty: Elementary::Udint, span };
-        let count = match self.scl_value(ctx, pins.get("IN")?)? {
+        let count = match self.value(ctx, pins.get("IN")?)? {
             Value::Complex { ty: DataType::Array(array), .. } => udint(layout::element_count(&array.bounds)),
             Value::Parameter { access, span: place } => match &access.ty {
                 DataType::OpenArray(array) => {
@@ -258,10 +258,11 @@ pub fn variant_field(variant: &Access, at: u32, span: Span) -> Option<Expr> {
 }
 
 /// The parameter that an ARRAY[*] is.
-fn open_parameter(ctx: &Ctx, access: &Access) -> Option<usize> {
+fn open_parameter(ctx: &SclBlock, access: &Access) -> Option<usize> {
     match &access.base {
         Base::Place(Place::Parameter { parameter, .. }) => Some(*parameter),
         Base::Place(Place::ThroughPointer { pointer, .. }) => ctx
+            .block
             .bound
             .interface
             .parameters
@@ -329,7 +330,7 @@ fn whole_copy(source: &Run, target: &Run, count: &Expr) -> Option<StatementKind>
 }
 
 /// Limits `left` to the number of elements that the array still has.
-pub(super) fn shortened(ctx: &Ctx, left: &Access, run: &Run, first: &Expr, span: Span) -> StatementKind {
+pub(super) fn shortened(ctx: &SclBlock, left: &Access, run: &Run, first: &Expr, span: Span) -> StatementKind {
     let room = || {
         let rest = binary(BinaryOp::Subtract, run.last(), first.clone());
         binary(BinaryOp::Add, rest, number(1, span))

@@ -9,16 +9,16 @@ use super::convert;
 use super::place::Thing;
 use super::value::Value;
 use super::{Intent, Rules, message};
-use crate::bind::{Binder, Ctx};
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_model::layout;
 use plcc_model::scl::{Access, Complex, Expr, ExprKind, Function, Statement, StatementKind};
 use plcc_model::types::DataType;
 
-impl Binder<'_> {
+impl SclBinder<'_, '_> {
     /// `a := b += e`: from right to left, one statement for each.
     pub(super) fn assign(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         targets: &[(Node, AssignOp)],
         value: &Node,
         span: Span,
@@ -26,7 +26,7 @@ impl Binder<'_> {
     ) {
         let mut value = match self.value_for_target(ctx, targets, value) {
             Some(value) => value,
-            None => self.scl_value(ctx, value),
+            None => self.value(ctx, value),
         };
         for (at, (target, op)) in targets.iter().enumerate().rev() {
             let read = at > 0;
@@ -38,7 +38,7 @@ impl Binder<'_> {
     #[allow(clippy::too_many_arguments, reason = "the parts of one assignment")]
     fn assign_one(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         target: &Node,
         op: AssignOp,
         value: Option<Value>,
@@ -57,7 +57,7 @@ impl Binder<'_> {
         if self.is_flag(ctx, target) {
             return self.assign_flag(ctx, target, op, value?, span, read, bound);
         }
-        let access = self.scl_access(ctx, target, Intent::Write);
+        let access = self.access(ctx, target, Intent::Write);
         let (access, value) = (access?, value?);
         if (read || op != AssignOp::Set) && access_has_call(&access) {
             self.refuse(
@@ -85,7 +85,7 @@ impl Binder<'_> {
 
     pub(in crate::bind) fn binary_value(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         op: Operator,
         op_span: Span,
         left: Value,
@@ -99,25 +99,30 @@ impl Binder<'_> {
     }
 
     /// The statement that assigns `value` to `target`, by the target's type.
-    pub(in crate::bind) fn assignment(&mut self, ctx: &mut Ctx, target: Access, value: Value) -> Option<StatementKind> {
+    pub(in crate::bind) fn assignment(
+        &mut self,
+        ctx: &mut SclBlock,
+        target: Access,
+        value: Value,
+    ) -> Option<StatementKind> {
         let value = match self.result_in_place(&target, value) {
             Ok(call) => return Some(call),
             Err(value) => value,
         };
         if let Some(ty) = target.elementary() {
-            let value = self.scl_convert(ctx, value, ty)?;
-            let value = with_else(ctx.scl.rules, &target, value);
+            let value = self.convert(ctx, value, ty)?;
+            let value = with_else(ctx.scope.rules, &target, value);
             return Some(StatementKind::Assign { target, value });
         }
         let ty = target.ty.clone();
         match &ty {
             DataType::Elementary(_) | DataType::Void => None,
             DataType::String(_) | DataType::WideString(_) => {
-                let value = self.scl_complex_value(ctx, value, &ty)?;
+                let value = self.complex_value(ctx, value, &ty)?;
                 Some(StatementKind::AssignText { target, value })
             }
             DataType::DateAndTime | DataType::Array(_) | DataType::Struct(_) | DataType::Parameter(_) => {
-                let source = self.scl_complex_value(ctx, value, &ty)?;
+                let source = self.complex_value(ctx, value, &ty)?;
                 Some(StatementKind::Copy { target, source, bytes: copied_bytes(&ty) })
             }
             DataType::OpenArray(_) => {
@@ -131,7 +136,7 @@ impl Binder<'_> {
     }
 
     /// The target is `OK` or `ENO`.
-    fn is_flag(&mut self, ctx: &mut Ctx, target: &Node) -> bool {
+    fn is_flag(&mut self, ctx: &mut SclBlock, target: &Node) -> bool {
         let NodeKind::Name(name) = &target.kind else { return false };
         if !name.text.eq_ignore_ascii_case("OK") && !name.text.eq_ignore_ascii_case("ENO") {
             return false;
@@ -142,7 +147,7 @@ impl Binder<'_> {
     #[allow(clippy::too_many_arguments, reason = "the parts of one assignment")]
     fn assign_flag(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         target: &Node,
         op: AssignOp,
         value: Value,
@@ -155,7 +160,7 @@ impl Binder<'_> {
             self.wrong_type(target.span, "a BOOL", "a number", Some(format!("assign {is} with `:=`")));
             return None;
         }
-        let value = self.scl_convert(ctx, value, Elementary::Bool)?;
+        let value = self.convert(ctx, value, Elementary::Bool)?;
         bound.push(Statement { kind: StatementKind::SetFlag(value), span });
         read.then_some(Value::Elementary(Expr { kind: ExprKind::Flag, ty: Elementary::Bool, span }))
     }

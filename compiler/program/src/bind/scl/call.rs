@@ -11,8 +11,8 @@ use plcc_syntax::scl::ast::{Argument as Given, Expr as Node, ExprKind as NodeKin
 use super::function::Named;
 use super::value::Value;
 use super::{Intent, Rules};
-use crate::bind::names::code_kind;
-use crate::bind::{Binder, Ctx};
+use crate::bind::globals::names::code_kind;
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::fold;
 use plcc_binding::similar;
 use plcc_model::layout;
@@ -27,9 +27,9 @@ pub enum Callee {
     Function(Named),
 }
 
-impl Binder<'_> {
+impl SclBinder<'_, '_> {
     /// Binds a call: of a block, an instance, a function of the language. `statement`: its value may be unused.
-    pub fn scl_call(&mut self, ctx: &mut Ctx, node: &Node, statement: bool) -> Option<Value> {
+    pub fn call(&mut self, ctx: &mut SclBlock, node: &Node, statement: bool) -> Option<Value> {
         let NodeKind::Call { callee, arguments } = &node.kind else { return None };
         let wide = self.overload(ctx, callee, arguments).map(|key| Callee::Block { key, instance: None });
         let Some(target) = wide.or_else(|| self.callee(ctx, callee)) else {
@@ -48,19 +48,19 @@ impl Binder<'_> {
     /// A call of a block with its arguments.
     pub fn block_call(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         key: BlockKey,
         instance: Option<Instance>,
         given: &[Given],
         name: Span,
         span: Span,
     ) -> Option<Call> {
-        let Some(bound) = self.interface(key, name) else {
+        let Some(bound) = self.program.interface(key, name) else {
             self.note_arguments(ctx, given);
             return None;
         };
         let names = given.iter().filter_map(|argument| argument.name.as_ref()).map(|name| name.text.as_str());
-        if self.is_own_of_program(key, &bound, names, name) {
+        if self.program.globals.is_own_of_program(key, &bound.interface.parameters, names, name) {
             self.note_arguments(ctx, given);
             return None;
         }
@@ -70,7 +70,7 @@ impl Binder<'_> {
             && let Some(id) = instance_id(ctx, instance)
         {
             let supplied: Vec<usize> = list.arguments.iter().map(|argument| argument.parameter).collect();
-            self.note_pointers(id, key, &bound, &supplied, span);
+            self.program.pointers.note(id, key, &bound, &supplied, span);
         }
         Some(Call { target: key, instance, arguments: list.arguments, enable: list.enable, eno: list.eno, span })
     }
@@ -81,7 +81,7 @@ impl Binder<'_> {
             return Some(Value::Nothing(Box::new(call)));
         }
         let (key, span) = (call.target, call.span);
-        let bound = self.interface(key, name)?;
+        let bound = self.program.interface(key, name)?;
         let supplied = |argument: &Argument| is_result(key, &bound.interface.parameters[argument.parameter]);
         if call.arguments.iter().any(supplied) {
             let label = "the variable after `RET_VAL =>` already gets its value";
@@ -94,14 +94,15 @@ impl Binder<'_> {
             );
             return None;
         }
-        let ty = self.interface(key, name)?.interface.parameters.iter().find(|one| is_result(key, one)).cloned();
+        let ty =
+            self.program.interface(key, name)?.interface.parameters.iter().find(|one| is_result(key, one)).cloned();
         match ty.map(|result| result.ty) {
             Some(DataType::Elementary(ty)) => {
                 Some(Value::Elementary(Expr { kind: ExprKind::Call(Box::new(call)), ty, span }))
             }
             Some(DataType::Void | DataType::Parameter(_) | DataType::OpenArray(_)) | None => {
-                let text = self.text(name);
-                self.report.push(
+                let text = self.program.globals.text(name);
+                self.program.report(
                     Diagnostic::new(Code::TypeMismatch, name, format!("`{text}` has no value"))
                         .label(match key.kind {
                             BlockKind::Fb | BlockKind::Sfb => "the call of a function block is a statement",
@@ -116,23 +117,23 @@ impl Binder<'_> {
     }
 
     /// Arguments of a call that cannot be checked are still bound, so that all undefined names are reported.
-    pub fn note_arguments(&mut self, ctx: &mut Ctx, given: &[Given]) {
-        let known = ctx.scl.temp_reads.len();
+    pub fn note_arguments(&mut self, ctx: &mut SclBlock, given: &[Given]) {
+        let known = ctx.scope.temp_reads.len();
         let values = given.iter().filter_map(|argument| argument.value.as_ref());
         // NULL may be handed to a parameter of type VARIANT, which this one may be.
         for value in values.filter(|value| !matches!(value.kind, NodeKind::Literal(Literal::Null))) {
-            self.scl_value(ctx, value);
+            self.value(ctx, value);
         }
         // It is not known which of them the call writes.
-        let uses = ctx.scl.temp_reads.drain(known..).map(|read| (read.first, read.end));
-        ctx.scl.temp_writes.extend(uses);
+        let uses = ctx.scope.temp_reads.drain(known..).map(|read| (read.first, read.end));
+        ctx.scope.temp_writes.extend(uses);
     }
 
-    pub(in crate::bind) fn callee(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Callee> {
+    pub(in crate::bind) fn callee(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Callee> {
         match &node.kind {
             NodeKind::Name(name) => self.named_callee(ctx, node, name),
             NodeKind::Absolute(OperandKind::Block(name)) => {
-                let (prefix, number) = self.block_number(name)?;
+                let (prefix, number) = self.program.globals.block_number(name)?;
                 self.block_callee(prefix, number, node.span)
             }
             NodeKind::Member { base, name } => self.member_callee(ctx, node, base, name),
@@ -142,7 +143,7 @@ impl Binder<'_> {
         }
     }
 
-    fn named_callee(&mut self, ctx: &mut Ctx, node: &Node, name: &Name) -> Option<Callee> {
+    fn named_callee(&mut self, ctx: &mut SclBlock, node: &Node, name: &Name) -> Option<Callee> {
         let local = self.is_local(ctx, name);
         if local && self.is_unknown_global(ctx, name) {
             self.unknown_function(name);
@@ -152,11 +153,11 @@ impl Binder<'_> {
             return self.variable_callee(ctx, node);
         }
         if let Some(block) = block_of_name(name) {
-            let (prefix, number) = self.block_number(&block)?;
+            let (prefix, number) = self.program.globals.block_number(&block)?;
             return self.block_callee(prefix, number, node.span);
         }
-        let rules = ctx.scl.rules;
-        if let Some(global) = self.globals.get(&fold(&name.text)) {
+        let rules = ctx.scope.rules;
+        if let Some(global) = self.program.globals.names.symbols.get(&fold(&name.text)) {
             let target = global.target;
             if name.form != NameForm::Bare || self.is_called(target) || !self.is_function(rules, &name.text) {
                 return match target {
@@ -166,12 +167,12 @@ impl Binder<'_> {
             }
         }
         // A quoted name is a block of the program, which a part of the program may not include.
-        let quoted = name.form == NameForm::Quoted && self.input.partial;
+        let quoted = name.form == NameForm::Quoted && self.program.globals.input.partial;
         if let Some(named) = Named::find(&name.text).filter(|_| !quoted) {
             return Some(Callee::Function(named));
         }
         match self.library_function(rules, &name.text) {
-            Some(key) => self.block_callee(crate::bind::names::kind_prefix(key.kind), key.number, node.span),
+            Some(key) => self.block_callee(crate::bind::globals::names::kind_prefix(key.kind), key.number, node.span),
             None if local => self.variable_callee(ctx, node),
             None => {
                 self.unknown_function(name);
@@ -185,7 +186,7 @@ impl Binder<'_> {
         match target {
             SymbolTarget::Block { prefix: BlockPrefix::Db | BlockPrefix::Di, number } => u16::try_from(number)
                 .ok()
-                .and_then(|number| self.dbs.get(&number))
+                .and_then(|number| self.program.data.blocks.get(&number))
                 .is_none_or(|db| db.block.instance_of.is_some()),
             SymbolTarget::Block { .. } => true,
             SymbolTarget::Memory { .. } | SymbolTarget::Cell { .. } => false,
@@ -198,23 +199,25 @@ impl Binder<'_> {
     }
 
     /// True if a name before `(` means a variable. One that cannot be called does not hide a function: `LIMIT(…)` next to `#limit`.
-    pub(super) fn is_instance(&self, ctx: &Ctx, name: &Name) -> bool {
+    pub(super) fn is_instance(&self, ctx: &SclBlock, name: &Name) -> bool {
         name.form == NameForm::Local || (self.is_local(ctx, name) && callable_local(ctx, name))
     }
 
     /// True if a name without `#` means a variable of the block.
-    fn is_local(&self, ctx: &Ctx, name: &Name) -> bool {
+    fn is_local(&self, ctx: &SclBlock, name: &Name) -> bool {
         let folded = fold(&name.text);
-        ctx.bound.locals.contains_key(&folded)
+        ctx.block.bound.locals.contains_key(&folded)
             && match name.form {
                 NameForm::Bare | NameForm::Local => true,
-                NameForm::Quoted => !self.globals.contains_key(&folded),
+                NameForm::Quoted => !self.program.globals.names.symbols.contains_key(&folded),
             }
     }
 
     /// True if a name in quotes means something global that nothing defines: where locals are written with `#`, a local of that name is another.
-    pub(super) fn is_unknown_global(&self, ctx: &Ctx, name: &Name) -> bool {
-        name.form == NameForm::Quoted && ctx.scl.marks_locals && !self.globals.contains_key(&fold(&name.text))
+    pub(super) fn is_unknown_global(&self, ctx: &SclBlock, name: &Name) -> bool {
+        name.form == NameForm::Quoted
+            && ctx.scope.marks_locals
+            && !self.program.globals.names.symbols.contains_key(&fold(&name.text))
     }
 
     /// The library block with the name of a function. One name can mean different blocks in STEP 7 V5 and in the TIA Portal.
@@ -232,7 +235,9 @@ impl Binder<'_> {
             Rules::Classic => classic().or_else(tia),
             Rules::Tia300 | Rules::Tia1200 | Rules::Tia1500 => tia().or_else(classic),
         };
-        block.filter(|block| !self.is_foreign(block)).map(|block| self.library_key(block))
+        block
+            .filter(|block| !self.program.globals.library.is_foreign(block))
+            .map(|block| self.program.globals.library.key_of(block))
     }
 
     /// A block alone: a function, or a data block that is an instance.
@@ -242,8 +247,8 @@ impl Binder<'_> {
                 Some(Callee::Block { key: BlockKey { kind: code_kind(prefix)?, number }, instance: None })
             }
             BlockPrefix::Fb | BlockPrefix::Sfb => {
-                let text = self.text(span);
-                self.report.push(
+                let text = self.program.globals.text(span);
+                self.program.report(
                     Diagnostic::new(Code::MissingOperand, span, format!("the call of `{text}` names no instance"))
                         .label("a function block keeps its data in an instance")
                         .help("call the instance data block, a static variable of this type, or write `FB1.DB2(...)`"),
@@ -251,9 +256,11 @@ impl Binder<'_> {
                 None
             }
             BlockPrefix::Db | BlockPrefix::Di => {
-                let Some(db) = self.dbs.get(&number) else {
-                    if !self.data.contains_key(&number) && !self.unknown_instances.contains(&number) {
-                        self.report.missing_block(prefix, number, span);
+                let Some(db) = self.program.data.blocks.get(&number) else {
+                    if !self.program.globals.sources.data.contains_key(&number)
+                        && !self.program.data.unknown_instances.contains(&number)
+                    {
+                        self.program.globals.report.missing_block(prefix, number, span);
                     }
                     return None;
                 };
@@ -261,7 +268,7 @@ impl Binder<'_> {
                     Some(key) => Some(Callee::Block { key, instance: Some(Instance::Db(number)) }),
                     None => {
                         let defined = db.block.span;
-                        self.report.push(
+                        self.program.report(
                             Diagnostic::new(Code::NoBlockFits, span, format!("DB {number} is not an instance"))
                                 .label("a shared data block cannot be called")
                                 .also(defined, "the data block")
@@ -276,24 +283,26 @@ impl Binder<'_> {
     }
 
     /// `FB10.DB20`, `"Db".timer`, `"Db".TON`, `#s.timer`, `#timer.TON`.
-    fn member_callee(&mut self, ctx: &mut Ctx, node: &Node, base: &Node, name: &Name) -> Option<Callee> {
+    fn member_callee(&mut self, ctx: &mut SclBlock, node: &Node, base: &Node, name: &Name) -> Option<Callee> {
         let (ty, instance) = match self.quiet_block(ctx, base) {
             Some((prefix @ (BlockPrefix::Fb | BlockPrefix::Sfb), number)) => {
                 let key = BlockKey { kind: code_kind(prefix)?, number };
                 return self.instance_db(key, name);
             }
-            Some((BlockPrefix::Db, number)) => match self.db_type(number) {
+            Some((BlockPrefix::Db, number)) => match self.program.data.db_type(number) {
                 Some(ty) => (ty, Instance::Db(number)),
                 None => {
-                    if !self.data.contains_key(&number) && !self.unknown_instances.contains(&number) {
-                        self.report.missing_db_layout(number, base.span);
+                    if !self.program.globals.sources.data.contains_key(&number)
+                        && !self.program.data.unknown_instances.contains(&number)
+                    {
+                        self.program.globals.report.missing_db_layout(number, base.span);
                     }
                     return None;
                 }
             },
             Some(_) => return self.no_callee(node.span),
             None => {
-                let access = self.scl_access(ctx, base, Intent::Both)?;
+                let access = self.access(ctx, base, Intent::Both)?;
                 match &access.ty {
                     DataType::Struct(ty) => (std::rc::Rc::clone(ty), Instance::Variable(access)),
                     _ => return self.variable_callee(ctx, node),
@@ -314,32 +323,33 @@ impl Binder<'_> {
     /// counters.
     fn instruction_of(
         &mut self,
-        ctx: &Ctx,
+        ctx: &SclBlock,
         ty: &StructType,
         instance: &Instance,
         name: &str,
         span: Span,
     ) -> Option<BlockKey> {
         let own = match instance {
-            Instance::Db(number) => self.dbs.get(number)?.block.instance_of,
+            Instance::Db(number) => self.program.data.blocks.get(number)?.block.instance_of,
             Instance::Variable(_) => instance_key(ty),
         };
         if let Some(key) = own
-            && let Some(block) = self.library_block(key)
+            && let Some(block) = self.program.globals.library_block(key)
             && (block.name.eq_ignore_ascii_case(name)
                 || block.name.split('_').next().is_some_and(|first| first.eq_ignore_ascii_case(name)))
         {
             return Some(key);
         }
         // Timers share one layout, and counters of one type theirs, so IEC_TIMER accepts each of them.
-        let typed = own.and_then(|key| self.library_block(key)).and_then(|block| block.name.split_once('_'));
+        let typed =
+            own.and_then(|key| self.program.globals.library_block(key)).and_then(|block| block.name.split_once('_'));
         let key = typed
-            .and_then(|(_, ty)| self.library_function(ctx.scl.rules, &format!("{name}_{ty}")))
-            .or_else(|| self.library_function(ctx.scl.rules, name))?;
+            .and_then(|(_, ty)| self.library_function(ctx.scope.rules, &format!("{name}_{ty}")))
+            .or_else(|| self.library_function(ctx.scope.rules, name))?;
         if !matches!(key.kind, BlockKind::Fb | BlockKind::Sfb) {
             return None;
         }
-        let bound = self.interface(key, span)?;
+        let bound = self.program.interface(key, span)?;
         let common = ["ET", "CV"].iter().any(|shared| {
             let has = |members: &[Member]| members.iter().any(|member| member.name.eq_ignore_ascii_case(shared));
             has(&ty.members) && has(&bound.interface.instance)
@@ -349,7 +359,7 @@ impl Binder<'_> {
 
     fn wrong_instruction(&mut self, ty: &StructType, instance: &Instance, name: &Name) -> Option<Callee> {
         let own = match instance {
-            Instance::Db(number) => self.dbs.get(number).and_then(|db| db.block.instance_of),
+            Instance::Db(number) => self.program.data.blocks.get(number).and_then(|db| db.block.instance_of),
             Instance::Variable(_) => instance_key(ty),
         };
         let what = match ty.name.as_str() {
@@ -358,7 +368,8 @@ impl Binder<'_> {
         };
         let message = match own {
             Some(key) => {
-                let known = self.library_block(key).map_or(key.to_string(), |block| block.name.to_string());
+                let known =
+                    self.program.globals.library_block(key).map_or(key.to_string(), |block| block.name.to_string());
                 Diagnostic::new(Code::NoBlockFits, name.span, format!("{what} is not an instance of `{}`", name.text))
                     .label(format!("the name before the point is an instance of {known}"))
                     .help(format!("write `{known}` here, or call the instance by its name alone"))
@@ -376,7 +387,7 @@ impl Binder<'_> {
                 }
             }
         };
-        self.report.push(message);
+        self.program.report(message);
         None
     }
 
@@ -384,29 +395,29 @@ impl Binder<'_> {
     fn instance_db(&mut self, key: BlockKey, name: &Name) -> Option<Callee> {
         let block =
             block_of_name(name).unwrap_or_else(|| BlockName::Symbol { name: name.text.clone(), span: name.span });
-        let (prefix, number) = self.block_number(&block)?;
+        let (prefix, number) = self.program.globals.block_number(&block)?;
         if prefix != BlockPrefix::Db || number == 0 {
-            self.report.push(
+            self.program.report(
                 Diagnostic::new(Code::OperandKind, name.span, format!("`{}` is not a data block", name.text))
                     .label("the instance data block is expected here"),
             );
             return None;
         }
-        if self.interface(key, name.span).is_some() {
-            self.check_instance_db(key, number, name.span)?;
+        if self.program.interface(key, name.span).is_some() {
+            self.program.check_instance_db(key, number, name.span)?;
         }
         Some(Callee::Block { key, instance: Some(Instance::Db(number)) })
     }
 
     /// A variable that is an instance.
-    fn variable_callee(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Callee> {
-        let access = self.scl_access(ctx, node, Intent::Both)?;
+    fn variable_callee(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Callee> {
+        let access = self.access(ctx, node, Intent::Both)?;
         match instance_of(&access) {
             Some(key) => Some(Callee::Block { key, instance: Some(Instance::Variable(access)) }),
             None => {
-                let text = self.text(node.span);
+                let text = self.program.globals.text(node.span);
                 let name = layout::type_name(&access.ty);
-                self.report.push(
+                self.program.report(
                     Diagnostic::new(Code::OperandKind, node.span, format!("`{text}` cannot be called"))
                         .label(format!("a variable of type {name}"))
                         .help(
@@ -419,8 +430,8 @@ impl Binder<'_> {
     }
 
     fn no_callee(&mut self, span: Span) -> Option<Callee> {
-        let text = self.text(span);
-        self.report.push(
+        let text = self.program.globals.text(span);
+        self.program.report(
             Diagnostic::new(Code::OperandKind, span, format!("`{text}` cannot be called"))
                 .label("a function, or an instance of a function block, is expected here"),
         );
@@ -428,7 +439,7 @@ impl Binder<'_> {
     }
 
     /// The block that a node names; no message if it is none.
-    pub(in crate::bind) fn quiet_block(&self, ctx: &Ctx, node: &Node) -> Option<(BlockPrefix, u16)> {
+    pub(in crate::bind) fn quiet_block(&self, ctx: &SclBlock, node: &Node) -> Option<(BlockPrefix, u16)> {
         let name = match &node.kind {
             NodeKind::Name(name) if name.form != NameForm::Local && !self.is_local(ctx, name) => name,
             NodeKind::Absolute(OperandKind::Block(BlockName::Numbered { prefix, number, .. })) => {
@@ -439,7 +450,7 @@ impl Binder<'_> {
         if let Some(BlockName::Numbered { prefix, number, .. }) = block_of_name(name) {
             return Some((prefix, u16::try_from(number).ok()?));
         }
-        match self.global(&name.text)? {
+        match self.program.globals.global(&name.text)? {
             SymbolTarget::Block { prefix, number } => Some((prefix, number as u16)),
             SymbolTarget::Memory { .. } | SymbolTarget::Cell { .. } => None,
         }
@@ -448,22 +459,28 @@ impl Binder<'_> {
     /// Reports a function that neither the program nor the language has.
     fn unknown_function(&mut self, name: &Name) {
         if plcc_stdlib::not_supported(&name.text) {
-            self.report.missing_function(&name.text, name.span, None, true);
+            self.program.globals.report.missing_function(&name.text, name.span, None, true);
             return;
         }
         let folded = fold(&name.text);
         if plcc_stdlib::LIBRARY.iter().any(|block| fold(block.name) == folded) {
-            self.unknown_name(&name.text, name.span);
+            self.program.globals.unknown_name(&name.text, name.span);
             return;
         }
-        let own = self.globals.values().filter(|global| matches!(global.target, SymbolTarget::Block { .. }));
+        let own = self
+            .program
+            .globals
+            .names
+            .symbols
+            .values()
+            .filter(|global| matches!(global.target, SymbolTarget::Block { .. }));
         let own: Vec<&str> = own.map(|global| global.name.as_str()).collect();
         let shipped = plcc_stdlib::blocks().iter().map(|block| block.name);
         let meant = similar(&name.text, own.into_iter())
             .or_else(|| similar(&name.text, super::function::names()))
             .or_else(|| similar(&name.text, shipped))
             .map(str::to_owned);
-        self.report.missing_function(&name.text, name.span, meant, false);
+        self.program.globals.report.missing_function(&name.text, name.span, meant, false);
     }
 }
 
@@ -481,8 +498,8 @@ pub fn block_of_name(name: &Name) -> Option<BlockName> {
 }
 
 /// True if variables of a local's type can be called.
-fn callable_local(ctx: &Ctx, name: &Name) -> bool {
-    let local = ctx.bound.locals.get(&fold(&name.text));
+fn callable_local(ctx: &SclBlock, name: &Name) -> bool {
+    let local = ctx.block.bound.locals.get(&fold(&name.text));
     local.is_some_and(|local| {
         !matches!(local.ty, DataType::Elementary(_) | DataType::String(_) | DataType::WideString(_))
     })
@@ -509,13 +526,13 @@ fn instance_of(access: &Access) -> Option<BlockKey> {
 }
 
 /// An instance that is the same in every call here.
-fn instance_id(ctx: &Ctx, instance: &Instance) -> Option<crate::bind::call::InstanceId> {
+fn instance_id(ctx: &SclBlock, instance: &Instance) -> Option<crate::bind::declarations::calls::InstanceId> {
     match instance {
-        Instance::Db(number) => Some(crate::bind::call::InstanceId::Db(*number)),
+        Instance::Db(number) => Some(crate::bind::declarations::calls::InstanceId::Db(*number)),
         Instance::Variable(Access { base: Base::Place(Place::Instance { byte, .. }), indices, .. })
             if indices.is_empty() =>
         {
-            Some(crate::bind::call::InstanceId::Multi(ctx.key, *byte))
+            Some(crate::bind::declarations::calls::InstanceId::Multi(ctx.block.key, *byte))
         }
         Instance::Variable(_) => None,
     }

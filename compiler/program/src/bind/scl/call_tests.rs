@@ -5,7 +5,8 @@ use plcc_diag::{Diagnostic, SourceFile, SourceMap};
 use plcc_readers::ReadOptions;
 use plcc_syntax::{Elementary, Language};
 
-use crate::bind::{BindInput, bind};
+use crate::bind::bind;
+use plcc_binding::BindInput;
 use plcc_model::profile;
 use plcc_model::scl::{Actual, BinaryOp, Call, Complex, Conversion, Expr, ExprKind, Function, Instance, StatementKind};
 use plcc_model::{BlockKey, Body, Program};

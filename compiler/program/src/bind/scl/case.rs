@@ -6,14 +6,14 @@ use plcc_syntax::{Class, Elementary};
 
 use super::value::Value;
 use super::{constant, message};
-use crate::bind::{Binder, Ctx};
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
 use plcc_model::scl::{Arm, Expr, StatementKind};
 
-impl Binder<'_> {
+impl SclBinder<'_, '_> {
     pub(super) fn case(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         selector: &Node,
         arms: &[ArmTree],
         otherwise: &[Tree],
@@ -35,8 +35,8 @@ impl Binder<'_> {
         Some(StatementKind::Case { selector: selector?, arms: bound, otherwise })
     }
 
-    fn selector(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Expr> {
-        let value = self.scl_value(ctx, node)?;
+    fn selector(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Expr> {
+        let value = self.value(ctx, node)?;
         let fits = match &value {
             Value::Elementary(expr) => {
                 matches!(expr.ty.class(), Class::Bits | Class::Signed | Class::Unsigned | Class::Character)
@@ -50,13 +50,13 @@ impl Binder<'_> {
             self.wrong_type(node.span, &is, "an integer", Some("for other values use IF and ELSIF".to_string()));
             return None;
         }
-        self.scl_own_type(ctx, value)
+        self.own_type(ctx, value)
     }
 
     /// The values of one entry, if it can match.
     fn case_range(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         value: &CaseValue,
         ty: Elementary,
         of_types: bool,
@@ -93,11 +93,11 @@ impl Binder<'_> {
     }
 
     /// A label as a number of the selector's type.
-    fn case_value(&mut self, ctx: &mut Ctx, node: &Node, ty: Elementary, of_types: bool) -> Option<i128> {
+    fn case_value(&mut self, ctx: &mut SclBlock, node: &Node, ty: Elementary, of_types: bool) -> Option<i128> {
         if of_types && let Some(Constant::Typed { bits, .. }) = self.named_type_number(ctx, node) {
             return Some(i128::from(bits));
         }
-        let value = self.constant(&ctx.bound.constants, node)?;
+        let value = self.program.globals.constant(&ctx.block.bound.constants, node)?;
         let (least, most) = constant::range(ty);
         match &value {
             // Bits of a signed number, as 16#FFFF for -1.
@@ -141,7 +141,7 @@ impl Binder<'_> {
                 && entry.1.0 <= high
             {
                 let (earlier, later) = if order < entry.0 { (first, entry.1.2) } else { (entry.1.2, first) };
-                self.report.push(
+                self.program.report(
                     Diagnostic::new(Code::CaseValue, later, "this value is already in an earlier arm")
                         .label("the earlier arm runs instead")
                         .also(earlier, "the arm that runs")

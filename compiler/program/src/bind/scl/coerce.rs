@@ -9,7 +9,7 @@ use super::convert::{self, Implicit};
 use super::place::Spot;
 use super::value::Value;
 use super::{Rules, constant, message};
-use crate::bind::{Binder, Ctx};
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
 use plcc_model::Number;
 use plcc_model::layout;
@@ -20,15 +20,15 @@ use plcc_model::types::{DataType, StructType};
 /// Longest STRING.
 const STRING_MAX: usize = 254;
 
-impl Binder<'_> {
+impl SclBinder<'_, '_> {
     /// Binds an expression whose value must have type `ty`, with an implicit conversion if needed.
-    pub(in crate::bind) fn scl_of_type(&mut self, ctx: &mut Ctx, node: &Node, ty: Elementary) -> Option<Expr> {
-        let value = self.scl_value(ctx, node)?;
-        self.scl_convert(ctx, value, ty)
+    pub(in crate::bind) fn of_type(&mut self, ctx: &mut SclBlock, node: &Node, ty: Elementary) -> Option<Expr> {
+        let value = self.value(ctx, node)?;
+        self.convert(ctx, value, ty)
     }
 
     /// Converts a bound value to type `ty` if needed; reports a value without an implicit conversion.
-    pub(in crate::bind) fn scl_convert(&mut self, ctx: &mut Ctx, value: Value, ty: Elementary) -> Option<Expr> {
+    pub(in crate::bind) fn convert(&mut self, ctx: &mut SclBlock, value: Value, ty: Elementary) -> Option<Expr> {
         match value {
             Value::Elementary(expr) => self.implicit(ctx, expr, ty),
             Value::Constant(constant, span) => self.constant_of_type(ctx, &constant, span, ty),
@@ -36,7 +36,7 @@ impl Binder<'_> {
             Value::Cell { kind, number, span } if ty == Elementary::Bool => {
                 Some(Expr { kind: ExprKind::Cell { kind, number }, ty, span })
             }
-            other if ty == Elementary::Ldt && converts_dates(ctx.scl.rules) && Self::is_long_date(&other) => {
+            other if ty == Elementary::Ldt && converts_dates(ctx.scope.rules) && Self::is_long_date(&other) => {
                 self.as_ldt(ctx, other)
             }
             other => {
@@ -56,27 +56,27 @@ impl Binder<'_> {
     }
 
     /// A value in its own type; a constant in the type that it has without a partner.
-    pub(in crate::bind) fn scl_own_type(&mut self, ctx: &mut Ctx, value: Value) -> Option<Expr> {
+    pub(in crate::bind) fn own_type(&mut self, ctx: &mut SclBlock, value: Value) -> Option<Expr> {
         let ty = match &value {
             Value::Elementary(expr) => expr.ty,
-            Value::Constant(constant, _) => constant::default_type(ctx.scl.rules, constant),
+            Value::Constant(constant, _) => constant::default_type(ctx.scope.rules, constant),
             Value::Cell { .. } => Elementary::Bool,
             other => {
                 self.wrong_type(other.span(), &message::described(other), "a single value", None);
                 return None;
             }
         };
-        self.scl_convert(ctx, value, ty)
+        self.convert(ctx, value, ty)
     }
 
     /// The implicit conversion of a value to `ty`.
-    pub(in crate::bind) fn implicit(&mut self, ctx: &Ctx, value: Expr, ty: Elementary) -> Option<Expr> {
+    pub(in crate::bind) fn implicit(&mut self, ctx: &SclBlock, value: Expr, ty: Elementary) -> Option<Expr> {
         let (from, span) = (value.ty, value.span);
         if from == ty {
             return Some(value);
         }
-        let rules = ctx.scl.rules;
-        match convert::implicit(rules, ctx.scl.strict, from, ty) {
+        let rules = ctx.scope.rules;
+        match convert::implicit(rules, ctx.scope.strict, from, ty) {
             Implicit::No => {
                 self.no_conversion(rules, span, from, ty);
                 return None;
@@ -102,7 +102,7 @@ impl Binder<'_> {
         };
         match &value.kind {
             ExprKind::Convert { operand, .. } if operand.ty.is_float() && !rules.is_300() => {
-                let text = self.text(value.span);
+                let text = self.program.globals.text(value.span);
                 let name = text.split('(').next().unwrap_or("").trim();
                 ["ROUND", "TRUNC", "CEIL", "FLOOR"].iter().any(|own| own.eq_ignore_ascii_case(name))
             }
@@ -117,7 +117,7 @@ impl Binder<'_> {
     }
 
     fn unusual(&mut self, span: Span, from: Elementary, to: Elementary) {
-        let text = self.text(span);
+        let text = self.program.globals.text(span);
         self.refuse(
             Code::Narrowing,
             span,
@@ -128,13 +128,13 @@ impl Binder<'_> {
     }
 
     /// Binds an expression whose value must have the complex type `ty` (a text may have another length).
-    pub(super) fn scl_complex(&mut self, ctx: &mut Ctx, node: &Node, ty: &DataType) -> Option<Complex> {
-        let value = self.scl_value(ctx, node)?;
-        self.scl_complex_value(ctx, value, ty)
+    pub(super) fn complex(&mut self, ctx: &mut SclBlock, node: &Node, ty: &DataType) -> Option<Complex> {
+        let value = self.value(ctx, node)?;
+        self.complex_value(ctx, value, ty)
     }
 
     /// Converts a bound value to the complex type `ty`; reports a value that cannot have it.
-    pub(super) fn scl_complex_value(&mut self, ctx: &mut Ctx, value: Value, ty: &DataType) -> Option<Complex> {
+    pub(super) fn complex_value(&mut self, ctx: &mut SclBlock, value: Value, ty: &DataType) -> Option<Complex> {
         let span = value.span();
         let value = match self.date_as(ctx, value, ty) {
             Ok(value) => value?,
@@ -143,7 +143,7 @@ impl Binder<'_> {
         match (value, ty) {
             (_, DataType::Void) => None,
             (Value::Complex { value, ty: from, .. }, _) => {
-                if !assignable(ctx.scl.rules, ty, &from) {
+                if !assignable(ctx.scope.rules, ty, &from) {
                     let (from, wanted) = (layout::type_name(&from), layout::type_name(ty));
                     let help = match from == wanted {
                         true => "their components or bounds differ",
@@ -170,7 +170,7 @@ impl Binder<'_> {
                 }
                 let ty = variable.ty.clone();
                 let value = Complex::Variable(Spot::fixed(variable).access(span));
-                self.scl_complex_value(ctx, Value::Complex { value, ty, span }, wanted)
+                self.complex_value(ctx, Value::Complex { value, ty, span }, wanted)
             }
             (Value::Elementary(expr), DataType::String(_)) if expr.ty == Elementary::Char => {
                 Some(Complex::Character(Box::new(expr)))
@@ -197,7 +197,7 @@ impl Binder<'_> {
     ///
     /// Source: S7-1500 information system, implicit conversion of dates.
     #[allow(clippy::result_large_err, reason = "the caller gets the value back")]
-    fn date_as(&mut self, ctx: &mut Ctx, value: Value, ty: &DataType) -> Result<Option<Value>, Value> {
+    fn date_as(&mut self, ctx: &mut SclBlock, value: Value, ty: &DataType) -> Result<Option<Value>, Value> {
         let to = match ty {
             DataType::DateAndTime => "DT",
             DataType::Struct(structure) if is_dtl(structure) => "DTL",
@@ -207,7 +207,7 @@ impl Binder<'_> {
             Some(from) if matches!(from.as_str(), "DT" | "DTL" | "LDT") && from != to => from,
             _ => return Err(value),
         };
-        if !converts_dates(ctx.scl.rules) {
+        if !converts_dates(ctx.scope.rules) {
             return Err(value);
         }
         let span = value.span();

@@ -11,7 +11,7 @@ use super::expression::{binary_expr, constant_expr, typed_constant};
 use super::numeric::{self, Shape};
 use super::value::Value;
 use super::{Rules, constant, text, time};
-use crate::bind::{Binder, Ctx};
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
 use plcc_model::layout;
 use plcc_model::scl::{Access, Actual, BinaryOp, CompareOp, Complex, Expr, ExprKind};
@@ -32,10 +32,10 @@ const fn library(op: CompareOp) -> (u16, u16) {
     }
 }
 
-impl Binder<'_> {
+impl SclBinder<'_, '_> {
     pub(in crate::bind) fn compare(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         op: Operator,
         op_span: Span,
         left: Value,
@@ -43,11 +43,12 @@ impl Binder<'_> {
         span: Span,
     ) -> Option<Expr> {
         let op = compare_op(op)?;
-        let (left, right) = if ctx.scl.address_numbers { self.chart_operands(ctx, left, right) } else { (left, right) };
+        let (left, right) =
+            if ctx.scope.address_numbers { self.address_operands(ctx, left, right) } else { (left, right) };
         if let Some(ty) = self.compared_type(ctx, &left, &right) {
             self.decided_before(op, op_span, &left, &right, ty);
-            let left = self.scl_convert(ctx, left, ty);
-            let right = self.scl_convert(ctx, right, ty);
+            let left = self.convert(ctx, left, ty);
+            let right = self.convert(ctx, right, ty);
             return Some(comparison(op, left?, right?, span));
         }
         if time::compare_as_dates(&left, &right) {
@@ -85,8 +86,8 @@ impl Binder<'_> {
     }
 
     /// The type in which two single values are compared.
-    fn compared_type(&self, ctx: &Ctx, left: &Value, right: &Value) -> Option<Elementary> {
-        let (rules, strict) = (ctx.scl.rules, ctx.scl.strict);
+    fn compared_type(&self, ctx: &SclBlock, left: &Value, right: &Value) -> Option<Elementary> {
+        let (rules, strict) = (ctx.scope.rules, ctx.scope.strict);
         let (a, b) = (Shape::of(left), Shape::of(right));
         match (a, b) {
             (Shape::Of(Elementary::S5Time), _) | (_, Shape::Of(Elementary::S5Time)) => None,
@@ -148,7 +149,7 @@ impl Binder<'_> {
         };
         let Some(always) = always else { return };
         let word = if always { "TRUE" } else { "FALSE" };
-        self.report.push(
+        self.program.report(
             Diagnostic::new(Code::AlwaysSame, op_span, format!("this comparison is always {word}"))
                 .label(format!("a value of type {} is never negative", ty.name()))
                 .help("compare with another value, or remove the condition"),
@@ -157,15 +158,15 @@ impl Binder<'_> {
 
     fn compare_by_call(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         number: u16,
         left: Value,
         right: Value,
         ty: &DataType,
         span: Span,
     ) -> Option<Expr> {
-        let left = self.scl_complex_value(ctx, left, ty);
-        let right = self.scl_complex_value(ctx, right, ty);
+        let left = self.complex_value(ctx, left, ty);
+        let right = self.complex_value(ctx, right, ty);
         match self.library_value(number, vec![Actual::Complex(left?), Actual::Complex(right?)], span)? {
             Value::Elementary(expr) => Some(expr),
             _ => None,
@@ -175,7 +176,7 @@ impl Binder<'_> {
     /// `=` and `<>` member by member.
     fn compare_structures(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         op: CompareOp,
         op_span: Span,
         left: Value,
@@ -187,7 +188,7 @@ impl Binder<'_> {
             (
                 Value::Complex { value: Complex::Variable(a), ty: x, .. },
                 Value::Complex { value: Complex::Variable(b), ty: y, .. },
-            ) if equality && ctx.scl.rules != Rules::Classic && assignable(ctx.scl.rules, x, y) => {
+            ) if equality && ctx.scope.rules != Rules::Classic && assignable(ctx.scope.rules, x, y) => {
                 Some((a.clone(), b.clone()))
             }
             _ => None,

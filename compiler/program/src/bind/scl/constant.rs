@@ -7,11 +7,11 @@ use plcc_syntax::{Class, Elementary};
 use super::convert::{self, Implicit};
 use super::value::Value;
 use super::{Rules, message};
-use crate::bind::{Binder, Ctx};
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
 use plcc_model::scl::{Expr, ExprKind};
 
-impl Binder<'_> {
+impl SclBinder<'_, '_> {
     /// A literal as a value; pointers are not values.
     pub(super) fn literal_value(&mut self, literal: &Literal, span: Span) -> Option<Value> {
         let constant = match literal {
@@ -42,7 +42,7 @@ impl Binder<'_> {
 
     /// `REF_TO` and its operators; reported once, at the first use.
     pub(super) fn no_references(&mut self, span: Span) {
-        if std::mem::replace(&mut self.references_refused, true) {
+        if std::mem::replace(&mut self.program.types.references_refused, true) {
             return;
         }
         self.refuse(
@@ -57,12 +57,12 @@ impl Binder<'_> {
     /// A constant as a value of type `ty`.
     pub(super) fn constant_of_type(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         constant: &Constant,
         span: Span,
         ty: Elementary,
     ) -> Option<Expr> {
-        let (rules, strict) = (ctx.scl.rules, ctx.scl.strict);
+        let (rules, strict) = (ctx.scope.rules, ctx.scope.strict);
         let give = |bits: u64| Some(Expr { kind: ExprKind::Const(bits), ty, span });
         match constant {
             Constant::Integer { value, based } => match ty.class() {
@@ -145,9 +145,9 @@ impl Binder<'_> {
 
     /// A constant that loses bits in the type of its partner.
     fn value_lost(&mut self, span: Span, ty: Elementary) {
-        let text = self.text(span);
+        let text = self.program.globals.text(span);
         let (low, high) = range(ty);
-        self.report.push(
+        self.program.report(
             Diagnostic::new(Code::Narrowing, span, format!("`{text}` does not fit type {}", ty.name()))
                 .label(format!("{} goes from {low} to {high}; the low bits remain", ty.name()))
                 .help("give the other operand or the target a larger type"),

@@ -14,14 +14,14 @@ use super::arguments::names_eno;
 use super::expression::constant_expr;
 use super::function::Named;
 use super::memory::{binary, load};
-use crate::bind::{Binder, Ctx};
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::fold;
 use plcc_model::layout;
 use plcc_model::scl::{Access, BinaryOp, Expr, ExprKind, Statement, StatementKind};
 
-impl Binder<'_> {
+impl SclBinder<'_, '_> {
     /// Binds a statement whose function has EN or ENO; false: it has neither.
-    pub(super) fn enabled_function(&mut self, ctx: &mut Ctx, tree: &Tree, bound: &mut Vec<Statement>) -> bool {
+    pub(super) fn enabled_function(&mut self, ctx: &mut SclBlock, tree: &Tree, bound: &mut Vec<Statement>) -> bool {
         let mut plain = tree.clone();
         let call = match &mut plain.kind {
             TreeKind::Expression(node) | TreeKind::Assign { value: node, .. } => node,
@@ -35,8 +35,8 @@ impl Binder<'_> {
         if enable.is_none() && result.is_none() {
             return false;
         }
-        let span = ctx.fixed_span.unwrap_or(tree.span);
-        let condition = enable.as_ref().map(|node| self.scl_of_type(ctx, node, Elementary::Bool));
+        let span = ctx.block.fixed_span.unwrap_or(tree.span);
+        let condition = enable.as_ref().map(|node| self.of_type(ctx, node, Elementary::Bool));
         let target = result.as_ref().map(|node| self.result_of_enable(ctx, node));
         let mut body = Vec::new();
         self.statement(ctx, &plain, &mut body);
@@ -61,11 +61,11 @@ impl Binder<'_> {
     }
 
     /// True if a call means a function of the language, not something that the program defines.
-    fn computed_in_place(&self, ctx: &Ctx, callee: &Node) -> bool {
+    fn computed_in_place(&self, ctx: &SclBlock, callee: &Node) -> bool {
         match &callee.kind {
             NodeKind::Name(name) => {
                 !self.is_instance(ctx, name)
-                    && !self.globals.contains_key(&fold(&name.text))
+                    && !self.program.globals.names.symbols.contains_key(&fold(&name.text))
                     && Named::find(&name.text).is_some()
             }
             _ => false,
@@ -73,8 +73,8 @@ impl Binder<'_> {
     }
 
     /// The variable after `ENO =>`.
-    fn result_of_enable(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Access> {
-        let target = self.scl_access(ctx, node, Intent::Write)?;
+    fn result_of_enable(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Access> {
+        let target = self.access(ctx, node, Intent::Write)?;
         if target.elementary() == Some(Elementary::Bool) {
             return Some(target);
         }
@@ -84,8 +84,8 @@ impl Binder<'_> {
     }
 
     /// Statements, followed by a test whether each of their operations was possible. The bit of the block stays FALSE if it was.
-    fn with_result(&mut self, ctx: &mut Ctx, body: Vec<Statement>, target: &Access, span: Span) -> Vec<Statement> {
-        ctx.scl.sets_flag = true;
+    fn with_result(&mut self, ctx: &mut SclBlock, body: Vec<Statement>, target: &Access, span: Span) -> Vec<Statement> {
+        ctx.scope.sets_flag = true;
         let before = self.temp(ctx, Elementary::Bool, span);
         let flag = || Expr { kind: ExprKind::Flag, ty: Elementary::Bool, span };
         let set = |value| Statement { kind: StatementKind::SetFlag(value), span };
@@ -102,7 +102,7 @@ fn assign(target: Access, value: Expr, span: Span) -> Statement {
 }
 
 /// Takes the argument of this name out of a list; `ENO => ENO` has no effect.
-fn taken(ctx: &Ctx, arguments: &mut Vec<Argument>, name: &str) -> Option<Node> {
+fn taken(ctx: &SclBlock, arguments: &mut Vec<Argument>, name: &str) -> Option<Node> {
     let found = arguments.iter().position(|argument| {
         let named = argument.name.as_ref().is_some_and(|own| fold(&own.text) == name);
         named && argument.value.as_ref().is_some_and(|value| name == "en" || !names_eno(ctx, value))

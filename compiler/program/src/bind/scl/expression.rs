@@ -8,25 +8,26 @@ use super::compare::comparison;
 use super::numeric::{self, Shape};
 use super::value::Value;
 use super::{Intent, Rules, message};
-use crate::bind::{Binder, Ctx};
+use crate::bind::scl::message::DEPTH_MAX;
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
 use plcc_model::scl::{BinaryOp, CompareOp, Conversion, Expr, ExprKind, UnaryOp};
 use plcc_model::types::{DataType, ParameterType};
 
-impl Binder<'_> {
+impl SclBinder<'_, '_> {
     /// Binds an expression, calls included.
-    pub(in crate::bind) fn scl_value(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Value> {
-        if ctx.scl.depth >= Self::DEPTH_MAX {
+    pub(in crate::bind) fn value(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Value> {
+        if ctx.scope.depth >= DEPTH_MAX {
             self.too_deep(node.span);
             return None;
         }
-        ctx.scl.depth += 1;
+        ctx.scope.depth += 1;
         let value = self.value_inner(ctx, node);
-        ctx.scl.depth -= 1;
+        ctx.scope.depth -= 1;
         value
     }
 
-    fn value_inner(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Value> {
+    fn value_inner(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Value> {
         match &node.kind {
             NodeKind::Literal(literal) => self.literal_value(literal, node.span),
             NodeKind::Name(_)
@@ -43,7 +44,7 @@ impl Binder<'_> {
                     let thing = thing?;
                     self.thing_value(ctx, thing, node.span)
                 }
-                None => self.scl_call(ctx, node, false),
+                None => self.call(ctx, node, false),
             },
             NodeKind::Dereference(_) | NodeKind::Reference(_) => {
                 self.no_references(node.span);
@@ -55,13 +56,13 @@ impl Binder<'_> {
         }
     }
 
-    fn unary(&mut self, ctx: &mut Ctx, node: &Node, op: Sign, operand: &Node) -> Option<Value> {
-        let value = self.scl_value(ctx, operand)?;
+    fn unary(&mut self, ctx: &mut SclBlock, node: &Node, op: Sign, operand: &Node) -> Option<Value> {
+        let value = self.value(ctx, operand)?;
         let shape = Shape::of(&value);
         if shape.is_untyped() && !matches!((op, shape), (Sign::Not, Shape::Real)) {
             return self.folded_constant(ctx, node);
         }
-        let rules = ctx.scl.rules;
+        let rules = ctx.scope.rules;
         let (name, ty) = match op {
             Sign::Plus => ("+", shape.elementary().filter(|ty| is_signed(*ty))),
             Sign::Minus => ("-", shape.elementary().filter(|ty| is_signed(*ty))),
@@ -82,7 +83,7 @@ impl Binder<'_> {
             );
             return None;
         };
-        let operand = Box::new(self.scl_convert(ctx, value, ty)?);
+        let operand = Box::new(self.convert(ctx, value, ty)?);
         let op = match op {
             Sign::Plus => return Some(Value::Elementary(*operand)),
             Sign::Minus => UnaryOp::Negate,
@@ -92,7 +93,7 @@ impl Binder<'_> {
     }
 
     /// A binary operator with all operators to its left: `a + b + …` is as deep as it is long.
-    fn chain(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Value> {
+    fn chain(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Value> {
         let mut operators = Vec::new();
         let mut first = node;
         while let NodeKind::Binary { left, .. } = &first.kind {
@@ -103,7 +104,7 @@ impl Binder<'_> {
             self.too_deep(node.span);
             return None;
         }
-        let mut value = self.scl_value(ctx, first);
+        let mut value = self.value(ctx, first);
         for node in operators.into_iter().rev() {
             let NodeKind::Binary { op, left, right, op_span } = &node.kind else { continue };
             if let Some(compared) = self.compared_with_null(*op, value.as_ref(), right, node.span) {
@@ -119,7 +120,7 @@ impl Binder<'_> {
             }
             let right = match self.compared_type_name(ctx, *op, left, right) {
                 Some(number) => Some(number),
-                None => self.scl_value(ctx, right),
+                None => self.value(ctx, right),
             };
             value = match (value, right) {
                 (Some(left), Some(right)) => self.binary(ctx, node, *op, *op_span, left, right),
@@ -130,14 +131,14 @@ impl Binder<'_> {
     }
 
     /// `v = NULL`, `v <> NULL` of a VARIANT or ANY: whether it points to nothing, which its type code shows. `None` for other operands.
-    fn points_nowhere(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Expr> {
+    fn points_nowhere(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Expr> {
         let NodeKind::Binary { op, left, .. } = &node.kind else { return None };
         let op = match op {
             Operator::Equal => CompareOp::Equal,
             Operator::NotEqual => CompareOp::NotEqual,
             _ => return None,
         };
-        let mut spot = self.scl_spot(ctx, left, Intent::Read)?;
+        let mut spot = self.spot(ctx, left, Intent::Read)?;
         if spot.ty != DataType::Parameter(ParameterType::Any) {
             return None;
         }
@@ -152,7 +153,7 @@ impl Binder<'_> {
 
     fn binary(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         node: &Node,
         op: Operator,
         op_span: Span,
@@ -177,7 +178,7 @@ impl Binder<'_> {
             | Operator::DivideInteger
             | Operator::Modulo => {
                 let (left, right) =
-                    if ctx.scl.address_numbers { self.chart_operands(ctx, left, right) } else { (left, right) };
+                    if ctx.scope.address_numbers { self.address_operands(ctx, left, right) } else { (left, right) };
                 match self.time_arithmetic(ctx, op, op_span, left, right, span) {
                     Ok(value) => value,
                     Err((left, right)) => self.arithmetic(ctx, op, op_span, left, right, span),
@@ -187,21 +188,21 @@ impl Binder<'_> {
     }
 
     /// The result of two untyped constants is an untyped constant.
-    fn folded_constant(&mut self, ctx: &Ctx, node: &Node) -> Option<Value> {
-        let constant = self.constant(&ctx.bound.constants, node)?;
+    fn folded_constant(&mut self, ctx: &SclBlock, node: &Node) -> Option<Value> {
+        let constant = self.program.globals.constant(&ctx.block.bound.constants, node)?;
         Some(Value::Constant(constant, node.span))
     }
 
     pub(super) fn arithmetic(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         op: Operator,
         op_span: Span,
         left: Value,
         right: Value,
         span: Span,
     ) -> Option<Value> {
-        let ty = numeric::common(ctx.scl.rules, Shape::of(&left), Shape::of(&right));
+        let ty = numeric::common(ctx.scope.rules, Shape::of(&left), Shape::of(&right));
         let whole = matches!(op, Operator::DivideInteger | Operator::Modulo);
         let Some(ty) = ty.filter(|ty| !(whole && ty.is_float())) else {
             let help = match (whole && ty.is_some(), op) {
@@ -218,20 +219,20 @@ impl Binder<'_> {
     /// `left op right` in type `ty`.
     pub(super) fn combined(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         op: BinaryOp,
         left: Value,
         right: Value,
         ty: Elementary,
         span: Span,
     ) -> Option<Value> {
-        let left = self.scl_convert(ctx, left, ty);
-        let right = self.scl_convert(ctx, right, ty);
+        let left = self.convert(ctx, left, ty);
+        let right = self.convert(ctx, right, ty);
         Some(Value::Elementary(binary_expr(op, left?, right?, ty, span)))
     }
 
-    fn power(&mut self, ctx: &mut Ctx, op_span: Span, left: Value, right: Value, span: Span) -> Option<Value> {
-        let rules = ctx.scl.rules;
+    fn power(&mut self, ctx: &mut SclBlock, op_span: Span, left: Value, right: Value, span: Span) -> Option<Value> {
+        let rules = ctx.scope.rules;
         let (a, b) = (Shape::of(&left), Shape::of(&right));
         if numeric::common(rules, a, b).is_none() {
             self.operator_types(op_span, &left, &right, "`**` needs numbers");
@@ -244,14 +245,14 @@ impl Binder<'_> {
 
     fn bitwise(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         op: Operator,
         op_span: Span,
         left: Value,
         right: Value,
         span: Span,
     ) -> Option<Value> {
-        let rules = ctx.scl.rules;
+        let rules = ctx.scope.rules;
         let bits = |shape: Shape| shape.elementary().and_then(|ty| numeric::bit_string(rules, ty));
         let (a, b) = (Shape::of(&left), Shape::of(&right));
         let ty = match (a, b, bits(a), bits(b)) {
@@ -273,9 +274,9 @@ impl Binder<'_> {
 
     /// Operands that an operator cannot combine.
     pub(super) fn operator_types(&mut self, op_span: Span, left: &Value, right: &Value, help: &str) {
-        let op = self.text(op_span);
+        let op = self.program.globals.text(op_span);
         let (left_is, right_is) = (message::described(left), message::described(right));
-        self.report.push(
+        self.program.report(
             Diagnostic::new(
                 Code::TypeMismatch,
                 op_span,

@@ -6,18 +6,19 @@ use plcc_syntax::ast;
 use plcc_syntax::scl::ast::{Name, Statement, StatementKind};
 use rustc_hash::FxHashSet;
 
-use super::rules::Label;
-use crate::bind::{Binder, Ctx};
+use super::scope::Label;
+use crate::bind::scl::message::DEPTH_MAX;
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::fold;
 use plcc_binding::similar;
 use plcc_model::LabelId;
 
-impl Binder<'_> {
+impl SclBinder<'_, '_> {
     /// The first walk: labels, with the statement lists that contain them.
-    pub(in crate::bind) fn collect_labels(&mut self, ctx: &mut Ctx, statements: &[Statement]) {
+    pub(in crate::bind) fn collect_labels(&mut self, ctx: &mut SclBlock, statements: &[Statement]) {
         let mut open: Vec<(&[Statement], u32)> = vec![(statements, 0)];
         while let Some((list, depth)) = open.pop() {
-            if depth > Self::DEPTH_MAX {
+            if depth > DEPTH_MAX {
                 continue;
             }
             for statement in list {
@@ -49,16 +50,16 @@ impl Binder<'_> {
         }
     }
 
-    fn define_jump_label(&mut self, ctx: &mut Ctx, name: &Name, list: &[Statement]) {
-        let id = LabelId(ctx.scl.labels.len() as u32);
+    fn define_jump_label(&mut self, ctx: &mut SclBlock, name: &Name, list: &[Statement]) {
+        let id = LabelId(ctx.scope.labels.len() as u32);
         let label = Label { id, span: name.span, list: list.as_ptr() as usize };
-        let Some(other) = ctx.scl.labels.get(&fold(&name.text)) else {
-            ctx.scl.labels.insert(fold(&name.text), label);
+        let Some(other) = ctx.scope.labels.get(&fold(&name.text)) else {
+            ctx.scope.labels.insert(fold(&name.text), label);
             return;
         };
         let (first, second) =
             if other.span.start <= name.span.start { (other.span, name.span) } else { (name.span, other.span) };
-        self.report.push(
+        self.program.report(
             Diagnostic::new(Code::DuplicateLabel, second, format!("the label `{}` is defined twice", name.text))
                 .label("the second one")
                 .also(first, "the first one")
@@ -67,25 +68,25 @@ impl Binder<'_> {
     }
 
     /// A label, at its definition; none for the second of two.
-    pub(in crate::bind) fn label(&mut self, ctx: &Ctx, name: &Name) -> Option<LabelId> {
-        let label = ctx.scl.labels.get(&fold(&name.text))?;
+    pub(in crate::bind) fn label(&mut self, ctx: &SclBlock, name: &Name) -> Option<LabelId> {
+        let label = ctx.scope.labels.get(&fold(&name.text))?;
         (label.span == name.span).then_some(label.id)
     }
 
-    pub(in crate::bind) fn goto(&mut self, ctx: &Ctx, name: &Name) -> Option<LabelId> {
+    pub(in crate::bind) fn goto(&mut self, ctx: &SclBlock, name: &Name) -> Option<LabelId> {
         let text = &name.text;
-        let Some(label) = ctx.scl.labels.get(&fold(text)) else {
+        let Some(label) = ctx.scope.labels.get(&fold(text)) else {
             let message = Diagnostic::new(Code::UnknownLabel, name.span, format!("this block has no label `{text}`"))
                 .label("nowhere to jump to");
-            self.report.push(match similar(text, ctx.scl.labels.keys().map(String::as_str)) {
+            self.program.report(match similar(text, ctx.scope.labels.keys().map(String::as_str)) {
                 Some(other) => message.help(format!("is `{other}` meant?")),
                 None => message
                     .help(format!("write `{text}:` before the statement to jump to, or give the network this label")),
             });
             return None;
         };
-        if !ctx.scl.lists.contains(&label.list) {
-            self.report.push(
+        if !ctx.scope.lists.contains(&label.list) {
+            self.program.report(
                 Diagnostic::new(Code::JumpIntoStatement, name.span, format!("`{text}` is inside another statement"))
                     .label("a jump into a loop, an IF or a CASE is not possible")
                     .also(label.span, "the label")
@@ -97,11 +98,11 @@ impl Binder<'_> {
     }
 
     /// Reports TEMP data that is read and never written, and of a function without a value. `empty`: the block has no statements.
-    pub(in crate::bind) fn unused_data(&mut self, ctx: &mut Ctx, block: &ast::CodeBlock, empty: bool) {
-        let reads = std::mem::take(&mut ctx.scl.temp_reads);
-        let supplied = ctx.bound.interface.start_bytes;
+    pub(in crate::bind) fn unused_data(&mut self, ctx: &mut SclBlock, block: &ast::CodeBlock, empty: bool) {
+        let reads = std::mem::take(&mut ctx.scope.temp_reads);
+        let supplied = ctx.block.bound.interface.start_bytes;
         // Sorted by first byte, each with the furthest end so far.
-        let mut writes = std::mem::take(&mut ctx.scl.temp_writes);
+        let mut writes = std::mem::take(&mut ctx.scope.temp_writes);
         writes.sort_unstable();
         let mut furthest = 0;
         for (_, end) in &mut writes {
@@ -118,20 +119,20 @@ impl Binder<'_> {
             if known || !told.insert((read.first, read.end)) {
                 continue;
             }
-            self.report.push(
+            self.program.report(
                 Diagnostic::new(Code::NeverWritten, read.span, format!("`{}` is read and never written", read.name))
                     .label("temporary data is undefined on the CPU until it is written")
                     .help("assign a value to it first, or declare it as static data"),
             );
         }
-        let has_value = ctx.bound.interface.parameters.iter().any(|parameter| parameter.name == "RET_VAL");
-        let is_function = matches!(ctx.key.kind, BlockKind::Fc | BlockKind::Sfc) && block.return_type.is_some();
-        if is_function && has_value && !ctx.scl.value_set && !empty {
+        let has_value = ctx.block.bound.interface.parameters.iter().any(|parameter| parameter.name == "RET_VAL");
+        let is_function = matches!(ctx.block.key.kind, BlockKind::Fc | BlockKind::Sfc) && block.return_type.is_some();
+        if is_function && has_value && !ctx.scope.value_set && !empty {
             let name = match &block.name {
                 ast::BlockName::Symbol { name, .. } => format!("#{name}"),
                 ast::BlockName::Numbered { number, .. } => format!("FC{number}"),
             };
-            self.report.push(
+            self.program.report(
                 Diagnostic::new(Code::ValueNeverSet, block.name.span(), "the value of this function is never set")
                     .label("it is always 0")
                     .help(format!("assign it: `{name} := …;`, or make the function VOID")),

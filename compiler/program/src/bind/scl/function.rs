@@ -12,7 +12,7 @@ use plcc_syntax::scl::ast::Argument as Given;
 use super::value::Value;
 use super::variant::Question;
 use super::{convert, text};
-use crate::bind::{Binder, Ctx};
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_model::scl::{BinaryOp, Function, TimerKind};
 
 /// The computation of a function.
@@ -108,7 +108,7 @@ const fn typed(name: &'static str, pins: &'static str, kind: Kind) -> Row {
 const TIMER: &str = "T_NO ?S ?TV ?R ?>Q ?>BI";
 
 /// The functions that are computed in place.
-pub const ROWS: &[Row] = &[
+pub const FUNCTIONS: &[Row] = &[
     typed("ABS", "IN", Kind::Absolute),
     typed("SQR", "IN", Kind::Float(Function::Sqr)),
     typed("SQRT", "IN", Kind::Float(Function::Sqrt)),
@@ -238,19 +238,19 @@ impl Named {
 }
 
 fn find_row(upper: &str) -> Option<&'static Row> {
-    ROWS.iter().find(|row| row.name.eq_ignore_ascii_case(upper))
+    FUNCTIONS.iter().find(|row| row.name.eq_ignore_ascii_case(upper))
 }
 
 /// Names of the functions, for messages.
 pub fn names() -> impl Iterator<Item = &'static str> {
-    ROWS.iter().map(|row| row.name)
+    FUNCTIONS.iter().map(|row| row.name)
 }
 
-impl Binder<'_> {
+impl SclBinder<'_, '_> {
     /// Binds the call of a function of the language.
     pub fn function(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         named: &Named,
         given: &[Given],
         name: Span,
@@ -281,7 +281,7 @@ impl Binder<'_> {
             | Kind::BitSum
             | Kind::IsValid => self.number_function(ctx, row, suffix, &pins, span),
             Kind::Operator(op) => self.operator_function(ctx, op, &pins, span),
-            Kind::Identity => self.scl_value(ctx, pins.get("IN")?),
+            Kind::Identity => self.value(ctx, pins.get("IN")?),
             Kind::Bound { upper } => self.bound_function(ctx, upper, &pins, span),
             Kind::CountOfElements => self.count_of_elements(ctx, &pins, span),
             Kind::Type(question) => self.type_question(ctx, question, &pins, span),

@@ -8,14 +8,14 @@ use super::Intent;
 use super::expression::constant_expr;
 use super::pins::Pins;
 use super::place::shifted;
-use crate::bind::{Binder, Ctx};
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_model::layout;
 use plcc_model::scl::{Access, StatementKind};
 use plcc_model::types::DataType;
 
-impl Binder<'_> {
+impl SclBinder<'_, '_> {
     /// The time begins again: no time has passed, Q is FALSE, and an IN that is TRUE counts as a rising edge.
-    pub(super) fn reset_timer(&mut self, ctx: &mut Ctx, pins: &Pins, span: Span) -> Option<Vec<StatementKind>> {
+    pub(super) fn reset_timer(&mut self, ctx: &mut SclBlock, pins: &Pins, span: Span) -> Option<Vec<StatementKind>> {
         let members = self.timer_members(ctx, pins.get("TIMER")?, &["Q", "ET", "RU", "OLD"])?;
         let zero = |target: Access| {
             let value = constant_expr(0, target.elementary()?, span);
@@ -25,8 +25,8 @@ impl Binder<'_> {
     }
 
     /// The running time then also ends with the new PT.
-    pub(super) fn preset_timer(&mut self, ctx: &mut Ctx, pins: &Pins) -> Option<Vec<StatementKind>> {
-        let value = self.scl_of_type(ctx, pins.get("PT")?, Elementary::Time);
+    pub(super) fn preset_timer(&mut self, ctx: &mut SclBlock, pins: &Pins) -> Option<Vec<StatementKind>> {
+        let value = self.of_type(ctx, pins.get("PT")?, Elementary::Time);
         let members = self.timer_members(ctx, pins.get("TIMER")?, &["PT", "LATCHED"])?;
         let mut code = Vec::new();
         let value = self.kept(ctx, &mut code, value?);
@@ -35,8 +35,8 @@ impl Binder<'_> {
     }
 
     /// Components of the instance of an IEC timer.
-    fn timer_members(&mut self, ctx: &mut Ctx, node: &Node, names: &[&str]) -> Option<Vec<Access>> {
-        let access = self.scl_access(ctx, node, Intent::Both)?;
+    fn timer_members(&mut self, ctx: &mut SclBlock, node: &Node, names: &[&str]) -> Option<Vec<Access>> {
+        let access = self.access(ctx, node, Intent::Both)?;
         let member = |name: &&str| match &access.ty {
             DataType::Struct(ty) => {
                 let member = ty.members.iter().find(|member| member.name.eq_ignore_ascii_case(name))?;

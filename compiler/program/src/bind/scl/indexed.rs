@@ -14,8 +14,8 @@ use super::expression::typed_constant;
 use super::place::{Db, Root, Spot, Thing};
 use super::value::Value;
 use super::{Intent, constant, message};
-use crate::bind::path::{self, Variable, type_of_width};
-use crate::bind::{Binder, Ctx};
+use crate::bind::declarations::path::{self, Variable, type_of_width};
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
 use plcc_model::layout;
 use plcc_model::scl::{Expr, Index, IndexBounds, IndexedArea};
@@ -31,9 +31,9 @@ enum Position {
     Dynamic(Expr),
 }
 
-impl Binder<'_> {
+impl SclBinder<'_, '_> {
     /// `a[i, j]`, `a[i]` as a row of it, `s[i]`.
-    pub(super) fn element(&mut self, ctx: &mut Ctx, spot: Spot, indices: &[Node], span: Span) -> Option<Spot> {
+    pub(super) fn element(&mut self, ctx: &mut SclBlock, spot: Spot, indices: &[Node], span: Span) -> Option<Spot> {
         let positions: Vec<Option<Position>> = indices.iter().map(|index| self.position(ctx, index)).collect();
         let positions: Vec<Position> = positions.into_iter().collect::<Option<_>>()?;
         match spot.ty.clone() {
@@ -106,7 +106,7 @@ impl Binder<'_> {
     }
 
     fn index_count(&mut self, given: usize, declared: usize, span: Span) {
-        self.report.push(
+        self.program.report(
             Diagnostic::new(Code::ArrayIndex, span, "a wrong number of indices")
                 .label(format!("{given} given, {declared} dimensions declared")),
         );
@@ -115,7 +115,7 @@ impl Binder<'_> {
     /// An element of an ARRAY[*], which is always a parameter.
     fn open_element(
         &mut self,
-        ctx: &Ctx,
+        ctx: &SclBlock,
         mut spot: Spot,
         open: &plcc_model::types::OpenArrayType,
         positions: Vec<Position>,
@@ -126,7 +126,7 @@ impl Binder<'_> {
             self.index_count(given, declared, span);
             return None;
         }
-        let parameters = &ctx.bound.interface.parameters;
+        let parameters = &ctx.block.bound.interface.parameters;
         let parameter = match spot.root {
             Root::Fixed(path::Base::Parameter(parameter)) => Some(parameter),
             Root::Fixed(path::Base::ThroughPointer(pointer)) => {
@@ -187,8 +187,8 @@ impl Binder<'_> {
     }
 
     /// An index or byte address: an integer.
-    fn position(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Position> {
-        let value = self.scl_value(ctx, node)?;
+    fn position(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Position> {
+        let value = self.value(ctx, node)?;
         if let Value::Constant(Constant::Integer { value, .. }, _) = &value {
             return Some(Position::Known(i64::try_from(*value).unwrap_or(i64::MAX)));
         }
@@ -199,7 +199,7 @@ impl Binder<'_> {
         }
         match value {
             Value::Elementary(expr) if is_index(ctx, expr.ty) => {
-                let dint = convert::explicit_expr(ctx.scl.rules, expr, Elementary::Dint)?;
+                let dint = convert::explicit_expr(ctx.scope.rules, expr, Elementary::Dint)?;
                 Some(Position::Dynamic(dint))
             }
             other => {
@@ -211,7 +211,7 @@ impl Binder<'_> {
     }
 
     /// Like [`Self::position`], always as an expression.
-    fn address(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Expr> {
+    fn address(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Expr> {
         Some(match self.position(ctx, node)? {
             Position::Known(value) => {
                 let value = i32::try_from(value).unwrap_or(i32::MAX);
@@ -224,7 +224,7 @@ impl Binder<'_> {
     /// `MW[i]`, `M[b, i]`, `DB10.DW[i]`.
     pub(super) fn indexed(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         area: IndexedArea,
         width: Width,
         indices: &[Node],
@@ -257,9 +257,9 @@ impl Binder<'_> {
     pub(super) fn indexed_db(&mut self, db: Db, span: Span) -> IndexedArea {
         match db {
             Db::Known(number) => {
-                self.use_db(number, span);
+                self.program.use_db(number, span);
                 // Reported there; the rest is still checked.
-                let _ = self.check_absolute_access(number, span);
+                let _ = self.program.globals.check_absolute_access(number, span);
                 IndexedArea::Db(number)
             }
             Db::Dynamic(number) => IndexedArea::DynamicDb(Box::new(number)),
@@ -269,20 +269,20 @@ impl Binder<'_> {
     /// `DB10.DW4`, `blk.DW4`.
     pub(super) fn db_place(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         db: Db,
         width: Width,
         byte: u32,
         bit: u8,
         span: Span,
     ) -> Option<Thing> {
-        self.check_address(ctx, Area::Db, width, byte, span)?;
+        self.program.check_address(ctx.block, Area::Db, width, byte, span)?;
         let ty = DataType::Elementary(type_of_width(width));
         match db {
             Db::Known(number) => {
-                self.use_db(number, span);
-                self.check_absolute_access(number, span)?;
-                self.check_db_end(number, byte + width.bytes(), span);
+                self.program.use_db(number, span);
+                self.program.globals.check_absolute_access(number, span)?;
+                self.program.check_db_end(number, byte + width.bytes(), span);
                 let base = path::Base::Db(number);
                 Some(Thing::Spot(Spot::fixed(Variable { base, byte, bit, ty, untyped: true })))
             }
@@ -306,7 +306,7 @@ impl Binder<'_> {
     /// them for an S7-300/400. `None`: a call.
     pub(super) fn indexed_call(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         callee: &Node,
         arguments: &[Argument],
         span: Span,
@@ -320,7 +320,7 @@ impl Binder<'_> {
         match &callee.kind {
             NodeKind::Name(name) if name.text.eq_ignore_ascii_case("WORD_TO_BLOCK_DB") => {
                 let [Argument { value: Some(word), .. }] = arguments else { return None };
-                let word = self.scl_of_type(ctx, word, Elementary::Word);
+                let word = self.of_type(ctx, word, Elementary::Word);
                 Some(word.map(|word| Thing::Db { db: Db::Dynamic(word), number: None }))
             }
             NodeKind::Name(name) => {
@@ -345,6 +345,6 @@ impl Binder<'_> {
 }
 
 /// Types that can be a number of elements.
-fn is_index(ctx: &Ctx, ty: Elementary) -> bool {
-    ty.is_integer() || (ty.class() == Class::Bits && ty != Elementary::Bool && !ctx.scl.rules.is_300())
+fn is_index(ctx: &SclBlock, ty: Elementary) -> bool {
+    ty.is_integer() || (ty.class() == Class::Bits && ty != Elementary::Bool && !ctx.scope.rules.is_300())
 }

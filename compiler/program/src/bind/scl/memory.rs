@@ -14,7 +14,7 @@ use super::message::described;
 use super::numeric::Shape;
 use super::pins::Pins;
 use super::value::Value;
-use crate::bind::{Binder, Ctx};
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
 use plcc_model::layout;
 use plcc_model::scl::{Access, Arm, Base, BinaryOp, Complex, Expr, ExprKind, IndexedArea, Statement, StatementKind};
@@ -28,11 +28,11 @@ struct Coded {
     byte: Box<Expr>,
 }
 
-impl Binder<'_> {
+impl SclBinder<'_, '_> {
     /// Functions that are statements.
     pub fn statement_function(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         row: &Row,
         suffix: Option<Elementary>,
         pins: &Pins,
@@ -63,35 +63,35 @@ impl Binder<'_> {
         Some(Value::Statements(statements, span))
     }
 
-    fn move_text(&mut self, ctx: &mut Ctx, pins: &Pins) -> Option<StatementKind> {
-        let target = self.scl_access(ctx, pins.get("OUT")?, Intent::Write)?;
+    fn move_text(&mut self, ctx: &mut SclBlock, pins: &Pins) -> Option<StatementKind> {
+        let target = self.access(ctx, pins.get("OUT")?, Intent::Write)?;
         if !matches!(target.ty, DataType::String(_) | DataType::WideString(_)) {
             let is = format!("of type {}", layout::type_name(&target.ty));
             self.wrong_type(target.span, &is, "STRING", None);
             return None;
         }
-        let value = self.scl_complex(ctx, pins.get("IN")?, &target.ty.clone())?;
+        let value = self.complex(ctx, pins.get("IN")?, &target.ty.clone())?;
         Some(StatementKind::AssignText { target, value })
     }
 
     /// S_CONV between two texts is S_MOVE. Whatever binds the pins reports mistakes in them.
-    fn is_text_to_text(&mut self, ctx: &mut Ctx, pins: &Pins) -> bool {
+    fn is_text_to_text(&mut self, ctx: &mut SclBlock, pins: &Pins) -> bool {
         let (Some(input), Some(output), None) = (pins.get("IN"), pins.get("OUT"), pins.eno) else { return false };
-        let told = self.report.diagnostics.len();
-        let target = self.scl_access(ctx, output, Intent::Write);
+        let told = self.program.globals.report.diagnostics.len();
+        let target = self.access(ctx, output, Intent::Write);
         let to_text = target.is_some_and(|access| matches!(access.ty, DataType::String(_)));
         let from_text = to_text
             && matches!(
-                self.scl_value(ctx, input),
+                self.value(ctx, input),
                 Some(Value::Complex { ty: DataType::String(_), .. } | Value::Constant(Constant::Text { .. }, _))
             );
-        self.report.diagnostics.truncate(told);
+        self.program.globals.report.diagnostics.truncate(told);
         from_text
     }
 
     pub fn peek(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         suffix: Option<Elementary>,
         bit: bool,
         pins: &Pins,
@@ -107,13 +107,13 @@ impl Binder<'_> {
 
     fn poke(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         suffix: Option<Elementary>,
         bit: bool,
         pins: &Pins,
         span: Span,
     ) -> Option<Vec<StatementKind>> {
-        let value = self.scl_value(ctx, pins.get("VALUE")?)?;
+        let value = self.value(ctx, pins.get("VALUE")?)?;
         let ty = match (bit, suffix, Shape::of(&value)) {
             (true, ..) => Elementary::Bool,
             (_, Some(ty), _) | (_, None, Shape::Of(ty)) if ty != Elementary::Bool => ty,
@@ -125,14 +125,14 @@ impl Binder<'_> {
                 return None;
             }
         };
-        let value = self.scl_convert(ctx, value, ty);
+        let value = self.convert(ctx, value, ty);
         let target = self.coded_access(ctx, ty, bit, ("AREA", "DBNUMBER", "BYTEOFFSET"), pins, span)?;
         Some(vec![StatementKind::Assign { target, value: value? }])
     }
 
     fn coded_access(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         ty: Elementary,
         bit: bool,
         names: (&str, &str, &str),
@@ -141,7 +141,7 @@ impl Binder<'_> {
     ) -> Option<Access> {
         let coded = self.coded(ctx, names, pins);
         let bit = match bit {
-            true => Some(Box::new(self.scl_of_type(ctx, pins.get("BITOFFSET")?, Elementary::Int)?)),
+            true => Some(Box::new(self.of_type(ctx, pins.get("BITOFFSET")?, Elementary::Int)?)),
             false => None,
         };
         let Coded { area, db, byte } = coded?;
@@ -149,31 +149,31 @@ impl Binder<'_> {
         Some(Access { base, indices: Vec::new(), ty: DataType::Elementary(ty), part: None, span })
     }
 
-    fn coded(&mut self, ctx: &mut Ctx, names: (&str, &str, &str), pins: &Pins) -> Option<Coded> {
-        let area = self.scl_of_type(ctx, pins.get(names.0)?, Elementary::Byte);
+    fn coded(&mut self, ctx: &mut SclBlock, names: (&str, &str, &str), pins: &Pins) -> Option<Coded> {
+        let area = self.of_type(ctx, pins.get(names.0)?, Elementary::Byte);
         let db = self.db_number(ctx, pins.get(names.1)?);
-        let byte = self.scl_of_type(ctx, pins.get(names.2)?, Elementary::Dint);
+        let byte = self.of_type(ctx, pins.get(names.2)?, Elementary::Dint);
         Some(Coded { area: Box::new(area?), db: Box::new(db?), byte: Box::new(byte?) })
     }
 
     /// The number of a data block: any integer, or the block itself.
-    fn db_number(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Expr> {
-        let value = self.scl_value(ctx, node)?;
+    fn db_number(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Expr> {
+        let value = self.value(ctx, node)?;
         match (Shape::of(&value), &value) {
             (_, Value::Block { prefix: BlockPrefix::Db, number: Number::Known(number), span }) => {
                 let (number, span) = (*number, *span);
-                self.use_db(number, span);
+                self.program.use_db(number, span);
                 Some(Expr { kind: ExprKind::Const(u64::from(number)), ty: Elementary::Word, span })
             }
             (Shape::Of(ty), _) if ty.is_integer() || ty.class() == Class::Bits => {
-                let number = self.scl_own_type(ctx, value)?;
-                convert::explicit_expr(ctx.scl.rules, number, Elementary::Word)
+                let number = self.own_type(ctx, value)?;
+                convert::explicit_expr(ctx.scope.rules, number, Elementary::Word)
             }
-            _ => self.scl_convert(ctx, value, Elementary::Word),
+            _ => self.convert(ctx, value, Elementary::Word),
         }
     }
 
-    fn poke_block(&mut self, ctx: &mut Ctx, pins: &Pins, span: Span) -> Option<Vec<StatementKind>> {
+    fn poke_block(&mut self, ctx: &mut SclBlock, pins: &Pins, span: Span) -> Option<Vec<StatementKind>> {
         let source = self.coded(ctx, ("AREA_SRC", "DBNUMBER_SRC", "BYTEOFFSET_SRC"), pins);
         let target = self.coded(ctx, ("AREA_DEST", "DBNUMBER_DEST", "BYTEOFFSET_DEST"), pins);
         let count = self.dint(ctx, pins.get("COUNT")?);
@@ -204,10 +204,10 @@ impl Binder<'_> {
     }
 
     /// SCATTER: bit i of IN to element i of OUT.
-    fn scatter(&mut self, ctx: &mut Ctx, pins: &Pins, span: Span) -> Option<Vec<StatementKind>> {
-        let value = self.scl_value(ctx, pins.get("IN")?)?;
-        let value = self.scl_own_type(ctx, value)?;
-        let target = self.scl_access(ctx, pins.get("OUT")?, Intent::Write)?;
+    fn scatter(&mut self, ctx: &mut SclBlock, pins: &Pins, span: Span) -> Option<Vec<StatementKind>> {
+        let value = self.value(ctx, pins.get("IN")?)?;
+        let value = self.own_type(ctx, value)?;
+        let target = self.access(ctx, pins.get("OUT")?, Intent::Write)?;
         let bits = self.bits_of(&target, value.ty, pins.name)?;
         let mut code = Vec::new();
         let whole = self.temp(ctx, value.ty, span);
@@ -220,9 +220,9 @@ impl Binder<'_> {
     }
 
     /// GATHER: element i of IN to bit i of OUT.
-    fn gather(&mut self, ctx: &mut Ctx, pins: &Pins, span: Span) -> Option<Vec<StatementKind>> {
-        let source = self.scl_access(ctx, pins.get("IN")?, Intent::Read)?;
-        let target = self.scl_access(ctx, pins.get("OUT")?, Intent::Write)?;
+    fn gather(&mut self, ctx: &mut SclBlock, pins: &Pins, span: Span) -> Option<Vec<StatementKind>> {
+        let source = self.access(ctx, pins.get("IN")?, Intent::Read)?;
+        let target = self.access(ctx, pins.get("OUT")?, Intent::Write)?;
         let Some(ty) = target.elementary() else {
             let is = format!("of type {}", layout::type_name(&target.ty));
             self.wrong_type(target.span, &is, "a bit string", None);
@@ -256,8 +256,8 @@ impl Binder<'_> {
             _ => None,
         };
         let Some(places) = places.filter(|places| places.len() == ty.bits() as usize && ty.bits() > 1) else {
-            let text = self.text(access.span);
-            self.report.push(
+            let text = self.program.globals.text(access.span);
+            self.program.report(
                 Diagnostic::new(
                     Code::TypeMismatch,
                     access.span,
@@ -273,14 +273,14 @@ impl Binder<'_> {
     }
 
     /// DEMUX: IN to the output with number K.
-    fn demux(&mut self, ctx: &mut Ctx, pins: &Pins, span: Span) -> Option<Vec<StatementKind>> {
+    fn demux(&mut self, ctx: &mut SclBlock, pins: &Pins, span: Span) -> Option<Vec<StatementKind>> {
         let selector = self.dint(ctx, pins.get("K")?);
-        let value = self.scl_value(ctx, pins.get("IN")?)?;
-        let value = self.scl_own_type(ctx, value)?;
+        let value = self.value(ctx, pins.get("IN")?)?;
+        let value = self.own_type(ctx, value)?;
         let mut code = Vec::new();
         let kept = self.kept(ctx, &mut code, value);
         let mut assign = |node: &Node| {
-            let target = self.scl_access(ctx, node, Intent::Write)?;
+            let target = self.access(ctx, node, Intent::Write)?;
             let Some(ty) = target.elementary() else {
                 let is = format!("of type {}", layout::type_name(&target.ty));
                 self.wrong_type(target.span, &is, kept.ty.name(), None);
@@ -303,27 +303,27 @@ impl Binder<'_> {
     }
 
     /// An integer of any type as DINT.
-    pub fn dint(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Expr> {
-        let value = self.scl_value(ctx, node)?;
+    pub fn dint(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Expr> {
+        let value = self.value(ctx, node)?;
         match Shape::of(&value) {
             Shape::Of(ty) if ty.is_integer() || (ty.class() == Class::Bits && ty != Elementary::Bool) => {
-                let value = self.scl_own_type(ctx, value)?;
-                convert::explicit_expr(ctx.scl.rules, value, Elementary::Dint)
+                let value = self.own_type(ctx, value)?;
+                convert::explicit_expr(ctx.scope.rules, value, Elementary::Dint)
             }
-            _ => self.scl_convert(ctx, value, Elementary::Dint),
+            _ => self.convert(ctx, value, Elementary::Dint),
         }
     }
 
     /// A variable in the block's local data, under a name that no program can use.
-    pub fn temp(&mut self, ctx: &mut Ctx, ty: Elementary, span: Span) -> Access {
-        let byte = ctx.bound.temp_bytes.max(ctx.local_bytes).next_multiple_of(2);
-        ctx.local_bytes = byte + ty.bits().div_ceil(8);
+    pub fn temp(&mut self, ctx: &mut SclBlock, ty: Elementary, span: Span) -> Access {
+        let byte = ctx.block.bound.temp_bytes.max(ctx.block.local_bytes).next_multiple_of(2);
+        ctx.block.local_bytes = byte + ty.bits().div_ceil(8);
         let base = Base::Place(Place::L { byte, bit: 0 });
         Access { base, indices: Vec::new(), ty: DataType::Elementary(ty), part: None, span }
     }
 
     /// A value that is used more than once: a constant as it is, anything else through a variable.
-    pub fn kept(&mut self, ctx: &mut Ctx, code: &mut Vec<StatementKind>, value: Expr) -> Expr {
+    pub fn kept(&mut self, ctx: &mut SclBlock, code: &mut Vec<StatementKind>, value: Expr) -> Expr {
         if matches!(value.kind, ExprKind::Const(_)) {
             return value;
         }
@@ -336,9 +336,9 @@ impl Binder<'_> {
 }
 
 /// The statement that clears OK/ENO, if the block uses it.
-pub fn failed(ctx: &Ctx, span: Span) -> Option<Statement> {
+pub fn failed(ctx: &SclBlock, span: Span) -> Option<Statement> {
     let value = Expr { kind: ExprKind::Const(0), ty: Elementary::Bool, span };
-    ctx.scl.sets_flag.then_some(Statement { kind: StatementKind::SetFlag(value), span })
+    ctx.scope.sets_flag.then_some(Statement { kind: StatementKind::SetFlag(value), span })
 }
 
 pub fn load(access: &Access, ty: Elementary) -> Expr {

@@ -5,28 +5,28 @@ use plcc_syntax::Elementary;
 
 use super::value::Value;
 use super::{Rules, convert};
-use crate::bind::Binder;
+use crate::bind::scl::SclBinder;
 use plcc_binding::constant::Constant;
 use plcc_model::layout;
 
-impl Binder<'_> {
-    /// Nesting of expressions and statements beyond what anyone can read.
-    pub(in crate::bind) const DEPTH_MAX: u32 = 200;
+/// Nesting of expressions and statements beyond what anyone can read.
+pub const DEPTH_MAX: u32 = 200;
 
+impl SclBinder<'_, '_> {
     pub(super) fn too_deep(&mut self, span: Span) {
-        self.report.push(
+        self.program.report(
             Diagnostic::new(Code::Syntax, span, "this is nested too deep")
-                .label(format!("more than {} levels", Self::DEPTH_MAX))
+                .label(format!("more than {} levels", DEPTH_MAX))
                 .help("store parts of it in variables, or split the block"),
         );
     }
 
     /// A value whose type does not convert to `wanted` implicitly.
     pub(in crate::bind) fn wrong_type(&mut self, span: Span, is: &str, wanted: &str, help: Option<String>) {
-        let text = self.text(span);
+        let text = self.program.globals.text(span);
         let message = Diagnostic::new(Code::TypeMismatch, span, format!("`{text}` is {is}, but {wanted} is expected"))
             .label(is.to_string());
-        self.report.push(match help {
+        self.program.report(match help {
             Some(help) => message.help(help),
             None => message,
         });
@@ -45,8 +45,8 @@ impl Binder<'_> {
 
     /// A value that may not fit where it goes.
     pub(super) fn may_lose(&mut self, span: Span, from: Elementary, to: Elementary) {
-        let text = self.text(span);
-        self.report.push(
+        let text = self.program.globals.text(span);
+        self.program.report(
             Diagnostic::new(
                 Code::Narrowing,
                 span,
@@ -60,7 +60,7 @@ impl Binder<'_> {
     /// Something that is not possible here, and what to do about it.
     pub(in crate::bind) fn refuse(&mut self, code: Code, span: Span, title: &str, label: &str, help: &str) {
         let message = Diagnostic::new(code, span, title).label(label);
-        self.report.push(if help.is_empty() { message } else { message.help(help) });
+        self.program.report(if help.is_empty() { message } else { message.help(help) });
     }
 }
 

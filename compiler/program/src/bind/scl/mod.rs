@@ -9,10 +9,11 @@
 //!   what they compute.
 //! - `variant`: queries of a VARIANT.
 //! - `value`: what an expression is before its context decides on its type; `message`: messages that several of these report.
-//! - `reference`: the reference page, docs/reference/scl.md.
+//! - `address_numbers`: operands in charts of S7-GRAPH V5; `scope`: what is known of a block while its statements are bound.
 
 mod access;
 mod actual;
+mod address_numbers;
 mod arguments;
 mod array;
 pub(in crate::bind) mod assign;
@@ -35,10 +36,9 @@ pub(in crate::bind) mod numeric;
 mod pins;
 pub(in crate::bind) mod place;
 mod pointer;
-mod reference;
 mod result;
-pub(in crate::bind) mod rules;
 mod scatter;
+pub(in crate::bind) mod scope;
 mod statement;
 pub(in crate::bind) mod temporary;
 mod text;
@@ -46,7 +46,7 @@ mod text_number;
 mod time;
 mod timer;
 pub(in crate::bind) mod value;
-mod variant;
+pub(in crate::bind) mod variant;
 
 #[cfg(test)]
 mod call_tests;
@@ -56,10 +56,12 @@ pub(in crate::bind) mod tests;
 use plcc_syntax::ast;
 use plcc_syntax::scl::ast::{Body as Tree, Dialect, ExprKind, NameForm};
 
-use super::{Binder, Ctx};
+use crate::bind::declarations::Declarations;
+use crate::bind::declarations::block::CurrentBlock;
+pub use crate::bind::globals::rules::Rules;
+use crate::bind::stl::StlBinder;
 use plcc_model::scl::SclBody;
-pub use reference::{effect, functions, reference};
-pub use rules::{Rules, Scope};
+pub use scope::Scope;
 
 /// The purpose of an access.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,20 +72,43 @@ pub enum Intent {
     Both,
 }
 
-impl Binder<'_> {
+/// A block while statements and expressions of SCL are bound in it.
+pub struct SclBlock<'c> {
+    pub block: &'c mut CurrentBlock,
+    pub scope: Scope,
+}
+
+/// Binds statements and expressions of SCL.
+pub struct SclBinder<'b, 'a> {
+    program: &'b mut Declarations<'a>,
+}
+
+impl<'b, 'a> SclBinder<'b, 'a> {
+    pub fn new(program: &'b mut Declarations<'a>) -> SclBinder<'b, 'a> {
+        SclBinder { program }
+    }
+
+    /// STL, for the assertions of tests.
+    fn stl(&mut self) -> StlBinder<'_, 'a> {
+        StlBinder::new(self.program)
+    }
+}
+
+impl SclBinder<'_, '_> {
     /// Binds the statements of a block.
-    pub fn bind_scl(&mut self, ctx: &mut Ctx, block: &ast::CodeBlock, body: &Tree) -> SclBody {
-        ctx.scl = Scope::new(self.input, &block.header, body.dialect);
-        ctx.scl.marks_locals = body.dialect == Dialect::Tia && marks_locals(&block.code);
+    pub fn bind_block(&mut self, current: &mut CurrentBlock, block: &ast::CodeBlock, body: &Tree) -> SclBody {
+        let scope = Scope::new(self.program.globals.input, &block.header, body.dialect);
+        let ctx = &mut SclBlock { block: current, scope };
+        ctx.scope.marks_locals = body.dialect == Dialect::Tia && marks_locals(&block.code);
         self.collect_labels(ctx, &body.statements);
         let statements = self.statements(ctx, &body.statements);
         self.unused_data(ctx, block, body.statements.is_empty());
-        let scope = &ctx.scl;
+        let scope = &ctx.scope;
         SclBody {
             statements,
             sets_flag: scope.sets_flag,
             calls_set_flag: scope.rules != Rules::Classic,
-            temporary_texts: temporary::texts(&ctx.bound),
+            temporary_texts: temporary::texts(&ctx.block.bound),
             networks: Vec::new(),
         }
     }
@@ -92,7 +117,7 @@ impl Binder<'_> {
 /// Whether any name in the code is written with `#`.
 fn marks_locals(code: &ast::Code) -> bool {
     let mut found = false;
-    super::mentions::expressions(code, &mut |value| {
+    crate::bind::trees::mentions::expressions(code, &mut |value| {
         found |= matches!(&value.kind, ExprKind::Name(name) if name.form == NameForm::Local);
     });
     found

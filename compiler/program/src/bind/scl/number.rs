@@ -14,15 +14,15 @@ use super::pins::Pins;
 use super::text::is_wide_text;
 use super::value::Value;
 use super::{Rules, constant};
-use crate::bind::{Binder, Ctx};
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
 use plcc_model::scl::{BinaryOp, Conversion, Expr, ExprKind, Function, UnaryOp};
 use plcc_model::types::DataType;
 
-impl Binder<'_> {
+impl SclBinder<'_, '_> {
     pub fn number_function(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         row: &Row,
         suffix: Option<Elementary>,
         pins: &Pins,
@@ -38,7 +38,7 @@ impl Binder<'_> {
             }
             Kind::Extreme(op) => {
                 let nodes = pins.numbered("IN1");
-                let values: Vec<Option<Value>> = nodes.iter().map(|node| self.scl_value(ctx, node)).collect();
+                let values: Vec<Option<Value>> = nodes.iter().map(|node| self.value(ctx, node)).collect();
                 let values: Vec<Value> = values.into_iter().collect::<Option<_>>()?;
                 if let Some(kind) = values.iter().find_map(ordered_kind) {
                     let name = if op == BinaryOp::Min { "MIN" } else { "MAX" };
@@ -59,7 +59,7 @@ impl Binder<'_> {
             }
             Kind::Limit => {
                 let nodes = [pins.get("MN")?, pins.get("IN")?, pins.get("MX")?];
-                let values = nodes.map(|node| self.scl_value(ctx, node));
+                let values = nodes.map(|node| self.value(ctx, node));
                 let values: Vec<Value> = values.into_iter().collect::<Option<_>>()?;
                 if let Some(kind) = values.iter().find_map(ordered_kind) {
                     return self.instruction_value(ctx, &format!("LIMIT_{kind}"), values, span);
@@ -68,8 +68,8 @@ impl Binder<'_> {
                 Some(computed(Function::Limit, arguments, ty, span))
             }
             Kind::Select => {
-                let selector = self.scl_of_type(ctx, pins.get("G")?, Elementary::Bool);
-                let values = [pins.get("IN0")?, pins.get("IN1")?].map(|node| self.scl_value(ctx, node));
+                let selector = self.of_type(ctx, pins.get("G")?, Elementary::Bool);
+                let values = [pins.get("IN0")?, pins.get("IN1")?].map(|node| self.value(ctx, node));
                 let values: Vec<Value> = values.into_iter().collect::<Option<_>>()?;
                 if let Some(kind) = values.iter().find_map(complex_kind) {
                     let inputs = std::iter::once(Value::Elementary(selector?)).chain(values).collect();
@@ -129,7 +129,7 @@ impl Binder<'_> {
 
     fn float_function(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         function: Function,
         suffix: Option<Elementary>,
         node: &Node,
@@ -141,49 +141,49 @@ impl Binder<'_> {
     }
 
     /// A value as a float: LREAL stays, everything else converts to REAL.
-    fn float_value(&mut self, ctx: &mut Ctx, node: &Node, suffix: Option<Elementary>) -> Option<Expr> {
-        let value = self.scl_value(ctx, node)?;
+    fn float_value(&mut self, ctx: &mut SclBlock, node: &Node, suffix: Option<Elementary>) -> Option<Expr> {
+        let value = self.value(ctx, node)?;
         let ty = match (suffix, Shape::of(&value)) {
             (Some(ty), _) if ty.is_float() => ty,
             (_, Shape::Of(Elementary::Lreal)) => Elementary::Lreal,
             // A computation with constants alone is as exact as the CPU allows.
-            (_, Shape::Real) => constant::default_type(ctx.scl.rules, &Constant::Real(0.0)),
+            (_, Shape::Real) => constant::default_type(ctx.scope.rules, &Constant::Real(0.0)),
             // Also of a DINT, which TIA only converts to LREAL.
             (_, Shape::Of(ty)) if ty.is_integer() => {
-                let expr = self.scl_own_type(ctx, value)?;
-                return convert::explicit_expr(ctx.scl.rules, expr, Elementary::Real);
+                let expr = self.own_type(ctx, value)?;
+                return convert::explicit_expr(ctx.scope.rules, expr, Elementary::Real);
             }
             _ => Elementary::Real,
         };
-        self.scl_convert(ctx, value, ty)
+        self.convert(ctx, value, ty)
     }
 
     /// A value as a bit string: with its own type, or that of the suffix.
-    fn bits_value(&mut self, ctx: &mut Ctx, node: &Node, suffix: Option<Elementary>) -> Option<Expr> {
-        let value = self.scl_value(ctx, node)?;
+    fn bits_value(&mut self, ctx: &mut SclBlock, node: &Node, suffix: Option<Elementary>) -> Option<Expr> {
+        let value = self.value(ctx, node)?;
         let ty = match (suffix, Shape::of(&value)) {
             (Some(ty), _) => ty,
             (None, Shape::Of(ty)) if ty != Elementary::Bool => match numeric::bit_string(Rules::Tia1500, ty) {
                 Some(bits) if bits == ty => ty,
                 Some(bits) => {
-                    let expr = self.scl_own_type(ctx, value)?;
+                    let expr = self.own_type(ctx, value)?;
                     return Some(converted(expr, Conversion::Bits { checked: false }, bits));
                 }
                 None => Elementary::Dword,
             },
             _ => Elementary::Dword,
         };
-        self.scl_convert(ctx, value, ty)
+        self.convert(ctx, value, ty)
     }
 
     /// A count: an integer of any type.
-    fn count_value(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Expr> {
-        let value = self.scl_value(ctx, node)?;
+    fn count_value(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Expr> {
+        let value = self.value(ctx, node)?;
         if let Value::Constant(Constant::Integer { value: count, .. }, span) = &value
             && *count < 0
         {
             let span = *span;
-            self.report.push(
+            self.program.report(
                 Diagnostic::new(Code::ShiftCount, span, "this number is negative")
                     .label("0 or more is expected")
                     .help("for the other direction call the other function"),
@@ -191,10 +191,10 @@ impl Binder<'_> {
             return None;
         }
         match Shape::of(&value) {
-            Shape::Of(ty) if ty.is_integer() => self.scl_own_type(ctx, value),
+            Shape::Of(ty) if ty.is_integer() => self.own_type(ctx, value),
             // A bit string counts with its value.
             Shape::Of(ty) if ty.class() == Class::Bits && ty != Elementary::Bool => {
-                let expr = self.scl_own_type(ctx, value)?;
+                let expr = self.own_type(ctx, value)?;
                 let target = match ty.bits() {
                     8 => Elementary::Usint,
                     16 => Elementary::Uint,
@@ -205,18 +205,18 @@ impl Binder<'_> {
             }
             _ => {
                 let is_long = matches!(&value, Value::Constant(Constant::Integer { value: count, .. }, _) if *count > i128::from(i16::MAX));
-                let wide = is_long && !ctx.scl.rules.is_300();
-                self.scl_convert(ctx, value, if wide { Elementary::Udint } else { Elementary::Int })
+                let wide = is_long && !ctx.scope.rules.is_300();
+                self.convert(ctx, value, if wide { Elementary::Udint } else { Elementary::Int })
             }
         }
     }
 
-    fn mux(&mut self, ctx: &mut Ctx, suffix: Option<Elementary>, pins: &Pins, span: Span) -> Option<Value> {
+    fn mux(&mut self, ctx: &mut SclBlock, suffix: Option<Elementary>, pins: &Pins, span: Span) -> Option<Value> {
         let selector = self.count_value(ctx, pins.get("K")?);
         let mut nodes = pins.numbered("IN0");
         let otherwise = pins.get("INELSE");
         nodes.extend(otherwise);
-        let values: Vec<Option<Value>> = nodes.iter().map(|node| self.scl_value(ctx, node)).collect();
+        let values: Vec<Option<Value>> = nodes.iter().map(|node| self.value(ctx, node)).collect();
         let values: Vec<Value> = values.into_iter().collect::<Option<_>>()?;
         if let Some(kind) = values.iter().find_map(complex_kind) {
             return self.mux_by_selection(ctx, kind, selector?, values, otherwise.is_some(), span);
@@ -230,7 +230,7 @@ impl Binder<'_> {
     /// MUX of values that are not single values: INELSE, unless K is the number of an input.
     fn mux_by_selection(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         kind: &str,
         selector: Expr,
         mut values: Vec<Value>,
@@ -259,26 +259,33 @@ impl Binder<'_> {
         Some(result)
     }
 
-    fn round(&mut self, ctx: &mut Ctx, row: &Row, suffix: Option<Elementary>, pins: &Pins, span: Span) -> Option<Expr> {
+    fn round(
+        &mut self,
+        ctx: &mut SclBlock,
+        row: &Row,
+        suffix: Option<Elementary>,
+        pins: &Pins,
+        span: Span,
+    ) -> Option<Expr> {
         let ty = suffix.unwrap_or(Elementary::Dint);
         let value = self.float_value(ctx, pins.get("IN")?, None)?;
         if !ty.is_integer() {
             return self.bad_suffix(row, ty, pins.name);
         }
-        let conversion = convert::rounding(ctx.scl.rules, row.name)?;
+        let conversion = convert::rounding(ctx.scope.rules, row.name)?;
         Some(Expr { span, ..converted(value, conversion, ty) })
     }
 
     /// Shifts and rotates. In the classic form integers are bit strings, so zeros are shifted in.
     fn shift(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         op: BinaryOp,
         suffix: Option<Elementary>,
         pins: &Pins,
         span: Span,
     ) -> Option<Expr> {
-        let value = self.scl_value(ctx, pins.get("IN")?);
+        let value = self.value(ctx, pins.get("IN")?);
         let count = self.count_value(ctx, pins.get("N")?);
         let value = value?;
         let ty = match (suffix, Shape::of(&value)) {
@@ -291,14 +298,14 @@ impl Binder<'_> {
             self.wrong_type(value.span(), &is, "a bit string or an integer", None);
             return None;
         }
-        let left = self.scl_convert(ctx, value, ty)?;
+        let left = self.convert(ctx, value, ty)?;
         let bits = numeric::bit_string(Rules::Tia1500, ty).filter(|bits| *bits != ty);
         let make = |left: Expr, count: Expr| {
             let ty = left.ty;
             Expr { kind: ExprKind::Binary { op, left: Box::new(left), right: Box::new(count) }, ty, span }
         };
         Some(match bits {
-            Some(bits) if ctx.scl.rules.is_300() => {
+            Some(bits) if ctx.scope.rules.is_300() => {
                 let pattern = Conversion::Bits { checked: false };
                 converted(make(converted(left, pattern, bits), count?), pattern, ty)
             }
@@ -307,15 +314,20 @@ impl Binder<'_> {
     }
 
     /// Values converted to one type: that of the suffix, or the widest of their own.
-    fn alike(&mut self, ctx: &mut Ctx, nodes: &[&Node], suffix: Option<Elementary>) -> Option<(Vec<Expr>, Elementary)> {
-        let values: Vec<Option<Value>> = nodes.iter().map(|node| self.scl_value(ctx, node)).collect();
+    fn alike(
+        &mut self,
+        ctx: &mut SclBlock,
+        nodes: &[&Node],
+        suffix: Option<Elementary>,
+    ) -> Option<(Vec<Expr>, Elementary)> {
+        let values: Vec<Option<Value>> = nodes.iter().map(|node| self.value(ctx, node)).collect();
         let values: Vec<Value> = values.into_iter().collect::<Option<_>>()?;
         self.alike_values(ctx, values, suffix)
     }
 
     fn alike_values(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         values: Vec<Value>,
         suffix: Option<Elementary>,
     ) -> Option<(Vec<Expr>, Elementary)> {
@@ -323,13 +335,13 @@ impl Binder<'_> {
             Some(ty) => ty,
             None => self.widest(ctx, &values)?,
         };
-        let bound: Vec<Option<Expr>> = values.into_iter().map(|value| self.scl_convert(ctx, value, ty)).collect();
+        let bound: Vec<Option<Expr>> = values.into_iter().map(|value| self.convert(ctx, value, ty)).collect();
         Some((bound.into_iter().collect::<Option<_>>()?, ty))
     }
 
     /// The type that can hold all of the values; reports values that do not go together.
-    fn widest(&mut self, ctx: &Ctx, values: &[Value]) -> Option<Elementary> {
-        let rules = ctx.scl.rules;
+    fn widest(&mut self, ctx: &SclBlock, values: &[Value]) -> Option<Elementary> {
+        let rules = ctx.scope.rules;
         let mut shapes: Vec<(Shape, &Value)> = values.iter().map(|value| (Shape::of(value), value)).collect();
         // Constants without a type follow the others.
         shapes.sort_by_key(|(shape, _)| shape.is_untyped() || *shape == Shape::Letter);
@@ -380,7 +392,7 @@ impl Binder<'_> {
     }
 
     fn bad_suffix<T>(&mut self, row: &Row, ty: Elementary, name: Span) -> Option<T> {
-        self.report.push(
+        self.program.report(
             Diagnostic::new(Code::TypeMismatch, name, format!("{} has no variant for type {}", row.name, ty.name()))
                 .label("this type cannot follow the name")
                 .help(format!("write {} alone, and convert its result", row.name)),
@@ -391,7 +403,7 @@ impl Binder<'_> {
     /// `X_TO_Y(value)`, `TO_Y(value)`.
     pub fn conversion(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         from: Option<Elementary>,
         to: Elementary,
         given: &[Given],
@@ -399,17 +411,17 @@ impl Binder<'_> {
     ) -> Option<Value> {
         let node = self.only_argument(ctx, given, span)?;
         let value = match from {
-            Some(from) => self.scl_of_type(ctx, node, from)?,
+            Some(from) => self.of_type(ctx, node, from)?,
             None => {
-                let value = self.scl_value(ctx, node)?;
-                self.scl_own_type(ctx, value)?
+                let value = self.value(ctx, node)?;
+                self.own_type(ctx, value)?
             }
         };
         let from = value.ty;
-        match convert::explicit_expr(ctx.scl.rules, value, to) {
+        match convert::explicit_expr(ctx.scope.rules, value, to) {
             Some(expr) => Some(Value::Elementary(Expr { span, ..expr })),
             None => {
-                self.report.push(
+                self.program.report(
                     Diagnostic::new(
                         Code::TypeMismatch,
                         span,
@@ -424,19 +436,19 @@ impl Binder<'_> {
     }
 
     /// `BCD_TO_INT` and the other BCD conversions.
-    pub fn bcd_conversion(&mut self, ctx: &mut Ctx, name: &str, given: &[Given], span: Span) -> Option<Value> {
+    pub fn bcd_conversion(&mut self, ctx: &mut SclBlock, name: &str, given: &[Given], span: Span) -> Option<Value> {
         let node = self.only_argument(ctx, given, span)?;
-        let (from, conversion, to) = convert::bcd(ctx.scl.rules, name)?;
-        let value = self.scl_of_type(ctx, node, from)?;
+        let (from, conversion, to) = convert::bcd(ctx.scope.rules, name)?;
+        let value = self.of_type(ctx, node, from)?;
         Some(Value::Elementary(Expr { span, ..converted(value, conversion, to) }))
     }
 
     /// The argument of a function of one argument, whatever its name.
-    pub fn only_argument<'n>(&mut self, ctx: &mut Ctx, given: &'n [Given], span: Span) -> Option<&'n Node> {
+    pub fn only_argument<'n>(&mut self, ctx: &mut SclBlock, given: &'n [Given], span: Span) -> Option<&'n Node> {
         if let [Given { output: false, value: Some(value), .. }] = given {
             return Some(value);
         }
-        self.report.push(
+        self.program.report(
             Diagnostic::new(
                 if given.len() > 1 { Code::SurplusOperand } else { Code::MissingParameter },
                 span,
@@ -450,15 +462,15 @@ impl Binder<'_> {
     }
 
     /// An operator as a function.
-    pub fn operator_function(&mut self, ctx: &mut Ctx, op: NodeOp, pins: &Pins, span: Span) -> Option<Value> {
-        let (left, right) = (self.scl_value(ctx, pins.get("IN1")?), self.scl_value(ctx, pins.get("IN2")?));
+    pub fn operator_function(&mut self, ctx: &mut SclBlock, op: NodeOp, pins: &Pins, span: Span) -> Option<Value> {
+        let (left, right) = (self.value(ctx, pins.get("IN1")?), self.value(ctx, pins.get("IN2")?));
         self.operation(ctx, op, pins.name, left?, right?, span)
     }
 
     /// T_ADD, T_SUB and T_DIFF of bound operands.
     pub(super) fn operation(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         op: NodeOp,
         name: Span,
         left: Value,

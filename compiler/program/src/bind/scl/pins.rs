@@ -5,7 +5,7 @@ use plcc_syntax::scl::ast::{Argument as Given, Expr as Node};
 
 use super::arguments::names_eno;
 use super::function::{Kind, Row};
-use crate::bind::{Binder, Ctx};
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::fold;
 use plcc_binding::similar;
 
@@ -72,9 +72,9 @@ impl<'n> Pins<'n> {
     }
 }
 
-impl Binder<'_> {
+impl SclBinder<'_, '_> {
     /// Assigns the arguments of a function to its pins; `None` after a message.
-    pub fn pins<'n>(&mut self, ctx: &mut Ctx, row: &Row, given: &'n [Given], name: Span) -> Option<Pins<'n>> {
+    pub fn pins<'n>(&mut self, ctx: &mut SclBlock, row: &Row, given: &'n [Given], name: Span) -> Option<Pins<'n>> {
         let list: Vec<Pin> = row.pins.split_whitespace().map(Pin::read).collect();
         let mut pins = Pins { given: Vec::with_capacity(given.len()), name, eno: None };
         let mut good = true;
@@ -88,7 +88,7 @@ impl Binder<'_> {
             let span = argument.name.as_ref().map_or(argument.span, |name| name.span);
             if pins.given.iter().any(|(name, other, _)| *name == pin.name() && *other == number) {
                 good = false;
-                self.report.push(
+                self.program.report(
                     Diagnostic::new(Code::DuplicateParameter, span, format!("`{}` is given twice", pin.name()))
                         .label("the second time"),
                 );
@@ -96,7 +96,7 @@ impl Binder<'_> {
             }
             if argument.output && !pin.output {
                 good = false;
-                self.report.push(
+                self.program.report(
                     Diagnostic::new(Code::AssignSign, argument.span, format!("`{}` is an input", pin.name()))
                         .label("`=>` is for outputs of the function")
                         .help(format!("write `{} := ...`", pin.name())),
@@ -113,7 +113,7 @@ impl Binder<'_> {
             .collect();
         if good && !missing.is_empty() {
             good = false;
-            self.report.push(
+            self.program.report(
                 Diagnostic::new(
                     Code::MissingParameter,
                     name,
@@ -132,7 +132,7 @@ impl Binder<'_> {
     /// The pin of one argument, with its position among numbered ones.
     fn pin(
         &mut self,
-        ctx: &Ctx,
+        ctx: &SclBlock,
         row: &Row,
         list: &[Pin],
         argument: &Given,
@@ -148,7 +148,7 @@ impl Binder<'_> {
             };
             if found.is_none() {
                 *good = false;
-                self.report.push(
+                self.program.report(
                     Diagnostic::new(Code::SurplusOperand, argument.span, format!("{} has no such argument", row.name))
                         .label(format!("its arguments are {}", list.len())),
                 );
@@ -172,7 +172,7 @@ impl Binder<'_> {
         .label("no such parameter");
         let names = list.iter().map(|pin| pin.name());
         let all: Vec<&str> = names.clone().collect();
-        self.report.push(match similar(&name.text, names) {
+        self.program.report(match similar(&name.text, names) {
             _ if eno => message.help("read `ENO` in the statement after it"),
             Some(other) => message.help(format!("is `{other}` meant?")),
             None => message.help(format!("its parameters are {}", all.join(", "))),
@@ -182,8 +182,8 @@ impl Binder<'_> {
 
     /// A function without a value inside an expression.
     pub fn no_value(&mut self, span: Span) {
-        let text = self.text(span);
-        self.report.push(
+        let text = self.program.globals.text(span);
+        self.program.report(
             Diagnostic::new(Code::TypeMismatch, span, format!("`{text}` has no value"))
                 .label("this function has no result that an expression could use")
                 .help("call it in a separate statement"),

@@ -3,7 +3,7 @@
 use plcc_diag::Span;
 use plcc_syntax::ast::{Area, BlockPrefix, CellKind, Width};
 
-use crate::bind::path;
+use crate::bind::declarations::path;
 use plcc_binding::constant::Constant;
 use plcc_model::Number;
 use plcc_model::scl::{Access, Base, Expr, Index, IndexedArea, Part};

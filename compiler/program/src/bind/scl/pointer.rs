@@ -6,23 +6,22 @@ use super::Intent;
 use super::actual::{access_type, is_variable};
 use super::message::described;
 use super::value::Value;
-use crate::bind::actual::{
-    POINTS_AT_NOTHING, code_for, code_for_elements, for_formal, pointed_at, pointed_at_by_literal, pointer_bytes,
-    type_code,
+use crate::bind::declarations::pointer::{
+    POINTS_AT_NOTHING, any_bytes, any_number_of_block, any_number_of_cell, code_for, code_for_elements, for_formal,
+    known_pointer, local_place, pointed_at, pointed_at_by_literal, pointer_bytes,
 };
-use crate::bind::actual::{any_bytes, any_number_of_block, any_number_of_cell, known_pointer, local_place};
-use crate::bind::{Binder, Ctx};
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
-use plcc_model::layout;
+use plcc_model::layout::{self, type_code};
 use plcc_model::scl::{Access, Actual, Base, Complex, Expr, ExprKind};
 use plcc_model::types::{DataType, Elementary, ParameterType};
 use plcc_model::{BlockKey, Number, Parameter, Place, Pointed};
 
-impl Binder<'_> {
+impl SclBinder<'_, '_> {
     /// The actual of a POINTER.
-    pub fn scl_pointer(
+    pub fn pointer(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         callee: BlockKey,
         formal: &Parameter,
         node: &Node,
@@ -30,7 +29,7 @@ impl Binder<'_> {
     ) -> Option<Actual> {
         match &node.kind {
             NodeKind::Literal(Literal::Pointer { db, pointer }) => {
-                self.use_db(*db, node.span);
+                self.program.use_db(*db, node.span);
                 return Some(match local_place(*pointer) {
                     Some(place) => to_place(place, node, 0, 0),
                     None => Actual::PointerBytes(pointer_bytes(*db, *pointer)),
@@ -55,9 +54,9 @@ impl Binder<'_> {
     }
 
     /// The actual of an ANY.
-    pub fn scl_any(
+    pub fn any(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         callee: BlockKey,
         formal: &Parameter,
         node: &Node,
@@ -66,7 +65,7 @@ impl Binder<'_> {
         match &node.kind {
             NodeKind::Literal(Literal::Any(bytes)) => {
                 let [_, type_code, high, low, db_high, db_low, pointer @ ..] = *bytes;
-                self.use_db(u16::from_be_bytes([db_high, db_low]), node.span);
+                self.program.use_db(u16::from_be_bytes([db_high, db_low]), node.span);
                 let count = u16::from_be_bytes([high, low]);
                 let any = match local_place(u32::from_be_bytes(pointer)) {
                     Some(place) => to_place(place, node, type_code, count),
@@ -89,7 +88,7 @@ impl Binder<'_> {
             let access = self.pointed(ctx, node, intent)?;
             return self.any_to(callee, formal, access, node);
         }
-        match self.scl_value(ctx, node)? {
+        match self.value(ctx, node)? {
             Value::Elementary(Expr { kind: ExprKind::Load(access), .. }) if access.part.is_none() => {
                 self.any_to(callee, formal, *access, node)
             }
@@ -113,7 +112,7 @@ impl Binder<'_> {
                 self.any_of_complex(ctx, formal, node, &DataType::DateAndTime)
             }
             value @ Value::Constant(..) => {
-                let value = self.scl_own_type(ctx, value)?;
+                let value = self.own_type(ctx, value)?;
                 Some(any_of_value(formal, value))
             }
             Value::Cell { kind, number: Number::Known(number), .. } => {
@@ -127,9 +126,9 @@ impl Binder<'_> {
         }
     }
 
-    fn any_of_complex(&mut self, ctx: &mut Ctx, formal: &Parameter, node: &Node, ty: &DataType) -> Option<Actual> {
+    fn any_of_complex(&mut self, ctx: &mut SclBlock, formal: &Parameter, node: &Node, ty: &DataType) -> Option<Actual> {
         let (type_code, count) = code_for(formal, ty);
-        let value = self.scl_complex(ctx, node, ty)?;
+        let value = self.complex(ctx, node, ty)?;
         let any = Actual::PointerToComplex { value, type_code, count: count.min(0xFFFF) as u16 };
         Some(for_formal(formal, any, pointed_at(ty)))
     }
@@ -170,8 +169,8 @@ impl Binder<'_> {
     }
 
     /// The variable that a pointer points at. The target of an ANY or POINTER formal is not itself read or written here.
-    fn pointed(&mut self, ctx: &mut Ctx, node: &Node, intent: Intent) -> Option<Access> {
-        self.scl_access(ctx, node, intent)
+    fn pointed(&mut self, ctx: &mut SclBlock, node: &Node, intent: Intent) -> Option<Access> {
+        self.access(ctx, node, intent)
     }
 }
 

@@ -7,15 +7,15 @@
 use plcc_abi::image::BlockKind;
 use plcc_stdlib::{BlockClass, Form};
 
-use super::call::is_result;
-use crate::bind::Binder;
 use plcc_model::BlockKey;
 use plcc_model::scl::{Access, Actual, Argument, Call, Complex, ExprKind, StatementKind};
 use plcc_model::types::DataType;
 
+use super::call::is_result;
 use super::value::Value;
+use crate::bind::scl::SclBinder;
 
-impl Binder<'_> {
+impl SclBinder<'_, '_> {
     /// The call that writes `value` to `target` itself; otherwise returns the value.
     pub(super) fn result_in_place(&mut self, target: &Access, value: Value) -> Result<StatementKind, Value> {
         if target.part.is_some() {
@@ -45,7 +45,7 @@ impl Binder<'_> {
         if call.enable.is_some() {
             return None;
         }
-        let bound = self.interface(call.target, call.span)?;
+        let bound = self.program.interface(call.target, call.span)?;
         let parameter = bound.interface.parameters.iter().position(|formal| is_result(call.target, formal))?;
         let mut call = call.clone();
         call.arguments.push(Argument { parameter, actual, span: call.span });
@@ -54,11 +54,14 @@ impl Binder<'_> {
 
     fn writes_texts(&self, key: BlockKey) -> bool {
         let function = matches!(key.kind, BlockKind::Fc | BlockKind::Sfc);
-        function && self.library_block(key).is_some_and(|block| block.form == Form::Source)
+        function && self.program.globals.library_block(key).is_some_and(|block| block.form == Form::Source)
     }
 
     /// FC 37 STRNG_DI, FC 38 STRNG_I, FC 39 STRNG_R.
     fn may_write_nothing(&self, key: BlockKey) -> bool {
-        self.library_block(key).is_some_and(|block| block.class == BlockClass::Fc && (37..=39).contains(&block.number))
+        self.program
+            .globals
+            .library_block(key)
+            .is_some_and(|block| block.class == BlockClass::Fc && (37..=39).contains(&block.number))
     }
 }

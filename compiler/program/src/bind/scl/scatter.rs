@@ -10,16 +10,16 @@ use super::Intent;
 use super::array::{Run, shortened};
 use super::memory::{binary, bit_of, load, minus_one, number};
 use super::pins::Pins;
-use crate::bind::{Binder, Ctx};
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_model::layout;
 use plcc_model::scl::{BinaryOp, Statement, StatementKind};
 use plcc_model::types::DataType;
 
-impl Binder<'_> {
+impl SclBinder<'_, '_> {
     /// `to_bits`: SCATTER_BLK, else GATHER_BLK.
     pub fn scatter_block(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         to_bits: bool,
         pins: &Pins,
         span: Span,

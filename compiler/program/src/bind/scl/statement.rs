@@ -10,32 +10,33 @@ use super::Intent;
 use super::constant;
 use super::expression::{constant_expr, typed_constant};
 use super::value::Value;
-use crate::bind::{Binder, Ctx};
+use crate::bind::scl::message::DEPTH_MAX;
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_model::scl::{Complex, Expr, ExprKind, Statement, StatementKind};
 use plcc_model::types::DataType;
 use plcc_model::{self, StlStatementKind};
 
-impl Binder<'_> {
+impl SclBinder<'_, '_> {
     /// A list of statements.
-    pub(in crate::bind) fn statements(&mut self, ctx: &mut Ctx, trees: &[Tree]) -> Vec<Statement> {
-        ctx.scl.lists.push(trees.as_ptr() as usize);
+    pub(in crate::bind) fn statements(&mut self, ctx: &mut SclBlock, trees: &[Tree]) -> Vec<Statement> {
+        ctx.scope.lists.push(trees.as_ptr() as usize);
         let mut bound = Vec::with_capacity(trees.len());
         for tree in trees {
-            if ctx.scl.lists.len() as u32 > Self::DEPTH_MAX {
+            if ctx.scope.lists.len() as u32 > DEPTH_MAX {
                 self.too_deep(tree.span);
                 break;
             }
             self.statement(ctx, tree, &mut bound);
         }
-        ctx.scl.lists.pop();
+        ctx.scope.lists.pop();
         bound
     }
 
-    pub(in crate::bind) fn statement(&mut self, ctx: &mut Ctx, tree: &Tree, bound: &mut Vec<Statement>) {
+    pub(in crate::bind) fn statement(&mut self, ctx: &mut SclBlock, tree: &Tree, bound: &mut Vec<Statement>) {
         if has_enable(tree) && self.enabled_function(ctx, tree, bound) {
             return;
         }
-        let span = ctx.fixed_span.unwrap_or(head(tree));
+        let span = ctx.block.fixed_span.unwrap_or(head(tree));
         let kind = match &tree.kind {
             TreeKind::Empty | TreeKind::Error => None,
             TreeKind::Label(name) => self.label(ctx, name).map(StatementKind::Label),
@@ -76,7 +77,7 @@ impl Binder<'_> {
             TreeKind::Return(None) => Some(StatementKind::Return(None)),
             TreeKind::Return(Some(value)) => self.condition(ctx, value).map(|value| StatementKind::Return(Some(value))),
             TreeKind::Goto(name) => self.goto(ctx, name).map(StatementKind::Goto),
-            TreeKind::Pragma(pragma) => match self.statement_pragma(ctx, pragma) {
+            TreeKind::Pragma(pragma) => match self.stl().statement_pragma(ctx.block, pragma) {
                 Some(StlStatementKind::Assert(assert)) => {
                     let register = |side: &plcc_model::AssertSide| matches!(side, plcc_model::AssertSide::Register(_));
                     if assert.sides().any(register) {
@@ -99,26 +100,31 @@ impl Binder<'_> {
     }
 
     /// A condition: BOOL only.
-    fn condition(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Expr> {
-        let value = self.scl_value(ctx, node)?;
-        self.scl_convert(ctx, value, Elementary::Bool)
+    fn condition(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Expr> {
+        let value = self.value(ctx, node)?;
+        self.convert(ctx, value, Elementary::Bool)
     }
 
     /// A call, or an expression that was meant as something else.
-    fn lone_expression(&mut self, ctx: &mut Ctx, node: &Node, bound: &mut Vec<Statement>) -> Option<StatementKind> {
+    fn lone_expression(
+        &mut self,
+        ctx: &mut SclBlock,
+        node: &Node,
+        bound: &mut Vec<Statement>,
+    ) -> Option<StatementKind> {
         match &node.kind {
             NodeKind::Call { callee, .. } if let Some(filling) = hole(ctx, callee) => {
                 bound.extend(filling);
                 None
             }
-            NodeKind::Call { .. } => match self.scl_call(ctx, node, true)? {
+            NodeKind::Call { .. } => match self.call(ctx, node, true)? {
                 Value::Nothing(call) => Some(StatementKind::Call(call)),
                 Value::Complex { value: Complex::Call(call), .. } => Some(StatementKind::Call(call)),
                 Value::Elementary(Expr { kind: ExprKind::Call(call), .. }) => Some(StatementKind::Call(call)),
                 Value::Elementary(expr) => Some(StatementKind::Evaluate(expr)),
                 Value::Statements(statements, _) => {
                     let place = |statement: Statement| Statement {
-                        span: ctx.fixed_span.unwrap_or(statement.span),
+                        span: ctx.block.fixed_span.unwrap_or(statement.span),
                         ..statement
                     };
                     bound.extend(statements.into_iter().map(place));
@@ -127,7 +133,7 @@ impl Binder<'_> {
                 _ => None,
             },
             NodeKind::Binary { op: Operator::Equal, op_span, .. } => {
-                self.report.push(
+                self.program.report(
                     Diagnostic::new(Code::AssignSign, *op_span, "this compares and does nothing with the result")
                         .label("a comparison")
                         .help("to assign write `:=`"),
@@ -136,7 +142,7 @@ impl Binder<'_> {
             }
             NodeKind::Error => None,
             _ => {
-                let text = self.text(node.span);
+                let text = self.program.globals.text(node.span);
                 self.refuse(
                     Code::Syntax,
                     node.span,
@@ -149,8 +155,8 @@ impl Binder<'_> {
         }
     }
 
-    fn in_loop(&mut self, ctx: &Ctx, word: &str, span: Span) -> Option<()> {
-        if ctx.scl.loops > 0 {
+    fn in_loop(&mut self, ctx: &SclBlock, word: &str, span: Span) -> Option<()> {
+        if ctx.scope.loops > 0 {
             return Some(());
         }
         let help = match word {
@@ -163,26 +169,26 @@ impl Binder<'_> {
         None
     }
 
-    fn loop_body(&mut self, ctx: &mut Ctx, body: &[Tree]) -> Vec<Statement> {
-        ctx.scl.loops += 1;
+    fn loop_body(&mut self, ctx: &mut SclBlock, body: &[Tree]) -> Vec<Statement> {
+        ctx.scope.loops += 1;
         let body = self.statements(ctx, body);
-        ctx.scl.loops -= 1;
+        ctx.scope.loops -= 1;
         body
     }
 
     fn for_loop(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         variable: &Node,
         (start, end, step): (&Node, &Node, Option<&Node>),
         body: &[Tree],
         span: Span,
     ) -> Option<StatementKind> {
-        let spot = self.scl_spot(ctx, variable, Intent::Write);
+        let spot = self.spot(ctx, variable, Intent::Write);
         let ty = match spot.as_ref().map(|spot| (&spot.ty, spot.part)) {
             Some((DataType::Elementary(ty), None)) if ty.is_integer() => Some(*ty),
             Some(_) => {
-                let text = self.text(variable.span);
+                let text = self.program.globals.text(variable.span);
                 self.refuse(
                     Code::TypeMismatch,
                     variable.span,
@@ -195,8 +201,8 @@ impl Binder<'_> {
             None => None,
         };
         let mut limit = |binder: &mut Self, node: &Node| match ty {
-            Some(ty) => binder.scl_of_type(ctx, node, ty),
-            None => binder.scl_value(ctx, node).and(None),
+            Some(ty) => binder.of_type(ctx, node, ty),
+            None => binder.value(ctx, node).and(None),
         };
         let start = limit(self, start);
         let end = limit(self, end);
@@ -206,11 +212,11 @@ impl Binder<'_> {
         };
         if let Some(spot) = &spot {
             // The loop writes the variable that it counts with.
-            ctx.scl.loop_variables.push((spot.clone(), variable.span));
+            ctx.scope.loop_variables.push((spot.clone(), variable.span));
         }
         let bound = self.loop_body(ctx, body);
         if spot.is_some() {
-            ctx.scl.loop_variables.pop();
+            ctx.scope.loop_variables.pop();
         }
         let (spot, ty, start, end, step) = (spot?, ty?, start?, end?, step?);
         self.check_end(ty, [&start, &end, &step], &bound, span)?;
@@ -294,9 +300,9 @@ fn leaves(statement: &Statement) -> bool {
 }
 
 /// The placeholder of a call in a template.
-fn hole(ctx: &Ctx, callee: &Node) -> Option<Vec<Statement>> {
+fn hole(ctx: &SclBlock, callee: &Node) -> Option<Vec<Statement>> {
     match &callee.kind {
-        NodeKind::Name(name) => ctx.scl.holes.get(name.text.as_str()).cloned(),
+        NodeKind::Name(name) => ctx.scope.holes.get(name.text.as_str()).cloned(),
         _ => None,
     }
 }

@@ -1,7 +1,7 @@
 //! Texts in VAR_TEMP, whose headers are set when a block begins. Source: SCL reference, strings.
 
-use crate::bind::declare::BoundInterface;
-use crate::bind::path::Base;
+use crate::bind::declarations::path::Base;
+use crate::bind::declarations::typed::BoundInterface;
 use plcc_model::layout;
 use plcc_model::scl::TemporaryText;
 use plcc_model::types::DataType;

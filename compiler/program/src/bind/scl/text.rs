@@ -10,7 +10,7 @@ use super::function::Named;
 use super::pins::Pins;
 use super::value::Value;
 use super::{Intent, Rules, convert};
-use crate::bind::{Binder, Ctx};
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
 use plcc_binding::fold;
 use plcc_model::scl::{Actual, Argument, Call, Complex, Expr};
@@ -125,11 +125,11 @@ fn first_text(given: &[Given]) -> Option<&Node> {
     given.iter().find(|argument| !argument.name.as_ref().is_some_and(enable))?.value.as_ref()
 }
 
-impl Binder<'_> {
+impl SclBinder<'_, '_> {
     /// `INT_TO_STRING`, `STRING_TO_REAL`, `DTL_TO_DATE`.
     pub fn text_conversion(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         function: &str,
         given: &[Given],
         name: Span,
@@ -141,20 +141,20 @@ impl Binder<'_> {
         match (from, to) {
             ("CHAR", "STRING") | ("WCHAR", "WSTRING") => {
                 let wide = from == "WCHAR";
-                let value = self.scl_of_type(ctx, node, if wide { Elementary::Wchar } else { Elementary::Char })?;
+                let value = self.of_type(ctx, node, if wide { Elementary::Wchar } else { Elementary::Char })?;
                 let ty = if wide { DataType::WideString(1) } else { DataType::String(1) };
                 return Some(Value::Complex { value: Complex::Character(Box::new(value)), ty, span });
             }
             _ => {}
         }
-        let value = self.scl_value(ctx, node)?;
+        let value = self.value(ctx, node)?;
         let own = type_word(&value);
         let from = if from == ANY_TYPE { own.as_deref().unwrap_or_default() } else { from };
         match self.converted_text(ctx, from, to, value, name, span) {
             Ok(value) => value,
             Err(_) => {
                 let function = function.trim_start_matches(ANY_TYPE).trim_start_matches('_');
-                self.report.missing_function(function, name, None, true);
+                self.program.globals.report.missing_function(function, name, None, true);
                 None
             }
         }
@@ -164,7 +164,7 @@ impl Binder<'_> {
     #[allow(clippy::result_large_err, reason = "the caller gets the value back")]
     pub(super) fn converted_text(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         from: &str,
         to: &str,
         value: Value,
@@ -178,8 +178,8 @@ impl Binder<'_> {
         if let Some(own) = Elementary::from_word(from)
             && let Some((through, key)) = self.wider_block(ctx, own, |word| (word.to_string(), to.to_string()))
         {
-            let Some(value) = self.scl_convert(ctx, value, own) else { return Ok(None) };
-            let Some(value) = convert::explicit_expr(ctx.scl.rules, value, through) else { return Ok(None) };
+            let Some(value) = self.convert(ctx, value, own) else { return Ok(None) };
+            let Some(value) = convert::explicit_expr(ctx.scope.rules, value, through) else { return Ok(None) };
             return Ok(self.library_call(ctx, key, vec![Value::Elementary(value)], name, span));
         }
         if let Some(own) = Elementary::from_word(to)
@@ -188,7 +188,7 @@ impl Binder<'_> {
             let Some(Value::Elementary(value)) = self.library_call(ctx, key, vec![value], name, span) else {
                 return Ok(None);
             };
-            let value = convert::explicit_expr(ctx.scl.rules, value, own);
+            let value = convert::explicit_expr(ctx.scope.rules, value, own);
             return Ok(value.map(|value| Value::Elementary(Expr { span, ..value })));
         }
         // Texts of wide characters, through those of narrow ones.
@@ -205,18 +205,18 @@ impl Binder<'_> {
         Err(value)
     }
 
-    fn conversion_block(&self, ctx: &Ctx, from: &str, to: &str) -> Option<BlockKey> {
+    fn conversion_block(&self, ctx: &SclBlock, from: &str, to: &str) -> Option<BlockKey> {
         let name = format!("{from}_TO_{to}");
         let classic = CLASSIC.iter().find(|(known, _)| *known == name).map(|(_, block)| *block);
-        let own = || self.library_function(ctx.scl.rules, &name);
-        let old = || self.library_function(ctx.scl.rules, classic?);
+        let own = || self.library_function(ctx.scope.rules, &name);
+        let old = || self.library_function(ctx.scope.rules, classic?);
         // The TIA Portal has other rules for the form of a text.
-        if ctx.scl.rules == Rules::Classic { old().or_else(own) } else { own().or_else(old) }
+        if ctx.scope.rules == Rules::Classic { old().or_else(own) } else { own().or_else(old) }
     }
 
     fn wider_block(
         &self,
-        ctx: &Ctx,
+        ctx: &SclBlock,
         ty: Elementary,
         names: impl Fn(&str) -> (String, String),
     ) -> Option<(Elementary, BlockKey)> {
@@ -233,7 +233,7 @@ impl Binder<'_> {
 
     /// An instruction with a separate block for the type of an operand: LEN, MID and others of a WSTRING, RD_SYS_T and related ones of
     /// DATE_AND_TIME and LDT. CONCAT selects by itself.
-    pub(super) fn overload(&mut self, ctx: &mut Ctx, callee: &Node, given: &[Given]) -> Option<BlockKey> {
+    pub(super) fn overload(&mut self, ctx: &mut SclBlock, callee: &Node, given: &[Given]) -> Option<BlockKey> {
         let NodeKind::Name(name) = &callee.kind else { return None };
         let own = name.text.trim();
         let deciding = first_text(given);
@@ -242,7 +242,7 @@ impl Binder<'_> {
             "Chars_TO_Strg" => Overload::Text(text_argument(given)),
             _ => Overload::Text(deciding),
         };
-        if self.is_instance(ctx, name) || self.globals.contains_key(&fold(own)) {
+        if self.is_instance(ctx, name) || self.program.globals.names.symbols.contains_key(&fold(own)) {
             return None;
         }
         let suffix = match kind {
@@ -259,11 +259,11 @@ impl Binder<'_> {
                 "WSTRING"
             }
         };
-        plcc_stdlib::find_tia(&format!("{own}_{suffix}")).map(|block| self.library_key(block))
+        plcc_stdlib::find_tia(&format!("{own}_{suffix}")).map(|block| self.program.globals.library.key_of(block))
     }
 
     /// The type of an expression; reports no mistakes in it.
-    fn quiet_type(&mut self, ctx: &mut Ctx, node: &Node) -> Option<DataType> {
+    fn quiet_type(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<DataType> {
         match self.quiet_value(ctx, node)? {
             Value::Elementary(expr) => Some(DataType::Elementary(expr.ty)),
             Value::Complex { ty, .. } => Some(ty),
@@ -273,16 +273,16 @@ impl Binder<'_> {
         }
     }
 
-    fn quiet_value(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Value> {
-        let (told, reads) = (self.report.diagnostics.len(), ctx.scl.temp_reads.len());
-        let value = self.scl_value(ctx, node);
-        self.report.diagnostics.truncate(told);
-        ctx.scl.temp_reads.truncate(reads);
+    fn quiet_value(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Value> {
+        let (told, reads) = (self.program.globals.report.diagnostics.len(), ctx.scope.temp_reads.len());
+        let value = self.value(ctx, node);
+        self.program.globals.report.diagnostics.truncate(told);
+        ctx.scope.temp_reads.truncate(reads);
         value
     }
 
     /// True of an expression of type WSTRING; reports no mistakes in it.
-    fn is_wide(&mut self, ctx: &mut Ctx, node: &Node) -> bool {
+    fn is_wide(&mut self, ctx: &mut SclBlock, node: &Node) -> bool {
         match &node.kind {
             // Calls are not bound for this, so that a chain of them is not bound repeatedly.
             NodeKind::Call { callee, arguments } => match &callee.kind {
@@ -300,39 +300,41 @@ impl Binder<'_> {
     }
 
     /// True of a function whose result is a WSTRING; reports no mistakes.
-    fn gives_wide_text(&mut self, ctx: &mut Ctx, callee: &Node) -> bool {
-        let told = self.report.diagnostics.len();
+    fn gives_wide_text(&mut self, ctx: &mut SclBlock, callee: &Node) -> bool {
+        let told = self.program.globals.report.diagnostics.len();
         let wide = match self.callee(ctx, callee) {
-            Some(Callee::Block { key, instance: None }) => self.interface(key, callee.span).is_some_and(|bound| {
-                let mut parameters = bound.interface.parameters.iter();
-                parameters.any(|one| is_result(key, one) && matches!(one.ty, DataType::WideString(_)))
-            }),
+            Some(Callee::Block { key, instance: None }) => {
+                self.program.interface(key, callee.span).is_some_and(|bound| {
+                    let mut parameters = bound.interface.parameters.iter();
+                    parameters.any(|one| is_result(key, one) && matches!(one.ty, DataType::WideString(_)))
+                })
+            }
             _ => false,
         };
-        self.report.diagnostics.truncate(told);
+        self.program.globals.report.diagnostics.truncate(told);
         wide
     }
 
     /// CONCAT of two or more texts.
-    pub fn concat(&mut self, ctx: &mut Ctx, pins: &Pins, name: Span, span: Span) -> Option<Value> {
+    pub fn concat(&mut self, ctx: &mut SclBlock, pins: &Pins, name: Span, span: Span) -> Option<Value> {
         let nodes = pins.numbered("IN1");
         if nodes.len() < 2 {
-            self.report.push(
+            self.program.report(
                 Diagnostic::new(Code::MissingParameter, name, "CONCAT joins two texts or more")
                     .label("one is given")
                     .help("add `IN2 := ...`"),
             );
             return None;
         }
-        let values: Vec<Option<Value>> = nodes.iter().map(|node| self.scl_value(ctx, node)).collect();
+        let values: Vec<Option<Value>> = nodes.iter().map(|node| self.value(ctx, node)).collect();
         let values: Vec<Value> = values.into_iter().collect::<Option<_>>()?;
         let is_wide = values.iter().any(|value| match value {
             Value::Elementary(expr) => expr.ty == Elementary::Wchar,
             other => is_wide_text(other),
         });
         let block = if is_wide { "CONCAT_WSTRING" } else { "CONCAT" };
-        let Some(key) = self.library_function(ctx.scl.rules, block) else {
-            self.report.missing_function(block, name, None, true);
+        let Some(key) = self.library_function(ctx.scope.rules, block) else {
+            self.program.globals.report.missing_function(block, name, None, true);
             return None;
         };
         let mut values = values.into_iter();
@@ -349,21 +351,21 @@ impl Binder<'_> {
     /// A call of a library function with bound arguments in its order.
     pub fn library_call(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         key: BlockKey,
         values: Vec<Value>,
         name: Span,
         span: Span,
     ) -> Option<Value> {
-        let bound = self.interface(key, name)?;
+        let bound = self.program.interface(key, name)?;
         let inputs = bound.interface.parameters.iter().enumerate();
         let inputs = inputs.filter(|(_, formal)| formal.direction == Direction::Input);
         let mut arguments = Vec::with_capacity(values.len());
         for ((parameter, formal), value) in inputs.zip(values) {
             let span = value.span();
             let actual = match &formal.ty {
-                DataType::Elementary(ty) => Actual::Value(self.scl_convert(ctx, value, *ty)?),
-                ty => Actual::Complex(self.scl_complex_value(ctx, value, ty)?),
+                DataType::Elementary(ty) => Actual::Value(self.convert(ctx, value, *ty)?),
+                ty => Actual::Complex(self.complex_value(ctx, value, ty)?),
             };
             arguments.push(Argument { parameter, actual, span });
         }

@@ -14,7 +14,7 @@ use super::function::TextNumber;
 use super::pins::Pins;
 use super::text::is_wide_text;
 use super::value::Value;
-use crate::bind::{Binder, Ctx};
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
 use plcc_model::layout;
 use plcc_model::scl::{Access, Actual, Argument, Call, StatementKind};
@@ -38,10 +38,10 @@ const fn written_as(ty: Elementary) -> Option<&'static str> {
     }
 }
 
-impl Binder<'_> {
-    pub fn text_number(&mut self, ctx: &mut Ctx, kind: TextNumber, pins: &Pins, span: Span) -> Option<Call> {
+impl SclBinder<'_, '_> {
+    pub fn text_number(&mut self, ctx: &mut SclBlock, kind: TextNumber, pins: &Pins, span: Span) -> Option<Call> {
         let (input, output) = (pins.get("IN")?, pins.get("OUT")?);
-        let target = self.scl_access(ctx, output, Intent::Write)?;
+        let target = self.access(ctx, output, Intent::Write)?;
         if kind == TextNumber::Write && matches!(target.ty, DataType::WideString(_)) {
             return self.write_wide(ctx, pins, target, span);
         }
@@ -66,11 +66,11 @@ impl Binder<'_> {
                 return None;
             }
         };
-        let Some(key) = self.library_function(ctx.scl.rules, &block) else {
-            self.report.missing_function(&block, pins.name, None, true);
+        let Some(key) = self.library_function(ctx.scope.rules, &block) else {
+            self.program.globals.report.missing_function(&block, pins.name, None, true);
             return None;
         };
-        let bound = self.interface(key, pins.name)?;
+        let bound = self.program.interface(key, pins.name)?;
         let mut arguments = Vec::with_capacity(bound.interface.parameters.len());
         let mut result = None;
         for (parameter, formal) in bound.interface.parameters.iter().enumerate() {
@@ -92,19 +92,19 @@ impl Binder<'_> {
     }
 
     /// VAL_STRG to a text of wide characters: first to a narrow text, which then replaces some of the wide characters.
-    fn write_wide(&mut self, ctx: &mut Ctx, pins: &Pins, target: Access, span: Span) -> Option<Call> {
+    fn write_wide(&mut self, ctx: &mut SclBlock, pins: &Pins, target: Access, span: Span) -> Option<Call> {
         let (input, output) = (pins.get("IN")?, pins.get("OUT")?);
         let Some(name) = self.number_type(ctx, input).map(written_as)? else {
             return self.wrong_pin(input.span, "a number");
         };
         let (narrow, wide) = (format!("VAL_STRG_{name}"), "VAL_STRG_WSTRING");
         let (Some(writer), Some(key)) =
-            (self.library_function(ctx.scl.rules, &narrow), self.library_function(ctx.scl.rules, wide))
+            (self.library_function(ctx.scope.rules, &narrow), self.library_function(ctx.scope.rules, wide))
         else {
-            self.report.missing_function(&narrow, pins.name, None, true);
+            self.program.globals.report.missing_function(&narrow, pins.name, None, true);
             return None;
         };
-        let bound = self.interface(writer, pins.name)?;
+        let bound = self.program.interface(writer, pins.name)?;
         let mut arguments = Vec::with_capacity(bound.interface.parameters.len());
         for (parameter, formal) in bound.interface.parameters.iter().enumerate() {
             if is_result(writer, formal) {
@@ -118,12 +118,12 @@ impl Binder<'_> {
             arguments.push(Argument { parameter, actual, span: node.span });
         }
         let field = Call { target: writer, instance: None, arguments, enable: None, eno: None, span };
-        let mut values = vec![self.call_value(field, false, pins.name)?, self.scl_value(ctx, output)?].into_iter();
-        let bound = self.interface(key, pins.name)?;
+        let mut values = vec![self.call_value(field, false, pins.name)?, self.value(ctx, output)?].into_iter();
+        let bound = self.program.interface(key, pins.name)?;
         let mut arguments = Vec::with_capacity(bound.interface.parameters.len());
         for (parameter, formal) in bound.interface.parameters.iter().enumerate() {
             let actual = match formal.direction {
-                Direction::Input => Actual::Complex(self.scl_complex_value(ctx, values.next()?, &formal.ty)?),
+                Direction::Input => Actual::Complex(self.complex_value(ctx, values.next()?, &formal.ty)?),
                 Direction::InOut => self.text_number_actual(ctx, key, formal, pins.get("P")?)?,
                 _ => Actual::Reference(target.clone()),
             };
@@ -137,37 +137,43 @@ impl Binder<'_> {
     }
 
     /// An argument: a position that is a number does not advance, and a text of wide characters is read as one of narrow ones.
-    fn text_number_actual(&mut self, ctx: &mut Ctx, key: BlockKey, formal: &Parameter, node: &Node) -> Option<Actual> {
+    fn text_number_actual(
+        &mut self,
+        ctx: &mut SclBlock,
+        key: BlockKey,
+        formal: &Parameter,
+        node: &Node,
+    ) -> Option<Actual> {
         match (&formal.ty, formal.direction) {
             (DataType::Elementary(ty), Direction::InOut) if !is_variable(node) => {
-                Some(Actual::Value(self.scl_of_type(ctx, node, *ty)?))
+                Some(Actual::Value(self.of_type(ctx, node, *ty)?))
             }
             (DataType::String(_), Direction::Input) => {
-                let mut value = self.scl_value(ctx, node)?;
+                let mut value = self.value(ctx, node)?;
                 if is_wide_text(&value) {
                     value = self.instruction_value(ctx, "WSTRING_TO_STRING", vec![value], node.span)?;
                 }
-                Some(Actual::Complex(self.scl_complex_value(ctx, value, &formal.ty)?))
+                Some(Actual::Complex(self.complex_value(ctx, value, &formal.ty)?))
             }
-            _ => self.scl_actual(ctx, key, formal, node),
+            _ => self.actual(ctx, key, formal, node),
         }
     }
 
     /// S_CONV to or from a text of wide characters, where the other side is a text or the target is one; `None`: another S_CONV.
-    pub fn wide_conversion(&mut self, ctx: &mut Ctx, pins: &Pins, span: Span) -> Option<Option<StatementKind>> {
+    pub fn wide_conversion(&mut self, ctx: &mut SclBlock, pins: &Pins, span: Span) -> Option<Option<StatementKind>> {
         let (input, output) = (pins.get("IN")?, pins.get("OUT")?);
         if pins.eno.is_some() {
             return None;
         }
-        let (told, reads) = (self.report.diagnostics.len(), ctx.scl.temp_reads.len());
-        let target = self.scl_access(ctx, output, Intent::Write);
-        let value = self.scl_value(ctx, input);
+        let (told, reads) = (self.program.globals.report.diagnostics.len(), ctx.scope.temp_reads.len());
+        let target = self.access(ctx, output, Intent::Write);
+        let value = self.value(ctx, input);
         let wide_target = matches!(target.as_ref()?.ty, DataType::WideString(_));
         let from_wide = is_wide_text(value.as_ref()?);
         let narrowed = from_wide && matches!(target.as_ref()?.ty, DataType::String(_));
         if !wide_target && !narrowed {
-            self.report.diagnostics.truncate(told);
-            ctx.scl.temp_reads.truncate(reads);
+            self.program.globals.report.diagnostics.truncate(told);
+            ctx.scope.temp_reads.truncate(reads);
             return None;
         }
         let (target, value) = (target?, value?);
@@ -193,8 +199,8 @@ impl Binder<'_> {
     }
 
     /// The type of a number that is to be written; a constant has one that can hold it.
-    fn number_type(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Elementary> {
-        let value = self.scl_value(ctx, node)?;
+    fn number_type(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Elementary> {
+        let value = self.value(ctx, node)?;
         self.number_type_of(&value, node.span)
     }
 
@@ -209,7 +215,7 @@ impl Binder<'_> {
     }
 
     fn wrong_pin<T>(&mut self, span: Span, wanted: &str) -> Option<T> {
-        let text = self.text(span);
+        let text = self.program.globals.text(span);
         self.wrong_type(span, &format!("`{text}`"), wanted, None);
         None
     }

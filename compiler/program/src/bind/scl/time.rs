@@ -11,7 +11,7 @@ use super::function::Named;
 use super::numeric::Shape;
 use super::value::Value;
 use super::{Intent, Rules};
-use crate::bind::{Binder, Ctx};
+use crate::bind::scl::{SclBinder, SclBlock};
 use Elementary::*;
 use plcc_binding::constant::Constant;
 use plcc_binding::fold;
@@ -65,12 +65,12 @@ pub fn compare_as_dates(left: &Value, right: &Value) -> bool {
     (a == Moment::Dtl || a != b) && date(a) && date(b)
 }
 
-impl Binder<'_> {
+impl SclBinder<'_, '_> {
     /// `left op right` if one of them is a date or time; otherwise returns both.
     #[allow(clippy::result_large_err, reason = "the caller gets the operands back")]
     pub(super) fn time_arithmetic(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         op: Operator,
         op_span: Span,
         left: Value,
@@ -91,28 +91,28 @@ impl Binder<'_> {
                 self.combined(ctx, binary_op(op), left, right, ty, span)
             }
             (Of(ty @ (Time | Ltime)), Number) if op != Operator::Modulo => {
-                let left = self.scl_convert(ctx, left, ty);
+                let left = self.convert(ctx, left, ty);
                 let right = self.factor(ctx, right, ty);
                 let both = left.zip(right);
                 both.map(|(left, right)| Value::Elementary(binary_expr(binary_op(op), left, right, ty, span)))
             }
             (Number, Of(ty @ (Time | Ltime))) if matches!(op, Operator::Add | Operator::Multiply) => {
                 let left = self.factor(ctx, left, ty);
-                let right = self.scl_convert(ctx, right, ty);
+                let right = self.convert(ctx, right, ty);
                 let both = left.zip(right);
                 both.map(|(left, right)| Value::Elementary(binary_expr(binary_op(op), left, right, ty, span)))
             }
             (Of(day @ (TimeOfDay | Ltod)), Of(Time | Ltime)) if sum => {
                 let step = if day == Ltod { Ltime } else { Time };
-                let left = self.scl_convert(ctx, left, day);
-                let right = self.scl_convert(ctx, right, step);
+                let left = self.convert(ctx, left, day);
+                let right = self.convert(ctx, right, step);
                 let op = if subtract { BinaryOp::SubtractDay } else { BinaryOp::AddDay };
                 let both = left.zip(right);
                 both.map(|(left, right)| Value::Elementary(binary_expr(op, left, as_bits(right, day), day, span)))
             }
             (Of(Ldt), Of(Time | Ltime)) if sum => {
-                let left = self.scl_convert(ctx, left, Ldt);
-                let right = self.scl_convert(ctx, right, Ltime);
+                let left = self.convert(ctx, left, Ldt);
+                let right = self.convert(ctx, right, Ltime);
                 let both = left.zip(right);
                 both.map(|(left, right)| {
                     let sum = binary_expr(binary_op(op), as_bits(left, Lint), as_bits(right, Lint), Lint, span);
@@ -120,28 +120,28 @@ impl Binder<'_> {
                 })
             }
             (Of(day), Of(other)) if subtract && day == other => self.difference(ctx, day, left, right, span),
-            (Of(Date), Of(TimeOfDay)) if op == Operator::Add && ctx.scl.rules.is_300() => {
-                let left = self.scl_convert(ctx, left, Date);
-                let right = self.scl_convert(ctx, right, TimeOfDay);
+            (Of(Date), Of(TimeOfDay)) if op == Operator::Add && ctx.scope.rules.is_300() => {
+                let left = self.convert(ctx, left, Date);
+                let right = self.convert(ctx, right, TimeOfDay);
                 let both = left.zip(right);
                 both.and_then(|(a, b)| self.library_value(D_TOD_DT, vec![Actual::Value(a), Actual::Value(b)], span))
             }
             (DateAndTime, Of(Time)) if sum => {
                 let number = if subtract { SB_DT_TM } else { AD_DT_TM };
-                let left = self.scl_complex_value(ctx, left, &DataType::DateAndTime);
-                let right = self.scl_convert(ctx, right, Time);
+                let left = self.complex_value(ctx, left, &DataType::DateAndTime);
+                let right = self.convert(ctx, right, Time);
                 let both = left.zip(right);
                 both.and_then(|(a, b)| self.library_value(number, vec![Actual::Complex(a), Actual::Value(b)], span))
             }
             (DateAndTime, DateAndTime) if subtract => {
-                let left = self.scl_complex_value(ctx, left, &DataType::DateAndTime);
-                let right = self.scl_complex_value(ctx, right, &DataType::DateAndTime);
+                let left = self.complex_value(ctx, left, &DataType::DateAndTime);
+                let right = self.complex_value(ctx, right, &DataType::DateAndTime);
                 let both = left.zip(right);
                 both.and_then(|(a, b)| self.library_value(SB_DT_DT, vec![Actual::Complex(a), Actual::Complex(b)], span))
             }
             (Dtl, Of(step @ (Time | Ltime))) if sum => self.dtl_step(ctx, left, right, step, subtract, span),
             (Dtl, Dtl) if subtract => {
-                let ty = if ctx.scl.rules == Rules::Tia1500 { Ltime } else { Time };
+                let ty = if ctx.scope.rules == Rules::Tia1500 { Ltime } else { Time };
                 self.dtl_difference(ctx, left, right, ty, span)
             }
             (Of(Date), Of(TimeOfDay)) if op == Operator::Add => {
@@ -171,7 +171,7 @@ impl Binder<'_> {
     #[allow(clippy::result_large_err, reason = "the caller gets the operands back")]
     pub(super) fn mixed_difference(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         left: Value,
         right: Value,
         span: Span,
@@ -189,7 +189,7 @@ impl Binder<'_> {
     /// T_CONV and T_DIFF whose result is assigned: their type is that of the target. `None`: any other expression; `Some(None)`: after a message.
     pub(in crate::bind) fn value_for_target(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         targets: &[(Node, AssignOp)],
         node: &Node,
     ) -> Option<Option<Value>> {
@@ -198,31 +198,31 @@ impl Binder<'_> {
         };
         let NodeKind::Name(name) = &callee.kind else { return None };
         let Named::Row { row, suffix: None } = Named::find(&name.text)? else { return None };
-        let own = matches!(row.name, "T_CONV" | "T_DIFF") && !ctx.scl.rules.is_300();
-        if !own || self.is_instance(ctx, name) || self.globals.contains_key(&fold(&name.text)) {
+        let own = matches!(row.name, "T_CONV" | "T_DIFF") && !ctx.scope.rules.is_300();
+        if !own || self.is_instance(ctx, name) || self.program.globals.names.symbols.contains_key(&fold(&name.text)) {
             return None;
         }
-        let (told, reads) = (self.report.diagnostics.len(), ctx.scl.temp_reads.len());
-        let access = self.scl_access(ctx, target, Intent::Write);
-        self.report.diagnostics.truncate(told);
-        ctx.scl.temp_reads.truncate(reads);
+        let (told, reads) = (self.program.globals.report.diagnostics.len(), ctx.scope.temp_reads.len());
+        let access = self.access(ctx, target, Intent::Write);
+        self.program.globals.report.diagnostics.truncate(told);
+        ctx.scope.temp_reads.truncate(reads);
         let to = access.filter(|access| access.part.is_none())?.ty;
         let span = node.span;
         let Some(pins) = self.pins(ctx, row, arguments, name.span) else { return Some(None) };
         if row.name == "T_CONV" {
-            let value = self.scl_value(ctx, pins.get("IN")?);
+            let value = self.value(ctx, pins.get("IN")?);
             return Some(value.and_then(|value| self.converted_time(ctx, value, &to, span)));
         }
-        let (left, right) = (self.scl_value(ctx, pins.get("IN1")?), self.scl_value(ctx, pins.get("IN2")?));
+        let (left, right) = (self.value(ctx, pins.get("IN1")?), self.value(ctx, pins.get("IN2")?));
         let Some((left, right)) = left.zip(right) else { return Some(None) };
         Some(match (moment(&left), moment(&right), &to) {
             // The days between two dates.
             (Moment::Of(Date), Moment::Of(Date), DataType::Elementary(ty)) if ty.is_integer() => {
-                let left = self.scl_convert(ctx, left, Date);
-                let right = self.scl_convert(ctx, right, Date);
+                let left = self.convert(ctx, left, Date);
+                let right = self.convert(ctx, right, Date);
                 left.zip(right).and_then(|(left, right)| {
                     let days = binary_expr(BinaryOp::Subtract, days_of(left), days_of(right), Dint, span);
-                    convert::explicit_expr(ctx.scl.rules, days, *ty).map(Value::Elementary)
+                    convert::explicit_expr(ctx.scope.rules, days, *ty).map(Value::Elementary)
                 })
             }
             (Moment::Dtl, Moment::Dtl, DataType::Elementary(Ltime)) => {
@@ -233,14 +233,14 @@ impl Binder<'_> {
     }
 
     /// T_CONV of a value that goes to a variable of type `to`.
-    fn converted_time(&mut self, ctx: &mut Ctx, value: Value, to: &DataType, span: Span) -> Option<Value> {
+    fn converted_time(&mut self, ctx: &mut SclBlock, value: Value, to: &DataType, span: Span) -> Option<Value> {
         if let DataType::Elementary(ty) = to {
             let own = match value {
                 Value::Constant(..) => return Some(value),
                 Value::Elementary(expr) => expr,
                 other => return self.converted_date(ctx, other, to, span),
             };
-            if let Some(converted) = convert::explicit_expr(ctx.scl.rules, own.clone(), *ty) {
+            if let Some(converted) = convert::explicit_expr(ctx.scope.rules, own.clone(), *ty) {
                 return Some(Value::Elementary(Expr { span, ..converted }));
             }
             return self.converted_date(ctx, Value::Elementary(own), to, span);
@@ -248,7 +248,7 @@ impl Binder<'_> {
         self.converted_date(ctx, value, to, span)
     }
 
-    fn converted_date(&mut self, ctx: &mut Ctx, value: Value, to: &DataType, span: Span) -> Option<Value> {
+    fn converted_date(&mut self, ctx: &mut SclBlock, value: Value, to: &DataType, span: Span) -> Option<Value> {
         let words = super::text::type_word(&value).zip(super::text::type_word_of(to));
         match words {
             Some((from, to)) if from != to => match self.converted_text(ctx, &from, &to, value, span, span) {
@@ -268,7 +268,7 @@ impl Binder<'_> {
     /// DTL and TIME or LTIME: a DTL.
     fn dtl_step(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         left: Value,
         right: Value,
         step: Elementary,
@@ -280,8 +280,8 @@ impl Binder<'_> {
             return self.instruction_value(ctx, "ADD_DTL_TIME", vec![left, right, back], span);
         }
         let left = self.instruction_value(ctx, "DTL_TO_LDT", vec![left], span)?;
-        let left = self.scl_convert(ctx, left, Ldt)?;
-        let right = self.scl_convert(ctx, right, Ltime)?;
+        let left = self.convert(ctx, left, Ldt)?;
+        let right = self.convert(ctx, right, Ltime)?;
         let op = if back { BinaryOp::Subtract } else { BinaryOp::Add };
         let sum = binary_expr(op, as_bits(left, Lint), as_bits(right, Lint), Lint, span);
         self.instruction_value(ctx, "LDT_TO_DTL", vec![Value::Elementary(as_bits(sum, Ldt))], span)
@@ -290,7 +290,7 @@ impl Binder<'_> {
     /// The time between two DTL: a TIME, or an LTIME, which can hold every one.
     pub(super) fn dtl_difference(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         left: Value,
         right: Value,
         ty: Elementary,
@@ -305,10 +305,10 @@ impl Binder<'_> {
     }
 
     /// A DTL, DATE_AND_TIME or LDT as LDT, in which TIA computes and compares them all; `None` for anything else.
-    pub(super) fn as_ldt(&mut self, ctx: &mut Ctx, value: Value) -> Option<Expr> {
+    pub(super) fn as_ldt(&mut self, ctx: &mut SclBlock, value: Value) -> Option<Expr> {
         let span = value.span();
         match moment(&value) {
-            Moment::Of(Ldt) => self.scl_convert(ctx, value, Ldt),
+            Moment::Of(Ldt) => self.convert(ctx, value, Ldt),
             Moment::DateAndTime => {
                 let dtl = self.instruction_value(ctx, "DT_TO_DTL", vec![value], span)?;
                 self.as_ldt(ctx, dtl)
@@ -324,36 +324,43 @@ impl Binder<'_> {
     /// The value of an instruction of the TIA Portal with the given inputs.
     pub(super) fn instruction_value(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         name: &str,
         inputs: Vec<Value>,
         span: Span,
     ) -> Option<Value> {
-        let key = self.library_key(plcc_stdlib::find_tia(name)?);
+        let key = self.program.globals.library.key_of(plcc_stdlib::find_tia(name)?);
         self.library_call(ctx, key, inputs, span, span)
     }
 
     /// An integer next to a TIME, as that many milliseconds (LTIME: nanoseconds).
-    fn factor(&mut self, ctx: &mut Ctx, value: Value, ty: Elementary) -> Option<Expr> {
+    fn factor(&mut self, ctx: &mut SclBlock, value: Value, ty: Elementary) -> Option<Expr> {
         let own = if ty == Ltime { Lint } else { Dint };
         let value = match value {
             Value::Elementary(expr) => expr,
             Value::Constant(Constant::Typed { ty, bits }, span) => constant_expr(bits, ty, span),
-            other => self.scl_convert(ctx, other, own)?,
+            other => self.convert(ctx, other, own)?,
         };
         let span = value.span;
         let from = value.ty;
-        let converted = convert::explicit_expr(ctx.scl.rules, value, ty);
+        let converted = convert::explicit_expr(ctx.scope.rules, value, ty);
         if converted.is_none() {
-            self.no_conversion(ctx.scl.rules, span, from, ty);
+            self.no_conversion(ctx.scope.rules, span, from, ty);
         }
         converted
     }
 
     /// The time between two dates of one type.
-    fn difference(&mut self, ctx: &mut Ctx, ty: Elementary, left: Value, right: Value, span: Span) -> Option<Value> {
-        let left = self.scl_convert(ctx, left, ty);
-        let right = self.scl_convert(ctx, right, ty);
+    fn difference(
+        &mut self,
+        ctx: &mut SclBlock,
+        ty: Elementary,
+        left: Value,
+        right: Value,
+        span: Span,
+    ) -> Option<Value> {
+        let left = self.convert(ctx, left, ty);
+        let right = self.convert(ctx, right, ty);
         let (left, right) = (left?, right?);
         let simple = |through: Elementary, left: Expr, right: Expr| {
             binary_expr(BinaryOp::Subtract, as_bits(left, through), as_bits(right, through), through, span)
@@ -364,8 +371,8 @@ impl Binder<'_> {
             _ => {
                 let days = simple(Dint, left, right);
                 let milliseconds = constant_expr(DAY_MILLISECONDS, Time, span);
-                if ctx.scl.rules == Rules::Tia1500 {
-                    let days = convert::explicit_expr(ctx.scl.rules, days, Ltime)?;
+                if ctx.scope.rules == Rules::Tia1500 {
+                    let days = convert::explicit_expr(ctx.scope.rules, days, Ltime)?;
                     let day = constant_expr(DAY_MILLISECONDS * 1_000_000, Ltime, span);
                     binary_expr(BinaryOp::Multiply, days, day, Ltime, span)
                 } else {
@@ -378,8 +385,8 @@ impl Binder<'_> {
 
     /// The value of a function of the standard library, called with all its parameters in order.
     pub(super) fn library_value(&mut self, number: u16, actuals: Vec<Actual>, span: Span) -> Option<Value> {
-        let target = self.library_key(plcc_stdlib::find(plcc_stdlib::BlockClass::Fc, number)?);
-        let bound = self.interface(target, span)?;
+        let target = self.program.globals.library.key_of(plcc_stdlib::find(plcc_stdlib::BlockClass::Fc, number)?);
+        let bound = self.program.interface(target, span)?;
         let result = bound.interface.parameters.iter().find(|formal| formal.name == "RET_VAL");
         let Some(result) = result.filter(|_| bound.interface.parameters.len() == actuals.len() + 1) else {
             self.refuse(

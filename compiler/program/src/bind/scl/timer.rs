@@ -11,13 +11,13 @@ use super::message::described;
 use super::numeric::Shape;
 use super::pins::Pins;
 use super::value::Value;
-use crate::bind::{Binder, Ctx};
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
 use plcc_model::Number;
 use plcc_model::scl::{Access, CounterCall, Expr, ExprKind, TimerCall, TimerKind};
 
-impl Binder<'_> {
-    pub fn timer_function(&mut self, ctx: &mut Ctx, kind: TimerKind, pins: &Pins, span: Span) -> Option<Value> {
+impl SclBinder<'_, '_> {
+    pub fn timer_function(&mut self, ctx: &mut SclBlock, kind: TimerKind, pins: &Pins, span: Span) -> Option<Value> {
         let timer = self.cell_argument(ctx, CellKind::Timer, pins.get("T_NO")?);
         let start = self.optional(ctx, pins.get("S"), Elementary::Bool);
         let value = match pins.get("TV") {
@@ -31,7 +31,7 @@ impl Binder<'_> {
         Some(Value::Elementary(Expr { kind: ExprKind::Timer(Box::new(call)), ty: Elementary::S5Time, span }))
     }
 
-    pub fn counter_function(&mut self, ctx: &mut Ctx, pins: &Pins, span: Span) -> Option<Value> {
+    pub fn counter_function(&mut self, ctx: &mut SclBlock, pins: &Pins, span: Span) -> Option<Value> {
         let counter = self.cell_argument(ctx, CellKind::Counter, pins.get("C_NO")?);
         let up = self.optional(ctx, pins.get("CU"), Elementary::Bool);
         let down = self.optional(ctx, pins.get("CD"), Elementary::Bool);
@@ -57,14 +57,14 @@ impl Binder<'_> {
     }
 
     /// The timer or counter that a function uses.
-    fn cell_argument(&mut self, ctx: &mut Ctx, wanted: CellKind, node: &Node) -> Option<Number> {
-        let value = self.scl_value(ctx, node)?;
+    fn cell_argument(&mut self, ctx: &mut SclBlock, wanted: CellKind, node: &Node) -> Option<Number> {
+        let value = self.value(ctx, node)?;
         match value {
             Value::Cell { kind, number, .. } if kind == wanted => Some(number),
             // TIA Portal, S7-300/400: the number itself.
             Value::Constant(Constant::Integer { value, .. }, span) => {
                 let number = u32::try_from(value).unwrap_or(u32::MAX);
-                Some(Number::Known(self.check_cell(wanted, number, span)?))
+                Some(Number::Known(self.program.globals.check_cell(wanted, number, span)?))
             }
             other => {
                 let (name, example) = match wanted {
@@ -79,14 +79,14 @@ impl Binder<'_> {
     }
 
     /// The outer `None` after a message.
-    fn optional(&mut self, ctx: &mut Ctx, node: Option<&Node>, ty: Elementary) -> Option<Option<Expr>> {
+    fn optional(&mut self, ctx: &mut SclBlock, node: Option<&Node>, ty: Elementary) -> Option<Option<Expr>> {
         match node {
-            Some(node) => self.scl_of_type(ctx, node, ty).map(Some),
+            Some(node) => self.of_type(ctx, node, ty).map(Some),
             None => Some(None),
         }
     }
 
-    fn optional_output(&mut self, ctx: &mut Ctx, node: Option<&Node>, ty: Elementary) -> Option<Option<Access>> {
+    fn optional_output(&mut self, ctx: &mut SclBlock, node: Option<&Node>, ty: Elementary) -> Option<Option<Access>> {
         match node {
             Some(node) => self.variable_of_type(ctx, node, ty, Intent::Write).map(Some),
             None => Some(None),
@@ -94,32 +94,32 @@ impl Binder<'_> {
     }
 
     /// The time of a timer: S5TIME, a WORD in the form of one, or a TIME.
-    fn timer_value(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Expr> {
-        let value = self.scl_value(ctx, node)?;
+    fn timer_value(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Expr> {
+        let value = self.value(ctx, node)?;
         match Shape::of(&value) {
-            Shape::Of(Elementary::S5Time | Elementary::Word) => self.scl_own_type(ctx, value),
+            Shape::Of(Elementary::S5Time | Elementary::Word) => self.own_type(ctx, value),
             Shape::Of(Elementary::Time) => {
-                let time = self.scl_own_type(ctx, value)?;
-                convert::explicit_expr(ctx.scl.rules, time, Elementary::S5Time)
+                let time = self.own_type(ctx, value)?;
+                convert::explicit_expr(ctx.scope.rules, time, Elementary::S5Time)
             }
-            _ => self.scl_convert(ctx, value, Elementary::S5Time),
+            _ => self.convert(ctx, value, Elementary::S5Time),
         }
     }
 
     /// The preset of a counter: a WORD in BCD. A decimal number would be read as BCD, which is hardly intended.
-    fn counter_value(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Expr> {
-        let value = self.scl_value(ctx, node)?;
+    fn counter_value(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Expr> {
+        let value = self.value(ctx, node)?;
         if let Value::Constant(Constant::Integer { value: number, based: false }, span) = &value
             && *number > 9
         {
             let (number, span) = (*number, *span);
-            self.report.push(
+            self.program.report(
                 Diagnostic::new(Code::BadLiteral, span, "a counter needs its value in BCD")
                     .label("this is a decimal number")
                     .help(format!("write `C#{number}` or `16#{number}`")),
             );
             return None;
         }
-        self.scl_convert(ctx, value, Elementary::Word)
+        self.convert(ctx, value, Elementary::Word)
     }
 }

@@ -13,9 +13,9 @@ use super::expression::{binary_expr, constant_expr};
 use super::function::{Kind, Named};
 use super::pins::Pins;
 use super::value::Value;
-use crate::bind::actual::pointed_at;
-use crate::bind::declare::Use;
-use crate::bind::{Binder, Ctx};
+use crate::bind::declarations::pointer::pointed_at;
+use crate::bind::declarations::typed::Use;
+use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
 use plcc_binding::fold;
 use plcc_model::Pointed;
@@ -37,9 +37,9 @@ pub enum Question {
     IsArray,
 }
 
-impl Binder<'_> {
-    pub fn type_question(&mut self, ctx: &mut Ctx, question: Question, pins: &Pins, span: Span) -> Option<Value> {
-        let value = self.scl_value(ctx, pins.get("IN")?)?;
+impl SclBinder<'_, '_> {
+    pub fn type_question(&mut self, ctx: &mut SclBlock, question: Question, pins: &Pins, span: Span) -> Option<Value> {
+        let value = self.value(ctx, pins.get("IN")?)?;
         if let Value::Parameter { access, .. } = &value
             && access.ty == DataType::Parameter(ParameterType::Variant)
         {
@@ -75,10 +75,10 @@ impl Binder<'_> {
     }
 
     /// The right side of `TypeOf(x) = Int`, and a label of `CASE TypeOf(x) OF`: the number of the type; `None`: it is not a type.
-    pub fn named_type_number(&mut self, ctx: &Ctx, node: &Node) -> Option<Constant> {
+    pub fn named_type_number(&mut self, ctx: &SclBlock, node: &Node) -> Option<Constant> {
         let NodeKind::Name(name) = &node.kind else { return None };
         let folded = fold(&name.text);
-        let hidden = ctx.bound.locals.contains_key(&folded) || ctx.bound.constants.contains_key(&folded);
+        let hidden = ctx.block.bound.locals.contains_key(&folded) || ctx.block.bound.constants.contains_key(&folded);
         if name.form == NameForm::Local || hidden {
             return None;
         }
@@ -90,7 +90,7 @@ impl Binder<'_> {
             "STRING" => TypeKind::String(None),
             _ => TypeKind::Named(word),
         };
-        let typed = self.resolve_type(&TypeRef { kind, span: node.span }, Use::Component)?;
+        let typed = self.program.resolve_type(&TypeRef { kind, span: node.span }, Use::Component)?;
         Some(Constant::Typed { ty: Elementary::Dword, bits: layout::type_number(&typed.ty).into() })
     }
 
@@ -99,7 +99,7 @@ impl Binder<'_> {
         let NodeKind::Call { callee, .. } = &node.kind else { return false };
         let NodeKind::Name(name) = &callee.kind else { return false };
         let asks = |row: &super::function::Row| matches!(row.kind, Kind::Type(Question::Type | Question::ElementType));
-        !self.globals.contains_key(&fold(&name.text))
+        !self.program.globals.names.symbols.contains_key(&fold(&name.text))
             && matches!(Named::find(&name.text), Some(Named::Row { row, .. }) if asks(row))
     }
 
@@ -125,7 +125,7 @@ impl Binder<'_> {
     }
 
     /// The value of the right side of a comparison whose left side asks for a type.
-    pub fn compared_type_name(&mut self, ctx: &Ctx, op: Operator, left: &Node, right: &Node) -> Option<Value> {
+    pub fn compared_type_name(&mut self, ctx: &SclBlock, op: Operator, left: &Node, right: &Node) -> Option<Value> {
         let asks = matches!(op, Operator::Equal | Operator::NotEqual) && self.asks_for_type(left);
         let number = asks.then(|| self.named_type_number(ctx, right)).flatten()?;
         Some(Value::Constant(number, right.span))

@@ -6,14 +6,15 @@ use plcc_diag::Span;
 use plcc_syntax::scl::ast::{Argument, Expr as Node, ExprKind as NodeKind, Name, NameForm};
 use plcc_syntax::{Class, Elementary};
 
+use crate::bind::chart::ChartBinder;
 use crate::bind::network::Page;
-use crate::bind::scl::Intent;
 use crate::bind::scl::constant::float_bits;
 use crate::bind::scl::convert::{converted, explicit_expr, rounding};
 use crate::bind::scl::expression::constant_expr;
+use crate::bind::scl::message::DEPTH_MAX;
 use crate::bind::scl::numeric::Shape;
 use crate::bind::scl::value::Value;
-use crate::bind::{Binder, Ctx};
+use crate::bind::scl::{Intent, SclBlock};
 use plcc_binding::constant::Constant;
 use plcc_binding::fold;
 use plcc_model::scl::{Conversion, Expr, ExprKind, Statement, UnaryOp};
@@ -60,11 +61,11 @@ fn mnemonic(name: &str) -> Option<Mnemonic> {
     })
 }
 
-impl Binder<'_> {
+impl ChartBinder<'_, '_> {
     /// `a := expr`.
     pub(super) fn action_assignment(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         page: &mut Page,
         operand: &Node,
         value: &Node,
@@ -73,21 +74,21 @@ impl Binder<'_> {
         page.pool.next_network();
         let mut statements = Vec::new();
         let value = self.without_mnemonics(ctx, page, value, &mut statements, 0);
-        let value = value.and_then(|value| self.scl_value(ctx, &value));
-        let target = self.scl_access(ctx, operand, Intent::Write);
+        let value = value.and_then(|value| self.scl().value(ctx, &value));
+        let target = self.scl().access(ctx, operand, Intent::Write);
         let (Some(value), Some(target)) = (value, target) else { return Vec::new() };
         let value = match target.elementary() {
             Some(ty) => self.as_width(ctx, value, ty),
             None => Some(value),
         };
-        let Some(kind) = value.and_then(|value| self.assignment(ctx, target, value)) else { return Vec::new() };
+        let Some(kind) = value.and_then(|value| self.scl().assignment(ctx, target, value)) else { return Vec::new() };
         statements.push(Statement { kind, span });
         statements
     }
 
     /// A bit string as the number of its width, and vice versa.
-    fn as_width(&mut self, ctx: &mut Ctx, value: Value, ty: Elementary) -> Option<Value> {
-        let rules = ctx.scl.rules;
+    fn as_width(&mut self, ctx: &mut SclBlock, value: Value, ty: Elementary) -> Option<Value> {
+        let rules = ctx.scope.rules;
         match (&value, Shape::of(&value)) {
             (Value::Constant(Constant::Real(number), span), _) if ty == Elementary::Dword => {
                 let bits = float_bits(*number, Elementary::Real);
@@ -98,7 +99,7 @@ impl Binder<'_> {
                     && from.bits() == ty.bits()
                     && (from.class() == Class::Bits || ty.class() == Class::Bits) =>
             {
-                let value = self.scl_own_type(ctx, value)?;
+                let value = self.scl().own_type(ctx, value)?;
                 match explicit_expr(rules, value.clone(), ty) {
                     Some(value) => Some(Value::Elementary(value)),
                     None => Some(Value::Elementary(value)),
@@ -111,14 +112,14 @@ impl Binder<'_> {
     /// An expression in which hidden variables hold the values of functions with names of STL.
     fn without_mnemonics(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         page: &mut Page,
         node: &Node,
         statements: &mut Vec<Statement>,
         depth: u32,
     ) -> Option<Node> {
         // SCL does not allow deeper nesting either.
-        if depth > Self::DEPTH_MAX {
+        if depth > DEPTH_MAX {
             return Some(node.clone());
         }
         let mut inner =
@@ -161,16 +162,16 @@ impl Binder<'_> {
     /// A function with a name of STL, unless the program defines one with this name.
     fn called_mnemonic(&self, callee: &Node) -> Option<Mnemonic> {
         let NodeKind::Name(Name { text, form: NameForm::Bare, .. }) = &callee.kind else { return None };
-        if self.globals.contains_key(&fold(text)) {
+        if self.program.globals.names.symbols.contains_key(&fold(text)) {
             return None;
         }
         mnemonic(text)
     }
 
     /// The result of a function; for one of SCL its argument.
-    fn mnemonic_value(&mut self, ctx: &mut Ctx, meant: Mnemonic, argument: &Node, span: Span) -> Option<Expr> {
-        let value = self.scl_value(ctx, argument)?;
-        let rules = ctx.scl.rules;
+    fn mnemonic_value(&mut self, ctx: &mut SclBlock, meant: Mnemonic, argument: &Node, span: Span) -> Option<Expr> {
+        let value = self.scl().value(ctx, argument)?;
+        let rules = ctx.scope.rules;
         let own = match Shape::of(&value) {
             Shape::Of(ty) => ty,
             Shape::Integer(_) => Elementary::Dint,
@@ -210,14 +211,14 @@ impl Binder<'_> {
             }
             Mnemonic::Real => match own {
                 Elementary::Dword => self.of_width(ctx, value, Elementary::Real)?,
-                _ => self.scl_convert(ctx, value, own)?,
+                _ => self.scl().convert(ctx, value, own)?,
             },
         })
     }
 
     /// A value as one of type `ty`; a bit string of the same width counts as one.
-    fn of_width(&mut self, ctx: &mut Ctx, value: Value, ty: Elementary) -> Option<Expr> {
+    fn of_width(&mut self, ctx: &mut SclBlock, value: Value, ty: Elementary) -> Option<Expr> {
         let value = self.as_width(ctx, value, ty)?;
-        self.scl_convert(ctx, value, ty)
+        self.scl().convert(ctx, value, ty)
     }
 }

@@ -11,15 +11,15 @@ use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind};
 
 use super::operand::{plain_time, thing_text};
 use super::{Moment, Rows, guarded};
+use crate::bind::chart::ChartBinder;
 use crate::bind::network::{no, yes};
-use crate::bind::scl::Intent;
 use crate::bind::scl::convert::explicit_expr;
 use crate::bind::scl::expression::constant_expr;
 use crate::bind::scl::message::described;
 use crate::bind::scl::numeric::Shape;
 use crate::bind::scl::place::Thing;
 use crate::bind::scl::value::Value;
-use crate::bind::{Binder, Ctx};
+use crate::bind::scl::{Intent, SclBlock};
 use plcc_binding::constant::Constant;
 use plcc_model::Number;
 use plcc_model::scl::{CounterCall, Expr, ExprKind, Statement, StatementKind, TimerCall, TimerKind};
@@ -29,11 +29,11 @@ const COUNT_MAX: i128 = 999;
 /// Longest time of a timer: 2h46m30s.
 const TIMER_MILLISECONDS_MAX: u64 = 9_990_000;
 
-impl Binder<'_> {
+impl ChartBinder<'_, '_> {
     /// CS, CU, CD, CR.
     pub(super) fn counter_row(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         moment: &Moment,
         qualifier: Qualifier,
         operand: &Node,
@@ -76,7 +76,7 @@ impl Binder<'_> {
     /// TL, TD, TR.
     pub(super) fn timer_row(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         moment: &Moment,
         qualifier: Qualifier,
         operand: &Node,
@@ -110,7 +110,7 @@ impl Binder<'_> {
     /// TF: the timer runs out after the step.
     pub(super) fn off_delay_row(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         rows: &mut Rows,
         moment: &Moment,
         operand: &Node,
@@ -133,10 +133,10 @@ impl Binder<'_> {
     }
 
     /// The timer or counter of a row.
-    fn row_cell(&mut self, ctx: &mut Ctx, wanted: CellKind, node: &Node) -> Option<Number> {
+    fn row_cell(&mut self, ctx: &mut SclBlock, wanted: CellKind, node: &Node) -> Option<Number> {
         let is = match &node.kind {
             NodeKind::Literal(_) | NodeKind::Unary { .. } | NodeKind::Binary { .. } => "a value",
-            _ => match self.thing(ctx, node, Intent::Read)? {
+            _ => match self.scl().thing(ctx, node, Intent::Read)? {
                 Thing::Cell { kind, number } if kind == wanted => return Some(number),
                 other => thing_text(&other),
             },
@@ -145,15 +145,15 @@ impl Binder<'_> {
             CellKind::Timer => ("a timer", "T5"),
             CellKind::Counter => ("a counter", "C5"),
         };
-        let text = self.text(node.span);
+        let text = self.program.globals.text(node.span);
         let title = format!("`{text}` is {is}, but this action needs {name}");
-        self.refuse(Code::ActionOperand, node.span, &title, is, &format!("name {name}: `{example}`"));
+        self.scl().refuse(Code::ActionOperand, node.span, &title, is, &format!("name {name}: `{example}`"));
         None
     }
 
     /// The value of CS: a WORD in BCD.
-    fn count(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Expr> {
-        let value = self.scl_value(ctx, node)?;
+    fn count(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Expr> {
+        let value = self.scl().value(ctx, node)?;
         match (&value, Shape::of(&value)) {
             (Value::Constant(Constant::Integer { value: count, based: false }, span), _)
                 if (0..=COUNT_MAX).contains(count) =>
@@ -161,11 +161,11 @@ impl Binder<'_> {
                 Some(constant_expr(bcd(*count as u64), Elementary::Word, *span))
             }
             (Value::Constant(Constant::Integer { based: true, .. }, _), _) | (_, Shape::Of(Elementary::Word)) => {
-                self.scl_convert(ctx, value, Elementary::Word)
+                self.scl().convert(ctx, value, Elementary::Word)
             }
             (Value::Constant(Constant::Integer { .. }, span), _) => {
-                let title = format!("a counter cannot hold {}", self.text(*span));
-                self.refuse(
+                let title = format!("a counter cannot hold {}", self.program.globals.text(*span));
+                self.scl().refuse(
                     Code::ActionOperand,
                     *span,
                     &title,
@@ -175,9 +175,9 @@ impl Binder<'_> {
                 None
             }
             _ => {
-                let (text, is) = (self.text(node.span), described(&value));
+                let (text, is) = (self.program.globals.text(node.span), described(&value));
                 let title = format!("`{text}` is not a value of a counter");
-                self.refuse(
+                self.scl().refuse(
                     Code::ActionOperand,
                     node.span,
                     &title,
@@ -190,29 +190,35 @@ impl Binder<'_> {
     }
 
     /// The time of a timer: an S5TIME, or a WORD in the same format.
-    fn timer_time(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Expr> {
-        let value = self.scl_value(ctx, &plain_time(node))?;
+    fn timer_time(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Expr> {
+        let value = self.scl().value(ctx, &plain_time(node))?;
         match (&value, Shape::of(&value)) {
             (Value::Constant(Constant::Typed { ty: Elementary::Time, bits }, span), _)
                 if *bits > TIMER_MILLISECONDS_MAX =>
             {
-                let title = format!("a timer cannot run for {}", self.text(*span));
-                self.refuse(Code::ActionOperand, *span, &title, "the longest time is 2h46m30s", "write a shorter time");
+                let title = format!("a timer cannot run for {}", self.program.globals.text(*span));
+                self.scl().refuse(
+                    Code::ActionOperand,
+                    *span,
+                    &title,
+                    "the longest time is 2h46m30s",
+                    "write a shorter time",
+                );
                 None
             }
             (Value::Constant(Constant::Integer { based: true, .. }, _), _) => {
-                self.scl_convert(ctx, value, Elementary::Word)
+                self.scl().convert(ctx, value, Elementary::Word)
             }
-            (_, Shape::Of(Elementary::S5Time | Elementary::Word)) => self.scl_own_type(ctx, value),
+            (_, Shape::Of(Elementary::S5Time | Elementary::Word)) => self.scl().own_type(ctx, value),
             (_, Shape::Of(Elementary::Time)) => {
-                let time = self.scl_own_type(ctx, value)?;
-                explicit_expr(ctx.scl.rules, time, Elementary::S5Time)
+                let time = self.scl().own_type(ctx, value)?;
+                explicit_expr(ctx.scope.rules, time, Elementary::S5Time)
             }
             _ => {
-                let (text, is) = (self.text(node.span), described(&value));
+                let (text, is) = (self.program.globals.text(node.span), described(&value));
                 let title = format!("`{text}` is not a time of a timer");
                 let help = "write a time, `S5T#5S` or `T#5S`, or a variable of type S5TIME, WORD or TIME";
-                self.refuse(Code::ActionOperand, node.span, &title, &is, help);
+                self.scl().refuse(Code::ActionOperand, node.span, &title, &is, help);
                 None
             }
         }

@@ -19,9 +19,10 @@ use plcc_syntax::chart::ast::{Action, ActionBody, Event, Qualifier};
 use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind};
 
 use super::engine_data::Engine;
+use crate::bind::chart::ChartBinder;
 use crate::bind::network::{Page, and, inverted, no, yes};
+use crate::bind::scl::SclBlock;
 use crate::bind::scl::place::Spot;
-use crate::bind::{Binder, Ctx};
 use plcc_binding::similar;
 use plcc_model::scl::{CompareOp, Expr, ExprKind, Statement, StatementKind};
 
@@ -121,15 +122,15 @@ fn guarded(condition: Expr, body: Vec<Statement>, span: Span) -> Vec<Statement> 
     vec![Statement { kind, span }]
 }
 
-impl Binder<'_> {
+impl ChartBinder<'_, '_> {
     /// Binds the actions of a step.
-    pub fn step_code(&mut self, ctx: &mut Ctx, engine: &mut Engine, step: usize) -> StepCode {
+    pub fn step_code(&mut self, ctx: &mut SclBlock, engine: &mut Engine, step: usize) -> StepCode {
         let chart = engine.chart;
         let has_interlock = chart.steps[step].interlock.is_some();
         let mut rows = Rows::default();
         for action in &chart.steps[step].actions {
             for message in legality::messages(action, has_interlock) {
-                self.report.push(message);
+                self.program.report(message);
             }
             let moment = moment(engine, step, action);
             match (action.qualifier, &action.body) {
@@ -157,7 +158,7 @@ impl Binder<'_> {
     }
 
     /// A row that needs only the moment from the chart.
-    fn row(&mut self, ctx: &mut Ctx, page: &mut Page, rows: &mut Rows, moment: &Moment, action: &Action) {
+    fn row(&mut self, ctx: &mut SclBlock, page: &mut Page, rows: &mut Rows, moment: &Moment, action: &Action) {
         let span = action.span;
         let statements = match (action.qualifier, &action.body) {
             (_, ActionBody::Error | ActionBody::Operand(Node { kind: NodeKind::Error, .. })) => return,
@@ -179,13 +180,13 @@ impl Binder<'_> {
                 guarded(moment.value_unless_zeroed(span), body, span)
             }
             (Qualifier::N, ActionBody::Statements(list)) => {
-                self.collect_labels(ctx, list);
-                let body = self.statements(ctx, list);
+                self.scl().collect_labels(ctx, list);
+                let body = self.scl().statements(ctx, list);
                 self.check_leaving(&body);
                 guarded(moment.value_unless_zeroed(span), body, span)
             }
             (Qualifier::N, ActionBody::Network(network)) => {
-                let body = self.bind_lone_network(ctx, page, network);
+                let body = self.networks().bind_lone_network(ctx, page, network);
                 self.check_leaving(&body);
                 guarded(moment.value_unless_zeroed(span), body, span)
             }
@@ -205,7 +206,7 @@ impl Binder<'_> {
                 return self.off_delay_row(ctx, rows, moment, operand, value, span);
             }
             (qualifier, body) => {
-                self.report.push(wrong_body(qualifier, body, span));
+                self.program.report(wrong_body(qualifier, body, span));
                 return;
             }
         };
@@ -213,7 +214,7 @@ impl Binder<'_> {
     }
 
     /// N: the operand is 1 while the step is active, or in the call of the event.
-    fn active_row(&mut self, ctx: &mut Ctx, rows: &mut Rows, moment: &Moment, node: &Node, span: Span) {
+    fn active_row(&mut self, ctx: &mut SclBlock, rows: &mut Rows, moment: &Moment, node: &Node, span: Span) {
         let Some(spot) = self.bit_operand(ctx, node) else { return };
         let value = moment.value_unless_zeroed(span);
         match &moment.pulse {
@@ -232,7 +233,7 @@ impl Binder<'_> {
     #[allow(clippy::too_many_arguments, reason = "the parts of one row")]
     fn timed_row(
         &mut self,
-        ctx: &mut Ctx,
+        ctx: &mut SclBlock,
         rows: &mut Rows,
         moment: &Moment,
         operand: &Node,
@@ -260,8 +261,8 @@ impl Binder<'_> {
             NodeKind::Name(name) => name,
             NodeKind::Error => return None,
             _ => {
-                let text = self.text(node.span);
-                self.refuse(
+                let text = self.program.globals.text(node.span);
+                self.scl().refuse(
                     Code::ActionOperand,
                     node.span,
                     &format!("`{text}` is not a step"),
@@ -276,7 +277,7 @@ impl Binder<'_> {
             let title = format!("the chart has no step `{}`", name.text);
             let message = Diagnostic::new(Code::UnknownStep, name.span, title).label("no such step");
             let names = engine.chart.steps.iter().map(|step| step.name.text.as_str());
-            self.report.push(match similar(&name.text, names) {
+            self.program.report(match similar(&name.text, names) {
                 Some(other) => message.help(format!("is `{other}` meant?")),
                 None => message.help("name a step of this block, or write its number: `S002`"),
             });

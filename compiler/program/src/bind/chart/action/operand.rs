@@ -7,24 +7,24 @@ use plcc_syntax::Elementary;
 use plcc_syntax::ast::CellKind;
 use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind, Literal, Name, NameForm};
 
-use crate::bind::scl::Intent;
+use crate::bind::chart::ChartBinder;
 use crate::bind::scl::convert::explicit_expr;
 use crate::bind::scl::message::described;
 use crate::bind::scl::numeric::Shape;
 use crate::bind::scl::place::{Spot, Thing};
-use crate::bind::{Binder, Ctx};
+use crate::bind::scl::{Intent, SclBlock};
 use plcc_model::layout;
 use plcc_model::scl::Expr;
 
-impl Binder<'_> {
+impl ChartBinder<'_, '_> {
     /// A BOOL that a row writes.
-    pub fn bit_operand(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Spot> {
+    pub fn bit_operand(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Spot> {
         let thing = match &node.kind {
             NodeKind::Literal(_) | NodeKind::Unary { .. } | NodeKind::Binary { .. } => {
                 self.no_bit(node.span, "not a variable");
                 return None;
             }
-            _ => self.thing(ctx, node, Intent::Write)?,
+            _ => self.scl().thing(ctx, node, Intent::Write)?,
         };
         let Thing::Spot(spot) = thing else {
             let is = thing_text(&thing);
@@ -40,29 +40,29 @@ impl Binder<'_> {
             self.no_bit(node.span, &is);
             return None;
         }
-        self.check_intent(ctx, &spot, Intent::Write, node.span)?;
+        self.scl().check_intent(ctx, &spot, Intent::Write, node.span)?;
         Some(spot)
     }
 
     fn no_bit(&mut self, span: Span, is: &str) {
-        let text = self.text(span);
+        let text = self.program.globals.text(span);
         let title = format!("`{text}` is {is}, but this action writes a BOOL");
-        self.refuse(Code::ActionOperand, span, &title, is, "name a bit: `Q4.0`, or a variable of type BOOL");
+        self.scl().refuse(Code::ActionOperand, span, &title, is, "name a bit: `Q4.0`, or a variable of type BOOL");
     }
 
     /// The time of D and L, a TIME.
-    pub fn action_time(&mut self, ctx: &mut Ctx, node: &Node) -> Option<Expr> {
-        let value = self.scl_value(ctx, &plain_time(node))?;
+    pub fn action_time(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Expr> {
+        let value = self.scl().value(ctx, &plain_time(node))?;
         match Shape::of(&value) {
             Shape::Of(Elementary::Time | Elementary::Dword | Elementary::Dint | Elementary::S5Time) => {
-                let value = self.scl_own_type(ctx, value)?;
-                explicit_expr(ctx.scl.rules, value, Elementary::Time)
+                let value = self.scl().own_type(ctx, value)?;
+                explicit_expr(ctx.scope.rules, value, Elementary::Time)
             }
             _ => {
-                let (text, is) = (self.text(node.span), described(&value));
+                let (text, is) = (self.program.globals.text(node.span), described(&value));
                 let title = format!("`{text}` is not a time");
                 let help = "write a time, `T#5S`, or a variable of type TIME; DWORD and DINT hold milliseconds";
-                self.refuse(Code::ActionOperand, node.span, &title, &is, help);
+                self.scl().refuse(Code::ActionOperand, node.span, &title, &is, help);
                 None
             }
         }

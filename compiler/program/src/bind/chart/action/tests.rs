@@ -7,8 +7,8 @@ use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind, StatementKind as
 
 use super::{Moment, Rows};
 use crate::bind::chart::testing::in_block;
+use crate::bind::declarations::path::{Base, Variable};
 use crate::bind::network::Page;
-use crate::bind::path::{Base, Variable};
 use crate::bind::scl::place::Spot;
 use crate::bind::scl::tests::show;
 use plcc_model::scl::{Expr, ExprKind};

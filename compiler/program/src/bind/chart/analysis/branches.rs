@@ -14,7 +14,7 @@ use super::net::{Arcs, Net, Reach, StepSet};
 use super::regions::{self, Stray};
 use super::structure::Start;
 use super::{Checked, step_title, transition_title};
-use crate::bind::mentions::condition_expressions;
+use crate::bind::trees::mentions::condition_expressions;
 
 /// Reports mistakes in branches. Returns, by step, the steps that may be active together with it, as far as known.
 pub fn check(checked: &Checked, start: Start, messages: &mut Vec<Diagnostic>) -> Vec<StepSet> {

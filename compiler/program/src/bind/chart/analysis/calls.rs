@@ -10,17 +10,18 @@ use rustc_hash::FxHashMap;
 
 use super::logic::{Atoms, Formula};
 use super::step_title;
-use crate::bind::mentions::{expressions, stl_statements};
-use crate::bind::{Binder, Ctx};
+use crate::bind::chart::ChartBinder;
+use crate::bind::scl::SclBlock;
+use crate::bind::trees::mentions::{expressions, stl_statements};
 use plcc_model::BlockKey;
 
-impl Binder<'_> {
+impl ChartBinder<'_, '_> {
     /// Reports a supervision fault that stays for ever: it must be acknowledged, and nothing can do that.
-    pub(super) fn acknowledgement(&mut self, ctx: &Ctx, chart: &Chart) {
+    pub(super) fn acknowledgement(&mut self, ctx: &SclBlock, chart: &Chart) {
         if chart.settings.acknowledge != Some(true) {
             return;
         }
-        let mut parameters = ctx.bound.interface.parameters.iter().map(|parameter| parameter.name.as_str());
+        let mut parameters = ctx.block.bound.interface.parameters.iter().map(|parameter| parameter.name.as_str());
         let acknowledges =
             |name: &str| ["ACK_EF", "ACK_S", "EN_ACKREQ"].iter().any(|own| own.eq_ignore_ascii_case(name));
         let supervised = chart.steps.iter().find(|step| step.supervision.as_ref().is_some_and(may_fault));
@@ -28,7 +29,7 @@ impl Binder<'_> {
         if parameters.any(acknowledges) || self.blocks().any(names_acknowledgement) {
             return;
         }
-        self.report.push(
+        self.program.report(
             Diagnostic::new(
                 Code::NoAcknowledgement,
                 step.name.span,
@@ -40,11 +41,11 @@ impl Binder<'_> {
     }
 
     /// Reports instances of this block that one block calls twice.
-    pub(super) fn called_twice(&mut self, ctx: &Ctx) {
+    pub(super) fn called_twice(&mut self, ctx: &SclBlock) {
         let mut messages = Vec::new();
         for block in self.blocks() {
             let mut first: FxHashMap<u16, Span> = FxHashMap::default();
-            for (instance, span) in self.chart_calls(ctx.key, &block.code) {
+            for (instance, span) in self.chart_calls(ctx.block.key, &block.code) {
                 if let Some(&first) = first.get(&instance) {
                     messages.push(
                         Diagnostic::new(Code::CalledTwice, span, format!("DB {instance} is called twice in one cycle"))
@@ -57,11 +58,11 @@ impl Binder<'_> {
                 }
             }
         }
-        messages.into_iter().for_each(|message| self.report.push(message));
+        messages.into_iter().for_each(|message| self.program.report(message));
     }
 
     fn blocks(&self) -> impl Iterator<Item = &ast::CodeBlock> {
-        self.input.units.iter().flat_map(|(_, unit)| &unit.blocks).filter_map(|block| match block {
+        self.program.globals.input.units.iter().flat_map(|(_, unit)| &unit.blocks).filter_map(|block| match block {
             ast::Block::Code(code) => Some(code),
             ast::Block::Data(_) | ast::Block::Type(_) => None,
         })
@@ -107,8 +108,8 @@ impl Binder<'_> {
         }
         let calls = statements().filter_map(|statement| match &statement.kind {
             ast::StatementKind::Call(call) => {
-                let target = self.named_number(&call.target)?;
-                let instance = self.named_number(call.instance.as_ref()?)?;
+                let target = self.program.named_number(&call.target)?;
+                let instance = self.program.named_number(call.instance.as_ref()?)?;
                 (is_block(target, key) && instance.0 == BlockPrefix::Db).then_some((instance.1, statement.span))
             }
             _ => None,
@@ -119,7 +120,7 @@ impl Binder<'_> {
     /// The instance DB of a call of the FB `key`: `FB1.DB1(…)`, `"Db"(…)`.
     fn chart_instance(&self, key: BlockKey, callee: &Expr, instance: Option<&Expr>) -> Option<u16> {
         let block = |value: &Expr| match &value.kind {
-            ExprKind::Name(name) => self.type_block(&name.text),
+            ExprKind::Name(name) => self.program.type_block(&name.text),
             _ => None,
         };
         let is_db = |(prefix, number): (BlockPrefix, u16)| (prefix == BlockPrefix::Db).then_some(number);
@@ -127,10 +128,10 @@ impl Binder<'_> {
             return is_block(block(callee)?, key).then(|| block(instance).and_then(is_db))?;
         }
         if let ExprKind::Member { base, name } = &callee.kind {
-            return is_block(block(base)?, key).then(|| self.type_block(&name.text).and_then(is_db))?;
+            return is_block(block(base)?, key).then(|| self.program.type_block(&name.text).and_then(is_db))?;
         }
         let number = is_db(block(callee)?)?;
-        (self.dbs.get(&number)?.block.instance_of == Some(key)).then_some(number)
+        (self.program.data.blocks.get(&number)?.block.instance_of == Some(key)).then_some(number)
     }
 }
 

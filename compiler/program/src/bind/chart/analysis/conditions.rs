@@ -8,7 +8,7 @@ use rustc_hash::FxHashSet;
 use super::logic::{Atoms, Formula};
 use super::net::{Net, SET_MAX};
 use super::{Facts, TRANSITIONS_MAX, step_title, transition_title};
-use crate::bind::mentions::{condition_expressions, permanent_expressions};
+use crate::bind::trees::mentions::{condition_expressions, permanent_expressions};
 use plcc_binding::fold;
 
 /// Transitions after one step whose conditions are compared. GRAPH allows 125.

@@ -29,8 +29,9 @@ use plcc_syntax::scl::ast::{Expr, ExprKind};
 use rustc_hash::FxHashSet;
 
 use super::index::Index;
-use crate::bind::path::Base;
-use crate::bind::{Binder, Ctx};
+use crate::bind::chart::ChartBinder;
+use crate::bind::declarations::path::Base;
+use crate::bind::scl::SclBlock;
 use net::{Net, SET_MAX};
 use plcc_binding::fold;
 use plcc_syntax::symbols::SymbolTarget;
@@ -38,19 +39,25 @@ use plcc_syntax::symbols::SymbolTarget;
 /// Limit of transitions of a chart whose pairs are compared. GRAPH allows 250.
 const TRANSITIONS_MAX: usize = 1000;
 
-impl Binder<'_> {
+impl ChartBinder<'_, '_> {
     /// Reports mistakes in a chart.
-    pub fn check_chart(&mut self, ctx: &Ctx, block: &ast::CodeBlock, chart: &Chart, index: &Index) {
+    pub fn check_chart(&mut self, ctx: &SclBlock, block: &ast::CodeBlock, chart: &Chart, index: &Index) {
         let parameters: FxHashSet<String> =
-            ctx.bound.interface.parameters.iter().map(|parameter| fold(&parameter.name)).collect();
-        let temporary =
-            ctx.bound.locals.iter().filter(|(_, local)| local.base == Base::L).map(|(name, _)| name.clone()).collect();
+            ctx.block.bound.interface.parameters.iter().map(|parameter| fold(&parameter.name)).collect();
+        let temporary = ctx
+            .block
+            .bound
+            .locals
+            .iter()
+            .filter(|(_, local)| local.base == Base::L)
+            .map(|(name, _)| name.clone())
+            .collect();
         let messages = {
-            let symbol = |name: &str| self.global(name);
+            let symbol = |name: &str| self.program.globals.global(name);
             let facts = Facts { parameters, temporary, symbol: &symbol };
             check(chart, block.name.span(), index, &facts)
         };
-        messages.into_iter().for_each(|message| self.report.push(message));
+        messages.into_iter().for_each(|message| self.program.report(message));
         self.acknowledgement(ctx, chart);
         self.called_twice(ctx);
     }

@@ -10,7 +10,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::net::StepSet;
 use super::{Facts, step_title};
-use crate::bind::mentions::{action_expressions, permanent_expressions};
+use crate::bind::trees::mentions::{action_expressions, permanent_expressions};
 use plcc_syntax::symbols::{SymbolTarget, parse_address};
 
 /// The operand that a row writes, in a form that is the same for all its names.

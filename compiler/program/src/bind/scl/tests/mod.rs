@@ -7,7 +7,8 @@ use plcc_diag::{Diagnostic, SourceFile, SourceMap};
 use plcc_syntax::scl::ast::Dialect;
 use plcc_syntax::{ParseOptions, ast};
 
-use crate::bind::{BindInput, bind};
+use crate::bind::bind;
+use plcc_binding::BindInput;
 use plcc_model::profile;
 use plcc_model::{BlockKey, Body, Program};
 

@@ -1,0 +1,148 @@
+//! What calls of all languages check and note: instances, names of parameters, pointers that instances keep.
+
+use plcc_diag::{Code, Diagnostic, Span};
+use rustc_hash::FxHashMap;
+
+use crate::bind::declarations::Declarations;
+use crate::bind::declarations::typed::BoundInterface;
+use plcc_binding::fold;
+use plcc_binding::similar;
+use plcc_model::{BlockKey, Direction, Passing};
+
+/// Instance memory, identified across the whole program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum InstanceId {
+    Db(u16),
+    /// In the instances of a block, at a byte.
+    Multi(BlockKey, u32),
+}
+
+/// Calls of an instance and one of its pointer parameters.
+pub struct PointerUse {
+    supplied: bool,
+    /// The first call.
+    span: Span,
+    block: BlockKey,
+    parameter: String,
+    /// Where the pointer or number is in the instance.
+    byte: u32,
+    bytes: u32,
+}
+
+/// Pointer parameters of instances: whether some call supplies them, and a call that does not.
+#[derive(Default)]
+pub struct InstancePointers(FxHashMap<(InstanceId, usize), PointerUse>);
+
+impl InstancePointers {
+    /// Notes which pointer parameters the call of an instance supplies.
+    pub fn note(&mut self, id: InstanceId, key: BlockKey, bound: &BoundInterface, supplied: &[usize], span: Span) {
+        for (index, parameter) in bound.interface.parameters.iter().enumerate() {
+            let points = match parameter.passing {
+                Passing::Number | Passing::Pointer | Passing::Any | Passing::Variant => true,
+                Passing::Complex { .. } => parameter.direction == Direction::InOut,
+                Passing::Elementary(_) | Passing::OpenArray { .. } => false,
+            };
+            if !points {
+                continue;
+            }
+            let supplied = supplied.contains(&index);
+            let entry = self.0.entry((id, index)).or_insert_with(|| PointerUse {
+                supplied,
+                span,
+                block: key,
+                parameter: parameter.name.clone(),
+                byte: parameter.byte,
+                bytes: match parameter.passing {
+                    Passing::Number => 2,
+                    Passing::Any => 10,
+                    _ => 6,
+                },
+            });
+            entry.supplied |= supplied;
+        }
+    }
+}
+
+impl Declarations<'_> {
+    /// Checks that a data block is an instance of a function block.
+    pub fn check_instance_db(&mut self, key: BlockKey, number: u16, span: Span) -> Option<()> {
+        let Some(db) = self.data.blocks.get(&number) else {
+            // The DB has its own error.
+            return None;
+        };
+        if db.block.instance_of != Some(key) {
+            let (other, defined) = (db.block.instance_of, db.block.span);
+            let what = match other {
+                Some(other) => format!("DB {number} is an instance of {other}"),
+                None => format!("DB {number} is a shared data block"),
+            };
+            self.report(
+                Diagnostic::new(Code::NoBlockFits, span, format!("DB {number} is not an instance of {key}"))
+                    .label(what)
+                    .also(defined, "the data block")
+                    .help(format!("name a data block of {key}; if it is not defined, plcc creates it for the call")),
+            );
+            return None;
+        }
+        Some(())
+    }
+
+    /// Reports a parameter that the block does not have; returns the one that may be meant.
+    pub fn unknown_parameter(
+        &mut self,
+        key: BlockKey,
+        bound: &BoundInterface,
+        (name, span): (&str, Span),
+    ) -> Option<String> {
+        let names = || bound.interface.parameters.iter().map(|parameter| parameter.name.as_str());
+        let message = Diagnostic::new(Code::UnknownParameter, span, format!("{key} has no parameter `{name}`"))
+            .label("no such parameter");
+        let is_static = bound.locals.contains_key(&fold(name));
+        let meant = similar(name, names()).filter(|_| !is_static);
+        self.report(match meant {
+            _ if is_static => message.help("it is static or temporary data of the block, which a call cannot supply"),
+            Some(other) => message.help(format!("is `{other}` meant?")),
+            None => {
+                let all: Vec<&str> = names().take(12).collect();
+                let help = match all.is_empty() {
+                    true => "the block has no parameters".to_string(),
+                    false => format!("its parameters are {}", all.join(", ")),
+                };
+                message.help(self.globals.with_library_note(key, help))
+            }
+        });
+        meant.map(str::to_owned)
+    }
+
+    /// Whether the data block gives the parameter a start value.
+    fn has_start_value(&self, id: InstanceId, pointer: &PointerUse) -> bool {
+        let InstanceId::Db(number) = id else { return false };
+        let range = pointer.byte as usize..(pointer.byte + pointer.bytes) as usize;
+        let data = self.data.blocks.get(&number).and_then(|db| db.block.data.get(range));
+        // `P#P 0.0 VOID 0`, as STEP 7 writes it, points nowhere.
+        data.is_some_and(|bytes| {
+            !matches!(bytes, [0x10, 0, ..] | [0, 0, 0x80, 0, 0, 0]) && bytes.iter().any(|byte| *byte != 0)
+        })
+    }
+
+    /// Warns of pointer parameters that no call of an instance supplies.
+    pub fn check_pointers(&mut self) {
+        let mut uses: Vec<PointerUse> = std::mem::take(&mut self.pointers.0)
+            .into_iter()
+            .filter(|((id, _), pointer)| !pointer.supplied && !self.has_start_value(*id, pointer))
+            .map(|(_, pointer)| pointer)
+            .collect();
+        uses.sort_by_key(|pointer| (pointer.span.file, pointer.span.start));
+        for PointerUse { span, block, parameter, .. } in uses {
+            self.report(
+                Diagnostic::new(
+                    Code::MissingPointer,
+                    span,
+                    format!("no call supplies `{parameter}` of {block} for this instance"),
+                )
+                .label("the parameter points nowhere")
+                .help(format!("add `{parameter} := ...` to a call that is executed first")),
+            );
+        }
+    }
+}

@@ -1,0 +1,393 @@
+//! Data blocks: their layout and their current values; instance DBs that calls name but no source defines.
+
+use std::rc::Rc;
+
+use plcc_abi::image::BlockKind;
+use plcc_diag::{Code, Diagnostic, Severity, Span};
+use plcc_syntax::ast::{self, BlockName, BlockPrefix, DataContent, OperandKind, PathPart, PathRoot, TypeKind};
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use crate::bind::declarations::Declarations;
+use crate::bind::declarations::path::{Base, Variable};
+use crate::bind::declarations::typed::{StructBuilder, Typed, TypedStruct, Use};
+use crate::bind::trees::mentions;
+use plcc_binding::fold;
+use plcc_model::types::{DataType, StructType};
+use plcc_model::{BlockKey, DataBlock};
+use plcc_syntax::symbols::SymbolTarget;
+
+/// All data blocks together, in bytes; no CPU has as much work memory.
+const ALL_BYTES_MAX: u64 = 128 << 20;
+
+/// Name of the array in an ARRAY data block.
+const ARRAY_DB_MEMBER: &str = "THIS";
+
+/// A call that names a function block and an instance DB.
+struct InstanceCall {
+    target: Option<(BlockPrefix, u16)>,
+    target_span: Span,
+    instance: u16,
+    span: Span,
+}
+
+/// A data block with its layout.
+pub struct BoundDb {
+    pub block: DataBlock,
+    pub ty: Rc<StructType>,
+}
+
+/// The data blocks with their layout.
+#[derive(Default)]
+pub struct DataBlocks {
+    pub blocks: FxHashMap<u16, BoundDb>,
+    /// Size of all so far.
+    pub bytes: u64,
+    /// Data blocks that calls name as instances of undefined blocks: nothing is known of them.
+    pub unknown_instances: FxHashSet<u16>,
+}
+
+impl DataBlocks {
+    /// Layout of DB `number`, if known.
+    pub fn db_type(&self, number: u16) -> Option<Rc<StructType>> {
+        self.blocks.get(&number).map(|db| Rc::clone(&db.ty))
+    }
+}
+
+impl Declarations<'_> {
+    pub fn bind_data(&mut self) {
+        let mut numbers: Vec<u16> = self.globals.sources.data.keys().copied().collect();
+        numbers.sort_unstable();
+        self.types.scope = self.data_scope();
+        for number in numbers {
+            let source = self.globals.sources.data[&number];
+            if let Some((typed, instance_of)) = self.db_content(source)
+                && self.fits_with_others(typed.ty.bytes, source.name.span())
+            {
+                let db = self.make_db(number, source, typed, instance_of);
+                self.data.blocks.insert(number, db);
+            }
+        }
+        self.generate_instances();
+    }
+
+    /// Adds a data block; false if all of them together are too large, which is reported once.
+    fn fits_with_others(&mut self, bytes: u32, span: Span) -> bool {
+        let before = self.data.bytes;
+        self.data.bytes += u64::from(bytes);
+        if before <= ALL_BYTES_MAX && self.data.bytes > ALL_BYTES_MAX {
+            self.report(
+                Diagnostic::new(Code::LayoutTooLarge, span, "the data blocks are too large together")
+                    .label(format!("with this one they exceed {ALL_BYTES_MAX} bytes")),
+            );
+        }
+        self.data.bytes <= ALL_BYTES_MAX
+    }
+
+    /// Notes the use of a DB by number; a missing DB is a warning.
+    pub fn use_db(&mut self, number: u16, span: Span) {
+        let known = self.data.blocks.contains_key(&number)
+            || self.globals.sources.data.contains_key(&number)
+            || self.data.unknown_instances.contains(&number);
+        if number != 0 && !known {
+            self.globals.report.missing_db(number, span);
+        }
+    }
+
+    /// Reports an address beyond the end of its data block, up to byte `end`.
+    pub fn check_db_end(&mut self, number: u16, end: u32, span: Span) {
+        if let Some(db) = self.data.blocks.get(&number) {
+            let length = db.block.data.len() as u32;
+            if end > length {
+                let defined = db.block.span;
+                self.report(
+                    Diagnostic::new(Code::DbRange, span, format!("this address is beyond the end of DB {number}"))
+                        .label(format!("the data block has {length} bytes"))
+                        .also(defined, "the data block")
+                        .help("at run time this is an error (OB 121)"),
+                );
+            }
+        }
+    }
+
+    fn db_content(&mut self, source: &ast::DataBlock) -> Option<(TypedStruct, Option<BlockKey>)> {
+        match &source.content {
+            DataContent::Struct(variables) => {
+                let typed = self.structure(String::new(), variables, source.name.span(), Use::Component)?;
+                Some((typed, None))
+            }
+            DataContent::OfType(ty) => {
+                let name = match &ty.kind {
+                    TypeKind::Block(name) => name.clone(),
+                    TypeKind::Named(word) => BlockName::Symbol { name: word.clone(), span: ty.span },
+                    TypeKind::String(_)
+                    | TypeKind::WideString(_)
+                    | TypeKind::Array { .. }
+                    | TypeKind::OpenArray { .. }
+                    | TypeKind::Reference(_)
+                    | TypeKind::Struct(_) => {
+                        self.no_content(source, ty.span);
+                        return None;
+                    }
+                };
+                self.db_of_type(source, &name)
+            }
+            DataContent::Array(ty, initial) => {
+                let typed = self.resolve_type(ty, Use::Component)?;
+                let mut image = typed.image.to_vec();
+                if let Some(initial) = initial {
+                    self.encode_initial(initial, &typed.ty, &mut image, 0, 0);
+                }
+                let typed = Typed { ty: typed.ty, image: Rc::from(image) };
+                Some((self.as_structure(typed, ty.span)?, None))
+            }
+            DataContent::Empty => {
+                self.no_content(source, source.name.span());
+                if !source.values.is_empty() {
+                    return None;
+                }
+                // A block without data is complete: the TIA Portal exports an empty data block so.
+                if let Some(message) = self.globals.report.diagnostics.last_mut() {
+                    message.severity = Severity::Warning;
+                }
+                let empty = StructBuilder::default();
+                Some((self.finish_structure(empty, String::new(), None, source.name.span())?, None))
+            }
+        }
+    }
+
+    /// The structure of a data block of type `typed`; an array is its only component, `THIS`.
+    fn as_structure(&mut self, typed: Typed, span: Span) -> Option<TypedStruct> {
+        match typed.ty {
+            DataType::Struct(ty) => Some(TypedStruct { ty, image: typed.image }),
+            _ => {
+                let mut builder = StructBuilder::default();
+                builder.add(ARRAY_DB_MEMBER.to_string(), &typed);
+                self.finish_structure(builder, String::new(), None, span)
+            }
+        }
+    }
+
+    fn no_content(&mut self, source: &ast::DataBlock, span: Span) {
+        let name = self.globals.text(source.name.span());
+        self.report(
+            Diagnostic::new(Code::DeclarationSyntax, span, format!("{name} declares no data"))
+                .label("a STRUCT, a UDT, an FB or an SFB is expected")
+                .help("write `STRUCT ... END_STRUCT ;`, or the name of a UDT or FB"),
+        );
+    }
+
+    fn db_of_type(&mut self, source: &ast::DataBlock, name: &BlockName) -> Option<(TypedStruct, Option<BlockKey>)> {
+        let span = name.span();
+        let (prefix, number) = match name {
+            BlockName::Symbol { name, .. } => match self.type_block(name) {
+                Some(block) => block,
+                None if self.globals.names.symbols.contains_key(&fold(name)) => self.globals.named_block(name, span)?,
+                None => {
+                    if let Some(typed) = self.predefined(name, span) {
+                        return Some((self.as_structure(typed, span)?, None));
+                    }
+                    if plcc_stdlib::LIBRARY.iter().any(|block| block.name.eq_ignore_ascii_case(name)) {
+                        self.globals.unknown_name(name, span);
+                    } else {
+                        self.globals.report.missing_type(name, span);
+                    }
+                    return None;
+                }
+            },
+            BlockName::Numbered { .. } => self.globals.block_number(name)?,
+        };
+        match prefix {
+            BlockPrefix::Udt => {
+                let typed = self.udt(number, span)?;
+                Some((self.as_structure(typed, span)?, None))
+            }
+            BlockPrefix::Fb | BlockPrefix::Sfb => {
+                let kind = if prefix == BlockPrefix::Fb { BlockKind::Fb } else { BlockKind::Sfb };
+                let key = BlockKey { kind, number };
+                let instance = self.interface(key, span)?.instance.clone()?;
+                Some((instance, Some(key)))
+            }
+            _ => {
+                self.no_content(source, span);
+                None
+            }
+        }
+    }
+
+    fn make_db(
+        &mut self,
+        number: u16,
+        source: &ast::DataBlock,
+        typed: TypedStruct,
+        instance_of: Option<BlockKey>,
+    ) -> BoundDb {
+        let mut data = typed.image.to_vec();
+        for assignment in &source.values {
+            let first = match &assignment.target.root {
+                PathRoot::Local { name, span } | PathRoot::Quoted { name, span } | PathRoot::Bare { name, span } => {
+                    PathPart::Member { name: name.clone(), span: *span }
+                }
+                PathRoot::Block(name) => PathPart::Member { name: self.globals.text(name.span()), span: name.span() },
+            };
+            let ty = DataType::Struct(Rc::clone(&typed.ty));
+            let start = Variable { base: Base::Db(number), byte: 0, bit: 0, ty, untyped: false };
+            let target = self
+                .walk(start, std::slice::from_ref(&first))
+                .and_then(|variable| self.walk(variable, &assignment.target.parts));
+            if let Some(target) = target {
+                self.encode_initial(&assignment.value, &target.ty, &mut data, target.byte, target.bit);
+            }
+        }
+        self.check_db_size(number, data.len() as u32, source.name.span());
+        let block = DataBlock {
+            number,
+            name: self.globals.names.block_name(BlockPrefix::Db, number),
+            span: source.name.span(),
+            data: at_least_a_word(data),
+            members: typed.ty.members.clone(),
+            instance_of,
+            read_only: source.header.read_only,
+            unlinked: source.header.unlinked,
+        };
+        BoundDb { block, ty: typed.ty }
+    }
+
+    /// A data block that the source does not name, for the constants of a block.
+    pub fn add_constant_db(&mut self, number: u16, typed: TypedStruct, span: Span) {
+        if !self.fits_with_others(typed.ty.bytes, span) {
+            return;
+        }
+        let block = DataBlock {
+            number,
+            name: self.globals.names.block_name(BlockPrefix::Db, number),
+            span,
+            data: at_least_a_word(typed.image.to_vec()),
+            members: typed.ty.members.clone(),
+            instance_of: None,
+            read_only: true,
+            unlinked: false,
+        };
+        self.data.blocks.insert(number, BoundDb { block, ty: typed.ty });
+    }
+
+    fn check_db_size(&mut self, number: u16, bytes: u32, span: Span) {
+        let profile = &self.globals.input.profile;
+        if bytes <= profile.db_bytes_max {
+            return;
+        }
+        let code = if profile.limits_checked { Code::LayoutTooLarge } else { Code::CpuLimit };
+        self.report(
+            Diagnostic::new(code, span, format!("DB {number} is larger than the CPU allows"))
+                .label(format!("{bytes} bytes; the profile {} allows {}", profile.name, profile.db_bytes_max)),
+        );
+    }
+
+    /// STEP 7 creates the instance DB if a call names one that does not exist.
+    fn generate_instances(&mut self) {
+        for call in self.instance_calls() {
+            let InstanceCall { target, target_span, instance, span } = call;
+            if instance == 0
+                || self.globals.sources.data.contains_key(&instance)
+                || self.data.blocks.contains_key(&instance)
+            {
+                continue;
+            }
+            let (kind, fb) = match target {
+                Some((BlockPrefix::Fb, fb)) => (BlockKind::Fb, fb),
+                Some((BlockPrefix::Sfb, fb)) => (BlockKind::Sfb, fb),
+                Some(_) => continue,
+                None => {
+                    self.data.unknown_instances.insert(instance);
+                    continue;
+                }
+            };
+            let key = BlockKey { kind, number: fb };
+            let known = self.globals.sources.code.contains_key(&key) || self.globals.in_library(key);
+            let Some(typed) =
+                known.then(|| self.interface(key, target_span)).flatten().and_then(|bound| bound.instance.clone())
+            else {
+                self.data.unknown_instances.insert(instance);
+                continue;
+            };
+            if !self.fits_with_others(typed.ty.bytes, span) {
+                return;
+            }
+            let block = DataBlock {
+                number: instance,
+                name: self.globals.names.block_name(BlockPrefix::Db, instance),
+                span,
+                data: at_least_a_word(typed.image.to_vec()),
+                members: typed.ty.members.clone(),
+                instance_of: Some(key),
+                read_only: false,
+                unlinked: false,
+            };
+            self.data.blocks.insert(instance, BoundDb { block, ty: typed.ty });
+        }
+    }
+
+    /// Calls that name an instance DB: `CALL FB 1, DB 1`, `FB1.DB1(...)`.
+    fn instance_calls(&self) -> Vec<InstanceCall> {
+        let mut calls = Vec::new();
+        for block in self.globals.input.units.iter().flat_map(|(_, unit)| &unit.blocks) {
+            let ast::Block::Code(code) = block else { continue };
+            let networks = code.networks().iter().flat_map(|network| &network.statements);
+            for statement in networks.chain(mentions::stl_statements(&code.code)) {
+                if let ast::StatementKind::Call(call) = &statement.kind
+                    && let Some(instance) = &call.instance
+                    && let Some((BlockPrefix::Db, number)) = self.named_number(instance)
+                {
+                    calls.push(InstanceCall {
+                        target: self.named_number(&call.target),
+                        target_span: call.target.span,
+                        instance: number,
+                        span: instance.span,
+                    });
+                }
+            }
+            for (target, instance) in mentions::instance_calls(&code.code) {
+                let block = self.type_block(&target.text);
+                if let Some((BlockPrefix::Fb | BlockPrefix::Sfb, _)) = block
+                    && let Some((BlockPrefix::Db, number)) = self.type_block(&instance.text)
+                {
+                    calls.push(InstanceCall {
+                        target: block,
+                        target_span: target.span,
+                        instance: number,
+                        span: instance.span,
+                    });
+                }
+            }
+        }
+        calls
+    }
+
+    /// The block that an operand names; no message if it names none.
+    pub fn named_number(&self, operand: &ast::Operand) -> Option<(BlockPrefix, u16)> {
+        let symbol = |name: &str| match self.globals.global(name) {
+            Some(SymbolTarget::Block { prefix, number }) => Some((prefix, u16::try_from(number).ok()?)),
+            Some(SymbolTarget::Memory { .. } | SymbolTarget::Cell { .. }) | None => None,
+        };
+        match &operand.kind {
+            OperandKind::Block(BlockName::Numbered { prefix, number, .. }) => {
+                Some((*prefix, u16::try_from(*number).ok()?))
+            }
+            OperandKind::Block(BlockName::Symbol { name, .. }) => symbol(name),
+            OperandKind::Path(path) if path.parts.is_empty() => match &path.root {
+                PathRoot::Quoted { name, .. } | PathRoot::Bare { name, .. } | PathRoot::Local { name, .. } => {
+                    symbol(name)
+                }
+                PathRoot::Block(_) => None,
+            },
+            _ => None,
+        }
+    }
+}
+
+/// A DB of length 0 would not exist.
+fn at_least_a_word(mut data: Vec<u8>) -> Vec<u8> {
+    if data.is_empty() {
+        data.resize(2, 0);
+    }
+    data
+}

@@ -1,0 +1,69 @@
+//! What declarations say: types, interfaces, data blocks. Statements of all languages are bound over it.
+//!
+//! Each is made when first needed, since declarations may be in any order.
+//!
+//! - [`types`] resolves data types ([`typed`]), [`predefined`] those of the language and the CPU; [`constant`] their bounds, [`initial`] start values.
+//! - [`interface`] lays out the interface of a block, [`start_inputs`] the inputs of organization blocks, [`block_constants`] its constants;
+//!   [`data`] makes the data blocks.
+//! - [`path`] turns names into places; [`pointer`] has the bytes of pointers.
+//! - [`block`] is the block whose statements are bound; [`calls`] is what calls of all languages check.
+
+pub mod block;
+pub mod block_constants;
+pub mod calls;
+pub mod constant;
+pub mod data;
+pub mod initial;
+pub mod interface;
+pub mod path;
+pub mod pointer;
+pub mod predefined;
+pub mod start_inputs;
+pub mod typed;
+pub mod types;
+
+use std::rc::Rc;
+
+use plcc_diag::Diagnostic;
+use rustc_hash::FxHashMap;
+
+use crate::bind::globals::Globals;
+use calls::InstancePointers;
+use data::DataBlocks;
+use plcc_binding::BindInput;
+use plcc_model::BlockKey;
+use typed::BoundInterface;
+use types::Types;
+
+/// A value that is made when first needed.
+pub enum State<T> {
+    /// In progress: a use now means a loop.
+    Running,
+    Done(T),
+}
+
+/// What the program declares.
+pub struct Declarations<'a> {
+    pub globals: Globals<'a>,
+    pub types: Types,
+    pub interfaces: FxHashMap<BlockKey, State<Option<Rc<BoundInterface>>>>,
+    pub data: DataBlocks,
+    pub pointers: InstancePointers,
+}
+
+impl<'a> Declarations<'a> {
+    pub fn new(input: &'a BindInput<'a>) -> Declarations<'a> {
+        Declarations {
+            globals: Globals::new(input),
+            types: Types::default(),
+            interfaces: FxHashMap::default(),
+            data: DataBlocks::default(),
+            pointers: InstancePointers::default(),
+        }
+    }
+
+    /// Reports a message.
+    pub fn report(&mut self, message: Diagnostic) {
+        self.globals.report.push(message);
+    }
+}

@@ -1,0 +1,404 @@
+//! Names to places: `"sym"`, `#local.x[3]`, `"db".a.b`, `DB10.member`.
+
+use std::rc::Rc;
+
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::ast::{Area, BlockPrefix, CellKind, Path, PathPart, PathRoot, Width};
+
+use crate::bind::declarations::Declarations;
+use crate::bind::declarations::block::CurrentBlock;
+use plcc_binding::report::MissingKey;
+use plcc_binding::{fold, similar};
+use plcc_model::Place;
+use plcc_model::layout;
+use plcc_model::types::{DataType, Elementary, StructType};
+use plcc_syntax::symbols::SymbolTarget;
+
+/// Maximum and actual length, before the characters.
+const STRING_HEADER_BYTES: u32 = 2;
+
+/// Where a variable is, without its offset.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Base {
+    I,
+    Q,
+    M,
+    Pi,
+    Pq,
+    L,
+    OpenDb,
+    OpenDi,
+    /// A DB by number.
+    Db(u16),
+    /// The instance of this FB.
+    Instance,
+    /// A parameter of this FC.
+    Parameter(usize),
+    /// After the POINTER at this byte of the instance.
+    ThroughPointer(u32),
+}
+
+impl Base {
+    pub const fn of_area(area: Area) -> Base {
+        match area {
+            Area::I => Base::I,
+            Area::Q => Base::Q,
+            Area::M => Base::M,
+            Area::Pi => Base::Pi,
+            Area::Pq => Base::Pq,
+            Area::L => Base::L,
+            Area::Db => Base::OpenDb,
+            Area::Di => Base::OpenDi,
+        }
+    }
+
+    pub const fn at(self, byte: u32, bit: u8) -> Place {
+        match self {
+            Base::I => Place::I { byte, bit },
+            Base::Q => Place::Q { byte, bit },
+            Base::M => Place::M { byte, bit },
+            Base::Pi => Place::Pi { byte, bit },
+            Base::Pq => Place::Pq { byte, bit },
+            Base::L => Place::L { byte, bit },
+            Base::OpenDb => Place::OpenDb { byte, bit },
+            Base::OpenDi => Place::OpenDi { byte, bit },
+            Base::Db(number) => Place::Db { number, byte, bit },
+            Base::Instance => Place::Instance { byte, bit },
+            Base::Parameter(parameter) => Place::Parameter { parameter, byte, bit },
+            Base::ThroughPointer(pointer) => Place::ThroughPointer { pointer, byte, bit },
+        }
+    }
+}
+
+/// A variable with its type.
+#[derive(Clone, Debug)]
+pub struct Variable {
+    pub base: Base,
+    pub byte: u32,
+    pub bit: u8,
+    pub ty: DataType,
+    /// The type is only the width of an address, so any type of this width fits.
+    pub untyped: bool,
+}
+
+impl Variable {
+    pub fn place(&self) -> Place {
+        self.base.at(self.byte, self.bit)
+    }
+}
+
+/// The meaning of a path.
+#[derive(Clone, Debug)]
+pub enum Resolved {
+    Variable(Variable),
+    Cell { kind: CellKind, number: u32 },
+    Block { prefix: BlockPrefix, number: u16 },
+}
+
+/// A type of a width, for addresses with no other known type.
+pub const fn type_of_width(width: Width) -> Elementary {
+    match width {
+        Width::Bit => Elementary::Bool,
+        Width::Byte => Elementary::Byte,
+        Width::Word => Elementary::Word,
+        Width::Dword => Elementary::Dword,
+        Width::Lword => Elementary::Lword,
+    }
+}
+
+impl Declarations<'_> {
+    /// Determines what `path` means; reports unknown names.
+    pub fn resolve(&mut self, ctx: &mut CurrentBlock, path: &Path) -> Option<Resolved> {
+        let start = match &path.root {
+            PathRoot::Local { name, span } => match self.local(ctx, name) {
+                Some(variable) => Resolved::Variable(variable),
+                // As STEP 7 does: a `#` before a name that the block does not declare is ignored.
+                None if self.globals.names.symbols.contains_key(&fold(name)) => {
+                    self.resolve_global(ctx, name, *span)?
+                }
+                None => {
+                    self.undeclared(ctx, name, *span, Code::UnknownSymbol);
+                    return None;
+                }
+            },
+            PathRoot::Bare { name, span } => match self.local(ctx, name) {
+                Some(variable) => Resolved::Variable(variable),
+                None => self.resolve_global(ctx, name, *span)?,
+            },
+            PathRoot::Quoted { name, span } => self.resolve_global(ctx, name, *span)?,
+            PathRoot::Block(name) => {
+                let (prefix, number) = self.globals.block_number(name)?;
+                Resolved::Block { prefix, number }
+            }
+        };
+        if path.parts.is_empty() {
+            return Some(start);
+        }
+        let variable = match start {
+            Resolved::Variable(variable) => variable,
+            Resolved::Block { prefix: BlockPrefix::Db, number } => {
+                let Some(ty) = self.data.db_type(number) else {
+                    if !self.globals.sources.data.contains_key(&number)
+                        && !self.data.unknown_instances.contains(&number)
+                    {
+                        self.globals.report.missing_db_layout(number, path.span);
+                    }
+                    return None;
+                };
+                Variable { base: Base::Db(number), byte: 0, bit: 0, ty: DataType::Struct(ty), untyped: false }
+            }
+            Resolved::Cell { .. } | Resolved::Block { .. } => {
+                self.report(
+                    Diagnostic::new(Code::UnknownMember, path.span, "only data blocks and structures have components")
+                        .label("this name means something else"),
+                );
+                return None;
+            }
+        };
+        self.walk(variable, &path.parts).map(Resolved::Variable)
+    }
+
+    pub fn local(&self, ctx: &CurrentBlock, name: &str) -> Option<Variable> {
+        let local = ctx.bound.locals.get(&fold(name))?;
+        let (base, byte, bit, ty) = (local.base, local.byte, local.bit, local.ty.clone());
+        Some(Variable { base, byte, bit, ty, untyped: false })
+    }
+
+    /// `#name` in SCL and networks, where only the block itself can declare it.
+    pub fn unknown_local(&mut self, ctx: &mut CurrentBlock, name: &str, span: Span) {
+        self.undeclared(ctx, name, span, Code::UnknownLocal);
+    }
+
+    /// `code`: in STL a `#` before a symbol is ignored, so an unknown name is also an unknown symbol.
+    fn undeclared(&mut self, ctx: &mut CurrentBlock, name: &str, span: Span, code: Code) {
+        if !ctx.unknown_locals.insert(fold(name)) {
+            return;
+        }
+        let message = || match code {
+            Code::UnknownSymbol => {
+                let title = format!("`#{name}` is neither declared in this block nor a symbol of the program");
+                Diagnostic::new(code, span, title).label("no parameter, no variable and no symbol has this name")
+            }
+            _ => Diagnostic::new(code, span, format!("`#{name}` is not declared in this block"))
+                .label("neither a parameter nor static or temporary data"),
+        };
+        // Statements without a header are part of a block: its declarations are missing.
+        if ctx.fragment {
+            let help = "add the header of the block, with its VAR sections, before the statements";
+            return self.globals.report.missing(MissingKey::Local(fold(name)), span, || message().help(help));
+        }
+        let message = message();
+        let names = ctx.bound.locals.values().map(|local| local.name.as_str());
+        self.report(match similar(name, names) {
+            Some(other) => message.help(format!("is `#{other}` meant?")),
+            None => message.help("declare it in one of the VAR sections of the block"),
+        });
+    }
+
+    pub fn resolve_global(&mut self, ctx: &mut CurrentBlock, name: &str, span: Span) -> Option<Resolved> {
+        let Some(target) = self.globals.global(name) else {
+            self.globals.unknown_name(name, span);
+            return None;
+        };
+        self.globals.check_system_tag(name, target, span);
+        let ty = self.globals.names.symbols.get(&fold(name)).and_then(|global| global.ty);
+        Some(match target {
+            SymbolTarget::Memory { area, width, byte, bit } => {
+                if let Some(variable) = self.stand_in(name, span) {
+                    return Some(Resolved::Variable(variable));
+                }
+                self.check_address(ctx, area, width, byte, span)?;
+                if let Some(structure) = self.structure_of_tag(name, span) {
+                    let last = byte.saturating_add(structure.bytes.saturating_sub(1));
+                    self.check_address(ctx, area, Width::Byte, last, span)?;
+                    let ty = DataType::Struct(structure);
+                    return Some(Resolved::Variable(Variable {
+                        base: Base::of_area(area),
+                        byte,
+                        bit: 0,
+                        ty,
+                        untyped: false,
+                    }));
+                }
+                let ty = ty.filter(|ty| layout::width(*ty) == width);
+                let untyped = ty.is_none();
+                let ty = DataType::Elementary(ty.unwrap_or(type_of_width(width)));
+                Resolved::Variable(Variable { base: Base::of_area(area), byte, bit, ty, untyped })
+            }
+            SymbolTarget::Cell { kind, number } => Resolved::Cell { kind, number },
+            SymbolTarget::Block { prefix, number } => Resolved::Block { prefix, number: number as u16 },
+        })
+    }
+
+    /// A tag that stands in for a missing one: of any type, in memory that the CPU does not have.
+    fn stand_in(&mut self, name: &str, span: Span) -> Option<Variable> {
+        let global = self
+            .globals
+            .names
+            .symbols
+            .get(&fold(name))
+            .filter(|global| Some(global.span.file) == self.globals.input.stand_ins)?;
+        let SymbolTarget::Memory { area, byte, bit, .. } = global.target else { return None };
+        let ty = match (global.ty, global.structure.clone()) {
+            (Some(ty), _) => DataType::Elementary(ty),
+            (None, Some(alias)) => {
+                let SymbolTarget::Block { prefix: BlockPrefix::Udt, number } =
+                    self.globals.names.symbols.get(&fold(&alias))?.target
+                else {
+                    return None;
+                };
+                self.udt(u16::try_from(number).ok()?, span)?.ty
+            }
+            (None, None) => return None,
+        };
+        Some(Variable { base: Base::of_area(area), byte, bit, ty, untyped: false })
+    }
+
+    /// The structure of a tag whose type in the tag table is one of the program.
+    fn structure_of_tag(&mut self, name: &str, span: Span) -> Option<Rc<StructType>> {
+        let ty = self.globals.names.symbols.get(&fold(name))?.structure.clone()?;
+        let (BlockPrefix::Udt, number) = self.type_block(&ty)? else { return None };
+        match self.udt(number, span)?.ty {
+            DataType::Struct(structure) => Some(structure),
+            _ => None,
+        }
+    }
+
+    /// Follows components and constant indices. A component of unknown type ends it silently: its type is reported.
+    pub fn walk(&mut self, mut variable: Variable, parts: &[PathPart]) -> Option<Variable> {
+        for part in parts {
+            match (part, &variable.ty) {
+                (_, DataType::Void) => return None,
+                (PathPart::Member { name, span }, DataType::Struct(structure)) => {
+                    let structure = Rc::clone(structure);
+                    let Some(member) = self.types.member(&structure, name) else {
+                        self.unknown_member(&structure, name, *span);
+                        return None;
+                    };
+                    variable.byte += member.byte;
+                    variable.bit = member.bit;
+                    variable.ty = member.ty;
+                }
+                (PathPart::Index { values, span }, DataType::Array(array)) => {
+                    let array = Rc::clone(array);
+                    let mut indices = Vec::with_capacity(values.len());
+                    for value in values {
+                        indices.push(self.bound(value)?);
+                    }
+                    if indices.len() != array.bounds.len() {
+                        self.report(
+                            Diagnostic::new(Code::ArrayIndex, *span, "a wrong number of indices").label(format!(
+                                "{} given, {} dimensions declared",
+                                indices.len(),
+                                array.bounds.len()
+                            )),
+                        );
+                        return None;
+                    }
+                    match layout::element_index(&array, &indices) {
+                        Ok(index) => {
+                            let (byte, bit) = layout::element_place(&array, index);
+                            variable.byte += byte;
+                            variable.bit = bit;
+                            variable.ty = array.element.clone();
+                        }
+                        Err(dimension) => {
+                            let (low, high) = array.bounds[dimension];
+                            self.report(
+                                Diagnostic::new(
+                                    Code::ArrayIndex,
+                                    *span,
+                                    format!("index {} is outside the array", indices[dimension]),
+                                )
+                                .label(format!("the array goes from {low} to {high}")),
+                            );
+                            return None;
+                        }
+                    }
+                }
+                (PathPart::Index { values, span }, DataType::String(length)) => {
+                    let (length, place) = (*length, *span);
+                    let [index] = values.as_slice() else { return self.bad_character(place, length) };
+                    match self.bound(index)? {
+                        index if (1..=i64::from(length)).contains(&index) => {
+                            variable.byte += STRING_HEADER_BYTES + index as u32 - 1;
+                            variable.ty = DataType::Elementary(Elementary::Char);
+                        }
+                        _ => return self.bad_character(place, length),
+                    }
+                }
+                (PathPart::Member { name, span }, DataType::Elementary(ty)) if name.starts_with('%') => {
+                    let Some((byte, bit, part)) = slice(name, *ty) else {
+                        self.report(
+                            Diagnostic::new(Code::UnknownMember, *span, format!("{} has no part `{name}`", ty.name()))
+                                .label(format!("{} bits", ty.bits()))
+                                .help("`%X0` is the lowest bit, `%B0` the lowest byte, `%W0` the lowest word"),
+                        );
+                        return None;
+                    };
+                    variable.byte += byte;
+                    variable.bit = bit;
+                    variable.ty = DataType::Elementary(part);
+                }
+                (PathPart::Member { name, span }, ty) => {
+                    self.report(
+                        Diagnostic::new(Code::UnknownMember, *span, format!("there is no component `{name}` here"))
+                            .label(format!("the name before it is of type {}", layout::type_name(ty))),
+                    );
+                    return None;
+                }
+                (PathPart::Index { span, .. }, ty) => {
+                    self.report(
+                        Diagnostic::new(Code::UnknownMember, *span, "this is not an array")
+                            .label(format!("the name before it is of type {}", layout::type_name(ty))),
+                    );
+                    return None;
+                }
+            }
+        }
+        Some(variable)
+    }
+
+    fn bad_character(&mut self, span: Span, length: u8) -> Option<Variable> {
+        self.report(
+            Diagnostic::new(Code::ArrayIndex, span, "this character is outside the STRING")
+                .label(format!("the STRING has the characters 1 to {length}")),
+        );
+        None
+    }
+
+    pub fn unknown_member(&mut self, structure: &StructType, name: &str, span: Span) {
+        let title = match structure.name.as_str() {
+            "" => format!("the structure has no component `{name}`"),
+            of => format!("`{of}` has no component `{name}`"),
+        };
+        let message = Diagnostic::new(Code::UnknownMember, span, title).label("no such component");
+        let names = structure.members.iter().map(|member| member.name.as_str());
+        self.report(match similar(name, names) {
+            Some(other) => message.help(format!("is `{other}` meant?")),
+            None => message,
+        });
+    }
+}
+
+/// Where a part such as `%X3` of a value of type `ty` is, byte and bit, and its type; `None`: it has no such part. The lowest byte is the last
+/// one in memory.
+fn slice(name: &str, ty: Elementary) -> Option<(u32, u8, Elementary)> {
+    let number: u32 = name.get(2..)?.parse().ok()?;
+    let (bits, part) = match name.as_bytes()[1].to_ascii_uppercase() {
+        b'X' => (1, Elementary::Bool),
+        b'B' => (8, Elementary::Byte),
+        b'W' => (16, Elementary::Word),
+        b'D' => (32, Elementary::Dword),
+        _ => return None,
+    };
+    let end = number.checked_add(1)?.checked_mul(bits)?;
+    if end > ty.bits() || bits >= ty.bits() {
+        return None;
+    }
+    let bytes = ty.bits() / 8;
+    Some(match bits {
+        1 => (bytes - 1 - number / 8, (number % 8) as u8, part),
+        _ => (bytes - end / 8, 0, part),
+    })
+}

@@ -1,0 +1,221 @@
+//! Data types of the language or the CPU: DTL, ErrorStruct, connection descriptions, numbers of hardware objects and OBs, and the instance
+//! types of IEC timers and counters, which are blocks of the standard library.
+//!
+//! Source: LAD/FBD reference for S7-1200, data types, date and time, and GET_ERROR.
+
+use std::rc::Rc;
+
+use plcc_abi::image::BlockKind;
+use plcc_syntax::ast::{BlockPrefix, TypeRef};
+
+use crate::bind::declarations::Declarations;
+use crate::bind::declarations::typed::{StructBuilder, Typed, TypedStruct, Use, elementary_typed};
+use crate::bind::globals::names;
+use plcc_diag::Span;
+use plcc_model::types::{ArrayType, DTL, DataType, Elementary};
+use plcc_stdlib::BlockClass;
+use plcc_syntax::symbols::{SymbolTarget, parse_address};
+
+/// `DTL#1970-01-01-00:00:00`, a Thursday.
+const DTL_DEFAULT: [u8; 12] = [0x07, 0xB2, 1, 1, 5, 0, 0, 0, 0, 0, 0, 0];
+
+/// Length 64, connection 1, TCP, device 1.
+const TCON_PARAM_DEFAULT: [u8; 64] = {
+    let mut bytes = [0; 64];
+    bytes[1] = 64;
+    bytes[3] = 1;
+    bytes[4] = 0x11;
+    bytes[6] = 1;
+    bytes
+};
+
+/// The CPU's own interface, connection 1, TCP.
+const TCON_IP_V4_DEFAULT: [u8; 14] = [0, 64, 0, 1, 0x0B, 0, 0, 0, 0, 0, 0, 0, 0, 0];
+
+/// Type of a component.
+#[derive(Clone, Copy)]
+enum Part {
+    One(Elementary),
+    /// ARRAY[1..n] OF BYTE.
+    Bytes(u16),
+    /// Another structure of the table.
+    Structure(&'static str),
+}
+
+use Part::{Bytes, One};
+
+struct Structure {
+    name: &'static str,
+    members: &'static [(&'static str, Part)],
+    /// All zero if empty.
+    default: &'static [u8],
+}
+
+#[rustfmt::skip]
+const STRUCTURES: &[Structure] = &[
+    Structure {
+        name: DTL,
+        members: &[
+            ("YEAR", One(Elementary::Uint)), ("MONTH", One(Elementary::Usint)), ("DAY", One(Elementary::Usint)),
+            ("WEEKDAY", One(Elementary::Usint)), ("HOUR", One(Elementary::Usint)), ("MINUTE", One(Elementary::Usint)),
+            ("SECOND", One(Elementary::Usint)), ("NANOSECOND", One(Elementary::Udint)),
+        ],
+        default: &DTL_DEFAULT,
+    },
+    Structure {
+        name: "ErrorStruct",
+        members: &[
+            ("ERROR_ID", One(Elementary::Word)), ("FLAGS", One(Elementary::Byte)), ("REACTION", One(Elementary::Byte)),
+            ("BLOCK_TYPE", One(Elementary::Byte)), ("PAD_0", One(Elementary::Byte)), ("CODE_BLOCK_NUMBER", One(Elementary::Uint)),
+            ("ADDRESS", One(Elementary::Udint)), ("MODE", One(Elementary::Byte)), ("PAD_1", One(Elementary::Byte)),
+            ("OPERAND_NUMBER", One(Elementary::Uint)), ("POINTER_NUMBER_LOCATION", One(Elementary::Uint)),
+            ("SLOT_NUMBER_SCOPE", One(Elementary::Uint)), ("AREA", One(Elementary::Byte)), ("PAD_2", One(Elementary::Byte)),
+            ("DB_NUMBER", One(Elementary::Uint)), ("OFFSET", One(Elementary::Udint)),
+        ],
+        default: &[],
+    },
+    Structure {
+        name: "TCON_Param",
+        members: &[
+            ("block_length", One(Elementary::Uint)), ("id", One(Elementary::Word)), ("connection_type", One(Elementary::Usint)),
+            ("active_est", One(Elementary::Bool)), ("local_device_id", One(Elementary::Usint)),
+            ("local_tsap_id_len", One(Elementary::Usint)), ("rem_subnet_id_len", One(Elementary::Usint)),
+            ("rem_staddr_len", One(Elementary::Usint)), ("rem_tsap_id_len", One(Elementary::Usint)),
+            ("next_staddr_len", One(Elementary::Usint)), ("local_tsap_id", Bytes(16)), ("rem_subnet_id", Bytes(6)),
+            ("rem_staddr", Bytes(6)), ("rem_tsap_id", Bytes(16)), ("next_staddr", Bytes(6)), ("spare", One(Elementary::Word)),
+        ],
+        default: &TCON_PARAM_DEFAULT,
+    },
+    Structure { name: "IP_V4", members: &[("ADDR", Bytes(4))], default: &[] },
+    Structure {
+        name: "TCON_IP_v4",
+        members: &[
+            ("InterfaceId", One(Elementary::Word)), ("ID", One(Elementary::Word)), ("ConnectionType", One(Elementary::Byte)),
+            ("ActiveEstablished", One(Elementary::Bool)), ("RemoteAddress", Part::Structure("IP_V4")),
+            ("RemotePort", One(Elementary::Uint)), ("LocalPort", One(Elementary::Uint)),
+        ],
+        default: &TCON_IP_V4_DEFAULT,
+    },
+];
+
+/// Names of the CPU's objects, with the type of each.
+#[rustfmt::skip]
+const NUMBERS: &[(Elementary, &[&str])] = &[
+    (Elementary::Word, &[
+        "HW_ANY", "HW_IO", "HW_DEVICE", "HW_INTERFACE", "HW_SUBMODULE", "HW_MODULE", "HW_HSC", "HW_PWM", "HW_PTO",
+        "HW_DPMASTER", "HW_DPSLAVE", "HW_IOSYSTEM", "HW_IEPORT", "CONN_ANY", "CONN_OUC", "CONN_PRG",
+    ]),
+    (Elementary::Uint, &["DB_ANY", "DB_DYN", "DB_WWW", "PORT", "RTM", "PIP"]),
+    (Elementary::Int, &[
+        "OB_ANY", "OB_ATT", "OB_CYCLIC", "OB_DELAY", "OB_TOD", "OB_PCYCLE", "OB_HWINT", "OB_DIAG", "OB_TIMEERROR",
+        "OB_STARTUP",
+    ]),
+    (Elementary::Dword, &["EVENT_ANY", "EVENT_ATT", "EVENT_HWINT", "AOM_IDENT", "CONN_R_ID"]),
+];
+
+/// Data types of timers and counters: the blocks whose instances they are; the first available one counts.
+///
+/// The four timers have one layout, and that of TONR names all components; CTUD does so for the counters.
+#[rustfmt::skip]
+const INSTANCES: &[(&str, &[&str])] = &[
+    ("IEC_TIMER",      &["IEC_TIMER", "TONR", "TON"]),
+    ("TP_TIME",        &["TP_TIME", "TP"]),
+    ("TON_TIME",       &["TON_TIME", "TON"]),
+    ("TOF_TIME",       &["TOF_TIME", "TOF"]),
+    ("TONR_TIME",      &["TONR_TIME", "TONR"]),
+    ("IEC_LTIMER",     &["IEC_LTIMER", "TONR_LTIME"]),
+    ("IEC_COUNTER",    &["IEC_COUNTER", "CTUD_INT", "CTUD"]),
+    ("IEC_SCOUNTER",   &["IEC_SCOUNTER", "CTUD_SINT"]),
+    ("IEC_USCOUNTER",  &["IEC_USCOUNTER", "CTUD_USINT"]),
+    ("IEC_UCOUNTER",   &["IEC_UCOUNTER", "CTUD_UINT"]),
+    ("IEC_DCOUNTER",   &["IEC_DCOUNTER", "CTUD_DINT"]),
+    ("IEC_UDCOUNTER",  &["IEC_UDCOUNTER", "CTUD_UDINT"]),
+    ("IEC_LCOUNTER",   &["IEC_LCOUNTER", "CTUD_LINT"]),
+    ("IEC_ULCOUNTER",  &["IEC_ULCOUNTER", "CTUD_ULINT"]),
+    ("CTU",            &["CTU_INT", "CTU"]),
+    ("CTD",            &["CTD_INT", "CTD"]),
+    ("CTUD",           &["CTUD_INT", "CTUD"]),
+    ("CTU_INT",        &["CTU_INT", "CTU"]),
+    ("CTD_INT",        &["CTD_INT", "CTD"]),
+    ("CTUD_INT",       &["CTUD_INT", "CTUD"]),
+];
+
+impl Declarations<'_> {
+    /// The block that a data type's name means: one of the sources, `FB10`, or one of the library; no message.
+    pub fn type_block(&self, name: &str) -> Option<(BlockPrefix, u16)> {
+        if let Some(number) = self.globals.names.types.get(&plcc_binding::fold(name)) {
+            return Some((BlockPrefix::Udt, *number));
+        }
+        if self.globals.names.symbols.contains_key(&plcc_binding::fold(name)) {
+            return match self.globals.global(name) {
+                Some(SymbolTarget::Block { prefix, number }) => Some((prefix, u16::try_from(number).ok()?)),
+                Some(SymbolTarget::Memory { .. } | SymbolTarget::Cell { .. }) | None => None,
+            };
+        }
+        if let Some(SymbolTarget::Block { prefix, number }) = parse_address(name) {
+            return Some((prefix, u16::try_from(number).ok()?));
+        }
+        let trimmed = name.trim();
+        let own = [trimmed];
+        let candidates =
+            INSTANCES.iter().find(|(ty, _)| ty.eq_ignore_ascii_case(trimmed)).map_or(&own[..], |row| row.1);
+        // A function is not a type: where a type is expected, `RTM` is a hardware identifier.
+        let is_type = |block: &&plcc_stdlib::SystemBlock| matches!(block.class, BlockClass::Fb | BlockClass::Sfb);
+        let tia = || candidates.iter().find_map(|name| plcc_stdlib::find_tia(name).filter(is_type));
+        let classic = || candidates.iter().find_map(|name| plcc_stdlib::find_name(name).filter(is_type));
+        let block = if self.types.scope.tia { tia().or_else(classic) } else { classic().or_else(tia) }?;
+        let key = self.globals.library.key_of(block);
+        Some((names::kind_prefix(key.kind), key.number))
+    }
+
+    /// A type of the language or the CPU that is not a block.
+    pub fn predefined(&mut self, name: &str, span: Span) -> Option<Typed> {
+        let name = name.trim();
+        let numbers = NUMBERS.iter().find(|(_, names)| names.iter().any(|own| own.eq_ignore_ascii_case(name)));
+        if let Some((ty, _)) = numbers {
+            return Some(elementary_typed(*ty));
+        }
+        if let Some(kind) = crate::bind::trees::chart_data::type_named(name) {
+            return self.resolve_type(&TypeRef { kind, span }, Use::Component);
+        }
+        let structure = STRUCTURES.iter().find(|structure| structure.name.eq_ignore_ascii_case(name))?;
+        let typed = match self.types.predefined.get(structure.name) {
+            Some(typed) => typed.clone(),
+            None => {
+                let typed = self.predefined_structure(structure, span)?;
+                self.types.predefined.insert(structure.name, typed.clone());
+                typed
+            }
+        };
+        Some(Typed { ty: DataType::Struct(typed.ty), image: typed.image })
+    }
+
+    fn predefined_structure(&mut self, structure: &Structure, span: Span) -> Option<TypedStruct> {
+        let mut builder = StructBuilder::default();
+        for (name, part) in structure.members {
+            let typed = match part {
+                One(ty) => elementary_typed(*ty),
+                Bytes(count) => bytes_typed(*count),
+                Part::Structure(other) => self.predefined(other, span)?,
+            };
+            builder.add((*name).to_string(), &typed);
+        }
+        let mut typed = self.finish_structure(builder, structure.name.to_string(), None, span)?;
+        if !structure.default.is_empty() {
+            typed.image = structure.default.into();
+        }
+        Some(typed)
+    }
+}
+
+/// ARRAY[1..count] OF BYTE.
+fn bytes_typed(count: u16) -> Typed {
+    let element = DataType::Elementary(Elementary::Byte);
+    let array = ArrayType { bounds: vec![(1, i32::from(count))], element, bytes: u32::from(count) };
+    Typed { ty: DataType::Array(Rc::new(array)), image: vec![0; usize::from(count)].into() }
+}
+
+/// True of blocks that can be components of data blocks and PLC data types: those of the system.
+pub fn is_component(kind: BlockKind) -> bool {
+    kind == BlockKind::Sfb
+}

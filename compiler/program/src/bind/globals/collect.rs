@@ -1,0 +1,454 @@
+//! Reads the tables and numbers the blocks of all sources, so that their order does not matter.
+
+use plcc_abi::ob::{OB_FREE, ObClass};
+use plcc_diag::{Code, Diagnostic, Severity, Span};
+use plcc_syntax::ast::{self, BlockName, BlockPrefix, CodeKind};
+use plcc_syntax::scl::ast::Dialect;
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use crate::bind::globals::Globals;
+use crate::bind::globals::names::{Global, code_kind};
+use crate::bind::trees::blocks::{block_class, header_of, is_forward, is_fragment, is_safety};
+use crate::bind::trees::mentions;
+use crate::bind::trees::numbering::{block_of_file, frame, numbered, source_prefix};
+use plcc_binding::constant::{Constant, Constants};
+use plcc_binding::fold;
+use plcc_model::BlockKey;
+use plcc_model::types::Elementary;
+use plcc_syntax::symbols::SymbolTarget;
+
+/// A block that is written with a name and without a number.
+struct Unnumbered<'a> {
+    block: &'a ast::Block,
+    prefix: BlockPrefix,
+    name: String,
+    span: Span,
+    /// OB: what starts it.
+    class: Option<ObClass>,
+}
+
+/// A global symbol of the block's kind. A data type may have the name of a block of another kind.
+fn own_global<'g>(globals: &'g FxHashMap<String, Global>, prefix: BlockPrefix, name: &str) -> Option<&'g Global> {
+    let global = globals.get(&fold(name))?;
+    match global.target {
+        SymbolTarget::Block { prefix: named, .. } if share_name(prefix, named) => None,
+        _ => Some(global),
+    }
+}
+
+/// Whether blocks of these kinds may share a name, because the context distinguishes them: a data type and a block that is not one.
+fn share_name(one: BlockPrefix, other: BlockPrefix) -> bool {
+    let is_type = |prefix| matches!(prefix, BlockPrefix::Udt | BlockPrefix::Fb | BlockPrefix::Sfb);
+    one != other && (one == BlockPrefix::Udt) != (other == BlockPrefix::Udt) && !(is_type(one) && is_type(other))
+}
+
+impl<'a> Globals<'a> {
+    /// Reads the symbol tables and assigns a number to every block of the sources.
+    pub fn collect(&mut self) {
+        self.collect_tables();
+        self.collect_constants();
+        let blocks = self.without_forwards();
+        self.safety_blocks(&blocks);
+        let mut used: FxHashSet<(BlockPrefix, u32)> = FxHashSet::default();
+        for global in self.names.symbols.values() {
+            if let SymbolTarget::Block { prefix, number } = global.target {
+                used.insert((prefix, number));
+            }
+        }
+        let mut unnumbered = Vec::new();
+        // Blocks whose numbers may change get the free ones.
+        for movable in [false, true] {
+            for &block in &blocks {
+                let (prefix, name) = frame(block);
+                let (prefix, (numbered, is_movable)) = match self.named_by_file(block) {
+                    Some((prefix, number)) => {
+                        (prefix, (BlockName::Numbered { prefix, number, span: name.span() }, false))
+                    }
+                    None => (prefix, self.numbered(block, prefix, name)),
+                };
+                if is_movable == movable {
+                    self.place(block, (prefix, numbered), movable, &mut used, &mut unnumbered);
+                }
+            }
+        }
+        if !unnumbered.is_empty() {
+            used.extend(blocks.iter().flat_map(|block| mentions::numbers(block)));
+        }
+        let lonely = blocks.iter().filter(|block| frame(block).0 == BlockPrefix::Ob).count() == 1;
+        let mut next: FxHashMap<BlockPrefix, u32> = FxHashMap::default();
+        for Unnumbered { block, prefix, name, span, class } in unnumbered {
+            if prefix == BlockPrefix::Db {
+                self.report.unnumbered_dbs.push(name.clone());
+            }
+            let class = match class {
+                None if prefix == BlockPrefix::Ob && (!lonely || used.contains(&(BlockPrefix::Ob, 1))) => {
+                    match self.unsaid_class(block, &name, span) {
+                        Some(class) => Some(class),
+                        None => continue,
+                    }
+                }
+                class => class,
+            };
+            if let Some(global) = own_global(&self.names.symbols, prefix, &name) {
+                // Two blocks with one name: the second would replace the first.
+                let first = global.span;
+                let help = self.choice(first, span, "give one of them another name");
+                self.report.push(
+                    Diagnostic::new(Code::DuplicateBlock, span, format!("`{name}` is defined twice"))
+                        .label("the second definition")
+                        .also(first, "the first definition")
+                        .help(help),
+                );
+                continue;
+            }
+            let number = next.entry(prefix).or_insert(1);
+            // An OB with only a known class: the usual number of the class, otherwise a free one.
+            if let Some(class) = class {
+                let (first, last) = class.row().numbers;
+                // OB 101 and 102 start differently.
+                let last = if class == ObClass::Startup { first } else { last };
+                let usual = (first..=last).map(u32::from).find(|number| !used.contains(&(prefix, *number)));
+                *number = usual.unwrap_or(u32::from(OB_FREE));
+            }
+            while used.contains(&(prefix, *number)) {
+                *number += 1;
+            }
+            if *number > 65_535 {
+                continue;
+            }
+            let number = *number;
+            used.insert((prefix, number));
+            if let Some(class) = class
+                && number >= u32::from(OB_FREE)
+                && block_class(block).is_none()
+            {
+                self.config.ob_classes.push((number as u16, class));
+            }
+            self.name_block(&name, prefix, number, span);
+            self.define(block, prefix, number as u16, span);
+        }
+        for global in self.names.symbols.values() {
+            if let SymbolTarget::Block { prefix, number } = global.target
+                && number <= 65_535
+            {
+                self.names.blocks.insert((prefix, number as u16), global.name.clone());
+            }
+        }
+        self.find_foreign();
+        self.move_library(&used);
+    }
+
+    /// The blocks of the sources; a block without a body that has one elsewhere is dropped.
+    fn without_forwards(&mut self) -> Vec<&'a ast::Block> {
+        let blocks: Vec<&'a ast::Block> = self.input.units.iter().flat_map(|(_, unit)| &unit.blocks).collect();
+        let key = |block: &ast::Block| {
+            let (prefix, name) = frame(block);
+            match name {
+                BlockName::Numbered { number, .. } => (prefix, Some(*number), String::new()),
+                BlockName::Symbol { name, .. } => (prefix, None, fold(name)),
+            }
+        };
+        let mut bodies: FxHashMap<_, Span> = FxHashMap::default();
+        for block in blocks.iter().filter(|block| !is_forward(block)) {
+            bodies.entry(key(block)).or_insert(frame(block).1.span());
+        }
+        let mut kept = Vec::with_capacity(blocks.len());
+        for block in blocks {
+            match bodies.get(&key(block)).filter(|_| is_forward(block)) {
+                Some(body) => {
+                    let span = frame(block).1.span();
+                    let name = self.text(span);
+                    let mut message = Diagnostic::new(Code::DuplicateBlock, span, format!("{name} has no body here"))
+                        .label("this one is dropped")
+                        .also(*body, "the definition that is used")
+                        .help("remove the empty one");
+                    message.severity = Severity::Warning;
+                    self.report.push(message);
+                }
+                None => kept.push(block),
+            }
+        }
+        kept
+    }
+
+    /// Blocks of a safety program: refused, or compiled as standard blocks if requested.
+    fn safety_blocks(&mut self, blocks: &[&ast::Block]) {
+        let names = blocks.iter().filter(|block| is_safety(header_of(block))).map(|block| frame(block).1);
+        let spans: Vec<Span> = names.map(BlockName::span).collect();
+        let Some(&first) = spans.first() else { return };
+        let name = self.text(first);
+        let name = name.trim_matches('"');
+        let count = spans.len();
+        let what = match count {
+            1 => format!("`{name}` is a block of a safety program"),
+            _ => format!("{count} blocks belong to a safety program, the first is `{name}`"),
+        };
+        if !self.input.safety_as_standard {
+            self.report.push(
+                Diagnostic::new(Code::SafetyBlock, first, what)
+                    .label("plcc has none of the measures that make a block fail-safe")
+                    .help("to test its logic as a standard block, compile with `--safety-as-standard`, or set `safety_as_standard = true` in plc.toml"),
+            );
+            return;
+        }
+        let mut message = Diagnostic::new(Code::SafetyBlock, first, what)
+            .label("compiled as a standard block: nothing about it is fail-safe");
+        message.severity = Severity::Warning;
+        self.report.push(message);
+        let list: Vec<String> = spans.iter().map(|span| self.text(*span).trim_matches('"').to_string()).collect();
+        self.notices.push(format!("not fail-safe: compiled as standard blocks: {}", list.join(", ")));
+    }
+
+    /// Defines a block by its number, or notes that it has none.
+    fn place(
+        &mut self,
+        block: &'a ast::Block,
+        (prefix, numbered): (BlockPrefix, BlockName),
+        movable: bool,
+        used: &mut FxHashSet<(BlockPrefix, u32)>,
+        unnumbered: &mut Vec<Unnumbered<'a>>,
+    ) {
+        let (_, name) = frame(block);
+        if matches!(prefix, BlockPrefix::Sfc | BlockPrefix::Sfb) {
+            self.report.push(
+                Diagnostic::new(Code::BlockFrame, name.span(), "system blocks belong to the CPU")
+                    .label("a program cannot define this block")
+                    .help("make it an FC or FB"),
+            );
+            return;
+        }
+        let class = block_class(block);
+        match numbered {
+            BlockName::Numbered { number, span, .. } => {
+                let limit = match prefix {
+                    BlockPrefix::Ob if self.sources.tia => u32::from(plcc_abi::ob::OB_NUMBER_MAX),
+                    BlockPrefix::Ob => 255,
+                    _ => 65_535,
+                };
+                if number > limit || (prefix == BlockPrefix::Db && number == 0) {
+                    self.report.push(
+                        Diagnostic::new(
+                            Code::AddressRange,
+                            span,
+                            format!("{} {number} is not a block number", prefix.letters()),
+                        )
+                        .label(format!("numbers go up to {limit}"))
+                        .help("use another number; DB 0 is reserved"),
+                    );
+                    return;
+                }
+                let symbol = match name {
+                    BlockName::Symbol { name, .. } => Some(name),
+                    BlockName::Numbered { .. } => None,
+                };
+                if movable
+                    && used.contains(&(prefix, number))
+                    && let Some(name) = symbol
+                {
+                    let class =
+                        class.or_else(|| ObClass::of_number(number as u16)).filter(|_| prefix == BlockPrefix::Ob);
+                    unnumbered.push(Unnumbered { block, prefix, name: name.clone(), span, class });
+                    return;
+                }
+                used.insert((prefix, number));
+                self.define(block, prefix, number as u16, span);
+                if let Some(name) = symbol {
+                    self.name_block(name, prefix, number, span);
+                }
+            }
+            BlockName::Symbol { name, span } => match own_global(&self.names.symbols, prefix, &name) {
+                None => unnumbered.push(Unnumbered { block, prefix, name, span, class }),
+                Some(&Global { target: SymbolTarget::Block { prefix: named, number }, .. })
+                    if named == prefix && number <= 65_535 =>
+                {
+                    if prefix == BlockPrefix::Udt {
+                        self.names.types.insert(fold(&name), number as u16);
+                    }
+                    self.define(block, prefix, number as u16, span);
+                }
+                Some(global) => {
+                    let row = global.span;
+                    self.report.push(
+                        Diagnostic::new(
+                            Code::DuplicateName,
+                            span,
+                            format!("`{name}` is not a {} in the symbol table", prefix.letters()),
+                        )
+                        .label(format!("a {} with this name", prefix.letters()))
+                        .also(row, "the symbol"),
+                    );
+                }
+            },
+        }
+    }
+
+    /// Notes the name of a block. If a data type has the same name, it means the type where types are expected, and the block elsewhere.
+    fn name_block(&mut self, name: &str, prefix: BlockPrefix, number: u32, span: Span) {
+        let target = SymbolTarget::Block { prefix, number };
+        let global = Global { name: name.trim().to_string(), target, ty: None, structure: None, span };
+        if prefix == BlockPrefix::Udt {
+            self.names.types.entry(fold(name)).or_insert(number as u16);
+            self.names.blocks.insert((prefix, number as u16), name.trim().to_string());
+            self.names.symbols.entry(fold(name)).or_insert(global);
+        } else if own_global(&self.names.symbols, prefix, name).is_none() {
+            self.names.symbols.insert(fold(name), global);
+        }
+    }
+
+    /// What starts an OB that does not state it: the TIA Portal makes it a program cycle OB. None in other sources, where the number
+    /// is unknown; that is reported.
+    fn unsaid_class(&mut self, block: &ast::Block, name: &str, span: Span) -> Option<ObClass> {
+        let message = Diagnostic::new(
+            Code::BlockFrame,
+            span,
+            format!("the number of the organization block `{name}` is unknown"),
+        )
+        .help("write `ORGANIZATION_BLOCK OB 35`, or give the name its number in the symbol table");
+        let tia = match block {
+            ast::Block::Code(code) => {
+                crate::bind::trees::blocks::dialect(code).map_or(self.sources.tia, |of| of == Dialect::Tia)
+            }
+            ast::Block::Data(_) | ast::Block::Type(_) => false,
+        };
+        if !tia && self.input.partial {
+            self.report.push(
+                Diagnostic::new(Code::LeftOut, span, format!("the organization block `{name}` is left out"))
+                    .label("the CPU finds an organization block by its number, which no source states")
+                    .help("give the name its number in a symbol table, or write `ORGANIZATION_BLOCK OB 35`"),
+            );
+            return None;
+        }
+        if !tia {
+            self.report.push(message.label("the CPU finds an organization block by its number"));
+            return None;
+        }
+        let mut message = message.label("treated as a program cycle OB, as the TIA Portal does").help(
+            "state what starts it: `{ S7_EventClass := 'CyclicInterrupt' }`, or give its number in the symbol table",
+        );
+        message.severity = Severity::Warning;
+        self.report.push(message);
+        Some(ObClass::ProgramCycle)
+    }
+
+    /// The number that a block states, unless a symbol table gives its name one; also whether it may change.
+    fn numbered(&self, block: &ast::Block, prefix: BlockPrefix, name: &BlockName) -> (BlockName, bool) {
+        match name {
+            BlockName::Symbol { name: text, .. } if own_global(&self.names.symbols, prefix, text).is_none() => {
+                numbered(block, prefix, name)
+            }
+            BlockName::Symbol { .. } | BlockName::Numbered { .. } => (name.clone(), false),
+        }
+    }
+
+    /// Kind and number of statements without a header, if the name of their file states them.
+    fn named_by_file(&self, block: &ast::Block) -> Option<(BlockPrefix, u32)> {
+        let ast::Block::Code(code) = block else { return None };
+        if !is_fragment(code) {
+            return None;
+        }
+        let (_, source) = self.input.sources.files().nth(code.span.file.0 as usize)?;
+        let stem = std::path::Path::new(&source.name).file_stem()?.to_string_lossy();
+        block_of_file(&stem)
+    }
+
+    fn collect_tables(&mut self) {
+        let rows: usize = self.input.tables.iter().map(|table| table.symbols.len()).sum();
+        self.names.symbols.reserve(rows);
+        for symbol in self.input.tables.iter().flat_map(|table| &table.symbols) {
+            let ty = Elementary::from_word(&symbol.ty.to_ascii_uppercase());
+            let structure = ty.is_none().then(|| symbol.ty.trim().trim_matches('"').to_string());
+            let structure = structure.filter(|name| !name.is_empty());
+            let global = Global { name: symbol.name.clone(), target: symbol.target, ty, structure, span: symbol.span };
+            match self.names.symbols.entry(fold(&symbol.name)) {
+                std::collections::hash_map::Entry::Vacant(entry) => {
+                    entry.insert(global);
+                }
+                std::collections::hash_map::Entry::Occupied(entry) => {
+                    if entry.get().target != symbol.target {
+                        let first = entry.get().span;
+                        self.report.push(
+                            Diagnostic::new(
+                                Code::DuplicateName,
+                                symbol.span,
+                                format!("the symbol `{}` has two addresses", symbol.name),
+                            )
+                            .label("the second address")
+                            .also(first, "the first address, which is used")
+                            .help("remove one of the two rows"),
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    /// User constants of tag tables, with their types.
+    fn collect_constants(&mut self) {
+        let input = self.input;
+        for constant in input.tables.iter().flat_map(|table| &table.constants) {
+            let Some(value) = self.constant(&Constants::default(), &constant.value) else { continue };
+            let value = match Elementary::from_word(&constant.ty.to_ascii_uppercase()) {
+                Some(ty) => match self.constant_bits(&value, ty, constant.value.span) {
+                    Some(bits) => Constant::Typed { ty, bits },
+                    None => continue,
+                },
+                None => value,
+            };
+            self.names.constants.entry(fold(&constant.name)).or_insert(value);
+        }
+    }
+
+    /// The advice about two definitions: plcc does not guess which version of a block counts.
+    fn choice(&self, first: Span, second: Span, same_file: &str) -> String {
+        let name =
+            |span: Span| self.input.sources.files().nth(span.file.0 as usize).map(|(_, file)| file.name.as_str());
+        match (name(first), name(second)) {
+            (Some(first), Some(second)) if first != second => format!(
+                "choose one: specify only the files of one CPU and one version, or name them as `sources` in plc.toml. The files are \
+                 `{first}` and `{second}`"
+            ),
+            _ => same_file.to_string(),
+        }
+    }
+
+    fn define(&mut self, block: &'a ast::Block, prefix: BlockPrefix, number: u16, span: Span) {
+        if let Some(first) = self.names.defined.insert((prefix, number), span) {
+            self.names.defined.insert((prefix, number), first);
+            let title = format!("{} {number} is defined twice", prefix.letters());
+            let help = self.choice(first, span, "give one of them another number");
+            self.report.push(
+                Diagnostic::new(Code::DuplicateBlock, span, title)
+                    .label("the second definition")
+                    .also(first, "the first definition")
+                    .help(help),
+            );
+            return;
+        }
+        match block {
+            ast::Block::Code(code) => {
+                if let Some(kind) = code_kind(prefix) {
+                    let source = match &code.code {
+                        ast::Code::Stl(_) if prefix != source_prefix(code.kind) => {
+                            let mut code = code.clone();
+                            code.kind = if prefix == BlockPrefix::Fb { CodeKind::Fb } else { CodeKind::Fc };
+                            crate::bind::globals::sources::CodeSource::Expanded(std::rc::Rc::new(code))
+                        }
+                        ast::Code::Chart(chart) => crate::bind::globals::sources::CodeSource::Expanded(
+                            std::rc::Rc::new(crate::bind::trees::chart_data::expanded(code, chart)),
+                        ),
+                        ast::Code::Stl(_) | ast::Code::Scl(_) | ast::Code::Graphic(_) => {
+                            crate::bind::globals::sources::CodeSource::User(code)
+                        }
+                    };
+                    self.sources.code.insert(BlockKey { kind, number }, source);
+                }
+            }
+            ast::Block::Data(data) => {
+                self.sources.data.insert(number, data);
+            }
+            ast::Block::Type(ty) => {
+                self.sources.types.insert(number, ty);
+            }
+        }
+    }
+}

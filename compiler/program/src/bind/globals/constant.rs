@@ -1,0 +1,159 @@
+//! Constants of declarations and statements: looks up names, and reports anything that is not a constant.
+
+use plcc_binding::constant::fold::{self, Fault};
+use plcc_binding::constant::{Constant, Constants, fit};
+use plcc_binding::value::{self, Mismatch};
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_model::layout;
+use plcc_model::types::DataType;
+use plcc_syntax::Elementary;
+use plcc_syntax::scl::ast::{Expr, ExprKind, Name, NameForm};
+
+use crate::bind::globals::Globals;
+
+impl Globals<'_> {
+    /// The value of a constant expression; reports anything that is not a constant.
+    pub fn constant(&mut self, constants: &Constants, value: &Expr) -> Option<Constant> {
+        match &value.kind {
+            ExprKind::Literal(literal) => {
+                let constant = Constant::of_literal(literal);
+                if constant.is_none() {
+                    self.no_constant(value.span, "a pointer is not possible here");
+                }
+                constant
+            }
+            ExprKind::Name(name) => self.named_constant(constants, name),
+            ExprKind::Unary { op, operand } => {
+                let operand = self.constant(constants, operand)?;
+                let result = fold::unary(*op, &operand);
+                self.computed(result, value.span)
+            }
+            ExprKind::Binary { op, left, right, op_span } => {
+                // Both sides, so that each mistake is reported.
+                let left = self.constant(constants, left);
+                let right = self.constant(constants, right);
+                let result = fold::binary(*op, &left?, &right?);
+                let span = if result == Err(Fault::Overflow) { value.span } else { *op_span };
+                self.computed(result, span)
+            }
+            ExprKind::Error => None,
+            ExprKind::Absolute(_)
+            | ExprKind::Member { .. }
+            | ExprKind::MemberAbsolute { .. }
+            | ExprKind::Slice { .. }
+            | ExprKind::Index { .. }
+            | ExprKind::Call { .. }
+            | ExprKind::Dereference(_)
+            | ExprKind::Reference(_) => {
+                self.no_constant(value.span, "this is only known at run time");
+                None
+            }
+        }
+    }
+
+    /// The bits of a constant as a value of `ty`, zero-extended, implicitly converted if needed; reports a value that does not fit.
+    ///
+    /// Source: SCL reference, type of a literal. An integer without a type fits every type that can hold it, `16#FFFF` also an INT.
+    pub fn constant_bits(&mut self, constant: &Constant, ty: Elementary, span: Span) -> Option<u64> {
+        match constant.bits(ty) {
+            Ok(bits) => Some(bits),
+            Err(problem) => {
+                let name = ty.name();
+                self.report.push(match problem {
+                    Mismatch::Type => Diagnostic::new(
+                        Code::TypeMismatch,
+                        span,
+                        format!("{} is not of type {name}", constant.describe()),
+                    )
+                    .label(format!("a value of type {name} is expected here"))
+                    .help(format!("write it as {}", value::example(ty))),
+                    Mismatch::Range => {
+                        Diagnostic::new(Code::LiteralRange, span, format!("this value does not fit type {name}"))
+                            .label("out of range")
+                    }
+                });
+                None
+            }
+        }
+    }
+
+    /// The bytes of a constant as a variable of type `ty`, big-endian; a BOOL is one byte, 0 or 1.
+    pub fn constant_bytes(constant: &Constant, ty: &DataType) -> Result<Vec<u8>, Mismatch> {
+        fit::bytes(constant, ty)
+    }
+
+    fn named_constant(&mut self, constants: &Constants, name: &Name) -> Option<Constant> {
+        let folded = plcc_binding::fold(&name.text);
+        if let Some(constant) = constants.get(&folded).or_else(|| self.names.constants.get(&folded)) {
+            return Some(constant.clone());
+        }
+        self.unknown_constant(&name.text, name.form == NameForm::Local, name.span);
+        None
+    }
+
+    /// A name that is not a constant. It may be undefined (`local`: only the block itself could define it), or mean something else.
+    pub fn unknown_constant(&mut self, name: &str, local: bool, span: Span) {
+        if local || self.names.symbols.contains_key(&plcc_binding::fold(name)) {
+            self.report.push(
+                Diagnostic::new(Code::ConstantRequired, span, format!("`{name}` is not a constant of this block"))
+                    .label("a value that is known at compile time is expected here")
+                    .help("declare it first, in VAR CONSTANT or CONST, or write the number"),
+            );
+            return;
+        }
+        self.report.missing_constant(name, span);
+    }
+
+    fn no_constant(&mut self, span: Span, why: &str) {
+        self.report
+            .push(Diagnostic::new(Code::ConstantRequired, span, "a constant is expected here").label(why.to_string()));
+    }
+
+    fn computed(&mut self, result: Result<Constant, Fault>, span: Span) -> Option<Constant> {
+        let fault = match result {
+            Ok(constant) => return Some(constant),
+            Err(fault) => fault,
+        };
+        self.report.push(match fault {
+            Fault::Overflow => {
+                Diagnostic::new(Code::LiteralRange, span, "the value of this expression is out of range")
+                    .label("the type of the operands cannot hold it")
+            }
+            Fault::Zero => {
+                Diagnostic::new(Code::LiteralRange, span, "a division by zero").label("the right operand is 0")
+            }
+            Fault::Type => {
+                Diagnostic::new(Code::TypeMismatch, span, "this operator cannot combine constants of these types")
+                    .label("only numbers, bit strings and durations are possible")
+            }
+        });
+        None
+    }
+
+    /// Reports an initial value that its variable cannot have.
+    pub fn bad_initial(&mut self, what: &str, ty: &DataType, problem: Mismatch, span: Span) {
+        let name = layout::type_name(ty);
+        let message = match problem {
+            Mismatch::Type => {
+                Diagnostic::new(Code::InitialValue, span, format!("{what} is not a value of type {name}"))
+                    .label(format!("the variable is of type {name}"))
+            }
+            Mismatch::Range => {
+                Diagnostic::new(Code::InitialValue, span, format!("this value does not fit type {name}"))
+                    .label("out of range")
+            }
+        };
+        self.report.push(match ty {
+            DataType::Elementary(_) if problem == Mismatch::Range => message,
+            DataType::Elementary(elementary) => message.help(format!("write it as {}", value::example(*elementary))),
+            DataType::String(_) => message.help("write a text in quotes: 'text'"),
+            DataType::WideString(_) => message.help("write a text in quotes: WSTRING#'text'"),
+            DataType::DateAndTime => message.help("write it as DT#1993-12-25-8:12:34.567"),
+            DataType::Array(_)
+            | DataType::Struct(_)
+            | DataType::Parameter(_)
+            | DataType::OpenArray(_)
+            | DataType::Void => message,
+        });
+    }
+}

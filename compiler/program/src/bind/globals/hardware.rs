@@ -1,0 +1,109 @@
+//! System constants of an S7-1200/1500: hardware identifiers, events of hardware interrupts, numbers of organization blocks.
+//!
+//! Also the access to blocks: those with optimised access have no addresses.
+//!
+//! Source: LAD/FBD reference for S7-1200, data types HW_*, EVENT_* and OB_*; optimised and standard access.
+
+use plcc_abi::technology::{EVENT_ID, HSC_ID, PULSE_ID};
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::ast::{self, BlockPrefix};
+
+use crate::bind::globals::Globals;
+use crate::bind::trees::blocks::is_optimized;
+use plcc_binding::constant::Constant;
+use plcc_binding::fold;
+use plcc_model::profile;
+use plcc_model::types::Elementary;
+use plcc_syntax::symbols::SymbolTarget;
+
+impl Globals<'_> {
+    /// Reports the name of a fast counter or pulse generator that the CPU does not have; false: the name means something else.
+    pub fn missing_hardware(&mut self, name: &str, span: Span) -> bool {
+        let folded = fold(name);
+        let board = profile::on_board(&self.input.profile);
+        let rows = [
+            ("local~hsc_", "fast counter", board.map_or(0, |board| board.fast_counters)),
+            ("local~pulse_", "pulse generator", board.map_or(0, |board| board.pulse_generators)),
+        ];
+        let found = rows.iter().find_map(|(prefix, what, count)| {
+            let number: u32 = folded.strip_prefix(prefix)?.parse().ok()?;
+            Some((what, number, count))
+        });
+        let Some((what, number, count)) = found else { return false };
+        let cpu = self.input.profile.name.clone();
+        let help = match count {
+            0 => format!("only CPUs of the S7-1200 have {what}s; name one with --cpu or in plc.toml"),
+            _ => format!("it has {what}s 1 to {count}"),
+        };
+        let title = format!("the CPU {cpu} has no {what} {number}");
+        self.report
+            .push(Diagnostic::new(Code::AddressRange, span, title).label("a system constant of other CPUs").help(help));
+        true
+    }
+
+    /// Reports an address in a data block with optimised access; `None`: no optimised access.
+    pub fn check_absolute_access(&mut self, number: u16, span: Span) -> Option<()> {
+        let Some(data) = self.sources.data.get(&number).copied() else { return Some(()) };
+        if !self.input.profile.family.is_portal() || !is_optimized(&data.header) {
+            return Some(());
+        }
+        let (declared, text) = (data.name.span(), self.text(span));
+        self.report.push(
+            Diagnostic::new(
+                Code::OperandKind,
+                span,
+                format!("`{text}` is an address in a block with optimised access"),
+            )
+            .label(format!("DB {number} has no addresses"))
+            .also(declared, "`S7_Optimized_Access` is TRUE here")
+            .help("write the name of the component, or switch off the optimised access of the data block"),
+        );
+        None
+    }
+
+    /// Reports a view in a block with optimised access.
+    pub fn check_view_access(&mut self, block: &ast::CodeBlock, section: &ast::Section, at: Span) {
+        if !self.input.profile.family.is_portal()
+            || !is_optimized(&block.header)
+            || section.retain == ast::Retain::DbSpecific
+        {
+            return;
+        }
+        self.report.push(
+            Diagnostic::new(Code::SectionNotAllowed, at, "a block with optimised access cannot have views")
+                .label("AT needs addresses")
+                .also(block.name.span(), "`S7_Optimized_Access` is TRUE for this block")
+                .help("switch off the optimised access of the block, or use slices such as `.%B0`"),
+        );
+    }
+
+    /// The system constant `name`: `Local~HSC_1`, `Local~Pulse_1`, an event of plc.toml, `OB_Main`.
+    pub fn system_constant(&self, name: &str) -> Option<Constant> {
+        if !self.input.profile.family.is_portal() {
+            return None;
+        }
+        let name = fold(name);
+        let word = |bits: u16| Some(Constant::Typed { ty: Elementary::Word, bits: u64::from(bits) });
+        let board = profile::on_board(&self.input.profile);
+        let numbered = |prefix: &str, count: u8| {
+            let number: u8 = name.strip_prefix(prefix)?.parse().ok()?;
+            (1..=count).contains(&number).then_some(u16::from(number))
+        };
+        if let Some(number) = board.and_then(|board| numbered("local~hsc_", board.fast_counters)) {
+            return word(HSC_ID + number);
+        }
+        if let Some(number) = board.and_then(|board| numbered("local~pulse_", board.pulse_generators)) {
+            return word(PULSE_ID + number);
+        }
+        if let Some(index) = self.input.config.hardware_events.iter().position(|event| fold(&event.name) == name) {
+            let bits = u64::from(EVENT_ID) + index as u64 + 1;
+            return Some(Constant::Typed { ty: Elementary::Dword, bits });
+        }
+        match self.names.symbols.get(name.strip_prefix("ob_")?)?.target {
+            SymbolTarget::Block { prefix: BlockPrefix::Ob, number } => {
+                Some(Constant::Typed { ty: Elementary::Int, bits: u64::from(number) })
+            }
+            SymbolTarget::Block { .. } | SymbolTarget::Memory { .. } | SymbolTarget::Cell { .. } => None,
+        }
+    }
+}

@@ -1,0 +1,192 @@
+//! Which names and numbers the program defines: symbol tables, blocks of the sources, blocks of the system.
+
+use plcc_abi::image::{BlockKind, SymbolEntry};
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::ast::{Area, BlockName, BlockPrefix, CellKind, Width};
+use rustc_hash::FxHashMap;
+
+use crate::bind::globals::Globals;
+use plcc_binding::constant::Constants;
+use plcc_binding::fold;
+use plcc_model::types::Elementary;
+use plcc_syntax::symbols::SymbolTarget;
+
+/// Names and numbers that tables and sources define.
+#[derive(Default)]
+pub struct Names {
+    /// By folded name.
+    pub symbols: FxHashMap<String, Global>,
+    /// Numbers of the program's data types, by folded name.
+    pub types: FxHashMap<String, u16>,
+    /// User constants of tag tables, by folded name.
+    pub constants: Constants,
+    pub blocks: FxHashMap<(BlockPrefix, u16), String>,
+    /// Where each block of the sources is defined.
+    pub defined: FxHashMap<(BlockPrefix, u16), Span>,
+}
+
+/// A global name.
+#[derive(Clone, Debug)]
+pub struct Global {
+    pub name: String,
+    pub target: SymbolTarget,
+    /// Type of a memory operand, if the table states it.
+    pub ty: Option<Elementary>,
+    /// Data type of a tag that is a structure, by its name.
+    pub structure: Option<String>,
+    pub span: Span,
+}
+
+/// The kind of code block that `prefix` names.
+pub const fn code_kind(prefix: BlockPrefix) -> Option<BlockKind> {
+    match prefix {
+        BlockPrefix::Ob => Some(BlockKind::Ob),
+        BlockPrefix::Fc => Some(BlockKind::Fc),
+        BlockPrefix::Fb => Some(BlockKind::Fb),
+        BlockPrefix::Sfc => Some(BlockKind::Sfc),
+        BlockPrefix::Sfb => Some(BlockKind::Sfb),
+        BlockPrefix::Db | BlockPrefix::Di | BlockPrefix::Udt | BlockPrefix::Vat => None,
+    }
+}
+
+/// The prefix of a block with code.
+pub const fn kind_prefix(kind: BlockKind) -> BlockPrefix {
+    match kind {
+        BlockKind::Ob => BlockPrefix::Ob,
+        // Blocks of an S7-200 are bound elsewhere.
+        BlockKind::Fc | BlockKind::Sbr | BlockKind::Int => BlockPrefix::Fc,
+        BlockKind::Fb => BlockPrefix::Fb,
+        BlockKind::Sfc => BlockPrefix::Sfc,
+        BlockKind::Sfb => BlockPrefix::Sfb,
+        BlockKind::Db => BlockPrefix::Db,
+    }
+}
+
+/// The name in STEP 7 of a timer's data type of newer tools.
+fn classic_name(name: &str) -> &str {
+    match name.to_ascii_uppercase().as_str() {
+        "TP_TIME" => "TP",
+        "TON_TIME" => "TON",
+        "TOF_TIME" => "TOF",
+        _ => name,
+    }
+}
+
+impl Names {
+    /// Symbol of a block, empty if it has none.
+    pub fn block_name(&self, prefix: BlockPrefix, number: u16) -> String {
+        self.blocks.get(&(prefix, number)).cloned().unwrap_or_default()
+    }
+
+    /// Named addresses of memory, timers, counters and DBs.
+    pub fn entries(&self) -> Vec<SymbolEntry> {
+        let mut entries: Vec<SymbolEntry> = self
+            .symbols
+            .values()
+            .filter_map(|global| {
+                let address = match global.target {
+                    SymbolTarget::Memory { area, width, byte, bit } => address_text(area, width, byte, bit),
+                    SymbolTarget::Cell { kind: CellKind::Timer, number } => format!("T{number}"),
+                    SymbolTarget::Cell { kind: CellKind::Counter, number } => format!("C{number}"),
+                    SymbolTarget::Block { prefix: BlockPrefix::Db, number } => format!("DB{number}"),
+                    SymbolTarget::Block { .. } => return None,
+                };
+                Some(SymbolEntry { name: global.name.clone(), address })
+            })
+            .collect();
+        entries.sort_by(|a, b| a.name.cmp(&b.name));
+        entries
+    }
+}
+
+impl Globals<'_> {
+    /// The block that a name means; reports a name that is defined nowhere. A system block is found by its standard name.
+    pub fn block_number(&mut self, name: &BlockName) -> Option<(BlockPrefix, u16)> {
+        match name {
+            BlockName::Numbered { prefix, number, span } => match u16::try_from(*number) {
+                Ok(number) => self.numbered_block(*prefix, number, *span),
+                Err(_) => {
+                    self.report.push(
+                        Diagnostic::new(
+                            Code::AddressRange,
+                            *span,
+                            format!("{} {number} is not a block number", prefix.letters()),
+                        )
+                        .label("numbers go up to 65535"),
+                    );
+                    None
+                }
+            },
+            BlockName::Symbol { name, span } => self.named_block(name, *span),
+        }
+    }
+
+    pub fn named_block(&mut self, name: &str, span: Span) -> Option<(BlockPrefix, u16)> {
+        match self.global(name) {
+            Some(SymbolTarget::Block { prefix, number }) => Some((prefix, number as u16)),
+            Some(_) => {
+                self.report.push(
+                    Diagnostic::new(Code::OperandKind, span, format!("`{name}` is not a block"))
+                        .label("a block is expected here"),
+                );
+                None
+            }
+            None => {
+                self.unknown_name(name, span);
+                None
+            }
+        }
+    }
+
+    /// Reports a name that nothing defines.
+    pub fn unknown_name(&mut self, name: &str, span: Span) {
+        let folded = fold(name);
+        match plcc_stdlib::LIBRARY.iter().find(|block| fold(block.name) == fold(plcc_stdlib::standard_name(&folded))) {
+            Some(block) => {
+                let prefix = if block.fb { BlockPrefix::Fb } else { BlockPrefix::Fc };
+                self.report.not_shipped(prefix, block.number, block.name, span);
+            }
+            None => self.report.missing_symbol(name, span),
+        }
+    }
+
+    /// What a global name means: a row of a table, a block of the sources, or a system block with this standard name.
+    pub fn global(&self, name: &str) -> Option<SymbolTarget> {
+        if let Some(global) = self.names.symbols.get(&fold(name)) {
+            return Some(global.target);
+        }
+        let name = classic_name(name.trim());
+        let block = plcc_stdlib::find_name(name).or_else(|| plcc_stdlib::find_tia(name))?;
+        if self.library.is_foreign(block) {
+            return None;
+        }
+        let key = self.library.key_of(block);
+        Some(SymbolTarget::Block { prefix: kind_prefix(key.kind), number: u32::from(key.number) })
+    }
+
+    /// Reports a code block that nothing defines, and whether only plcc lacks it.
+    pub fn unknown_block(&mut self, prefix: BlockPrefix, number: u16, span: Span) {
+        let fb = prefix == BlockPrefix::Fb;
+        let name = self.names.block_name(prefix, number);
+        let library = plcc_stdlib::LIBRARY
+            .iter()
+            .find(|block| block.number == number && block.fb == fb && block.name.eq_ignore_ascii_case(&name));
+        match library {
+            Some(block) if matches!(prefix, BlockPrefix::Fc | BlockPrefix::Fb) => {
+                self.report.not_shipped(prefix, number, block.name, span);
+            }
+            _ => self.report.missing_block(prefix, number, span),
+        }
+    }
+}
+
+/// An address as the runtime reads it: `Q4.0`, `MW20`.
+fn address_text(area: Area, width: Width, byte: u32, bit: u8) -> String {
+    let area = area.letters();
+    match width {
+        Width::Bit => format!("{area}{byte}.{bit}"),
+        Width::Byte => format!("{area}B{byte}"),
+        Width::Word => format!("{area}W{byte}"),
+        Width::Dword | Width::Lword => format!("{area}D{byte}"),
+    }
+}

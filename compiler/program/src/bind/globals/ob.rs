@@ -1,0 +1,81 @@
+//! What starts each organization block.
+//!
+//! Source: LAD/FBD reference for S7-1200, organization blocks.
+
+use plcc_abi::image::BlockKind;
+use plcc_abi::ob::{OB_CLASSES, OB_FREE, ObClass};
+use plcc_diag::{Code, Diagnostic, Severity, Span};
+use plcc_syntax::ast;
+
+use crate::bind::globals::Globals;
+use crate::bind::globals::sources::CodeSource;
+use crate::bind::trees::blocks::class_attribute;
+
+impl Globals<'_> {
+    /// The classes of the program's OBs: from plc.toml, otherwise from their attributes.
+    pub fn ob_classes(&mut self) {
+        let mut obs: Vec<(u16, &ast::CodeBlock)> = self
+            .sources
+            .code
+            .iter()
+            .filter(|(key, _)| key.kind == BlockKind::Ob)
+            .filter_map(|(key, source)| match source {
+                CodeSource::User(block) => Some((key.number, *block)),
+                CodeSource::Expanded(_) | CodeSource::System(_) => None,
+            })
+            .collect();
+        obs.sort_unstable_by_key(|(number, _)| *number);
+        for (number, block) in obs {
+            let Some((class, text)) = class_attribute(&block.header) else { continue };
+            if self.config.ob_classes.iter().any(|(ob, _)| *ob == number) {
+                continue;
+            }
+            match class {
+                None => {
+                    let names: Vec<&str> = OB_CLASSES.iter().map(|row| row.names[0]).collect();
+                    self.report.push(
+                        Diagnostic::new(
+                            Code::BlockFrame,
+                            block.name.span(),
+                            format!("`{text}` is not a class of organization blocks"),
+                        )
+                        .label(format!("it is not known what starts OB {number}"))
+                        .help(format!("one of {}", names.join(", "))),
+                    );
+                }
+                Some(class) if !class.is_started() => {
+                    self.not_started(number, class, block.name.span());
+                    self.config.ob_classes.push((number, class));
+                }
+                Some(class) if number >= OB_FREE && class.row().free => self.config.ob_classes.push((number, class)),
+                Some(class) if ObClass::of_number(number) == Some(class) => {}
+                Some(class) => self.wrong_class(number, class, block.name.span()),
+            }
+        }
+    }
+
+    /// An OB of a class with events that plcc does not simulate.
+    fn not_started(&mut self, number: u16, class: ObClass, span: Span) {
+        let mut message = Diagnostic::new(
+            Code::BlockFrame,
+            span,
+            format!("nothing starts OB {number}: it is a {} OB", class.row().word),
+        )
+        .label("compiled, but never called")
+        .help("call its blocks in a cyclic OB if the program needs them");
+        message.severity = Severity::Warning;
+        self.report.push(message);
+    }
+
+    fn wrong_class(&mut self, number: u16, class: ObClass, span: Span) {
+        let row = class.row();
+        let (first, last) = row.numbers;
+        let numbers = if first == last { format!("OB {first}") } else { format!("OB {first} to OB {last}") };
+        let free = if row.free { format!(", or OB {OB_FREE} and above") } else { String::new() };
+        self.report.push(
+            Diagnostic::new(Code::BlockFrame, span, format!("OB {number} cannot be a {} OB", row.word))
+                .label(format!("the block states {}", row.names[0]))
+                .help(format!("{} OBs are {numbers}{free}", row.word)),
+        );
+    }
+}

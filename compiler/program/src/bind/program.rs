@@ -1,0 +1,201 @@
+//! The whole program: declarations first, then the blocks, each by the binder of its language.
+
+use std::rc::Rc;
+
+use plcc_abi::image::{BlockKind, Config, Family};
+use plcc_abi::ob::ObClass;
+use plcc_diag::{Code, Diagnostic, FileId, SourceFile, SourceMap, Span};
+use plcc_stdlib::SystemBlock;
+use plcc_syntax::ast;
+
+use super::chart::ChartBinder;
+use super::declarations::Declarations;
+use super::declarations::block::CurrentBlock;
+use super::globals::names::kind_prefix;
+use super::globals::sources::CodeSource;
+use super::network::NetworkBinder;
+use super::scl::SclBinder;
+use super::stl::StlBinder;
+use super::trees::SYSTEM_FILE;
+use crate::bind::trees::blocks;
+use plcc_binding::{BindInput, Bound};
+use plcc_model::{BlockKey, Body, CodeBlock, Interface, Program, profile};
+
+/// Binds a program. The program is complete if no message is an error and, with `partial`, nothing is undefined.
+pub fn bind(input: &BindInput) -> (Program, Vec<Diagnostic>) {
+    let Bound { program, diagnostics, .. } = bind_all(input);
+    (program, diagnostics)
+}
+
+/// As [`bind`], with the names that are defined nowhere.
+pub fn bind_all(input: &BindInput) -> Bound {
+    let mut program = Declarations::new(input);
+    program.globals.collect();
+    program.globals.system_memory();
+    program.globals.ob_classes();
+    program.bind_types();
+    program.bind_data();
+    let mut blocks = bind_user_blocks(&mut program);
+    bind_system_blocks(&mut program, &mut blocks);
+    program.check_pointers();
+    blocks.sort_by_key(CodeBlock::key);
+    let config = std::mem::take(&mut program.globals.config);
+    if input.require_main && !blocks.iter().any(|block| is_main(input, &config, block)) {
+        no_main_block(&mut program);
+    }
+    let test = StlBinder::new(&mut program).file_pragmas();
+    let mut dbs = std::mem::take(&mut program.data.blocks);
+    let mut dbs: Vec<_> = dbs.drain().map(|(_, db)| db.block).collect();
+    dbs.sort_by_key(|db| db.number);
+    let symbols = program.globals.names.entries();
+    let notices = std::mem::take(&mut program.globals.notices);
+    let (mut diagnostics, missing) = program.globals.report.finish();
+    // A message inside a system block has no file to show.
+    for diagnostic in &mut diagnostics {
+        if diagnostic.primary.span.file == SYSTEM_FILE {
+            diagnostic.primary.span = Span::default();
+        }
+        diagnostic.secondary.retain(|label| label.span.file != SYSTEM_FILE);
+    }
+    let bound = Program {
+        name: input.name.clone(),
+        profile: input.profile.clone(),
+        config,
+        blocks,
+        dbs,
+        symbols,
+        notices,
+        test,
+        s7200: None,
+        partial: Vec::new(),
+    };
+    Bound { program: bound, diagnostics, missing }
+}
+
+/// The interface of a block of the library, in an empty program; `None` if it is only known by name.
+pub fn library_interface(block: &SystemBlock) -> Option<Interface> {
+    let mut sources = SourceMap::default();
+    let file = sources.add(SourceFile::new("", ""));
+    let input = empty(&sources);
+    let mut program = Declarations::new(&input);
+    let key = program.globals.library.key_of(block);
+    let bound = program.interface(key, Span { file, start: 0, end: 0 })?;
+    Some(bound.interface.clone())
+}
+
+/// A program without blocks.
+pub fn empty(sources: &SourceMap) -> BindInput<'_> {
+    BindInput {
+        name: String::new(),
+        sources,
+        units: &[],
+        tables: &[],
+        profile: profile::generic(Family::S7300),
+        config: Config::default(),
+        partial: false,
+        stand_ins: None,
+        pragmas: false,
+        require_main: false,
+        safety_as_standard: false,
+    }
+}
+
+/// True of the block that the CPU calls in each cycle.
+pub fn is_main(input: &BindInput, config: &Config, block: &CodeBlock) -> bool {
+    match block.kind {
+        BlockKind::Ob if input.profile.family.is_portal() => {
+            config.class_of(block.number) == Some(ObClass::ProgramCycle)
+        }
+        kind => kind == BlockKind::Ob && block.number == 1,
+    }
+}
+
+fn bind_user_blocks(program: &mut Declarations) -> Vec<CodeBlock> {
+    let mut keys: Vec<BlockKey> = program
+        .globals
+        .sources
+        .code
+        .iter()
+        .filter(|(_, source)| !matches!(source, CodeSource::System(_)))
+        .map(|(key, _)| *key)
+        .collect();
+    keys.sort_unstable();
+    for &key in &keys {
+        let span = program.globals.sources.code[&key].block().name.span();
+        program.interface(key, span);
+    }
+    keys.into_iter().filter_map(|key| bind_block(program, key, None, false)).collect()
+}
+
+/// System blocks that are used, and those that they use.
+pub fn bind_system_blocks(program: &mut Declarations, blocks: &mut Vec<CodeBlock>) {
+    let mut next = 0;
+    while let Some(used) = program.globals.library.used.get(next) {
+        let (key, span, runtime) = (used.key, used.span, used.runtime);
+        next += 1;
+        blocks.extend(bind_block(program, key, Some(span), runtime));
+    }
+}
+
+fn bind_block(program: &mut Declarations, key: BlockKey, fixed_span: Option<Span>, runtime: bool) -> Option<CodeBlock> {
+    let source = program.globals.sources.code.get(&key)?.clone();
+    let block = source.block();
+    let span = block.name.span();
+    let bound = program.interface(key, fixed_span.unwrap_or(span))?;
+    let mut current = CurrentBlock::new(key, Rc::clone(&bound));
+    current.fragment = fixed_span.is_none() && blocks::is_fragment(block);
+    current.fixed_span = fixed_span;
+    let body = if runtime { Body::Runtime } else { bind_code(program, &mut current, block) };
+    let name = match program.globals.names.block_name(kind_prefix(key.kind), key.number) {
+        name if name.is_empty() => match &block.header.name {
+            Some(name) if fixed_span.is_some() => name.trim().to_string(),
+            _ => String::new(),
+        },
+        name => name,
+    };
+    Some(CodeBlock {
+        kind: key.kind,
+        number: key.number,
+        name,
+        span: fixed_span.unwrap_or(span),
+        interface: bound.interface.clone(),
+        temp_bytes: bound.temp_bytes.max(current.local_bytes.next_multiple_of(2)),
+        body,
+    })
+}
+
+/// Each language binds its own blocks.
+fn bind_code(program: &mut Declarations, current: &mut CurrentBlock, block: &ast::CodeBlock) -> Body {
+    match &block.code {
+        ast::Code::Stl(_) => Body::Stl(StlBinder::new(program).bind_block(current, block)),
+        ast::Code::Scl(body) => Body::Scl(SclBinder::new(program).bind_block(current, block, body)),
+        ast::Code::Graphic(body) => Body::Scl(NetworkBinder::new(program).bind_block(current, block, body)),
+        ast::Code::Chart(body) => Body::Scl(ChartBinder::new(program).bind_block(current, block, body)),
+    }
+}
+
+fn no_main_block(program: &mut Declarations) {
+    // A text without any block is not a source, which the parser has reported.
+    let is_code = |line: &str| !line.trim().is_empty() && !line.trim_start().starts_with("//");
+    let unread = program.globals.input.units.iter().any(|(file, unit)| {
+        let source = program.globals.input.sources.files().nth(file.0 as usize);
+        unit.blocks.is_empty() && source.is_some_and(|(_, source)| source.text.lines().any(is_code))
+    });
+    if unread {
+        return;
+    }
+    let first = program.globals.input.units.iter().flat_map(|(_, unit)| &unit.blocks).next();
+    let span = match first {
+        Some(ast::Block::Code(code)) => code.name.span(),
+        Some(ast::Block::Data(data)) => data.name.span(),
+        Some(ast::Block::Type(ty)) => ty.name.span(),
+        None => {
+            Span { file: program.globals.input.units.first().map_or(FileId(0), |(file, _)| *file), start: 0, end: 0 }
+        }
+    };
+    program.report(
+        Diagnostic::new(Code::NoMainBlock, span, "the program has no OB 1")
+            .label("the CPU calls OB 1 in each cycle; this program has none")
+            .help("add an ORGANIZATION_BLOCK OB 1 that calls the other blocks"),
+    );
+}

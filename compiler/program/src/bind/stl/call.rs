@@ -1,0 +1,316 @@
+//! `CALL`: target, instance and the list of parameters.
+
+use std::rc::Rc;
+
+use plcc_abi::image::BlockKind;
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::ast::{self, BlockPrefix, OperandKind};
+use rustc_hash::FxHashMap;
+
+use crate::bind::declarations::block::CurrentBlock;
+use crate::bind::declarations::calls::InstanceId;
+use crate::bind::declarations::path::Base;
+use crate::bind::declarations::typed::BoundInterface;
+use crate::bind::globals::names::code_kind;
+use crate::bind::stl::StlBinder;
+use crate::bind::stl::settle::Settled;
+use plcc_binding::fold;
+use plcc_model::types::DataType;
+use plcc_model::{Actual, Argument, BlockKey, Call, Direction, Instance, Number, Passing, Place};
+
+impl StlBinder<'_, '_> {
+    pub fn bind_call(&mut self, ctx: &mut CurrentBlock, call: &ast::Call, span: Span) -> Option<Call> {
+        let Some((key, multi, bound)) = self.call_target(ctx, call) else {
+            self.note_names(ctx, call);
+            return None;
+        };
+        let instance = self.instance(ctx, call, key, multi);
+        let mut arguments = self.call_arguments(ctx, call, key, &bound)?;
+        arguments.sort_by_key(|argument| argument.parameter);
+        self.check_overlaps(&bound, &arguments);
+        let instance = instance?;
+        if let Some(instance) = &instance
+            && key.kind == BlockKind::Fb
+        {
+            let id = match instance {
+                Instance::Db(number) => InstanceId::Db(*number),
+                Instance::Multi { byte } => InstanceId::Multi(ctx.key, *byte),
+            };
+            let supplied: Vec<usize> = arguments.iter().map(|argument| argument.parameter).collect();
+            self.program.pointers.note(id, key, &bound, &supplied, span);
+        }
+        Some(Call { target: key, instance, arguments })
+    }
+
+    /// The block of a call, the place of a multi-instance, and the interface; `None` after a message.
+    fn call_target(
+        &mut self,
+        ctx: &mut CurrentBlock,
+        call: &ast::Call,
+    ) -> Option<(BlockKey, Option<u32>, Rc<BoundInterface>)> {
+        let span = call.target.span;
+        let (key, multi) = match self.settle(ctx, &call.target)? {
+            Settled::Block { prefix, number: Number::Known(number) } if callable(prefix).is_some() => {
+                (BlockKey { kind: callable(prefix)?, number }, None)
+            }
+            Settled::Complex(variable) => match (&variable.ty, variable.base) {
+                (DataType::Struct(structure), Base::Instance) if structure.instance_of.is_some() => {
+                    let (sfb, number) = structure.instance_of?;
+                    let kind = if sfb { BlockKind::Sfb } else { BlockKind::Fb };
+                    (BlockKey { kind, number }, Some(variable.byte))
+                }
+                _ => return self.not_callable(span),
+            },
+            _ => return self.not_callable(span),
+        };
+        let bound = self.program.interface(key, span)?;
+        let names = call.parameters.iter().map(|parameter| parameter.name.as_str());
+        if self.program.globals.is_own_of_program(key, &bound.interface.parameters, names, span) {
+            return None;
+        }
+        Some((key, multi, bound))
+    }
+
+    /// Names in a call that cannot be checked are still looked up, so that all undefined ones are reported.
+    fn note_names(&mut self, ctx: &mut CurrentBlock, call: &ast::Call) {
+        let actuals = call.parameters.iter().filter_map(|parameter| parameter.actual.as_ref());
+        for operand in call.instance.iter().chain(actuals) {
+            if !matches!(operand.kind, OperandKind::Block(_)) {
+                self.settle(ctx, operand);
+            }
+        }
+    }
+
+    fn not_callable<T>(&mut self, span: Span) -> Option<T> {
+        let text = self.program.globals.text(span);
+        self.program.report(
+            Diagnostic::new(Code::OperandKind, span, format!("`CALL` calls a block, but `{text}` is not a block"))
+                .label("an FC, FB, SFC, SFB or a multi-instance is expected here")
+                .help("to call a block whose number is only known at run time, use `UC FC [MW 10]`"),
+        );
+        None
+    }
+
+    /// The instance of a call; the outer `None` after a message.
+    fn instance(
+        &mut self,
+        ctx: &mut CurrentBlock,
+        call: &ast::Call,
+        key: BlockKey,
+        multi: Option<u32>,
+    ) -> Option<Option<Instance>> {
+        let needs = matches!(key.kind, BlockKind::Fb | BlockKind::Sfb);
+        let Some(operand) = &call.instance else {
+            if let Some(byte) = multi {
+                return Some(Some(Instance::Multi { byte }));
+            }
+            if needs {
+                self.program.report(
+                    Diagnostic::new(
+                        Code::MissingOperand,
+                        call.target.span,
+                        format!("the call of {key} names no instance data block"),
+                    )
+                    .label("a function block keeps its data in a DB")
+                    .help(format!("write `CALL {key} , DB 10`")),
+                );
+                return None;
+            }
+            return Some(None);
+        };
+        if multi.is_some() || !needs {
+            self.program.report(
+                Diagnostic::new(Code::SurplusOperand, operand.span, "this call cannot have an instance data block")
+                    .label(if needs {
+                        "a multi-instance is in the data of its block"
+                    } else {
+                        "a function has no instance"
+                    })
+                    .help("remove the data block"),
+            );
+            return None;
+        }
+        let number = match self.settle(ctx, operand)? {
+            Settled::Block { prefix: BlockPrefix::Db, number: Number::Known(number) } if number != 0 => number,
+            _ => {
+                let text = self.program.globals.text(operand.span);
+                self.program.report(
+                    Diagnostic::new(Code::OperandKind, operand.span, format!("`{text}` is not a data block"))
+                        .label("the instance data block is expected here"),
+                );
+                return None;
+            }
+        };
+        self.program.check_instance_db(key, number, operand.span)?;
+        Some(Some(Instance::Db(number)))
+    }
+
+    fn call_arguments(
+        &mut self,
+        ctx: &mut CurrentBlock,
+        call: &ast::Call,
+        key: BlockKey,
+        bound: &Rc<BoundInterface>,
+    ) -> Option<Vec<Argument>> {
+        let parameters = &bound.interface.parameters;
+        let mut seen: FxHashMap<usize, Span> = FxHashMap::default();
+        let mut empty: Vec<usize> = Vec::new();
+        let mut arguments = Vec::with_capacity(call.parameters.len());
+        let mut good = true;
+        // Parameters given under a misspelt name: that they are missing is already reported.
+        let mut misspelt: Vec<String> = Vec::new();
+        for (at, given) in call.parameters.iter().enumerate() {
+            let folded = fold(&given.name);
+            let index = match given.name.is_empty() {
+                // Pointers in the order of the interface.
+                true if at < parameters.len() => Some(at),
+                true => {
+                    good = false;
+                    self.surplus_pointer(key, parameters.len(), given.name_span);
+                    continue;
+                }
+                false => parameters.iter().position(|parameter| fold(&parameter.name) == folded),
+            };
+            let Some(index) = index else {
+                // `time_type := Time` names the type of an instruction of the TIA Portal; all instructions here have one.
+                if crate::bind::stl::move_call::names_a_type(given) {
+                    continue;
+                }
+                good = false;
+                misspelt.extend(self.program.unknown_parameter(key, bound, (&given.name, given.name_span)));
+                continue;
+            };
+            if let Some(first) = seen.insert(index, given.name_span) {
+                good = false;
+                self.program.report(
+                    Diagnostic::new(
+                        Code::DuplicateParameter,
+                        given.name_span,
+                        format!("the parameter `{}` is given twice", parameters[index].name),
+                    )
+                    .label("the second time")
+                    .also(first, "the first time"),
+                );
+                continue;
+            }
+            let Some(actual) = &given.actual else {
+                empty.push(index);
+                continue;
+            };
+            let bound = match given.name.is_empty() {
+                true => self.bind_positional(ctx, key, &parameters[index], actual),
+                false => self.bind_actual(ctx, key, &parameters[index], actual),
+            };
+            match bound {
+                Some(bound) => arguments.push(Argument { parameter: index, actual: bound, span: actual.span }),
+                None => good = false,
+            }
+        }
+        if matches!(key.kind, BlockKind::Fc | BlockKind::Sfc) {
+            let missing: Vec<&str> = parameters
+                .iter()
+                .enumerate()
+                .filter(|(index, _)| !seen.contains_key(index) || empty.contains(index))
+                .map(|(_, parameter)| parameter.name.as_str())
+                .filter(|name| !misspelt.iter().any(|other| other == name))
+                .collect();
+            if !missing.is_empty() {
+                good = false;
+                let message = Diagnostic::new(
+                    Code::MissingParameter,
+                    call.target.span,
+                    format!("the call of {key} omits {}", missing.join(", ")),
+                )
+                .label("a function needs all its parameters");
+                let help = format!("add `{} := ...`", missing[0]);
+                self.program.report(message.help(self.program.globals.with_library_note(key, help)));
+            }
+        }
+        good.then_some(arguments)
+    }
+
+    fn surplus_pointer(&mut self, key: BlockKey, count: usize, span: Span) {
+        self.program.report(
+            Diagnostic::new(
+                Code::UnknownParameter,
+                span,
+                format!("{key} has {count} parameters, but the call passes more"),
+            )
+            .label("this pointer does not belong to any of them"),
+        );
+    }
+
+    /// Outputs that overlap other actuals of the call have values that depend on the order of copying.
+    fn check_overlaps(&mut self, bound: &BoundInterface, arguments: &[Argument]) {
+        let ranges: Vec<(&Argument, Direction, Area, u32, u32)> = arguments
+            .iter()
+            .filter_map(|argument| {
+                let parameter = &bound.interface.parameters[argument.parameter];
+                let Passing::Elementary(width) = parameter.passing else { return None };
+                let (area, bits) = match argument.actual.pointer() {
+                    Actual::Place(place) => area_bits(place)?,
+                    Actual::Const(_)
+                    | Actual::Number(_)
+                    | Actual::PointerBytes(_)
+                    | Actual::PointerTo { .. }
+                    | Actual::PointerCopy(_)
+                    | Actual::Variant(..) => return None,
+                };
+                Some((argument, parameter.direction, area, bits, bits + width.bits()))
+            })
+            .collect();
+        for (at, (first, first_direction, area, start, end)) in ranges.iter().enumerate() {
+            for (second, second_direction, other_area, other_start, other_end) in &ranges[at + 1..] {
+                let same = (start, end) == (other_start, other_end);
+                let outputs =
+                    (*first_direction != Direction::Input) as u8 + (*second_direction != Direction::Input) as u8;
+                let clash = area == other_area && start < other_end && other_start < end;
+                if clash && outputs > 0 && !(same && outputs == 1) {
+                    let name = &bound.interface.parameters[first.parameter].name;
+                    self.program.report(
+                        Diagnostic::new(Code::OverlappingActuals, second.span, "two actual parameters overlap")
+                            .label("these bytes are also part of another actual")
+                            .also(first.span, format!("the actual of `{name}`"))
+                            .help("give each output its own address"),
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// Memory that addresses name directly, to compare places.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Area {
+    I,
+    Q,
+    M,
+    L,
+    Db(u16),
+    Instance,
+}
+
+/// Area and first bit of a place with a known address.
+fn area_bits(place: &Place) -> Option<(Area, u32)> {
+    let (area, byte, bit) = match place {
+        Place::I { byte, bit } => (Area::I, byte, bit),
+        Place::Q { byte, bit } => (Area::Q, byte, bit),
+        Place::M { byte, bit } => (Area::M, byte, bit),
+        Place::L { byte, bit } => (Area::L, byte, bit),
+        Place::Db { number, byte, bit } => (Area::Db(*number), byte, bit),
+        Place::Instance { byte, bit } => (Area::Instance, byte, bit),
+        Place::Pi { .. }
+        | Place::Pq { .. }
+        | Place::OpenDb { .. }
+        | Place::OpenDi { .. }
+        | Place::Parameter { .. }
+        | Place::ThroughPointer { .. }
+        | Place::Indirect { .. }
+        | Place::Register { .. } => return None,
+    };
+    Some((area, byte * 8 + u32::from(*bit)))
+}
+
+fn callable(prefix: BlockPrefix) -> Option<BlockKind> {
+    code_kind(prefix).filter(|kind| *kind != BlockKind::Ob)
+}

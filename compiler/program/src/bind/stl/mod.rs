@@ -1,0 +1,27 @@
+//! Binding of STL.
+//!
+//! - [`statement`]: labels, jump lists and the instructions of a block; [`move_call`]: `CALL MOVE`.
+//! - [`settle`]: what an operand is; [`operand`] checks it against the instruction table.
+//! - [`call`]: `CALL`; [`actual`]: what it passes.
+//! - [`pragma`]: assertions of tests, in SCL too.
+
+mod actual;
+mod call;
+mod move_call;
+mod operand;
+mod pragma;
+pub mod settle;
+mod statement;
+
+use crate::bind::declarations::Declarations;
+
+/// Binds statements of STL, and operands as STL writes them.
+pub struct StlBinder<'b, 'a> {
+    program: &'b mut Declarations<'a>,
+}
+
+impl<'b, 'a> StlBinder<'b, 'a> {
+    pub fn new(program: &'b mut Declarations<'a>) -> StlBinder<'b, 'a> {
+        StlBinder { program }
+    }
+}

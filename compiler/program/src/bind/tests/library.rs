@@ -1,0 +1,33 @@
+//! Blocks of the library: each binds, and says what it does and where that is from.
+
+use plcc_diag::{SourceFile, SourceMap, Span};
+use plcc_stdlib::Form;
+
+use crate::bind::declarations::Declarations;
+use crate::bind::program::{bind_system_blocks, empty};
+
+/// Each block of the library, in any language, binds without a message, and so do the blocks that it uses.
+#[test]
+fn every_block_binds() {
+    for block in plcc_stdlib::blocks().iter().filter(|block| block.form != Form::NotShipped) {
+        let mut sources = SourceMap::default();
+        let file = sources.add(SourceFile::new("", ""));
+        let input = empty(&sources);
+        let mut program = Declarations::new(&input);
+        let key = program.globals.library.key_of(block);
+        assert!(program.interface(key, Span { file, start: 0, end: 0 }).is_some(), "{}", block.name);
+        let mut bound = Vec::new();
+        bind_system_blocks(&mut program, &mut bound);
+        let (messages, _) = program.globals.report.finish();
+        assert!(messages.is_empty(), "{}: {messages:#?}", block.name);
+        assert!(bound.iter().any(|other| other.key() == key), "{}", block.name);
+    }
+}
+
+#[test]
+fn every_block_is_described() {
+    for block in plcc_stdlib::blocks().iter().filter(|block| block.form != Form::NotShipped) {
+        assert!(!block.comment.is_empty(), "{} has no comment above it", block.name);
+        assert!(!block.origin.is_empty(), "the file of {} does not name a source", block.name);
+    }
+}

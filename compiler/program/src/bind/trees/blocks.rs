@@ -1,0 +1,91 @@
+//! What a block states about itself.
+
+use plcc_abi::ob::ObClass;
+use plcc_syntax::ast::{self, BlockName, CodeKind};
+use plcc_syntax::chart::ast as chart;
+use plcc_syntax::scl::ast::{self as scl, Dialect};
+
+/// Attributes that state whether a block has optimised access: in sources, in SD documents.
+const OPTIMIZED_ATTRIBUTES: [&str; 2] = ["S7_Optimized_Access", "S7_Optimized"];
+
+/// The block has optimised access by its attributes.
+pub fn is_optimized(header: &ast::Header) -> bool {
+    header.attributes.iter().any(|(name, value)| {
+        OPTIMIZED_ATTRIBUTES.iter().any(|known| known.eq_ignore_ascii_case(name))
+            && value.trim().trim_matches(['\'', '"']).eq_ignore_ascii_case("TRUE")
+    })
+}
+
+/// Whether a block is a list of statements without a header, which is OB 1 unless its file is named otherwise.
+pub fn is_fragment(block: &ast::CodeBlock) -> bool {
+    let span = block.name.span();
+    matches!(block.name, BlockName::Numbered { .. })
+        && span.start == span.end
+        && matches!(block.code, ast::Code::Stl(_))
+}
+
+/// The form of SCL that a block has; none for other languages.
+pub fn dialect(block: &ast::CodeBlock) -> Option<Dialect> {
+    match &block.code {
+        ast::Code::Scl(body) => Some(body.dialect),
+        // Files that contain networks are those of the TIA Portal, and of later tools.
+        ast::Code::Graphic(_) => Some(Dialect::Tia),
+        ast::Code::Chart(body) => Some(match body.dialect {
+            chart::Dialect::Classic => Dialect::Classic,
+            chart::Dialect::Tia | chart::Dialect::Sfc => Dialect::Tia,
+        }),
+        ast::Code::Stl(_) => None,
+    }
+}
+
+pub fn header_of(block: &ast::Block) -> &ast::Header {
+    match block {
+        ast::Block::Code(code) => &code.header,
+        ast::Block::Data(data) => &data.header,
+        ast::Block::Type(ty) => &ty.header,
+    }
+}
+
+/// Attributes with the language of a block in exports and SD documents.
+const LANGUAGE_ATTRIBUTES: [&str; 3] = ["ProgrammingLanguage", "S7_PreferredLanguage", "S7_Language"];
+
+/// The language is one for safety programs: F_LAD, F_FBD, F_DB.
+pub fn is_safety(header: &ast::Header) -> bool {
+    header.attributes.iter().any(|(name, value)| {
+        let value = value.trim().trim_matches(['\'', '"']);
+        let language = LANGUAGE_ATTRIBUTES.iter().any(|known| known.eq_ignore_ascii_case(name));
+        language && value.starts_with("F_")
+            || name.eq_ignore_ascii_case("S7_Safety") && value.eq_ignore_ascii_case("TRUE")
+    })
+}
+
+/// A code block without content: a declaration before its definition, as generators of sources write it.
+pub fn is_forward(block: &ast::Block) -> bool {
+    let ast::Block::Code(code) = block else { return false };
+    match &code.code {
+        ast::Code::Scl(body) => body.statements.iter().all(|statement| statement.kind == scl::StatementKind::Empty),
+        ast::Code::Stl(networks) => networks
+            .iter()
+            .all(|network| network.statements.iter().all(|statement| statement.kind == ast::StatementKind::Empty)),
+        ast::Code::Graphic(_) | ast::Code::Chart(_) => false,
+    }
+}
+
+/// Attributes that state what starts an OB: in sources, in SimaticML.
+const CLASS_ATTRIBUTES: [&str; 2] = ["S7_EventClass", "SecondaryType"];
+
+/// What the attributes of a block state about its start; also the value, for messages.
+pub fn class_attribute(header: &ast::Header) -> Option<(Option<ObClass>, &str)> {
+    let is_class = |name: &str| CLASS_ATTRIBUTES.iter().any(|known| known.eq_ignore_ascii_case(name));
+    let (_, value) = header.attributes.iter().find(|(name, _)| is_class(name))?;
+    let value = value.trim().trim_matches(['\'', '"']);
+    Some((ObClass::of_name(value), value))
+}
+
+/// What starts an OB, if its attributes state it.
+pub fn block_class(block: &ast::Block) -> Option<ObClass> {
+    match block {
+        ast::Block::Code(code) if code.kind == CodeKind::Ob => class_attribute(&code.header)?.0,
+        ast::Block::Code(_) | ast::Block::Data(_) | ast::Block::Type(_) => None,
+    }
+}

@@ -1,0 +1,16 @@
+//! The pages in `docs/reference/`, printed from the tables of the compiler. That of STL is printed in `plcc_syntax`.
+
+mod diagnostics;
+mod graph;
+mod lad_fbd;
+mod s7200;
+mod s7200_instructions;
+mod scl;
+mod stdlib;
+
+pub use diagnostics::diagnostics;
+pub use graph::reference as graph;
+pub use lad_fbd::reference as lad_fbd;
+pub use s7200::reference as s7200;
+pub use scl::reference as scl;
+pub use stdlib::standard_library;
