@@ -6,10 +6,11 @@
 use plcc_diag::{Code, Diagnostic};
 
 use super::{Classifier, header, is_end_of_block, is_section, unquoted};
+use crate::front::pragma::is_for_file;
 use crate::stl::mnemonics::{instruction, other};
 use crate::stl::raw::{RawKind, RawToken};
 use crate::stl::token::Tok;
-use crate::stl::{OperandClass, StlInsn, messages, pragma, suggest};
+use crate::stl::{OperandClass, StlInsn, messages, suggest};
 
 /// Words that begin statements of SCL, found in sources that are not STL.
 const FOREIGN_WORDS: &[&str] = &[
@@ -34,7 +35,7 @@ const FOREIGN_WORDS: &[&str] = &[
     "END_REGION",
 ];
 
-impl<'a> Classifier<'a> {
+impl<'a> Classifier<'a, '_> {
     /// Statements up to the end of the block, another block, or the end of the file.
     pub(super) fn code(&mut self) {
         loop {
@@ -88,7 +89,7 @@ impl<'a> Classifier<'a> {
         let before = self.peek().map_or(u32::MAX, |token| token.start);
         while let Some(comment) = self.next_pragma(before) {
             let pragma = self.read_pragma(comment);
-            if pragma::is_for_file(&pragma) {
+            if is_for_file(&pragma) {
                 self.pragmas.push(pragma);
                 continue;
             }
@@ -99,9 +100,8 @@ impl<'a> Classifier<'a> {
 
     fn label(&mut self) {
         self.end_of_label();
-        let name = self.slice(self.raw[self.at]);
-        self.push(self.raw[self.at].start as usize, Tok::Label(name), self.raw[self.at + 1].end as usize);
-        self.at += 2;
+        let (name, after) = (self.slice(self.raw[self.at]), self.at + 2);
+        self.take_up_to(Tok::Label(name), after);
     }
 
     /// `TITLE =` after NETWORK or BEGIN; elsewhere it is reported.
@@ -136,7 +136,8 @@ impl<'a> Classifier<'a> {
                 }
                 if self.at > first {
                     let (start, end) = (self.raw[first].start as usize, self.last_end());
-                    self.push(colon.start as usize, Tok::Title(&self.text[start..end]), end);
+                    let title = &self.text[start..end];
+                    self.push(colon.start as usize, Tok::Title(title), end);
                 }
             }
         }
@@ -526,7 +527,7 @@ impl<'a> Classifier<'a> {
     /// A pragma inside a statement cannot be executed.
     fn pragmas_in_call(&mut self, before: u32) {
         while let Some(comment) = self.next_pragma(before) {
-            self.next_comment += 1;
+            self.skip_pragma();
             let span = self.span_of(comment.start as usize, comment.end as usize);
             self.report(
                 Diagnostic::new(Code::Pragma, span, "a pragma cannot stand inside a statement")
@@ -591,7 +592,7 @@ impl<'a> Classifier<'a> {
         // Pragmas in what was skipped are not read.
         let before = self.peek().map_or(u32::MAX, |token| token.start);
         while self.next_pragma(before).is_some() {
-            self.next_comment += 1;
+            self.skip_pragma();
         }
         let end = self.last_end();
         self.push(start, Tok::BadStatement, end);

@@ -1,6 +1,7 @@
 //! The extent of tokens for which a regular expression is not enough: constants with `#`, texts, addresses with a point.
 
-use crate::literal::ANY_TYPES;
+use super::pointer::{self, Tail};
+use crate::scl::address;
 
 /// Bytes between the two parts of a text that continues after a line end.
 const BREAK_MAX: usize = 4096;
@@ -82,7 +83,7 @@ pub fn literal(prefix: &str, rest: &str) -> Option<usize> {
             sign + with_points(&rest[sign..], b".")
         }
         Form::Date => with_points(rest, b"-:."),
-        Form::Pointer => return pointer(rest),
+        Form::Pointer => return pointer::length(rest, Tail::Separate),
     };
     // Letters such as `T#name` of sources without blanks are not constants.
     let short = prefix.len() == 1 && !rest.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '-' | '+'));
@@ -91,7 +92,12 @@ pub fn literal(prefix: &str, rest: &str) -> Option<usize> {
 
 /// Length of the rest of a word: letters, digits, `_`.
 pub fn word(rest: &str) -> usize {
-    rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len())
+    rest.find(|c: char| !is_word(c)).unwrap_or(rest.len())
+}
+
+/// Whether a word may contain the character.
+pub fn is_word(c: char) -> bool {
+    c.is_alphanumeric() || c == '_'
 }
 
 fn sign(rest: &str) -> usize {
@@ -133,45 +139,6 @@ fn with_points(rest: &str, points: &[u8]) -> usize {
         at += word(&rest[at..]);
     }
     at
-}
-
-/// `10.3`, `M 10.0`, `DBX0.0`, `DB11.DBX 20.0 INT 10`.
-fn pointer(rest: &str) -> Option<usize> {
-    if rest.starts_with(['#', '"']) {
-        return None;
-    }
-    let blanks = |at: usize| at + rest[at..].len() - rest[at..].trim_start_matches([' ', '\t']).len();
-    let digits = |at: usize| at + rest[at..].bytes().take_while(u8::is_ascii_digit).count();
-    let letters = |at: usize| at + rest[at..].bytes().take_while(u8::is_ascii_alphabetic).count();
-    let mut at = letters(0);
-    let area = &rest[..at];
-    if area.eq_ignore_ascii_case("DB") || area.eq_ignore_ascii_case("DI") {
-        let number = blanks(at);
-        let end = digits(number);
-        if end > number && rest[blanks(end)..].starts_with('.') {
-            at = letters(blanks(blanks(end) + 1));
-        }
-    } else if at == 0 && !rest.starts_with(|c: char| c.is_ascii_digit()) {
-        return None;
-    }
-    let number = blanks(at);
-    if digits(number) == number {
-        return Some(at + word(&rest[at..]));
-    }
-    at = digits(number);
-    if rest[at..].starts_with('.') && digits(at + 1) > at + 1 {
-        at = digits(at + 1);
-    }
-    // Data type and number of elements of an ANY.
-    let name = blanks(at);
-    let name_end = name + word(&rest[name..]);
-    let count = blanks(name_end);
-    let count_end = digits(count);
-    let known = |name: &str| ANY_TYPES.iter().any(|(known, _)| known.eq_ignore_ascii_case(name));
-    if name > at && count > name_end && count_end > count && known(&rest[name..name_end]) {
-        at = count_end;
-    }
-    Some(at)
 }
 
 /// Bytes of a text after its opening quote, and whether it is closed. With `$>` and `$<` it continues after a line end.
@@ -226,7 +193,7 @@ pub fn absolute(letters: &str, numbered: bool, rest: &str) -> usize {
     {
         let name = member.bytes().take_while(u8::is_ascii_alphabetic).count();
         let number = member[name..].bytes().take_while(u8::is_ascii_digit).count();
-        let known = super::address::db_area_word(&member[..name]).is_some();
+        let known = address::db_area_word(&member[..name]).is_some();
         if known && number > 0 && word(member) == name + number {
             at = 1 + name + number;
             at += point(&rest[at..]);

@@ -2,8 +2,6 @@
 
 use std::ops::Range;
 
-use crate::stl::pragma;
-
 /// How a comment is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CommentForm {
@@ -28,6 +26,10 @@ pub struct Comment {
 }
 
 impl Comment {
+    pub fn range(&self) -> Range<usize> {
+        self.start as usize..self.end as usize
+    }
+
     /// Its text without `//`; none for a pragma.
     fn text(&self, source: &str) -> Option<String> {
         let text = &source[self.start as usize + 2..self.end as usize];
@@ -55,21 +57,4 @@ pub fn after(source: &str, comments: &[Comment], end: usize) -> Option<String> {
         return None;
     }
     comment.text(source)
-}
-
-/// The first comment line `//@` from number `next` on that begins before byte `before`; `next` is then its number.
-pub fn next_pragma(source: &str, comments: &[Comment], next: &mut usize, before: u32) -> Option<Comment> {
-    while let Some(comment) = comments.get(*next).copied() {
-        if comment.start >= before {
-            return None;
-        }
-        if comment.own_line
-            && comment.form == CommentForm::Line
-            && pragma::is_pragma(&source[comment.start as usize..comment.end as usize])
-        {
-            return Some(comment);
-        }
-        *next += 1;
-    }
-    None
 }

@@ -1,11 +1,8 @@
-//! Common parts of the grammars of all languages: frames of blocks, and the position of a parse error.
+//! Frames of blocks, which STL and SCL share: headers, and what the keyword of a block says about its kind.
 
-use lalrpop_util::ParseError;
 use plcc_diag::{Code, Diagnostic, Span};
 
-use std::ops::Range;
-
-use crate::ast::{BlockName, BlockPrefix, CodeKind, Header};
+use crate::ast::{Block, BlockName, BlockPrefix, Code as BlockCode, CodeBlock, CodeKind, Header};
 use crate::stl::token::{CodeKeyword, HeaderField, HeaderFlag};
 
 /// A part of a header.
@@ -63,21 +60,30 @@ pub fn wrong_letters(span: Span, keyword: &str, letters: &str, number: u32, text
         .help(format!("write `{keyword} {letters} {number}`, or the keyword that belongs to the block"))
 }
 
-/// Bytes of the token at which a parse error was found.
-pub fn error_range<T>(error: &ParseError<usize, T, ()>) -> Option<(usize, usize)> {
-    match error {
-        ParseError::UnrecognizedToken { token, .. } | ParseError::ExtraToken { token } => Some((token.0, token.2)),
-        ParseError::UnrecognizedEof { location, .. } | ParseError::InvalidToken { location } => {
-            Some((*location, *location))
-        }
-        ParseError::User { .. } => None,
-    }
+/// Statements without a header: OB 1.
+pub fn implied_ob(code: BlockCode, span: Span) -> Block {
+    Block::Code(CodeBlock {
+        kind: CodeKind::Ob,
+        name: BlockName::Numbered { prefix: BlockPrefix::Ob, number: 1, span: Span { end: span.start, ..span } },
+        return_type: None,
+        header: Header::default(),
+        sections: Vec::new(),
+        constants: Vec::new(),
+        code,
+        span,
+    })
 }
 
-/// Whether there is already a message within `range`: one of the classifier, whose starts are in `reported` in order, or the last one of the grammar.
-pub fn is_reported(reported: &[u32], diagnostics: &[Diagnostic], range: Range<usize>) -> bool {
-    let first = reported.partition_point(|&reported| (reported as usize) < range.start);
-    let inside = |start: u32| (range.start..=range.end).contains(&(start as usize));
-    reported.get(first).is_some_and(|&start| inside(start))
-        || diagnostics.last().is_some_and(|last| inside(last.primary.span.start))
+/// The message for `word`, which ends a block that no keyword began.
+pub fn never_began(span: Span, word: &str) -> Diagnostic {
+    Diagnostic::new(Code::BlockFrame, span, format!("`{word}` ends a block that never began"))
+        .label("no block is open here")
+        .help("remove it, or write the header of its block before the statements")
+}
+
+/// The message for `text` where the header of a data block or data type, `what`, goes on.
+pub fn not_in_header(span: Span, what: &str, text: &str, help: &str) -> Diagnostic {
+    Diagnostic::new(Code::BlockFrame, span, format!("a {what} cannot contain `{text}`"))
+        .label("neither a part of the header nor a declaration")
+        .help(help)
 }
