@@ -1,4 +1,4 @@
-//! Drawings and what they fold to.
+//! Drawings and what transitions they connect.
 
 use plcc_diag::{Code, FileId, Span};
 
@@ -28,23 +28,23 @@ fn drawing(steps: usize, transitions: usize, branches: &[(BranchKind, u32)], lin
 /// FROM, TO and path of each transition; the codes of the messages.
 type Outcome = (Vec<(Vec<usize>, Vec<usize>, Vec<u32>)>, Vec<Code>);
 
-fn folded(drawing: &Drawing) -> Outcome {
+fn connection(drawing: &Drawing) -> Outcome {
     let mut messages = Vec::new();
-    let found = fold(drawing, &mut messages).into_iter().map(|own| (own.from, own.to, own.path)).collect();
+    let found = connect(drawing, &mut messages).into_iter().map(|own| (own.from, own.to, own.path)).collect();
     (found, messages.into_iter().map(|message| message.code).collect())
 }
 
 #[test]
 fn a_line_of_steps_ends() {
     let chart = drawing(2, 2, &[], &[(S(0), T(0)), (T(0), S(1)), (S(1), T(1)), (T(1), End)]);
-    assert_eq!(folded(&chart), (vec![(vec![0], vec![1], vec![]), (vec![1], vec![], vec![])], vec![]));
+    assert_eq!(connection(&chart), (vec![(vec![0], vec![1], vec![]), (vec![1], vec![], vec![])], vec![]));
 }
 
 #[test]
 fn a_jump_is_marked() {
     let mut chart = drawing(1, 1, &[], &[(S(0), T(0)), (T(0), S(0))]);
     chart.lines[1].jump = true;
-    assert!(fold(&chart, &mut Vec::new())[0].jump);
+    assert!(connect(&chart, &mut Vec::new())[0].jump);
 }
 
 #[test]
@@ -62,7 +62,7 @@ fn alternative_paths_stand_in_one_another() {
         (T(2), S(0)),
     ];
     let expected = vec![(vec![0], vec![1], vec![0]), (vec![0], vec![1], vec![1, 0]), (vec![0], vec![0], vec![1, 1])];
-    assert_eq!(folded(&drawing(2, 3, &branches, &lines)), (expected, vec![]));
+    assert_eq!(connection(&drawing(2, 3, &branches, &lines)), (expected, vec![]));
 }
 
 #[test]
@@ -80,7 +80,7 @@ fn paths_open_and_join_together() {
         (T(1), S(0)),
     ];
     let expected = vec![(vec![0], vec![1, 2], vec![]), (vec![1, 2], vec![0], vec![])];
-    assert_eq!(folded(&drawing(3, 2, &branches, &lines)), (expected, vec![]));
+    assert_eq!(connection(&drawing(3, 2, &branches, &lines)), (expected, vec![]));
 }
 
 #[test]
@@ -115,12 +115,12 @@ fn alternatives_may_lead_to_a_simultaneous_branch_and_follow_one() {
         (vec![1, 2], vec![0], vec![0]),
         (vec![1, 2], vec![], vec![1]),
     ];
-    assert_eq!(folded(&drawing(3, 4, &branches, &lines)), (expected, vec![]));
+    assert_eq!(connection(&drawing(3, 4, &branches, &lines)), (expected, vec![]));
 }
 
 #[test]
 fn a_transition_without_a_step_before_it_is_told_elsewhere() {
-    assert_eq!(folded(&drawing(1, 1, &[], &[(T(0), S(0))])), (vec![(vec![], vec![0], vec![])], vec![]));
+    assert_eq!(connection(&drawing(1, 1, &[], &[(T(0), S(0))])), (vec![(vec![], vec![0], vec![])], vec![]));
 }
 
 #[test]
@@ -133,17 +133,17 @@ fn branches_stand_between_the_right_neighbours() {
     ];
     for (kind, before, after) in kinds {
         let chart = drawing(1, 1, &[(kind, 1)], &[(before, B(0, 0)), (B(0, 0), after)]);
-        assert_eq!(folded(&chart).1, [Code::BranchNeighbour], "{kind:?}");
+        assert_eq!(connection(&chart).1, [Code::BranchNeighbour], "{kind:?}");
     }
     for line in [(S(0), S(0)), (T(0), T(0)), (S(0), End), (End, S(0))] {
-        assert_eq!(folded(&drawing(1, 1, &[], &[line])).1, [Code::BranchNeighbour], "{line:?}");
+        assert_eq!(connection(&drawing(1, 1, &[], &[line])).1, [Code::BranchNeighbour], "{line:?}");
     }
 }
 
 #[test]
 fn a_transition_joins_nothing() {
     let chart = drawing(2, 1, &[], &[(S(0), T(0)), (S(1), T(0)), (T(0), S(0)), (T(0), S(1))]);
-    assert_eq!(folded(&chart).1, [Code::BranchNeighbour, Code::BranchNeighbour]);
+    assert_eq!(connection(&chart).1, [Code::BranchNeighbour, Code::BranchNeighbour]);
 }
 
 #[test]
@@ -151,7 +151,7 @@ fn arms_are_counted() {
     let arms = |cardinality: u32, arms: &[u32]| {
         let mut lines = vec![(S(0), B(0, 0))];
         lines.extend(arms.iter().enumerate().map(|(at, arm)| (B(0, *arm), T(at))));
-        folded(&drawing(1, arms.len(), &[(AlternativeBegin, cardinality)], &lines)).1
+        connection(&drawing(1, arms.len(), &[(AlternativeBegin, cardinality)], &lines)).1
     };
     assert_eq!(arms(2, &[0, 1]), []);
     assert_eq!(arms(3, &[0, 1]), [Code::BranchArms]);
@@ -164,7 +164,7 @@ fn arms_are_counted() {
 #[test]
 fn a_circle_of_branches_is_told_once() {
     let lines = [(B(0, 0), B(1, 0)), (B(1, 0), B(0, 0)), (B(0, 1), T(0)), (B(1, 1), T(1))];
-    let (found, codes) = folded(&drawing(0, 2, &[(AlternativeBegin, 2), (AlternativeBegin, 2)], &lines));
+    let (found, codes) = connection(&drawing(0, 2, &[(AlternativeBegin, 2), (AlternativeBegin, 2)], &lines));
     assert_eq!(codes, [Code::BranchNeighbour]);
     assert!(found.iter().all(|(from, ..)| from.is_empty()));
 }
@@ -174,7 +174,7 @@ fn a_long_chain_of_branches_is_followed() {
     let count = 100_000;
     let mut lines = vec![(S(0), B(0, 0)), (B(count - 1, 0), T(0))];
     lines.extend((1..count).map(|at| (B(at - 1, 0), B(at, 0))));
-    let (found, codes) = folded(&drawing(1, 1, &vec![(AlternativeBegin, 1); count], &lines));
+    let (found, codes) = connection(&drawing(1, 1, &vec![(AlternativeBegin, 1); count], &lines));
     assert!(codes.is_empty());
     assert_eq!(found[0].0, [0]);
 }

@@ -62,7 +62,7 @@ pub enum Node {
 
 /// What a transition leaves and enters, as indices into the list of steps.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Folded {
+pub struct Connection {
     pub from: Vec<usize>,
     pub to: Vec<usize>,
     pub jump: bool,
@@ -73,21 +73,21 @@ pub struct Folded {
 /// FROM and TO of each transition. Malformed branches and lines are reported, and such lines are not followed.
 ///
 /// A transition that leaves no step has an empty FROM and no message here.
-pub fn fold(drawing: &Drawing, diagnostics: &mut Vec<Diagnostic>) -> Vec<Folded> {
+pub fn connect(drawing: &Drawing, diagnostics: &mut Vec<Diagnostic>) -> Vec<Connection> {
     legality::check(drawing, diagnostics);
     let lines = Lines::of(drawing);
     (0..drawing.transitions.len())
         .map(|transition| {
-            let mut folded = Folded::default();
-            backwards(drawing, &lines, transition, &mut folded);
-            forwards(drawing, &lines, transition, &mut folded);
-            folded
+            let mut connection = Connection::default();
+            backwards(drawing, &lines, transition, &mut connection);
+            forwards(drawing, &lines, transition, &mut connection);
+            connection
         })
         .collect()
 }
 
 /// The steps that a transition leaves, the leftmost first, and its path.
-fn backwards(drawing: &Drawing, lines: &Lines, transition: usize, folded: &mut Folded) {
+fn backwards(drawing: &Drawing, lines: &Lines, transition: usize, connection: &mut Connection) {
     let mut seen = HashSet::new();
     let mut pending: Vec<usize> = lines.before_transition(transition).iter().rev().copied().collect();
     while let Some(line) = pending.pop() {
@@ -98,12 +98,12 @@ fn backwards(drawing: &Drawing, lines: &Lines, transition: usize, folded: &mut F
         match line.from {
             Node::Step(step) => {
                 if seen.insert(Node::Step(step)) {
-                    folded.from.push(step);
+                    connection.from.push(step);
                 }
             }
             Node::Branch(branch, arm) => {
                 if drawing.branches[branch].kind == BranchKind::AlternativeBegin {
-                    folded.path.push(arm);
+                    connection.path.push(arm);
                 }
                 if seen.insert(Node::Branch(branch, 0)) {
                     pending.extend(lines.before_branch(branch).iter().rev());
@@ -113,11 +113,11 @@ fn backwards(drawing: &Drawing, lines: &Lines, transition: usize, folded: &mut F
         }
     }
     // The branch next to the step comes first.
-    folded.path.reverse();
+    connection.path.reverse();
 }
 
 /// The steps that a transition enters, the leftmost first.
-fn forwards(drawing: &Drawing, lines: &Lines, transition: usize, folded: &mut Folded) {
+fn forwards(drawing: &Drawing, lines: &Lines, transition: usize, connection: &mut Connection) {
     let mut seen = HashSet::new();
     let mut pending: Vec<usize> = lines.after_transition(transition).iter().rev().copied().collect();
     while let Some(line) = pending.pop() {
@@ -125,11 +125,11 @@ fn forwards(drawing: &Drawing, lines: &Lines, transition: usize, folded: &mut Fo
         if !legality::is_legal(drawing, line) {
             continue;
         }
-        folded.jump |= line.jump;
+        connection.jump |= line.jump;
         match line.to {
             Node::Step(step) => {
                 if seen.insert(Node::Step(step)) {
-                    folded.to.push(step);
+                    connection.to.push(step);
                 }
             }
             Node::Branch(branch, _) => {
