@@ -14,9 +14,9 @@ const LIMIT: Duration = Duration::from_secs(5);
 
 const NOTATION: Notation = Notation {
     sources: &[
-        include_str!("../../../../tests/parse/gr7/forms.gr7"),
-        include_str!("../../../../tests/parse/gr7/door.gr7"),
-        include_str!("../../../../tests/parse/gr7/mixed.gr7"),
+        include_str!("../../../../tests/parse/graph/forms.gr7"),
+        include_str!("../../../../tests/parse/graph/door.gr7"),
+        include_str!("../../../../tests/parse/graph/mixed.gr7"),
     ],
     pieces: PIECES,
     frames: &[("FUNCTION_BLOCK FB1\nINITIAL_STEP S1:\n", "\nEND_STEP\nEND_FUNCTION_BLOCK")],

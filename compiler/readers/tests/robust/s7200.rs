@@ -13,7 +13,7 @@ use crate::reading::{of, read, soon};
 const S7200: Option<Language> = Some(Language::S7200);
 
 const NOTATION: Notation =
-    Notation { sources: &[include_str!("../../../../tests/parse/awl/forms.awl")], pieces: PIECES, frames: &[] };
+    Notation { sources: &[include_str!("../../../../tests/parse/s7200/forms.awl")], pieces: PIECES, frames: &[] };
 
 /// Pieces that changes put into sources.
 #[rustfmt::skip]

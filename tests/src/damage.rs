@@ -2,12 +2,18 @@
 
 use crate::random::Random;
 
-/// Words in wrong positions.
+/// Numbers at and beyond the ends of ranges.
 #[rustfmt::skip]
-const WORDS: &[&str] = &[
+const ENDS: &[&str] = &[
     "0", "-1", "1", "32767", "32768", "65535", "65536", "2147483647", "2147483648", "4294967295", "4294967296",
     "9223372036854775807", "99999999999999999999", "1.0E38", "1e999", "16#FFFFFFFFFFFFFFFF", "2#2", "T#24D20H31M23S648MS",
-    "DT#1990-1-1-0:0:0", "'", "''", "'\u{e4}'", "\"", "\"\"", "(", ")", "[", "]", "{", "}", "(*", "*)", "//", ";", ",", ".", "..", ":=",
+    "DT#1990-1-1-0:0:0",
+];
+
+/// Words of all languages, for wrong positions.
+#[rustfmt::skip]
+pub const WORDS: &[&str] = &[
+    "'", "''", "'\u{e4}'", "\"", "\"\"", "(", ")", "[", "]", "{", "}", "(*", "*)", "//", ";", ",", ".", "..", ":=",
     "=>", "#", "%", "%MW65535", "%M0.9", "DB0", "DB65535.DBW65535", "P#", "P#DB1.DBX 0.0 BYTE 65535", "[AR1,P#8191.7]",
     "Array[*] of Int", "Array[0..65535] of LReal", "Array[-2147483648..2147483647] of Bool", "String[254]", "String[0]",
     "WString[16382]", "Variant", "Any", "Pointer", "Void", "Struct", "END_STRUCT", "LReal", "LWord", "LTime", "DTL", "Bool", "VAR_IN_OUT", "VAR_TEMP",
@@ -15,8 +21,8 @@ const WORDS: &[&str] = &[
     "\u{feff}", "\0", "\u{4e2d}", "<", ">", "&lt;", "/>", "</", "&#0;", "true",
 ];
 
-/// The text with some damage, or unchanged. `other` is one of the same kind.
-pub fn damaged(random: &mut Random, text: &str, other: &str) -> String {
+/// The text with some damage, or unchanged. `other` is one of the same kind, and `words` are put into wrong positions.
+pub fn damaged(random: &mut Random, text: &str, other: &str, words: &'static [&'static str]) -> String {
     let mut text = text.to_string();
     // The text unchanged, too.
     let rounds = if random.percent(2) { 0 } else { 1 + random.below(3) };
@@ -36,16 +42,16 @@ pub fn damaged(random: &mut Random, text: &str, other: &str) -> String {
             2 | 3 => {
                 let mut lines: Vec<&str> = text.lines().collect();
                 let others: Vec<&str> = other.lines().collect();
-                change(random, &mut lines, &others);
+                change(random, &mut lines, &others, words);
                 lines.join("\n")
             }
             _ => {
-                let mut words = tokens(&text);
+                let mut parts = tokens(&text);
                 let others = tokens(other);
                 for _ in 0..1 + random.below(4) {
-                    change(random, &mut words, &others);
+                    change(random, &mut parts, &others, words);
                 }
-                words.concat()
+                parts.concat()
             }
         };
     }
@@ -79,7 +85,7 @@ fn tokens(text: &str) -> Vec<&str> {
 }
 
 /// One change of a list of words or lines.
-fn change<'t>(random: &mut Random, list: &mut Vec<&'t str>, other: &[&'t str]) {
+fn change<'t>(random: &mut Random, list: &mut Vec<&'t str>, other: &[&'t str], words: &'static [&'static str]) {
     if list.is_empty() || other.is_empty() {
         return;
     }
@@ -97,8 +103,8 @@ fn change<'t>(random: &mut Random, list: &mut Vec<&'t str>, other: &[&'t str]) {
             let to = random.below(list.len());
             list.swap(at, to);
         }
-        4 => list[at] = random.of(WORDS),
-        5 => list.insert(at, random.of(WORDS)),
+        4 => list[at] = word(random, words),
+        5 => list.insert(at, word(random, words)),
         6 => list[at] = random.of(other),
         7 => {
             let from = random.below(other.len());
@@ -108,8 +114,12 @@ fn change<'t>(random: &mut Random, list: &mut Vec<&'t str>, other: &[&'t str]) {
         _ => {
             // Numbers go to their ends.
             if let Some(number) = list[at..].iter_mut().find(|word| word.starts_with(|c: char| c.is_ascii_digit())) {
-                *number = random.of(&WORDS[..16]);
+                *number = random.of(ENDS);
             }
         }
     }
+}
+
+fn word(random: &mut Random, words: &'static [&'static str]) -> &'static str {
+    if random.percent(20) { random.of(ENDS) } else { random.of(words) }
 }
