@@ -7,13 +7,15 @@
 //!
 //! ```text
 //! file ──► block ──► header ──► section (VAR … END_VAR, STRUCT … END_STRUCT)   declaration.rs
-//!            │          └────► code (statements, calls)                         code.rs, operand.rs
+//!            │          └────► code (statements, calls)                         code.rs, call.rs, operand.rs, foreign.rs
 //!            │          └────► values of a data block                           declaration.rs
 //!            └── statements without a header: OB 1
 //! ```
 
+mod call;
 mod code;
 mod declaration;
+mod foreign;
 mod header;
 mod operand;
 
