@@ -88,7 +88,9 @@ fn every_system_function_is_in_a_test() {
     let called = |number: u16, name: &str| {
         FOUND.calls.contains(&name.to_uppercase()) || FOUND.calls.contains(&format!("SFC{number}"))
     };
-    let missing = plcc_runtime::system::table().filter(|(number, name, _)| !called(*number, name));
+    // Those from 1000 on are parts of library blocks, which have tests under their own names.
+    let documented = plcc_runtime::system::table().filter(|(number, ..)| *number < 1000);
+    let missing = documented.filter(|(number, name, _)| !called(*number, name));
     none(missing.map(|(number, name, _)| format!("SFC {number} {name}")), "test that calls");
 }
 
