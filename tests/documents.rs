@@ -1,7 +1,6 @@
-//! Documents that must agree with the code: generated references, pages of diagnostics, decisions, links; one test file an instruction,
-//! and a pair of them a diagnostic code.
+//! Documents that must agree with the code: generated references, pages of diagnostics, decisions, links, and a pair of test files for each diagnostic
+//! code.
 
-use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -11,9 +10,6 @@ use plcc_driver::inputs::{self, TestInput};
 use plcc_driver::pipeline::{self, Settings};
 use plcc_driver::testing::{self, Form, Variant};
 use plcc_syntax::ast::{Block, SectionKind, TypeKind, TypeRef};
-use plcc_syntax::network::elements::ELEMENTS;
-use plcc_syntax::s7200::{Compare, Insn};
-use plcc_syntax::stl::{Mnemonics, StlInsn};
 use plcc_syntax::{Elementary, ParseOptions};
 use plcc_tests::{expect_file, files, plan, reference, root, shown, tests_folder};
 
@@ -50,97 +46,6 @@ fn the_reference_of_the_standard_library_is_current() {
 #[test]
 fn the_reference_of_diagnostics_is_current() {
     expect_file(&root().join("docs/reference/diagnostics.md"), &reference::diagnostics()).unwrap();
-}
-
-#[test]
-fn every_instruction_has_its_test_file() {
-    let folder = tests_folder().join("run/stl/insn");
-    let missing: Vec<String> = StlInsn::ALL
-        .iter()
-        .map(|insn| format!("{}.stl", snake_case(insn.row())))
-        .filter(|name| !folder.join(name).is_file())
-        .collect();
-    assert!(missing.is_empty(), "not in {}: {}", shown(&folder), missing.join(", "));
-}
-
-#[test]
-fn every_instruction_of_the_s7_200_is_in_a_test() {
-    let folder = tests_folder().join("run/s7200");
-    let written = first_words(&files(&folder, "awl"));
-    let missing: Vec<String> = Insn::ROWS
-        .iter()
-        .copied()
-        .chain(Compare::all().map(Insn::Compare))
-        .filter(|insn| {
-            let names = [Mnemonics::En, Mnemonics::De].map(|set| insn.mnemonic(set));
-            !names.iter().any(|name| written.contains(name.as_ref()))
-        })
-        .map(|insn| insn.mnemonic(Mnemonics::En).into_owned())
-        .collect();
-    assert!(missing.is_empty(), "no file in {} has {}", shown(&folder), missing.join(", "));
-}
-
-/// Elements that no file can contain by their name: readers make them from other text.
-const WITHOUT_A_NAME: [&str; 1] = ["function of IEC 61131-3"];
-
-#[test]
-fn every_element_and_every_function_is_in_a_test() {
-    let folders = [tests_folder().join("run"), tests_folder().join("twins"), root().join("samples")];
-    let paths: Vec<PathBuf> = folders.iter().flat_map(|folder| all_files(folder)).collect();
-    let networks = words(&paths, &["s7dcl", "xml"]);
-    let missing = ELEMENTS.iter().filter(|row| {
-        let names = row.sd.iter().chain(row.xml).chain(row.open).chain([&row.name]);
-        !names.into_iter().any(|name| networks.contains(&name.to_uppercase()))
-    });
-    let missing: Vec<&str> = missing.map(|row| row.name).filter(|name| !WITHOUT_A_NAME.contains(name)).collect();
-    assert!(missing.is_empty(), "no file in tests/run has the elements {}", missing.join(", "));
-    let statements = words(&paths, &["scl", "s7dcl"]);
-    let missing: Vec<&str> = plcc_program::tables::scl::FUNCTIONS
-        .iter()
-        .map(|row| row.name)
-        .filter(|name| !statements.iter().any(|word| word.starts_with(&name.to_uppercase())))
-        .collect();
-    assert!(missing.is_empty(), "no file in tests/run has the functions {}", missing.join(", "));
-}
-
-/// All files in `folder` and below, those of projects too.
-fn all_files(folder: &Path) -> Vec<PathBuf> {
-    let entries = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
-    entries.flat_map(|path| if path.is_dir() { all_files(&path) } else { vec![path] }).collect()
-}
-
-/// The words of the files with these extensions, in capital letters; comparisons such as `==0` are words too.
-fn words(paths: &[PathBuf], extensions: &[&str]) -> HashSet<String> {
-    let chosen =
-        paths.iter().filter(|path| path.extension().is_some_and(|ending| extensions.iter().any(|one| ending == *one)));
-    let texts = chosen.filter_map(|path| inputs::read_text(path).ok());
-    texts
-        .flat_map(|text| {
-            text.split(|c: char| !c.is_alphanumeric() && c != '_').map(str::to_uppercase).collect::<Vec<_>>()
-        })
-        .collect()
-}
-
-/// The first word of each line, in capital letters: mnemonics among them.
-fn first_words(paths: &[PathBuf]) -> HashSet<String> {
-    let mut words = HashSet::new();
-    for path in paths {
-        let text = inputs::read_text(path).unwrap();
-        words.extend(text.lines().filter_map(|line| line.split_whitespace().next()).map(str::to_uppercase));
-    }
-    words
-}
-
-/// `AddI` to `add_i`.
-fn snake_case(row: &str) -> String {
-    let mut name = String::new();
-    for (index, letter) in row.char_indices() {
-        if index > 0 && letter.is_uppercase() {
-            name.push('_');
-        }
-        name.extend(letter.to_lowercase());
-    }
-    name
 }
 
 /// Codes that no source file alone can show; the examples on their pages are the tests.

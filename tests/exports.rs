@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use plcc_diag::{SourceFile, SourceMap};
 use plcc_driver::inputs::{self, Read};
 use plcc_driver::pipeline::Settings;
+use plcc_tests::random::setting;
 use plcc_tests::robust::{self, Reach};
 use plcc_tests::{folders, projects, tests_folder};
 use proptest::prelude::*;
@@ -129,7 +130,7 @@ fn settings() -> Settings {
 
 /// How many changed programs: `PLCC_RANDOM_EXPORTS`, else as many as some seconds take.
 fn cases() -> u32 {
-    std::env::var("PLCC_RANDOM_EXPORTS").ok().and_then(|number| number.parse().ok()).unwrap_or(100)
+    u32::try_from(setting("PLCC_RANDOM_EXPORTS", 100)).unwrap_or(u32::MAX)
 }
 
 proptest! {

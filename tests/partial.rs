@@ -12,34 +12,8 @@ use plcc_driver::pipeline::{self, Parsed, Settings};
 use plcc_driver::{code, inputs};
 use plcc_runtime::TestOptions;
 use plcc_syntax::ast::{Block, DataContent};
+use plcc_tests::random::{Random, setting};
 use plcc_tests::{files, folders, projects, root, shown, tests_folder};
-
-/// Deterministic chance: splitmix64.
-struct Chance(u64);
-
-impl Chance {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, end: usize) -> usize {
-        (self.next() % end.max(1) as u64) as usize
-    }
-
-    /// True once in `times`.
-    fn one_in(&mut self, times: usize) -> bool {
-        self.below(times) == 0
-    }
-}
-
-/// A number from the environment.
-fn number(name: &str, default: u64) -> u64 {
-    std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(default)
-}
 
 /// Programs of all languages: projects, carriers, and single files with several blocks.
 fn programs() -> Vec<PathBuf> {
@@ -84,33 +58,33 @@ fn whole(path: &Path) -> Option<Parsed> {
 }
 
 /// Removes parts; returns a line for each.
-fn take_away(parsed: &mut Parsed, chance: &mut Chance) -> Vec<String> {
+fn take_away(parsed: &mut Parsed, random: &mut Random) -> Vec<String> {
     let mut gone = Vec::new();
-    if parsed.units.len() > 1 && chance.one_in(3) {
-        let at = chance.below(parsed.units.len());
+    if parsed.units.len() > 1 && random.one_in(3) {
+        let at = random.below(parsed.units.len());
         let (file, _) = parsed.units.remove(at);
         gone.push(format!("file {}", parsed.sources.file(file).name));
     }
-    if !parsed.tables.is_empty() && chance.one_in(4) {
+    if !parsed.tables.is_empty() && random.one_in(4) {
         parsed.tables.clear();
         gone.push("all tables".to_string());
     }
     for table in &mut parsed.tables {
-        let share = 2 + chance.below(6);
+        let share = 2 + random.below(6);
         table.symbols.retain(|symbol| {
-            let kept = !chance.one_in(share);
+            let kept = !random.one_in(share);
             if !kept {
                 gone.push(format!("symbol {}", symbol.name));
             }
             kept
         });
-        table.s7200.retain(|_| !chance.one_in(share));
-        table.constants.retain(|_| !chance.one_in(share));
+        table.s7200.retain(|_| !random.one_in(share));
+        table.constants.retain(|_| !random.one_in(share));
     }
     for (_, unit) in &mut parsed.units {
-        let share = 2 + chance.below(8);
+        let share = 2 + random.below(8);
         unit.blocks.retain(|block| {
-            let kept = !chance.one_in(share);
+            let kept = !random.one_in(share);
             if !kept {
                 gone.push(format!("block {}", name_of(block)));
             }
@@ -121,9 +95,9 @@ fn take_away(parsed: &mut Parsed, chance: &mut Chance) -> Vec<String> {
             if let Block::Data(data) = block
                 && let DataContent::Struct(variables) = &mut data.content
                 && variables.len() > 1
-                && chance.one_in(3)
+                && random.one_in(3)
             {
-                let at = chance.below(variables.len());
+                let at = random.below(variables.len());
                 let name = variables.remove(at).name;
                 data.values.clear();
                 gone.push(format!("component {name}"));
@@ -131,9 +105,9 @@ fn take_away(parsed: &mut Parsed, chance: &mut Chance) -> Vec<String> {
         }
         if let Some(source) = &mut unit.s7200
             && source.blocks.len() > 1
-            && chance.one_in(2)
+            && random.one_in(2)
         {
-            let at = chance.below(source.blocks.len());
+            let at = random.below(source.blocks.len());
             source.blocks.remove(at);
             gone.push(format!("block {at} of the S7-200"));
         }
@@ -152,8 +126,8 @@ fn name_of(block: &Block) -> String {
 /// Builds and runs the rest.
 fn check(path: &Path, seed: u64) -> Result<(), String> {
     let Some(mut parsed) = whole(path) else { return Ok(()) };
-    let mut chance = Chance(seed);
-    let gone = take_away(&mut parsed, &mut chance);
+    let mut random = Random::new(seed);
+    let gone = take_away(&mut parsed, &mut random);
     if parsed.units.is_empty() {
         return Ok(());
     }
@@ -183,11 +157,11 @@ fn check(path: &Path, seed: u64) -> Result<(), String> {
 #[test]
 fn the_rest_of_a_program_builds_and_runs() {
     let programs = programs();
-    let (count, first) = (number("PLCC_RANDOM_PARTIAL", 120), number("PLCC_RANDOM_PARTIAL_FROM", 1));
+    let (count, first) = (setting("PLCC_RANDOM_PARTIAL", 120), setting("PLCC_RANDOM_PARTIAL_FROM", 1));
     let all = std::env::var_os("PLCC_RANDOM_PARTIAL_ALL").is_some();
     let mut failures = Vec::new();
     for seed in first..first + count {
-        let path = &programs[Chance(seed ^ 0x5EED).below(programs.len())];
+        let path = &programs[Random::new(seed ^ 0x5EED).below(programs.len())];
         if let Err(failure) = check(path, seed) {
             assert!(all, "{failure}");
             eprintln!("{failure}\n");

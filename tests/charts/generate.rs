@@ -4,42 +4,14 @@
 
 use std::ops::Range;
 
+use plcc_tests::random::Random;
+
 use crate::chart::{
     Action, Area, Bit, Chart, Coil, Condition, Event, Input, Interface, Order, Permanent, Row, Step, StepBit, Time,
     Transition, TransitionBit,
 };
 use crate::model::Inputs;
 use crate::text::{COUNTERS, TIMERS};
-
-/// xorshift64*
-pub struct Random(u64);
-
-impl Random {
-    pub fn new(seed: u64) -> Random {
-        let mut random = Random(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1);
-        (0..4).for_each(|_| _ = random.next());
-        random
-    }
-
-    fn next(&mut self) -> u64 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        self.0.wrapping_mul(0x2545_F491_4F6C_DD1D)
-    }
-
-    pub fn below(&mut self, limit: usize) -> usize {
-        (self.next() >> 33) as usize % limit.max(1)
-    }
-
-    pub fn percent(&mut self, chance: usize) -> bool {
-        self.below(100) < chance
-    }
-
-    fn of<T: Copy>(&mut self, list: &[T]) -> T {
-        list[self.below(list.len())]
-    }
-}
 
 /// One cycle of OB 1.
 #[derive(Clone, Debug)]
@@ -483,7 +455,7 @@ impl Maker {
         let mut inputs = Inputs::new();
         for _ in 0..count {
             for byte in &mut process {
-                let change = self.random.next() as u8 & self.random.next() as u8;
+                let change = self.random.bits() as u8 & self.random.bits() as u8;
                 *byte ^= change;
             }
             for input in self.chart.interface.inputs() {

@@ -8,26 +8,19 @@ mod reduce;
 mod run;
 mod text;
 
-use run::{Failure, Form};
+use plcc_tests::random::setting;
+use plcc_tests::reduce::Best;
+use run::{FORMS, Failure};
 
-/// How many random charts: `PLCC_RANDOM_CHARTS`, else as many as some seconds take.
-fn cases() -> u64 {
-    std::env::var("PLCC_RANDOM_CHARTS").ok().and_then(|number| number.parse().ok()).unwrap_or(100)
-}
-
-/// The first of them: `PLCC_RANDOM_CHARTS_FROM`.
-fn first() -> u64 {
-    std::env::var("PLCC_RANDOM_CHARTS_FROM").ok().and_then(|number| number.parse().ok()).unwrap_or(1)
-}
-
+/// How many random charts: `PLCC_RANDOM_CHARTS`, else as many as some seconds take. The first: `PLCC_RANDOM_CHARTS_FROM`.
 #[test]
 fn charts_do_what_the_model_does() {
-    let (first, forms) = (first(), [Form::Plain, Form::Machine]);
-    for seed in first..first + cases() {
+    let first = setting("PLCC_RANDOM_CHARTS_FROM", 1);
+    for seed in first..first + setting("PLCC_RANDOM_CHARTS", 100) {
         let result = plcc_driver::on_large_stack(move || {
             let case = generate::case(seed);
-            run::check(&case, &forms).map_err(|failure| {
-                let (case, failure) = reduce::reduce(&case, failure, &forms);
+            run::check(&case, &FORMS).map_err(|failure| {
+                let Best { case, failure } = reduce::reduce(case, failure);
                 (text::graph(&case.chart), text::calls(&case.calls), failure)
             })
         });

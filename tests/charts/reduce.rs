@@ -1,131 +1,111 @@
-//! Makes a case smaller as long as it fails in the same way, so that a failure shows little more than its cause.
+//! What can be left out of a chart, and of its calls.
+
+use plcc_tests::reduce::{self, Best};
 
 use crate::chart::{Action, Chart, Condition};
 use crate::generate::Case;
 use crate::model::Inputs;
-use crate::run::{self, Failure, Form};
+use crate::run::{self, FORMS, Failure};
 
 /// A small case that fails as `case` does, with its failure.
-pub fn reduce(case: &Case, failure: Failure, forms: &[Form]) -> (Case, Failure) {
-    let mut best = Best { case: case.clone(), failure, forms: forms.to_vec() };
-    best.cut();
-    loop {
-        let before = format!("{:?}", best.case).len();
-        best.steps();
-        best.lists();
-        best.conditions();
-        best.calls();
-        if format!("{:?}", best.case).len() >= before {
-            return (best.case, best.failure);
+pub fn reduce(case: Case, failure: Failure) -> Best<Case> {
+    Best::of(case, failure, |best| {
+        steps(best);
+        lists(best);
+        conditions(best);
+        calls(best);
+    })
+}
+
+impl reduce::Case for Case {
+    type Failure = Failure;
+
+    fn check(&self) -> Result<(), Failure> {
+        run::check(self, &FORMS)
+    }
+
+    fn alike(new: &Failure, old: &Failure) -> bool {
+        match (new, old) {
+            (Failure::Refused(_), Failure::Refused(_)) | (Failure::Different { .. }, Failure::Different { .. }) => true,
+            (Failure::Refused(_) | Failure::Different { .. }, _) => false,
+        }
+    }
+
+    fn cut(&mut self, failure: &Failure) {
+        if let Failure::Different { call, .. } = failure {
+            self.calls.truncate(*call);
+        }
+    }
+
+    fn size(&self) -> usize {
+        format!("{self:?}").len()
+    }
+}
+
+fn steps(best: &mut Best<Case>) {
+    best.each(|case| case.chart.steps.len(), |case, step| without_step(&mut case.chart, step));
+    best.each(|case| case.chart.transitions.len(), |case, index| without_transition(&mut case.chart, index));
+}
+
+fn lists(best: &mut Best<Case>) {
+    best.each(|case| case.chart.before.len(), |case, index| _ = case.chart.before.remove(index));
+    best.each(|case| case.chart.after.len(), |case, index| _ = case.chart.after.remove(index));
+    for step in 0..best.case.chart.steps.len() {
+        best.each(|case| case.chart.steps[step].rows.len(), |case, row| _ = case.chart.steps[step].rows.remove(row));
+        for row in 0..best.case.chart.steps[step].rows.len() {
+            if best.case.chart.steps[step].rows[row].interlock {
+                best.attempt(|case| case.chart.steps[step].rows[row].interlock = false);
+            }
+        }
+        if best.case.chart.steps[step].interlock.is_some() {
+            best.attempt(|case| case.chart.steps[step].interlock = None);
+        }
+        if best.case.chart.steps[step].supervision.is_some() {
+            best.attempt(|case| case.chart.steps[step].supervision = None);
         }
     }
 }
 
-struct Best {
-    case: Case,
-    failure: Failure,
-    forms: Vec<Form>,
+fn conditions(best: &mut Best<Case>) {
+    let count = places(&mut best.case.chart).count();
+    for index in 0..count {
+        let found = places(&mut best.case.chart).nth(index).cloned();
+        let Some(condition) = found else { return };
+        let constants = match condition {
+            Condition::Constant(_) => Vec::new(),
+            _ => vec![Condition::Constant(true), Condition::Constant(false)],
+        };
+        for simpler in constants.into_iter().chain(parts(&condition)) {
+            if best.attempt(|case| *places(&mut case.chart).nth(index).expect("it was there") = simpler) {
+                break;
+            }
+        }
+    }
 }
 
-impl Best {
-    /// Takes the change if the case fails still. True: taken.
-    fn attempt(&mut self, change: impl FnOnce(&mut Case)) -> bool {
-        let mut case = self.case.clone();
-        change(&mut case);
-        match (run::check(&case, &self.forms), &self.failure) {
-            (Err(failure @ Failure::Refused(_)), Failure::Refused(_))
-            | (Err(failure @ Failure::Different { .. }), Failure::Different { .. }) => {
-                self.case = case;
-                self.failure = failure;
-                self.cut();
-                true
-            }
-            (Err(_) | Ok(()), _) => false,
+fn calls(best: &mut Best<Case>) {
+    for call in (0..best.case.calls.len()).rev() {
+        if best.case.calls.len() > call + 1 {
+            best.attempt(|case| _ = case.calls.remove(call));
         }
     }
-
-    /// Leaves out the calls after the failure.
-    fn cut(&mut self) {
-        if let Failure::Different { call, .. } = self.failure {
-            self.case.calls.truncate(call);
+    for call in 0..best.case.calls.len() {
+        if best.case.calls.get(call).is_some_and(|call| call.inputs != Inputs::new()) {
+            best.attempt(|case| case.calls[call].inputs = Inputs::new());
         }
-    }
-
-    fn steps(&mut self) {
-        for step in (0..self.case.chart.steps.len()).rev() {
-            self.attempt(|case| without_step(&mut case.chart, step));
+        if best.case.calls.get(call).is_some_and(|call| call.inputs.s_sel != 0) {
+            best.attempt(|case| case.calls[call].inputs.s_sel = 0);
         }
-        for transition in (0..self.case.chart.transitions.len()).rev() {
-            self.attempt(|case| without_transition(&mut case.chart, transition));
-        }
-    }
-
-    fn lists(&mut self) {
-        for index in (0..self.case.chart.before.len()).rev() {
-            self.attempt(|case| _ = case.chart.before.remove(index));
-        }
-        for index in (0..self.case.chart.after.len()).rev() {
-            self.attempt(|case| _ = case.chart.after.remove(index));
-        }
-        for step in 0..self.case.chart.steps.len() {
-            for row in (0..self.case.chart.steps[step].rows.len()).rev() {
-                self.attempt(|case| _ = case.chart.steps[step].rows.remove(row));
-            }
-            for row in 0..self.case.chart.steps[step].rows.len() {
-                if self.case.chart.steps[step].rows[row].interlock {
-                    self.attempt(|case| case.chart.steps[step].rows[row].interlock = false);
-                }
-            }
-            if self.case.chart.steps[step].interlock.is_some() {
-                self.attempt(|case| case.chart.steps[step].interlock = None);
-            }
-            if self.case.chart.steps[step].supervision.is_some() {
-                self.attempt(|case| case.chart.steps[step].supervision = None);
+        for bit in 0..Inputs::new().bits.len() {
+            if best.case.calls.get(call).is_some_and(|call| call.inputs.bits[bit]) {
+                best.attempt(|case| case.calls[call].inputs.bits[bit] = false);
             }
         }
-    }
-
-    fn conditions(&mut self) {
-        let count = places(&mut self.case.chart).count();
-        for index in 0..count {
-            let found = places(&mut self.case.chart).nth(index).cloned();
-            let Some(condition) = found else { return };
-            let constants = match condition {
-                Condition::Constant(_) => Vec::new(),
-                _ => vec![Condition::Constant(true), Condition::Constant(false)],
-            };
-            for simpler in constants.into_iter().chain(parts(&condition)) {
-                if self.attempt(|case| *places(&mut case.chart).nth(index).expect("it was there") = simpler) {
-                    break;
-                }
-            }
+        if best.case.calls.get(call).is_some_and(|call| call.process != [0; 4]) {
+            best.attempt(|case| case.calls[call].process = [0; 4]);
         }
-    }
-
-    fn calls(&mut self) {
-        for call in (0..self.case.calls.len()).rev() {
-            if self.case.calls.len() > call + 1 {
-                self.attempt(|case| _ = case.calls.remove(call));
-            }
-        }
-        for call in 0..self.case.calls.len() {
-            if self.case.calls.get(call).is_some_and(|call| call.inputs != Inputs::new()) {
-                self.attempt(|case| case.calls[call].inputs = Inputs::new());
-            }
-            if self.case.calls.get(call).is_some_and(|call| call.inputs.s_sel != 0) {
-                self.attempt(|case| case.calls[call].inputs.s_sel = 0);
-            }
-            for bit in 0..Inputs::new().bits.len() {
-                if self.case.calls.get(call).is_some_and(|call| call.inputs.bits[bit]) {
-                    self.attempt(|case| case.calls[call].inputs.bits[bit] = false);
-                }
-            }
-            if self.case.calls.get(call).is_some_and(|call| call.process != [0; 4]) {
-                self.attempt(|case| case.calls[call].process = [0; 4]);
-            }
-            if self.case.calls.get(call).is_some_and(|call| call.paused) {
-                self.attempt(|case| case.calls[call].paused = false);
-            }
+        if best.case.calls.get(call).is_some_and(|call| call.paused) {
+            best.attempt(|case| case.calls[call].paused = false);
         }
     }
 }

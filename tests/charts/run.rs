@@ -42,6 +42,9 @@ pub enum Form {
     Machine,
 }
 
+/// All of them.
+pub const FORMS: [Form; 2] = [Form::Plain, Form::Machine];
+
 /// Compiles and runs in all forms.
 pub fn check(case: &Case, forms: &[Form]) -> Result<(), Failure> {
     let mut read = Read { name: "chart".to_string(), ..Read::default() };

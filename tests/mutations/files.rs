@@ -8,11 +8,9 @@ use plcc_driver::inputs::{self, Read};
 use plcc_driver::pipeline::{self, Settings};
 use plcc_driver::plot;
 use plcc_runtime::scenario::Scenario;
+use plcc_tests::random::{Random, setting};
 use plcc_tests::robust::{self, Reach};
-use plcc_tests::{files, projects, root, tests_folder};
-
-use crate::random::Random;
-use crate::{damage, number};
+use plcc_tests::{damage, files, projects, root, tests_folder};
 
 /// Processor time that no file takes.
 const LIMIT: Duration = Duration::from_secs(20);
@@ -106,14 +104,14 @@ fn endures(seed: u64, programs: &[PathBuf], traces: &[PathBuf]) -> Result<(), St
     if random.percent(15) {
         let text = std::fs::read_to_string(&traces[random.below(traces.len())]).unwrap_or_default();
         let other = std::fs::read_to_string(&traces[random.below(traces.len())]).unwrap_or_default();
-        let text = damage::damaged(&mut random, &text, &other);
+        let text = damage::damaged(&mut random, &text, &other, damage::WORDS);
         return robust::within(LIMIT, move || _ = plot::picture(&text, "damaged"));
     }
     let settings = Settings { pragmas: true, partial: random.percent(50), ..Settings::default() };
     if random.percent(40) {
         let (ending, text) = TABLES[random.below(TABLES.len())];
         let other = TABLES[random.below(TABLES.len())].1;
-        let text = damage::damaged(&mut random, text, other);
+        let text = damage::damaged(&mut random, text, other, damage::WORDS);
         let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
         let (table, source) = (folder.path().join(format!("table.{ending}")), folder.path().join("main.stl"));
         std::fs::write(&table, text).map_err(|error| error.to_string())?;
@@ -127,7 +125,7 @@ fn endures(seed: u64, programs: &[PathBuf], traces: &[PathBuf]) -> Result<(), St
     let name = path.strip_prefix(project).map_err(|error| error.to_string())?.to_path_buf();
     let mut bytes = std::fs::read(path).map_err(|error| error.to_string())?;
     let text = match String::from_utf8(bytes.clone()) {
-        Ok(text) => damage::damaged(&mut random, &text, &text),
+        Ok(text) => damage::damaged(&mut random, &text, &text, damage::WORDS),
         Err(_) => {
             damaged_bytes(&mut random, &mut bytes);
             String::new()
@@ -158,7 +156,7 @@ fn damaged_files_beside_sources_do_no_harm() {
     programs.extend(projects(&tests_folder()));
     let mut traces = files(&root().join("samples"), "csv");
     traces.extend(programs.iter().flat_map(|project| files_of(project, "csv")));
-    let (from, count) = (number("PLCC_RANDOM_FILES_FROM", 0), number("PLCC_RANDOM_FILES", 100));
+    let (from, count) = (setting("PLCC_RANDOM_FILES_FROM", 0), setting("PLCC_RANDOM_FILES", 100));
     let mut failures = Vec::new();
     for seed in from..from + count {
         if let Err(error) = endures(seed, &programs, &traces) {

@@ -10,14 +10,11 @@ use std::time::Duration;
 use plcc_diag::SourceFile;
 use plcc_driver::inputs::Read;
 use plcc_driver::pipeline::Settings;
+use plcc_tests::random::{Random, setting};
 use plcc_tests::robust::{self, Reach};
-use plcc_tests::{files, root, tests_folder};
+use plcc_tests::{damage, files, root, tests_folder};
 
-mod damage;
 mod files;
-#[path = "../s7200/random.rs"]
-mod random;
-use random::Random;
 
 /// Processor time that no source takes.
 const LIMIT: Duration = Duration::from_secs(20);
@@ -42,17 +39,13 @@ fn damaged(seed: u64, sources: &[PathBuf]) -> (PathBuf, String) {
     let text = read(path);
     let alike: Vec<&PathBuf> = sources.iter().filter(|other| other.extension() == path.extension()).collect();
     let other = read(alike[random.below(alike.len())]);
-    (path.clone(), damage::damaged(&mut random, &text, &other))
-}
-
-fn number(name: &str, default: u64) -> u64 {
-    std::env::var(name).ok().and_then(|number| number.parse().ok()).unwrap_or(default)
+    (path.clone(), damage::damaged(&mut random, &text, &other, damage::WORDS))
 }
 
 #[test]
 fn damaged_sources_do_no_harm() {
     let sources = sources();
-    let (from, count) = (number("PLCC_RANDOM_SOURCES_FROM", 0), number("PLCC_RANDOM_SOURCES", 300));
+    let (from, count) = (setting("PLCC_RANDOM_SOURCES_FROM", 0), setting("PLCC_RANDOM_SOURCES", 300));
     let mut failures = Vec::new();
     let mut good = 0;
     for seed in from..from + count {

@@ -2,7 +2,7 @@
 
 use crate::operands::{self, Local};
 use crate::program::{Area, Block, Data, Direction, NETWORK, Operand, Parameter, Program, Statement, Width};
-use crate::random::Random;
+use plcc_tests::random::Random;
 
 /// The inputs of a scan.
 #[derive(Clone, Debug)]

@@ -7,17 +7,12 @@ mod memory;
 mod model;
 mod operands;
 mod program;
-mod random;
 mod reduce;
 mod robust;
 mod run;
 
+use plcc_tests::random::setting;
 use run::Failure;
-
-/// A number of the environment.
-fn setting(name: &str, otherwise: u64) -> u64 {
-    std::env::var(name).ok().and_then(|number| number.parse().ok()).unwrap_or(otherwise)
-}
 
 /// How many random programs: `PLCC_RANDOM_S7200`, else as many as some seconds take. The first: `PLCC_RANDOM_S7200_FROM`.
 #[test]
@@ -27,7 +22,10 @@ fn programs_do_what_the_model_does() {
     for seed in first..first + setting("PLCC_RANDOM_S7200", 100) {
         let result = plcc_driver::on_large_stack(move || {
             let case = generate::case(seed);
-            run::check(&case, &run::FORMS).map_err(|failure| reduce::reduce(&case, failure, &run::FORMS))
+            run::check(&case, &run::FORMS).map_err(|failure| {
+                let small = reduce::reduce(case, failure);
+                (small.case, small.failure)
+            })
         });
         if let Err((case, failure)) = result.expect("no panic") {
             let text = match failure {

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::program::{Area, Block, Operand, Width};
-use crate::random::Random;
+use plcc_tests::random::Random;
 
 pub const NUMBERS: Range<u32> = 0..64;
 pub const REALS: Range<u32> = 64..128;
@@ -277,7 +277,7 @@ pub fn edge_word(random: &mut Random) -> i64 {
 
 pub fn edge_dword(random: &mut Random) -> i64 {
     match random.below(4) {
-        0 => i64::from(random.next() as i32),
+        0 => i64::from(random.bits() as i32),
         1 => edge_word(random),
         2 => edge_word(random) & 0xFFFF | edge_word(random) << 16 & 0x7FFF_0000,
         _ => random.of(&[0, 1, -1, 0x7FFF_FFFF, -0x8000_0000, 32768, -32769, 65535, 65536, 46340, 46341, 1_000_000]),
@@ -286,7 +286,7 @@ pub fn edge_dword(random: &mut Random) -> i64 {
 
 pub fn edge_real(random: &mut Random) -> f32 {
     match random.below(3) {
-        0 => (random.next() as i32) as f32 / 65536.0,
+        0 => (random.bits() as i32) as f32 / 65536.0,
         1 => random.of(&[0.0, 1.0, -1.0, 0.5, 1.5, 2.5, -2.5, -0.5, 100.0, 0.1, -0.001]),
         _ => random.of(&[
             f32::MAX,

@@ -6,126 +6,21 @@ use plcc_driver::inputs::Read;
 use plcc_driver::pipeline::{self, Settings};
 
 use crate::generate;
-use crate::random::Random;
+use plcc_tests::damage;
+use plcc_tests::random::Random;
 
+/// Words of the S7-200, for wrong positions.
+#[rustfmt::skip]
 const WORDS: &[&str] = &[
-    "LD",
-    "LDN",
-    "A",
-    "O",
-    "=",
-    "S",
-    "R",
-    "EU",
-    "NOT",
-    "ALD",
-    "LPS",
-    "LDS",
-    "TON",
-    "CTUD",
-    "MOVB",
-    "MOVD",
-    "BMB",
-    "+I",
-    "/R",
-    "SHRB",
-    "FOR",
-    "NEXT",
-    "JMP",
-    "LBL",
-    "LSCR",
-    "SCRT",
-    "SCRE",
-    "CALL",
-    "SBR0",
-    "CRET",
-    "ATCH",
-    "INT0",
-    "DTCH",
-    "ENI",
-    "HDEF",
-    "HSC",
-    "PLS",
-    "PID",
-    "XMT",
-    "NETR",
-    "FILL",
-    "FND=",
-    "ATT",
-    "SCPY",
-    "STI",
-    "AENO",
-    "END",
-    "MEND",
-    "STOP",
-    "RET",
-    "I0.0",
-    "Q99.9",
-    "VB10239",
-    "VW10239",
-    "VD-1",
-    "*VD100",
-    "*AC0",
-    "*AC1",
-    "&VB0",
-    "&*VD0",
-    "AC3",
-    "AC4",
-    "T37",
-    "T256",
-    "C0",
-    "HC6",
-    "AIW1",
-    "AQW0",
-    "SM0.0",
-    "SMB549",
-    "S31.7",
-    "L63.7",
-    "LD60",
-    "#x",
-    "\"s\"",
-    "\"",
-    "'A'",
-    "'",
-    "16#FFFFFFFFF",
-    "2#102",
-    "1.0E99",
-    "-",
-    "+",
-    "99999999999999999999",
-    "*",
-    "&",
-    ",",
-    ";",
-    "//",
-    ".",
-    ":",
-    "NETWORK",
-    "Network 1",
-    "TITLE=",
-    "BEGIN",
-    "VAR",
-    "VAR_INPUT",
-    "END_VAR",
-    "x:BOOL;",
-    "y:STRING;",
-    "ORGANIZATION_BLOCK MAIN:OB1",
-    "END_ORGANIZATION_BLOCK",
-    "SUBROUTINE_BLOCK a:SBR0",
-    "END_SUBROUTINE_BLOCK",
-    "INTERRUPT_BLOCK b:INT0",
-    "END_INTERRUPT_BLOCK",
-    "DATA_BLOCK DB1",
-    "END_DATA_BLOCK",
-    "VB0 1, 2",
-    "VD0 1.5",
-    "V0 'abc'",
-    "SBR 1",
-    "INT 300",
-    "DB1.DBX0.9",
-    "\u{e9}",
-    "\u{4e2d}",
-    "\0",
+    "LD", "LDN", "A", "O", "=", "S", "R", "EU", "NOT", "ALD", "LPS", "LDS", "TON", "CTUD", "MOVB", "MOVD", "BMB", "+I", "/R",
+    "SHRB", "FOR", "NEXT", "JMP", "LBL", "LSCR", "SCRT", "SCRE", "CALL", "SBR0", "CRET", "ATCH", "INT0", "DTCH", "ENI", "HDEF",
+    "HSC", "PLS", "PID", "XMT", "NETR", "FILL", "FND=", "ATT", "SCPY", "STI", "AENO", "END", "MEND", "STOP", "RET", "I0.0",
+    "Q99.9", "VB10239", "VW10239", "VD-1", "*VD100", "*AC0", "*AC1", "&VB0", "&*VD0", "AC3", "AC4", "T37", "T256", "C0", "HC6",
+    "AIW1", "AQW0", "SM0.0", "SMB549", "S31.7", "L63.7", "LD60", "#x", "\"s\"", "\"", "'A'", "'", "16#FFFFFFFFF", "2#102",
+    "1.0E99", "-", "+", "99999999999999999999", "*", "&", ",", ";", "//", ".", ":", "NETWORK", "Network 1", "TITLE=", "BEGIN",
+    "VAR", "VAR_INPUT", "END_VAR", "x:BOOL;", "y:STRING;", "ORGANIZATION_BLOCK MAIN:OB1", "END_ORGANIZATION_BLOCK",
+    "SUBROUTINE_BLOCK a:SBR0", "END_SUBROUTINE_BLOCK", "INTERRUPT_BLOCK b:INT0", "END_INTERRUPT_BLOCK", "DATA_BLOCK DB1",
+    "END_DATA_BLOCK", "VB0 1, 2", "VD0 1.5", "V0 'abc'", "SBR 1", "INT 300", "DB1.DBX0.9", "\u{e9}", "\u{4e2d}", "\0",
 ];
 
 /// A source by chance.
@@ -139,42 +34,8 @@ pub fn source(seed: u64) -> String {
         }
         return text;
     }
-    let mut lines: Vec<String> = generate::case(seed).program.to_string().lines().map(str::to_string).collect();
-    for _ in 0..1 + random.below(6) {
-        let at = random.below(lines.len());
-        match random.below(7) {
-            0 => _ = lines.remove(at),
-            1 => lines.insert(at, lines[random.below(lines.len())].clone()),
-            2 => {
-                let other = random.below(lines.len());
-                lines.swap(at, other);
-            }
-            3 => lines[at].push_str(random.of(WORDS)),
-            4 => {
-                let mut words: Vec<&str> = lines[at].split(' ').collect();
-                let place = random.below(words.len());
-                words[place] = random.of(WORDS);
-                lines[at] = words.join(" ");
-            }
-            5 => {
-                let mut characters: Vec<char> = lines[at].chars().collect();
-                if !characters.is_empty() {
-                    let place = random.below(characters.len());
-                    match random.below(3) {
-                        0 => _ = characters.remove(place),
-                        1 => characters[place] = random.of(&['0', '9', '.', '*', '#', '"', 'A', ',', '-', '\u{e9}']),
-                        _ => characters.truncate(place),
-                    }
-                }
-                lines[at] = characters.into_iter().collect();
-            }
-            _ => lines[at] = lines[at].replace(['0', '1', '2'], random.of(&["9", "99999", "", "-1"])),
-        }
-        if lines.is_empty() {
-            break;
-        }
-    }
-    lines.join("\n")
+    let [text, other] = [seed, seed + 1].map(|seed| generate::case(seed).program.to_string());
+    damage::damaged(&mut random, &text, &other, WORDS)
 }
 
 /// Compiles as far as it goes.

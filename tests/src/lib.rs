@@ -1,6 +1,9 @@
 //! Shared functions of the tests: finding files, comparing expected text, compiling programs.
 
 pub mod charts;
+pub mod damage;
+pub mod random;
+pub mod reduce;
 pub mod reference;
 pub mod robust;
 pub mod twins;

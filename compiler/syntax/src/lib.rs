@@ -2,6 +2,7 @@
 //!
 //! - [`ast`]: the syntax tree, [`ast_text`](fn@ast_text) prints it.
 //! - [`chart`]: charts of GRAPH.
+//! - [`front`]: what the front ends of all notations share.
 //! - [`literal`]: constants, the same for every language.
 //! - [`network`]: networks of LAD and FBD.
 //! - [`s7200`]: STL of the S7-200.
@@ -15,11 +16,10 @@ mod assertion;
 pub mod ast;
 mod ast_text;
 pub mod chart;
-pub mod comment;
 pub mod distance;
 mod elementary;
 mod encoding;
-pub mod frame;
+pub mod front;
 mod language;
 pub mod literal;
 pub mod network;

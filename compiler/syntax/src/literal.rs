@@ -8,7 +8,7 @@ mod pointer;
 mod text;
 mod time;
 
-use plcc_diag::Code;
+use plcc_diag::{Code, Diagnostic, Span};
 
 pub use pointer::ANY_TYPES;
 pub use text::{parse_text, windows_1252};
@@ -75,6 +75,15 @@ pub struct LiteralError {
 }
 
 impl LiteralError {
+    /// The message about the constant at `span`.
+    pub fn at(self, span: Span) -> Diagnostic {
+        let message = Diagnostic::new(self.code, span, self.title).label(self.label);
+        match self.help {
+            Some(help) => message.help(help),
+            None => message,
+        }
+    }
+
     pub(crate) fn malformed(text: &str, label: impl Into<String>, help: impl Into<String>) -> LiteralError {
         LiteralError {
             code: Code::BadLiteral,

@@ -3,7 +3,5 @@
 mod expression;
 mod part;
 
-pub use expression::{
-    Sub, absolute, argument, binary, call, chain, index, literal, member, member_absolute, name, shift, unary,
-};
+pub use expression::{absolute, argument, call, chain, literal, member, member_absolute, name, shift};
 pub use part::{action, no_action, permanent, step, transition};

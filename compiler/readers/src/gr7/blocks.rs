@@ -2,14 +2,15 @@
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
-use super::context::{Context, comment_after};
 use super::frame::{Document, Frame};
 use super::lexer::RawText;
+use super::messages::comment_after;
 use super::tree::Part;
 use super::{classify, grammar, pragma, settings};
 use crate::{ReadOptions, language};
 use plcc_syntax::ast::{Block, Code as BlockCode, CodeBlock, CodeKind, SourceUnit};
 use plcc_syntax::chart::ast::Body;
+use plcc_syntax::front::ParseState;
 use plcc_syntax::scl::ast::StatementKind;
 use plcc_syntax::scl::{fragment, raw};
 
@@ -24,7 +25,7 @@ pub fn build(
 ) -> SourceUnit {
     // Lone carriage returns end lines here, but not in SCL.
     let declared = language::masked(text, &document.declarations, true).replace('\r', "\n");
-    let (mut blocks, mut pragmas, messages) = fragment::blocks(file, text, raw::scan(&declared), options.pragmas);
+    let (mut blocks, mut pragmas, messages) = fragment::blocks(file, text, &raw::scan(&declared), options.pragmas);
     diagnostics.extend(messages);
     for block in &mut blocks {
         let start = block.span().start;
@@ -69,15 +70,14 @@ fn complete(
             }
         }
     }
-    let mut messages = Vec::new();
-    let classified = classify::classify(file, text, &frame.chart, &mut messages);
-    let mut reported: Vec<u32> = messages.iter().map(|message| message.primary.span.start).collect();
-    reported.sort_unstable();
-    let mut context =
-        Context { file, text, tokens: &classified, comments: &raw.comments, diagnostics: Vec::new(), reported };
-    let tokens = classified.iter().map(|(start, tok, end)| Ok::<_, ()>((*start, tok.clone(), *end)));
-    let parts = grammar::ChartParser::new().parse(&mut context, tokens).unwrap_or_default();
-    messages.append(&mut context.diagnostics);
+    let classified = classify::classify(file, text, &frame.chart);
+    let mut state = ParseState::new(file, text, &classified.tokens, ())
+        .storing_in("memory bit")
+        .with_comments(&raw.comments)
+        .after(&classified.diagnostics);
+    let parts = grammar::ChartParser::new().parse(&mut state, classified.stream()).unwrap_or_default();
+    let mut messages = classified.diagnostics.clone();
+    messages.append(&mut state.diagnostics);
     let mut chart = Body::default();
     let mut numbers = Numbers::default();
     for part in parts {

@@ -14,35 +14,27 @@ mod expression;
 mod keyword;
 mod row;
 
-use plcc_diag::{Code, Diagnostic, FileId, Span};
+use plcc_diag::{Code, Diagnostic, FileId};
 
 pub use keyword::{Keyword, at as keyword_at};
 
 use super::lexer::{RawKind, RawToken};
 use super::pragma::{self, Tag};
-use super::token::{Spanned, Tok};
+use super::token::Tok;
+use plcc_syntax::front::{Classified, Cursor};
 
 /// Classifies the tokens of a chart: the whole block except its head and declarations.
-pub fn classify<'a>(
-    file: FileId,
-    text: &'a str,
-    raw: &[RawToken],
-    diagnostics: &mut Vec<Diagnostic>,
-) -> Vec<Spanned<'a>> {
-    let mut classifier = Classifier { file, text, raw, at: 0, out: Vec::with_capacity(raw.len()), diagnostics };
+pub fn classify<'a>(file: FileId, text: &'a str, raw: &[RawToken]) -> Classified<Tok<'a>> {
+    let mut classifier = Classifier { cursor: Cursor::new(file, text, raw, &[]) };
     classifier.chart();
-    classifier.out
+    classifier.cursor.finish()
 }
 
 struct Classifier<'a, 'r> {
-    file: FileId,
-    text: &'a str,
-    raw: &'r [RawToken],
-    /// Index of the next raw token.
-    at: usize,
-    out: Vec<Spanned<'a>>,
-    diagnostics: &'r mut Vec<Diagnostic>,
+    cursor: Cursor<'a, 'r, RawKind, (), Tok<'a>>,
 }
+
+plcc_syntax::moves_cursor!(Classifier, RawKind, (), Tok);
 
 impl<'a> Classifier<'a, '_> {
     fn chart(&mut self) {
@@ -382,18 +374,6 @@ impl<'a> Classifier<'a, '_> {
 
     // Raw tokens.
 
-    fn peek(&self) -> Option<RawToken> {
-        self.raw.get(self.at).copied()
-    }
-
-    fn kind_at(&self, index: usize) -> Option<RawKind> {
-        self.raw.get(index).map(|token| token.kind)
-    }
-
-    fn is_at(&self, kind: RawKind) -> bool {
-        self.kind_at(self.at) == Some(kind)
-    }
-
     fn is_word(&self, index: usize, word: &str) -> bool {
         self.raw
             .get(index)
@@ -409,34 +389,13 @@ impl<'a> Classifier<'a, '_> {
         self.raw[index].first_on_line && self.keyword_at(index).is_some()
     }
 
-    fn slice(&self, token: RawToken) -> &'a str {
-        &self.text[token.range()]
-    }
-
-    fn span(&self, token: RawToken) -> Span {
-        Span { file: self.file, start: token.start, end: token.end }
-    }
-
-    // Tokens of the grammar.
-
-    /// Pushes `tok` for the current raw token and advances.
-    fn take(&mut self, tok: Tok<'a>) {
-        let raw = self.raw[self.at];
-        self.out.push((raw.start as usize, tok, raw.end as usize));
-        self.at += 1;
-    }
-
-    /// Pushes a token of no width after what has been read.
+    /// Pushes a token of no width after what has been read; before the first token of the chart if nothing has.
     fn push_here(&mut self, tok: Tok<'a>) {
-        let end = match self.at.checked_sub(1) {
-            Some(before) => self.raw[before].end as usize,
-            None => self.raw.first().map_or(0, |token| token.start as usize),
-        };
-        self.out.push((end, tok, end));
-    }
-
-    fn report(&mut self, diagnostic: Diagnostic) {
-        self.diagnostics.push(diagnostic);
+        let end = match self.last_token() {
+            Some(before) => before.end,
+            None => self.raw.first().map_or(0, |token| token.start),
+        } as usize;
+        self.push(end, tok, end);
     }
 }
 

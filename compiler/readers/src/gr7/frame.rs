@@ -8,8 +8,8 @@ use super::classify::Keyword;
 use super::lexer::{RawKind, RawText, RawToken};
 use super::pragma;
 use crate::gr7::classify::keyword_at;
-use plcc_syntax::comment::{Comment, CommentForm};
-use plcc_syntax::stl::pragma::is_pragma;
+use plcc_syntax::front::pragma::is_pragma;
+use plcc_syntax::front::{Comment, CommentForm};
 
 /// The parts of a file.
 pub struct Document {

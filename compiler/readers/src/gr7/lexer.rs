@@ -4,13 +4,11 @@
 //! are one token, and so are addresses with a point or a blank (`I0.0`, `I 0.0`, `MW 10`). Lines end with CR, LF or both.
 //! Source: GRAPH reference A.1.
 
-use std::ops::Range;
-
 use logos::{Lexer, Logos};
 
 use plcc_syntax::ast::Width;
-use plcc_syntax::comment::{Comment, CommentForm};
-use plcc_syntax::scl::{address, extent};
+use plcc_syntax::front::{self, CommentForm, Kind, Role, extent};
+use plcc_syntax::scl::address;
 
 /// What a raw token is.
 #[derive(Logos, Clone, Copy, Debug, PartialEq, Eq)]
@@ -108,85 +106,46 @@ pub enum RawKind {
 #[derive(Default)]
 pub struct Head(bool);
 
-/// A raw token; `start..end` are bytes of the text.
-#[derive(Clone, Copy, Debug)]
-pub struct RawToken {
-    pub kind: RawKind,
-    pub start: u32,
-    pub end: u32,
-    /// There is a line end between this token and the one before, or it is the first one.
-    pub first_on_line: bool,
-}
+impl Kind for RawKind {
+    const STRAY: RawKind = RawKind::Stray;
+    const BRACKETS: [RawKind; 4] =
+        [RawKind::LeftParen, RawKind::RightParen, RawKind::LeftBracket, RawKind::RightBracket];
+    const LINE_ENDS: &'static [char] = &['\n', '\r'];
 
-impl RawToken {
-    pub fn range(&self) -> Range<usize> {
-        self.start as usize..self.end as usize
+    fn role(self) -> Role {
+        match self {
+            RawKind::Newline => Role::LineEnd,
+            RawKind::LineComment => Role::Comment(CommentForm::Line),
+            RawKind::BlockComment => Role::Comment(CommentForm::Block),
+            RawKind::UnterminatedComment => Role::Comment(CommentForm::Unterminated),
+            _ => Role::Token,
+        }
     }
 }
 
-/// The tokens and comments of a text, each in its order.
-pub struct RawText {
-    pub tokens: Vec<RawToken>,
-    pub comments: Vec<Comment>,
-}
+pub type RawToken = front::RawToken<RawKind>;
+pub type RawText = front::RawText<RawKind>;
 
 /// Splits `text` into raw tokens. Never fails: text that is not a token becomes `Stray`.
 pub fn scan(text: &str) -> RawText {
-    let mut out = RawText { tokens: Vec::with_capacity(text.len() / 4), comments: Vec::new() };
-    let mut first_on_line = true;
-    let mut lexer = RawKind::lexer(text);
-    while let Some(kind) = lexer.next() {
-        let (start, end) = (lexer.span().start as u32, lexer.span().end as u32);
-        let mut comment = |form| out.comments.push(Comment { start, end, own_line: first_on_line, form });
-        match kind.unwrap_or(RawKind::Stray) {
-            RawKind::Newline => first_on_line = true,
-            RawKind::LineComment => comment(CommentForm::Line),
-            kind @ (RawKind::BlockComment | RawKind::UnterminatedComment) => {
-                let closed = kind == RawKind::BlockComment;
-                comment(if closed { CommentForm::Block } else { CommentForm::Unterminated });
-                first_on_line |= lexer.slice().contains(['\n', '\r']);
-            }
-            RawKind::Stray
-                if let Some(before) = out.tokens.last_mut()
-                    && before.kind == RawKind::Stray
-                    && before.end == start
-                    && !first_on_line =>
-            {
-                before.end = end;
-            }
-            kind => {
-                out.tokens.push(RawToken { kind, start, end, first_on_line });
-                first_on_line = false;
-            }
-        }
-    }
-    out
+    front::scan(RawKind::lexer(text), |_, _, _| Some(()))
 }
 
 /// Consumes up to the first `*)`.
 fn comment(lexer: &mut Lexer<RawKind>) -> RawKind {
-    let rest = lexer.remainder();
-    let pragma = rest.strip_prefix("$_").is_some_and(|tag| tag.starts_with(|c: char| c.is_ascii_alphabetic()));
-    match rest.find("*)") {
-        Some(end) => {
-            lexer.bump(end + 2);
-            if pragma { RawKind::Pragma } else { RawKind::BlockComment }
-        }
-        None => {
-            lexer.bump(rest.len());
-            RawKind::UnterminatedComment
-        }
+    let tag = lexer.remainder().strip_prefix("$_");
+    let pragma = tag.is_some_and(|tag| tag.starts_with(|c: char| c.is_ascii_alphabetic()));
+    match front::skip_through(lexer, "*)") {
+        true if pragma => RawKind::Pragma,
+        true => RawKind::BlockComment,
+        false => RawKind::UnterminatedComment,
     }
-}
-
-fn byte_before(lexer: &Lexer<RawKind>) -> Option<u8> {
-    lexer.source().as_bytes()[..lexer.span().start].last().copied()
 }
 
 /// A word may be a number, or begin a constant (`T#`), an address with a point (`M10.0`) or a line of the head.
 fn word(lexer: &mut Lexer<RawKind>) -> RawKind {
     let (slice, rest) = (lexer.slice(), lexer.remainder());
-    let member = byte_before(lexer) == Some(b'.');
+    let member = front::after_point(lexer);
     if let Some((kind, length)) = constant(slice, rest, member) {
         lexer.bump(length);
         return kind;
@@ -304,7 +263,5 @@ fn percent(lexer: &mut Lexer<RawKind>) -> RawKind {
 
 /// Consumes up to the closing quote.
 fn text(lexer: &mut Lexer<RawKind>) -> RawKind {
-    let (length, closed) = extent::text(lexer.remainder());
-    lexer.bump(length);
-    if closed { RawKind::Text } else { RawKind::UnterminatedText }
+    if front::skip_text(lexer) { RawKind::Text } else { RawKind::UnterminatedText }
 }

@@ -12,9 +12,9 @@
 mod actions;
 mod blocks;
 mod classify;
-mod context;
 mod frame;
 mod lexer;
+mod messages;
 mod outline;
 mod pragma;
 mod qualifier;
@@ -27,14 +27,13 @@ mod grammar {
     include!(concat!(env!("OUT_DIR"), "/gr7/gr7.rs"));
 }
 
-use std::fmt::Write as _;
 use std::ops::Range;
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
 use crate::ReadOptions;
 use plcc_syntax::ast::SourceUnit;
-use plcc_syntax::comment::CommentForm;
+use plcc_syntax::front::{self, CommentForm};
 
 pub(crate) use outline::{beside_other_blocks, has_chart};
 
@@ -54,12 +53,8 @@ pub fn parse(file: FileId, text: &str, options: &ReadOptions) -> (SourceUnit, Ve
 
 fn report_comments(file: FileId, raw: &lexer::RawText, diagnostics: &mut Vec<Diagnostic>) {
     for comment in raw.comments.iter().filter(|comment| comment.form == CommentForm::Unterminated) {
-        let span = Span { file, start: comment.start, end: comment.start + 2 };
-        diagnostics.push(
-            Diagnostic::new(Code::UnterminatedText, span, "the comment is not closed")
-                .label("begins here, and includes the rest of the file")
-                .help("close it with `*)`"),
-        );
+        let extent = "begins here, and includes the rest of the file";
+        diagnostics.push(front::unclosed_comment(file, comment.start, extent, "close it with `*)`"));
     }
 }
 
@@ -74,16 +69,6 @@ fn misplaced(file: FileId, range: Range<usize>) -> Diagnostic {
 pub fn tokens_text(text: &str) -> String {
     let file = FileId::default();
     let document = frame::read(file, text, &lexer::scan(text), &mut Vec::new());
-    let mut out = String::new();
-    let (mut line, mut counted) = (1usize, 0usize);
-    for block in &document.blocks {
-        for (start, token, _) in &classify::classify(file, text, &block.chart, &mut Vec::new()) {
-            if *start >= counted {
-                line += text[counted..*start].bytes().filter(|byte| *byte == b'\n').count();
-                counted = *start;
-            }
-            writeln!(out, "{line}: {token:?}").expect("a String takes all text");
-        }
-    }
-    out
+    let charts = document.blocks.iter().flat_map(|block| classify::classify(file, text, &block.chart).tokens);
+    front::tokens_text(text, &charts.collect::<Vec<_>>())
 }

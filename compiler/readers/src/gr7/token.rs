@@ -1,6 +1,7 @@
 //! Tokens of a chart as the grammar sees them: parts and brackets are balanced, rows and conditions have an end.
 
 use plcc_syntax::chart::ast::{Coil, Event, Qualifier};
+use plcc_syntax::front::{self, Brackets};
 use plcc_syntax::scl::ast::BinaryOp;
 
 /// A token of the grammar. Texts are slices of the source.
@@ -79,5 +80,9 @@ pub struct Mark {
     pub interlock: bool,
 }
 
+impl Brackets for Tok<'_> {
+    const BRACKETS: [Self; 4] = [Tok::LeftParen, Tok::RightParen, Tok::LeftBracket, Tok::RightBracket];
+}
+
 /// A token with its bytes in the text.
-pub type Spanned<'a> = (usize, Tok<'a>, usize);
+pub type Spanned<'a> = front::Spanned<Tok<'a>>;

@@ -95,7 +95,7 @@ impl Reader<'_> {
             let is = |attribute: &str| is_true(list, attribute);
             let types = self.types.clone();
             let has_place = |reader: &Self, node: &Node| {
-                node.has_attribute("address") && super::project::located(&types, &reader.addresses, *node).is_some()
+                node.has_attribute("address") && super::globals::located(&types, &reader.addresses, *node).is_some()
             };
             let variables: Vec<Node> = variables.into_iter().filter(|node| !has_place(self, node)).collect();
             let variables: Vec<Variable> = variables.into_iter().filter_map(|node| self.variable(node, 0)).collect();
@@ -138,7 +138,7 @@ impl Reader<'_> {
         let ty = child(node, "type").and_then(|ty| self.type_of(ty, 0));
         let ty = ty.filter(|ty| !matches!(ty.kind, TypeKind::Block(_))).or_else(|| {
             // For an enumeration or another named type: the type of its value.
-            let ty = super::project::elementary(&self.types, node)?;
+            let ty = super::globals::elementary(&self.types, node)?;
             Some(TypeRef { kind: TypeKind::Named(ty), span: name_span })
         });
         let mut value = self.expression(range, None);
@@ -153,7 +153,7 @@ impl Reader<'_> {
                 let text = name.text.clone();
                 let named = self.enums.iter().find(|(_, known, _)| known.eq_ignore_ascii_case(&text));
                 if let Some((_, _, number)) = named {
-                    *value = super::project::integer(*number, value.span);
+                    *value = super::globals::integer(*number, value.span);
                 } else if let Some(known) = self
                     .constants
                     .iter()
@@ -173,7 +173,7 @@ impl Reader<'_> {
                         && of.and_then(|of| of.attribute("name")).is_some_and(|of| of.eq_ignore_ascii_case(&ty.text))
                 };
                 if let Some((_, _, number)) = self.enums.iter().find(is_value) {
-                    *value = super::project::integer(*number, value.span);
+                    *value = super::globals::integer(*number, value.span);
                 } else if self.lists.contains_key(&ty.text.to_lowercase()) {
                     value.kind = ExprKind::Name(Name { form: NameForm::Bare, ..name.clone() });
                     self.known_names(value);
@@ -238,7 +238,7 @@ impl Reader<'_> {
             if ty.tag_name().name() == "enum" {
                 let first = child(ty, "values").and_then(|values| elements(values).next())?;
                 let (_, _, number) = self.enums.iter().find(|(node, ..)| *node == first)?;
-                let kind = InitialKind::Expr(Box::new(super::project::integer(*number, span)));
+                let kind = InitialKind::Expr(Box::new(super::globals::integer(*number, span)));
                 return (*number != 0).then_some(InitialValue { kind, span });
             }
             if ty.tag_name().name() != "derived" {

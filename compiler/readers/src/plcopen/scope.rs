@@ -9,7 +9,7 @@ use plcc_diag::Diagnostic;
 use super::address::{Addresses, Location};
 use super::editor::Editor;
 use super::functions;
-use super::project::{GLOBALS, integer};
+use super::globals::{GLOBALS, integer};
 use super::types::{self, Ty, Types};
 use plcc_syntax::Elementary;
 use plcc_syntax::scl::ast::{

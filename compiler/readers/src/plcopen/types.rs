@@ -130,7 +130,7 @@ impl Types {
                 _ => {}
             }
         }
-        for (name, ty) in super::project::global_lists(root).flat_map(variables) {
+        for (name, ty) in super::globals::global_lists(root).flat_map(variables) {
             types.globals.entry(name).or_insert(ty);
         }
         types

@@ -20,7 +20,7 @@ pub fn build(
     diagnostics: &mut Vec<Diagnostic>,
 ) -> SourceUnit {
     let Document { tokens, declarations, blocks: frames, comments, members } = document;
-    let (mut blocks, pragmas, messages) = fragment::blocks(file, text, declarations, options.pragmas);
+    let (mut blocks, pragmas, messages) = fragment::blocks(file, text, &declarations, options.pragmas);
     diagnostics.extend(messages);
     let mut texts = texts::Lookup::new(options.texts);
     for block in &mut blocks {

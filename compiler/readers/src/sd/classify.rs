@@ -3,36 +3,27 @@
 //! Whether a word is an element, a pin, an operand or a label depends on where it is. This pass gives each word its meaning, joins the tokens of an
 //! operand into one, and closes rungs and parentheses that the source left open.
 
-use plcc_diag::{Code, Diagnostic, FileId, Span};
+use plcc_diag::{Code, Diagnostic, FileId};
 
-use super::pragma;
-use super::token::{Spanned, Tok};
+use super::pragma::{self, Attribute};
+use super::token::Tok;
+use plcc_syntax::front::{Classified, Cursor};
 use plcc_syntax::network::ast::Comparison;
+use plcc_syntax::scl::keyword::Keyword;
 use plcc_syntax::scl::raw::{RawKind, RawToken};
 
-/// The result of classifying a network.
-pub struct Classified<'a> {
-    pub tokens: Vec<Spanned<'a>>,
-    pub diagnostics: Vec<Diagnostic>,
-}
-
 /// Classifies the tokens between `NETWORK` and `END_NETWORK`.
-pub fn classify<'a>(file: FileId, text: &'a str, raw: &[RawToken]) -> Classified<'a> {
-    let mut classifier =
-        Classifier { file, text, raw, at: 0, out: Vec::with_capacity(raw.len()), diagnostics: Vec::new() };
+pub fn classify<'a>(file: FileId, text: &'a str, raw: &[RawToken]) -> Classified<Tok<'a>> {
+    let mut classifier = Classifier { cursor: Cursor::new(file, text, raw, &[]) };
     classifier.network();
-    Classified { tokens: classifier.out, diagnostics: classifier.diagnostics }
+    classifier.cursor.finish()
 }
 
 struct Classifier<'a, 'r> {
-    file: FileId,
-    text: &'a str,
-    raw: &'r [RawToken],
-    /// Index of the next raw token.
-    at: usize,
-    out: Vec<Spanned<'a>>,
-    diagnostics: Vec<Diagnostic>,
+    cursor: Cursor<'a, 'r, RawKind, Option<Keyword>, Tok<'a>>,
 }
+
+plcc_syntax::moves_cursor!(Classifier, RawKind, Option<Keyword>, Tok);
 
 impl<'a> Classifier<'a, '_> {
     /// Labels and rungs.
@@ -69,7 +60,7 @@ impl<'a> Classifier<'a, '_> {
                 .label("no rung is open here")
                 .help("a network of LAD or FBD contains rungs from `RUNG` to `END_RUNG`")
         };
-        self.diagnostics.push(diagnostic);
+        self.report(diagnostic);
         self.at += 1;
         while self.at < self.raw.len() && !self.is_word("RUNG") && !self.is_word("Label") {
             self.at += 1;
@@ -85,14 +76,14 @@ impl<'a> Classifier<'a, '_> {
             } else if self.is_word("END_RUNG") {
                 self.take(Tok::EndRung);
                 if let Some(name) = self.wire() {
-                    self.push_up_to(Tok::Wire(name), self.at + 2);
+                    self.take_wire(Tok::Wire(name));
                 }
                 return;
             } else if let Some(name) = self.wire() {
-                self.push_up_to(Tok::Wire(name), self.at + 2);
+                self.take_wire(Tok::Wire(name));
             } else if token.kind == RawKind::LeftBrace {
-                let (attributes, after) = pragma::read(self.file, self.text, self.raw, self.at, &mut self.diagnostics);
-                self.push_up_to(Tok::Pragma(attributes), after);
+                let (attributes, after) = self.attributes(self.at);
+                self.take_up_to(Tok::Pragma(attributes), after);
             } else if self.is_word("NOT") && self.kind_at(self.at + 1) != Some(RawKind::LeftParen) {
                 self.take(Tok::Not);
             } else if let Some(after) = self.operand_end() {
@@ -101,7 +92,7 @@ impl<'a> Classifier<'a, '_> {
                 self.take(Tok::Stray);
             }
         }
-        self.diagnostics.push(
+        self.report(
             Diagnostic::new(Code::Syntax, self.span(opening), "`END_RUNG` is missing")
                 .label("this rung is not closed")
                 .help("write `END_RUNG`, or `END_RUNG wire#w1`, after its last element"),
@@ -117,18 +108,24 @@ impl<'a> Classifier<'a, '_> {
         is_wire.then(|| self.text[next.range()].trim_start_matches('#').trim_matches('"'))
     }
 
+    /// Pushes `token` for the wire at the current token.
+    fn take_wire(&mut self, token: Tok<'a>) {
+        let after = self.at + 2;
+        self.take_up_to(token, after);
+    }
+
     /// An element with its pins, or an operand that begins a rung. The tokens of its name end before index `after`.
     fn operand_or_element(&mut self, after: usize) {
         match self.kind_at(after) {
-            Some(RawKind::LeftParen) => self.push_up_to(Tok::Target, after),
+            Some(RawKind::LeftParen) => self.take_up_to(Tok::Target, after),
             Some(RawKind::LeftBrace)
                 if pragma::end(self.raw, after).is_some_and(|end| self.kind_at(end) == Some(RawKind::LeftParen)) =>
             {
-                self.push_up_to(Tok::Target, after);
-                let (attributes, end) = pragma::read(self.file, self.text, self.raw, after, &mut self.diagnostics);
-                self.push_up_to(Tok::Inline(attributes), end);
+                self.take_up_to(Tok::Target, after);
+                let (attributes, end) = self.attributes(after);
+                self.take_up_to(Tok::Inline(attributes), end);
             }
-            _ => return self.push_up_to(Tok::Operand, after),
+            _ => return self.take_up_to(Tok::Operand, after),
         }
         self.arguments();
     }
@@ -153,7 +150,7 @@ impl<'a> Classifier<'a, '_> {
                 _ => self.value_of_pin(),
             }
         }
-        self.diagnostics.push(
+        self.report(
             Diagnostic::new(Code::Syntax, self.span(opening), "`(` is not closed")
                 .label("opened here")
                 .help("write `)` after the last pin"),
@@ -164,7 +161,7 @@ impl<'a> Classifier<'a, '_> {
     /// A wire, an operand, or a comparison of SWITCH with its operand.
     fn value_of_pin(&mut self) {
         if let Some(name) = self.wire() {
-            return self.push_up_to(Tok::Connected(name), self.at + 2);
+            return self.take_wire(Tok::Connected(name));
         }
         if let Some(sign) = self.case() {
             self.take(Tok::Case(sign));
@@ -203,7 +200,7 @@ impl<'a> Classifier<'a, '_> {
         }
         let after = self.at;
         self.at = first;
-        if after == first { self.take(Tok::Stray) } else { self.push_up_to(Tok::Value, after) }
+        if after == first { self.take(Tok::Stray) } else { self.take_up_to(Tok::Value, after) }
     }
 
     /// Index after the current name or constant: `#a.b[1]`, `"DB".x`, `%I0.0`, `TRUE`, `Contact`.
@@ -242,37 +239,15 @@ impl<'a> Classifier<'a, '_> {
 
     // Raw tokens.
 
-    fn kind_at(&self, index: usize) -> Option<RawKind> {
-        self.raw.get(index).map(|token| token.kind)
-    }
-
     /// Whether the current token is `word`.
     fn is_word(&self, word: &str) -> bool {
         is_word(self.text, self.raw, self.at, word)
     }
 
-    fn span(&self, token: RawToken) -> Span {
-        Span { file: self.file, start: token.start, end: token.end }
-    }
-
-    // Tokens of the grammar.
-
-    /// Pushes `token` for the current raw token and advances.
-    fn take(&mut self, token: Tok<'a>) {
-        self.push_up_to(token, self.at + 1);
-    }
-
-    /// Pushes `token` for the raw tokens from the current one to index `after`, exclusive.
-    fn push_up_to(&mut self, token: Tok<'a>, after: usize) {
-        let (start, end) = (self.raw[self.at].start, self.raw[after - 1].end);
-        self.out.push((start as usize, token, end as usize));
-        self.at = after;
-    }
-
-    /// Pushes a token of no width after what has been read.
-    fn push_here(&mut self, token: Tok<'a>) {
-        let end = self.at.checked_sub(1).map_or(0, |before| self.raw[before].end as usize);
-        self.out.push((end, token, end));
+    /// The attributes in the braces that begin at index `open`, and the index after them.
+    fn attributes(&mut self, open: usize) -> (Vec<Attribute>, usize) {
+        let cursor = &mut self.cursor;
+        pragma::read(cursor.file, cursor.text, cursor.raw, open, &mut cursor.diagnostics)
     }
 }
 

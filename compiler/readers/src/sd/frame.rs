@@ -12,7 +12,7 @@ use plcc_diag::{Code, Diagnostic, FileId, Span};
 
 use super::classify::is_word;
 use super::pragma::{self, Attribute};
-use plcc_syntax::comment::{Comment, CommentForm};
+use plcc_syntax::front::{Comment, CommentForm};
 use plcc_syntax::scl::keyword::Keyword;
 use plcc_syntax::scl::raw::{RawKind, RawText, RawToken};
 

@@ -12,9 +12,9 @@
 
 mod blocks;
 mod classify;
-mod context;
 mod frame;
 mod graph;
+mod messages;
 mod network;
 mod pragma;
 mod texts;
@@ -26,12 +26,11 @@ mod grammar {
     include!(concat!(env!("OUT_DIR"), "/sd/sd.rs"));
 }
 
-use std::fmt::Write as _;
-
 use plcc_diag::{Diagnostic, FileId};
 
 use crate::ReadOptions;
 use plcc_syntax::ast::SourceUnit;
+use plcc_syntax::front;
 use plcc_syntax::scl::raw;
 
 pub use texts::Texts;
@@ -49,17 +48,8 @@ pub fn parse(file: FileId, text: &str, options: &ReadOptions) -> (SourceUnit, Ve
 pub fn tokens_text(text: &str) -> String {
     let file = FileId::default();
     let document = frame::read(file, text, raw::scan(text), &mut Vec::new());
-    let mut out = String::new();
-    let (mut line, mut counted) = (1usize, 0usize);
-    for network in document.blocks.iter().flat_map(|block| &block.networks) {
-        let classified = classify::classify(file, text, &document.tokens[network.tokens.clone()]);
-        for (start, token, _) in &classified.tokens {
-            if *start >= counted {
-                line += text[counted..*start].bytes().filter(|byte| *byte == b'\n').count();
-                counted = *start;
-            }
-            writeln!(out, "{line}: {token:?}").expect("a String takes all text");
-        }
-    }
-    out
+    let networks = document.blocks.iter().flat_map(|block| &block.networks);
+    let tokens =
+        networks.flat_map(|network| classify::classify(file, text, &document.tokens[network.tokens.clone()]).tokens);
+    front::tokens_text(text, &tokens.collect::<Vec<_>>())
 }

@@ -3,8 +3,8 @@
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
 use super::frame::{Frame, NetworkSource};
-use super::{blocks, classify, context, grammar, graph, pragma, texts};
-use plcc_syntax::comment::{self, Comment};
+use super::{blocks, classify, grammar, graph, messages, pragma, texts};
+use plcc_syntax::front::{self, Comment, ParseState, Place};
 use plcc_syntax::network::ast::{Content, Language, Network};
 use plcc_syntax::scl::fragment;
 use plcc_syntax::scl::raw::RawToken;
@@ -81,30 +81,19 @@ fn graphic(
 ) -> (Vec<plcc_syntax::scl::ast::Name>, plcc_syntax::network::ast::Graph) {
     report_assertions(source, network, diagnostics);
     let classified = classify::classify(source.file, source.text, &source.tokens[network.tokens.clone()]);
-    let mut reported: Vec<u32> =
-        classified.diagnostics.iter().map(|diagnostic| diagnostic.primary.span.start).collect();
-    reported.sort_unstable();
-    diagnostics.extend(classified.diagnostics);
-    let mut context = context::Context {
-        file: source.file,
-        text: source.text,
-        tokens: &classified.tokens,
-        diagnostics: Vec::new(),
-        reported,
-    };
-    let tokens = classified.tokens.iter().map(|(start, token, end)| Ok::<_, ()>((*start, token.clone(), *end)));
-    let parts = match grammar::NetworkParser::new().parse(&mut context, tokens) {
+    let mut state = ParseState::new(source.file, source.text, &classified.tokens, ()).after(&classified.diagnostics);
+    let parts = match grammar::NetworkParser::new().parse(&mut state, classified.stream()) {
         Ok(parts) => parts,
         Err(error) => {
-            if context.diagnostics.is_empty() {
-                let at = plcc_syntax::frame::error_range(&error).map_or(network.bytes.end, |(start, _)| start);
-                let message = context.message(at, context::Place::Network);
-                context.diagnostics.push(message);
+            if state.diagnostics.is_empty() {
+                let at = front::error_range(&error).map_or(network.bytes.end, |(start, _)| start);
+                state.report(messages::Recovery::Network.message(&state, at));
             }
             Vec::new()
         }
     };
-    diagnostics.append(&mut context.diagnostics);
+    diagnostics.extend_from_slice(&classified.diagnostics);
+    diagnostics.append(&mut state.diagnostics);
     graph::build(source, language, parts, diagnostics)
 }
 
@@ -112,7 +101,7 @@ fn graphic(
 fn report_assertions(source: &Source, network: &NetworkSource, diagnostics: &mut Vec<Diagnostic>) {
     let mut next = source.comments.partition_point(|comment| (comment.start as usize) < network.bytes.start);
     while source.pragmas
-        && let Some(found) = comment::next_pragma(source.text, source.comments, &mut next, network.bytes.end as u32)
+        && let Some(found) = front::pragma::next(source.text, source.comments, &mut next, network.bytes.end as u32)
     {
         let span = Span { file: source.file, start: found.start, end: found.end };
         diagnostics.push(

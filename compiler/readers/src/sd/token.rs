@@ -40,6 +40,3 @@ pub enum Tok<'a> {
     /// A token that no network contains.
     Stray,
 }
-
-/// A token with its bytes in the text.
-pub type Spanned<'a> = (usize, Tok<'a>, usize);

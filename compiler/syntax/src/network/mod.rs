@@ -6,7 +6,7 @@
 //! PLCopen TC6 (XML)   ──┘
 //! ```
 //!
-//! Readers name elements and pins as in the table [`elements`](crate::network::elements::ELEMENTS), find out what feeds what, and
+//! Readers name elements and pins as in the table [`elements`](crate::network::elements::CHAPTERS), find out what feeds what, and
 //! put the elements into the order of evaluation (LAD/FBD reference A.11); the binder finds the types and blocks that the operands name.
 
 pub mod absent;

@@ -54,7 +54,9 @@ pub fn head(text: &str, line: &[RawToken]) -> Option<Head> {
     let first = *line.first()?;
     let word = first.text(text).to_uppercase();
     let next = line.get(1).copied();
-    let made = |mnemonic: String, tokens: usize, end: usize| Some(Head { mnemonic, tokens, start: first.start, end });
+    let made = |mnemonic: String, tokens: usize, end: u32| {
+        Some(Head { mnemonic, tokens, start: first.start as usize, end: end as usize })
+    };
     match first.kind {
         RawKind::Word => {
             if let Some(sign) = next.filter(|next| next.kind == RawKind::Relation) {

@@ -11,9 +11,9 @@ pub mod ast;
 mod blocks;
 mod classify;
 mod constant;
-mod context;
 mod instructions;
 mod line;
+mod messages;
 mod mnemonics;
 mod outline;
 mod pragma;
@@ -30,13 +30,12 @@ mod grammar {
 #[cfg(test)]
 mod tests;
 
-use std::fmt::Write as _;
-
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
+use crate::ParseOptions;
 use crate::ast::SourceUnit;
+use crate::front::{self, ParseState};
 use crate::stl::Mnemonics;
-use crate::{ParseOptions, frame};
 
 pub use aliases::{ALIASES, BOXES};
 pub use instructions::{Acts, Compare, CompareKind, Contact, Insn, OperandClass, Relation};
@@ -87,19 +86,16 @@ pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, V
     let bare_data = outline::is_data(text, &lines);
     let detected = mnemonics::detect(text, &lines, options.mnemonics);
     let classified = classify::classify(file, text, &lines, &detected, options.pragmas, bare_data);
-    let mut diagnostics = classified.diagnostics;
+    let mut diagnostics = classified.diagnostics.clone();
     report_mixture(file, text, &detected, options, &mut diagnostics);
-    let mut context = context::Context::new(file, text, &classified.tokens, detected.set);
-    context.reported = diagnostics.iter().map(|diagnostic| diagnostic.primary.span.start).collect();
-    context.reported.sort_unstable();
-    let tokens = classified.tokens.iter().map(|(start, token, end)| Ok::<_, ()>((*start, token.clone(), *end)));
-    let lines = match grammar::LinesParser::new().parse(&mut context, tokens) {
+    let mut state = ParseState::new(file, text, &classified.tokens, detected.set).after(&diagnostics);
+    let lines = match grammar::LinesParser::new().parse(&mut state, classified.stream()) {
         Ok(lines) => lines,
         // Each line recovers; a remaining error belongs to the last one.
         Err(error) => {
-            let at = frame::error_range(&error).map_or(text.len(), |(start, _)| start);
+            let at = front::error_range(&error).map_or(text.len(), |(start, _)| start);
             let span = Span::new(file, at..at);
-            context.diagnostics.push(
+            state.diagnostics.push(
                 Diagnostic::new(Code::Syntax, span, "the source ends too early")
                     .label("something is missing here")
                     .help("a statement is a mnemonic and its operands: `LD I0.0`"),
@@ -107,7 +103,7 @@ pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, V
             Vec::new()
         }
     };
-    diagnostics.append(&mut context.diagnostics);
+    diagnostics.append(&mut state.diagnostics);
     let source = blocks::build(file, lines, bare_data, &mut diagnostics);
     diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
     let unit = SourceUnit {
@@ -154,14 +150,5 @@ pub fn tokens_text(text: &str, options: &ParseOptions) -> String {
     let detected = mnemonics::detect(text, &lines, options.mnemonics);
     let bare_data = outline::is_data(text, &lines);
     let classified = classify::classify(FileId::default(), text, &lines, &detected, options.pragmas, bare_data);
-    let mut out = String::new();
-    let (mut line, mut counted) = (1usize, 0usize);
-    for (start, token, _) in &classified.tokens {
-        if let Some(passed) = text.get(counted..*start) {
-            line += passed.bytes().filter(|byte| *byte == b'\n').count();
-            counted = *start;
-        }
-        writeln!(out, "{line}: {token:?}").expect("a String takes all text");
-    }
-    out
+    front::tokens_text(text, &classified.tokens)
 }

@@ -3,9 +3,9 @@
 //! Names may contain any character beyond ASCII, as in Micro/WIN; an address with a point is one token. Lines end with CR, LF or both.
 //! Source: S7-200 system manual, conventions and concepts of programming.
 
-use std::ops::Range;
-
 use logos::Logos;
+
+use crate::front;
 
 /// What a raw token is.
 #[derive(Logos, Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,33 +76,18 @@ pub enum RawKind {
     Stray,
 }
 
-/// A raw token; `start..end` are bytes of the text.
-#[derive(Clone, Copy, Debug)]
-pub struct RawToken {
-    pub kind: RawKind,
-    pub start: usize,
-    pub end: usize,
-}
-
-impl RawToken {
-    pub fn range(&self) -> Range<usize> {
-        self.start..self.end
-    }
-
-    pub fn text<'a>(&self, source: &'a str) -> &'a str {
-        source.get(self.range()).unwrap_or_default()
-    }
-}
+pub type RawToken = front::RawToken<RawKind>;
 
 /// The tokens of a text, line by line, each line without its end.
 pub fn lines(text: &str) -> Vec<Vec<RawToken>> {
-    let mut lines = vec![Vec::new()];
+    let mut lines: Vec<Vec<RawToken>> = vec![Vec::new()];
     for (kind, range) in RawKind::lexer(text).spanned() {
         let kind = kind.unwrap_or(RawKind::Stray);
         if kind == RawKind::Newline {
             lines.push(Vec::new());
         } else if let Some(line) = lines.last_mut() {
-            line.push(RawToken { kind, start: range.start, end: range.end });
+            let (start, end, first_on_line) = (range.start as u32, range.end as u32, line.is_empty());
+            line.push(RawToken { kind, start, end, first_on_line, keyword: () });
         }
     }
     lines
@@ -110,6 +95,7 @@ pub fn lines(text: &str) -> Vec<Vec<RawToken>> {
 
 /// The tokens of one line, or of a part of it, which begins at byte `offset` of the text.
 pub fn part(text: &str, offset: usize) -> Vec<RawToken> {
-    let moved = |token: RawToken| RawToken { start: token.start + offset, end: token.end + offset, ..token };
-    lines(text).into_iter().flatten().map(moved).collect()
+    let mut tokens: Vec<RawToken> = lines(text).into_iter().flatten().collect();
+    front::shift(&mut tokens, &mut [], offset as u32);
+    tokens
 }

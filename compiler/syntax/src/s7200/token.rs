@@ -1,6 +1,7 @@
 //! Tokens as the grammar sees them: each token says what it means where it is.
 
 use crate::ast::{Pragma, Width};
+use crate::front;
 use crate::s7200::Insn;
 use crate::s7200::ast::{Assert, BlockKind, Direct, Section};
 
@@ -74,4 +75,4 @@ pub enum Tok<'a> {
 }
 
 /// A token with its bytes in the text.
-pub type Spanned<'a> = (usize, Tok<'a>, usize);
+pub type Spanned<'a> = front::Spanned<Tok<'a>>;

@@ -9,14 +9,15 @@ use plcc_diag::{Code, Diagnostic, Span};
 pub use expression::*;
 
 use super::ast::{Body, Dialect, Expr, ExprKind, Literal, Name, NameForm, Statement};
-use super::context::Context;
-use super::token::CodeKeyword;
+use super::messages::State;
+use super::token::{CodeKeyword, Tok};
 use crate::ast::{
     Block, BlockName, BlockPrefix, Bound, Code as BlockCode, CodeBlock, CodeKind, Constant, DataBlock, DataContent,
     Header, InitialKind, InitialValue, Path, PathPart, PathRoot, Section, SectionKind, TypeBlock, TypeKind, TypeRef,
     ValueAssignment, Variable,
 };
-use crate::frame::{self, HeaderPart};
+use crate::front::ParseState;
+use crate::front::frame::{self, HeaderPart};
 
 /// A part of a block before BEGIN. Numbers: the byte where it begins.
 pub enum Part {
@@ -41,6 +42,14 @@ pub enum Dimension {
     /// `*`
     Open,
     Bounds(Bound, Bound),
+}
+
+impl ParseState<'_, Tok<'_>, Dialect> {
+    pub fn name(&self, text: &str, form: NameForm, range: Range<usize>) -> Name {
+        // Of `"tag":P` the letter stays.
+        let text = if form == NameForm::Quoted { text.replace('"', "") } else { text.to_owned() };
+        Name { text, form, span: self.span(range) }
+    }
 }
 
 /// The parts of a block by kind.
@@ -89,7 +98,7 @@ fn sort(parts: Vec<Part>, end: usize) -> Parts {
 
 #[allow(clippy::too_many_arguments)] // One for each part of the frame.
 pub fn code_block(
-    context: &mut Context,
+    state: &mut State,
     keyword: CodeKeyword,
     name: BlockName,
     return_type: Option<TypeRef>,
@@ -98,13 +107,13 @@ pub fn code_block(
     range: Range<usize>,
     begin: usize,
 ) -> Block {
-    let (kind, wrong_letters) = frame::code_kind(keyword, &name, context.text);
-    wrong_letters.into_iter().for_each(|message| context.report(message));
+    let (kind, wrong_letters) = frame::code_kind(keyword, &name, state.text);
+    wrong_letters.into_iter().for_each(|message| state.report(message));
     let mut parts = sort(parts, begin);
     if kind != CodeKind::Fb && kind != CodeKind::Sfb {
-        without_static(context, &mut parts.sections);
+        without_static(state, &mut parts.sections);
     }
-    let header = header(context, parts.header, range.start..parts.header_end);
+    let header = header(state, parts.header, range.start..parts.header_end);
     let return_type = return_type.filter(|ty| ty.kind != TypeKind::Named("VOID".to_owned()));
     Block::Code(CodeBlock {
         kind,
@@ -113,18 +122,18 @@ pub fn code_block(
         header,
         sections: parts.sections,
         constants: parts.constants,
-        code: BlockCode::Scl(Body { dialect: context.dialect, labels: parts.labels, statements }),
-        span: context.span(range.start, range.end),
+        code: BlockCode::Scl(Body { dialect: state.rules, labels: parts.labels, statements }),
+        span: state.span(range),
     })
 }
 
 /// In blocks without an instance, VAR declares temporary variables: S7-SCL for S7-300/400, VAR in functions. The TIA Portal does not accept it.
-fn without_static(context: &mut Context, sections: &mut [Section]) {
+fn without_static(state: &mut State, sections: &mut [Section]) {
     for section in sections.iter_mut().filter(|section| section.kind == SectionKind::Static) {
         section.kind = SectionKind::Temp;
-        if context.dialect == Dialect::Tia {
+        if state.rules == Dialect::Tia {
             let span = Span { end: section.span.start + "VAR".len() as u32, ..section.span };
-            context.report(
+            state.report(
                 Diagnostic::new(Code::Tolerated, span, "this block has no static variables")
                     .label("read as VAR_TEMP")
                     .help("write `VAR_TEMP`; only a function block keeps values between calls"),
@@ -133,36 +142,27 @@ fn without_static(context: &mut Context, sections: &mut [Section]) {
     }
 }
 
-pub fn implied_ob(context: &mut Context, statements: Vec<Statement>, range: Range<usize>) -> Block {
-    let start = context.span(range.start, range.start);
-    Block::Code(CodeBlock {
-        kind: CodeKind::Ob,
-        name: BlockName::Numbered { prefix: BlockPrefix::Ob, number: 1, span: start },
-        return_type: None,
-        header: Header::default(),
-        sections: Vec::new(),
-        constants: Vec::new(),
-        code: BlockCode::Scl(Body { dialect: context.dialect, labels: Vec::new(), statements }),
-        span: context.span(range.start, range.end),
-    })
+pub fn implied_ob(state: &mut State, statements: Vec<Statement>, range: Range<usize>) -> Block {
+    let body = Body { dialect: state.rules, labels: Vec::new(), statements };
+    frame::implied_ob(BlockCode::Scl(body), state.span(range))
 }
 
 pub fn data_block(
-    context: &mut Context,
+    state: &mut State,
     name: BlockName,
     parts: Vec<Part>,
     values: Option<Vec<Option<ValueAssignment>>>,
     range: Range<usize>,
 ) -> Block {
-    check_letters(context, &name, "DATA_BLOCK", BlockPrefix::Db);
+    check_letters(state, &name, "DATA_BLOCK", BlockPrefix::Db);
     let parts = sort(parts, range.end);
-    let header = header(context, parts.header, range.start..parts.header_end);
+    let header = header(state, parts.header, range.start..parts.header_end);
     let members: Vec<Variable> = parts.sections.into_iter().flat_map(|section| section.variables).collect();
     let mut content = if members.is_empty() { DataContent::Empty } else { DataContent::Struct(members) };
     for (ty, value) in parts.contents {
         content = match ty.kind {
             TypeKind::Struct(mut members) => {
-                spread(context, &mut members, value);
+                spread(state, &mut members, value);
                 DataContent::Struct(members)
             }
             TypeKind::Array { .. } | TypeKind::OpenArray { .. } => DataContent::Array(ty, value),
@@ -170,22 +170,22 @@ pub fn data_block(
         };
     }
     let values = values.into_iter().flatten().flatten().collect();
-    Block::Data(DataBlock { name, header, content, values, span: context.span(range.start, range.end) })
+    Block::Data(DataBlock { name, header, content, values, span: state.span(range) })
 }
 
-pub fn type_block(context: &mut Context, name: BlockName, parts: Vec<Part>, range: Range<usize>) -> Block {
-    check_letters(context, &name, "TYPE", BlockPrefix::Udt);
-    let span = context.span(range.start, range.end);
+pub fn type_block(state: &mut State, name: BlockName, parts: Vec<Part>, range: Range<usize>) -> Block {
+    check_letters(state, &name, "TYPE", BlockPrefix::Udt);
+    let span = state.span(range.clone());
     let mut parts = sort(parts, range.end);
-    let header = header(context, parts.header, range.start..parts.header_end);
+    let header = header(state, parts.header, range.start..parts.header_end);
     let (members, alias) = match parts.contents.pop() {
         Some((TypeRef { kind: TypeKind::Struct(mut members), .. }, value)) => {
-            spread(context, &mut members, value);
+            spread(state, &mut members, value);
             (members, None)
         }
         Some((ty, value)) => {
             if let Some(value) = value {
-                context.report(
+                state.report(
                     Diagnostic::new(
                         Code::InitialValue,
                         value.span,
@@ -198,12 +198,12 @@ pub fn type_block(context: &mut Context, name: BlockName, parts: Vec<Part>, rang
             (Vec::new(), Some(ty))
         }
         None => {
-            if !context
+            if !state
                 .diagnostics
                 .iter()
                 .any(|diagnostic| span.range().contains(&(diagnostic.primary.span.start as usize)))
             {
-                context.report(
+                state.report(
                     Diagnostic::new(Code::DeclarationSyntax, name.span(), "the data type has no structure")
                         .label("it declares nothing")
                         .help("write `STRUCT … END_STRUCT;` between the header and `END_TYPE`"),
@@ -215,19 +215,19 @@ pub fn type_block(context: &mut Context, name: BlockName, parts: Vec<Part>, rang
     Block::Type(TypeBlock { name, header, members, alias, span })
 }
 
-fn check_letters(context: &mut Context, name: &BlockName, keyword: &str, wanted: BlockPrefix) {
+fn check_letters(state: &mut State, name: &BlockName, keyword: &str, wanted: BlockPrefix) {
     if let BlockName::Numbered { prefix, number, span } = name
         && *prefix != wanted
     {
-        context.report(frame::wrong_letters(*span, keyword, wanted.letters(), *number, context.text));
+        state.report(frame::wrong_letters(*span, keyword, wanted.letters(), *number, state.text));
     }
 }
 
 /// `END_STRUCT := (a := 1)` of a whole block: the values go to the components.
-fn spread(context: &mut Context, members: &mut [Variable], value: Option<InitialValue>) {
+fn spread(state: &mut State, members: &mut [Variable], value: Option<InitialValue>) {
     let Some(value) = value else { return };
     let InitialKind::Fields(fields) = value.kind else {
-        context.report(
+        state.report(
             Diagnostic::new(Code::InitialValue, value.span, "a structure cannot have a single value")
                 .label("not a list of components")
                 .help("write `(name := value, …)`"),
@@ -241,7 +241,7 @@ fn spread(context: &mut Context, members: &mut [Variable], value: Option<Initial
         };
         match member {
             Some(member) => member.initial = Some(value),
-            None => context.report(
+            None => state.report(
                 Diagnostic::new(
                     Code::UnknownMember,
                     name.map_or(value.span, |name| name.span),
@@ -254,20 +254,20 @@ fn spread(context: &mut Context, members: &mut [Variable], value: Option<Initial
     }
 }
 
-fn header(context: &Context, parts: Vec<HeaderPart>, range: Range<usize>) -> Header {
-    frame::header(context.comment_lines(range), parts)
+fn header(state: &State, parts: Vec<HeaderPart>, range: Range<usize>) -> Header {
+    frame::header(state.comment_lines(range), parts)
 }
 
 /// The variables of one declaration; the comment after it belongs to each variable.
 pub fn variables(
-    context: &Context,
+    state: &State,
     names: Vec<DeclaredName>,
     at: Option<Name>,
     ty: TypeRef,
     initial: Option<InitialValue>,
     end: usize,
 ) -> Vec<Variable> {
-    let comment = context.comment_after(end);
+    let comment = state.comment_after(end);
     let at = at.map(|name| (name.text, name.span));
     names
         .into_iter()
@@ -284,8 +284,8 @@ pub fn variables(
 }
 
 /// `INT`, `"Motor"`, `_.TankUdt`, `Unit.Motor`.
-pub fn named_type(context: &Context, names: Vec<Name>, range: Range<usize>) -> TypeKind {
-    let span = context.span(range.start, range.end);
+pub fn named_type(state: &State, names: Vec<Name>, range: Range<usize>) -> TypeKind {
+    let span = state.span(range);
     match names.as_slice() {
         [Name { text, form: NameForm::Bare, .. }] => TypeKind::Named(text.to_uppercase()),
         names => {
@@ -297,7 +297,7 @@ pub fn named_type(context: &Context, names: Vec<Name>, range: Range<usize>) -> T
     }
 }
 
-pub fn array(context: &mut Context, dimensions: Vec<Dimension>, element: TypeRef, range: Range<usize>) -> TypeKind {
+pub fn array(state: &mut State, dimensions: Vec<Dimension>, element: TypeRef, range: Range<usize>) -> TypeKind {
     let element = Box::new(element);
     let count = dimensions.len();
     let bounds: Vec<(Bound, Bound)> = dimensions
@@ -311,8 +311,8 @@ pub fn array(context: &mut Context, dimensions: Vec<Dimension>, element: TypeRef
         return TypeKind::OpenArray { dimensions: count.min(255) as u8, element };
     }
     if bounds.len() < count {
-        let span = context.span(range.start, range.end);
-        context.report(
+        let span = state.span(range.clone());
+        state.report(
             Diagnostic::new(Code::DeclarationSyntax, span, "an array has bounds in all of its dimensions, or in none")
                 .label("some dimensions are `*`")
                 .help("write `*` for each dimension, or bounds for each"),
@@ -343,10 +343,10 @@ pub fn bound(value: Expr) -> Bound {
 }
 
 /// One value is kept as it is, several become a list.
-pub fn initial_list(context: &mut Context, mut values: Vec<InitialValue>, range: Range<usize>) -> InitialValue {
+pub fn initial_list(state: &mut State, mut values: Vec<InitialValue>, range: Range<usize>) -> InitialValue {
     if matches!(values.as_slice(), [InitialValue { kind: InitialKind::Default, .. }]) {
-        let span = context.span(range.start, range.end);
-        context.report(
+        let span = state.span(range.clone());
+        state.report(
             Diagnostic::new(Code::DeclarationSyntax, span, "the value is missing after `:=`")
                 .label("a constant is expected here")
                 .help("write a constant, or omit `:=`"),
@@ -356,19 +356,19 @@ pub fn initial_list(context: &mut Context, mut values: Vec<InitialValue>, range:
         Some(value) if values.is_empty() => value,
         last => {
             values.extend(last);
-            InitialValue { kind: InitialKind::List(values), span: context.span(range.start, range.end) }
+            InitialValue { kind: InitialKind::List(values), span: state.span(range) }
         }
     }
 }
 
 /// `6 (0)`, `3 (1, 2)`.
-pub fn repeated(context: &mut Context, count: Literal, values: Vec<InitialValue>, range: Range<usize>) -> InitialKind {
-    let span = context.span(range.start, range.end);
+pub fn repeated(state: &mut State, count: Literal, values: Vec<InitialValue>, range: Range<usize>) -> InitialKind {
+    let span = state.span(range);
     let count = match count {
         Literal::Integer { value: count @ 1..=65_536, .. } => count as i64,
         Literal::Typed { ty, bits: bits @ 1..=65_536 } if ty.is_integer() => bits as i64,
         _ => {
-            context.report(
+            state.report(
                 Diagnostic::new(Code::DeclarationSyntax, span, "the repetition factor is not a number of elements")
                     .label("the number before `(` is how often the values are repeated")
                     .help("write e.g. `6 (0)`: a whole number from 1 to 65536 before the parenthesis"),
@@ -381,7 +381,7 @@ pub fn repeated(context: &mut Context, count: Literal, values: Vec<InitialValue>
 
 /// `a.b[3] := 5` after BEGIN of a data block.
 pub fn value_assignment(
-    context: &mut Context,
+    state: &mut State,
     target: Expr,
     value: InitialValue,
     range: Range<usize>,
@@ -403,7 +403,7 @@ pub fn value_assignment(
             }
             ExprKind::Error => return None,
             _ => {
-                context.report(
+                state.report(
                     Diagnostic::new(
                         Code::Syntax,
                         node.span,
@@ -417,5 +417,5 @@ pub fn value_assignment(
         }
     };
     parts.reverse();
-    Some(ValueAssignment { target: Path { root, parts, span }, value, span: context.span(range.start, range.end) })
+    Some(ValueAssignment { target: Path { root, parts, span }, value, span: state.span(range) })
 }

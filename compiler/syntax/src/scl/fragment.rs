@@ -35,7 +35,7 @@ fn scanned(
     pragmas: bool,
 ) -> (Vec<Statement>, Vec<Diagnostic>) {
     raw.shift(range.start as u32);
-    let parsed = super::parse_raw(file, text, raw, pragmas);
+    let parsed = super::parse_raw(file, text, &raw, pragmas);
     let mut found = Vec::new();
     for block in parsed.blocks {
         if let Block::Code(block) = block
@@ -54,7 +54,7 @@ fn scanned(
 pub fn blocks(
     file: FileId,
     text: &str,
-    raw: raw::RawText,
+    raw: &raw::RawText,
     pragmas: bool,
 ) -> (Vec<Block>, Vec<Pragma>, Vec<Diagnostic>) {
     let parsed = super::parse_raw(file, text, raw, pragmas);

@@ -2,61 +2,63 @@
 
 use plcc_diag::{Code, Diagnostic};
 
-use super::context::{Context, Place};
+use super::ast::Dialect;
 use super::token::{Spanned, Tok};
+use crate::front::{ParseState, Place};
 
-/// The message for the token at byte `found`, recovered at `place`.
-pub fn syntax_error(context: &Context, found: usize, place: Place) -> Diagnostic {
-    let index = context.tokens.partition_point(|(start, ..)| *start < found);
-    let at = context.tokens.get(index);
-    let before = index.checked_sub(1).and_then(|before| context.tokens.get(before));
-    let (code, what, help) = match place {
-        Place::Block => (
-            Code::BlockFrame,
-            "block",
-            "a block is: keyword and name, header, declarations, `BEGIN`, statements, end keyword",
-        ),
-        Place::Declaration => (Code::DeclarationSyntax, "declaration", declaration_help(at, before)),
-        Place::Constant => (
-            Code::DeclarationSyntax,
-            "constant",
-            "write `name : type := value;`, in a classic CONST section `name := value;`",
-        ),
-        Place::Labels => (Code::DeclarationSyntax, "list of labels", "write `LABEL first, second; END_LABEL`"),
-        Place::Assignment => (Code::Syntax, "assignment", "write `component := constant;`, e.g. `a.b[3] := 5;`"),
-        Place::Statement => (Code::Syntax, "statement", statement_help(at, before)),
-        Place::Condition => (Code::Syntax, "expression", expression_help(at, before)),
-        Place::For => (Code::Syntax, "head of the loop", "write `FOR i := first TO last BY step DO`"),
-        Place::CaseValue => {
-            (Code::Syntax, "value of CASE", "values are constants: `1:`, `2, 5..7:`, or names of constants")
-        }
-        Place::Argument => (
-            Code::Syntax,
-            "argument",
-            "write `name := value` for inputs and `name => variable` for outputs, separated by `,`",
-        ),
-    };
-    message(context, at, before, code, what).help(help)
+/// State of a parse of SCL, with the dialect of the file.
+pub type State<'a> = ParseState<'a, Tok<'a>, Dialect>;
+
+/// Where a syntax error was recovered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Recovery {
+    Block,
+    Declaration,
+    Constant,
+    Labels,
+    Assignment,
+    Statement,
+    Condition,
+    For,
+    CaseValue,
+    Argument,
 }
 
-/// `… cannot follow … in this …`, at the token, or after the last one if the statement ends too early.
-fn message(context: &Context, at: Option<&Spanned>, before: Option<&Spanned>, code: Code, what: &str) -> Diagnostic {
-    match at {
-        Some((start, token, end)) if start < end && !ends(token) => {
-            let text = &context.text[*start..*end];
-            let title = match before {
-                Some((b_start, b_token, b_end)) if b_start < b_end && !ends(b_token) && !begins(b_token) => {
-                    format!("`{text}` cannot follow `{}` in this {what}", &context.text[*b_start..*b_end])
-                }
-                _ => format!("`{text}` cannot begin this {what}"),
-            };
-            Diagnostic::new(code, context.span(*start, *end), title).label("not expected here")
-        }
-        _ => {
-            let (start, end) = before.map_or((0, 0), |(start, _, end)| (*start, *end));
-            Diagnostic::new(code, context.span(start, end), format!("this {what} is not complete"))
-                .label("something is missing after this")
-        }
+impl Place<Tok<'_>, Dialect> for Recovery {
+    fn message(self, state: &State, found: usize) -> Diagnostic {
+        let index = state.index_of(found);
+        let at = state.tokens.get(index);
+        let before = index.checked_sub(1).and_then(|before| state.tokens.get(before));
+        let (code, what, help) = match self {
+            Recovery::Block => (
+                Code::BlockFrame,
+                "block",
+                "a block is: keyword and name, header, declarations, `BEGIN`, statements, end keyword",
+            ),
+            Recovery::Declaration => (Code::DeclarationSyntax, "declaration", declaration_help(at, before)),
+            Recovery::Constant => (
+                Code::DeclarationSyntax,
+                "constant",
+                "write `name : type := value;`, in a classic CONST section `name := value;`",
+            ),
+            Recovery::Labels => (Code::DeclarationSyntax, "list of labels", "write `LABEL first, second; END_LABEL`"),
+            Recovery::Assignment => (Code::Syntax, "assignment", "write `component := constant;`, e.g. `a.b[3] := 5;`"),
+            Recovery::Statement => (Code::Syntax, "statement", statement_help(at, before)),
+            Recovery::Condition => (Code::Syntax, "expression", expression_help(at, before)),
+            Recovery::For => (Code::Syntax, "head of the loop", "write `FOR i := first TO last BY step DO`"),
+            Recovery::CaseValue => {
+                (Code::Syntax, "value of CASE", "values are constants: `1:`, `2, 5..7:`, or names of constants")
+            }
+            Recovery::Argument => (
+                Code::Syntax,
+                "argument",
+                "write `name := value` for inputs and `name => variable` for outputs, separated by `,`",
+            ),
+        };
+        let range = |(start, _, end): &Spanned| *start..*end;
+        let here = at.filter(|(start, token, end)| start < end && !ends(token));
+        let follows = before.filter(|(start, token, end)| start < end && !ends(token) && !begins(token));
+        state.misplaced(code, what, here.map(range), follows.map(range), before.map_or(0..0, range)).help(help)
     }
 }
 

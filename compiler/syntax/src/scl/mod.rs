@@ -9,9 +9,7 @@ mod actions;
 pub mod address;
 pub mod ast;
 mod classify;
-mod context;
 mod dialect;
-pub mod extent;
 pub mod fragment;
 pub mod keyword;
 pub mod literal;
@@ -27,13 +25,11 @@ mod grammar {
     include!(concat!(env!("OUT_DIR"), "/scl/scl.rs"));
 }
 
-use std::fmt::Write as _;
-
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
+use crate::ParseOptions;
 use crate::ast::{Block, Pragma, SourceUnit};
-use crate::comment::CommentForm;
-use crate::{ParseOptions, frame};
+use crate::front::{self, CommentForm, ParseState, Place};
 
 pub use outline::{Outline, outline};
 
@@ -44,7 +40,7 @@ pub use address::{absolute, area_word, db_address, db_area_word};
 pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, Vec<Diagnostic>) {
     let raw = raw::scan(text);
     let looks = looks_like_scl(text, &raw);
-    let Parsed { blocks, pragmas, diagnostics } = parse_raw(file, text, raw, options.pragmas);
+    let Parsed { blocks, pragmas, diagnostics } = parse_raw(file, text, &raw, options.pragmas);
     let mnemonics = options.mnemonics.unwrap_or_default();
     if !looks && let Some(wrong) = diagnostics.iter().find(|diagnostic| diagnostic.code == Code::Syntax) {
         let span = wrong.primary.span;
@@ -63,40 +59,27 @@ struct Parsed {
     diagnostics: Vec<Diagnostic>,
 }
 
-fn parse_raw(file: FileId, text: &str, raw: raw::RawText, obey_pragmas: bool) -> Parsed {
-    let dialect = dialect::of(text, &raw);
+fn parse_raw(file: FileId, text: &str, raw: &raw::RawText, obey_pragmas: bool) -> Parsed {
+    let dialect = dialect::of(text, raw);
     let mut diagnostics = Vec::new();
-    report_comments(file, &raw, &mut diagnostics);
-    region::check(file, &raw, &mut diagnostics);
+    report_comments(file, raw, &mut diagnostics);
+    region::check(file, raw, &mut diagnostics);
     let classified = classify::classify(file, text, raw, obey_pragmas);
-    diagnostics.extend(classified.diagnostics);
-    let mut reported: Vec<u32> = diagnostics
-        .iter()
-        .filter(|diagnostic| diagnostic.is_error())
-        .map(|diagnostic| diagnostic.primary.span.start)
-        .collect();
-    reported.sort_unstable();
-    let mut context = context::Context {
-        file,
-        text,
-        tokens: &classified.tokens,
-        comments: &classified.comments,
-        diagnostics: Vec::new(),
-        reported,
-        dialect,
-    };
-    let tokens = classified.tokens.iter().map(|(start, token, end)| Ok::<_, ()>((*start, token.clone(), *end)));
-    let blocks = match grammar::UnitParser::new().parse(&mut context, tokens) {
+    diagnostics.extend_from_slice(&classified.diagnostics);
+    let mut state = ParseState::new(file, text, &classified.tokens, dialect)
+        .with_comments(&raw.comments)
+        .after(diagnostics.iter().filter(|diagnostic| diagnostic.is_error()));
+    let blocks = match grammar::UnitParser::new().parse(&mut state, classified.stream()) {
         Ok(blocks) => blocks,
         Err(error) => {
-            if diagnostics.is_empty() && context.diagnostics.is_empty() {
-                let at = frame::error_range(&error).map_or(text.len(), |(start, _)| start);
-                context.report(messages::syntax_error(&context, at, context::Place::Block));
+            if diagnostics.is_empty() && state.diagnostics.is_empty() {
+                let at = front::error_range(&error).map_or(text.len(), |(start, _)| start);
+                state.report(messages::Recovery::Block.message(&state, at));
             }
             Vec::new()
         }
     };
-    diagnostics.append(&mut context.diagnostics);
+    diagnostics.append(&mut state.diagnostics);
     diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
     Parsed { blocks, pragmas: classified.pragmas, diagnostics }
 }
@@ -121,10 +104,8 @@ fn report_comments(file: FileId, raw: &raw::RawText, diagnostics: &mut Vec<Diagn
                     .help("write `(* … *)`, or begin each line of it with `//`")
             }
             CommentForm::Unterminated => {
-                let span = Span { file, start: comment.start, end: comment.start + 2 };
-                Diagnostic::new(Code::UnterminatedText, span, "the comment is not closed")
-                    .label("begins here")
-                    .help("close it with `*)`; each `(*` inside needs its own `*)`")
+                let help = "close it with `*)`; each `(*` inside needs its own `*)`";
+                front::unclosed_comment(file, comment.start, "begins here", help)
             }
         };
         diagnostics.push(diagnostic);
@@ -133,15 +114,6 @@ fn report_comments(file: FileId, raw: &raw::RawText, diagnostics: &mut Vec<Diagn
 
 /// The tokens of a source as the grammar sees them, one per line, for `--emit tokens`.
 pub fn tokens_text(text: &str, options: &ParseOptions) -> String {
-    let classified = classify::classify(FileId::default(), text, raw::scan(text), options.pragmas);
-    let mut out = String::new();
-    let (mut line, mut counted) = (1usize, 0usize);
-    for (start, token, _) in &classified.tokens {
-        if *start >= counted {
-            line += text[counted..*start].bytes().filter(|byte| *byte == b'\n').count();
-            counted = *start;
-        }
-        writeln!(out, "{line}: {token:?}").expect("a String takes all text");
-    }
-    out
+    let classified = classify::classify(FileId::default(), text, &raw::scan(text), options.pragmas);
+    front::tokens_text(text, &classified.tokens)
 }

@@ -3,13 +3,10 @@
 //! Typed constants are one token (`T#2h_1m`, `P#DB11.DBX 20.0 INT 10`), and so are addresses with a point (`I0.0`, `%DB1.DBX1.0`).
 //! Line ends, blanks and REGION lines are not tokens. Comments are in a separate list, by position.
 
-use std::ops::Range;
-
 use logos::{Lexer, Logos};
 
-use super::extent;
 use super::keyword::Keyword;
-use crate::comment::{Comment, CommentForm};
+use crate::front::{self, Comment, CommentForm, Kind, Role, extent};
 
 /// What a raw token is.
 #[derive(Logos, Clone, Copy, Debug, PartialEq, Eq)]
@@ -153,23 +150,25 @@ pub struct Iec {
     pub nested_comments: bool,
 }
 
-/// A raw token; `start..end` are bytes of the text.
-#[derive(Clone, Copy, Debug)]
-pub struct RawToken {
-    pub kind: RawKind,
-    pub start: u32,
-    pub end: u32,
-    /// There is a line end between this token and the one before, or it is the first one.
-    pub first_on_line: bool,
-    /// Of a word that is not after a point.
-    pub keyword: Option<Keyword>,
-}
+impl Kind for RawKind {
+    const STRAY: RawKind = RawKind::Stray;
+    const BRACKETS: [RawKind; 4] =
+        [RawKind::LeftParen, RawKind::RightParen, RawKind::LeftBracket, RawKind::RightBracket];
 
-impl RawToken {
-    pub fn range(&self) -> Range<usize> {
-        self.start as usize..self.end as usize
+    fn role(self) -> Role {
+        match self {
+            RawKind::Newline => Role::LineEnd,
+            RawKind::Comment => Role::Comment(CommentForm::Line),
+            RawKind::BlockComment => Role::Comment(CommentForm::Block),
+            RawKind::SlashComment => Role::Comment(CommentForm::Slash),
+            RawKind::UnterminatedComment => Role::Comment(CommentForm::Unterminated),
+            _ => Role::Token,
+        }
     }
 }
+
+/// The keyword is that of a word which is not after a point.
+pub type RawToken = front::RawToken<RawKind, Option<Keyword>>;
 
 /// `REGION name`, or `END_REGION`.
 #[derive(Clone, Copy, Debug)]
@@ -194,14 +193,7 @@ pub struct RawText {
 impl RawText {
     /// Shifts all positions to where the scanned part of a text begins.
     pub fn shift(&mut self, by: u32) {
-        for token in &mut self.tokens {
-            token.start += by;
-            token.end += by;
-        }
-        for comment in &mut self.comments {
-            comment.start += by;
-            comment.end += by;
-        }
+        front::shift(&mut self.tokens, &mut self.comments, by);
         for region in &mut self.regions {
             region.start += by;
             region.end += by;
@@ -233,50 +225,24 @@ pub fn scan_iec(text: &str, rules: Iec) -> RawText {
 }
 
 fn tokens(text: &str, past: Past) -> RawText {
-    let mut out = RawText { tokens: Vec::with_capacity(text.len() / 4), ..RawText::default() };
-    let mut first_on_line = true;
     let iec = past.iec;
-    let mut lexer = RawKind::lexer_with_extras(text, past);
-    while let Some(kind) = lexer.next() {
-        let (start, end) = (lexer.span().start as u32, lexer.span().end as u32);
-        let mut comment = |form| out.comments.push(Comment { start, end, own_line: first_on_line, form });
-        match kind.unwrap_or(RawKind::Stray) {
-            RawKind::Newline => first_on_line = true,
-            RawKind::Comment => comment(CommentForm::Line),
-            kind @ (RawKind::BlockComment | RawKind::SlashComment | RawKind::UnterminatedComment) => {
-                comment(match kind {
-                    RawKind::BlockComment => CommentForm::Block,
-                    RawKind::SlashComment => CommentForm::Slash,
-                    _ => CommentForm::Unterminated,
-                });
-                first_on_line |= lexer.slice().contains('\n');
-            }
-            kind @ (RawKind::Region | RawKind::EndRegion) => {
-                let token = out.tokens.len() as u32;
-                out.regions.push(Region { start, end, opens: kind == RawKind::Region, token });
-            }
-            RawKind::Stray
-                if let Some(before) = out.tokens.last_mut()
-                    && before.kind == RawKind::Stray
-                    && before.end == start
-                    && !first_on_line =>
-            {
-                before.end = end;
-            }
-            kind => {
-                let member = out.tokens.last().is_some_and(|before| before.kind == RawKind::Dot);
-                let keyword = if kind == RawKind::Word && !member { Keyword::from_word(lexer.slice()) } else { None };
-                let keyword = keyword.filter(|keyword| !iec || keyword.is_iec());
-                if let Some(keyword) = keyword {
-                    let head = &mut lexer.extras.head;
-                    *head = keyword.begins_block() || *head && !leaves_head(keyword);
-                }
-                out.tokens.push(RawToken { kind, start, end, first_on_line, keyword });
-                first_on_line = false;
-            }
+    let mut regions = Vec::new();
+    let raw = front::scan(RawKind::lexer_with_extras(text, past), |lexer, kind, tokens: &[RawToken]| {
+        if matches!(kind, RawKind::Region | RawKind::EndRegion) {
+            let (start, end) = (lexer.span().start as u32, lexer.span().end as u32);
+            regions.push(Region { start, end, opens: kind == RawKind::Region, token: tokens.len() as u32 });
+            return None;
         }
-    }
-    out
+        let member = tokens.last().is_some_and(|before| before.kind == RawKind::Dot);
+        let keyword = if kind == RawKind::Word && !member { Keyword::from_word(lexer.slice()) } else { None };
+        let keyword = keyword.filter(|keyword| !iec || keyword.is_iec());
+        if let Some(keyword) = keyword {
+            let head = &mut lexer.extras.head;
+            *head = keyword.begins_block() || *head && !leaves_head(keyword);
+        }
+        Some(keyword)
+    });
+    RawText { tokens: raw.tokens, comments: raw.comments, regions, iec: false }
 }
 
 fn leaves_head(keyword: Keyword) -> bool {
@@ -321,28 +287,11 @@ fn block_comment(lexer: &mut Lexer<RawKind>) -> RawKind {
 }
 
 fn multilingual_comment(lexer: &mut Lexer<RawKind>) -> RawKind {
-    up_to(lexer, "*/)", RawKind::BlockComment)
+    if front::skip_through(lexer, "*/)") { RawKind::BlockComment } else { RawKind::UnterminatedComment }
 }
 
 fn slash_comment(lexer: &mut Lexer<RawKind>) -> RawKind {
-    up_to(lexer, "*/", RawKind::SlashComment)
-}
-
-fn up_to(lexer: &mut Lexer<RawKind>, end: &str, kind: RawKind) -> RawKind {
-    match lexer.remainder().find(end) {
-        Some(at) => {
-            lexer.bump(at + end.len());
-            kind
-        }
-        None => {
-            lexer.bump(lexer.remainder().len());
-            RawKind::UnterminatedComment
-        }
-    }
-}
-
-fn byte_before(lexer: &Lexer<RawKind>) -> Option<u8> {
-    lexer.source().as_bytes()[..lexer.span().start].last().copied()
+    if front::skip_through(lexer, "*/") { RawKind::SlashComment } else { RawKind::UnterminatedComment }
 }
 
 /// A word may begin a constant (`T#`), an address with a point (`M10.0`), a title or a region.
@@ -357,7 +306,7 @@ fn word(lexer: &mut Lexer<RawKind>) -> RawKind {
     if lexer.extras.iec {
         return RawKind::Word;
     }
-    let member = byte_before(lexer) == Some(b'.');
+    let member = front::after_point(lexer);
     if let Some(length) = extent::bit_number(slice, rest, member) {
         lexer.bump(length);
         return RawKind::Absolute;
@@ -391,7 +340,7 @@ fn word(lexer: &mut Lexer<RawKind>) -> RawKind {
 fn percent(lexer: &mut Lexer<RawKind>) -> RawKind {
     let slice = &lexer.slice()[1..];
     let letters = slice.trim_end_matches(|c: char| c.is_ascii_digit());
-    if lexer.extras.iec && byte_before(lexer) != Some(b'.') {
+    if lexer.extras.iec && !front::after_point(lexer) {
         lexer.bump(extent::directly_represented(lexer.remainder()));
         return RawKind::Absolute;
     }
@@ -422,7 +371,5 @@ fn quoted(lexer: &mut Lexer<RawKind>) {
 
 /// Consumes up to the closing quote.
 fn text(lexer: &mut Lexer<RawKind>) -> RawKind {
-    let (length, closed) = extent::text(lexer.remainder());
-    lexer.bump(length);
-    if closed { RawKind::Text } else { RawKind::UnterminatedText }
+    if front::skip_text(lexer) { RawKind::Text } else { RawKind::UnterminatedText }
 }

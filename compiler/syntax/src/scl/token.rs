@@ -1,6 +1,7 @@
 //! Tokens as the grammar sees them: frames and structured statements are balanced, each token says what it means where it is.
 
 use crate::ast::{BlockPrefix, OperandKind, Pragma, Retain, SectionKind, Width};
+use crate::front::{self, Brackets};
 use crate::scl::ast::{AssignOp, BinaryOp, Literal};
 
 pub use crate::stl::token::{CodeKeyword, HeaderField, HeaderFlag};
@@ -117,5 +118,9 @@ pub enum Tok<'a> {
     RightBracket,
 }
 
+impl Brackets for Tok<'_> {
+    const BRACKETS: [Self; 4] = [Tok::LeftParen, Tok::RightParen, Tok::LeftBracket, Tok::RightBracket];
+}
+
 /// A token with its bytes in the text.
-pub type Spanned<'a> = (usize, Tok<'a>, usize);
+pub type Spanned<'a> = front::Spanned<Tok<'a>>;

@@ -5,9 +5,9 @@ use std::ops::Range;
 use plcc_diag::{Code, Diagnostic, Span};
 
 use crate::ast::*;
-use crate::frame::{self, HeaderPart};
+use crate::front::frame::{self, HeaderPart};
 use crate::literal::Literal;
-use crate::stl::context::Context;
+use crate::stl::messages::State;
 use crate::stl::token::CodeKeyword;
 use crate::stl::{StlInsn, check};
 
@@ -40,7 +40,7 @@ pub struct Address {
 }
 
 pub fn code_block(
-    context: &mut Context,
+    state: &mut State,
     keyword: CodeKeyword,
     name: BlockName,
     return_type: Option<TypeRef>,
@@ -48,8 +48,8 @@ pub fn code_block(
     body: Option<Body>,
     range: Range<usize>,
 ) -> Option<Block> {
-    let (kind, wrong_letters) = frame::code_kind(keyword, &name, context.text);
-    wrong_letters.into_iter().for_each(|message| context.report(message));
+    let (kind, wrong_letters) = frame::code_kind(keyword, &name, state.text);
+    wrong_letters.into_iter().for_each(|message| state.report(message));
     let body_start = body.as_ref().map_or(range.end, |body| body.start);
     let mut sections = Vec::new();
     let mut header_parts = Vec::new();
@@ -61,9 +61,9 @@ pub fn code_block(
         }
     }
     let header_end = sections.first().map_or(body_start, |section: &Section| section.span.start as usize);
-    let header = header(context, header_parts, range.start..header_end);
+    let header = header(state, header_parts, range.start..header_end);
     let return_type = return_type.filter(|ty| ty.kind != TypeKind::Named("VOID".to_owned()));
-    let span = context.span(range.start, range.end);
+    let span = state.span(range);
     let networks = body.map_or_else(Vec::new, |body| body.networks);
     Some(Block::Code(CodeBlock {
         kind,
@@ -77,22 +77,12 @@ pub fn code_block(
     }))
 }
 
-pub fn implied_ob(context: &mut Context, networks: Vec<Network>, range: Range<usize>) -> Block {
-    let start = context.span(range.start, range.start);
-    Block::Code(CodeBlock {
-        kind: CodeKind::Ob,
-        name: BlockName::Numbered { prefix: BlockPrefix::Ob, number: 1, span: start },
-        return_type: None,
-        header: Header::default(),
-        sections: Vec::new(),
-        constants: Vec::new(),
-        code: crate::ast::Code::Stl(networks),
-        span: context.span(range.start, range.end),
-    })
+pub fn implied_ob(state: &mut State, networks: Vec<Network>, range: Range<usize>) -> Block {
+    frame::implied_ob(crate::ast::Code::Stl(networks), state.span(range))
 }
 
 pub fn data_block(
-    context: &mut Context,
+    state: &mut State,
     name: BlockName,
     parts: Vec<Part>,
     values: Option<Vec<Option<ValueAssignment>>>,
@@ -101,25 +91,25 @@ pub fn data_block(
     if let BlockName::Numbered { prefix, number, span } = &name
         && *prefix != BlockPrefix::Db
     {
-        context.report(frame::wrong_letters(*span, "DATA_BLOCK", "DB", *number, context.text));
+        state.report(frame::wrong_letters(*span, "DATA_BLOCK", "DB", *number, state.text));
     }
-    let (header, content) = data_parts(context, parts, range.clone());
+    let (header, content) = data_parts(state, parts, range.clone());
     let values = values.into_iter().flatten().flatten().collect();
-    Block::Data(DataBlock { name, header, content, values, span: context.span(range.start, range.end) })
+    Block::Data(DataBlock { name, header, content, values, span: state.span(range) })
 }
 
-pub fn type_block(context: &mut Context, name: BlockName, parts: Vec<Part>, range: Range<usize>) -> Block {
+pub fn type_block(state: &mut State, name: BlockName, parts: Vec<Part>, range: Range<usize>) -> Block {
     if let BlockName::Numbered { prefix, number, span } = &name
         && *prefix != BlockPrefix::Udt
     {
-        context.report(frame::wrong_letters(*span, "TYPE", "UDT", *number, context.text));
+        state.report(frame::wrong_letters(*span, "TYPE", "UDT", *number, state.text));
     }
-    let span = context.span(range.start, range.end);
-    let (header, content) = data_parts(context, parts, range);
+    let span = state.span(range.clone());
+    let (header, content) = data_parts(state, parts, range);
     let members = match content {
         DataContent::Struct(members) => members,
         DataContent::OfType(_) | DataContent::Array(..) | DataContent::Empty => {
-            context.report(
+            state.report(
                 Diagnostic::new(Code::DeclarationSyntax, name.span(), "the data type has no structure")
                     .label("it declares nothing")
                     .help("write `STRUCT … END_STRUCT;` between the header and `END_TYPE`"),
@@ -130,7 +120,7 @@ pub fn type_block(context: &mut Context, name: BlockName, parts: Vec<Part>, rang
     Block::Type(TypeBlock { name, header, members, alias: None, span })
 }
 
-fn data_parts(context: &mut Context, parts: Vec<Part>, range: Range<usize>) -> (Header, DataContent) {
+fn data_parts(state: &mut State, parts: Vec<Part>, range: Range<usize>) -> (Header, DataContent) {
     let mut header_parts = Vec::new();
     let mut content = DataContent::Empty;
     let mut header_end = range.end;
@@ -157,23 +147,23 @@ fn data_parts(context: &mut Context, parts: Vec<Part>, range: Range<usize>) -> (
             }
         }
     }
-    (header(context, header_parts, range.start..header_end), content)
+    (header(state, header_parts, range.start..header_end), content)
 }
 
-fn header(context: &Context, parts: Vec<HeaderPart>, range: Range<usize>) -> Header {
-    frame::header(context.comment_lines(range), parts)
+fn header(state: &State, parts: Vec<HeaderPart>, range: Range<usize>) -> Header {
+    frame::header(state.comment_lines(range), parts)
 }
 
 /// The variables of one declaration; the comment after it belongs to each variable.
 pub fn variables(
-    context: &Context,
+    state: &State,
     names: Vec<DeclaredName>,
     at: Option<(String, Span)>,
     ty: TypeRef,
     initial: Option<Option<InitialValue>>,
     end: usize,
 ) -> Vec<Variable> {
-    let comment = context.comment_after(end);
+    let comment = state.comment_after(end);
     let initial = initial.flatten();
     names
         .into_iter()
@@ -190,14 +180,14 @@ pub fn variables(
 }
 
 /// A bound, length or index: a whole number.
-pub fn bound(context: &mut Context, value: Literal, range: Range<usize>) -> Bound {
-    let span = context.span(range.start, range.end);
+pub fn bound(state: &mut State, value: Literal, range: Range<usize>) -> Bound {
+    let span = state.span(range);
     let number = match value {
         Literal::Int(number) => number,
         Literal::Dint(number) => number.into(),
         Literal::Bits { value, .. } => value.into(),
         _ => {
-            context.report(
+            state.report(
                 Diagnostic::new(Code::DeclarationSyntax, span, "a whole number is expected here")
                     .label("not a whole number")
                     .help("bounds, lengths and indices are decimal numbers, e.g. `[1..10]`"),
@@ -209,7 +199,7 @@ pub fn bound(context: &mut Context, value: Literal, range: Range<usize>) -> Boun
 }
 
 /// One value is kept as it is, several become a list; `None`: all were reported.
-pub fn initial_list(context: &Context, values: Vec<Option<InitialValue>>, range: Range<usize>) -> Option<InitialValue> {
+pub fn initial_list(state: &State, values: Vec<Option<InitialValue>>, range: Range<usize>) -> Option<InitialValue> {
     let bad = values.iter().any(Option::is_none);
     let mut values: Vec<InitialValue> = values.into_iter().flatten().collect();
     if bad {
@@ -218,25 +208,25 @@ pub fn initial_list(context: &Context, values: Vec<Option<InitialValue>>, range:
     if values.len() == 1 {
         return values.pop();
     }
-    Some(InitialValue { kind: InitialKind::List(values), span: context.span(range.start, range.end) })
+    Some(InitialValue { kind: InitialKind::List(values), span: state.span(range) })
 }
 
-pub fn initial_literal(context: &Context, value: Literal, range: Range<usize>) -> InitialValue {
-    InitialValue { kind: InitialKind::Literal(value), span: context.span(range.start, range.end) }
+pub fn initial_literal(state: &State, value: Literal, range: Range<usize>) -> InitialValue {
+    InitialValue { kind: InitialKind::Literal(value), span: state.span(range) }
 }
 
 /// `6 (0)`.
 pub fn repeated(
-    context: &mut Context,
+    state: &mut State,
     count: Literal,
     values: Vec<Option<InitialValue>>,
     range: Range<usize>,
 ) -> Option<InitialValue> {
-    let span = context.span(range.start, range.end);
+    let span = state.span(range);
     let count = match count {
         Literal::Int(count @ 1..=65_536) => count,
         _ => {
-            context.report(
+            state.report(
                 Diagnostic::new(Code::DeclarationSyntax, span, "the repetition factor is not a number of elements")
                     .label("the number before `(` is how often the values are repeated")
                     .help("write e.g. `6 (0)`: a whole number from 1 to 65536 before the parenthesis"),
@@ -255,34 +245,34 @@ pub fn repeated(
 
 /// The networks of a block: statements before the first NETWORK form a separate network.
 pub fn networks(
-    context: &Context,
+    state: &State,
     title: Option<&str>,
     statements: Vec<Statement>,
     mut networks: Vec<Network>,
     head: Range<usize>,
 ) -> Vec<Network> {
     if title.is_some() || !statements.is_empty() {
-        networks.insert(0, network(context, title, statements, head));
+        networks.insert(0, network(state, title, statements, head));
     }
     networks
 }
 
-pub fn network(context: &Context, title: Option<&str>, statements: Vec<Statement>, head: Range<usize>) -> Network {
-    Network { title: title.map(str::to_owned), comment: context.comment_lines(head), statements }
+pub fn network(state: &State, title: Option<&str>, statements: Vec<Statement>, head: Range<usize>) -> Network {
+    Network { title: title.map(str::to_owned), comment: state.comment_lines(head), statements }
 }
 
 /// An instruction with a suitable operand; otherwise it is reported and becomes an error node.
 pub fn instruction(
-    context: &mut Context,
+    state: &mut State,
     insn: StlInsn,
     mnemonic: Range<usize>,
     operand: Option<Operand>,
 ) -> StatementKind {
-    let mnemonic_span = context.span(mnemonic.start, mnemonic.end);
+    let mnemonic_span = state.span(mnemonic.start..mnemonic.end);
     let operand_is_bad = operand.as_ref().is_some_and(|operand| operand.kind == OperandKind::Error);
-    match check::operand(context.text, insn, mnemonic_span, operand.as_ref()) {
+    match check::operand(state.text, insn, mnemonic_span, operand.as_ref()) {
         Some(diagnostic) => {
-            context.report(diagnostic);
+            state.report(diagnostic);
             StatementKind::Error
         }
         None if operand_is_bad => StatementKind::Error,
@@ -291,16 +281,16 @@ pub fn instruction(
 }
 
 pub fn call(
-    context: &mut Context,
+    state: &mut State,
     keyword: Range<usize>,
     target: Operand,
     instance: Option<Operand>,
     parameters: Vec<Parameter>,
 ) -> StatementKind {
-    let keyword = context.span(keyword.start, keyword.end);
-    match check::call(context.text, keyword, &target, instance.as_ref()) {
+    let keyword = state.span(keyword.start..keyword.end);
+    match check::call(state.text, keyword, &target, instance.as_ref()) {
         Some(diagnostic) => {
-            context.report(diagnostic);
+            state.report(diagnostic);
             StatementKind::Error
         }
         None => StatementKind::Call(Call { target, instance, parameters }),
@@ -308,17 +298,17 @@ pub fn call(
 }
 
 /// An operand; an address that does not fit its area letters is reported.
-pub fn operand(context: &mut Context, kind: OperandKind, range: Range<usize>) -> Operand {
-    let span = context.span(range.start, range.end);
+pub fn operand(state: &mut State, kind: OperandKind, range: Range<usize>) -> Operand {
+    let span = state.span(range);
     let bad = match &kind {
         OperandKind::Absolute { width, byte, bit, .. } | OperandKind::DbAbsolute { width, byte, bit, .. } => {
-            check::address(context.text, span, *width, *byte, *bit)
+            check::address(state.text, span, *width, *byte, *bit)
         }
         _ => None,
     };
     match bad {
         Some(diagnostic) => {
-            context.report(diagnostic);
+            state.report(diagnostic);
             Operand { kind: OperandKind::Error, span }
         }
         None => Operand { kind: without_no_bit(kind), span },
@@ -355,7 +345,7 @@ pub fn register_indirect(area: Option<Area>, width: Width, offset: Option<(Addre
 
 /// `AR1,P#4.3`.
 pub fn register_offset(
-    context: &mut Context,
+    state: &mut State,
     register: AddressRegister,
     offset: Literal,
     range: Range<usize>,
@@ -363,8 +353,8 @@ pub fn register_offset(
     match offset {
         Literal::Pointer(bits) if bits < 4096 * 8 => Some((register, bits)),
         _ => {
-            let span = context.span(range.start, range.end);
-            context.report(
+            let span = state.span(range);
+            state.report(
                 Diagnostic::new(Code::OperandKind, span, "an offset to an address register is written as `P#byte.bit`")
                     .label("not an offset from P#0.0 to P#4095.7")
                     .help("write e.g. `[AR1,P#0.0]`"),

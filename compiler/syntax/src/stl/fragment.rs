@@ -9,13 +9,14 @@ use plcc_diag::{Diagnostic, FileId};
 use super::mnemonics::Detected;
 use super::{Mnemonics, raw};
 use crate::ast::{Block, Statement};
+use crate::front;
 
 /// The statements in a part of a text. `pragmas`: assertions are read.
 pub fn statements(file: FileId, text: &str, range: Range<usize>, pragmas: bool) -> (Vec<Statement>, Vec<Diagnostic>) {
     let mut raw = raw::scan(text.get(range.clone()).unwrap_or_default());
-    raw.shift(range.start as u32);
+    front::shift(&mut raw.tokens, &mut raw.comments, range.start as u32);
     let detected = Detected { set: Mnemonics::En, first: [None, None] };
-    let parsed = super::parse_raw(file, text, raw, &detected, pragmas, Vec::new());
+    let parsed = super::parse_raw(file, text, &raw, &detected, pragmas, Vec::new());
     let mut found = Vec::new();
     for block in parsed.blocks {
         if let Block::Code(block) = block {

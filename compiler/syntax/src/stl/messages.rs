@@ -1,95 +1,96 @@
 //! Syntax errors in terms that users know.
 
+use std::ops::Range;
+
 use plcc_diag::{Code, Diagnostic};
 
-use crate::stl::context::{Context, Place};
+use crate::front::{ParseState, Place};
 use crate::stl::token::{Spanned, Tok};
 use crate::stl::{Mnemonics, mnemonics};
 
-/// The message for the token at byte `found`, recovered at `place`.
-pub fn syntax_error(context: &Context, found: usize, place: Place) -> Diagnostic {
-    let index = context.tokens.partition_point(|(start, ..)| *start < found);
-    // Tokens without width come before those that begin at the same byte.
-    let at = context.tokens.get(index);
-    let before = index.checked_sub(1).and_then(|before| context.tokens.get(before));
-    match place {
-        Place::Statement => statement_error(context, index, at, before),
-        Place::Parameter => parameter_error(context, at, before),
-        Place::Declaration => declaration_error(context, at, before),
-        Place::Assignment => assignment_error(context, at, before),
-        Place::Attribute => message(context, at, before, Code::DeclarationSyntax, "attribute")
-            .help("write attributes as `{ name := 'value'; name := 'value' }`"),
-        Place::Block => message(context, at, before, Code::BlockFrame, "block")
-            .help("a block is: keyword and name, header, declarations, `BEGIN`, statements, end keyword"),
+/// State of a parse of STL, with the mnemonic set of the file.
+pub type State<'a> = ParseState<'a, Tok<'a>, Mnemonics>;
+
+/// Where a syntax error was recovered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Recovery {
+    Block,
+    Attribute,
+    Declaration,
+    Assignment,
+    Statement,
+    Parameter,
+}
+
+impl Place<Tok<'_>, Mnemonics> for Recovery {
+    fn message(self, state: &State, found: usize) -> Diagnostic {
+        let index = state.index_of(found);
+        let at = state.tokens.get(index);
+        let before = index.checked_sub(1).and_then(|before| state.tokens.get(before));
+        match self {
+            Recovery::Statement => statement_error(state, index, at, before),
+            Recovery::Parameter => parameter_error(state, at, before),
+            Recovery::Declaration => declaration_error(state, at, before),
+            Recovery::Assignment => assignment_error(state, at, before),
+            Recovery::Attribute => message(state, at, before, Code::DeclarationSyntax, "attribute")
+                .help("write attributes as `{ name := 'value'; name := 'value' }`"),
+            Recovery::Block => message(state, at, before, Code::BlockFrame, "block")
+                .help("a block is: keyword and name, header, declarations, `BEGIN`, statements, end keyword"),
+        }
     }
 }
 
 /// `… cannot follow … in this …`, at the token, or after the last one if the line ends too early.
-fn message(context: &Context, at: Option<&Spanned>, before: Option<&Spanned>, code: Code, what: &str) -> Diagnostic {
-    match at {
-        Some((start, token, end)) if start < end && !ends(token) => {
-            let (start, end) = phrase(context, *start, *end);
-            let text = &context.text[start..end];
-            let title = match before {
-                Some((b_start, b_token, b_end)) if b_start < b_end && !ends(b_token) && !begins(b_token) => {
-                    let (b_start, b_end) = phrase(context, *b_start, *b_end);
-                    format!("`{text}` cannot follow `{}` in this {what}", &context.text[b_start..b_end])
-                }
-                _ => format!("`{text}` cannot begin this {what}"),
-            };
-            Diagnostic::new(code, context.span(start, end), title).label("not expected here")
-        }
-        _ => {
-            let (start, end) = before.map_or((0, 0), |(start, _, end)| phrase(context, *start, *end));
-            Diagnostic::new(code, context.span(start, end), format!("this {what} is not complete"))
-                .label("something is missing after this")
-        }
-    }
+fn message(state: &State, at: Option<&Spanned>, before: Option<&Spanned>, code: Code, what: &str) -> Diagnostic {
+    let phrase = |(start, _, end): &Spanned| phrase(state, *start, *end);
+    let here = at.filter(|(start, token, end)| start < end && !ends(token));
+    let follows = before.filter(|(start, token, end)| start < end && !ends(token) && !begins(token));
+    state.misplaced(code, what, here.map(phrase), follows.map(phrase), before.map_or(0..0, phrase))
 }
 
 /// The bytes of a token, with the letters or the number that complete its address: `MW` and `10`.
-fn phrase(context: &Context, start: usize, end: usize) -> (usize, usize) {
-    let index = context.tokens.partition_point(|(token_start, ..)| *token_start < start);
+fn phrase(state: &State, start: usize, end: usize) -> Range<usize> {
+    let index = state.index_of(start);
     let letters = |token: Option<&Spanned>| {
         token.filter(|(_, token, _)| matches!(token, Tok::Area(..) | Tok::Cell(_))).map(|(start, ..)| *start)
     };
     let number = |token: Option<&Spanned>| {
         token.filter(|(_, token, _)| matches!(token, Tok::Address(_) | Tok::BitAddress(..))).map(|(.., end)| *end)
     };
-    let before = index.checked_sub(1).and_then(|before| context.tokens.get(before));
-    match (context.tokens.get(index), context.tokens.get(index + 1)) {
-        (at, _) if number(at).is_some() => (letters(before).unwrap_or(start), end),
-        (at, next) if letters(at).is_some() => (start, number(next).unwrap_or(end)),
-        _ => (start, end),
+    let before = index.checked_sub(1).and_then(|before| state.tokens.get(before));
+    match (state.tokens.get(index), state.tokens.get(index + 1)) {
+        (at, _) if number(at).is_some() => letters(before).unwrap_or(start)..end,
+        (at, next) if letters(at).is_some() => start..number(next).unwrap_or(end),
+        _ => start..end,
     }
 }
 
 /// Letters that name an area only in the other mnemonic set.
-fn foreign_letters(context: &Context, at: Option<&Spanned>, before: Option<&Spanned>) -> Option<String> {
+fn foreign_letters(state: &State, at: Option<&Spanned>, before: Option<&Spanned>) -> Option<String> {
     let (Some((_, Tok::Literal(_), end)), Some((start, Tok::Name(name), _))) = (at, before) else { return None };
     let letters = mnemonics::Upper::new(name);
-    let (area, width) = mnemonics::area(letters.as_str(), Some(mnemonics::other(context.set)))?;
-    let own = mnemonics::letters(area, width, context.set)?;
-    let number = &context.text[start + name.len()..*end];
-    Some(format!("write `{own}{number}`: the file has {} mnemonics", set_name(context.set)))
+    let (area, width) = mnemonics::area(letters.as_str(), Some(mnemonics::other(state.rules)))?;
+    let own = mnemonics::letters(area, width, state.rules)?;
+    let number = &state.text[start + name.len()..*end];
+    Some(format!("write `{own}{number}`: the file has {} mnemonics", set_name(state.rules)))
 }
 
 /// What to write for `1,5`, `M 1.O`, `[AR1]` or `[AR3,P#0.0]`.
-fn slip(context: &Context, index: usize, before: Option<&Spanned>) -> Option<String> {
+fn slip(state: &State, index: usize, before: Option<&Spanned>) -> Option<String> {
     let (_, before_token, before_end) = before?;
-    let (start, token, _) = context.tokens.get(index)?;
-    let next = context.tokens.get(index + 1);
+    let (start, token, _) = state.tokens.get(index)?;
+    let next = state.tokens.get(index + 1);
     match (before_token, token, next.map(|(_, token, _)| token)) {
         (Tok::Literal(_), Tok::Comma, Some(Tok::Literal(_))) => {
             let (b_start, ..) = before?;
             let (_, _, end) = next?;
-            let number = context.text[*b_start..*end].replace(',', ".");
+            let number = state.text[*b_start..*end].replace(',', ".");
             Some(format!("fractions have a point: write `{number}`"))
         }
         (Tok::Address(_), Tok::Dot, Some(Tok::Name(name))) if name.eq_ignore_ascii_case("o") && before_end == start => {
             let (b_start, _, b_end) = before?;
-            let (b_start, b_end) = phrase(context, *b_start, *b_end);
-            Some(format!("write the digit 0 in place of the letter O: `{}.0`", &context.text[b_start..b_end]))
+            let number = &state.text[phrase(state, *b_start, *b_end)];
+            Some(format!("write the digit 0 in place of the letter O: `{number}.0`"))
         }
         (Tok::Register(_), Tok::RightBracket, _) => Some("the offset is missing: write e.g. `[AR1,P#0.0]`".to_owned()),
         (Tok::Name(name), Tok::Comma, _)
@@ -120,61 +121,53 @@ fn begins(token: &Tok) -> bool {
     )
 }
 
-fn statement_error(context: &Context, index: usize, at: Option<&Spanned>, before: Option<&Spanned>) -> Diagnostic {
+fn statement_error(state: &State, index: usize, at: Option<&Spanned>, before: Option<&Spanned>) -> Diagnostic {
     let incomplete = at.is_none_or(|(start, token, end)| start == end || ends(token));
     match before.map(|(_, token, _)| token) {
         Some(Tok::Area(_, width)) if incomplete => {
             let example = if width.bits() == 1 { "0.0" } else { "10" };
             let (start, _, end) = before.expect("it has an area token");
-            let text = &context.text[*start..*end];
-            return Diagnostic::new(
-                Code::MissingOperand,
-                context.span(*start, *end),
-                format!("`{text}` has no address"),
-            )
-            .label("a number is missing after this")
-            .help(format!("write e.g. `{text} {example}`; a local variable is written `#{text}`"));
+            let text = &state.text[*start..*end];
+            return Diagnostic::new(Code::MissingOperand, state.span(*start..*end), format!("`{text}` has no address"))
+                .label("a number is missing after this")
+                .help(format!("write e.g. `{text} {example}`; a local variable is written `#{text}`"));
         }
         Some(Tok::Cell(_)) if incomplete => {
             let (start, _, end) = before.expect("it has a cell token");
-            let text = &context.text[*start..*end];
-            return Diagnostic::new(
-                Code::MissingOperand,
-                context.span(*start, *end),
-                format!("`{text}` has no number"),
-            )
-            .label("a number is missing after this")
-            .help(format!("write e.g. `{text} 5`; a local variable is written `#{text}`"));
+            let text = &state.text[*start..*end];
+            return Diagnostic::new(Code::MissingOperand, state.span(*start..*end), format!("`{text}` has no number"))
+                .label("a number is missing after this")
+                .help(format!("write e.g. `{text} 5`; a local variable is written `#{text}`"));
         }
         Some(Tok::Call) if incomplete => {
-            return message(context, at, before, Code::MissingOperand, "call")
+            return message(state, at, before, Code::MissingOperand, "call")
                 .help("write e.g. `CALL FC 1`, `CALL FB 1, DB 1` or `CALL \"Motor\"`");
         }
         _ => {}
     }
-    if let Some(help) = foreign_letters(context, at, before).or_else(|| slip(context, index, before)) {
-        return message(context, at, before, Code::Syntax, "statement").help(help);
+    if let Some(help) = foreign_letters(state, at, before).or_else(|| slip(state, index, before)) {
+        return message(state, at, before, Code::Syntax, "statement").help(help);
     }
-    let start = context.tokens[..index].iter().rposition(|(_, token, _)| ends(token)).map_or(0, |end| end + 1);
-    let first = context.tokens[start..index].iter().find(|(_, token, _)| !begins(token));
+    let start = state.tokens[..index].iter().rposition(|(_, token, _)| ends(token)).map_or(0, |end| end + 1);
+    let first = state.tokens[start..index].iter().find(|(_, token, _)| !begins(token));
     let help = match first.map(|(_, token, _)| token) {
         Some(Tok::Call) => {
             "write `CALL block, instance ( name := operand, … )`, or each `name := operand` on a separate line"
                 .to_owned()
         }
-        Some(Tok::Insn(insn)) => format!("`{}` takes {}", insn.mnemonic(context.set), operand_phrase(insn.operand())),
-        Some(Tok::Jump(insn)) => format!("`{}` takes a label", insn.mnemonic(context.set)),
+        Some(Tok::Insn(insn)) => format!("`{}` takes {}", insn.mnemonic(state.rules), operand_phrase(insn.operand())),
+        Some(Tok::Jump(insn)) => format!("`{}` takes a label", insn.mnemonic(state.rules)),
         _ => "a statement is: label `:`, mnemonic, operand, and `;` or the end of the line".to_owned(),
     };
-    message(context, at, before, Code::Syntax, "statement").help(help)
+    message(state, at, before, Code::Syntax, "statement").help(help)
 }
 
-fn parameter_error(context: &Context, at: Option<&Spanned>, before: Option<&Spanned>) -> Diagnostic {
-    message(context, at, before, Code::Syntax, "parameter list")
+fn parameter_error(state: &State, at: Option<&Spanned>, before: Option<&Spanned>) -> Diagnostic {
+    message(state, at, before, Code::Syntax, "parameter list")
         .help("write `name := operand` for each parameter, separated by `,`")
 }
 
-fn declaration_error(context: &Context, at: Option<&Spanned>, before: Option<&Spanned>) -> Diagnostic {
+fn declaration_error(state: &State, at: Option<&Spanned>, before: Option<&Spanned>) -> Diagnostic {
     let help = match before.map(|(_, token, _)| token) {
         Some(Tok::Name(_)) if !matches!(at, Some((_, Tok::Colon, _))) => {
             "write `:` between name and data type, e.g. `speed : INT;`"
@@ -183,11 +176,11 @@ fn declaration_error(context: &Context, at: Option<&Spanned>, before: Option<&Sp
         Some(Tok::Array | Tok::DotDot) => "an array is written `ARRAY [1..10] OF INT`",
         _ => "write `name : type := value;`, e.g. `speed : INT := 5;`",
     };
-    message(context, at, before, Code::DeclarationSyntax, "declaration").help(help)
+    message(state, at, before, Code::DeclarationSyntax, "declaration").help(help)
 }
 
-fn assignment_error(context: &Context, at: Option<&Spanned>, before: Option<&Spanned>) -> Diagnostic {
-    message(context, at, before, Code::Syntax, "assignment").help("write `component := constant;`, e.g. `a.b[3] := 5;`")
+fn assignment_error(state: &State, at: Option<&Spanned>, before: Option<&Spanned>) -> Diagnostic {
+    message(state, at, before, Code::Syntax, "assignment").help("write `component := constant;`, e.g. `a.b[3] := 5;`")
 }
 
 /// What an instruction accepts, for help texts.

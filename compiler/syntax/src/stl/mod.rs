@@ -9,7 +9,6 @@ mod actions;
 mod block_check;
 mod check;
 mod classify;
-mod context;
 pub mod fragment;
 pub mod instructions;
 mod messages;
@@ -25,13 +24,11 @@ mod grammar {
     include!(concat!(env!("OUT_DIR"), "/stl/stl.rs"));
 }
 
-use std::fmt::Write as _;
-
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
+use crate::ParseOptions;
 use crate::ast::{Block, Pragma, SourceUnit};
-use crate::comment::CommentForm;
-use crate::{ParseOptions, frame};
+use crate::front::{self, CommentForm, ParseState, Place};
 
 pub use instructions::{Mnemonics, OperandClass, StlInsn};
 pub use reference::reference;
@@ -56,7 +53,7 @@ pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, V
     let mut diagnostics = Vec::new();
     report_comments(file, &raw, &mut diagnostics);
     report_mixture(file, text, &detected, options, &mut diagnostics);
-    let Parsed { blocks, pragmas, diagnostics } = parse_raw(file, text, raw, &detected, options.pragmas, diagnostics);
+    let Parsed { blocks, pragmas, diagnostics } = parse_raw(file, text, &raw, &detected, options.pragmas, diagnostics);
     (SourceUnit { mnemonics: detected.set, blocks, pragmas, ..SourceUnit::default() }, diagnostics)
 }
 
@@ -71,30 +68,28 @@ struct Parsed {
 fn parse_raw(
     file: FileId,
     text: &str,
-    raw: raw::RawText,
+    raw: &raw::RawText,
     detected: &mnemonics::Detected,
     obey_pragmas: bool,
     mut diagnostics: Vec<Diagnostic>,
 ) -> Parsed {
     let classified = classify::classify(file, text, raw, detected, obey_pragmas);
-    diagnostics.extend(classified.diagnostics);
-    let mut context = context::Context::new(file, text, &classified.tokens);
-    context.comments = &classified.comments;
-    context.set = detected.set;
-    context.reported = diagnostics.iter().map(|diagnostic| diagnostic.primary.span.start).collect();
-    context.reported.sort_unstable();
-    let tokens = classified.tokens.iter().map(|(start, token, end)| Ok::<_, ()>((*start, token.clone(), *end)));
-    let blocks = match grammar::UnitParser::new().parse(&mut context, tokens) {
+    let mut state = ParseState::new(file, text, &classified.tokens, detected.set)
+        .with_comments(&raw.comments)
+        .after(diagnostics.iter().chain(&classified.diagnostics));
+    let blocks = match grammar::UnitParser::new().parse(&mut state, classified.stream()) {
         Ok(blocks) => blocks,
         Err(error) => {
-            if diagnostics.is_empty() && context.diagnostics.is_empty() {
-                let at = frame::error_range(&error).map_or(text.len(), |(start, _)| start);
-                context.report(messages::syntax_error(&context, at, context::Place::Block));
+            if diagnostics.is_empty() && classified.diagnostics.is_empty() && state.diagnostics.is_empty() {
+                let at = front::error_range(&error).map_or(text.len(), |(start, _)| start);
+                state.report(messages::Recovery::Block.message(&state, at));
             }
             Vec::new()
         }
     };
-    diagnostics.append(&mut context.diagnostics);
+    let mut found = state.diagnostics;
+    diagnostics.extend(classified.diagnostics);
+    diagnostics.append(&mut found);
     for block in &blocks {
         if let Block::Code(block) = block {
             block_check::check(text, block, &mut diagnostics);
@@ -145,22 +140,22 @@ fn refuse(file: FileId, text: &str, raw: &raw::RawText) -> Option<Diagnostic> {
 }
 
 fn report_comments(file: FileId, raw: &raw::RawText, diagnostics: &mut Vec<Diagnostic>) {
-    for comment in raw.comments.iter().filter(|comment| comment.form == CommentForm::Block) {
-        if raw.unterminated_comment == Some(comment.start) {
-            let span = Span { file, start: comment.start, end: comment.start + 2 };
-            diagnostics.push(
-                Diagnostic::new(Code::UnterminatedText, span, "the comment is not closed")
-                    .label("begins here, and includes the rest of the file")
-                    .help("close it with `*)`, or begin each line of it with `//`"),
-            );
-            continue;
-        }
-        let span = Span { file, start: comment.start, end: comment.end };
-        diagnostics.push(
-            Diagnostic::new(Code::BlockComment, span, "STL has no comments in `(* *)`")
-                .label("read as a comment")
-                .help("begin each line of the comment with `//`"),
-        );
+    for comment in &raw.comments {
+        diagnostics.push(match comment.form {
+            CommentForm::Line | CommentForm::Slash => continue,
+            CommentForm::Block => {
+                let span = Span { file, start: comment.start, end: comment.end };
+                Diagnostic::new(Code::BlockComment, span, "STL has no comments in `(* *)`")
+                    .label("read as a comment")
+                    .help("begin each line of the comment with `//`")
+            }
+            CommentForm::Unterminated => front::unclosed_comment(
+                file,
+                comment.start,
+                "begins here, and includes the rest of the file",
+                "close it with `*)`, or begin each line of it with `//`",
+            ),
+        });
     }
 }
 
@@ -202,15 +197,6 @@ fn report_mixture(
 pub fn tokens_text(text: &str, options: &ParseOptions) -> String {
     let raw = raw::scan(text);
     let detected = mnemonics::detect(text, &raw, options.mnemonics);
-    let classified = classify::classify(FileId::default(), text, raw, &detected, options.pragmas);
-    let mut out = String::new();
-    let (mut line, mut counted) = (1usize, 0usize);
-    for (start, token, _) in &classified.tokens {
-        if *start >= counted {
-            line += text[counted..*start].bytes().filter(|byte| *byte == b'\n').count();
-            counted = *start;
-        }
-        writeln!(out, "{line}: {token:?}").expect("a String takes all text");
-    }
-    out
+    let classified = classify::classify(FileId::default(), text, &raw, &detected, options.pragmas);
+    front::tokens_text(text, &classified.tokens)
 }

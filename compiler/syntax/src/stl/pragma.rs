@@ -2,57 +2,26 @@
 
 use std::ops::Range;
 
-use plcc_diag::{Code, Diagnostic, FileId, Span};
+use plcc_diag::{Diagnostic, FileId, Span};
 
 use crate::assertion;
-use crate::ast::{AssertLiteral, AssertSide, Assertion, Operand, OperandKind, Pragma};
+use crate::ast::{AssertLiteral, AssertSide, Operand, OperandKind, Pragma};
+use crate::front::{self, ParseState, pragma};
 use crate::scl;
 use crate::stl::classify::classify_operand;
-use crate::stl::context::Context;
-use crate::stl::{grammar, raw};
-
-/// Whether the comment is a pragma. Lines of carets mark expected messages; the compiler ignores them.
-pub fn is_pragma(comment: &str) -> bool {
-    comment.strip_prefix("//@").is_some_and(|text| !text.trim_start().starts_with('^'))
-}
-
-/// Whether the pragma applies to the file: `cpu`, `test`.
-pub fn is_for_file(pragma: &Pragma) -> bool {
-    matches!(pragma.text.split_ascii_whitespace().next(), Some("cpu" | "test"))
-}
+use crate::stl::{Mnemonics, grammar, raw};
 
 /// Reads the pragma in the comment at `range` of the file's text.
 pub fn parse(file: FileId, source: &str, range: Range<usize>, diagnostics: &mut Vec<Diagnostic>) -> Pragma {
-    let start = range.start;
-    let comment = source[range].trim_end();
-    let text = comment.strip_prefix("//@").unwrap_or(comment).trim();
-    let span = Span::new(file, start..start + comment.len());
-    let mut pragma = Pragma { text: text.to_owned(), span, assert: None };
-    if let Some(sides) = text.strip_prefix("assert")
-        && !sides.starts_with(|c: char| c.is_alphanumeric() || c == '_')
-    {
-        let sides = start + comment.len() - sides.len()..start + comment.len();
-        pragma.assert = parse_assert(file, source, sides, span, diagnostics).map(Box::new);
+    let (mut pragma, sides) = pragma::read(file, source, range);
+    let Some(sides) = sides else { return pragma };
+    if source[sides.clone()].trim().is_empty() {
+        diagnostics.push(pragma::unreadable(pragma.span, pragma::FORM, assertion::HELP));
+        return pragma;
     }
+    let mut side = |range, diagnostics: &mut Vec<Diagnostic>| side(file, source, range, diagnostics);
+    pragma.assert = assertion::parse(file, source, sides, diagnostics, &mut side).map(Box::new);
     pragma
-}
-
-fn parse_assert(
-    file: FileId,
-    source: &str,
-    range: Range<usize>,
-    span: Span,
-    diagnostics: &mut Vec<Diagnostic>,
-) -> Option<Assertion> {
-    if source[range.clone()].trim().is_empty() {
-        diagnostics.push(
-            Diagnostic::new(Code::Pragma, span, "plcc cannot read this assertion")
-                .label("an assertion is: operand, comparison, operand")
-                .help(assertion::HELP),
-        );
-        return None;
-    }
-    assertion::parse(file, source, range, diagnostics, &mut |range, diagnostics| side(file, source, range, diagnostics))
 }
 
 /// A side of a comparison.
@@ -82,12 +51,8 @@ fn side(file: FileId, source: &str, range: Range<usize>, diagnostics: &mut Vec<D
             }
             let place = Span::new(file, range);
             diagnostics.push(match found.into_iter().next() {
-                Some(first) => Diagnostic::new(Code::Pragma, first.primary.span, first.title)
-                    .label(first.primary.text)
-                    .help(first.help.unwrap_or_else(|| assertion::HELP.to_owned())),
-                None => Diagnostic::new(Code::Pragma, place, "plcc cannot read this assertion")
-                    .label("no operand, register or constant")
-                    .help(assertion::HELP),
+                Some(first) => pragma::about_side(first, assertion::HELP),
+                None => pragma::unreadable(place, "no operand, register or constant", assertion::HELP),
             });
             None
         }
@@ -117,24 +82,21 @@ fn operand(
     range: Range<usize>,
     found: &mut Vec<Diagnostic>,
 ) -> Option<AssertSide> {
-    let (tokens, messages) = classify_operand(file, text, raw::scan(text), range.start);
-    found.extend(messages);
+    let raw = raw::scan(text);
+    let classified = classify_operand(file, text, &raw, range.start);
+    found.extend_from_slice(&classified.diagnostics);
     if !found.is_empty() {
         return None;
     }
-    let mut context = Context::new(file, source, &[]);
-    let parsed = grammar::AssertSideParser::new().parse(&mut context, tokens.into_iter().map(Ok::<_, ()>));
-    found.append(&mut context.diagnostics);
+    let mut state = ParseState::new(file, source, &[], Mnemonics::En);
+    let parsed = grammar::AssertSideParser::new().parse(&mut state, classified.stream());
+    found.append(&mut state.diagnostics);
     match parsed {
         Ok(side) => Some(side),
         Err(error) => {
-            let (start, stop) = crate::frame::error_range(&error).unwrap_or((range.start, range.end));
-            let place = if start < stop { start..stop } else { range };
-            found.push(
-                Diagnostic::new(Code::Pragma, Span::new(file, place), "plcc cannot read this assertion")
-                    .label("an assertion is: operand, comparison, operand")
-                    .help(assertion::HELP),
-            );
+            let (start, stop) = front::error_range(&error).unwrap_or((range.start, range.end));
+            let place = Span::new(file, if start < stop { start..stop } else { range });
+            found.push(pragma::unreadable(place, pragma::FORM, assertion::HELP));
             None
         }
     }

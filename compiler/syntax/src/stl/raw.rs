@@ -4,10 +4,10 @@
 //! Line ends and blanks are not tokens: each token knows whether a line end is before it. Comments are in a separate
 //! list, by position.
 
-use std::ops::Range;
-
-use crate::comment::{Comment, CommentForm};
 use logos::{Lexer, Logos};
+
+use crate::front::pointer::{self, Tail};
+use crate::front::{self, CommentForm, Kind, Role, extent};
 
 /// What a raw token is.
 #[derive(Logos, Clone, Copy, Debug, PartialEq, Eq)]
@@ -100,95 +100,33 @@ pub enum RawKind {
     Stray,
 }
 
-/// A raw token; `start..end` are bytes of the text.
-#[derive(Clone, Copy, Debug)]
-pub struct RawToken {
-    pub kind: RawKind,
-    pub start: u32,
-    pub end: u32,
-    /// There is a line end between this token and the one before, or it is the first one.
-    pub first_on_line: bool,
-}
+impl Kind for RawKind {
+    const STRAY: RawKind = RawKind::Stray;
+    const BRACKETS: [RawKind; 4] =
+        [RawKind::LeftParen, RawKind::RightParen, RawKind::LeftBracket, RawKind::RightBracket];
 
-impl RawToken {
-    pub fn range(&self) -> Range<usize> {
-        self.start as usize..self.end as usize
-    }
-}
-
-/// The tokens and comments of a text, both in its order.
-pub struct RawText {
-    pub tokens: Vec<RawToken>,
-    pub comments: Vec<Comment>,
-    /// Where a `(*` begins that is never closed.
-    pub unterminated_comment: Option<u32>,
-}
-
-impl RawText {
-    /// Shifts all positions to where the scanned part of a text begins.
-    pub fn shift(&mut self, by: u32) {
-        for token in &mut self.tokens {
-            token.start += by;
-            token.end += by;
-        }
-        for comment in &mut self.comments {
-            comment.start += by;
-            comment.end += by;
-        }
-        if let Some(start) = &mut self.unterminated_comment {
-            *start += by;
+    fn role(self) -> Role {
+        match self {
+            RawKind::Newline => Role::LineEnd,
+            RawKind::Comment => Role::Comment(CommentForm::Line),
+            RawKind::BlockComment => Role::Comment(CommentForm::Block),
+            RawKind::UnterminatedComment => Role::Comment(CommentForm::Unterminated),
+            _ => Role::Token,
         }
     }
 }
+
+pub type RawToken = front::RawToken<RawKind>;
+pub type RawText = front::RawText<RawKind>;
 
 /// Splits `text` into raw tokens. Never fails: text that is not a token becomes `Stray`.
 pub fn scan(text: &str) -> RawText {
-    let mut tokens: Vec<RawToken> = Vec::with_capacity(text.len() / 4);
-    let mut comments = Vec::new();
-    let mut unterminated_comment = None;
-    let mut first_on_line = true;
-    let mut lexer = RawKind::lexer(text);
-    while let Some(kind) = lexer.next() {
-        let (start, end) = (lexer.span().start as u32, lexer.span().end as u32);
-        match kind.unwrap_or(RawKind::Stray) {
-            RawKind::Newline => first_on_line = true,
-            RawKind::Comment => comments.push(Comment { start, end, own_line: first_on_line, form: CommentForm::Line }),
-            kind @ (RawKind::BlockComment | RawKind::UnterminatedComment) => {
-                if kind == RawKind::UnterminatedComment {
-                    unterminated_comment = Some(start);
-                }
-                comments.push(Comment { start, end, own_line: first_on_line, form: CommentForm::Block });
-                first_on_line |= lexer.slice().contains('\n');
-            }
-            RawKind::Stray
-                if let Some(before) = tokens.last_mut()
-                    && before.kind == RawKind::Stray
-                    && before.end == start
-                    && !first_on_line =>
-            {
-                before.end = end;
-            }
-            kind => {
-                tokens.push(RawToken { kind, start, end, first_on_line });
-                first_on_line = false;
-            }
-        }
-    }
-    RawText { tokens, comments, unterminated_comment }
+    front::scan(RawKind::lexer(text), |_, _, _| Some(()))
 }
 
 /// Consumes up to `*)`.
 fn block_comment(lexer: &mut Lexer<RawKind>) -> RawKind {
-    match lexer.remainder().find("*)") {
-        Some(at) => {
-            lexer.bump(at + 2);
-            RawKind::BlockComment
-        }
-        None => {
-            lexer.bump(lexer.remainder().len());
-            RawKind::UnterminatedComment
-        }
-    }
+    if front::skip_through(lexer, "*)") { RawKind::BlockComment } else { RawKind::UnterminatedComment }
 }
 
 /// A word may begin a constant (`S5T#`), or a title.
@@ -217,7 +155,7 @@ fn word(lexer: &mut Lexer<RawKind>) -> RawKind {
 fn number(lexer: &mut Lexer<RawKind>) -> RawKind {
     let rest = lexer.remainder();
     if let Some(digits) = rest.strip_prefix('#') {
-        lexer.bump(1 + word_length(digits));
+        lexer.bump(1 + extent::word(digits));
         return RawKind::Literal;
     }
     RawKind::Number
@@ -279,7 +217,7 @@ fn literal_length(form: LiteralForm, rest: &str) -> Option<usize> {
         LiteralForm::Byte if rest.trim_start_matches([' ', '\t']).starts_with('(') => {
             let open = rest.find('(').map_or(0, |at| at + 1);
             let list = rest[open..]
-                .find(|c: char| !is_word(c) && !matches!(c, ',' | ' ' | '\t' | '-'))
+                .find(|c: char| !extent::is_word(c) && !matches!(c, ',' | ' ' | '\t' | '-'))
                 .unwrap_or(rest.len() - open);
             let closed = rest[open + list..].starts_with(')');
             Some(open + list + usize::from(closed))
@@ -287,10 +225,10 @@ fn literal_length(form: LiteralForm, rest: &str) -> Option<usize> {
         LiteralForm::Byte => Some(number_length(rest)),
         LiteralForm::Duration => {
             let sign = rest.len() - rest.trim_start_matches(['-', '+']).len();
-            Some(sign + rest[sign..].find(|c: char| !is_word(c) && c != '.').unwrap_or(rest.len() - sign))
+            Some(sign + rest[sign..].find(|c: char| !extent::is_word(c) && c != '.').unwrap_or(rest.len() - sign))
         }
         LiteralForm::Date => Some(date_length(rest)),
-        LiteralForm::Pointer => pointer_length(rest),
+        LiteralForm::Pointer => pointer::length(rest, Tail::Included),
         LiteralForm::Text => {
             let line = &rest[..rest.find('\n').unwrap_or(rest.len())];
             let inner = line.strip_prefix('\'')?;
@@ -307,30 +245,22 @@ fn literal_length(form: LiteralForm, rest: &str) -> Option<usize> {
     }
 }
 
-fn is_word(c: char) -> bool {
-    c.is_alphanumeric() || c == '_'
-}
-
-fn word_length(rest: &str) -> usize {
-    rest.find(|c: char| !is_word(c)).unwrap_or(rest.len())
-}
-
 /// `16#FF`, `-7`, `1.5e+3`, `TRUE`.
 fn number_length(rest: &str) -> usize {
     let bytes = rest.as_bytes();
     let mut at = rest.len() - rest.trim_start_matches(['-', '+']).len();
-    at += word_length(&rest[at..]);
+    at += extent::word(&rest[at..]);
     if bytes.get(at) == Some(&b'#') {
         at += 1;
-        at += word_length(&rest[at..]);
+        at += extent::word(&rest[at..]);
     }
     if bytes.get(at) == Some(&b'.') && bytes.get(at + 1).is_some_and(u8::is_ascii_digit) {
         at += 1;
-        at += word_length(&rest[at..]);
+        at += extent::word(&rest[at..]);
     }
     if at > 0 && matches!(bytes[at - 1], b'e' | b'E') && matches!(bytes.get(at), Some(b'+' | b'-')) {
         at += 1;
-        at += word_length(&rest[at..]);
+        at += extent::word(&rest[at..]);
     }
     at
 }
@@ -338,7 +268,7 @@ fn number_length(rest: &str) -> usize {
 /// `1999-12-8`, `1999 - 12 - 8`, `1:10:3.3`.
 fn date_length(rest: &str) -> usize {
     let bytes = rest.as_bytes();
-    let mut end = word_length(rest);
+    let mut end = extent::word(rest);
     loop {
         let mut at = end;
         while matches!(bytes.get(at), Some(b' ' | b'\t')) {
@@ -356,53 +286,6 @@ fn date_length(rest: &str) -> usize {
         if !bytes.get(at).is_some_and(u8::is_ascii_digit) {
             return end;
         }
-        end = at + word_length(&rest[at..]);
+        end = at + extent::word(&rest[at..]);
     }
-}
-
-/// `10.3`, `M 10.0`, `DBX0.0`, `DB11.DBX 20.0 INT 10`; not `#name` and `"name"`.
-fn pointer_length(rest: &str) -> Option<usize> {
-    if rest.starts_with(['#', '"']) {
-        return None;
-    }
-    let blanks = |at: usize| at + rest[at..].len() - rest[at..].trim_start_matches([' ', '\t']).len();
-    let digits = |at: usize| at + rest[at..].len() - rest[at..].trim_start_matches(|c: char| c.is_ascii_digit()).len();
-    let letters =
-        |at: usize| at + rest[at..].len() - rest[at..].trim_start_matches(|c: char| c.is_ascii_alphabetic()).len();
-    let word = |at: usize| at + word_length(&rest[at..]);
-    let mut at = letters(0);
-    let area = &rest[..at];
-    if area.eq_ignore_ascii_case("DB") || area.eq_ignore_ascii_case("DI") {
-        let number = blanks(at);
-        let end = digits(number);
-        if end > number && rest[blanks(end)..].starts_with('.') {
-            at = letters(blanks(blanks(end) + 1));
-        }
-    } else if at == 0 && !rest.starts_with(|c: char| c.is_ascii_digit()) {
-        return Some(word(0));
-    }
-    let number = blanks(at);
-    if digits(number) == number {
-        return Some(word(at));
-    }
-    at = digits(number);
-    if rest[at..].starts_with('.') && digits(at + 1) > at + 1 {
-        at = digits(at + 1);
-    }
-    at = word(at);
-    // Data type and repetition factor of an ANY.
-    let name = blanks(at);
-    let name_end = word(name);
-    let count = blanks(name_end);
-    let count_end = digits(count);
-    let named = name > at && rest[name..].starts_with(|c: char| c.is_ascii_alphabetic());
-    if named && count > name_end && count_end > count && any_type(&rest[name..name_end]) {
-        at = word(count_end);
-    }
-    Some(at)
-}
-
-/// Whether `name` is a data type that an ANY pointer can name.
-fn any_type(name: &str) -> bool {
-    crate::literal::ANY_TYPES.iter().any(|(known, _)| known.eq_ignore_ascii_case(name))
 }

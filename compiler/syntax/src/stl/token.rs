@@ -2,6 +2,7 @@
 
 use crate::ast::{AddressRegister, AssertRegister};
 use crate::ast::{Area, BlockPrefix, CellKind, Pragma, SectionKind, SpecialRegister, StatusOperand, Width};
+use crate::front;
 use crate::literal::Literal;
 use crate::stl::StlInsn;
 
@@ -133,4 +134,4 @@ pub enum Tok<'a> {
 }
 
 /// A token with its bytes in the text.
-pub type Spanned<'a> = (usize, Tok<'a>, usize);
+pub type Spanned<'a> = front::Spanned<Tok<'a>>;

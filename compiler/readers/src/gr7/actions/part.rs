@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use plcc_diag::{Code, Diagnostic, Span};
 
-use crate::gr7::context::Context;
+use crate::gr7::messages::{self, State};
 use crate::gr7::pragma;
 use crate::gr7::token::Mark;
 use crate::gr7::tree::{Clause, Head, Item, Part};
@@ -15,7 +15,7 @@ use plcc_syntax::scl::ast::{BinaryOp, Expr, ExprKind};
 
 /// Builds a step from its parts.
 pub fn step<'a>(
-    context: &mut Context<'a>,
+    state: &mut State<'a>,
     initial: bool,
     head: Head,
     items: Vec<Item<'a>>,
@@ -31,13 +31,13 @@ pub fn step<'a>(
         maximum: None,
         warning: None,
         comment: Vec::new(),
-        span: context.span(range),
+        span: state.span(range),
     };
     for item in items {
         match item {
             Item::Comment(text) => step.comment.extend(pragma::lines(text)),
-            Item::Interlock(condition, span) => keep(context, &mut step.interlock, condition, span, "interlock"),
-            Item::Supervision(condition, span) => keep(context, &mut step.supervision, condition, span, "supervision"),
+            Item::Interlock(condition, span) => keep(state, &mut step.interlock, condition, span, "interlock"),
+            Item::Supervision(condition, span) => keep(state, &mut step.supervision, condition, span, "supervision"),
             Item::Action(action) => step.actions.push(action),
         }
     }
@@ -45,12 +45,7 @@ pub fn step<'a>(
 }
 
 /// Builds a transition from its clauses.
-pub fn transition<'a>(
-    context: &mut Context<'a>,
-    head: Head,
-    clauses: Vec<Clause<'a>>,
-    range: Range<usize>,
-) -> Part<'a> {
+pub fn transition<'a>(state: &mut State<'a>, head: Head, clauses: Vec<Clause<'a>>, range: Range<usize>) -> Part<'a> {
     let mut transition = Transition {
         name: head.name,
         number: 0,
@@ -61,7 +56,7 @@ pub fn transition<'a>(
         condition: None,
         missing: false,
         comment: Vec::new(),
-        span: context.span(range),
+        span: state.span(range),
     };
     for clause in clauses {
         match clause {
@@ -71,9 +66,7 @@ pub fn transition<'a>(
                 transition.to.extend(names);
                 transition.jump |= jump;
             }
-            Clause::Condition(condition, span) => {
-                keep(context, &mut transition.condition, condition, span, "condition")
-            }
+            Clause::Condition(condition, span) => keep(state, &mut transition.condition, condition, span, "condition"),
             Clause::Error => {}
         }
     }
@@ -81,14 +74,14 @@ pub fn transition<'a>(
 }
 
 /// Keeps the first of several conditions.
-fn keep(context: &mut Context, place: &mut Option<Condition>, condition: Option<Condition>, span: Span, what: &str) {
+fn keep(state: &mut State, place: &mut Option<Condition>, condition: Option<Condition>, span: Span, what: &str) {
     if let Some(before) = place {
         let before = match before {
             Condition::Expression(Expr { span, .. }) => *span,
             Condition::Network(network) => network.span,
             Condition::Statements(_) => span,
         };
-        return context.report(
+        return state.report(
             Diagnostic::new(Code::Syntax, span, format!("a second {what}"))
                 .label("there is already one")
                 .also(before, "the first one")
@@ -100,7 +93,7 @@ fn keep(context: &mut Context, place: &mut Option<Condition>, condition: Option<
 
 /// A row. A row that was reported is kept as an error.
 pub fn action(
-    context: &mut Context,
+    state: &mut State,
     body: Option<ActionBody>,
     mark: Option<Mark>,
     comment: Option<&str>,
@@ -110,31 +103,31 @@ pub fn action(
     let end = qualifier.end;
     let comment = match comment {
         Some(text) => Some(pragma::lines(text).join(" ")).filter(|text| !text.is_empty()),
-        None => context.comment_after(end),
+        None => messages::comment_after(state.text, state.comments, end),
     };
     let (body, mark) = match (body, mark) {
-        (Some(body), Some(mark)) if is_action(context, &body) => (body, mark),
+        (Some(body), Some(mark)) if is_action(state, &body) => (body, mark),
         _ => (ActionBody::Error, Mark { event: None, qualifier: Qualifier::N, interlock: false }),
     };
     Action {
         event: mark.event,
         qualifier: mark.qualifier,
         interlock: mark.interlock,
-        qualifier_span: context.span(qualifier),
+        qualifier_span: state.span(qualifier),
         body,
         comment,
-        span: context.span(start..end),
+        span: state.span(start..end),
     }
 }
 
 /// Whether the operand of the row is a variable; other operands are reported.
-fn is_action(context: &mut Context, body: &ActionBody) -> bool {
+fn is_action(state: &mut State, body: &ActionBody) -> bool {
     let (ActionBody::Operand(operand) | ActionBody::Value { operand, .. }) = body else { return true };
-    is_variable(context, operand, Code::ActionText)
+    is_variable(state, operand, Code::ActionText)
 }
 
 /// Whether the expression can be written to; one that is not an operand is reported.
-fn is_variable(context: &mut Context, operand: &Expr, code: Code) -> bool {
+fn is_variable(state: &mut State, operand: &Expr, code: Code) -> bool {
     let help = match &operand.kind {
         ExprKind::Name(_)
         | ExprKind::Absolute(_)
@@ -148,7 +141,7 @@ fn is_variable(context: &mut Context, operand: &Expr, code: Code) -> bool {
         ExprKind::Binary { op: BinaryOp::Equal, .. } => "a value is assigned with `:=`",
         _ => "write an address, a symbol, or a step before the qualifier, and a value after `:=`",
     };
-    context.report(
+    state.report(
         Diagnostic::new(code, operand.span, "this is not an operand").label("nothing can be written to it").help(help),
     );
     false
@@ -156,18 +149,18 @@ fn is_variable(context: &mut Context, operand: &Expr, code: Code) -> bool {
 
 /// A permanent instruction with a coil. An instruction that was reported is left out.
 pub fn permanent(
-    context: &mut Context,
+    state: &mut State,
     operand: Expr,
     coil: Option<Coil>,
     value: Expr,
     range: Range<usize>,
 ) -> Option<Permanent> {
-    let coil = coil.filter(|_| is_variable(context, &operand, Code::Syntax))?;
-    Some(Permanent { kind: PermanentKind::Coil { operand, coil, value }, span: context.span(range) })
+    let coil = coil.filter(|_| is_variable(state, &operand, Code::Syntax))?;
+    Some(Permanent { kind: PermanentKind::Coil { operand, coil, value }, span: state.span(range) })
 }
 
 /// A row that could not be read.
-pub fn no_action(context: &mut Context, range: Range<usize>) -> Action {
+pub fn no_action(state: &mut State, range: Range<usize>) -> Action {
     let (start, end) = (range.start, range.end);
-    action(context, None, None, None, start, end..end)
+    action(state, None, None, None, start, end..end)
 }

@@ -5,10 +5,8 @@ use plcc_diag::{Code, Diagnostic};
 use super::Classifier;
 use crate::gr7::lexer::{RawKind, RawToken};
 use crate::gr7::token::Tok;
+use plcc_syntax::front::{self, NESTING_MAX};
 use plcc_syntax::scl::ast::BinaryOp;
-
-/// How deep brackets and signs may be nested.
-const NESTING_MAX: usize = 200;
 
 /// Where an expression is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,12 +33,9 @@ impl<'a> Classifier<'a, '_> {
             }
             match token.kind {
                 RawKind::LeftParen | RawKind::LeftBracket => {
-                    if open.len() >= NESTING_MAX {
+                    if !self.open_bracket(token, &mut open) {
                         return self.too_deep(token, first, end);
                     }
-                    open.push(token);
-                    let paren = token.kind == RawKind::LeftParen;
-                    self.take(if paren { Tok::LeftParen } else { Tok::LeftBracket });
                     signs = 0;
                 }
                 RawKind::RightParen | RawKind::RightBracket => self.close_bracket(token, &mut open),
@@ -55,7 +50,7 @@ impl<'a> Classifier<'a, '_> {
             }
         }
         while let Some(opening) = open.pop() {
-            self.close(opening);
+            self.close_unclosed(opening);
         }
     }
 
@@ -80,51 +75,10 @@ impl<'a> Classifier<'a, '_> {
         }
     }
 
-    fn close_bracket(&mut self, token: RawToken, open: &mut Vec<RawToken>) {
-        let paren = token.kind == RawKind::RightParen;
-        let wanted = if paren { RawKind::LeftParen } else { RawKind::LeftBracket };
-        if !open.iter().any(|opening| opening.kind == wanted) {
-            let sign = self.slice(token);
-            self.report(
-                Diagnostic::new(Code::Syntax, self.span(token), format!("`{sign}` closes nothing"))
-                    .label("no bracket is open here")
-                    .help("remove it, or write the bracket that it closes"),
-            );
-            self.at += 1;
-            return;
-        }
-        while let Some(opening) = open.pop() {
-            if opening.kind == wanted {
-                break;
-            }
-            self.close(opening);
-        }
-        self.take(if paren { Tok::RightParen } else { Tok::RightBracket });
-    }
-
-    /// Reports and closes a bracket.
-    fn close(&mut self, opening: RawToken) {
-        self.unclosed(opening);
-        let paren = opening.kind == RawKind::LeftParen;
-        self.push_here(if paren { Tok::RightParen } else { Tok::RightBracket });
-    }
-
-    pub(super) fn unclosed(&mut self, opening: RawToken) {
-        let (sign, close) = if opening.kind == RawKind::LeftParen { ("(", ")") } else { ("[", "]") };
-        self.report(
-            Diagnostic::new(Code::Syntax, self.span(opening), format!("`{sign}` is not closed"))
-                .label("opened here")
-                .help(format!("write `{close}` where it ends")),
-        );
-    }
-
     /// Brackets that are nested too deeply for code that walks the tree: the expression becomes an error.
     fn too_deep(&mut self, token: RawToken, first: usize, end: usize) {
-        self.report(
-            Diagnostic::new(Code::Syntax, self.span(token), "brackets or signs are nested too deeply")
-                .label(format!("more than {NESTING_MAX} of them"))
-                .help("store a part of the expression in a memory bit"),
-        );
+        let message = front::too_deep(self.span(token), "memory bit");
+        self.report(message);
         self.out.truncate(first);
         self.out.push((token.start as usize, Tok::Bad, token.end as usize));
         self.at = end;
@@ -204,22 +158,11 @@ impl<'a> Classifier<'a, '_> {
     fn stray(&mut self, token: RawToken) {
         let (span, slice) = (self.span(token), self.slice(token));
         let diagnostic = match token.kind {
-            RawKind::UnterminatedText => {
-                Diagnostic::new(Code::UnterminatedText, span, "the text is not closed on its line")
-                    .label("begins here")
-                    .help("close it with `'`; write a quote inside as `$'`")
-            }
-            RawKind::UnterminatedQuoted => {
-                Diagnostic::new(Code::UnterminatedText, span, "the name is not closed on its line")
-                    .label("begins here")
-                    .help("close it with `\"`")
-            }
+            RawKind::UnterminatedText => front::unterminated_text(span),
+            RawKind::UnterminatedQuoted => front::unterminated_name(span, "name"),
             RawKind::Stray => {
-                let c = slice.chars().next().unwrap_or(' ');
-                let title = format!("`{}` cannot be part of a chart", c.escape_debug());
-                Diagnostic::new(Code::UnexpectedCharacter, span, title)
-                    .label("not a character of GRAPH outside comments")
-                    .help("remove it, or put it into a comment `(* … *)`")
+                let help = "remove it, or put it into a comment `(* … *)`";
+                front::stray_characters(span, slice, "chart", "GRAPH outside comments", help)
             }
             _ => Diagnostic::new(Code::Syntax, span, format!("`{slice}` cannot stand here"))
                 .label("not expected")

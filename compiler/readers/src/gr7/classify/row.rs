@@ -188,7 +188,8 @@ impl<'a> Classifier<'a, '_> {
             && !token.first_on_line
             && pragma::tag(self.slice(token)) == Some(Tag::Comment)
         {
-            self.take(Tok::Comment(pragma::body(self.slice(token))));
+            let body = pragma::body(self.slice(token));
+            self.take(Tok::Comment(body));
         }
     }
 

@@ -8,7 +8,7 @@ use roxmltree::Node;
 use super::Sfc;
 use crate::plcopen::interface::elements;
 use crate::plcopen::objects::{lines, position};
-use plcc_syntax::chart::fold::{Branch, BranchKind, Drawing, Line, Node as End};
+use plcc_syntax::chart::connect::{Branch, BranchKind, Drawing, Line, Node as End};
 use plcc_syntax::distance;
 
 /// The elements of a chart.

@@ -1,6 +1,6 @@
 //! SFC bodies as charts of GRAPH.
 //!
-//! - `drawing`: steps, transitions and branches with the lines between them, as [`chart::fold`](mod@fold) expects them.
+//! - `drawing`: steps, transitions and branches with the lines between them, as [`chart::connect`](mod@connect) expects them.
 //! - `condition`: the conditions of transitions.
 //! - `action`: the actions of steps.
 //!
@@ -23,7 +23,7 @@ use drawing::Plan;
 use plcc_syntax::chart::ast::{
     ActionBody, Body as Chart, Condition, Dialect, Interface, Permanent, Settings, Step, Transition,
 };
-use plcc_syntax::chart::fold::{Folded, fold};
+use plcc_syntax::chart::connect::{Connection, connect};
 use plcc_syntax::network::ast::Language;
 use plcc_syntax::scl::ast::{Expr, Name, NameForm, Statement, StatementKind};
 
@@ -42,8 +42,8 @@ pub fn read<'a>(reader: &mut Reader<'a>, body: &mut Body, pou: Node<'a, 'a>, con
     sfc.read_named(pou);
     let mut steps = sfc.steps(&plan.steps, &names);
     sfc.actions(content, &plan, &mut steps);
-    let folded = fold(&plan.drawing, &mut sfc.reader.messages);
-    let transitions = sfc.transitions(&plan, &names, folded);
+    let connections = connect(&plan.drawing, &mut sfc.reader.messages);
+    let transitions = sfc.transitions(&plan, &names, connections);
     sfc.idle_networks();
     let settings =
         Settings { interface: Some(Interface::UserDefined), acknowledge: Some(false), ..Settings::default() };
@@ -132,7 +132,7 @@ impl<'a> Sfc<'_, 'a, '_> {
         nodes.iter().enumerate().map(step).collect()
     }
 
-    fn transitions(&mut self, plan: &Plan<'a>, steps: &[Name], folded: Vec<Folded>) -> Vec<Transition> {
+    fn transitions(&mut self, plan: &Plan<'a>, steps: &[Name], connections: Vec<Connection>) -> Vec<Transition> {
         let mut networks = self.objects.iter().enumerate().filter(|(_, object)| object.kind == Kind::Condition);
         let networks: Vec<Option<usize>> = plan
             .transitions
@@ -141,7 +141,7 @@ impl<'a> Sfc<'_, 'a, '_> {
             .collect();
         let mut taken: HashSet<String> = steps.iter().map(|name| name.text.to_lowercase()).collect();
         let mut transitions = Vec::new();
-        for (at, (node, folded)) in plan.transitions.iter().zip(folded).enumerate() {
+        for (at, (node, connection)) in plan.transitions.iter().zip(connections).enumerate() {
             let span = plan.drawing.transitions[at];
             let named = |places: Vec<usize>| places.into_iter().filter_map(|at| steps.get(at).cloned()).collect();
             let mut text = format!("Trans{}", at + 1);
@@ -152,10 +152,10 @@ impl<'a> Sfc<'_, 'a, '_> {
             transitions.push(Transition {
                 name: Name { text, form: NameForm::Bare, span },
                 number: at as u32 + 1,
-                from: named(folded.from),
-                to: named(folded.to),
-                jump: folded.jump,
-                path: folded.path,
+                from: named(connection.from),
+                to: named(connection.to),
+                jump: connection.jump,
+                path: connection.path,
                 condition: self.condition(*node, networks[at], span),
                 missing: false,
                 comment: comment(*node),

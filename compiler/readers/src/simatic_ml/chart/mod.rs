@@ -1,6 +1,6 @@
 //! Blocks in GRAPH: their network is a chart.
 //!
-//! - `nodes`: steps, transitions and branches by number, and the lines between them, which [`plcc_syntax::chart::fold`] turns into FROM and TO.
+//! - `nodes`: steps, transitions and branches by number, and the lines between them, which [`plcc_syntax::chart::connect`] turns into FROM and TO.
 //! - `step`, `action`: the parts of a step.
 //! - `condition`: networks of transitions, interlocks and supervisions.
 //! - `permanent`: permanent instructions.
@@ -23,7 +23,7 @@ use super::schema;
 use crate::xml::{attribute_range, child, children, elements, head, is, text_of};
 use nodes::Nodes;
 use plcc_syntax::chart::ast::{Body, Call, Dialect, Interface, Permanent, PermanentKind, Settings, Transition};
-use plcc_syntax::chart::fold::{self, Folded};
+use plcc_syntax::chart::connect::{self, Connection};
 use plcc_syntax::scl::ast::{Name, NameForm};
 
 /// Reads the chart of a block; `block` names it in messages.
@@ -99,7 +99,7 @@ fn graph(reader: &mut Reader, source: Node, block: &str, language: &str, chart: 
     schema::check(reader, source, schema::Place::Code, &format!("`{block}`"));
     let sequences: Vec<Node> = children(source, "Sequence").collect();
     let nodes = Nodes::read(reader, &sequences, block);
-    let folded = fold::fold(&nodes.drawing, &mut reader.diagnostics);
+    let connections = connect::connect(&nodes.drawing, &mut reader.diagnostics);
     for node in elements(source) {
         match node.tag_name().name() {
             "PreOperations" => {
@@ -119,8 +119,8 @@ fn graph(reader: &mut Reader, source: Node, block: &str, language: &str, chart: 
     for (node, name) in nodes.steps.iter().zip(&nodes.step_names) {
         chart.steps.push(step::read(reader, *node, name, block, language));
     }
-    for (at, folded) in folded.iter().enumerate() {
-        chart.transitions.push(transition(reader, &nodes, at, folded, block, language));
+    for (at, connection) in connections.iter().enumerate() {
+        chart.transitions.push(transition(reader, &nodes, at, connection, block, language));
     }
 }
 
@@ -128,7 +128,7 @@ fn transition(
     reader: &mut Reader,
     nodes: &Nodes,
     at: usize,
-    folded: &Folded,
+    connection: &Connection,
     block: &str,
     language: &str,
 ) -> Transition {
@@ -139,7 +139,7 @@ fn transition(
     let steps = |places: &[usize]| -> Vec<Name> {
         places.iter().map(|step| Name { text: nodes.step_names[*step].text.clone(), ..name.clone() }).collect()
     };
-    let (from, to) = (steps(&folded.from), steps(&folded.to));
+    let (from, to) = (steps(&connection.from), steps(&connection.to));
     reader.own_step = match from.as_slice() {
         [step] => Some(step.text.clone()),
         _ => None,
@@ -164,8 +164,8 @@ fn transition(
         number: nodes::number(node, "Number").unwrap_or_default(),
         from,
         to,
-        jump: folded.jump,
-        path: folded.path.clone(),
+        jump: connection.jump,
+        path: connection.path.clone(),
         condition,
         missing,
         comment: texts(node, &["Title", "Comment"]),

@@ -8,7 +8,7 @@ use roxmltree::Node as Xml;
 use super::super::reader::Reader;
 use super::{attribute_span, is_text, name};
 use crate::xml::{child, children, elements, head, text_of};
-use plcc_syntax::chart::fold::{Branch, BranchKind, Drawing, Line, Node};
+use plcc_syntax::chart::connect::{Branch, BranchKind, Drawing, Line, Node};
 use plcc_syntax::scl::ast::Name;
 
 /// Nodes of a chart, in the order of the file. Those without a name or number are left out, which is reported.

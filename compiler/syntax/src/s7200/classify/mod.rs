@@ -9,23 +9,16 @@ use plcc_diag::{Code, Diagnostic, FileId, Span};
 use super::ast::{BlockKind, Section};
 use super::mnemonics::{self, Detected};
 use super::raw::{RawKind, RawToken};
-use super::token::{Spanned, Tok};
+use super::token::Tok;
 use super::{pragma, suggest};
-use crate::ast::Pragma;
-use crate::stl;
+use crate::front::Classified;
+use crate::front::pragma::{is_for_file, is_pragma};
 
 pub use operand::{Where, block};
 
 /// Whether `word` (upper case) numbers a block: `SBR3`.
 pub fn is_block(word: &str) -> bool {
     block(word).is_some()
-}
-
-/// The tokens of a file, its pragmas, and what was wrong with its words.
-pub struct Classified<'a> {
-    pub tokens: Vec<Spanned<'a>>,
-    pub pragmas: Vec<Pragma>,
-    pub diagnostics: Vec<Diagnostic>,
 }
 
 /// The kind of lines without a keyword.
@@ -46,7 +39,7 @@ pub fn classify<'a>(
     detected: &Detected,
     pragmas: bool,
     data: bool,
-) -> Classified<'a> {
+) -> Classified<Tok<'a>> {
     let mode = if data { Mode::Data } else { Mode::Code };
     let classified = Classified { tokens: Vec::new(), pragmas: Vec::new(), diagnostics: Vec::new() };
     let mut classifier =
@@ -63,7 +56,7 @@ pub fn classify_assertion<'a>(
     text: &'a str,
     tokens: &[RawToken],
     detected: &Detected,
-) -> (Vec<Spanned<'a>>, Vec<Diagnostic>) {
+) -> Classified<Tok<'a>> {
     let classified = Classified { tokens: Vec::new(), pragmas: Vec::new(), diagnostics: Vec::new() };
     let mut classifier = Classifier {
         file,
@@ -76,7 +69,7 @@ pub fn classify_assertion<'a>(
         classified,
     };
     classifier.operands(tokens);
-    (classifier.classified.tokens, classifier.classified.diagnostics)
+    classifier.classified
 }
 
 struct Classifier<'a, 'd> {
@@ -89,7 +82,7 @@ struct Classifier<'a, 'd> {
     place: Where,
     /// End of the last token.
     end: usize,
-    classified: Classified<'a>,
+    classified: Classified<Tok<'a>>,
 }
 
 impl<'a> Classifier<'a, '_> {
@@ -155,7 +148,7 @@ impl<'a> Classifier<'a, '_> {
 
     fn own_comment(&mut self, comment: RawToken) {
         let text = comment.text(self.text);
-        if !stl::pragma::is_pragma(text) {
+        if !is_pragma(text) {
             if !text.starts_with("//@") {
                 self.comment(comment);
                 self.end_line();
@@ -167,7 +160,7 @@ impl<'a> Classifier<'a, '_> {
         }
         let (pragma, assert) =
             pragma::parse(self.file, self.text, comment.range(), self.detected, &mut self.classified.diagnostics);
-        if stl::pragma::is_for_file(&pragma) {
+        if is_for_file(&pragma) {
             self.classified.pragmas.push(pragma);
         } else {
             self.push(comment.range(), Tok::Pragma(Box::new(pragma), assert));
@@ -178,15 +171,15 @@ impl<'a> Classifier<'a, '_> {
     /// `TITLE=text`: the whole rest of the line, `//` included.
     fn title(&mut self, line: &[RawToken]) -> bool {
         let (Some(first), Some(last)) = (line.first(), line.last()) else { return false };
-        let sign = line.get(1).map(|token| (token.kind, token.end));
+        let sign = line.get(1).map(|token| (token.kind, token.range().end));
         let from = match sign {
-            None => first.end,
+            None => first.range().end,
             Some((RawKind::Relation | RawKind::Assign, end)) => end,
             Some((RawKind::Colon, end)) if self.mode == Mode::Code => end,
             Some(_) => return false,
         };
-        let text = self.slice(from..last.end.max(from)).trim();
-        self.push(first.start..last.end, Tok::Title(text));
+        let text = self.slice(from..last.range().end.max(from)).trim();
+        self.push(first.range().start..last.range().end, Tok::Title(text));
         self.end_line();
         true
     }
@@ -257,9 +250,10 @@ impl<'a> Classifier<'a, '_> {
             // There is one data block, whatever its name: `DB1`, `Recipe:DB1`.
             return true;
         }
-        let rest = self.slice(first.end..last.end.max(first.end));
+        let from = first.range().end;
+        let rest = self.slice(from..last.range().end.max(from));
         let (name, number) = match rest.split_once(':') {
-            Some((name, number)) => (name, Some((number, first.end + name.len() + 1))),
+            Some((name, number)) => (name, Some((number, from + name.len() + 1))),
             None => (rest, None),
         };
         let part = |text: &'a str, at: usize| {
@@ -268,7 +262,7 @@ impl<'a> Classifier<'a, '_> {
             let trimmed = trimmed.trim_end_matches(is_blank);
             (trimmed, start..start + trimmed.len())
         };
-        let (name, range) = part(name, first.end);
+        let (name, range) = part(name, from);
         if !name.is_empty() {
             let token = self.block_name(name);
             self.push(range, token);
@@ -314,14 +308,14 @@ impl<'a> Classifier<'a, '_> {
         }
         // A title without `//`.
         if let (Some(from), Some(to)) = (rest.first(), rest.last()) {
-            let range = from.start..to.end;
+            let range = from.range().start..to.range().end;
             self.push(range.clone(), Tok::Comment(self.slice(range)));
         }
         true
     }
 
     fn declaration(&mut self, code: &[RawToken]) {
-        let start = code.first().map_or(self.end, |token| token.start);
+        let start = code.first().map_or(self.end, |token| token.range().start);
         self.push(start..start, Tok::Declaration);
         self.place = Where::Declaration;
         self.operands(code);
@@ -338,7 +332,8 @@ impl<'a> Classifier<'a, '_> {
             (RawKind::Quoted, Some(next)) => !matches!(next.kind, RawKind::Comma | RawKind::Semicolon),
             _ => false,
         };
-        self.push(first.start..first.start, Tok::Data(addressed));
+        let start = first.range().start;
+        self.push(start..start, Tok::Data(addressed));
         let (address, values) = code.split_at(usize::from(addressed));
         self.place = Where::DataAddress;
         self.operands(address);

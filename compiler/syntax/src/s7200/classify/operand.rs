@@ -69,7 +69,7 @@ impl<'a> Classifier<'a, '_> {
         if direct.area == Area::V && direct.width.is_none() && self.place != Where::DataAddress {
             return false;
         }
-        let range = letters.start..number.end;
+        let range = letters.range().start..number.range().end;
         let span = self.span(range.clone());
         self.report(
             Diagnostic::new(Code::Tolerated, span, format!("the address `{joined}` contains a blank"))
@@ -124,7 +124,7 @@ impl<'a> Classifier<'a, '_> {
                 self.constant(token, value, Tok::Characters)
             }
             RawKind::Unterminated => {
-                let span = self.span(token.start..token.start + 1);
+                let span = self.span(token.range().start..token.range().start + 1);
                 self.report(
                     Diagnostic::new(Code::UnterminatedText, span, "the text is not closed on its line")
                         .label("begins here")

@@ -2,8 +2,10 @@
 
 use plcc_diag::{Code, Diagnostic, Span};
 
+use super::Classifier;
 use super::expression::{Run, ends_operand};
-use super::{Classifier, NESTING_MAX};
+use crate::front::NESTING_MAX;
+use crate::front::pragma::is_for_file;
 use crate::scl::keyword::Keyword;
 use crate::scl::raw::{RawKind, RawToken};
 use crate::scl::token::Tok;
@@ -26,7 +28,7 @@ struct Open {
     until: bool,
 }
 
-impl<'a> Classifier<'a> {
+impl<'a> Classifier<'a, '_> {
     /// Statements up to the end of the block, which is not consumed.
     pub(super) fn code(&mut self) {
         let mut open: Vec<Open> = Vec::new();
@@ -79,7 +81,7 @@ impl<'a> Classifier<'a> {
     fn statement_pragmas(&mut self, before: u32) {
         while let Some(comment) = self.next_pragma(before) {
             let pragma = self.read_pragma(comment);
-            if crate::stl::pragma::is_for_file(&pragma) {
+            if is_for_file(&pragma) {
                 self.pragmas.push(pragma);
             } else {
                 self.push(comment.start as usize, Tok::Pragma(Box::new(pragma)), comment.end as usize);

@@ -3,13 +3,14 @@
 use plcc_diag::{Code, Diagnostic};
 
 use super::expression::Run;
-use super::{Classifier, NESTING_MAX, unquoted};
+use super::{Classifier, unquoted};
 use crate::ast::{Retain, SectionKind};
+use crate::front::NESTING_MAX;
 use crate::scl::keyword::Keyword;
 use crate::scl::raw::{RawKind, RawToken};
 use crate::scl::token::Tok;
 
-impl<'a> Classifier<'a> {
+impl<'a> Classifier<'a, '_> {
     /// A section from its keyword to its end.
     pub(super) fn section(&mut self) {
         let opening = self.raw[self.at];

@@ -2,7 +2,8 @@
 
 use plcc_diag::{Code, Diagnostic};
 
-use super::{Classifier, NESTING_MAX, unquoted};
+use super::{Classifier, unquoted};
+use crate::front::{self, NESTING_MAX};
 use crate::scl::address;
 use crate::scl::ast::{AssignOp, BinaryOp, Literal};
 use crate::scl::keyword::Keyword;
@@ -53,7 +54,7 @@ impl Run {
     }
 }
 
-impl<'a> Classifier<'a> {
+impl<'a> Classifier<'a, '_> {
     /// Takes operands and operators up to the end of `run`; the token there is not consumed.
     pub(super) fn run(&mut self, run: Run) {
         let first = self.out.len();
@@ -73,13 +74,10 @@ impl<'a> Classifier<'a> {
             }
             match token.kind {
                 RawKind::LeftParen | RawKind::LeftBracket => {
-                    if open.len() >= NESTING_MAX {
+                    if !self.open_bracket(token, &mut open) {
                         self.too_deep(run, token, first);
                         return;
                     }
-                    open.push(token);
-                    let paren = token.kind == RawKind::LeftParen;
-                    self.take(if paren { Tok::LeftParen } else { Tok::LeftBracket });
                 }
                 RawKind::RightParen | RawKind::RightBracket => {
                     if run == Run::Bound && open.is_empty() {
@@ -99,7 +97,7 @@ impl<'a> Classifier<'a> {
             }
         }
         while let Some(opening) = open.pop() {
-            self.unclosed(opening);
+            self.close_unclosed(opening);
         }
     }
 
@@ -139,47 +137,10 @@ impl<'a> Classifier<'a> {
         }
     }
 
-    fn close_bracket(&mut self, token: RawToken, open: &mut Vec<RawToken>) {
-        let paren = token.kind == RawKind::RightParen;
-        let wanted = if paren { RawKind::LeftParen } else { RawKind::LeftBracket };
-        if !open.iter().any(|opening| opening.kind == wanted) {
-            let sign = self.slice(token);
-            self.report(
-                Diagnostic::new(Code::Syntax, self.span(token), format!("`{sign}` closes nothing"))
-                    .label("no bracket is open here")
-                    .help("remove it, or write the bracket that it closes"),
-            );
-            self.at += 1;
-            return;
-        }
-        while let Some(opening) = open.pop() {
-            if opening.kind == wanted {
-                break;
-            }
-            self.unclosed(opening);
-        }
-        self.take(if paren { Tok::RightParen } else { Tok::RightBracket });
-    }
-
-    /// Reports and closes a bracket.
-    fn unclosed(&mut self, opening: RawToken) {
-        let paren = opening.kind == RawKind::LeftParen;
-        let (sign, close) = if paren { ("(", ")") } else { ("[", "]") };
-        self.report(
-            Diagnostic::new(Code::Syntax, self.span(opening), format!("`{sign}` is not closed"))
-                .label("opened here")
-                .help(format!("write `{close}` where it ends")),
-        );
-        self.push_here(if paren { Tok::RightParen } else { Tok::RightBracket });
-    }
-
     /// Brackets that are nested too deeply for code that walks the tree: the run becomes an error.
     fn too_deep(&mut self, run: Run, token: RawToken, first: usize) {
-        self.report(
-            Diagnostic::new(Code::Syntax, self.span(token), "brackets or signs are nested too deeply")
-                .label(format!("more than {NESTING_MAX} of them"))
-                .help("store a part of the expression in a variable"),
-        );
+        let message = front::too_deep(self.span(token), "variable");
+        self.report(message);
         self.out.truncate(first);
         self.push(token.start as usize, Tok::Bad, token.end as usize);
         while let Some(token) = self.peek() {
@@ -328,9 +289,7 @@ impl<'a> Classifier<'a> {
                 Tok::Literal(read.value)
             }
             Err(error) => {
-                let mut diagnostic = Diagnostic::new(error.code, self.span(token), error.title).label(error.label);
-                diagnostic.help = error.help;
-                self.report(diagnostic);
+                self.report(error.at(self.span(token)));
                 Tok::Bad
             }
         };
@@ -384,28 +343,14 @@ impl<'a> Classifier<'a> {
         let span = self.span(token);
         let slice = self.slice(token);
         let diagnostic = match token.kind {
-            RawKind::UnterminatedText => {
-                Diagnostic::new(Code::UnterminatedText, span, "the text is not closed on its line")
-                    .label("begins here")
-                    .help("close it with `'`; write a quote inside as `$'`")
-            }
-            RawKind::UnterminatedQuoted => {
-                Diagnostic::new(Code::UnterminatedText, span, "the name is not closed on its line")
-                    .label("begins here")
-                    .help("close it with `\"`")
-            }
+            RawKind::UnterminatedText => front::unterminated_text(span),
+            RawKind::UnterminatedQuoted => front::unterminated_name(span, "name"),
             RawKind::Hash => Diagnostic::new(Code::Syntax, span, "no name follows `#`")
                 .label("a name must follow immediately")
                 .help("write `#name` without a blank, or `#\"name\"`"),
             RawKind::Stray => {
-                let c = slice.chars().next().unwrap_or(' ');
-                Diagnostic::new(
-                    Code::UnexpectedCharacter,
-                    span,
-                    format!("`{}` cannot be part of a statement", c.escape_debug()),
-                )
-                .label("not a character of SCL outside texts and comments")
-                .help(stray_help(c))
+                let language = "SCL outside texts and comments";
+                front::stray_characters(span, slice, "statement", language, &front::stray_help(slice, "name"))
             }
             _ => Diagnostic::new(Code::Syntax, span, format!("`{slice}` cannot stand here"))
                 .label("not expected")
@@ -432,14 +377,4 @@ pub fn ends_operand(token: &Tok) -> bool {
             | Tok::RightParen
             | Tok::RightBracket
     )
-}
-
-fn stray_help(c: char) -> &'static str {
-    match c {
-        '‘' | '’' | '`' => "write texts in straight quotes: `'text'`",
-        '“' | '”' | '„' => "write names in straight quotes: `\"name\"`",
-        '–' | '—' | '−' => "write the sign as `-`",
-        '\\' => "comments begin with `//`",
-        _ => "remove it, or put it into a comment after `//`",
-    }
 }

@@ -4,6 +4,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 
 use super::expression::Run;
 use super::{Classifier, unquoted};
+use crate::front::frame::not_in_header;
 use crate::scl::address;
 use crate::scl::keyword::Keyword;
 use crate::scl::raw::{RawKind, RawToken};
@@ -17,7 +18,7 @@ enum Frame {
     Type,
 }
 
-impl<'a> Classifier<'a> {
+impl<'a> Classifier<'a, '_> {
     /// A block from its keyword to its end.
     pub(super) fn block(&mut self) {
         let opening = self.raw[self.at];
@@ -228,19 +229,12 @@ impl<'a> Classifier<'a> {
     fn skip_in_header(&mut self, frame: Frame) {
         let token = self.raw[self.at];
         let what = if frame == Frame::Data { "data block" } else { "data type" };
-        self.report(
-            Diagnostic::new(
-                Code::BlockFrame,
-                self.span(token),
-                format!("a {what} cannot contain `{}`", self.slice(token)),
-            )
-            .label("neither a part of the header nor a declaration")
-            .help(if frame == Frame::Data {
-                "a data block consists of `STRUCT … END_STRUCT`, VAR sections, an ARRAY, or the name of a UDT or FB, then `BEGIN` and values"
-            } else {
-                "a data type consists of `STRUCT … END_STRUCT;`"
-            }),
-        );
+        let help = if frame == Frame::Data {
+            "a data block consists of `STRUCT … END_STRUCT`, VAR sections, an ARRAY, or the name of a UDT or FB, then `BEGIN` and values"
+        } else {
+            "a data type consists of `STRUCT … END_STRUCT;`"
+        };
+        self.report(not_in_header(self.span(token), what, self.slice(token), help));
         self.at += 1;
         while let Some(token) = self.peek() {
             let ends = token.keyword.is_some_and(|word| {

@@ -5,36 +5,15 @@
 
 use plcc_diag::{Code, Diagnostic};
 
-use super::{Classifier, header, is_end_of_block, is_section, unquoted};
+use super::foreign::FOREIGN_WORDS;
+use super::{Classifier, header, is_end_of_block};
+use crate::front::pragma::is_for_file;
 use crate::stl::mnemonics::{instruction, other};
 use crate::stl::raw::{RawKind, RawToken};
 use crate::stl::token::Tok;
-use crate::stl::{OperandClass, StlInsn, messages, pragma, suggest};
+use crate::stl::{OperandClass, StlInsn};
 
-/// Words that begin statements of SCL, found in sources that are not STL.
-const FOREIGN_WORDS: &[&str] = &[
-    "IF",
-    "ELSIF",
-    "ELSE",
-    "END_IF",
-    "FOR",
-    "END_FOR",
-    "WHILE",
-    "END_WHILE",
-    "REPEAT",
-    "UNTIL",
-    "END_REPEAT",
-    "CASE",
-    "END_CASE",
-    "RETURN",
-    "GOTO",
-    "EXIT",
-    "CONTINUE",
-    "REGION",
-    "END_REGION",
-];
-
-impl<'a> Classifier<'a> {
+impl<'a> Classifier<'a, '_> {
     /// Statements up to the end of the block, another block, or the end of the file.
     pub(super) fn code(&mut self) {
         loop {
@@ -76,7 +55,7 @@ impl<'a> Classifier<'a> {
     }
 
     /// A label without an instruction is a separate statement.
-    fn end_of_label(&mut self) {
+    pub(super) fn end_of_label(&mut self) {
         if matches!(self.last(), Some(Tok::Label(_))) {
             let end = self.last_end();
             self.push(end, Tok::End, end);
@@ -84,11 +63,11 @@ impl<'a> Classifier<'a> {
     }
 
     /// `//@` lines before the current raw token.
-    fn code_pragmas(&mut self) {
+    pub(super) fn code_pragmas(&mut self) {
         let before = self.peek().map_or(u32::MAX, |token| token.start);
         while let Some(comment) = self.next_pragma(before) {
             let pragma = self.read_pragma(comment);
-            if pragma::is_for_file(&pragma) {
+            if is_for_file(&pragma) {
                 self.pragmas.push(pragma);
                 continue;
             }
@@ -97,15 +76,14 @@ impl<'a> Classifier<'a> {
         }
     }
 
-    fn label(&mut self) {
+    pub(super) fn label(&mut self) {
         self.end_of_label();
-        let name = self.slice(self.raw[self.at]);
-        self.push(self.raw[self.at].start as usize, Tok::Label(name), self.raw[self.at + 1].end as usize);
-        self.at += 2;
+        let (name, after) = (self.slice(self.raw[self.at]), self.at + 2);
+        self.take_up_to(Tok::Label(name), after);
     }
 
     /// `TITLE =` after NETWORK or BEGIN; elsewhere it is reported.
-    fn code_title(&mut self) {
+    pub(super) fn code_title(&mut self) {
         let token = self.raw[self.at];
         if matches!(self.last(), Some(Tok::Network | Tok::Begin | Tok::ImpliedOb)) {
             let text = header::title_text(self.slice(token));
@@ -122,7 +100,7 @@ impl<'a> Classifier<'a> {
     }
 
     /// `NETWORK`; listings have a number and a title on the same line.
-    fn network(&mut self) {
+    pub(super) fn network(&mut self) {
         self.end_of_label();
         self.take(Tok::Network);
         if self.same_line(RawKind::Number) {
@@ -136,22 +114,23 @@ impl<'a> Classifier<'a> {
                 }
                 if self.at > first {
                     let (start, end) = (self.raw[first].start as usize, self.last_end());
-                    self.push(colon.start as usize, Tok::Title(&self.text[start..end]), end);
+                    let title = &self.text[start..end];
+                    self.push(colon.start as usize, Tok::Title(title), end);
                 }
             }
         }
     }
 
-    fn same_line(&self, kind: RawKind) -> bool {
+    pub(super) fn same_line(&self, kind: RawKind) -> bool {
         self.peek().is_some_and(|token| !token.first_on_line && token.kind == kind)
     }
 
     /// The instruction that begins at the current token, and the number of raw tokens in its mnemonic.
-    fn mnemonic(&self) -> Option<(StlInsn, usize)> {
+    pub(super) fn mnemonic(&self) -> Option<(StlInsn, usize)> {
         self.mnemonic_at(self.at)
     }
 
-    fn mnemonic_at(&self, index: usize) -> Option<(StlInsn, usize)> {
+    pub(super) fn mnemonic_at(&self, index: usize) -> Option<(StlInsn, usize)> {
         let token = self.raw_at(index)?;
         let next = self.raw_at(index + 1).filter(|next| !next.first_on_line);
         let upper = self.upper(index);
@@ -197,12 +176,12 @@ impl<'a> Classifier<'a> {
         }
     }
 
-    fn lookup(&self, word: &str) -> Option<StlInsn> {
+    pub(super) fn lookup(&self, word: &str) -> Option<StlInsn> {
         instruction(word, self.set).or_else(|| if self.mixed { instruction(word, other(self.set)) } else { None })
     }
 
     /// A mnemonic of `count` raw tokens, and its operand.
-    fn instruction(&mut self, insn: StlInsn, count: usize) {
+    pub(super) fn instruction(&mut self, insn: StlInsn, count: usize) {
         let start = self.raw[self.at].start as usize;
         let end = self.raw[self.at + count - 1].end as usize;
         self.at += count;
@@ -225,7 +204,7 @@ impl<'a> Classifier<'a> {
     }
 
     /// Operand tokens up to the end of the statement.
-    fn operands(&mut self, class: OperandClass) {
+    pub(super) fn operands(&mut self, class: OperandClass) {
         // The label has been consumed, so a line that begins with `+ 5` is a separate statement.
         let required = class != OperandClass::Label && !class.may_be_missing();
         let first = self.out.len();
@@ -261,7 +240,7 @@ impl<'a> Classifier<'a> {
 
     /// `UC SFC 65097 { P#L 210.1, P#L 211.0 }`: how STEP 7 writes a call of a block with an unknown interface. It is a `CALL` with parameters that
     /// have no names, in the order of the interface. `insn`: the token of the instruction.
-    fn pointer_list(&mut self, insn: usize) {
+    pub(super) fn pointer_list(&mut self, insn: usize) {
         self.out[insn].1 = Tok::Call;
         let opening = self.raw[self.at];
         self.take(Tok::LeftParen);
@@ -291,7 +270,7 @@ impl<'a> Classifier<'a> {
     }
 
     /// Another statement begins on the line without `;` before it.
-    fn second_statement(&mut self, token: RawToken) {
+    pub(super) fn second_statement(&mut self, token: RawToken) {
         let word = self.slice(token);
         self.report(
             Diagnostic::new(Code::Syntax, self.span(token), format!("`;` is missing before `{word}`"))
@@ -301,7 +280,7 @@ impl<'a> Classifier<'a> {
     }
 
     /// Whether a statement begins at `index`: a label, a mnemonic with what can follow it, or CALL.
-    fn begins_statement(&self, index: usize) -> bool {
+    pub(super) fn begins_statement(&self, index: usize) -> bool {
         if matches!(self.last(), Some(Tok::Dot)) {
             return false;
         }
@@ -323,7 +302,7 @@ impl<'a> Classifier<'a> {
     }
 
     /// Whether the word at `index` ends the code or begins a network.
-    fn ends_code(&self, index: usize) -> bool {
+    pub(super) fn ends_code(&self, index: usize) -> bool {
         let upper = self.upper(index);
         let word = upper.as_str();
         let first_on_line = self.raw_at(index).is_some_and(|token| token.first_on_line);
@@ -335,7 +314,7 @@ impl<'a> Classifier<'a> {
             || first_on_line && self.block_keyword(index).is_some()
     }
 
-    fn end_statement(&mut self) {
+    pub(super) fn end_statement(&mut self) {
         if self.peek().is_some_and(|token| token.kind == RawKind::Semicolon) {
             return self.take(Tok::End);
         }
@@ -344,7 +323,7 @@ impl<'a> Classifier<'a> {
     }
 
     /// Skips to the end of a statement that has been reported.
-    fn bad_statement(&mut self) {
+    pub(super) fn bad_statement(&mut self) {
         let start = self.raw[self.at].start as usize;
         self.at += 1;
         while let Some(token) = self.peek() {
@@ -356,320 +335,5 @@ impl<'a> Classifier<'a> {
         let end = self.last_end();
         self.push(start, Tok::BadStatement, end);
         self.end_statement();
-    }
-
-    // Calls.
-
-    fn call(&mut self) {
-        self.take(Tok::Call);
-        while let Some(token) = self.peek() {
-            let after_operand = !matches!(self.last(), Some(Tok::Call | Tok::Comma | Tok::Dot | Tok::LeftBracket));
-            match token.kind {
-                RawKind::Semicolon => break,
-                RawKind::LeftParen => {
-                    self.parameters();
-                    self.after_call();
-                    break;
-                }
-                RawKind::LeftBrace if after_operand => self.call_template(),
-                RawKind::Comma => self.take(Tok::Comma),
-                _ if self.ends_code(self.at) => break,
-                _ if after_operand && self.is_parameter(self.at) => {
-                    self.parameter_lines();
-                    break;
-                }
-                _ if token.first_on_line && (after_operand || self.begins_statement(self.at)) => break,
-                RawKind::Word if after_operand && self.begins_statement(self.at) => {
-                    self.second_statement(token);
-                    break;
-                }
-                _ => self.operand_token(),
-            }
-        }
-        self.end_statement();
-    }
-
-    /// `{time_type := Time}` of newer tools: the data type for which a block of the system is called. All blocks here have
-    /// one type, so it is ignored.
-    fn call_template(&mut self) {
-        let opening = self.raw[self.at];
-        while let Some(token) = self.peek() {
-            if token.kind == RawKind::Semicolon && !self.closes_brace() || self.ends_code(self.at) {
-                break;
-            }
-            self.at += 1;
-            if token.kind == RawKind::RightBrace {
-                return;
-            }
-        }
-        self.report(
-            Diagnostic::new(Code::Syntax, self.span(opening), "the attribute list is not closed")
-                .label("begins here")
-                .help("close it with `}`"),
-        );
-    }
-
-    /// Whether a `}` follows on this line.
-    fn closes_brace(&self) -> bool {
-        self.raw[self.at + 1..]
-            .iter()
-            .take_while(|token| !token.first_on_line)
-            .any(|token| token.kind == RawKind::RightBrace)
-    }
-
-    /// The rest of the line after the `)` of a call.
-    fn after_call(&mut self) {
-        if let Some(token) = self.peek()
-            && !token.first_on_line
-            && token.kind != RawKind::Semicolon
-            && !self.ends_code(self.at)
-        {
-            self.second_statement(token);
-        }
-    }
-
-    /// Whether `name :=` is at `index`, or `name =` where it cannot be an instruction.
-    fn is_parameter(&self, index: usize) -> bool {
-        match (self.kind_at(index), self.kind_at(index + 1)) {
-            (Some(RawKind::Word | RawKind::Quoted), Some(RawKind::Assign)) => true,
-            (Some(RawKind::Word), Some(RawKind::Equal)) => {
-                let operandless = self
-                    .mnemonic_at(index)
-                    .is_some_and(|(insn, _)| matches!(insn.operand(), OperandClass::None | OperandClass::BitOrNone));
-                !operandless && !self.raw[index + 1].first_on_line
-            }
-            _ => false,
-        }
-    }
-
-    /// `name :=`.
-    fn parameter_name(&mut self) {
-        let name = unquoted(self.slice(self.raw[self.at]));
-        self.take(Tok::Name(name));
-        if self.kind_at(self.at) == Some(RawKind::Equal) {
-            self.equal_for_assign();
-        } else {
-            self.take(Tok::Assign);
-        }
-    }
-
-    /// One `name := operand` per line, up to the first line that has another form.
-    fn parameter_lines(&mut self) {
-        while let Some(first) = self.peek() {
-            if !self.is_parameter(self.at) || self.next_pragma(first.start).is_some() {
-                return;
-            }
-            self.push(first.start as usize, Tok::ParameterLine, first.start as usize);
-            self.parameter_name();
-            while let Some(token) = self.peek() {
-                if token.kind == RawKind::Semicolon || self.ends_code(self.at) {
-                    return;
-                }
-                if token.first_on_line || self.is_parameter(self.at) {
-                    break;
-                }
-                match token.kind {
-                    RawKind::Comma if self.comma_ends_line() => self.at += 1,
-                    _ => self.operand_token(),
-                }
-            }
-        }
-    }
-
-    /// Whether the current comma is the last token of its line, outside brackets.
-    fn comma_ends_line(&self) -> bool {
-        self.raw_at(self.at + 1).is_none_or(|next| next.first_on_line)
-    }
-
-    /// `( name := operand, … )`.
-    fn parameters(&mut self) {
-        let opening = self.raw[self.at];
-        self.take(Tok::LeftParen);
-        while let Some(token) = self.peek() {
-            self.pragmas_in_call(token.start);
-            let after_operand = !matches!(self.last(), Some(Tok::LeftParen | Tok::Comma | Tok::Assign));
-            match token.kind {
-                RawKind::RightParen => return self.take(Tok::RightParen),
-                RawKind::Semicolon => break,
-                _ if self.ends_code(self.at) => break,
-                _ if self.is_parameter(self.at) => {
-                    if after_operand {
-                        let end = self.last_end();
-                        if !token.first_on_line {
-                            self.report(
-                                Diagnostic::new(
-                                    Code::Syntax,
-                                    self.span(token),
-                                    "`,` is missing between two parameters",
-                                )
-                                .label("another parameter begins here")
-                                .help("separate parameters with `,`"),
-                            );
-                        }
-                        self.push(end, Tok::Comma, end);
-                    }
-                    self.parameter_name();
-                }
-                RawKind::Word if after_operand && token.first_on_line && self.begins_statement(self.at) => break,
-                _ => self.operand_token(),
-            }
-        }
-        self.report(
-            Diagnostic::new(Code::Syntax, self.span(opening), "the parameter list is not closed with `)`")
-                .label("begins here")
-                .help("write `)` after the last parameter"),
-        );
-        let end = self.last_end();
-        self.push(end, Tok::RightParen, end);
-    }
-
-    /// A pragma inside a statement cannot be executed.
-    fn pragmas_in_call(&mut self, before: u32) {
-        while let Some(comment) = self.next_pragma(before) {
-            self.next_comment += 1;
-            let span = self.span_of(comment.start as usize, comment.end as usize);
-            self.report(
-                Diagnostic::new(Code::Pragma, span, "a pragma cannot stand inside a statement")
-                    .label("the call is not ended yet")
-                    .help("write it after the call"),
-            );
-        }
-    }
-
-    // Text that is not STL.
-
-    /// Whether `name.part[1] :=` follows.
-    fn assigns_path(&self) -> bool {
-        let mut before = RawKind::Dot;
-        for index in self.at.. {
-            let Some(token) = self.raw_at(index) else { return false };
-            let first = index == self.at;
-            let fits = match token.kind {
-                RawKind::Assign => return !first,
-                RawKind::Hash => first,
-                RawKind::Word | RawKind::Quoted => {
-                    matches!(before, RawKind::Dot | RawKind::Hash | RawKind::LeftBracket | RawKind::Comma)
-                }
-                RawKind::Dot | RawKind::LeftBracket => {
-                    matches!(before, RawKind::Word | RawKind::Quoted | RawKind::RightBracket) && !first
-                }
-                RawKind::Number => matches!(before, RawKind::LeftBracket | RawKind::Comma) && !first,
-                RawKind::Comma | RawKind::RightBracket => matches!(before, RawKind::Number | RawKind::Word) && !first,
-                _ => false,
-            };
-            if !fits || !first && token.first_on_line {
-                return false;
-            }
-            before = token.kind;
-        }
-        false
-    }
-
-    /// SCL in a statement list: reported once, the rest of the block is skipped.
-    fn foreign(&mut self) {
-        let token = self.raw[self.at];
-        let assign = (self.at + 1..self.raw.len())
-            .take_while(|index| !self.raw[*index].first_on_line)
-            .find(|index| self.raw[*index].kind == RawKind::Assign);
-        let end = assign.map_or(token, |assign| self.raw[assign]).end;
-        let span = self.span_of(token.start as usize, end as usize);
-        let word = &self.text[span.range()];
-        self.report(
-            Diagnostic::new(Code::ForeignLanguage, span, format!("`{word}` begins a statement of SCL, not of STL"))
-                .label("the rest of this block is not checked")
-                .help("write the block in one language: in STL, `A`, `JC` and labels replace IF, and `L` and `T` replace `:=`"),
-        );
-        let start = token.start as usize;
-        self.end_of_label();
-        while let Some(token) = self.peek() {
-            let upper = self.upper(self.at);
-            if is_end_of_block(upper.as_str()) || token.first_on_line && self.block_keyword(self.at).is_some() {
-                break;
-            }
-            self.at += 1;
-        }
-        // Pragmas in what was skipped are not read.
-        let before = self.peek().map_or(u32::MAX, |token| token.start);
-        while self.next_pragma(before).is_some() {
-            self.next_comment += 1;
-        }
-        let end = self.last_end();
-        self.push(start, Tok::BadStatement, end);
-        self.push(end, Tok::End, end);
-    }
-
-    /// A statement that does not begin with an instruction.
-    fn no_instruction(&mut self, token: RawToken) {
-        let span = self.span(token);
-        let slice = self.slice(token);
-        let index = self.at;
-        let upper = self.upper(index);
-        match token.kind {
-            RawKind::Word if is_section(upper.as_str()) || upper.as_str() == "END_VAR" => {
-                self.report(
-                    Diagnostic::new(Code::BlockFrame, span, "declarations must come before the statements")
-                        .label("the code has begun already")
-                        .help("move the declarations between the header and `BEGIN`"),
-                );
-                self.skip_section();
-            }
-            RawKind::Word if upper.as_str() == "BEGIN" => {
-                self.report(
-                    Diagnostic::new(Code::BlockFrame, span, "`BEGIN` must come before the code")
-                        .label("no header before it")
-                        .help("write `BEGIN` once in a block, after its declarations"),
-                );
-                self.at += 1;
-            }
-            RawKind::Word => {
-                let label = self.raw_at(index + 1).is_some_and(|next| !next.first_on_line)
-                    && self.kind_at(index + 1) == Some(RawKind::Word)
-                    && self.begins_statement(index + 1);
-                let help = if label {
-                    format!("a label ends with `:`, write `{slice}:`")
-                } else {
-                    suggest::instruction(upper.as_str(), slice, self.set)
-                };
-                self.report(
-                    Diagnostic::new(Code::UnknownInstruction, span, format!("STL has no instruction `{slice}`"))
-                        .label(format!("not a mnemonic of the {} set", messages::set_name(self.set)))
-                        .help(help),
-                );
-                self.bad_statement();
-            }
-            RawKind::Stray | RawKind::UnterminatedText | RawKind::UnterminatedQuoted => {
-                self.stray();
-                self.out.pop();
-                self.at = index;
-                self.bad_statement();
-            }
-            _ => {
-                self.report(
-                    Diagnostic::new(Code::Syntax, span, format!("`{slice}` cannot begin a statement"))
-                        .label("an instruction is expected here")
-                        .help("a statement is a mnemonic and its operand, e.g. `L MW 10`"),
-                );
-                self.bad_statement();
-            }
-        }
-    }
-
-    /// Skips declarations in code, up to END_VAR.
-    fn skip_section(&mut self) {
-        self.end_of_label();
-        while let Some(token) = self.peek() {
-            let upper = self.upper(self.at);
-            if upper.as_str() == "END_VAR" {
-                self.at += 1;
-                return;
-            }
-            if is_end_of_block(upper.as_str())
-                || upper.as_str() == "NETWORK"
-                || token.first_on_line && self.block_keyword(self.at).is_some()
-            {
-                return;
-            }
-            self.at += 1;
-        }
     }
 }

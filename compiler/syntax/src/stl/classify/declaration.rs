@@ -8,7 +8,7 @@ use crate::stl::mnemonics::{self, letters_and_digits};
 use crate::stl::raw::{RawKind, RawToken};
 use crate::stl::token::Tok;
 
-impl<'a> Classifier<'a> {
+impl<'a> Classifier<'a, '_> {
     /// `VAR_INPUT … END_VAR`.
     pub(super) fn section(&mut self) {
         let opening = self.raw[self.at];

@@ -3,11 +3,12 @@
 use plcc_diag::{Code, Diagnostic};
 
 use super::{Classifier, Frame, is_end_of_block, is_section, unquoted};
+use crate::front::frame::not_in_header;
 use crate::stl::mnemonics::{block_prefix, letters_and_digits};
 use crate::stl::raw::RawKind;
 use crate::stl::token::{CodeKeyword, HeaderField, HeaderFlag, Tok};
 
-impl<'a> Classifier<'a> {
+impl<'a> Classifier<'a, '_> {
     /// A block from its keyword to its end.
     pub(super) fn block(&mut self) {
         let opening = self.raw[self.at];
@@ -188,20 +189,13 @@ impl<'a> Classifier<'a> {
     fn skip_in_header(&mut self, frame: Frame) {
         let token = self.raw[self.at];
         let what = if frame == Frame::Data { "data block" } else { "data type" };
-        self.report(
-            Diagnostic::new(
-                Code::BlockFrame,
-                self.span(token),
-                format!("a {what} cannot contain `{}`", self.slice(token)),
-            )
-            .label("neither a part of the header nor a declaration")
-            .help(match frame {
-                Frame::Data => {
-                    "a data block consists of `STRUCT … END_STRUCT` or the name of a UDT or FB, then `BEGIN` and values"
-                }
-                Frame::Code | Frame::Type => "a data type consists of `STRUCT … END_STRUCT;`",
-            }),
-        );
+        let help = match frame {
+            Frame::Data => {
+                "a data block consists of `STRUCT … END_STRUCT` or the name of a UDT or FB, then `BEGIN` and values"
+            }
+            Frame::Code | Frame::Type => "a data type consists of `STRUCT … END_STRUCT;`",
+        };
+        self.report(not_in_header(self.span(token), what, self.slice(token), help));
         self.at += 1;
         while let Some(token) = self.peek() {
             let upper = self.upper(self.at);
@@ -225,7 +219,8 @@ impl<'a> Classifier<'a> {
             self.at += 1;
         }
         let end = self.last_end();
-        self.push(start, Tok::Title(self.text[text_start..end].trim()), end);
+        let title = self.text[text_start..end].trim();
+        self.push(start, Tok::Title(title), end);
     }
 
     /// `AUTHOR : text`: to the end of the line, or to the next header keyword on it.

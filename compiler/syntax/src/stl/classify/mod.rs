@@ -7,25 +7,26 @@
 //!
 //! ```text
 //! file ──► block ──► header ──► section (VAR … END_VAR, STRUCT … END_STRUCT)   declaration.rs
-//!            │          └────► code (statements, calls)                         code.rs, operand.rs
+//!            │          └────► code (statements, calls)                         code.rs, call.rs, operand.rs, foreign.rs
 //!            │          └────► values of a data block                           declaration.rs
 //!            └── statements without a header: OB 1
 //! ```
 
+mod call;
 mod code;
 mod declaration;
+mod foreign;
 mod header;
 mod operand;
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
-use crate::ast::Pragma;
-use crate::comment::{self, Comment};
+use crate::front::{self, Classified, Cursor, frame};
 use crate::literal::{self, Literal};
+use crate::stl::Mnemonics;
 use crate::stl::mnemonics::{Detected, Upper};
-use crate::stl::raw::{RawKind, RawText, RawToken};
-use crate::stl::token::{Spanned, Tok};
-use crate::stl::{Mnemonics, pragma};
+use crate::stl::raw::{RawKind, RawText};
+use crate::stl::token::Tok;
 
 /// How deep STRUCTs may be nested. STEP 7 allows 8 levels; the rest is for other tools.
 const STRUCT_DEPTH_MAX: usize = 64;
@@ -37,48 +38,40 @@ const BRACKET_DEPTH_MAX: usize = 16;
 /// A text is not a source if it has at least this many lines that are not statements, and more of them than statements.
 const NO_SOURCE_STATEMENTS_MIN: usize = 3;
 
-/// The result of classifying a file.
-pub struct Classified<'a> {
-    pub tokens: Vec<Spanned<'a>>,
-    pub diagnostics: Vec<Diagnostic>,
-    /// Pragmas that are outside code.
-    pub pragmas: Vec<Pragma>,
-    pub comments: Vec<Comment>,
-}
-
 /// Classifies the words of a file.
-pub fn classify<'a>(file: FileId, text: &'a str, raw: RawText, detected: &Detected, pragmas: bool) -> Classified<'a> {
-    let mut classifier = Classifier::new(file, text, raw, detected.set);
-    classifier.obey_pragmas = pragmas;
-    classifier.mixed = detected.first[1].is_some();
+pub fn classify<'a>(
+    file: FileId,
+    text: &'a str,
+    raw: &RawText,
+    detected: &Detected,
+    pragmas: bool,
+) -> Classified<Tok<'a>> {
+    let comments = if pragmas { raw.comments.as_slice() } else { &[] };
+    let mut classifier = Classifier {
+        cursor: Cursor::new(file, text, &raw.tokens, comments),
+        set: detected.set,
+        both_sets: false,
+        mixed: detected.first[1].is_some(),
+    };
     classifier.file();
-    Classified {
-        tokens: classifier.out,
-        diagnostics: classifier.diagnostics,
-        pragmas: classifier.pragmas,
-        comments: classifier.comments,
-    }
+    classifier.cursor.finish()
 }
 
 /// Classifies the words of a side of an assertion: operands, area letters of both sets. `offset`: where `text` begins in the file.
-pub fn classify_operand<'a>(
-    file: FileId,
-    text: &'a str,
-    raw: RawText,
-    offset: usize,
-) -> (Vec<Spanned<'a>>, Vec<Diagnostic>) {
-    let mut classifier = Classifier::new(file, text, raw, Mnemonics::En);
-    classifier.both_sets = true;
+pub fn classify_operand<'a>(file: FileId, text: &'a str, raw: &RawText, offset: usize) -> Classified<Tok<'a>> {
+    let cursor = Cursor::new(file, text, &raw.tokens, &[]);
+    let mut classifier = Classifier { cursor, set: Mnemonics::En, both_sets: true, mixed: false };
     classifier.assert_side();
-    for (start, _, end) in &mut classifier.out {
+    let mut classified = classifier.cursor.finish();
+    for (start, _, end) in &mut classified.tokens {
         *start += offset;
         *end += offset;
     }
-    for diagnostic in &mut classifier.diagnostics {
+    for diagnostic in &mut classified.diagnostics {
         diagnostic.primary.span.start += offset as u32;
         diagnostic.primary.span.end += offset as u32;
     }
-    (classifier.out, classifier.diagnostics)
+    classified
 }
 
 /// What follows a block's header.
@@ -89,45 +82,18 @@ enum Frame {
     Type,
 }
 
-struct Classifier<'a> {
-    file: FileId,
-    text: &'a str,
-    raw: Vec<RawToken>,
-    comments: Vec<Comment>,
-    /// Index of the next raw token.
-    at: usize,
-    /// Index of the next comment that may be a pragma.
-    next_comment: usize,
-    out: Vec<Spanned<'a>>,
-    diagnostics: Vec<Diagnostic>,
-    pragmas: Vec<Pragma>,
+struct Classifier<'a, 'r> {
+    cursor: Cursor<'a, 'r, RawKind, (), Tok<'a>>,
     set: Mnemonics,
     /// Area letters of both mnemonic sets are accepted.
     both_sets: bool,
     /// The file has mnemonics of both sets, which has been reported.
     mixed: bool,
-    obey_pragmas: bool,
 }
 
-impl<'a> Classifier<'a> {
-    fn new(file: FileId, text: &'a str, raw: RawText, set: Mnemonics) -> Classifier<'a> {
-        Classifier {
-            file,
-            text,
-            out: Vec::with_capacity(raw.tokens.len() + raw.tokens.len() / 4),
-            raw: raw.tokens,
-            comments: raw.comments,
-            at: 0,
-            next_comment: 0,
-            diagnostics: Vec::new(),
-            pragmas: Vec::new(),
-            set,
-            both_sets: false,
-            mixed: false,
-            obey_pragmas: false,
-        }
-    }
+crate::moves_cursor!(Classifier, RawKind, (), Tok);
 
+impl<'a> Classifier<'a, '_> {
     /// The whole file: blocks, and statements outside them.
     fn file(&mut self) {
         loop {
@@ -142,16 +108,7 @@ impl<'a> Classifier<'a> {
                     self.block();
                 }
                 RawKind::Word if is_end_of_block(self.upper(self.at).as_str()) => {
-                    let word = self.slice(token);
-                    self.report(
-                        Diagnostic::new(
-                            Code::BlockFrame,
-                            self.span(token),
-                            format!("`{word}` ends a block that never began"),
-                        )
-                        .label("no block is open here")
-                        .help("remove it, or write the header of its block before the statements"),
-                    );
+                    self.report(frame::never_began(self.span(token), self.slice(token)));
                     self.at += 1;
                 }
                 _ => self.implied_ob(),
@@ -184,70 +141,12 @@ impl<'a> Classifier<'a> {
 
     // Raw tokens.
 
-    fn peek(&self) -> Option<RawToken> {
-        self.raw.get(self.at).copied()
-    }
-
-    fn raw_at(&self, index: usize) -> Option<RawToken> {
-        self.raw.get(index).copied()
-    }
-
-    fn kind_at(&self, index: usize) -> Option<RawKind> {
-        self.raw.get(index).map(|token| token.kind)
-    }
-
-    fn slice(&self, token: RawToken) -> &'a str {
-        &self.text[token.range()]
-    }
-
     /// The word at `index` in upper case; empty if there is no word.
     fn upper(&self, index: usize) -> Upper {
         match self.raw.get(index) {
             Some(token) if token.kind == RawKind::Word => Upper::new(&self.text[token.range()]),
             _ => Upper::new(""),
         }
-    }
-
-    /// Whether nothing is between the tokens at `index` and `index + 1`.
-    fn adjacent(&self, index: usize) -> bool {
-        match (self.raw.get(index), self.raw.get(index + 1)) {
-            (Some(token), Some(next)) => token.end == next.start,
-            _ => false,
-        }
-    }
-
-    fn span(&self, token: RawToken) -> Span {
-        Span { file: self.file, start: token.start, end: token.end }
-    }
-
-    fn span_of(&self, start: usize, end: usize) -> Span {
-        Span::new(self.file, start..end)
-    }
-
-    // Tokens of the grammar.
-
-    fn push(&mut self, start: usize, token: Tok<'a>, end: usize) {
-        self.out.push((start, token, end));
-    }
-
-    /// Pushes `token` for the current raw token and advances.
-    fn take(&mut self, token: Tok<'a>) {
-        let raw = self.raw[self.at];
-        self.push(raw.start as usize, token, raw.end as usize);
-        self.at += 1;
-    }
-
-    fn last(&self) -> Option<&Tok<'a>> {
-        self.out.last().map(|(_, token, _)| token)
-    }
-
-    /// The end of the last raw token before the current one.
-    fn last_end(&self) -> usize {
-        self.at.checked_sub(1).map_or(0, |before| self.raw[before].end as usize)
-    }
-
-    fn report(&mut self, diagnostic: Diagnostic) {
-        self.diagnostics.push(diagnostic);
     }
 
     // Keywords of frames.
@@ -274,30 +173,6 @@ impl<'a> Classifier<'a> {
                 _ => Some(keyword),
             },
             Some(_) => None,
-        }
-    }
-
-    // Pragmas.
-
-    /// The next comment line `//@` before byte `before`, if pragmas are read.
-    fn next_pragma(&mut self, before: u32) -> Option<Comment> {
-        if !self.obey_pragmas {
-            return None;
-        }
-        comment::next_pragma(self.text, &self.comments, &mut self.next_comment, before)
-    }
-
-    fn read_pragma(&mut self, comment: Comment) -> Pragma {
-        self.next_comment += 1;
-        let range = comment.start as usize..comment.end as usize;
-        pragma::parse(self.file, self.text, range, &mut self.diagnostics)
-    }
-
-    /// Pragmas before byte `before` that are outside code belong to the file.
-    fn file_pragmas(&mut self, before: u32) {
-        while let Some(comment) = self.next_pragma(before) {
-            let pragma = self.read_pragma(comment);
-            self.pragmas.push(pragma);
         }
     }
 
@@ -331,9 +206,7 @@ impl<'a> Classifier<'a> {
                 Tok::Literal(value)
             }
             Err(error) => {
-                let mut diagnostic = Diagnostic::new(error.code, span, error.title).label(error.label);
-                diagnostic.help = error.help;
-                self.report(diagnostic);
+                self.report(error.at(span));
                 Tok::BadOperand
             }
         }
@@ -367,25 +240,11 @@ impl<'a> Classifier<'a> {
         let span = self.span(token);
         let slice = self.slice(token);
         let diagnostic = match token.kind {
-            RawKind::UnterminatedText => {
-                Diagnostic::new(Code::UnterminatedText, span, "the text is not closed on its line")
-                    .label("begins here")
-                    .help("close it with `'`; write a quote inside as `$'`")
-            }
-            RawKind::UnterminatedQuoted => {
-                Diagnostic::new(Code::UnterminatedText, span, "the symbol is not closed on its line")
-                    .label("begins here")
-                    .help("close it with `\"`")
-            }
+            RawKind::UnterminatedText => front::unterminated_text(span),
+            RawKind::UnterminatedQuoted => front::unterminated_name(span, "symbol"),
             RawKind::Stray => {
-                let c = slice.chars().next().unwrap_or(' ');
-                Diagnostic::new(
-                    Code::UnexpectedCharacter,
-                    span,
-                    format!("`{}` cannot be part of a statement", c.escape_debug()),
-                )
-                .label("not a character of STL outside texts and comments")
-                .help(stray_help(c))
+                let language = "STL outside texts and comments";
+                front::stray_characters(span, slice, "statement", language, &front::stray_help(slice, "symbol"))
             }
             _ => Diagnostic::new(Code::Syntax, span, format!("`{slice}` cannot stand here"))
                 .label("not expected")
@@ -413,16 +272,6 @@ pub fn not_a_source(span: Span, label: &str) -> Diagnostic {
     Diagnostic::new(Code::NotASource, span, "this file does not contain a PLC source")
         .label(label)
         .help("pass a source in STL or SCL as STEP 7 or the TIA Portal exports it: blocks, or statements such as `A I 0.0`, but not a printout")
-}
-
-fn stray_help(c: char) -> &'static str {
-    match c {
-        '‘' | '’' | '`' => "write texts in straight quotes: `'text'`",
-        '“' | '”' | '„' => "write symbols in straight quotes: `\"symbol\"`",
-        '–' | '—' | '−' => "write the sign as `-`",
-        '\\' => "comments begin with `//`",
-        _ => "remove it, or put it into a comment after `//`",
-    }
 }
 
 /// Whether the word (upper case) ends a block.

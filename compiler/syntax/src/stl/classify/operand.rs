@@ -10,7 +10,7 @@ use crate::stl::raw::{RawKind, RawToken};
 use crate::stl::token::Tok;
 use crate::stl::{Mnemonics, messages};
 
-impl<'a> Classifier<'a> {
+impl<'a> Classifier<'a, '_> {
     /// A side of an assertion.
     pub(super) fn assert_side(&mut self) {
         while self.peek().is_some() {
@@ -71,7 +71,8 @@ impl<'a> Classifier<'a> {
             RawKind::Word => self.operand_word(token),
             RawKind::Quoted => {
                 let name = unquoted(self.slice(token));
-                self.take(if matches!(self.last(), Some(Tok::Dot)) { Tok::Name(name) } else { Tok::Quoted(name) });
+                let member = matches!(self.last(), Some(Tok::Dot));
+                self.take(if member { Tok::Name(name) } else { Tok::Quoted(name) });
             }
             RawKind::Colon
                 if self.is_peripheral_mark()
@@ -86,7 +87,8 @@ impl<'a> Classifier<'a> {
                 let end = self.raw[self.at + 1].end as usize;
                 self.at += 2;
                 let start = token.start as usize;
-                self.push(start, Tok::Name(&self.text[start..end]), end);
+                let name = &self.text[start..end];
+                self.push(start, Tok::Name(name), end);
             }
             RawKind::Percent if self.kind_at(self.at + 1) == Some(RawKind::Word) => self.at += 1,
             RawKind::EqualEqual
@@ -340,7 +342,7 @@ impl<'a> Classifier<'a> {
     fn peripheral(&mut self) {
         let marked = self.is_peripheral_mark();
         let Some([(_, Tok::Area(area, _), _), (_, Tok::Address(_) | Tok::BitAddress(..), end)]) =
-            self.out.last_chunk_mut()
+            self.cursor.out.last_chunk_mut()
         else {
             return;
         };
@@ -350,7 +352,7 @@ impl<'a> Classifier<'a> {
                 Area::Q => Area::Pq,
                 _ => return,
             };
-            *end = self.raw[self.at + 1].end as usize;
+            *end = self.cursor.raw[self.cursor.at + 1].end as usize;
             self.at += 2;
         }
     }

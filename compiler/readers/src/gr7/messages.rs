@@ -1,0 +1,99 @@
+//! Syntax errors in terms that users know, and what else the actions of the grammar share.
+
+use std::ops::Range;
+
+use plcc_diag::{Code, Diagnostic};
+
+use super::token::{Spanned, Tok};
+use plcc_syntax::front::{Comment, CommentForm, ParseState, Place};
+use plcc_syntax::scl::ast::{Name, NameForm};
+
+/// State of a parse of a chart.
+pub type State<'a> = ParseState<'a, Tok<'a>>;
+
+/// Where a syntax error was recovered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Recovery {
+    Permanent,
+    Action,
+    Parameter,
+    Steps,
+    Condition,
+}
+
+impl Place<Tok<'_>, ()> for Recovery {
+    fn message(self, state: &State, found: usize) -> Diagnostic {
+        let (code, what, help) = match self {
+            Recovery::Permanent => (
+                Code::Syntax,
+                "permanent instruction",
+                "write `operand (=) := condition`, `operand (S) := condition` or `CALL FC1 ()`",
+            ),
+            Recovery::Action => (
+                Code::ActionText,
+                "action",
+                "an action is `operand (N)`, `operand := value (N)`, `operand := T#5S (D)` or `CALL FC1 () (N)`",
+            ),
+            Recovery::Parameter => {
+                (Code::Syntax, "parameter", "write `name := value` for inputs and outputs, separated by `,`")
+            }
+            Recovery::Steps => {
+                (Code::Syntax, "list of steps", "write the name of a step, or several as `(Fill, Heat)`")
+            }
+            Recovery::Condition => (
+                Code::Syntax,
+                "condition",
+                "a condition is built of operands, AND, OR, XOR, NOT, comparisons and brackets",
+            ),
+        };
+        let index = state.index_of(found);
+        let wide = |token: &&Spanned| token.0 < token.2;
+        let range = |(start, _, end): &Spanned| *start..*end;
+        let before = state.tokens[..index].iter().rev().find(wide);
+        let here = state.tokens.get(index).filter(wide);
+        let first = before.filter(|(_, tok, _)| follows(tok));
+        state.misplaced(code, what, here.map(range), first.map(range), before.map_or(0..0, range)).help(help)
+    }
+}
+
+/// A name; blanks in an address such as `MW 10` are not part of it.
+pub fn name(state: &State, text: &str, form: NameForm, range: Range<usize>) -> Name {
+    let text = if form == NameForm::Bare { text.replace(' ', "") } else { text.to_owned() };
+    Name { text, form, span: state.span(range) }
+}
+
+/// The comment of either form after byte `end`, if there are only blanks and `;` between. The lines of the comment are joined.
+pub fn comment_after(text: &str, comments: &[Comment], end: usize) -> Option<String> {
+    let comment = comments.get(comments.partition_point(|comment| (comment.start as usize) < end))?;
+    let between = &text[end..comment.start as usize];
+    let inside = &text[comment.start as usize + 2..comment.end as usize];
+    if !between.bytes().all(|byte| matches!(byte, b' ' | b'\t' | b';')) || inside.starts_with('@') {
+        return None;
+    }
+    let inside = match comment.form {
+        CommentForm::Line => inside,
+        CommentForm::Block => inside.strip_suffix("*)").unwrap_or(inside),
+        CommentForm::Slash | CommentForm::Unterminated => return None,
+    };
+    let words: Vec<&str> = inside.split_whitespace().collect();
+    (!words.is_empty()).then(|| words.join(" "))
+}
+
+/// Whether the text after the token belongs to the same row.
+fn follows(tok: &Tok) -> bool {
+    !matches!(
+        tok,
+        Tok::Settings(_)
+            | Tok::Comment(_)
+            | Tok::Permanents(_)
+            | Tok::Step(_)
+            | Tok::Interlock
+            | Tok::Supervision
+            | Tok::Number(_)
+            | Tok::End
+            | Tok::Qualifier(_)
+            | Tok::From
+            | Tok::To
+            | Tok::Condition
+    )
+}

@@ -1,0 +1,89 @@
+//! Frames of blocks, which STL and SCL share: headers, and what the keyword of a block says about its kind.
+
+use plcc_diag::{Code, Diagnostic, Span};
+
+use crate::ast::{Block, BlockName, BlockPrefix, Code as BlockCode, CodeBlock, CodeKind, Header};
+use crate::stl::token::{CodeKeyword, HeaderField, HeaderFlag};
+
+/// A part of a header.
+pub enum HeaderPart {
+    Title(String),
+    Text(HeaderField, String),
+    Flag(HeaderFlag),
+    Attributes(Vec<(String, String)>),
+}
+
+/// The header of a block, with its comment lines.
+pub fn header(comment: Vec<String>, parts: Vec<HeaderPart>) -> Header {
+    let mut header = Header { comment, ..Header::default() };
+    for part in parts {
+        match part {
+            HeaderPart::Title(text) => header.title = Some(text),
+            HeaderPart::Text(HeaderField::Author, text) => header.author = Some(text),
+            HeaderPart::Text(HeaderField::Family, text) => header.family = Some(text),
+            HeaderPart::Text(HeaderField::Name, text) => header.name = Some(text),
+            HeaderPart::Text(HeaderField::Version, text) => header.version = Some(text),
+            HeaderPart::Flag(HeaderFlag::KnowHowProtect) => header.know_how_protect = true,
+            HeaderPart::Flag(HeaderFlag::Standard) => header.standard = true,
+            HeaderPart::Flag(HeaderFlag::CodeVersion1) => header.code_version1 = true,
+            HeaderPart::Flag(HeaderFlag::Unlinked) => header.unlinked = true,
+            HeaderPart::Flag(HeaderFlag::ReadOnly) => header.read_only = true,
+            HeaderPart::Flag(HeaderFlag::NonRetain) => header.non_retain = true,
+            HeaderPart::Attributes(attributes) => header.attributes.extend(attributes),
+        }
+    }
+    header
+}
+
+/// Kind of the block `name`: from its keyword; the letters of the number distinguish SFC and SFB. Wrong letters are reported, too.
+pub fn code_kind(keyword: CodeKeyword, name: &BlockName, text: &str) -> (CodeKind, Option<Diagnostic>) {
+    let (kind, keyword, letters) = match keyword {
+        CodeKeyword::OrganizationBlock => (CodeKind::Ob, "ORGANIZATION_BLOCK", "OB"),
+        CodeKeyword::Function => (CodeKind::Fc, "FUNCTION", "FC"),
+        CodeKeyword::FunctionBlock => (CodeKind::Fb, "FUNCTION_BLOCK", "FB"),
+    };
+    let BlockName::Numbered { prefix, number, span } = name else { return (kind, None) };
+    match (kind, prefix) {
+        (CodeKind::Ob, BlockPrefix::Ob) | (CodeKind::Fc, BlockPrefix::Fc) | (CodeKind::Fb, BlockPrefix::Fb) => {
+            (kind, None)
+        }
+        (CodeKind::Fc, BlockPrefix::Sfc) => (CodeKind::Sfc, None),
+        (CodeKind::Fb, BlockPrefix::Sfb) => (CodeKind::Sfb, None),
+        _ => (kind, Some(wrong_letters(*span, keyword, letters, *number, text))),
+    }
+}
+
+/// The message for a block whose number has a prefix that does not fit its keyword.
+pub fn wrong_letters(span: Span, keyword: &str, letters: &str, number: u32, text: &str) -> Diagnostic {
+    Diagnostic::new(Code::BlockFrame, span, format!("`{keyword}` cannot name `{}`", &text[span.range()]))
+        .label(format!("a block with this keyword is numbered as {letters}"))
+        .help(format!("write `{keyword} {letters} {number}`, or the keyword that belongs to the block"))
+}
+
+/// Statements without a header: OB 1.
+pub fn implied_ob(code: BlockCode, span: Span) -> Block {
+    Block::Code(CodeBlock {
+        kind: CodeKind::Ob,
+        name: BlockName::Numbered { prefix: BlockPrefix::Ob, number: 1, span: Span { end: span.start, ..span } },
+        return_type: None,
+        header: Header::default(),
+        sections: Vec::new(),
+        constants: Vec::new(),
+        code,
+        span,
+    })
+}
+
+/// The message for `word`, which ends a block that no keyword began.
+pub fn never_began(span: Span, word: &str) -> Diagnostic {
+    Diagnostic::new(Code::BlockFrame, span, format!("`{word}` ends a block that never began"))
+        .label("no block is open here")
+        .help("remove it, or write the header of its block before the statements")
+}
+
+/// The message for `text` where the header of a data block or data type, `what`, goes on.
+pub fn not_in_header(span: Span, what: &str, text: &str, help: &str) -> Diagnostic {
+    Diagnostic::new(Code::BlockFrame, span, format!("a {what} cannot contain `{text}`"))
+        .label("neither a part of the header nor a declaration")
+        .help(help)
+}

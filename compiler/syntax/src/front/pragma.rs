@@ -1,0 +1,89 @@
+//! Pragmas: comment lines `//@ …`, and how the front ends come by them.
+
+use std::ops::Range;
+
+use plcc_diag::{Code, Diagnostic, FileId, Span};
+
+use super::comment::{Comment, CommentForm};
+use super::cursor::Cursor;
+use crate::ast::Pragma;
+use crate::stl;
+
+/// Whether the comment is a pragma. Lines of carets mark expected messages; the compiler ignores them.
+pub fn is_pragma(comment: &str) -> bool {
+    comment.strip_prefix("//@").is_some_and(|text| !text.trim_start().starts_with('^'))
+}
+
+/// Whether the pragma applies to the file: `cpu`, `test`.
+pub fn is_for_file(pragma: &Pragma) -> bool {
+    matches!(pragma.text.split_ascii_whitespace().next(), Some("cpu" | "test"))
+}
+
+/// The first comment line `//@` from number `next` on that begins before byte `before`; `next` is then its number.
+pub fn next(source: &str, comments: &[Comment], next: &mut usize, before: u32) -> Option<Comment> {
+    while let Some(comment) = comments.get(*next).copied() {
+        if comment.start >= before {
+            return None;
+        }
+        if comment.own_line && comment.form == CommentForm::Line && is_pragma(&source[comment.range()]) {
+            return Some(comment);
+        }
+        *next += 1;
+    }
+    None
+}
+
+/// The pragma in the comment at `range` of the source. If it is an assertion, also the bytes of what it asserts.
+pub fn read(file: FileId, source: &str, range: Range<usize>) -> (Pragma, Option<Range<usize>>) {
+    let start = range.start;
+    let comment = source[range].trim_end();
+    let end = start + comment.len();
+    let text = comment.strip_prefix("//@").unwrap_or(comment).trim();
+    let pragma = Pragma { text: text.to_owned(), span: Span::new(file, start..end), assert: None };
+    let sides = text
+        .strip_prefix("assert")
+        .filter(|sides| !sides.starts_with(|c: char| c.is_alphanumeric() || c == '_'))
+        .map(|sides| end - sides.len()..end);
+    (pragma, sides)
+}
+
+/// The message for an assertion at `span` that does not parse. `label`: what is expected there.
+pub fn unreadable(span: Span, label: &str, help: &str) -> Diagnostic {
+    Diagnostic::new(Code::Pragma, span, "plcc cannot read this assertion").label(label).help(help)
+}
+
+/// The label of an assertion that is not a comparison.
+pub const FORM: &str = "an assertion is: operand, comparison, operand";
+
+/// A message about a side of an assertion as a message about the assertion.
+pub fn about_side(found: Diagnostic, help: &str) -> Diagnostic {
+    Diagnostic::new(Code::Pragma, found.primary.span, found.title)
+        .label(found.primary.text)
+        .help(found.help.unwrap_or_else(|| help.to_owned()))
+}
+
+impl<K: Copy + PartialEq, W: Copy, T> Cursor<'_, '_, K, W, T> {
+    /// The next comment line `//@` before byte `before`, if pragmas are read.
+    pub fn next_pragma(&mut self, before: u32) -> Option<Comment> {
+        next(self.text, self.comments, &mut self.next_comment, before)
+    }
+
+    /// Reads the comment that [`Cursor::next_pragma`] found. Operands of assertions are those of STL, whatever the notation.
+    pub fn read_pragma(&mut self, comment: Comment) -> Pragma {
+        self.skip_pragma();
+        stl::pragma::parse(self.file, self.text, comment.range(), &mut self.diagnostics)
+    }
+
+    /// Advances after the comment that [`Cursor::next_pragma`] found.
+    pub fn skip_pragma(&mut self) {
+        self.next_comment += 1;
+    }
+
+    /// Pragmas before byte `before` that are outside code belong to the file.
+    pub fn file_pragmas(&mut self, before: u32) {
+        while let Some(comment) = self.next_pragma(before) {
+            let pragma = self.read_pragma(comment);
+            self.pragmas.push(pragma);
+        }
+    }
+}

@@ -1,0 +1,186 @@
+//! Classifies the words of calls: the block, its template attributes, and parameters in parentheses or on lines of their own.
+
+use plcc_diag::{Code, Diagnostic};
+
+use super::{Classifier, unquoted};
+use crate::stl::OperandClass;
+use crate::stl::raw::RawKind;
+use crate::stl::token::Tok;
+
+impl Classifier<'_, '_> {
+    pub(super) fn call(&mut self) {
+        self.take(Tok::Call);
+        while let Some(token) = self.peek() {
+            let after_operand = !matches!(self.last(), Some(Tok::Call | Tok::Comma | Tok::Dot | Tok::LeftBracket));
+            match token.kind {
+                RawKind::Semicolon => break,
+                RawKind::LeftParen => {
+                    self.parameters();
+                    self.after_call();
+                    break;
+                }
+                RawKind::LeftBrace if after_operand => self.call_template(),
+                RawKind::Comma => self.take(Tok::Comma),
+                _ if self.ends_code(self.at) => break,
+                _ if after_operand && self.is_parameter(self.at) => {
+                    self.parameter_lines();
+                    break;
+                }
+                _ if token.first_on_line && (after_operand || self.begins_statement(self.at)) => break,
+                RawKind::Word if after_operand && self.begins_statement(self.at) => {
+                    self.second_statement(token);
+                    break;
+                }
+                _ => self.operand_token(),
+            }
+        }
+        self.end_statement();
+    }
+
+    /// `{time_type := Time}` of newer tools: the data type for which a block of the system is called. All blocks here have
+    /// one type, so it is ignored.
+    pub(super) fn call_template(&mut self) {
+        let opening = self.raw[self.at];
+        while let Some(token) = self.peek() {
+            if token.kind == RawKind::Semicolon && !self.closes_brace() || self.ends_code(self.at) {
+                break;
+            }
+            self.at += 1;
+            if token.kind == RawKind::RightBrace {
+                return;
+            }
+        }
+        self.report(
+            Diagnostic::new(Code::Syntax, self.span(opening), "the attribute list is not closed")
+                .label("begins here")
+                .help("close it with `}`"),
+        );
+    }
+
+    /// Whether a `}` follows on this line.
+    pub(super) fn closes_brace(&self) -> bool {
+        self.raw[self.at + 1..]
+            .iter()
+            .take_while(|token| !token.first_on_line)
+            .any(|token| token.kind == RawKind::RightBrace)
+    }
+
+    /// The rest of the line after the `)` of a call.
+    pub(super) fn after_call(&mut self) {
+        if let Some(token) = self.peek()
+            && !token.first_on_line
+            && token.kind != RawKind::Semicolon
+            && !self.ends_code(self.at)
+        {
+            self.second_statement(token);
+        }
+    }
+
+    /// Whether `name :=` is at `index`, or `name =` where it cannot be an instruction.
+    pub(super) fn is_parameter(&self, index: usize) -> bool {
+        match (self.kind_at(index), self.kind_at(index + 1)) {
+            (Some(RawKind::Word | RawKind::Quoted), Some(RawKind::Assign)) => true,
+            (Some(RawKind::Word), Some(RawKind::Equal)) => {
+                let operandless = self
+                    .mnemonic_at(index)
+                    .is_some_and(|(insn, _)| matches!(insn.operand(), OperandClass::None | OperandClass::BitOrNone));
+                !operandless && !self.raw[index + 1].first_on_line
+            }
+            _ => false,
+        }
+    }
+
+    /// `name :=`.
+    pub(super) fn parameter_name(&mut self) {
+        let name = unquoted(self.slice(self.raw[self.at]));
+        self.take(Tok::Name(name));
+        if self.kind_at(self.at) == Some(RawKind::Equal) {
+            self.equal_for_assign();
+        } else {
+            self.take(Tok::Assign);
+        }
+    }
+
+    /// One `name := operand` per line, up to the first line that has another form.
+    pub(super) fn parameter_lines(&mut self) {
+        while let Some(first) = self.peek() {
+            if !self.is_parameter(self.at) || self.next_pragma(first.start).is_some() {
+                return;
+            }
+            self.push(first.start as usize, Tok::ParameterLine, first.start as usize);
+            self.parameter_name();
+            while let Some(token) = self.peek() {
+                if token.kind == RawKind::Semicolon || self.ends_code(self.at) {
+                    return;
+                }
+                if token.first_on_line || self.is_parameter(self.at) {
+                    break;
+                }
+                match token.kind {
+                    RawKind::Comma if self.comma_ends_line() => self.at += 1,
+                    _ => self.operand_token(),
+                }
+            }
+        }
+    }
+
+    /// Whether the current comma is the last token of its line, outside brackets.
+    pub(super) fn comma_ends_line(&self) -> bool {
+        self.raw_at(self.at + 1).is_none_or(|next| next.first_on_line)
+    }
+
+    /// `( name := operand, … )`.
+    pub(super) fn parameters(&mut self) {
+        let opening = self.raw[self.at];
+        self.take(Tok::LeftParen);
+        while let Some(token) = self.peek() {
+            self.pragmas_in_call(token.start);
+            let after_operand = !matches!(self.last(), Some(Tok::LeftParen | Tok::Comma | Tok::Assign));
+            match token.kind {
+                RawKind::RightParen => return self.take(Tok::RightParen),
+                RawKind::Semicolon => break,
+                _ if self.ends_code(self.at) => break,
+                _ if self.is_parameter(self.at) => {
+                    if after_operand {
+                        let end = self.last_end();
+                        if !token.first_on_line {
+                            self.report(
+                                Diagnostic::new(
+                                    Code::Syntax,
+                                    self.span(token),
+                                    "`,` is missing between two parameters",
+                                )
+                                .label("another parameter begins here")
+                                .help("separate parameters with `,`"),
+                            );
+                        }
+                        self.push(end, Tok::Comma, end);
+                    }
+                    self.parameter_name();
+                }
+                RawKind::Word if after_operand && token.first_on_line && self.begins_statement(self.at) => break,
+                _ => self.operand_token(),
+            }
+        }
+        self.report(
+            Diagnostic::new(Code::Syntax, self.span(opening), "the parameter list is not closed with `)`")
+                .label("begins here")
+                .help("write `)` after the last parameter"),
+        );
+        let end = self.last_end();
+        self.push(end, Tok::RightParen, end);
+    }
+
+    /// A pragma inside a statement cannot be executed.
+    pub(super) fn pragmas_in_call(&mut self, before: u32) {
+        while let Some(comment) = self.next_pragma(before) {
+            self.skip_pragma();
+            let span = self.span_of(comment.start as usize, comment.end as usize);
+            self.report(
+                Diagnostic::new(Code::Pragma, span, "a pragma cannot stand inside a statement")
+                    .label("the call is not ended yet")
+                    .help("write it after the call"),
+            );
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! Text among the statements that is not STL: statements of SCL, prose, declarations after BEGIN.
+
+use plcc_diag::{Code, Diagnostic};
+
+use super::{Classifier, is_end_of_block, is_section};
+use crate::stl::raw::{RawKind, RawToken};
+use crate::stl::token::Tok;
+use crate::stl::{messages, suggest};
+
+/// Words that begin statements of SCL, found in sources that are not STL.
+pub(super) const FOREIGN_WORDS: &[&str] = &[
+    "IF",
+    "ELSIF",
+    "ELSE",
+    "END_IF",
+    "FOR",
+    "END_FOR",
+    "WHILE",
+    "END_WHILE",
+    "REPEAT",
+    "UNTIL",
+    "END_REPEAT",
+    "CASE",
+    "END_CASE",
+    "RETURN",
+    "GOTO",
+    "EXIT",
+    "CONTINUE",
+    "REGION",
+    "END_REGION",
+];
+
+impl Classifier<'_, '_> {
+    /// Whether `name.part[1] :=` follows.
+    pub(super) fn assigns_path(&self) -> bool {
+        let mut before = RawKind::Dot;
+        for index in self.at.. {
+            let Some(token) = self.raw_at(index) else { return false };
+            let first = index == self.at;
+            let fits = match token.kind {
+                RawKind::Assign => return !first,
+                RawKind::Hash => first,
+                RawKind::Word | RawKind::Quoted => {
+                    matches!(before, RawKind::Dot | RawKind::Hash | RawKind::LeftBracket | RawKind::Comma)
+                }
+                RawKind::Dot | RawKind::LeftBracket => {
+                    matches!(before, RawKind::Word | RawKind::Quoted | RawKind::RightBracket) && !first
+                }
+                RawKind::Number => matches!(before, RawKind::LeftBracket | RawKind::Comma) && !first,
+                RawKind::Comma | RawKind::RightBracket => matches!(before, RawKind::Number | RawKind::Word) && !first,
+                _ => false,
+            };
+            if !fits || !first && token.first_on_line {
+                return false;
+            }
+            before = token.kind;
+        }
+        false
+    }
+
+    /// SCL in a statement list: reported once, the rest of the block is skipped.
+    pub(super) fn foreign(&mut self) {
+        let token = self.raw[self.at];
+        let assign = (self.at + 1..self.raw.len())
+            .take_while(|index| !self.raw[*index].first_on_line)
+            .find(|index| self.raw[*index].kind == RawKind::Assign);
+        let end = assign.map_or(token, |assign| self.raw[assign]).end;
+        let span = self.span_of(token.start as usize, end as usize);
+        let word = &self.text[span.range()];
+        self.report(
+            Diagnostic::new(Code::ForeignLanguage, span, format!("`{word}` begins a statement of SCL, not of STL"))
+                .label("the rest of this block is not checked")
+                .help("write the block in one language: in STL, `A`, `JC` and labels replace IF, and `L` and `T` replace `:=`"),
+        );
+        let start = token.start as usize;
+        self.end_of_label();
+        while let Some(token) = self.peek() {
+            let upper = self.upper(self.at);
+            if is_end_of_block(upper.as_str()) || token.first_on_line && self.block_keyword(self.at).is_some() {
+                break;
+            }
+            self.at += 1;
+        }
+        // Pragmas in what was skipped are not read.
+        let before = self.peek().map_or(u32::MAX, |token| token.start);
+        while self.next_pragma(before).is_some() {
+            self.skip_pragma();
+        }
+        let end = self.last_end();
+        self.push(start, Tok::BadStatement, end);
+        self.push(end, Tok::End, end);
+    }
+
+    /// A statement that does not begin with an instruction.
+    pub(super) fn no_instruction(&mut self, token: RawToken) {
+        let span = self.span(token);
+        let slice = self.slice(token);
+        let index = self.at;
+        let upper = self.upper(index);
+        match token.kind {
+            RawKind::Word if is_section(upper.as_str()) || upper.as_str() == "END_VAR" => {
+                self.report(
+                    Diagnostic::new(Code::BlockFrame, span, "declarations must come before the statements")
+                        .label("the code has begun already")
+                        .help("move the declarations between the header and `BEGIN`"),
+                );
+                self.skip_section();
+            }
+            RawKind::Word if upper.as_str() == "BEGIN" => {
+                self.report(
+                    Diagnostic::new(Code::BlockFrame, span, "`BEGIN` must come before the code")
+                        .label("no header before it")
+                        .help("write `BEGIN` once in a block, after its declarations"),
+                );
+                self.at += 1;
+            }
+            RawKind::Word => {
+                let label = self.raw_at(index + 1).is_some_and(|next| !next.first_on_line)
+                    && self.kind_at(index + 1) == Some(RawKind::Word)
+                    && self.begins_statement(index + 1);
+                let help = if label {
+                    format!("a label ends with `:`, write `{slice}:`")
+                } else {
+                    suggest::instruction(upper.as_str(), slice, self.set)
+                };
+                self.report(
+                    Diagnostic::new(Code::UnknownInstruction, span, format!("STL has no instruction `{slice}`"))
+                        .label(format!("not a mnemonic of the {} set", messages::set_name(self.set)))
+                        .help(help),
+                );
+                self.bad_statement();
+            }
+            RawKind::Stray | RawKind::UnterminatedText | RawKind::UnterminatedQuoted => {
+                self.stray();
+                self.out.pop();
+                self.at = index;
+                self.bad_statement();
+            }
+            _ => {
+                self.report(
+                    Diagnostic::new(Code::Syntax, span, format!("`{slice}` cannot begin a statement"))
+                        .label("an instruction is expected here")
+                        .help("a statement is a mnemonic and its operand, e.g. `L MW 10`"),
+                );
+                self.bad_statement();
+            }
+        }
+    }
+
+    /// Skips declarations in code, up to END_VAR.
+    pub(super) fn skip_section(&mut self) {
+        self.end_of_label();
+        while let Some(token) = self.peek() {
+            let upper = self.upper(self.at);
+            if upper.as_str() == "END_VAR" {
+                self.at += 1;
+                return;
+            }
+            if is_end_of_block(upper.as_str())
+                || upper.as_str() == "NETWORK"
+                || token.first_on_line && self.block_keyword(self.at).is_some()
+            {
+                return;
+            }
+            self.at += 1;
+        }
+    }
+}
