@@ -73,7 +73,10 @@ fn every_function_of_scl_is_in_a_test() {
             .iter()
             .any(|word| word.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with('_')))
     };
-    none(plcc_program::tables::scl::FUNCTIONS.iter().map(|row| row.name).filter(|name| !called(&name.to_uppercase())), "test with the function");
+    none(
+        plcc_program::tables::scl::FUNCTIONS.iter().map(|row| row.name).filter(|name| !called(&name.to_uppercase())),
+        "test with the function",
+    );
 }
 
 #[test]

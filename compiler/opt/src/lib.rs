@@ -12,6 +12,7 @@ mod control_flow;
 mod dead_code;
 mod dead_stores;
 mod extents;
+mod floats;
 mod fold;
 mod forward;
 mod frames;
@@ -65,6 +66,7 @@ pub const PIPELINE: &[Pass] = &[
     pass("values", values::share_values),
     pass("forward", forward::forward_memory),
     pass("fold", fold::fold),
+    pass("floats", floats::relax_floats),
     pass("dead-stores", dead_stores::eliminate_dead_stores),
     pass("dead-code", dead_code::eliminate_dead_code),
     pass("control-flow", control_flow::simplify_control_flow),

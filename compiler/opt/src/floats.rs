@@ -1,0 +1,363 @@
+//! Not-a-numbers get their one form only where somebody sees it.
+//!
+//! The CPU has one form of an invalid REAL, the host has millions and hands on the form of an operand. So lowering brings the
+//! result of each operation into the form of the CPU, if it is not a number:
+//!
+//! ```text
+//! v3 = fadd v1, v2
+//! v4 = funo v3, v3
+//! v5 = select v4, NaN, v3    ; canonical
+//! v6 = fmul v5, v2           ; is as invalid with v3 as with v5
+//! ```
+//!
+//! An operation whose own result is made canonical, or only used by such ones and by comparisons, takes the result as the host
+//! made it. A value that a loop carries is made canonical after the loop instead of in each pass, where only then its form is
+//! seen.
+
+use plcc_ir::analysis::{ControlFlow, Dominators};
+use plcc_ir::entities::Entity;
+use plcc_ir::function::ValueDef;
+use plcc_ir::{BinaryOp, Block, ConvertOp, FloatCc, Function, Inst, InstData, Loc, Module, Type, UnaryOp, Value};
+use rustc_hash::FxHashMap;
+
+/// Moves the making of canonical forms in all functions.
+pub fn relax_floats(module: &mut Module) {
+    module.functions.values_mut().for_each(relax_in_function);
+}
+
+fn relax_in_function(function: &mut Function) {
+    let mut made = canonical_values(function);
+    if made.is_empty() {
+        return;
+    }
+    if carry_raw(function, &made) {
+        made = canonical_values(function);
+    }
+    let seen = seen_forms(function, &made);
+    for index in 0..function.layout.len() {
+        let block = function.layout[index];
+        for position in 0..function.blocks[block].insts.len() {
+            let inst = function.blocks[block].insts[position];
+            let free = match &function.insts[inst] {
+                InstData::FloatCompare { .. } => true,
+                InstData::Convert { op: ConvertOp::ToSint | ConvertOp::ToUint, .. } => true,
+                data if is_arithmetic(data) => !seen[function.result(inst).index()],
+                _ => false,
+            };
+            if free {
+                let mut data = std::mem::replace(&mut function.insts[inst], InstData::Const { bits: 0 });
+                data.map_uses(|value| made.get(&function.resolve(value)).map_or(value, |canonical| canonical.raw));
+                function.insts[inst] = data;
+            }
+        }
+    }
+}
+
+/// How a canonical value was made.
+#[derive(Clone, Copy)]
+struct Canonical {
+    /// The value as the host made it.
+    raw: Value,
+    /// Bits of the form.
+    form: u64,
+}
+
+/// The values that are another one in canonical form.
+fn canonical_values(function: &Function) -> FxHashMap<Value, Canonical> {
+    let mut made = FxHashMap::default();
+    for &block in &function.layout {
+        for &inst in &function.blocks[block].insts {
+            if let InstData::Select { cond, if_true, if_false } = function.insts[inst]
+                && let Some(InstData::FloatCompare { cc: FloatCc::Uno, args: [a, b] }) = function.defining(cond)
+                && [*a, *b].map(|arg| function.resolve(arg)) == [function.resolve(if_false); 2]
+                && let Some(form) = function.constant(if_true)
+            {
+                made.insert(function.result(inst), Canonical { raw: function.resolve(if_false), form });
+            }
+        }
+    }
+    made
+}
+
+/// Operations whose result is invalid if an operand is, in whatever form.
+fn is_arithmetic(data: &InstData) -> bool {
+    match data {
+        InstData::Binary { op, .. } => matches!(op, BinaryOp::Fadd | BinaryOp::Fsub | BinaryOp::Fmul | BinaryOp::Fdiv),
+        InstData::Unary { op, .. } => matches!(
+            op,
+            UnaryOp::Fneg
+                | UnaryOp::Fabs
+                | UnaryOp::Fsqrt
+                | UnaryOp::Fceil
+                | UnaryOp::Ffloor
+                | UnaryOp::Ftrunc
+                | UnaryOp::Fnearest
+        ),
+        InstData::Convert { op, .. } => matches!(op, ConvertOp::Fpromote | ConvertOp::Fdemote),
+        _ => false,
+    }
+}
+
+/// For each value, whether its form as a not-a-number is seen: by stores, conversions to bits, calls, jumps.
+fn seen_forms(function: &Function, made: &FxHashMap<Value, Canonical>) -> Vec<bool> {
+    let mut seen = vec![false; function.values.len()];
+    let insts = || function.layout.iter().flat_map(|&block| &function.blocks[block].insts).rev();
+    // Arithmetic shows the forms of its operands only if its result is seen: from the end, until nothing is added.
+    loop {
+        let mut changed = false;
+        for &inst in insts() {
+            let data = &function.insts[inst];
+            let shows = match data {
+                InstData::FloatCompare { .. } => false,
+                InstData::Convert { op: ConvertOp::ToSint | ConvertOp::ToUint, .. } => false,
+                InstData::Select { .. } if made.contains_key(&function.result(inst)) => false,
+                _ if is_arithmetic(data) => seen[function.result(inst).index()],
+                _ => true,
+            };
+            if shows {
+                data.for_each_use(|value| {
+                    changed |= !std::mem::replace(&mut seen[function.resolve(value).index()], true);
+                });
+            }
+        }
+        if !changed {
+            return seen;
+        }
+    }
+}
+
+/// Parameters of loops that get canonical values from within take them as they are, and are made canonical where their form is
+/// seen outside. Result: whether something changed.
+fn carry_raw(function: &mut Function, made: &FxHashMap<Value, Canonical>) -> bool {
+    let cfg = ControlFlow::new(function);
+    let dominators = Dominators::new(function, &cfg);
+    let depth = loop_depths(function, &cfg, &dominators);
+    // Where each value is used in a way that shows its form.
+    let seen_at = uses_that_show(function, made, &cfg);
+    let mut carried: FxHashMap<Value, u64> = FxHashMap::default();
+    for &header in &cfg.rpo {
+        let place = cfg.rpo_index(header);
+        for (index, &param) in function.blocks[header].params.iter().enumerate() {
+            if !matches!(function.ty(param), Type::F32 | Type::F64) {
+                continue;
+            }
+            let mut form = None;
+            let mut canonical = true;
+            for &pred in cfg.predecessors(header) {
+                let Some(inst) = function.terminator(pred) else { continue };
+                for call in function.insts[inst].targets().into_iter().filter(|call| call.block == header) {
+                    let arg = function.resolve(call.args[index]);
+                    canonical &= arg == param || made.contains_key(&arg) || is_number(function, arg);
+                    if cfg.rpo_index(pred) >= place {
+                        form = form.or(made.get(&arg).map(|canonical| canonical.form));
+                    }
+                }
+            }
+            let outside = |&(block, _): &(Block, Inst)| depth[block.index()] < depth[header.index()];
+            // What comes in another form would be seen in it if the loop makes no pass.
+            if let Some(form) = form
+                && canonical
+                && seen_at.get(&param).is_none_or(|uses| uses.iter().all(outside))
+            {
+                carried.insert(param, form);
+            }
+        }
+    }
+    if carried.is_empty() {
+        return false;
+    }
+    // Jumps bring what the host made.
+    for &block in &cfg.rpo {
+        let Some(inst) = function.terminator(block) else { continue };
+        let mut data = std::mem::replace(&mut function.insts[inst], InstData::Return { values: Vec::new() });
+        data.for_each_target_mut(|call| {
+            for (index, &param) in function.blocks[call.block].params.iter().enumerate() {
+                if carried.contains_key(&param)
+                    && let Some(canonical) = made.get(&function.resolve(call.args[index]))
+                {
+                    call.args[index] = canonical.raw;
+                }
+            }
+        });
+        function.insts[inst] = data;
+    }
+    let mut places: Vec<(Block, Inst, Value)> = Vec::new();
+    for &param in carried.keys() {
+        places.extend(seen_at.get(&param).into_iter().flatten().map(|&(block, inst)| (block, inst, param)));
+    }
+    places.sort_unstable_by_key(|&(block, inst, param)| (block, inst, param));
+    for (block, inst, param) in places {
+        let (ty, loc) = (function.ty(param), function.locs[inst]);
+        let compare = InstData::FloatCompare { cc: FloatCc::Uno, args: [param, param] };
+        let invalid = function.make_inst(compare, &[Type::I1], loc);
+        let form = function.make_inst(InstData::Const { bits: carried[&param] }, &[ty], Loc(0));
+        let (cond, if_true) = (function.result(invalid), function.result(form));
+        let select = function.make_inst(InstData::Select { cond, if_true, if_false: param }, &[ty], loc);
+        let canonical = function.result(select);
+        let insts = &mut function.blocks[block].insts;
+        let at = insts.iter().position(|&other| other == inst).unwrap_or(insts.len());
+        insts.splice(at..at, [invalid, form, select]);
+        let mut data = std::mem::replace(&mut function.insts[inst], InstData::Const { bits: 0 });
+        data.map_uses(|value| if function.resolve(value) == param { canonical } else { value });
+        function.insts[inst] = data;
+    }
+    true
+}
+
+/// True of values that are surely numbers.
+fn is_number(function: &Function, value: Value) -> bool {
+    match (function.defining(value), function.ty(value)) {
+        (Some(InstData::Const { bits }), Type::F32) => !f32::from_bits(*bits as u32).is_nan(),
+        (Some(InstData::Const { bits }), _) => !f64::from_bits(*bits).is_nan(),
+        (Some(InstData::Convert { op, .. }), _) => matches!(op, ConvertOp::FromSint | ConvertOp::FromUint),
+        _ => false,
+    }
+}
+
+/// The instructions that show the form of each float.
+fn uses_that_show(
+    function: &Function,
+    made: &FxHashMap<Value, Canonical>,
+    cfg: &ControlFlow,
+) -> FxHashMap<Value, Vec<(Block, Inst)>> {
+    let seen = seen_forms(function, made);
+    let mut uses: FxHashMap<Value, Vec<(Block, Inst)>> = FxHashMap::default();
+    for &block in &cfg.rpo {
+        for &inst in &function.blocks[block].insts {
+            let data = &function.insts[inst];
+            let shows = match data {
+                InstData::FloatCompare { .. } => false,
+                InstData::Convert { op: ConvertOp::ToSint | ConvertOp::ToUint, .. } => false,
+                InstData::Select { .. } if made.contains_key(&function.result(inst)) => false,
+                _ if is_arithmetic(data) => seen[function.result(inst).index()],
+                _ => true,
+            };
+            if shows {
+                data.for_each_use(|value| {
+                    let value = function.resolve(value);
+                    if matches!(function.values[value].def, ValueDef::Param(..))
+                        && matches!(function.ty(value), Type::F32 | Type::F64)
+                    {
+                        let list = uses.entry(value).or_default();
+                        if list.last() != Some(&(block, inst)) {
+                            list.push((block, inst));
+                        }
+                    }
+                });
+            }
+        }
+    }
+    uses
+}
+
+/// In how many loops each block is.
+fn loop_depths(function: &Function, cfg: &ControlFlow, dominators: &Dominators) -> Vec<u32> {
+    /// Blocks that are visited at most, over all loops.
+    const STEPS_MAX: usize = 2_000_000;
+    let mut depth = vec![0u32; function.blocks.len()];
+    let mut steps = 0;
+    for &header in &cfg.rpo {
+        let place = cfg.rpo_index(header);
+        let back = cfg.predecessors(header).iter().copied();
+        let mut work: Vec<Block> =
+            back.filter(|&pred| cfg.rpo_index(pred) >= place && dominators.dominates(header, pred)).collect();
+        if work.is_empty() {
+            continue;
+        }
+        let mut inside = vec![header];
+        let mut is_inside: rustc_hash::FxHashSet<Block> = [header].into_iter().collect();
+        while let Some(block) = work.pop() {
+            steps += 1;
+            if steps < STEPS_MAX && is_inside.insert(block) {
+                inside.push(block);
+                work.extend_from_slice(cfg.predecessors(block));
+            }
+        }
+        inside.into_iter().for_each(|block| depth[block.index()] += 1);
+    }
+    depth
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::tests::check_pass;
+
+    #[test]
+    fn operations_take_results_as_the_host_made_them() {
+        check_pass(
+            "floats",
+            "func @F -> f32 {
+            b0(v0: f32, v1: f32):
+            v2 = fadd v0, v1
+            v3 = funo v2, v2
+            v4 = const.f32 0xffffffff
+            v5 = select v3, v4, v2
+            v6 = fmul v5, v1
+            v7 = funo v6, v6
+            v8 = select v7, v4, v6
+            ret v8
+            }",
+            "func @F -> f32 {
+            b0(v0: f32, v1: f32):
+            v2 = fadd v0, v1
+            v3 = funo v2, v2
+            v4 = const.f32 0xffffffff
+            v5 = select v3, v4, v2
+            v6 = fmul v2, v1
+            v7 = funo v6, v6
+            v8 = select v7, v4, v6
+            ret v8
+            }",
+        );
+    }
+
+    #[test]
+    fn a_result_whose_form_is_seen_keeps_its_operands() {
+        let text = "func @F -> f32 {
+            b0(v0: f32, v1: f32):
+            v2 = fadd v0, v1
+            v3 = funo v2, v2
+            v4 = const.f32 0xffffffff
+            v5 = select v3, v4, v2
+            v6 = fabs v5
+            ret v6
+            }";
+        check_pass("floats", text, text);
+    }
+
+    #[test]
+    fn a_sum_is_made_canonical_after_its_loop() {
+        check_pass(
+            "floats",
+            "func @F -> f32 {
+            b0(v1: f32, v9: i1):
+            v0 = const.f32 0x0
+            jump b1(v0)
+            b1(v2: f32):
+            v3 = fadd v2, v1
+            v4 = funo v3, v3
+            v5 = const.f32 0xffffffff
+            v6 = select v4, v5, v3
+            branch v9, b1(v6), b2
+            b2:
+            ret v2
+            }",
+            "func @F -> f32 {
+            b0(v0: f32, v1: i1):
+            v2 = const.f32 0x0
+            jump b1(v2)
+            b1(v3: f32):
+            v4 = fadd v3, v0
+            v5 = funo v4, v4
+            v6 = const.f32 0xffffffff
+            v7 = select v5, v6, v4
+            branch v1, b1(v4), b2
+            b2:
+            v8 = funo v3, v3
+            v9 = const.f32 0xffffffff
+            v10 = select v8, v9, v3
+            ret v10
+            }",
+        );
+    }
+}
