@@ -106,6 +106,17 @@ static inline uint32_t next(uint8_t *seed)
     return value ^ value << 7;
 }
 
+/* The next number of a xorshift at `seed`. */
+static inline uint32_t advance(uint8_t *seed)
+{
+    uint32_t value = rd32(seed);
+    value ^= value << 13;
+    value ^= value >> 17;
+    value ^= value << 5;
+    wr32(seed, value);
+    return value;
+}
+
 #if defined(__has_attribute)
 #if __has_attribute(noipa)
 #define OPAQUE __attribute__((noipa))
