@@ -1,6 +1,7 @@
 //! Shared functions of the tests: finding files, comparing expected text, compiling programs.
 
 pub mod charts;
+pub mod kernels;
 pub mod robust;
 pub mod twins;
 
