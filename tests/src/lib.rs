@@ -2,6 +2,7 @@
 
 pub mod charts;
 pub mod damage;
+pub mod kernels;
 pub mod random;
 pub mod reduce;
 pub mod reference;
