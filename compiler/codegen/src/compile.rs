@@ -18,7 +18,7 @@ use plcc_ir::{FuncId, Module};
 use crate::abi::{self, FunctionAbi};
 use crate::isa::{Placement, Tuning, isa};
 use crate::lower::{self, Target};
-use crate::{CodegenError, CodegenOptions, rounding, work};
+use crate::{CodegenError, CodegenOptions, keeping, rounding, work};
 
 /// Functions for which register allocation is more work than this get the quick kind. Its code is 15 to 20 % slower for statement lists and takes
 /// twice the time for SCL with many local variables (docs/benchmarks.md); the better kind takes up to two seconds for this much, and time
@@ -52,6 +52,8 @@ pub struct CompiledFunction {
 pub struct Compiler<'m> {
     pub module: &'m Module,
     pub abis: EntityVec<FuncId, FunctionAbi>,
+    /// Runtime functions that are called so that they keep all registers.
+    pub keeping: Vec<RuntimeFn>,
     pub isa: OwnedTargetIsa,
     quick_isa: OwnedTargetIsa,
     plain_isa: OwnedTargetIsa,
@@ -69,7 +71,8 @@ impl<'m> Compiler<'m> {
         let isa = target(false, false)?;
         let abis = abi::module_abi(module, &*isa)?;
         let (quick_isa, plain_isa, plain_quick_isa) = (target(false, true)?, target(true, false)?, target(true, true)?);
-        Ok(Compiler { module, abis, isa, quick_isa, plain_isa, plain_quick_isa, placement })
+        let keeping = keeping::used(module);
+        Ok(Compiler { module, abis, keeping, isa, quick_isa, plain_isa, plain_quick_isa, placement })
     }
 
     /// Declares the functions of the module and the runtime in `output`, with the numbers that lowering uses.
@@ -92,6 +95,13 @@ impl<'m> Compiler<'m> {
                 .map_err(|error| CodegenError::Output(error.to_string()))?;
             debug_assert_eq!(declared.as_u32(), self.target(&*self.isa).runtime_symbol(function));
         }
+        for &function in &self.keeping {
+            let signature = keeping::signature(function, &*self.isa);
+            let declared = output
+                .declare_function(&keeping::symbol(function), Linkage::Local, &signature)
+                .map_err(|error| CodegenError::Output(error.to_string()))?;
+            debug_assert_eq!(Some(declared.as_u32()), self.target(&*self.isa).keeping_symbol(function));
+        }
         Ok(())
     }
 
@@ -102,12 +112,22 @@ impl<'m> Compiler<'m> {
             isa,
             near_runtime: self.placement == Placement::Object,
             native_rounding: rounding::is_native(isa),
+            keeping: &self.keeping,
         }
     }
 
     /// The CLIF of function `id`.
     pub fn clif(&self, id: FuncId) -> Result<ir::Function, CodegenError> {
         lower::lower(&self.target(&*self.isa), id, &mut FunctionBuilderContext::new())
+    }
+
+    /// The functions that call the runtime and keep all registers, with their numbers.
+    pub fn keeping_functions(&self) -> Result<Vec<(u32, CompiledFunction)>, CodegenError> {
+        let mut worker =
+            Worker { compiler: self, want_text: false, context: Context::new(), builder: Default::default() };
+        let target = self.target(&*self.isa);
+        let numbered = self.keeping.iter().filter_map(|&function| Some((target.keeping_symbol(function)?, function)));
+        numbered.map(|(number, function)| Ok((number, worker.keeping(function, number)?))).collect()
     }
 
     /// All functions, in the order of the module.
@@ -162,13 +182,26 @@ impl Worker<'_, '_> {
         };
         self.context.clear();
         self.context.func = lower::lower(&compiler.target(isa), id, &mut self.builder)?;
+        self.compile(isa, id.index() as u32, &function.name)
+    }
+
+    /// The function that calls `function` and keeps all registers.
+    fn keeping(&mut self, function: RuntimeFn, number: u32) -> Result<CompiledFunction, CodegenError> {
+        let isa = &*self.compiler.isa;
+        self.context.clear();
+        self.context.func = keeping::function(&self.compiler.target(isa), function, number, &mut self.builder);
+        self.compile(isa, number, function.name())
+    }
+
+    /// Compiles the function in the context, which the linker knows by `number`.
+    fn compile(&mut self, isa: &dyn TargetIsa, number: u32, name: &str) -> Result<CompiledFunction, CodegenError> {
         self.context.set_disasm(self.want_text);
         if let Err(error) = self.context.compile(isa, &mut ControlPlane::default()) {
             let message = cranelift_codegen::print_errors::pretty_error(error.func, error.inner);
-            return Err(CodegenError::Function { function: function.name.clone(), message });
+            return Err(CodegenError::Function { function: name.to_string(), message });
         }
         let code = self.context.compiled_code().expect("it was compiled");
-        let number = cranelift_module::FuncId::from_u32(id.index() as u32);
+        let number = cranelift_module::FuncId::from_u32(number);
         let relocs = code
             .buffer
             .relocs()

@@ -6,7 +6,7 @@ use plcc_abi::RuntimeFn;
 use plcc_ir::Module;
 use plcc_ir::entities::Entity;
 
-use crate::compile::Compiler;
+use crate::compile::{CompiledFunction, Compiler};
 use crate::isa::Placement;
 use crate::{CodegenError, CodegenOptions};
 
@@ -30,6 +30,7 @@ impl JitProgram {
     ) -> Result<JitProgram, CodegenError> {
         let compiler = Compiler::new(module, Placement::Memory, options)?;
         let functions = compiler.functions(false)?;
+        let keeping = compiler.keeping_functions()?;
         let code_bytes = functions.iter().map(|function| function.bytes.len()).sum();
         let mut builder = JITBuilder::with_isa(compiler.isa.clone(), cranelift_module::default_libcall_names());
         for &function in RuntimeFn::ALL {
@@ -37,13 +38,14 @@ impl JitProgram {
         }
         builder.symbols(library_functions());
         // One range for all code, so that calls between functions reach.
-        let room: usize = functions.iter().map(|function| function.bytes.len() + 2 * function.alignment as usize).sum();
+        let all = functions.iter().chain(keeping.iter().map(|(_, function)| function));
+        let room: usize = all.map(|function| function.bytes.len() + 2 * function.alignment as usize).sum();
         const PAGES: usize = 1 << 16;
         let memory = ArenaMemoryProvider::new_with_size(2 * room + PAGES)
             .map_err(|error| CodegenError::Output(format!("no memory for code: {error}")))?;
         builder.memory_provider(Box::new(memory));
         let mut code = JITModule::new(builder);
-        let filled = fill(&compiler, &functions, &mut code);
+        let filled = fill(&compiler, &functions, &keeping, &mut code);
         let program = JitProgram { entries: Vec::new(), code_bytes, code: Some(code) };
         filled?;
         Ok(program.with_entries(module))
@@ -91,13 +93,18 @@ impl Drop for JitProgram {
 
 fn fill(
     compiler: &Compiler<'_>,
-    functions: &[crate::compile::CompiledFunction],
+    functions: &[CompiledFunction],
+    keeping: &[(u32, CompiledFunction)],
     code: &mut JITModule,
 ) -> Result<(), CodegenError> {
     let output = |error: cranelift_module::ModuleError| CodegenError::Output(error.to_string());
     compiler.declare(code)?;
     for (id, function) in compiler.module.functions.keys().zip(functions) {
         let symbol = SymbolId::from_u32(id.index() as u32);
+        code.define_function_bytes(symbol, function.alignment, &function.bytes, &function.relocs).map_err(output)?;
+    }
+    for (number, function) in keeping {
+        let symbol = SymbolId::from_u32(*number);
         code.define_function_bytes(symbol, function.alignment, &function.bytes, &function.relocs).map_err(output)?;
     }
     code.finalize_definitions().map_err(output)

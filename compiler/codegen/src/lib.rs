@@ -2,6 +2,7 @@
 //!
 //! - `isa`: the target and its settings.
 //! - `abi`: how functions of a module call each other and the runtime.
+//! - `keeping`: calls of the runtime that keep all registers.
 //! - `lower`: one function of the IR to CLIF, with `memory` for accesses to PLC memory, `bits` for i1 values,
 //!   `rounding` for floats and `joins` for blocks to which many jumps lead.
 //! - `compile`: all functions of a module to bytes, on several threads; `work` finds those that are too large for the better ways.
@@ -18,6 +19,7 @@ mod compile;
 mod isa;
 mod jit;
 mod joins;
+mod keeping;
 mod lines;
 mod lower;
 mod memory;

@@ -22,6 +22,7 @@ use crate::CodegenError;
 use crate::abi::{FunctionAbi, ReturnPlace, clif_type, runtime_signature, takes_memory};
 use crate::bits::Bit;
 use crate::joins::Joins;
+use crate::keeping;
 use crate::memory::{Address, BitValue, Memory, constant};
 use crate::rounding::{self, Rounding};
 
@@ -37,12 +38,20 @@ pub struct Target<'m> {
     pub near_runtime: bool,
     /// The machine can round to integral values.
     pub native_rounding: bool,
+    /// Runtime functions that are called so that they keep all registers.
+    pub keeping: &'m [RuntimeFn],
 }
 
 impl Target<'_> {
     /// Number under which a runtime function is known to the linker; functions of the module come first.
     pub fn runtime_symbol(&self, function: RuntimeFn) -> u32 {
         self.module.functions.len() as u32 + function as u32
+    }
+
+    /// Number of the function that calls a runtime function and keeps all registers; they come after the runtime functions.
+    pub fn keeping_symbol(&self, function: RuntimeFn) -> Option<u32> {
+        let index = self.keeping.iter().position(|&keeping| keeping == function)?;
+        Some((self.module.functions.len() + RuntimeFn::ALL.len() + index) as u32)
     }
 }
 
@@ -547,8 +556,17 @@ impl<'m, 'f> Lowering<'m, 'f> {
         let mut clif_args = Vec::with_capacity(args.len() + 1);
         clif_args.extend(takes_memory(function).then_some(self.memory.mem));
         clif_args.extend(self.values(args)?);
-        let symbol = self.target.runtime_symbol(function);
         let isa = self.target.isa;
+        if let Some(symbol) = self.target.keeping_symbol(function) {
+            let func = self.callee(symbol, || keeping::signature(function, isa), true);
+            self.b.ins().call(func, &clif_args);
+            if let Some(&result) = results.first() {
+                let value = self.memory.load_state(&mut self.b, types::I32, keeping::RESULT);
+                self.define(result, value);
+            }
+            return Ok(());
+        }
+        let symbol = self.target.runtime_symbol(function);
         let func = self.callee(symbol, || runtime_signature(function, isa), self.target.near_runtime);
         let inst = self.b.ins().call(func, &clif_args);
         let values = self.b.inst_results(inst).to_vec();

@@ -45,6 +45,11 @@ pub fn compile_object_as(
             .define_function_bytes(symbol_id(id), function.alignment, &function.bytes, &function.relocs)
             .map_err(output)?;
     }
+    for (number, function) in compiler.keeping_functions()? {
+        object
+            .define_function_bytes(SymbolId::from_u32(number), function.alignment, &function.bytes, &function.relocs)
+            .map_err(output)?;
+    }
     let entries = entry_table(module, &mut object);
     export_program(
         &mut object,

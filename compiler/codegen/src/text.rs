@@ -8,7 +8,7 @@ use plcc_ir::entities::Entity;
 
 use crate::compile::{Compiler, symbol};
 use crate::isa::Placement;
-use crate::{CodegenError, CodegenOptions};
+use crate::{CodegenError, CodegenOptions, keeping};
 
 /// CLIF of every function, before Cranelift's own passes.
 pub fn clif_text(module: &Module, options: &CodegenOptions) -> Result<String, CodegenError> {
@@ -62,5 +62,9 @@ fn name_of(module: &Module, number: usize) -> Option<String> {
     if number < functions {
         return Some(symbol(&module.functions[plcc_ir::FuncId::new(number)].name));
     }
-    RuntimeFn::ALL.get(number - functions).map(|function| function.symbol().to_string())
+    let runtime = RuntimeFn::ALL.len();
+    match RuntimeFn::ALL.get(number - functions) {
+        Some(function) => Some(function.symbol().to_string()),
+        None => keeping::used(module).get(number - functions - runtime).map(|&function| keeping::symbol(function)),
+    }
 }

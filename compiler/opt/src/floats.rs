@@ -20,6 +20,8 @@ use plcc_ir::function::ValueDef;
 use plcc_ir::{BinaryOp, Block, ConvertOp, FloatCc, Function, Inst, InstData, Loc, Module, Type, UnaryOp, Value};
 use rustc_hash::FxHashMap;
 
+use crate::loops::Loops;
+
 /// Moves the making of canonical forms in all functions.
 pub fn relax_floats(module: &mut Module) {
     module.functions.values_mut().for_each(relax_in_function);
@@ -98,6 +100,32 @@ fn is_arithmetic(data: &InstData) -> bool {
     }
 }
 
+/// Calls `f` with each operand whose form the instruction shows, by what is known to be seen so far.
+fn for_each_shown(
+    function: &Function,
+    made: &FxHashMap<Value, Canonical>,
+    seen: &[bool],
+    inst: Inst,
+    mut f: impl FnMut(Value),
+) {
+    let data = &function.insts[inst];
+    match data {
+        InstData::FloatCompare { .. } | InstData::Convert { op: ConvertOp::ToSint | ConvertOp::ToUint, .. } => {}
+        InstData::Select { .. } if made.contains_key(&function.result(inst)) => {}
+        InstData::Jump { .. } | InstData::Branch { .. } | InstData::Switch { .. } => {
+            data.for_each_target(|call| {
+                for (&param, &arg) in function.blocks[call.block].params.iter().zip(&call.args) {
+                    if seen[param.index()] {
+                        f(arg);
+                    }
+                }
+            });
+        }
+        data if is_arithmetic(data) && !seen[function.result(inst).index()] => {}
+        data => data.for_each_use(f),
+    }
+}
+
 /// For each value, whether its form as a not-a-number is seen: by stores, conversions to bits, calls, jumps.
 fn seen_forms(function: &Function, made: &FxHashMap<Value, Canonical>) -> Vec<bool> {
     let mut seen = vec![false; function.values.len()];
@@ -106,18 +134,10 @@ fn seen_forms(function: &Function, made: &FxHashMap<Value, Canonical>) -> Vec<bo
     loop {
         let mut changed = false;
         for &inst in insts() {
-            let data = &function.insts[inst];
-            let shows = match data {
-                InstData::FloatCompare { .. } => false,
-                InstData::Convert { op: ConvertOp::ToSint | ConvertOp::ToUint, .. } => false,
-                InstData::Select { .. } if made.contains_key(&function.result(inst)) => false,
-                _ if is_arithmetic(data) => seen[function.result(inst).index()],
-                _ => true,
-            };
-            if shows {
-                data.for_each_use(|value| {
-                    changed |= !std::mem::replace(&mut seen[function.resolve(value).index()], true);
-                });
+            let mut shown = Vec::new();
+            for_each_shown(function, made, &seen, inst, |value| shown.push(value));
+            for value in shown {
+                changed |= !std::mem::replace(&mut seen[function.resolve(value).index()], true);
             }
         }
         if !changed {
@@ -131,7 +151,7 @@ fn seen_forms(function: &Function, made: &FxHashMap<Value, Canonical>) -> Vec<bo
 fn carry_raw(function: &mut Function, made: &FxHashMap<Value, Canonical>) -> bool {
     let cfg = ControlFlow::new(function);
     let dominators = Dominators::new(function, &cfg);
-    let depth = loop_depths(function, &cfg, &dominators);
+    let loops = Loops::new(function, &cfg, &dominators);
     // Where each value is used in a way that shows its form.
     let seen_at = uses_that_show(function, made, &cfg);
     let mut carried: FxHashMap<Value, u64> = FxHashMap::default();
@@ -153,7 +173,7 @@ fn carry_raw(function: &mut Function, made: &FxHashMap<Value, Canonical>) -> boo
                     }
                 }
             }
-            let outside = |&(block, _): &(Block, Inst)| depth[block.index()] < depth[header.index()];
+            let outside = |&(block, _): &(Block, Inst)| loops.depth(block) < loops.depth(header);
             // What comes in another form would be seen in it if the loop makes no pass.
             if let Some(form) = form
                 && canonical
@@ -224,58 +244,20 @@ fn uses_that_show(
     let mut uses: FxHashMap<Value, Vec<(Block, Inst)>> = FxHashMap::default();
     for &block in &cfg.rpo {
         for &inst in &function.blocks[block].insts {
-            let data = &function.insts[inst];
-            let shows = match data {
-                InstData::FloatCompare { .. } => false,
-                InstData::Convert { op: ConvertOp::ToSint | ConvertOp::ToUint, .. } => false,
-                InstData::Select { .. } if made.contains_key(&function.result(inst)) => false,
-                _ if is_arithmetic(data) => seen[function.result(inst).index()],
-                _ => true,
-            };
-            if shows {
-                data.for_each_use(|value| {
-                    let value = function.resolve(value);
-                    if matches!(function.values[value].def, ValueDef::Param(..))
-                        && matches!(function.ty(value), Type::F32 | Type::F64)
-                    {
-                        let list = uses.entry(value).or_default();
-                        if list.last() != Some(&(block, inst)) {
-                            list.push((block, inst));
-                        }
+            for_each_shown(function, made, &seen, inst, |value| {
+                let value = function.resolve(value);
+                if matches!(function.values[value].def, ValueDef::Param(..))
+                    && matches!(function.ty(value), Type::F32 | Type::F64)
+                {
+                    let list = uses.entry(value).or_default();
+                    if list.last() != Some(&(block, inst)) {
+                        list.push((block, inst));
                     }
-                });
-            }
+                }
+            });
         }
     }
     uses
-}
-
-/// In how many loops each block is.
-fn loop_depths(function: &Function, cfg: &ControlFlow, dominators: &Dominators) -> Vec<u32> {
-    /// Blocks that are visited at most, over all loops.
-    const STEPS_MAX: usize = 2_000_000;
-    let mut depth = vec![0u32; function.blocks.len()];
-    let mut steps = 0;
-    for &header in &cfg.rpo {
-        let place = cfg.rpo_index(header);
-        let back = cfg.predecessors(header).iter().copied();
-        let mut work: Vec<Block> =
-            back.filter(|&pred| cfg.rpo_index(pred) >= place && dominators.dominates(header, pred)).collect();
-        if work.is_empty() {
-            continue;
-        }
-        let mut inside = vec![header];
-        let mut is_inside: rustc_hash::FxHashSet<Block> = [header].into_iter().collect();
-        while let Some(block) = work.pop() {
-            steps += 1;
-            if steps < STEPS_MAX && is_inside.insert(block) {
-                inside.push(block);
-                work.extend_from_slice(cfg.predecessors(block));
-            }
-        }
-        inside.into_iter().for_each(|block| depth[block.index()] += 1);
-    }
-    depth
 }
 
 #[cfg(test)]

@@ -8,9 +8,11 @@
 
 mod addresses;
 mod bits;
+mod branches;
 mod control_flow;
 mod dead_code;
 mod dead_stores;
+mod duplicate;
 mod extents;
 mod floats;
 mod fold;
@@ -20,6 +22,7 @@ mod inline;
 mod interfaces;
 mod known_bits;
 mod locals;
+mod loops;
 mod ranges;
 mod usage;
 mod values;
@@ -66,7 +69,15 @@ pub const PIPELINE: &[Pass] = &[
     pass("values", values::share_values),
     pass("forward", forward::forward_memory),
     pass("fold", fold::fold),
+    pass("part-cold-ways", duplicate::part_cold_ways),
+    pass("control-flow", control_flow::simplify_control_flow),
+    pass("values", values::share_values),
+    pass("forward", forward::forward_memory),
+    pass("branches", branches::select_by_branches),
+    pass("control-flow", control_flow::simplify_control_flow),
+    pass("fold", fold::fold),
     pass("floats", floats::relax_floats),
+    pass("turn-loops", duplicate::turn_loops),
     pass("dead-stores", dead_stores::eliminate_dead_stores),
     pass("dead-code", dead_code::eliminate_dead_code),
     pass("control-flow", control_flow::simplify_control_flow),

@@ -158,8 +158,8 @@ fn uses(function: &Function) -> FxHashMap<u32, Use> {
     }
     // A value is whole only if all of its bytes are used as its parts.
     let torn: Vec<u32> = uses
-        .iter()
-        .filter_map(|(_, how)| match *how {
+        .values()
+        .filter_map(|how| match *how {
             Use::Value(offset, bytes) => {
                 (offset..offset + bytes).any(|byte| uses.get(&byte) != Some(how)).then_some(offset)
             }

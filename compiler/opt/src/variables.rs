@@ -1,7 +1,7 @@
 //! Turns places in memory into SSA values: block parameters where different values meet, found by dominance frontiers.
 //!
 //! A pass says what instructions do with a *variable*, and [`promote`] rewrites them. Parameters are only made where the variable
-//! is still needed.
+//! is still needed. [`join_versions`] does the same for a value that is computed in several blocks after code was duplicated.
 
 use plcc_ir::analysis::{ControlFlow, Dominators};
 use plcc_ir::entities::Entity;
@@ -17,18 +17,14 @@ pub enum Action {
     Write(usize, Value),
     /// The variables become 0; the instruction goes.
     Clear(Vec<usize>),
-    /// The variable becomes its result; the instruction stays.
-    Load(usize),
-    /// The value that it stores is the variable; the instruction stays.
-    Store(usize),
 }
 
 impl Action {
     /// Calls `f` with each variable and whether it is written; one that is read and written is not known here.
     fn for_each(&self, mut f: impl FnMut(usize, bool)) {
         match self {
-            Action::Read(var) | Action::Store(var) => f(*var, false),
-            Action::Write(var, _) | Action::Load(var) => f(*var, true),
+            Action::Read(var) => f(*var, false),
+            Action::Write(var, _) => f(*var, true),
             Action::Clear(vars) => vars.iter().for_each(|&var| f(var, true)),
         }
     }
@@ -36,6 +32,39 @@ impl Action {
 
 /// Steps that finding the parameters may take; larger functions stay as they are.
 const STEPS_MAX: usize = 8_000_000;
+
+/// Values that are computed in several places after code was duplicated: each is a variable.
+#[derive(Default)]
+pub struct Versions {
+    pub types: Vec<Type>,
+    /// The variables of all values that are a version of one, the original among them.
+    pub made: FxHashMap<Value, usize>,
+    /// The variables of the originals, by which code names them.
+    pub named: FxHashMap<Value, usize>,
+}
+
+impl Versions {
+    /// `copy` is another version of `original`.
+    pub fn add(&mut self, function: &Function, original: Value, copy: Value) {
+        let var = match self.named.get(&original) {
+            Some(&var) => var,
+            None => {
+                self.types.push(function.ty(original));
+                let var = self.types.len() - 1;
+                self.named.insert(original, var);
+                self.made.insert(original, var);
+                var
+            }
+        };
+        self.made.insert(copy, var);
+    }
+}
+
+/// Makes every use of an original one of the version that was computed on the way there.
+pub fn join_versions(function: &mut Function, versions: &Versions) -> bool {
+    let none = &mut |_: &mut Function, _: usize| unreachable!("a version is computed on every way to a use");
+    rewrite(function, &versions.types, &FxHashMap::default(), versions, none)
+}
 
 /// Promotes variables with these types in the whole function. `initial` makes the value of a variable that is read before it is
 /// written: an instruction for the begin of the function. Result: false if it would take too long, then nothing is changed.
@@ -45,9 +74,21 @@ pub fn promote(
     actions: &FxHashMap<Inst, Action>,
     initial: &mut dyn FnMut(&mut Function, usize) -> Inst,
 ) -> bool {
+    rewrite(function, types, actions, &Versions::default(), initial)
+}
+
+fn rewrite(
+    function: &mut Function,
+    types: &[Type],
+    actions: &FxHashMap<Inst, Action>,
+    versions: &Versions,
+    initial: &mut dyn FnMut(&mut Function, usize) -> Inst,
+) -> bool {
     let cfg = ControlFlow::new(function);
     let dominators = Dominators::new(function, &cfg);
-    let Some(mut meets) = Meets::find(function, &cfg, &dominators, types.len(), actions) else { return false };
+    let Some(mut meets) = Meets::find(function, &cfg, &dominators, types.len(), actions, versions) else {
+        return false;
+    };
     let mut rename = Rename {
         current: vec![None; types.len()],
         undo: Vec::new(),
@@ -69,9 +110,25 @@ pub fn promote(
     }
     for &block in &dominators.preorder {
         rename.enter(&dominators, block);
+        if !versions.made.is_empty() {
+            for &param in &function.blocks[block].params {
+                rename.note(versions, param);
+            }
+        }
         let insts = std::mem::take(&mut function.blocks[block].insts);
         let mut out = if block == entry { std::mem::take(&mut first) } else { Vec::with_capacity(insts.len()) };
         for inst in insts {
+            if !versions.named.is_empty() {
+                let mut data = std::mem::replace(&mut function.insts[inst], InstData::Const { bits: 0 });
+                data.map_uses(|value| match versions.named.get(&function.resolve(value)) {
+                    Some(&var) => rename.get(var),
+                    None => value,
+                });
+                function.insts[inst] = data;
+                for &result in &function.results[inst] {
+                    rename.note(versions, result);
+                }
+            }
             if rename.visit(function, types, actions.get(&inst), inst, &mut out) {
                 out.push(inst);
             }
@@ -96,21 +153,42 @@ impl Meets {
         dominators: &Dominators,
         count: usize,
         actions: &FxHashMap<Inst, Action>,
+        versions: &Versions,
     ) -> Option<Meets> {
         let mut steps = 0usize;
         let mut written: Vec<Vec<Block>> = vec![Vec::new(); count];
         let mut needed: Vec<Vec<Block>> = vec![Vec::new(); count];
+        let mut note = |block: Block, var: usize, writes: bool| {
+            let before = written[var].last() == Some(&block);
+            if writes && !before {
+                written[var].push(block);
+            } else if !writes && !before && needed[var].last() != Some(&block) {
+                needed[var].push(block);
+            }
+        };
         for &block in &cfg.rpo {
-            for inst in &function.blocks[block].insts {
-                let Some(action) = actions.get(inst) else { continue };
-                action.for_each(|var, writes| {
-                    let before = written[var].last() == Some(&block);
-                    if writes && !before {
-                        written[var].push(block);
-                    } else if !writes && !before && needed[var].last() != Some(&block) {
-                        needed[var].push(block);
+            for param in &function.blocks[block].params {
+                if let Some(&var) = versions.made.get(param) {
+                    note(block, var, true);
+                }
+            }
+            for &inst in &function.blocks[block].insts {
+                if let Some(action) = actions.get(&inst) {
+                    action.for_each(|var, writes| note(block, var, writes));
+                }
+                if versions.named.is_empty() {
+                    continue;
+                }
+                function.insts[inst].for_each_use(|value| {
+                    if let Some(&var) = versions.named.get(&function.resolve(value)) {
+                        note(block, var, false);
                     }
                 });
+                for result in &function.results[inst] {
+                    if let Some(&var) = versions.made.get(result) {
+                        note(block, var, true);
+                    }
+                }
             }
         }
         let frontier = frontiers(function, cfg, dominators, &mut steps)?;
@@ -166,7 +244,7 @@ fn frontiers(
     for &block in &cfg.rpo {
         let preds = cfg.predecessors(block);
         // Jumps back to the first block meet the parameters of the function.
-        if preds.len() < 2 && !(block == function.entry() && !preds.is_empty()) {
+        if preds.len() < 2 && (block != function.entry() || preds.is_empty()) {
             continue;
         }
         let end = dominators.immediate(block);
@@ -222,6 +300,13 @@ impl Rename {
         self.current[var] = Some(value);
     }
 
+    /// The variable becomes this value, if it is a version of one.
+    fn note(&mut self, versions: &Versions, value: Value) {
+        if let Some(&var) = versions.made.get(&value) {
+            self.set(var, value);
+        }
+    }
+
     fn get(&self, var: usize) -> Value {
         self.current[var].expect("a variable has a value wherever it is needed")
     }
@@ -254,19 +339,6 @@ impl Rename {
                     });
                     self.set(var, zero);
                 }
-            }
-            Some(Action::Load(var)) => {
-                let result = function.result(inst);
-                self.set(*var, result);
-                return true;
-            }
-            Some(Action::Store(var)) => {
-                let now = self.get(*var);
-                match &mut function.insts[inst] {
-                    InstData::Store { value, .. } | InstData::StoreBit { value, .. } => *value = now,
-                    other => debug_assert!(false, "{other:?} stores nothing"),
-                }
-                return true;
             }
         }
         false

@@ -62,6 +62,8 @@ pub mod state {
     pub const L_END: u32 = 0x18;
     /// Site of the call by number that is being made, for errors before its block begins.
     pub const SITE: u32 = 0x1C;
+    /// Result of the last call of the runtime that kept all registers.
+    pub const KEPT_RESULT: u32 = 0x20;
     /// CPU registers at the border between generated code and the runtime, one `u32` each, in the order of
     /// [`CpuRegister`](super::CpuRegister).
     pub const REGISTERS: u32 = 0x40;

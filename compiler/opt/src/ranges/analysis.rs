@@ -42,6 +42,8 @@ pub struct Ranges<'f> {
     next_back: FxHashMap<Value, Interval>,
     /// Limits of parameters of loops that count along with another one.
     limits: FxHashMap<Value, Interval>,
+    /// How many passes loops begin at most, by header.
+    passes: FxHashMap<Block, i64>,
     /// Values that are a conversion of another one, or its sum with a constant: what is learnt of that one says something of them.
     derived: FxHashMap<Value, Vec<Value>>,
     phase: Phase,
@@ -69,6 +71,7 @@ impl<'f> Ranges<'f> {
             back: FxHashMap::default(),
             next_back: FxHashMap::default(),
             limits: FxHashMap::default(),
+            passes: FxHashMap::default(),
             derived: derived(function, cfg),
             phase: Phase::Growing(0),
         };
@@ -408,6 +411,11 @@ impl<'f> Ranges<'f> {
         }
     }
 
+    /// How many passes loops begin at most, by header.
+    pub fn into_passes(self) -> FxHashMap<Block, i64> {
+        self.passes
+    }
+
     /// True if the sweeps have found a way to `block`.
     pub fn is_reached(&self, block: Block) -> bool {
         self.reached[block.index()]
@@ -427,6 +435,7 @@ impl<'f> Ranges<'f> {
             let steps: Vec<Option<Step>> = params.iter().enumerate().map(step).collect();
             let passes = params.iter().zip(&steps).filter_map(|(&param, step)| self.passes(param, (*step)?.by)).min();
             let Some(passes) = passes else { continue };
+            self.passes.insert(header, passes);
             for (&param, step) in params.iter().zip(&steps) {
                 let (Some(step), Some(first)) = (*step, self.first(header, param)) else { continue };
                 if let Some(limit) = reach(first, step, passes, self.function.ty(param)) {

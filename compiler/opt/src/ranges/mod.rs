@@ -13,7 +13,9 @@
 
 mod analysis;
 mod interval;
+mod polls;
 
+use crate::loops::Loops;
 use analysis::Ranges;
 use interval::Interval;
 use plcc_ir::analysis::{ControlFlow, Dominators};
@@ -58,6 +60,10 @@ fn use_in_function(function: &mut Function) {
             }
         }
         ranges.leave(block);
+    }
+    let passes = ranges.into_passes();
+    if !passes.is_empty() {
+        polls::remove(function, &Loops::new(function, &cfg, &dominators), &passes);
     }
     apply(function, changes);
 }
@@ -195,7 +201,7 @@ fn apply(function: &mut Function, changes: Vec<(Block, Inst, Change)>) {
                 }
                 Change::Shift(op, arg, by) => {
                     let ty = function.ty(result);
-                    let count = function.make_inst(InstData::Const { bits: by }, &[ty], loc);
+                    let count = function.make_inst(InstData::Const { bits: eval::mask(ty, by) }, &[ty], loc);
                     out.push(count);
                     function.insts[inst] = InstData::Binary { op, args: [arg, function.result(count)] };
                     out.push(inst);
