@@ -1,11 +1,14 @@
 //! ANY parameters: from ten bytes to a range of memory, with the checks of the CPU.
 
 pub(super) use plcc_abi::any::{Access, STRING, WIDE_CHARACTER, WIDE_STRING, error as code};
-use plcc_abi::any::Any;
+use plcc_abi::any::{Any, Fields};
 use plcc_abi::layout::{self, area, state};
 
 use super::parameters::Call;
 use crate::cpu::Area;
+
+/// Syntax id and type code of bytes.
+const BYTES_HEAD: u32 = 0x1002;
 
 /// A range of memory that an ANY points at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,6 +51,27 @@ pub(super) fn decode(call: &Call, index: usize, access: Access) -> Result<Option
     let length = length.min(layout::AREA_BYTES);
     let existing = length.saturating_sub(byte).min(bytes);
     Ok(Some(Range { offset: base + byte.min(length), bytes, existing, type_code }))
+}
+
+/// As [`decode`] for what the library passes most, bytes of a DB or of local data: their offset from the memory base, and how many
+/// exist. `None`: only [`decode`] knows.
+#[inline]
+pub(super) fn decode_bytes(call: &Call, index: usize, access: Access) -> Option<(u32, u32)> {
+    let Fields { head, db, pointer } = call.any(index);
+    let bytes = head & 0xFFFF;
+    if head >> 16 != BYTES_HEAD || pointer & 7 != 0 || bytes == 0 {
+        return None;
+    }
+    let byte = pointer >> 3 & 0xFFFF;
+    match (pointer >> 24) as u8 {
+        area::DB if access == Access::Read || !call.cpu.is_read_only(db) => {
+            let (address, length) = call.cpu.memory.db(db);
+            let existing = length.min(layout::AREA_BYTES).checked_sub(byte)?;
+            Some((address + byte, existing.min(bytes)))
+        }
+        area::V => Some(local_bytes(call, byte, bytes)),
+        _ => None,
+    }
 }
 
 /// Area V for a caller that passes on pointers of its own callers. Below its frame are its own parameters: addresses wrap inside the
