@@ -11,7 +11,7 @@ use crate::place::{BitNumber, Target};
 use crate::plan;
 
 /// Syntax id of an ANY for S7.
-const ANY_S7: u32 = 0x10;
+pub const ANY_S7: u32 = 0x10;
 /// Data type ids inside an ANY come before its POINTER: id, type, repetition factor.
 pub const ANY_HEAD_BYTES: u32 = 4;
 /// Byte and bit address of a pointer.
@@ -130,7 +130,7 @@ impl BlockLowering<'_, '_> {
     /// Writes the POINTER (6 bytes) or ANY (10 bytes) of an actual parameter to `addr`.
     pub fn store_pointer(&mut self, addr: Address, actual: &Actual, any: bool) {
         match actual {
-            Actual::PointerBytes(bytes) | Actual::Const(bytes) => self.store_bytes(addr, bytes),
+            Actual::PointerBytes(bytes) | Actual::Const(bytes) => self.store_pointer_bytes(addr, bytes),
             Actual::PointerTo { place, type_code, count } => {
                 let fields = self.pointer_fields(place);
                 if any {
@@ -196,6 +196,16 @@ impl BlockLowering<'_, '_> {
             let pointer = self.load_zero_extended(field, Width::Dword);
             let pointer = self.handed_on(pointer);
             self.store_low(field, Width::Dword, pointer);
+        }
+    }
+
+    /// Writes a constant POINTER, ANY or VARIANT, field by field as it is read.
+    pub fn store_pointer_bytes(&mut self, addr: Address, bytes: &[u8]) {
+        let head = if bytes.len() < layout::ANY_BYTES as usize { 0 } else { ANY_HEAD_BYTES };
+        let mut at = 0;
+        for end in [head, head + 2, bytes.len() as u32] {
+            self.store_bytes(moved(addr, at), &bytes[at as usize..end as usize]);
+            at = end;
         }
     }
 

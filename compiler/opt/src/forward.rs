@@ -520,6 +520,19 @@ mod tests {
     }
 
     #[test]
+    fn a_frame_stays_private_when_code_chooses_among_its_address_and_others() {
+        let around = |last: &str| {
+            format!(
+                "store.i32 L 0, v0\nv2 = address L 8\nv3 = const.i32 200704\nv4 = select v1, v2, v3\njump b1(v4)\nb1(v5: \
+                 i32):\nv6 = load.i32 any[v5]+0\ncall @G()\n{last}"
+            )
+        };
+        check(&around("v7 = load.i32 L 0\nv8 = iadd v6, v7\nret v8"), &around("v8 = iadd v6, v0\nret v8"));
+        let text = around("store.i32 M 0, v5\ncall @G()\nv7 = load.i32 L 0\nv8 = iadd v6, v7\nret v8");
+        check(&text, &text);
+    }
+
+    #[test]
     fn cleared_memory_reads_0() {
         check(
             "clear L 0, 16\nstore.i16 L 4, v1x\nv2 = load.i32 L 8\nret v2".replace("store.i16 L 4, v1x\n", "").as_str(),

@@ -4,8 +4,8 @@
 //! region `V`. Pointers to local data in PLC memory are area pointers, which code turns into an address by `address` or
 //! `frame_base` where they are used; so a frame that has neither cannot be reached in another way, by organization
 //! blocks that run in between either: they have their own frames. An address does not escape if the
-//! function calculates with it, compares it, where room on the L stack is counted, or makes accesses to `any` with it as base; those
-//! may alias region `L` anyway.
+//! function calculates with it, chooses between it and another, compares it, where room on the L stack is counted, or makes
+//! accesses to `any` with it as base; those may alias region `L` anyway.
 
 use plcc_ir::entities::{Entity, EntityVec};
 use plcc_ir::{FuncId, Function, InstData, Module, Region, Value};
@@ -67,19 +67,7 @@ fn is_given_away(function: &Function, is_local: &dyn Fn(Region) -> bool) -> bool
     if !insts().any(|&inst| is_source(&function.insts[inst])) {
         return false;
     }
-    // Values computed from an address. Definitions come before uses, except with another block order: that use counts
-    // as giving it away.
-    let mut derived = vec![false; function.values.len()];
-    for &inst in insts() {
-        let data = &function.insts[inst];
-        let is_derived =
-            is_source(data) || matches!(data, InstData::Binary { .. }) && uses_any(function, data, &derived);
-        if is_derived {
-            for &result in &function.results[inst] {
-                derived[result.index()] = true;
-            }
-        }
-    }
+    let Some(derived) = derived_values(function, &is_source) else { return true };
     insts().any(|&inst| {
         let data = &function.insts[inst];
         let is_derived = |value: Value| derived[function.resolve(value).index()];
@@ -87,10 +75,42 @@ fn is_given_away(function: &Function, is_local: &dyn Fn(Region) -> bool) -> bool
             InstData::IntCompare { .. } | InstData::Load { .. } | InstData::LoadBit { .. } => false,
             InstData::Clear { .. } | InstData::Copy { .. } => false,
             InstData::Store { value, .. } | InstData::StoreBit { value, .. } => is_derived(*value),
-            InstData::Binary { .. } => !is_derived(function.result(inst)) && uses_any(function, data, &derived),
+            InstData::Binary { .. } | InstData::Select { .. } | InstData::Jump { .. } | InstData::Branch { .. } => {
+                false
+            }
             _ => uses_any(function, data, &derived),
         }
     })
+}
+
+/// Marks the values computed from an address, also those that blocks pass on. `None`: that takes too many rounds.
+fn derived_values(function: &Function, is_source: &dyn Fn(&InstData) -> bool) -> Option<Vec<bool>> {
+    const ROUNDS_MAX: u32 = 8;
+    let mut derived = vec![false; function.values.len()];
+    for _ in 0..ROUNDS_MAX {
+        let mut changed = false;
+        let mut mark = |derived: &mut Vec<bool>, value: Value| {
+            changed |= !std::mem::replace(&mut derived[value.index()], true);
+        };
+        for &inst in function.layout.iter().flat_map(|&block| &function.blocks[block].insts) {
+            let data = &function.insts[inst];
+            let computes = matches!(data, InstData::Binary { .. } | InstData::Select { .. });
+            if is_source(data) || computes && uses_any(function, data, &derived) {
+                mark(&mut derived, function.result(inst));
+            }
+            data.for_each_target(|target| {
+                for (&argument, &parameter) in target.args.iter().zip(&function.blocks[target.block].params) {
+                    if derived[function.resolve(argument).index()] {
+                        mark(&mut derived, parameter);
+                    }
+                }
+            });
+        }
+        if !changed {
+            return Some(derived);
+        }
+    }
+    None
 }
 
 fn uses_any(function: &Function, data: &InstData, marked: &[bool]) -> bool {

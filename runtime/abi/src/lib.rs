@@ -1,5 +1,6 @@
 //! The contract between generated code and the runtime, written once.
 //!
+//! - [`any`]: ANY pointers, and the errors of those that are wrong.
 //! - [`layout`]: the offsets of all memory areas of the virtual CPU.
 //! - [`functions`]: the table of runtime functions that generated code may call.
 //! - [`image`]: the description of a program for the runtime.
@@ -8,8 +9,9 @@
 //! - [`ob`]: organization blocks, grouped by the events that start them.
 //! - [`s7200`]: definitions of the S7-200 only.
 //!
-//! **Invariant**: nothing here executes; it is data and constants only.
+//! **Invariant**: nothing here executes; it is data, constants and their encodings only.
 
+pub mod any;
 pub mod codes;
 pub mod functions;
 pub mod image;

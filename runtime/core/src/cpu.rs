@@ -53,6 +53,8 @@ pub struct Cpu {
     pub(crate) stop: Cell<Option<Stop>>,
     /// Blocks sorted by kind and number.
     blocks: Vec<BlockEntry>,
+    /// Numbers of the write-protected DBs, sorted.
+    read_only_dbs: Vec<u16>,
     /// DBs made at run time: number, address, bytes. Sorted by address.
     pub(crate) created_dbs: RefCell<Vec<(u16, u32, u32)>>,
     /// An event of the diagnostics came since the last cycle began, for the system memory byte.
@@ -82,6 +84,8 @@ impl Cpu {
         let mut blocks = image.blocks.clone();
         blocks.sort_by_key(|block| (block.kind, block.number));
         let memory = Memory::new(image.db_end);
+        let mut read_only_dbs: Vec<u16> = image.dbs.iter().filter(|db| db.read_only).map(|db| db.number).collect();
+        read_only_dbs.sort_unstable();
         let cycle_obs = obs_of(&blocks, &image, ObClass::ProgramCycle).map(|ob| LoadedOb::new(ob, &blocks, &image));
         let cycle_obs = cycle_obs.collect();
         let cpu = Rc::new(Cpu {
@@ -100,6 +104,7 @@ impl Cpu {
             running: Running::default(),
             stop: Cell::new(None),
             blocks,
+            read_only_dbs,
             created_dbs: RefCell::new(Vec::with_capacity(CREATED_DBS_MAX)),
             diagnostics_changed: Cell::new(false),
             communication: RefCell::default(),
@@ -137,6 +142,11 @@ impl Cpu {
     /// The block of this kind and number.
     pub fn block(&self, kind: BlockKind, number: u16) -> Option<&BlockEntry> {
         self.blocks.get(position(&self.blocks, kind, number)?)
+    }
+
+    /// DB `number` is write-protected.
+    pub(crate) fn is_read_only(&self, number: u16) -> bool {
+        self.read_only_dbs.binary_search(&number).is_ok()
     }
 
     /// The block of a loaded OB.

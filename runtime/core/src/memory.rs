@@ -119,18 +119,18 @@ impl Memory {
     }
 
     /// Shows a range to `read`, which must not enter code or write PLC memory. Outside of memory: an empty range.
-    pub fn view(&self, offset: u32, bytes: u32, read: impl FnOnce(&[u8])) {
+    pub fn view<R>(&self, offset: u32, bytes: u32, read: impl FnOnce(&[u8]) -> R) -> R {
         let bytes = if self.contains(offset, bytes) { bytes } else { 0 };
         // SAFETY: the range is inside the allocation and initialised; nothing writes it while `read` runs (the watchdog
         // writes only the CPU state, which is never requested).
-        read(unsafe { std::slice::from_raw_parts(self.at(offset, bytes), bytes as usize) });
+        read(unsafe { std::slice::from_raw_parts(self.at(offset, bytes), bytes as usize) })
     }
 
     /// Copies `bytes` bytes inside memory, as if through a buffer. Nothing happens when a side is outside.
     pub fn copy(&self, from: u32, to: u32, bytes: u32) {
         if self.contains(from, bytes) && self.contains(to, bytes) {
-            // SAFETY: both ranges are inside the allocation; `copy` allows overlap.
-            unsafe { std::ptr::copy(self.at(from, bytes), self.at(to, bytes), bytes as usize) }
+            // SAFETY: both ranges are inside the allocation.
+            unsafe { move_bytes(self.at(from, bytes), self.at(to, bytes), bytes as usize) }
         }
     }
 
@@ -181,9 +181,60 @@ impl Memory {
     }
 }
 
+/// Copies `bytes` bytes, as if through a buffer. Most copies are of short texts: up to 32 bytes go as two words, which may overlap, and
+/// are read before anything is written.
+///
+/// # Safety
+/// Both ranges can be read and written.
+unsafe fn move_bytes(from: *const u8, to: *mut u8, bytes: usize) {
+    /// Moves the first and the last `T` of the range.
+    unsafe fn ends<T: Copy>(from: *const u8, to: *mut u8, bytes: usize) {
+        let last = bytes - size_of::<T>();
+        // SAFETY: the caller's promise, and a range that is not shorter than a `T`.
+        unsafe {
+            let first_part = from.cast::<T>().read_unaligned();
+            let last_part = from.add(last).cast::<T>().read_unaligned();
+            to.cast::<T>().write_unaligned(first_part);
+            to.add(last).cast::<T>().write_unaligned(last_part);
+        }
+    }
+    // SAFETY: the caller's promise; `copy` allows overlap.
+    unsafe {
+        match bytes {
+            0 => {}
+            1 => *to = *from,
+            2..=3 => ends::<u16>(from, to, bytes),
+            4..=7 => ends::<u32>(from, to, bytes),
+            8..=15 => ends::<u64>(from, to, bytes),
+            16..=32 => ends::<u128>(from, to, bytes),
+            _ => std::ptr::copy(from, to, bytes),
+        }
+    }
+}
+
 impl Drop for Memory {
     fn drop(&mut self) {
         // SAFETY: allocated in `new` with the same layout.
         unsafe { dealloc(self.base, Self::layout(self.size)) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn copies_are_as_if_through_a_buffer() {
+        let memory = Memory::new(layout::DB_DATA);
+        for bytes in 0..=40u32 {
+            for (from, to) in [(100, 200), (100, 103), (103, 100), (100, 120), (100, 100)] {
+                let start: Vec<u8> = (0..=255).collect();
+                memory.load(layout::M, &start);
+                memory.copy(layout::M + from, layout::M + to, bytes);
+                let mut expected = start.clone();
+                expected.copy_within(from as usize..(from + bytes) as usize, to as usize);
+                memory.view(layout::M, 256, |found| assert_eq!(found, expected, "{bytes} bytes from {from} to {to}"));
+            }
+        }
     }
 }

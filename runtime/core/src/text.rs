@@ -12,16 +12,7 @@ pub fn copy(memory: &Memory, to: u32, from: u32, limit: u32, wide: bool) -> bool
         if wide { (word(from.wrapping_add(2)), word(to)) } else { (byte(from.wrapping_add(1)), byte(to)) };
     let limit = if limit == u32::MAX { maximum } else { limit };
     let kept = length.min(limit);
-    let move_byte = |at: u32| {
-        let place = head.wrapping_add(at);
-        memory.set_byte(to.wrapping_add(place), memory.byte(from.wrapping_add(place)));
-    };
-    // The texts may overlap.
-    if to <= from {
-        (0..kept * size).for_each(move_byte);
-    } else {
-        (0..kept * size).rev().for_each(move_byte);
-    }
+    memory.copy(from.wrapping_add(head), to.wrapping_add(head), kept * size);
     if wide {
         memory.set_bytes(to.wrapping_add(2), (kept as u16).to_be_bytes());
     } else {

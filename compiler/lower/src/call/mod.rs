@@ -3,8 +3,10 @@
 //! - `function`: each formal of an FC is a reference to its actual, so the FC sees changes during its run and an OUT that it does not write
 //!   does not change the actual. Constants and peripheral inputs are put into the caller's frame first.
 //! - `instance`: for an FB, elementary and complex values are copied into the instance and back; complex IN_OUT are POINTERs there.
+//! - `block_move`: SFC 20, 21 and 81 in place, where the areas are known.
 //! - `system`: system functions get a structure of parameters in the caller's frame.
 
+mod block_move;
 mod function;
 mod instance;
 mod system;
@@ -16,6 +18,7 @@ use plcc_abi::layout::{CpuRegister, state};
 use plcc_ir::{BinaryOp, FuncId, FunctionBuilder, IntCc, Type, Value};
 use plcc_model::{BlockKey, Call, CodeBlock, Passing};
 
+pub use self::block_move::{is_block_move, known_bytes};
 pub use self::function::has_area_pointer;
 use crate::block::BlockLowering;
 use crate::fault::{Check, Substitute};

@@ -5,7 +5,7 @@ use plcc_abi::image::BlockKind;
 use plcc_ir::{Address, BinaryOp, Region, Type};
 use plcc_model::{Actual, Argument, CodeBlock, Direction, Parameter, Passing, Width};
 
-use super::{big_endian, is_value};
+use super::{big_endian, is_block_move, is_value};
 use crate::block::BlockLowering;
 use crate::place::{BitNumber, Target};
 
@@ -16,17 +16,20 @@ impl BlockLowering<'_, '_> {
     /// Calls a system function that the runtime implements.
     pub(super) fn call_system_function(&mut self, callee: &CodeBlock, arguments: &[Argument]) {
         let structure = self.temporary(callee.interface.bytes.max(2));
-        self.b.clear(structure, callee.interface.bytes);
         let base = structure.offset;
-        for argument in arguments {
-            let parameter = &callee.interface.parameters[argument.parameter];
-            if parameter.direction != Direction::Output || !is_value(parameter.passing) {
-                let db = self.get(self.regs.db);
-                self.structure_in(parameter, &argument.actual, base);
-                self.set(self.regs.db, db);
+        let known = is_block_move(callee).then(|| self.block_move_pointers(arguments)).flatten();
+        if !known.is_some_and(|(source, to)| self.known_block_move(callee, structure, source, to)) {
+            self.b.clear(structure, callee.interface.bytes);
+            for argument in arguments {
+                let parameter = &callee.interface.parameters[argument.parameter];
+                if parameter.direction != Direction::Output || !is_value(parameter.passing) {
+                    let db = self.get(self.regs.db);
+                    self.structure_in(parameter, &argument.actual, base);
+                    self.set(self.regs.db, db);
+                }
             }
+            self.run_system_function(callee, structure);
         }
-        self.run_system_function(callee, structure);
         for argument in arguments {
             let parameter = &callee.interface.parameters[argument.parameter];
             if parameter.direction != Direction::Input {

@@ -1,14 +1,16 @@
 //! Addresses whose area is in the pointer: area-crossing, register-indirect addressing and POINTER.
 
 use plcc_abi::codes::sync;
-use plcc_abi::layout;
-use plcc_ir::{Address, BinaryOp, IntCc, Region, Value};
+use plcc_abi::layout::{self, area};
+use plcc_ir::{Address, BinaryOp, IntCc, Region, Type, Value};
 use plcc_model::{Place, PlaceArea, Width};
 
 use super::area::PERIPHERAL_BYTES;
 use super::{BitNumber, Direction, Target, TargetKind};
 use crate::block::BlockLowering;
-use crate::fault::Check;
+
+/// The codes of all areas.
+const AREAS: [u8; 8] = [area::P, area::I, area::Q, area::M, area::DB, area::DI, area::L, area::V];
 
 impl BlockLowering<'_, '_> {
     /// In the target of the POINTER at `pointer` of this FB's instance, `offset` bits after its start.
@@ -42,56 +44,29 @@ impl BlockLowering<'_, '_> {
         width: Width,
         direction: Direction,
     ) -> Target {
-        use plcc_abi::layout::area;
         let code = self.b.binary_imm(BinaryOp::Lshr, pointer, 24);
         let effective = self.effective(pointer, offset);
-        let frame = self.b.address_of(Address::direct(Region::L, 0));
-        let caller = self.b.address_of(Address::direct(Region::V, 0));
-        let caller_bytes = self.b.isub(frame, caller);
-        let (db_base, di_base) = (self.b.db_base(db), self.b.db_base(di));
-        let (db_length, di_length) = (self.b.db_length(db), self.b.db_length(di));
-        let profile = &self.plan.program.profile;
-        let mut constant = |value: u32| self.b.i32_const(value);
-        let rows = [
-            (area::I, constant(layout::I), constant(profile.inputs)),
-            (area::Q, constant(layout::Q), constant(profile.outputs)),
-            (area::M, constant(layout::M), constant(profile.bit_memory)),
-            (area::DB, db_base, db_length),
-            (area::DI, di_base, di_length),
-            (area::L, frame, constant(self.local_bytes)),
-            (area::V, caller, caller_bytes),
-        ];
-        let peripheral_limit = constant(PERIPHERAL_BYTES);
+        let (base, limit) = match self.b.constant_bits(code) {
+            Some(_) => self.area_by_selects(&AREAS, code, effective.byte, (db, di), width),
+            None => self.area_by_branches(code, effective.byte, (db, di), width),
+        };
         let is_peripheral = self.b.icmp_imm(IntCc::Eq, code, i64::from(area::P));
-        let mut known = is_peripheral;
-        let (mut base, mut limit) = (constant_zero(self), peripheral_limit);
-        for (area, area_base, area_limit) in rows {
-            let is_area = self.b.icmp_imm(IntCc::Eq, code, i64::from(area));
-            known = self.b.or(known, is_area);
-            base = self.b.select(is_area, area_base, base);
-            limit = self.b.select(is_area, area_limit, limit);
-        }
-        let below = self.plan.hands_on_pointers.then(|| {
-            let is_local = self.b.icmp_imm(IntCc::Eq, code, i64::from(area::V));
-            let (is_below, address) = self.below_caller(caller, effective.byte, width);
-            let is_below = self.b.and(is_local, is_below);
-            let stack = self.b.i32_const(layout::L_CLASS_BYTES);
-            limit = self.b.select(is_below, stack, limit);
-            (is_below, address)
-        });
-        if width == Width::Bit {
-            // The peripheral area has no bits.
-            let not_peripheral = self.b.not(is_peripheral);
-            known = self.b.and(known, not_peripheral);
-        }
+        // Area codes are next to each other. The peripheral area has no bits.
+        let first = if width == Width::Bit { area::P + 1 } else { area::P };
+        let number = self.b.binary_imm(BinaryOp::Isub, code, i64::from(first));
+        let known = self.b.icmp_imm(IntCc::Ule, number, i64::from(area::V - first));
         let wrong_area = if direction == Direction::Read { sync::AREA_READ } else { sync::AREA_WRITE };
         let wrong_area = self.b.i32_const(u32::from(wrong_area));
         // The numbers of OB 121's areas are the low bits of the pointers' area codes.
         let area_number = self.b.binary_imm(BinaryOp::And, code, 7);
-        let mut checks =
-            vec![Check { ok: known, code: wrong_area, access: self.access(width, area_number), info: code }];
+        let mut checks = Vec::new();
         checks.extend(self.alignment_check(&effective, width, area_number, direction));
         checks.push(self.length_check(effective.byte, limit, width, area_number, direction));
+        // An unknown area has length 0, so that one of these checks fails; its error goes first.
+        for check in &mut checks {
+            check.code = self.b.select(known, check.code, wrong_area);
+            check.info = self.b.select(known, check.info, code);
+        }
         if direction == Direction::Write && !self.plan.protected_dbs.is_empty() {
             for (area, place_area, number) in [(area::DB, PlaceArea::Db, db), (area::DI, PlaceArea::Di, di)] {
                 let elsewhere = self.b.icmp_imm(IntCc::Ne, code, i64::from(area));
@@ -102,10 +77,6 @@ impl BlockLowering<'_, '_> {
             }
         }
         let address = self.b.iadd(base, effective.byte);
-        let address = match below {
-            Some((is_below, below)) => self.b.select(is_below, below, address),
-            None => address,
-        };
         let addr = Address::indexed(Region::Any, address, 0);
         let bit = BitNumber::Dynamic(effective.bit);
         let kind = match self.b.constant_bits(is_peripheral) {
@@ -116,8 +87,81 @@ impl BlockLowering<'_, '_> {
         };
         Target { kind, checks }
     }
-}
 
-fn constant_zero(lowering: &mut BlockLowering<'_, '_>) -> Value {
-    lowering.b.i32_const(0)
+    /// Base and limit of the area of a pointer: most point into DBs and bit memory, so these are tried first.
+    fn area_by_branches(&mut self, code: Value, byte: Value, dbs: (Value, Value), width: Width) -> (Value, Value) {
+        let join = self.b.create_block();
+        let (base, limit) = (self.b.append_param(join, Type::I32), self.b.append_param(join, Type::I32));
+        for area in [area::DB, area::M] {
+            let (is_area, other) = (self.b.create_block(), self.b.create_block());
+            let matches = self.b.icmp_imm(IntCc::Eq, code, i64::from(area));
+            self.b.branch(matches, is_area, other);
+            self.b.seal_block(is_area);
+            self.b.seal_block(other);
+            self.b.switch_to(is_area);
+            let (base, limit) = self.extent_of(area, dbs);
+            self.b.jump(join, &[base, limit]);
+            self.b.switch_to(other);
+        }
+        let others = [area::P, area::I, area::Q, area::DI, area::L, area::V];
+        let (other_base, other_limit) = self.area_by_selects(&others, code, byte, dbs, width);
+        self.b.jump(join, &[other_base, other_limit]);
+        self.b.seal_block(join);
+        self.b.switch_to(join);
+        (base, limit)
+    }
+
+    /// As [`area_by_branches`](Self::area_by_branches), among `areas`; for another area the limit is 0.
+    fn area_by_selects(
+        &mut self,
+        areas: &[u8],
+        code: Value,
+        byte: Value,
+        dbs: (Value, Value),
+        width: Width,
+    ) -> (Value, Value) {
+        let zero = self.b.i32_const(0);
+        let (mut base, mut limit) = (zero, zero);
+        for &area in areas {
+            let (area_base, area_limit) = self.extent_of(area, dbs);
+            let area_limit = if area == area::P && width == Width::Bit { zero } else { area_limit };
+            let is_area = self.b.icmp_imm(IntCc::Eq, code, i64::from(area));
+            base = self.b.select(is_area, area_base, base);
+            limit = self.b.select(is_area, area_limit, limit);
+        }
+        if self.plan.hands_on_pointers {
+            let is_local = self.b.icmp_imm(IntCc::Eq, code, i64::from(area::V));
+            let caller = self.b.address_of(Address::direct(Region::V, 0));
+            let (is_below, address) = self.below_caller(caller, byte, width);
+            let is_below = self.b.and(is_local, is_below);
+            let stack = self.b.i32_const(layout::L_CLASS_BYTES);
+            limit = self.b.select(is_below, stack, limit);
+            let below = self.b.isub(address, byte);
+            base = self.b.select(is_below, below, base);
+        }
+        (base, limit)
+    }
+
+    /// Where an area begins, as offset from the memory base, and its length. `dbs`: the DBs of areas DB and DI.
+    fn extent_of(&mut self, area: u8, dbs: (Value, Value)) -> (Value, Value) {
+        let profile = &self.plan.program.profile;
+        let (base, limit) = match area {
+            area::I => (layout::I, profile.inputs),
+            area::Q => (layout::Q, profile.outputs),
+            area::M => (layout::M, profile.bit_memory),
+            area::DB => return (self.b.db_base(dbs.0), self.b.db_length(dbs.0)),
+            area::DI => return (self.b.db_base(dbs.1), self.b.db_length(dbs.1)),
+            area::L => {
+                let frame = self.b.address_of(Address::direct(Region::L, 0));
+                return (frame, self.b.i32_const(self.local_bytes));
+            }
+            area::V => {
+                let frame = self.b.address_of(Address::direct(Region::L, 0));
+                let caller = self.b.address_of(Address::direct(Region::V, 0));
+                return (caller, self.b.isub(frame, caller));
+            }
+            _ => (0, PERIPHERAL_BYTES),
+        };
+        (self.b.i32_const(base), self.b.i32_const(limit))
+    }
 }

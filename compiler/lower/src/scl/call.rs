@@ -10,6 +10,7 @@ use plcc_model::{CodeBlock, Direction, Parameter, Passing, Place, Width};
 use super::argument::{self, Given};
 use super::value_type;
 use crate::block::BlockLowering;
+use crate::call::is_block_move;
 use crate::fault::{Check, Substitute};
 use crate::place::{self, BitNumber, Target};
 
@@ -260,11 +261,14 @@ impl BlockLowering<'_, '_> {
         let given = self.given(call, callee);
         let bytes = callee.interface.bytes;
         let structure = self.temporary(bytes.max(2));
-        self.b.clear(structure, bytes);
-        for given in &given {
-            self.fill(structure, &callee.interface.parameters[given.parameter], given, true);
+        let known = is_block_move(callee).then(|| self.given_block_move_pointers(&given)).flatten();
+        if !known.is_some_and(|(source, to)| self.known_block_move(callee, structure, source, to)) {
+            self.b.clear(structure, bytes);
+            for given in &given {
+                self.fill(structure, &callee.interface.parameters[given.parameter], given, true);
+            }
+            self.run_system_function(callee, structure);
         }
-        self.run_system_function(callee, structure);
         self.take_back(structure, callee, &given);
         let (Some((_, parameter)), Some(room)) = (result(callee), room) else { return Returned::default() };
         let at = Address { offset: structure.offset + parameter.byte, ..structure };

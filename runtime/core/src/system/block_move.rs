@@ -2,17 +2,13 @@
 //!
 //! Source: System and standard functions, SFC 20, 21, 81.
 
-use plcc_abi::image::Family;
+use plcc_abi::any::block_move::{DESTINATION, SOURCE, TOO_LONG, UNINTERRUPTED_MAX};
+use plcc_abi::any::short_error;
 
 use super::any::{self, Access, Range};
 use super::parameters::Call;
 use super::{OK, Outcome, error};
 use crate::cpu::Cpu;
-
-const SOURCE: usize = 0;
-const DESTINATION: usize = 2;
-/// Longest block that UBLKMOV copies.
-const UNINTERRUPTED_MAX: u32 = 512;
 
 /// Copies in ascending order; the shorter length decides.
 pub(super) fn blkmov(call: &Call) -> Outcome {
@@ -30,7 +26,7 @@ fn copy(call: &Call, longest: u32) -> Outcome {
             let source = string_characters(call.cpu, source);
             let bytes = source.bytes.min(destination.bytes);
             if bytes > longest {
-                return error(any::code(SOURCE, 0x22));
+                return error(TOO_LONG);
             }
             if let Err(code) = complete(call.cpu, &source, &destination, bytes, bytes) {
                 return error(code);
@@ -81,10 +77,5 @@ fn string_characters(cpu: &Cpu, range: Range) -> Range {
 /// `Err`: the area is smaller than the pointer says.
 fn complete(cpu: &Cpu, source: &Range, destination: &Range, read: u32, written: u32) -> Result<(), u16> {
     let (short_source, short_destination) = (source.existing < read, destination.existing < written);
-    match (cpu.image.profile.family, short_source, short_destination) {
-        (_, false, false) => Ok(()),
-        (Family::S7300, _, _) => Err(0x837F),
-        (_, true, _) => Err(any::code(SOURCE, 0x22)),
-        (_, false, true) => Err(any::code(DESTINATION, 0x23)),
-    }
+    short_error(cpu.image.profile.family, short_source, short_destination).map_or(Ok(()), Err)
 }

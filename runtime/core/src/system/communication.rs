@@ -50,11 +50,11 @@ pub(super) fn open(call: &Call) -> Outcome {
 }
 
 fn description(call: &Call) -> Result<Description, u16> {
-    let [_, _, _, _, db_high, db_low, area_code, ..] = call.any_bytes(0);
-    if !matches!(area_code, area::DB | area::DI) {
+    let any = call.any(0);
+    if !matches!((any.pointer >> 24) as u8, area::DB | area::DI) {
         return Err(NO_DATA_BLOCK);
     }
-    let number = u16::from_be_bytes([db_high, db_low]);
+    let number = any.db;
     if call.cpu.image.dbs.iter().any(|db| db.number == number && db.unlinked) {
         return Err(UNLINKED);
     }

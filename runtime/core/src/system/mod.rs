@@ -35,7 +35,7 @@ mod variants;
 use plcc_abi::codes::sync;
 
 use crate::cpu::Cpu;
-use parameters::{Call, Kind};
+use parameters::{Call, Kind, PARAMETERS_MAX};
 
 /// How a system function ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,6 +60,7 @@ struct Row {
     number: u16,
     name: &'static str,
     parameters: &'static [Kind],
+    offsets: [u8; PARAMETERS_MAX],
     /// Index of RET_VAL in `parameters`.
     ret_val: Option<usize>,
     function: Function,
@@ -67,10 +68,11 @@ struct Row {
 
 macro_rules! system_functions {
     ($( $number:literal $name:ident ( $($in:ident),* ) -> ( $($out:ident),* ) = $function:path ; )*) => {
-        const TABLE: &[Row] = &[ $( Row {
+        static TABLE: &[Row] = &[ $( Row {
             number: $number,
             name: stringify!($name),
             parameters: &[ $(Kind::$in,)* $(Kind::$out),* ],
+            offsets: parameters::offsets(&[ $(Kind::$in,)* $(Kind::$out),* ]),
             ret_val: { const OUTS: &[Kind] = &[$(Kind::$out),*]; const INS: &[Kind] = &[$(Kind::$in),*];
                 if OUTS.is_empty() { None } else { Some(INS.len()) } },
             function: $function,
@@ -198,9 +200,27 @@ system_functions! {
     2105 LINK_RECEIVE (Word, Dword, Bool) -> (Word, Dword, Any) = communication::receive;
 }
 
+/// No row.
+const NONE: u8 = u8::MAX;
+
+/// The row of each number up to the last.
+static INDEX: [u8; LAST + 1] = {
+    let mut index = [NONE; LAST + 1];
+    let mut row = 0;
+    while row < TABLE.len() {
+        assert!(row < NONE as usize);
+        index[TABLE[row].number as usize] = row as u8;
+        row += 1;
+    }
+    index
+};
+
+/// The last number.
+const LAST: usize = TABLE[TABLE.len() - 1].number as usize;
+
 fn row(number: u32) -> Option<&'static Row> {
-    let number = u16::try_from(number).ok()?;
-    TABLE.binary_search_by_key(&number, |row| row.number).ok().map(|index| &TABLE[index])
+    let &row = INDEX.get(number as usize)?;
+    TABLE.get(usize::from(row))
 }
 
 /// Number, standard name and parameters of each system function, which the declarations of the standard library must agree with.
@@ -226,7 +246,7 @@ impl Cpu {
         let Some(row) = row(number) else {
             return self.sync_error(site, sync::SFC_MISSING, 0, number) * STOPPED;
         };
-        let call = Call { cpu: self, site, block, lbase, parameters: row.parameters };
+        let call = Call { cpu: self, site, block, lbase, offsets: &row.offsets };
         let br = match (row.function)(&call) {
             Outcome::RetVal(value) => {
                 if let Some(index) = row.ret_val {
@@ -253,8 +273,8 @@ mod tests {
     #[test]
     fn offsets_follow_the_layout_rules() {
         let offsets = |number: u32| {
-            let kinds = row(number).unwrap().parameters;
-            (0..kinds.len()).map(|index| parameters::offset(kinds, index)).collect::<Vec<_>>()
+            let row = row(number).unwrap();
+            row.offsets[..row.parameters.len()].to_vec()
         };
         assert_eq!(offsets(20), [0, 10, 12]);
         assert_eq!(offsets(28), [0, 2, 10, 12]);

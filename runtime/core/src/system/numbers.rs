@@ -17,6 +17,9 @@ const PLUS: u16 = 1;
 /// FORM of [`of_integer`]: IN is a ULINT.
 const UNSIGNED: u16 = 2;
 
+/// Digits of a u64, and a sign.
+const DIGITS_MAX: usize = 21;
+
 /// Value of a LINT, or with UNSIGNED of a ULINT.
 fn integer(bits: u64, form: u16) -> i128 {
     if form & UNSIGNED != 0 { i128::from(bits) } else { i128::from(bits as i64) }
@@ -24,22 +27,38 @@ fn integer(bits: u64, form: u16) -> i128 {
 
 /// IN LINT, FORM -> RET_VAL, OUT STRING. A string that is too short does not change.
 pub(super) fn of_integer(call: &Call) -> Outcome {
-    let form = call.word(1);
-    decimal(call, 3, integer(call.lword(0), form), form)
+    let (bits, form) = (call.lword(0), call.word(1));
+    let negative = form & UNSIGNED == 0 && (bits as i64) < 0;
+    decimal(call, 3, negative, if negative { bits.wrapping_neg() } else { bits }, form)
 }
 
 /// As [`of_integer`], of a DINT.
 pub(super) fn of_dint(call: &Call) -> Outcome {
-    decimal(call, 3, i128::from(call.dword(0) as i32), call.word(1))
+    let value = call.dword(0) as i32;
+    decimal(call, 3, value < 0, value.unsigned_abs().into(), call.word(1))
 }
 
-fn decimal(call: &Call, out: usize, value: i128, form: u16) -> Outcome {
-    let mut buffer: Buffer<24> = Buffer::new();
-    if form & PLUS != 0 && value >= 0 {
-        buffer.push(b'+');
+fn decimal(call: &Call, out: usize, negative: bool, mut magnitude: u64, form: u16) -> Outcome {
+    // From the last digit to the first.
+    let mut characters = [0; DIGITS_MAX];
+    let mut start = DIGITS_MAX;
+    let mut put = |character| {
+        start -= 1;
+        characters[start] = character;
+    };
+    loop {
+        put(b'0' + (magnitude % 10) as u8);
+        magnitude /= 10;
+        if magnitude == 0 {
+            break;
+        }
     }
-    let _ = write!(buffer, "{value}");
-    text::give_whole(call, out, buffer.characters())
+    if negative {
+        put(b'-');
+    } else if form & PLUS != 0 {
+        put(b'+');
+    }
+    text::give_whole(call, out, &characters[start..])
 }
 
 /// IN REAL -> RET_VAL, OUT STRING: `+1.2345678E+01`, 14 characters.
@@ -108,16 +127,28 @@ fn finish_special(outcome: Outcome, finite: bool) -> Outcome {
 pub(super) fn to_dint(call: &Call) -> Outcome {
     const OUT: usize = 5;
     let longest = usize::from(call.word(1));
-    let value = text::characters(call, 0).filter(|text| text.characters().len() <= longest).and_then(|text| {
-        let digits = text.as_str();
-        let unsigned = digits.strip_prefix(['+', '-']).unwrap_or(digits);
-        let only_digits = !unsigned.is_empty() && unsigned.bytes().all(|character| character.is_ascii_digit());
-        if only_digits { digits.parse::<i64>().ok() } else { None }
-    });
+    let value =
+        text::view(call, 0, |characters| if characters.len() <= longest { parse_integer(characters) } else { None });
+    let value = value.flatten();
     let Some(value) = value else { return error(INVALID) };
     let limited = value.clamp(i64::from(call.dword(2) as i32), i64::from(call.dword(3) as i32));
     call.set_dword(OUT, limited as i32 as u32);
     if limited == value { OK } else { error(CUT) }
+}
+
+/// An optional sign, then digits only. `None`: another form, or it does not fit.
+fn parse_integer(characters: &[u8]) -> Option<i64> {
+    let (negative, digits) = match characters {
+        [b'-', digits @ ..] => (true, digits),
+        [b'+', digits @ ..] | digits => (false, digits),
+    };
+    if digits.is_empty() {
+        return None;
+    }
+    digits.iter().try_fold(0i64, |value, digit| {
+        let digit = i64::from(digit.checked_sub(b'0').filter(|&digit| digit < 10)?);
+        value.checked_mul(10)?.checked_add(if negative { -digit } else { digit })
+    })
 }
 
 /// S STRING -> RET_VAL, OUT REAL: exactly `+v.nnnnnnnE+xx` at the beginning. Too large is limited and [`CUT`].
@@ -202,13 +233,34 @@ fn exponent_length(text: &[u8]) -> Option<usize> {
     (digits > 0).then_some(1 + sign + digits)
 }
 
-/// The parameters of [`integer_of`] and [`float_of`], scanned.
-fn scanned(call: &Call) -> Option<Scanned> {
+/// Scans the text of [`integer_of`] and [`float_of`] from its position on.
+fn scan_text<R>(call: &Call, scan: impl FnOnce(&[u8], u16) -> Option<R>) -> Option<R> {
     let (format, position) = (call.word(1), call.word(2) as i16);
-    let text = text::characters(call, 0)?;
     let start = usize::try_from(position).ok()?.checked_sub(1)?;
-    let rest = text.characters().get(start..).filter(|rest| !rest.is_empty())?;
-    scan(rest, format).filter(|_| format <= COMMA | EXPONENT)
+    let from_start = |characters: &[u8]| {
+        let rest = characters.get(start..).filter(|rest| !rest.is_empty())?;
+        if format <= COMMA | EXPONENT { scan(rest, format) } else { None }
+    };
+    text::view(call, 0, from_start).flatten()
+}
+
+/// A number without fraction and exponent, as far as a u64 holds its digits: what most texts are. `None`: [`scan`] knows.
+fn scan_simple(text: &[u8]) -> Option<(i128, usize)> {
+    let blanks = text.iter().take_while(|&&character| character == b' ').count();
+    let sign = usize::from(matches!(text.get(blanks), Some(b'+' | b'-')));
+    let digits = &text[blanks + sign..];
+    let mut magnitude = 0u64;
+    let mut count = 0;
+    for digit in digits.iter().map(|character| character.wrapping_sub(b'0')).take_while(|&digit| digit < 10) {
+        magnitude = magnitude.checked_mul(10)?.checked_add(digit.into())?;
+        count += 1;
+    }
+    // What may go on is the rest of the number.
+    if count == 0 || matches!(digits.get(count), Some(b'.' | b',' | b'e' | b'E')) {
+        return None;
+    }
+    let value = i128::from(magnitude);
+    Some((if text[blanks] == b'-' { -value } else { value }, blanks + sign + count))
 }
 
 /// The range of an integer type: 1 SINT, 2 INT, 3 DINT, 4 LINT, 5 USINT, 6 UINT, 7 UDINT, 8 ULINT.
@@ -221,21 +273,27 @@ fn range(ty: u16) -> Option<std::ops::RangeInclusive<i128>> {
     }
 }
 
+/// An integer, or a number whose fraction is dropped; and its characters.
+fn scan_integer(text: &[u8], format: u16) -> Option<(i128, usize)> {
+    let scanned = scan(text, format)?;
+    let digits = scanned.digits.as_str();
+    let value = if digits.contains(['e', 'E']) {
+        // Larger numbers are out of every range, and their conversion saturates.
+        digits.parse::<f64>().ok().filter(|value| value.is_finite())?.trunc() as i128
+    } else {
+        let whole = digits.split('.').next().unwrap_or("");
+        whole.parse::<i128>().ok()?
+    };
+    Some((value, scanned.length))
+}
+
 /// IN STRING, FORMAT WORD, P INT, TYPE INT -> RET_VAL, OUT LINT, NEXT INT. A fraction is dropped. Out of the range of the type, or
 /// without a number, OUT is 0 and NEXT is P.
 pub(super) fn integer_of(call: &Call) -> Outcome {
     const OUT: usize = 5;
     let value = range(call.word(3)).and_then(|range| {
-        let scanned = scanned(call)?;
-        let digits = scanned.digits.as_str();
-        let value = if digits.contains(['e', 'E']) {
-            // Larger numbers are out of every range, and their conversion saturates.
-            digits.parse::<f64>().ok().filter(|value| value.is_finite())?.trunc() as i128
-        } else {
-            let whole = digits.split('.').next().unwrap_or("");
-            whole.parse::<i128>().ok()?
-        };
-        range.contains(&value).then_some((value, scanned.length))
+        let value = scan_text(call, |text, format| scan_simple(text).or_else(|| scan_integer(text, format)));
+        value.filter(|(value, _)| range.contains(value))
     });
     let (value, length) = value.unwrap_or((0, 0));
     call.set_lword(OUT, value as u64);
@@ -246,7 +304,7 @@ pub(super) fn integer_of(call: &Call) -> Outcome {
 /// IN STRING, FORMAT WORD, P INT -> RET_VAL, OUT LREAL, NEXT INT.
 pub(super) fn float_of(call: &Call) -> Outcome {
     const OUT: usize = 4;
-    let value = scanned(call)
+    let value = scan_text(call, scan)
         .and_then(|scanned| scanned.digits.as_str().parse::<f64>().ok().map(|value| (value, scanned.length)));
     let (value, length) = value.unwrap_or((0.0, 0));
     call.set_lword(OUT, value.to_bits());
@@ -257,7 +315,7 @@ pub(super) fn float_of(call: &Call) -> Outcome {
 /// IN STRING, FORMAT WORD, P INT -> RET_VAL, OUT REAL, NEXT INT. A value too small for a normal number becomes 0.
 pub(super) fn real_of(call: &Call) -> Outcome {
     const OUT: usize = 4;
-    let value = scanned(call)
+    let value = scan_text(call, scan)
         .and_then(|scanned| scanned.digits.as_str().parse::<f32>().ok().map(|value| (value, scanned.length)));
     let (value, length) = value.unwrap_or((0.0, 0));
     let value = if value.is_subnormal() { 0.0 } else { value };

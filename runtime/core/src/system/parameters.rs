@@ -1,5 +1,6 @@
 //! The parameter structure of a system function.
 
+use plcc_abi::any::Fields;
 use plcc_abi::codes::local_error;
 
 use crate::cpu::Cpu;
@@ -47,14 +48,24 @@ impl Kind {
     }
 }
 
-/// Offset of parameter `index`: bytes anywhere, all else at even bytes. Source: Programming with STEP 7, layout of a STRUCT.
-pub(super) fn offset(kinds: &[Kind], index: usize) -> u32 {
-    let even = |kind: Kind, at: u32| if kind.bytes() <= 1 { at } else { at + at % 2 };
-    let mut at = 0;
-    for &kind in &kinds[..index] {
-        at = even(kind, at) + kind.bytes();
+/// Parameters of the system function with the most.
+pub(super) const PARAMETERS_MAX: usize = 11;
+
+/// The offset of each parameter: bytes anywhere, all else at even bytes. Source: Programming with STEP 7, layout of a STRUCT.
+pub(super) const fn offsets(kinds: &[Kind]) -> [u8; PARAMETERS_MAX] {
+    let mut offsets = [0; PARAMETERS_MAX];
+    let (mut index, mut at) = (0, 0);
+    while index < kinds.len() {
+        let bytes = kinds[index].bytes();
+        if bytes > 1 {
+            at += at % 2;
+        }
+        assert!(at <= u8::MAX as u32);
+        offsets[index] = at as u8;
+        at += bytes;
+        index += 1;
     }
-    even(kinds[index], at)
+    offsets
 }
 
 /// A call of a system function. Parameters are named by their place in the declaration, from 0.
@@ -64,12 +75,13 @@ pub(super) struct Call<'a> {
     pub block: u32,
     /// Frame of the caller.
     pub lbase: u32,
-    pub parameters: &'static [Kind],
+    /// Where each parameter is, from `block`.
+    pub offsets: &'static [u8; PARAMETERS_MAX],
 }
 
 impl Call<'_> {
     fn at(&self, index: usize) -> u32 {
-        self.block + offset(self.parameters, index)
+        self.block + u32::from(self.offsets[index])
     }
 
     pub fn byte(&self, index: usize) -> u8 {
@@ -100,8 +112,10 @@ impl Call<'_> {
         self.cpu.memory.set_bytes(self.at(index), value);
     }
 
-    pub fn any_bytes(&self, index: usize) -> [u8; 10] {
-        self.cpu.memory.bytes(self.at(index))
+    /// An ANY, read field by field as code wrote it: a processor passes on only what was written as a whole.
+    pub fn any(&self, index: usize) -> Fields {
+        let (memory, at) = (&self.cpu.memory, self.at(index));
+        Fields { head: memory.dword(at), db: memory.word(at + 4), pointer: memory.dword(at + 6) }
     }
 
     /// The part of a VARIANT after its ANY: number of elements, 0 if it is not an array; number of the type, 0 if it is not known.

@@ -29,39 +29,56 @@ pub(super) struct Text {
 impl Text {
     /// The STRING of parameter `index`; `None` if there is none, or it is not valid.
     pub fn of(call: &Call, index: usize, access: Access) -> Option<Text> {
-        let range = any::decode(call, index, access).ok()??;
-        if range.existing < 2 {
+        let (offset, existing) = match any::decode_bytes(call, index, access) {
+            Some(found) => found,
+            None => any::decode(call, index, access).ok()?.map(|range| (range.offset, range.existing))?,
+        };
+        if existing < 2 {
             return None;
         }
-        let maximum = u32::from(call.cpu.memory.byte(range.offset));
-        let length = u32::from(call.cpu.memory.byte(range.offset + 1));
+        let maximum = u32::from(call.cpu.memory.byte(offset));
+        let length = u32::from(call.cpu.memory.byte(offset + 1));
         // The data block may end before the STRING that its header describes.
-        let room = maximum.min(range.existing - 2);
-        (maximum != 0 && maximum != 255 && length <= room).then_some(Text {
-            offset: range.offset,
-            maximum: room,
-            length,
-        })
+        let room = maximum.min(existing - 2);
+        (maximum != 0 && maximum != 255 && length <= room).then_some(Text { offset, maximum: room, length })
     }
 
-    /// Character `index`, from 0.
-    fn character(&self, call: &Call, index: u32) -> u8 {
-        call.cpu.memory.byte(self.offset + 2 + index)
+    /// The position of its first character.
+    fn start(&self) -> u32 {
+        self.offset + 2
     }
 
     fn set_length(&self, call: &Call, length: u32) {
         call.cpu.memory.set_byte(self.offset + 1, length as u8);
     }
 
-    /// Writes the characters that have room; false if some have none.
+    /// Writes the characters that have room, and the length; false if some have none.
     pub fn write(&self, call: &Call, characters: &[u8]) -> bool {
-        let count = (characters.len() as u32).min(self.maximum);
-        for (index, &character) in characters.iter().take(count as usize).enumerate() {
-            call.cpu.memory.set_byte(self.offset + 2 + index as u32, character);
-        }
-        self.set_length(call, count);
-        count as usize == characters.len()
+        let kept = &characters[..characters.len().min(self.maximum as usize)];
+        call.cpu.memory.load(self.start(), kept);
+        self.set_length(call, kept.len() as u32);
+        kept.len() == characters.len()
     }
+
+    /// Shows its characters to `read`, which writes nothing.
+    fn view<R>(&self, call: &Call, read: impl FnOnce(&[u8]) -> R) -> R {
+        call.cpu.memory.view(self.start(), self.length, read)
+    }
+
+    /// `count` characters from position `position` (1-based), as far as they are there.
+    fn part(&self, position: i16, count: i16) -> Part {
+        let first = (u32::from(position.max(1) as u16) - 1).min(self.length);
+        let count = u32::from(count.max(0) as u16);
+        Part { at: self.start() + first, count: count.min(self.length - first) }
+    }
+}
+
+/// Characters of a text.
+#[derive(Clone, Copy, Default)]
+struct Part {
+    /// Offset from the memory base.
+    at: u32,
+    count: u32,
 }
 
 /// Characters outside PLC memory, so that a function may write into the STRING that it reads.
@@ -83,13 +100,11 @@ impl<const N: usize> Buffer<N> {
         }
     }
 
-    /// Adds `count` characters of a STRING from position `position` (1-based), as far as they are there.
-    fn push_part(&mut self, call: &Call, text: Text, position: i16, count: i16) {
-        let first = u32::from(position.max(1) as u16) - 1;
-        let count = u32::from(count.max(0) as u16);
-        for index in first..(first + count).min(text.length) {
-            self.push(text.character(call, index));
-        }
+    /// Adds characters; those beyond the capacity are dropped.
+    fn push_all(&mut self, characters: &[u8]) {
+        let count = characters.len().min(N - self.length);
+        self.characters[self.length..self.length + count].copy_from_slice(&characters[..count]);
+        self.length += count;
     }
 
     pub fn characters(&self) -> &[u8] {
@@ -104,17 +119,29 @@ impl<const N: usize> Buffer<N> {
 
 impl<const N: usize> std::fmt::Write for Buffer<N> {
     fn write_str(&mut self, text: &str) -> std::fmt::Result {
-        text.bytes().for_each(|character| self.push(character));
+        self.push_all(text.as_bytes());
         Ok(())
     }
 }
 
 /// All characters of parameter `index`.
 pub(super) fn characters(call: &Call, index: usize) -> Option<Buffer<LONGEST>> {
-    let text = Text::of(call, index, Access::Read)?;
-    let mut buffer = Buffer::new();
-    buffer.push_part(call, text, 1, i16::MAX);
-    Some(buffer)
+    view(call, index, |characters| {
+        let mut buffer = Buffer::new();
+        buffer.push_all(characters);
+        buffer
+    })
+}
+
+/// Shows the characters of parameter `index` to `read`, which writes nothing.
+pub(super) fn view<R>(call: &Call, index: usize, read: impl FnOnce(&[u8]) -> R) -> Option<R> {
+    Some(Text::of(call, index, Access::Read)?.view(call, read))
+}
+
+/// As [`view`], of two parameters.
+fn view_two<R>(call: &Call, read: impl FnOnce(&[u8], &[u8]) -> R) -> Option<R> {
+    let (one, two) = (Text::of(call, 0, Access::Read)?, Text::of(call, 1, Access::Read)?);
+    Some(one.view(call, |one| two.view(call, |two| read(one, two))))
 }
 
 /// Writes a result into parameter `index`, as far as it fits.
@@ -142,39 +169,90 @@ pub(super) fn give_whole(call: &Call, index: usize, characters: &[u8]) -> Outcom
 /// position P; missing characters are left out. An invalid position makes the result empty.
 pub(super) fn join(call: &Call) -> Outcome {
     const OUT: usize = 10;
-    let mut buffer: Buffer<{ 3 * LONGEST }> = Buffer::new();
+    let mut parts = [Part::default(); 3];
     let mut valid = true;
-    for part in [0, 3, 6] {
-        let (position, count) = (call.word(part + 1) as i16, call.word(part + 2) as i16);
-        match Text::of(call, part, Access::Read) {
-            Some(text) => buffer.push_part(call, text, position, count),
+    let mut last = None;
+    for (index, part) in parts.iter_mut().enumerate() {
+        let first = 3 * index;
+        // Parts of one text are often next to each other.
+        let fields = call.any(first);
+        let text = match last {
+            Some((known, text)) if known == fields => text,
+            _ => Text::of(call, first, Access::Read),
+        };
+        last = Some((fields, text));
+        match text {
+            Some(text) => *part = text.part(call.word(first + 1) as i16, call.word(first + 2) as i16),
             None => valid = false,
         }
     }
     if valid {
-        return give(call, OUT, buffer.characters());
+        return match Text::of(call, OUT, Access::Write) {
+            Some(text) if put_together(call, text, parts) => OK,
+            Some(_) => error(CUT),
+            None => error(INVALID),
+        };
     }
     give(call, OUT, &[]);
     error(INVALID)
 }
 
+/// Writes `parts` one after the other to `text`, as far as they fit; false if they do not. They may be parts of this very text.
+fn put_together(call: &Call, text: Text, mut parts: [Part; 3]) -> bool {
+    let start = text.start();
+    let mut total = 0;
+    let mut fits = true;
+    // Whether what is written before a part leaves it as it is.
+    let mut apart = true;
+    for part in &mut parts {
+        let room = text.maximum - total;
+        fits &= part.count <= room;
+        part.count = part.count.min(room);
+        apart &= part.count == 0 || part.at + part.count <= start || part.at >= start + total;
+        total += part.count;
+    }
+    if apart {
+        let mut to = start;
+        for part in parts {
+            if part.at != to {
+                call.cpu.memory.copy(part.at, to, part.count);
+            }
+            to += part.count;
+        }
+    } else {
+        let mut buffer: Buffer<LONGEST> = Buffer::new();
+        for part in parts {
+            call.cpu.memory.view(part.at, part.count, |characters| buffer.push_all(characters));
+        }
+        call.cpu.memory.load(start, buffer.characters());
+    }
+    text.set_length(call, total);
+    fits
+}
+
 /// S1, S2 -> RET_VAL: 0 if S1 is less, 1 if they are equal, 2 if it is greater, by the codes of the characters.
 pub(super) fn compare(call: &Call) -> Outcome {
-    match (characters(call, 0), characters(call, 1)) {
-        (Some(one), Some(two)) => Outcome::RetVal((one.characters().cmp(two.characters()) as i8 + 1) as u16),
-        _ => error(INVALID),
-    }
+    let order = view_two(call, |one, two| one.cmp(two) as i8 + 1);
+    order.map_or(error(INVALID), |order| Outcome::RetVal(order as u16))
 }
 
 /// IN1, IN2 -> RET_VAL: position of the first IN2 in IN1, 0 if there is none or IN2 is empty.
 pub(super) fn find(call: &Call) -> Outcome {
-    match (characters(call, 0), characters(call, 1)) {
-        (Some(text), Some(part)) if !part.characters().is_empty() => {
-            let found = text.characters().windows(part.length).position(|window| window == part.characters());
-            Outcome::RetVal(found.map_or(0, |index| index as u16 + 1))
+    let found = view_two(call, |text, part| position(text, part).map_or(0, |index| index as u16 + 1));
+    found.map_or(error(INVALID), Outcome::RetVal)
+}
+
+/// The first `part` in `text`; `None` if there is none or it is empty.
+fn position(text: &[u8], part: &[u8]) -> Option<usize> {
+    let (first, rest) = part.split_first()?;
+    let starts = text.get(..=text.len().checked_sub(part.len())?)?;
+    let mut from = 0;
+    loop {
+        let at = from + starts[from..].iter().position(|character| character == first)?;
+        if &text[at + 1..at + part.len()] == rest {
+            return Some(at);
         }
-        (Some(_), Some(_)) => Outcome::RetVal(0),
-        _ => error(INVALID),
+        from = at + 1;
     }
 }
 

@@ -5,6 +5,7 @@
 //!
 //! Source: S7-1200 reference, move operations.
 
+use plcc_abi::any::Fields;
 use plcc_abi::layout::area;
 
 use super::any::{self, Access, Range};
@@ -109,7 +110,7 @@ pub(super) fn put(call: &Call) -> Outcome {
 }
 
 fn assign(call: &Call) -> Option<()> {
-    let (from, to) = (call.any_bytes(0), call.any_bytes(1));
+    let (from, to) = (call.any(0), call.any(1));
     let text = u32::from(any::STRING);
     let (source, target) = (call.pointed(0), call.pointed(1));
     if source == (0, text) && target == (0, text) {
@@ -118,11 +119,11 @@ fn assign(call: &Call) -> Option<()> {
         return target.write(call, characters.characters()).then_some(());
     }
     let known = source.1 != 0 && target.1 != 0;
-    if from[..4] != to[..4] || (known && source != target) {
+    if from.head != to.head || (known && source != target) {
         return None;
     }
     let memory = &call.cpu.memory;
-    if from[..4] == [0x10, BOOL, 0, 1] {
+    if from.head == u32::from_be_bytes([0x10, BOOL, 0, 1]) {
         let ((from, from_bit), (to, to_bit)) = (bit_place(call, from)?, bit_place(call, to)?);
         memory.set_bit(to, to_bit, memory.bit(from, from_bit));
         return Some(());
@@ -133,14 +134,13 @@ fn assign(call: &Call) -> Option<()> {
 }
 
 /// Offset and bit of the BOOL that an ANY names.
-fn bit_place(call: &Call, any: [u8; 10]) -> Option<(u32, u8)> {
-    let pointer = u32::from_be_bytes([0, any[7], any[8], any[9]]);
-    let (byte, bit) = (pointer >> 3 & 0xFFFF, (pointer & 7) as u8);
-    let (base, length) = match any[6] {
+fn bit_place(call: &Call, any: Fields) -> Option<(u32, u8)> {
+    let (byte, bit) = (any.pointer >> 3 & 0xFFFF, (any.pointer & 7) as u8);
+    let (base, length) = match (any.pointer >> 24) as u8 {
         area::I => call.cpu.area(Area::Inputs),
         area::Q => call.cpu.area(Area::Outputs),
         area::M => call.cpu.area(Area::BitMemory),
-        area::DB | area::DI => call.cpu.memory.db(u16::from_be_bytes([any[4], any[5]])),
+        area::DB | area::DI => call.cpu.memory.db(any.db),
         area::V => {
             let stack = call.lbase & !(plcc_abi::layout::L_CLASS_BYTES - 1);
             return Some((stack | (call.lbase + byte) & (plcc_abi::layout::L_CLASS_BYTES - 1), bit));
@@ -168,9 +168,9 @@ impl Elements {
             Err(code) if code == protected => return Err(true),
             Ok(_) | Err(_) => return Err(false),
         };
-        let any = call.any_bytes(index);
+        let any = call.any(index);
         let (count, ty) = match call.pointed(index) {
-            (_, 0) => (u32::from(u16::from_be_bytes([any[2], any[3]])), u32::from(range.type_code)),
+            (_, 0) => (any.head & 0xFFFF, u32::from(range.type_code)),
             (elements, ty) => (elements.max(1), ty),
         };
         // A text takes an even number of bytes in an array.
@@ -198,7 +198,7 @@ pub(super) fn move_block(call: &Call) -> Outcome {
 }
 
 fn moved_block(call: &Call) -> Result<(), u16> {
-    let bits = |index: usize| call.any_bytes(index)[1] == BOOL;
+    let bits = |index: usize| (call.any(index).head >> 16) as u8 == BOOL;
     if bits(0) {
         return Err(OF_BOOL);
     }

@@ -1,13 +1,15 @@
 //! POINTER, ANY and VARIANT as actual parameters.
 
+use plcc_abi::any::{Fields, block_move};
 use plcc_ir::{Address, BinaryOp, IntCc, Value};
 use plcc_model::layout;
 use plcc_model::scl::{Access, Actual, Base};
 use plcc_model::types::DataType;
 use plcc_model::{Passing, Place, Pointed, Width};
 
-use super::Source;
+use super::{Given, Source, Supply};
 use crate::block::BlockLowering;
+use crate::call::known_bytes;
 use crate::fault::Substitute;
 use crate::place::{self, BitNumber, Target};
 use crate::pointer::{ANY_HEAD_BYTES, PointerFields, moved};
@@ -75,6 +77,19 @@ impl BlockLowering<'_, '_> {
         }
     }
 
+    /// The pointers of a block move, if both are known.
+    pub fn given_block_move_pointers(&self, given: &[Given]) -> Option<(Fields, Fields)> {
+        let known = |parameter| {
+            let given = given.iter().find(|given| given.parameter == parameter)?;
+            match &given.supply {
+                Supply::Pointer(PointerSource::Bytes(bytes)) => known_bytes(bytes),
+                Supply::Pointer(PointerSource::Fields { head, fields }) => self.known_any(*head, *fields),
+                _ => None,
+            }
+        };
+        Some((known(block_move::SOURCE)?, known(block_move::DESTINATION)?))
+    }
+
     /// The width of the access if it is one of a whole elementary formal of this FC. The FC knows the address of the actual in
     /// memory, but has no POINTER to it.
     fn elementary_formal(&self, access: &Access) -> Option<Width> {
@@ -115,7 +130,7 @@ impl BlockLowering<'_, '_> {
 
     pub(super) fn store_pointer_source(&mut self, addr: Address, source: &PointerSource, any: bool) {
         match source {
-            PointerSource::Bytes(bytes) => self.store_bytes(addr, bytes),
+            PointerSource::Bytes(bytes) => self.store_pointer_bytes(addr, bytes),
             PointerSource::Fields { head, fields } if any => {
                 let head = self.b.i32_const(*head);
                 self.store_low(addr, Width::Dword, head);
