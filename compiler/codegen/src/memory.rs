@@ -36,10 +36,10 @@ enum AliasClass {
     Q,
     M,
     System,
-    Cells,
     L,
     V,
     Dbs,
+    Cells,
 }
 
 impl AliasClass {
@@ -51,10 +51,10 @@ impl AliasClass {
         AliasClass::Q,
         AliasClass::M,
         AliasClass::System,
-        AliasClass::Cells,
         AliasClass::L,
         AliasClass::V,
         AliasClass::Dbs,
+        AliasClass::Cells,
     ];
 
     fn name(self) -> &'static str {

@@ -24,25 +24,24 @@ use crate::arithmetic::bcd::Bcd;
 use crate::block::BlockLowering;
 use crate::fault::Substitute;
 
-/// What an edge of the RLO does.
+/// The start of a timer whose time is known at compile time.
 #[derive(Clone, Copy)]
-enum Action {
-    /// Loads the time and runs with this status; `None`: with the one it has.
-    Run(Option<bool>),
-    /// Stops with this status and keeps the remaining time.
-    Freeze(bool),
-    Nothing,
+struct Start {
+    cell: Cell,
+    mode: TimerMode,
+    /// The S5TIME, an i32.
+    value: Value,
+    /// An i1.
+    rlo: Value,
+    units: u32,
+    base: u32,
 }
 
-/// What rising and falling edges do.
-fn actions(mode: TimerMode) -> (Action, Action) {
-    match mode {
-        TimerMode::Pulse => (Action::Run(Some(true)), Action::Freeze(false)),
-        TimerMode::ExtendedPulse => (Action::Run(Some(true)), Action::Nothing),
-        TimerMode::OnDelay => (Action::Run(Some(false)), Action::Freeze(false)),
-        TimerMode::RetentiveOnDelay => (Action::Run(None), Action::Nothing),
-        TimerMode::OffDelay => (Action::Freeze(true), Action::Run(Some(true))),
-    }
+/// What a start or stop writes into the cell.
+struct Fields {
+    end: Value,
+    step: Value,
+    info: Value,
 }
 
 /// Status of a timer whose time is over.
@@ -50,18 +49,9 @@ fn is_on_after(mode: TimerMode) -> bool {
     matches!(mode, TimerMode::OnDelay | TimerMode::RetentiveOnDelay)
 }
 
-/// A start instruction whose time is known at compile time.
-struct Start {
-    cell: Cell,
-    mode: TimerMode,
-    /// The S5TIME, and RLO, each an i32, as the runtime wants them.
-    value: Value,
-    rlo: Value,
-    /// The RLO as edge memory, an i8.
-    edge: Value,
-    units: u32,
-    base: u32,
-    after: Block,
+/// `STATUS` as it is in INFO.
+fn status_bit(status: bool) -> u32 {
+    if status { timer_cell::STATUS } else { 0 }
 }
 
 impl BlockLowering<'_, '_> {
@@ -140,74 +130,102 @@ impl BlockLowering<'_, '_> {
             (Some(value), Some(units), Some(1)) => Some((units as u32, value as u32 >> 12 & 3)),
             _ => None,
         };
-        self.start_by_edge(cell, mode, value, rlo, known);
+        match known {
+            Some((units, base)) => self.start_known(Start { cell, mode, value, rlo, units, base }),
+            None => self.start_unknown(cell, mode, value, rlo),
+        }
         self.end_guard(inner);
         self.end_guard(guard);
         self.end_logic_string();
     }
 
-    /// The start; `known` are units and base, if they are known.
-    fn start_by_edge(&mut self, cell: Cell, mode: TimerMode, value: Value, rlo: Value, known: Option<(u32, u32)>) {
+    /// A time that is not known: the runtime acts on an edge.
+    fn start_unknown(&mut self, cell: Cell, mode: TimerMode, value: Value, rlo: Value) {
         let old = self.b.load(Type::I8, cell.field(timer_cell::START_EDGE));
         let edge = self.b.zext(Type::I8, rlo);
         let changed = self.b.icmp(IntCc::Ne, old, edge);
-        let (change, after) = (self.b.create_block(), self.b.create_block());
-        self.b.branch(changed, change, after);
-        self.b.seal_block(change);
-        self.b.switch_to(change);
-        let wide = self.b.zext(Type::I32, rlo);
-        let Some((units, base)) = known else {
-            self.start_in_runtime(cell, mode, value, wide);
-            return self.go_on(after);
-        };
-        let start = Start { cell, mode, value, rlo: wide, edge, units, base, after };
-        let (on_rising, on_falling) = actions(mode);
-        let (rising, falling) = (self.b.create_block(), self.b.create_block());
-        self.b.branch(rlo, rising, falling);
-        for (block, action) in [(rising, on_rising), (falling, on_falling)] {
-            self.b.seal_block(block);
-            self.b.switch_to(block);
-            self.act(&start, action);
-            self.b.jump(after, &[]);
-        }
-        self.b.seal_block(after);
-        self.b.switch_to(after);
+        let after = self.begin_when(changed);
+        self.start_in_runtime(cell, mode, value, rlo);
+        self.go_on(after);
     }
 
     fn start_in_runtime(&mut self, cell: Cell, mode: TimerMode, value: Value, rlo: Value) {
         let mode = self.b.i32_const(mode as u32);
+        let rlo = self.b.zext(Type::I32, rlo);
         self.b.call_runtime(RuntimeFn::TimerStart, &[cell.number, mode, value, rlo]);
     }
 
-    /// Does `action` and takes the RLO over.
-    fn act(&mut self, start: &Start, action: Action) {
-        match action {
-            Action::Run(status) => self.run_timer(start, status),
-            Action::Freeze(status) => {
-                self.settle_if_due(start.cell, timer_cell::STEP);
-                self.stop_timer(start.cell);
-                let info_at = start.cell.field(timer_cell::INFO);
-                let info = self.b.load(Type::I32, info_at);
-                let kept = self.b.binary_imm(BinaryOp::And, info, i64::from(timer_cell::STATUS - 1));
-                let status = if status { timer_cell::STATUS } else { 0 };
-                let info = self.b.binary_imm(BinaryOp::Or, kept, i64::from(status));
-                self.b.store(info_at, info);
-            }
-            Action::Nothing => {}
-        }
-        self.b.store(start.cell.field(timer_cell::START_EDGE), start.edge);
+    /// Begins the path on which `condition` holds. Result: where it ends, for [`BlockLowering::go_on`].
+    fn begin_when(&mut self, condition: Value) -> Block {
+        let (then, after) = (self.b.create_block(), self.b.create_block());
+        self.b.branch(condition, then, after);
+        self.b.seal_block(then);
+        self.b.switch_to(then);
+        after
     }
 
-    fn run_timer(&mut self, start: &Start, status: Option<bool>) {
-        let cell = start.cell;
+    /// Acts on an edge. Both edges of a timer are one path, since what comes next in a program is often hard to foresee.
+    fn start_known(&mut self, start: Start) {
+        let edge_at = start.cell.field(timer_cell::START_EDGE);
+        let old = self.b.load(Type::I8, edge_at);
+        let edge = self.b.zext(Type::I8, start.rlo);
+        // The status that stopping gives, if an edge stops.
+        let stopped = match start.mode {
+            TimerMode::Pulse | TimerMode::OnDelay => Some(false),
+            TimerMode::OffDelay => Some(true),
+            TimerMode::ExtendedPulse | TimerMode::RetentiveOnDelay => None,
+        };
+        let Some(stopped) = stopped else {
+            let was_off = self.b.icmp_imm(IntCc::Eq, old, 0);
+            let rising = self.b.and(start.rlo, was_off);
+            let after = self.begin_when(rising);
+            let run = self.run_fields(&start, after);
+            self.set_fields(start.cell, &run);
+            self.go_on(after);
+            return self.b.store(edge_at, edge);
+        };
+        let changed = self.b.icmp(IntCc::Ne, old, edge);
+        let after = self.begin_when(changed);
+        let run = self.run_fields(&start, after);
+        self.settle_if_due(start.cell, timer_cell::STEP);
+        let stop = self.stop_fields(start.cell, stopped);
+        let stops_on_rising = start.mode == TimerMode::OffDelay;
+        let (rising, falling) = if stops_on_rising { (stop, run) } else { (run, stop) };
+        let fields = Fields {
+            end: self.b.select(start.rlo, rising.end, falling.end),
+            step: self.b.select(start.rlo, rising.step, falling.step),
+            info: self.b.select(start.rlo, rising.info, falling.info),
+        };
+        self.set_fields(start.cell, &fields);
+        self.b.store(edge_at, edge);
+        self.go_on(after);
+    }
+
+    fn set_fields(&mut self, cell: Cell, fields: &Fields) {
+        self.b.store(cell.field(timer_cell::END), fields.end);
+        self.b.store(cell.field(timer_cell::STEP), fields.step);
+        self.b.store(cell.field(timer_cell::INFO), fields.info);
+    }
+
+    /// Stopped with `status`; the remaining time stays.
+    fn stop_fields(&mut self, cell: Cell, status: bool) -> Fields {
+        let info = self.b.load(Type::I32, cell.field(timer_cell::INFO));
+        let kept = self.b.binary_imm(BinaryOp::And, info, i64::from(timer_cell::STATUS - 1));
+        let info = self.b.binary_imm(BinaryOp::Or, kept, i64::from(status_bit(status)));
+        let never = self.b.iconst(Type::I64, 0);
+        Fields { end: never, step: never, info }
+    }
+
+    /// Started. Under the real clock the runtime does what the edge asks for, and the path ends at `after`.
+    fn run_fields(&mut self, start: &Start, after: Block) -> Fields {
         let is_on_after = is_on_after(start.mode);
-        let after = if is_on_after { timer_cell::STATUS_AFTER } else { 0 };
-        let info = start.units | start.base << timer_cell::BASE_SHIFT | after;
+        let status_after = if is_on_after { timer_cell::STATUS_AFTER } else { 0 };
+        let info = start.units | start.base << timer_cell::BASE_SHIFT | status_after;
         if start.units == 0 {
             // Over at once.
-            self.stop_timer(cell);
-            let info = self.b.i32_const(info | if is_on_after { timer_cell::STATUS } else { 0 });
-            return self.b.store(cell.field(timer_cell::INFO), info);
+            let never = self.b.iconst(Type::I64, 0);
+            let info = self.b.i32_const(info | status_bit(is_on_after));
+            return Fields { end: never, step: never, info };
         }
         let countdown = self.countdown();
         let asks = self.b.icmp_imm(IntCc::Eq, countdown, state::ASK as i64);
@@ -215,24 +233,26 @@ impl BlockLowering<'_, '_> {
         self.b.branch(asks, ask, go);
         self.b.seal_block(ask);
         self.b.switch_to(ask);
-        self.start_in_runtime(cell, start.mode, start.value, start.rlo);
-        self.b.jump(start.after, &[]);
+        self.start_in_runtime(start.cell, start.mode, start.value, start.rlo);
+        self.b.jump(after, &[]);
         self.b.seal_block(go);
         self.b.switch_to(go);
-        let info = match status {
-            Some(status) => self.b.i32_const(info | if status { timer_cell::STATUS } else { 0 }),
-            None => {
-                let status = self.status_now(cell, countdown);
+        let info = match start.mode {
+            TimerMode::Pulse | TimerMode::ExtendedPulse | TimerMode::OffDelay => {
+                self.b.i32_const(info | timer_cell::STATUS)
+            }
+            TimerMode::OnDelay => self.b.i32_const(info),
+            TimerMode::RetentiveOnDelay => {
+                let status = self.status_now(start.cell, countdown);
                 self.b.binary_imm(BinaryOp::Or, status, i64::from(info))
             }
         };
-        self.b.store(cell.field(timer_cell::INFO), info);
         let unit = 10_000_000 * 10i64.pow(start.base);
-        for (field, units) in [(timer_cell::END, start.units), (timer_cell::STEP, 1)] {
+        let mut moment = |units: u32| {
             let time = self.b.iconst(Type::I64, unit * i64::from(units));
-            let moment = self.b.isub(countdown, time);
-            self.b.store(cell.field(field), moment);
-        }
+            self.b.isub(countdown, time)
+        };
+        Fields { end: moment(start.units), step: moment(1), info }
     }
 
     /// `STATUS` if the status is 1 at `countdown`, else 0.
@@ -245,23 +265,13 @@ impl BlockLowering<'_, '_> {
         self.b.binary_imm(BinaryOp::And, status, i64::from(timer_cell::STATUS))
     }
 
-    /// From now on nothing is due.
-    fn stop_timer(&mut self, cell: Cell) {
-        let zero = self.b.iconst(Type::I64, 0);
-        self.b.store(cell.field(timer_cell::END), zero);
-        self.b.store(cell.field(timer_cell::STEP), zero);
-    }
-
     /// `R T n`: stops, and clears value, base and status.
     pub(super) fn timer_reset(&mut self, cell: Cell) {
         let rlo = self.rlo();
-        let (reset, after) = (self.b.create_block(), self.b.create_block());
-        self.b.branch(rlo, reset, after);
-        self.b.seal_block(reset);
-        self.b.switch_to(reset);
-        self.stop_timer(cell);
-        let zero = self.b.i32_const(0);
-        self.b.store(cell.field(timer_cell::INFO), zero);
+        let after = self.begin_when(rlo);
+        let never = self.b.iconst(Type::I64, 0);
+        let info = self.b.i32_const(0);
+        self.set_fields(cell, &Fields { end: never, step: never, info });
         self.go_on(after);
     }
 }
