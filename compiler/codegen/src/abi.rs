@@ -116,6 +116,7 @@ fn direct_frame_use(function: &Function) -> (FrameUse, Vec<FuncId>) {
         | Region::Q
         | Region::M
         | Region::System
+        | Region::Cells
         | Region::Db(_)
         | Region::AnyDb
         | Region::Any => {}

@@ -39,10 +39,11 @@ enum AliasClass {
     L,
     V,
     Dbs,
+    Cells,
 }
 
 impl AliasClass {
-    const ALL: [AliasClass; 10] = [
+    const ALL: [AliasClass; 11] = [
         AliasClass::State,
         AliasClass::DbTable,
         AliasClass::Everything,
@@ -53,6 +54,7 @@ impl AliasClass {
         AliasClass::L,
         AliasClass::V,
         AliasClass::Dbs,
+        AliasClass::Cells,
     ];
 
     fn name(self) -> &'static str {
@@ -64,6 +66,7 @@ impl AliasClass {
             AliasClass::Q => "outputs",
             AliasClass::M => "bit memory",
             AliasClass::System => "system area",
+            AliasClass::Cells => "timers and counters",
             AliasClass::L => "local data",
             AliasClass::V => "local data of the caller",
             AliasClass::Dbs => "data blocks",
@@ -135,6 +138,7 @@ impl<'m> Memory<'m> {
     fn region_flags(&self, region: Region) -> MemFlagsData {
         let class = match region {
             Region::State => AliasClass::State,
+            Region::Cells => AliasClass::Cells,
             _ if self.has_any => AliasClass::Everything,
             Region::I => AliasClass::I,
             Region::Q => AliasClass::Q,
@@ -156,6 +160,7 @@ impl<'m> Memory<'m> {
             Region::Q => layout::Q,
             Region::M => layout::M,
             Region::System => layout::SYSTEM,
+            Region::Cells => layout::T,
             Region::L | Region::V | Region::AnyDb | Region::Any => 0,
             Region::Db(number) => match self.module.db(number) {
                 Some(db) => db.address,
@@ -174,6 +179,7 @@ impl<'m> Memory<'m> {
             | Region::Q
             | Region::M
             | Region::System
+            | Region::Cells
             | Region::Db(_)
             | Region::AnyDb
             | Region::Any => self.mem,
@@ -193,7 +199,7 @@ impl<'m> Memory<'m> {
             _ => (b.ins().iadd_imm_s(pointer, offset as i64), 0),
         };
         let flags = self.region_flags(addr.region);
-        Ok(Place { pointer, offset, flags, big_endian: addr.region != Region::State })
+        Ok(Place { pointer, offset, flags, big_endian: !addr.region.is_host_order() })
     }
 
     /// Reads a value of type `ty`, not i1.
@@ -299,6 +305,7 @@ impl<'m> Memory<'m> {
             | Region::Q
             | Region::M
             | Region::System
+            | Region::Cells
             | Region::Db(_)
             | Region::AnyDb
             | Region::Any => None,

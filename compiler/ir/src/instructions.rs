@@ -145,6 +145,8 @@ pub enum Region {
     M,
     /// System area of an S7-200: special memory, sequence control relays, accumulators, timers, counters.
     System,
+    /// Cells of S5 timers and counters, see [`timer_cell`](plcc_abi::layout::timer_cell); host byte order. No pointer leads there.
+    Cells,
     /// Local data: the frame of this call.
     L,
     /// Local data of the caller.
@@ -162,13 +164,18 @@ impl Region {
     pub fn may_alias(self, other: Region) -> bool {
         use Region::*;
         match (self, other) {
-            (State, _) | (_, State) => self == other,
+            (State | Cells, _) | (_, State | Cells) => self == other,
             (Any, _) | (_, Any) => true,
             (Db(a), Db(b)) => a == b,
             (AnyDb, Db(_) | AnyDb) | (Db(_), AnyDb) => true,
             // The caller's frame is another frame than this one.
             (a, b) => a == b,
         }
+    }
+
+    /// True if numbers in the region are in the byte order of the host, not big-endian.
+    pub fn is_host_order(self) -> bool {
+        matches!(self, Region::State | Region::Cells)
     }
 }
 

@@ -619,6 +619,7 @@ fn region_named(name: &str) -> Option<Region> {
         "Q" => Region::Q,
         "M" => Region::M,
         "system" => Region::System,
+        "cells" => Region::Cells,
         "L" => Region::L,
         "V" => Region::V,
         "anydb" => Region::AnyDb,

@@ -14,7 +14,7 @@
 //!     branch v1, b1(v2), b2
 //! b1(v3: i32):
 //!     v4, v5 = call @FC13(v3, v1)
-//!     v6 = rt @timer_scan(v4)
+//!     v6 = rt @s7200_counter(v4)
 //!     switch v6 [b2, b3], b2
 //! b2 cold:
 //!     ...
@@ -274,6 +274,7 @@ pub fn region_name(region: Region) -> String {
         Region::Q => "Q".into(),
         Region::M => "M".into(),
         Region::System => "system".into(),
+        Region::Cells => "cells".into(),
         Region::L => "L".into(),
         Region::V => "V".into(),
         Region::Db(number) => format!("DB{number}"),

@@ -29,7 +29,7 @@
 //! Regions
 //! - `any` and `anydb` have a base.
 //! - `DBn` is a DB of the module. Without a base the whole access is inside the DB, the frame (`L`), one L stack (`V`),
-//!   or the area of 64 KiB (`state`, `I`, `Q`, `M`).
+//!   the area of 64 KiB (`state`, `I`, `Q`, `M`, `system`), or the cells of timers and counters (`cells`).
 
 use std::fmt;
 
@@ -498,6 +498,7 @@ impl Verifier<'_> {
         }
         let limit = match addr.region {
             Region::State | Region::I | Region::Q | Region::M | Region::System => layout::AREA_BYTES,
+            Region::Cells => layout::CELLS_BYTES,
             Region::L => self.function.local_bytes(),
             Region::V => layout::L_CLASS_BYTES,
             Region::Db(number) => match self.module.db(number) {

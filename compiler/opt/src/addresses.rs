@@ -69,7 +69,7 @@ impl Resolver<'_> {
                     8 => Some(Type::I64),
                     _ => None,
                 };
-                if let Some(ty) = ty.filter(|_| to.region != Region::State && from.region != Region::State) {
+                if let Some(ty) = ty.filter(|_| !to.region.is_host_order() && !from.region.is_host_order()) {
                     let loc = self.function.locs[inst];
                     let load = self.function.make_inst(InstData::Load { addr: *from }, &[ty], loc);
                     out.push(load);
@@ -135,6 +135,7 @@ impl Resolver<'_> {
                     | Region::Q
                     | Region::M
                     | Region::System
+                    | Region::Cells
                     | Region::L
                     | Region::V
                     | Region::Db(_) => {
@@ -182,6 +183,7 @@ impl Resolver<'_> {
     fn is_inside(&self, addr: &Address, bytes: u32) -> bool {
         let limit = match addr.region {
             Region::State | Region::I | Region::Q | Region::M | Region::System => layout::AREA_BYTES,
+            Region::Cells => layout::CELLS_BYTES,
             Region::L => self.function.local_bytes(),
             Region::V => layout::L_CLASS_BYTES,
             Region::Db(number) => match self.by_number.binary_search_by_key(&number, |db| db.number) {
@@ -204,6 +206,7 @@ impl Resolver<'_> {
             Region::Q => layout::Q,
             Region::M => layout::M,
             Region::System => layout::SYSTEM,
+            Region::Cells => layout::T,
             Region::Db(number) => {
                 let index = self.by_number.binary_search_by_key(&number, |db| db.number).ok()?;
                 self.by_number[index].address

@@ -229,7 +229,7 @@ mod tests {
             b0(v0: i32, v1: i1):
             v2 = load.i32 M 0
             v3 = iadd v2, v0
-            v4 = rt @timer_scan(v0)
+            v4 = rt @s7200_counter(v0)
             v6 = const.f32 0
             v5 = rt @sin(v6)
             jump b1(v3, v0)
@@ -243,7 +243,7 @@ mod tests {
             }",
             "func @F -> i32 {
             b0(v0: i32, v1: i1):
-            v2 = rt @timer_scan(v0)
+            v2 = rt @s7200_counter(v0)
             jump b1(v0)
             b1(v3: i32):
             v4 = const.i32 1

@@ -193,7 +193,10 @@ fn visit(function: &mut Function, id: FuncId, frames: &Frames, inst: Inst, overw
         }
         InstData::CallRuntime { function, .. } => {
             match function.effect() {
-                Effect::Pure | Effect::Cells => {}
+                Effect::Pure => {}
+                Effect::Cells => {
+                    overwritten.ranges.remove(&Region::Cells);
+                }
                 Effect::System => {
                     overwritten.ranges.remove(&Region::System);
                     overwritten.ranges.remove(&Region::Any);
@@ -275,6 +278,7 @@ fn local_data_read(function: &Function, id: FuncId, frames: &Frames) -> Option<E
             | Region::Q
             | Region::M
             | Region::System
+            | Region::Cells
             | Region::V
             | Region::Db(_)
             | Region::AnyDb => Some(()),
@@ -319,8 +323,8 @@ mod tests {
             check(&text, &text);
         }
         check(
-            "store.i32 M 0, v0\nv2 = load.i32 DB5 0\nv3 = rt @timer_scan(v0)\nstore.i32 M 0, v2\nret v0",
-            "v2 = load.i32 DB5 0\nv3 = rt @timer_scan(v0)\nstore.i32 M 0, v2\nret v0",
+            "store.i32 M 0, v0\nv2 = load.i32 DB5 0\nv3 = rt @s7200_counter(v0)\nstore.i32 M 0, v2\nret v0",
+            "v2 = load.i32 DB5 0\nv3 = rt @s7200_counter(v0)\nstore.i32 M 0, v2\nret v0",
         );
     }
 

@@ -189,7 +189,14 @@ impl Memory {
     /// Forgets the facts that a write to `access` may change.
     fn forget(&mut self, access: &Access) {
         match access.region {
-            Region::State | Region::I | Region::Q | Region::M | Region::System | Region::L | Region::V => {
+            Region::State
+            | Region::I
+            | Region::Q
+            | Region::M
+            | Region::System
+            | Region::Cells
+            | Region::L
+            | Region::V => {
                 self.forget_in(access.region, access);
             }
             Region::Db(_) => {
@@ -205,7 +212,7 @@ impl Memory {
                 self.regions.retain(|&region, _| region == Region::Any || !region.may_alias(Region::Any));
             }
         }
-        if !matches!(access.region, Region::State | Region::Any) {
+        if access.region != Region::Any && access.region.may_alias(Region::Any) {
             self.regions.remove(&Region::Any);
         }
     }
@@ -318,7 +325,10 @@ impl Forward<'_> {
             }
             InstData::CallRuntime { function, .. } => {
                 match function.effect() {
-                    Effect::Pure | Effect::Cells => {}
+                    Effect::Pure => {}
+                    Effect::Cells => {
+                        self.known.regions.remove(&Region::Cells);
+                    }
                     Effect::System => {
                         self.known.regions.remove(&Region::System);
                         self.known.regions.remove(&Region::Any);
@@ -384,7 +394,7 @@ impl Forward<'_> {
             let same_width = whole_type.bits() == ty.bits() && whole_type.is_int() != ty.is_int();
             return same_width.then(|| self.emit(InstData::Convert { op: ConvertOp::Bitcast, arg: whole }, ty));
         }
-        if !whole_type.is_int() || !ty.is_int() || access.region == Region::State {
+        if !whole_type.is_int() || !ty.is_int() || access.region.is_host_order() {
             return None;
         }
         // Memory is big-endian: bytes after the part are below it. Within its byte a bit has its own number.

@@ -186,6 +186,7 @@ fn address_in_caller(addr: Address, frame_bytes: u32) -> Address {
         | Region::Q
         | Region::M
         | Region::System
+        | Region::Cells
         | Region::Db(_)
         | Region::AnyDb
         | Region::Any => addr,

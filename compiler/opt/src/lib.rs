@@ -66,6 +66,7 @@ pub const PIPELINE: &[Pass] = &[
     pass("ranges", ranges::use_ranges),
     pass("fold", fold::fold),
     pass("control-flow", control_flow::simplify_control_flow),
+    pass("addresses", addresses::resolve_addresses),
     pass("values", values::share_values),
     pass("forward", forward::forward_memory),
     pass("fold", fold::fold),

@@ -128,27 +128,11 @@ runtime_functions! {
     /// Milliseconds since the start of the CPU, 31 bits of them (SFC 64 TIME_TCK).
     TimeTck = "time_tck"() -> I32, Cells;
 
-    /// Starts timer `number` (already checked) in `mode` (a [`TimerMode`]) with the S5TIME in `value`, by the edge of `rlo`.
-    /// Result: bit 0 an invalid BCD value (synchronous error to be raised by the caller), bit 1 OV := bit 2 (only SD).
-    TimerStart = "timer_start"(number: I32, mode: I32, value: I32, rlo: I32) -> I32, Cells;
-    TimerReset = "timer_reset"(number: I32), Cells;
-    /// FR: enables the start again on a rising edge of `rlo`.
-    TimerEnable = "timer_enable"(number: I32, rlo: I32), Cells;
-    /// Status of the timer, 0 or 1.
-    TimerScan = "timer_scan"(number: I32) -> I32, Cells;
-    /// Remaining time in units of its base, 0..=999.
-    TimerValue = "timer_value"(number: I32) -> I32, Cells;
-    /// Remaining time as S5TIME.
-    TimerValueBcd = "timer_value_bcd"(number: I32) -> I32, Cells;
-
-    CounterUp = "counter_up"(number: I32, rlo: I32), Cells;
-    CounterDown = "counter_down"(number: I32, rlo: I32), Cells;
-    /// S C: presets to the BCD value on a rising edge of `rlo`. Result 1: an invalid digit, nothing done.
-    CounterSet = "counter_set"(number: I32, value: I32, rlo: I32) -> I32, Cells;
-    CounterReset = "counter_reset"(number: I32), Cells;
-    CounterEnable = "counter_enable"(number: I32, rlo: I32), Cells;
-    /// Count, 0..=999; the status of a counter is "not 0".
-    CounterValue = "counter_value"(number: I32) -> I32, Cells;
+    /// Starts timer `number` in `mode` (a [`TimerMode`]) with the S5TIME in `value`, by the edge of `rlo`. Number and value are valid;
+    /// the value does not matter if it is not used.
+    TimerStart = "timer_start"(number: I32, mode: I32, value: I32, rlo: I32), Cells;
+    /// Brings the cell of timer `number`, which exists, up to date.
+    TimerSettle = "timer_settle"(number: I32), Cells;
 
     /// Reads `bytes` (1, 2, 4) at peripheral address `address`. Result: value in the low half; bit 32 set: no module there.
     PeripheralRead = "peripheral_read"(address: I32, bytes: I32) -> I64, Io;
@@ -214,10 +198,6 @@ runtime_functions! {
     LnLong = "ln_long"(x: F64) -> F64, Pure;
     LogLong = "log_long"(x: F64) -> F64, Pure;
     PowLong = "pow_long"(x: F64, y: F64) -> F64, Pure;
-    /// BTI, BTD: magnitude of `digits` BCD digits in `value`; bit 31 of the result set: a digit above 9.
-    BcdToInt = "bcd_to_int"(value: I32, digits: I32) -> I32, Pure;
-    /// ITB, DTB: `digits` BCD digits of the magnitude `value`, which fits.
-    IntToBcd = "int_to_bcd"(value: I32, digits: I32) -> I32, Pure;
 }
 
 /// The five S5 timers, as passed to [`RuntimeFn::TimerStart`].

@@ -14,9 +14,9 @@ pub const I: u32 = 0x0001_0400;
 pub const Q: u32 = 0x0002_0800;
 /// Bit memory.
 pub const M: u32 = 0x0003_0C00;
-/// Timer cells, [`TIMER_CELL_BYTES`] each; only the runtime looks inside.
+/// Timer cells, [`TIMER_CELL_BYTES`] each, see [`timer_cell`].
 pub const T: u32 = 0x0004_1000;
-/// Counter cells, [`COUNTER_CELL_BYTES`] each; only the runtime looks inside.
+/// Counter cells, [`COUNTER_CELL_BYTES`] each, see [`counter_cell`].
 pub const C: u32 = 0x0005_2000;
 /// System area of an S7-200: the parts of [`s7200::system`](crate::s7200::system).
 pub const SYSTEM: u32 = 0x0006_2400;
@@ -35,6 +35,8 @@ pub const AREA_BYTES: u32 = 0x0001_0000;
 pub const TIMERS_MAX: u32 = 2048;
 pub const TIMER_CELL_BYTES: u32 = 32;
 pub const COUNTER_CELL_BYTES: u32 = 8;
+/// From the first timer cell to the end of the last counter cell.
+pub const CELLS_BYTES: u32 = C + TIMERS_MAX * COUNTER_CELL_BYTES - T;
 /// Priority classes 0..32 have a local data stack each; 29 (OB 90) is 0.
 pub const L_CLASSES: u32 = 32;
 pub const L_CLASS_BYTES: u32 = 0x0001_0000;
@@ -63,12 +65,48 @@ pub mod state {
     /// Site of the call by number that is being made, for errors before its block begins.
     pub const SITE: u32 = 0x1C;
     /// Result of the last call of the runtime that kept all registers.
-    pub const KEPT_RESULT: u32 = 0x20;
+    pub const KEPT_RESULT: u32 = 0x2C;
+    /// `u64`: a clock that counts down, `u64::MAX` minus the nanoseconds of the virtual clock. [`ASK`] under the real clock.
+    pub const COUNTDOWN: u32 = 0x20;
+    /// Milliseconds of the virtual clock, 31 bits of them. Bit 31 under the real clock: ask the runtime.
+    pub const TICKS: u32 = 0x28;
+    /// [`COUNTDOWN`] under the real clock: less than the end of any running timer, so that whoever looks at one asks the runtime.
+    pub const ASK: u64 = 1;
     /// CPU registers at the border between generated code and the runtime, one `u32` each, in the order of
     /// [`CpuRegister`](super::CpuRegister).
     pub const REGISTERS: u32 = 0x40;
     /// Further return values of block functions that do not fit machine registers, one `u64` each.
     pub const RETURN_VALUES: u32 = 0x100;
+}
+
+/// Fields of the cell of an S5 timer, host byte order. All 0: at rest, its time 0.
+pub mod timer_cell {
+    /// `u64`: the [`COUNTDOWN`](super::state::COUNTDOWN) at which the time is over; 0 while the timer does not run.
+    pub const END: u32 = 0;
+    /// `u64`: the countdown at which the value in [`INFO`] is one less; 0 while the timer does not run.
+    pub const STEP: u32 = 8;
+    /// `u32`: bits 0-15 the remaining time in units of the base, bits 16-17 the base, bit 24 the status, bit 25 the status when the
+    /// time is over.
+    pub const INFO: u32 = 16;
+    /// `u8`, 0 or 1: RLO of the last start instruction.
+    pub const START_EDGE: u32 = 20;
+    /// `u8`, 0 or 1: RLO of the last FR.
+    pub const ENABLE_EDGE: u32 = 21;
+
+    pub const BASE_SHIFT: u32 = 16;
+    pub const STATUS: u32 = 1 << 24;
+    pub const STATUS_AFTER: u32 = 1 << 25;
+}
+
+/// Fields of the cell of a counter, host byte order.
+pub mod counter_cell {
+    /// `u16`: 0..=999.
+    pub const COUNT: u32 = 0;
+    /// `u8`, 0 or 1 each: RLO of the last CU, CD, S and FR.
+    pub const UP_EDGE: u32 = 2;
+    pub const DOWN_EDGE: u32 = 3;
+    pub const SET_EDGE: u32 = 4;
+    pub const ENABLE_EDGE: u32 = 5;
 }
 
 /// The CPU registers that a block call passes and returns, in the order of their slots in

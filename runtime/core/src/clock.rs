@@ -5,6 +5,8 @@
 use std::cell::Cell;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
+use plcc_abi::layout::state;
+
 use crate::datetime;
 
 pub const NS_PER_MS: u64 = 1_000_000;
@@ -47,6 +49,14 @@ impl Clock {
     /// Milliseconds since the start, 0..=2147483647, then from 0 again.
     pub fn ticks(&self) -> u32 {
         ((self.now() / NS_PER_MS) & 0x7FFF_FFFF) as u32
+    }
+
+    /// What generated code sees of the clock: the fields `COUNTDOWN` and `TICKS` of the CPU state.
+    pub fn fields(&self) -> (u64, u32) {
+        match self.origin {
+            Some(_) => (state::ASK, 1 << 31),
+            None => (u64::MAX - self.now.get(), self.ticks()),
+        }
     }
 
     /// Moves the virtual clock forward to `time`; never back. The real clock moves itself.

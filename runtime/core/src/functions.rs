@@ -6,7 +6,7 @@ use plcc_abi::RuntimeFn;
 use plcc_abi::functions::TimerMode;
 
 use crate::cpu::Cpu;
-use crate::{bcd, counters, math, s7200, text, timers};
+use crate::{math, s7200, text, timers};
 
 /// A value as it crosses the border, from and to the bits that an interpreter holds.
 trait Border {
@@ -123,27 +123,12 @@ functions! {
             cpu.system_function(site, number, block, lbase)
         }
         TimeTck = plcc_rt_time_tck(cpu) -> u32 { cpu.clock.ticks() }
-        TimerStart = plcc_rt_timer_start(cpu, number, mode, value, rlo) -> u32 {
-            match TimerMode::ALL.get(mode as usize) {
-                Some(mode) => timers::start(&cpu.memory, &cpu.clock, number, *mode, value, rlo != 0),
-                None => 0,
+        TimerStart = plcc_rt_timer_start(cpu, number, mode, value, rlo) {
+            if let Some(mode) = TimerMode::ALL.get(mode as usize) {
+                timers::start(&cpu.memory, &cpu.clock, number, *mode, value, rlo != 0);
             }
         }
-        TimerReset = plcc_rt_timer_reset(cpu, number) { timers::reset(&cpu.memory, number) }
-        TimerEnable = plcc_rt_timer_enable(cpu, number, rlo) { timers::enable(&cpu.memory, number, rlo != 0) }
-        TimerScan = plcc_rt_timer_scan(cpu, number) -> u32 { timers::scan(&cpu.memory, &cpu.clock, number).into() }
-        TimerValue = plcc_rt_timer_value(cpu, number) -> u32 { timers::value(&cpu.memory, &cpu.clock, number) }
-        TimerValueBcd = plcc_rt_timer_value_bcd(cpu, number) -> u32 {
-            timers::value_bcd(&cpu.memory, &cpu.clock, number)
-        }
-        CounterUp = plcc_rt_counter_up(cpu, number, rlo) { counters::up(&cpu.memory, number, rlo != 0) }
-        CounterDown = plcc_rt_counter_down(cpu, number, rlo) { counters::down(&cpu.memory, number, rlo != 0) }
-        CounterSet = plcc_rt_counter_set(cpu, number, value, rlo) -> u32 {
-            counters::set(&cpu.memory, number, value, rlo != 0).into()
-        }
-        CounterReset = plcc_rt_counter_reset(cpu, number) { counters::reset(&cpu.memory, number) }
-        CounterEnable = plcc_rt_counter_enable(cpu, number, rlo) { counters::enable(&cpu.memory, number, rlo != 0) }
-        CounterValue = plcc_rt_counter_value(cpu, number) -> u32 { counters::value(&cpu.memory, number) }
+        TimerSettle = plcc_rt_timer_settle(cpu, number) { timers::settle(&cpu.memory, &cpu.clock, number) }
         PeripheralRead = plcc_rt_peripheral_read(cpu, address, bytes) -> u64 { cpu.peripheral_read(address, bytes) }
         LocalError = plcc_rt_local_error(cpu, site, code, access, info, lbase) -> u32 {
             cpu.local_error(site, code as u8, access as u8, info, lbase)
@@ -207,7 +192,5 @@ functions! {
         LnLong = plcc_rt_ln_long(x: f64) -> f64 { math::ln_long(x) }
         LogLong = plcc_rt_log_long(x: f64) -> f64 { math::log_long(x) }
         PowLong = plcc_rt_pow_long(x: f64, y: f64) -> f64 { math::pow_long(x, y) }
-        BcdToInt = plcc_rt_bcd_to_int(value: u32, digits: u32) -> u32 { bcd::to_int(value, digits) }
-        IntToBcd = plcc_rt_int_to_bcd(value: u32, digits: u32) -> u32 { bcd::from_int(value, digits) }
     }
 }

@@ -141,6 +141,7 @@ impl Cpu {
         memory.set_host32(state::DEPTH, 1);
         memory.set_host32(state::DEPTH_MAX, u32::MAX);
         memory.set_host32(state::L_END, base + layout::L_CLASS_BYTES);
+        self.show_clock();
         self.code.call(block.entry, memory.base(), base, base);
         if let Some(saved) = &saved {
             self.restore(saved);
@@ -170,11 +171,19 @@ impl Cpu {
         memory.set_host32(state::DEPTH, 1);
         memory.set_host32(state::DEPTH_MAX, depth_max);
         memory.set_host32(state::L_END, base + limit);
+        self.show_clock();
         self.code.call(block.entry, memory.base(), base, base);
         if let Some(saved) = &saved {
             self.restore(saved);
         }
         self.running.info.set(outer_info);
+    }
+
+    /// Renews what generated code sees of the clock; whoever moves the clock while a block waits does it again.
+    pub(crate) fn show_clock(&self) {
+        let (countdown, ticks) = self.clock.fields();
+        self.memory.set_host64(state::COUNTDOWN, countdown);
+        self.memory.set_host32(state::TICKS, ticks);
     }
 
     fn save(&self) -> Saved {

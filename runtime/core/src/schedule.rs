@@ -603,6 +603,7 @@ impl Cpu {
             monitor.since.set(monitor.since.get().saturating_add(ns));
         }
         self.advance(self.clock.now().saturating_add(ns), monitored);
+        self.show_clock();
         self.stop_result()
     }
 }

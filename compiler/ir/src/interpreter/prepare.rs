@@ -267,6 +267,7 @@ impl Preparer<'_> {
             Region::Q => (Base::Memory, layout::Q),
             Region::M => (Base::Memory, layout::M),
             Region::System => (Base::Memory, layout::SYSTEM),
+            Region::Cells => (Base::Memory, layout::T),
             Region::L => (Base::Frame, 0),
             Region::V => (Base::CallerFrame, 0),
             Region::Db(number) => {
@@ -278,7 +279,7 @@ impl Preparer<'_> {
             base,
             register: addr.base.map(|base| self.register(base)),
             offset: start.wrapping_add(addr.offset),
-            host_order: addr.region == Region::State,
+            host_order: addr.region.is_host_order(),
         }
     }
 

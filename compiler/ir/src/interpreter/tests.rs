@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use super::*;
 use crate::parse::parse_module;
 
-/// Memory up to the end of the first DBs. `timer_scan` calls function 1 again, if there is an interpreter.
+/// Memory up to the end of the first DBs. `s7200_counter` calls function 1 again, if there is an interpreter.
 struct Memory<'a> {
     bytes: RefCell<Vec<u8>>,
     interpreter: Option<&'a Interpreter>,
@@ -28,7 +28,7 @@ impl Host for Memory<'_> {
 
     fn call_runtime(&self, function: RuntimeFn, args: &[u64]) -> u64 {
         match (function, self.interpreter) {
-            (RuntimeFn::TimerScan, Some(interpreter)) => {
+            (RuntimeFn::S7200Counter, Some(interpreter)) => {
                 interpreter.call(self, FuncId::new(1), args, layout::L, layout::L)[0]
             }
             _ => u64::MAX,
@@ -127,8 +127,8 @@ fn callees_see_the_frame_of_the_caller() {
 fn runtime_functions_may_come_back() {
     let text = "func @F -> i32 {
         b0(v0: i32):
-        v1 = rt @timer_scan(v0)
-        v2 = rt @timer_scan(v1)
+        v1 = rt @s7200_counter(v0)
+        v2 = rt @s7200_counter(v1)
         v3 = iadd v2, v0
         ret v3
         }

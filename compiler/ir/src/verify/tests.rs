@@ -42,7 +42,7 @@ fn broken_rules_are_found() {
         ("v2 = load.i32 any 4\nret v0", "an access anywhere needs a base"),
         ("v2 = load.i32 M[v1]+4\nret v0", "v1 is i1, not i32"),
         ("call @G(v0)\nret v0", "the arguments are (), not (i32)"),
-        ("v2 = rt @timer_scan(v1)\nret v0", "the arguments are (i32), not (i1)"),
+        ("v2 = rt @s7200_counter(v1)\nret v0", "the arguments are (i32), not (i1)"),
         ("branch v0, b1, b1\nb1:\nret v0", "v0 is i32, not i1"),
         ("jump b1\nb1(v2: i32):\nret v2", "the values for b1 are (i32), not ()"),
         ("jump b0(v0, v1)", "a jump goes to the entry block"),

@@ -2,7 +2,8 @@
 
 use plcc_abi::RuntimeFn;
 use plcc_abi::image::BlockKind;
-use plcc_ir::{Address, BinaryOp, Region, Type};
+use plcc_abi::layout::state;
+use plcc_ir::{Address, BinaryOp, IntCc, Region, Type, Value};
 use plcc_model::{Actual, Argument, CodeBlock, Direction, Parameter, Passing, Width};
 
 use super::{big_endian, is_block_move, is_value};
@@ -41,7 +42,7 @@ impl BlockLowering<'_, '_> {
     /// Calls the runtime for a system function whose parameters are in `structure`; its BR is the block's.
     pub fn run_system_function(&mut self, callee: &CodeBlock, structure: Address) {
         if callee.kind == BlockKind::Sfc && callee.number == TIME_TCK {
-            let now = self.b.call_runtime(RuntimeFn::TimeTck, &[]).expect("time_tck has a result");
+            let now = self.ticks();
             self.b.store(structure, now);
             let good = self.b.bool_const(true);
             return self.set(self.regs.br, good);
@@ -58,6 +59,23 @@ impl BlockLowering<'_, '_> {
         self.stop_check(stop);
         let br = self.b.trunc(Type::I1, answer);
         self.set(self.regs.br, br);
+    }
+
+    /// Milliseconds since the start, 31 bits of them: from the CPU state, if the clock is virtual.
+    fn ticks(&mut self) -> Value {
+        let shown = self.b.load_state(state::TICKS);
+        let asks = self.b.icmp_imm(IntCc::Slt, shown, 0);
+        let (ask, after) = (self.b.create_cold_block(), self.b.create_block());
+        self.b.def_var(self.result, shown);
+        self.b.branch(asks, ask, after);
+        self.b.seal_block(ask);
+        self.b.switch_to(ask);
+        let now = self.b.call_runtime(RuntimeFn::TimeTck, &[]).expect("time_tck has a result");
+        self.b.def_var(self.result, now);
+        self.b.jump(after, &[]);
+        self.b.seal_block(after);
+        self.b.switch_to(after);
+        self.b.use_var(self.result)
     }
 
     fn structure_in(&mut self, parameter: &Parameter, actual: &Actual, base: u32) {

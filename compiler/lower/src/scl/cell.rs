@@ -1,12 +1,13 @@
 //! Timer and counter functions: they do the same as the STL instructions of the same names. Source: SCL reference, timers and counters.
 
-use plcc_abi::RuntimeFn;
 use plcc_ir::{Type, Value};
 use plcc_model::scl::{CounterCall, Expr, TimerCall, TimerKind};
 use plcc_model::{CellKind, Operand};
 use plcc_syntax::stl::StlInsn;
 
+use crate::arithmetic::bcd::Bcd;
 use crate::block::BlockLowering;
+use crate::stl::CellRead;
 
 impl BlockLowering<'_, '_> {
     /// `S_ODT` and other timers: the start with its edge, the reset, then the time that is read, an S5TIME.
@@ -33,15 +34,15 @@ impl BlockLowering<'_, '_> {
             self.cell_reset(CellKind::Timer, &call.timer);
         }
         if let Some(q) = &call.q {
-            let status = self.timer_scan(&call.timer);
+            let status = self.cell_scan(CellKind::Timer, &call.timer);
             self.write_access(q, status);
         }
         if let Some(bi) = &call.bi {
-            let left = self.cell_value(CellKind::Timer, &call.timer, RuntimeFn::TimerValue);
+            let left = self.cell_value(CellKind::Timer, &call.timer, CellRead::Binary);
             let word = self.b.trunc(Type::I16, left);
             self.write_access(bi, word);
         }
-        let left = self.cell_value(CellKind::Timer, &call.timer, RuntimeFn::TimerValueBcd);
+        let left = self.cell_value(CellKind::Timer, &call.timer, CellRead::Bcd);
         self.b.trunc(Type::I16, left)
     }
 
@@ -51,10 +52,10 @@ impl BlockLowering<'_, '_> {
         let mut bit = |value: &Option<Expr>| value.as_ref().map(|value| self.value(value));
         let (up, down, set, reset) = (bit(&call.up), bit(&call.down), bit(&call.set), bit(&call.reset));
         let preset = call.value.as_ref().map(|value| self.cell_word(value));
-        for (input, function) in [(up, RuntimeFn::CounterUp), (down, RuntimeFn::CounterDown)] {
+        for (input, is_up) in [(up, true), (down, false)] {
             if let Some(input) = input {
                 self.set(self.regs.rlo, input);
-                self.count(&operand, function);
+                self.count(&operand, is_up);
             }
         }
         if let Some(set) = set {
@@ -67,17 +68,16 @@ impl BlockLowering<'_, '_> {
             self.set(self.regs.rlo, reset);
             self.cell_reset(CellKind::Counter, &call.counter);
         }
-        let count = self.cell_value(CellKind::Counter, &call.counter, RuntimeFn::CounterValue);
+        let count = self.cell_value(CellKind::Counter, &call.counter, CellRead::Binary);
         if let Some(q) = &call.q {
-            let status = self.counter_scan(&call.counter);
+            let status = self.cell_scan(CellKind::Counter, &call.counter);
             self.write_access(q, status);
         }
         if let Some(cv) = &call.cv {
             let word = self.b.trunc(Type::I16, count);
             self.write_access(cv, word);
         }
-        let digits = self.b.i32_const(3);
-        let bcd = self.b.call_pure(RuntimeFn::IntToBcd, &[count, digits]);
+        let bcd = Bcd::WORD.digits_of_small(&mut self.b, count);
         self.b.trunc(Type::I16, bcd)
     }
 

@@ -1,6 +1,5 @@
 //! Conversions. Source: SCL reference, explicit conversions and rounding functions.
 
-use plcc_abi::RuntimeFn;
 use plcc_ir::{BinaryOp, ConvertOp, FloatCc, IntCc, Type, UnaryOp, Value};
 use plcc_model::scl::{Conversion, Overflow};
 use plcc_model::types::{Class, Elementary};
@@ -274,8 +273,7 @@ impl BlockLowering<'_, '_> {
             base = self.b.select(fits, number, base);
         }
         let number = self.b.binary(BinaryOp::Sdiv, time, divisor);
-        let digits = self.b.i32_const(3);
-        let bcd = self.b.call_pure(RuntimeFn::IntToBcd, &[number, digits]);
+        let bcd = Bcd::WORD.digits_of_small(&mut self.b, number);
         let base = self.b.binary_imm(BinaryOp::Shl, base, 12);
         let result = self.b.or(base, bcd);
         self.b.trunc(Type::I16, result)

@@ -1,7 +1,6 @@
 //! Expressions. Source: SCL reference, operators.
 
 use plcc_ir::{BinaryOp, Type, UnaryOp as IrUnary, Value};
-use plcc_model::CellKind;
 use plcc_model::scl::{Expr, ExprKind, UnaryOp};
 use plcc_model::types::Elementary;
 
@@ -42,8 +41,7 @@ impl BlockLowering<'_, '_> {
             }
             ExprKind::Timer(call) => self.timer_function(call),
             ExprKind::Counter(call) => self.counter_function(call),
-            ExprKind::Cell { kind: CellKind::Timer, number } => self.timer_scan(number),
-            ExprKind::Cell { kind: CellKind::Counter, number } => self.counter_scan(number),
+            ExprKind::Cell { kind, number } => self.cell_scan(*kind, number),
             ExprKind::Bound { parameter, dimension, upper } => self.array_bound(*parameter, dimension, *upper),
             ExprKind::Flag => {
                 let flag = self.flag();

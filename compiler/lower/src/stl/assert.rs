@@ -3,7 +3,7 @@
 use plcc_abi::RuntimeFn;
 use plcc_diag::Span;
 use plcc_ir::{Type, Value};
-use plcc_model::{Assert, AssertRegister, AssertSide, CellKind, Compared, ComparedValue, Operand, Place, Width};
+use plcc_model::{Assert, AssertRegister, AssertSide, Compared, ComparedValue, Operand, Place, Width};
 
 use crate::block::BlockLowering;
 use crate::fault::{Check, Substitute};
@@ -56,10 +56,7 @@ impl BlockLowering<'_, '_> {
             }
             // A timer or counter alone is its status bit.
             AssertSide::Operand(Operand::Cell { kind, number }) => {
-                let bit = match kind {
-                    CellKind::Timer => self.timer_scan(number),
-                    CellKind::Counter => self.counter_scan(number),
-                };
+                let bit = self.cell_scan(*kind, number);
                 self.b.zext(Type::I32, bit)
             }
             AssertSide::Operand(operand) => self.load_value(operand),

@@ -1,7 +1,7 @@
 //! Bit logic: scans, nesting, assignments, edges. Source: STL reference, bit logic instructions.
 
 use plcc_ir::{IntCc, Value};
-use plcc_model::{CellKind, Operand, Place, StatusOperand, Width};
+use plcc_model::{Operand, Place, StatusOperand, Width};
 use plcc_syntax::stl::StlInsn;
 
 use crate::block::BlockLowering;
@@ -66,8 +66,7 @@ impl BlockLowering<'_, '_> {
     fn scan(&mut self, operand: &Operand) -> Value {
         match operand {
             Operand::Memory { place, .. } => self.read(place, Width::Bit),
-            Operand::Cell { kind: CellKind::Timer, number } => self.timer_scan(number),
-            Operand::Cell { kind: CellKind::Counter, number } => self.counter_scan(number),
+            Operand::Cell { kind, number } => self.cell_scan(*kind, number),
             Operand::Status(status) => self.status(*status),
             Operand::Const { value, .. } => self.b.bool_const(*value != 0),
             Operand::None

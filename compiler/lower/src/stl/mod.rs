@@ -15,7 +15,10 @@ mod convert;
 mod jumps;
 mod mcr;
 mod shift;
+mod timers;
 mod transfer;
+
+pub use cells::CellRead;
 
 use plcc_ir::{BinaryOp, Function};
 use plcc_model::{CellKind, CodeBlock, LabelId, Operand, StlStatement, StlStatementKind};
@@ -261,8 +264,8 @@ impl BlockLowering<'_, '_> {
                 self.timer_start(insn, operand)
             }
             I::Enable => self.cell_enable(operand),
-            I::CountUp => self.count(operand, plcc_abi::RuntimeFn::CounterUp),
-            I::CountDown => self.count(operand, plcc_abi::RuntimeFn::CounterDown),
+            I::CountUp => self.count(operand, true),
+            I::CountDown => self.count(operand, false),
 
             I::Jump => self.jump_if(Condition::Always, operand),
             I::JumpIf => self.jump_if_rlo(true, false, operand),

@@ -1,10 +1,10 @@
 //! Load, transfer, address registers, status word. Source: STL reference, load and transfer, address registers.
 
-use plcc_abi::RuntimeFn;
 use plcc_abi::layout::area;
 use plcc_ir::{BinaryOp, Type, Value, Var};
-use plcc_model::{AddressRegister, CellKind, Operand, Passing, SpecialRegister, Width};
+use plcc_model::{AddressRegister, Operand, Passing, SpecialRegister, Width};
 
+use super::cells::CellRead;
 use crate::block::BlockLowering;
 
 /// Address part of an address register.
@@ -26,13 +26,7 @@ impl BlockLowering<'_, '_> {
                 self.b.zext(Type::I32, bit)
             }
             Operand::Memory { place, width } => self.read(place, *width),
-            Operand::Cell { kind, number } => {
-                let function = match kind {
-                    CellKind::Timer => RuntimeFn::TimerValue,
-                    CellKind::Counter => RuntimeFn::CounterValue,
-                };
-                self.cell_value(*kind, number, function)
-            }
+            Operand::Cell { kind, number } => self.cell_value(*kind, number, CellRead::Binary),
             Operand::Special(special) => self.special(*special),
             Operand::Register(register) => self.get(self.address_register(*register)),
             Operand::ParameterPointer { parameter } if matches!(self.passing(*parameter), Passing::Elementary(_)) => {

@@ -93,7 +93,10 @@ impl Folder<'_> {
                 if shift_count(self.function, ty, b) == Some(0) {
                     return Some(Change::Value(a));
                 }
-                return self.shift_of_shift(op, ty, a, b).or_else(|| self.shift_of_parts(op, ty, a, b));
+                return self
+                    .shift_of_shift(op, ty, a, b)
+                    .or_else(|| self.shift_of_parts(op, ty, a, b))
+                    .or_else(|| if op == BinaryOp::Lshr { self.shift_of_masked_sum(ty, a, b) } else { None });
             }
             BinaryOp::Iadd
             | BinaryOp::Sdiv
@@ -158,12 +161,13 @@ impl Folder<'_> {
         }
     }
 
-    /// The operand of `or a, b` or `xor a, b`, or of an `iadd` without carries, that alone has bits in `wanted`.
+    /// The operand of `or a, b` or `xor a, b`, or of an `iadd` without carries into `wanted`, that alone has bits in `wanted`.
     fn part_with(&self, value: Value, wanted: u64) -> Option<Value> {
         match self.function.defining(value) {
             Some(&InstData::Binary { op: op @ (BinaryOp::Or | BinaryOp::Xor | BinaryOp::Iadd), args: [a, b] }) => {
                 let any = |value| !known_zero(self.function, value);
-                if op == BinaryOp::Iadd && any(a) & any(b) != 0 {
+                // Into the low bits nothing is carried from higher ones.
+                if op == BinaryOp::Iadd && any(a) & any(b) != 0 && !is_low_mask(wanted) {
                     return None;
                 }
                 let possible = |value| !known_zero(self.function, value) & wanted;
@@ -201,6 +205,33 @@ impl Folder<'_> {
         Some(Change::Data(InstData::Binary { op, args: [part, b] }))
     }
 
+    /// `((x + c) & mask) >> n`, where `mask` has the low bits, x no others, and c ends in n zeros: `((x >> n) + (c >> n)) & (mask >> n)`.
+    /// Pointers count bits: that to a part of an instance then is the one to the instance plus a number of bytes.
+    fn shift_of_masked_sum(&mut self, ty: Type, a: Value, b: Value) -> Option<Change> {
+        let count = shift_count(self.function, ty, b)?;
+        let (sum, mask) = self.with_constant(BinaryOp::And, a)?;
+        let (x, addend) = self.with_constant(BinaryOp::Iadd, sum)?;
+        if !is_low_mask(mask)
+            || !known_zero(self.function, x) & !mask != 0
+            || addend & eval::mask(ty, (1 << count) - 1) != 0
+        {
+            return None;
+        }
+        let shifted = self.emit(InstData::Binary { op: BinaryOp::Lshr, args: [x, b] }, ty);
+        let addend = self.emit_const(ty, addend >> count);
+        let sum = self.emit(InstData::Binary { op: BinaryOp::Iadd, args: [shifted, addend] }, ty);
+        let mask = self.emit_const(ty, mask >> count);
+        Some(Change::Data(InstData::Binary { op: BinaryOp::And, args: [sum, mask] }))
+    }
+
+    /// The operands of `value` if it is `op` with a constant.
+    fn with_constant(&self, op: BinaryOp, value: Value) -> Option<(Value, u64)> {
+        match self.function.defining(value) {
+            Some(&InstData::Binary { op: found, args: [x, c] }) if found == op => Some((x, self.constant(c)?)),
+            _ => None,
+        }
+    }
+
     /// Two shifts in the same direction are one; back and forth they are none if nothing is lost.
     fn shift_of_shift(&mut self, op: BinaryOp, ty: Type, a: Value, b: Value) -> Option<Change> {
         let Some(&InstData::Binary { op: inner, args: [x, c] }) = self.function.defining(a) else { return None };
@@ -226,6 +257,11 @@ impl Folder<'_> {
         let part = self.part_with(arg, wanted)?;
         Some(Change::Data(InstData::Convert { op: ConvertOp::Trunc, arg: part }))
     }
+}
+
+/// True if exactly some low bits are set.
+fn is_low_mask(bits: u64) -> bool {
+    bits & bits.wrapping_add(1) == 0
 }
 
 /// True if the operands may change places.

@@ -32,6 +32,28 @@ fn the_low_word_of_an_accumulator() {
 }
 
 #[test]
+fn pointers_to_parts_of_instances() {
+    // The area of a pointer does not reach its address.
+    check(
+        "v10 = const.i32 2214592512\nv11 = iadd v0, v10\nv12 = const.i32 16777215\nv13 = and v11, v12\nret v13",
+        "v12 = const.i32 16777215\nv13 = and v0, v12\nret v13",
+    );
+    // Bits above the mask do reach a mask that has holes.
+    let text = "v10 = const.i32 3\nv11 = iadd v0, v10\nv12 = const.i32 12\nv13 = and v11, v12\nret v13";
+    check(text, text);
+    check(
+        "v10 = const.i32 65535\nv11 = and v0, v10\nv12 = const.i32 112\nv13 = iadd v11, v12\nv14 = and v13, v10\nv15 = \
+         const.i32 3\nv16 = lshr v14, v15\nret v16",
+        "v10 = const.i32 65535\nv11 = and v0, v10\nv15 = const.i32 3\nv17 = lshr v11, v15\nv18 = const.i32 14\nv19 = iadd \
+         v17, v18\nv20 = const.i32 8191\nv16 = and v19, v20\nret v16",
+    );
+    // 4 is half a byte: something may be carried.
+    let text = "v10 = const.i32 65535\nv11 = and v0, v10\nv12 = const.i32 4\nv13 = iadd v11, v12\nv14 = and v13, v10\nv15 = \
+                const.i32 3\nv16 = lshr v14, v15\nret v16";
+    check(text, text);
+}
+
+#[test]
 fn comparisons_combine() {
     check(
         "v10 = slt v0, v1\nv11 = sgt v0, v1\nv12 = or v10, v11\nstore.bit M 0.0, v12\nret v0",

@@ -61,7 +61,7 @@ enum Statement {
     Timer(usize, usize),
     Peripheral(usize),
     Safepoint(usize),
-    Bcd(usize, usize),
+    Sine(usize, usize),
 }
 
 #[derive(Clone, Debug)]
@@ -103,7 +103,7 @@ fn statement() -> impl Strategy<Value = Statement> {
         (w.clone(), w.clone()).prop_map(|(to, from)| Statement::LowWord(to, from)),
         (w.clone(), w.clone()).prop_map(|(to, from)| Statement::Sign(to, from)),
         (w.clone(), b.clone()).prop_map(|(to, from)| Statement::BitToWord(to, from)),
-        (w.clone(), w.clone()).prop_map(|(to, from)| Statement::Bcd(to, from)),
+        (w.clone(), w.clone()).prop_map(|(to, from)| Statement::Sine(to, from)),
     ];
     let memory = prop_oneof![
         4 => (w.clone(), place(), 0..4usize).prop_map(|(to, place, ty)| Statement::Load(to, place, ty)),
@@ -366,8 +366,15 @@ impl Builder<'_> {
             }
             Statement::Timer(to, from) => {
                 let from = self.word(*from);
-                let value = self.b.call_runtime(RuntimeFn::TimerScan, &[from]).expect("it has a result");
+                // As with timers: cells, which the runtime sees, and brings up to date.
+                self.b.store(Address::direct(Region::Cells, 4), from);
+                self.b.call_runtime(RuntimeFn::TimerSettle, &[from]);
+                let value = self.b.load(Type::I32, Address::direct(Region::Cells, 4));
                 self.set_word(*to, value);
+                self.b.store(Address::direct(Region::Cells, 8), value);
+                let part = self.b.load(Type::I16, Address::direct(Region::Cells, 8));
+                let part = self.b.zext(Type::I32, part);
+                self.b.store(Address::direct(Region::Cells, 8), part);
             }
             Statement::Peripheral(from) => {
                 let from = self.word(*from);
@@ -378,9 +385,11 @@ impl Builder<'_> {
                 let value = self.b.call_runtime(RuntimeFn::Safepoint, &[site]).expect("it has a result");
                 self.set_word(*to, value);
             }
-            Statement::Bcd(to, from) => {
+            Statement::Sine(to, from) => {
                 let from = self.word(*from);
-                let value = self.b.call_pure(RuntimeFn::BcdToInt, &[from, from]);
+                let from = self.b.bitcast(Type::F32, from);
+                let value = self.b.call_pure(RuntimeFn::Sin, &[from]);
+                let value = self.b.bitcast(Type::I32, value);
                 self.set_word(*to, value);
             }
         }
@@ -460,16 +469,17 @@ struct Memory {
     count: Cell<u64>,
 }
 
-const WINDOWS: [(u32, u32); 7] = [
+const WINDOWS: [(u32, u32); 8] = [
     (layout::STATE, 0x200),
     (layout::I, 64),
     (layout::Q, 64),
     (layout::M, 64),
+    (layout::T, 16),
     (layout::L, 256),
     (layout::DB_TABLE, 64),
     (layout::DB_DATA, 128),
 ];
-const L_WINDOW: usize = 4;
+const L_WINDOW: usize = 5;
 
 impl Memory {
     fn new(seed: u8) -> Memory {
@@ -530,7 +540,13 @@ impl Host for Memory {
         self.count.set(self.count.get() + 1);
         let count = self.count.get();
         match function.effect() {
-            Effect::Pure | Effect::Cells => {}
+            Effect::Pure => {}
+            Effect::Cells => {
+                let mut cells = [0; 16];
+                self.read(layout::T, &mut cells);
+                self.note(cells.iter().fold(0, |hash, &byte| hash << 3 ^ u64::from(byte)));
+                self.write(layout::T + (count % 12) as u32, &[count as u8]);
+            }
             Effect::System => self.write(layout::SYSTEM + (count % 12) as u32, &[(count * 57) as u8]),
             Effect::Io => {
                 let mut outputs = [0; 16];

@@ -1,7 +1,6 @@
 //! Tests of the runtime with code made of closures.
 
 mod communication;
-mod counters;
 mod cycle;
 mod faults;
 mod helpers;

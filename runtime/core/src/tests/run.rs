@@ -142,8 +142,6 @@ fn the_dynamic_form_agrees_with_the_table() {
     for &function in RuntimeFn::ALL {
         assert!(!functions::address(function).is_null(), "{}", function.name());
     }
-    assert_eq!(functions::call(RuntimeFn::BcdToInt, mem, &[0x123, 3]), 123);
-    assert_eq!(functions::call(RuntimeFn::IntToBcd, mem, &[123, 3]), 0x123);
     let one = u64::from(1f32.to_bits());
     assert_eq!(functions::call(RuntimeFn::Ln, mem, &[one]), 0);
     assert_eq!(functions::call(RuntimeFn::Ln, mem, &[0]), 0xFFFF_FFFF);
