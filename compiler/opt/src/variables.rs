@@ -60,10 +60,11 @@ impl Versions {
     }
 }
 
-/// Makes every use of an original one of the version that was computed on the way there.
-pub fn join_versions(function: &mut Function, versions: &Versions) -> bool {
+/// Makes every use of an original one of the version that was computed on the way there. It takes as long as it takes: whoever
+/// duplicates code leaves large functions alone.
+pub fn join_versions(function: &mut Function, versions: &Versions) {
     let none = &mut |_: &mut Function, _: usize| unreachable!("a version is computed on every way to a use");
-    rewrite(function, &versions.types, &FxHashMap::default(), versions, none)
+    rewrite(function, &versions.types, &FxHashMap::default(), versions, none, usize::MAX);
 }
 
 /// Promotes variables with these types in the whole function. `initial` makes the value of a variable that is read before it is
@@ -74,7 +75,7 @@ pub fn promote(
     actions: &FxHashMap<Inst, Action>,
     initial: &mut dyn FnMut(&mut Function, usize) -> Inst,
 ) -> bool {
-    rewrite(function, types, actions, &Versions::default(), initial)
+    rewrite(function, types, actions, &Versions::default(), initial, STEPS_MAX)
 }
 
 fn rewrite(
@@ -83,10 +84,11 @@ fn rewrite(
     actions: &FxHashMap<Inst, Action>,
     versions: &Versions,
     initial: &mut dyn FnMut(&mut Function, usize) -> Inst,
+    steps_max: usize,
 ) -> bool {
     let cfg = ControlFlow::new(function);
     let dominators = Dominators::new(function, &cfg);
-    let Some(mut meets) = Meets::find(function, &cfg, &dominators, types.len(), actions, versions) else {
+    let Some(mut meets) = Meets::find(function, &cfg, &dominators, types.len(), actions, versions, steps_max) else {
         return false;
     };
     let mut rename = Rename {
@@ -154,6 +156,7 @@ impl Meets {
         count: usize,
         actions: &FxHashMap<Inst, Action>,
         versions: &Versions,
+        steps_max: usize,
     ) -> Option<Meets> {
         let mut steps = 0usize;
         let mut written: Vec<Vec<Block>> = vec![Vec::new(); count];
@@ -191,7 +194,7 @@ impl Meets {
                 }
             }
         }
-        let frontier = frontiers(function, cfg, dominators, &mut steps)?;
+        let frontier = frontiers(function, cfg, dominators, &mut steps, steps_max)?;
         let mut meets = Meets { params: FxHashMap::default(), needed_at_entry: Vec::new() };
         for var in 0..count {
             let live = live_blocks(cfg, &written[var], &needed[var], &mut steps);
@@ -209,7 +212,7 @@ impl Meets {
                     }
                 }
             }
-            if steps > STEPS_MAX {
+            if steps > steps_max {
                 return None;
             }
         }
@@ -239,6 +242,7 @@ fn frontiers(
     cfg: &ControlFlow,
     dominators: &Dominators,
     steps: &mut usize,
+    steps_max: usize,
 ) -> Option<Vec<Vec<Block>>> {
     let mut frontier: Vec<Vec<Block>> = vec![Vec::new(); function.blocks.len()];
     for &block in &cfg.rpo {
@@ -252,7 +256,7 @@ fn frontiers(
             let mut at = Some(pred);
             while let Some(runner) = at.filter(|&runner| Some(runner) != end) {
                 *steps += 1;
-                if *steps > STEPS_MAX {
+                if *steps > steps_max {
                     return None;
                 }
                 if frontier[runner.index()].last() != Some(&block) {

@@ -143,8 +143,9 @@ impl Cpu {
         memory.set_host32(state::L_END, base + layout::L_CLASS_BYTES);
         self.show_clock();
         self.code.call(block.entry, memory.base(), base, base);
-        if let Some(saved) = &saved {
-            self.restore(saved);
+        match &saved {
+            Some(saved) => self.restore(saved),
+            None => memory.set_host32(state::DEPTH, 0),
         }
         running.priority.set(before.0);
         running.ob.set(before.1);
@@ -173,8 +174,9 @@ impl Cpu {
         memory.set_host32(state::L_END, base + limit);
         self.show_clock();
         self.code.call(block.entry, memory.base(), base, base);
-        if let Some(saved) = &saved {
-            self.restore(saved);
+        match &saved {
+            Some(saved) => self.restore(saved),
+            None => memory.set_host32(state::DEPTH, 0),
         }
         self.running.info.set(outer_info);
     }

@@ -15,7 +15,8 @@ fn an_object_exports_what_the_runtime_needs() {
     });
     let object = compile_object(&module, b"image", &CodegenOptions::default()).expect("it compiles");
     assert_eq!(&object[..4], b"\x7fELF");
-    for name in ["plcc_image", "plcc_image_len", "plcc_entries", "plcc_entries_len", "plcc_OB1", "plcc_rt_safepoint"] {
+    for name in ["plcc_image", "plcc_image_len", "plcc_entries", "plcc_entries_len", "plcc_OB1", "plcc_keep_safepoint"]
+    {
         let named = [b"\0", name.as_bytes(), b"\0"].concat();
         assert!(object.windows(named.len()).any(|window| window == named), "{name}");
     }
@@ -55,11 +56,11 @@ fn texts_name_functions() {
     caller.ret(&[]);
     let module = module(vec![callee.finish(), caller.finish()]);
     let clif = clif_text(&module, &CodegenOptions::default()).expect("it compiles");
-    for part in ["function %plcc_FC12(i64, i32) -> i32", "%plcc_FC12", "%plcc_rt_safepoint"] {
+    for part in ["function %plcc_FC12(i64, i32) -> i32", "%plcc_FC12", "%plcc_keep_safepoint"] {
         assert!(clif.contains(part), "{part} in\n{clif}");
     }
     let asm = asm_text(&module, &CodegenOptions::default()).expect("it compiles");
-    for part in ["plcc_FC12:", "plcc_OB1:", "plcc_rt_safepoint"] {
+    for part in ["plcc_FC12:", "plcc_OB1:", "plcc_keep_safepoint"] {
         assert!(asm.contains(part), "{part} in\n{asm}");
     }
 }

@@ -95,7 +95,8 @@ pub struct S7200 {
 impl S7200 {
     pub(crate) fn new(image: &S7200Image, config: &S7200Config) -> S7200 {
         S7200 {
-            logic_only: Cell::new(image.logic_only),
+            // Who asks for the program's data over the network or a port is heard in each scan.
+            logic_only: Cell::new(image.logic_only && config.listen.is_none() && config.ports.is_empty()),
             image: image.clone(),
             config: config.clone(),
             scan: scan::Scan::default(),

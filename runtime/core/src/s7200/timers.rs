@@ -9,7 +9,7 @@
 //! | 10 ms | when a scan begins, by whole ticks; the box is not needed for it |
 //! | 100 ms | when the box is executed, by the ticks between the last two starts of scans |
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 
 use plcc_abi::layout;
 use plcc_abi::s7200::{Resolution, TIMERS, TimerKind, is_retentive_timer, system, timer_resolution};
@@ -49,6 +49,8 @@ struct LastBox {
 pub struct Timers {
     /// By number, as far as the numbers of 1 and 10 ms go.
     boxes: Vec<LastBox>,
+    /// Timers of 1 and 10 ms whose boxes have run: only those count.
+    seen: RefCell<Vec<u32>>,
     /// Ticks of 10 ms and 100 ms when the scan began.
     tick_10: Cell<u64>,
     tick_100: Cell<u64>,
@@ -56,7 +58,12 @@ pub struct Timers {
 
 impl Default for Timers {
     fn default() -> Timers {
-        Timers { boxes: (0..=100).map(|_| LastBox::default()).collect(), tick_10: Cell::new(0), tick_100: Cell::new(0) }
+        Timers {
+            boxes: (0..=100).map(|_| LastBox::default()).collect(),
+            seen: RefCell::default(),
+            tick_10: Cell::new(0),
+            tick_100: Cell::new(0),
+        }
     }
 }
 
@@ -192,6 +199,9 @@ impl Cpu {
         }
         timer.switch(kind, preset, enable);
         if let Some(last) = own.timers.last_box(number) {
+            if last.kind.get().is_none() && resolution(number) != Resolution::Ms100 {
+                own.timers.seen.borrow_mut().push(number);
+            }
             last.kind.set(Some(kind));
             last.preset.set(preset);
             if WITH_EVENT.iter().any(|&(with_event, event)| with_event == number && self.s7200_is_attached(event)) {
@@ -225,6 +235,7 @@ impl Cpu {
         for number in (0..TIMERS).filter(|&number| !is_retentive(number)) {
             self.timer(number).set_value(0);
         }
+        own.timers.seen.borrow_mut().clear();
         for last in &own.timers.boxes {
             last.kind.set(None);
             last.synced.set(self.millisecond());
@@ -238,11 +249,8 @@ impl Cpu {
         let Some(own) = self.s7200() else { return };
         let now = self.millisecond();
         let ticks = (now / 10).saturating_sub(own.timers.tick_10.replace(now / 10));
-        let used = |resolution_wanted: Resolution| {
-            let numbers = own.image.timers.iter().map(|&number| u32::from(number));
-            numbers.filter(move |&number| resolution(number) == resolution_wanted)
-        };
-        for number in used(Resolution::Ms10) {
+        let seen = own.timers.seen.borrow();
+        for &number in seen.iter().filter(|&&number| resolution(number) == Resolution::Ms10) {
             let (timer, Some(last)) = (self.timer(number), own.timers.last_box(number)) else { continue };
             if let Some(kind) = last.kind.get().filter(|&kind| timer.is_running(kind)) {
                 timer.count(kind, last.preset.get(), ticks);
@@ -250,7 +258,7 @@ impl Cpu {
         }
         let ticks = (now / 100).saturating_sub(own.timers.tick_100.replace(now / 100));
         self.memory.set_dword(layout::SYSTEM + system::TICKS_100_MS, u32::try_from(ticks).unwrap_or(u32::MAX));
-        used(Resolution::Ms1).for_each(|number| self.s7200_timer_sync(number));
+        seen.iter().for_each(|&number| self.s7200_timer_sync(number));
     }
 
     /// When a timer next raises an event to which a routine is attached.
