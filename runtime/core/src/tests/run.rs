@@ -146,7 +146,7 @@ fn the_dynamic_form_agrees_with_the_table() {
     assert_eq!(functions::call(RuntimeFn::Ln, mem, &[one]), 0);
     assert_eq!(functions::call(RuntimeFn::Ln, mem, &[0]), 0xFFFF_FFFF);
     assert_eq!(functions::call(RuntimeFn::Asin, mem, &[u64::from(2f32.to_bits())]), 0xFFFF_FFFF);
-    assert_eq!(functions::call(RuntimeFn::CounterSet, mem, &[3, 0x42, 1]), 0);
-    assert_eq!(functions::call(RuntimeFn::CounterValue, mem, &[3]), 42);
+    assert_eq!(functions::call(RuntimeFn::PeripheralWrite, mem, &[4, 1, 0x42]), 0);
+    assert_eq!(cpu.driver.output(4, 1), 0x42);
     assert_eq!(functions::call(RuntimeFn::PeripheralRead, mem, &[70_000, 1]), 1 << 32);
 }
