@@ -16,8 +16,8 @@
 //! (see `frames`) that the callee does not touch.
 //!
 //! A block with one predecessor begins with the facts at its end; a join with the facts that all predecessors share; a loop
-//! head with none. Cold blocks call the runtime, which may change all memory but a private frame, so they begin with the facts
-//! about that. The number of facts is bounded, so time stays linear.
+//! head with none. Most cold blocks call the runtime in a way that may change all memory but a private frame, so they begin with the
+//! facts about that. The number of facts is bounded, so time stays linear.
 
 use std::rc::Rc;
 
@@ -78,9 +78,19 @@ struct AtEnd {
     readers: usize,
 }
 
+/// True of a cold block after which only the own frame can still be known. Others ask the runtime for the time or about a timer.
+fn forgets(function: &Function, block: Block) -> bool {
+    let calls_all = |data: &InstData| match data {
+        InstData::CallRuntime { function, .. } => function.effect() == Effect::All,
+        data => matches!(data, InstData::Call { .. }),
+    };
+    let block = &function.blocks[block];
+    block.cold && block.insts.iter().any(|&inst| calls_all(&function.insts[inst]))
+}
+
 /// True if `next`, which comes later in the walk, begins with the facts at the end of `block`, maybe only those about its own frame.
 fn takes_from(function: &Function, cfg: &ControlFlow, block: Block, next: Block, cold_takes_frame: bool) -> bool {
-    (!function.blocks[next].cold || cold_takes_frame) && cfg.rpo_index(block) < cfg.rpo_index(next)
+    (!forgets(function, next) || cold_takes_frame) && cfg.rpo_index(block) < cfg.rpo_index(next)
 }
 
 fn known_at_start(
@@ -90,7 +100,7 @@ fn known_at_start(
     at_end: &mut EntityVec<Block, Option<AtEnd>>,
     takes: &dyn Fn(&Function, Block, Block) -> bool,
 ) -> Memory {
-    let is_cold = function.blocks[block].cold;
+    let is_cold = forgets(function, block);
     let mut known: Option<Memory> = None;
     let mut complete = true;
     for &pred in cfg.predecessors(block) {
@@ -561,6 +571,19 @@ mod tests {
         check(
             &around("v3 = load.i32 L 0\nv4 = load.i32 M 0\nv5 = iadd v3, v4\nret v5"),
             &around("v4 = load.i32 M 0\nv5 = iadd v0, v4\nret v5"),
+        );
+    }
+
+    #[test]
+    fn memory_is_known_behind_a_look_at_the_clock() {
+        let around = |after: &str| {
+            format!(
+                "store.i32 M 0, v0\nstore.i32 cells 0, v0\nbranch v1, b1, b2\nb1 cold:\nrt @timer_settle(v0)\njump b2\nb2:\n{after}"
+            )
+        };
+        check(
+            &around("v3 = load.i32 M 0\nv4 = load.i32 cells 0\nv5 = iadd v3, v4\nret v5"),
+            &around("v4 = load.i32 cells 0\nv5 = iadd v0, v4\nret v5"),
         );
     }
 
