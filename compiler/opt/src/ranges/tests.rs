@@ -162,3 +162,44 @@ fn a_counter_that_may_wrap_says_nothing() {
         }";
     check_pass("ranges", text, text);
 }
+
+/// A loop of so many passes that looks at the attention flag, and one that does not.
+fn watched_loop(last: u16, end_of_pass: &str) -> String {
+    format!(
+        "func @F -> i16 {{
+        b0:
+        v0 = const.i16 0
+        jump b1(v0)
+        b1(v1: i16):
+        v2 = const.i16 {last}
+        v3 = sle v1, v2
+        branch v3, b2, b4
+        b2:
+        v4 = const.i16 1
+        v5 = iadd v1, v4
+        v6 = load.i32 state 0
+        v7 = const.i32 0
+        v8 = ne v6, v7
+        {end_of_pass}
+        b3 cold:
+        v9 = rt @safepoint(v7)
+        v10 = ne v9, v7
+        branch v10, b5, b1(v5)
+        b4:
+        ret v1
+        b5 cold:
+        ret v0
+        }}"
+    )
+}
+
+#[test]
+fn a_loop_that_ends_soon_does_not_look_for_interrupts() {
+    check_pass("ranges", &watched_loop(99, "branch v8, b3, b1(v5)"), &watched_loop(99, "jump b1(v5)"));
+}
+
+#[test]
+fn a_long_loop_looks_for_interrupts() {
+    let long = watched_loop(30_000, "branch v8, b3, b1(v5)");
+    check_pass("ranges", &long, &long);
+}
