@@ -15,7 +15,7 @@ use plcc_tests::{expect_file, files, plan, reference, root, shown, tests_folder}
 
 #[test]
 fn the_instruction_reference_is_current() {
-    expect_file(&root().join("docs/reference/stl.md"), &plcc_syntax::stl::reference()).unwrap();
+    expect_file(&root().join("docs/reference/stl.md"), &reference::stl()).unwrap();
 }
 
 #[test]

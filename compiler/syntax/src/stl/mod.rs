@@ -15,7 +15,6 @@ mod messages;
 mod mnemonics;
 pub mod pragma;
 mod raw;
-mod reference;
 mod suggest;
 pub(crate) mod token;
 
@@ -31,7 +30,7 @@ use crate::ast::{Block, Pragma, SourceUnit};
 use crate::front::{self, CommentForm, ParseState, Place};
 
 pub use instructions::{Mnemonics, OperandClass, StlInsn};
-pub use reference::reference;
+pub use messages::operand_phrase;
 
 /// Whether `word` is a mnemonic of either set, CALL included.
 pub fn is_mnemonic(word: &str) -> bool {

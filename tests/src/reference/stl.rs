@@ -2,8 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::stl::messages::operand_phrase;
-use crate::stl::{Mnemonics, StlInsn};
+use plcc_syntax::stl::{Mnemonics, StlInsn, operand_phrase};
 
 /// A family of instructions: heading, chapter of the reference manual, first and last row.
 ///
