@@ -46,6 +46,8 @@ pub struct Ranges<'f> {
     passes: FxHashMap<Block, i64>,
     /// Values that are a conversion of another one, or its sum with a constant: what is learnt of that one says something of them.
     derived: FxHashMap<Value, Vec<Value>>,
+    /// How many steps from the value that was learnt of; chains of sums can be as long as the program.
+    deriving: u32,
     phase: Phase,
 }
 
@@ -73,6 +75,7 @@ impl<'f> Ranges<'f> {
             limits: FxHashMap::default(),
             passes: FxHashMap::default(),
             derived: derived(function, cfg),
+            deriving: 0,
             phase: Phase::Growing(0),
         };
         let loops = has_loops(function, cfg);
@@ -145,7 +148,10 @@ impl<'f> Ranges<'f> {
         if !self.reached[block.index()] {
             return false;
         }
-        if let &[pred] = self.cfg.predecessors(block) {
+        // Jumps back to the head of a loop change nothing of what was tested before it.
+        let outside = |&&pred: &&Block| !self.dominators.dominates(block, pred);
+        let mut preds = self.cfg.predecessors(block).iter().filter(outside);
+        if let (Some(&pred), None) = (preds.next(), preds.next()) {
             self.learn_edge(pred, block);
         }
         let mut grew = false;
@@ -394,7 +400,11 @@ impl<'f> Ranges<'f> {
         if before != Some(now) {
             self.undo.push((value, before));
             self.here.insert(value, now);
-            self.derive(value);
+            if self.deriving < DEPTH_MAX {
+                self.deriving += 1;
+                self.derive(value);
+                self.deriving -= 1;
+            }
         }
     }
 
@@ -433,12 +443,12 @@ impl<'f> Ranges<'f> {
                 steps.all(|other| other == Some(first)).then_some(first)
             };
             let steps: Vec<Option<Step>> = params.iter().enumerate().map(step).collect();
-            let passes = params.iter().zip(&steps).filter_map(|(&param, step)| self.passes(param, (*step)?.by)).min();
+            let passes = params.iter().zip(&steps).filter_map(|(&param, step)| self.passes(param, (*step)?)).min();
             let Some(passes) = passes else { continue };
             self.passes.insert(header, passes);
             for (&param, step) in params.iter().zip(&steps) {
                 let (Some(step), Some(first)) = (*step, self.first(header, param)) else { continue };
-                if let Some(limit) = reach(first, step, passes, self.function.ty(param)) {
+                if let Some(limit) = reach(first, step, passes) {
                     self.limits.insert(param, limit);
                 }
             }
@@ -461,7 +471,7 @@ impl<'f> Ranges<'f> {
 
     /// The constant by which the argument of the jump back differs from the parameter.
     fn step_of(&self, param: Value, arg: Value) -> Option<Step> {
-        let mut step = Step { by: 0, below: i64::MAX };
+        let mut step = Step { by: 0, fits: Interval::full(self.function.ty(param)) };
         let mut at = self.function.resolve(arg);
         for _ in 0..=2 * DEPTH_MAX {
             if at == param {
@@ -470,10 +480,12 @@ impl<'f> Ranges<'f> {
             match *self.function.defining(at)? {
                 InstData::Binary { op: BinaryOp::Iadd, args: [a, b] } => {
                     step.by = step.by.checked_add(self.constant(b)?)?;
+                    step.fits = step.fits.meet(Interval::full(self.function.ty(at)))?;
                     at = self.function.resolve(a);
                 }
                 InstData::Binary { op: BinaryOp::Isub, args: [a, b] } => {
                     step.by = step.by.checked_sub(self.constant(b)?)?;
+                    step.fits = step.fits.meet(Interval::full(self.function.ty(at)))?;
                     at = self.function.resolve(a);
                 }
                 // The address register: the byte of the area stays, the rest is counted in 24 bits.
@@ -505,7 +517,7 @@ impl<'f> Ranges<'f> {
                     if mask < 0 || mask & (mask + 1) != 0 || step.by != 0 {
                         return None;
                     }
-                    step.below = step.below.min(mask + 1);
+                    step.fits = step.fits.meet(Interval::between(0, mask))?;
                     at = self.function.resolve(a);
                 }
                 // A conversion that changes nothing.
@@ -527,17 +539,10 @@ impl<'f> Ranges<'f> {
         Interval::constant(self.function.ty(value), bits).single()
     }
 
-    /// How often the loop of a parameter that changes by `step` begins a pass at most.
-    fn passes(&self, param: Value, step: i64) -> Option<i64> {
+    /// How often the loop of a parameter that changes by `step` begins a pass at most; `None`: it may wrap.
+    fn passes(&self, param: Value, step: Step) -> Option<i64> {
         let range = self.values[param.index()]?;
-        let full = Interval::full(self.function.ty(param));
-        // At the end of its type it may have wrapped.
-        let ends = match step {
-            1.. => range.hi.checked_add(step)? <= full.hi,
-            0 => false,
-            _ => range.lo.checked_add(step)? >= full.lo,
-        };
-        ends.then(|| (range.hi - range.lo) / step.abs() + 1)
+        (step.by != 0 && step.keeps(range)).then(|| (range.hi - range.lo) / step.by.abs() + 1)
     }
 
     /// What a parameter of a loop can be in the first pass.
@@ -591,19 +596,26 @@ fn derived(function: &Function, cfg: &ControlFlow) -> FxHashMap<Value, Vec<Value
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Step {
     by: i64,
-    /// It is so while the parameter stays in `0..below`; `i64::MAX`: without that condition.
-    below: i64,
+    /// It is so as long as the parameter is in here before and after: the narrowest type and mask on the way.
+    fits: Interval,
+}
+
+impl Step {
+    /// True if all numbers of `range` stay within bounds with this step.
+    fn keeps(self, range: Interval) -> bool {
+        let inside = |number: i64| (self.fits.lo..=self.fits.hi).contains(&number);
+        [range.lo, range.hi].into_iter().all(|end| inside(end) && end.checked_add(self.by).is_some_and(inside))
+    }
 }
 
 /// How far a value gets that changes by `step` from pass to pass; `None`: it may wrap.
-fn reach(first: Interval, Step { by: step, below }: Step, passes: i64, ty: Type) -> Option<Interval> {
-    let way = step.checked_mul(passes.checked_sub(1)?)?;
+fn reach(first: Interval, step: Step, passes: i64) -> Option<Interval> {
+    let way = step.by.checked_mul(passes.checked_sub(1)?)?;
     let (lo, hi) = (first.lo.checked_add(way.min(0))?, first.hi.checked_add(way.max(0))?);
-    let full = Interval::full(ty);
-    let zeros = first.zeros.min(if step == 0 { 63 } else { step.trailing_zeros() });
+    let zeros = first.zeros.min(if step.by == 0 { 63 } else { step.by.trailing_zeros() });
+    let range = Interval { lo, hi, zeros };
     // After the last pass it is computed once more.
-    let inside = below == i64::MAX || (lo.min(lo + step) >= 0 && hi.max(hi + step) < below);
-    (inside && full.lo <= lo && hi <= full.hi).then_some(Interval { lo, hi, zeros })
+    step.keeps(range).then_some(range)
 }
 
 /// The interval with ends that grew moved on to the next landmark.

@@ -63,7 +63,7 @@ fn use_in_function(function: &mut Function) {
     }
     let passes = ranges.into_passes();
     if !passes.is_empty() {
-        polls::remove(function, &Loops::new(function, &cfg, &dominators), &passes);
+        polls::remove(function, &cfg, &Loops::new(function, &cfg, &dominators), &passes);
     }
     apply(function, changes);
 }

@@ -2,10 +2,12 @@
 //!
 //! Each pass of a loop is a safepoint: it looks at the attention flag, so that interrupts, the cycle monitor and the end of the
 //! process do not wait for the loop. A loop that certainly ends soon needs none; what is due is served at the next
-//! safepoint, microseconds later. Nothing but the watchdog raises the flag while the loop calls nothing.
+//! safepoint, microseconds later. Nothing but the watchdog raises the flag while the loop calls nothing. A loop around one that
+//! may take long keeps its looks, and so does that one.
 
 use plcc_abi::functions::Effect;
 use plcc_abi::layout::state;
+use plcc_ir::analysis::ControlFlow;
 use plcc_ir::{Address, Block, BlockCall, Function, InstData, IntCc, Region, Value};
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -15,13 +17,16 @@ use crate::loops::Loops;
 const INSTS_MAX: u64 = 20_000;
 
 /// Removes the looks of loops that begin so many passes at most.
-pub fn remove(function: &mut Function, loops: &Loops, passes: &FxHashMap<Block, i64>) {
+pub fn remove(function: &mut Function, cfg: &ControlFlow, loops: &Loops, passes: &FxHashMap<Block, i64>) {
     // Instructions of loops that look at the flag no more, with all their passes, by header.
     let mut unwatched: FxHashMap<Block, u64> = FxHashMap::default();
     // Inner loops first.
     for each in loops.all.iter().rev() {
         let Some(&passes) = passes.get(&each.header) else { continue };
         let inside: FxHashSet<Block> = each.blocks.iter().copied().collect();
+        if !ends_inside(cfg, &inside, each.header, &unwatched) {
+            continue;
+        }
         let Some(insts) = cost(function, &inside, each.header, &unwatched) else { continue };
         let total = insts.saturating_mul(passes.unsigned_abs());
         if total > INSTS_MAX {
@@ -35,6 +40,14 @@ pub fn remove(function: &mut Function, loops: &Loops, passes: &FxHashMap<Block, 
             }
         }
     }
+}
+
+/// True if a pass ends: each jump back within the loop is one of a loop that is known to end soon.
+fn ends_inside(cfg: &ControlFlow, inside: &FxHashSet<Block>, header: Block, unwatched: &FxHashMap<Block, u64>) -> bool {
+    inside.iter().all(|&block| {
+        let back = |&&target: &&Block| inside.contains(&target) && cfg.rpo_index(target) <= cfg.rpo_index(block);
+        cfg.successors(block).iter().filter(back).all(|target| *target == header || unwatched.contains_key(target))
+    })
 }
 
 /// Instructions of a pass; `None` if the loop calls something.

@@ -221,3 +221,62 @@ fn a_long_loop_looks_for_interrupts() {
     let long = watched_loop(30_000, "branch v8, b3, b1(v5)");
     check_pass("ranges", &long, &long);
 }
+
+#[test]
+fn a_loop_around_one_that_may_not_end_looks_for_interrupts() {
+    let text = "func @F {
+        b0(v0: i1):
+        v1 = const.i32 0
+        v2 = const.i16 0
+        v3 = const.i16 1
+        v4 = const.i16 9
+        jump b1(v2)
+        b1(v5: i16):
+        v6 = sle v5, v4
+        branch v6, b7, b6
+        b7:
+        store.i16 M 2, v5
+        jump b2
+        b2:
+        v7 = load.i32 state 0
+        v8 = ne v7, v1
+        branch v8, b3, b4
+        b3 cold:
+        v9 = rt @safepoint(v1)
+        jump b4
+        b4:
+        v10 = load.bit M 0.0
+        branch v10, b2, b5
+        b5:
+        v11 = iadd v5, v3
+        jump b1(v11)
+        b6:
+        ret
+        }";
+    check_pass("ranges", text, text);
+}
+
+#[test]
+fn an_int_that_counts_along_with_a_dint_may_wrap() {
+    let text = "func @F -> i1 {
+        b0:
+        v0 = const.i32 0
+        v1 = const.i32 49999
+        v2 = const.i32 1
+        v3 = const.i16 1
+        jump b1(v0, v0)
+        b1(v4: i32, v5: i32):
+        v6 = sle v4, v1
+        branch v6, b2, b3
+        b2:
+        v7 = iadd v4, v2
+        v8 = trunc.i16 v5
+        v9 = iadd v8, v3
+        v10 = sext.i32 v9
+        jump b1(v7, v10)
+        b3:
+        v11 = slt v5, v0
+        ret v11
+        }";
+    check_pass("ranges", text, text);
+}
