@@ -143,7 +143,7 @@ pub fn s7200_image(blocks: &[(BlockKind, u16)]) -> ProgramImage {
         outputs: 16,
         old: false,
     };
-    image.s7200 = Some(S7200Image { cpu, timers: (0..=u8::MAX).collect(), ..S7200Image::default() });
+    image.s7200 = Some(S7200Image { cpu, ..S7200Image::default() });
     image.dbs = vec![DbEntry {
         number: 1,
         name: String::new(),
