@@ -6,6 +6,7 @@
 use std::alloc::{Layout, alloc_zeroed, dealloc, handle_alloc_error};
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use plcc_abi::any::Fields;
 use plcc_abi::layout::{self, state};
 
 /// Alignment of the base. Not more than the allocator's own: only then zeroed pages come untouched from the system.
@@ -87,6 +88,20 @@ impl Memory {
 
     pub fn set_dword(&self, offset: u32, value: u32) {
         self.set_bytes(offset, value.to_be_bytes());
+    }
+
+    /// The ANY at `offset`, field by field as code writes it: a processor passes on only what was written as a whole.
+    pub fn any(&self, offset: u32) -> Fields {
+        let at = self.at(offset, 10);
+        // SAFETY: `at` returns ten readable bytes.
+        let (head, db, pointer) = unsafe {
+            (
+                at.cast::<[u8; 4]>().read_unaligned(),
+                at.add(4).cast::<[u8; 2]>().read_unaligned(),
+                at.add(6).cast::<[u8; 4]>().read_unaligned(),
+            )
+        };
+        Fields { head: u32::from_be_bytes(head), db: u16::from_be_bytes(db), pointer: u32::from_be_bytes(pointer) }
     }
 
     /// Bit 0..8 of the byte at `offset`.

@@ -344,7 +344,7 @@ fn field(call: &Call, first: usize) -> Option<Field> {
 fn fill_field(call: &Call, out: usize, field: &Field, number: &[u8]) -> Outcome {
     let Some(text) = Text::of(call, out, Access::Write) else { return error(INVALID) };
     let end = field.position - 1 + field.size;
-    if number.len() > field.size || end > text.maximum as usize {
+    if number.len() > field.size || end > text.maximum() as usize {
         return error(CUT);
     }
     let Some(old) = text::characters(call, out) else { return error(INVALID) };

@@ -112,10 +112,8 @@ impl Call<'_> {
         self.cpu.memory.set_bytes(self.at(index), value);
     }
 
-    /// An ANY, read field by field as code wrote it: a processor passes on only what was written as a whole.
     pub fn any(&self, index: usize) -> Fields {
-        let (memory, at) = (&self.cpu.memory, self.at(index));
-        Fields { head: memory.dword(at), db: memory.word(at + 4), pointer: memory.dword(at + 6) }
+        self.cpu.memory.any(self.at(index))
     }
 
     /// The part of a VARIANT after its ANY: number of elements, 0 if it is not an array; number of the type, 0 if it is not known.

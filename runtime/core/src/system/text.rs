@@ -6,6 +6,8 @@
 //!
 //! RET_VAL of these functions: 0, [`CUT`] or [`INVALID`].
 
+use std::num::NonZeroU64;
+
 use super::any::{self, Access};
 use super::parameters::Call;
 use super::{OK, Outcome, error};
@@ -18,13 +20,9 @@ pub(super) const INVALID: u16 = 0x8002;
 /// Characters of the longest STRING.
 pub(super) const LONGEST: usize = 254;
 
-/// The position of a valid STRING.
+/// The position of a valid STRING, its maximum and its length, in one word: it is handed around a lot. The highest bit is set.
 #[derive(Clone, Copy)]
-pub(super) struct Text {
-    offset: u32,
-    pub maximum: u32,
-    pub length: u32,
-}
+pub(super) struct Text(NonZeroU64);
 
 impl Text {
     /// The STRING of parameter `index`; `None` if there is none, or it is not valid.
@@ -40,21 +38,37 @@ impl Text {
         let length = u32::from(call.cpu.memory.byte(offset + 1));
         // The data block may end before the STRING that its header describes.
         let room = maximum.min(existing - 2);
-        (maximum != 0 && maximum != 255 && length <= room).then_some(Text { offset, maximum: room, length })
+        let valid = maximum != 0 && maximum != 255 && length <= room;
+        // The highest bit, so that even an empty text without room is not 0.
+        let packed = 1 << 63 | u64::from(offset) << 16 | u64::from(room) << 8 | u64::from(length);
+        NonZeroU64::new(packed).filter(|_| valid).map(Text)
+    }
+
+    /// Characters that it has room for.
+    pub fn maximum(self) -> u32 {
+        (self.0.get() >> 8 & 0xFF) as u32
+    }
+
+    fn length(self) -> u32 {
+        (self.0.get() & 0xFF) as u32
+    }
+
+    fn offset(self) -> u32 {
+        (self.0.get() >> 16) as u32
     }
 
     /// The position of its first character.
     fn start(&self) -> u32 {
-        self.offset + 2
+        self.offset() + 2
     }
 
     fn set_length(&self, call: &Call, length: u32) {
-        call.cpu.memory.set_byte(self.offset + 1, length as u8);
+        call.cpu.memory.set_byte(self.offset() + 1, length as u8);
     }
 
     /// Writes the characters that have room, and the length; false if some have none.
     pub fn write(&self, call: &Call, characters: &[u8]) -> bool {
-        let kept = &characters[..characters.len().min(self.maximum as usize)];
+        let kept = &characters[..characters.len().min(self.maximum() as usize)];
         call.cpu.memory.load(self.start(), kept);
         self.set_length(call, kept.len() as u32);
         kept.len() == characters.len()
@@ -62,14 +76,14 @@ impl Text {
 
     /// Shows its characters to `read`, which writes nothing.
     fn view<R>(&self, call: &Call, read: impl FnOnce(&[u8]) -> R) -> R {
-        call.cpu.memory.view(self.start(), self.length, read)
+        call.cpu.memory.view(self.start(), self.length(), read)
     }
 
     /// `count` characters from position `position` (1-based), as far as they are there.
     fn part(&self, position: i16, count: i16) -> Part {
-        let first = (u32::from(position.max(1) as u16) - 1).min(self.length);
+        let first = (u32::from(position.max(1) as u16) - 1).min(self.length());
         let count = u32::from(count.max(0) as u16);
-        Part { at: self.start() + first, count: count.min(self.length - first) }
+        Part { at: self.start() + first, count: count.min(self.length() - first) }
     }
 }
 
@@ -156,7 +170,7 @@ pub(super) fn give(call: &Call, index: usize, characters: &[u8]) -> Outcome {
 /// Writes a result into parameter `index` if all of it fits.
 pub(super) fn give_whole(call: &Call, index: usize, characters: &[u8]) -> Outcome {
     match Text::of(call, index, Access::Write) {
-        Some(text) if characters.len() as u32 <= text.maximum => {
+        Some(text) if characters.len() as u32 <= text.maximum() => {
             text.write(call, characters);
             OK
         }
@@ -171,18 +185,13 @@ pub(super) fn join(call: &Call) -> Outcome {
     const OUT: usize = 10;
     let mut parts = [Part::default(); 3];
     let mut valid = true;
-    let mut last = None;
+    let first = Text::of(call, 0, Access::Read);
     for (index, part) in parts.iter_mut().enumerate() {
-        let first = 3 * index;
-        // Parts of one text are often next to each other.
-        let fields = call.any(first);
-        let text = match last {
-            Some((known, text)) if known == fields => text,
-            _ => Text::of(call, first, Access::Read),
-        };
-        last = Some((fields, text));
+        let at = 3 * index;
+        // Mostly they are parts of one text.
+        let text = if index == 0 || call.any(at) == call.any(0) { first } else { Text::of(call, at, Access::Read) };
         match text {
-            Some(text) => *part = text.part(call.word(first + 1) as i16, call.word(first + 2) as i16),
+            Some(text) => *part = text.part(call.word(at + 1) as i16, call.word(at + 2) as i16),
             None => valid = false,
         }
     }
@@ -205,7 +214,7 @@ fn put_together(call: &Call, text: Text, mut parts: [Part; 3]) -> bool {
     // Whether what is written before a part leaves it as it is.
     let mut apart = true;
     for part in &mut parts {
-        let room = text.maximum - total;
+        let room = text.maximum() - total;
         fits &= part.count <= room;
         part.count = part.count.min(room);
         apart &= part.count == 0 || part.at + part.count <= start || part.at >= start + total;
@@ -258,10 +267,10 @@ fn position(text: &[u8], part: &[u8]) -> Option<usize> {
 
 /// S -> RET_VAL: actual length.
 pub(super) fn length(call: &Call) -> Outcome {
-    Text::of(call, 0, Access::Read).map_or(error(INVALID), |text| Outcome::RetVal(text.length as u16))
+    Text::of(call, 0, Access::Read).map_or(error(INVALID), |text| Outcome::RetVal(text.length() as u16))
 }
 
 /// S -> RET_VAL: maximum length.
 pub(super) fn maximum(call: &Call) -> Outcome {
-    Text::of(call, 0, Access::Read).map_or(error(INVALID), |text| Outcome::RetVal(text.maximum as u16))
+    Text::of(call, 0, Access::Read).map_or(error(INVALID), |text| Outcome::RetVal(text.maximum() as u16))
 }
