@@ -118,9 +118,14 @@ impl SclBinder<'_, '_> {
         let count = self.dint(ctx, pins.get("COUNT")?);
         let mut code = Vec::new();
         let value = self.kept(ctx, &mut code, value?);
+        let count = count?;
+        if let Some(filled) = whole_fill(&target, &value, &count) {
+            code.extend(filled);
+            return Some(code);
+        }
         let to = self.kept(ctx, &mut code, target.first.clone());
         let left = self.temp(ctx, Elementary::Dint, span);
-        code.push(StatementKind::Assign { target: left.clone(), value: count? });
+        code.push(StatementKind::Assign { target: left.clone(), value: count });
         code.push(shortened(ctx, &left, &target, &to, span));
         let at = self.temp(ctx, Elementary::Dint, span);
         let element = target.at(&to, load(&at, Elementary::Dint));
@@ -307,25 +312,44 @@ fn may_overlap(a: &Access, b: &Access) -> bool {
     }
 }
 
-/// One copy, if everything is constant, inside both arrays, and the elements are whole bytes.
-fn whole_copy(source: &Run, target: &Run, count: &Expr) -> Option<StatementKind> {
+/// The number of the first element and the count, if both are constants, all elements are in the array, and they are whole bytes.
+fn constant_range(run: &Run, count: &Expr) -> Option<(i32, u32)> {
     let constant = |value: &Expr| match value.kind {
-        ExprKind::Const(bits) => Some(i64::from(bits as u32 as i32)),
+        ExprKind::Const(bits) => Some(bits as u32 as i32),
         _ => None,
     };
-    let count = constant(count)?;
-    let fits = |run: &Run| match run.bounds {
-        IndexBounds::Known(_, high) => constant(&run.first).is_some_and(|first| first + count - 1 <= i64::from(high)),
-        IndexBounds::Open { .. } => false,
-    };
-    if count < 1 || !source.stride.is_multiple_of(8) || !fits(source) || !fits(target) {
-        return None;
+    let (first, count) = (constant(&run.first)?, constant(count)?);
+    let IndexBounds::Known(_, high) = run.bounds else { return None };
+    let fits = count >= 1 && i64::from(first) + i64::from(count) - 1 <= i64::from(high);
+    (fits && run.stride.is_multiple_of(8)).then_some((first, count as u32))
+}
+
+/// Assignments to the first elements, then copies of what is filled already, each twice as long, if everything is constant.
+fn whole_fill(target: &Run, value: &Expr, count: &Expr) -> Option<Vec<StatementKind>> {
+    const ASSIGNED_MAX: u32 = 8;
+    let (first, count) = constant_range(target, count)?;
+    let span = target.array.span;
+    let at = |offset: u32| target.element(number(first + offset as i32, span));
+    let mut done = count.min(ASSIGNED_MAX);
+    let mut code: Vec<StatementKind> =
+        (0..done).map(|offset| StatementKind::Assign { target: at(offset), value: value.clone() }).collect();
+    while done < count {
+        let part = done.min(count - done);
+        let bytes = part.checked_mul(target.stride / 8)?;
+        code.push(StatementKind::Copy { target: at(done), source: Complex::Variable(at(0)), bytes });
+        done += part;
     }
-    let bytes = u32::try_from(count).ok()?.checked_mul(source.stride / 8)?;
+    Some(code)
+}
+
+/// One copy, if everything is constant, inside both arrays, and the elements are whole bytes.
+fn whole_copy(source: &Run, target: &Run, count: &Expr) -> Option<StatementKind> {
+    let (_, elements) = constant_range(source, count)?;
+    constant_range(target, count)?;
     Some(StatementKind::Copy {
         target: target.element(target.first.clone()),
         source: Complex::Variable(source.element(source.first.clone())),
-        bytes,
+        bytes: elements.checked_mul(source.stride / 8)?,
     })
 }
 

@@ -259,8 +259,12 @@ fn parts_of_arrays() {
         statements("MOVE_BLK(IN := #ai[#i], COUNT := #j, OUT => #ai2[3]);").last(),
         Some(StatementKind::For { .. })
     ));
+    // Eight elements are assigned, and two more are a copy of the first.
+    let filled = statements("FILL_BLK(IN := 7, COUNT := 10, OUT => #ai[0]);");
+    assert!(matches!(filled.as_slice(), [StatementKind::Assign { .. }, .., StatementKind::Copy { bytes: 4, .. }]));
+    assert_eq!(filled.len(), 9);
     assert!(matches!(
-        statements("FILL_BLK(IN := 7, COUNT := 5, OUT => #ai[0]);").last(),
+        statements("FILL_BLK(IN := 7, COUNT := #j, OUT => #ai[0]);").last(),
         Some(StatementKind::For { .. })
     ));
     assert_eq!(statements("SCATTER(IN := #w, OUT => #bits);").len(), 17);
