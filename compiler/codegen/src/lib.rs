@@ -16,6 +16,7 @@
 mod abi;
 mod bits;
 mod compile;
+mod floats;
 mod isa;
 mod jit;
 mod joins;

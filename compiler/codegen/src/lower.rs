@@ -13,6 +13,7 @@ use cranelift_codegen::isa::TargetIsa;
 use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
 use plcc_abi::{RuntimeFn, Type};
 use plcc_ir::entities::{Entity, EntityVec};
+use plcc_ir::function::ValueDef;
 use plcc_ir::{
     BinaryOp, Block, BlockCall, ConvertOp, FloatCc, FuncId, Function, Inst, InstData, IntCc, Module, UnaryOp, Value,
 };
@@ -21,6 +22,7 @@ use rustc_hash::FxHashMap;
 use crate::CodegenError;
 use crate::abi::{FunctionAbi, ReturnPlace, clif_type, runtime_signature, takes_memory};
 use crate::bits::Bit;
+use crate::floats;
 use crate::joins::Joins;
 use crate::keeping;
 use crate::memory::{Address, BitValue, Memory, constant};
@@ -232,11 +234,6 @@ impl<'m, 'f> Lowering<'m, 'f> {
         }
     }
 
-    fn low(&mut self, value: Value) -> Result<ClifValue, CodegenError> {
-        let bit = self.bit(value)?;
-        Ok(bit.low(&mut self.b))
-    }
-
     fn condition(&mut self, value: Value) -> Result<ClifValue, CodegenError> {
         let bit = self.bit(value)?;
         Ok(bit.condition(&mut self.b))
@@ -259,9 +256,6 @@ impl<'m, 'f> Lowering<'m, 'f> {
         let function = self.function;
         let results = &function.results[inst];
         let only = || results.first().copied().ok_or_else(|| invalid(format!("{inst} has no result")));
-        if !leaves_memory_alone(&function.insts[inst]) {
-            self.memory.end_bits();
-        }
         match &function.insts[inst] {
             InstData::Const { .. } => {}
             InstData::Unary { op, arg } => {
@@ -277,6 +271,11 @@ impl<'m, 'f> Lowering<'m, 'f> {
                 self.define(only()?, value);
             }
             InstData::Convert { op, arg } => self.convert(*op, *arg, only()?)?,
+            InstData::Select { cond, if_true, if_false } if self.is_all_ones_if_invalid(*cond, *if_true, *if_false) => {
+                let float = self.value(*if_false)?;
+                let value = floats::all_ones_if_invalid(&mut self.b, float);
+                self.define(only()?, value);
+            }
             InstData::Select { cond, if_true, if_false } => {
                 let cond = self.condition(*cond)?;
                 let [x, y] = [self.value(*if_true)?, self.value(*if_false)?];
@@ -358,6 +357,14 @@ impl<'m, 'f> Lowering<'m, 'f> {
             self.define_bit(result, bit);
             return Ok(());
         }
+        if op == BinaryOp::Shl
+            && let Some((bit, to)) = self.shifted_bit(args)
+        {
+            let ty = clif_type(self.function.ty(result));
+            let value = self.bit(bit)?.placed(&mut self.b, ty, to);
+            self.define(result, value);
+            return Ok(());
+        }
         let [x, y] = [self.value(args[0])?, self.value(args[1])?];
         let ins = self.b.ins();
         let value = match op {
@@ -392,8 +399,9 @@ impl<'m, 'f> Lowering<'m, 'f> {
             let other = self.bit(args[1 - position])?;
             return Ok(other.not(&mut self.b));
         }
-        let both_clean = [self.bit(args[0])?, self.bit(args[1])?].iter().all(|bit| matches!(bit, Bit::Clean(_)));
-        let [x, y] = [self.low(args[0])?, self.low(args[1])?];
+        let bits = [self.bit(args[0])?, self.bit(args[1])?];
+        let both_clean = bits.iter().all(|bit| matches!(bit, Bit::Clean(_)));
+        let [x, y] = Bit::both_low(&mut self.b, bits);
         let value = match op {
             BinaryOp::And => self.b.ins().band(x, y),
             BinaryOp::Or => self.b.ins().bor(x, y),
@@ -418,6 +426,36 @@ impl<'m, 'f> Lowering<'m, 'f> {
         Ok(if both_clean { Bit::Clean(value) } else { Bit::Low(value) })
     }
 
+    /// Whether a selection brings a float that is not a number into the form in which all bits are 1.
+    fn is_all_ones_if_invalid(&self, cond: Value, if_true: Value, if_false: Value) -> bool {
+        let function = self.function;
+        let ty = function.ty(if_false);
+        let Some(InstData::FloatCompare { cc: FloatCc::Uno, args }) = function.defining(cond) else { return false };
+        matches!(ty, Type::F32 | Type::F64)
+            && function.constant(if_true) == Some(u64::MAX >> (64 - ty.bits()))
+            && args.map(|arg| function.resolve(arg)) == [function.resolve(if_false); 2]
+    }
+
+    /// The value that `value` is after a shift down by a constant number of bits, and that number.
+    fn shifted_down(&self, value: Value) -> Option<(Value, u8)> {
+        let function = self.function;
+        let value = function.resolve(value);
+        let ValueDef::Result(inst, _) = function.values[value].def else { return None };
+        let InstData::Binary { op: BinaryOp::Lshr, args: [whole, count] } = function.insts[inst] else { return None };
+        let count = function.constant(count).filter(|&count| count < u64::from(function.ty(value).bits()))?;
+        Some((whole, count as u8))
+    }
+
+    /// The i1 that is extended and then shifted up by a constant number of bits, and that number.
+    fn shifted_bit(&self, [extended, count]: [Value; 2]) -> Option<(Value, u8)> {
+        let function = self.function;
+        let extended = function.resolve(extended);
+        let ValueDef::Result(inst, _) = function.values[extended].def else { return None };
+        let InstData::Convert { op: ConvertOp::Zext, arg } = function.insts[inst] else { return None };
+        let count = function.constant(count).filter(|&count| count < u64::from(function.ty(extended).bits()))?;
+        (function.ty(arg) == Type::I1).then_some((arg, count as u8))
+    }
+
     fn int_compare(&mut self, cc: IntCc, args: [Value; 2], result: Value) -> Result<(), CodegenError> {
         let [x, y] = [self.value(args[0])?, self.value(args[1])?];
         let value = self.b.ins().icmp(int_cc(cc), x, y);
@@ -429,6 +467,7 @@ impl<'m, 'f> Lowering<'m, 'f> {
         let (from, to) = (self.function.ty(arg), self.function.ty(result));
         let clif_to = clif_type(to);
         let value = match op {
+            ConvertOp::Zext if from == Type::I1 => self.bit(arg)?.placed(&mut self.b, clif_to, 0),
             ConvertOp::Zext => {
                 let arg = self.value(arg)?;
                 if clif_type(from) == clif_to { arg } else { self.b.ins().uextend(clif_to, arg) }
@@ -437,14 +476,17 @@ impl<'m, 'f> Lowering<'m, 'f> {
                 let arg = self.value(arg)?;
                 self.sign_extend(from, to, arg)
             }
+            ConvertOp::Trunc if to == Type::I1 => {
+                let bit = match self.shifted_down(arg) {
+                    Some((whole, bit)) => Bit::Of(self.value(whole)?, bit),
+                    None => Bit::Of(self.value(arg)?, 0),
+                };
+                self.define_bit(result, bit);
+                return Ok(());
+            }
             ConvertOp::Trunc => {
                 let arg = self.value(arg)?;
-                let narrow = if clif_type(from) == clif_to { arg } else { self.b.ins().ireduce(clif_to, arg) };
-                if to == Type::I1 {
-                    self.define_bit(result, Bit::Low(narrow));
-                    return Ok(());
-                }
-                narrow
+                if clif_type(from) == clif_to { arg } else { self.b.ins().ireduce(clif_to, arg) }
             }
             ConvertOp::Bitcast => {
                 let arg = self.value(arg)?;
@@ -663,21 +705,6 @@ fn int_cc(cc: IntCc) -> IntCC {
         IntCc::Ugt => IntCC::UnsignedGreaterThan,
         IntCc::Uge => IntCC::UnsignedGreaterThanOrEqual,
     }
-}
-
-/// Whether an instruction only computes, or writes a bit, in which case lowering considers the bits written before it.
-fn leaves_memory_alone(data: &InstData) -> bool {
-    matches!(
-        data,
-        InstData::Const { .. }
-            | InstData::Unary { .. }
-            | InstData::Binary { .. }
-            | InstData::IntCompare { .. }
-            | InstData::FloatCompare { .. }
-            | InstData::Convert { .. }
-            | InstData::Select { .. }
-            | InstData::StoreBit { .. }
-    )
 }
 
 fn float_cc(cc: FloatCc) -> FloatCC {

@@ -10,9 +10,7 @@
 
 use std::borrow::Cow;
 
-use cranelift_codegen::ir::{
-    AliasRegion, AliasRegionData, Inst, InstBuilder, MemFlagsData, Type as ClifType, Value, types,
-};
+use cranelift_codegen::ir::{AliasRegion, AliasRegionData, InstBuilder, MemFlagsData, Type as ClifType, Value, types};
 use cranelift_codegen::isa::TargetFrontendConfig;
 use cranelift_frontend::FunctionBuilder;
 use plcc_abi::{Type, layout};
@@ -91,14 +89,6 @@ pub struct Address {
     pub offset: u32,
 }
 
-/// A bit that was written, and nothing has looked at memory since.
-struct LastBit {
-    addr: Address,
-    /// The byte with the bit.
-    byte: Value,
-    store: Inst,
-}
-
 /// How one function reaches memory.
 pub struct Memory<'m> {
     pub module: &'m Module,
@@ -109,7 +99,6 @@ pub struct Memory<'m> {
     pub caller_frame: Option<Value>,
     alias_regions: Vec<AliasRegion>,
     has_any: bool,
-    last_bit: Option<LastBit>,
 }
 
 impl<'m> Memory<'m> {
@@ -128,7 +117,7 @@ impl<'m> Memory<'m> {
                 b.func.dfg.alias_regions.insert(AliasRegionData { user_id: class as u32, description })
             })
             .collect();
-        Memory { module, mem, frame, caller_frame, alias_regions, has_any: uses_any(function), last_bit: None }
+        Memory { module, mem, frame, caller_frame, alias_regions, has_any: uses_any(function) }
     }
 
     fn flags(&self, class: AliasClass) -> MemFlagsData {
@@ -255,10 +244,8 @@ impl<'m> Memory<'m> {
         Ok(Bit::Of(b.ins().load(types::I8, place.flags, place.pointer, place.offset), bit))
     }
 
-    /// Bits of one byte that are written one after the other are stored together: the byte of the store before is taken on, and that
-    /// store goes.
     pub fn store_bit(
-        &mut self,
+        &self,
         b: &mut FunctionBuilder<'_>,
         addr: Address,
         bit: u8,
@@ -266,30 +253,18 @@ impl<'m> Memory<'m> {
     ) -> Result<(), CodegenError> {
         let place = self.place(b, addr)?;
         let mask = 1u8 << bit;
-        let old = match self.last_bit.take().filter(|last| last.addr == addr) {
-            Some(last) => {
-                b.func.layout.remove_inst(last.store);
-                last.byte
-            }
-            None => b.ins().load(types::I8, place.flags, place.pointer, place.offset),
-        };
+        let old = b.ins().load(types::I8, place.flags, place.pointer, place.offset);
         let new = match value {
             BitValue::Constant(true) => b.ins().bor_imm_u(old, i64::from(mask)),
             BitValue::Constant(false) => b.ins().band_imm_u(old, i64::from(!mask)),
             BitValue::Variable(value) => {
                 let others = b.ins().band_imm_u(old, i64::from(!mask));
-                let placed = value.placed(b, bit);
+                let placed = value.placed(b, types::I8, bit);
                 b.ins().bor(others, placed)
             }
         };
-        let store = b.ins().store(place.flags, new, place.pointer, place.offset);
-        self.last_bit = Some(LastBit { addr, byte: new, store });
+        b.ins().store(place.flags, new, place.pointer, place.offset);
         Ok(())
-    }
-
-    /// Something else may look at memory from here on.
-    pub fn end_bits(&mut self) {
-        self.last_bit = None;
     }
 
     /// Distance of `addr` from the memory base, an i32.

@@ -80,8 +80,8 @@ impl Overwritten {
         if extents.len() >= RANGES_MAX {
             extents.clear();
         }
-        extents.cut(access.start, access.end, |()| true);
-        extents.insert(access.start, access.end, (), true);
+        extents.cut(access.start, access.end);
+        extents.insert(access.start, access.end, ());
     }
 
     fn read(&mut self, access: &Access) {
@@ -92,7 +92,7 @@ impl Overwritten {
             bases.retain_mut(|(base, extents)| {
                 let same = *base == access.base;
                 if same {
-                    extents.cut(access.start, access.end, |()| true);
+                    extents.cut(access.start, access.end);
                 }
                 same && !extents.is_empty()
             });
@@ -268,8 +268,8 @@ fn local_data_read(function: &Function, id: FuncId, frames: &Frames) -> Option<E
     let mut note = |access: Access| -> Option<()> {
         match access.region {
             Region::L if access.base.is_none() => {
-                read.cut(access.start, access.end, |()| true);
-                read.insert(access.start, access.end, (), true);
+                read.cut(access.start, access.end);
+                read.insert(access.start, access.end, ());
                 Some(())
             }
             Region::L | Region::Any => None,

@@ -26,12 +26,13 @@ use plcc_abi::layout::state;
 use plcc_ir::analysis::ControlFlow;
 use plcc_ir::entities::EntityVec;
 use plcc_ir::{
-    Address, BinaryOp, Block, ConvertOp, FuncId, Function, Inst, InstData, Loc, Module, Region, Type, Value,
+    Address, BinaryOp, Block, ConvertOp, FuncId, Function, Inst, InstData, Loc, Module, Region, StaticDb, Type, Value,
 };
 use rustc_hash::FxHashMap;
 
 use crate::extents::{Access, Extent, Extents};
 use crate::frames::Frames;
+use crate::words::Words;
 
 /// Ranges that are known for one base; more are forgotten.
 const RANGES_MAX: usize = 256;
@@ -41,24 +42,37 @@ const DB_FACTS_MAX: usize = 32;
 
 /// Forwards memory in all functions.
 pub fn forward_memory(module: &mut Module) {
+    forward(module, false);
+}
+
+/// Forwards memory in all functions, and reads bits that nothing is known about with the word or byte around them: bits that
+/// are read from one that was loaded early do not wait for what is written to their neighbours.
+pub fn read_whole_words(module: &mut Module) {
+    forward(module, true);
+}
+
+fn forward(module: &mut Module, whole_words: bool) {
     let frames = Frames::new(module);
     for id in module.functions.keys() {
-        forward_in_function(&mut module.functions[id], id, &frames);
+        let dbs = whole_words.then_some(&*module.dbs);
+        forward_in_function(&mut module.functions[id], id, &frames, dbs);
     }
 }
 
-fn forward_in_function(function: &mut Function, id: FuncId, frames: &Frames) {
+fn forward_in_function(function: &mut Function, id: FuncId, frames: &Frames, whole_words: Option<&[StaticDb]>) {
     let cfg = ControlFlow::new(function);
     let mut at_end: EntityVec<Block, Option<AtEnd>> = EntityVec::new();
     for _ in function.blocks.keys() {
         at_end.push(None);
     }
     let cold_takes_frame = frames.is_private(id) && function.local_bytes() > 0;
-    let mut pass = Forward { function, id, frames, known: Memory::default(), out: Vec::new(), loc: Loc(0) };
+    let mut pass =
+        Forward { function, id, frames, words: None, known: Memory::default(), out: Vec::new(), loc: Loc(0) };
     for &block in &cfg.rpo {
         let takes = |function: &Function, from, to| takes_from(function, &cfg, from, to, cold_takes_frame);
         pass.known = known_at_start(pass.function, &cfg, block, &mut at_end, &takes);
         let insts = std::mem::take(&mut pass.function.blocks[block].insts);
+        pass.words = whole_words.map(|dbs| Words::of(pass.function, &insts, dbs));
         pass.out = Vec::with_capacity(insts.len());
         for inst in insts {
             pass.visit(inst);
@@ -139,7 +153,8 @@ fn known_at_start(
 /// The content of a range of memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Content {
-    Value(Value),
+    /// A part of the value that was in `start..end`: the rest may have been written since.
+    Value { value: Value, start: u64, end: u64 },
     /// All bits are 0.
     Zero,
 }
@@ -176,8 +191,12 @@ impl Memory {
         bases.iter().find(|(base, _)| *base == access.base).map(|(_, extents)| &**extents)
     }
 
-    /// Records the value that an access has read or written; nothing is known about the range yet.
-    fn learn(&mut self, access: &Access, content: Content) {
+    /// Records the value that an access has read or written, for those parts that nothing is known about.
+    fn learn(&mut self, access: &Access, value: Value) {
+        self.fill(access, Content::Value { value, start: access.start, end: access.end });
+    }
+
+    fn fill(&mut self, access: &Access, content: Content) {
         let bases = self.regions.entry(access.region).or_default();
         let index = match bases.iter().position(|(base, _)| *base == access.base) {
             Some(index) => index,
@@ -193,7 +212,7 @@ impl Memory {
         if extents.len() >= RANGES_MAX {
             extents.clear();
         }
-        extents.insert(access.start, access.end, content, content == Content::Zero);
+        extents.fill(access.start, access.end, content);
     }
 
     /// Forgets the facts that a write to `access` may change.
@@ -233,7 +252,7 @@ impl Memory {
         bases.retain(|(base, _)| *base == access.base);
         for (_, extents) in bases {
             if extents.overlaps(access.start, access.end) {
-                Rc::make_mut(extents).cut(access.start, access.end, |content| content == Content::Zero);
+                Rc::make_mut(extents).cut(access.start, access.end);
             }
         }
     }
@@ -252,7 +271,7 @@ impl Memory {
         let (start, end) = (u64::from(function.frame_bytes) * 8, u64::from(function.local_bytes()) * 8);
         for (_, extents) in bases {
             if extents.overlaps(start, end) {
-                Rc::make_mut(extents).cut(start, end, |content| content == Content::Zero);
+                Rc::make_mut(extents).cut(start, end);
             }
         }
     }
@@ -263,7 +282,7 @@ impl Memory {
             bases.retain_mut(|(base, extents)| {
                 let Some((_, other)) = others.iter().find(|(other_base, _)| other_base == base) else { return false };
                 if !Rc::ptr_eq(extents, other) {
-                    Rc::make_mut(extents).retain(|item| other.covering(item.start, item.end) == Some(*item));
+                    Rc::make_mut(extents).intersect(other);
                 }
                 !extents.is_empty()
             });
@@ -286,6 +305,8 @@ struct Forward<'a> {
     function: &'a mut Function,
     id: FuncId,
     frames: &'a Frames,
+    /// Words that are read for their bits, if any are.
+    words: Option<Words<'a>>,
     known: Memory,
     out: Vec<Inst>,
     loc: Loc,
@@ -317,10 +338,14 @@ impl Forward<'_> {
                 self.load(&Access::of_type(addr, ty), ty, result)
             }
             InstData::LoadBit { addr, bit } => {
+                self.read_around(addr, *bit);
                 self.load(&Access::bit(addr, *bit), Type::I1, self.function.result(inst))
             }
             InstData::Store { addr, value } => self.store(&Access::of_type(addr, self.function.ty(*value)), *value),
-            InstData::StoreBit { addr, bit, value } => self.store(&Access::bit(addr, *bit), *value),
+            InstData::StoreBit { addr, bit, value } => {
+                self.read_around(addr, *bit);
+                self.store(&Access::bit(addr, *bit), *value)
+            }
             InstData::Clear { addr, len } => self.clear(addr, *len),
             InstData::Copy { to, len, .. } => {
                 self.known.forget(&Access::bytes(to, *len));
@@ -373,30 +398,42 @@ impl Forward<'_> {
         if is_attention(access) {
             return Step::Keep;
         }
-        if let Some(extents) = self.known.find(access) {
-            if let Some(extent) = extents.covering(access.start, access.end) {
-                return match self.part_of(extent, access, ty) {
-                    Some(value) => Step::Replace(value),
-                    None => Step::Keep,
-                };
-            }
-            // Facts about its parts, above all bits, are worth more than the whole.
-            if extents.overlaps(access.start, access.end) {
-                return Step::Keep;
-            }
+        if let Some(extents) = self.known.find(access)
+            && let Some(extent) = extents.covering(access.start, access.end)
+        {
+            return match self.part_of(extent, access, ty) {
+                Some(value) => Step::Replace(value),
+                None => Step::Keep,
+            };
         }
-        self.known.learn(access, Content::Value(result));
+        // Facts about its parts, above all bits, are worth more than the whole.
+        self.known.learn(access, result);
         Step::Keep
+    }
+
+    /// Reads the word or byte around a bit that nothing is known about.
+    fn read_around(&mut self, addr: &Address, bit: u8) {
+        let (byte, bit) = (Access::bytes(addr, 1), Access::bit(addr, bit));
+        let Some(words) = &self.words else { return };
+        if self.known.find(&byte).is_some_and(|extents| extents.overlaps(bit.start, bit.end)) {
+            return;
+        }
+        let (addr, ty) = match words.around(addr) {
+            Some(word) => (word, Type::I32),
+            None => (*addr, Type::I8),
+        };
+        let value = self.emit(InstData::Load { addr }, ty);
+        self.known.learn(&Access::of_type(&addr, ty), value);
     }
 
     /// The value of type `ty` that `access` reads from a range that contains it.
     fn part_of(&mut self, extent: Extent<Content>, access: &Access, ty: Type) -> Option<Value> {
-        let whole = match extent.known {
+        let (whole, start, end) = match extent.known {
             Content::Zero => return Some(self.emit(InstData::Const { bits: 0 }, ty)),
-            Content::Value(value) => self.function.resolve(value),
+            Content::Value { value, start, end } => (self.function.resolve(value), start, end),
         };
         let whole_type = self.function.ty(whole);
-        if (extent.start, extent.end) == (access.start, access.end) {
+        if (start, end) == (access.start, access.end) {
             if whole_type == ty {
                 return Some(whole);
             }
@@ -408,8 +445,8 @@ impl Forward<'_> {
             return None;
         }
         // Memory is big-endian: bytes after the part are below it. Within its byte a bit has its own number.
-        let bytes_behind = (extent.end - access.end.next_multiple_of(8)) / 8;
-        let shift = bytes_behind * 8 + if ty == Type::I1 { access.start % 8 } else { 0 };
+        let bytes_after = (end - access.end.next_multiple_of(8)) / 8;
+        let shift = bytes_after * 8 + if ty == Type::I1 { access.start % 8 } else { 0 };
         let shifted = if shift == 0 {
             whole
         } else {
@@ -432,8 +469,8 @@ impl Forward<'_> {
         if let Some(extent) = self.known.find(access).and_then(|extents| extents.covering(access.start, access.end)) {
             let same = match extent.known {
                 Content::Zero => self.function.constant(value) == Some(0),
-                Content::Value(known) => {
-                    (extent.start, extent.end) == (access.start, access.end) && self.is_same(known, value)
+                Content::Value { value: known, start, end } => {
+                    (start, end) == (access.start, access.end) && self.is_same(known, value)
                 }
             };
             if same {
@@ -441,7 +478,7 @@ impl Forward<'_> {
             }
         }
         self.known.forget(access);
-        self.known.learn(access, Content::Value(value));
+        self.known.learn(access, value);
         Step::Keep
     }
 
@@ -462,7 +499,7 @@ impl Forward<'_> {
             return Step::Drop;
         }
         self.known.forget(&access);
-        self.known.learn(&access, Content::Zero);
+        self.known.fill(&access, Content::Zero);
         Step::Keep
     }
 
@@ -594,6 +631,29 @@ mod tests {
              4\nv4 = iadd v2, v3\nret v4",
             "store.i32 M 0, v0\nbranch v1, b1, b2\nb1:\nstore.i32 M 4, v0\njump b2\nb2:\nv3 = load.i32 M 4\nv4 = iadd v0, \
              v3\nret v4",
+        );
+    }
+
+    #[test]
+    fn the_rest_of_a_word_is_still_known() {
+        check(
+            "store.i32 M 0, v0\nstore.bit M 1.0, v1\nv2 = load.bit M 1.1\nstore.bit Q 0.0, v2\nv3 = load.i16 M 2\nstore.i16 Q 2, \
+             v3\nv4 = load.i16 M 0\nstore.i16 Q 4, v4\nret v0",
+            "store.i32 M 0, v0\nstore.bit M 1.0, v1\nv2 = const.i32 17\nv3 = lshr v0, v2\nv4 = trunc.i1 v3\nstore.bit Q 0.0, v4\n\
+             v5 = trunc.i16 v0\nstore.i16 Q 2, v5\nv6 = load.i16 M 0\nstore.i16 Q 4, v6\nret v0",
+        );
+    }
+
+    #[test]
+    fn bits_are_read_with_their_word_or_byte() {
+        check_body(
+            "words",
+            "v2 = load.bit M 4.1\nv3 = load.bit M 5.0\nv4 = load.bit M 8.2\nv5 = and v2, v3\nv6 = and v5, v4\nstore.bit M 4.0, v5\nstore.bit \
+             M 8.3, v6\nv7 = load.bit M 8.4\nstore.bit Q 0.0, v7\nret v0",
+            "v2 = load.i32 M 4\nv3 = const.i32 25\nv4 = lshr v2, v3\nv5 = trunc.i1 v4\nv6 = const.i32 16\nv7 = lshr v2, v6\nv8 = \
+             trunc.i1 v7\nv9 = load.i8 M 8\nv10 = const.i8 2\nv11 = lshr v9, v10\nv12 = trunc.i1 v11\nv13 = and v5, v8\nv14 = and \
+             v13, v12\nstore.bit M 4.0, v13\nstore.bit M 8.3, v14\nv15 = const.i8 4\nv16 = lshr v9, v15\nv17 = trunc.i1 v16\nv18 = \
+             load.i8 Q 0\nstore.bit Q 0.0, v17\nret v0",
         );
     }
 }

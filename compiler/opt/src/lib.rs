@@ -23,10 +23,12 @@ mod interfaces;
 mod known_bits;
 mod locals;
 mod loops;
+mod merge_bits;
 mod ranges;
 mod usage;
 mod values;
 mod variables;
+mod words;
 
 use plcc_ir::Module;
 pub use usage::{Usage, usage};
@@ -77,6 +79,8 @@ pub const PIPELINE: &[Pass] = &[
     pass("branches", branches::select_by_branches),
     pass("control-flow", control_flow::simplify_control_flow),
     pass("fold", fold::fold),
+    pass("words", forward::read_whole_words),
+    pass("merge-bits", merge_bits::merge_bits),
     pass("floats", floats::relax_floats),
     pass("turn-loops", duplicate::turn_loops),
     pass("dead-stores", dead_stores::eliminate_dead_stores),

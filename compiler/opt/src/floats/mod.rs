@@ -22,15 +22,23 @@ use rustc_hash::FxHashMap;
 
 use crate::loops::Loops;
 
+mod numbers;
+
+use numbers::Numbers;
+
 /// Moves the making of canonical forms in all functions.
 pub fn relax_floats(module: &mut Module) {
     module.functions.values_mut().for_each(relax_in_function);
 }
 
 fn relax_in_function(function: &mut Function) {
+    choose_as_floats(function);
     let mut made = canonical_values(function);
     if made.is_empty() {
         return;
+    }
+    if keep_numbers(function, &made) {
+        made = canonical_values(function);
     }
     if carry_raw(function, &made) {
         made = canonical_values(function);
@@ -53,6 +61,86 @@ fn relax_in_function(function: &mut Function) {
             }
         }
     }
+}
+
+/// Where the canonical form is chosen among bits, it is chosen among floats: operations want floats, and a statement list works on
+/// bits.
+fn choose_as_floats(function: &mut Function) {
+    for index in 0..function.layout.len() {
+        let block = function.layout[index];
+        let mut before: Vec<(Inst, [Inst; 2])> = Vec::new();
+        for position in 0..function.blocks[block].insts.len() {
+            let inst = function.blocks[block].insts[position];
+            if let Some((bits, cond, float)) = canonical_bits(function, inst) {
+                let (ty, loc) = (function.ty(float), function.locs[inst]);
+                let form = function.make_inst(InstData::Const { bits }, &[ty], Loc(0));
+                let if_true = function.result(form);
+                let select = function.make_inst(InstData::Select { cond, if_true, if_false: float }, &[ty], loc);
+                function.insts[inst] = InstData::Convert { op: ConvertOp::Bitcast, arg: function.result(select) };
+                before.push((inst, [form, select]));
+            } else if let InstData::Convert { op: ConvertOp::Bitcast, arg } = function.insts[inst]
+                && let Some(InstData::Convert { op: ConvertOp::Bitcast, arg: float }) = function.defining(arg)
+                && function.ty(*float) == function.ty(function.result(inst))
+            {
+                let (result, float) = (function.result(inst), *float);
+                function.replace_value(result, float);
+            }
+        }
+        if before.is_empty() {
+            continue;
+        }
+        let mut before = before.into_iter().peekable();
+        let insts = std::mem::take(&mut function.blocks[block].insts);
+        let mut out = Vec::with_capacity(insts.len());
+        for inst in insts {
+            if let Some((_, new)) = before.next_if(|&(other, _)| other == inst) {
+                out.extend(new);
+            }
+            out.push(inst);
+        }
+        function.blocks[block].insts = out;
+    }
+    function.resolve_aliases();
+    drop_replaced(function);
+}
+
+/// Takes instructions out whose result another value has replaced.
+fn drop_replaced(function: &mut Function) {
+    for index in 0..function.layout.len() {
+        let block = function.layout[index];
+        let mut insts = std::mem::take(&mut function.blocks[block].insts);
+        insts.retain(|&inst| function.results[inst].first().is_none_or(|&result| function.resolve(result) == result));
+        function.blocks[block].insts = insts;
+    }
+}
+
+/// The bits of the form, the condition and the float, if `inst` chooses between the form and the bits of the float.
+fn canonical_bits(function: &Function, inst: Inst) -> Option<(u64, Value, Value)> {
+    let InstData::Select { cond, if_true, if_false } = function.insts[inst] else { return None };
+    let bits = function.constant(if_true)?;
+    let Some(&InstData::Convert { op: ConvertOp::Bitcast, arg: float }) = function.defining(if_false) else {
+        return None;
+    };
+    let Some(InstData::FloatCompare { cc: FloatCc::Uno, args }) = function.defining(cond) else { return None };
+    let float = function.resolve(float);
+    (args.map(|arg| function.resolve(arg)) == [float; 2]).then_some((bits, cond, float))
+}
+
+/// Numbers need no canonical form. Result: whether something changed.
+fn keep_numbers(function: &mut Function, made: &FxHashMap<Value, Canonical>) -> bool {
+    let numbers = Numbers::of(function);
+    let mut changed = false;
+    for (&value, canonical) in made {
+        if numbers.is_number(function, canonical.raw) && function.resolve(value) == value {
+            function.replace_value(value, canonical.raw);
+            changed = true;
+        }
+    }
+    if changed {
+        function.resolve_aliases();
+        drop_replaced(function);
+    }
+    changed
 }
 
 /// How a canonical value was made.

@@ -1,0 +1,331 @@
+//! Bits of one word that are written one after the other become one store.
+//!
+//! Within a block the bits that are written to a word, or to a byte where that is enough (see [`Words`]), are collected in a register and
+//! stored when somebody may look: at an access that overlaps, at a call, and at the end of the block. Until then a bit that is written
+//! again replaces itself.
+//!
+//! ```text
+//! store.bit M 4.0, v1        ; v3 = zext.i32 v1
+//!                            ; v4 = shl v3, 24
+//! store.bit M 5.3, v2        ; v5 = zext.i32 v2
+//!                            ; v6 = shl v5, 19
+//!                            ; v7 = or v4, v6
+//! ret                        ; v8 = load.i32 M 4
+//!                            ; v9 = and v8, 16#FEF7_FFFF
+//!                            ; v10 = or v9, v7
+//!                            ; store.i32 M 4, v10
+//!                            ; ret
+//! ```
+//!
+//! At most [`OPEN_MAX`] words are collected at a time, so that they fit into registers.
+
+use plcc_abi::functions::Effect;
+use plcc_ir::{Address, BinaryOp, Block, ConvertOp, Function, Inst, InstData, Loc, Module, StaticDb, Type, Value};
+use rustc_hash::FxHashMap;
+
+use crate::words::Words;
+
+/// Words that are collected at the same time.
+const OPEN_MAX: usize = 8;
+
+/// Merges the stores of bits in all functions.
+pub fn merge_bits(module: &mut Module) {
+    for function in module.functions.values_mut() {
+        merge_in_function(function, &module.dbs);
+    }
+}
+
+fn merge_in_function(function: &mut Function, dbs: &[StaticDb]) {
+    for index in 0..function.layout.len() {
+        let block = function.layout[index];
+        let words = Words::of(function, &function.blocks[block].insts, dbs);
+        let groups = groups(function, block, &words);
+        if !groups.is_empty() {
+            rewrite(function, block, groups);
+        }
+    }
+}
+
+/// Stores of bits that become one store.
+struct Group {
+    /// Where, without a base.
+    addr: Address,
+    ty: Type,
+    /// The stores, and the number of the bit that each writes in the value.
+    stores: Vec<(Inst, u32)>,
+    /// Stores of bits that are written again.
+    dead: Vec<Inst>,
+    /// Position in the block of the instruction before which the store comes.
+    end: usize,
+}
+
+impl Group {
+    fn overlaps(&self, addr: &Address, bytes: u32) -> bool {
+        let (start, end) = (u64::from(addr.offset), u64::from(addr.offset) + u64::from(bytes));
+        let (own_start, own_end) = (u64::from(self.addr.offset), u64::from(self.addr.offset) + self.ty.bytes() as u64);
+        match (addr.region == self.addr.region, addr.base) {
+            (true, None) => own_start < end && start < own_end,
+            (true, Some(_)) => true,
+            (false, _) => addr.region.may_alias(self.addr.region),
+        }
+    }
+
+    /// Stores without the ones that become part of it would be no better.
+    fn is_worth_it(&self) -> bool {
+        self.ty != Type::I8 || self.stores.len() > 1 || !self.dead.is_empty()
+    }
+}
+
+/// The groups of a block, by their ends.
+fn groups(function: &Function, block: Block, words: &Words<'_>) -> Vec<Group> {
+    let mut open: Vec<Group> = Vec::new();
+    let mut done: Vec<Group> = Vec::new();
+    for (position, &inst) in function.blocks[block].insts.iter().enumerate() {
+        let mut close = |open: &mut Vec<Group>, ends: &dyn Fn(&Group) -> bool| {
+            for mut group in open.extract_if(.., |group| ends(group)) {
+                group.end = position;
+                done.push(group);
+            }
+        };
+        match &function.insts[inst] {
+            InstData::StoreBit { addr, bit, .. } if addr.base.is_none() && !addr.region.is_host_order() => {
+                let word = words.around(addr);
+                let (start, ty) = word.map_or((*addr, Type::I8), |word| (word, Type::I32));
+                let number = (start.offset + ty.bytes() - 1 - addr.offset) * 8 + u32::from(*bit);
+                close(&mut open, &|group| group.addr != start && group.overlaps(addr, 1));
+                let index = open.iter().position(|group| group.addr == start).unwrap_or_else(|| {
+                    open.push(Group { addr: start, ty, stores: Vec::new(), dead: Vec::new(), end: 0 });
+                    open.len() - 1
+                });
+                let mut group = open.remove(index);
+                if let Some(again) = group.stores.iter().position(|&(_, other)| other == number) {
+                    group.dead.push(group.stores.remove(again).0);
+                }
+                group.stores.push((inst, number));
+                open.push(group);
+                if open.len() > OPEN_MAX {
+                    let oldest = open[0].addr;
+                    close(&mut open, &|group| group.addr == oldest);
+                }
+            }
+            InstData::LoadBit { addr, .. } | InstData::StoreBit { addr, .. } => {
+                close(&mut open, &|group| group.overlaps(addr, 1));
+            }
+            InstData::Load { addr } => {
+                let bytes = function.ty(function.result(inst)).bytes();
+                close(&mut open, &|group| group.overlaps(addr, bytes));
+            }
+            InstData::Store { addr, value } => {
+                let bytes = function.ty(*value).bytes();
+                close(&mut open, &|group| group.overlaps(addr, bytes));
+            }
+            InstData::Clear { addr, len } => close(&mut open, &|group| group.overlaps(addr, *len)),
+            InstData::Copy { to, from, len } => {
+                close(&mut open, &|group| group.overlaps(to, *len) || group.overlaps(from, *len));
+            }
+            InstData::CallRuntime { function, .. } if matches!(function.effect(), Effect::Pure | Effect::Cells) => {}
+            InstData::CallRuntime { .. }
+            | InstData::Call { .. }
+            | InstData::Jump { .. }
+            | InstData::Branch { .. }
+            | InstData::Switch { .. }
+            | InstData::Return { .. } => close(&mut open, &|_| true),
+            InstData::Const { .. }
+            | InstData::Unary { .. }
+            | InstData::Binary { .. }
+            | InstData::IntCompare { .. }
+            | InstData::FloatCompare { .. }
+            | InstData::Convert { .. }
+            | InstData::Select { .. }
+            | InstData::AddressOf { .. }
+            | InstData::DbBase { .. }
+            | InstData::DbLength { .. }
+            | InstData::FrameBase { .. } => {}
+        }
+    }
+    done.retain(Group::is_worth_it);
+    done
+}
+
+/// What a group has collected.
+#[derive(Clone, Copy, Default)]
+struct Collected {
+    /// The bits that are variable, in place; all others are 0.
+    bits: Option<Value>,
+    /// The bits that are 1.
+    ones: u64,
+    /// All bits that were written.
+    mask: u64,
+}
+
+fn rewrite(function: &mut Function, block: Block, groups: Vec<Group>) {
+    let of_store: FxHashMap<Inst, (usize, u32)> = groups
+        .iter()
+        .enumerate()
+        .flat_map(|(index, group)| group.stores.iter().map(move |&(inst, number)| (inst, (index, number))))
+        .collect();
+    let dead: rustc_hash::FxHashSet<Inst> = groups.iter().flat_map(|group| group.dead.iter().copied()).collect();
+    let mut collected = vec![Collected::default(); groups.len()];
+    let mut ends = groups.iter().enumerate().peekable();
+    let insts = std::mem::take(&mut function.blocks[block].insts);
+    let mut out = Out { function, insts: Vec::with_capacity(insts.len()), loc: Loc(0) };
+    for (position, inst) in insts.into_iter().enumerate() {
+        while let Some((index, group)) = ends.next_if(|(_, group)| group.end == position) {
+            out.store(group, collected[index]);
+        }
+        if dead.contains(&inst) {
+            continue;
+        }
+        match of_store.get(&inst) {
+            Some(&(index, number)) => out.collect(inst, &mut collected[index], groups[index].ty, number),
+            None => out.insts.push(inst),
+        }
+    }
+    let insts = out.insts;
+    function.blocks[block].insts = insts;
+}
+
+struct Out<'f> {
+    function: &'f mut Function,
+    insts: Vec<Inst>,
+    loc: Loc,
+}
+
+impl Out<'_> {
+    fn emit(&mut self, data: InstData, ty: Type) -> Value {
+        let inst = self.function.make_inst(data, &[ty], self.loc);
+        self.insts.push(inst);
+        self.function.result(inst)
+    }
+
+    fn constant(&mut self, bits: u64, ty: Type) -> Value {
+        self.emit(InstData::Const { bits }, ty)
+    }
+
+    fn binary(&mut self, op: BinaryOp, args: [Value; 2], ty: Type) -> Value {
+        self.emit(InstData::Binary { op, args }, ty)
+    }
+
+    /// Adds the bit that `store` writes.
+    fn collect(&mut self, store: Inst, collected: &mut Collected, ty: Type, number: u32) {
+        let InstData::StoreBit { value, .. } = self.function.insts[store] else { return };
+        self.loc = self.function.locs[store];
+        collected.mask |= 1 << number;
+        match self.function.constant(value) {
+            Some(bits) => collected.ones |= bits << number,
+            None => {
+                let mut placed = self.emit(InstData::Convert { op: ConvertOp::Zext, arg: value }, ty);
+                if number > 0 {
+                    let count = self.constant(u64::from(number), ty);
+                    placed = self.binary(BinaryOp::Shl, [placed, count], ty);
+                }
+                collected.bits = Some(match collected.bits {
+                    Some(bits) => self.binary(BinaryOp::Or, [bits, placed], ty),
+                    None => placed,
+                });
+            }
+        }
+    }
+
+    /// Stores what was collected.
+    fn store(&mut self, group: &Group, collected: Collected) {
+        let ty = group.ty;
+        let all = u64::MAX >> (64 - ty.bits());
+        let mut parts = Vec::new();
+        if collected.mask != all {
+            let old = self.emit(InstData::Load { addr: group.addr }, ty);
+            let others = self.constant(all & !collected.mask, ty);
+            parts.push(self.binary(BinaryOp::And, [old, others], ty));
+        }
+        if collected.ones != 0 {
+            parts.push(self.constant(collected.ones, ty));
+        }
+        parts.extend(collected.bits);
+        let value = parts.into_iter().reduce(|a, b| self.binary(BinaryOp::Or, [a, b], ty));
+        let value = value.unwrap_or_else(|| self.constant(0, ty));
+        let inst = self.function.make_inst(InstData::Store { addr: group.addr, value }, &[], self.loc);
+        self.insts.push(inst);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::tests::{check_body, check_pass};
+
+    fn check(body: &str, expected: &str) {
+        check_body("merge-bits", body, expected);
+    }
+
+    const TWO_BYTES: &str = "v2 = zext.i32 v1\nv3 = const.i32 24\nv4 = shl v2, v3\nv5 = zext.i32 v1\nv6 = const.i32 19\nv7 = shl v5, v6\n\
+                             v8 = or v4, v7\n";
+    const STORED: &str =
+        "v9 = load.i32 M 4\nv10 = const.i32 4277665791\nv11 = and v9, v10\nv12 = or v11, v8\nstore.i32 M 4, v12\n";
+
+    #[test]
+    fn bits_of_a_word_are_stored_at_the_end() {
+        check("store.bit M 4.0, v1\nstore.bit M 5.3, v1\nret v0", &format!("{TWO_BYTES}{STORED}ret v0"));
+    }
+
+    #[test]
+    fn who_looks_sees_the_bits() {
+        for look in [
+            "v20 = load.i16 M 6",
+            "v20 = load.bit M 4.1",
+            "v20 = load.i8 any[v0]+0",
+            "call @G()",
+            "store.i32 M 2, v0",
+            "copy Q 0, M 4, 1",
+        ] {
+            check(
+                &format!("store.bit M 4.0, v1\nstore.bit M 5.3, v1\n{look}\nret v0"),
+                &format!("{TWO_BYTES}{STORED}{look}\nret v0"),
+            );
+        }
+    }
+
+    #[test]
+    fn others_may_look_elsewhere() {
+        for look in ["v20 = load.i8 M 8", "v20 = load.i8 anydb[v0]+0", "store.i32 Q 4, v0"] {
+            check(
+                &format!("store.bit M 4.0, v1\nstore.bit M 5.3, v1\n{look}\nret v0"),
+                &format!("{TWO_BYTES}{look}\n{STORED}ret v0"),
+            );
+        }
+    }
+
+    #[test]
+    fn a_bit_that_is_written_again_replaces_itself() {
+        check(
+            "v2 = load.bit Q 0.0\nstore.bit M 4.0, v1\nstore.bit M 5.3, v1\nstore.bit M 4.0, v2\nret v0",
+            "v2 = load.bit Q 0.0\nv3 = zext.i32 v1\nv4 = const.i32 19\nv5 = shl v3, v4\nv6 = zext.i32 v2\nv7 = const.i32 \
+             24\nv8 = shl v6, v7\nv9 = or v5, v8\nv10 = load.i32 M 4\nv11 = const.i32 4277665791\nv12 = and v10, v11\nv13 = or v12, \
+             v9\nstore.i32 M 4, v13\nret v0",
+        );
+    }
+
+    #[test]
+    fn a_word_stays_inside_its_data_block() {
+        let around = |body: &str| {
+            format!("db 5 at 0x400000 length 19\nfunc @F {{\nb0(v0: i1):\n{body}\nret\n}}\nfunc @G {{\nb0:\nret\n}}\n")
+        };
+        let same = around("store.bit DB5 17.0, v0\nstore.bit DB5 18.0, v0");
+        check_pass("merge-bits", &same, &same);
+        let stores = around("v1 = const.i1 1\nstore.bit DB5 12.0, v1\nstore.bit DB5 13.0, v1");
+        let store = around(
+            "v1 = const.i1 1\nv2 = load.i32 DB5 12\nv3 = const.i32 4278124543\nv4 = and v2, v3\nv5 = const.i32 16842752\nv6 = or v4, \
+             v5\nstore.i32 DB5 12, v6",
+        );
+        check_pass("merge-bits", &stores, &store);
+    }
+
+    #[test]
+    fn one_byte_is_enough() {
+        check(
+            "v2 = const.i1 0\nstore.bit M 4.0, v1\nstore.bit M 4.7, v2\nret v0",
+            "v2 = const.i1 0\nv3 = zext.i8 v1\nv4 = load.i8 M 4\nv5 = const.i8 126\nv6 = and v4, v5\nv7 = or v6, v3\nstore.i8 M \
+             4, v7\nret v0",
+        );
+        let text = "store.bit M 4.0, v1\nstore.bit M 9.0, v1\nret v0";
+        check(text, text);
+    }
+}
