@@ -114,7 +114,9 @@ fn verify_module(module: &Module, errors: &mut Vec<VerifyError>) {
         }
     }
     for db in &module.dbs {
-        if db.address < layout::DB_DATA || db.length > 0x1_0000 || db.address.checked_add(db.length).is_none() {
+        let end = db.address.checked_add(db.length);
+        let fits = db.length <= 0x1_0000 && end.is_some_and(|end| end <= layout::END_MAX);
+        if db.address < layout::DB_DATA || !fits {
             report("", format!("DB{} lies outside the data of DBs", db.number));
         }
     }

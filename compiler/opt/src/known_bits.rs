@@ -85,6 +85,7 @@ fn zero_bits(function: &Function, value: Value, depth: u32) -> u64 {
         {
             !u64::from(layout::DB_TABLE.next_power_of_two() - 1)
         }
+        InstData::DbBase { .. } => !u64::from(layout::END_MAX - 1),
         InstData::Select { if_true, if_false, .. } => of(if_true) & of(if_false),
         _ => 0,
     };

@@ -47,6 +47,11 @@ pub const DB_TABLE_ENTRY_BYTES: u32 = 8;
 pub const DB_ALIGN: u32 = 16;
 /// Size of the pool for DBs made at run time (SFC 22).
 pub const DB_POOL_BYTES: u32 = 4 << 20;
+/// All of memory is before this offset, so that sums of the base of a DB and an offset do not wrap.
+pub const END_MAX: u32 = 1 << 28;
+/// The data of all DBs of a program together, in bytes. No CPU has as much work memory.
+pub const DB_DATA_BYTES_MAX: u32 = 128 << 20;
+const _: () = assert!(DB_DATA + DB_DATA_BYTES_MAX + 0x1_0000 + DB_POOL_BYTES <= END_MAX);
 
 /// Offsets of the CPU state, from the memory base. Fields are `u32` unless said otherwise.
 pub mod state {

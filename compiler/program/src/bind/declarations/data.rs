@@ -11,13 +11,11 @@ use crate::bind::declarations::Declarations;
 use crate::bind::declarations::path::{Base, Variable};
 use crate::bind::declarations::typed::{StructBuilder, Typed, TypedStruct, Use};
 use crate::bind::trees::mentions;
+use plcc_abi::layout;
 use plcc_binding::fold;
 use plcc_model::types::{DataType, StructType};
 use plcc_model::{BlockKey, DataBlock};
 use plcc_syntax::symbols::SymbolTarget;
-
-/// All data blocks together, in bytes; no CPU has as much work memory.
-const ALL_BYTES_MAX: u64 = 128 << 20;
 
 /// Name of the array in an ARRAY data block.
 const ARRAY_DB_MEMBER: &str = "THIS";
@@ -72,15 +70,16 @@ impl Declarations<'_> {
 
     /// Adds a data block; false if all of them together are too large, which is reported once.
     fn fits_with_others(&mut self, bytes: u32, span: Span) -> bool {
+        let max = u64::from(layout::DB_DATA_BYTES_MAX);
         let before = self.data.bytes;
         self.data.bytes += u64::from(bytes);
-        if before <= ALL_BYTES_MAX && self.data.bytes > ALL_BYTES_MAX {
+        if before <= max && self.data.bytes > max {
             self.report(
                 Diagnostic::new(Code::LayoutTooLarge, span, "the data blocks are too large together")
-                    .label(format!("with this one they exceed {ALL_BYTES_MAX} bytes")),
+                    .label(format!("with this one they exceed {max} bytes")),
             );
         }
-        self.data.bytes <= ALL_BYTES_MAX
+        self.data.bytes <= max
     }
 
     /// Notes the use of a DB by number; a missing DB is a warning.
