@@ -48,7 +48,6 @@ fn merge_in_function(function: &mut Function, dbs: &[StaticDb]) {
 
 /// Stores of bits that become one store.
 struct Group {
-    /// Where, without a base.
     addr: Address,
     ty: Type,
     /// The stores, and the number of the bit that each writes in the value.
@@ -63,10 +62,10 @@ impl Group {
     fn overlaps(&self, addr: &Address, bytes: u32) -> bool {
         let (start, end) = (u64::from(addr.offset), u64::from(addr.offset) + u64::from(bytes));
         let (own_start, own_end) = (u64::from(self.addr.offset), u64::from(self.addr.offset) + self.ty.bytes() as u64);
-        match (addr.region == self.addr.region, addr.base) {
-            (true, None) => own_start < end && start < own_end,
-            (true, Some(_)) => true,
-            (false, _) => addr.region.may_alias(self.addr.region),
+        if (addr.region, addr.base) == (self.addr.region, self.addr.base) {
+            own_start < end && start < own_end
+        } else {
+            addr.region.may_alias(self.addr.region)
         }
     }
 
@@ -88,7 +87,7 @@ fn groups(function: &Function, block: Block, words: &Words<'_>) -> Vec<Group> {
             }
         };
         match &function.insts[inst] {
-            InstData::StoreBit { addr, bit, .. } if addr.base.is_none() && !addr.region.is_host_order() => {
+            InstData::StoreBit { addr, bit, .. } if !addr.region.is_host_order() => {
                 let word = words.around(addr);
                 let (start, ty) = word.map_or((*addr, Type::I8), |word| (word, Type::I32));
                 let number = (start.offset + ty.bytes() - 1 - addr.offset) * 8 + u32::from(*bit);
