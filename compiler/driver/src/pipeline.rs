@@ -270,6 +270,9 @@ pub fn optimize(mut compiled: Compiled) -> Compiled {
     }
     let usage = plcc_opt::usage(&compiled.module);
     compiled.image.outputs_used = usage.outputs;
+    for block in &mut compiled.image.blocks {
+        block.local_data_used = usage.local_data.get(block.entry as usize).copied().unwrap_or(true);
+    }
     if let Some(own) = &mut compiled.image.s7200 {
         own.logic_only = usage.logic_only;
     }

@@ -50,6 +50,7 @@ fn image() -> ProgramImage {
         name: String::new(),
         entry: 0,
         frame: 32,
+        local_data_used: true,
         start_inputs: Vec::new(),
     };
     ProgramImage {

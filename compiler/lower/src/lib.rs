@@ -89,6 +89,7 @@ pub fn lower(program: &Program, sources: &SourceMap) -> Lowered {
             name: block.name.clone(),
             entry: output.module.entries.len() as u32,
             frame,
+            local_data_used: true,
             start_inputs: block.interface.start_inputs.clone(),
         });
         output.module.entries.push(entry);

@@ -1,23 +1,29 @@
 //! What the program uses of the CPU, so that the runtime does in each cycle only what is needed.
 
-use plcc_ir::{Address, Function, InstData, Module, Region, RuntimeFn};
+use plcc_ir::{Address, FuncId, Function, InstData, Module, Region, RuntimeFn};
+
+use crate::frames::Frames;
 
 /// No byte of the outputs is sure to stay as it is.
 const ALL: u32 = u32::MAX;
 
 /// See the module comment.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Usage {
     /// The output byte from which on no code of the program changes one. Only the bytes before it are copied to the modules after
     /// each cycle; an S7-1500 has 32 KB of them.
     pub outputs: u32,
     /// Code of an S7-200 touches neither interrupts nor counters, pulse outputs, ports or network, nor anything through pointers.
     pub logic_only: bool,
+    /// Whether each entry reads its local data, or lets others do so: only then they need the start information and zeros.
+    pub local_data: Vec<bool>,
 }
 
 /// Looks at all code of the module.
 pub fn usage(module: &Module) -> Usage {
-    let mut usage = Usage { outputs: 0, logic_only: true };
+    let frames = Frames::new(module);
+    let local_data = module.entries.iter().map(|&entry| reads_local_data(module, entry, &frames)).collect();
+    let mut usage = Usage { outputs: 0, logic_only: true, local_data };
     for function in module.functions.values() {
         for &block in &function.layout {
             for &inst in &function.blocks[block].insts {
@@ -54,6 +60,23 @@ impl Usage {
     }
 }
 
+/// True if anybody may read the local data of `id`.
+fn reads_local_data(module: &Module, id: FuncId, frames: &Frames) -> bool {
+    let function = &module.functions[id];
+    let insts = function.layout.iter().flat_map(|&block| &function.blocks[block].insts);
+    insts.into_iter().any(|&inst| match &function.insts[inst] {
+        InstData::Load { addr } | InstData::LoadBit { addr, .. } | InstData::AddressOf { addr } => {
+            addr.region == Region::L
+        }
+        // To write a bit is to read the others.
+        InstData::StoreBit { addr, .. } => addr.region == Region::L,
+        InstData::Copy { from, .. } => from.region == Region::L,
+        InstData::FrameBase { .. } => true,
+        InstData::Call { callee, .. } => frames.call_touches(id, *callee),
+        _ => false,
+    })
+}
+
 /// The first output byte after those that a write to `addr` touches.
 fn end_of(addr: &Address, bytes: u32) -> u32 {
     match (addr.region, addr.base) {
@@ -70,6 +93,19 @@ mod tests {
     fn of(code: &str) -> Usage {
         let text = format!("func @F {{\nb0:\n v0 = const.i32 1\n{code} ret\n}}\n");
         usage(&plcc_ir::parse::parse_module(&text).expect("text is well formed"))
+    }
+
+    #[test]
+    fn local_data_are_read_by_loads_and_whoever_has_their_address() {
+        let reads = |code: &str| {
+            let text = format!(
+                "entry @F\nfunc @F frame 24 {{\nb0:\n v0 = const.i32 1\n{code} ret\n}}\nfunc @G {{\nb0:\nret\n}}\nfunc @H {{\nb0:\n v0 = \
+                 load.i8 V 0\n ret\n}}\n"
+            );
+            usage(&plcc_ir::parse::parse_module(&text).expect("text is well formed")).local_data == [true]
+        };
+        assert!(!reads("") && !reads(" store.i32 L 20, v0\n") && !reads(" call @G()\n"));
+        assert!(reads(" v1 = load.i8 L 6\n") && reads(" v1 = address L 0\n") && reads(" call @H()\n"));
     }
 
     #[test]

@@ -117,6 +117,8 @@ pub struct BlockEntry {
     pub entry: u32,
     /// L stack bytes of the block itself, rounded to frames.
     pub frame: u32,
+    /// It reads its local data: an OB its start information, and others zeros.
+    pub local_data_used: bool,
     /// Input parameters of an OB, which the CPU sets when it starts.
     pub start_inputs: Vec<StartInput>,
 }

@@ -136,7 +136,9 @@ impl Cpu {
         let before = (running.priority.replace(priority), running.ob.replace(ob));
         let base = layout::l_stack(u32::from(priority).min(ERROR_CLASS - 1));
         let saved = (before.0 != 0).then(|| self.save());
-        memory.clear(base, block.frame.clamp(LOCAL_BYTES, layout::L_CLASS_BYTES));
+        if block.local_data_used {
+            memory.clear(base, block.frame.clamp(LOCAL_BYTES, layout::L_CLASS_BYTES));
+        }
         memory.clear(state::REGISTERS, 4 * REGISTER_SLOTS as u32);
         memory.set_host32(state::DEPTH, 1);
         memory.set_host32(state::DEPTH_MAX, u32::MAX);
@@ -159,15 +161,18 @@ impl Cpu {
             return;
         }
         let saved = inside.then(|| self.save());
-        memory.clear(base, block.frame.max(events::START_INFO_BYTES as u32));
         let info = info.0;
         let outer_info = self.running.info.replace(info);
         if matches!(block.number, 100..=102) {
             self.running.startup_info.set(info);
         }
-        memory.set_bytes(base, info);
-        self.set_start_inputs(block, base, &info, !self.running.called.set(block.number, true));
-        memory.set_bytes(base + 12, self.clock.wall_bytes());
+        let called = self.running.called.set(block.number, true);
+        if block.local_data_used {
+            memory.clear(base, block.frame.max(events::START_INFO_BYTES as u32));
+            memory.set_bytes(base, info);
+            self.set_start_inputs(block, base, &info, !called);
+            memory.set_bytes(base + 12, self.clock.wall_bytes());
+        }
         memory.clear(state::REGISTERS, 4 * REGISTER_SLOTS as u32);
         memory.set_host32(state::DEPTH, 1);
         memory.set_host32(state::DEPTH_MAX, depth_max);

@@ -76,6 +76,7 @@ fn add_entry(output: &mut Output, block: &CodeBlock, function: FuncId) {
         name: block.name.clone(),
         entry: output.module.entries.len() as u32,
         frame: output.module.functions[function].frame_bytes,
+        local_data_used: true,
         start_inputs: Vec::new(),
     });
     output.module.entries.push(function);

@@ -182,10 +182,24 @@ fn holds(setting: &Setting, actual: Value) -> bool {
 }
 
 impl Observer for Player {
+    #[inline]
     fn before(&mut self, cpu: &Cpu, cycle: u64, time: u64) {
-        if self.idle {
-            return;
+        if !self.idle {
+            self.play(cpu, cycle, time);
         }
+    }
+
+    #[inline]
+    fn after(&mut self, cpu: &Cpu, _cycle: u64, _time: u64) {
+        if !self.idle {
+            self.compare(cpu);
+        }
+    }
+}
+
+impl Player {
+    /// Sets what the scenario sets before `cycle`.
+    fn play(&mut self, cpu: &Cpu, cycle: u64, time: u64) {
         // Pulses until now count with the earlier levels.
         cpu.s7200_poll_counters();
         self.step_plant(cpu, cycle, time);
@@ -220,10 +234,8 @@ impl Observer for Player {
         }
     }
 
-    fn after(&mut self, cpu: &Cpu, _cycle: u64, _time: u64) {
-        if self.idle {
-            return;
-        }
+    /// Compares what the scenario expects after the cycle.
+    fn compare(&mut self, cpu: &Cpu) {
         self.failures.extend(self.trains.retry(cpu, &self.scenario.file));
         for index in std::mem::take(&mut self.current) {
             let Some(at) = self.scenario.entries.get(index) else { continue };

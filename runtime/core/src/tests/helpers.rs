@@ -55,6 +55,7 @@ pub fn image(blocks: &[(BlockKind, u16)]) -> ProgramImage {
         name: String::new(),
         entry,
         frame: 24,
+        local_data_used: true,
         start_inputs: Vec::new(),
     };
     ProgramImage {
