@@ -83,6 +83,8 @@ pub const PIPELINE: &[Pass] = &[
     pass("merge-bits", merge_bits::merge_bits),
     pass("floats", floats::relax_floats),
     pass("turn-loops", duplicate::turn_loops),
+    pass("fold", fold::fold),
+    pass("control-flow", control_flow::simplify_control_flow),
     pass("dead-stores", dead_stores::eliminate_dead_stores),
     pass("dead-code", dead_code::eliminate_dead_code),
     pass("control-flow", control_flow::simplify_control_flow),

@@ -25,6 +25,9 @@ impl Folder<'_> {
             return Some(change);
         }
         match op {
+            BinaryOp::Shl | BinaryOp::Lshr | BinaryOp::Ashr | BinaryOp::Rotl | BinaryOp::Rotr if ca == Some(0) => {
+                constant(0)
+            }
             BinaryOp::And | BinaryOp::Or if a == b => Some(Change::Value(a)),
             BinaryOp::Xor | BinaryOp::Isub if a == b => constant(0),
             BinaryOp::And | BinaryOp::Or => self

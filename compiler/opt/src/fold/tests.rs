@@ -128,3 +128,8 @@ fn arms_that_differ_in_values_only_are_a_choice() {
         "v10 = select v2, v0, v1\njump b1(v10, v1)\nb1(v11: i32, v12: i32):\nv13 = iadd v11, v12\nret v13",
     );
 }
+
+#[test]
+fn zero_is_shifted_to_zero() {
+    check("v10 = const.i32 0\nv11 = shl v10, v0\nret v11", "v10 = const.i32 0\nret v10");
+}

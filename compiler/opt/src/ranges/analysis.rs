@@ -333,6 +333,14 @@ impl<'f> Ranges<'f> {
                 (BinaryOp::Xor, _) if self.function.constant(b) == Some(1) => self.learn(a, !holds, depth - 1),
                 _ => {}
             },
+            // The end of a FOR whose step is a variable depends on its sign.
+            Some(&InstData::Select { cond: chosen, if_true, if_false }) => {
+                match self.get(chosen).and_then(Interval::single) {
+                    Some(0) => self.learn(if_false, holds, depth - 1),
+                    Some(_) => self.learn(if_true, holds, depth - 1),
+                    None => {}
+                }
+            }
             _ => {}
         }
     }

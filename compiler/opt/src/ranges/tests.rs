@@ -280,3 +280,34 @@ fn an_int_that_counts_along_with_a_dint_may_wrap() {
         }";
     check_pass("ranges", text, text);
 }
+
+#[test]
+fn the_end_of_a_loop_whose_step_has_a_known_sign() {
+    let text = "func @F {
+        b0(v0: i32):
+        v1 = const.i32 7
+        v2 = and v0, v1
+        v3 = const.i32 1
+        v4 = iadd v2, v3
+        v5 = const.i32 255
+        v6 = const.i32 0
+        jump b1(v4)
+        b1(v7: i32):
+        v8 = sle v7, v5
+        v9 = sge v7, v5
+        v10 = sge v4, v6
+        v11 = select v10, v8, v9
+        branch v11, b2, b3
+        b2:
+        v12 = ule v7, v5
+        store.bit M 0.0, v12
+        v13 = iadd v7, v4
+        jump b1(v13)
+        b3:
+        ret
+        }";
+    let mut module = plcc_ir::parse::parse_module(text).expect("text is well formed");
+    assert!(crate::run_pass(&mut module, "ranges") && crate::run_pass(&mut module, "fold"));
+    let text = plcc_ir::print::module_text(&module);
+    assert!(!text.contains("ule"), "{text}");
+}
