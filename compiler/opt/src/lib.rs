@@ -13,6 +13,7 @@ mod control_flow;
 mod dead_code;
 mod dead_stores;
 mod duplicate;
+mod effects;
 mod extents;
 mod floats;
 mod fold;
@@ -22,6 +23,7 @@ mod inline;
 mod interfaces;
 mod known_bits;
 mod locals;
+mod loop_memory;
 mod loops;
 mod ranges;
 mod usage;
@@ -62,6 +64,15 @@ pub const PIPELINE: &[Pass] = &[
     pass("values", values::share_values),
     pass("forward", forward::forward_memory),
     pass("locals", locals::promote_locals),
+    pass("fold", fold::fold),
+    pass("ranges", ranges::use_ranges),
+    pass("fold", fold::fold),
+    pass("control-flow", control_flow::simplify_control_flow),
+    pass("addresses", addresses::resolve_addresses),
+    pass("values", values::share_values),
+    pass("forward", forward::forward_memory),
+    pass("fold", fold::fold),
+    pass("loop-memory", loop_memory::carry_memory),
     pass("fold", fold::fold),
     pass("ranges", ranges::use_ranges),
     pass("fold", fold::fold),

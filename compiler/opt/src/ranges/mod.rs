@@ -20,6 +20,7 @@ use analysis::Ranges;
 use interval::Interval;
 use plcc_ir::analysis::{ControlFlow, Dominators};
 use plcc_ir::{BinaryOp, Block, ConvertOp, Function, Inst, InstData, Loc, Module, Type, Value, eval};
+use rustc_hash::FxHashMap;
 
 /// Larger functions are left as they are: each sweep looks at all of their code.
 const INSTS_MAX: usize = 400_000;
@@ -27,6 +28,40 @@ const INSTS_MAX: usize = 400_000;
 /// Uses ranges in all functions.
 pub fn use_ranges(module: &mut Module) {
     module.functions.values_mut().for_each(use_in_function);
+}
+
+/// The numbers, from least to greatest, that the bases of an instruction's addresses can be where it is; a copy has two. Bases of
+/// which nothing is known are left out.
+pub fn base_ranges(
+    function: &Function,
+    cfg: &ControlFlow,
+    dominators: &Dominators,
+) -> FxHashMap<Inst, [Option<(u64, u64)>; 2]> {
+    let mut found = FxHashMap::default();
+    if function.insts.len() > INSTS_MAX {
+        return found;
+    }
+    let Some(mut ranges) = Ranges::of(function, cfg, dominators) else { return found };
+    ranges.begin();
+    for &block in &dominators.preorder {
+        ranges.enter(block);
+        if !ranges.is_reached(block) {
+            continue;
+        }
+        for &inst in &function.blocks[block].insts {
+            ranges.compute(inst);
+            let mut index = 0;
+            function.insts[inst].for_each_address(|addr| {
+                let range = addr.base.and_then(|base| ranges.get(base)).filter(|range| range.is_natural());
+                if let Some(range) = range {
+                    found.entry(inst).or_insert([None; 2])[index] = Some((range.lo as u64, range.hi as u64));
+                }
+                index += 1;
+            });
+        }
+        ranges.leave(block);
+    }
+    found
 }
 
 /// What becomes of an instruction.
