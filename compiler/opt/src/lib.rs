@@ -9,6 +9,7 @@
 mod addresses;
 mod bits;
 mod branches;
+mod cold_loops;
 mod control_flow;
 mod dead_code;
 mod dead_stores;
@@ -72,6 +73,8 @@ pub const PIPELINE: &[Pass] = &[
     pass("values", values::share_values),
     pass("forward", forward::forward_memory),
     pass("fold", fold::fold),
+    pass("part-cold-loops", cold_loops::part_cold_loops),
+    pass("control-flow", control_flow::simplify_control_flow),
     pass("loop-memory", loop_memory::carry_memory),
     pass("fold", fold::fold),
     pass("ranges", ranges::use_ranges),

@@ -312,36 +312,34 @@ pub fn address_of(place: &Place) -> (Address, u8) {
     (Address::direct(place.region, (place.start / 8) as u32), (place.start % 8) as u8)
 }
 
-/// Takes out the places that overlap others, unless they are only read. They are sorted.
+/// Takes out the places that overlap others, unless both are only read. They are sorted.
 fn drop_overlapping(candidates: &mut Vec<(Place, Candidate)>) {
     let mut keep = vec![true; candidates.len()];
-    // The place that reaches farthest so far, and the one among those that are written.
-    let (mut farthest, mut written): (Option<usize>, Option<usize>) = (None, None);
+    let is_written = |index: usize| candidates[index].1.writes > 0;
+    // How far the places before reach, all of them and those that are written, in the region of the one that is looked at.
+    let (mut all, mut written): (Option<Place>, Option<Place>) = (None, None);
+    let farther = |reached: Option<Place>, place: Place| match reached {
+        Some(before) if before.region == place.region && before.end >= place.end => Some(before),
+        _ => Some(place),
+    };
     for index in 0..candidates.len() {
-        let (place, candidate) = &candidates[index];
-        let meets = |other: Option<usize>| {
-            other.filter(|&other| {
-                let other = &candidates[other].0;
-                other.region == place.region && other.end > place.start
-            })
-        };
-        let is_written = candidate.writes > 0;
-        let other = if is_written { meets(farthest) } else { meets(written) };
-        if let Some(other) = other {
-            keep[index] = false;
-            keep[other] = false;
+        let place = candidates[index].0;
+        let before = if is_written(index) { all } else { written };
+        keep[index] &= before.is_none_or(|before| before.region != place.region || before.end <= place.start);
+        all = farther(all, place);
+        if is_written(index) {
+            written = farther(written, place);
         }
-        let reaches = |other: Option<usize>| {
-            other.is_none_or(|other| {
-                let other = &candidates[other].0;
-                other.region != place.region || other.end < place.end
-            })
-        };
-        if reaches(farthest) {
-            farthest = Some(index);
-        }
-        if is_written && reaches(written) {
-            written = Some(index);
+    }
+    // The next place after each, and the next that is written.
+    let (mut all, mut written): (Option<Place>, Option<Place>) = (None, None);
+    for index in (0..candidates.len()).rev() {
+        let place = candidates[index].0;
+        let after = if is_written(index) { all } else { written };
+        keep[index] &= after.is_none_or(|after| after.region != place.region || after.start >= place.end);
+        all = Some(place);
+        if is_written(index) {
+            written = Some(place);
         }
     }
     let mut keep = keep.into_iter();
