@@ -22,6 +22,7 @@ mod forward;
 mod frames;
 mod inline;
 mod interfaces;
+mod invariants;
 mod known_bits;
 mod locals;
 mod loop_memory;
@@ -81,6 +82,12 @@ pub const PIPELINE: &[Pass] = &[
     pass("fold", fold::fold),
     pass("control-flow", control_flow::simplify_control_flow),
     pass("addresses", addresses::resolve_addresses),
+    pass("bits", bits::find_bits),
+    pass("values", values::share_values),
+    pass("forward", forward::forward_memory),
+    pass("fold", fold::fold),
+    pass("part-cold-ways", duplicate::part_cold_ways),
+    pass("control-flow", control_flow::simplify_control_flow),
     pass("values", values::share_values),
     pass("forward", forward::forward_memory),
     pass("fold", fold::fold),
@@ -92,7 +99,9 @@ pub const PIPELINE: &[Pass] = &[
     pass("control-flow", control_flow::simplify_control_flow),
     pass("fold", fold::fold),
     pass("floats", floats::relax_floats),
+    pass("hoist-lookups", invariants::hoist_lookups),
     pass("turn-loops", duplicate::turn_loops),
+    pass("fold", fold::fold),
     pass("dead-stores", dead_stores::eliminate_dead_stores),
     pass("dead-code", dead_code::eliminate_dead_code),
     pass("control-flow", control_flow::simplify_control_flow),

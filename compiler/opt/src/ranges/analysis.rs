@@ -368,16 +368,15 @@ impl<'f> Ranges<'f> {
                 }
             }
             Some(&InstData::Binary { op: op @ (BinaryOp::Iadd | BinaryOp::Isub), args: [a, b] }) => {
-                let (Some(of_a), Some(of_b)) = (self.get(a), self.get(b)) else { return };
-                let Some(constant) = of_b.single() else { return };
-                // Without a wrap the sum minus the constant is the operand.
-                let constant = if op == BinaryOp::Iadd { constant } else { constant.wrapping_neg() };
+                let Some(constant) = self.get(b).and_then(Interval::single) else { return };
+                // The operand is the sum minus the constant; where that wraps, both ends must do so.
+                let constant = if op == BinaryOp::Iadd { i128::from(constant) } else { -i128::from(constant) };
                 let full = Interval::full(ty);
-                let sum = (of_a.lo.checked_add(constant), of_a.hi.checked_add(constant));
-                if let (Some(lo), Some(hi)) = sum
-                    && full.lo <= lo
+                let size = i128::from(full.hi) - i128::from(full.lo) + 1;
+                let (lo, hi) = (i128::from(range.lo) - constant, i128::from(range.hi) - constant);
+                let turns = (lo - i128::from(full.lo)).div_euclid(size);
+                if let (Ok(lo), Ok(hi)) = (i64::try_from(lo - turns * size), i64::try_from(hi - turns * size))
                     && hi <= full.hi
-                    && let (Some(lo), Some(hi)) = (range.lo.checked_sub(constant), range.hi.checked_sub(constant))
                 {
                     self.learn_range(a, Interval { lo, hi, zeros: 0 }, depth - 1);
                 }

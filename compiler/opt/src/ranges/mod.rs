@@ -72,6 +72,8 @@ enum Change {
     Value(Value),
     /// It is another operation with a constant operand, or with none.
     Shift(BinaryOp, Value, u64),
+    /// It is that operation with a constant operand, and a constant added.
+    ShiftAndAdd(BinaryOp, Value, u64, u64),
 }
 
 fn use_in_function(function: &mut Function) {
@@ -159,14 +161,18 @@ fn binary(
     let constant = of_b.single()?;
     let count = (constant & i64::from(ty.bits() - 1)) as u32;
     match op {
-        // A mask that keeps all bits that can be set.
-        BinaryOp::And if of_a.is_natural() && constant >= 0 => {
-            let (set, low) = (bits_of(of_a), (1i64 << of_a.zeros.min(62)) - 1);
-            (set & !low & !constant == 0).then_some(Change::Value(a))
-        }
-        BinaryOp::And if of_a.zeros > 0 && constant < 0 => {
-            let low = (1i64 << of_a.zeros.min(62)) - 1;
-            (constant | low == -1).then_some(Change::Value(a))
+        // The low bits of a sum with a multiple of a power of two.
+        BinaryOp::And if constant > 0 && constant & (constant + 1) == 0 => match sum_with_constant(function, ranges, a) {
+            Some((x, by)) if ranges.get(x)?.zeros >= constant.trailing_ones() => Some(Change::Constant((by & constant) as u64)),
+            _ => mask(a, of_a, constant),
+        },
+        BinaryOp::And => mask(a, of_a, constant),
+        // The shifted sum of a multiple and a constant is the sum of both shifted.
+        BinaryOp::Ashr | BinaryOp::Lshr
+            if let Some((x, of_x, by)) = shifted_sum(function, ranges, a, count)
+                && (op == BinaryOp::Ashr || of_x.is_natural() && of_a.is_natural()) =>
+        {
+            Some(Change::ShiftAndAdd(op, x, u64::from(count), by as u64))
         }
         // Left and right again: without a wrap it is one shift.
         BinaryOp::Ashr | BinaryOp::Lshr => {
@@ -198,6 +204,41 @@ fn binary(
         }
         _ => None,
     }
+}
+
+/// A mask that keeps all bits that can be set changes nothing.
+fn mask(a: Value, of_a: Interval, constant: i64) -> Option<Change> {
+    let low = (1i64 << of_a.zeros.min(62)) - 1;
+    let keeps = if constant >= 0 {
+        of_a.is_natural() && bits_of(of_a) & !low & !constant == 0
+    } else {
+        of_a.zeros > 0 && constant | low == -1
+    };
+    keeps.then_some(Change::Value(a))
+}
+
+/// The operand of a sum with a constant, and the constant.
+fn sum_with_constant(function: &Function, ranges: &Ranges<'_>, sum: Value) -> Option<(Value, i64)> {
+    match *function.defining(sum)? {
+        InstData::Binary { op: BinaryOp::Iadd, args: [x, by] } => Some((x, ranges.get(by)?.single()?)),
+        _ => None,
+    }
+}
+
+/// The operand of a sum with a constant that does not wrap, and that constant shifted right by `count`, if the bits that are shifted
+/// out do not carry.
+fn shifted_sum(
+    function: &Function,
+    ranges: &Ranges<'_>,
+    sum: Value,
+    count: u32,
+) -> Option<(Value, Interval, i64)> {
+    let (x, by) = sum_with_constant(function, ranges, sum)?;
+    let of_x = ranges.get(x)?;
+    let full = Interval::full(function.ty(sum));
+    let fits = of_x.lo.checked_add(by)? >= full.lo && of_x.hi.checked_add(by)? <= full.hi;
+    let carries = of_x.zeros < count && by & ((1i64 << count.min(62)) - 1) != 0;
+    (fits && !carries && count > 0 && function.constant(x).is_none()).then_some((x, of_x, by >> count))
 }
 
 /// Of natural numbers both shifts right are the same: one form is shared and combined.
@@ -233,6 +274,17 @@ fn apply(function: &mut Function, changes: Vec<(Block, Inst, Change)>) {
                     } else {
                         function.replace_value(result, value);
                     }
+                }
+                Change::ShiftAndAdd(op, arg, by, added) => {
+                    let ty = function.ty(result);
+                    let count = function.make_inst(InstData::Const { bits: eval::mask(ty, by) }, &[ty], loc);
+                    let args = [arg, function.result(count)];
+                    let shifted = function.make_inst(InstData::Binary { op, args }, &[ty], loc);
+                    let added = function.make_inst(InstData::Const { bits: eval::mask(ty, added) }, &[ty], loc);
+                    out.extend([count, shifted, added]);
+                    let args = [function.result(shifted), function.result(added)];
+                    function.insts[inst] = InstData::Binary { op: BinaryOp::Iadd, args };
+                    out.push(inst);
                 }
                 Change::Shift(op, arg, by) => {
                     let ty = function.ty(result);

@@ -152,15 +152,79 @@ fn a_counter_that_may_wrap_says_nothing() {
         jump b1(v9)
         b1(v1: i16):
         v2 = const.i16 1
+        v6 = sext.i32 v1
+        store.i32 M 0, v6
+        v7 = sge v1, v2
+        store.bit M 4.1, v7
         v3 = iadd v1, v2
         v4 = const.i16 0
         v5 = ne v3, v4
         branch v5, b1(v3), b2
         b2:
-        v6 = sext.i32 v1
         ret v6
         }";
     check_pass("ranges", text, text);
+}
+
+#[test]
+fn a_sum_says_what_its_operand_is_even_if_it_wraps() {
+    let text = |last: &str| {
+        format!(
+            "func @F -> i1 {{
+            b0(v0: i32):
+            v1 = const.i32 4160749568
+            v2 = iadd v0, v1
+            v3 = const.i32 100
+            v4 = ule v2, v3
+            branch v4, b1, b2
+            b1:
+            {last}
+            ret v6
+            b2:
+            ret v4
+            }}"
+        )
+    };
+    check_pass("ranges", &text("v5 = const.i32 134217728\nv6 = sge v0, v5"), &text("v5 = const.i32 134217728\nv6 = const.i1 1"));
+    check_pass("ranges", &text("v5 = const.i32 134217829\nv6 = slt v0, v5"), &text("v5 = const.i32 134217829\nv6 = const.i1 1"));
+    let text = text("v5 = const.i32 134217828\nv6 = slt v0, v5");
+    check_pass("ranges", &text, &text);
+}
+
+#[test]
+fn sums_with_multiples_are_shifted_in_parts() {
+    check_pass(
+        "ranges",
+        "func @F -> i32 {
+        b0(v0: i32):
+        v1 = const.i32 8128
+        v2 = and v0, v1
+        v3 = const.i32 50
+        v4 = iadd v2, v3
+        v5 = const.i32 3
+        v6 = lshr v4, v5
+        v7 = const.i32 7
+        v8 = and v4, v7
+        v9 = iadd v6, v8
+        ret v9
+        }",
+        "func @F -> i32 {
+        b0(v0: i32):
+        v1 = const.i32 8128
+        v2 = and v0, v1
+        v3 = const.i32 50
+        v4 = iadd v2, v3
+        v5 = const.i32 3
+        v10 = const.i32 3
+        v11 = lshr v2, v10
+        v12 = const.i32 6
+        v6 = iadd v11, v12
+        v7 = const.i32 7
+        v8 = const.i32 2
+        v9 = iadd v6, v8
+        ret v9
+        }",
+    );
 }
 
 /// A loop of so many passes that ends each of them in this way.
