@@ -2,7 +2,7 @@
 
 use plcc_abi::codes::sync;
 use plcc_abi::layout::{self, area};
-use plcc_ir::{Address, BinaryOp, IntCc, Region, Type, Value};
+use plcc_ir::{Address, BinaryOp, InstData, IntCc, Region, Type, Value};
 use plcc_model::{Place, PlaceArea, Width};
 
 use super::area::PERIPHERAL_BYTES;
@@ -46,8 +46,14 @@ impl BlockLowering<'_, '_> {
     /// As [`crossing_of`](Self::crossing_of), if the area is only known at run time.
     pub(super) fn crossing(&mut self, place: &Place) -> Option<Crossing> {
         let crossing = self.crossing_of(place)?;
-        let code = self.b.binary_imm(BinaryOp::Lshr, crossing.pointer, 24);
-        self.b.constant_bits(code).is_none().then_some(crossing)
+        let function = self.b.function();
+        let pointer = function.resolve(crossing.pointer);
+        // An address that was put together with its area: a formal parameter.
+        let with_area = match function.defining(pointer) {
+            Some(InstData::Binary { op: BinaryOp::Or, args: [_, area] }) => *area,
+            _ => pointer,
+        };
+        function.constant(with_area).is_none().then_some(crossing)
     }
 
     /// Accesses the target of a pointer. In the usual areas it names its region, so that it touches nothing else; `access` is done
@@ -64,12 +70,16 @@ impl BlockLowering<'_, '_> {
         let effective = self.effective(crossing.pointer, crossing.offset);
         let end = self.b.binary_imm(BinaryOp::Iadd, effective.byte, i64::from(width.bytes()));
         let aligned = (width != Width::Bit).then(|| self.b.icmp_imm(IntCc::Eq, effective.bit, 0));
-        for area in [area::DB, area::M, area::Q, area::I] {
-            let (is_area, good, next) = (self.b.create_block(), self.b.create_block(), self.b.create_block());
+        let areas = [area::DB, area::M, area::Q, area::I];
+        for (number, area) in (1..).zip(areas) {
+            let (is_area, good) = (self.b.create_block(), self.b.create_block());
+            let next = if number < areas.len() { self.b.create_block() } else { other };
             let matches = self.b.icmp_imm(IntCc::Eq, code, i64::from(area));
             self.b.branch(matches, is_area, next);
             self.b.seal_block(is_area);
-            self.b.seal_block(next);
+            if next != other {
+                self.b.seal_block(next);
+            }
             self.b.switch_to(is_area);
             let (base, limit) = self.extent_of(area, (crossing.db, crossing.di));
             let mut ok = self.b.icmp(IntCc::Ule, end, limit);
@@ -93,11 +103,11 @@ impl BlockLowering<'_, '_> {
             self.b.switch_to(good);
             access(self, Target::at(addr, BitNumber::Dynamic(effective.bit)));
             self.b.jump(join, &[]);
+            if next == other {
+                self.b.seal_block(other);
+            }
             self.b.switch_to(next);
         }
-        self.b.jump(other, &[]);
-        self.b.seal_block(other);
-        self.b.switch_to(other);
         let target = self.area_crossing(crossing, width, direction);
         access(self, target);
         self.b.jump(join, &[]);
