@@ -56,6 +56,8 @@ pub const PIPELINE: &[Pass] = &[
     pass("fold", fold::fold),
     pass("control-flow", control_flow::simplify_control_flow),
     pass("interfaces", interfaces::simplify_interfaces),
+    pass("fold", fold::fold),
+    pass("control-flow", control_flow::simplify_control_flow),
     pass("dead-code", dead_code::eliminate_dead_code),
     pass("compact", compact),
     pass("inline", inline::inline_calls),
