@@ -17,9 +17,11 @@ use super::interval::{self, Interval};
 const GROWING_MAX: usize = 16;
 /// Sweeps that make intervals smaller.
 const SHRINKING: usize = 2;
+/// Address registers have the area above an address of 24 bits.
+const ADDRESS_MASK: i64 = 0x00FF_FFFF;
 /// How many steps back a condition is followed: conversions, sums with constants, conditions joined by AND and OR.
 const DEPTH_MAX: u32 = 4;
-/// Where widening stops: the numbers at which loops usually end.
+/// Where widening stops: the numbers at which loops usually end. Pointers with an area stop at the end of that.
 const LANDMARKS: [i64; 10] = [-32768, -128, -1, 0, 1, 127, 255, 1023, 32767, 65535];
 
 /// The knowledge of a point of the function while a sweep is there.
@@ -437,7 +439,9 @@ impl<'f> Ranges<'f> {
             let Some(calls) = self.jumps_back(header) else { continue };
             let params = &self.function.blocks[header].params;
             let step = |(index, &param): (usize, &Value)| {
-                let mut steps = calls.iter().map(|call| self.step_of(param, call.args[index]));
+                // An address register keeps its area.
+                let area = self.first(header, param).and_then(|first| interval::common_bits(first, ADDRESS_MASK));
+                let mut steps = calls.iter().map(|call| self.step_of(param, call.args[index], area.unwrap_or(0)));
                 let first = steps.next()??;
                 steps.all(|other| other == Some(first)).then_some(first)
             };
@@ -469,7 +473,9 @@ impl<'f> Ranges<'f> {
     }
 
     /// The constant by which the argument of the jump back differs from the parameter.
-    fn step_of(&self, param: Value, arg: Value) -> Option<Step> {
+    /// `area`: the bits above the address that the parameter has in the first pass.
+    fn step_of(&self, param: Value, arg: Value, area: i64) -> Option<Step> {
+        let mut keeps_area = false;
         let mut step = Step { by: 0, fits: Interval::full(self.function.ty(param)) };
         let mut at = self.function.resolve(arg);
         for _ in 0..=2 * DEPTH_MAX {
@@ -509,6 +515,7 @@ impl<'f> Ranges<'f> {
                     if self.constant(mask)? & kept != 0 {
                         return None;
                     }
+                    keeps_area = kept == !ADDRESS_MASK && self.constant(mask)? == ADDRESS_MASK;
                     at = self.function.resolve(counted);
                 }
                 InstData::Binary { op: BinaryOp::And, args: [a, mask] } => {
@@ -516,7 +523,8 @@ impl<'f> Ranges<'f> {
                     if mask < 0 || mask & (mask + 1) != 0 || step.by != 0 {
                         return None;
                     }
-                    step.fits = step.fits.meet(Interval::between(0, mask))?;
+                    let low = if keeps_area { area } else { 0 };
+                    step.fits = step.fits.meet(Interval::between(low, low + mask))?;
                     at = self.function.resolve(a);
                 }
                 // A conversion that changes nothing.
@@ -625,7 +633,10 @@ fn widened(before: Interval, now: Interval, full: Interval) -> Interval {
         now.lo
     };
     let hi = if now.hi > before.hi {
-        LANDMARKS.iter().copied().find(|&mark| mark >= now.hi).map_or(full.hi, |mark| mark.min(full.hi))
+        let end_of_area = now.hi | ADDRESS_MASK;
+        let is_pointer = (-0x8000_0000..-0x7800_0000).contains(&now.hi) && end_of_area > before.hi;
+        let mark = LANDMARKS.iter().copied().find(|&mark| mark >= now.hi).map_or(full.hi, |mark| mark.min(full.hi));
+        if is_pointer { end_of_area } else { mark }
     } else {
         now.hi
     };

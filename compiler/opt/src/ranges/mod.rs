@@ -121,6 +121,9 @@ fn change_of(function: &Function, ranges: &Ranges<'_>, inst: Inst) -> Option<Cha
     match *data {
         InstData::Binary { op, args: [a, b] } if ty != Type::I1 => {
             let (of_a, of_b) = (ranges.get(a)?, ranges.get(b)?);
+            if op == BinaryOp::Or && of_a.single().is_some() {
+                return binary(function, ranges, op, ty, (b, of_b), of_a);
+            }
             binary(function, ranges, op, ty, (a, of_a), of_b)
         }
         InstData::Select { cond, if_true, if_false } => {
@@ -167,6 +170,15 @@ fn binary(
             _ => mask(a, of_a, constant),
         },
         BinaryOp::And => mask(a, of_a, constant),
+        // Bits that were cleared come back.
+        BinaryOp::Or => match *function.defining(a)? {
+            InstData::Binary { op: BinaryOp::And, args: [x, kept] } => {
+                let kept = ranges.get(kept)?.single()?;
+                let cleared = interval::common_bits(ranges.get(x)?, kept)?;
+                (constant == cleared).then_some(Change::Value(x))
+            }
+            _ => None,
+        },
         // The shifted sum of a multiple and a constant is the sum of both shifted.
         BinaryOp::Ashr | BinaryOp::Lshr
             if let Some((x, of_x, by)) = shifted_sum(function, ranges, a, count)
