@@ -14,7 +14,9 @@ use rustc_hash::FxHashMap;
 use super::interval::{self, Interval};
 
 /// Sweeps until nothing grows any more; with more the function is left as it is.
-const GROWING_MAX: usize = 16;
+const GROWING_MAX: usize = 40;
+/// Sweeps after which what still grows may be any number.
+const LANDMARKS_UNTIL: usize = 16;
 /// Sweeps that make intervals smaller.
 const SHRINKING: usize = 2;
 /// Address registers have the area above an address of 24 bits.
@@ -171,7 +173,9 @@ impl<'f> Ranges<'f> {
             let before = self.values[param.index()];
             if let (Some(before), Phase::Growing(sweep)) = (before, self.phase) {
                 came = came.join(before);
-                if came != before && sweep > 1 {
+                if came != before && sweep > LANDMARKS_UNTIL {
+                    came = full;
+                } else if came != before && sweep > 1 {
                     came = widened(before, came, full);
                 }
             }
@@ -494,6 +498,19 @@ impl<'f> Ranges<'f> {
                     at = self.function.resolve(a);
                 }
                 // The address register: the byte of the area stays, the rest is counted in 24 bits.
+                // The area may be known by now.
+                InstData::Binary { op: BinaryOp::Or, args: [a, b] }
+                    if self.constant(b).is_some_and(|bits| bits == area && bits != 0) =>
+                {
+                    let InstData::Binary { op: BinaryOp::And, args: [_, mask] } = *self.function.defining(a)? else {
+                        return None;
+                    };
+                    keeps_area = self.constant(mask)? == ADDRESS_MASK;
+                    if !keeps_area {
+                        return None;
+                    }
+                    at = self.function.resolve(a);
+                }
                 InstData::Binary { op: BinaryOp::Or, args: [a, b] } => {
                     let kept = |value: Value| match *self.function.defining(value)? {
                         InstData::Binary { op: BinaryOp::And, args: [x, mask] }

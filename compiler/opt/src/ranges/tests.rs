@@ -344,3 +344,44 @@ fn an_int_that_counts_along_with_a_dint_may_wrap() {
         }";
     check_pass("ranges", text, text);
 }
+
+#[test]
+fn an_address_register_keeps_its_area() {
+    let text = |check: &str, and: &str, or: &str| {
+        format!(
+            "func @F {{
+            b0(v0: i16):
+            v1 = const.i32 2214592512
+            v2 = const.i32 20
+            jump b1(v2, v1)
+            b1(v3: i32, v4: i32):
+            v5 = trunc.i16 v3
+            v6 = const.i32 16777215
+            v7 = and v4, v6
+            v8 = const.i32 3
+            v9 = lshr v7, v8
+            v10 = const.i32 1
+            v11 = iadd v9, v10
+            v12 = const.i32 20
+            {check}
+            branch v13, b2, b3
+            b2:
+            v14 = const.i32 8
+            v15 = iadd v4, v14
+            {and}
+            {or}
+            v19 = const.i16 65535
+            v20 = iadd v5, v19
+            v21 = zext.i32 v20
+            v22 = const.i16 1
+            v23 = ne v5, v22
+            branch v23, b1(v21, v18), b3
+            b3:
+            ret
+            }}"
+        )
+    };
+    let before = text("v13 = ule v11, v12", "v16 = and v15, v6", "v18 = or v16, v1");
+    let after = text("v13 = const.i1 1", "v16 = and v15, v6", "").replace("v18)", "v15)");
+    check_pass("ranges", &before, &after);
+}
