@@ -98,7 +98,8 @@ fn comes_back(
 
 /// True if the block calls the runtime.
 fn calls(function: &Function, block: Block) -> bool {
-    let is_call = |data: &InstData| matches!(data, InstData::CallRuntime { function, .. } if is_interruption(*function));
+    let is_call =
+        |data: &InstData| matches!(data, InstData::CallRuntime { function, .. } if is_interruption(*function));
     function.blocks[block].insts.iter().any(|&inst| is_call(&function.insts[inst]))
 }
 

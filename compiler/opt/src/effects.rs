@@ -37,7 +37,8 @@ impl Effects {
         match function.effect() {
             Effect::All if is_interruption(function) => self.interruption_writes(region, range),
             Effect::System => {
-                let keeps = matches!(function, RuntimeFn::S7200Pointer | RuntimeFn::S7200Error | RuntimeFn::S7200TimerSync);
+                let keeps =
+                    matches!(function, RuntimeFn::S7200Pointer | RuntimeFn::S7200Error | RuntimeFn::S7200TimerSync);
                 touches(Effect::System, region) && !(keeps && is_register(region, range))
             }
             effect => touches(effect, region),

@@ -273,9 +273,7 @@ impl Memory {
     /// Forgets what organization blocks may have changed that ran at a safepoint or an error. They have their own local data.
     fn interrupt(&mut self, function: RuntimeFn, effects: &Effects, keep_frame: bool) {
         self.regions.retain(|&region, _| {
-            region == Region::System
-                || region == Region::L && keep_frame
-                || !effects.may_write(function, region, None)
+            region == Region::System || region == Region::L && keep_frame || !effects.may_write(function, region, None)
         });
         self.forget_system(function, effects);
         if effects.interruption_changes_dbs() {

@@ -24,8 +24,8 @@ mod cost;
 mod safepoint;
 mod splice;
 
-use plcc_ir::entities::{Entity, EntityVec};
 use plcc_abi::layout::area;
+use plcc_ir::entities::{Entity, EntityVec};
 use plcc_ir::{Address, Block, FuncId, Function, Inst, InstData, Module, Region, Type};
 
 use rustc_hash::FxHashSet;

@@ -156,11 +156,8 @@ impl Budget {
     /// Whether a callee is to be inlined; if so, it counts. `knows_areas`: the caller passes pointers with constant areas.
     pub fn allows(&mut self, callee: &Shape, is_only_call: bool, knows_areas: bool) -> bool {
         let by_area = knows_areas && callee.cost_by_area < callee.cost;
-        let (cost, size) = if by_area {
-            (callee.cost_by_area, callee.size.min(3 * callee.cost_by_area))
-        } else {
-            (callee.cost, callee.size)
-        };
+        let (cost, size) =
+            if by_area { (callee.cost_by_area, callee.cost_by_area) } else { (callee.cost, callee.size) };
         let caller = self.caller.saturating_add(callee.size);
         let fits = caller <= CALLER_MAX;
         let small = callee.cost <= SMALL && callee.size <= 2 * SMALL;

@@ -53,9 +53,10 @@ pub struct Carried {
 pub fn plan(module: &Module, id: FuncId, frames: &Frames, effects: &Effects) -> Vec<Carrier> {
     let function = &module.functions[id];
     let cfg = ControlFlow::new(function);
-    let has_loops = cfg.rpo.iter().any(|&block| {
-        cfg.successors(block).iter().any(|&target| cfg.rpo_index(target) <= cfg.rpo_index(block))
-    });
+    let has_loops = cfg
+        .rpo
+        .iter()
+        .any(|&block| cfg.successors(block).iter().any(|&target| cfg.rpo_index(target) <= cfg.rpo_index(block)));
     if function.insts.len() > INSTS_MAX || !has_loops {
         return Vec::new();
     }
@@ -274,10 +275,7 @@ impl Planner<'_> {
                     return (false, false);
                 }
                 let range = Some((place.start, place.end));
-                (
-                    self.effects.may_read(*function, place.region),
-                    self.effects.may_write(*function, place.region, range),
-                )
+                (self.effects.may_read(*function, place.region), self.effects.may_write(*function, place.region, range))
             }
         }
     }

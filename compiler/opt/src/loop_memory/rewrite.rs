@@ -18,7 +18,13 @@ fn is_stored_at_end(function: &Function, block: Block, carried: &Carried) -> boo
 
 /// Rewrites the loops of a function.
 pub fn rewrite(function: &mut Function, carriers: &[Carrier]) {
-    let mut edit = Edit { function, types: Vec::new(), actions: FxHashMap::default(), before: FxHashMap::default(), after: FxHashMap::default() };
+    let mut edit = Edit {
+        function,
+        types: Vec::new(),
+        actions: FxHashMap::default(),
+        before: FxHashMap::default(),
+        after: FxHashMap::default(),
+    };
     let mut first_vars = Vec::new();
     for carrier in carriers {
         first_vars.push(edit.types.len());
@@ -30,7 +36,8 @@ pub fn rewrite(function: &mut Function, carriers: &[Carrier]) {
     edit.edges(carriers, &first_vars);
     let Edit { function, types, actions, .. } = edit;
     // A variable is loaded on every way into its loop, so that none is needed at the begin of the function.
-    let mut initial = |function: &mut Function, var: usize| function.make_inst(InstData::Const { bits: 0 }, &[types[var]], Loc(0));
+    let mut initial =
+        |function: &mut Function, var: usize| function.make_inst(InstData::Const { bits: 0 }, &[types[var]], Loc(0));
     // Its time is bounded by the plan.
     promote(function, &types, &actions, &mut initial);
 }
@@ -51,7 +58,9 @@ impl Edit<'_> {
         for &inst in &carried.accesses {
             let writes = place_of(self.function, inst).is_some_and(|(_, _, writes)| writes);
             let action = match &self.function.insts[inst] {
-                InstData::Store { value, .. } | InstData::StoreBit { value, .. } if writes => Action::Write(var, *value),
+                InstData::Store { value, .. } | InstData::StoreBit { value, .. } if writes => {
+                    Action::Write(var, *value)
+                }
                 _ => Action::Read(var),
             };
             self.actions.insert(inst, action);
@@ -175,4 +184,3 @@ impl Edit<'_> {
         function.layout.splice(at..at, made);
     }
 }
-

@@ -165,8 +165,11 @@ fn binary(
     let count = (constant & i64::from(ty.bits() - 1)) as u32;
     match op {
         // The low bits of a sum with a multiple of a power of two.
-        BinaryOp::And if constant > 0 && constant & (constant + 1) == 0 => match sum_with_constant(function, ranges, a) {
-            Some((x, by)) if ranges.get(x)?.zeros >= constant.trailing_ones() => Some(Change::Constant((by & constant) as u64)),
+        BinaryOp::And if constant > 0 && constant & (constant + 1) == 0 => match sum_with_constant(function, ranges, a)
+        {
+            Some((x, by)) if ranges.get(x)?.zeros >= constant.trailing_ones() => {
+                Some(Change::Constant((by & constant) as u64))
+            }
             _ => mask(a, of_a, constant),
         },
         BinaryOp::And => mask(a, of_a, constant),
@@ -239,12 +242,7 @@ fn sum_with_constant(function: &Function, ranges: &Ranges<'_>, sum: Value) -> Op
 
 /// The operand of a sum with a constant that does not wrap, and that constant shifted right by `count`, if the bits that are shifted
 /// out do not carry.
-fn shifted_sum(
-    function: &Function,
-    ranges: &Ranges<'_>,
-    sum: Value,
-    count: u32,
-) -> Option<(Value, Interval, i64)> {
+fn shifted_sum(function: &Function, ranges: &Ranges<'_>, sum: Value, count: u32) -> Option<(Value, Interval, i64)> {
     let (x, by) = sum_with_constant(function, ranges, sum)?;
     let of_x = ranges.get(x)?;
     let full = Interval::full(function.ty(sum));

@@ -185,8 +185,16 @@ fn a_sum_says_what_its_operand_is_even_if_it_wraps() {
             }}"
         )
     };
-    check_pass("ranges", &text("v5 = const.i32 134217728\nv6 = sge v0, v5"), &text("v5 = const.i32 134217728\nv6 = const.i1 1"));
-    check_pass("ranges", &text("v5 = const.i32 134217829\nv6 = slt v0, v5"), &text("v5 = const.i32 134217829\nv6 = const.i1 1"));
+    check_pass(
+        "ranges",
+        &text("v5 = const.i32 134217728\nv6 = sge v0, v5"),
+        &text("v5 = const.i32 134217728\nv6 = const.i1 1"),
+    );
+    check_pass(
+        "ranges",
+        &text("v5 = const.i32 134217829\nv6 = slt v0, v5"),
+        &text("v5 = const.i32 134217829\nv6 = const.i1 1"),
+    );
     let text = text("v5 = const.i32 134217828\nv6 = slt v0, v5");
     check_pass("ranges", &text, &text);
 }
