@@ -16,17 +16,17 @@
 //! The outermost loop that is small enough is copied with all in it.
 
 use plcc_ir::analysis::{ControlFlow, Dominators};
-use plcc_ir::{Block, Function, Inst, InstData, Module, Region, RuntimeFn};
-use rustc_hash::{FxHashMap, FxHashSet};
+use plcc_ir::{Block, Function, InstData, Module, Region, RuntimeFn};
+use rustc_hash::FxHashSet;
 
 use crate::effects::{Effects, is_interruption};
 use crate::loops::{Loop, Loops};
-use crate::variables::{Versions, join_versions};
+use crate::variables::{Versions, copy_blocks, join_versions, move_constants};
 
 /// Instructions of a loop that is copied.
-const LOOP_MAX: usize = 500;
+const LOOP_MAX: usize = 1500;
 /// Instructions that copies may add to a function.
-const GROWTH: usize = 3000;
+const GROWTH: usize = 4000;
 /// Larger functions are left as they are.
 const INSTS_MAX: usize = 20_000;
 
@@ -105,30 +105,11 @@ fn calls(function: &Function, block: Block) -> bool {
 
 /// Copies a loop; cold blocks that go on in it go on in the copy.
 fn copy(function: &mut Function, each: &Loop, inside: &FxHashSet<Block>, versions: &mut Versions) {
-    move_constants(function, each);
     let order: Vec<Block> = function.layout.iter().copied().filter(|block| inside.contains(block)).collect();
-    let mut copies: FxHashMap<Block, Block> = FxHashMap::default();
-    for &block in &order {
-        let new = function.add_block();
-        function.blocks[new].cold = true;
-        copies.insert(block, new);
-        for param in function.blocks[block].params.clone() {
-            let version = function.add_param(new, function.ty(param));
-            versions.add(function, param, version);
-        }
-    }
-    for &block in &order {
-        for inst in function.blocks[block].insts.clone() {
-            // Its operands keep the names of the originals; which version they are is found out at the end.
-            let mut data = function.insts[inst].clone();
-            data.for_each_target_mut(|call| call.block = copies.get(&call.block).copied().unwrap_or(call.block));
-            let types: Vec<_> = function.results[inst].iter().map(|&result| function.ty(result)).collect();
-            let new = function.make_inst(data, &types, function.locs[inst]);
-            for (original, version) in function.results[inst].clone().into_iter().zip(function.results[new].clone()) {
-                versions.add(function, original, version);
-            }
-            function.blocks[copies[&block]].insts.push(new);
-        }
+    move_constants(function, &order);
+    let copies = copy_blocks(function, &order, versions);
+    for copy in copies.values() {
+        function.blocks[*copy].cold = true;
     }
     for &block in each.blocks.iter().filter(|&&block| function.blocks[block].cold) {
         let Some(last) = function.terminator(block) else { continue };
@@ -140,20 +121,6 @@ fn copy(function: &mut Function, each: &Loop, inside: &FxHashSet<Block>, version
         });
         function.insts[last] = data;
     }
-}
-
-/// Moves the constants of a loop to the begin of the function, so that they are the same in the copy.
-fn move_constants(function: &mut Function, each: &Loop) {
-    let mut moved = Vec::new();
-    for &block in &each.blocks {
-        let insts = std::mem::take(&mut function.blocks[block].insts);
-        let is_constant = |inst: &Inst| matches!(function.insts[*inst], InstData::Const { .. });
-        let (constants, rest): (Vec<Inst>, Vec<Inst>) = insts.into_iter().partition(is_constant);
-        moved.extend(constants);
-        function.blocks[block].insts = rest;
-    }
-    let entry = function.entry();
-    function.blocks[entry].insts.splice(0..0, moved);
 }
 
 #[cfg(test)]

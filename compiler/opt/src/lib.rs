@@ -28,6 +28,7 @@ mod locals;
 mod loop_memory;
 mod loops;
 mod ranges;
+mod unroll;
 mod usage;
 mod values;
 mod variables;
@@ -76,6 +77,10 @@ pub const PIPELINE: &[Pass] = &[
     pass("values", values::share_values),
     pass("forward", forward::forward_memory),
     pass("fold", fold::fold),
+    pass("unroll", unroll::unroll_loops),
+    pass("control-flow", control_flow::simplify_control_flow),
+    pass("fold", fold::fold),
+    pass("control-flow", control_flow::simplify_control_flow),
     pass("part-cold-loops", cold_loops::part_cold_loops),
     pass("control-flow", control_flow::simplify_control_flow),
     pass("loop-memory", loop_memory::carry_memory),
