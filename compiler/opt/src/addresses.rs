@@ -10,6 +10,8 @@
 //! v3 = load.i16 anydb[v2]+4  ; load.i16 DB10 4
 //! ```
 //!
+//! The distance of two places in one region is a constant: how far a frame is from that of its caller, after inlining.
+//!
 //! A copy of 1, 2, 4 or 8 bytes becomes a load and a store, which other passes understand.
 
 use plcc_abi::layout;
@@ -92,6 +94,11 @@ impl Resolver<'_> {
                     data = InstData::Const { bits: u64::from(db.length) };
                 }
             }
+            InstData::Binary { op: BinaryOp::Isub, args: [a, b] } => {
+                if let Some(bits) = self.distance(*a, *b) {
+                    data = InstData::Const { bits };
+                }
+            }
             InstData::Const { .. }
             | InstData::Unary { .. }
             | InstData::Binary { .. }
@@ -108,6 +115,16 @@ impl Resolver<'_> {
             | InstData::Return { .. } => {}
         }
         self.function.insts[inst] = data;
+    }
+
+    /// The difference of the addresses of two places in one region.
+    fn distance(&self, a: Value, b: Value) -> Option<u64> {
+        let place = |value: Value| match self.function.defining(value) {
+            Some(InstData::AddressOf { addr }) if addr.base.is_none() => Some(*addr),
+            _ => None,
+        };
+        let (a, b) = (place(a)?, place(b)?);
+        (a.region == b.region).then_some(u64::from(a.offset.wrapping_sub(b.offset)))
     }
 
     fn static_db(&self, number: Value) -> Option<StaticDb> {

@@ -5,6 +5,7 @@
 //!   branches by it.
 //! - A block parameter that always gets the same value is that value.
 //! - A block whose only predecessor only jumps to it is appended to that one.
+//! - A block to which only cold ones lead is cold; one to which another one always goes on is not.
 //!
 //! Each step is one sweep over the blocks; a few rounds are made, since one step makes room for another.
 
@@ -29,6 +30,24 @@ pub fn simplify_control_flow(module: &mut Module) {
             if !changed {
                 break;
             }
+        }
+        spread_cold(function);
+    }
+}
+
+/// Marks the blocks that only cold ones lead to, and unmarks those that others always go on to.
+fn spread_cold(function: &mut Function) {
+    if function.layout.iter().all(|&block| !function.blocks[block].cold) {
+        return;
+    }
+    let cfg = ControlFlow::new(function);
+    for &block in &cfg.rpo {
+        if let (false, &[next]) = (function.blocks[block].cold, cfg.successors(block)) {
+            function.blocks[next].cold = false;
+        }
+        let preds = cfg.predecessors(block);
+        if block != function.entry() && preds.iter().all(|&pred| function.blocks[pred].cold) {
+            function.blocks[block].cold = true;
         }
     }
 }

@@ -1,12 +1,15 @@
 //! Copies of small blocks for ways on which more is known.
 //!
-//! Two shapes are common in lowered programs:
+//! Two shapes are common in all lowered programs:
 //!
 //! - A loop tests at its head whether it goes on, and its end jumps there. A copy of the test at the end saves the jump: the
 //!   body is entered by one branch a pass.
 //! - Two accesses with the same index are checked one after the other. The first check sends faults to a cold block, which then
 //!   goes on where the other way does, so that the second check has to test again what is known on each way. With a copy of the
 //!   code between them for the cold way, the hot one is straight.
+//!
+//! A third is common on an S7-200, where all boxes of a network have the same condition: a short block branches by what was tested
+//! before. Ways on which the test went otherwise get a copy of it.
 //!
 //! ```text
 //! b1: branch v1, b2, b3      ; b1: branch v1, b2, b3
@@ -25,6 +28,8 @@ use crate::variables::{Versions, join_versions};
 
 /// Instructions of a loop's test that is copied.
 const TEST_MAX: usize = 6;
+/// Instructions of a block that is copied for ways on which its branch is decided.
+const DECIDED_MAX: usize = 8;
 /// Instructions of a block that is copied for cold ways.
 const COLD_MAX: usize = 60;
 /// Instructions that copies may add to a function, besides as many as it has.
@@ -97,7 +102,7 @@ fn part_in_function(function: &mut Function, growth: &mut usize) -> bool {
     let mut decided: Vec<(Block, bool)> = Vec::new();
     for &meet in &cfg.rpo {
         let data = &function.blocks[meet];
-        if data.cold || data.insts.len() > COLD_MAX || data.insts.len() > *growth || meet == function.entry() {
+        if data.insts.len() > COLD_MAX || data.insts.len() > *growth || meet == function.entry() {
             continue;
         }
         let Some(&last) = data.insts.last() else { continue };
@@ -107,9 +112,42 @@ fn part_in_function(function: &mut Function, growth: &mut usize) -> bool {
             continue;
         }
         let preds = cfg.predecessors(meet);
+        if copies.touches(function, meet) || then_to.block == meet || else_to.block == meet {
+            continue;
+        }
+        // A short block is copied for the ways on which its branch is decided.
+        if data.insts.len() <= DECIDED_MAX && preds.len() > 1 {
+            let way = |&pred: &Block| known_at(function, &cfg, &dominators, pred, *cond);
+            let all_cold = |ways: &[Block]| ways.iter().all(|&way| function.blocks[way].cold);
+            let decided_ways = [true, false].map(|holds| {
+                (holds, preds.iter().copied().filter(|pred| way(pred) == Some(holds)).collect::<Vec<Block>>())
+            });
+            let apart = decided_ways
+                .into_iter()
+                .filter(|(_, ways)| !ways.is_empty() && ways.len() < preds.len())
+                .min_by_key(|(_, ways)| (!all_cold(ways), ways.len()));
+            if let Some((holds, ways)) = apart {
+                let others: Vec<Block> = preds.iter().copied().filter(|pred| !ways.contains(pred)).collect();
+                let is_cold = data.cold || all_cold(&ways);
+                let others_cold = all_cold(&others);
+                let rest = others.iter().all(|pred| way(pred) == Some(!holds));
+                *growth -= data.insts.len();
+                let copy = copies.add(function, meet, &ways);
+                function.blocks[copy].cold = is_cold;
+                function.blocks[meet].cold |= others_cold;
+                decided.push((copy, holds));
+                if rest {
+                    decided.push((meet, !holds));
+                }
+                continue;
+            }
+        }
+        if function.blocks[meet].cold {
+            continue;
+        }
         let cold: Vec<Block> = preds.iter().copied().filter(|&pred| function.blocks[pred].cold).collect();
         let hot: Vec<Block> = preds.iter().copied().filter(|&pred| !function.blocks[pred].cold).collect();
-        if cold.is_empty() || hot.is_empty() || copies.touches(function, meet) {
+        if cold.is_empty() || hot.is_empty() {
             continue;
         }
         // The condition was tested on the way: true on all hot ways and not on the cold ones, or the other way around.
@@ -120,9 +158,6 @@ fn part_in_function(function: &mut Function, growth: &mut usize) -> bool {
         };
         let Some(on_hot) = known(&hot) else { continue };
         // Only where the cold way goes to another place, or what it does then is not known, is a copy worth it.
-        if then_to.block == meet || else_to.block == meet {
-            continue;
-        }
         let on_cold = known(&cold);
         if on_cold == Some(on_hot) {
             continue;

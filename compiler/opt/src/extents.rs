@@ -142,6 +142,11 @@ impl<T: Copy + PartialEq> Extents<T> {
         self.items = both;
     }
 
+    /// Keeps the ranges that `keep` accepts.
+    pub fn retain(&mut self, keep: impl FnMut(&Extent<T>) -> bool) {
+        self.items.retain(keep);
+    }
+
     /// Adds a range that overlaps no other, and joins it with its neighbours if the same is known about them.
     pub fn insert(&mut self, start: u64, end: u64, known: T) {
         let mut new = Extent { start, end, known };

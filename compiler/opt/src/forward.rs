@@ -16,8 +16,8 @@
 //! (see `frames`) that the callee does not touch.
 //!
 //! A block with one predecessor begins with the facts at its end; a join with the facts that all predecessors share; a loop
-//! head with none. Most cold blocks call the runtime in a way that may change all memory but a private frame, so they begin with the
-//! facts about that. The number of facts is bounded, so time stays linear.
+//! head with none. A safepoint or an error makes unknown what other organization blocks write (see `effects`). A cold block that may
+//! change all memory but a private frame begins with the facts about that. The number of facts is bounded, so time stays linear.
 
 use std::rc::Rc;
 
@@ -26,10 +26,12 @@ use plcc_abi::layout::state;
 use plcc_ir::analysis::ControlFlow;
 use plcc_ir::entities::EntityVec;
 use plcc_ir::{
-    Address, BinaryOp, Block, ConvertOp, FuncId, Function, Inst, InstData, Loc, Module, Region, StaticDb, Type, Value,
+    Address, BinaryOp, Block, ConvertOp, FuncId, Function, Inst, InstData, Loc, Module, Region, RuntimeFn, StaticDb,
+    Type, Value,
 };
 use rustc_hash::FxHashMap;
 
+use crate::effects::{Effects, is_interruption};
 use crate::extents::{Access, Extent, Extents};
 use crate::frames::Frames;
 use crate::words::Words;
@@ -53,13 +55,20 @@ pub fn read_whole_words(module: &mut Module) {
 
 fn forward(module: &mut Module, whole_words: bool) {
     let frames = Frames::new(module);
+    let effects = Effects::new(module);
     for id in module.functions.keys() {
         let dbs = whole_words.then_some(&*module.dbs);
-        forward_in_function(&mut module.functions[id], id, &frames, dbs);
+        forward_in_function(&mut module.functions[id], id, &frames, &effects, dbs);
     }
 }
 
-fn forward_in_function(function: &mut Function, id: FuncId, frames: &Frames, whole_words: Option<&[StaticDb]>) {
+fn forward_in_function(
+    function: &mut Function,
+    id: FuncId,
+    frames: &Frames,
+    effects: &Effects,
+    whole_words: Option<&[StaticDb]>,
+) {
     let cfg = ControlFlow::new(function);
     let mut at_end: EntityVec<Block, Option<AtEnd>> = EntityVec::new();
     for _ in function.blocks.keys() {
@@ -67,10 +76,10 @@ fn forward_in_function(function: &mut Function, id: FuncId, frames: &Frames, who
     }
     let cold_takes_frame = frames.is_private(id) && function.local_bytes() > 0;
     let mut pass =
-        Forward { function, id, frames, words: None, known: Memory::default(), out: Vec::new(), loc: Loc(0) };
+        Forward { function, id, frames, effects, words: None, known: Memory::default(), out: Vec::new(), loc: Loc(0) };
     for &block in &cfg.rpo {
-        let takes = |function: &Function, from, to| takes_from(function, &cfg, from, to, cold_takes_frame);
-        pass.known = known_at_start(pass.function, &cfg, block, &mut at_end, &takes);
+        let takes = |function: &Function, from, to| takes_from(function, &cfg, effects, from, to, cold_takes_frame);
+        pass.known = known_at_start(pass.function, &cfg, effects, block, &mut at_end, &takes);
         let insts = std::mem::take(&mut pass.function.blocks[block].insts);
         pass.words = whole_words.map(|dbs| Words::of(pass.function, &insts, dbs));
         pass.out = Vec::with_capacity(insts.len());
@@ -93,9 +102,12 @@ struct AtEnd {
 }
 
 /// True of a cold block after which only the own frame can still be known. Others ask the runtime for the time or about a timer.
-fn forgets(function: &Function, block: Block) -> bool {
+fn forgets(function: &Function, effects: &Effects, block: Block) -> bool {
     let calls_all = |data: &InstData| match data {
-        InstData::CallRuntime { function, .. } => function.effect() == Effect::All,
+        InstData::CallRuntime { function, .. } => {
+            function.effect() == Effect::All
+                && !(is_interruption(*function) && !effects.may_write(*function, Region::M, None))
+        }
         data => matches!(data, InstData::Call { .. }),
     };
     let block = &function.blocks[block];
@@ -103,18 +115,26 @@ fn forgets(function: &Function, block: Block) -> bool {
 }
 
 /// True if `next`, which comes later in the walk, begins with the facts at the end of `block`, maybe only those about its own frame.
-fn takes_from(function: &Function, cfg: &ControlFlow, block: Block, next: Block, cold_takes_frame: bool) -> bool {
-    (!forgets(function, next) || cold_takes_frame) && cfg.rpo_index(block) < cfg.rpo_index(next)
+fn takes_from(
+    function: &Function,
+    cfg: &ControlFlow,
+    effects: &Effects,
+    block: Block,
+    next: Block,
+    cold_takes_frame: bool,
+) -> bool {
+    (!forgets(function, effects, next) || cold_takes_frame) && cfg.rpo_index(block) < cfg.rpo_index(next)
 }
 
 fn known_at_start(
     function: &Function,
     cfg: &ControlFlow,
+    effects: &Effects,
     block: Block,
     at_end: &mut EntityVec<Block, Option<AtEnd>>,
     takes: &dyn Fn(&Function, Block, Block) -> bool,
 ) -> Memory {
-    let is_cold = forgets(function, block);
+    let is_cold = forgets(function, effects, block);
     let mut known: Option<Memory> = None;
     let mut complete = true;
     for &pred in cfg.predecessors(block) {
@@ -276,6 +296,31 @@ impl Memory {
         }
     }
 
+    /// Forgets what organization blocks may have changed that ran at a safepoint or an error. They have their own local data.
+    fn interrupt(&mut self, function: RuntimeFn, effects: &Effects, keep_frame: bool) {
+        self.regions.retain(|&region, _| {
+            region == Region::System || region == Region::L && keep_frame || !effects.may_write(function, region, None)
+        });
+        self.forget_system(function, effects);
+        if effects.interruption_changes_dbs() {
+            self.dbs.clear();
+        }
+    }
+
+    /// Forgets what a runtime function may change in the system area.
+    fn forget_system(&mut self, function: RuntimeFn, effects: &Effects) {
+        let Some(bases) = self.regions.get_mut(&Region::System) else { return };
+        bases.retain_mut(|(base, extents)| {
+            let is_kept = |start, end| !effects.may_write(function, Region::System, Some((start, end)));
+            if base.is_none() && extents.iter().any(|item| is_kept(item.start, item.end)) {
+                Rc::make_mut(extents).retain(|item| is_kept(item.start, item.end));
+                true
+            } else {
+                false
+            }
+        });
+    }
+
     fn intersect(&mut self, other: &Memory) {
         self.regions.retain(|region, bases| {
             let Some(others) = other.regions.get(region) else { return false };
@@ -307,6 +352,7 @@ struct Forward<'a> {
     frames: &'a Frames,
     /// Words that are read for their bits, if any are.
     words: Option<Words<'a>>,
+    effects: &'a Effects,
     known: Memory,
     out: Vec<Inst>,
     loc: Loc,
@@ -365,12 +411,15 @@ impl Forward<'_> {
                         self.known.regions.remove(&Region::Cells);
                     }
                     Effect::System => {
-                        self.known.regions.remove(&Region::System);
+                        self.known.forget_system(*function, self.effects);
                         self.known.regions.remove(&Region::Any);
                     }
                     Effect::Io => {
                         self.known.regions.remove(&Region::Q);
                         self.known.regions.remove(&Region::Any);
+                    }
+                    Effect::All if is_interruption(*function) => {
+                        self.known.interrupt(*function, self.effects, self.frames.is_private(self.id));
                     }
                     Effect::All => {
                         self.known.forget_all(self.frames.is_private(self.id), self.function);

@@ -24,8 +24,9 @@ mod cost;
 mod safepoint;
 mod splice;
 
+use plcc_abi::layout::area;
 use plcc_ir::entities::{Entity, EntityVec};
-use plcc_ir::{Address, Block, FuncId, Function, Inst, InstData, Module, Region};
+use plcc_ir::{Address, Block, FuncId, Function, Inst, InstData, Module, Region, Type};
 
 use rustc_hash::FxHashSet;
 
@@ -134,7 +135,7 @@ impl<'a> Inliner<'a> {
             let insts = std::mem::take(&mut caller.blocks[block].insts);
             let mut at = block;
             for (index, &inst) in insts.iter().enumerate() {
-                match self.chosen(caller, block, inst) {
+                match self.chosen(caller, block, &insts[..=index]) {
                     Some((callee, shape)) => {
                         let safepoint = Safepoint::after_call(caller, &insts[index + 1..]);
                         if shape.is_quiet
@@ -161,8 +162,9 @@ impl<'a> Inliner<'a> {
         }
     }
 
-    /// The callee of `inst` if that is to be inlined.
-    fn chosen(&mut self, caller: &Function, block: Block, inst: Inst) -> Option<(&'a Function, Shape)> {
+    /// The callee of the last of `insts`, which begin `block`, if it is to be inlined.
+    fn chosen(&mut self, caller: &Function, block: Block, insts: &[Inst]) -> Option<(&'a Function, Shape)> {
+        let (&inst, before) = insts.split_last()?;
         let InstData::Call { callee, .. } = &caller.insts[inst] else { return None };
         let shape = self.shapes[*callee]?;
         let module = self.module;
@@ -172,8 +174,20 @@ impl<'a> Inliner<'a> {
             && shape.caller_bytes <= caller.frame_bytes
             && caller.frame_bytes + function.local_bytes() <= plcc_abi::layout::L_CLASS_BYTES
             && !caller.blocks[block].cold;
-        (fits && self.budget.allows(&shape, is_only_call)).then_some((function, shape))
+        (fits && self.budget.allows(&shape, is_only_call, knows_areas(caller, before))).then_some((function, shape))
     }
+}
+
+/// True if instructions before a call store a constant pointer with its area for the callee.
+fn knows_areas(caller: &Function, before: &[Inst]) -> bool {
+    /// Instructions before a call in which its parameters are stored.
+    const LAST: usize = 40;
+    before.iter().rev().take(LAST).any(|&inst| match &caller.insts[inst] {
+        InstData::Store { addr, value } if addr.region == Region::L && caller.ty(*value) == Type::I32 => caller
+            .constant(*value)
+            .is_some_and(|pointer| (u64::from(area::P)..=u64::from(area::V)).contains(&(pointer >> 24))),
+        _ => false,
+    })
 }
 
 /// The address of an inlined function as seen from the function that has a frame of `frame_bytes`.

@@ -9,10 +9,12 @@
 mod addresses;
 mod bits;
 mod branches;
+mod cold_loops;
 mod control_flow;
 mod dead_code;
 mod dead_stores;
 mod duplicate;
+mod effects;
 mod extents;
 mod floats;
 mod fold;
@@ -20,11 +22,14 @@ mod forward;
 mod frames;
 mod inline;
 mod interfaces;
+mod invariants;
 mod known_bits;
 mod locals;
+mod loop_memory;
 mod loops;
 mod merge_bits;
 mod ranges;
+mod unroll;
 mod usage;
 mod values;
 mod variables;
@@ -54,6 +59,8 @@ pub const PIPELINE: &[Pass] = &[
     pass("fold", fold::fold),
     pass("control-flow", control_flow::simplify_control_flow),
     pass("interfaces", interfaces::simplify_interfaces),
+    pass("fold", fold::fold),
+    pass("control-flow", control_flow::simplify_control_flow),
     pass("dead-code", dead_code::eliminate_dead_code),
     pass("compact", compact),
     pass("inline", inline::inline_calls),
@@ -72,6 +79,27 @@ pub const PIPELINE: &[Pass] = &[
     pass("values", values::share_values),
     pass("forward", forward::forward_memory),
     pass("fold", fold::fold),
+    pass("unroll", unroll::unroll_loops),
+    pass("control-flow", control_flow::simplify_control_flow),
+    pass("fold", fold::fold),
+    pass("control-flow", control_flow::simplify_control_flow),
+    pass("part-cold-loops", cold_loops::part_cold_loops),
+    pass("control-flow", control_flow::simplify_control_flow),
+    pass("loop-memory", loop_memory::carry_memory),
+    pass("fold", fold::fold),
+    pass("ranges", ranges::use_ranges),
+    pass("fold", fold::fold),
+    pass("control-flow", control_flow::simplify_control_flow),
+    pass("addresses", addresses::resolve_addresses),
+    pass("bits", bits::find_bits),
+    pass("values", values::share_values),
+    pass("forward", forward::forward_memory),
+    pass("fold", fold::fold),
+    pass("part-cold-ways", duplicate::part_cold_ways),
+    pass("control-flow", control_flow::simplify_control_flow),
+    pass("values", values::share_values),
+    pass("forward", forward::forward_memory),
+    pass("fold", fold::fold),
     pass("part-cold-ways", duplicate::part_cold_ways),
     pass("control-flow", control_flow::simplify_control_flow),
     pass("values", values::share_values),
@@ -82,6 +110,7 @@ pub const PIPELINE: &[Pass] = &[
     pass("words", forward::read_whole_words),
     pass("merge-bits", merge_bits::merge_bits),
     pass("floats", floats::relax_floats),
+    pass("hoist-lookups", invariants::hoist_lookups),
     pass("turn-loops", duplicate::turn_loops),
     pass("fold", fold::fold),
     pass("control-flow", control_flow::simplify_control_flow),

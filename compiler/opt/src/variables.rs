@@ -60,6 +60,48 @@ impl Versions {
     }
 }
 
+/// Copies blocks; jumps among them lead to the copies. What the copies compute are versions of what the originals do: until
+/// [`join_versions`] their operands have the names of the originals.
+pub fn copy_blocks(function: &mut Function, blocks: &[Block], versions: &mut Versions) -> FxHashMap<Block, Block> {
+    let mut copies: FxHashMap<Block, Block> = FxHashMap::default();
+    for &block in blocks {
+        let new = function.add_block();
+        function.blocks[new].cold = function.blocks[block].cold;
+        copies.insert(block, new);
+        for param in function.blocks[block].params.clone() {
+            let version = function.add_param(new, function.ty(param));
+            versions.add(function, param, version);
+        }
+    }
+    for &block in blocks {
+        for inst in function.blocks[block].insts.clone() {
+            let mut data = function.insts[inst].clone();
+            data.for_each_target_mut(|call| call.block = copies.get(&call.block).copied().unwrap_or(call.block));
+            let types: Vec<_> = function.results[inst].iter().map(|&result| function.ty(result)).collect();
+            let new = function.make_inst(data, &types, function.locs[inst]);
+            for (original, version) in function.results[inst].clone().into_iter().zip(function.results[new].clone()) {
+                versions.add(function, original, version);
+            }
+            function.blocks[copies[&block]].insts.push(new);
+        }
+    }
+    copies
+}
+
+/// Moves the constants in blocks to the begin of the function, so that copies of the blocks have the same.
+pub fn move_constants(function: &mut Function, blocks: &[Block]) {
+    let mut moved = Vec::new();
+    for &block in blocks {
+        let insts = std::mem::take(&mut function.blocks[block].insts);
+        let is_constant = |inst: &Inst| matches!(function.insts[*inst], InstData::Const { .. });
+        let (constants, rest): (Vec<Inst>, Vec<Inst>) = insts.into_iter().partition(is_constant);
+        moved.extend(constants);
+        function.blocks[block].insts = rest;
+    }
+    let entry = function.entry();
+    function.blocks[entry].insts.splice(0..0, moved);
+}
+
 /// Makes every use of an original one of the version that was computed on the way there. It takes as long as it takes: whoever
 /// duplicates code leaves large functions alone.
 pub fn join_versions(function: &mut Function, versions: &Versions) {

@@ -2,7 +2,7 @@
 
 use plcc_abi::codes::sync;
 use plcc_abi::layout::{self, area};
-use plcc_ir::{Address, BinaryOp, IntCc, Region, Type, Value};
+use plcc_ir::{Address, BinaryOp, InstData, IntCc, Region, Type, Value};
 use plcc_model::{Place, PlaceArea, Width};
 
 use super::area::PERIPHERAL_BYTES;
@@ -12,13 +12,107 @@ use crate::block::BlockLowering;
 /// The codes of all areas.
 const AREAS: [u8; 8] = [area::P, area::I, area::Q, area::M, area::DB, area::DI, area::L, area::V];
 
+/// A pointer with its area: `W [AR1,P#0.0]`, or a POINTER.
+#[derive(Clone, Copy)]
+pub struct Crossing {
+    pub pointer: Value,
+    /// Bits after its target.
+    pub offset: u32,
+    /// The DBs of areas DB and DI.
+    pub db: Value,
+    pub di: Value,
+}
+
 impl BlockLowering<'_, '_> {
-    /// In the target of the POINTER at `pointer` of this FB's instance, `offset` bits after its start.
-    pub(super) fn through_pointer(&mut self, pointer: u32, offset: u32, width: Width, direction: Direction) -> Target {
-        let db = self.read(&Place::Instance { byte: pointer, bit: 0 }, Width::Word);
-        let address = self.read(&Place::Instance { byte: pointer + 2, bit: 0 }, Width::Dword);
-        let di = self.get(self.regs.di);
-        self.area_crossing(address, offset, db, di, width, direction)
+    /// The pointer of a place whose area is in it.
+    pub(super) fn crossing_of(&mut self, place: &Place) -> Option<Crossing> {
+        match *place {
+            // In the target of a POINTER of this FB's instance.
+            Place::ThroughPointer { pointer, byte, bit } => {
+                let db = self.read(&Place::Instance { byte: pointer, bit: 0 }, Width::Word);
+                let address = self.read(&Place::Instance { byte: pointer + 2, bit: 0 }, Width::Dword);
+                let di = self.get(self.regs.di);
+                Some(Crossing { pointer: address, offset: 8 * byte + u32::from(bit), db, di })
+            }
+            Place::Register { area: None, register, offset } => {
+                let pointer = self.get(self.address_register(register));
+                let (db, di) = (self.get(self.regs.db), self.get(self.regs.di));
+                Some(Crossing { pointer, offset, db, di })
+            }
+            _ => None,
+        }
+    }
+
+    /// As [`crossing_of`](Self::crossing_of), if the area is only known at run time.
+    pub(super) fn crossing(&mut self, place: &Place) -> Option<Crossing> {
+        let crossing = self.crossing_of(place)?;
+        let function = self.b.function();
+        let pointer = function.resolve(crossing.pointer);
+        // An address that was put together with its area: a formal parameter.
+        let with_area = match function.defining(pointer) {
+            Some(InstData::Binary { op: BinaryOp::Or, args: [_, area] }) => *area,
+            _ => pointer,
+        };
+        function.constant(with_area).is_none().then_some(crossing)
+    }
+
+    /// Accesses the target of a pointer. In the usual areas it names its region, so that it touches nothing else; `access` is done
+    /// once for each of them, and on a cold way for all other areas and for faults.
+    pub(super) fn by_area(
+        &mut self,
+        crossing: &Crossing,
+        width: Width,
+        direction: Direction,
+        access: &mut dyn FnMut(&mut Self, Target),
+    ) {
+        let (other, join) = (self.b.create_cold_block(), self.b.create_block());
+        let code = self.b.binary_imm(BinaryOp::Lshr, crossing.pointer, 24);
+        let effective = self.effective(crossing.pointer, crossing.offset);
+        let end = self.b.binary_imm(BinaryOp::Iadd, effective.byte, i64::from(width.bytes()));
+        let aligned = (width != Width::Bit).then(|| self.b.icmp_imm(IntCc::Eq, effective.bit, 0));
+        let areas = [area::DB, area::M, area::Q, area::I];
+        for (number, area) in (1..).zip(areas) {
+            let (is_area, good) = (self.b.create_block(), self.b.create_block());
+            let next = if number < areas.len() { self.b.create_block() } else { other };
+            let matches = self.b.icmp_imm(IntCc::Eq, code, i64::from(area));
+            self.b.branch(matches, is_area, next);
+            self.b.seal_block(is_area);
+            if next != other {
+                self.b.seal_block(next);
+            }
+            self.b.switch_to(is_area);
+            let (base, limit) = self.extent_of(area, (crossing.db, crossing.di));
+            let mut ok = self.b.icmp(IntCc::Ule, end, limit);
+            if let Some(aligned) = aligned {
+                ok = self.b.and(ok, aligned);
+            }
+            let mut addr = Address::indexed(Region::M, effective.byte, 0);
+            match area {
+                area::DB => {
+                    addr = Address::indexed(Region::AnyDb, self.b.iadd(base, effective.byte), 0);
+                    if let Some(check) = self.protection_check(crossing.db, width, PlaceArea::Db, direction) {
+                        ok = self.b.and(ok, check.ok);
+                    }
+                }
+                area::Q => addr.region = Region::Q,
+                area::I => addr.region = Region::I,
+                _ => {}
+            }
+            self.b.branch(ok, good, other);
+            self.b.seal_block(good);
+            self.b.switch_to(good);
+            access(self, Target::at(addr, BitNumber::Dynamic(effective.bit)));
+            self.b.jump(join, &[]);
+            if next == other {
+                self.b.seal_block(other);
+            }
+            self.b.switch_to(next);
+        }
+        let target = self.area_crossing(crossing, width, direction);
+        access(self, target);
+        self.b.jump(join, &[]);
+        self.b.seal_block(join);
+        self.b.switch_to(join);
     }
 
     /// Area V below the caller's frame, the target of pointers from its callers that it passes on: whether `byte` is there
@@ -34,16 +128,9 @@ impl BlockLowering<'_, '_> {
         (is_below, address)
     }
 
-    /// An address whose area code is in the pointer: `W [AR1,P#0.0]`. `db` and `di` are the DBs of areas DB and DI.
-    pub fn area_crossing(
-        &mut self,
-        pointer: Value,
-        offset: u32,
-        db: Value,
-        di: Value,
-        width: Width,
-        direction: Direction,
-    ) -> Target {
+    /// The target of a pointer, in whatever area it is.
+    pub fn area_crossing(&mut self, crossing: &Crossing, width: Width, direction: Direction) -> Target {
+        let Crossing { pointer, offset, db, di } = *crossing;
         let code = self.b.binary_imm(BinaryOp::Lshr, pointer, 24);
         let effective = self.effective(pointer, offset);
         let (base, limit) = match self.b.constant_bits(code) {

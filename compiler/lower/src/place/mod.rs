@@ -7,13 +7,13 @@
 //! - `transfer`: reads and writes.
 
 mod area;
-mod crossing;
+pub mod crossing;
 mod transfer;
 
 use plcc_abi::codes::{access, access_area, sync};
 use plcc_abi::{Type, layout};
 use plcc_ir::{Address, BinaryOp, Region, Value};
-use plcc_model::{AddressRegister, Passing, Place, PlaceArea, Width};
+use plcc_model::{Passing, Place, PlaceArea, Width};
 
 use crate::block::BlockLowering;
 use crate::fault::Check;
@@ -92,30 +92,19 @@ impl BlockLowering<'_, '_> {
             Place::Db { number, byte, bit } => self.in_known_db(number, byte, bit, width, direction),
             Place::Instance { byte, bit } => self.in_instance(byte, bit, width, direction),
             Place::Parameter { parameter, byte, bit } => self.in_parameter(parameter, byte, bit),
-            Place::ThroughPointer { pointer, byte, bit } => {
-                self.through_pointer(pointer, 8 * byte + u32::from(bit), width, direction)
+            Place::ThroughPointer { .. } | Place::Register { area: None, .. } => {
+                let crossing = self.crossing_of(place).expect("its area is in a pointer");
+                self.area_crossing(&crossing, width, direction)
             }
             Place::Indirect { area, ref pointer } => {
                 let pointer = self.read(pointer, Width::Dword);
                 let effective = self.effective(pointer, 0);
                 self.in_area(area, effective, width, direction)
             }
-            Place::Register { area, register, offset } => {
-                let index = match register {
-                    AddressRegister::Ar1 => 0,
-                    AddressRegister::Ar2 => 1,
-                };
-                let pointer = self.get(self.regs.ar[index]);
-                match area {
-                    Some(area) => {
-                        let effective = self.effective(pointer, offset);
-                        self.in_area(area, effective, width, direction)
-                    }
-                    None => {
-                        let (db, di) = (self.get(self.regs.db), self.get(self.regs.di));
-                        self.area_crossing(pointer, offset, db, di, width, direction)
-                    }
-                }
+            Place::Register { area: Some(area), register, offset } => {
+                let pointer = self.get(self.address_register(register));
+                let effective = self.effective(pointer, offset);
+                self.in_area(area, effective, width, direction)
             }
         };
         target.checks.retain(|check| self.b.constant_bits(check.ok) != Some(1));

@@ -2,7 +2,7 @@
 
 use plcc_abi::codes::{access_area, sync};
 use plcc_abi::{RuntimeFn, Type};
-use plcc_ir::{Address, BinaryOp, IntCc, Value};
+use plcc_ir::{Address, BinaryOp, IntCc, Value, Var};
 use plcc_model::{Place, Width};
 
 use super::{BitNumber, Direction, Target, TargetKind, access_byte, width_type};
@@ -12,16 +12,33 @@ use crate::fault::{Check, Substitute};
 impl BlockLowering<'_, '_> {
     /// Reads `place`: an i32, zero-extended, an i1 with width Bit, an i64 with width Lword. After a fault, the value that the error OB supplies.
     pub fn read(&mut self, place: &Place, width: Width) -> Value {
+        if let Some(crossing) = self.crossing(place) {
+            let result = self.result_of(width);
+            self.by_area(&crossing, width, Direction::Read, &mut |this, target| {
+                let value = this.read_target(target, width);
+                this.b.def_var(result, value);
+            });
+            return self.b.use_var(result);
+        }
         let target = self.target(place, width, Direction::Read);
         self.read_target(target, width)
     }
 
+    fn result_of(&self, width: Width) -> Var {
+        match width {
+            Width::Bit => self.result_bit,
+            Width::Byte | Width::Word | Width::Dword => self.result,
+            Width::Lword => self.result_long,
+        }
+    }
+
     pub fn read_target(&mut self, target: Target, width: Width) -> Value {
-        let (substitute, result) = match width {
-            Width::Bit => (Substitute::Bit, self.result_bit),
-            Width::Byte | Width::Word | Width::Dword => (Substitute::Word, self.result),
-            Width::Lword => (Substitute::Long, self.result_long),
+        let substitute = match width {
+            Width::Bit => Substitute::Bit,
+            Width::Byte | Width::Word | Width::Dword => Substitute::Word,
+            Width::Lword => Substitute::Long,
         };
+        let result = self.result_of(width);
         let guard = self.begin_guard(target.checks, substitute);
         let value = match target.kind {
             TargetKind::Memory { addr, bit } => self.read_memory(addr, bit, width),
@@ -109,6 +126,12 @@ impl BlockLowering<'_, '_> {
 
     /// Writes the low bits of `value` (an i32; an i1 with width Bit) to `place`.
     pub fn write(&mut self, place: &Place, width: Width, value: Value) {
+        if let Some(crossing) = self.crossing(place) {
+            self.by_area(&crossing, width, Direction::Write, &mut |this, target| {
+                this.write_target(target, width, value);
+            });
+            return;
+        }
         let target = self.target(place, width, Direction::Write);
         self.write_target(target, width, value);
     }

@@ -50,8 +50,6 @@ pub struct S7200Lowering<'p, 'o> {
     /// The logic stack, S0 first.
     pub stack: [Var; STACK_LEVELS],
     pub eno: Var,
-    /// Results of two paths.
-    pub result: Var,
     pub site: u32,
     /// Index of the statement.
     pub index: usize,
@@ -74,7 +72,7 @@ impl<'p, 'o> S7200Lowering<'p, 'o> {
         let name = format!("{}{}", block.kind.prefix(), block.number);
         let mut b = FunctionBuilder::new(name, &plan::parameters(body), &plan::returns(body));
         let stack = std::array::from_fn(|_| b.declare_var(Type::I1));
-        let (eno, result) = (b.declare_var(Type::I1), b.declare_var(Type::I32));
+        let eno = b.declare_var(Type::I1);
         let mut lowering = S7200Lowering {
             plan,
             output,
@@ -83,7 +81,6 @@ impl<'p, 'o> S7200Lowering<'p, 'o> {
             b,
             stack,
             eno,
-            result,
             site: 0,
             index: 0,
             on_error: OnError::Skip,

@@ -7,6 +7,7 @@ use plcc_model::s7200::{Area, Operand, Width};
 
 use super::block::S7200Lowering;
 use super::plan::ir_type;
+use super::pointer::Pointed;
 
 /// Special memory bytes that do something when they are written: SMB30, SMB31, SMB130.
 const SPECIAL_WITH_EFFECT: [u32; 3] = [30, 31, 130];
@@ -15,8 +16,8 @@ const SPECIAL_WITH_EFFECT: [u32; 3] = [30, 31, 130];
 #[derive(Clone, Copy)]
 pub enum Place<'a> {
     Direct(&'a Operand),
-    /// At this offset from the memory base, an i32.
-    At(Value),
+    /// Where a pointer leads.
+    At(Pointed),
 }
 
 /// The use of a place.
@@ -40,8 +41,13 @@ impl S7200Lowering<'_, '_> {
 
     /// Value of an operand that is read, of the type of `width`.
     pub fn read(&mut self, operand: &Operand, width: Width) -> Value {
-        let place = self.place(operand, width.bytes(), Use::Read);
-        self.load(place, width)
+        match operand {
+            Operand::Indirect { pointer, .. } => {
+                let pointer = self.load(Place::Direct(pointer), Width::Dword);
+                self.load_through(pointer, width.bytes(), ir_type(width))
+            }
+            _ => self.load(Place::Direct(operand), width),
+        }
     }
 
     /// An operand that is written later, or changed in place.
@@ -53,7 +59,7 @@ impl S7200Lowering<'_, '_> {
     pub fn load(&mut self, place: Place, width: Width) -> Value {
         let ty = ir_type(width);
         let operand = match place {
-            Place::At(base) => return self.b.load(ty, Address::indexed(Region::Any, base, 0)),
+            Place::At(pointed) => return self.load_pointed(pointed, ty),
             Place::Direct(operand) => operand,
         };
         match operand {
@@ -97,7 +103,7 @@ impl S7200Lowering<'_, '_> {
     /// Writes a value of the type of `width`.
     pub fn store(&mut self, place: Place, width: Width, value: Value) {
         let operand = match place {
-            Place::At(base) => return self.b.store(Address::indexed(Region::Any, base, 0), value),
+            Place::At(pointed) => return self.store_pointed(pointed, value),
             Place::Direct(operand) => operand,
         };
         if let Operand::Timer { number, .. } = operand {
@@ -170,7 +176,7 @@ impl S7200Lowering<'_, '_> {
     /// Offset of an operand from the memory base, for operations of the runtime, an i32.
     pub fn address_value(&mut self, operand: &Operand, width: Width, purpose: Use) -> Value {
         match self.place(operand, width.bytes(), purpose) {
-            Place::At(base) => base,
+            Place::At(pointed) => pointed.base,
             Place::Direct(operand) => {
                 let at = self.address(operand, width);
                 self.b.address_of(at)

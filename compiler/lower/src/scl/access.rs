@@ -12,6 +12,7 @@ use super::promote;
 use super::value_type;
 use crate::block::BlockLowering;
 use crate::fault::Check;
+use crate::place::crossing::Crossing;
 use crate::place::{BitNumber, Direction, Target, TargetKind};
 use crate::pointer::PointerFields;
 
@@ -246,7 +247,7 @@ impl BlockLowering<'_, '_> {
                 let high = self.b.binary_imm(BinaryOp::Shl, *code, 24);
                 let low = self.b.binary_imm(BinaryOp::And, address, 0x00FF_FFFF);
                 let pointer = self.b.or(high, low);
-                self.area_crossing(pointer, 0, *db, *db, width, direction)
+                self.area_crossing(&Crossing { pointer, offset: 0, db: *db, di: *db }, width, direction)
             }
         };
         checks.extend(target.checks);

@@ -47,7 +47,7 @@ impl BlockLowering<'_, '_> {
         }
     }
 
-    fn address_register(&self, register: AddressRegister) -> Var {
+    pub fn address_register(&self, register: AddressRegister) -> Var {
         match register {
             AddressRegister::Ar1 => self.regs.ar[0],
             AddressRegister::Ar2 => self.regs.ar[1],

@@ -5,7 +5,9 @@
 //! part of its size, so that compile time stays linear in the size of the program.
 
 use plcc_abi::functions::Effect;
-use plcc_ir::{BinaryOp, Function, InstData, Module, Region, UnaryOp};
+use plcc_abi::layout::area;
+use plcc_ir::{BinaryOp, Block, Function, InstData, IntCc, Module, Region, UnaryOp};
+use rustc_hash::FxHashSet;
 
 use crate::frames;
 
@@ -15,19 +17,23 @@ const CALL_COST: u32 = 24;
 const SMALL: u32 = 2 * CALL_COST;
 /// Up to this cost it is inlined as long as the program may grow.
 const MEDIUM: u32 = 4 * CALL_COST;
+/// The same of a function that gets pointers whose areas it then knows.
+const ONE_AREA: u32 = 6 * CALL_COST;
 /// Up to this size a function that is called once is inlined.
 const ONCE_MAX: u32 = 2000;
 /// No function grows beyond this size, but for small callees: code generation takes more than linear time for large ones.
 const CALLER_MAX: u32 = 10_000;
 /// Growth by callees that are not small: a part of the program's size, and a minimum for every program.
 const GROWTH_PART: u32 = 8;
-const GROWTH_FREE: u32 = 1000;
+const GROWTH_FREE: u32 = 2000;
 
 /// The properties of a function as a callee.
 #[derive(Clone, Copy)]
 pub struct Shape {
     /// Instructions on paths that are not cold, weighted.
     pub cost: u32,
+    /// As `cost`, where pointers whose area the function looks at are known: then only the code for one area remains.
+    pub cost_by_area: u32,
     /// Instructions.
     pub size: u32,
     /// It calls no function of the module, returns, and passes no address of local data on: the caller's local data stay
@@ -42,14 +48,18 @@ pub struct Shape {
 impl Shape {
     pub fn of(function: &Function) -> Shape {
         let is_leaf = !frames::gives_address_away(function);
-        let mut shape = Shape { cost: 0, size: 0, is_leaf, is_quiet: true, caller_bytes: 0 };
+        let mut shape = Shape { cost: 0, cost_by_area: 0, size: 0, is_leaf, is_quiet: true, caller_bytes: 0 };
         let mut returns = false;
-        for block in function.layout.iter().map(|&block| &function.blocks[block]) {
+        let other_areas = code_for_areas(function);
+        for (id, block) in function.layout.iter().map(|&id| (id, &function.blocks[id])) {
             for &inst in &block.insts {
                 let data = &function.insts[inst];
                 shape.size += 1;
                 if !block.cold {
                     shape.cost += cost(data);
+                    if !other_areas.contains(&id) {
+                        shape.cost_by_area += cost(data);
+                    }
                 }
                 match data {
                     InstData::Call { .. } => shape.is_leaf = false,
@@ -74,6 +84,33 @@ impl Shape {
         shape.is_leaf &= returns;
         shape
     }
+}
+
+/// Blocks that are only for pointers into some area that is not a DB.
+fn code_for_areas(function: &Function) -> FxHashSet<Block> {
+    let mut found = FxHashSet::default();
+    for &block in &function.layout {
+        let Some(InstData::Branch { cond, then_to, .. }) = function.terminator(block).map(|inst| &function.insts[inst])
+        else {
+            continue;
+        };
+        if area_test(function, *cond).is_some_and(|area| area != u64::from(area::DB)) {
+            found.insert(then_to.block);
+            found.extend(function.successors(then_to.block).into_iter().filter(|&next| {
+                // What the other areas also go to is the rest of the function.
+                function.blocks[next].params.is_empty() && !function.blocks[next].cold
+            }));
+        }
+    }
+    found
+}
+
+/// The area that a condition compares that of a pointer with.
+fn area_test(function: &Function, cond: plcc_ir::Value) -> Option<u64> {
+    let &InstData::IntCompare { cc: IntCc::Eq, args: [code, area] } = function.defining(cond)? else { return None };
+    let &InstData::Binary { op: BinaryOp::Lshr, args: [_, count] } = function.defining(code)? else { return None };
+    let area = function.constant(area)?;
+    (function.constant(count) == Some(24) && (u64::from(area::P)..=u64::from(area::V)).contains(&area)).then_some(area)
 }
 
 /// Bytes that an access touches.
@@ -116,8 +153,11 @@ impl Budget {
         self.caller = size;
     }
 
-    /// Whether a callee is to be inlined; if so, it counts.
-    pub fn allows(&mut self, callee: &Shape, is_only_call: bool) -> bool {
+    /// Whether a callee is to be inlined; if so, it counts. `knows_areas`: the caller passes pointers with constant areas.
+    pub fn allows(&mut self, callee: &Shape, is_only_call: bool, knows_areas: bool) -> bool {
+        let by_area = knows_areas && callee.cost_by_area < callee.cost;
+        let (cost, size) =
+            if by_area { (callee.cost_by_area, callee.cost_by_area) } else { (callee.cost, callee.size) };
         let caller = self.caller.saturating_add(callee.size);
         let fits = caller <= CALLER_MAX;
         let small = callee.cost <= SMALL && callee.size <= 2 * SMALL;
@@ -126,12 +166,12 @@ impl Budget {
         } else if is_only_call {
             fits && callee.size <= ONCE_MAX
         } else {
-            fits && callee.cost <= MEDIUM && callee.size <= self.growth
+            fits && cost <= if by_area { ONE_AREA } else { MEDIUM } && size <= self.growth
         };
         if allowed {
             self.caller = caller;
             if !small && !is_only_call {
-                self.growth -= callee.size;
+                self.growth -= size;
             }
         }
         allowed

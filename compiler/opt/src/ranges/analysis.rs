@@ -14,12 +14,16 @@ use rustc_hash::FxHashMap;
 use super::interval::{self, Interval};
 
 /// Sweeps until nothing grows any more; with more the function is left as it is.
-const GROWING_MAX: usize = 16;
+const GROWING_MAX: usize = 40;
+/// Sweeps after which what still grows may be any number.
+const LANDMARKS_UNTIL: usize = 16;
 /// Sweeps that make intervals smaller.
 const SHRINKING: usize = 2;
+/// Address registers have the area above an address of 24 bits.
+const ADDRESS_MASK: i64 = 0x00FF_FFFF;
 /// How many steps back a condition is followed: conversions, sums with constants, conditions joined by AND and OR.
 const DEPTH_MAX: u32 = 4;
-/// Where widening stops: the numbers at which loops usually end.
+/// Where widening stops: the numbers at which loops usually end. Pointers with an area stop at the end of that.
 const LANDMARKS: [i64; 10] = [-32768, -128, -1, 0, 1, 127, 255, 1023, 32767, 65535];
 
 /// The knowledge of a point of the function while a sweep is there.
@@ -169,7 +173,9 @@ impl<'f> Ranges<'f> {
             let before = self.values[param.index()];
             if let (Some(before), Phase::Growing(sweep)) = (before, self.phase) {
                 came = came.join(before);
-                if came != before && sweep > 1 {
+                if came != before && sweep > LANDMARKS_UNTIL {
+                    came = full;
+                } else if came != before && sweep > 1 {
                     came = widened(before, came, full);
                 }
             }
@@ -376,16 +382,15 @@ impl<'f> Ranges<'f> {
                 }
             }
             Some(&InstData::Binary { op: op @ (BinaryOp::Iadd | BinaryOp::Isub), args: [a, b] }) => {
-                let (Some(of_a), Some(of_b)) = (self.get(a), self.get(b)) else { return };
-                let Some(constant) = of_b.single() else { return };
-                // Without a wrap the sum minus the constant is the operand.
-                let constant = if op == BinaryOp::Iadd { constant } else { constant.wrapping_neg() };
+                let Some(constant) = self.get(b).and_then(Interval::single) else { return };
+                // The operand is the sum minus the constant; where that wraps, both ends must do so.
+                let constant = if op == BinaryOp::Iadd { i128::from(constant) } else { -i128::from(constant) };
                 let full = Interval::full(ty);
-                let sum = (of_a.lo.checked_add(constant), of_a.hi.checked_add(constant));
-                if let (Some(lo), Some(hi)) = sum
-                    && full.lo <= lo
+                let size = i128::from(full.hi) - i128::from(full.lo) + 1;
+                let (lo, hi) = (i128::from(range.lo) - constant, i128::from(range.hi) - constant);
+                let turns = (lo - i128::from(full.lo)).div_euclid(size);
+                if let (Ok(lo), Ok(hi)) = (i64::try_from(lo - turns * size), i64::try_from(hi - turns * size))
                     && hi <= full.hi
-                    && let (Some(lo), Some(hi)) = (range.lo.checked_sub(constant), range.hi.checked_sub(constant))
                 {
                     self.learn_range(a, Interval { lo, hi, zeros: 0 }, depth - 1);
                 }
@@ -446,7 +451,9 @@ impl<'f> Ranges<'f> {
             let Some(calls) = self.jumps_back(header) else { continue };
             let params = &self.function.blocks[header].params;
             let step = |(index, &param): (usize, &Value)| {
-                let mut steps = calls.iter().map(|call| self.step_of(param, call.args[index]));
+                // An address register keeps its area.
+                let area = self.first(header, param).and_then(|first| interval::common_bits(first, ADDRESS_MASK));
+                let mut steps = calls.iter().map(|call| self.step_of(param, call.args[index], area.unwrap_or(0)));
                 let first = steps.next()??;
                 steps.all(|other| other == Some(first)).then_some(first)
             };
@@ -478,7 +485,9 @@ impl<'f> Ranges<'f> {
     }
 
     /// The constant by which the argument of the jump back differs from the parameter.
-    fn step_of(&self, param: Value, arg: Value) -> Option<Step> {
+    /// `area`: the bits above the address that the parameter has in the first pass.
+    fn step_of(&self, param: Value, arg: Value, area: i64) -> Option<Step> {
+        let mut keeps_area = false;
         let mut step = Step { by: 0, fits: Interval::full(self.function.ty(param)) };
         let mut at = self.function.resolve(arg);
         for _ in 0..=2 * DEPTH_MAX {
@@ -497,6 +506,19 @@ impl<'f> Ranges<'f> {
                     at = self.function.resolve(a);
                 }
                 // The address register: the byte of the area stays, the rest is counted in 24 bits.
+                // The area may be known by now.
+                InstData::Binary { op: BinaryOp::Or, args: [a, b] }
+                    if self.constant(b).is_some_and(|bits| bits == area && bits != 0) =>
+                {
+                    let InstData::Binary { op: BinaryOp::And, args: [_, mask] } = *self.function.defining(a)? else {
+                        return None;
+                    };
+                    keeps_area = self.constant(mask)? == ADDRESS_MASK;
+                    if !keeps_area {
+                        return None;
+                    }
+                    at = self.function.resolve(a);
+                }
                 InstData::Binary { op: BinaryOp::Or, args: [a, b] } => {
                     let kept = |value: Value| match *self.function.defining(value)? {
                         InstData::Binary { op: BinaryOp::And, args: [x, mask] }
@@ -518,6 +540,7 @@ impl<'f> Ranges<'f> {
                     if self.constant(mask)? & kept != 0 {
                         return None;
                     }
+                    keeps_area = kept == !ADDRESS_MASK && self.constant(mask)? == ADDRESS_MASK;
                     at = self.function.resolve(counted);
                 }
                 InstData::Binary { op: BinaryOp::And, args: [a, mask] } => {
@@ -525,7 +548,8 @@ impl<'f> Ranges<'f> {
                     if mask < 0 || mask & (mask + 1) != 0 || step.by != 0 {
                         return None;
                     }
-                    step.fits = step.fits.meet(Interval::between(0, mask))?;
+                    let low = if keeps_area { area } else { 0 };
+                    step.fits = step.fits.meet(Interval::between(low, low + mask))?;
                     at = self.function.resolve(a);
                 }
                 // A conversion that changes nothing.
@@ -634,7 +658,10 @@ fn widened(before: Interval, now: Interval, full: Interval) -> Interval {
         now.lo
     };
     let hi = if now.hi > before.hi {
-        LANDMARKS.iter().copied().find(|&mark| mark >= now.hi).map_or(full.hi, |mark| mark.min(full.hi))
+        let end_of_area = now.hi | ADDRESS_MASK;
+        let is_pointer = (-0x8000_0000..-0x7800_0000).contains(&now.hi) && end_of_area > before.hi;
+        let mark = LANDMARKS.iter().copied().find(|&mark| mark >= now.hi).map_or(full.hi, |mark| mark.min(full.hi));
+        if is_pointer { end_of_area } else { mark }
     } else {
         now.hi
     };

@@ -93,10 +93,43 @@ fn count_of(ty: Type, count: Interval) -> Option<u32> {
     count.single().map(|count| (count & i64::from(ty.bits() - 1)) as u32)
 }
 
+/// The bits in which the numbers of an interval differ from each other, and all below them.
+fn free_bits(a: Interval) -> i64 {
+    ((a.lo ^ a.hi) as u64).checked_ilog2().map_or(0, |highest| (u64::MAX >> (63 - highest)) as i64)
+}
+
+/// The bits of all numbers of the interval outside `mask`, if those are the same.
+pub fn common_bits(a: Interval, mask: i64) -> Option<i64> {
+    (free_bits(a) & !mask == 0).then_some(a.lo & !mask)
+}
+
+/// A mask or a constant joined by OR keeps the order of numbers that only differ in bits that stay.
+fn ordered(op: BinaryOp, a: Interval, b: Interval) -> Option<Interval> {
+    let (a, constant) = match (a.single(), b.single()) {
+        (_, Some(constant)) => (a, constant),
+        (Some(constant), _) => (b, constant),
+        _ => return None,
+    };
+    let free = free_bits(a);
+    let (lo, hi) = match op {
+        BinaryOp::And if free & constant == 0 => return Some(Interval::between(a.lo & constant, a.lo & constant)),
+        BinaryOp::And if free & !constant == 0 => (a.lo & constant, a.hi & constant),
+        BinaryOp::Or if free & constant == 0 => (a.lo | constant, a.hi | constant),
+        _ => return None,
+    };
+    let zeros = if op == BinaryOp::And { a.zeros } else { a.zeros.min(trailing_zeros(constant)) };
+    Some(Interval { lo, hi, zeros: zeros.min(62) }.rounded())
+}
+
 /// The result of `op` on integers of type `ty`.
 pub fn binary(op: BinaryOp, ty: Type, a: Interval, b: Interval) -> Interval {
     let full = Interval::full(ty);
     let wide = |value: i64| i128::from(value);
+    if matches!(op, BinaryOp::And | BinaryOp::Or)
+        && let Some(result) = ordered(op, a, b)
+    {
+        return result;
+    }
     match op {
         BinaryOp::Iadd => Interval::fit(ty, wide(a.lo) + wide(b.lo), wide(a.hi) + wide(b.hi), a.zeros.min(b.zeros)),
         BinaryOp::Isub => Interval::fit(ty, wide(a.lo) - wide(b.hi), wide(a.hi) - wide(b.lo), a.zeros.min(b.zeros)),
@@ -134,6 +167,10 @@ pub fn binary(op: BinaryOp, ty: Type, a: Interval, b: Interval) -> Interval {
             Some(0) => a,
             Some(count) if a.is_natural() => {
                 Interval { lo: a.lo >> count, hi: a.hi >> count, zeros: a.zeros.saturating_sub(count) }
+            }
+            Some(count) if a.hi < 0 => {
+                let [lo, hi] = [a.lo, a.hi].map(|end| (eval::mask(ty, end as u64) >> count) as i64);
+                Interval { zeros: a.zeros.saturating_sub(count), ..Interval::between(lo, hi) }
             }
             Some(count) => Interval::between(0, (eval::mask(ty, u64::MAX) >> count) as i64),
             None if a.is_natural() => Interval::between(0, a.hi),

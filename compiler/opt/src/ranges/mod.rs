@@ -20,6 +20,7 @@ use analysis::Ranges;
 use interval::Interval;
 use plcc_ir::analysis::{ControlFlow, Dominators};
 use plcc_ir::{BinaryOp, Block, ConvertOp, Function, Inst, InstData, Loc, Module, Type, Value, eval};
+use rustc_hash::FxHashMap;
 
 /// Larger functions are left as they are: each sweep looks at all of their code.
 const INSTS_MAX: usize = 400_000;
@@ -27,6 +28,40 @@ const INSTS_MAX: usize = 400_000;
 /// Uses ranges in all functions.
 pub fn use_ranges(module: &mut Module) {
     module.functions.values_mut().for_each(use_in_function);
+}
+
+/// The numbers, from least to greatest, that the bases of an instruction's addresses can be where it is; a copy has two. Bases of
+/// which nothing is known are left out.
+pub fn base_ranges(
+    function: &Function,
+    cfg: &ControlFlow,
+    dominators: &Dominators,
+) -> FxHashMap<Inst, [Option<(u64, u64)>; 2]> {
+    let mut found = FxHashMap::default();
+    if function.insts.len() > INSTS_MAX {
+        return found;
+    }
+    let Some(mut ranges) = Ranges::of(function, cfg, dominators) else { return found };
+    ranges.begin();
+    for &block in &dominators.preorder {
+        ranges.enter(block);
+        if !ranges.is_reached(block) {
+            continue;
+        }
+        for &inst in &function.blocks[block].insts {
+            ranges.compute(inst);
+            let mut index = 0;
+            function.insts[inst].for_each_address(|addr| {
+                let range = addr.base.and_then(|base| ranges.get(base)).filter(|range| range.is_natural());
+                if let Some(range) = range {
+                    found.entry(inst).or_insert([None; 2])[index] = Some((range.lo as u64, range.hi as u64));
+                }
+                index += 1;
+            });
+        }
+        ranges.leave(block);
+    }
+    found
 }
 
 /// What becomes of an instruction.
@@ -37,6 +72,8 @@ enum Change {
     Value(Value),
     /// It is another operation with a constant operand, or with none.
     Shift(BinaryOp, Value, u64),
+    /// It is that operation with a constant operand, and a constant added.
+    ShiftAndAdd(BinaryOp, Value, u64, u64),
 }
 
 fn use_in_function(function: &mut Function) {
@@ -84,6 +121,9 @@ fn change_of(function: &Function, ranges: &Ranges<'_>, inst: Inst) -> Option<Cha
     match *data {
         InstData::Binary { op, args: [a, b] } if ty != Type::I1 => {
             let (of_a, of_b) = (ranges.get(a)?, ranges.get(b)?);
+            if op == BinaryOp::Or && of_a.single().is_some() {
+                return binary(function, ranges, op, ty, (b, of_b), of_a);
+            }
             binary(function, ranges, op, ty, (a, of_a), of_b)
         }
         InstData::Select { cond, if_true, if_false } => {
@@ -124,14 +164,30 @@ fn binary(
     let constant = of_b.single()?;
     let count = (constant & i64::from(ty.bits() - 1)) as u32;
     match op {
-        // A mask that keeps all bits that can be set.
-        BinaryOp::And if of_a.is_natural() && constant >= 0 => {
-            let (set, low) = (bits_of(of_a), (1i64 << of_a.zeros.min(62)) - 1);
-            (set & !low & !constant == 0).then_some(Change::Value(a))
-        }
-        BinaryOp::And if of_a.zeros > 0 && constant < 0 => {
-            let low = (1i64 << of_a.zeros.min(62)) - 1;
-            (constant | low == -1).then_some(Change::Value(a))
+        // The low bits of a sum with a multiple of a power of two.
+        BinaryOp::And if constant > 0 && constant & (constant + 1) == 0 => match sum_with_constant(function, ranges, a)
+        {
+            Some((x, by)) if ranges.get(x)?.zeros >= constant.trailing_ones() => {
+                Some(Change::Constant((by & constant) as u64))
+            }
+            _ => mask(a, of_a, constant),
+        },
+        BinaryOp::And => mask(a, of_a, constant),
+        // Bits that were cleared come back.
+        BinaryOp::Or => match *function.defining(a)? {
+            InstData::Binary { op: BinaryOp::And, args: [x, kept] } => {
+                let kept = ranges.get(kept)?.single()?;
+                let cleared = interval::common_bits(ranges.get(x)?, kept)?;
+                (constant == cleared).then_some(Change::Value(x))
+            }
+            _ => None,
+        },
+        // The shifted sum of a multiple and a constant is the sum of both shifted.
+        BinaryOp::Ashr | BinaryOp::Lshr
+            if let Some((x, of_x, by)) = shifted_sum(function, ranges, a, count)
+                && (op == BinaryOp::Ashr || of_x.is_natural() && of_a.is_natural()) =>
+        {
+            Some(Change::ShiftAndAdd(op, x, u64::from(count), by as u64))
         }
         // Left and right again: without a wrap it is one shift.
         BinaryOp::Ashr | BinaryOp::Lshr => {
@@ -163,6 +219,36 @@ fn binary(
         }
         _ => None,
     }
+}
+
+/// A mask that keeps all bits that can be set changes nothing.
+fn mask(a: Value, of_a: Interval, constant: i64) -> Option<Change> {
+    let low = (1i64 << of_a.zeros.min(62)) - 1;
+    let keeps = if constant >= 0 {
+        of_a.is_natural() && bits_of(of_a) & !low & !constant == 0
+    } else {
+        of_a.zeros > 0 && constant | low == -1
+    };
+    keeps.then_some(Change::Value(a))
+}
+
+/// The operand of a sum with a constant, and the constant.
+fn sum_with_constant(function: &Function, ranges: &Ranges<'_>, sum: Value) -> Option<(Value, i64)> {
+    match *function.defining(sum)? {
+        InstData::Binary { op: BinaryOp::Iadd, args: [x, by] } => Some((x, ranges.get(by)?.single()?)),
+        _ => None,
+    }
+}
+
+/// The operand of a sum with a constant that does not wrap, and that constant shifted right by `count`, if the bits that are shifted
+/// out do not carry.
+fn shifted_sum(function: &Function, ranges: &Ranges<'_>, sum: Value, count: u32) -> Option<(Value, Interval, i64)> {
+    let (x, by) = sum_with_constant(function, ranges, sum)?;
+    let of_x = ranges.get(x)?;
+    let full = Interval::full(function.ty(sum));
+    let fits = of_x.lo.checked_add(by)? >= full.lo && of_x.hi.checked_add(by)? <= full.hi;
+    let carries = of_x.zeros < count && by & ((1i64 << count.min(62)) - 1) != 0;
+    (fits && !carries && count > 0 && function.constant(x).is_none()).then_some((x, of_x, by >> count))
 }
 
 /// Of natural numbers both shifts right are the same: one form is shared and combined.
@@ -198,6 +284,17 @@ fn apply(function: &mut Function, changes: Vec<(Block, Inst, Change)>) {
                     } else {
                         function.replace_value(result, value);
                     }
+                }
+                Change::ShiftAndAdd(op, arg, by, added) => {
+                    let ty = function.ty(result);
+                    let count = function.make_inst(InstData::Const { bits: eval::mask(ty, by) }, &[ty], loc);
+                    let args = [arg, function.result(count)];
+                    let shifted = function.make_inst(InstData::Binary { op, args }, &[ty], loc);
+                    let added = function.make_inst(InstData::Const { bits: eval::mask(ty, added) }, &[ty], loc);
+                    out.extend([count, shifted, added]);
+                    let args = [function.result(shifted), function.result(added)];
+                    function.insts[inst] = InstData::Binary { op: BinaryOp::Iadd, args };
+                    out.push(inst);
                 }
                 Change::Shift(op, arg, by) => {
                     let ty = function.ty(result);

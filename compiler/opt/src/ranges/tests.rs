@@ -152,15 +152,87 @@ fn a_counter_that_may_wrap_says_nothing() {
         jump b1(v9)
         b1(v1: i16):
         v2 = const.i16 1
+        v6 = sext.i32 v1
+        store.i32 M 0, v6
+        v7 = sge v1, v2
+        store.bit M 4.1, v7
         v3 = iadd v1, v2
         v4 = const.i16 0
         v5 = ne v3, v4
         branch v5, b1(v3), b2
         b2:
-        v6 = sext.i32 v1
         ret v6
         }";
     check_pass("ranges", text, text);
+}
+
+#[test]
+fn a_sum_says_what_its_operand_is_even_if_it_wraps() {
+    let text = |last: &str| {
+        format!(
+            "func @F -> i1 {{
+            b0(v0: i32):
+            v1 = const.i32 4160749568
+            v2 = iadd v0, v1
+            v3 = const.i32 100
+            v4 = ule v2, v3
+            branch v4, b1, b2
+            b1:
+            {last}
+            ret v6
+            b2:
+            ret v4
+            }}"
+        )
+    };
+    check_pass(
+        "ranges",
+        &text("v5 = const.i32 134217728\nv6 = sge v0, v5"),
+        &text("v5 = const.i32 134217728\nv6 = const.i1 1"),
+    );
+    check_pass(
+        "ranges",
+        &text("v5 = const.i32 134217829\nv6 = slt v0, v5"),
+        &text("v5 = const.i32 134217829\nv6 = const.i1 1"),
+    );
+    let text = text("v5 = const.i32 134217828\nv6 = slt v0, v5");
+    check_pass("ranges", &text, &text);
+}
+
+#[test]
+fn sums_with_multiples_are_shifted_in_parts() {
+    check_pass(
+        "ranges",
+        "func @F -> i32 {
+        b0(v0: i32):
+        v1 = const.i32 8128
+        v2 = and v0, v1
+        v3 = const.i32 50
+        v4 = iadd v2, v3
+        v5 = const.i32 3
+        v6 = lshr v4, v5
+        v7 = const.i32 7
+        v8 = and v4, v7
+        v9 = iadd v6, v8
+        ret v9
+        }",
+        "func @F -> i32 {
+        b0(v0: i32):
+        v1 = const.i32 8128
+        v2 = and v0, v1
+        v3 = const.i32 50
+        v4 = iadd v2, v3
+        v5 = const.i32 3
+        v10 = const.i32 3
+        v11 = lshr v2, v10
+        v12 = const.i32 6
+        v6 = iadd v11, v12
+        v7 = const.i32 7
+        v8 = const.i32 2
+        v9 = iadd v6, v8
+        ret v9
+        }",
+    );
 }
 
 /// A loop of so many passes that ends each of them in this way.
@@ -310,4 +382,45 @@ fn the_end_of_a_loop_whose_step_has_a_known_sign() {
     assert!(crate::run_pass(&mut module, "ranges") && crate::run_pass(&mut module, "fold"));
     let text = plcc_ir::print::module_text(&module);
     assert!(!text.contains("ule"), "{text}");
+}
+
+#[test]
+fn an_address_register_keeps_its_area() {
+    let text = |check: &str, and: &str, or: &str| {
+        format!(
+            "func @F {{
+            b0(v0: i16):
+            v1 = const.i32 2214592512
+            v2 = const.i32 20
+            jump b1(v2, v1)
+            b1(v3: i32, v4: i32):
+            v5 = trunc.i16 v3
+            v6 = const.i32 16777215
+            v7 = and v4, v6
+            v8 = const.i32 3
+            v9 = lshr v7, v8
+            v10 = const.i32 1
+            v11 = iadd v9, v10
+            v12 = const.i32 20
+            {check}
+            branch v13, b2, b3
+            b2:
+            v14 = const.i32 8
+            v15 = iadd v4, v14
+            {and}
+            {or}
+            v19 = const.i16 65535
+            v20 = iadd v5, v19
+            v21 = zext.i32 v20
+            v22 = const.i16 1
+            v23 = ne v5, v22
+            branch v23, b1(v21, v18), b3
+            b3:
+            ret
+            }}"
+        )
+    };
+    let before = text("v13 = ule v11, v12", "v16 = and v15, v6", "v18 = or v16, v1");
+    let after = text("v13 = const.i1 1", "v16 = and v15, v6", "").replace("v18)", "v15)");
+    check_pass("ranges", &before, &after);
 }

@@ -1,0 +1,129 @@
+//! What a loop looks up in the table of DBs is looked up before it.
+//!
+//! Base and length of an open DB are loaded at each access. In a loop that opens no other DB, and calls nothing that may make, delete or
+//! move one, they stay the same. Looking up a number that the loop never uses does no harm.
+//!
+//! ```text
+//! b1:                        ;     v2 = db_base v1
+//!     v2 = db_base v1        ;     jump b1
+//!     ...                    ; b1:
+//!     branch v9, b1, b2      ;     ...
+//! ```
+
+use plcc_abi::functions::Effect;
+use plcc_ir::analysis::{ControlFlow, Dominators};
+use plcc_ir::entities::Entity;
+use plcc_ir::function::ValueDef;
+use plcc_ir::{Block, Function, Inst, InstData, Module, Value};
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use crate::effects::{Effects, is_interruption};
+use crate::known_bits::unsigned_max;
+use crate::loops::Loops;
+
+/// Instructions that are looked at, each once for each loop around it.
+const STEPS_MAX: usize = 4_000_000;
+
+/// Moves the look-ups out of loops, in all functions.
+pub fn hoist_lookups(module: &mut Module) {
+    let effects = Effects::new(module);
+    for function in module.functions.values_mut() {
+        hoist_in_function(function, &effects);
+    }
+}
+
+fn hoist_in_function(function: &mut Function, effects: &Effects) {
+    let is_lookup = |data: &InstData| matches!(data, InstData::DbBase { .. } | InstData::DbLength { .. });
+    let insts = || function.layout.iter().flat_map(|&block| &function.blocks[block].insts);
+    if !insts().any(|&inst| is_lookup(&function.insts[inst])) {
+        return;
+    }
+    let cfg = ControlFlow::new(function);
+    let dominators = Dominators::new(function, &cfg);
+    let loops = Loops::new(function, &cfg, &dominators);
+    let mut owner: FxHashMap<Inst, Block> = FxHashMap::default();
+    for &block in &cfg.rpo {
+        owner.extend(function.blocks[block].insts.iter().map(|&inst| (inst, block)));
+    }
+    // Inner loops first, so that a look-up moves through them one by one.
+    let mut steps = 0;
+    for each in loops.all.iter().rev() {
+        steps += each.blocks.iter().map(|&block| function.blocks[block].insts.len()).sum::<usize>();
+        let Some(before) = dominators.immediate(each.header).filter(|_| steps <= STEPS_MAX) else { continue };
+        let inside: FxHashSet<Block> = each.blocks.iter().copied().collect();
+        let all = |block: &Block| function.blocks[*block].insts.iter();
+        if each.blocks.iter().flat_map(all).any(|&inst| changes_table(&function.insts[inst], effects)) {
+            continue;
+        }
+        let is_outside = |value: Value| match function.values[function.resolve(value)].def {
+            ValueDef::Param(block, _) => !inside.contains(&block),
+            ValueDef::Result(inst, _) => owner.get(&inst).is_none_or(|block| !inside.contains(block)),
+            ValueDef::Alias(_) => false,
+        };
+        let mut moved: Vec<Inst> = Vec::new();
+        for &inst in each.blocks.iter().flat_map(all) {
+            if let InstData::DbBase { number } | InstData::DbLength { number } = &function.insts[inst]
+                && is_outside(*number)
+                && unsigned_max(function, *number) <= u64::from(u16::MAX)
+            {
+                moved.push(inst);
+            }
+        }
+        if moved.is_empty() {
+            continue;
+        }
+        moved.sort_unstable_by_key(|inst| inst.index());
+        let gone: FxHashSet<Inst> = moved.iter().copied().collect();
+        for &block in &each.blocks {
+            function.blocks[block].insts.retain(|inst| !gone.contains(inst));
+        }
+        owner.extend(moved.iter().map(|&inst| (inst, before)));
+        let insts = &mut function.blocks[before].insts;
+        let end = insts.len() - 1;
+        insts.splice(end..end, moved);
+    }
+}
+
+/// True if an instruction may change the table of DBs.
+fn changes_table(data: &InstData, effects: &Effects) -> bool {
+    match data {
+        InstData::Call { .. } => true,
+        InstData::CallRuntime { function, .. } if is_interruption(*function) => effects.interruption_changes_dbs(),
+        InstData::CallRuntime { function, .. } => function.effect() == Effect::All,
+        _ => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::tests::check_pass;
+
+    fn around(before: &str, inside: &str) -> String {
+        format!(
+            "func @F {{
+            b0(v0: i16, v9: i1):
+            v1 = zext.i32 v0
+            {before}
+            jump b1
+            b1:
+            {inside}
+            v3 = load.i8 anydb[v2]+0
+            store.i8 M 0, v3
+            branch v9, b1, b2
+            b2:
+            ret
+            }}"
+        )
+    }
+
+    #[test]
+    fn a_db_is_looked_up_before_the_loop() {
+        check_pass("hoist-lookups", &around("", "v2 = db_base v1"), &around("v2 = db_base v1", ""));
+    }
+
+    #[test]
+    fn what_may_change_the_table_keeps_it_in_the_loop() {
+        let text = around("", "v2 = db_base v1\nv8 = rt @safepoint(v1)");
+        check_pass("hoist-lookups", &text, &text);
+    }
+}

@@ -1,0 +1,358 @@
+//! Which places which loops carry.
+
+use plcc_ir::analysis::{ControlFlow, Dominators};
+use plcc_ir::{Address, Block, FuncId, Function, Inst, InstData, Module, Region, Type, Value};
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use crate::effects::{Effects, extent_of};
+use crate::extents::Access;
+use crate::frames::Frames;
+use crate::known_bits::unsigned_max;
+use crate::loops::{Loop, Loops};
+use crate::ranges::base_ranges;
+
+/// Larger functions are left as they are.
+const INSTS_MAX: usize = 400_000;
+/// Instructions that are looked at, each once for each loop around it.
+const STEPS_MAX: usize = 4_000_000;
+/// Comparisons of places with accesses in one function.
+const PAIRS_MAX: usize = 2_000_000;
+/// Places that a loop carries: about as many as there are registers.
+const PLACES_MAX: usize = 14;
+/// Stores and loads that the cold sides of a loop get.
+const COLD_MAX: usize = 400;
+
+/// A place: a range of bits of a region, without base.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Place {
+    pub region: Region,
+    pub start: u64,
+    pub end: u64,
+}
+
+/// A loop with the places that it carries.
+pub struct Carrier {
+    pub blocks: FxHashSet<Block>,
+    pub places: Vec<Carried>,
+}
+
+/// A place that a loop carries.
+pub struct Carried {
+    pub place: Place,
+    pub ty: Type,
+    /// The loop writes it.
+    pub is_stored: bool,
+    /// Loads and stores of the place in the loop.
+    pub accesses: Vec<Inst>,
+    /// Instructions on cold sides before which it is stored, and after which it is loaded again.
+    pub shown: Vec<Inst>,
+    pub renewed: Vec<Inst>,
+}
+
+/// Decides what the loops of a function carry.
+pub fn plan(module: &Module, id: FuncId, frames: &Frames, effects: &Effects) -> Vec<Carrier> {
+    let function = &module.functions[id];
+    let cfg = ControlFlow::new(function);
+    let has_loops = cfg
+        .rpo
+        .iter()
+        .any(|&block| cfg.successors(block).iter().any(|&target| cfg.rpo_index(target) <= cfg.rpo_index(block)));
+    if function.insts.len() > INSTS_MAX || !has_loops {
+        return Vec::new();
+    }
+    let dominators = Dominators::new(function, &cfg);
+    let loops = Loops::new(function, &cfg, &dominators);
+    let mut planner = Planner {
+        module,
+        id,
+        function,
+        frames,
+        effects,
+        bases: None,
+        taken: FxHashSet::default(),
+        steps: 0,
+        pairs: 0,
+        loops: &loops,
+    };
+    let mut carriers = Vec::new();
+    for each in &loops.all {
+        planner.steps += each.blocks.iter().map(|&block| function.blocks[block].insts.len()).sum::<usize>();
+        if planner.steps > STEPS_MAX || planner.pairs > PAIRS_MAX {
+            break;
+        }
+        if each.header == function.entry() {
+            continue;
+        }
+        let places = planner.places_of(each, &cfg, &dominators);
+        if !places.is_empty() {
+            planner.taken.extend(places.iter().flat_map(|carried| carried.accesses.iter().copied()));
+            carriers.push(Carrier { blocks: each.blocks.iter().copied().collect(), places });
+        }
+    }
+    carriers
+}
+
+/// What is reached by an access: bits of its region, and of the memory as a whole.
+#[derive(Clone, Copy)]
+struct Reach {
+    region: Region,
+    inside: (u64, u64),
+    anywhere: (u64, u64),
+}
+
+impl Reach {
+    fn meets(&self, other: &Reach) -> bool {
+        let overlap = |a: (u64, u64), b: (u64, u64)| a.0 < b.1 && b.0 < a.1;
+        if !self.region.may_alias(other.region) {
+            return false;
+        }
+        if self.region == other.region {
+            return overlap(self.inside, other.inside);
+        }
+        overlap(self.anywhere, other.anywhere)
+    }
+}
+
+/// What an instruction does to memory besides accesses of places.
+enum Other {
+    Access { reach: Reach, writes: bool },
+    Call(FuncId),
+    Runtime(plcc_ir::RuntimeFn),
+}
+
+/// A candidate.
+struct Candidate {
+    ty: Option<Type>,
+    reads: u64,
+    writes: u64,
+    accesses: Vec<Inst>,
+    is_hot: bool,
+}
+
+struct Planner<'a> {
+    module: &'a Module,
+    id: FuncId,
+    function: &'a Function,
+    frames: &'a Frames,
+    effects: &'a Effects,
+    loops: &'a Loops,
+    /// The ranges of bases in bytes, once they are needed.
+    bases: Option<FxHashMap<Inst, [Option<(u64, u64)>; 2]>>,
+    /// Accesses that an outer loop has made values.
+    taken: FxHashSet<Inst>,
+    steps: usize,
+    pairs: usize,
+}
+
+impl Planner<'_> {
+    fn places_of(&mut self, each: &Loop, cfg: &ControlFlow, dominators: &Dominators) -> Vec<Carried> {
+        let function = self.function;
+        let mut found: FxHashMap<Place, Candidate> = FxHashMap::default();
+        let (mut hot, mut cold): (Vec<(Inst, Other)>, Vec<(Inst, Other)>) = (Vec::new(), Vec::new());
+        for &block in &each.blocks {
+            let is_cold = function.blocks[block].cold;
+            let weight = if is_cold { 0 } else { 8u64.pow(self.loops.depth(block).min(8)) };
+            for &inst in &function.blocks[block].insts {
+                if self.taken.contains(&inst) {
+                    continue;
+                }
+                if let Some((place, ty, writes)) = place_of(function, inst) {
+                    let candidate = found.entry(place).or_insert_with(|| Candidate {
+                        ty: Some(ty),
+                        reads: 0,
+                        writes: 0,
+                        accesses: Vec::new(),
+                        is_hot: false,
+                    });
+                    if candidate.ty != Some(ty) {
+                        candidate.ty = None;
+                    }
+                    *(if writes { &mut candidate.writes } else { &mut candidate.reads }) += weight.max(1);
+                    candidate.is_hot |= !is_cold;
+                    candidate.accesses.push(inst);
+                } else {
+                    let list = if is_cold { &mut cold } else { &mut hot };
+                    self.others_of(inst, cfg, dominators, list);
+                }
+            }
+        }
+        let mut candidates: Vec<(Place, Candidate)> = found.into_iter().collect();
+        candidates.sort_unstable_by_key(|(place, _)| *place);
+        drop_overlapping(&mut candidates);
+        candidates.retain(|(_, candidate)| candidate.is_hot && candidate.ty.is_some());
+        // Without this order a loop would carry what it can, not what it uses most.
+        candidates.sort_by_key(|(_, candidate)| std::cmp::Reverse(candidate.reads + candidate.writes));
+        let mut places = Vec::new();
+        let mut cold_work = 0;
+        for (place, candidate) in candidates {
+            self.pairs += hot.len() + cold.len();
+            if self.pairs > PAIRS_MAX || places.len() >= PLACES_MAX {
+                break;
+            }
+            let is_stored = candidate.writes > 0;
+            let disturbs = |other: &Other| {
+                let (reads, writes) = self.touches(other, &place);
+                writes || reads && is_stored
+            };
+            if hot.iter().any(|(_, other)| disturbs(other)) {
+                continue;
+            }
+            let (mut shown, mut renewed) = (Vec::new(), Vec::new());
+            for (inst, other) in &cold {
+                let (reads, writes) = self.touches(other, &place);
+                // What is changed in part must be there before.
+                if is_stored && (reads || writes) && shown.last() != Some(inst) {
+                    shown.push(*inst);
+                }
+                if writes && renewed.last() != Some(inst) {
+                    renewed.push(*inst);
+                }
+            }
+            cold_work += shown.len() + renewed.len();
+            if cold_work > COLD_MAX {
+                break;
+            }
+            let Some(ty) = candidate.ty else { continue };
+            places.push(Carried { place, ty, is_stored, accesses: candidate.accesses, shown, renewed });
+        }
+        places
+    }
+
+    /// What an instruction other than an access of a place does to memory.
+    fn others_of(&mut self, inst: Inst, cfg: &ControlFlow, dominators: &Dominators, out: &mut Vec<(Inst, Other)>) {
+        let function = self.function;
+        let mut access = |index: usize, access: Access, writes: bool| {
+            let base = access.base.map(|base| self.base_range(inst, index, base, cfg, dominators));
+            let reach = reach(self.module, &access, base);
+            out.push((inst, Other::Access { reach, writes }));
+        };
+        match &function.insts[inst] {
+            InstData::Load { addr } => access(0, Access::of_type(addr, function.ty(function.result(inst))), false),
+            InstData::LoadBit { addr, .. } => access(0, Access::bytes(addr, 1), false),
+            InstData::Store { addr, value } => access(0, Access::of_type(addr, function.ty(*value)), true),
+            InstData::StoreBit { addr, .. } => access(0, Access::bytes(addr, 1), true),
+            InstData::Clear { addr, len } => access(0, Access::bytes(addr, *len), true),
+            InstData::Copy { to, from, len } => {
+                access(0, Access::bytes(to, *len), true);
+                access(1, Access::bytes(from, *len), false);
+            }
+            InstData::Call { callee, .. } => out.push((inst, Other::Call(*callee))),
+            InstData::CallRuntime { function, .. } => out.push((inst, Other::Runtime(*function))),
+            _ => {}
+        }
+    }
+
+    /// The numbers that the base of an access can be.
+    fn base_range(
+        &mut self,
+        inst: Inst,
+        index: usize,
+        base: Value,
+        cfg: &ControlFlow,
+        dominators: &Dominators,
+    ) -> (u64, u64) {
+        let function = self.function;
+        let bases = self.bases.get_or_insert_with(|| base_ranges(function, cfg, dominators));
+        let known = bases.get(&inst).and_then(|ranges| ranges[index]);
+        let max = unsigned_max(function, base);
+        known.map_or((0, max), |(lo, hi)| (lo, hi.min(max)))
+    }
+
+    /// Whether something may read the place, and whether it may write it.
+    fn touches(&self, other: &Other, place: &Place) -> (bool, bool) {
+        match other {
+            Other::Access { reach: other, writes } => {
+                let access = Access { region: place.region, base: None, start: place.start, end: place.end };
+                let meets = reach(self.module, &access, None).meets(other);
+                (meets && !writes, meets && *writes)
+            }
+            Other::Call(callee) => {
+                let touched = place.region != Region::L || self.frames.call_touches(self.id, *callee);
+                (touched, touched)
+            }
+            Other::Runtime(function) => {
+                if place.region == Region::L && self.frames.is_private(self.id) {
+                    return (false, false);
+                }
+                let range = Some((place.start, place.end));
+                (self.effects.may_read(*function, place.region), self.effects.may_write(*function, place.region, range))
+            }
+        }
+    }
+}
+
+/// The place that an instruction loads or stores, its type, and whether it stores.
+pub fn place_of(function: &Function, inst: Inst) -> Option<(Place, Type, bool)> {
+    let (access, ty, writes) = match &function.insts[inst] {
+        InstData::Load { addr } => {
+            let ty = function.ty(function.result(inst));
+            (Access::of_type(addr, ty), ty, false)
+        }
+        InstData::LoadBit { addr, bit } => (Access::bit(addr, *bit), Type::I1, false),
+        InstData::Store { addr, value } => {
+            let ty = function.ty(*value);
+            (Access::of_type(addr, ty), ty, true)
+        }
+        InstData::StoreBit { addr, bit, .. } => (Access::bit(addr, *bit), Type::I1, true),
+        _ => return None,
+    };
+    // The attention flag changes by itself, and cells of timers with the clock.
+    let is_data = !matches!(access.region, Region::State | Region::Cells);
+    (access.base.is_none() && is_data).then_some((
+        Place { region: access.region, start: access.start, end: access.end },
+        ty,
+        writes,
+    ))
+}
+
+/// The address of a place, and its bit.
+pub fn address_of(place: &Place) -> (Address, u8) {
+    (Address::direct(place.region, (place.start / 8) as u32), (place.start % 8) as u8)
+}
+
+/// Takes out the places that overlap others, unless both are only read. They are sorted.
+fn drop_overlapping(candidates: &mut Vec<(Place, Candidate)>) {
+    let mut keep = vec![true; candidates.len()];
+    let is_written = |index: usize| candidates[index].1.writes > 0;
+    // How far the places before reach, all of them and those that are written, in the region of the one that is looked at.
+    let (mut all, mut written): (Option<Place>, Option<Place>) = (None, None);
+    let farther = |reached: Option<Place>, place: Place| match reached {
+        Some(before) if before.region == place.region && before.end >= place.end => Some(before),
+        _ => Some(place),
+    };
+    for index in 0..candidates.len() {
+        let place = candidates[index].0;
+        let before = if is_written(index) { all } else { written };
+        keep[index] &= before.is_none_or(|before| before.region != place.region || before.end <= place.start);
+        all = farther(all, place);
+        if is_written(index) {
+            written = farther(written, place);
+        }
+    }
+    // The next place after each, and the next that is written.
+    let (mut all, mut written): (Option<Place>, Option<Place>) = (None, None);
+    for index in (0..candidates.len()).rev() {
+        let place = candidates[index].0;
+        let after = if is_written(index) { all } else { written };
+        keep[index] &= after.is_none_or(|after| after.region != place.region || after.start >= place.end);
+        all = Some(place);
+        if is_written(index) {
+            written = Some(place);
+        }
+    }
+    let mut keep = keep.into_iter();
+    candidates.retain(|_| keep.next() == Some(true));
+}
+
+fn reach(module: &Module, access: &Access, base: Option<(u64, u64)>) -> Reach {
+    let moved = |bit: u64, by: u64| bit.saturating_add(by.saturating_mul(8));
+    let (lo, hi) = base.unwrap_or((0, 0));
+    let inside = (moved(access.start, lo), moved(access.end, hi));
+    let (start, end) = extent_of(module, access.region);
+    let anywhere = match access.region {
+        Region::Any | Region::AnyDb => (inside.0.max(start), inside.1.min(end)),
+        Region::L | Region::V | Region::State | Region::Cells => (start, end),
+        _ => (start.saturating_add(inside.0), start.saturating_add(inside.1).min(end)),
+    };
+    Reach { region: access.region, inside, anywhere }
+}

@@ -1,0 +1,218 @@
+//! Short loops become straight code.
+//!
+//! A loop over the rows of a matrix or the words of a telegram has few passes, and their number is known. With a copy of the loop for
+//! each pass its counter is a constant, so are the addresses made from it, and there is nothing to test:
+//!
+//! ```text
+//! b1(v1: i16):               ; b1:
+//!     v2 = ... v1 ...        ;     v2 = ... 1 ...
+//!     v3 = iadd v1, 1        ;     v4 = ... 2 ...
+//!     v4 = sle v3, 2         ;
+//!     branch v4, b1(v3), b2  ;
+//! ```
+//!
+//! The loop stays after the copies for passes that they are not made for, so that nothing depends on the number. Where it is right,
+//! later passes find that no jump leads there.
+
+use plcc_ir::analysis::{ControlFlow, Dominators};
+use plcc_ir::function::ValueDef;
+use plcc_ir::{Block, Function, InstData, Module, Value, eval};
+use rustc_hash::FxHashSet;
+
+use crate::loops::{Loop, Loops};
+use crate::variables::{Versions, copy_blocks, join_versions, move_constants};
+
+/// Passes of a loop that becomes straight code.
+const PASSES_MAX: usize = 8;
+/// Instructions of all passes together, without constants.
+const INSTS_MAX: usize = 200;
+/// Instructions that copies may add to a function.
+const GROWTH: usize = 2000;
+/// Rounds over a function: where one loop follows another, the second waits.
+const ROUNDS_MAX: usize = 8;
+/// Larger functions are left as they are.
+const FUNCTION_MAX: usize = 20_000;
+
+/// Unrolls short loops in all functions.
+pub fn unroll_loops(module: &mut Module) {
+    for function in module.functions.values_mut().filter(|function| function.insts.len() <= FUNCTION_MAX) {
+        let (mut growth, mut done) = (GROWTH, FxHashSet::default());
+        for _ in 0..ROUNDS_MAX {
+            if !unroll_in_function(function, &mut growth, &mut done) {
+                break;
+            }
+        }
+    }
+}
+
+/// Result: whether a loop is left that begins where one that was copied ends.
+fn unroll_in_function(function: &mut Function, growth: &mut usize, done: &mut FxHashSet<Block>) -> bool {
+    let cfg = ControlFlow::new(function);
+    let dominators = Dominators::new(function, &cfg);
+    let loops = Loops::new(function, &cfg, &dominators);
+    let headers: FxHashSet<Block> = loops.all.iter().map(|each| each.header).collect();
+    let mut versions = Versions::default();
+    let mut copied: FxHashSet<Block> = FxHashSet::default();
+    let mut is_left = false;
+    for each in &loops.all {
+        let is_innermost = each.blocks.iter().all(|block| *block == each.header || !headers.contains(block));
+        let is_constant = |inst: &plcc_ir::Inst| matches!(function.insts[*inst], InstData::Const { .. });
+        let insts = |block: &Block| function.blocks[*block].insts.iter().filter(|inst| !is_constant(inst)).count();
+        let size: usize = each.blocks.iter().map(insts).sum();
+        if !is_innermost || each.header == function.entry() || size * 2 > INSTS_MAX || function.blocks[each.header].cold
+        {
+            continue;
+        }
+        if done.contains(&each.header) {
+            continue;
+        }
+        let Some(passes) = passes(function, &cfg, each) else { continue };
+        if passes * size > INSTS_MAX.min(*growth) {
+            continue;
+        }
+        if cfg.predecessors(each.header).iter().any(|pred| copied.contains(pred)) {
+            is_left = true;
+            continue;
+        }
+        *growth -= passes * size;
+        done.insert(each.header);
+        copied.extend(&each.blocks);
+        copy(function, &cfg, each, passes, &mut versions);
+    }
+    if !versions.made.is_empty() {
+        join_versions(function, &versions);
+    }
+    is_left && !versions.made.is_empty()
+}
+
+/// How many passes the loop has, if a counter with constant ends decides that.
+fn passes(function: &Function, cfg: &ControlFlow, each: &Loop) -> Option<usize> {
+    let inside = |block: &Block| each.blocks.contains(block);
+    let jumps = |from: Block, to: Block| {
+        let last = function.terminator(from)?;
+        let calls = function.insts[last].targets().into_iter().filter(|call| call.block == to);
+        let mut calls: Vec<_> = calls.collect();
+        (calls.len() == 1).then(|| calls.remove(0))
+    };
+    let (back, enter): (Vec<Block>, Vec<Block>) = cfg.predecessors(each.header).iter().partition(|pred| inside(pred));
+    let (&[back], &[enter]) = (&back[..], &enter[..]) else { return None };
+    // Each pass goes through the header and the jump back; one of them decides whether it is the last.
+    let (test, cond, then_to) = [each.header, back].into_iter().find_map(|block| {
+        let InstData::Branch { cond, then_to, else_to } = &function.insts[function.terminator(block)?] else {
+            return None;
+        };
+        (inside(&then_to.block) != inside(&else_to.block)).then_some((block, *cond, then_to.block))
+    })?;
+    let stays_if = inside(&then_to);
+    let (first, next) = (jumps(enter, each.header)?, jumps(back, each.header)?);
+    let params = &function.blocks[each.header].params;
+    params.iter().enumerate().find_map(|(index, &param)| {
+        let mut counter = function.constant(first.args[index])?;
+        for pass in 1..=PASSES_MAX {
+            let value = |of: Value| evaluate(function, of, (param, counter), 8);
+            let stays = (value(cond)? != 0) == stays_if;
+            if !stays {
+                // A test at the head ends a pass that does nothing.
+                return Some(if test == each.header && test != back { pass - 1 } else { pass })
+                    .filter(|&passes| passes > 0);
+            }
+            counter = value(next.args[index])?;
+        }
+        None
+    })
+}
+
+/// The value where the parameter has that one, through so many operations.
+fn evaluate(function: &Function, value: Value, counter: (Value, u64), depth: u32) -> Option<u64> {
+    let value = function.resolve(value);
+    if value == counter.0 {
+        return Some(counter.1);
+    }
+    if depth == 0 {
+        return None;
+    }
+    let of = |value: Value| evaluate(function, value, counter, depth - 1);
+    let ValueDef::Result(inst, _) = function.values[value].def else { return None };
+    let ty = function.ty(value);
+    match function.insts[inst] {
+        InstData::Const { bits } => Some(bits),
+        InstData::Binary { op, args: [a, b] } => eval::binary(op, ty, of(a)?, of(b)?),
+        InstData::IntCompare { cc, args: [a, b] } => {
+            Some(u64::from(eval::int_compare(cc, function.ty(a), of(a)?, of(b)?)))
+        }
+        InstData::Convert { op, arg } => Some(eval::convert(op, function.ty(arg), ty, of(arg)?)),
+        _ => None,
+    }
+}
+
+/// Puts so many copies of the loop before it.
+fn copy(function: &mut Function, cfg: &ControlFlow, each: &Loop, passes: usize, versions: &mut Versions) {
+    let inside: FxHashSet<Block> = each.blocks.iter().copied().collect();
+    let order: Vec<Block> = function.layout.iter().copied().filter(|block| inside.contains(block)).collect();
+    move_constants(function, &order);
+    let redirect = |function: &mut Function, from: Block, to: Block, new: Block| {
+        if let Some(last) = function.terminator(from) {
+            function.insts[last].for_each_target_mut(|call| {
+                if call.block == to {
+                    call.block = new;
+                }
+            });
+        }
+    };
+    let (back, enter): (Vec<Block>, Vec<Block>) =
+        cfg.predecessors(each.header).iter().copied().partition(|pred| inside.contains(pred));
+    let mut ways = enter;
+    let mut to = each.header;
+    let place = function.layout.iter().position(|&block| block == order[0]).unwrap_or(0);
+    let first = function.layout.len();
+    for _ in 0..passes {
+        let copies = copy_blocks(function, &order, versions);
+        for &way in &ways {
+            redirect(function, way, to, copies[&each.header]);
+        }
+        ways = back.iter().map(|block| copies[block]).collect();
+        to = copies[&each.header];
+    }
+    for &way in &ways {
+        redirect(function, way, to, each.header);
+    }
+    // The copies are laid out before the loop.
+    let made = function.layout.split_off(first);
+    function.layout.splice(place..place, made);
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::tests::check_pass;
+
+    #[test]
+    fn a_loop_of_two_passes_is_straight() {
+        let text = |passes: u32| {
+            format!(
+                "; passes: unroll, control-flow, fold, control-flow, dead-code
+                func @F -> i32 {{
+                b0(v0: i32):
+                v1 = const.i16 1
+                jump b1(v1, v0)
+                b1(v2: i16, v3: i32):
+                v4 = sext.i32 v2
+                v5 = imul v3, v4
+                v6 = iadd v2, v1
+                v7 = const.i16 {passes}
+                v8 = sle v6, v7
+                branch v8, b1(v6, v5), b2
+                b2:
+                ret v5
+                }}"
+            )
+        };
+        let result = |passes: u32| {
+            let text = text(passes);
+            crate::run_listed_passes(&text).expect("text is well formed")
+        };
+        assert!(!result(2).contains("branch"), "{}", result(2));
+        assert!(!result(8).contains("branch"), "{}", result(8));
+        assert!(result(9).contains("branch"), "{}", result(9));
+        check_pass("unroll", &text(9), &text(9));
+    }
+}
