@@ -4,9 +4,17 @@
 
 use plcc_abi::RuntimeFn;
 use plcc_abi::functions::TimerMode;
+use plcc_abi::text::{BR, Rules, WRITTEN};
 
 use crate::cpu::Cpu;
+use crate::system::numbers;
+use crate::text::{Texts, decimal, join, search};
 use crate::{math, s7200, text, timers};
+
+/// The result of a function of texts: BR.
+fn flag(good: bool) -> u64 {
+    if good { BR } else { 0 }
+}
 
 /// A value as it crosses the border, from and to the bits that an interpreter holds.
 trait Border {
@@ -152,6 +160,70 @@ functions! {
         }
         CopyText = plcc_rt_copy_text(cpu, to, from, limit, wide) -> u32 {
             text::copy(&cpu.memory, to, from, limit, wide != 0).into()
+        }
+        TextConcat = plcc_rt_text_concat(cpu, rooms, in1, in2, out) -> u64 {
+            let t = Texts { memory: &cpu.memory, rooms };
+            flag(join::concat(t.memory, t.at(0, in1), t.at(1, in2), t.at(2, out)))
+        }
+        TextCompare = plcc_rt_text_compare(cpu, rooms, in1, in2, relation) -> u64 {
+            let t = Texts { memory: &cpu.memory, rooms };
+            search::relation(t.memory, t.at(0, in1), t.at(1, in2), relation).map_or(0, |holds| BR | u64::from(holds))
+        }
+        TextFind = plcc_rt_text_find(cpu, rooms, in1, in2, rules) -> u64 {
+            let t = Texts { memory: &cpu.memory, rooms };
+            let (position, good) = search::find(t.memory, t.at(0, in1), t.at(1, in2), Rules::of(rules as u16));
+            flag(good) | u64::from(position)
+        }
+        TextLength = plcc_rt_text_length(cpu, rooms, text, maximum) -> u64 {
+            let text = Texts { memory: &cpu.memory, rooms }.at(0, text);
+            BR | u64::from(text::length(text, maximum != 0))
+        }
+        TextReplace = plcc_rt_text_replace(cpu, rooms, in1, in2, l, p, rules, out) -> u64 {
+            let t = Texts { memory: &cpu.memory, rooms };
+            let place = [l as i16, p as i16];
+            flag(join::replace(t.memory, t.at(0, in1), t.at(1, in2), place, Rules::of(rules as u16), t.at(2, out)))
+        }
+        TextLeft = plcc_rt_text_left(cpu, rooms, text, l, rules, out) -> u64 {
+            let t = Texts { memory: &cpu.memory, rooms };
+            flag(join::left(t.memory, t.at(0, text), l as i16, Rules::of(rules as u16), t.at(1, out)))
+        }
+        TextRight = plcc_rt_text_right(cpu, rooms, text, l, rules, out) -> u64 {
+            let t = Texts { memory: &cpu.memory, rooms };
+            flag(join::right(t.memory, t.at(0, text), l as i16, Rules::of(rules as u16), t.at(1, out)))
+        }
+        TextMid = plcc_rt_text_mid(cpu, rooms, text, l, p, out) -> u64 {
+            let t = Texts { memory: &cpu.memory, rooms };
+            flag(join::mid(t.memory, t.at(0, text), l as i16, p as i16, t.at(1, out)))
+        }
+        TextDelete = plcc_rt_text_delete(cpu, rooms, text, l, p, rules, out) -> u64 {
+            let t = Texts { memory: &cpu.memory, rooms };
+            flag(join::delete(t.memory, t.at(0, text), l as i16, p as i16, Rules::of(rules as u16), t.at(1, out)))
+        }
+        TextInsert = plcc_rt_text_insert(cpu, rooms, in1, in2, p, rules, out) -> u64 {
+            let t = Texts { memory: &cpu.memory, rooms };
+            flag(join::insert(t.memory, t.at(0, in1), t.at(1, in2), p as i16, Rules::of(rules as u16), t.at(2, out)))
+        }
+        TextOfDint = plcc_rt_text_of_dint(cpu, rooms, value, form, out) -> u64 {
+            let t = Texts { memory: &cpu.memory, rooms };
+            flag(decimal::write(t.memory, value as i32, form as u16, t.at(0, out)))
+        }
+        TextOfReal = plcc_rt_text_of_real(cpu, rooms, value, out) -> u64 {
+            let t = Texts { memory: &cpu.memory, rooms };
+            flag(numbers::write_real(t.memory, f32::from_bits(value), t.at(0, out)))
+        }
+        TextFixedOfReal = plcc_rt_text_fixed_of_real(cpu, rooms, value, out) -> u64 {
+            let t = Texts { memory: &cpu.memory, rooms };
+            flag(numbers::write_fixed_real(t.memory, f32::from_bits(value), t.at(0, out)))
+        }
+        TextToDint = plcc_rt_text_to_dint(cpu, rooms, text, longest, low, high) -> u64 {
+            let t = Texts { memory: &cpu.memory, rooms };
+            let read = decimal::read(t.memory, t.at(0, text), longest as u16, low as i32, high as i32);
+            read.map_or(0, |(value, good)| WRITTEN | flag(good) | u64::from(value as u32))
+        }
+        TextScan = plcc_rt_text_scan(cpu, rooms, text, kind) -> u64 {
+            let t = Texts { memory: &cpu.memory, rooms };
+            let (value, length) = numbers::scan_start(t.memory, t.at(0, text), kind as u16);
+            flag(length != 0) | u64::from(value as u32)
         }
         S7200Operation = plcc_rt_s7200_operation(cpu, site, operation, a, b, c, d) -> u64 {
             cpu.s7200_operation(operation, &s7200::Operands { site, a, b, c, d })

@@ -115,6 +115,14 @@ impl Memory {
         self.set_byte(offset, if value { byte | mask } else { byte & !mask });
     }
 
+    /// A field of the CPU state that always exists, in host order.
+    #[inline(always)]
+    pub fn state32<const OFFSET: u32>(&self) -> u32 {
+        const { assert!(OFFSET + 4 <= layout::I) }
+        // SAFETY: the allocation has all areas below the DBs.
+        unsafe { self.base.add(OFFSET as usize).cast::<u32>().read_unaligned() }
+    }
+
     /// A field of the CPU state or of a cell: host byte order.
     pub fn host32(&self, offset: u32) -> u32 {
         u32::from_ne_bytes(self.bytes(offset))
@@ -149,6 +157,56 @@ impl Memory {
         }
     }
 
+    /// The little-endian word at `offset`.
+    ///
+    /// # Safety
+    /// The two bytes are inside memory, see [`contains`](Self::contains).
+    #[inline(always)]
+    pub unsafe fn known_word(&self, offset: u32) -> u16 {
+        // SAFETY: the caller's promise.
+        u16::from_le_bytes(unsafe { self.base.add(offset as usize).cast::<[u8; 2]>().read_unaligned() })
+    }
+
+    /// Writes the byte at `offset`.
+    ///
+    /// # Safety
+    /// It is inside memory, see [`contains`](Self::contains).
+    #[inline(always)]
+    pub unsafe fn set_known_byte(&self, offset: u32, value: u8) {
+        // SAFETY: the caller's promise.
+        unsafe { *self.base.add(offset as usize) = value }
+    }
+
+    /// As [`copy`](Self::copy).
+    ///
+    /// # Safety
+    /// Both ranges are inside memory, see [`contains`](Self::contains).
+    #[inline(always)]
+    pub unsafe fn copy_known(&self, from: u32, to: u32, bytes: u32) {
+        // SAFETY: the caller's promise.
+        unsafe { move_bytes(self.base.add(from as usize), self.base.add(to as usize), bytes as usize) }
+    }
+
+    /// As [`load`](Self::load).
+    ///
+    /// # Safety
+    /// The range is inside memory, see [`contains`](Self::contains).
+    #[inline(always)]
+    pub unsafe fn load_known(&self, offset: u32, data: &[u8]) {
+        // SAFETY: the caller's promise.
+        unsafe { move_bytes(data.as_ptr(), self.base.add(offset as usize), data.len()) }
+    }
+
+    /// As [`view`](Self::view).
+    ///
+    /// # Safety
+    /// The range is inside memory, see [`contains`](Self::contains).
+    #[inline(always)]
+    pub unsafe fn view_known<R>(&self, offset: u32, bytes: u32, read: impl FnOnce(&[u8]) -> R) -> R {
+        // SAFETY: as for `view`, with the caller's promise.
+        read(unsafe { std::slice::from_raw_parts(self.base.add(offset as usize), bytes as usize) })
+    }
+
     /// Copies `data` into memory at `offset`. Nothing happens when it does not fit.
     pub fn load(&self, offset: u32, data: &[u8]) {
         let bytes = u32::try_from(data.len()).unwrap_or(u32::MAX);
@@ -166,7 +224,9 @@ impl Memory {
         }
     }
 
-    fn contains(&self, offset: u32, bytes: u32) -> bool {
+    /// True if `bytes` bytes at `offset` are inside memory.
+    #[inline(always)]
+    pub fn contains(&self, offset: u32, bytes: u32) -> bool {
         offset.checked_add(bytes).is_some_and(|end| end <= self.size)
     }
 
@@ -201,8 +261,10 @@ impl Memory {
 ///
 /// # Safety
 /// Both ranges can be read and written.
+#[inline(always)]
 unsafe fn move_bytes(from: *const u8, to: *mut u8, bytes: usize) {
     /// Moves the first and the last `T` of the range.
+    #[inline(always)]
     unsafe fn ends<T: Copy>(from: *const u8, to: *mut u8, bytes: usize) {
         let last = bytes - size_of::<T>();
         // SAFETY: the caller's promise, and a range that is not shorter than a `T`.

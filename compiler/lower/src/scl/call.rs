@@ -10,7 +10,7 @@ use plcc_model::{CodeBlock, Direction, Parameter, Passing, Place, Width};
 use super::argument::{self, Given};
 use super::value_type;
 use crate::block::BlockLowering;
-use crate::call::is_block_move;
+use crate::call::{is_block_move, text_call};
 use crate::fault::{Check, Substitute};
 use crate::place::{self, BitNumber, Target};
 
@@ -131,7 +131,56 @@ impl BlockLowering<'_, '_> {
         function: FuncId,
         room: Option<Address>,
     ) -> Returned {
-        let mut given = self.given(call, callee);
+        let given = self.given(call, callee);
+        let text = text_call(self.plan, callee);
+        let known = text.as_ref().and_then(|text| self.text_arguments(text, callee, &given, room));
+        let (Some(text), Some((arguments, known))) = (text, known) else {
+            return self.call_given(call, callee, function, given, room);
+        };
+        let ty = result(callee).and_then(|(_, parameter)| match parameter.ty {
+            DataType::Elementary(ty) => Some(ty),
+            _ => None,
+        });
+        if self.b.constant_bits(known) == Some(1) {
+            let value = self.run_text_call(&text, callee, &arguments, &given);
+            let value = value.zip(ty).map(|(value, ty)| self.typed(value, ty));
+            return Returned { value, place: room.filter(|_| ty.is_none()) };
+        }
+        // The block itself decides what becomes of addresses that are wrong.
+        let var = ty.map(|ty| self.b.declare_var(value_type(ty)));
+        let (run, call_it, end) = (self.b.create_block(), self.b.create_cold_block(), self.b.create_block());
+        self.b.branch(known, run, call_it);
+        self.b.seal_block(run);
+        self.b.seal_block(call_it);
+        let mut has_value = false;
+        self.b.switch_to(run);
+        let value = self.run_text_call(&text, callee, &arguments, &given);
+        if let (Some(var), Some(ty), Some(value)) = (var, ty, value) {
+            let value = self.typed(value, ty);
+            self.b.def_var(var, value);
+            has_value = true;
+        }
+        self.b.jump(end, &[]);
+        self.b.switch_to(call_it);
+        let returned = self.call_given(call, callee, function, given, room);
+        if let (Some(var), Some(value), true) = (var, returned.value, has_value) {
+            self.b.def_var(var, value);
+        }
+        self.b.jump(end, &[]);
+        self.b.seal_block(end);
+        self.b.switch_to(end);
+        Returned { value: var.filter(|_| has_value).map(|var| self.b.use_var(var)), place: returned.place }
+    }
+
+    /// Calls the block of a function with evaluated arguments.
+    fn call_given(
+        &mut self,
+        call: &Call,
+        callee: &CodeBlock,
+        function: FuncId,
+        mut given: Vec<Given>,
+        room: Option<Address>,
+    ) -> Returned {
         let result = result(callee).map(|(index, _)| index).filter(|&index| !supplies(call, index));
         let mut temporaries = Vec::new();
         let mut references = Vec::new();

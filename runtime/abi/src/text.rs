@@ -1,0 +1,37 @@
+//! Functions of texts that generated code calls with addresses: how operands and results travel.
+//!
+//! A text operand is an offset from the memory base. The first argument of these functions says for each text operand, in their order,
+//! how many bytes exist there: [`ROOM_BITS`] bits, the first operand lowest; 0: all of the local data from there on. A data block may end before the
+//! STRING that its head describes.
+//!
+//! The result has the value in its low half, [`BR`] and [`WRITTEN`] above it.
+
+/// Bits for the bytes of one text.
+pub const ROOM_BITS: u32 = 9;
+/// More bytes do not matter: the longest STRING has fewer.
+pub const ROOM_MAX: u32 = (1 << ROOM_BITS) - 1;
+/// All is well.
+pub const BR: u64 = 1 << 32;
+/// The function has a value; without it, the variable for the value stays as it is.
+pub const WRITTEN: u64 = 1 << 33;
+
+/// FORM of numbers as text: `+` before numbers that are not negative.
+pub const PLUS: u16 = 1;
+/// FORM of numbers as text: the number is a ULINT.
+pub const UNSIGNED: u16 = 2;
+
+/// Whose special cases a function has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rules {
+    /// FC 2 to FC 32 of STEP 7 V5.
+    V5,
+    /// Instructions of the TIA Portal.
+    Tia,
+}
+
+impl Rules {
+    /// By the parameter RULES of the functions: 0 or 1.
+    pub fn of(parameter: u16) -> Rules {
+        if parameter == 0 { Rules::V5 } else { Rules::Tia }
+    }
+}
