@@ -1,15 +1,18 @@
 //! Functions of texts that generated code calls with addresses: how operands and results travel.
 //!
-//! A text operand is an offset from the memory base. The first argument of these functions says for each text operand, in their order,
-//! how many bytes exist there: [`ROOM_BITS`] bits, the first operand lowest; 0: all of the local data from there on. A data block may end before the
-//! STRING that its head describes.
+//! A text operand is an offset from the memory base. The first argument of these functions has [`OPERAND_BITS`] bits for each text operand, in
+//! their order, the first operand lowest. Their low half says how many characters exist there, 254 if there are more, since a data block may end before
+//! the STRING that its head describes; or that the text is in local data ([`LOCAL`]), which the runtime knows the end of. Their high half is
+//! the declared maximum, 0 if it is not known: a variable with this maximum in its head exists as a whole.
 //!
 //! The result has the value in its low half, [`BR`] and [`WRITTEN`] above it.
 
-/// Bits for the bytes of one text.
-pub const ROOM_BITS: u32 = 9;
-/// More bytes do not matter: the longest STRING has fewer.
-pub const ROOM_MAX: u32 = (1 << ROOM_BITS) - 1;
+/// Bits for one operand.
+pub const OPERAND_BITS: u32 = 16;
+/// More characters do not matter.
+pub const ROOM_MAX: u32 = 254;
+/// The text is in local data.
+pub const LOCAL: u8 = 255;
 /// All is well.
 pub const BR: u64 = 1 << 32;
 /// The function has a value; without it, the variable for the value stays as it is.

@@ -65,9 +65,15 @@ impl Border for () {
     }
 }
 
+/// The type of a parameter, if the table does not say it.
+macro_rules! param_type {
+    () => { u32 };
+    ($type:ty) => { $type };
+}
+
 macro_rules! functions {
     (
-        memory { $( $name:ident = $symbol:ident ( $cpu:ident $(, $param:ident)* ) $(-> $result:ty)? $body:block )* }
+        memory { $( $name:ident = $symbol:ident ( $cpu:ident $(, $param:ident $(: $mtype:ty)? )* ) $(-> $result:ty)? $body:block )* }
         pure { $( $pname:ident = $psymbol:ident ( $( $pparam:ident : $ptype:ty ),* ) -> $presult:ty $pbody:block )* }
     ) => {
         $(
@@ -76,7 +82,7 @@ macro_rules! functions {
             /// # Safety
             /// `mem` is the base of the memory of a living `Cpu`.
             #[unsafe(no_mangle)]
-            pub unsafe extern "C" fn $symbol(mem: *mut u8 $(, $param: u32)*) $(-> $result)? {
+            pub unsafe extern "C" fn $symbol(mem: *mut u8 $(, $param: param_type!($($mtype)?))*) $(-> $result)? {
                 // SAFETY: the caller's promise.
                 let $cpu = unsafe { Cpu::of(mem) };
                 $body
@@ -104,7 +110,7 @@ macro_rules! functions {
             let mut args = args.iter().copied();
             match function {
                 $( RuntimeFn::$name => {
-                    $( let $param: u32 = Border::from_bits(args.next().unwrap_or(0)); )*
+                    $( let $param: param_type!($($mtype)?) = Border::from_bits(args.next().unwrap_or(0)); )*
                     // SAFETY: `mem` is the base of a living `Cpu`, see above.
                     Border::to_bits(unsafe { $symbol(mem $(, $param)*) })
                 } )*
@@ -161,68 +167,74 @@ functions! {
         CopyText = plcc_rt_copy_text(cpu, to, from, limit, wide) -> u32 {
             text::copy(&cpu.memory, to, from, limit, wide != 0).into()
         }
-        TextConcat = plcc_rt_text_concat(cpu, rooms, in1, in2, out) -> u64 {
-            let t = Texts { memory: &cpu.memory, rooms };
-            flag(join::concat(t.memory, t.at(0, in1), t.at(1, in2), t.at(2, out)))
+        TextConcat = plcc_rt_text_concat(cpu, known: u64, in1, in2, out) -> u64 {
+            let t = Texts::new(&cpu.memory, known);
+            flag(join::concat(t.bytes, t.at(0, in1), t.at(1, in2), t.at(2, out)))
         }
-        TextCompare = plcc_rt_text_compare(cpu, rooms, in1, in2, relation) -> u64 {
-            let t = Texts { memory: &cpu.memory, rooms };
-            search::relation(t.memory, t.at(0, in1), t.at(1, in2), relation).map_or(0, |holds| BR | u64::from(holds))
+        TextConcatThree = plcc_rt_text_concat_three(cpu, known: u64, in1, in2, in3, out) -> u64 {
+            let t = Texts::new(&cpu.memory, known);
+            let inputs = [t.at(0, in1), t.at(1, in2), t.at(2, in3)];
+            let (first, good) = join::concat_three(t.bytes, inputs, t.at(3, out));
+            flag(good) | if first { WRITTEN } else { 0 }
         }
-        TextFind = plcc_rt_text_find(cpu, rooms, in1, in2, rules) -> u64 {
-            let t = Texts { memory: &cpu.memory, rooms };
-            let (position, good) = search::find(t.memory, t.at(0, in1), t.at(1, in2), Rules::of(rules as u16));
+        TextCompare = plcc_rt_text_compare(cpu, known: u64, in1, in2, relation) -> u64 {
+            let t = Texts::new(&cpu.memory, known);
+            search::relation(t.bytes, t.at(0, in1), t.at(1, in2), relation).map_or(0, |holds| BR | u64::from(holds))
+        }
+        TextFind = plcc_rt_text_find(cpu, known: u64, in1, in2, rules) -> u64 {
+            let t = Texts::new(&cpu.memory, known);
+            let (position, good) = search::find(t.bytes, t.at(0, in1), t.at(1, in2), Rules::of(rules as u16));
             flag(good) | u64::from(position)
         }
-        TextLength = plcc_rt_text_length(cpu, rooms, text, maximum) -> u64 {
-            let text = Texts { memory: &cpu.memory, rooms }.at(0, text);
+        TextLength = plcc_rt_text_length(cpu, known: u64, text, maximum) -> u64 {
+            let text = Texts::new(&cpu.memory, known).at(0, text);
             BR | u64::from(text::length(text, maximum != 0))
         }
-        TextReplace = plcc_rt_text_replace(cpu, rooms, in1, in2, l, p, rules, out) -> u64 {
-            let t = Texts { memory: &cpu.memory, rooms };
+        TextReplace = plcc_rt_text_replace(cpu, known: u64, in1, in2, l, p, rules, out) -> u64 {
+            let t = Texts::new(&cpu.memory, known);
             let place = [l as i16, p as i16];
-            flag(join::replace(t.memory, t.at(0, in1), t.at(1, in2), place, Rules::of(rules as u16), t.at(2, out)))
+            flag(join::replace(t.bytes, t.at(0, in1), t.at(1, in2), place, Rules::of(rules as u16), t.at(2, out)))
         }
-        TextLeft = plcc_rt_text_left(cpu, rooms, text, l, rules, out) -> u64 {
-            let t = Texts { memory: &cpu.memory, rooms };
-            flag(join::left(t.memory, t.at(0, text), l as i16, Rules::of(rules as u16), t.at(1, out)))
+        TextLeft = plcc_rt_text_left(cpu, known: u64, text, l, rules, out) -> u64 {
+            let t = Texts::new(&cpu.memory, known);
+            flag(join::left(t.bytes, t.at(0, text), l as i16, Rules::of(rules as u16), t.at(1, out)))
         }
-        TextRight = plcc_rt_text_right(cpu, rooms, text, l, rules, out) -> u64 {
-            let t = Texts { memory: &cpu.memory, rooms };
-            flag(join::right(t.memory, t.at(0, text), l as i16, Rules::of(rules as u16), t.at(1, out)))
+        TextRight = plcc_rt_text_right(cpu, known: u64, text, l, rules, out) -> u64 {
+            let t = Texts::new(&cpu.memory, known);
+            flag(join::right(t.bytes, t.at(0, text), l as i16, Rules::of(rules as u16), t.at(1, out)))
         }
-        TextMid = plcc_rt_text_mid(cpu, rooms, text, l, p, out) -> u64 {
-            let t = Texts { memory: &cpu.memory, rooms };
-            flag(join::mid(t.memory, t.at(0, text), l as i16, p as i16, t.at(1, out)))
+        TextMid = plcc_rt_text_mid(cpu, known: u64, text, l, p, out) -> u64 {
+            let t = Texts::new(&cpu.memory, known);
+            flag(join::mid(t.bytes, t.at(0, text), l as i16, p as i16, t.at(1, out)))
         }
-        TextDelete = plcc_rt_text_delete(cpu, rooms, text, l, p, rules, out) -> u64 {
-            let t = Texts { memory: &cpu.memory, rooms };
-            flag(join::delete(t.memory, t.at(0, text), l as i16, p as i16, Rules::of(rules as u16), t.at(1, out)))
+        TextDelete = plcc_rt_text_delete(cpu, known: u64, text, l, p, rules, out) -> u64 {
+            let t = Texts::new(&cpu.memory, known);
+            flag(join::delete(t.bytes, t.at(0, text), l as i16, p as i16, Rules::of(rules as u16), t.at(1, out)))
         }
-        TextInsert = plcc_rt_text_insert(cpu, rooms, in1, in2, p, rules, out) -> u64 {
-            let t = Texts { memory: &cpu.memory, rooms };
-            flag(join::insert(t.memory, t.at(0, in1), t.at(1, in2), p as i16, Rules::of(rules as u16), t.at(2, out)))
+        TextInsert = plcc_rt_text_insert(cpu, known: u64, in1, in2, p, rules, out) -> u64 {
+            let t = Texts::new(&cpu.memory, known);
+            flag(join::insert(t.bytes, t.at(0, in1), t.at(1, in2), p as i16, Rules::of(rules as u16), t.at(2, out)))
         }
-        TextOfDint = plcc_rt_text_of_dint(cpu, rooms, value, form, out) -> u64 {
-            let t = Texts { memory: &cpu.memory, rooms };
-            flag(decimal::write(t.memory, value as i32, form as u16, t.at(0, out)))
+        TextOfDint = plcc_rt_text_of_dint(cpu, known: u64, value, form, out) -> u64 {
+            let t = Texts::new(&cpu.memory, known);
+            flag(decimal::write(t.bytes, value as i32, form as u16, t.at(0, out)))
         }
-        TextOfReal = plcc_rt_text_of_real(cpu, rooms, value, out) -> u64 {
-            let t = Texts { memory: &cpu.memory, rooms };
-            flag(numbers::write_real(t.memory, f32::from_bits(value), t.at(0, out)))
+        TextOfReal = plcc_rt_text_of_real(cpu, known: u64, value, out) -> u64 {
+            let t = Texts::new(&cpu.memory, known);
+            flag(numbers::write_real(t.bytes, f32::from_bits(value), t.at(0, out)))
         }
-        TextFixedOfReal = plcc_rt_text_fixed_of_real(cpu, rooms, value, out) -> u64 {
-            let t = Texts { memory: &cpu.memory, rooms };
-            flag(numbers::write_fixed_real(t.memory, f32::from_bits(value), t.at(0, out)))
+        TextFixedOfReal = plcc_rt_text_fixed_of_real(cpu, known: u64, value, out) -> u64 {
+            let t = Texts::new(&cpu.memory, known);
+            flag(numbers::write_fixed_real(t.bytes, f32::from_bits(value), t.at(0, out)))
         }
-        TextToDint = plcc_rt_text_to_dint(cpu, rooms, text, longest, low, high) -> u64 {
-            let t = Texts { memory: &cpu.memory, rooms };
-            let read = decimal::read(t.memory, t.at(0, text), longest as u16, low as i32, high as i32);
+        TextToDint = plcc_rt_text_to_dint(cpu, known: u64, text, longest, low, high) -> u64 {
+            let t = Texts::new(&cpu.memory, known);
+            let read = decimal::read(t.bytes, t.at(0, text), longest as u16, low as i32, high as i32);
             read.map_or(0, |(value, good)| WRITTEN | flag(good) | u64::from(value as u32))
         }
-        TextScan = plcc_rt_text_scan(cpu, rooms, text, kind) -> u64 {
-            let t = Texts { memory: &cpu.memory, rooms };
-            let (value, length) = numbers::scan_start(t.memory, t.at(0, text), kind as u16);
+        TextScan = plcc_rt_text_scan(cpu, known: u64, text, kind) -> u64 {
+            let t = Texts::new(&cpu.memory, known);
+            let (value, length) = numbers::scan_start(t.bytes, t.at(0, text), kind as u16);
             flag(length != 0) | u64::from(value as u32)
         }
         S7200Operation = plcc_rt_s7200_operation(cpu, site, operation, a, b, c, d) -> u64 {

@@ -4,6 +4,7 @@
 //! outside the allocation ends in the scratch area: the runtime computes none, but a wrong image must not do harm.
 
 use std::alloc::{Layout, alloc_zeroed, dealloc, handle_alloc_error};
+use std::marker::PhantomData;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use plcc_abi::any::Fields;
@@ -157,54 +158,10 @@ impl Memory {
         }
     }
 
-    /// The little-endian word at `offset`.
-    ///
-    /// # Safety
-    /// The two bytes are inside memory, see [`contains`](Self::contains).
+    /// The same memory, for accesses that are known to be inside.
     #[inline(always)]
-    pub unsafe fn known_word(&self, offset: u32) -> u16 {
-        // SAFETY: the caller's promise.
-        u16::from_le_bytes(unsafe { self.base.add(offset as usize).cast::<[u8; 2]>().read_unaligned() })
-    }
-
-    /// Writes the byte at `offset`.
-    ///
-    /// # Safety
-    /// It is inside memory, see [`contains`](Self::contains).
-    #[inline(always)]
-    pub unsafe fn set_known_byte(&self, offset: u32, value: u8) {
-        // SAFETY: the caller's promise.
-        unsafe { *self.base.add(offset as usize) = value }
-    }
-
-    /// As [`copy`](Self::copy).
-    ///
-    /// # Safety
-    /// Both ranges are inside memory, see [`contains`](Self::contains).
-    #[inline(always)]
-    pub unsafe fn copy_known(&self, from: u32, to: u32, bytes: u32) {
-        // SAFETY: the caller's promise.
-        unsafe { move_bytes(self.base.add(from as usize), self.base.add(to as usize), bytes as usize) }
-    }
-
-    /// As [`load`](Self::load).
-    ///
-    /// # Safety
-    /// The range is inside memory, see [`contains`](Self::contains).
-    #[inline(always)]
-    pub unsafe fn load_known(&self, offset: u32, data: &[u8]) {
-        // SAFETY: the caller's promise.
-        unsafe { move_bytes(data.as_ptr(), self.base.add(offset as usize), data.len()) }
-    }
-
-    /// As [`view`](Self::view).
-    ///
-    /// # Safety
-    /// The range is inside memory, see [`contains`](Self::contains).
-    #[inline(always)]
-    pub unsafe fn view_known<R>(&self, offset: u32, bytes: u32, read: impl FnOnce(&[u8]) -> R) -> R {
-        // SAFETY: as for `view`, with the caller's promise.
-        read(unsafe { std::slice::from_raw_parts(self.base.add(offset as usize), bytes as usize) })
+    pub fn bytes_at(&self) -> Bytes<'_> {
+        Bytes { base: self.base, memory: PhantomData }
     }
 
     /// Copies `data` into memory at `offset`. Nothing happens when it does not fit.
@@ -256,7 +213,66 @@ impl Memory {
     }
 }
 
-/// Copies `bytes` bytes, as if through a buffer. Most copies are of short texts: up to 32 bytes go as two words, which may overlap, and
+/// Memory without checks: every access says why it is inside.
+#[derive(Clone, Copy)]
+pub struct Bytes<'a> {
+    base: *mut u8,
+    memory: PhantomData<&'a Memory>,
+}
+
+impl Bytes<'_> {
+    /// The little-endian word at `offset`.
+    ///
+    /// # Safety
+    /// The two bytes are inside memory, see [`Memory::contains`].
+    #[inline(always)]
+    pub unsafe fn word(self, offset: u32) -> u16 {
+        // SAFETY: the caller's promise.
+        u16::from_le_bytes(unsafe { self.base.add(offset as usize).cast::<[u8; 2]>().read_unaligned() })
+    }
+
+    /// Writes the byte at `offset`.
+    ///
+    /// # Safety
+    /// It is inside memory, see [`Memory::contains`].
+    #[inline(always)]
+    pub unsafe fn set_byte(self, offset: u32, value: u8) {
+        // SAFETY: the caller's promise.
+        unsafe { *self.base.add(offset as usize) = value }
+    }
+
+    /// As [`Memory::copy`].
+    ///
+    /// # Safety
+    /// Both ranges are inside memory, see [`Memory::contains`].
+    #[inline(always)]
+    pub unsafe fn copy(self, from: u32, to: u32, bytes: u32) {
+        // SAFETY: the caller's promise.
+        unsafe { move_bytes(self.base.add(from as usize), self.base.add(to as usize), bytes as usize) }
+    }
+
+    /// As [`Memory::load`].
+    ///
+    /// # Safety
+    /// The range is inside memory, see [`Memory::contains`].
+    #[inline(always)]
+    pub unsafe fn load(self, offset: u32, data: &[u8]) {
+        // SAFETY: the caller's promise.
+        unsafe { move_bytes(data.as_ptr(), self.base.add(offset as usize), data.len()) }
+    }
+
+    /// As [`Memory::view`].
+    ///
+    /// # Safety
+    /// The range is inside memory, see [`Memory::contains`].
+    #[inline(always)]
+    pub unsafe fn view<R>(self, offset: u32, bytes: u32, read: impl FnOnce(&[u8]) -> R) -> R {
+        // SAFETY: as for `view`, with the caller's promise.
+        read(unsafe { std::slice::from_raw_parts(self.base.add(offset as usize), bytes as usize) })
+    }
+}
+
+/// Copies `bytes` bytes, as if through a buffer. Most copies are of short texts: up to 64 bytes go as two words, which may overlap, and
 /// are read before anything is written.
 ///
 /// # Safety
@@ -278,12 +294,13 @@ unsafe fn move_bytes(from: *const u8, to: *mut u8, bytes: usize) {
     // SAFETY: the caller's promise; `copy` allows overlap.
     unsafe {
         match bytes {
-            0 => {}
+            8..=16 => ends::<u64>(from, to, bytes),
+            4..8 => ends::<u32>(from, to, bytes),
+            2..4 => ends::<u16>(from, to, bytes),
             1 => *to = *from,
-            2..=3 => ends::<u16>(from, to, bytes),
-            4..=7 => ends::<u32>(from, to, bytes),
-            8..=15 => ends::<u64>(from, to, bytes),
-            16..=32 => ends::<u128>(from, to, bytes),
+            0 => {}
+            17..=32 => ends::<u128>(from, to, bytes),
+            33..=64 => ends::<[u128; 2]>(from, to, bytes),
             _ => std::ptr::copy(from, to, bytes),
         }
     }
@@ -303,7 +320,7 @@ mod tests {
     #[test]
     fn copies_are_as_if_through_a_buffer() {
         let memory = Memory::new(layout::DB_DATA);
-        for bytes in 0..=40u32 {
+        for bytes in 0..=70u32 {
             for (from, to) in [(100, 200), (100, 103), (103, 100), (100, 120), (100, 100)] {
                 let start: Vec<u8> = (0..=255).collect();
                 memory.load(layout::M, &start);

@@ -6,7 +6,7 @@
 
 use plcc_abi::image::BlockKind;
 use plcc_abi::layout::{AREA_BYTES, area};
-use plcc_abi::text::{BR, ROOM_BITS, ROOM_MAX};
+use plcc_abi::text::{BR, LOCAL, OPERAND_BITS, ROOM_MAX};
 use plcc_abi::{RuntimeFn, Type};
 use plcc_ir::{Address, BinaryOp, IntCc, Region, Value};
 use plcc_model::{Actual, Body, CodeBlock, Direction, Passing, Place, StlStatementKind};
@@ -18,7 +18,7 @@ use crate::place;
 use crate::plan::Plan;
 use crate::pointer::PointerFields;
 
-/// The runtime functions of system functions, by number. Their arguments are the rooms, the inputs in the order of the system function,
+/// The runtime functions of system functions, by number. Their arguments are what is known of the texts, the inputs in the order of the system function,
 /// then the text that is written.
 const FUNCTIONS: &[(u16, RuntimeFn)] = &[
     (2000, RuntimeFn::TextConcat),
@@ -41,9 +41,12 @@ const FUNCTIONS: &[(u16, RuntimeFn)] = &[
     (2029, RuntimeFn::TextOfDint),
 ];
 
+/// Bytes before the characters of a STRING.
+const HEAD_BYTES: i64 = 2;
+
 /// What a block of the library hands on, by the indices of its own parameters.
 pub struct TextCall {
-    function: RuntimeFn,
+    pub function: RuntimeFn,
     pub inputs: Vec<TextInput>,
     /// The text that is written.
     pub out: Option<usize>,
@@ -64,8 +67,10 @@ pub enum TextInput {
 pub struct TextOperand {
     /// Offset from the memory base, an i32.
     address: Value,
-    /// Bytes that exist there, an i32 as [`plcc_abi::text`] describes it.
+    /// Characters that exist there, an i32 as [`plcc_abi::text`] describes it.
     room: Value,
+    /// The declared maximum; 0 if it is not known.
+    declared: u8,
     /// i1: address and room are right.
     ok: Value,
 }
@@ -104,16 +109,17 @@ pub fn text_call(plan: &Plan, callee: &CodeBlock) -> Option<TextCall> {
 
 impl BlockLowering<'_, '_> {
     /// A text in this block's frame.
-    pub fn text_in_frame(&mut self, addr: Address) -> TextOperand {
-        let (address, room) = (self.b.address_of(addr), self.b.i32_const(0));
-        TextOperand { address, room, ok: self.b.bool_const(true) }
+    pub fn text_in_frame(&mut self, addr: Address, declared: u8) -> TextOperand {
+        let (address, room) = (self.b.address_of(addr), self.b.i32_const(LOCAL.into()));
+        TextOperand { address, room, declared, ok: self.b.bool_const(true) }
     }
 
-    /// A text at `addr` if all `checks` hold. `pointer` makes the pointer to it that a called block would get. `None`: only the system function
+    /// A text at `addr` if all `checks` hold; with a `declared` maximum all of it exists then. `pointer` makes the pointer to it that a called block would get. `None`: only the system function
     /// decides whether it may be written.
     pub fn text_in_memory(
         &mut self,
         addr: Address,
+        declared: u8,
         checks: &[Check],
         direction: place::Direction,
         pointer: impl FnOnce(&mut Self) -> PointerFields,
@@ -127,7 +133,7 @@ impl BlockLowering<'_, '_> {
         let writes = direction == place::Direction::Write;
         let length = match addr.region {
             Region::L => {
-                let operand = self.text_in_frame(addr);
+                let operand = self.text_in_frame(addr, declared);
                 return Some(TextOperand { ok, ..operand });
             }
             Region::I => profile.inputs,
@@ -136,7 +142,7 @@ impl BlockLowering<'_, '_> {
             Region::Db(number) if !(writes && protected.contains(&number)) => self.plan.static_db(number)?.length,
             Region::AnyDb | Region::Any if !(writes && !protected.is_empty()) => {
                 let fields = pointer(self);
-                return Some(self.text_at_pointer(addr, fields, ok));
+                return Some(self.text_at_pointer(addr, declared, fields, ok));
             }
             _ => return None,
         };
@@ -148,11 +154,11 @@ impl BlockLowering<'_, '_> {
             None => byte,
         };
         let room = self.room(length, byte);
-        Some(TextOperand { address, room, ok })
+        Some(TextOperand { address, room, declared, ok })
     }
 
     /// A text at `addr`, to which `fields` point.
-    fn text_at_pointer(&mut self, addr: Address, fields: PointerFields, ok: Value) -> TextOperand {
+    fn text_at_pointer(&mut self, addr: Address, declared: u8, fields: PointerFields, ok: Value) -> TextOperand {
         let address = self.b.address_of(addr);
         let code = self.b.binary_imm(BinaryOp::Lshr, fields.pointer, 24);
         let in_db = self.b.icmp_imm(IntCc::Eq, code, i64::from(area::DB));
@@ -161,44 +167,49 @@ impl BlockLowering<'_, '_> {
         let byte = self.b.binary_imm(BinaryOp::Lshr, bits, 3);
         let length = self.b.db_length(fields.db);
         let room = self.room(length, byte);
-        let inside = self.b.icmp(IntCc::Ult, byte, length);
+        let end = self.b.binary_imm(BinaryOp::Iadd, byte, HEAD_BYTES + i64::from(declared));
+        let inside = self.b.icmp(IntCc::Ule, end, length);
         let in_db = self.b.and(in_db, inside);
-        let none = self.b.i32_const(0);
-        let room = self.b.select(is_local, none, room);
+        let local = self.b.i32_const(LOCAL.into());
+        let room = self.b.select(is_local, local, room);
         let known = self.b.or(in_db, is_local);
-        TextOperand { address, room, ok: self.b.and(ok, known) }
+        TextOperand { address, room, declared, ok: self.b.and(ok, known) }
     }
 
-    /// What exists from `byte` on, if `length` bytes exist from 0 on.
+    /// Characters of a text at `byte` that exist, if `length` bytes exist from 0 on.
     fn room(&mut self, length: Value, byte: Value) -> Value {
         let rest = self.b.isub(length, byte);
+        let rest = self.b.binary_imm(BinaryOp::Iadd, rest, -HEAD_BYTES);
         let most = self.b.i32_const(ROOM_MAX);
         let is_less = self.b.icmp(IntCc::Ult, rest, most);
         self.b.select(is_less, rest, most)
     }
 
-    /// Calls the runtime function of `text` in place of `callee`, with its texts and, for each input, the value if it is not a text.
+    /// Calls a runtime `function` in place of `callee`, with its texts and, for each input, the value if it is not a text.
     /// The result is described at [`plcc_abi::text`]; its BR is the block's.
     pub fn run_text(
         &mut self,
-        text: &TextCall,
+        function: RuntimeFn,
         callee: &CodeBlock,
         texts: &[TextOperand],
         values: &[Option<Value>],
     ) -> Value {
         let depth = self.enter_call(callee);
-        let mut rooms = self.b.i32_const(0);
+        let mut known = self.b.iconst(Type::I64, 0);
         for (index, operand) in texts.iter().enumerate() {
-            let room = self.b.binary_imm(BinaryOp::Shl, operand.room, i64::from(ROOM_BITS) * index as i64);
-            rooms = self.b.or(rooms, room);
+            let declared = i64::from(operand.declared) << (OPERAND_BITS / 2);
+            let operand = self.b.binary_imm(BinaryOp::Or, operand.room, declared);
+            let operand = self.b.zext(Type::I64, operand);
+            let operand = self.b.binary_imm(BinaryOp::Shl, operand, i64::from(OPERAND_BITS) * index as i64);
+            known = self.b.or(known, operand);
         }
         let mut addresses = texts.iter().map(|operand| operand.address);
-        let mut arguments = vec![rooms];
+        let mut arguments = vec![known];
         for value in values {
             arguments.push(value.or_else(|| addresses.next()).expect("an input is a value or a text"));
         }
         arguments.extend(addresses);
-        let result = self.b.call_runtime(text.function, &arguments).expect("functions of texts have a result");
+        let result = self.b.call_runtime(function, &arguments).expect("functions of texts have a result");
         self.leave_call(depth);
         let br = self.bit_of(result, BR);
         self.set(self.regs.br, br);

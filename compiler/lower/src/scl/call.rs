@@ -3,14 +3,14 @@
 use plcc_abi::layout::area;
 use plcc_ir::{Address, FuncId, Value};
 use plcc_model::layout;
-use plcc_model::scl::{Call, Instance};
+use plcc_model::scl::{Actual, Call, Complex, Instance};
 use plcc_model::types::DataType;
 use plcc_model::{CodeBlock, Direction, Parameter, Passing, Place, Width};
 
-use super::argument::{self, Given};
+use super::argument::{self, Given, joined_call};
 use super::value_type;
 use crate::block::BlockLowering;
-use crate::call::{is_block_move, text_call};
+use crate::call::{TextCall, is_block_move, text_call};
 use crate::fault::{Check, Substitute};
 use crate::place::{self, BitNumber, Target};
 
@@ -131,10 +131,47 @@ impl BlockLowering<'_, '_> {
         function: FuncId,
         room: Option<Address>,
     ) -> Returned {
-        let given = self.given(call, callee);
-        let text = text_call(self.plan, callee);
-        let known = text.as_ref().and_then(|text| self.text_arguments(text, callee, &given, room));
-        let (Some(text), Some((arguments, known))) = (text, known) else {
+        let Some(text) = text_call(self.plan, callee) else {
+            let given = self.given(call, callee);
+            return self.call_given(call, callee, function, given, room);
+        };
+        let Some(inner) = joined_call(&text, call) else {
+            let given = self.given(call, callee);
+            return self.call_text(&text, call, callee, function, given, room);
+        };
+        let inner_given = self.given(inner, callee);
+        let first = call.arguments.iter().position(|one| matches!(&one.actual, Actual::Complex(Complex::Call(_))));
+        let first = first.expect("the inner call is an argument");
+        let others = call.arguments.iter().enumerate().filter(|(at, _)| *at != first);
+        let mut given: Vec<Given> = others
+            .map(|(_, argument)| self.give(&callee.interface.parameters[argument.parameter], argument))
+            .collect();
+        if let Some(arguments) = self.joined_arguments(&text, (inner, &inner_given), (call, &given), room) {
+            let br = self.run_joined_call(callee, &arguments);
+            self.note_eno(inner, br);
+            return Returned { value: None, place: room };
+        }
+        let (_, parameter) = result(callee).expect("a function that joins texts has a result");
+        let inner_room = self.result_room(&parameter.ty);
+        self.call_text(&text, inner, callee, function, inner_given, Some(inner_room));
+        let br = self.get(self.regs.br);
+        self.note_eno(inner, br);
+        let supply = argument::Supply::Complex(argument::Source::Frame(inner_room));
+        given.push(Given { parameter: call.arguments[first].parameter, supply, back: None });
+        self.call_text(&text, call, callee, function, given, room)
+    }
+
+    /// Calls a function of texts, or the block in its place if the addresses are not right.
+    fn call_text(
+        &mut self,
+        text: &TextCall,
+        call: &Call,
+        callee: &CodeBlock,
+        function: FuncId,
+        given: Vec<Given>,
+        room: Option<Address>,
+    ) -> Returned {
+        let Some((arguments, known)) = self.text_arguments(text, call, callee, &given, room) else {
             return self.call_given(call, callee, function, given, room);
         };
         let ty = result(callee).and_then(|(_, parameter)| match parameter.ty {
@@ -142,7 +179,7 @@ impl BlockLowering<'_, '_> {
             _ => None,
         });
         if self.b.constant_bits(known) == Some(1) {
-            let value = self.run_text_call(&text, callee, &arguments, &given);
+            let value = self.run_text_call(text, callee, &arguments, &given);
             let value = value.zip(ty).map(|(value, ty)| self.typed(value, ty));
             return Returned { value, place: room.filter(|_| ty.is_none()) };
         }
@@ -154,7 +191,7 @@ impl BlockLowering<'_, '_> {
         self.b.seal_block(call_it);
         let mut has_value = false;
         self.b.switch_to(run);
-        let value = self.run_text_call(&text, callee, &arguments, &given);
+        let value = self.run_text_call(text, callee, &arguments, &given);
         if let (Some(var), Some(ty), Some(value)) = (var, ty, value) {
             let value = self.typed(value, ty);
             self.b.def_var(var, value);

@@ -14,7 +14,7 @@ use crate::place::Direction;
 /// A limit that means the maximum in the text's own header.
 const OWN_MAXIMUM: u32 = u32::MAX;
 /// Longest text without a declared length.
-const TEXT_MAX: u32 = 254;
+pub const TEXT_MAX: u32 = 254;
 
 /// Kind of a text.
 #[derive(Clone, Copy, PartialEq, Eq)]

@@ -13,7 +13,7 @@ use super::any::Access;
 use super::parameters::Call;
 use super::text::{self, Buffer, CUT, INVALID, Text};
 use super::{OK, Outcome, error};
-use crate::memory::Memory;
+use crate::memory::Bytes;
 use crate::text::{decimal, give_whole};
 
 /// Value of a LINT, or with UNSIGNED of a ULINT.
@@ -24,7 +24,7 @@ fn integer(bits: u64, form: u16) -> i128 {
 /// IN LINT, FORM -> RET_VAL, OUT STRING. A string that is too short does not change.
 pub(super) fn of_integer(call: &Call) -> Outcome {
     let out = text::of(call, 3, Access::Write);
-    match (decimal::write_long(&call.cpu.memory, call.lword(0), call.word(1), out), out) {
+    match (decimal::write_long(call.cpu.memory.bytes_at(), call.lword(0), call.word(1), out), out) {
         (true, _) => OK,
         (false, Some(_)) => error(CUT),
         (false, None) => error(INVALID),
@@ -34,23 +34,23 @@ pub(super) fn of_integer(call: &Call) -> Outcome {
 /// IN DINT, FORM -> OUT STRING, as [`of_integer`].
 pub(super) fn of_dint(call: &Call) -> Outcome {
     let value = call.dword(0) as i32;
-    Outcome::Flag(decimal::write(&call.cpu.memory, value, call.word(1), text::of(call, 2, Access::Write)))
+    Outcome::Flag(decimal::write(call.cpu.memory.bytes_at(), value, call.word(1), text::of(call, 2, Access::Write)))
 }
 
 /// As [`of_dint`], of an INT.
 pub(super) fn of_int(call: &Call) -> Outcome {
     let value = i32::from(call.word(0) as i16);
-    Outcome::Flag(decimal::write(&call.cpu.memory, value, call.word(1), text::of(call, 2, Access::Write)))
+    Outcome::Flag(decimal::write(call.cpu.memory.bytes_at(), value, call.word(1), text::of(call, 2, Access::Write)))
 }
 
 /// IN REAL -> OUT STRING: `+1.2345678E+01`, 14 characters.
 pub(super) fn of_real(call: &Call) -> Outcome {
     let value = f32::from_bits(call.dword(0));
-    Outcome::Flag(write_real(&call.cpu.memory, value, text::of(call, 1, Access::Write)))
+    Outcome::Flag(write_real(call.cpu.memory.bytes_at(), value, text::of(call, 1, Access::Write)))
 }
 
 /// See [`of_real`]. False if it does not fit, or is not a number; then nothing is written.
-pub(crate) fn write_real(memory: &Memory, value: f32, out: Option<Text>) -> bool {
+pub(crate) fn write_real(memory: Bytes, value: f32, out: Option<Text>) -> bool {
     scientific(f64::from(value), 7, 2).is_some_and(|number| give_whole(memory, out, number.characters()))
 }
 
@@ -65,7 +65,7 @@ pub(super) fn of_lreal(call: &Call) -> Outcome {
 /// Writes a result into parameter `index` if all of it fits.
 fn written(call: &Call, index: usize, characters: &[u8]) -> Outcome {
     let out = text::of(call, index, Access::Write);
-    match (give_whole(&call.cpu.memory, out, characters), out) {
+    match (give_whole(call.cpu.memory.bytes_at(), out, characters), out) {
         (true, _) => OK,
         (false, Some(_)) => error(CUT),
         (false, None) => error(INVALID),
@@ -102,11 +102,11 @@ fn mantissa_and_exponent(value: f64, digits: usize) -> (Buffer<24>, i32) {
 /// IN REAL -> OUT STRING: fixed point, the shortest text for the same REAL. `INF` and `NaN` are errors.
 pub(super) fn fixed_of_real(call: &Call) -> Outcome {
     let value = f32::from_bits(call.dword(0));
-    Outcome::Flag(write_fixed_real(&call.cpu.memory, value, text::of(call, 1, Access::Write)))
+    Outcome::Flag(write_fixed_real(call.cpu.memory.bytes_at(), value, text::of(call, 1, Access::Write)))
 }
 
 /// See [`fixed_of_real`]. False if it does not fit; then nothing is written.
-pub(crate) fn write_fixed_real(memory: &Memory, value: f32, out: Option<Text>) -> bool {
+pub(crate) fn write_fixed_real(memory: Bytes, value: f32, out: Option<Text>) -> bool {
     let mut buffer: Buffer<64> = Buffer::new();
     let _ = if value.is_finite() { write!(buffer, "{value}") } else { write_special(&mut buffer, f64::from(value)) };
     give_whole(memory, out, buffer.characters()) && value.is_finite()
@@ -146,7 +146,7 @@ pub(super) fn to_int(call: &Call) -> Outcome {
 
 fn read_limited(call: &Call) -> Option<(i32, bool)> {
     let (low, high) = (call.dword(2) as i32, call.dword(3) as i32);
-    decimal::read(&call.cpu.memory, text::of(call, 0, Access::Read), call.word(1), low, high)
+    decimal::read(call.cpu.memory.bytes_at(), text::of(call, 0, Access::Read), call.word(1), low, high)
 }
 
 /// S STRING -> RET_VAL, OUT REAL: exactly `+v.nnnnnnnE+xx` at the beginning. Too large is limited and [`CUT`].
@@ -233,7 +233,7 @@ fn exponent_length(text: &[u8]) -> Option<usize> {
 
 /// Scans a text from position `position` on.
 fn scan_text<R>(
-    memory: &Memory,
+    memory: Bytes,
     text: Option<Text>,
     format: u16,
     position: i16,
@@ -249,7 +249,7 @@ fn scan_text<R>(
 
 /// As [`scan_text`], of a call with the parameters S, FORMAT, P.
 fn scan_call<R>(call: &Call, scan: impl FnOnce(&[u8], u16) -> Option<R>) -> Option<R> {
-    scan_text(&call.cpu.memory, text::of(call, 0, Access::Read), call.word(1), call.word(2) as i16, scan)
+    scan_text(call.cpu.memory.bytes_at(), text::of(call, 0, Access::Read), call.word(1), call.word(2) as i16, scan)
 }
 
 /// The range of an integer type: 1 SINT, 2 INT, 3 DINT, 4 LINT, 5 USINT, 6 UINT, 7 UDINT, 8 ULINT.
@@ -279,7 +279,7 @@ fn scan_integer(text: &[u8], format: u16) -> Option<(i128, usize)> {
 /// The integer of type `kind` (see [`range`]) at the beginning of a text, and how many characters belong to it: 0 if there is none, or it is
 /// outside the range; then the integer is 0. A fraction is dropped.
 #[inline(always)]
-pub(crate) fn scan_start(memory: &Memory, text: Option<Text>, kind: u16) -> (i64, usize) {
+pub(crate) fn scan_start(memory: Bytes, text: Option<Text>, kind: u16) -> (i64, usize) {
     if matches!(kind, 1..=4)
         && let Some(text) = text
         && let Some((negative, magnitude, length)) = text.view(memory, decimal::scan)
@@ -294,7 +294,7 @@ pub(crate) fn scan_start(memory: &Memory, text: Option<Text>, kind: u16) -> (i64
 
 /// As [`scan_start`], from position `position` on.
 #[inline(never)]
-fn scan_range(memory: &Memory, text: Option<Text>, format: u16, position: i16, kind: u16) -> (i128, usize) {
+fn scan_range(memory: Bytes, text: Option<Text>, format: u16, position: i16, kind: u16) -> (i128, usize) {
     let value = range(kind).and_then(|range| {
         let value = scan_text(memory, text, format, position, |text, format| match decimal::scan(text) {
             Some((negative, magnitude, length)) => {
@@ -313,7 +313,7 @@ fn scan_range(memory: &Memory, text: Option<Text>, format: u16, position: i16, k
 pub(super) fn integer_of(call: &Call) -> Outcome {
     const OUT: usize = 5;
     let text = text::of(call, 0, Access::Read);
-    let (value, length) = scan_range(&call.cpu.memory, text, call.word(1), call.word(2) as i16, call.word(3));
+    let (value, length) = scan_range(call.cpu.memory.bytes_at(), text, call.word(1), call.word(2) as i16, call.word(3));
     call.set_lword(OUT, value as u64);
     call.set_word(OUT + 1, call.word(2).wrapping_add(length as u16));
     if length == 0 { error(INVALID) } else { OK }
@@ -334,7 +334,7 @@ pub(super) fn int_at_start(call: &Call) -> Outcome {
 }
 
 fn at_start(call: &Call) -> (i64, usize) {
-    scan_start(&call.cpu.memory, text::of(call, 0, Access::Read), call.word(1))
+    scan_start(call.cpu.memory.bytes_at(), text::of(call, 0, Access::Read), call.word(1))
 }
 
 /// IN STRING, FORMAT WORD, P INT -> RET_VAL, OUT LREAL, NEXT INT.
@@ -393,7 +393,7 @@ fn fill_field(call: &Call, out: usize, field: &Field, number: &[u8]) -> Outcome 
             Some(place) => (place + number.len()).checked_sub(field.size).map_or(b' ', |digit| number[digit]),
         });
     }
-    text.write(&call.cpu.memory, buffer.characters());
+    text.write(call.cpu.memory.bytes_at(), buffer.characters());
     OK
 }
 

@@ -70,7 +70,7 @@ impl<const N: usize> std::fmt::Write for Buffer<N> {
 /// All characters of parameter `index`.
 pub(super) fn characters(call: &Call, index: usize) -> Option<Buffer<LONGEST>> {
     let text = of(call, index, Access::Read)?;
-    Some(text.view(&call.cpu.memory, |characters| {
+    Some(text.view(call.cpu.memory.bytes_at(), |characters| {
         let mut buffer = Buffer::new();
         buffer.push_all(characters);
         buffer
@@ -97,19 +97,19 @@ fn rules(call: &Call, index: usize) -> Rules {
 
 /// IN1, IN2 -> OUT
 pub(super) fn concat(call: &Call) -> Outcome {
-    Outcome::Flag(join::concat(&call.cpu.memory, input(call, 0), input(call, 1), output(call, 2)))
+    Outcome::Flag(join::concat(call.cpu.memory.bytes_at(), input(call, 0), input(call, 1), output(call, 2)))
 }
 
 /// S1, S2, RELATION -> OUT BOOL
 pub(super) fn compare(call: &Call) -> Outcome {
-    let holds = search::relation(&call.cpu.memory, input(call, 0), input(call, 1), call.word(2).into());
+    let holds = search::relation(call.cpu.memory.bytes_at(), input(call, 0), input(call, 1), call.word(2).into());
     call.set_bool(3, holds == Some(true));
     Outcome::Flag(holds.is_some())
 }
 
 /// IN1, IN2, RULES -> OUT INT
 pub(super) fn find(call: &Call) -> Outcome {
-    let (position, good) = search::find(&call.cpu.memory, input(call, 0), input(call, 1), rules(call, 2));
+    let (position, good) = search::find(call.cpu.memory.bytes_at(), input(call, 0), input(call, 1), rules(call, 2));
     call.set_word(3, position as u16);
     Outcome::Flag(good)
 }
@@ -124,32 +124,32 @@ pub(super) fn length(call: &Call) -> Outcome {
 pub(super) fn replace(call: &Call) -> Outcome {
     let place = [number(call, 2), number(call, 3)];
     let (in1, in2) = (input(call, 0), input(call, 1));
-    Outcome::Flag(join::replace(&call.cpu.memory, in1, in2, place, rules(call, 4), output(call, 5)))
+    Outcome::Flag(join::replace(call.cpu.memory.bytes_at(), in1, in2, place, rules(call, 4), output(call, 5)))
 }
 
 /// IN, L, RULES -> OUT
 pub(super) fn left(call: &Call) -> Outcome {
-    Outcome::Flag(join::left(&call.cpu.memory, input(call, 0), number(call, 1), rules(call, 2), output(call, 3)))
+    Outcome::Flag(join::left(call.cpu.memory.bytes_at(), input(call, 0), number(call, 1), rules(call, 2), output(call, 3)))
 }
 
 /// IN, L, RULES -> OUT
 pub(super) fn right(call: &Call) -> Outcome {
-    Outcome::Flag(join::right(&call.cpu.memory, input(call, 0), number(call, 1), rules(call, 2), output(call, 3)))
+    Outcome::Flag(join::right(call.cpu.memory.bytes_at(), input(call, 0), number(call, 1), rules(call, 2), output(call, 3)))
 }
 
 /// IN, L, P -> OUT
 pub(super) fn mid(call: &Call) -> Outcome {
-    Outcome::Flag(join::mid(&call.cpu.memory, input(call, 0), number(call, 1), number(call, 2), output(call, 3)))
+    Outcome::Flag(join::mid(call.cpu.memory.bytes_at(), input(call, 0), number(call, 1), number(call, 2), output(call, 3)))
 }
 
 /// IN, L, P, RULES -> OUT
 pub(super) fn delete(call: &Call) -> Outcome {
     let (l, p) = (number(call, 1), number(call, 2));
-    Outcome::Flag(join::delete(&call.cpu.memory, input(call, 0), l, p, rules(call, 3), output(call, 4)))
+    Outcome::Flag(join::delete(call.cpu.memory.bytes_at(), input(call, 0), l, p, rules(call, 3), output(call, 4)))
 }
 
 /// IN1, IN2, P, RULES -> OUT
 pub(super) fn insert(call: &Call) -> Outcome {
     let (in1, in2) = (input(call, 0), input(call, 1));
-    Outcome::Flag(join::insert(&call.cpu.memory, in1, in2, number(call, 2), rules(call, 3), output(call, 4)))
+    Outcome::Flag(join::insert(call.cpu.memory.bytes_at(), in1, in2, number(call, 2), rules(call, 3), output(call, 4)))
 }

@@ -3,7 +3,7 @@
 use plcc_abi::text::{PLUS, UNSIGNED};
 
 use super::{Text, give_whole};
-use crate::memory::Memory;
+use crate::memory::Bytes;
 
 /// Digits of a u64, and a sign.
 const DIGITS_MAX: usize = 21;
@@ -20,7 +20,7 @@ static PAIRS: [[u8; 2]; 100] = {
 };
 
 /// Writes an integer of 64 bits. `form`: [`PLUS`] and [`UNSIGNED`]. False if it does not fit; then nothing is written.
-pub fn write_long(memory: &Memory, bits: u64, form: u16, out: Option<Text>) -> bool {
+pub fn write_long(memory: Bytes, bits: u64, form: u16, out: Option<Text>) -> bool {
     let negative = form & UNSIGNED == 0 && (bits as i64) < 0;
     let mut magnitude = if negative { bits.wrapping_neg() } else { bits };
     let mut characters = [0; DIGITS_MAX];
@@ -35,7 +35,7 @@ pub fn write_long(memory: &Memory, bits: u64, form: u16, out: Option<Text>) -> b
 
 /// Writes a DINT, as [`write_long`].
 #[inline(always)]
-pub fn write(memory: &Memory, value: i32, form: u16, out: Option<Text>) -> bool {
+pub fn write(memory: Bytes, value: i32, form: u16, out: Option<Text>) -> bool {
     let mut characters = [0; DIGITS_MAX];
     finish(memory, value.unsigned_abs(), value < 0, form, &mut characters, DIGITS_MAX, out)
 }
@@ -43,7 +43,7 @@ pub fn write(memory: &Memory, value: i32, form: u16, out: Option<Text>) -> bool 
 /// Puts the digits of `rest` and the sign before the `characters` from `start` on, and writes all.
 #[inline(always)]
 fn finish(
-    memory: &Memory,
+    memory: Bytes,
     mut rest: u32,
     negative: bool,
     form: u16,
@@ -73,7 +73,7 @@ fn finish(
 /// A sign or none, then digits only, `longest` characters at most. `None`: another form. The value is limited to `low..=high`; the second
 /// result says whether it was in that range.
 #[inline(always)]
-pub fn read(memory: &Memory, text: Option<Text>, longest: u16, low: i32, high: i32) -> Option<(i32, bool)> {
+pub fn read(memory: Bytes, text: Option<Text>, longest: u16, low: i32, high: i32) -> Option<(i32, bool)> {
     let value = text?.view(memory, |characters| match characters.len() <= usize::from(longest) {
         true => parse(characters),
         false => None,

@@ -8,7 +8,7 @@
 use plcc_abi::text::Rules;
 
 use super::{LONGEST, Text, give};
-use crate::memory::Memory;
+use crate::memory::Bytes;
 
 /// Characters of a text.
 #[derive(Clone, Copy, Default)]
@@ -40,21 +40,32 @@ impl Part {
 
 /// IN1, then IN2.
 #[inline(always)]
-pub fn concat(memory: &Memory, in1: Option<Text>, in2: Option<Text>, out: Option<Text>) -> bool {
+pub fn concat(memory: Bytes, in1: Option<Text>, in2: Option<Text>, out: Option<Text>) -> bool {
     let (Some(in1), Some(in2)) = (in1, in2) else { return invalid(memory, out) };
     put(memory, out, [Part::all(in1), Part::all(in2)])
 }
 
+/// IN1, IN2 and IN3, as two calls do it: the text of the first two has room for [`LONGEST`] characters, and is empty if one of them is not valid. The
+/// first result belongs to the first two.
+#[inline(always)]
+pub fn concat_three(memory: Bytes, inputs: [Option<Text>; 3], out: Option<Text>) -> (bool, bool) {
+    let [in1, in2, in3] = inputs;
+    let Some(in3) = in3 else { return (true, invalid(memory, out)) };
+    let (Some(in1), Some(in2)) = (in1, in2) else { return (false, put(memory, out, [Part::all(in3)])) };
+    let second = Part::of(in2, 0, LONGEST as u32 - in1.length());
+    (second.count == in2.length(), put(memory, out, [Part::all(in1), second, Part::all(in3)]))
+}
+
 /// The first L characters. L is negative, with the rules of the TIA Portal also 0: empty, and wrong.
 #[inline(always)]
-pub fn left(memory: &Memory, text: Option<Text>, l: i16, rules: Rules, out: Option<Text>) -> bool {
+pub fn left(memory: Bytes, text: Option<Text>, l: i16, rules: Rules, out: Option<Text>) -> bool {
     let Some(text) = text else { return invalid(memory, out) };
     put(memory, out, [Part::of(text, 0, positive(l))]) && l >= least_count(rules)
 }
 
 /// The last L characters, otherwise as [`left`].
 #[inline(always)]
-pub fn right(memory: &Memory, text: Option<Text>, l: i16, rules: Rules, out: Option<Text>) -> bool {
+pub fn right(memory: Bytes, text: Option<Text>, l: i16, rules: Rules, out: Option<Text>) -> bool {
     let Some(text) = text else { return invalid(memory, out) };
     let skipped = text.length().saturating_sub(positive(l));
     put(memory, out, [Part::after(text, skipped)]) && l >= least_count(rules)
@@ -62,7 +73,7 @@ pub fn right(memory: &Memory, text: Option<Text>, l: i16, rules: Rules, out: Opt
 
 /// L characters from position P on. L or P is not positive, or P is above the length: empty, and wrong.
 #[inline(always)]
-pub fn mid(memory: &Memory, text: Option<Text>, l: i16, p: i16, out: Option<Text>) -> bool {
+pub fn mid(memory: Bytes, text: Option<Text>, l: i16, p: i16, out: Option<Text>) -> bool {
     let Some(text) = text else { return invalid(memory, out) };
     if l < 1 || p < 1 || positive(p) > text.length() {
         return invalid(memory, out);
@@ -73,7 +84,7 @@ pub fn mid(memory: &Memory, text: Option<Text>, l: i16, p: i16, out: Option<Text
 /// The text without L characters from position P on. L or P is negative, with the rules of the TIA Portal P also 0: empty, and wrong. With
 /// these rules P above the length is wrong too, if L is not 0; the result is the text.
 #[inline(always)]
-pub fn delete(memory: &Memory, text: Option<Text>, l: i16, p: i16, rules: Rules, out: Option<Text>) -> bool {
+pub fn delete(memory: Bytes, text: Option<Text>, l: i16, p: i16, rules: Rules, out: Option<Text>) -> bool {
     let Some(text) = text else { return invalid(memory, out) };
     if l < 0 || p < least_count(rules) {
         return invalid(memory, out);
@@ -90,7 +101,7 @@ pub fn delete(memory: &Memory, text: Option<Text>, l: i16, p: i16, rules: Rules,
 /// the TIA Portal.
 #[inline(always)]
 pub fn insert(
-    memory: &Memory,
+    memory: Bytes,
     in1: Option<Text>,
     in2: Option<Text>,
     p: i16,
@@ -112,7 +123,7 @@ pub fn insert(
 /// TIA Portal: L is negative, P is not positive: empty, and wrong. L characters from P on are not there: wrong.
 #[inline(always)]
 pub fn replace(
-    memory: &Memory,
+    memory: Bytes,
     in1: Option<Text>,
     in2: Option<Text>,
     [l, p]: [i16; 2],
@@ -146,14 +157,14 @@ fn least_count(rules: Rules) -> i16 {
 
 /// Makes the result empty.
 #[cold]
-fn invalid(memory: &Memory, out: Option<Text>) -> bool {
+fn invalid(memory: Bytes, out: Option<Text>) -> bool {
     give(memory, out, &[]);
     false
 }
 
 /// Writes `parts` one after the other to `out`, as far as they fit; false if they do not. They may be parts of this very text.
 #[inline(always)]
-fn put<const N: usize>(memory: &Memory, out: Option<Text>, mut parts: [Part; N]) -> bool {
+fn put<const N: usize>(memory: Bytes, out: Option<Text>, mut parts: [Part; N]) -> bool {
     let Some(out) = out else { return false };
     let start = out.start();
     let mut total = 0;
@@ -172,7 +183,7 @@ fn put<const N: usize>(memory: &Memory, out: Option<Text>, mut parts: [Part; N])
         for part in parts {
             if part.at != to {
                 // SAFETY: they are characters of a text, and there is room for them.
-                unsafe { memory.copy_known(part.at, to, part.count) }
+                unsafe { memory.copy(part.at, to, part.count) }
             }
             to += part.count;
         }
@@ -185,14 +196,17 @@ fn put<const N: usize>(memory: &Memory, out: Option<Text>, mut parts: [Part; N])
 
 /// Writes `parts`, which fit, to `start`.
 #[cold]
-fn through_buffer(memory: &Memory, start: u32, parts: &[Part]) {
+fn through_buffer(memory: Bytes, start: u32, parts: &[Part]) {
     let mut buffer = [0; LONGEST];
     let mut total = 0;
     for part in parts {
-        memory.view(part.at, part.count, |characters| {
+        let mut take = |characters: &[u8]| {
             buffer[total..total + characters.len()].copy_from_slice(characters);
             total += characters.len();
-        });
+        };
+        // SAFETY: they are characters of a text.
+        unsafe { memory.view(part.at, part.count, &mut take) }
     }
-    memory.load(start, &buffer[..total]);
+    // SAFETY: there is room for them.
+    unsafe { memory.load(start, &buffer[..total]) }
 }

@@ -8,9 +8,9 @@ pub mod join;
 pub mod search;
 
 use plcc_abi::layout::state;
-use plcc_abi::text::{ROOM_BITS, ROOM_MAX};
+use plcc_abi::text::{LOCAL, OPERAND_BITS};
 
-use crate::memory::Memory;
+use crate::memory::{Bytes, Memory};
 
 /// Characters of the longest STRING.
 pub const LONGEST: usize = 254;
@@ -20,7 +20,7 @@ pub const LONGEST: usize = 254;
 /// A STRING begins with its maximum and its actual length. It is not valid if the maximum is 0 or 255 or less than the
 /// actual length: this includes TEMP variables that were never written.
 ///
-/// The head and as many characters as there is room for are inside memory; [`Text::at`] alone makes one.
+/// The head and as many characters as there is room for are inside memory; this module alone makes one.
 #[derive(Clone, Copy)]
 pub struct Text {
     offset: u32,
@@ -38,7 +38,7 @@ impl Text {
             return None;
         }
         // SAFETY: two bytes exist.
-        let head = u32::from(unsafe { memory.known_word(offset) });
+        let head = u32::from(unsafe { memory.bytes_at().word(offset) });
         let (maximum, length) = (head & 0xFF, head >> 8);
         // The data block may end before the STRING that its header describes.
         let room = maximum.min(existing - 2);
@@ -65,44 +65,60 @@ impl Text {
     }
 
     #[inline(always)]
-    fn set_length(self, memory: &Memory, length: u32) {
+    fn set_length(self, memory: Bytes, length: u32) {
         // SAFETY: the head is inside memory.
-        unsafe { memory.set_known_byte(self.offset + 1, length as u8) }
+        unsafe { memory.set_byte(self.offset + 1, length as u8) }
     }
 
     /// Writes the characters that have room, and the length; false if some have none.
     #[inline(always)]
-    pub fn write(self, memory: &Memory, characters: &[u8]) -> bool {
+    pub fn write(self, memory: Bytes, characters: &[u8]) -> bool {
         let kept = &characters[..characters.len().min(self.room as usize)];
         // SAFETY: there is room for them.
-        unsafe { memory.load_known(self.start(), kept) }
+        unsafe { memory.load(self.start(), kept) }
         self.set_length(memory, kept.len() as u32);
         kept.len() == characters.len()
     }
 
     /// Shows its characters to `read`, which writes nothing.
     #[inline(always)]
-    pub fn view<R>(self, memory: &Memory, read: impl FnOnce(&[u8]) -> R) -> R {
+    pub fn view<R>(self, memory: Bytes, read: impl FnOnce(&[u8]) -> R) -> R {
         // SAFETY: there is room for them.
-        unsafe { memory.view_known(self.start(), self.length, read) }
+        unsafe { memory.view(self.start(), self.length, read) }
     }
 }
 
-/// Texts that generated code brings: offsets from the memory base, and in `rooms` how many bytes exist there, see
-/// [`plcc_abi::text`].
+/// Texts that generated code brings: offsets from the memory base, and what is known of them, see [`plcc_abi::text`].
 pub struct Texts<'a> {
-    pub memory: &'a Memory,
-    pub rooms: u32,
+    memory: &'a Memory,
+    pub bytes: Bytes<'a>,
+    known: u64,
 }
 
-impl Texts<'_> {
+impl<'a> Texts<'a> {
+    #[inline(always)]
+    pub fn new(memory: &'a Memory, known: u64) -> Texts<'a> {
+        Texts { memory, bytes: memory.bytes_at(), known }
+    }
+
     /// Text operand `index` of the function, at `offset`; `None` if it is not valid.
     #[inline(always)]
     pub fn at(&self, index: u32, offset: u32) -> Option<Text> {
-        let existing = self.rooms >> (index * ROOM_BITS) & ROOM_MAX;
-        let existing = match existing {
-            0 => self.memory.state32::<{ state::L_END }>().saturating_sub(offset),
-            known => known,
+        let declared = (self.known >> (index * OPERAND_BITS + OPERAND_BITS / 2)) as u8;
+        // SAFETY: generated code passes on only texts with a head.
+        let head = unsafe { self.bytes.word(offset) };
+        // Mostly the head is as declared, and such a variable exists.
+        if head as u8 == declared && (head >> 8) as u8 <= declared && declared != 0 {
+            return Some(Text { offset, room: declared.into(), length: u32::from(head >> 8) });
+        }
+        self.other(index, offset)
+    }
+
+    #[cold]
+    fn other(&self, index: u32, offset: u32) -> Option<Text> {
+        let existing = match (self.known >> (index * OPERAND_BITS)) as u8 {
+            LOCAL => self.memory.state32::<{ state::L_END }>().saturating_sub(offset),
+            room => u32::from(room) + 2,
         };
         Text::at(self.memory, offset, existing)
     }
@@ -110,13 +126,13 @@ impl Texts<'_> {
 
 /// Writes a result, as far as it fits: `None` for an operand that is not valid, which leaves an empty text.
 #[inline(always)]
-pub fn give(memory: &Memory, out: Option<Text>, characters: &[u8]) -> bool {
+pub fn give(memory: Bytes, out: Option<Text>, characters: &[u8]) -> bool {
     out.is_some_and(|out| out.write(memory, characters))
 }
 
 /// Writes a result if all of it fits; false if it does not.
 #[inline(always)]
-pub fn give_whole(memory: &Memory, out: Option<Text>, characters: &[u8]) -> bool {
+pub fn give_whole(memory: Bytes, out: Option<Text>, characters: &[u8]) -> bool {
     out.is_some_and(|out| characters.len() as u32 <= out.maximum() && out.write(memory, characters))
 }
 
@@ -134,16 +150,17 @@ pub fn copy(memory: &Memory, to: u32, from: u32, limit: u32, wide: bool) -> bool
     if !memory.contains(from, 2) || !memory.contains(to, 2) {
         return true;
     }
+    let bytes = memory.bytes_at();
     // SAFETY: the heads are inside memory, and so are the characters.
     unsafe {
-        let length = u32::from(memory.known_word(from) >> 8);
-        let limit = if limit == u32::MAX { u32::from(memory.known_word(to) & 0xFF) } else { limit };
+        let length = u32::from(bytes.word(from) >> 8);
+        let limit = if limit == u32::MAX { u32::from(bytes.word(to) & 0xFF) } else { limit };
         let kept = length.min(limit);
         if !memory.contains(from, 2 + kept) || !memory.contains(to, 2 + kept) {
             return true;
         }
-        memory.copy_known(from + 2, to + 2, kept);
-        memory.set_known_byte(to + 1, kept as u8);
+        bytes.copy(from + 2, to + 2, kept);
+        bytes.set_byte(to + 1, kept as u8);
         kept < length
     }
 }

@@ -3,12 +3,12 @@
 use plcc_abi::text::Rules;
 
 use super::Text;
-use crate::memory::Memory;
+use crate::memory::Bytes;
 
 /// Position of the first `part` in `text` from 1, 0 if there is none; and whether all is well: both texts are valid, and with the rules of the
 /// TIA Portal the part is neither empty nor longer than the text.
 #[inline(always)]
-pub fn find(memory: &Memory, text: Option<Text>, part: Option<Text>, rules: Rules) -> (u32, bool) {
+pub fn find(memory: Bytes, text: Option<Text>, part: Option<Text>, rules: Rules) -> (u32, bool) {
     let (Some(text), Some(part)) = (text, part) else { return (0, false) };
     if part.length() == 0 || part.length() > text.length() {
         return (0, rules == Rules::V5);
@@ -25,7 +25,7 @@ fn position(text: &[u8], part: &[u8]) -> Option<usize> {
     let mut from = 0;
     loop {
         let at = from + first_of(&starts[from..], first)?;
-        if &text[at + 1..at + part.len()] == rest {
+        if rest.is_empty() || &text[at + 1..at + part.len()] == rest {
             return Some(at);
         }
         from = at + 1;
@@ -52,7 +52,7 @@ fn first_of(text: &[u8], character: u8) -> Option<usize> {
 /// True if the relation holds: bit 0 of `relation`: `one` is less, bit 1: they are equal, bit 2: it is greater, by the codes of the
 /// characters. `None`: a text is not valid.
 #[inline(always)]
-pub fn relation(memory: &Memory, one: Option<Text>, two: Option<Text>, relation: u32) -> Option<bool> {
+pub fn relation(memory: Bytes, one: Option<Text>, two: Option<Text>, relation: u32) -> Option<bool> {
     let (one, two) = (one?, two?);
     let order = one.view(memory, |one| two.view(memory, |two| one.cmp(two)));
     Some(relation >> (order as i8 + 1) & 1 != 0)
