@@ -296,8 +296,13 @@ unsafe fn move_bytes(from: *const u8, to: *mut u8, bytes: usize) {
         match bytes {
             8..=16 => ends::<u64>(from, to, bytes),
             4..8 => ends::<u32>(from, to, bytes),
-            2..4 => ends::<u16>(from, to, bytes),
-            1 => *to = *from,
+            1..4 => {
+                let (middle, last) = (bytes / 2, bytes - 1);
+                let (one, two, three) = (*from, *from.add(middle), *from.add(last));
+                *to = one;
+                *to.add(middle) = two;
+                *to.add(last) = three;
+            }
             0 => {}
             17..=32 => ends::<u128>(from, to, bytes),
             33..=64 => ends::<[u128; 2]>(from, to, bytes),

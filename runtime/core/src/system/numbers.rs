@@ -50,6 +50,7 @@ pub(super) fn of_real(call: &Call) -> Outcome {
 }
 
 /// See [`of_real`]. False if it does not fit, or is not a number; then nothing is written.
+#[inline(never)]
 pub(crate) fn write_real(memory: Bytes, value: f32, out: Option<Text>) -> bool {
     scientific(f64::from(value), 7, 2).is_some_and(|number| give_whole(memory, out, number.characters()))
 }
@@ -106,6 +107,7 @@ pub(super) fn fixed_of_real(call: &Call) -> Outcome {
 }
 
 /// See [`fixed_of_real`]. False if it does not fit; then nothing is written.
+#[inline(never)]
 pub(crate) fn write_fixed_real(memory: Bytes, value: f32, out: Option<Text>) -> bool {
     let mut buffer: Buffer<64> = Buffer::new();
     let _ = if value.is_finite() { write!(buffer, "{value}") } else { write_special(&mut buffer, f64::from(value)) };

@@ -48,16 +48,18 @@ fn finish(
     negative: bool,
     form: u16,
     characters: &mut [u8; DIGITS_MAX],
-    mut start: usize,
+    start: usize,
     out: Option<Text>,
 ) -> bool {
-    while rest >= 100 {
+    // No number has more digits; the limits spare checks.
+    let mut start = start.min(DIGITS_MAX);
+    while rest >= 100 && start >= 3 {
         start -= 2;
         characters[start..start + 2].copy_from_slice(&PAIRS[(rest % 100) as usize]);
         rest /= 100;
     }
-    let pair = PAIRS[rest as usize];
-    start -= 1;
+    let pair = PAIRS[(rest % 100) as usize];
+    start = start.max(3) - 1;
     characters[start] = pair[1];
     if rest >= 10 {
         start -= 1;

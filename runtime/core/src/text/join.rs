@@ -165,6 +165,7 @@ fn invalid(memory: Bytes, out: Option<Text>) -> bool {
 /// Writes `parts` one after the other to `out`, as far as they fit; false if they do not. They may be parts of this very text.
 #[inline(always)]
 fn put<const N: usize>(memory: Bytes, out: Option<Text>, mut parts: [Part; N]) -> bool {
+    const { assert!(N <= 3) }
     let Some(out) = out else { return false };
     let start = out.start();
     let mut total = 0;
@@ -179,19 +180,29 @@ fn put<const N: usize>(memory: Bytes, out: Option<Text>, mut parts: [Part; N]) -
         total += part.count;
     }
     if apart {
-        let mut to = start;
-        for part in parts {
-            if part.at != to {
-                // SAFETY: they are characters of a text, and there is room for them.
-                unsafe { memory.copy(part.at, to, part.count) }
+        // Written out: a loop would stay one.
+        let second = copy_part(memory, parts[0], start);
+        if N > 1 {
+            let third = copy_part(memory, parts[1], second);
+            if N > 2 {
+                copy_part(memory, parts[2], third);
             }
-            to += part.count;
         }
     } else {
         through_buffer(memory, start, &parts);
     }
     out.set_length(memory, total);
     fits
+}
+
+/// Copies a part of a text to `to`, where there is room. Returns what is after it.
+#[inline(always)]
+fn copy_part(memory: Bytes, part: Part, to: u32) -> u32 {
+    if part.at != to {
+        // SAFETY: they are characters of a text, and there is room for them.
+        unsafe { memory.copy(part.at, to, part.count) }
+    }
+    to + part.count
 }
 
 /// Writes `parts`, which fit, to `start`.

@@ -91,7 +91,7 @@ impl Text {
 /// Texts that generated code brings: offsets from the memory base, and what is known of them, see [`plcc_abi::text`].
 pub struct Texts<'a> {
     memory: &'a Memory,
-    pub bytes: Bytes<'a>,
+    bytes: Bytes<'a>,
     known: u64,
 }
 
@@ -101,21 +101,28 @@ impl<'a> Texts<'a> {
         Texts { memory, bytes: memory.bytes_at(), known }
     }
 
-    /// Text operand `index` of the function, at `offset`; `None` if it is not valid.
+    /// Memory for the functions of texts.
     #[inline(always)]
-    pub fn at(&self, index: u32, offset: u32) -> Option<Text> {
+    pub fn bytes(&self) -> Bytes<'a> {
+        self.bytes
+    }
+
+    /// Text operand `index` of the function, at `offset`, if its head is as declared, which it mostly is: then such a variable exists, and nothing else
+    /// is looked up.
+    #[inline(always)]
+    pub fn as_declared(&self, index: u32, offset: u32) -> Option<Text> {
         let declared = (self.known >> (index * OPERAND_BITS + OPERAND_BITS / 2)) as u8;
         // SAFETY: generated code passes on only texts with a head.
         let head = unsafe { self.bytes.word(offset) };
-        // Mostly the head is as declared, and such a variable exists.
-        if head as u8 == declared && (head >> 8) as u8 <= declared && declared != 0 {
-            return Some(Text { offset, room: declared.into(), length: u32::from(head >> 8) });
-        }
-        self.other(index, offset)
+        let length = (head >> 8) as u8;
+        let same = head as u8 == declared && length <= declared && declared != 0;
+        same.then_some(Text { offset, room: declared.into(), length: length.into() })
     }
 
+    /// Text operand `index`, whatever its head; `None` if it is not valid.
     #[cold]
-    fn other(&self, index: u32, offset: u32) -> Option<Text> {
+    #[inline(never)]
+    pub fn other(&self, index: u32, offset: u32) -> Option<Text> {
         let existing = match (self.known >> (index * OPERAND_BITS)) as u8 {
             LOCAL => self.memory.state32::<{ state::L_END }>().saturating_sub(offset),
             room => u32::from(room) + 2,
