@@ -37,7 +37,26 @@ impl BlockLowering<'_, '_> {
         let (callee, function) = plan.block(call.target).expect("the binder only passes calls of known blocks");
         let result = result(callee);
         let result = result.filter(|&(index, _)| !supplies(call, index));
-        let room = result.map(|(_, parameter)| self.result_room(&parameter.ty));
+        let text = text_call(plan, callee);
+        let room = result.map(|(_, parameter)| match (&text, &parameter.ty) {
+            (Some(_), DataType::String(_)) if self.scl.only_text => self.text_room(),
+            (_, ty) => self.result_room(ty),
+        });
+        let only_text = std::mem::replace(&mut self.scl.only_text, text.is_some());
+        let returned = self.call_in_room(call, callee, function, room);
+        self.scl.only_text = only_text;
+        returned
+    }
+
+    /// As [`scl_call`](Self::scl_call), with room for the result if the call does not say where that goes.
+    fn call_in_room(
+        &mut self,
+        call: &Call,
+        callee: &CodeBlock,
+        function: Option<FuncId>,
+        room: Option<Address>,
+    ) -> Returned {
+        let result = result(callee).filter(|&(index, _)| !supplies(call, index));
         let Some(enable) = &call.enable else { return self.enabled_call(call, callee, function, room) };
         let enable = self.value(enable);
         let ty = result.and_then(|(_, parameter)| match parameter.ty {
@@ -151,8 +170,7 @@ impl BlockLowering<'_, '_> {
             self.note_eno(inner, br);
             return Returned { value: None, place: room };
         }
-        let (_, parameter) = result(callee).expect("a function that joins texts has a result");
-        let inner_room = self.result_room(&parameter.ty);
+        let inner_room = self.text_room();
         self.call_text(&text, inner, callee, function, inner_given, Some(inner_room));
         let br = self.get(self.regs.br);
         self.note_eno(inner, br);
