@@ -90,8 +90,12 @@ macro_rules! with_texts {
 
 /// The type of a parameter, if the table does not say it.
 macro_rules! param_type {
-    () => { u32 };
-    ($type:ty) => { $type };
+    () => {
+        u32
+    };
+    ($type:ty) => {
+        $type
+    };
 }
 
 macro_rules! functions {

@@ -162,9 +162,8 @@ impl BlockLowering<'_, '_> {
         let first = call.arguments.iter().position(|one| matches!(&one.actual, Actual::Complex(Complex::Call(_))));
         let first = first.expect("the inner call is an argument");
         let others = call.arguments.iter().enumerate().filter(|(at, _)| *at != first);
-        let mut given: Vec<Given> = others
-            .map(|(_, argument)| self.give(&callee.interface.parameters[argument.parameter], argument))
-            .collect();
+        let mut given: Vec<Given> =
+            others.map(|(_, argument)| self.give(&callee.interface.parameters[argument.parameter], argument)).collect();
         if let Some(arguments) = self.joined_arguments(&text, (inner, &inner_given), (call, &given), room) {
             let br = self.run_joined_call(callee, &arguments);
             self.note_eno(inner, br);

@@ -100,7 +100,7 @@ impl BlockLowering<'_, '_> {
             && limit != OWN_MAXIMUM
             && bytes.len() <= STORED_BYTES_MAX
         {
-            return self.store_constant_text(to, limit, &bytes[2..]);
+            return self.store_constant_text(to, limit, &bytes[2..2 + usize::from(bytes[1])]);
         }
         let (from, mut checks) = match value {
             Complex::Variable(access) => {

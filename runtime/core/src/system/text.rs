@@ -7,8 +7,8 @@ use plcc_abi::text::Rules;
 use super::Outcome;
 use super::any::{self, Access};
 use super::parameters::Call;
-pub(super) use crate::text::{LONGEST, Text};
 use crate::text::{self, join, search};
+pub(super) use crate::text::{LONGEST, Text};
 
 /// The result was longer than its STRING can hold.
 pub(super) const CUT: u16 = 0x8001;
@@ -129,17 +129,35 @@ pub(super) fn replace(call: &Call) -> Outcome {
 
 /// IN, L, RULES -> OUT
 pub(super) fn left(call: &Call) -> Outcome {
-    Outcome::Flag(join::left(call.cpu.memory.bytes_at(), input(call, 0), number(call, 1), rules(call, 2), output(call, 3)))
+    Outcome::Flag(join::left(
+        call.cpu.memory.bytes_at(),
+        input(call, 0),
+        number(call, 1),
+        rules(call, 2),
+        output(call, 3),
+    ))
 }
 
 /// IN, L, RULES -> OUT
 pub(super) fn right(call: &Call) -> Outcome {
-    Outcome::Flag(join::right(call.cpu.memory.bytes_at(), input(call, 0), number(call, 1), rules(call, 2), output(call, 3)))
+    Outcome::Flag(join::right(
+        call.cpu.memory.bytes_at(),
+        input(call, 0),
+        number(call, 1),
+        rules(call, 2),
+        output(call, 3),
+    ))
 }
 
 /// IN, L, P -> OUT
 pub(super) fn mid(call: &Call) -> Outcome {
-    Outcome::Flag(join::mid(call.cpu.memory.bytes_at(), input(call, 0), number(call, 1), number(call, 2), output(call, 3)))
+    Outcome::Flag(join::mid(
+        call.cpu.memory.bytes_at(),
+        input(call, 0),
+        number(call, 1),
+        number(call, 2),
+        output(call, 3),
+    ))
 }
 
 /// IN, L, P, RULES -> OUT

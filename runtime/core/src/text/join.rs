@@ -100,14 +100,7 @@ pub fn delete(memory: Bytes, text: Option<Text>, l: i16, p: i16, rules: Rules, o
 /// IN1 with IN2 after position P. P is negative: empty, and wrong. P is above the length: IN2 is appended, which is wrong with the rules of
 /// the TIA Portal.
 #[inline(always)]
-pub fn insert(
-    memory: Bytes,
-    in1: Option<Text>,
-    in2: Option<Text>,
-    p: i16,
-    rules: Rules,
-    out: Option<Text>,
-) -> bool {
+pub fn insert(memory: Bytes, in1: Option<Text>, in2: Option<Text>, p: i16, rules: Rules, out: Option<Text>) -> bool {
     let (Some(in1), Some(in2)) = (in1, in2) else { return invalid(memory, out) };
     if p < 0 {
         return invalid(memory, out);

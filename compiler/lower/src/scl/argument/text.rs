@@ -55,9 +55,9 @@ pub fn joined_call<'m>(text: &TextCall, call: &'m Call) -> Option<&'m Call> {
             _ => return None,
         }
     }
-    inner.map(|inner| &**inner).filter(|inner| {
-        inner.target == call.target && inner.enable.is_none() && inner.eno.is_none()
-    })
+    inner
+        .map(|inner| &**inner)
+        .filter(|inner| inner.target == call.target && inner.enable.is_none() && inner.eno.is_none())
 }
 
 impl BlockLowering<'_, '_> {
