@@ -72,6 +72,7 @@ macro_rules! with_texts {
         // The body twice: where all is as declared, the operands need not be looked at again, and no register is saved for that.
         #[cold]
         #[inline(never)]
+        #[allow(clippy::too_many_arguments, reason = "those of the function")]
         fn look_again($cpu: &Cpu, $known: u64, $($text: u32,)* $($other: u32),*) -> u64 {
             let texts = Texts::new(&$cpu.memory, $known);
             let $m = texts.bytes();

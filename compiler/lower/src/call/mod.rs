@@ -36,7 +36,12 @@ impl BlockLowering<'_, '_> {
         };
         match (function, &call.instance) {
             (Some(function), Some(instance)) => self.call_instance(callee, function, instance, &call.arguments),
-            (Some(function), None) => self.call_fc(callee, function, &call.arguments),
+            (Some(function), None) => {
+                let text = text_call(plan, callee);
+                if !text.is_some_and(|text| self.call_known_texts(&text, callee, &call.arguments)) {
+                    self.call_fc(callee, function, &call.arguments);
+                }
+            }
             (None, _) => self.call_system_function(callee, &call.arguments),
         }
         self.bring_back();

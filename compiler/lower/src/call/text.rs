@@ -6,10 +6,10 @@
 
 use plcc_abi::image::BlockKind;
 use plcc_abi::layout::{AREA_BYTES, area};
-use plcc_abi::text::{BR, LOCAL, OPERAND_BITS, ROOM_MAX};
+use plcc_abi::text::{BR, LOCAL, OPERAND_BITS, ROOM_MAX, WRITTEN};
 use plcc_abi::{RuntimeFn, Type};
 use plcc_ir::{Address, BinaryOp, IntCc, Region, Value};
-use plcc_model::{Actual, Body, CodeBlock, Direction, Passing, Place, StlStatementKind};
+use plcc_model::{Actual, Argument, Body, CodeBlock, Direction, Passing, Place, StlStatementKind, Width};
 
 use super::big_endian;
 use crate::block::BlockLowering;
@@ -230,4 +230,126 @@ impl BlockLowering<'_, '_> {
         }
         known
     }
+
+    /// Does a call from STL by the runtime function of `text`. False: the block is called, since an address is only known at run time.
+    pub(super) fn call_known_texts(&mut self, text: &TextCall, callee: &CodeBlock, arguments: &[Argument]) -> bool {
+        let db = self.get(self.regs.db);
+        let Some((texts, values)) = self.text_arguments_of(text, callee, arguments) else {
+            self.set(self.regs.db, db);
+            return false;
+        };
+        self.set(self.regs.db, db);
+        let known = self.texts_are_known(&texts);
+        if self.b.constant_bits(known) != Some(1) {
+            return false;
+        }
+        let result = self.run_text(text.function, callee, &texts, &values);
+        let Some((parameter, keeps)) = text.value else { return true };
+        let Some(Actual::Place(place)) = actual(arguments, parameter) else {
+            unreachable!("the arguments have been looked at")
+        };
+        let Passing::Elementary(width) = callee.interface.parameters[parameter].passing else {
+            unreachable!("the value of a function of texts is elementary")
+        };
+        let value = self.b.trunc(if width == Width::Bit { Type::I1 } else { Type::I32 }, result);
+        if !keeps {
+            self.write(place, width, value);
+            self.set(self.regs.db, db);
+            return true;
+        }
+        let written = self.bit_of(result, WRITTEN);
+        let (write, after) = (self.b.create_block(), self.b.create_block());
+        self.b.branch(written, write, after);
+        self.b.seal_block(write);
+        self.b.switch_to(write);
+        self.write(place, width, value);
+        self.set(self.regs.db, db);
+        self.b.jump(after, &[]);
+        self.b.seal_block(after);
+        self.b.switch_to(after);
+        true
+    }
+
+    /// The texts and values of a call from STL; `None` if there is one that only the block can use.
+    #[allow(clippy::type_complexity, reason = "used once")]
+    fn text_arguments_of(
+        &mut self,
+        text: &TextCall,
+        callee: &CodeBlock,
+        arguments: &[Argument],
+    ) -> Option<(Vec<TextOperand>, Vec<Option<Value>>)> {
+        if let Some((parameter, _)) = text.value {
+            self.plain_place(actual(arguments, parameter)?, callee, parameter)?;
+        }
+        let (mut texts, mut values) = (Vec::new(), Vec::new());
+        for input in &text.inputs {
+            let value = match *input {
+                TextInput::Text(parameter) => {
+                    texts.push(self.text_of(actual(arguments, parameter)?, place::Direction::Read)?);
+                    None
+                }
+                TextInput::Value(parameter) => {
+                    let own = actual(arguments, parameter)?;
+                    let value = match own {
+                        Actual::Const(bytes) if bytes.len() <= 4 => self.b.i32_const(big_endian(bytes)),
+                        _ => {
+                            let (place, width) = self.plain_place(own, callee, parameter)?;
+                            self.read(place, width)
+                        }
+                    };
+                    let is_word = callee.interface.parameters[parameter].passing == Passing::Elementary(Width::Word);
+                    Some(if is_word { self.sign_extended(value) } else { value })
+                }
+                TextInput::Const(value) => Some(self.b.i32_const(value)),
+            };
+            values.push(value);
+        }
+        if let Some(parameter) = text.out {
+            texts.push(self.text_of(actual(arguments, parameter)?, place::Direction::Write)?);
+        }
+        Some((texts, values))
+    }
+
+    /// The place of an elementary actual in memory, an access to which cannot fail.
+    fn plain_place<'m>(
+        &mut self,
+        actual: &'m Actual,
+        callee: &CodeBlock,
+        parameter: usize,
+    ) -> Option<(&'m Place, Width)> {
+        let Actual::Place(place) = actual else { return None };
+        let Passing::Elementary(width) = callee.interface.parameters[parameter].passing else { return None };
+        let is_memory = matches!(
+            place,
+            Place::I { .. }
+                | Place::Q { .. }
+                | Place::M { .. }
+                | Place::L { .. }
+                | Place::Db { .. }
+                | Place::Instance { .. }
+        );
+        if !is_memory {
+            return None;
+        }
+        let target = self.target(place, width, place::Direction::Write);
+        target.checks.is_empty().then_some((place, width))
+    }
+
+    fn text_of(&mut self, actual: &Actual, direction: place::Direction) -> Option<TextOperand> {
+        let Actual::Place(place) = actual else { return None };
+        let target = self.target(place, Width::Byte, direction);
+        let (addr, _, checks) = self.in_memory(target, Width::Byte, direction);
+        self.text_in_memory(addr, 0, &checks, direction, |lowering| lowering.pointer_fields(place))
+    }
+
+    /// The low word of an i32 with its sign, as an i32.
+    pub fn sign_extended(&mut self, value: Value) -> Value {
+        let word = self.b.trunc(Type::I16, value);
+        self.b.sext(Type::I32, word)
+    }
+}
+
+/// The actual of parameter `parameter`.
+fn actual(arguments: &[Argument], parameter: usize) -> Option<&Actual> {
+    arguments.iter().find(|argument| argument.parameter == parameter).map(|argument| &argument.actual)
 }

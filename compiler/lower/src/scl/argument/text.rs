@@ -151,10 +151,7 @@ impl BlockLowering<'_, '_> {
     /// The value of an integer formal as an i32.
     fn signed(&mut self, callee: &CodeBlock, parameter: usize, value: Value) -> Value {
         match callee.interface.parameters[parameter].passing {
-            Passing::Elementary(Width::Word) => {
-                let word = self.b.trunc(Type::I16, value);
-                self.b.sext(Type::I32, word)
-            }
+            Passing::Elementary(Width::Word) => self.sign_extended(value),
             _ => value,
         }
     }
