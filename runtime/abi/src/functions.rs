@@ -157,6 +157,35 @@ runtime_functions! {
     /// head at `to` allows. `wide` 1: WSTRING. Result 1: something was cut.
     CopyText = "copy_text"(to: I32, from: I32, limit: I32, wide: I32) -> I32, All;
 
+    // Functions of texts of the library; `known` and the results are described at `plcc_abi::text`, `rules` at `text::Rules`.
+
+    /// OUT := IN1, then IN2.
+    TextConcat = "text_concat"(known: I64, in1: I32, in2: I32, out: I32) -> I64, All;
+    /// OUT := IN1, then IN2, then IN3, as two calls do it. WRITTEN: the BR of the first of them.
+    TextConcatThree = "text_concat_three"(known: I64, in1: I32, in2: I32, in3: I32, out: I32) -> I64, All;
+    /// The relation of two texts: bit 0 of `relation`: less, bit 1: equal, bit 2: greater.
+    TextCompare = "text_compare"(known: I64, in1: I32, in2: I32, relation: I32) -> I64, All;
+    /// Position of the first IN2 in IN1.
+    TextFind = "text_find"(known: I64, in1: I32, in2: I32, rules: I32) -> I64, All;
+    /// The actual length, `maximum` 1: the maximum.
+    TextLength = "text_length"(known: I64, text: I32, maximum: I32) -> I64, All;
+    TextReplace = "text_replace"(known: I64, in1: I32, in2: I32, l: I32, p: I32, rules: I32, out: I32) -> I64, All;
+    TextLeft = "text_left"(known: I64, text: I32, l: I32, rules: I32, out: I32) -> I64, All;
+    TextRight = "text_right"(known: I64, text: I32, l: I32, rules: I32, out: I32) -> I64, All;
+    TextMid = "text_mid"(known: I64, text: I32, l: I32, p: I32, out: I32) -> I64, All;
+    TextDelete = "text_delete"(known: I64, text: I32, l: I32, p: I32, rules: I32, out: I32) -> I64, All;
+    TextInsert = "text_insert"(known: I64, in1: I32, in2: I32, p: I32, rules: I32, out: I32) -> I64, All;
+    /// OUT := a DINT in decimal.
+    TextOfDint = "text_of_dint"(known: I64, value: I32, form: I32, out: I32) -> I64, All;
+    /// OUT := a REAL, `+v.nnnnnnnE+xx`.
+    TextOfReal = "text_of_real"(known: I64, value: I32, out: I32) -> I64, All;
+    /// OUT := a REAL with a decimal point.
+    TextFixedOfReal = "text_fixed_of_real"(known: I64, value: I32, out: I32) -> I64, All;
+    /// A sign or none, then digits only.
+    TextToDint = "text_to_dint"(known: I64, text: I32, longest: I32, low: I32, high: I32) -> I64, All;
+    /// The number at the beginning of a text, in the range of an INT (`kind` 2) or DINT (3).
+    TextScan = "text_scan"(known: I64, text: I32, kind: I32) -> I64, All;
+
     /// An [`Operation`](crate::s7200::Operation) of an S7-200 by its number, with its operands. The result is described at
     /// [`s7200::result`](crate::s7200::result).
     S7200Operation = "s7200_operation"(site: I32, operation: I32, a: I32, b: I32, c: I32, d: I32) -> I64, All;

@@ -19,6 +19,7 @@ pub mod layout;
 pub mod ob;
 pub mod s7200;
 pub mod technology;
+pub mod text;
 
 pub use functions::{RuntimeFn, Type};
 pub use image::ProgramImage;

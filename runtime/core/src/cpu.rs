@@ -53,8 +53,8 @@ pub struct Cpu {
     pub(crate) stop: Cell<Option<Stop>>,
     /// Blocks sorted by kind and number.
     blocks: Vec<BlockEntry>,
-    /// Numbers of the write-protected DBs, sorted.
-    read_only_dbs: Vec<u16>,
+    /// A bit for each number of a DB: it is write-protected.
+    read_only_dbs: Vec<u64>,
     /// DBs made at run time: number, address, bytes. Sorted by address.
     pub(crate) created_dbs: RefCell<Vec<(u16, u32, u32)>>,
     /// An event of the diagnostics came since the last cycle began, for the system memory byte.
@@ -84,8 +84,12 @@ impl Cpu {
         let mut blocks = image.blocks.clone();
         blocks.sort_by_key(|block| (block.kind, block.number));
         let memory = Memory::new(image.db_end);
-        let mut read_only_dbs: Vec<u16> = image.dbs.iter().filter(|db| db.read_only).map(|db| db.number).collect();
-        read_only_dbs.sort_unstable();
+        let mut read_only_dbs = Vec::new();
+        for db in image.dbs.iter().filter(|db| db.read_only) {
+            let word = usize::from(db.number / 64);
+            read_only_dbs.resize(read_only_dbs.len().max(word + 1), 0);
+            read_only_dbs[word] |= 1u64 << (db.number % 64);
+        }
         let cycle_obs = obs_of(&blocks, &image, ObClass::ProgramCycle).map(|ob| LoadedOb::new(ob, &blocks, &image));
         let cycle_obs = cycle_obs.collect();
         let cpu = Rc::new(Cpu {
@@ -146,7 +150,8 @@ impl Cpu {
 
     /// DB `number` is write-protected.
     pub(crate) fn is_read_only(&self, number: u16) -> bool {
-        self.read_only_dbs.binary_search(&number).is_ok()
+        let word = self.read_only_dbs.get(usize::from(number / 64)).copied().unwrap_or(0);
+        word >> (number % 64) & 1 != 0
     }
 
     /// The block of a loaded OB.

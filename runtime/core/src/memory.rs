@@ -4,6 +4,7 @@
 //! outside the allocation ends in the scratch area: the runtime computes none, but a wrong image must not do harm.
 
 use std::alloc::{Layout, alloc_zeroed, dealloc, handle_alloc_error};
+use std::marker::PhantomData;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use plcc_abi::any::Fields;
@@ -115,6 +116,14 @@ impl Memory {
         self.set_byte(offset, if value { byte | mask } else { byte & !mask });
     }
 
+    /// A field of the CPU state that always exists, in host order.
+    #[inline(always)]
+    pub fn state32<const OFFSET: u32>(&self) -> u32 {
+        const { assert!(OFFSET + 4 <= layout::I) }
+        // SAFETY: the allocation has all areas below the DBs.
+        unsafe { self.base.add(OFFSET as usize).cast::<u32>().read_unaligned() }
+    }
+
     /// A field of the CPU state or of a cell: host byte order.
     pub fn host32(&self, offset: u32) -> u32 {
         u32::from_ne_bytes(self.bytes(offset))
@@ -149,6 +158,12 @@ impl Memory {
         }
     }
 
+    /// The same memory, for accesses that are known to be inside.
+    #[inline(always)]
+    pub fn bytes_at(&self) -> Bytes<'_> {
+        Bytes { base: self.base, memory: PhantomData }
+    }
+
     /// Copies `data` into memory at `offset`. Nothing happens when it does not fit.
     pub fn load(&self, offset: u32, data: &[u8]) {
         let bytes = u32::try_from(data.len()).unwrap_or(u32::MAX);
@@ -166,7 +181,9 @@ impl Memory {
         }
     }
 
-    fn contains(&self, offset: u32, bytes: u32) -> bool {
+    /// True if `bytes` bytes at `offset` are inside memory.
+    #[inline(always)]
+    pub fn contains(&self, offset: u32, bytes: u32) -> bool {
         offset.checked_add(bytes).is_some_and(|end| end <= self.size)
     }
 
@@ -196,13 +213,74 @@ impl Memory {
     }
 }
 
-/// Copies `bytes` bytes, as if through a buffer. Most copies are of short texts: up to 32 bytes go as two words, which may overlap, and
+/// Memory without checks: every access says why it is inside.
+#[derive(Clone, Copy)]
+pub struct Bytes<'a> {
+    base: *mut u8,
+    memory: PhantomData<&'a Memory>,
+}
+
+impl Bytes<'_> {
+    /// The little-endian word at `offset`.
+    ///
+    /// # Safety
+    /// The two bytes are inside memory, see [`Memory::contains`].
+    #[inline(always)]
+    pub unsafe fn word(self, offset: u32) -> u16 {
+        // SAFETY: the caller's promise.
+        u16::from_le_bytes(unsafe { self.base.add(offset as usize).cast::<[u8; 2]>().read_unaligned() })
+    }
+
+    /// Writes the byte at `offset`.
+    ///
+    /// # Safety
+    /// It is inside memory, see [`Memory::contains`].
+    #[inline(always)]
+    pub unsafe fn set_byte(self, offset: u32, value: u8) {
+        // SAFETY: the caller's promise.
+        unsafe { *self.base.add(offset as usize) = value }
+    }
+
+    /// As [`Memory::copy`].
+    ///
+    /// # Safety
+    /// Both ranges are inside memory, see [`Memory::contains`].
+    #[inline(always)]
+    pub unsafe fn copy(self, from: u32, to: u32, bytes: u32) {
+        // SAFETY: the caller's promise.
+        unsafe { move_bytes(self.base.add(from as usize), self.base.add(to as usize), bytes as usize) }
+    }
+
+    /// As [`Memory::load`].
+    ///
+    /// # Safety
+    /// The range is inside memory, see [`Memory::contains`].
+    #[inline(always)]
+    pub unsafe fn load(self, offset: u32, data: &[u8]) {
+        // SAFETY: the caller's promise.
+        unsafe { move_bytes(data.as_ptr(), self.base.add(offset as usize), data.len()) }
+    }
+
+    /// As [`Memory::view`].
+    ///
+    /// # Safety
+    /// The range is inside memory, see [`Memory::contains`].
+    #[inline(always)]
+    pub unsafe fn view<R>(self, offset: u32, bytes: u32, read: impl FnOnce(&[u8]) -> R) -> R {
+        // SAFETY: as for `view`, with the caller's promise.
+        read(unsafe { std::slice::from_raw_parts(self.base.add(offset as usize), bytes as usize) })
+    }
+}
+
+/// Copies `bytes` bytes, as if through a buffer. Most copies are of short texts: up to 64 bytes go as two words, which may overlap, and
 /// are read before anything is written.
 ///
 /// # Safety
 /// Both ranges can be read and written.
+#[inline(always)]
 unsafe fn move_bytes(from: *const u8, to: *mut u8, bytes: usize) {
     /// Moves the first and the last `T` of the range.
+    #[inline(always)]
     unsafe fn ends<T: Copy>(from: *const u8, to: *mut u8, bytes: usize) {
         let last = bytes - size_of::<T>();
         // SAFETY: the caller's promise, and a range that is not shorter than a `T`.
@@ -216,12 +294,18 @@ unsafe fn move_bytes(from: *const u8, to: *mut u8, bytes: usize) {
     // SAFETY: the caller's promise; `copy` allows overlap.
     unsafe {
         match bytes {
+            8..=16 => ends::<u64>(from, to, bytes),
+            4..8 => ends::<u32>(from, to, bytes),
+            1..4 => {
+                let (middle, last) = (bytes / 2, bytes - 1);
+                let (one, two, three) = (*from, *from.add(middle), *from.add(last));
+                *to = one;
+                *to.add(middle) = two;
+                *to.add(last) = three;
+            }
             0 => {}
-            1 => *to = *from,
-            2..=3 => ends::<u16>(from, to, bytes),
-            4..=7 => ends::<u32>(from, to, bytes),
-            8..=15 => ends::<u64>(from, to, bytes),
-            16..=32 => ends::<u128>(from, to, bytes),
+            17..=32 => ends::<u128>(from, to, bytes),
+            33..=64 => ends::<[u128; 2]>(from, to, bytes),
             _ => std::ptr::copy(from, to, bytes),
         }
     }
@@ -241,7 +325,7 @@ mod tests {
     #[test]
     fn copies_are_as_if_through_a_buffer() {
         let memory = Memory::new(layout::DB_DATA);
-        for bytes in 0..=40u32 {
+        for bytes in 0..=70u32 {
             for (from, to) in [(100, 200), (100, 103), (103, 100), (100, 120), (100, 100)] {
                 let start: Vec<u8> = (0..=255).collect();
                 memory.load(layout::M, &start);

@@ -4,12 +4,14 @@
 //!   does not change the actual. Constants and peripheral inputs are put into the caller's frame first.
 //! - `instance`: for an FB, elementary and complex values are copied into the instance and back; complex IN_OUT are POINTERs there.
 //! - `block_move`: SFC 20, 21 and 81 in place, where the areas are known.
+//! - `text`: functions of texts with addresses instead of ANY pointers.
 //! - `system`: system functions get a structure of parameters in the caller's frame.
 
 mod block_move;
 mod function;
 mod instance;
 mod system;
+mod text;
 
 use plcc_abi::RuntimeFn;
 use plcc_abi::codes::{stop, sync};
@@ -20,6 +22,7 @@ use plcc_model::{BlockKey, Call, CodeBlock, Passing};
 
 pub use self::block_move::{is_block_move, known_bytes};
 pub use self::function::has_area_pointer;
+pub use self::text::{TextCall, TextInput, TextOperand, text_call};
 use crate::block::BlockLowering;
 use crate::fault::{Check, Substitute};
 use crate::plan;
@@ -33,7 +36,12 @@ impl BlockLowering<'_, '_> {
         };
         match (function, &call.instance) {
             (Some(function), Some(instance)) => self.call_instance(callee, function, instance, &call.arguments),
-            (Some(function), None) => self.call_fc(callee, function, &call.arguments),
+            (Some(function), None) => {
+                let text = text_call(plan, callee);
+                if !text.is_some_and(|text| self.call_known_texts(&text, callee, &call.arguments)) {
+                    self.call_fc(callee, function, &call.arguments);
+                }
+            }
             (None, _) => self.call_system_function(callee, &call.arguments),
         }
         self.bring_back();

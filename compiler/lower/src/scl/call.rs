@@ -3,14 +3,14 @@
 use plcc_abi::layout::area;
 use plcc_ir::{Address, FuncId, Value};
 use plcc_model::layout;
-use plcc_model::scl::{Call, Instance};
+use plcc_model::scl::{Actual, Call, Complex, Instance};
 use plcc_model::types::DataType;
 use plcc_model::{CodeBlock, Direction, Parameter, Passing, Place, Width};
 
-use super::argument::{self, Given};
+use super::argument::{self, Given, joined_call};
 use super::value_type;
 use crate::block::BlockLowering;
-use crate::call::is_block_move;
+use crate::call::{TextCall, is_block_move, text_call};
 use crate::fault::{Check, Substitute};
 use crate::place::{self, BitNumber, Target};
 
@@ -37,7 +37,26 @@ impl BlockLowering<'_, '_> {
         let (callee, function) = plan.block(call.target).expect("the binder only passes calls of known blocks");
         let result = result(callee);
         let result = result.filter(|&(index, _)| !supplies(call, index));
-        let room = result.map(|(_, parameter)| self.result_room(&parameter.ty));
+        let text = text_call(plan, callee);
+        let room = result.map(|(_, parameter)| match (&text, &parameter.ty) {
+            (Some(_), DataType::String(_)) if self.scl.only_text => self.text_room(),
+            (_, ty) => self.result_room(ty),
+        });
+        let only_text = std::mem::replace(&mut self.scl.only_text, text.is_some());
+        let returned = self.call_in_room(call, callee, function, room);
+        self.scl.only_text = only_text;
+        returned
+    }
+
+    /// As [`scl_call`](Self::scl_call), with room for the result if the call does not say where that goes.
+    fn call_in_room(
+        &mut self,
+        call: &Call,
+        callee: &CodeBlock,
+        function: Option<FuncId>,
+        room: Option<Address>,
+    ) -> Returned {
+        let result = result(callee).filter(|&(index, _)| !supplies(call, index));
         let Some(enable) = &call.enable else { return self.enabled_call(call, callee, function, room) };
         let enable = self.value(enable);
         let ty = result.and_then(|(_, parameter)| match parameter.ty {
@@ -131,7 +150,91 @@ impl BlockLowering<'_, '_> {
         function: FuncId,
         room: Option<Address>,
     ) -> Returned {
-        let mut given = self.given(call, callee);
+        let Some(text) = text_call(self.plan, callee) else {
+            let given = self.given(call, callee);
+            return self.call_given(call, callee, function, given, room);
+        };
+        let Some(inner) = joined_call(&text, call) else {
+            let given = self.given(call, callee);
+            return self.call_text(&text, call, callee, function, given, room);
+        };
+        let inner_given = self.given(inner, callee);
+        let first = call.arguments.iter().position(|one| matches!(&one.actual, Actual::Complex(Complex::Call(_))));
+        let first = first.expect("the inner call is an argument");
+        let others = call.arguments.iter().enumerate().filter(|(at, _)| *at != first);
+        let mut given: Vec<Given> =
+            others.map(|(_, argument)| self.give(&callee.interface.parameters[argument.parameter], argument)).collect();
+        if let Some(arguments) = self.joined_arguments(&text, (inner, &inner_given), (call, &given), room) {
+            let br = self.run_joined_call(callee, &arguments);
+            self.note_eno(inner, br);
+            return Returned { value: None, place: room };
+        }
+        let inner_room = self.text_room();
+        self.call_text(&text, inner, callee, function, inner_given, Some(inner_room));
+        let br = self.get(self.regs.br);
+        self.note_eno(inner, br);
+        let supply = argument::Supply::Complex(argument::Source::Frame(inner_room));
+        given.push(Given { parameter: call.arguments[first].parameter, supply, back: None });
+        self.call_text(&text, call, callee, function, given, room)
+    }
+
+    /// Calls a function of texts, or the block in its place if the addresses are not right.
+    fn call_text(
+        &mut self,
+        text: &TextCall,
+        call: &Call,
+        callee: &CodeBlock,
+        function: FuncId,
+        given: Vec<Given>,
+        room: Option<Address>,
+    ) -> Returned {
+        let Some((arguments, known)) = self.text_arguments(text, call, callee, &given, room) else {
+            return self.call_given(call, callee, function, given, room);
+        };
+        let ty = result(callee).and_then(|(_, parameter)| match parameter.ty {
+            DataType::Elementary(ty) => Some(ty),
+            _ => None,
+        });
+        if self.b.constant_bits(known) == Some(1) {
+            let value = self.run_text_call(text, callee, &arguments, &given);
+            let value = value.zip(ty).map(|(value, ty)| self.typed(value, ty));
+            return Returned { value, place: room.filter(|_| ty.is_none()) };
+        }
+        // The block itself decides what becomes of addresses that are wrong.
+        let var = ty.map(|ty| self.b.declare_var(value_type(ty)));
+        let (run, call_it, end) = (self.b.create_block(), self.b.create_cold_block(), self.b.create_block());
+        self.b.branch(known, run, call_it);
+        self.b.seal_block(run);
+        self.b.seal_block(call_it);
+        let mut has_value = false;
+        self.b.switch_to(run);
+        let value = self.run_text_call(text, callee, &arguments, &given);
+        if let (Some(var), Some(ty), Some(value)) = (var, ty, value) {
+            let value = self.typed(value, ty);
+            self.b.def_var(var, value);
+            has_value = true;
+        }
+        self.b.jump(end, &[]);
+        self.b.switch_to(call_it);
+        let returned = self.call_given(call, callee, function, given, room);
+        if let (Some(var), Some(value), true) = (var, returned.value, has_value) {
+            self.b.def_var(var, value);
+        }
+        self.b.jump(end, &[]);
+        self.b.seal_block(end);
+        self.b.switch_to(end);
+        Returned { value: var.filter(|_| has_value).map(|var| self.b.use_var(var)), place: returned.place }
+    }
+
+    /// Calls the block of a function with evaluated arguments.
+    fn call_given(
+        &mut self,
+        call: &Call,
+        callee: &CodeBlock,
+        function: FuncId,
+        mut given: Vec<Given>,
+        room: Option<Address>,
+    ) -> Returned {
         let result = result(callee).map(|(index, _)| index).filter(|&index| !supplies(call, index));
         let mut temporaries = Vec::new();
         let mut references = Vec::new();

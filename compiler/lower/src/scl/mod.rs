@@ -42,6 +42,8 @@ pub struct SclState {
     last_eno: Option<Var>,
     sets_flag: bool,
     calls_set_flag: bool,
+    /// The result of the call that is lowered, if it is a text, is read by a function of texts only.
+    only_text: bool,
     loops: Vec<Loop>,
     /// Elementary formals whose pointers are passed on, and the copies in the frame that these point at.
     pointed_copies: Vec<(Access, Address)>,

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use plcc_model::layout;
 use plcc_model::scl::walk::{self, Role, Visitor};
-use plcc_model::scl::{Access, Base, Statement, StatementKind};
+use plcc_model::scl::{Access, Base, IndexBounds, Statement, StatementKind};
 use plcc_model::types::{DataType, Elementary};
 use plcc_model::{Assert, AssertSide, CodeBlock, Direction, Operand, Passing, Place};
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -182,13 +182,7 @@ impl Visitor for Seen {
             }
             _ => {
                 if let Base::Place(place) = &access.base {
-                    // From where the access begins; indices reach further, inside the variable.
-                    let bits = if access.indices.is_empty() {
-                        8 * layout::bytes(&access.ty)
-                    } else {
-                        8 * plcc_abi::layout::L_CLASS_BYTES
-                    };
-                    self.memory(place, bits);
+                    self.memory(place, reach(access));
                 }
             }
         }
@@ -210,6 +204,17 @@ impl Visitor for Seen {
             }
         }
     }
+}
+
+/// Bits that an access may touch from its first element on. An index out of its bounds touches nothing.
+fn reach(access: &Access) -> u32 {
+    let whole_stack = 8 * plcc_abi::layout::L_CLASS_BYTES;
+    let mut bits = 8 * u64::from(layout::bytes(&access.ty));
+    for index in &access.indices {
+        let IndexBounds::Known(low, high) = index.bounds else { return whole_stack };
+        bits += u64::try_from(i64::from(high) - i64::from(low)).unwrap_or(0) * u64::from(index.stride);
+    }
+    u32::try_from(bits).map_or(whole_stack, |bits| bits.min(whole_stack))
 }
 
 /// The ranges in order, those that touch as one.

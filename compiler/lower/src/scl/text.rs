@@ -13,8 +13,10 @@ use crate::place::Direction;
 
 /// A limit that means the maximum in the text's own header.
 const OWN_MAXIMUM: u32 = u32::MAX;
+/// Constant texts up to this length are stored, longer ones copied.
+const STORED_BYTES_MAX: usize = 34;
 /// Longest text without a declared length.
-const TEXT_MAX: u32 = 254;
+pub const TEXT_MAX: u32 = 254;
 
 /// Kind of a text.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -66,6 +68,13 @@ impl BlockLowering<'_, '_> {
         }
     }
 
+    /// Room in the frame for a text that only functions of texts read and write: an empty text, and after it whatever was there.
+    pub fn text_room(&mut self) -> Address {
+        let addr = self.temporary(TEXT_MAX + 2);
+        self.store_head(addr, Text::Narrow, TEXT_MAX, 0);
+        addr
+    }
+
     /// Room in the frame for a result of type `ty`: 0, or an empty text.
     pub fn result_room(&mut self, ty: &DataType) -> Address {
         let bytes = result_bytes(ty);
@@ -87,6 +96,12 @@ impl BlockLowering<'_, '_> {
 
     /// Copies a text to a located place.
     pub fn store_text(&mut self, to: &Located, limit: u32, kind: Text, value: &Complex) {
+        if let (Complex::Const(bytes), Text::Narrow) = (value, kind)
+            && limit != OWN_MAXIMUM
+            && bytes.len() <= STORED_BYTES_MAX
+        {
+            return self.store_constant_text(to, limit, &bytes[2..2 + usize::from(bytes[1])]);
+        }
         let (from, mut checks) = match value {
             Complex::Variable(access) => {
                 let from = self.locate(access);
@@ -98,6 +113,19 @@ impl BlockLowering<'_, '_> {
         checks.extend(more);
         let guard = self.begin_guard(checks, Substitute::None);
         self.copy_text(to, from, limit, kind);
+        self.end_guard(guard);
+    }
+
+    /// Stores constant characters and their number; the variable keeps its maximum.
+    fn store_constant_text(&mut self, to: &Located, limit: u32, characters: &[u8]) {
+        let kept = characters.len().min(limit as usize);
+        let (to, checks) = self.located_address(to, Direction::Write);
+        let guard = self.begin_guard(checks, Substitute::None);
+        self.store_bytes(Address { offset: to.offset + 2, ..to }, &characters[..kept]);
+        let length = self.b.i32_const(kept as u32);
+        self.store_low(Address { offset: to.offset + 1, ..to }, Width::Byte, length);
+        let cut = self.b.bool_const(kept < characters.len());
+        self.fail_if(cut);
         self.end_guard(guard);
     }
 

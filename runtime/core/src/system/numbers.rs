@@ -7,18 +7,14 @@
 
 use std::fmt::Write as _;
 
+use plcc_abi::text::UNSIGNED;
+
 use super::any::Access;
 use super::parameters::Call;
 use super::text::{self, Buffer, CUT, INVALID, Text};
 use super::{OK, Outcome, error};
-
-/// FORM of [`of_integer`]: `+` before numbers that are not negative.
-const PLUS: u16 = 1;
-/// FORM of [`of_integer`]: IN is a ULINT.
-const UNSIGNED: u16 = 2;
-
-/// Digits of a u64, and a sign.
-const DIGITS_MAX: usize = 21;
+use crate::memory::Bytes;
+use crate::text::{decimal, give_whole};
 
 /// Value of a LINT, or with UNSIGNED of a ULINT.
 fn integer(bits: u64, form: u16) -> i128 {
@@ -27,56 +23,63 @@ fn integer(bits: u64, form: u16) -> i128 {
 
 /// IN LINT, FORM -> RET_VAL, OUT STRING. A string that is too short does not change.
 pub(super) fn of_integer(call: &Call) -> Outcome {
-    let (bits, form) = (call.lword(0), call.word(1));
-    let negative = form & UNSIGNED == 0 && (bits as i64) < 0;
-    decimal(call, 3, negative, if negative { bits.wrapping_neg() } else { bits }, form)
+    let out = text::of(call, 3, Access::Write);
+    match (decimal::write_long(call.cpu.memory.bytes_at(), call.lword(0), call.word(1), out), out) {
+        (true, _) => OK,
+        (false, Some(_)) => error(CUT),
+        (false, None) => error(INVALID),
+    }
 }
 
-/// As [`of_integer`], of a DINT.
+/// IN DINT, FORM -> OUT STRING, as [`of_integer`].
 pub(super) fn of_dint(call: &Call) -> Outcome {
     let value = call.dword(0) as i32;
-    decimal(call, 3, value < 0, value.unsigned_abs().into(), call.word(1))
+    Outcome::Flag(decimal::write(call.cpu.memory.bytes_at(), value, call.word(1), text::of(call, 2, Access::Write)))
 }
 
-fn decimal(call: &Call, out: usize, negative: bool, mut magnitude: u64, form: u16) -> Outcome {
-    // From the last digit to the first.
-    let mut characters = [0; DIGITS_MAX];
-    let mut start = DIGITS_MAX;
-    let mut put = |character| {
-        start -= 1;
-        characters[start] = character;
-    };
-    loop {
-        put(b'0' + (magnitude % 10) as u8);
-        magnitude /= 10;
-        if magnitude == 0 {
-            break;
-        }
-    }
-    if negative {
-        put(b'-');
-    } else if form & PLUS != 0 {
-        put(b'+');
-    }
-    text::give_whole(call, out, &characters[start..])
+/// As [`of_dint`], of an INT.
+pub(super) fn of_int(call: &Call) -> Outcome {
+    let value = i32::from(call.word(0) as i16);
+    Outcome::Flag(decimal::write(call.cpu.memory.bytes_at(), value, call.word(1), text::of(call, 2, Access::Write)))
 }
 
-/// IN REAL -> RET_VAL, OUT STRING: `+1.2345678E+01`, 14 characters.
+/// IN REAL -> OUT STRING: `+1.2345678E+01`, 14 characters.
 pub(super) fn of_real(call: &Call) -> Outcome {
-    scientific(call, 2, f64::from(f32::from_bits(call.dword(0))), 7, 2)
+    let value = f32::from_bits(call.dword(0));
+    Outcome::Flag(write_real(call.cpu.memory.bytes_at(), value, text::of(call, 1, Access::Write)))
+}
+
+/// See [`of_real`]. False if it does not fit, or is not a number; then nothing is written.
+#[inline(never)]
+pub(crate) fn write_real(memory: Bytes, value: f32, out: Option<Text>) -> bool {
+    scientific(f64::from(value), 7, 2).is_some_and(|number| give_whole(memory, out, number.characters()))
 }
 
 /// IN LREAL -> RET_VAL, OUT STRING: `+1.2345678901234E+001`, 21 characters.
 pub(super) fn of_lreal(call: &Call) -> Outcome {
-    scientific(call, 2, f64::from_bits(call.lword(0)), 13, 3)
+    match scientific(f64::from_bits(call.lword(0)), 13, 3) {
+        Some(number) => written(call, 2, number.characters()),
+        None => error(INVALID),
+    }
 }
 
-fn scientific(call: &Call, out: usize, value: f64, digits: usize, exponent_digits: usize) -> Outcome {
+/// Writes a result into parameter `index` if all of it fits.
+fn written(call: &Call, index: usize, characters: &[u8]) -> Outcome {
+    let out = text::of(call, index, Access::Write);
+    match (give_whole(call.cpu.memory.bytes_at(), out, characters), out) {
+        (true, _) => OK,
+        (false, Some(_)) => error(CUT),
+        (false, None) => error(INVALID),
+    }
+}
+
+/// `None`: not a number, or infinite.
+fn scientific(value: f64, digits: usize, exponent_digits: usize) -> Option<Buffer<32>> {
     if !value.is_finite() {
-        return error(INVALID);
+        return None;
     }
     let (mantissa, exponent) = mantissa_and_exponent(value, digits);
-    let mut buffer: Buffer<24> = Buffer::new();
+    let mut buffer: Buffer<32> = Buffer::new();
     if value >= 0.0 {
         // A negative zero has no sign either.
         buffer.push(b'+');
@@ -84,7 +87,7 @@ fn scientific(call: &Call, out: usize, value: f64, digits: usize, exponent_digit
     let mantissa = if value == 0.0 { mantissa.as_str().trim_start_matches('-') } else { mantissa.as_str() };
     let sign = if exponent < 0 { '-' } else { '+' };
     let _ = write!(buffer, "{mantissa}E{sign}{:0exponent_digits$}", exponent.abs());
-    text::give_whole(call, out, buffer.characters())
+    Some(buffer)
 }
 
 /// `-1.2300` and `-3`, correctly rounded.
@@ -97,20 +100,26 @@ fn mantissa_and_exponent(value: f64, digits: usize) -> (Buffer<24>, i32) {
     (buffer, exponent.parse().unwrap_or(0))
 }
 
-/// IN REAL -> RET_VAL, OUT STRING: fixed point, the shortest text for the same REAL. `INF` and `NaN` are errors.
+/// IN REAL -> OUT STRING: fixed point, the shortest text for the same REAL. `INF` and `NaN` are errors.
 pub(super) fn fixed_of_real(call: &Call) -> Outcome {
     let value = f32::from_bits(call.dword(0));
-    let mut buffer: Buffer<64> = Buffer::new();
-    let _ = if value.is_finite() { write!(buffer, "{value}") } else { write_special(&mut buffer, f64::from(value)) };
-    finish_special(text::give_whole(call, 2, buffer.characters()), value.is_finite())
+    Outcome::Flag(write_fixed_real(call.cpu.memory.bytes_at(), value, text::of(call, 1, Access::Write)))
 }
 
-/// As [`fixed_of_real`], of an LREAL; more than 254 characters are too long.
+/// See [`fixed_of_real`]. False if it does not fit; then nothing is written.
+#[inline(never)]
+pub(crate) fn write_fixed_real(memory: Bytes, value: f32, out: Option<Text>) -> bool {
+    let mut buffer: Buffer<64> = Buffer::new();
+    let _ = if value.is_finite() { write!(buffer, "{value}") } else { write_special(&mut buffer, f64::from(value)) };
+    give_whole(memory, out, buffer.characters()) && value.is_finite()
+}
+
+/// IN LREAL -> RET_VAL, OUT STRING, as [`fixed_of_real`]; more than 254 characters are too long.
 pub(super) fn fixed_of_lreal(call: &Call) -> Outcome {
     let value = f64::from_bits(call.lword(0));
     let mut buffer: Buffer<512> = Buffer::new();
     let _ = if value.is_finite() { write!(buffer, "{value}") } else { write_special(&mut buffer, value) };
-    finish_special(text::give_whole(call, 2, buffer.characters()), value.is_finite())
+    finish_special(written(call, 2, buffer.characters()), value.is_finite())
 }
 
 fn write_special<const N: usize>(buffer: &mut Buffer<N>, value: f64) -> std::fmt::Result {
@@ -122,33 +131,24 @@ fn finish_special(outcome: Outcome, finite: bool) -> Outcome {
     if outcome == OK && !finite { error(INVALID) } else { outcome }
 }
 
-/// S STRING, LONGEST INT, LOW DINT, HIGH DINT -> RET_VAL, OUT DINT: an optional sign, then digits only. A number out of LOW to
-/// HIGH is limited and [`CUT`]; a text of another form is [`INVALID`].
+/// S STRING, LONGEST INT, LOW DINT, HIGH DINT -> NUMBER DINT: an optional sign, then digits only. A number out of LOW to
+/// HIGH is limited, with BR 0; a text of another form leaves NUMBER as it is, with BR 0.
 pub(super) fn to_dint(call: &Call) -> Outcome {
-    const OUT: usize = 5;
-    let longest = usize::from(call.word(1));
-    let value =
-        text::view(call, 0, |characters| if characters.len() <= longest { parse_integer(characters) } else { None });
-    let value = value.flatten();
-    let Some(value) = value else { return error(INVALID) };
-    let limited = value.clamp(i64::from(call.dword(2) as i32), i64::from(call.dword(3) as i32));
-    call.set_dword(OUT, limited as i32 as u32);
-    if limited == value { OK } else { error(CUT) }
+    let Some((value, good)) = read_limited(call) else { return Outcome::Flag(false) };
+    call.set_dword(4, value as u32);
+    Outcome::Flag(good)
 }
 
-/// An optional sign, then digits only. `None`: another form, or it does not fit.
-fn parse_integer(characters: &[u8]) -> Option<i64> {
-    let (negative, digits) = match characters {
-        [b'-', digits @ ..] => (true, digits),
-        [b'+', digits @ ..] | digits => (false, digits),
-    };
-    if digits.is_empty() {
-        return None;
-    }
-    digits.iter().try_fold(0i64, |value, digit| {
-        let digit = i64::from(digit.checked_sub(b'0').filter(|&digit| digit < 10)?);
-        value.checked_mul(10)?.checked_add(if negative { -digit } else { digit })
-    })
+/// As [`to_dint`], NUMBER is an INT.
+pub(super) fn to_int(call: &Call) -> Outcome {
+    let Some((value, good)) = read_limited(call) else { return Outcome::Flag(false) };
+    call.set_word(4, value as u16);
+    Outcome::Flag(good)
+}
+
+fn read_limited(call: &Call) -> Option<(i32, bool)> {
+    let (low, high) = (call.dword(2) as i32, call.dword(3) as i32);
+    decimal::read(call.cpu.memory.bytes_at(), text::of(call, 0, Access::Read), call.word(1), low, high)
 }
 
 /// S STRING -> RET_VAL, OUT REAL: exactly `+v.nnnnnnnE+xx` at the beginning. Too large is limited and [`CUT`].
@@ -233,34 +233,25 @@ fn exponent_length(text: &[u8]) -> Option<usize> {
     (digits > 0).then_some(1 + sign + digits)
 }
 
-/// Scans the text of [`integer_of`] and [`float_of`] from its position on.
-fn scan_text<R>(call: &Call, scan: impl FnOnce(&[u8], u16) -> Option<R>) -> Option<R> {
-    let (format, position) = (call.word(1), call.word(2) as i16);
+/// Scans a text from position `position` on.
+fn scan_text<R>(
+    memory: Bytes,
+    text: Option<Text>,
+    format: u16,
+    position: i16,
+    scan: impl FnOnce(&[u8], u16) -> Option<R>,
+) -> Option<R> {
     let start = usize::try_from(position).ok()?.checked_sub(1)?;
     let from_start = |characters: &[u8]| {
         let rest = characters.get(start..).filter(|rest| !rest.is_empty())?;
         if format <= COMMA | EXPONENT { scan(rest, format) } else { None }
     };
-    text::view(call, 0, from_start).flatten()
+    text?.view(memory, from_start)
 }
 
-/// A number without fraction and exponent, as far as a u64 holds its digits: what most texts are. `None`: [`scan`] knows.
-fn scan_simple(text: &[u8]) -> Option<(i128, usize)> {
-    let blanks = text.iter().take_while(|&&character| character == b' ').count();
-    let sign = usize::from(matches!(text.get(blanks), Some(b'+' | b'-')));
-    let digits = &text[blanks + sign..];
-    let mut magnitude = 0u64;
-    let mut count = 0;
-    for digit in digits.iter().map(|character| character.wrapping_sub(b'0')).take_while(|&digit| digit < 10) {
-        magnitude = magnitude.checked_mul(10)?.checked_add(digit.into())?;
-        count += 1;
-    }
-    // What may go on is the rest of the number.
-    if count == 0 || matches!(digits.get(count), Some(b'.' | b',' | b'e' | b'E')) {
-        return None;
-    }
-    let value = i128::from(magnitude);
-    Some((if text[blanks] == b'-' { -value } else { value }, blanks + sign + count))
+/// As [`scan_text`], of a call with the parameters S, FORMAT, P.
+fn scan_call<R>(call: &Call, scan: impl FnOnce(&[u8], u16) -> Option<R>) -> Option<R> {
+    scan_text(call.cpu.memory.bytes_at(), text::of(call, 0, Access::Read), call.word(1), call.word(2) as i16, scan)
 }
 
 /// The range of an integer type: 1 SINT, 2 INT, 3 DINT, 4 LINT, 5 USINT, 6 UINT, 7 UDINT, 8 ULINT.
@@ -287,24 +278,71 @@ fn scan_integer(text: &[u8], format: u16) -> Option<(i128, usize)> {
     Some((value, scanned.length))
 }
 
+/// The integer of type `kind` (see [`range`]) at the beginning of a text, and how many characters belong to it: 0 if there is none, or it is
+/// outside the range; then the integer is 0. A fraction is dropped.
+#[inline(always)]
+pub(crate) fn scan_start(memory: Bytes, text: Option<Text>, kind: u16) -> (i64, usize) {
+    if matches!(kind, 1..=4)
+        && let Some(text) = text
+        && let Some((negative, magnitude, length)) = text.view(memory, decimal::scan)
+    {
+        let value = if negative { -(magnitude as i64) } else { magnitude as i64 };
+        let unused = 64 - (8 << (kind - 1));
+        return if value << unused >> unused == value { (value, length) } else { (0, 0) };
+    }
+    let (value, length) = scan_range(memory, text, 0, 1, kind);
+    (value as i64, length)
+}
+
+/// As [`scan_start`], from position `position` on.
+#[inline(never)]
+fn scan_range(memory: Bytes, text: Option<Text>, format: u16, position: i16, kind: u16) -> (i128, usize) {
+    let value = range(kind).and_then(|range| {
+        let value = scan_text(memory, text, format, position, |text, format| match decimal::scan(text) {
+            Some((negative, magnitude, length)) => {
+                let value = i128::from(magnitude);
+                Some((if negative { -value } else { value }, length))
+            }
+            None => scan_integer(text, format),
+        });
+        value.filter(|(value, _)| range.contains(value))
+    });
+    value.unwrap_or((0, 0))
+}
+
 /// IN STRING, FORMAT WORD, P INT, TYPE INT -> RET_VAL, OUT LINT, NEXT INT. A fraction is dropped. Out of the range of the type, or
 /// without a number, OUT is 0 and NEXT is P.
 pub(super) fn integer_of(call: &Call) -> Outcome {
     const OUT: usize = 5;
-    let value = range(call.word(3)).and_then(|range| {
-        let value = scan_text(call, |text, format| scan_simple(text).or_else(|| scan_integer(text, format)));
-        value.filter(|(value, _)| range.contains(value))
-    });
-    let (value, length) = value.unwrap_or((0, 0));
+    let text = text::of(call, 0, Access::Read);
+    let (value, length) = scan_range(call.cpu.memory.bytes_at(), text, call.word(1), call.word(2) as i16, call.word(3));
     call.set_lword(OUT, value as u64);
     call.set_word(OUT + 1, call.word(2).wrapping_add(length as u16));
     if length == 0 { error(INVALID) } else { OK }
 }
 
+/// IN STRING, KIND -> OUT DINT: the number at the beginning of the text; 0 if there is none in the range of the type.
+pub(super) fn dint_at_start(call: &Call) -> Outcome {
+    let (value, length) = at_start(call);
+    call.set_dword(2, value as u32);
+    Outcome::Flag(length != 0)
+}
+
+/// As [`dint_at_start`], OUT is an INT.
+pub(super) fn int_at_start(call: &Call) -> Outcome {
+    let (value, length) = at_start(call);
+    call.set_word(2, value as u16);
+    Outcome::Flag(length != 0)
+}
+
+fn at_start(call: &Call) -> (i64, usize) {
+    scan_start(call.cpu.memory.bytes_at(), text::of(call, 0, Access::Read), call.word(1))
+}
+
 /// IN STRING, FORMAT WORD, P INT -> RET_VAL, OUT LREAL, NEXT INT.
 pub(super) fn float_of(call: &Call) -> Outcome {
     const OUT: usize = 4;
-    let value = scan_text(call, scan)
+    let value = scan_call(call, scan)
         .and_then(|scanned| scanned.digits.as_str().parse::<f64>().ok().map(|value| (value, scanned.length)));
     let (value, length) = value.unwrap_or((0.0, 0));
     call.set_lword(OUT, value.to_bits());
@@ -315,7 +353,7 @@ pub(super) fn float_of(call: &Call) -> Outcome {
 /// IN STRING, FORMAT WORD, P INT -> RET_VAL, OUT REAL, NEXT INT. A value too small for a normal number becomes 0.
 pub(super) fn real_of(call: &Call) -> Outcome {
     const OUT: usize = 4;
-    let value = scan_text(call, scan)
+    let value = scan_call(call, scan)
         .and_then(|scanned| scanned.digits.as_str().parse::<f32>().ok().map(|value| (value, scanned.length)));
     let (value, length) = value.unwrap_or((0.0, 0));
     let value = if value.is_subnormal() { 0.0 } else { value };
@@ -342,7 +380,7 @@ fn field(call: &Call, first: usize) -> Option<Field> {
 
 /// Writes `number` into the field, right-justified.
 fn fill_field(call: &Call, out: usize, field: &Field, number: &[u8]) -> Outcome {
-    let Some(text) = Text::of(call, out, Access::Write) else { return error(INVALID) };
+    let Some(text) = text::of(call, out, Access::Write) else { return error(INVALID) };
     let end = field.position - 1 + field.size;
     if number.len() > field.size || end > text.maximum() as usize {
         return error(CUT);
@@ -357,7 +395,7 @@ fn fill_field(call: &Call, out: usize, field: &Field, number: &[u8]) -> Outcome 
             Some(place) => (place + number.len()).checked_sub(field.size).map_or(b' ', |digit| number[digit]),
         });
     }
-    text.write(call, buffer.characters());
+    text.write(call.cpu.memory.bytes_at(), buffer.characters());
     OK
 }
 

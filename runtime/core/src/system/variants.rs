@@ -115,8 +115,8 @@ fn assign(call: &Call) -> Option<()> {
     let (source, target) = (call.pointed(0), call.pointed(1));
     if source == (0, text) && target == (0, text) {
         let characters = text::characters(call, 0)?;
-        let target = text::Text::of(call, 1, Access::Write)?;
-        return target.write(call, characters.characters()).then_some(());
+        let target = text::of(call, 1, Access::Write)?;
+        return target.write(call.cpu.memory.bytes_at(), characters.characters()).then_some(());
     }
     let known = source.1 != 0 && target.1 != 0;
     if from.head != to.head || (known && source != target) {

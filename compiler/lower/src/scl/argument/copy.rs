@@ -111,7 +111,7 @@ impl BlockLowering<'_, '_> {
     }
 
     /// Writes the value of an elementary formal, as memory has it, to its actual.
-    fn write_formal(&mut self, parameter: &Parameter, back: &Back, value: Value) {
+    pub(super) fn write_formal(&mut self, parameter: &Parameter, back: &Back, value: Value) {
         let DataType::Elementary(formal) = parameter.ty else { return };
         let Some(actual) = back.access.elementary() else { return };
         let value = self.typed(value, formal);

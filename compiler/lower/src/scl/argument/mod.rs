@@ -1,16 +1,19 @@
 //! Actual parameters of calls from SCL: evaluated first, from left to right, then passed. Source: SCL reference, parameters.
 //!
-//! `reference` passes them to FCs, `copy` to instances and system functions; `pointer`: POINTER, ANY and VARIANT.
+//! `reference` passes them to FCs, `copy` to instances and system functions; `pointer`: POINTER, ANY and VARIANT;
+//! `text`: to functions of texts, with addresses.
 
 mod copy;
 mod pointer;
 mod reference;
+mod text;
 
 use plcc_ir::{Address, Value};
 use plcc_model::scl::{Access, Actual, Argument, Base, Complex, Conversion, ExprKind};
 use plcc_model::{Direction, Parameter, Place};
 
 use self::pointer::PointerSource;
+pub use self::text::joined_call;
 use crate::block::BlockLowering;
 use crate::scl::access::Located;
 

@@ -1,0 +1,355 @@
+//! Functions of texts as calls of the runtime with addresses.
+//!
+//! Most functions of texts in the library only hand their parameters on to a system function, which gets each STRING as an ANY pointer. Where
+//! the compiler knows where the STRINGs are, the call of such a block becomes a call of the runtime function that does the same with
+//! addresses.
+
+use plcc_abi::image::BlockKind;
+use plcc_abi::layout::{AREA_BYTES, area};
+use plcc_abi::text::{BR, LOCAL, OPERAND_BITS, ROOM_MAX, WRITTEN};
+use plcc_abi::{RuntimeFn, Type};
+use plcc_ir::{Address, BinaryOp, IntCc, Region, Value};
+use plcc_model::{Actual, Argument, Body, CodeBlock, Direction, Passing, Place, StlStatementKind, Width};
+
+use super::big_endian;
+use crate::block::BlockLowering;
+use crate::fault::Check;
+use crate::place;
+use crate::plan::Plan;
+use crate::pointer::PointerFields;
+
+/// The runtime functions of system functions, by number. Their arguments are what is known of the texts, the inputs in the order of the system function,
+/// then the text that is written.
+const FUNCTIONS: &[(u16, RuntimeFn)] = &[
+    (2000, RuntimeFn::TextConcat),
+    (2001, RuntimeFn::TextCompare),
+    (2002, RuntimeFn::TextFind),
+    (2003, RuntimeFn::TextLength),
+    (2004, RuntimeFn::TextReplace),
+    (2005, RuntimeFn::TextLeft),
+    (2006, RuntimeFn::TextRight),
+    (2007, RuntimeFn::TextMid),
+    (2008, RuntimeFn::TextDelete),
+    (2009, RuntimeFn::TextInsert),
+    (2010, RuntimeFn::TextOfDint),
+    (2012, RuntimeFn::TextOfReal),
+    (2014, RuntimeFn::TextFixedOfReal),
+    (2020, RuntimeFn::TextToDint),
+    (2026, RuntimeFn::TextScan),
+    (2027, RuntimeFn::TextScan),
+    (2028, RuntimeFn::TextToDint),
+    (2029, RuntimeFn::TextOfDint),
+];
+
+/// Bytes before the characters of a STRING.
+const HEAD_BYTES: i64 = 2;
+
+/// What a block of the library hands on, by the indices of its own parameters.
+pub struct TextCall {
+    pub function: RuntimeFn,
+    pub inputs: Vec<TextInput>,
+    /// The text that is written.
+    pub out: Option<usize>,
+    /// The elementary parameter that gets the value, and whether it stays as it is if the function has none.
+    pub value: Option<(usize, bool)>,
+}
+
+/// An argument of a runtime function.
+pub enum TextInput {
+    /// The text of a parameter.
+    Text(usize),
+    /// The elementary value of a parameter.
+    Value(usize),
+    Const(u32),
+}
+
+/// A text in memory.
+pub struct TextOperand {
+    /// Offset from the memory base, an i32.
+    address: Value,
+    /// Characters that exist there, an i32 as [`plcc_abi::text`] describes it.
+    room: Value,
+    /// The declared maximum; 0 if it is not known.
+    declared: u8,
+    /// i1: address and room are right.
+    ok: Value,
+}
+
+/// What `callee` hands on, if it does nothing else and the runtime has a function for it.
+pub fn text_call(plan: &Plan, callee: &CodeBlock) -> Option<TextCall> {
+    let Body::Stl(statements) = &callee.body else { return None };
+    let [statement] = &statements[..] else { return None };
+    let StlStatementKind::Call(call) = &statement.kind else { return None };
+    if call.target.kind != BlockKind::Sfc {
+        return None;
+    }
+    let &(_, function) = FUNCTIONS.iter().find(|(number, _)| *number == call.target.number)?;
+    let (system, _) = plan.block(call.target)?;
+    let mut text = TextCall { function, inputs: Vec::new(), out: None, value: None };
+    for (index, parameter) in system.interface.parameters.iter().enumerate() {
+        let argument = call.arguments.iter().find(|argument| argument.parameter == index)?;
+        let own = match &argument.actual {
+            Actual::PointerTo { place: Place::Parameter { parameter, byte: 0, bit: 0 }, .. }
+            | Actual::Place(Place::Parameter { parameter, byte: 0, bit: 0 }) => Some(*parameter),
+            _ => None,
+        };
+        match (parameter.direction, parameter.passing, &argument.actual) {
+            (Direction::Input, Passing::Any, _) => text.inputs.push(TextInput::Text(own?)),
+            (Direction::Input, Passing::Elementary(_), Actual::Const(bytes)) => {
+                text.inputs.push(TextInput::Const(big_endian(bytes)));
+            }
+            (Direction::Input, Passing::Elementary(_), _) => text.inputs.push(TextInput::Value(own?)),
+            (Direction::Output, Passing::Any, _) => text.out = Some(own?),
+            (direction, Passing::Elementary(_), _) => text.value = Some((own?, direction == Direction::InOut)),
+            _ => return None,
+        }
+    }
+    Some(text)
+}
+
+impl BlockLowering<'_, '_> {
+    /// A text in this block's frame.
+    pub fn text_in_frame(&mut self, addr: Address, declared: u8) -> TextOperand {
+        let (address, room) = (self.b.address_of(addr), self.b.i32_const(LOCAL.into()));
+        TextOperand { address, room, declared, ok: self.b.bool_const(true) }
+    }
+
+    /// A text at `addr` if all `checks` hold; with a `declared` maximum all of it exists then. `pointer` makes the pointer to it that a called block would get. `None`: only the system function
+    /// decides whether it may be written.
+    pub fn text_in_memory(
+        &mut self,
+        addr: Address,
+        declared: u8,
+        checks: &[Check],
+        direction: place::Direction,
+        pointer: impl FnOnce(&mut Self) -> PointerFields,
+    ) -> Option<TextOperand> {
+        let mut ok = self.b.bool_const(true);
+        for check in checks {
+            ok = self.b.and(ok, check.ok);
+        }
+        let profile = &self.plan.program.profile;
+        let protected = &self.plan.protected_dbs;
+        let writes = direction == place::Direction::Write;
+        let length = match addr.region {
+            Region::L => {
+                let operand = self.text_in_frame(addr, declared);
+                return Some(TextOperand { ok, ..operand });
+            }
+            Region::I => profile.inputs,
+            Region::Q => profile.outputs,
+            Region::M => profile.bit_memory,
+            Region::Db(number) if !(writes && protected.contains(&number)) => self.plan.static_db(number)?.length,
+            Region::AnyDb | Region::Any if !(writes && !protected.is_empty()) => {
+                let fields = pointer(self);
+                return Some(self.text_at_pointer(addr, declared, fields, ok));
+            }
+            _ => return None,
+        };
+        let address = self.b.address_of(addr);
+        let length = self.b.i32_const(length.min(AREA_BYTES));
+        let byte = self.b.i32_const(addr.offset);
+        let byte = match addr.base {
+            Some(base) => self.b.iadd(byte, base),
+            None => byte,
+        };
+        let room = self.room(length, byte);
+        Some(TextOperand { address, room, declared, ok })
+    }
+
+    /// A text at `addr`, to which `fields` point.
+    fn text_at_pointer(&mut self, addr: Address, declared: u8, fields: PointerFields, ok: Value) -> TextOperand {
+        let address = self.b.address_of(addr);
+        let code = self.b.binary_imm(BinaryOp::Lshr, fields.pointer, 24);
+        let in_db = self.b.icmp_imm(IntCc::Eq, code, i64::from(area::DB));
+        let is_local = self.b.icmp_imm(IntCc::Eq, code, i64::from(area::V));
+        let bits = self.b.binary_imm(BinaryOp::And, fields.pointer, 0x0007_FFFF);
+        let byte = self.b.binary_imm(BinaryOp::Lshr, bits, 3);
+        let length = self.b.db_length(fields.db);
+        let room = self.room(length, byte);
+        let end = self.b.binary_imm(BinaryOp::Iadd, byte, HEAD_BYTES + i64::from(declared));
+        let inside = self.b.icmp(IntCc::Ule, end, length);
+        let in_db = self.b.and(in_db, inside);
+        let local = self.b.i32_const(LOCAL.into());
+        let room = self.b.select(is_local, local, room);
+        let known = self.b.or(in_db, is_local);
+        TextOperand { address, room, declared, ok: self.b.and(ok, known) }
+    }
+
+    /// Characters of a text at `byte` that exist, if `length` bytes exist from 0 on.
+    fn room(&mut self, length: Value, byte: Value) -> Value {
+        let rest = self.b.isub(length, byte);
+        let rest = self.b.binary_imm(BinaryOp::Iadd, rest, -HEAD_BYTES);
+        let most = self.b.i32_const(ROOM_MAX);
+        let is_less = self.b.icmp(IntCc::Ult, rest, most);
+        self.b.select(is_less, rest, most)
+    }
+
+    /// Calls a runtime `function` in place of `callee`, with its texts and, for each input, the value if it is not a text.
+    /// The result is described at [`plcc_abi::text`]; its BR is the block's.
+    pub fn run_text(
+        &mut self,
+        function: RuntimeFn,
+        callee: &CodeBlock,
+        texts: &[TextOperand],
+        values: &[Option<Value>],
+    ) -> Value {
+        let depth = self.enter_call(callee);
+        let mut known = self.b.iconst(Type::I64, 0);
+        for (index, operand) in texts.iter().enumerate() {
+            let declared = i64::from(operand.declared) << (OPERAND_BITS / 2);
+            let operand = self.b.binary_imm(BinaryOp::Or, operand.room, declared);
+            let operand = self.b.zext(Type::I64, operand);
+            let operand = self.b.binary_imm(BinaryOp::Shl, operand, i64::from(OPERAND_BITS) * index as i64);
+            known = self.b.or(known, operand);
+        }
+        let mut addresses = texts.iter().map(|operand| operand.address);
+        let mut arguments = vec![known];
+        for value in values {
+            arguments.push(value.or_else(|| addresses.next()).expect("an input is a value or a text"));
+        }
+        arguments.extend(addresses);
+        let result = self.b.call_runtime(function, &arguments).expect("functions of texts have a result");
+        self.leave_call(depth);
+        let br = self.bit_of(result, BR);
+        self.set(self.regs.br, br);
+        result
+    }
+
+    /// A bit of the result of a function of texts.
+    pub fn bit_of(&mut self, result: Value, bit: u64) -> Value {
+        let shifted = self.b.binary_imm(BinaryOp::Lshr, result, i64::from(bit.trailing_zeros()));
+        self.b.trunc(Type::I1, shifted)
+    }
+
+    /// Address and room of all `texts` are right, an i1.
+    pub fn texts_are_known(&mut self, texts: &[TextOperand]) -> Value {
+        let mut known = self.b.bool_const(true);
+        for operand in texts {
+            known = self.b.and(known, operand.ok);
+        }
+        known
+    }
+
+    /// Does a call from STL by the runtime function of `text`. False: the block is called, since an address is only known at run time.
+    pub(super) fn call_known_texts(&mut self, text: &TextCall, callee: &CodeBlock, arguments: &[Argument]) -> bool {
+        let db = self.get(self.regs.db);
+        let Some((texts, values)) = self.text_arguments_of(text, callee, arguments) else {
+            self.set(self.regs.db, db);
+            return false;
+        };
+        self.set(self.regs.db, db);
+        let known = self.texts_are_known(&texts);
+        if self.b.constant_bits(known) != Some(1) {
+            return false;
+        }
+        let result = self.run_text(text.function, callee, &texts, &values);
+        let Some((parameter, keeps)) = text.value else { return true };
+        let Some(Actual::Place(place)) = actual(arguments, parameter) else {
+            unreachable!("the arguments have been looked at")
+        };
+        let Passing::Elementary(width) = callee.interface.parameters[parameter].passing else {
+            unreachable!("the value of a function of texts is elementary")
+        };
+        let value = self.b.trunc(if width == Width::Bit { Type::I1 } else { Type::I32 }, result);
+        if !keeps {
+            self.write(place, width, value);
+            self.set(self.regs.db, db);
+            return true;
+        }
+        let written = self.bit_of(result, WRITTEN);
+        let (write, after) = (self.b.create_block(), self.b.create_block());
+        self.b.branch(written, write, after);
+        self.b.seal_block(write);
+        self.b.switch_to(write);
+        self.write(place, width, value);
+        self.set(self.regs.db, db);
+        self.b.jump(after, &[]);
+        self.b.seal_block(after);
+        self.b.switch_to(after);
+        true
+    }
+
+    /// The texts and values of a call from STL; `None` if there is one that only the block can use.
+    #[allow(clippy::type_complexity, reason = "used once")]
+    fn text_arguments_of(
+        &mut self,
+        text: &TextCall,
+        callee: &CodeBlock,
+        arguments: &[Argument],
+    ) -> Option<(Vec<TextOperand>, Vec<Option<Value>>)> {
+        if let Some((parameter, _)) = text.value {
+            self.plain_place(actual(arguments, parameter)?, callee, parameter)?;
+        }
+        let (mut texts, mut values) = (Vec::new(), Vec::new());
+        for input in &text.inputs {
+            let value = match *input {
+                TextInput::Text(parameter) => {
+                    texts.push(self.text_of(actual(arguments, parameter)?, place::Direction::Read)?);
+                    None
+                }
+                TextInput::Value(parameter) => {
+                    let own = actual(arguments, parameter)?;
+                    let value = match own {
+                        Actual::Const(bytes) if bytes.len() <= 4 => self.b.i32_const(big_endian(bytes)),
+                        _ => {
+                            let (place, width) = self.plain_place(own, callee, parameter)?;
+                            self.read(place, width)
+                        }
+                    };
+                    let is_word = callee.interface.parameters[parameter].passing == Passing::Elementary(Width::Word);
+                    Some(if is_word { self.sign_extended(value) } else { value })
+                }
+                TextInput::Const(value) => Some(self.b.i32_const(value)),
+            };
+            values.push(value);
+        }
+        if let Some(parameter) = text.out {
+            texts.push(self.text_of(actual(arguments, parameter)?, place::Direction::Write)?);
+        }
+        Some((texts, values))
+    }
+
+    /// The place of an elementary actual in memory, an access to which cannot fail.
+    fn plain_place<'m>(
+        &mut self,
+        actual: &'m Actual,
+        callee: &CodeBlock,
+        parameter: usize,
+    ) -> Option<(&'m Place, Width)> {
+        let Actual::Place(place) = actual else { return None };
+        let Passing::Elementary(width) = callee.interface.parameters[parameter].passing else { return None };
+        let is_memory = matches!(
+            place,
+            Place::I { .. }
+                | Place::Q { .. }
+                | Place::M { .. }
+                | Place::L { .. }
+                | Place::Db { .. }
+                | Place::Instance { .. }
+        );
+        if !is_memory {
+            return None;
+        }
+        let target = self.target(place, width, place::Direction::Write);
+        target.checks.is_empty().then_some((place, width))
+    }
+
+    fn text_of(&mut self, actual: &Actual, direction: place::Direction) -> Option<TextOperand> {
+        let Actual::Place(place) = actual else { return None };
+        let target = self.target(place, Width::Byte, direction);
+        let (addr, _, checks) = self.in_memory(target, Width::Byte, direction);
+        self.text_in_memory(addr, 0, &checks, direction, |lowering| lowering.pointer_fields(place))
+    }
+
+    /// The low word of an i32 with its sign, as an i32.
+    pub fn sign_extended(&mut self, value: Value) -> Value {
+        let word = self.b.trunc(Type::I16, value);
+        self.b.sext(Type::I32, word)
+    }
+}
+
+/// The actual of parameter `parameter`.
+fn actual(arguments: &[Argument], parameter: usize) -> Option<&Actual> {
+    arguments.iter().find(|argument| argument.parameter == parameter).map(|argument| &argument.actual)
+}

@@ -1,0 +1,109 @@
+#include "../plc.h"
+
+AREAS({"M", M, 40}, {"Q", Q, 2})
+
+struct timer {
+    uint32_t start, elapsed;
+    bool in, q, running;
+};
+
+static struct belt {
+    struct timer start, runs_on, flash;
+    int16_t parts;
+    bool up;
+} belts[8];
+
+static bool on_delay(struct timer *timer, bool in, uint32_t preset, uint32_t now)
+{
+    if (!in) {
+        timer->elapsed = 0;
+        timer->q = false;
+    } else {
+        if (!timer->in) {
+            timer->start = now;
+        }
+        if (!timer->q) {
+            timer->elapsed = now - timer->start;
+            if (timer->elapsed >= preset) {
+                timer->elapsed = preset;
+                timer->q = true;
+            }
+        }
+    }
+    timer->in = in;
+    return timer->q;
+}
+
+static bool off_delay(struct timer *timer, bool in, uint32_t preset, uint32_t now)
+{
+    if (in) {
+        timer->q = true;
+        timer->elapsed = 0;
+        timer->running = false;
+    } else {
+        if (timer->in) {
+            timer->start = now;
+            timer->running = true;
+        }
+        if (timer->running) {
+            timer->elapsed = now - timer->start;
+            if (timer->elapsed >= preset) {
+                timer->elapsed = preset;
+                timer->running = false;
+                timer->q = false;
+            }
+        }
+    }
+    timer->in = in;
+    return timer->q;
+}
+
+static bool pulse(struct timer *timer, bool in, uint32_t preset, uint32_t now)
+{
+    if (in && !timer->in && !timer->q) {
+        timer->start = now;
+        timer->q = true;
+        timer->elapsed = 0;
+    }
+    if (timer->q) {
+        timer->elapsed = now - timer->start;
+        if (timer->elapsed >= preset) {
+            timer->elapsed = preset;
+            timer->q = false;
+        }
+    }
+    if (!timer->q && !in) {
+        timer->elapsed = 0;
+    }
+    timer->in = in;
+    return timer->q;
+}
+
+void scan(uint32_t now)
+{
+    uint32_t bits = rd32(M) + 1640531527u;
+    wr32(M, bits);
+    bits ^= bits >> 15;
+    bits ^= bits << 7;
+    wr32(M + 4, bits);
+    I[0] = M[0] | M[1];
+    I[1] = M[5];
+    for (unsigned k = 0; k < 8; k++) {
+        struct belt *belt = &belts[k];
+        bool ready = on_delay(&belt->start, bit(I, 0, k), 3 + k, now);
+        put(M, 20, k, ready);
+        bool runs = off_delay(&belt->runs_on, ready & bit(I, 1, k), 12 + k, now);
+        put(Q, 0, k, runs);
+        bool lamp = pulse(&belt->flash, bit(I, 1, k) & !runs, 9 + 2 * k, now);
+        put(Q, 1, k, lamp);
+        if (bit(M, 21, k)) {
+            belt->parts = 0;
+        } else if (lamp && !belt->up && belt->parts < INT16_MAX) {
+            belt->parts++;
+        }
+        belt->up = lamp;
+        put(M, 21, k, belt->parts >= 5 + (int)k);
+        wr16(M + 24 + 2 * k, (uint16_t)belt->parts);
+    }
+    wr32(M + 8, belts[0].start.elapsed + belts[3].start.elapsed + belts[7].start.elapsed);
+}
