@@ -7,7 +7,7 @@
 use std::fmt::Write as _;
 
 use plcc_diag::SourceFile;
-use plcc_driver::cli::Level;
+use plcc_driver::cli::{CpuFeatures, Level};
 use plcc_driver::code;
 use plcc_driver::inputs::{Read, TestInput};
 use plcc_driver::pipeline::{self, Optimization, Settings};
@@ -466,7 +466,8 @@ END_ORGANIZATION_BLOCK
 ";
 
 /// Compiles `source`, checks that its IR prints and parses back, and runs it: in the interpreter at -O0, and in the ways that must do the
-/// same, with their names. Of these, two are without a pass, another one for each `index`.
+/// same, with their names. Of these, two are without a pass, another one for each `index`, and one is for this
+/// processor.
 fn reports(source: &str, index: usize) -> Result<(TestReport, Vec<(String, TestReport)>), String> {
     let mut read = Read { name: "random".to_string(), ..Read::default() };
     read.units.push(read.sources.add(SourceFile::new("random.stl", source)));
@@ -476,6 +477,7 @@ fn reports(source: &str, index: usize) -> Result<(TestReport, Vec<(String, TestR
     }
     let mut ways: Vec<Optimization> = [Level::O0, Level::O2].map(Optimization::from).to_vec();
     ways.extend(passes_of(index, 1).into_iter().map(without));
+    ways.push(Optimization { cpu_features: CpuFeatures::Native, ..Level::O2.into() });
     let programs: Vec<pipeline::Compiled> = ways.into_iter().map(|way| pipeline::back(&bound, way)).collect();
     for compiled in &programs {
         plcc_ir::verify::verify(&compiled.module).map_err(|errors| format!("{errors:?}"))?;

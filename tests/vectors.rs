@@ -12,7 +12,7 @@ use libtest_mimic::{Arguments, Failed, Trial};
 use plcc_driver::inputs::TestInput;
 use plcc_driver::testing;
 use plcc_driver::testing::Variant;
-use plcc_tests::{all_variants, passes_of, plan, root, variants_without};
+use plcc_tests::{all_variants, native_variants, passes_of, plan, root, variants_without};
 use serde_json::Value;
 
 /// Programs of one trial.
@@ -30,9 +30,10 @@ fn main() -> ExitCode {
     let mut trials = Vec::new();
     for (index, group) in programs.chunks(GROUP).enumerate() {
         let group = group.to_vec();
-        // All forms, and without a pass, another one for each group.
+        // All forms, without a pass, another one for each group, and with all instructions of this processor.
         let mut variants = all_variants();
         variants.extend(passes_of(index, 1).into_iter().flat_map(variants_without));
+        variants.extend(native_variants());
         trials.push(Trial::test(format!("stl300 {}", index + 1), move || {
             plcc_driver::on_large_stack(move || run(&group, variants)).and_then(|result| result).map_err(Failed::from)
         }));

@@ -1,6 +1,7 @@
 //! Shared functions of the tests: finding files, comparing expected text, compiling programs.
 
 pub mod charts;
+pub mod costs;
 pub mod damage;
 pub mod kernels;
 pub mod random;
@@ -12,7 +13,7 @@ pub mod twins;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use plcc_driver::cli::Level;
+use plcc_driver::cli::{CpuFeatures, Level};
 use plcc_driver::inputs;
 use plcc_driver::pipeline::{self, Bound, Optimization, Settings};
 use plcc_driver::testing::{Form, Plan, Variant};
@@ -144,6 +145,12 @@ pub fn without(pass: Without) -> Optimization {
 /// All forms at -O2 without a pass.
 pub fn variants_without(pass: Without) -> Vec<Variant> {
     [Form::Interp, Form::Jit, Form::Exe].map(|form| Variant { form, optimization: without(pass) }).to_vec()
+}
+
+/// Machine code at -O2 for this processor.
+pub fn native_variants() -> Vec<Variant> {
+    let optimization = Optimization { cpu_features: CpuFeatures::Native, ..Level::O2.into() };
+    [Form::Jit, Form::Exe].map(|form| Variant { form, optimization }).to_vec()
 }
 
 /// A plan for `variants` with nothing else set.

@@ -35,7 +35,7 @@ use std::fmt;
 
 pub use jit::{EntryFn, JitProgram};
 pub use object::{compile_object, compile_object_as, directory_object};
-pub use statistics::{Cost, LOOP_PASSES, PlaceKey, statistics};
+pub use statistics::{Cost, LOOP_PASSES, PlaceKey, function_sizes, statistics};
 pub use text::{asm_text, clif_text};
 
 /// How code is generated.

@@ -149,3 +149,11 @@ fn nanoseconds(instruction: &iced_x86::Instruction) -> f64 {
         _ => 0.1,
     }
 }
+
+/// Bytes of machine code of each function of the module, with its name.
+pub fn function_sizes(module: &Module, options: &CodegenOptions) -> Result<Vec<(String, u64)>, CodegenError> {
+    let compiler = Compiler::new(module, Placement::Object, options)?;
+    let functions = compiler.functions()?;
+    let sizes = module.functions.values().zip(functions);
+    Ok(sizes.map(|(function, code)| (function.name.clone(), code.bytes.len() as u64)).collect())
+}
