@@ -40,7 +40,7 @@ fn charts_do_what_the_model_does() {
 fn any_pass_may_be_off() {
     let first = setting("PLCC_RANDOM_CHARTS_FROM", 1);
     for seed in first..first + setting("PLCC_RANDOM_CHARTS", 100) {
-        let forms: Vec<Form> = passes_of(seed as usize, 1).into_iter().flat_map(|pass| Form::without(pass)).collect();
+        let forms: Vec<Form> = passes_of(seed as usize, 1).into_iter().flat_map(Form::without).collect();
         let result = plcc_driver::on_large_stack(move || run::check(&generate::case(seed), &forms));
         if let Err(failure) = result.expect("no panic") {
             panic!("chart {seed}: {failure:?}");

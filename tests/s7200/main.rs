@@ -60,7 +60,7 @@ fn changed_sources_are_read() {
 fn any_pass_may_be_off() {
     let first = setting("PLCC_RANDOM_S7200_FROM", 1);
     for seed in first..first + setting("PLCC_RANDOM_S7200", 100) {
-        let forms: Vec<Form> = passes_of(seed as usize, 1).into_iter().flat_map(|pass| Form::without(pass)).collect();
+        let forms: Vec<Form> = passes_of(seed as usize, 1).into_iter().flat_map(Form::without).collect();
         let result = plcc_driver::on_large_stack(move || run::check(&generate::case(seed), &forms));
         if let Err(failure) = result.expect("no panic") {
             panic!("program {seed}: {failure:?}");

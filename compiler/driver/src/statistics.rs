@@ -123,3 +123,80 @@ impl Statistics {
 /// What the last column is.
 const ABOUT: &str = "The time is an estimate, not a measurement: usual times of the instructions on a processor of 3 GHz, without cold sides \
                      and without what called functions do; a loop counts as 8 passes.";
+
+#[cfg(test)]
+mod tests {
+    use plcc_diag::SourceFile;
+
+    use super::*;
+    use crate::cli::Level;
+    use crate::inputs::Read;
+    use crate::pipeline::{self, Settings};
+
+    const SOURCE: &str = "FUNCTION FC 7 : VOID
+BEGIN
+NETWORK
+      L     MW 0
+      SIN
+      T     MD 4
+END_FUNCTION
+ORGANIZATION_BLOCK OB 1
+BEGIN
+NETWORK
+      A     M 0.0
+      =     Q 0.0
+NETWORK
+      CALL  FC 7
+      L     MW 8
+      L     MW 10
+      /I
+      T     MW 12
+END_ORGANIZATION_BLOCK
+";
+
+    fn of(source: &str) -> Statistics {
+        let mut read = Read { name: "a".to_string(), ..Read::default() };
+        read.units.push(read.sources.add(SourceFile::new("a.stl", source)));
+        let bound = pipeline::front(read, &Settings { require_main: true, ..Settings::default() });
+        assert!(!bound.has_errors(), "{}", plcc_diag::drawing::draw(&bound.diagnostics, &bound.sources, false));
+        statistics(&pipeline::back(&bound, Level::O2)).expect("it compiles")
+    }
+
+    #[test]
+    fn each_network_has_its_row() {
+        let document: Value = serde_json::from_str(&of(SOURCE).json()).expect("it is JSON");
+        let rows: Vec<(&str, Vec<u64>)> = document["blocks"]
+            .as_array()
+            .expect("a list")
+            .iter()
+            .map(|block| {
+                let networks = block["networks"].as_array().expect("a list").iter();
+                let numbers = networks.map(|network| network["network"].as_u64().expect("a number")).collect();
+                (block["block"].as_str().expect("a name"), numbers)
+            })
+            .collect();
+        // FC 7 became part of OB 1, and counts for itself.
+        assert!(rows.contains(&("FC7", vec![1])) && rows.contains(&("OB1", vec![1, 2])), "{rows:?}");
+        let number = |value: &Value, name: &str| value[name].as_u64().expect("a number");
+        let blocks = document["blocks"].as_array().expect("a list").iter();
+        let sum: u64 = blocks.map(|block| number(block, "bytes")).sum();
+        assert_eq!(sum + number(&document["no_statement"], "bytes"), number(&document["total"], "bytes"));
+        assert!(document["total"]["estimated_ns"].as_f64().is_some_and(|time| time > 0.0));
+    }
+
+    #[test]
+    fn the_table_says_that_times_are_estimates() {
+        let table = of(SOURCE).table();
+        assert!(table.contains("estimate, ns") && table.contains("not a measurement"), "{table}");
+        assert!(table.lines().any(|line| line.starts_with("OB1") && line.contains(" all ")), "{table}");
+        assert!(table.lines().any(|line| line.starts_with("total")), "{table}");
+    }
+
+    #[test]
+    fn a_division_takes_longer_than_a_contact() {
+        let statistics = of(SOURCE);
+        let main = statistics.blocks.iter().find(|block| block.name.starts_with("OB1")).expect("there is OB 1");
+        let [(1, contact), (2, division)] = main.networks.as_slice() else { panic!("OB 1 has two networks") };
+        assert!(division.nanoseconds > contact.nanoseconds, "{contact:?} {division:?}");
+    }
+}
