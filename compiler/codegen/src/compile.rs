@@ -138,7 +138,17 @@ impl<'m> Compiler<'m> {
 
     /// The CLIF of function `id`.
     pub fn clif(&self, id: FuncId) -> Result<ir::Function, CodegenError> {
-        lower::lower(&self.target(&*self.isa), id, &mut FunctionBuilderContext::new())
+        let mut function = lower::lower(&self.target(&*self.isa), id, &mut FunctionBuilderContext::new())?;
+        // As text, cold blocks are marked once, at their heads.
+        let insts: Vec<ir::Inst> =
+            function.layout.blocks().flat_map(|block| function.layout.block_insts(block)).collect();
+        for inst in insts {
+            let location = function.srcloc(inst);
+            if !location.is_default() && location.bits() & COLD != 0 {
+                function.set_srcloc(inst, source_location(plcc_ir::Loc(location.bits() & !COLD), false));
+            }
+        }
+        Ok(function)
     }
 
     /// The functions that call the runtime and keep all registers, with their numbers.

@@ -21,7 +21,7 @@ use crate::{CodegenError, CodegenOptions};
 pub const LOOP_PASSES: f64 = 8.0;
 
 /// Deeper loops count as much as this deep ones.
-const LOOP_DEPTH_MAX: usize = 4;
+const LOOP_DEPTH_MAX: i32 = 4;
 
 /// The network of a block, as in [`Site`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,14 +61,14 @@ pub fn statistics(module: &Module, options: &CodegenOptions) -> Result<(Vec<(Pla
     let mut others = Cost::default();
     for function in compiler.functions()? {
         let parts = machine::parts(&function);
-        let loops = loops(&parts);
+        let mut depth = Depth::new(&loops(&parts));
         let mut site = None;
         for part in &parts {
             let cost = match part {
                 Part::Instruction { instruction, place, .. } => {
                     site = place.map(|place| place.site).filter(|site| *site != 0);
                     let cold = place.is_some_and(|place| place.cold);
-                    let passes = LOOP_PASSES.powi(depth(&loops, instruction.ip() as u32) as i32);
+                    let passes = LOOP_PASSES.powi(depth.at(instruction.ip() as u32));
                     Cost {
                         instructions: 1,
                         cold: u64::from(cold),
@@ -123,8 +123,26 @@ fn loops(parts: &[Part]) -> Vec<(u32, u32)> {
     loops
 }
 
-fn depth(loops: &[(u32, u32)], at: u32) -> usize {
-    loops.iter().take_while(|(to, _)| *to <= at).filter(|(_, from)| at <= *from).count().min(LOOP_DEPTH_MAX)
+/// The loops around each offset, for offsets that grow.
+struct Depth {
+    /// Where loops begin (1) and end (-1); the last one first.
+    changes: Vec<(u32, i32)>,
+    now: i32,
+}
+
+impl Depth {
+    fn new(loops: &[(u32, u32)]) -> Depth {
+        let mut changes: Vec<(u32, i32)> = loops.iter().flat_map(|&(to, at)| [(to, 1), (at + 1, -1)]).collect();
+        changes.sort_unstable_by_key(|&(at, _)| std::cmp::Reverse(at));
+        Depth { changes, now: 0 }
+    }
+
+    fn at(&mut self, at: u32) -> i32 {
+        while let Some((_, change)) = self.changes.pop_if(|(from, _)| *from <= at) {
+            self.now += change;
+        }
+        self.now.min(LOOP_DEPTH_MAX)
+    }
 }
 
 /// What an instruction usually takes on a processor of 3 GHz that runs several at once.

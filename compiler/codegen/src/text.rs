@@ -22,7 +22,8 @@ pub fn clif_text(module: &Module, options: &CodegenOptions) -> Result<String, Co
         let clif = compiler.clif(id)?.display().to_string();
         // Functions are numbered there; here they have names.
         let (_, rest) = clif.split_once('(').unwrap_or(("", &clif));
-        let rest = named(rest, "u0:", "", &|number| name_of(module, number).map(|name| format!("%{name}")));
+        let rest =
+            named(rest, "u0:", "", &|number| name_of(module, &compiler.keeping, number).map(|name| format!("%{name}")));
         let name = symbol(&module.functions[id].name);
         writeln!(text, "function %{name}({rest}").expect("a string takes all");
     }
@@ -51,7 +52,7 @@ pub fn asm_text(
         let count = parts.iter().filter(|part| matches!(part, Part::Instruction { .. })).count();
         let bytes = function.bytes.len();
         writeln!(text, "{name}: # {bytes} bytes, {count} instructions").expect("a string takes all");
-        let mut last = None;
+        let (mut site, mut last) = (0, String::new());
         for part in &parts {
             let line = match part {
                 Part::Instruction { instruction, target, .. } => {
@@ -59,7 +60,7 @@ pub fn asm_text(
                     formatter.format(instruction, &mut line);
                     match target {
                         Some(ModuleRelocTarget::User { index, .. }) => {
-                            let name = name_of(module, *index as usize);
+                            let name = name_of(module, &compiler.keeping, *index as usize);
                             line.extend(name.iter().flat_map(|name| [" # ", name]));
                         }
                         Some(other) => write!(line, " # {other}").expect("a string takes all"),
@@ -72,18 +73,20 @@ pub fn asm_text(
                 }
                 Part::Data { at, length } => format!("{at:6x}: .skip {length} # data"),
             };
-            let site = match part {
-                Part::Instruction { place: Some(place), .. } => place.site,
-                Part::Instruction { place: None, .. } => 0,
-                Part::Data { .. } => last.unwrap_or(0),
-            };
-            let place = (site as usize).checked_sub(1).and_then(|site| module.sites.get(site));
-            match place.filter(|_| last != Some(site)) {
-                Some(site) => writeln!(text, "{line:SOURCE_COLUMN$} | {}", source(site)),
-                None => writeln!(text, "{line}"),
+            let before = site;
+            if let Part::Instruction { place, .. } = part {
+                site = place.map_or(0, |place| place.site);
             }
-            .expect("a string takes all");
-            last = Some(site);
+            let place = (site as usize).checked_sub(1).filter(|_| site != before);
+            let place = place.and_then(|site| module.sites.get(site)).map(source);
+            // Statements of one line are one piece.
+            match place.filter(|place| *place != last) {
+                Some(place) => {
+                    writeln!(text, "{line:SOURCE_COLUMN$} | {place}").expect("a string takes all");
+                    last = place;
+                }
+                None => writeln!(text, "{line}").expect("a string takes all"),
+            }
         }
         text.push('\n');
     }
@@ -106,7 +109,7 @@ fn named(text: &str, prefix: &str, suffix: &str, name: &dyn Fn(usize) -> Option<
 }
 
 /// Linker symbol of the function that lowering numbers so.
-fn name_of(module: &Module, number: usize) -> Option<String> {
+fn name_of(module: &Module, keeping: &[RuntimeFn], number: usize) -> Option<String> {
     let functions = module.functions.len();
     if number < functions {
         return Some(symbol(&module.functions[plcc_ir::FuncId::new(number)].name));
@@ -114,6 +117,6 @@ fn name_of(module: &Module, number: usize) -> Option<String> {
     let runtime = RuntimeFn::ALL.len();
     match RuntimeFn::ALL.get(number - functions) {
         Some(function) => Some(function.symbol().to_string()),
-        None => keeping::used(module).get(number - functions - runtime).map(|&function| keeping::symbol(function)),
+        None => keeping.get(number - functions - runtime).map(|&function| keeping::symbol(function)),
     }
 }

@@ -225,3 +225,45 @@ pub struct PlotArgs {
     #[arg(long, value_name = "TEXT")]
     pub title: Option<String>,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn optimization(arguments: &[&str]) -> Result<Optimization, String> {
+        match Cli::try_parse_from([&["plcc"], arguments].concat()).map_err(|error| error.to_string())?.command {
+            Command::Build(args) => Ok(args.optimization.optimization()),
+            Command::Run(args) => Ok(args.optimization.optimization()),
+            Command::Test(args) => Ok(args.optimization.optimization()),
+            other => Err(format!("{other:?} makes no code")),
+        }
+    }
+
+    #[test]
+    fn passes_are_switched_off_by_name() {
+        for command in ["build", "run", "test"] {
+            let without = |list: &[&str]| optimization(&[&[command, "a.stl"], list].concat()).map(|made| made.without);
+            assert_eq!(without(&[]), Ok(Without::NOTHING));
+            let both = without(&["--without-pass", "values", "--without-pass", "fold"]).expect("there are such passes");
+            assert_eq!(both.names().collect::<Vec<_>>(), ["fold", "values"]);
+            let error = without(&["--without-pass", "folds"]).expect_err("there is no such pass");
+            assert!(error.contains("unknown pass `folds`; the passes are fold, "), "{error}");
+        }
+    }
+
+    #[test]
+    fn code_is_for_every_processor_unless_asked() {
+        let features =
+            |list: &[&str]| optimization(&[&["build", "a.stl"], list].concat()).map(|made| made.cpu_features);
+        assert_eq!(features(&[]), Ok(CpuFeatures::Baseline));
+        assert_eq!(features(&["--cpu-features", "native"]), Ok(CpuFeatures::Native));
+        assert!(features(&["--cpu-features", "avx9"]).is_err());
+    }
+
+    #[test]
+    fn statistics_replace_the_executable() {
+        let parse = |list: &[&str]| Cli::try_parse_from([&["plcc", "build", "a.stl"], list].concat()).is_ok();
+        assert!(parse(&["--stats"]) && parse(&["--stats", "--json"]));
+        assert!(!parse(&["--json"]) && !parse(&["--stats", "--emit", "ir"]));
+    }
+}

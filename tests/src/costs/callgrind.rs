@@ -23,6 +23,11 @@ pub fn count(command: &Command, folder: &Path) -> Result<HashMap<String, Counted
     // Symbols are found before the program starts, not at the first call.
     counted
         .env("LD_BIND_NOW", "1")
+        // The C library chooses its functions by the processor; those of the baseline are the same everywhere.
+        .env(
+            "GLIBC_TUNABLES",
+            "glibc.cpu.hwcaps=-AVX,-AVX2,-AVX512F,-AVX512VL,-FMA,-FMA4,-ERMS,-FSRM,-AVX_Fast_Unaligned_Load",
+        )
         .args(["--tool=callgrind", "--combine-dumps=yes"])
         .arg(format!("--callgrind-out-file={}", out.display()))
         .arg(command.get_program())
