@@ -8,7 +8,7 @@
 //! - `compile`: all functions of a module to bytes, on several threads; `work` finds those that are too large for the better ways.
 //! - `object`, `jit`, `text`: the outputs made from the bytes.
 //! - `lines`: DWARF line tables of an object file.
-//! - `machine`: code read back, for `text` and for `statistics`, which says what each network costs.
+//! - `machine`: code read back, for `text` and for `statistics`, which says what each network costs, with the depths of `loops`.
 //!
 //! **Invariant**: one lowering serves all outputs, and it is independent of the source language.
 
@@ -22,6 +22,7 @@ mod jit;
 mod joins;
 mod keeping;
 mod lines;
+mod loops;
 mod lower;
 mod machine;
 mod memory;

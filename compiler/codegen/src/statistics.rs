@@ -1,27 +1,27 @@
 //! What the code of each place costs: instructions, bytes, and a guess of its time, for `plcc build --stats`.
 //!
-//! The time is not measured. Each instruction that is not on a cold side takes what is usual for its kind ([`nanoseconds`]); between a jump
-//! back and its target it counts [`LOOP_PASSES`] times for each such loop around it. Whatever a called function does is left out,
+//! The time is not measured. Each instruction that is not on a cold side takes what is usual for its kind ([`nanoseconds`]), and counts
+//! [`LOOP_PASSES`] times for each loop around it. Whatever a called function does is left out,
 //! apart from the call.
 
 use std::collections::BTreeMap;
 
-use iced_x86::{FlowControl, Mnemonic, OpKind};
+use iced_x86::{Mnemonic, OpKind};
 use plcc_abi::image::BlockKind;
 use plcc_abi::image::Site;
 use plcc_ir::Module;
 use rustc_hash::FxHashMap;
 
-use crate::compile::Compiler;
+use crate::compile::{CompiledFunction, Compiler};
 use crate::isa::Placement;
 use crate::machine::{self, Part};
-use crate::{CodegenError, CodegenOptions};
+use crate::{CodegenError, CodegenOptions, loops};
 
 /// How often a loop is thought to run.
 pub const LOOP_PASSES: f64 = 8.0;
 
 /// Deeper loops count as much as this deep ones.
-const LOOP_DEPTH_MAX: i32 = 4;
+const LOOP_DEPTH_MAX: u32 = 4;
 
 /// The network of a block, as in [`Site`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,14 +61,18 @@ pub fn statistics(module: &Module, options: &CodegenOptions) -> Result<(Vec<(Pla
     let mut others = Cost::default();
     for function in compiler.functions()? {
         let parts = machine::parts(&function);
-        let mut depth = Depth::new(&loops(&parts));
+        let depths = depths(&function);
+        let depth = |at: u32| {
+            let after = function.blocks.partition_point(|start| *start <= at);
+            after.checked_sub(1).map_or(0, |block| depths[block])
+        };
         let mut site = None;
         for part in &parts {
             let cost = match part {
                 Part::Instruction { instruction, place, .. } => {
                     site = place.map(|place| place.site).filter(|site| *site != 0);
                     let cold = place.is_some_and(|place| place.cold);
-                    let passes = LOOP_PASSES.powi(depth.at(instruction.ip() as u32));
+                    let passes = LOOP_PASSES.powi(depth(instruction.ip() as u32) as i32);
                     Cost {
                         instructions: 1,
                         cold: u64::from(cold),
@@ -104,45 +108,14 @@ fn networks(module: &Module, of_sites: BTreeMap<u32, Cost>, others: &mut Cost) -
     rows
 }
 
-/// From where to where jumps go back, on sides that are not cold.
-fn loops(parts: &[Part]) -> Vec<(u32, u32)> {
-    let mut loops = Vec::new();
-    for part in parts {
-        if let Part::Instruction { instruction, place, .. } = part {
-            let jumps =
-                matches!(instruction.flow_control(), FlowControl::ConditionalBranch | FlowControl::UnconditionalBranch);
-            let (at, to) = (instruction.ip() as u32, instruction.near_branch_target() as u32);
-            if jumps && to <= at && !place.is_some_and(|place| place.cold) {
-                loops.push((to, at));
-            }
-        }
-    }
-    // Several jumps to the same place are one loop.
-    loops.sort_by_key(|&(to, at)| (to, std::cmp::Reverse(at)));
-    loops.dedup_by_key(|&mut (to, _)| to);
-    loops
-}
-
-/// The loops around each offset, for offsets that grow.
-struct Depth {
-    /// Where loops begin (1) and end (-1); the last one first.
-    changes: Vec<(u32, i32)>,
-    now: i32,
-}
-
-impl Depth {
-    fn new(loops: &[(u32, u32)]) -> Depth {
-        let mut changes: Vec<(u32, i32)> = loops.iter().flat_map(|&(to, at)| [(to, 1), (at + 1, -1)]).collect();
-        changes.sort_unstable_by_key(|&(at, _)| std::cmp::Reverse(at));
-        Depth { changes, now: 0 }
-    }
-
-    fn at(&mut self, at: u32) -> i32 {
-        while let Some((_, change)) = self.changes.pop_if(|(from, _)| *from <= at) {
-            self.now += change;
-        }
-        self.now.min(LOOP_DEPTH_MAX)
-    }
+/// The depth of each block of a function. What cold sides jump back to is not a loop.
+fn depths(function: &CompiledFunction) -> Vec<u32> {
+    let is_cold = |at: u32| {
+        let after = function.places.partition_point(|place| place.at <= at);
+        after.checked_sub(1).is_some_and(|place| function.places[place].cold)
+    };
+    let edges: Vec<(u32, u32)> = function.edges.iter().copied().filter(|(from, _)| !is_cold(*from)).collect();
+    loops::depths(&function.blocks, &edges, LOOP_DEPTH_MAX)
 }
 
 /// What an instruction usually takes on a processor of 3 GHz that runs several at once.
