@@ -318,7 +318,7 @@ fn codes_of(code: Code, example: &str) -> Vec<Code> {
 
 /// Codes in the messages of a test that ran.
 fn codes_of_test(path: &Path) -> Vec<Code> {
-    let plan = plan(vec![Variant { form: Form::Jit, level: Level::O2 }]);
+    let plan = plan(vec![Variant { form: Form::Jit, optimization: Level::O2.into() }]);
     let outcomes = testing::run(&[TestInput::File(path.to_path_buf())], &plan);
     Code::ALL.iter().copied().filter(|code| outcomes[0].messages.contains(&format!("[{}]", code.name()))).collect()
 }

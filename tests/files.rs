@@ -133,7 +133,7 @@ fn verify_passes(path: &Path) -> Result<(), String> {
     }
     let mut module = pipeline::lower(&bound, Level::O0).module;
     let mut failure = verified(&module).err().map(|error| ("lowering", error));
-    plcc_opt::optimize_with(&mut module, &mut |pass, module| {
+    plcc_opt::optimize_with(&mut module, plcc_opt::Without::NOTHING, &mut |pass, module| {
         if failure.is_none() {
             failure = verified(module).err().map(|error| (pass, error));
         }
@@ -166,7 +166,7 @@ fn check_carets(path: &Path) -> Result<(), String> {
         let text = inputs::read_text(path).map_err(|error| error.to_string())?;
         fs::write(path, carets::rewrite(&text, &marks)).map_err(|error| error.to_string())?;
     }
-    let plan = plan(vec![Variant { form: Form::Jit, level: Level::O2 }]);
+    let plan = plan(vec![Variant { form: Form::Jit, optimization: Level::O2.into() }]);
     all_passed(&testing::run(&[TestInput::File(path.to_path_buf())], &plan))
         .map_err(|text| format!("{text}`UPDATE_EXPECT=1 cargo test --release` renews the caret lines\n"))
 }

@@ -141,7 +141,7 @@ fn check(path: &Path, seed: u64) -> Result<(), String> {
         }
         let mut compiled = pipeline::lower(&bound, Level::O0);
         plcc_ir::verify::verify(&compiled.module).map_err(|errors| format!("after lowering: {}", errors[0]))?;
-        plcc_opt::optimize_with(&mut compiled.module, &mut |_, _| {});
+        plcc_opt::optimize_with(&mut compiled.module, plcc_opt::Without::NOTHING, &mut |_, _| {});
         plcc_ir::verify::verify(&compiled.module).map_err(|errors| format!("after the passes: {}", errors[0]))?;
         // A fault stops the CPU, which is an end like others here.
         let options = TestOptions { cycles: Some(3), ..TestOptions::default() };

@@ -7,12 +7,17 @@
 use std::fmt::Write as _;
 
 use plcc_diag::SourceFile;
-use plcc_driver::cli::Level;
+use plcc_driver::cli::{CpuFeatures, Level};
 use plcc_driver::code;
-use plcc_driver::inputs::Read;
-use plcc_driver::pipeline::{self, Settings};
+use plcc_driver::inputs::{Read, TestInput};
+use plcc_driver::pipeline::{self, Optimization, Settings};
+use plcc_driver::testing::{self, Form, Variant};
+use plcc_opt::Without;
 use plcc_runtime::{TestOptions, TestReport};
+use plcc_tests::{passes_of, plan, without};
 use proptest::prelude::*;
+use proptest::strategy::ValueTree;
+use proptest::test_runner::TestRunner;
 
 /// Memory bytes that programs use and that are compared: MB 0 to MB 63.
 const MEMORY_BYTES: u32 = 64;
@@ -460,16 +465,21 @@ BEGIN
 END_ORGANIZATION_BLOCK
 ";
 
-/// Compiles `source`, checks that its IR prints and parses back, and runs it in three ways.
-fn reports(source: &str) -> Result<[TestReport; 3], String> {
+/// Compiles `source`, checks that its IR prints and parses back, and runs it: in the interpreter at -O0, and in the ways that must do the
+/// same, with their names. Of these, two are without a pass, another one for each `index`, and one is for this
+/// processor.
+fn reports(source: &str, index: usize) -> Result<(TestReport, Vec<(String, TestReport)>), String> {
     let mut read = Read { name: "random".to_string(), ..Read::default() };
     read.units.push(read.sources.add(SourceFile::new("random.stl", source)));
     let bound = pipeline::front(read, &Settings { pragmas: true, require_main: true, ..Settings::default() });
     if bound.has_errors() {
         return Err(plcc_diag::drawing::draw(&bound.diagnostics, &bound.sources, false));
     }
-    let [plain, optimised] = [Level::O0, Level::O2].map(|level| pipeline::back(&bound, level));
-    for compiled in [&plain, &optimised] {
+    let mut ways: Vec<Optimization> = [Level::O0, Level::O2].map(Optimization::from).to_vec();
+    ways.extend(passes_of(index, 1).into_iter().map(without));
+    ways.push(Optimization { cpu_features: CpuFeatures::Native, ..Level::O2.into() });
+    let programs: Vec<pipeline::Compiled> = ways.into_iter().map(|way| pipeline::back(&bound, way)).collect();
+    for compiled in &programs {
         plcc_ir::verify::verify(&compiled.module).map_err(|errors| format!("{errors:?}"))?;
         let text = plcc_ir::print::module_text(&compiled.module);
         let parsed = plcc_ir::parse::parse_module(&text).map_err(|error| error.to_string())?;
@@ -481,8 +491,58 @@ fn reports(source: &str) -> Result<[TestReport; 3], String> {
         plcc_runtime::test(compiled.image.clone(), code, &TestOptions { cycles: Some(2), ..TestOptions::default() })
     };
     let jit = |compiled| code::jit(compiled).map_err(|error| error.to_string());
-    Ok([run(&plain, code::interpreter(&plain)), run(&plain, jit(&plain)?), run(&optimised, jit(&optimised)?)])
+    let mut reports = Vec::new();
+    for compiled in &programs {
+        let name = compiled.optimization;
+        if name.without != Without::NOTHING {
+            reports.push((format!("interpreter {name}"), run(compiled, code::interpreter(compiled))));
+        }
+        reports.push((format!("jit {name}"), run(compiled, jit(compiled)?)));
+    }
+    Ok((run(&programs[0], code::interpreter(&programs[0])), reports))
 }
+
+/// All ways to run `source` give the same report.
+fn check(source: &str, index: usize) -> Result<(), TestCaseError> {
+    let text = source.to_string();
+    let result = plcc_driver::on_large_stack(move || reports(&text, index)).and_then(|result| result);
+    let (interpreted, others) = result.map_err(|error| TestCaseError::fail(format!("{error}\n{source}")))?;
+    for (way, report) in &others {
+        prop_assert_eq!(&interpreted, report, "{}\n{}", way, source);
+    }
+    Ok(())
+}
+
+/// Executables of programs from a fixed sequence, each at -O2 and without a pass, do the same as the interpreter.
+#[test]
+fn executables_leave_the_same_memory() {
+    let mut runner = TestRunner::deterministic();
+    let strategy = (prop::collection::vec(piece(), 1..40), prop::collection::vec(any::<u32>(), 16));
+    let folder = tempfile::tempdir().expect("there is room for temporary files");
+    for (index, pass) in Without::each().into_iter().enumerate() {
+        let sources: Vec<TestInput> = (0..EXECUTABLES)
+            .map(|number| {
+                let (pieces, seed) = strategy.new_tree(&mut runner).expect("nothing is filtered").current();
+                let path = folder.path().join(format!("{index}-{number}.stl"));
+                std::fs::write(&path, program(&pieces, &seed)).expect("it is written");
+                TestInput::File(path)
+            })
+            .collect();
+        let interpreter = Variant { form: Form::Interp, optimization: Level::O0.into() };
+        let machine = [Level::O2.into(), without(pass)].map(|optimization| Variant { form: Form::Exe, optimization });
+        let plan = plan([vec![interpreter], machine.to_vec()].concat());
+        let outcomes = plcc_driver::on_large_stack(move || testing::run(&sources, &plan)).expect("no fault of plcc");
+        for outcome in outcomes {
+            // The assertions fail on purpose, in each form with the same values.
+            let wrong = |line: &&str| line.contains("do not agree") || line.contains("internal fault");
+            let wrong: Vec<&str> = outcome.failures.lines().filter(wrong).collect();
+            assert!(wrong.is_empty() && outcome.failed > 0, "{pass}: {}\n{}", outcome.messages, outcome.failures);
+        }
+    }
+}
+
+/// Programs for each pass.
+const EXECUTABLES: usize = 3;
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 150, max_shrink_iters: 400, failure_persistence: None, ..ProptestConfig::default() })]
@@ -491,13 +551,9 @@ proptest! {
     fn all_forms_leave_the_same_memory(
         pieces in prop::collection::vec(piece(), 1..40),
         seed in prop::collection::vec(any::<u32>(), 16),
+        index in any::<usize>(),
     ) {
-        let source = program(&pieces, &seed);
-        let text = source.clone();
-        let result = plcc_driver::on_large_stack(move || reports(&text)).and_then(|result| result);
-        let [interpreted, plain, optimised] = result.map_err(|error| TestCaseError::fail(format!("{error}\n{source}")))?;
-        prop_assert_eq!(&interpreted, &plain, "jit -O0\n{}", source);
-        prop_assert_eq!(&interpreted, &optimised, "jit -O2\n{}", source);
+        check(&program(&pieces, &seed), index)?;
     }
 
     /// Faults and all: pointers into every area and out of it, with OB 121 or without.
@@ -506,13 +562,10 @@ proptest! {
         lines in prop::collection::vec(wild(), 1..30),
         seed in prop::collection::vec(any::<u32>(), 16),
         error_block in prop::bool::weighted(0.8),
+        index in any::<usize>(),
     ) {
         let pieces: Vec<Piece> = lines.into_iter().map(Piece::Line).collect();
         let source = format!("{}{}", if error_block { ERROR_BLOCKS } else { "" }, program(&pieces, &seed));
-        let text = source.clone();
-        let result = plcc_driver::on_large_stack(move || reports(&text)).and_then(|result| result);
-        let [interpreted, plain, optimised] = result.map_err(|error| TestCaseError::fail(format!("{error}\n{source}")))?;
-        prop_assert_eq!(&interpreted, &plain, "jit -O0\n{}", source);
-        prop_assert_eq!(&interpreted, &optimised, "jit -O2\n{}", source);
+        check(&source, index)?;
     }
 }

@@ -21,7 +21,7 @@ use plcc_syntax::s7200::{self, Compare, Insn};
 use plcc_syntax::scl::ast::{Expr, ExprKind};
 use plcc_syntax::scl::raw::{self, RawKind};
 use plcc_syntax::stl::{Mnemonics, StlInsn};
-use plcc_tests::{root, shown, tests_folder};
+use plcc_tests::{costs, root, shown, tests_folder};
 
 /// What the run tests contain.
 static FOUND: LazyLock<Found> = LazyLock::new(|| {
@@ -95,6 +95,26 @@ fn every_system_function_is_in_a_test() {
     let documented = plcc_runtime::system::table().filter(|(number, ..)| *number < 1000);
     let missing = documented.filter(|(number, name, _)| !called(*number, name));
     none(missing.map(|(number, name, _)| format!("SFC {number} {name}")), "test that calls");
+}
+
+/// docs/benchmarks.md says which rows have none.
+#[test]
+fn every_row_has_a_cost() {
+    let rows: HashSet<String> = costs::rows().iter().map(costs::Row::key).collect();
+    let missing = |set: &str, name: &str| !rows.contains(&format!("{set} {name}"));
+    none(StlInsn::ALL.iter().map(|insn| insn.row()).filter(|name| missing("STL", name)), "cost of the instruction");
+    let ends = costs::s7200::without_sequence();
+    let s7200 = Insn::ROWS.iter().map(|insn| insn.row()).filter(|name| !ends.contains(name));
+    none(s7200.filter(|name| missing("S7-200", name)), "cost of the instruction of the S7-200");
+    let compares = Compare::all().map(|compare| compare.mnemonic(Mnemonics::En));
+    none(compares.filter(|name| missing("S7-200", name)), "cost of the contact");
+    let functions = plcc_program::tables::scl::FUNCTIONS.iter().map(|row| row.name);
+    none(functions.filter(|name| missing("SCL", name)), "cost of the function");
+    let elements = elements().map(|row| row.name).filter(|name| !costs::network::has_sequence_elsewhere(name));
+    none(elements.filter(|name| missing("LAD", name)), "cost of the element");
+    let actions = Qualifier::ALL.into_iter().map(Qualifier::name).chain(Event::ALL.into_iter().map(Event::name));
+    none(actions.filter(|name| missing("GRAPH", name)), "cost of the action");
+    assert_eq!(rows.len(), costs::rows().len(), "each row has another name");
 }
 
 /// Fails if something is `missing`.

@@ -11,7 +11,8 @@ use std::process::ExitCode;
 use libtest_mimic::{Arguments, Failed, Trial};
 use plcc_driver::inputs::TestInput;
 use plcc_driver::testing;
-use plcc_tests::{all_variants, plan, root};
+use plcc_driver::testing::Variant;
+use plcc_tests::{all_variants, native_variants, passes_of, plan, root, variants_without};
 use serde_json::Value;
 
 /// Programs of one trial.
@@ -29,8 +30,12 @@ fn main() -> ExitCode {
     let mut trials = Vec::new();
     for (index, group) in programs.chunks(GROUP).enumerate() {
         let group = group.to_vec();
+        // All forms, without a pass, another one for each group, and with all instructions of this processor.
+        let mut variants = all_variants();
+        variants.extend(passes_of(index, 1).into_iter().flat_map(variants_without));
+        variants.extend(native_variants());
         trials.push(Trial::test(format!("stl300 {}", index + 1), move || {
-            plcc_driver::on_large_stack(move || run(&group)).and_then(|result| result).map_err(Failed::from)
+            plcc_driver::on_large_stack(move || run(&group, variants)).and_then(|result| result).map_err(Failed::from)
         }));
     }
     libtest_mimic::run(&arguments, trials).exit_code()
@@ -100,14 +105,14 @@ fn error_programs(path: &Path) -> Vec<TestProgram> {
         .collect()
 }
 
-fn run(programs: &[TestProgram]) -> Result<(), String> {
+fn run(programs: &[TestProgram], variants: Vec<Variant>) -> Result<(), String> {
     let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
     let write = |program: &TestProgram| {
         let path = folder.path().join(format!("{}.stl", program.name.replace('/', "_")));
         fs::write(&path, &program.source).map(|()| TestInput::File(path))
     };
     let inputs: Vec<TestInput> = programs.iter().map(write).collect::<Result<_, _>>().map_err(|e| e.to_string())?;
-    let outcomes = testing::run(&inputs, &plan(all_variants()));
+    let outcomes = testing::run(&inputs, &plan(variants));
     let failed: Vec<String> = outcomes
         .iter()
         .filter(|outcome| outcome.failed > 0)

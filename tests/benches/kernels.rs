@@ -6,12 +6,11 @@
 //! Each program is an executable at -O2 under the virtual clock; the empty cycle of its family is subtracted. A twin times its own scans,
 //! and its empty scan is subtracted. All run in turn, and a ratio compares what ran in the same turn, so that a busy machine slows both.
 //! Where valgrind is installed, the last columns count instructions, which do not depend on what else runs.
-#![allow(unsafe_code, reason = "the processor time of a child")]
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitCode, Stdio};
+use std::process::{Command, ExitCode};
 
 use plcc_tests::kernels::{self, Family, Kernel};
 
@@ -121,12 +120,12 @@ impl Bench {
             kernels::build_twin(compiler, options, &kernel.twin, &twin)?;
             twins.push(twin);
         }
-        let trial = processor_time(kernels::program_run(&program, TRIAL_SCANS))? / TRIAL_SCANS as f64;
+        let trial = kernels::processor_time(kernels::program_run(&program, TRIAL_SCANS))? / TRIAL_SCANS as f64;
         let scans = (RUN_NS / trial) as u64;
         let mut turns = Vec::new();
         for _ in 0..TURNS {
-            let own = processor_time(kernels::program_run(&program, scans))?;
-            let nothing = processor_time(kernels::program_run(&empty, scans))?;
+            let own = kernels::processor_time(kernels::program_run(&program, scans))?;
+            let nothing = kernels::processor_time(kernels::program_run(&empty, scans))?;
             let idle = twin_time(&self.empty_twin, scans)?;
             let mut times = vec![(own - nothing) / scans as f64];
             for twin in &twins {
@@ -189,23 +188,6 @@ fn median(mut values: Vec<f64>) -> f64 {
 fn twin_time(twin: &Path, scans: u64) -> Result<f64, String> {
     let output = kernels::finished(&mut kernels::twin_run(twin, scans, "time"))?;
     String::from_utf8_lossy(&output.stdout).trim().parse().map_err(|error| format!("{}: {error}", twin.display()))
-}
-
-/// Runs a command; its processor time in nanoseconds.
-fn processor_time(mut command: Command) -> Result<f64, String> {
-    command.stdin(Stdio::null()).stdout(Stdio::null());
-    let child = command.spawn().map_err(|error| format!("{command:?}: {error}"))?;
-    let process = libc::pid_t::try_from(child.id()).map_err(|error| error.to_string())?;
-    let mut status = 0;
-    // SAFETY: a `rusage` is numbers, for which 0 is a value.
-    let mut usage: libc::rusage = unsafe { std::mem::zeroed() };
-    // SAFETY: the process is a child that nobody else waits for, and the kernel writes to the two places during the call.
-    let ended = unsafe { libc::wait4(process, &raw mut status, 0, &raw mut usage) };
-    if ended != process || status != 0 {
-        return Err(format!("{command:?}: failed with status {status}"));
-    }
-    let nanoseconds = |time: libc::timeval| time.tv_sec as f64 * 1e9 + time.tv_usec as f64 * 1e3;
-    Ok(nanoseconds(usage.ru_utime) + nanoseconds(usage.ru_stime))
 }
 
 /// Instructions of a scan of the program and of the twin, without those of empty ones.

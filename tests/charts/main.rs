@@ -8,9 +8,10 @@ mod reduce;
 mod run;
 mod text;
 
+use plcc_tests::passes_of;
 use plcc_tests::random::setting;
 use plcc_tests::reduce::Best;
-use run::{FORMS, Failure};
+use run::{FORMS, Failure, Form};
 
 /// How many random charts: `PLCC_RANDOM_CHARTS`, else as many as some seconds take. The first: `PLCC_RANDOM_CHARTS_FROM`.
 #[test]
@@ -30,6 +31,19 @@ fn charts_do_what_the_model_does() {
                 Failure::Different { call, text } => format!("call {call}: {text}"),
             };
             panic!("chart {seed}\n{graph}\n{calls}\n{text}");
+        }
+    }
+}
+
+/// The same without a pass, another one for each seed: no pass is needed for a right result.
+#[test]
+fn any_pass_may_be_off() {
+    let first = setting("PLCC_RANDOM_CHARTS_FROM", 1);
+    for seed in first..first + setting("PLCC_RANDOM_CHARTS", 100) {
+        let forms: Vec<Form> = passes_of(seed as usize, 1).into_iter().flat_map(Form::without).collect();
+        let result = plcc_driver::on_large_stack(move || run::check(&generate::case(seed), &forms));
+        if let Err(failure) = result.expect("no panic") {
+            panic!("chart {seed}: {failure:?}");
         }
     }
 }

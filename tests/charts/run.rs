@@ -7,7 +7,8 @@ use plcc_diag::SourceFile;
 use plcc_driver::cli::Level;
 use plcc_driver::code;
 use plcc_driver::inputs::Read;
-use plcc_driver::pipeline::{self, Compiled, Settings};
+use plcc_driver::pipeline::{self, Compiled, Optimization, Settings};
+use plcc_opt::Without;
 use plcc_runtime::Code;
 use plcc_runtime::clock::{Clock, NS_PER_MS};
 use plcc_runtime::cpu::Cpu;
@@ -40,6 +41,23 @@ pub enum Form {
     Plain,
     /// Machine code at -O2.
     Machine,
+    /// At -O2 without a pass, as machine code or in the interpreter.
+    Without { pass: Without, machine: bool },
+}
+
+impl Form {
+    /// The forms of a chart without a pass.
+    pub fn without(pass: Without) -> [Form; 2] {
+        [false, true].map(|machine| Form::Without { pass, machine })
+    }
+
+    fn optimization(self) -> Optimization {
+        match self {
+            Form::Plain => Level::O0.into(),
+            Form::Machine => Level::O2.into(),
+            Form::Without { pass, .. } => plcc_tests::without(pass),
+        }
+    }
 }
 
 /// All of them.
@@ -56,16 +74,14 @@ pub fn check(case: &Case, forms: &[Form]) -> Result<(), Failure> {
         return Err(Failure::Refused(plcc_diag::drawing::draw(&errors, &bound.sources, false)));
     }
     for &form in forms {
-        let level = match form {
-            Form::Plain => Level::O0,
-            Form::Machine => Level::O2,
-        };
-        let compiled = pipeline::back(&bound, level);
+        let compiled = pipeline::back(&bound, form.optimization());
         plcc_ir::verify::verify(&compiled.module)
             .map_err(|errors| Failure::Refused(format!("{form:?}: {}", errors[0])))?;
         let code = match form {
-            Form::Plain => code::interpreter(&compiled),
-            Form::Machine => code::jit(&compiled).map_err(|error| Failure::Refused(error.to_string()))?,
+            Form::Plain | Form::Without { machine: false, .. } => code::interpreter(&compiled),
+            Form::Machine | Form::Without { machine: true, .. } => {
+                code::jit(&compiled).map_err(|error| Failure::Refused(error.to_string()))?
+            }
         };
         run(case, &compiled, code).map_err(|failure| match failure {
             Failure::Different { call, text } => Failure::Different { call, text: format!("{form:?}: {text}") },

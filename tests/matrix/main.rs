@@ -108,7 +108,7 @@ fn run(ending: &str, cpu: &str, source: String) -> Outcome {
     if let Err(errors) = plcc_ir::verify::verify(&plain.module) {
         return Outcome::Failed(format!("after lowering: {}", errors[0]));
     }
-    let optimised = pipeline::optimize(plain.clone());
+    let optimised = pipeline::back(&bound, Level::O2);
     if let Err(errors) = plcc_ir::verify::verify(&optimised.module) {
         return Outcome::Failed(format!("after the passes: {}", errors[0]));
     }
@@ -190,7 +190,7 @@ fn executables(passed: &[(Case, String)]) {
         std::fs::write(&path, format!("//@ cpu {}\n{source}", case.cpu)).expect("the file can be written");
         inputs.push(plcc_driver::inputs::TestInput::File(path));
     }
-    let variants = [Level::O0, Level::O2].map(|level| Variant { form: Form::Exe, level }).to_vec();
+    let variants = [Level::O0, Level::O2].map(|level| Variant { form: Form::Exe, optimization: level.into() }).to_vec();
     for outcome in plcc_driver::testing::run(&inputs, &plan(variants)) {
         assert!(outcome.failed == 0 && !outcome.unreadable, "{}{}", outcome.messages, outcome.failures);
     }

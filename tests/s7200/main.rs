@@ -11,8 +11,9 @@ mod reduce;
 mod robust;
 mod run;
 
+use plcc_tests::passes_of;
 use plcc_tests::random::setting;
-use run::Failure;
+use run::{Failure, Form};
 
 /// How many random programs: `PLCC_RANDOM_S7200`, else as many as some seconds take. The first: `PLCC_RANDOM_S7200_FROM`.
 #[test]
@@ -51,5 +52,18 @@ fn changed_sources_are_read() {
         let text = source.clone();
         let result = plcc_driver::on_large_stack(move || robust::compile(&text));
         assert!(result.is_ok(), "source {seed} makes the compiler panic\n{source}");
+    }
+}
+
+/// The same without a pass, another one for each seed: no pass is needed for a right result.
+#[test]
+fn any_pass_may_be_off() {
+    let first = setting("PLCC_RANDOM_S7200_FROM", 1);
+    for seed in first..first + setting("PLCC_RANDOM_S7200", 100) {
+        let forms: Vec<Form> = passes_of(seed as usize, 1).into_iter().flat_map(Form::without).collect();
+        let result = plcc_driver::on_large_stack(move || run::check(&generate::case(seed), &forms));
+        if let Err(failure) = result.expect("no panic") {
+            panic!("program {seed}: {failure:?}");
+        }
     }
 }

@@ -9,7 +9,8 @@ use plcc_diag::SourceFile;
 use plcc_driver::cli::Level;
 use plcc_driver::code;
 use plcc_driver::inputs::Read;
-use plcc_driver::pipeline::{self, Compiled, Settings};
+use plcc_driver::pipeline::{self, Compiled, Optimization, Settings};
+use plcc_opt::Without;
 use plcc_runtime::Code;
 use plcc_runtime::clock::{Clock, NS_PER_MS};
 use plcc_runtime::cpu::Cpu;
@@ -43,6 +44,23 @@ pub enum Form {
     Interpreter,
     /// Machine code.
     Machine(Level),
+    /// At -O2 without a pass, as machine code or in the interpreter.
+    Without { pass: Without, machine: bool },
+}
+
+impl Form {
+    /// The forms of a program without a pass.
+    pub fn without(pass: Without) -> [Form; 2] {
+        [false, true].map(|machine| Form::Without { pass, machine })
+    }
+
+    fn optimization(self) -> Optimization {
+        match self {
+            Form::Interpreter => Level::O0.into(),
+            Form::Machine(level) => level.into(),
+            Form::Without { pass, .. } => plcc_tests::without(pass),
+        }
+    }
 }
 
 /// All of them.
@@ -72,16 +90,14 @@ fn checked(case: &Case, forms: &[Form]) -> Result<(), Failure> {
     }
     let expected = expected(case);
     for &form in forms {
-        let level = match form {
-            Form::Interpreter => Level::O0,
-            Form::Machine(level) => level,
-        };
-        let compiled = pipeline::back(&bound, level);
+        let compiled = pipeline::back(&bound, form.optimization());
         plcc_ir::verify::verify(&compiled.module)
             .map_err(|errors| Failure::Refused(format!("{form:?}: {}", errors[0])))?;
         let code = match form {
-            Form::Interpreter => code::interpreter(&compiled),
-            Form::Machine(_) => code::jit(&compiled).map_err(|error| Failure::Refused(error.to_string()))?,
+            Form::Interpreter | Form::Without { machine: false, .. } => code::interpreter(&compiled),
+            Form::Machine(_) | Form::Without { machine: true, .. } => {
+                code::jit(&compiled).map_err(|error| Failure::Refused(error.to_string()))?
+            }
         };
         run(case, &expected, &compiled, code).map_err(|failure| match failure {
             Failure::Different { scan, text } => Failure::Different { scan, text: format!("{form:?}: {text}") },

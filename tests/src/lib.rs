@@ -1,6 +1,7 @@
 //! Shared functions of the tests: finding files, comparing expected text, compiling programs.
 
 pub mod charts;
+pub mod costs;
 pub mod damage;
 pub mod kernels;
 pub mod random;
@@ -12,10 +13,11 @@ pub mod twins;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use plcc_driver::cli::Level;
+use plcc_driver::cli::{CpuFeatures, Level};
 use plcc_driver::inputs;
-use plcc_driver::pipeline::{self, Bound, Settings};
+use plcc_driver::pipeline::{self, Bound, Optimization, Settings};
 use plcc_driver::testing::{Form, Plan, Variant};
+use plcc_opt::Without;
 
 /// Set to renew printed forms and carets, never assertions.
 pub const UPDATE: &str = "UPDATE_EXPECT";
@@ -114,7 +116,41 @@ pub fn difference(expected: &str, actual: &str) -> String {
 /// All forms at both levels.
 pub fn all_variants() -> Vec<Variant> {
     let forms = [Form::Interp, Form::Jit, Form::Exe];
-    forms.iter().flat_map(|&form| [Level::O0, Level::O2].map(|level| Variant { form, level })).collect()
+    forms
+        .iter()
+        .flat_map(|&form| [Level::O0, Level::O2].map(|level| Variant { form, optimization: level.into() }))
+        .collect()
+}
+
+/// Set to `all` to run each test that switches off a pass without each pass.
+pub const PASSES: &str = "PLCC_PASSES";
+
+/// The passes that test number `index` is run without: one of `stride` tests without one pass, in turn, or all tests without each.
+pub fn passes_of(index: usize, stride: usize) -> Vec<Without> {
+    let each = Without::each();
+    if std::env::var_os(PASSES).is_some_and(|value| value == "all") {
+        return each;
+    }
+    match index % stride {
+        0 => vec![each[index / stride % each.len()]],
+        _ => Vec::new(),
+    }
+}
+
+/// At -O2 without a pass.
+pub fn without(pass: Without) -> Optimization {
+    Optimization { without: pass, ..Level::O2.into() }
+}
+
+/// All forms at -O2 without a pass.
+pub fn variants_without(pass: Without) -> Vec<Variant> {
+    [Form::Interp, Form::Jit, Form::Exe].map(|form| Variant { form, optimization: without(pass) }).to_vec()
+}
+
+/// Machine code at -O2 for this processor.
+pub fn native_variants() -> Vec<Variant> {
+    let optimization = Optimization { cpu_features: CpuFeatures::Native, ..Level::O2.into() };
+    [Form::Jit, Form::Exe].map(|form| Variant { form, optimization }).to_vec()
 }
 
 /// A plan for `variants` with nothing else set.

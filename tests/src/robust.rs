@@ -41,7 +41,7 @@ pub fn endures(read: Read, settings: &Settings, reach: Reach) -> Result<bool, St
     }
     let plain = pipeline::lower(&bound, Level::O0);
     plcc_ir::verify::verify(&plain.module).map_err(|errors| format!("after lowering: {}", errors[0]))?;
-    let optimised = pipeline::optimize(plain.clone());
+    let optimised = pipeline::back(&bound, Level::O2);
     plcc_ir::verify::verify(&optimised.module).map_err(|errors| format!("after the passes: {}", errors[0]))?;
     if reach == Reach::Run {
         for compiled in [&plain, &optimised] {

@@ -40,12 +40,34 @@ pub struct CompiledFunction {
     pub bytes: Vec<u8>,
     pub relocs: Vec<ModuleReloc>,
     pub alignment: u64,
-    /// Offset of the code that belongs to a source place, and the place; ascending.
-    pub places: Vec<(u32, u32)>,
-    /// The disassembly, if it was requested.
-    pub text: Option<String>,
-    /// Numbers of the functions that it calls, in the order in which the disassembly counts them.
-    pub callees: Vec<u32>,
+    /// Ascending.
+    pub places: Vec<Place>,
+    /// Where Cranelift's blocks begin; ascending.
+    pub blocks: Vec<u32>,
+    /// From the start of a block to that of another one.
+    pub edges: Vec<(u32, u32)>,
+}
+
+/// From an offset on, code belongs to a place of the source.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Place {
+    pub at: u32,
+    /// As a [`Loc`](plcc_ir::Loc); 0: none.
+    pub site: u32,
+    /// On a cold side.
+    pub cold: bool,
+}
+
+/// Marks the places of cold blocks, so that code can be told apart later.
+const COLD: u32 = 1 << 31;
+
+/// The place of an instruction as Cranelift carries it.
+pub fn source_location(loc: plcc_ir::Loc, cold: bool) -> ir::SourceLoc {
+    match (loc.0, cold) {
+        (0, false) => ir::SourceLoc::default(),
+        (loc, true) => ir::SourceLoc::new(loc | COLD),
+        (loc, false) => ir::SourceLoc::new(loc),
+    }
 }
 
 /// A module with the data for compiling its functions.
@@ -118,27 +140,36 @@ impl<'m> Compiler<'m> {
 
     /// The CLIF of function `id`.
     pub fn clif(&self, id: FuncId) -> Result<ir::Function, CodegenError> {
-        lower::lower(&self.target(&*self.isa), id, &mut FunctionBuilderContext::new())
+        let mut function = lower::lower(&self.target(&*self.isa), id, &mut FunctionBuilderContext::new())?;
+        // As text, cold blocks are marked once, at their heads.
+        let insts: Vec<ir::Inst> =
+            function.layout.blocks().flat_map(|block| function.layout.block_insts(block)).collect();
+        for inst in insts {
+            let location = function.srcloc(inst);
+            if !location.is_default() && location.bits() & COLD != 0 {
+                function.set_srcloc(inst, source_location(plcc_ir::Loc(location.bits() & !COLD), false));
+            }
+        }
+        Ok(function)
     }
 
     /// The functions that call the runtime and keep all registers, with their numbers.
     pub fn keeping_functions(&self) -> Result<Vec<(u32, CompiledFunction)>, CodegenError> {
-        let mut worker =
-            Worker { compiler: self, want_text: false, context: Context::new(), builder: Default::default() };
+        let mut worker = Worker { compiler: self, context: Context::new(), builder: Default::default() };
         let target = self.target(&*self.isa);
         let numbered = self.keeping.iter().filter_map(|&function| Some((target.keeping_symbol(function)?, function)));
         numbered.map(|(number, function)| Ok((number, worker.keeping(function, number)?))).collect()
     }
 
     /// All functions, in the order of the module.
-    pub fn functions(&self, want_text: bool) -> Result<Vec<CompiledFunction>, CodegenError> {
+    pub fn functions(&self) -> Result<Vec<CompiledFunction>, CodegenError> {
         let mut order: Vec<FuncId> = self.module.functions.keys().collect();
         order.sort_by_key(|&id| std::cmp::Reverse(self.module.functions[id].insts.len()));
         let threads = std::thread::available_parallelism().map_or(1, |count| count.get()).min(order.len());
         let next = AtomicUsize::new(0);
         let done = Mutex::new(Vec::with_capacity(order.len()));
         let work = || {
-            let mut worker = Worker { compiler: self, want_text, context: Context::new(), builder: Default::default() };
+            let mut worker = Worker { compiler: self, context: Context::new(), builder: Default::default() };
             while let Some(&id) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
                 let result = worker.function(id);
                 // A thread that panicked ends the program when it is joined.
@@ -161,7 +192,6 @@ impl<'m> Compiler<'m> {
 /// State of a thread that is reused for several functions.
 struct Worker<'c, 'm> {
     compiler: &'c Compiler<'m>,
-    want_text: bool,
     context: Context,
     builder: FunctionBuilderContext,
 }
@@ -195,7 +225,6 @@ impl Worker<'_, '_> {
 
     /// Compiles the function in the context, which the linker knows by `number`.
     fn compile(&mut self, isa: &dyn TargetIsa, number: u32, name: &str) -> Result<CompiledFunction, CodegenError> {
-        self.context.set_disasm(self.want_text);
         if let Err(error) = self.context.compile(isa, &mut ControlPlane::default()) {
             let message = cranelift_codegen::print_errors::pretty_error(error.func, error.inner);
             return Err(CodegenError::Function { function: name.to_string(), message });
@@ -209,18 +238,31 @@ impl Worker<'_, '_> {
             .map(|reloc| ModuleReloc::from_mach_reloc(reloc, &self.context.func, number))
             .collect();
         let places = code.buffer.get_srclocs_sorted().iter().map(|place| {
-            let site = if place.loc.is_default() { 0 } else { place.loc.bits() };
-            (place.start, site)
+            let bits = if place.loc.is_default() { 0 } else { place.loc.bits() };
+            Place { at: place.start, site: bits & !COLD, cold: bits & COLD != 0 }
         });
         Ok(CompiledFunction {
             bytes: code.code_buffer().to_vec(),
             relocs,
             alignment: u64::from(code.buffer.alignment),
-            places: places.collect(),
-            text: code.vcode.clone(),
-            callees: self.context.func.params.user_named_funcs().values().map(|name| name.index).collect(),
+            places: filled(places.collect()),
+            blocks: code.bb_starts.clone(),
+            edges: code.bb_edges.clone(),
         })
     }
+}
+
+/// Code without a place of its own, such as a constant, belongs to the statement before it, at the start of the function to the
+/// first one.
+fn filled(mut places: Vec<Place>) -> Vec<Place> {
+    let mut last = places.iter().map(|place| place.site).find(|site| *site != 0).unwrap_or(0);
+    for place in &mut places {
+        match place.site {
+            0 => place.site = last,
+            site => last = site,
+        }
+    }
+    places
 }
 
 /// Linker symbol of a function of the module.

@@ -40,6 +40,8 @@ pub fn isa(placement: Placement, options: &CodegenOptions, tuning: Tuning) -> Re
         // Large frames must touch each page, so that a stack overflow cannot jump over the guard page.
         ("enable_probestack", "true"),
         ("probestack_strategy", "inline"),
+        // Where blocks begin tells code from tables when it is read back.
+        ("machine_code_cfg_info", "true"),
         // No exception passes through generated code.
         ("unwind_info", "false"),
     ];

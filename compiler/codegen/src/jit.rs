@@ -29,7 +29,7 @@ impl JitProgram {
         options: &CodegenOptions,
     ) -> Result<JitProgram, CodegenError> {
         let compiler = Compiler::new(module, Placement::Memory, options)?;
-        let functions = compiler.functions(false)?;
+        let functions = compiler.functions()?;
         let keeping = compiler.keeping_functions()?;
         let code_bytes = functions.iter().map(|function| function.bytes.len()).sum();
         let mut builder = JITBuilder::with_isa(compiler.isa.clone(), cranelift_module::default_libcall_names());

@@ -8,6 +8,7 @@
 //! - `compile`: all functions of a module to bytes, on several threads; `work` finds those that are too large for the better ways.
 //! - `object`, `jit`, `text`: the outputs made from the bytes.
 //! - `lines`: DWARF line tables of an object file.
+//! - `machine`: code read back, for `text` and for `statistics`, which says what each network costs, with the depths of `loops`.
 //!
 //! **Invariant**: one lowering serves all outputs, and it is independent of the source language.
 
@@ -22,10 +23,13 @@ mod jit;
 mod joins;
 mod keeping;
 mod lines;
+mod loops;
 mod lower;
+mod machine;
 mod memory;
 mod object;
 mod rounding;
+mod statistics;
 mod text;
 mod work;
 
@@ -33,6 +37,7 @@ use std::fmt;
 
 pub use jit::{EntryFn, JitProgram};
 pub use object::{compile_object, compile_object_as, directory_object};
+pub use statistics::{Cost, LOOP_PASSES, PlaceKey, function_sizes, statistics};
 pub use text::{asm_text, clif_text};
 
 /// How code is generated.

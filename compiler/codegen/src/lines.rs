@@ -84,7 +84,7 @@ fn line_program(module: &Module, functions: &[CompiledFunction]) -> LineProgram 
     let files: Vec<_> = module.files.iter().map(|file| program.add_file(name(file), folder, None)).collect();
     for (symbol, function) in functions.iter().enumerate() {
         let site = |place: u32| module.sites.get((place as usize).checked_sub(1)?);
-        let mut places = function.places.iter().filter_map(|&(at, place)| Some((at, site(place)?))).peekable();
+        let mut places = function.places.iter().filter_map(|place| Some((place.at, site(place.site)?))).peekable();
         // Code before the first statement belongs to it.
         let Some(&(_, first)) = places.peek() else { continue };
         program.begin_sequence(Some(start(symbol)));

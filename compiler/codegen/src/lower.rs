@@ -22,6 +22,7 @@ use rustc_hash::FxHashMap;
 use crate::CodegenError;
 use crate::abi::{FunctionAbi, ReturnPlace, clif_type, runtime_signature, takes_memory};
 use crate::bits::Bit;
+use crate::compile::source_location;
 use crate::floats;
 use crate::joins::Joins;
 use crate::keeping;
@@ -188,7 +189,7 @@ impl<'m, 'f> Lowering<'m, 'f> {
             }
             for &inst in &self.function.blocks[block].insts {
                 let loc = self.function.locs[inst];
-                self.b.set_srcloc(if loc.0 == 0 { SourceLoc::default() } else { SourceLoc::new(loc.0) });
+                self.b.set_srcloc(source_location(loc, self.function.blocks[block].cold));
                 self.instruction(inst)?;
             }
             if self.function.terminator(block).is_none() {

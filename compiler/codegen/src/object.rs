@@ -35,7 +35,7 @@ pub fn compile_object_as(
     options: &CodegenOptions,
 ) -> Result<Vec<u8>, CodegenError> {
     let compiler = Compiler::new(module, Placement::Object, options)?;
-    let functions = compiler.functions(false)?;
+    let functions = compiler.functions()?;
     let builder =
         ObjectBuilder::new(compiler.isa.clone(), "plcc", cranelift_module::default_libcall_names()).map_err(output)?;
     let mut object = ObjectModule::new(builder);

@@ -2,12 +2,16 @@
 
 use std::fmt::Write as _;
 
+use cranelift_module::ModuleRelocTarget;
+use iced_x86::{Formatter as _, GasFormatter};
 use plcc_abi::RuntimeFn;
+use plcc_abi::image::Site;
 use plcc_ir::Module;
 use plcc_ir::entities::Entity;
 
 use crate::compile::{Compiler, symbol};
 use crate::isa::Placement;
+use crate::machine::{self, Part};
 use crate::{CodegenError, CodegenOptions, keeping};
 
 /// CLIF of every function, before Cranelift's own passes.
@@ -18,24 +22,72 @@ pub fn clif_text(module: &Module, options: &CodegenOptions) -> Result<String, Co
         let clif = compiler.clif(id)?.display().to_string();
         // Functions are numbered there; here they have names.
         let (_, rest) = clif.split_once('(').unwrap_or(("", &clif));
-        let rest = named(rest, "u0:", "", &|number| name_of(module, number).map(|name| format!("%{name}")));
+        let rest =
+            named(rest, "u0:", "", &|number| name_of(module, &compiler.keeping, number).map(|name| format!("%{name}")));
         let name = symbol(&module.functions[id].name);
         writeln!(text, "function %{name}({rest}").expect("a string takes all");
     }
     Ok(text)
 }
 
-/// Assembly of every function as it is in an object file.
-pub fn asm_text(module: &Module, options: &CodegenOptions) -> Result<String, CodegenError> {
+/// Column at which source lines begin.
+const SOURCE_COLUMN: usize = 60;
+
+/// Assembly of every function as it is in an object file, in the notation of the GNU assembler. Next to the first instruction of each
+/// piece stands what `source` says of its place; numbers before instructions are offsets in the function.
+pub fn asm_text(
+    module: &Module,
+    options: &CodegenOptions,
+    source: &dyn Fn(&Site) -> String,
+) -> Result<String, CodegenError> {
     let compiler = Compiler::new(module, Placement::Object, options)?;
-    let functions = compiler.functions(true)?;
+    let mut formatter = GasFormatter::new();
+    formatter.options_mut().set_branch_leading_zeros(false);
+    formatter.options_mut().set_uppercase_hex(false);
+    formatter.options_mut().set_rip_relative_addresses(true);
     let mut text = String::new();
-    for (id, function) in module.functions.keys().zip(&functions) {
+    for (id, function) in module.functions.keys().zip(&compiler.functions()?) {
         let name = symbol(&module.functions[id].name);
-        let code = function.text.as_deref().unwrap_or("");
-        let code =
-            named(code, "User(userextname", ")", &|index| name_of(module, *function.callees.get(index)? as usize));
-        writeln!(text, "{name}: ; {} bytes\n{}", function.bytes.len(), code.trim_end()).expect("a string takes all");
+        let parts = machine::parts(function);
+        let count = parts.iter().filter(|part| matches!(part, Part::Instruction { .. })).count();
+        let bytes = function.bytes.len();
+        writeln!(text, "{name}: # {bytes} bytes, {count} instructions").expect("a string takes all");
+        let (mut site, mut last) = (0, String::new());
+        for part in &parts {
+            let line = match part {
+                Part::Instruction { instruction, target, .. } => {
+                    let mut line = format!("{:6x}: ", instruction.ip());
+                    formatter.format(instruction, &mut line);
+                    match target {
+                        Some(ModuleRelocTarget::User { index, .. }) => {
+                            let name = name_of(module, &compiler.keeping, *index as usize);
+                            line.extend(name.iter().flat_map(|name| [" # ", name]));
+                        }
+                        Some(other) => write!(line, " # {other}").expect("a string takes all"),
+                        None if instruction.is_ip_rel_memory_operand() => {
+                            write!(line, " # {:x}", instruction.ip_rel_memory_address()).expect("a string takes all");
+                        }
+                        None => {}
+                    }
+                    line
+                }
+                Part::Data { at, length } => format!("{at:6x}: .skip {length} # data"),
+            };
+            let before = site;
+            if let Part::Instruction { place, .. } = part {
+                site = place.map_or(0, |place| place.site);
+            }
+            let place = (site as usize).checked_sub(1).filter(|_| site != before);
+            let place = place.and_then(|site| module.sites.get(site)).map(source);
+            // Statements of one line are one piece.
+            match place.filter(|place| *place != last) {
+                Some(place) => {
+                    writeln!(text, "{line:SOURCE_COLUMN$} | {place}").expect("a string takes all");
+                    last = place;
+                }
+                None => writeln!(text, "{line}").expect("a string takes all"),
+            }
+        }
         text.push('\n');
     }
     Ok(text)
@@ -57,7 +109,7 @@ fn named(text: &str, prefix: &str, suffix: &str, name: &dyn Fn(usize) -> Option<
 }
 
 /// Linker symbol of the function that lowering numbers so.
-fn name_of(module: &Module, number: usize) -> Option<String> {
+fn name_of(module: &Module, keeping: &[RuntimeFn], number: usize) -> Option<String> {
     let functions = module.functions.len();
     if number < functions {
         return Some(symbol(&module.functions[plcc_ir::FuncId::new(number)].name));
@@ -65,6 +117,6 @@ fn name_of(module: &Module, number: usize) -> Option<String> {
     let runtime = RuntimeFn::ALL.len();
     match RuntimeFn::ALL.get(number - functions) {
         Some(function) => Some(function.symbol().to_string()),
-        None => keeping::used(module).get(number - functions - runtime).map(|&function| keeping::symbol(function)),
+        None => keeping.get(number - functions - runtime).map(|&function| keeping::symbol(function)),
     }
 }

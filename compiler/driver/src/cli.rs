@@ -3,10 +3,12 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use plcc_opt::Without;
 use plcc_runtime::RunOptions;
 use plcc_syntax::CodePage;
 use plcc_syntax::stl::Mnemonics;
 
+use crate::pipeline::Optimization;
 use crate::report::MessageFormat;
 
 /// Compiler from Siemens PLC programs to native code.
@@ -62,15 +64,36 @@ pub struct CompileArgs {
     pub partial: bool,
 }
 
-/// How much to optimise.
-#[derive(Args, Clone, Copy, Debug)]
-pub struct LevelArgs {
+/// How to optimise.
+#[derive(Args, Clone, Debug)]
+pub struct OptimizationArgs {
     /// Optimisation level: -O0 none, -O2 full.
     #[arg(short = 'O', value_name = "LEVEL", default_value = "2")]
     pub level: Level,
+    /// Leave out a pass of -O2, such as `fold`; may be repeated. Results are the same.
+    #[arg(long, value_name = "PASS")]
+    pub without_pass: Vec<Without>,
+    /// Instructions of the processor that the code may use. Results are the same.
+    #[arg(long, value_name = "SET", default_value = "baseline")]
+    pub cpu_features: CpuFeatures,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+impl OptimizationArgs {
+    pub fn optimization(&self) -> Optimization {
+        let without = self.without_pass.iter().fold(Without::NOTHING, |all, one| all.and(*one));
+        Optimization { level: self.level, without, cpu_features: self.cpu_features }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, ValueEnum)]
+pub enum CpuFeatures {
+    /// Those of every processor of the architecture.
+    Baseline,
+    /// All of the processor of this computer; the executable may not run on another one.
+    Native,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, ValueEnum)]
 pub enum Level {
     #[value(name = "0")]
     O0,
@@ -109,8 +132,15 @@ pub struct BuildArgs {
     /// Print the IR after this pass instead of writing an executable.
     #[arg(long, value_name = "PASS", conflicts_with = "emit")]
     pub print_after: Option<String>,
+    /// Print what each network costs, in instructions and bytes of machine code and as an estimated time, instead of writing an
+    /// executable.
+    #[arg(long, conflicts_with_all = ["emit", "print_after"])]
+    pub stats: bool,
+    /// With `--stats`: as JSON.
+    #[arg(long, requires = "stats")]
+    pub json: bool,
     #[command(flatten)]
-    pub level: LevelArgs,
+    pub optimization: OptimizationArgs,
     #[command(flatten)]
     pub compile: CompileArgs,
     /// Linker: a C compiler [default: cc].
@@ -135,7 +165,7 @@ pub struct RunArgs {
     #[arg(required = true, value_name = "FILE|DIR")]
     pub inputs: Vec<PathBuf>,
     #[command(flatten)]
-    pub level: LevelArgs,
+    pub optimization: OptimizationArgs,
     #[command(flatten)]
     pub compile: CompileArgs,
     #[command(flatten)]
@@ -151,7 +181,7 @@ pub struct TestArgs {
     #[arg(long, value_name = "FORM", default_value = "jit")]
     pub form: FormArg,
     #[command(flatten)]
-    pub level: LevelArgs,
+    pub optimization: OptimizationArgs,
     #[command(flatten)]
     pub compile: CompileArgs,
     /// Linker for `--form exe`: a C compiler [default: cc].
@@ -194,4 +224,46 @@ pub struct PlotArgs {
     /// Title above the picture.
     #[arg(long, value_name = "TEXT")]
     pub title: Option<String>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn optimization(arguments: &[&str]) -> Result<Optimization, String> {
+        match Cli::try_parse_from([&["plcc"], arguments].concat()).map_err(|error| error.to_string())?.command {
+            Command::Build(args) => Ok(args.optimization.optimization()),
+            Command::Run(args) => Ok(args.optimization.optimization()),
+            Command::Test(args) => Ok(args.optimization.optimization()),
+            other => Err(format!("{other:?} makes no code")),
+        }
+    }
+
+    #[test]
+    fn passes_are_switched_off_by_name() {
+        for command in ["build", "run", "test"] {
+            let without = |list: &[&str]| optimization(&[&[command, "a.stl"], list].concat()).map(|made| made.without);
+            assert_eq!(without(&[]), Ok(Without::NOTHING));
+            let both = without(&["--without-pass", "values", "--without-pass", "fold"]).expect("there are such passes");
+            assert_eq!(both.names().collect::<Vec<_>>(), ["fold", "values"]);
+            let error = without(&["--without-pass", "folds"]).expect_err("there is no such pass");
+            assert!(error.contains("unknown pass `folds`; the passes are fold, "), "{error}");
+        }
+    }
+
+    #[test]
+    fn code_is_for_every_processor_unless_asked() {
+        let features =
+            |list: &[&str]| optimization(&[&["build", "a.stl"], list].concat()).map(|made| made.cpu_features);
+        assert_eq!(features(&[]), Ok(CpuFeatures::Baseline));
+        assert_eq!(features(&["--cpu-features", "native"]), Ok(CpuFeatures::Native));
+        assert!(features(&["--cpu-features", "avx9"]).is_err());
+    }
+
+    #[test]
+    fn statistics_replace_the_executable() {
+        let parse = |list: &[&str]| Cli::try_parse_from([&["plcc", "build", "a.stl"], list].concat()).is_ok();
+        assert!(parse(&["--stats"]) && parse(&["--stats", "--json"]));
+        assert!(!parse(&["--json"]) && !parse(&["--stats", "--emit", "ir"]));
+    }
 }

@@ -2,7 +2,8 @@
 //!
 //! - [`cli`]: the command line; [`command`]: the commands.
 //! - [`inputs`], [`content`], [`sheets`], [`project`]: from arguments to files.
-//! - [`pipeline`]: from files to code, one function per stage; [`emit`]: its forms as text; [`link`]: executables.
+//! - [`pipeline`]: from files to code, one function per stage; [`emit`]: its forms as text; [`statistics`]: what networks cost;
+//!   [`link`]: executables.
 //! - [`station`]: the modules of a project; [`plot`]: pictures of traces.
 //! - [`code`]: code that runs in this process; [`testing`]: `plcc test`.
 //! - [`report`] writes messages.
@@ -27,6 +28,7 @@ pub mod report;
 pub mod s7200;
 pub mod sheets;
 pub mod station;
+pub mod statistics;
 pub mod technology;
 pub mod testing;
 

@@ -9,6 +9,7 @@ use plcc_diag::{Code, Diagnostic, Severity, SourceFile, SourceMap, Span};
 use plcc_ir::Module;
 use plcc_model::Program;
 use plcc_model::profile;
+use plcc_opt::Without;
 use plcc_readers::ReadOptions;
 use plcc_readers::sd::Texts;
 use plcc_readers::symbols;
@@ -17,7 +18,7 @@ use plcc_syntax::ast::SourceUnit;
 use plcc_syntax::stl::Mnemonics;
 use plcc_syntax::symbols::SymbolTable;
 
-use crate::cli::{CompileArgs, Level};
+use crate::cli::{CompileArgs, CpuFeatures, Level};
 use crate::inputs::Read;
 use crate::project::Project;
 use crate::s7200;
@@ -90,7 +91,40 @@ impl Bound {
 pub struct Compiled {
     pub module: Module,
     pub image: ProgramImage,
+    pub optimization: Optimization,
+}
+
+/// How code is made of the IR.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Optimization {
     pub level: Level,
+    /// Passes that do not run at -O2.
+    pub without: Without,
+    pub cpu_features: CpuFeatures,
+}
+
+/// All passes, for every processor.
+impl From<Level> for Optimization {
+    fn from(level: Level) -> Optimization {
+        Optimization { level, without: Without::NOTHING, cpu_features: CpuFeatures::Baseline }
+    }
+}
+
+/// `-O2 without fold --cpu-features native`.
+impl std::fmt::Display for Optimization {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self.level {
+            Level::O0 => "-O0",
+            Level::O2 => "-O2",
+        })?;
+        if self.without != Without::NOTHING {
+            write!(f, " {}", self.without)?;
+        }
+        match self.cpu_features {
+            CpuFeatures::Baseline => Ok(()),
+            CpuFeatures::Native => f.write_str(" --cpu-features native"),
+        }
+    }
 }
 
 /// Parses all sources and symbol tables.
@@ -257,16 +291,16 @@ pub fn front(read: Read, settings: &Settings) -> Bound {
 }
 
 /// The IR of a program without errors.
-pub fn lower(bound: &Bound, level: Level) -> Compiled {
+pub fn lower(bound: &Bound, optimization: impl Into<Optimization>) -> Compiled {
     let lowered = plcc_lower::lower(&bound.program, &bound.sources);
-    Compiled { module: lowered.module, image: lowered.image, level }
+    Compiled { module: lowered.module, image: lowered.image, optimization: optimization.into() }
 }
 
 /// Runs the passes of plcc, at -O2.
 pub fn optimize(mut compiled: Compiled) -> Compiled {
-    match compiled.level {
+    match compiled.optimization.level {
         Level::O0 => {}
-        Level::O2 => plcc_opt::optimize(&mut compiled.module),
+        Level::O2 => plcc_opt::optimize(&mut compiled.module, compiled.optimization.without),
     }
     let usage = plcc_opt::usage(&compiled.module);
     compiled.image.outputs_used = usage.outputs;
@@ -280,13 +314,17 @@ pub fn optimize(mut compiled: Compiled) -> Compiled {
 }
 
 /// Lowers and optimises.
-pub fn back(bound: &Bound, level: Level) -> Compiled {
-    optimize(lower(bound, level))
+pub fn back(bound: &Bound, optimization: impl Into<Optimization>) -> Compiled {
+    optimize(lower(bound, optimization))
 }
 
 impl Compiled {
     pub fn codegen_options(&self) -> CodegenOptions {
-        CodegenOptions { optimize: self.level == Level::O2, ..CodegenOptions::default() }
+        CodegenOptions {
+            optimize: self.optimization.level == Level::O2,
+            native: self.optimization.cpu_features == CpuFeatures::Native,
+            ..CodegenOptions::default()
+        }
     }
 
     /// The image as it is in an executable.

@@ -33,12 +33,14 @@ mod unroll;
 mod usage;
 mod values;
 mod variables;
+mod without;
 mod words;
 
 use plcc_ir::Module;
 pub use usage::{Usage, usage};
+pub use without::{UnknownPass, Without};
 
-/// A pass with the name that `--print-after` and tests use.
+/// A pass with the name that `--print-after`, `--without-pass` and tests use.
 #[derive(Clone, Copy)]
 pub struct Pass {
     pub name: &'static str,
@@ -131,18 +133,18 @@ pub fn passes() -> Vec<&'static str> {
     names
 }
 
-/// Optimises a module that the verifier passes.
-pub fn optimize(module: &mut Module) {
-    optimize_with(module, &mut |name, module| {
+/// Optimises a module that the verifier passes, except for the passes that are switched off.
+pub fn optimize(module: &mut Module, without: Without) {
+    optimize_with(module, without, &mut |name, module| {
         if cfg!(debug_assertions) {
             check(name, module);
         }
     });
 }
 
-/// Like [`optimize`]; calls `after` with the name of each pass and its result.
-pub fn optimize_with(module: &mut Module, after: &mut dyn FnMut(&'static str, &Module)) {
-    for pass in PIPELINE {
+/// Like [`optimize`]; calls `after` with the name of each pass that runs, and its result.
+pub fn optimize_with(module: &mut Module, without: Without, after: &mut dyn FnMut(&'static str, &Module)) {
+    for pass in PIPELINE.iter().filter(|pass| !without.contains(pass.name)) {
         (pass.run)(module);
         after(pass.name, module);
     }

@@ -2,8 +2,10 @@
 
 use plcc_abi::Type;
 use plcc_abi::image::{BlockKind, Site};
-use plcc_codegen::{CodegenError, CodegenOptions, JitProgram, asm_text, clif_text, compile_object};
-use plcc_ir::{Address, FunctionBuilder, Loc, Module, Region, RuntimeFn};
+use plcc_codegen::{
+    CodegenError, CodegenOptions, JitProgram, LOOP_PASSES, asm_text, clif_text, compile_object, statistics,
+};
+use plcc_ir::{Address, BinaryOp, FunctionBuilder, Loc, Module, Region, RuntimeFn};
 
 use crate::harness::{entry, func, module};
 
@@ -59,7 +61,7 @@ fn texts_name_functions() {
     for part in ["function %plcc_FC12(i64, i32) -> i32", "%plcc_FC12", "%plcc_keep_safepoint"] {
         assert!(clif.contains(part), "{part} in\n{clif}");
     }
-    let asm = asm_text(&module, &CodegenOptions::default()).expect("it compiles");
+    let asm = asm_text(&module, &CodegenOptions::default(), &|_| String::new()).expect("it compiles");
     for part in ["plcc_FC12:", "plcc_OB1:", "plcc_keep_safepoint"] {
         assert!(asm.contains(part), "{part} in\n{asm}");
     }
@@ -78,4 +80,74 @@ fn broken_modules_are_errors() {
         let result = JitProgram::compile(&module, &|_| std::ptr::null(), &CodegenOptions::default());
         assert!(matches!(result, Err(CodegenError::Module { .. })));
     }
+}
+
+/// A loop, a jump table and a cold side.
+fn with_statements() -> Module {
+    let mut b = FunctionBuilder::new("OB1", &[], &[]);
+    let again = b.create_block();
+    let cold = b.create_cold_block();
+    let arms: Vec<_> = (0..6).map(|_| b.create_block()).collect();
+    let end = b.create_block();
+    b.set_loc(Loc(1));
+    b.jump(again, &[]);
+    b.switch_to(again);
+    b.set_loc(Loc(2));
+    let value = b.load(Type::I32, Address::direct(Region::M, 0));
+    let value = b.binary_imm(BinaryOp::Iadd, value, 1);
+    b.store(Address::direct(Region::M, 0), value);
+    let bit = b.load_bit(Address::direct(Region::M, 8), 0);
+    let choice = b.create_block();
+    b.branch(bit, cold, choice);
+    b.switch_to(cold);
+    let site = b.i32_const(0);
+    b.call_runtime(RuntimeFn::Safepoint, &[site]);
+    b.jump(again, &[]);
+    b.switch_to(choice);
+    b.set_loc(Loc(3));
+    b.switch(value, &arms, end);
+    for (number, &arm) in arms.iter().enumerate() {
+        b.switch_to(arm);
+        let value = b.i32_const(77 * number as u32);
+        b.store(Address::direct(Region::M, 16 + 4 * number as u32), value);
+        let to = if number == 0 { again } else { end };
+        b.jump(to, &[]);
+    }
+    b.switch_to(end);
+    b.set_loc(Loc(4));
+    b.ret(&[]);
+    [again, cold, choice, end].into_iter().chain(arms).for_each(|block| b.seal_block(block));
+    let site = |line, network| Site { file: 0, line, block: BlockKind::Ob, block_number: 1, network };
+    let sites = vec![site(2, 1), site(3, 1), site(7, 2), site(9, 2)];
+    Module { sites, files: vec!["a.stl".to_string()], ..module(vec![b.finish()]) }
+}
+
+#[test]
+fn assembly_names_the_source_of_each_piece() {
+    let source = |site: &Site| format!("line {}", site.line);
+    let text = asm_text(&with_statements(), &CodegenOptions::default(), &source).expect("it compiles");
+    for part in ["| line 3\n", "| line 7\n", "# data\n", " # plcc_keep_safepoint"] {
+        assert!(text.contains(part), "{part} in\n{text}");
+    }
+    assert!(!text.contains("(bad)"), "tables are not read as instructions:\n{text}");
+}
+
+#[test]
+fn statistics_count_every_byte_once() {
+    let module = with_statements();
+    let options = CodegenOptions::default();
+    let (rows, others) = statistics(&module, &options).expect("it compiles");
+    let networks: Vec<u16> = rows.iter().map(|(key, _)| key.network).collect();
+    assert_eq!(networks, [1, 2]);
+    let mut total = others;
+    rows.iter().for_each(|(_, cost)| total.add(*cost));
+    let text = asm_text(&module, &options, &|_| String::new()).expect("it compiles");
+    let head = format!("plcc_OB1: # {} bytes, {} instructions\n", total.bytes, total.instructions);
+    assert!(text.starts_with(&head), "{head} for\n{text}");
+    let [(_, looping), (_, last)] = rows.as_slice() else { panic!("there are two networks") };
+    assert!(looping.cold > 0 && looping.cold < looping.instructions, "{looping:?}");
+    assert!(looping.nanoseconds > 0.0 && last.nanoseconds > 0.0);
+    // What is in the loop counts as often as the loop is thought to run.
+    let hot = (looping.instructions - looping.cold) as f64;
+    assert!(looping.nanoseconds / hot > 0.1 * LOOP_PASSES / 2.0, "{looping:?}");
 }

@@ -9,7 +9,7 @@ use crate::command::exit;
 use crate::inputs::{self, Read};
 use crate::pipeline::{self, Bound, Compiled, Settings};
 use crate::report::{self, MessageFormat};
-use crate::{emit, link};
+use crate::{emit, link, statistics};
 
 /// Compiles and links, or writes an intermediate form.
 pub fn build(args: &BuildArgs) -> u8 {
@@ -41,10 +41,17 @@ fn build_read(args: &BuildArgs, read: Read, name: &str) -> Result<(), u8> {
     }
     let bound = accepted(pipeline::bind(parsed, &settings), unreadable)?;
     if let Some(pass) = &args.print_after {
-        return write_text(args.output.as_deref(), &emit::ir_after(pipeline::lower(&bound, args.level.level), pass));
+        return write_text(
+            args.output.as_deref(),
+            &emit::ir_after(pipeline::lower(&bound, args.optimization.optimization()), pass),
+        );
     }
-    let compiled = pipeline::back(&bound, args.level.level);
+    let compiled = pipeline::back(&bound, args.optimization.optimization());
     let options = compiled.codegen_options();
+    if args.stats {
+        let statistics = statistics::statistics(&compiled).map_err(|error| internal(&error))?;
+        return write_text(args.output.as_deref(), &if args.json { statistics.json() } else { statistics.table() });
+    }
     match args.emit {
         None => link_executable(&compiled, args, name),
         Some(Emit::Obj) => {
@@ -57,7 +64,7 @@ fn build_read(args: &BuildArgs, read: Read, name: &str) -> Result<(), u8> {
             write_text(args.output.as_deref(), &text)
         }
         Some(Emit::Asm) => {
-            let text = plcc_codegen::asm_text(&compiled.module, &options).map_err(|error| internal(&error))?;
+            let text = emit::asm(&compiled, &bound.sources).map_err(|error| internal(&error))?;
             write_text(args.output.as_deref(), &text)
         }
         Some(Emit::Tokens | Emit::Ast) => unreachable!("written before binding"),

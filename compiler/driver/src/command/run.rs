@@ -20,7 +20,7 @@ fn compile(args: &RunArgs) -> Result<(plcc_abi::ProgramImage, Rc<dyn plcc_runtim
     let unreadable = read.is_unreadable();
     let settings = pipeline::Settings { require_main: true, ..pipeline::Settings::new(&args.compile) };
     let bound = accepted(pipeline::front(read, &settings), unreadable)?;
-    let compiled = pipeline::back(&bound, args.level.level);
+    let compiled = pipeline::back(&bound, args.optimization.optimization());
     let code = code::jit(&compiled).map_err(|error| internal(&error))?;
     Ok((compiled.image, code))
 }

@@ -14,9 +14,10 @@ pub fn test(args: &TestArgs) -> u8 {
         FormArg::Exe => &[Form::Exe],
         FormArg::All => &[Form::Interp, Form::Jit, Form::Exe],
     };
+    let optimization = args.optimization.optimization();
     let plan = Plan {
         settings: Settings::new(&args.compile),
-        variants: forms.iter().map(|&form| Variant { form, level: args.level.level }).collect(),
+        variants: forms.iter().map(|&form| Variant { form, optimization }).collect(),
         linker: args.linker.clone(),
     };
     let tests = inputs::find_tests(&args.inputs);

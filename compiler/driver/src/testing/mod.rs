@@ -13,9 +13,8 @@ pub mod prepare;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crate::cli::Level;
 use crate::inputs::TestInput;
-use crate::pipeline::Settings;
+use crate::pipeline::{Optimization, Settings};
 use prepare::Prepared;
 
 /// How a program runs.
@@ -29,11 +28,11 @@ pub enum Form {
     Exe,
 }
 
-/// A form at a level of optimisation.
+/// A form, and how its code is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Variant {
     pub form: Form,
-    pub level: Level,
+    pub optimization: Optimization,
 }
 
 impl std::fmt::Display for Variant {
@@ -43,11 +42,7 @@ impl std::fmt::Display for Variant {
             Form::Jit => "jit",
             Form::Exe => "exe",
         };
-        let level = match self.level {
-            Level::O0 => "-O0",
-            Level::O2 => "-O2",
-        };
-        write!(f, "{form} {level}")
+        write!(f, "{form} {}", self.optimization)
     }
 }
 

@@ -141,7 +141,7 @@ fn runs(bound: &Bound, scenarios: &[PathBuf], plan: &Plan) -> Vec<TestProgram> {
         .map(|options| TestProgram { options, sources: bound.sources.clone(), variants: Vec::new() })
         .collect();
     for &variant in &plan.variants {
-        let compiled = pipeline::back(bound, variant.level);
+        let compiled = pipeline::back(bound, variant.optimization);
         for program in &mut programs {
             let state = run_variant(&compiled, variant.form, &program.options);
             program.variants.push((variant, state));

@@ -15,6 +15,8 @@ use plcc_ir::{
 };
 use proptest::prelude::*;
 
+use crate::Without;
+
 const WORDS: usize = 3;
 const BITS: usize = 3;
 const FRAME: u32 = 32;
@@ -587,6 +589,53 @@ fn run(module: &Module, seed: u8, word: u32, bit: bool) -> Outcome {
     (returned, observed, memory.log.into_inner())
 }
 
+/// The module of random functions: a program of OB 1 alone, or one of which not all is known.
+fn random_module(programs: &[Vec<RandomBlock>], focus: &Focus, alone: bool) -> Module {
+    let mut functions = EntityVec::new();
+    for (index, program) in programs.iter().enumerate() {
+        functions.push(build(index, program, focus));
+    }
+    let mut entries = Vec::new();
+    if alone {
+        let mut b = FunctionBuilder::new("OB1", &[], &[]);
+        b.ret(&[]);
+        entries.push(functions.push(b.finish()));
+    }
+    let module = Module { functions, entries, dbs: dbs(), ..Module::default() };
+    crate::check("building", &module);
+    module
+}
+
+/// `PLCC_PASSES=all` leaves out each pass in each case.
+fn left_out(index: usize) -> Vec<Without> {
+    let each = Without::each();
+    match std::env::var_os("PLCC_PASSES").is_some_and(|value| value == "all") {
+        true => each,
+        false => vec![each[index % each.len()]],
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 500, max_shrink_iters: 20_000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn no_pass_relies_on_another_one(
+        programs in prop::collection::vec(random_function(), FUNCTIONS),
+        (regions, offsets) in (prop::collection::vec(0..7u8, 1..4), 1..9u32),
+        (seed, word, bit, alone) in (any::<u8>(), any::<u32>(), any::<bool>(), any::<bool>()),
+        index in any::<usize>(),
+    ) {
+        let module = random_module(&programs, &Focus { regions, offsets }, alone);
+        let expected = run(&module, seed, word, bit);
+        for without in left_out(index) {
+            let mut optimised = module.clone();
+            crate::optimize_with(&mut optimised, without, &mut |name, module| crate::check(&format!("{name}, {without}"), module));
+            let text = || plcc_ir::print::module_text(&module);
+            prop_assert!(run(&optimised, seed, word, bit) == expected, "{} is wrong for\n{}", without, text());
+        }
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 1000, max_shrink_iters: 20_000, failure_persistence: None, ..ProptestConfig::default() })]
 
@@ -596,24 +645,11 @@ proptest! {
         (regions, offsets) in (prop::collection::vec(0..7u8, 1..4), 1..9u32),
         (seed, word, bit, alone) in (any::<u8>(), any::<u32>(), any::<bool>(), any::<bool>()),
     ) {
-        let focus = Focus { regions, offsets };
-        let mut functions = EntityVec::new();
-        for (index, program) in programs.iter().enumerate() {
-            functions.push(build(index, program, &focus));
-        }
-        // A program of OB 1 alone, or one of which not all is known.
-        let mut entries = Vec::new();
-        if alone {
-            let mut b = FunctionBuilder::new("OB1", &[], &[]);
-            b.ret(&[]);
-            entries.push(functions.push(b.finish()));
-        }
-        let mut module = Module { functions, entries, dbs: dbs(), ..Module::default() };
-        crate::check("building", &module);
+        let mut module = random_module(&programs, &Focus { regions, offsets }, alone);
         let expected = run(&module, seed, word, bit);
         let mut last = plcc_ir::print::module_text(&module);
         let mut wrong = None;
-        crate::optimize_with(&mut module, &mut |name, module| {
+        crate::optimize_with(&mut module, Without::NOTHING, &mut |name, module| {
             if wrong.is_some() {
                 return;
             }
