@@ -326,7 +326,7 @@ mod tests {
     fn copies_are_as_if_through_a_buffer() {
         let memory = Memory::new(layout::DB_DATA);
         for bytes in 0..=70u32 {
-            for (from, to) in [(100, 200), (100, 103), (103, 100), (100, 120), (100, 100)] {
+            for (from, to) in [(100, 180), (100, 103), (103, 100), (100, 120), (100, 100)] {
                 let start: Vec<u8> = (0..=255).collect();
                 memory.load(layout::M, &start);
                 memory.copy(layout::M + from, layout::M + to, bytes);

@@ -139,8 +139,8 @@ impl BlockLowering<'_, '_> {
             Region::I => profile.inputs,
             Region::Q => profile.outputs,
             Region::M => profile.bit_memory,
-            Region::Db(number) if !(writes && protected.contains(&number)) => self.plan.static_db(number)?.length,
-            Region::AnyDb | Region::Any if !(writes && !protected.is_empty()) => {
+            Region::Db(number) if !writes || !protected.contains(&number) => self.plan.static_db(number)?.length,
+            Region::AnyDb | Region::Any if !writes || protected.is_empty() => {
                 let fields = pointer(self);
                 return Some(self.text_at_pointer(addr, declared, fields, ok));
             }
