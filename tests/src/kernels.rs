@@ -88,9 +88,7 @@ pub fn build_program(source: &Path, out: &Path) -> Result<(), String> {
     let compiled = pipeline::back(&bind_file(source, &settings)?, Level::O2);
     let object = plcc_codegen::compile_object(&compiled.module, &compiled.image_bytes(), &compiled.codegen_options())
         .map_err(|error| error.to_string())?;
-    let path = out.with_extension("o");
-    fs::write(&path, object).map_err(|error| error.to_string())?;
-    link::link(&[path], out, None).map_err(|error| error.to_string())
+    link::link(&[object], out, None).map_err(|error| error.to_string())
 }
 
 /// Compiles a twin with a compiler of C. Errors: its messages.

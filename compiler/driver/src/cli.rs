@@ -113,7 +113,7 @@ pub struct BuildArgs {
     pub level: LevelArgs,
     #[command(flatten)]
     pub compile: CompileArgs,
-    /// Linker: a C compiler [default: cc].
+    /// Link with a C compiler, such as `cc` [default: plcc links].
     #[arg(long, value_name = "CC")]
     pub linker: Option<String>,
 }
@@ -154,7 +154,7 @@ pub struct TestArgs {
     pub level: LevelArgs,
     #[command(flatten)]
     pub compile: CompileArgs,
-    /// Linker for `--form exe`: a C compiler [default: cc].
+    /// Link with a C compiler, such as `cc`, for `--form exe` [default: plcc links].
     #[arg(long, value_name = "CC")]
     pub linker: Option<String>,
 }

@@ -95,10 +95,7 @@ fn link_executable(compiled: &Compiled, args: &BuildArgs, name: &str) -> Result<
         report::say(&format!("`{}` is a source; name the executable with -o", output.display()));
         return Err(exit::USAGE);
     }
-    let folder = tempfile::tempdir().map_err(|error| cannot_write(&std::env::temp_dir(), &error))?;
-    let object_path = folder.path().join("program.o");
-    write_bytes(&object_path, &object(compiled)?)?;
-    link::link(&[object_path], &output, args.linker.as_deref()).map_err(|error| {
+    link::link(&[object(compiled)?], &output, args.linker.as_deref()).map_err(|error| {
         report::say(&error.to_string());
         exit::USAGE
     })
