@@ -55,7 +55,9 @@ fn area(number: usize, setpoint: u16) -> String {
     line(format_args!("FUNCTION FC {} : VOID\nTITLE = Area {number}\nVAR_TEMP", FIRST_AREA + number));
     line(format_args!("  enabled : BOOL;\n  sum : INT;\n  work : REAL;\nEND_VAR\nBEGIN"));
     line(format_args!("NETWORK\nTITLE = Release of the area"));
-    line(format_args!("      A     I {input}.0;          // main switch\n      AN    I {input}.1;          // emergency stop"));
+    line(format_args!(
+        "      A     I {input}.0;          // main switch\n      AN    I {input}.1;          // emergency stop"
+    ));
     line(format_args!("      A(    ;\n      O     M {memory}.0;\n      O     M {memory}.1;\n      )     ;"));
     line(format_args!("      =     #enabled;\n      FP    M {memory}.2;\n      JCN   m001;"));
     line(format_args!("      L     DB{data}.DBD 2;\n      L     L#1;\n      +D    ;\n      T     DB{data}.DBD 2;"));
@@ -64,30 +66,71 @@ fn area(number: usize, setpoint: u16) -> String {
         let (next, bit) = ((motor + 1) % DEVICES, motor % 8);
         line(format_args!("NETWORK\nTITLE = Motor {motor}"));
         line(format_args!("      A     #enabled;\n      A     I {}.{bit};", input + 1));
-        line(format_args!("      AN    M {}.{next};        // interlock\n      =     M {}.{bit};", memory + 4, memory + 6));
-        line(format_args!("      A     M {}.{bit};\n      L     S5T#{}S;\n      SD    T {};", memory + 6, 2 + motor, (number * 5 + motor) % 2000));
+        line(format_args!(
+            "      AN    M {}.{next};        // interlock\n      =     M {}.{bit};",
+            memory + 4,
+            memory + 6
+        ));
+        line(format_args!(
+            "      A     M {}.{bit};\n      L     S5T#{}S;\n      SD    T {};",
+            memory + 6,
+            2 + motor,
+            (number * 5 + motor) % 2000
+        ));
         line(format_args!("      A     T {};\n      =     M {}.{bit};", (number * 5 + motor) % 2000, memory + 4));
         line(format_args!("      CALL  FB 1 , DB {} (", db(motor)));
-        line(format_args!("           command := M {}.{bit},\n           feedback := I {}.{bit},", memory + 6, input + 2));
-        line(format_args!("           delay := {},\n           run := Q {output}.{bit},\n           fault := M {}.{bit});", 10 + motor, memory + 8));
+        line(format_args!(
+            "           command := M {}.{bit},\n           feedback := I {}.{bit},",
+            memory + 6,
+            input + 2
+        ));
+        line(format_args!(
+            "           delay := {},\n           run := Q {output}.{bit},\n           fault := M {}.{bit});",
+            10 + motor,
+            memory + 8
+        ));
         line(format_args!("NETWORK\nTITLE = Valve {motor}"));
         line(format_args!("      CALL  FB 2 , DB {} (", db(DEVICES + motor)));
         line(format_args!("           open := M {}.{bit},\n           opened := I {}.{bit},", memory + 4, input + 3));
         line(format_args!("           position := MW {},\n           valve := Q {}.{bit});", memory + 10, output + 1));
-        line(format_args!("      L     DB{data}.DBW {};\n      L     {};\n      >I    ;", 12 + 2 * motor, 100 * motor + number % 90));
-        line(format_args!("      S     M {}.{bit};\n      A     I {}.{bit};\n      R     M {}.{bit};", memory + 12, input + 2, memory + 12));
+        line(format_args!(
+            "      L     DB{data}.DBW {};\n      L     {};\n      >I    ;",
+            12 + 2 * motor,
+            100 * motor + number % 90
+        ));
+        line(format_args!(
+            "      S     M {}.{bit};\n      A     I {}.{bit};\n      R     M {}.{bit};",
+            memory + 12,
+            input + 2,
+            memory + 12
+        ));
     }
     line(format_args!("NETWORK\nTITLE = Level"));
     line(format_args!("      CALL  FB 3 , DB {} (", db(2 * DEVICES)));
-    line(format_args!("           raw := MW {},\n           setpoint := DB{data}.DBW 0,\n           filtered := DB{data}.DBD 6);", memory + 10));
-    line(format_args!("      L     DB{data}.DBD 6;\n      L     {}.5;\n      *R    ;\n      T     #work;", number % 50));
-    line(format_args!("      L     #work;\n      L     1.000000e+003;\n      >R    ;\n      =     M {}.7;", memory + 8));
+    line(format_args!(
+        "           raw := MW {},\n           setpoint := DB{data}.DBW 0,\n           filtered := DB{data}.DBD 6);",
+        memory + 10
+    ));
+    line(format_args!(
+        "      L     DB{data}.DBD 6;\n      L     {}.5;\n      *R    ;\n      T     #work;",
+        number % 50
+    ));
+    line(format_args!(
+        "      L     #work;\n      L     1.000000e+003;\n      >R    ;\n      =     M {}.7;",
+        memory + 8
+    ));
     line(format_args!("NETWORK\nTITLE = Alarms"));
     line(format_args!("      L     0;\n      T     #sum;"));
     for index in 0..4 {
-        line(format_args!("      L     #sum;\n      L     DB{data}.DBW {};\n      +I    ;\n      T     #sum;", 12 + 2 * index));
+        line(format_args!(
+            "      L     #sum;\n      L     DB{data}.DBW {};\n      +I    ;\n      T     #sum;",
+            12 + 2 * index
+        ));
     }
-    line(format_args!("      L     MW {};\n      L     W#16#FF0F;\n      AW    ;\n      T     DB{data}.DBW 10;", memory + 8));
+    line(format_args!(
+        "      L     MW {};\n      L     W#16#FF0F;\n      AW    ;\n      T     DB{data}.DBW 10;",
+        memory + 8
+    ));
     line(format_args!("      L     #sum;\n      L     DB{data}.DBW 0;\n      -I    ;\n      T     DB{data}.DBW 26;"));
     line(format_args!("      A     OV;\n      S     M {}.6;\n      BE    ;\nEND_FUNCTION", memory + 8));
     text

@@ -16,7 +16,7 @@ use plcc_abi::linked::{self, LinkedProgram};
 use plcc_ir::Module;
 use plcc_ir::entities::Entity;
 
-use crate::compile::Compiler;
+use crate::compile::{CompiledFunction, Compiler};
 use crate::isa::{Placement, Tuning, isa};
 use crate::{CodegenError, CodegenOptions, lines};
 
@@ -34,11 +34,22 @@ pub fn compile_object_as(
 ) -> Result<Vec<u8>, CodegenError> {
     let compiler = Compiler::new(module, Placement::Object, options)?;
     let functions = compiler.functions(false)?;
+    object_of(name, &compiler, &functions, image)
+}
+
+/// Object file of compiled functions.
+pub(crate) fn object_of(
+    name: &str,
+    compiler: &Compiler<'_>,
+    functions: &[CompiledFunction],
+    image: &[u8],
+) -> Result<Vec<u8>, CodegenError> {
+    let module = compiler.module;
     let builder =
         ObjectBuilder::new(compiler.isa.clone(), "plcc", cranelift_module::default_libcall_names()).map_err(output)?;
     let mut object = ObjectModule::new(builder);
     compiler.declare(&mut object)?;
-    for (id, function) in module.functions.keys().zip(&functions) {
+    for (id, function) in module.functions.keys().zip(functions) {
         object
             .define_function_bytes(symbol_id(id), function.alignment, &function.bytes, &function.relocs)
             .map_err(output)?;
@@ -51,7 +62,7 @@ pub fn compile_object_as(
     let mut product = object.finish();
     let entries: Vec<ObjectSymbol> = module.entries.iter().map(|&id| product.function_symbol(symbol_id(id))).collect();
     export_program(&mut product.object, name, image, &entries)?;
-    lines::add(module, &functions, &mut product)?;
+    lines::add(module, functions, &mut product)?;
     product.emit().map_err(|error| CodegenError::Output(error.to_string()))
 }
 

@@ -13,12 +13,13 @@ use crate::{CodegenError, CodegenOptions, keeping};
 /// CLIF of every function, before Cranelift's own passes.
 pub fn clif_text(module: &Module, options: &CodegenOptions) -> Result<String, CodegenError> {
     let compiler = Compiler::new(module, Placement::Object, options)?;
+    let name_of = |number| name_of(&compiler, number);
     let mut text = String::new();
     for id in module.functions.keys() {
         let clif = compiler.clif(id)?.display().to_string();
         // Functions are numbered there; here they have names.
         let (_, rest) = clif.split_once('(').unwrap_or(("", &clif));
-        let rest = named(rest, "u0:", "", &|number| name_of(module, number).map(|name| format!("%{name}")));
+        let rest = named(rest, "u0:", "", &|number| name_of(number).map(|name| format!("%{name}")));
         let name = symbol(&module.functions[id].name);
         writeln!(text, "function %{name}({rest}").expect("a string takes all");
     }
@@ -28,13 +29,13 @@ pub fn clif_text(module: &Module, options: &CodegenOptions) -> Result<String, Co
 /// Assembly of every function as it is in an object file.
 pub fn asm_text(module: &Module, options: &CodegenOptions) -> Result<String, CodegenError> {
     let compiler = Compiler::new(module, Placement::Object, options)?;
+    let name_of = |number| name_of(&compiler, number);
     let functions = compiler.functions(true)?;
     let mut text = String::new();
     for (id, function) in module.functions.keys().zip(&functions) {
         let name = symbol(&module.functions[id].name);
         let code = function.text.as_deref().unwrap_or("");
-        let code =
-            named(code, "User(userextname", ")", &|index| name_of(module, *function.callees.get(index)? as usize));
+        let code = named(code, "User(userextname", ")", &|index| name_of(*function.callees.get(index)? as usize));
         writeln!(text, "{name}: ; {} bytes\n{}", function.bytes.len(), code.trim_end()).expect("a string takes all");
         text.push('\n');
     }
@@ -57,7 +58,8 @@ fn named(text: &str, prefix: &str, suffix: &str, name: &dyn Fn(usize) -> Option<
 }
 
 /// Linker symbol of the function that lowering numbers so.
-fn name_of(module: &Module, number: usize) -> Option<String> {
+fn name_of(compiler: &Compiler<'_>, number: usize) -> Option<String> {
+    let module = compiler.module;
     let functions = module.functions.len();
     if number < functions {
         return Some(symbol(&module.functions[plcc_ir::FuncId::new(number)].name));
@@ -65,6 +67,6 @@ fn name_of(module: &Module, number: usize) -> Option<String> {
     let runtime = RuntimeFn::ALL.len();
     match RuntimeFn::ALL.get(number - functions) {
         Some(function) => Some(function.symbol().to_string()),
-        None => keeping::used(module).get(number - functions - runtime).map(|&function| keeping::symbol(function)),
+        None => compiler.keeping.get(number - functions - runtime).map(|&function| keeping::symbol(function)),
     }
 }

@@ -18,7 +18,7 @@
 
 use plcc_ir::analysis::{ControlFlow, Dominators};
 use plcc_ir::entities::Entity;
-use plcc_ir::{BinaryOp, Block, BlockCall, ConvertOp, Function, Inst, InstData, Loc, Module, Type, UnaryOp, Value};
+use plcc_ir::{BinaryOp, Block, BlockCall, ConvertOp, Function, Inst, InstData, Loc, Type, UnaryOp, Value};
 
 use crate::loops::Loops;
 
@@ -32,14 +32,12 @@ const BITS_MAX: usize = 2;
 const ROUNDS_MAX: usize = 3;
 
 /// Replaces short branches in all functions.
-pub fn select_by_branches(module: &mut Module) {
-    for function in module.functions.values_mut() {
-        for _ in 0..ROUNDS_MAX {
-            if !round(function) {
-                break;
-            }
-            function.remove_unreachable_blocks();
+pub fn select_by_branches(function: &mut Function) {
+    for _ in 0..ROUNDS_MAX {
+        if !round(function) {
+            break;
         }
+        function.remove_unreachable_blocks();
     }
 }
 

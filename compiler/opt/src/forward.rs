@@ -25,13 +25,12 @@ use plcc_abi::functions::Effect;
 use plcc_abi::layout::state;
 use plcc_ir::analysis::ControlFlow;
 use plcc_ir::entities::EntityVec;
-use plcc_ir::{
-    Address, BinaryOp, Block, ConvertOp, FuncId, Function, Inst, InstData, Loc, Module, Region, Type, Value,
-};
+use plcc_ir::{Address, BinaryOp, Block, ConvertOp, Function, Inst, InstData, Loc, Region, Type, Value};
 use rustc_hash::FxHashMap;
 
 use crate::extents::{Access, Extent, Extents};
 use crate::frames::Frames;
+use crate::surroundings::Surroundings;
 
 /// Ranges that are known for one base; more are forgotten.
 const RANGES_MAX: usize = 256;
@@ -39,22 +38,16 @@ const RANGES_MAX: usize = 256;
 const BASES_MAX: usize = 64;
 const DB_FACTS_MAX: usize = 32;
 
-/// Forwards memory in all functions.
-pub fn forward_memory(module: &mut Module) {
-    let frames = Frames::new(module);
-    for id in module.functions.keys() {
-        forward_in_function(&mut module.functions[id], id, &frames);
-    }
-}
-
-fn forward_in_function(function: &mut Function, id: FuncId, frames: &Frames) {
+/// Forwards memory in a function.
+pub fn forward_memory(function: &mut Function, surroundings: &Surroundings) {
+    let frames = &surroundings.frames(function);
     let cfg = ControlFlow::new(function);
     let mut at_end: EntityVec<Block, Option<AtEnd>> = EntityVec::new();
     for _ in function.blocks.keys() {
         at_end.push(None);
     }
-    let cold_takes_frame = frames.is_private(id) && function.local_bytes() > 0;
-    let mut pass = Forward { function, id, frames, known: Memory::default(), out: Vec::new(), loc: Loc(0) };
+    let cold_takes_frame = frames.is_private() && function.local_bytes() > 0;
+    let mut pass = Forward { function, frames, known: Memory::default(), out: Vec::new(), loc: Loc(0) };
     for &block in &cfg.rpo {
         let takes = |function: &Function, from, to| takes_from(function, &cfg, from, to, cold_takes_frame);
         pass.known = known_at_start(pass.function, &cfg, block, &mut at_end, &takes);
@@ -284,8 +277,7 @@ enum Step {
 
 struct Forward<'a> {
     function: &'a mut Function,
-    id: FuncId,
-    frames: &'a Frames,
+    frames: &'a Frames<'a>,
     known: Memory,
     out: Vec<Inst>,
     loc: Loc,
@@ -329,7 +321,7 @@ impl Forward<'_> {
             InstData::DbBase { number } => self.db_entry(inst, *number, false),
             InstData::DbLength { number } => self.db_entry(inst, *number, true),
             InstData::Call { callee, .. } => {
-                let keep_frame = !self.frames.call_touches(self.id, *callee);
+                let keep_frame = !self.frames.call_touches(*callee);
                 self.known.forget_all(keep_frame, self.function);
                 Step::Keep
             }
@@ -348,7 +340,7 @@ impl Forward<'_> {
                         self.known.regions.remove(&Region::Any);
                     }
                     Effect::All => {
-                        self.known.forget_all(self.frames.is_private(self.id), self.function);
+                        self.known.forget_all(self.frames.is_private(), self.function);
                     }
                 }
                 Step::Keep

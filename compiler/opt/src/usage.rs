@@ -17,18 +17,29 @@ pub struct Usage {
 
 /// Looks at all code of the module.
 pub fn usage(module: &Module) -> Usage {
-    let mut usage = Usage { outputs: 0, logic_only: true };
-    for function in module.functions.values() {
-        for &block in &function.layout {
-            for &inst in &function.blocks[block].insts {
-                usage.add(function, &function.insts[inst]);
-            }
+    module.functions.values().map(usage_of).fold(Usage::NOTHING, Usage::and)
+}
+
+/// Looks at the code of a function.
+pub fn usage_of(function: &Function) -> Usage {
+    let mut usage = Usage::NOTHING;
+    for &block in &function.layout {
+        for &inst in &function.blocks[block].insts {
+            usage.add(function, &function.insts[inst]);
         }
     }
     usage
 }
 
 impl Usage {
+    /// What a program without code uses.
+    pub const NOTHING: Usage = Usage { outputs: 0, logic_only: true };
+
+    /// What two parts of a program use.
+    pub fn and(self, other: Usage) -> Usage {
+        Usage { outputs: self.outputs.max(other.outputs), logic_only: self.logic_only && other.logic_only }
+    }
+
     fn add(&mut self, function: &Function, inst: &InstData) {
         let outputs = match inst {
             InstData::Store { addr, value } => end_of(addr, function.ty(*value).bytes()),

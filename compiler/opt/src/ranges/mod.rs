@@ -19,15 +19,10 @@ use crate::loops::Loops;
 use analysis::Ranges;
 use interval::Interval;
 use plcc_ir::analysis::{ControlFlow, Dominators};
-use plcc_ir::{BinaryOp, Block, ConvertOp, Function, Inst, InstData, Loc, Module, Type, Value, eval};
+use plcc_ir::{BinaryOp, Block, ConvertOp, Function, Inst, InstData, Loc, Type, Value, eval};
 
 /// Larger functions are left as they are: each sweep looks at all of their code.
 const INSTS_MAX: usize = 400_000;
-
-/// Uses ranges in all functions.
-pub fn use_ranges(module: &mut Module) {
-    module.functions.values_mut().for_each(use_in_function);
-}
 
 /// What becomes of an instruction.
 enum Change {
@@ -39,7 +34,8 @@ enum Change {
     Shift(BinaryOp, Value, u64),
 }
 
-fn use_in_function(function: &mut Function) {
+/// Uses ranges in a function.
+pub fn use_ranges(function: &mut Function) {
     if function.insts.len() > INSTS_MAX {
         return;
     }
