@@ -21,7 +21,7 @@ use crate::{CodegenError, CodegenOptions};
 /// How functions are finished.
 pub struct Finishing<'a> {
     /// What was kept of this function, which is not finished.
-    pub kept: &'a (dyn Fn(&Function) -> Option<KeptFunction> + Sync),
+    pub kept: &'a (dyn Fn(FuncId, &Function) -> Option<KeptFunction> + Sync),
     /// Finishes the function. The result is kept with its code; see [`Finished::notes`].
     pub finish: &'a (dyn Fn(&mut Function) -> u64 + Sync),
     /// What can be kept is wanted.
@@ -50,10 +50,11 @@ pub fn finish<'m>(
     finishing: &Finishing<'_>,
 ) -> Result<Finished<'m>, CodegenError> {
     let ids: Vec<FuncId> = module.functions.keys().collect();
-    let first = |function: &mut Function| match (finishing.kept)(function).filter(KeptFunction::is_sound) {
-        Some(kept) => State::Kept(kept),
-        None => State::Finished((finishing.finish)(function)),
-    };
+    let first =
+        |id: FuncId, function: &mut Function| match (finishing.kept)(id, function).filter(KeptFunction::is_sound) {
+            Some(kept) => State::Kept(kept),
+            None => State::Finished((finishing.finish)(function)),
+        };
     let mut states = for_each(&mut module.functions, &ids, &first);
     let mut all_facts: Vec<Facts> = Vec::with_capacity(ids.len());
     let mut missing = Vec::new();
@@ -70,7 +71,7 @@ pub fn finish<'m>(
             all_facts.push(known.unwrap_or_default());
         }
     }
-    let again = |function: &mut Function| State::Finished((finishing.finish)(function));
+    let again = |_: FuncId, function: &mut Function| State::Finished((finishing.finish)(function));
     for (id, state) in missing.iter().zip(for_each(&mut module.functions, &missing, &again)) {
         states[id.index()] = state;
         all_facts[id.index()] = facts(&module.functions[*id]);
@@ -139,7 +140,7 @@ fn ways_of_calling(compiler: &Compiler<'_>, facts: &[Facts]) -> Vec<u64> {
 fn for_each<R: Send>(
     functions: &mut EntityVec<FuncId, Function>,
     ids: &[FuncId],
-    work: &(dyn Fn(&mut Function) -> R + Sync),
+    work: &(dyn Fn(FuncId, &mut Function) -> R + Sync),
 ) -> Vec<R> {
     let mut wanted = ids.iter().copied().peekable();
     let is_wanted = |(id, _): &(FuncId, &mut Function)| wanted.next_if_eq(id).is_some();
@@ -152,7 +153,7 @@ fn for_each<R: Send>(
     let done = Mutex::new(Vec::with_capacity(ids.len()));
     in_threads(if total < SHARED_INSTS_MIN { 1 } else { ids.len() }, &|| {
         while let Some((id, function)) = next() {
-            let result = work(function);
+            let result = work(id, function);
             done.lock().unwrap_or_else(PoisonError::into_inner).push((id, result));
         }
     });

@@ -157,7 +157,19 @@ impl KeptFunction {
 
     /// Whether all of its parts fit together; a file can be damaged.
     pub(crate) fn is_sound(&self) -> bool {
-        let fits = |reloc: &KeptReloc| (reloc.offset as usize).saturating_add(4) <= self.bytes.len();
-        self.alignment.is_power_of_two() && self.keeping >> keeping::COUNT == 0 && self.relocs.iter().all(fits)
+        let is_sound = |reloc: &KeptReloc| {
+            let target = match reloc.target {
+                Target::Callee(index) => (index as usize) < self.callees.len(),
+                Target::Runtime(number) => (number as usize) < RuntimeFn::ALL.len(),
+                Target::Keeping(number) => {
+                    keeping::of_bits(self.keeping).iter().any(|&function| function as u32 == number)
+                }
+                Target::Library(number) => usize::from(number) < LIBRARY.len(),
+                Target::Own(offset) => (offset as usize) < self.bytes.len(),
+            };
+            let is_inside = (reloc.offset as usize).saturating_add(4) <= self.bytes.len();
+            target && is_inside && usize::from(reloc.kind) < KINDS.len()
+        };
+        self.alignment.is_power_of_two() && self.keeping >> keeping::COUNT == 0 && self.relocs.iter().all(is_sound)
     }
 }

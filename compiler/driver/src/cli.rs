@@ -113,6 +113,9 @@ pub struct BuildArgs {
     pub level: LevelArgs,
     #[command(flatten)]
     pub compile: CompileArgs,
+    /// Compile everything, and keep no code for the next build.
+    #[arg(long)]
+    pub no_cache: bool,
     /// Link with a C compiler, such as `cc` [default: plcc links].
     #[arg(long, value_name = "CC")]
     pub linker: Option<String>,

@@ -2,7 +2,8 @@
 //!
 //! - [`cli`]: the command line; [`command`]: the commands.
 //! - [`inputs`], [`content`], [`sheets`], [`project`]: from arguments to files.
-//! - [`pipeline`]: from files to code, one function per stage; [`emit`]: its forms as text; [`link`]: executables.
+//! - [`pipeline`]: from files to code, one function per stage; [`emit`]: its forms as text; [`link`]: executables;
+//!   [`cache`]: code of earlier builds.
 //! - [`station`]: the modules of a project; [`plot`]: pictures of traces.
 //! - [`code`]: code that runs in this process; [`testing`]: `plcc test`.
 //! - [`report`] writes messages.
@@ -13,6 +14,7 @@ use std::ffi::OsString;
 
 use clap::Parser;
 
+pub mod cache;
 pub mod cli;
 pub mod code;
 pub mod command;

@@ -4,11 +4,12 @@ use std::path::Path;
 
 use plcc_abi::image::{Family, Profile, ProgramImage};
 use plcc_binding::BindInput;
-use plcc_codegen::CodegenOptions;
+use plcc_codegen::{CodegenError, CodegenOptions, Finishing};
 use plcc_diag::{Code, Diagnostic, Severity, SourceFile, SourceMap, Span};
-use plcc_ir::Module;
+use plcc_ir::{Function, Module};
 use plcc_model::Program;
 use plcc_model::profile;
+use plcc_opt::Usage;
 use plcc_readers::ReadOptions;
 use plcc_readers::sd::Texts;
 use plcc_readers::symbols;
@@ -17,6 +18,7 @@ use plcc_syntax::ast::SourceUnit;
 use plcc_syntax::stl::Mnemonics;
 use plcc_syntax::symbols::SymbolTable;
 
+use crate::cache::{Cache, Keys};
 use crate::cli::{CompileArgs, Level};
 use crate::inputs::Read;
 use crate::project::Project;
@@ -269,11 +271,46 @@ pub fn optimize(mut compiled: Compiled) -> Compiled {
         Level::O2 => plcc_opt::optimize(&mut compiled.module),
     }
     let usage = plcc_opt::usage(&compiled.module);
-    compiled.image.outputs_used = usage.outputs;
-    if let Some(own) = &mut compiled.image.s7200 {
-        own.logic_only = usage.logic_only;
+    compiled.with_usage(usage)
+}
+
+/// The object file of a program that is lowered, not optimised. Code of unchanged functions comes from `cache`, which keeps the code
+/// that it did not have.
+pub fn object(mut compiled: Compiled, cache: Option<&Cache>) -> Result<Vec<u8>, CodegenError> {
+    if compiled.level == Level::O2 {
+        plcc_opt::optimize_together(&mut compiled.module);
     }
-    compiled
+    let options = compiled.codegen_options();
+    let Compiled { mut module, image, level } = compiled;
+    let surroundings = plcc_opt::Surroundings::new(&module);
+    let cache = cache.filter(|_| Keys::is_worth_while(&module));
+    let keys = cache.map(|_| Keys::new(&module, &surroundings, &options));
+    let old = cache.map(Cache::read);
+    let kept = |id, function: &Function| old.as_ref()?.get(keys.as_ref()?.key(id, function));
+    let finish = |function: &mut Function| {
+        if level == Level::O2 {
+            plcc_opt::optimize_alone(function, &surroundings);
+        }
+        usage_as_note(plcc_opt::usage_of(function))
+    };
+    let finishing = Finishing { kept: &kept, finish: &finish, keep: cache.is_some() };
+    let finished = plcc_codegen::finish(&mut module, &options, &finishing)?;
+    let usage = finished.notes.iter().copied().map(usage_of_note).fold(Usage::NOTHING, Usage::and);
+    let image = Compiled { module: Module::default(), image, level }.with_usage(usage);
+    let object = finished.object(&image.image_bytes())?;
+    if let (Some(cache), Some(old), Some(keys)) = (cache, &old, &keys) {
+        cache.write(old, keys, &finished.made);
+    }
+    Ok(object)
+}
+
+/// What a function uses, in one number.
+fn usage_as_note(usage: Usage) -> u64 {
+    u64::from(usage.outputs) | u64::from(usage.logic_only) << 32
+}
+
+fn usage_of_note(note: u64) -> Usage {
+    Usage { outputs: note as u32, logic_only: note >> 32 != 0 }
 }
 
 /// Lowers and optimises.
@@ -282,6 +319,15 @@ pub fn back(bound: &Bound, level: Level) -> Compiled {
 }
 
 impl Compiled {
+    /// Tells the runtime what the program uses.
+    fn with_usage(mut self, usage: Usage) -> Compiled {
+        self.image.outputs_used = usage.outputs;
+        if let Some(own) = &mut self.image.s7200 {
+            own.logic_only = usage.logic_only;
+        }
+        self
+    }
+
     pub fn codegen_options(&self) -> CodegenOptions {
         CodegenOptions { optimize: self.level == Level::O2, ..CodegenOptions::default() }
     }

@@ -4,6 +4,7 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use crate::cache::Cache;
 use crate::cli::{BuildArgs, Emit};
 use crate::command::exit;
 use crate::inputs::{self, Read};
@@ -43,10 +44,12 @@ fn build_read(args: &BuildArgs, read: Read, name: &str) -> Result<(), u8> {
     if let Some(pass) = &args.print_after {
         return write_text(args.output.as_deref(), &emit::ir_after(pipeline::lower(&bound, args.level.level), pass));
     }
+    if args.emit.is_none() {
+        return link_executable(bound, args, name);
+    }
     let compiled = pipeline::back(&bound, args.level.level);
     let options = compiled.codegen_options();
     match args.emit {
-        None => link_executable(&compiled, args, name),
         Some(Emit::Obj) => {
             let output = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{name}.o")));
             write_bytes(&output, &object(&compiled)?)
@@ -60,7 +63,7 @@ fn build_read(args: &BuildArgs, read: Read, name: &str) -> Result<(), u8> {
             let text = plcc_codegen::asm_text(&compiled.module, &options).map_err(|error| internal(&error))?;
             write_text(args.output.as_deref(), &text)
         }
-        Some(Emit::Tokens | Emit::Ast) => unreachable!("written before binding"),
+        None | Some(Emit::Tokens | Emit::Ast) => unreachable!("written before"),
     }
 }
 
@@ -85,7 +88,7 @@ pub fn internal(error: &dyn std::error::Error) -> u8 {
     exit::COMPILE
 }
 
-fn link_executable(compiled: &Compiled, args: &BuildArgs, name: &str) -> Result<(), u8> {
+fn link_executable(bound: Bound, args: &BuildArgs, name: &str) -> Result<(), u8> {
     let output = args.output.clone().unwrap_or_else(|| PathBuf::from(name));
     if output.is_dir() {
         report::say(&format!("`{}` is a folder; name the executable with -o", output.display()));
@@ -95,7 +98,12 @@ fn link_executable(compiled: &Compiled, args: &BuildArgs, name: &str) -> Result<
         report::say(&format!("`{}` is a source; name the executable with -o", output.display()));
         return Err(exit::USAGE);
     }
-    link::link(&[object(compiled)?], &output, args.linker.as_deref()).map_err(|error| {
+    let lowered = pipeline::lower(&bound, args.level.level);
+    // A large program takes much memory; what is not needed any more makes room.
+    drop(bound);
+    let cache = if args.no_cache { None } else { Cache::of(&output) };
+    let object = pipeline::object(lowered, cache.as_ref()).map_err(|error| internal(&error))?;
+    link::link(&[object], &output, args.linker.as_deref()).map_err(|error| {
         report::say(&error.to_string());
         exit::USAGE
     })
