@@ -110,6 +110,11 @@ impl Cache {
 }
 
 impl Kept {
+    /// The keys of all functions.
+    pub fn keys(&self) -> impl Iterator<Item = u128> + '_ {
+        self.entries.keys().copied()
+    }
+
     /// The code under this key.
     pub fn get(&self, key: u128) -> Option<KeptFunction> {
         let entry = self.entries.get(&key)?;
