@@ -19,6 +19,9 @@ const SIZES: [usize; 5] = [1_000, 10_000, 26_000, 100_000, 1_000_000];
 /// Builds of one row; the fastest counts.
 const RUNS: usize = 5;
 
+/// Lines from which on one build is enough.
+const LONG: usize = 500_000;
+
 /// Makes this program a build with the arguments after it.
 const BUILD: &str = "--plcc";
 
@@ -48,7 +51,7 @@ fn row(folder: &Path, size: usize) {
     write(0);
     let lines = fs::read_to_string(&source).expect("it was written").lines().count();
     let fastest = |prepare: &dyn Fn(u16), flags: &[&str]| {
-        let runs = (0..RUNS).map(|run| {
+        let runs = (0..if size < LONG { RUNS } else { 1 }).map(|run| {
             prepare(run as u16 + 1);
             build(folder, flags)
         });

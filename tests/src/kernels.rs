@@ -119,7 +119,7 @@ pub fn twin_run(twin: &Path, scans: u64, what: &str) -> Command {
 
 /// Runs a command to its end. Errors: what it printed, if it fails.
 pub fn finished(command: &mut Command) -> Result<Output, String> {
-    let output = command.stdin(Stdio::null()).output().map_err(|error| format!("{command:?}: {error}\n"))?;
+    let output = link::output_of(command.stdin(Stdio::null())).map_err(|error| format!("{command:?}: {error}\n"))?;
     if output.status.success() {
         return Ok(output);
     }

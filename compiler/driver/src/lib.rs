@@ -5,6 +5,7 @@
 //! - [`pipeline`]: from files to code, one function per stage; [`emit`]: its forms as text; [`link`]: executables;
 //!   [`cache`]: code of earlier builds.
 //! - [`station`]: the modules of a project; [`plot`]: pictures of traces.
+//! - `parallel`: work for all processors.
 //! - [`code`]: code that runs in this process; [`testing`]: `plcc test`.
 //! - [`report`] writes messages.
 //!
@@ -22,6 +23,7 @@ pub mod content;
 pub mod emit;
 pub mod inputs;
 pub mod link;
+mod parallel;
 pub mod pipeline;
 pub mod plot;
 pub mod project;

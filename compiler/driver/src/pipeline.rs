@@ -5,7 +5,7 @@ use std::path::Path;
 use plcc_abi::image::{Family, Profile, ProgramImage};
 use plcc_binding::BindInput;
 use plcc_codegen::{CodegenError, CodegenOptions, Finishing};
-use plcc_diag::{Code, Diagnostic, Severity, SourceFile, SourceMap, Span};
+use plcc_diag::{Code, Diagnostic, FileId, Severity, SourceFile, SourceMap, Span};
 use plcc_ir::{Function, Module};
 use plcc_model::Program;
 use plcc_model::profile;
@@ -21,6 +21,7 @@ use plcc_syntax::symbols::SymbolTable;
 use crate::cache::{Cache, Keys};
 use crate::cli::{CompileArgs, Level};
 use crate::inputs::Read;
+use crate::parallel;
 use crate::project::Project;
 use crate::s7200;
 use crate::technology;
@@ -67,7 +68,7 @@ impl Settings {
 pub struct Parsed {
     pub name: String,
     pub sources: SourceMap,
-    pub units: Vec<(plcc_diag::FileId, SourceUnit)>,
+    pub units: Vec<(FileId, SourceUnit)>,
     pub tables: Vec<SymbolTable>,
     pub project: Option<Project>,
     pub diagnostics: Vec<Diagnostic>,
@@ -95,12 +96,16 @@ pub struct Compiled {
     pub level: Level,
 }
 
+/// Sources of fewer bytes are parsed before a thread has started.
+const SHARED_BYTES_MIN: usize = 100_000;
+
 /// Parses all sources and symbol tables.
 pub fn parse(read: Read, settings: &Settings) -> Parsed {
     let Read { name, sources, units, tables, texts, project, mut diagnostics, .. } = read;
     let options = settings.parse_options(project.as_ref());
-    let mut parse_unit = |file| {
+    let parse_unit = |&file: &FileId| {
         let source = sources.file(file);
+        let mut diagnostics = Vec::new();
         let texts = texts.iter().find(|(unit, _)| *unit == file).map(|&(_, texts)| {
             let (texts, messages) = Texts::parse(texts, &sources.file(texts).text);
             diagnostics.extend(messages);
@@ -109,9 +114,15 @@ pub fn parse(read: Read, settings: &Settings) -> Parsed {
         let options = ReadOptions { language: language_of(&source.name), texts: texts.as_ref(), ..options };
         let (unit, messages) = plcc_readers::parse(file, &source.text, &options);
         diagnostics.extend(messages);
-        (file, unit)
+        ((file, unit), diagnostics)
     };
-    let units = units.into_iter().map(&mut parse_unit).collect();
+    let bytes: usize = units.iter().map(|&file| sources.file(file).text.len()).sum();
+    let parsed = match bytes < SHARED_BYTES_MIN {
+        true => units.iter().map(parse_unit).collect(),
+        false => parallel::map(&units, parse_unit),
+    };
+    let (units, messages): (Vec<_>, Vec<_>) = parsed.into_iter().unzip();
+    diagnostics.extend(messages.into_iter().flatten());
     let mut parse_table = |file| {
         let (table, messages) = symbols::parse(file, sources.file(file));
         diagnostics.extend(messages);
@@ -192,7 +203,7 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
 const STAND_INS: &str = "stand-ins of --partial";
 
 /// A test file may allow missing parts.
-fn pragma_partial(settings: &Settings, units: &[(plcc_diag::FileId, SourceUnit)]) -> bool {
+fn pragma_partial(settings: &Settings, units: &[(FileId, SourceUnit)]) -> bool {
     let mut pragmas = units.iter().flat_map(|(_, unit)| &unit.pragmas);
     let words = |text: &str| {
         let mut words = text.split_whitespace();
@@ -202,7 +213,7 @@ fn pragma_partial(settings: &Settings, units: &[(plcc_diag::FileId, SourceUnit)]
 }
 
 /// The CPU of a test file: the last `//@ cpu` that can be understood. Binding reports the others.
-fn pragma_profile(settings: &Settings, units: &[(plcc_diag::FileId, SourceUnit)]) -> Option<Profile> {
+fn pragma_profile(settings: &Settings, units: &[(FileId, SourceUnit)]) -> Option<Profile> {
     if !settings.pragmas {
         return None;
     }
@@ -224,7 +235,7 @@ fn profile_named(name: &str) -> Option<Profile> {
 fn profile_of(
     settings: &Settings,
     project: Option<&Project>,
-    units: &[(plcc_diag::FileId, SourceUnit)],
+    units: &[(FileId, SourceUnit)],
     sources: &mut SourceMap,
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Profile {
@@ -274,8 +285,8 @@ pub fn optimize(mut compiled: Compiled) -> Compiled {
     compiled.with_usage(usage)
 }
 
-/// The object file of a program that is lowered, not optimised. Code of unchanged functions comes from `cache`, which keeps the code
-/// that it did not have.
+/// The object file of a program that is lowered, not optimised. At -O2 the code of unchanged functions comes from `cache`, which keeps
+/// the code that it did not have.
 pub fn object(mut compiled: Compiled, cache: Option<&Cache>) -> Result<Vec<u8>, CodegenError> {
     if compiled.level == Level::O2 {
         plcc_opt::optimize_together(&mut compiled.module);
@@ -283,7 +294,8 @@ pub fn object(mut compiled: Compiled, cache: Option<&Cache>) -> Result<Vec<u8>, 
     let options = compiled.codegen_options();
     let Compiled { mut module, image, level } = compiled;
     let surroundings = plcc_opt::Surroundings::new(&module);
-    let cache = cache.filter(|_| Keys::is_worth_while(&module));
+    // Keys are made of canonical functions, which the passes leave.
+    let cache = cache.filter(|_| level == Level::O2 && Keys::is_worth_while(&module));
     let keys = cache.map(|_| Keys::new(&module, &surroundings, &options));
     let old = cache.map(Cache::read);
     let kept = |id, function: &Function| old.as_ref()?.get(keys.as_ref()?.key(id, function));

@@ -67,6 +67,8 @@ const fn module(name: &'static str, run: fn(&mut Module)) -> Pass {
 pub const TOGETHER: &[Pass] = &[
     function("fold", fold::fold),
     function("control-flow", control_flow::simplify_control_flow),
+    function("unused", unused::remove_unused),
+    function("compact", Function::compact),
     surrounded("addresses", addresses::resolve_addresses),
     function("values", values::share_values),
     surrounded("forward", forward::forward_memory),

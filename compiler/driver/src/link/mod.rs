@@ -9,6 +9,8 @@ use std::fs::{self, Permissions};
 use std::io::{self, Write as _};
 use std::os::unix::fs::PermissionsExt as _;
 use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::time::Duration;
 
 mod compiler;
 mod place;
@@ -64,6 +66,23 @@ pub fn link(objects: &[impl AsRef<[u8]>], out: &Path, linker: Option<&str>) -> R
     }
 }
 
+/// How often an executable that is busy is tried again, a millisecond later each time.
+const BUSY_TRIES: usize = 2000;
+
+/// Runs an executable that this process may just have written. A process that another thread starts at the same moment has the
+/// file open for writing until it begins its own program; until then Linux refuses to run it.
+pub fn output_of(command: &mut Command) -> io::Result<Output> {
+    for _ in 0..BUSY_TRIES {
+        match command.output() {
+            Err(error) if error.kind() == io::ErrorKind::ExecutableFileBusy => {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            result => return result,
+        }
+    }
+    command.output()
+}
+
 /// The bytes of the executable that contains `objects` and the runtime.
 fn executable(objects: &[impl AsRef<[u8]>]) -> Result<Vec<u8>, LinkError> {
     let template = Template::read()?;
@@ -93,4 +112,24 @@ fn write_executable(path: &Path, bytes: &[u8]) -> Result<(), LinkError> {
     file.write_all(bytes).map_err(failed)?;
     file.persist(path).map_err(|error| failed(error.error))?;
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_busy_executable_is_waited_for() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("program");
+        fs::copy("/bin/true", &path).expect("every Linux has it");
+        let busy = fs::File::options().append(true).open(&path).expect("own file");
+        assert!(Command::new(&path).output().is_err_and(|error| error.kind() == io::ErrorKind::ExecutableFileBusy));
+        let closing = std::thread::spawn(move || {
+            std::thread::sleep(Duration::from_millis(50));
+            drop(busy);
+        });
+        assert!(output_of(&mut Command::new(&path)).expect("it runs").status.success());
+        closing.join().expect("it does nothing else");
+    }
 }

@@ -10,9 +10,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use plcc_runtime::testing::{TEST_VARIABLE, TestJob};
 use plcc_runtime::{TestOptions, TestReport};
 
-use super::in_parallel;
 use super::prepare::{Prepared, VariantState};
-use crate::link;
+use crate::{link, parallel};
 
 /// Programs that share a link.
 const BATCH: usize = 64;
@@ -56,7 +55,7 @@ fn run_batch(batch: &[(&TestOptions, &mut VariantState)], linker: Option<&str>) 
         .enumerate()
         .map(|(program, (options, _))| TestJob { program, options: (*options).clone() })
         .collect();
-    in_parallel(&jobs, |job| match report_of(&executable, job) {
+    parallel::map(&jobs, |job| match report_of(&executable, job) {
         Ok(report) => VariantState::Done(report),
         Err(message) => VariantState::Broken(message),
     })
@@ -84,7 +83,8 @@ fn link_batch(
 
 fn report_of(executable: &Path, job: &TestJob) -> Result<TestReport, String> {
     let job = serde_json::to_string(job).map_err(|error| error.to_string())?;
-    let output = Command::new(executable).env(TEST_VARIABLE, job).output().map_err(|error| error.to_string())?;
+    let output =
+        link::output_of(Command::new(executable).env(TEST_VARIABLE, job)).map_err(|error| error.to_string())?;
     serde_json::from_slice(&output.stdout).map_err(|error| {
         format!(
             "{error} in the report of the executable ({}): {}",
