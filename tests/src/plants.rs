@@ -9,8 +9,8 @@ const SHARED: &str = include_str!("plants/shared.stl");
 /// Motors and valves of an area.
 const DEVICES: usize = 5;
 
-/// A plant of about `lines` lines. `setpoint` is a number in one of its blocks: another one makes a program with one changed
-/// block.
+/// A plant of about `lines` lines. `setpoint` is a number in the code of one area, and a start value of its DB: another one
+/// makes a program with one changed block of code.
 pub fn plant(lines: usize, setpoint: u16) -> String {
     let mut text = String::with_capacity(lines * 24);
     text.push_str(SHARED);
@@ -131,7 +131,7 @@ fn area(number: usize, setpoint: u16) -> String {
         "      L     MW {};\n      L     W#16#FF0F;\n      AW    ;\n      T     DB{data}.DBW 10;",
         memory + 8
     ));
-    line(format_args!("      L     #sum;\n      L     DB{data}.DBW 0;\n      -I    ;\n      T     DB{data}.DBW 26;"));
+    line(format_args!("      L     #sum;\n      L     {setpoint};\n      -I    ;\n      T     DB{data}.DBW 26;"));
     line(format_args!("      A     OV;\n      S     M {}.6;\n      BE    ;\nEND_FUNCTION", memory + 8));
     text
 }
