@@ -1,4 +1,5 @@
-//! Builds the runtime that is linked into every executable, as one relocatable object inside plcc.
+//! Builds the runtime that is in every executable: as an executable with room for a program, to which plcc adds one, and as
+//! one relocatable object for linking with a C compiler.
 //!
 //! The runtime crate is compiled once more as a static library with `main`, in a separate target folder, so that the
 //! outer build's lock is not touched. A partial link then picks from it and from the standard library what `main` and the
@@ -9,7 +10,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use plcc_abi::RuntimeFn;
+use plcc_abi::{RuntimeFn, linked};
 
 /// What the object is built from, relative to the root of the workspace.
 const SOURCES: [&str; 8] = [
@@ -51,7 +52,9 @@ fn main() {
         println!("cargo::rerun-if-changed={}", root.join(source).display());
     }
     let archive = build_archive(&root, &out.join("runtime"));
-    prelink(&archive, &out.join("runtime.o"));
+    let runtime = out.join("runtime.o");
+    prelink(&archive, &runtime);
+    link_template(&runtime, &out.join("template"));
 }
 
 fn variable(name: &str) -> PathBuf {
@@ -98,15 +101,45 @@ fn build_archive(root: &Path, target_dir: &Path) -> PathBuf {
 
 /// Links what `main` and the runtime functions need into one relocatable object.
 fn prelink(archive: &Path, object: &Path) {
-    let mut linker = Command::new(env::var_os("CC").unwrap_or_else(|| OsString::from("cc")));
+    let mut linker = compiler();
     let script = object.with_extension("ld");
     std::fs::write(&script, LINKER_SCRIPT).expect("cargo's output folder can be written");
     linker.args(["-r", "-nostdlib", "-Wl,--gc-sections", "-Wl,--force-group-allocation"]);
     linker.args(["-Wl,--strip-debug", "-Wl,--discard-all", "-T"]).arg(&script);
-    let roots = RuntimeFn::ALL.iter().map(|function| function.symbol()).chain(["main"]);
+    let library = linked::LIBRARY_FUNCTIONS.map(|(_, exported)| exported);
+    let roots = RuntimeFn::ALL.iter().map(|function| function.symbol()).chain(library).chain(["main"]);
     linker.args(roots.map(|symbol| format!("-Wl,--undefined={symbol}")));
     linker.arg("-o").arg(object).arg(archive);
     run(&mut linker, "linking the runtime");
+}
+
+/// Links the runtime to an executable. Its last two segments have room for a program, and the first of them begins with
+/// the symbol by which the runtime finds the program.
+fn link_template(runtime: &Path, template: &Path) {
+    let (program, code) = (linked::SECTION, linked::CODE_SECTION);
+    let (source, script) = (template.with_extension("c"), template.with_extension("ld"));
+    let room = format!(
+        "__attribute__((section(\"{program}\"), used)) const long {}[{}] = {{0}};\n\
+         __attribute__((section(\"{code}\"), used)) void plcc_code(void) {{}}\n",
+        linked::SYMBOL,
+        size_of::<linked::LinkedProgram>() / 8,
+    );
+    let page = "ALIGN(CONSTANT(MAXPAGESIZE))";
+    let sections = format!(
+        "SECTIONS {{\n  {program} {page} : {{ KEEP(*({program})) }}\n  {code} {page} : {{ KEEP(*({code})) }}\n}}\n\
+         INSERT AFTER .bss;\n"
+    );
+    std::fs::write(&source, room).expect("cargo's output folder can be written");
+    std::fs::write(&script, sections).expect("cargo's output folder can be written");
+    let mut linker = compiler();
+    linker.args(["-O1", "-fno-asynchronous-unwind-tables", "-fPIE", "-pie", "-o"]).arg(template);
+    linker.arg(&source).arg(runtime).args(["-lm", "-static-libgcc", "-Wl,-T"]).arg(&script);
+    linker.arg("-Wl,-z,relro,-z,now,-z,noexecstack,-z,separate-code,--build-id=none,--discard-all");
+    run(&mut linker, "linking the runtime to an executable");
+}
+
+fn compiler() -> Command {
+    Command::new(env::var_os("CC").unwrap_or_else(|| OsString::from("cc")))
 }
 
 fn run(command: &mut Command, what: &str) {

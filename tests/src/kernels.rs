@@ -88,9 +88,7 @@ pub fn build_program(source: &Path, out: &Path) -> Result<(), String> {
     let compiled = pipeline::back(&bind_file(source, &settings)?, Level::O2);
     let object = plcc_codegen::compile_object(&compiled.module, &compiled.image_bytes(), &compiled.codegen_options())
         .map_err(|error| error.to_string())?;
-    let path = out.with_extension("o");
-    fs::write(&path, object).map_err(|error| error.to_string())?;
-    link::link(&[path], out, None).map_err(|error| error.to_string())
+    link::link(&[object], out, None).map_err(|error| error.to_string())
 }
 
 /// Compiles a twin with a compiler of C. Errors: its messages.
@@ -121,7 +119,7 @@ pub fn twin_run(twin: &Path, scans: u64, what: &str) -> Command {
 
 /// Runs a command to its end. Errors: what it printed, if it fails.
 pub fn finished(command: &mut Command) -> Result<Output, String> {
-    let output = command.stdin(Stdio::null()).output().map_err(|error| format!("{command:?}: {error}\n"))?;
+    let output = link::output_of(command.stdin(Stdio::null())).map_err(|error| format!("{command:?}: {error}\n"))?;
     if output.status.success() {
         return Ok(output);
     }

@@ -4,6 +4,7 @@ pub mod charts;
 pub mod costs;
 pub mod damage;
 pub mod kernels;
+pub mod plants;
 pub mod random;
 pub mod reduce;
 pub mod reference;

@@ -14,11 +14,12 @@
 use cranelift_codegen::ir::{AbiParam, Signature, types};
 use cranelift_codegen::isa::{CallConv, TargetIsa};
 use plcc_abi::{RuntimeFn, Type, layout};
-use plcc_ir::entities::EntityVec;
-use plcc_ir::{FuncId, Function, InstData, Module, Region};
+use plcc_ir::entities::{Entity, EntityVec};
+use plcc_ir::{FuncId, Function, Module};
 use rustc_hash::FxHashSet;
 
 use crate::CodegenError;
+use crate::facts::Facts;
 
 /// How a function of the module is called.
 #[derive(Clone, Debug)]
@@ -58,10 +59,14 @@ pub fn clif_type(ty: Type) -> cranelift_codegen::ir::Type {
     }
 }
 
-/// How each function of the module is called.
-pub fn module_abi(module: &Module, isa: &dyn TargetIsa) -> Result<EntityVec<FuncId, FunctionAbi>, CodegenError> {
+/// How each function of the module is called. `facts` has one row for each.
+pub fn module_abi(
+    module: &Module,
+    facts: &[Facts],
+    isa: &dyn TargetIsa,
+) -> Result<EntityVec<FuncId, FunctionAbi>, CodegenError> {
     let entries: FxHashSet<FuncId> = module.entries.iter().copied().collect();
-    let frames = frame_uses(module);
+    let frames = frame_uses(facts);
     let mut abis = EntityVec::new();
     for (id, function) in module.functions.iter() {
         let entry = entries.contains(&id);
@@ -82,19 +87,17 @@ struct FrameUse {
 }
 
 /// Frames that each function touches, itself or by handing them on.
-fn frame_uses(module: &Module) -> EntityVec<FuncId, FrameUse> {
-    let mut uses = EntityVec::new();
-    let mut callees: Vec<Vec<FuncId>> = Vec::new();
-    for function in module.functions.values() {
-        let (frame_use, called) = direct_frame_use(function);
-        uses.push(frame_use);
-        callees.push(called);
+fn frame_uses(facts: &[Facts]) -> EntityVec<FuncId, FrameUse> {
+    let mut uses: EntityVec<FuncId, FrameUse> = EntityVec::new();
+    for facts in facts {
+        uses.push(FrameUse { own: facts.own_frame, caller: facts.caller_frame });
     }
     // A callee's frame, and its caller's frame, are both reached from the frame of the function that calls it.
     loop {
         let mut changed = false;
-        for (id, called) in module.functions.keys().zip(&callees) {
-            if !uses[id].own && called.iter().any(|&callee| uses[callee].own || uses[callee].caller) {
+        for (index, facts) in facts.iter().enumerate() {
+            let id = FuncId::new(index);
+            if !uses[id].own && facts.callees.iter().any(|&callee| uses[callee].own || uses[callee].caller) {
                 uses[id].own = true;
                 changed = true;
             }
@@ -103,36 +106,6 @@ fn frame_uses(module: &Module) -> EntityVec<FuncId, FrameUse> {
             return uses;
         }
     }
-}
-
-fn direct_frame_use(function: &Function) -> (FrameUse, Vec<FuncId>) {
-    let mut frame_use = FrameUse::default();
-    let mut called = Vec::new();
-    let mut touch = |region| match region {
-        Region::L => frame_use.own = true,
-        Region::V => frame_use.caller = true,
-        Region::State
-        | Region::I
-        | Region::Q
-        | Region::M
-        | Region::System
-        | Region::Cells
-        | Region::Db(_)
-        | Region::AnyDb
-        | Region::Any => {}
-    };
-    for &block in &function.layout {
-        for &inst in &function.blocks[block].insts {
-            let data = &function.insts[inst];
-            data.for_each_address(|addr| touch(addr.region));
-            match data {
-                InstData::FrameBase { .. } => touch(Region::L),
-                InstData::Call { callee, .. } => called.push(*callee),
-                _ => {}
-            }
-        }
-    }
-    (frame_use, called)
 }
 
 fn function_abi(function: &Function, entry: bool, frames: FrameUse, isa: &dyn TargetIsa) -> FunctionAbi {

@@ -16,6 +16,7 @@ use plcc_ir::entities::{Entity, EntityVec};
 use plcc_ir::{FuncId, Module};
 
 use crate::abi::{self, FunctionAbi};
+use crate::facts::{Facts, facts};
 use crate::isa::{Placement, Tuning, isa};
 use crate::lower::{self, Target};
 use crate::{CodegenError, CodegenOptions, keeping, rounding, work};
@@ -89,11 +90,22 @@ impl<'m> Compiler<'m> {
         placement: Placement,
         options: &CodegenOptions,
     ) -> Result<Compiler<'m>, CodegenError> {
+        let facts: Vec<Facts> = module.functions.values().map(facts).collect();
+        Compiler::with_facts(module, &facts, placement, options)
+    }
+
+    /// As [`Compiler::new`], if what the functions tell about themselves is known already.
+    pub fn with_facts(
+        module: &'m Module,
+        facts: &[Facts],
+        placement: Placement,
+        options: &CodegenOptions,
+    ) -> Result<Compiler<'m>, CodegenError> {
         let target = |plain, quick| isa(placement, options, Tuning { plain, quick });
         let isa = target(false, false)?;
-        let abis = abi::module_abi(module, &*isa)?;
+        let abis = abi::module_abi(module, facts, &*isa)?;
         let (quick_isa, plain_isa, plain_quick_isa) = (target(false, true)?, target(true, false)?, target(true, true)?);
-        let keeping = keeping::used(module);
+        let keeping = keeping::of_bits(facts.iter().fold(0, |bits, facts| bits | facts.keeping));
         Ok(Compiler { module, abis, keeping, isa, quick_isa, plain_isa, plain_quick_isa, placement })
     }
 
@@ -163,9 +175,13 @@ impl<'m> Compiler<'m> {
 
     /// All functions, in the order of the module.
     pub fn functions(&self) -> Result<Vec<CompiledFunction>, CodegenError> {
-        let mut order: Vec<FuncId> = self.module.functions.keys().collect();
+        let functions = self.some_functions(self.module.functions.keys().collect())?;
+        Ok(functions.into_iter().map(|(_, function)| function).collect())
+    }
+
+    /// These functions, in the order of the module.
+    pub fn some_functions(&self, mut order: Vec<FuncId>) -> Result<Vec<(FuncId, CompiledFunction)>, CodegenError> {
         order.sort_by_key(|&id| std::cmp::Reverse(self.module.functions[id].insts.len()));
-        let threads = std::thread::available_parallelism().map_or(1, |count| count.get()).min(order.len());
         let next = AtomicUsize::new(0);
         let done = Mutex::new(Vec::with_capacity(order.len()));
         let work = || {
@@ -176,17 +192,23 @@ impl<'m> Compiler<'m> {
                 done.lock().unwrap_or_else(PoisonError::into_inner).push((id, result));
             }
         };
-        std::thread::scope(|scope| {
-            for _ in 1..threads {
-                // Without a further thread it only takes longer.
-                let _ = std::thread::Builder::new().stack_size(STACK_BYTES).spawn_scoped(scope, work);
-            }
-            work();
-        });
+        in_threads(order.len(), &work);
         let mut done = done.into_inner().unwrap_or_else(PoisonError::into_inner);
         done.sort_by_key(|&(id, _)| id);
-        done.into_iter().map(|(_, result)| result).collect()
+        done.into_iter().map(|(id, result)| Ok((id, result?))).collect()
     }
+}
+
+/// Calls `work` in as many threads as there are processors, at most in `items`.
+pub fn in_threads(items: usize, work: &(dyn Fn() + Sync)) {
+    let threads = std::thread::available_parallelism().map_or(1, |count| count.get()).min(items);
+    std::thread::scope(|scope| {
+        for _ in 1..threads {
+            // Without a further thread it only takes longer.
+            let _ = std::thread::Builder::new().stack_size(STACK_BYTES).spawn_scoped(scope, work);
+        }
+        work();
+    });
 }
 
 /// State of a thread that is reused for several functions.

@@ -10,7 +10,6 @@ use cranelift_codegen::isa::{CallConv, TargetIsa};
 use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
 use plcc_abi::layout::{self, state};
 use plcc_abi::{RuntimeFn, Type};
-use plcc_ir::{InstData, Module};
 
 use crate::abi::{clif_type, runtime_signature};
 use crate::lower::Target;
@@ -21,21 +20,17 @@ const KEEPING: [RuntimeFn; 4] = [RuntimeFn::Safepoint, RuntimeFn::SyncError, Run
 /// Where the result is.
 pub const RESULT: u32 = layout::STATE + state::KEPT_RESULT;
 
-/// Those of [`KEEPING`] that the module calls, in their order.
-pub fn used(module: &Module) -> Vec<RuntimeFn> {
-    let mut called = [false; KEEPING.len()];
-    for function in module.functions.values() {
-        for &block in &function.layout {
-            for &inst in &function.blocks[block].insts {
-                if let InstData::CallRuntime { function, .. } = &function.insts[inst]
-                    && let Some(index) = KEEPING.iter().position(|keeping| keeping == function)
-                {
-                    called[index] = true;
-                }
-            }
-        }
-    }
-    KEEPING.into_iter().zip(called).filter_map(|(function, called)| called.then_some(function)).collect()
+/// How many they are.
+pub const COUNT: u32 = KEEPING.len() as u32;
+
+/// The bit of [`Facts::keeping`](crate::facts::Facts) that stands for `function`; 0 if it is called like others.
+pub fn bit(function: RuntimeFn) -> u8 {
+    KEEPING.iter().position(|&keeping| keeping == function).map_or(0, |index| 1 << index)
+}
+
+/// The functions that these bits stand for, in their order.
+pub fn of_bits(bits: u8) -> Vec<RuntimeFn> {
+    KEEPING.into_iter().filter(|&function| bits & bit(function) != 0).collect()
 }
 
 /// Linker symbol of the function that calls `function`.

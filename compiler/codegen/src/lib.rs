@@ -6,6 +6,7 @@
 //! - `lower`: one function of the IR to CLIF, with `memory` for accesses to PLC memory, `bits` for i1 values,
 //!   `rounding` for floats and `joins` for blocks to which many jumps lead.
 //! - `compile`: all functions of a module to bytes, on several threads; `work` finds those that are too large for the better ways.
+//! - `facts`: what functions tell about themselves; `finish`: object files of functions some of which were compiled before (`kept`).
 //! - `object`, `jit`, `text`: the outputs made from the bytes.
 //! - `lines`: DWARF line tables of an object file.
 //! - `machine`: code read back, for `text` and for `statistics`, which says what each network costs, with the depths of `loops`.
@@ -17,11 +18,14 @@
 mod abi;
 mod bits;
 mod compile;
+mod facts;
+mod finish;
 mod floats;
 mod isa;
 mod jit;
 mod joins;
 mod keeping;
+mod kept;
 mod lines;
 mod loops;
 mod lower;
@@ -35,7 +39,9 @@ mod work;
 
 use std::fmt;
 
+pub use finish::{Finished, Finishing, finish};
 pub use jit::{EntryFn, JitProgram};
+pub use kept::KeptFunction;
 pub use object::{compile_object, compile_object_as, directory_object};
 pub use statistics::{Cost, LOOP_PASSES, PlaceKey, function_sizes, statistics};
 pub use text::{asm_text, clif_text};

@@ -22,8 +22,7 @@ pub fn clif_text(module: &Module, options: &CodegenOptions) -> Result<String, Co
         let clif = compiler.clif(id)?.display().to_string();
         // Functions are numbered there; here they have names.
         let (_, rest) = clif.split_once('(').unwrap_or(("", &clif));
-        let rest =
-            named(rest, "u0:", "", &|number| name_of(module, &compiler.keeping, number).map(|name| format!("%{name}")));
+        let rest = named(rest, "u0:", "", &|number| name_of(&compiler, number).map(|name| format!("%{name}")));
         let name = symbol(&module.functions[id].name);
         writeln!(text, "function %{name}({rest}").expect("a string takes all");
     }
@@ -60,7 +59,7 @@ pub fn asm_text(
                     formatter.format(instruction, &mut line);
                     match target {
                         Some(ModuleRelocTarget::User { index, .. }) => {
-                            let name = name_of(module, &compiler.keeping, *index as usize);
+                            let name = name_of(&compiler, *index as usize);
                             line.extend(name.iter().flat_map(|name| [" # ", name]));
                         }
                         Some(other) => write!(line, " # {other}").expect("a string takes all"),
@@ -109,7 +108,8 @@ fn named(text: &str, prefix: &str, suffix: &str, name: &dyn Fn(usize) -> Option<
 }
 
 /// Linker symbol of the function that lowering numbers so.
-fn name_of(module: &Module, keeping: &[RuntimeFn], number: usize) -> Option<String> {
+fn name_of(compiler: &Compiler<'_>, number: usize) -> Option<String> {
+    let module = compiler.module;
     let functions = module.functions.len();
     if number < functions {
         return Some(symbol(&module.functions[plcc_ir::FuncId::new(number)].name));
@@ -117,6 +117,6 @@ fn name_of(module: &Module, keeping: &[RuntimeFn], number: usize) -> Option<Stri
     let runtime = RuntimeFn::ALL.len();
     match RuntimeFn::ALL.get(number - functions) {
         Some(function) => Some(function.symbol().to_string()),
-        None => keeping.get(number - functions - runtime).map(|&function| keeping::symbol(function)),
+        None => compiler.keeping.get(number - functions - runtime).map(|&function| keeping::symbol(function)),
     }
 }

@@ -143,7 +143,10 @@ pub struct BuildArgs {
     pub optimization: OptimizationArgs,
     #[command(flatten)]
     pub compile: CompileArgs,
-    /// Linker: a C compiler [default: cc].
+    /// Compile everything, and keep no code for the next build.
+    #[arg(long)]
+    pub no_cache: bool,
+    /// Link with a C compiler, such as `cc` [default: plcc links].
     #[arg(long, value_name = "CC")]
     pub linker: Option<String>,
 }
@@ -184,7 +187,7 @@ pub struct TestArgs {
     pub optimization: OptimizationArgs,
     #[command(flatten)]
     pub compile: CompileArgs,
-    /// Linker for `--form exe`: a C compiler [default: cc].
+    /// Link with a C compiler, such as `cc`, for `--form exe` [default: plcc links].
     #[arg(long, value_name = "CC")]
     pub linker: Option<String>,
 }

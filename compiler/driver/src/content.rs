@@ -79,8 +79,9 @@ pub fn of(text: &str) -> Content {
         Some(line) if line.starts_with("FILEVERSION") => return Content::Other("a hardware configuration of STEP 7"),
         Some(_) => {}
     }
-    if s7200::is_s7200(text)
-        || lines().any(|line| begins_like_stl(line) || is_assignment(line))
+    // What most sources show with their first lines comes first.
+    if lines().any(|line| begins_like_stl(line) || is_assignment(line))
+        || s7200::is_s7200(text)
         || lines().all(|line| line.split_whitespace().count() <= 4)
     {
         Content::Source

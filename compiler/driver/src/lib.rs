@@ -3,8 +3,9 @@
 //! - [`cli`]: the command line; [`command`]: the commands.
 //! - [`inputs`], [`content`], [`sheets`], [`project`]: from arguments to files.
 //! - [`pipeline`]: from files to code, one function per stage; [`emit`]: its forms as text; [`statistics`]: what networks cost;
-//!   [`link`]: executables.
+//!   [`link`]: executables; [`cache`]: code of earlier builds.
 //! - [`station`]: the modules of a project; [`plot`]: pictures of traces.
+//! - `parallel`: work for all processors.
 //! - [`code`]: code that runs in this process; [`testing`]: `plcc test`.
 //! - [`report`] writes messages.
 //!
@@ -14,6 +15,7 @@ use std::ffi::OsString;
 
 use clap::Parser;
 
+pub mod cache;
 pub mod cli;
 pub mod code;
 pub mod command;
@@ -21,6 +23,7 @@ pub mod content;
 pub mod emit;
 pub mod inputs;
 pub mod link;
+mod parallel;
 pub mod pipeline;
 pub mod plot;
 pub mod project;

@@ -4,12 +4,13 @@ use std::path::Path;
 
 use plcc_abi::image::{Family, Profile, ProgramImage};
 use plcc_binding::BindInput;
-use plcc_codegen::CodegenOptions;
-use plcc_diag::{Code, Diagnostic, Severity, SourceFile, SourceMap, Span};
-use plcc_ir::Module;
+use plcc_codegen::{CodegenError, CodegenOptions, Finishing};
+use plcc_diag::{Code, Diagnostic, FileId, Severity, SourceFile, SourceMap, Span};
+use plcc_ir::entities::Entity;
+use plcc_ir::{Function, Module};
 use plcc_model::Program;
 use plcc_model::profile;
-use plcc_opt::Without;
+use plcc_opt::{Usage, Without};
 use plcc_readers::ReadOptions;
 use plcc_readers::sd::Texts;
 use plcc_readers::symbols;
@@ -18,8 +19,10 @@ use plcc_syntax::ast::SourceUnit;
 use plcc_syntax::stl::Mnemonics;
 use plcc_syntax::symbols::SymbolTable;
 
+use crate::cache::{Cache, Keys};
 use crate::cli::{CompileArgs, CpuFeatures, Level};
 use crate::inputs::Read;
+use crate::parallel;
 use crate::project::Project;
 use crate::s7200;
 use crate::technology;
@@ -66,7 +69,7 @@ impl Settings {
 pub struct Parsed {
     pub name: String,
     pub sources: SourceMap,
-    pub units: Vec<(plcc_diag::FileId, SourceUnit)>,
+    pub units: Vec<(FileId, SourceUnit)>,
     pub tables: Vec<SymbolTable>,
     pub project: Option<Project>,
     pub diagnostics: Vec<Diagnostic>,
@@ -127,12 +130,16 @@ impl std::fmt::Display for Optimization {
     }
 }
 
+/// Sources of fewer bytes are parsed before a thread has started.
+const SHARED_BYTES_MIN: usize = 100_000;
+
 /// Parses all sources and symbol tables.
 pub fn parse(read: Read, settings: &Settings) -> Parsed {
     let Read { name, sources, units, tables, texts, project, mut diagnostics, .. } = read;
     let options = settings.parse_options(project.as_ref());
-    let mut parse_unit = |file| {
+    let parse_unit = |&file: &FileId| {
         let source = sources.file(file);
+        let mut diagnostics = Vec::new();
         let texts = texts.iter().find(|(unit, _)| *unit == file).map(|&(_, texts)| {
             let (texts, messages) = Texts::parse(texts, &sources.file(texts).text);
             diagnostics.extend(messages);
@@ -141,9 +148,15 @@ pub fn parse(read: Read, settings: &Settings) -> Parsed {
         let options = ReadOptions { language: language_of(&source.name), texts: texts.as_ref(), ..options };
         let (unit, messages) = plcc_readers::parse(file, &source.text, &options);
         diagnostics.extend(messages);
-        (file, unit)
+        ((file, unit), diagnostics)
     };
-    let units = units.into_iter().map(&mut parse_unit).collect();
+    let bytes: usize = units.iter().map(|&file| sources.file(file).text.len()).sum();
+    let parsed = match bytes < SHARED_BYTES_MIN {
+        true => units.iter().map(parse_unit).collect(),
+        false => parallel::map(&units, parse_unit),
+    };
+    let (units, messages): (Vec<_>, Vec<_>) = parsed.into_iter().unzip();
+    diagnostics.extend(messages.into_iter().flatten());
     let mut parse_table = |file| {
         let (table, messages) = symbols::parse(file, sources.file(file));
         diagnostics.extend(messages);
@@ -224,7 +237,7 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
 const STAND_INS: &str = "stand-ins of --partial";
 
 /// A test file may allow missing parts.
-fn pragma_partial(settings: &Settings, units: &[(plcc_diag::FileId, SourceUnit)]) -> bool {
+fn pragma_partial(settings: &Settings, units: &[(FileId, SourceUnit)]) -> bool {
     let mut pragmas = units.iter().flat_map(|(_, unit)| &unit.pragmas);
     let words = |text: &str| {
         let mut words = text.split_whitespace();
@@ -234,7 +247,7 @@ fn pragma_partial(settings: &Settings, units: &[(plcc_diag::FileId, SourceUnit)]
 }
 
 /// The CPU of a test file: the last `//@ cpu` that can be understood. Binding reports the others.
-fn pragma_profile(settings: &Settings, units: &[(plcc_diag::FileId, SourceUnit)]) -> Option<Profile> {
+fn pragma_profile(settings: &Settings, units: &[(FileId, SourceUnit)]) -> Option<Profile> {
     if !settings.pragmas {
         return None;
     }
@@ -256,7 +269,7 @@ fn profile_named(name: &str) -> Option<Profile> {
 fn profile_of(
     settings: &Settings,
     project: Option<&Project>,
-    units: &[(plcc_diag::FileId, SourceUnit)],
+    units: &[(FileId, SourceUnit)],
     sources: &mut SourceMap,
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Profile {
@@ -303,14 +316,51 @@ pub fn optimize(mut compiled: Compiled) -> Compiled {
         Level::O2 => plcc_opt::optimize(&mut compiled.module, compiled.optimization.without),
     }
     let usage = plcc_opt::usage(&compiled.module);
-    compiled.image.outputs_used = usage.outputs;
-    for block in &mut compiled.image.blocks {
-        block.local_data_used = usage.local_data.get(block.entry as usize).copied().unwrap_or(true);
+    compiled.with_usage(&usage)
+}
+
+/// The object file of a program that is lowered, not optimised. At -O2 the code of unchanged functions comes from `cache`, which keeps
+/// the code that it did not have.
+pub fn object(mut compiled: Compiled, cache: Option<&Cache>) -> Result<Vec<u8>, CodegenError> {
+    let Optimization { level, without, cpu_features } = compiled.optimization;
+    if level == Level::O2 {
+        plcc_opt::optimize_together(&mut compiled.module, without);
     }
-    if let Some(own) = &mut compiled.image.s7200 {
-        own.logic_only = usage.logic_only;
+    let options = compiled.codegen_options();
+    let Compiled { mut module, image, optimization } = compiled;
+    let surroundings = plcc_opt::Surroundings::new(&module);
+    // Keys are made of canonical functions, which the passes leave, and do not name the processor of this computer.
+    let is_kept = level == Level::O2 && without == Without::NOTHING && cpu_features == CpuFeatures::Baseline;
+    let cache = cache.filter(|_| is_kept && Keys::is_worth_while(&module));
+    let keys = cache.map(|_| Keys::new(&module, &surroundings, &options));
+    let old = cache.map(Cache::read);
+    let kept = |id, function: &Function| old.as_ref()?.get(keys.as_ref()?.key(id, function));
+    let finish = |function: &mut Function| {
+        if level == Level::O2 {
+            plcc_opt::optimize_alone(function, &surroundings, without);
+        }
+        usage_as_note(plcc_opt::usage_of(function, &surroundings))
+    };
+    let finishing = Finishing { kept: &kept, finish: &finish, keep: cache.is_some() };
+    let entries = module.entries.clone();
+    let finished = plcc_codegen::finish(&mut module, &options, &finishing)?;
+    let usage: Vec<Usage> = finished.notes.iter().copied().map(usage_of_note).collect();
+    let entries = Module { entries, ..Module::default() };
+    let image = Compiled { module: entries, image, optimization }.with_usage(&usage);
+    let object = finished.object(&image.image_bytes())?;
+    if let (Some(cache), Some(old), Some(keys)) = (cache, &old, &keys) {
+        cache.write(old, keys, &finished.made);
     }
-    compiled
+    Ok(object)
+}
+
+/// What a function uses, in one number.
+fn usage_as_note(usage: Usage) -> u64 {
+    u64::from(usage.outputs) | u64::from(usage.logic_only) << 32 | u64::from(usage.local_data) << 33
+}
+
+fn usage_of_note(note: u64) -> Usage {
+    Usage { outputs: note as u32, logic_only: note >> 32 & 1 != 0, local_data: note >> 33 & 1 != 0 }
 }
 
 /// Lowers and optimises.
@@ -319,6 +369,20 @@ pub fn back(bound: &Bound, optimization: impl Into<Optimization>) -> Compiled {
 }
 
 impl Compiled {
+    /// Tells the runtime what each function of the program uses.
+    fn with_usage(mut self, functions: &[Usage]) -> Compiled {
+        let usage = functions.iter().copied().fold(Usage::NOTHING, Usage::and);
+        self.image.outputs_used = usage.outputs;
+        for block in &mut self.image.blocks {
+            let entry = self.module.entries.get(block.entry as usize);
+            block.local_data_used = entry.is_none_or(|entry| functions[entry.index()].local_data);
+        }
+        if let Some(own) = &mut self.image.s7200 {
+            own.logic_only = usage.logic_only;
+        }
+        self
+    }
+
     pub fn codegen_options(&self) -> CodegenOptions {
         CodegenOptions {
             optimize: self.optimization.level == Level::O2,

@@ -76,12 +76,10 @@ fn image() -> ProgramImage {
 #[test]
 fn an_executable_runs_the_program() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let object = folder.path().join("program.o");
     let executable = folder.path().join("program");
     let image = postcard::to_stdvec(&image()).expect("an image can be encoded");
     let code = compile_object(&module(), &image, &CodegenOptions::default()).expect("it compiles");
-    std::fs::write(&object, code).expect("the folder can be written");
-    link(&[&object], &executable, None).expect("it links");
+    link(&[code], &executable, None).expect("it links");
     let output = Command::new(&executable)
         .args(["--cycles", "5", "--clock", "virtual", "--print", "MW0,Q4.0,MD4"])
         .output()
@@ -95,10 +93,7 @@ fn an_executable_runs_the_program() {
 
 #[test]
 fn an_output_that_cannot_be_written_is_an_error() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let object = folder.path().join("program.o");
     let code = compile_object(&module(), b"", &CodegenOptions::default()).expect("it compiles");
-    std::fs::write(&object, code).expect("the folder can be written");
-    let error = link(&[object], Path::new("/no/such/folder/program"), None).expect_err("there is no such folder");
+    let error = link(&[code], Path::new("/no/such/folder/program"), None).expect_err("there is no such folder");
     assert!(error.to_string().contains("/no/such/folder/program"), "{error}");
 }

@@ -693,7 +693,7 @@ impl FunctionBuilder {
     /// Calls `callee`, which returns values of types `returns`.
     pub fn call(&mut self, callee: FuncId, args: Vec<Value>, returns: &[Type]) -> Vec<Value> {
         let inst = self.push(InstData::Call { callee, args }, returns);
-        self.function.results[inst].clone()
+        self.function.results[inst].to_vec()
     }
 
     /// Calls a runtime function; its result, if it has one.

@@ -1,6 +1,7 @@
 //! A function of the IR: blocks, instructions, values.
 
 use plcc_abi::Type;
+use smallvec::SmallVec;
 
 use crate::entities::{Block, Entity, EntityVec, Inst, Loc, Value};
 use crate::instructions::{BlockCall, InstData};
@@ -30,6 +31,9 @@ pub struct BlockData {
     pub cold: bool,
 }
 
+/// The results of an instruction: hardly ever more than one, except of calls.
+pub type Results = SmallVec<[Value; 4]>;
+
 /// A function. The entry block is the first one; its parameters are the function's.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Function {
@@ -48,7 +52,7 @@ pub struct Function {
     pub insts: EntityVec<Inst, InstData>,
     pub values: EntityVec<Value, ValueData>,
     /// Results of each instruction.
-    pub results: EntityVec<Inst, Vec<Value>>,
+    pub results: EntityVec<Inst, Results>,
     pub locs: EntityVec<Inst, Loc>,
 }
 

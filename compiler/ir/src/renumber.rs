@@ -8,7 +8,7 @@ use rustc_hash::FxHashMap;
 
 use crate::analysis::ControlFlow;
 use crate::entities::{Block, Entity, EntityVec, Value};
-use crate::function::{BlockData, Function, ValueData, ValueDef};
+use crate::function::{BlockData, Function, Results, ValueData, ValueDef};
 
 impl Function {
     /// Makes the function canonical: drops instructions outside blocks, aliases, and blocks that are not laid out.
@@ -36,7 +36,7 @@ impl Function {
             }
             for inst in data.insts {
                 // Results first, so that their numbers are those of the printed order.
-                let mut results = Vec::with_capacity(self.results[inst].len());
+                let mut results = Results::new();
                 for (index, &result) in (0u32..).zip(&self.results[inst]) {
                     let def = ValueDef::Result(crate::Inst::new(new.insts.len()), index);
                     let value = new.values.push(ValueData { ty: self.values[result].ty, def });

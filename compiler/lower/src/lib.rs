@@ -55,7 +55,11 @@ pub fn lower(program: &Program, sources: &SourceMap) -> Lowered {
         stops_itself: plan.stops_itself,
     };
     let mut output = Output::new(program, sources, facts);
+    let is_large = program.blocks.len() > SMALL_BLOCKS_MAX;
     for (index, block) in program.blocks.iter().enumerate() {
+        if is_large {
+            output.leave_room();
+        }
         let function = match &block.body {
             Body::Stl(statements) => Some(stl::lower_block(&plan, &mut output, block, statements)),
             Body::Scl(body) => Some(scl::lower_block(&plan, &mut output, block, body)),
@@ -96,6 +100,12 @@ pub fn lower(program: &Program, sources: &SourceMap) -> Lowered {
     }
     output.finish()
 }
+
+/// In programs with more blocks than this the numbers of sites leave room between blocks.
+const SMALL_BLOCKS_MAX: usize = 50;
+
+/// The sites of a block begin at a multiple of this.
+const SITES_OF_BLOCK: usize = 32;
 
 /// The data in the image about the program as a whole.
 pub(crate) struct Facts {
@@ -153,6 +163,15 @@ impl<'s> Output<'s> {
     /// Index of the span's file in the image, and its line there. Blocks of the standard library have the spans of their first calls.
     fn place(&self, span: plcc_diag::Span) -> (u32, u32) {
         (span.file.0, self.sources.file(span.file).line(span.start))
+    }
+
+    /// Begins the sites of a block at a round number: a few more statements in a block leave those of the blocks after it as they are,
+    /// and so their code, which contains these numbers.
+    fn leave_room(&mut self) {
+        let sites = &mut self.module.sites;
+        if let Some(last) = sites.last().cloned() {
+            sites.resize((sites.len() + SITES_OF_BLOCK / 4).next_multiple_of(SITES_OF_BLOCK), last);
+        }
     }
 
     /// Number of the site of code of `block` at `span`; a new one if it is another than the last.

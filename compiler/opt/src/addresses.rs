@@ -16,18 +16,14 @@
 
 use plcc_abi::layout;
 use plcc_ir::analysis::ControlFlow;
-use plcc_ir::{Address, BinaryOp, Function, Inst, InstData, Module, Region, StaticDb, Type, Value};
+use plcc_ir::{Address, BinaryOp, Function, Inst, InstData, Region, StaticDb, Type, Value};
 
 use crate::known_bits::unsigned_max;
+use crate::surroundings::Surroundings;
 
-/// Makes addresses direct in all functions.
-pub fn resolve_addresses(module: &mut Module) {
-    let mut by_address = module.dbs.clone();
-    by_address.sort_by_key(|db| db.address);
-    for function in module.functions.values_mut() {
-        let mut resolver = Resolver { by_number: &module.dbs, by_address: &by_address, function };
-        resolver.run();
-    }
+/// Makes addresses direct in a function.
+pub fn resolve_addresses(function: &mut Function, surroundings: &Surroundings) {
+    Resolver { by_number: &surroundings.dbs, by_address: &surroundings.dbs_by_address, function }.run();
 }
 
 struct Resolver<'a> {

@@ -19,15 +19,11 @@
 
 use plcc_ir::entities::EntityVec;
 use plcc_ir::function::ValueDef;
-use plcc_ir::{Address, BinaryOp, ConvertOp, Function, Inst, InstData, Module, Type, Value};
+use plcc_ir::{Address, BinaryOp, ConvertOp, Function, Inst, InstData, Type, Value};
 use rustc_hash::FxHashMap;
 
-/// Makes bit accesses in all functions.
-pub fn find_bits(module: &mut Module) {
-    module.functions.values_mut().for_each(find_in_function);
-}
-
-fn find_in_function(function: &mut Function) {
+/// Makes bit accesses in a function.
+pub fn find_bits(function: &mut Function) {
     let uses = count_uses(function);
     let mut bits = Bits { function, uses, replaced: FxHashMap::default(), changed: false };
     for index in 0..bits.function.layout.len() {

@@ -20,7 +20,7 @@
 use plcc_ir::analysis::{ControlFlow, Dominators};
 use plcc_ir::entities::Entity;
 use plcc_ir::{
-    Address, BinaryOp, Block, BlockCall, ConvertOp, Function, Inst, InstData, Loc, Module, Region, Type, UnaryOp, Value,
+    Address, BinaryOp, Block, BlockCall, ConvertOp, Function, Inst, InstData, Loc, Region, Type, UnaryOp, Value,
 };
 use rustc_hash::FxHashMap;
 
@@ -38,14 +38,12 @@ const ROUNDS_MAX: usize = 3;
 const ACCESSES_MAX: usize = 4;
 
 /// Replaces short branches in all functions.
-pub fn select_by_branches(module: &mut Module) {
-    for function in module.functions.values_mut() {
-        for _ in 0..ROUNDS_MAX {
-            if !round(function) {
-                break;
-            }
-            function.remove_unreachable_blocks();
+pub fn select_by_branches(function: &mut Function) {
+    for _ in 0..ROUNDS_MAX {
+        if !round(function) {
+            break;
         }
+        function.remove_unreachable_blocks();
     }
 }
 

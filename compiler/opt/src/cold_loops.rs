@@ -16,11 +16,12 @@
 //! The outermost loop that is small enough is copied with all in it.
 
 use plcc_ir::analysis::{ControlFlow, Dominators};
-use plcc_ir::{Block, Function, InstData, Module, Region, RuntimeFn};
+use plcc_ir::{Block, Function, InstData, Region, RuntimeFn};
 use rustc_hash::FxHashSet;
 
 use crate::effects::{Effects, is_interruption};
 use crate::loops::{Loop, Loops};
+use crate::surroundings::Surroundings;
 use crate::variables::{Versions, copy_blocks, join_versions, move_constants};
 
 /// Instructions of a loop that is copied.
@@ -30,18 +31,12 @@ const GROWTH: usize = 4000;
 /// Larger functions are left as they are.
 const INSTS_MAX: usize = 20_000;
 
-/// Copies loops for their cold sides, in all functions.
-pub fn part_cold_loops(module: &mut Module) {
-    let effects = Effects::new(module);
-    for function in module.functions.values_mut().filter(|function| function.insts.len() <= INSTS_MAX) {
-        part_in_function(function, &effects);
-    }
-}
-
-fn part_in_function(function: &mut Function, effects: &Effects) {
-    if function.layout.iter().all(|&block| !function.blocks[block].cold) {
+/// Copies loops for their cold sides, in a function.
+pub fn part_cold_loops(function: &mut Function, surroundings: &Surroundings) {
+    if function.insts.len() > INSTS_MAX || function.layout.iter().all(|&block| !function.blocks[block].cold) {
         return;
     }
+    let effects = &surroundings.effects;
     let cfg = ControlFlow::new(function);
     let dominators = Dominators::new(function, &cfg);
     let loops = Loops::new(function, &cfg, &dominators);

@@ -11,7 +11,7 @@
 
 use plcc_ir::analysis::ControlFlow;
 use plcc_ir::entities::{Entity, EntityVec};
-use plcc_ir::{Block, BlockCall, Function, Inst, InstData, Loc, Module, Value};
+use plcc_ir::{Block, BlockCall, Function, Inst, InstData, Loc, Value};
 
 /// Rounds over a function; a later one finds little.
 const ROUNDS_MAX: usize = 3;
@@ -19,17 +19,15 @@ const ROUNDS_MAX: usize = 3;
 const HOPS_MAX: usize = 16;
 
 /// Simplifies the control flow of all functions.
-pub fn simplify_control_flow(module: &mut Module) {
-    for function in module.functions.values_mut() {
-        for _ in 0..ROUNDS_MAX {
-            function.remove_unreachable_blocks();
-            let mut changed = thread_jumps(function);
-            changed |= function.remove_unreachable_blocks() > 0;
-            changed |= remove_redundant_params(function);
-            changed |= merge_blocks(function);
-            if !changed {
-                break;
-            }
+pub fn simplify_control_flow(function: &mut Function) {
+    for _ in 0..ROUNDS_MAX {
+        function.remove_unreachable_blocks();
+        let mut changed = thread_jumps(function);
+        changed |= function.remove_unreachable_blocks() > 0;
+        changed |= remove_redundant_params(function);
+        changed |= merge_blocks(function);
+        if !changed {
+            break;
         }
         spread_cold(function);
     }
@@ -365,7 +363,7 @@ mod tests {
     fn circles_of_empty_blocks_stay() {
         let text = "func @F {\nb0:\njump b1\nb1:\njump b2\nb2:\njump b1\n}";
         let mut module = plcc_ir::parse::parse_module(text).expect("text is well formed");
-        super::simplify_control_flow(&mut module);
+        assert!(crate::run_pass(&mut module, "control-flow"));
         crate::check("control-flow", &module);
     }
 }

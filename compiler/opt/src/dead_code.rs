@@ -6,6 +6,7 @@
 //!
 //! Functions that no other calls may be called from outside; their parameters and returned values stay.
 
+use plcc_ir::analysis::ControlFlow;
 use plcc_ir::entities::{Entity, EntityVec};
 use plcc_ir::function::ValueDef;
 use plcc_ir::{Block, FuncId, Function, Inst, InstData, Module, Value};
@@ -14,9 +15,9 @@ use crate::control_flow::remove_params;
 
 /// Removes dead code from a module.
 pub fn eliminate_dead_code(module: &mut Module) {
-    for function in module.functions.values_mut() {
+    crate::surroundings::for_each(&mut module.functions, &|function| {
         function.remove_unreachable_blocks();
-    }
+    });
     let live = Marker::new(module).run();
     let kept: EntityVec<FuncId, Kept> = kept_interfaces(module, &live);
     for id in module.functions.keys() {
@@ -42,8 +43,8 @@ struct Marker<'a> {
     /// Calls of each function, and its `ret` instructions.
     callers: EntityVec<FuncId, Vec<(FuncId, Inst)>>,
     returns: EntityVec<FuncId, Vec<Inst>>,
-    /// Terminators that jump to a block, each once, of each function.
-    jumps: EntityVec<FuncId, Vec<Vec<Inst>>>,
+    /// Who jumps to which block.
+    flows: EntityVec<FuncId, ControlFlow>,
     work: Vec<(FuncId, Value)>,
 }
 
@@ -54,7 +55,7 @@ impl<'a> Marker<'a> {
             live: EntityVec::new(),
             callers: EntityVec::new(),
             returns: EntityVec::new(),
-            jumps: EntityVec::new(),
+            flows: EntityVec::new(),
             work: Vec::new(),
         };
         for function in module.functions.values() {
@@ -62,7 +63,7 @@ impl<'a> Marker<'a> {
             marker.live.push(Live { values, returns });
             marker.callers.push(Vec::new());
             marker.returns.push(Vec::new());
-            marker.jumps.push(vec![Vec::new(); function.blocks.len()]);
+            marker.flows.push(ControlFlow::new(function));
         }
         for (id, function) in module.functions.iter() {
             for &block in &function.layout {
@@ -78,12 +79,7 @@ impl<'a> Marker<'a> {
         match data {
             InstData::Call { callee, .. } => self.callers[*callee].push((id, inst)),
             InstData::Return { .. } => self.returns[id].push(inst),
-            _ => data.for_each_target(|call| {
-                let jumps = &mut self.jumps[id][call.block.index()];
-                if jumps.last() != Some(&inst) {
-                    jumps.push(inst);
-                }
-            }),
+            _ => {}
         }
     }
 
@@ -156,9 +152,11 @@ impl<'a> Marker<'a> {
     }
 
     fn mark_incoming(&mut self, id: FuncId, block: Block, index: usize) {
-        for position in 0..self.jumps[id][block.index()].len() {
-            let inst = self.jumps[id][block.index()][position];
-            self.module.functions[id].insts[inst].for_each_target(|call| {
+        let function = &self.module.functions[id];
+        for position in 0..self.flows[id].predecessors(block).len() {
+            let from = self.flows[id].predecessors(block)[position];
+            let Some(jump) = function.terminator(from) else { continue };
+            function.insts[jump].for_each_target(|call| {
                 if call.block == block {
                     self.mark(id, call.args[index]);
                 }
@@ -194,7 +192,8 @@ fn sweep(function: &mut Function, live: &Live, id: FuncId, kept: &EntityVec<Func
                     retain_marked(args, &kept[*callee].params);
                     let callee = *callee;
                     let mut results = std::mem::take(&mut function.results[inst]);
-                    retain_marked(&mut results, &kept[callee].returns);
+                    let mut marks = kept[callee].returns.iter();
+                    results.retain(|_| marks.next().copied().unwrap_or(true));
                     for (number, &result) in (0u32..).zip(&results) {
                         function.values[result].def = ValueDef::Result(inst, number);
                     }

@@ -9,20 +9,18 @@
 //! no store and no `clear`.
 
 use plcc_abi::functions::Effect;
-use plcc_ir::{FuncId, Function, Inst, InstData, Module, Region, Value};
+use plcc_ir::{Function, Inst, InstData, Region, Value};
 use rustc_hash::FxHashMap;
 
 use crate::extents::{Access, Extents};
 use crate::frames::Frames;
+use crate::surroundings::Surroundings;
 
-/// Removes dead stores from all functions.
-pub fn eliminate_dead_stores(module: &mut Module) {
-    let frames = Frames::new(module);
-    for id in module.functions.keys() {
-        let function = &mut module.functions[id];
-        remove_overwritten(function, id, &frames);
-        remove_unread_local_data(function, id, &frames);
-    }
+/// Removes dead stores from a function.
+pub fn eliminate_dead_stores(function: &mut Function, surroundings: &Surroundings) {
+    let frames = surroundings.frames(function);
+    remove_overwritten(function, &frames);
+    remove_unread_local_data(function, &frames);
 }
 
 /// Ranges that are kept for one base; more are forgotten, so that time stays linear.
@@ -120,14 +118,14 @@ impl Overwritten {
     }
 }
 
-fn remove_overwritten(function: &mut Function, id: FuncId, frames: &Frames) {
+fn remove_overwritten(function: &mut Function, frames: &Frames<'_>) {
     for index in 0..function.layout.len() {
         let block = function.layout[index];
         let mut insts = std::mem::take(&mut function.blocks[block].insts);
         let mut overwritten = Overwritten::default();
         let mut dead: Vec<Inst> = Vec::new();
         for &inst in insts.iter().rev() {
-            if visit(function, id, frames, inst, &mut overwritten) {
+            if visit(function, frames, inst, &mut overwritten) {
                 dead.push(inst);
             }
         }
@@ -146,7 +144,7 @@ fn remove_overwritten(function: &mut Function, id: FuncId, frames: &Frames) {
 }
 
 /// Goes back over one instruction; true if it is a dead store.
-fn visit(function: &mut Function, id: FuncId, frames: &Frames, inst: Inst, overwritten: &mut Overwritten) -> bool {
+fn visit(function: &mut Function, frames: &Frames<'_>, inst: Inst, overwritten: &mut Overwritten) -> bool {
     let write = |access: Access, overwritten: &mut Overwritten| {
         let dead = overwritten.contains(&access);
         if !dead {
@@ -188,7 +186,7 @@ fn visit(function: &mut Function, id: FuncId, frames: &Frames, inst: Inst, overw
             dead
         }
         InstData::Call { callee, .. } => {
-            overwritten.read_all(!frames.call_touches(id, *callee));
+            overwritten.read_all(!frames.call_touches(*callee));
             false
         }
         InstData::CallRuntime { function, .. } => {
@@ -205,7 +203,7 @@ fn visit(function: &mut Function, id: FuncId, frames: &Frames, inst: Inst, overw
                     overwritten.ranges.remove(&Region::Q);
                     overwritten.ranges.remove(&Region::Any);
                 }
-                Effect::All => overwritten.read_all(frames.is_private(id)),
+                Effect::All => overwritten.read_all(frames.is_private()),
             }
             false
         }
@@ -231,8 +229,8 @@ fn visit(function: &mut Function, id: FuncId, frames: &Frames, inst: Inst, overw
 }
 
 /// Removes stores to local data that are never read, and shortens `clear`.
-fn remove_unread_local_data(function: &mut Function, id: FuncId, frames: &Frames) {
-    let Some(read) = local_data_read(function, id, frames) else { return };
+fn remove_unread_local_data(function: &mut Function, frames: &Frames<'_>) {
+    let Some(read) = local_data_read(function, frames) else { return };
     let overlap = |access: &Access| access.base.is_some() || read.overlaps(access.start, access.end);
     for index in 0..function.layout.len() {
         let block = function.layout[index];
@@ -260,8 +258,8 @@ fn remove_unread_local_data(function: &mut Function, id: FuncId, frames: &Frames
 }
 
 /// Ranges of local data that are read anywhere; `None` if they are unknown.
-fn local_data_read(function: &Function, id: FuncId, frames: &Frames) -> Option<Extents<()>> {
-    if !frames.is_private(id) || function.frame_bytes == 0 {
+fn local_data_read(function: &Function, frames: &Frames<'_>) -> Option<Extents<()>> {
+    if !frames.is_private() || function.frame_bytes == 0 {
         return None;
     }
     let mut read = Extents::default();
@@ -290,7 +288,7 @@ fn local_data_read(function: &Function, id: FuncId, frames: &Frames) -> Option<E
                 InstData::Load { addr } => note(Access::of_type(addr, function.ty(function.result(inst))))?,
                 InstData::LoadBit { addr, bit } => note(Access::bit(addr, *bit))?,
                 InstData::Copy { from, len, .. } if *len > 0 => note(Access::bytes(from, *len))?,
-                InstData::Call { callee, .. } if frames.call_touches(id, *callee) => return None,
+                InstData::Call { callee, .. } if frames.call_touches(*callee) => return None,
                 _ => {}
             }
         }

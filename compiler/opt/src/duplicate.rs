@@ -21,7 +21,7 @@
 use plcc_ir::analysis::{ControlFlow, Dominators};
 use plcc_ir::entities::Entity;
 use plcc_ir::function::ValueDef;
-use plcc_ir::{Block, BlockCall, Function, InstData, Module, Value};
+use plcc_ir::{Block, BlockCall, Function, InstData, Value};
 use rustc_hash::FxHashMap;
 
 use crate::variables::{Versions, join_versions};
@@ -40,26 +40,27 @@ const ROUNDS_MAX: usize = 12;
 const INSTS_MAX: usize = 20_000;
 
 /// Copies the tests of loops to their ends.
-pub fn turn_loops(module: &mut Module) {
-    for function in module.functions.values_mut().filter(|function| function.insts.len() <= INSTS_MAX) {
-        let cfg = ControlFlow::new(function);
-        let dominators = Dominators::new(function, &cfg);
-        let mut copies = Copies::default();
-        for &header in &cfg.rpo {
-            let place = cfg.rpo_index(header);
-            let is_back = |&&pred: &&Block| cfg.rpo_index(pred) >= place && dominators.dominates(header, pred);
-            let back: Vec<Block> = cfg.predecessors(header).iter().filter(is_back).copied().collect();
-            // The function's first block has its parameters from outside.
-            if !back.is_empty()
-                && header != function.entry()
-                && is_test(function, header)
-                && !copies.touches(function, header)
-            {
-                copies.add(function, header, &back);
-            }
-        }
-        copies.finish(function);
+pub fn turn_loops(function: &mut Function) {
+    if function.insts.len() > INSTS_MAX {
+        return;
     }
+    let cfg = ControlFlow::new(function);
+    let dominators = Dominators::new(function, &cfg);
+    let mut copies = Copies::default();
+    for &header in &cfg.rpo {
+        let place = cfg.rpo_index(header);
+        let is_back = |&&pred: &&Block| cfg.rpo_index(pred) >= place && dominators.dominates(header, pred);
+        let back: Vec<Block> = cfg.predecessors(header).iter().filter(is_back).copied().collect();
+        // The function's first block has its parameters from outside.
+        if !back.is_empty()
+            && header != function.entry()
+            && is_test(function, header)
+            && !copies.touches(function, header)
+        {
+            copies.add(function, header, &back);
+        }
+    }
+    copies.finish(function);
 }
 
 /// True of a block that only computes a little and branches.
@@ -83,15 +84,16 @@ fn is_test(function: &Function, block: Block) -> bool {
 }
 
 /// Gives cold ways copies of the blocks in which they meet hot ones, where both then branch by what is known.
-pub fn part_cold_ways(module: &mut Module) {
-    for function in module.functions.values_mut().filter(|function| function.insts.len() <= INSTS_MAX) {
-        let mut growth = function.insts.len() + GROWTH;
-        for _ in 0..ROUNDS_MAX {
-            if !part_in_function(function, &mut growth) {
-                break;
-            }
-            function.remove_unreachable_blocks();
+pub fn part_cold_ways(function: &mut Function) {
+    if function.insts.len() > INSTS_MAX {
+        return;
+    }
+    let mut growth = function.insts.len() + GROWTH;
+    for _ in 0..ROUNDS_MAX {
+        if !part_in_function(function, &mut growth) {
+            break;
         }
+        function.remove_unreachable_blocks();
     }
 }
 

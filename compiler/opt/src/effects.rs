@@ -7,24 +7,25 @@
 //! An S7-200 keeps its accumulators and the flags of SMB1 for whatever an interrupt routine interrupts. What ports, counters and
 //! pulse outputs do to its memory on their own is only known if a program uses none.
 
+use std::collections::BTreeSet;
+
 use plcc_abi::functions::Effect;
-use plcc_abi::layout;
 use plcc_abi::s7200::{Operation, system};
 use plcc_ir::entities::Entity;
 use plcc_ir::{FuncId, InstData, Module, Region, RuntimeFn};
-use rustc_hash::FxHashSet;
 
 /// See the module comment.
+#[derive(Debug, Hash)]
 pub struct Effects {
     /// What code that runs at a safepoint or a synchronous error may write; `None`: anything.
     others: Option<Others>,
 }
 
-#[derive(Default)]
+#[derive(Debug, Default, Hash)]
 struct Others {
     /// There is such code.
     exist: bool,
-    regions: FxHashSet<Region>,
+    regions: BTreeSet<Region>,
 }
 
 impl Effects {
@@ -149,22 +150,4 @@ fn is_alone(function: &plcc_ir::Function) -> bool {
         }
         _ => true,
     })
-}
-
-/// Where a region is, as offsets from the memory base in bits.
-pub fn extent_of(module: &Module, region: Region) -> (u64, u64) {
-    let area = |start: u32| (u64::from(start) * 8, u64::from(start + layout::AREA_BYTES) * 8);
-    match region {
-        Region::I => area(layout::I),
-        Region::Q => area(layout::Q),
-        Region::M => area(layout::M),
-        Region::System => area(layout::SYSTEM),
-        Region::L | Region::V => (u64::from(layout::L) * 8, u64::from(layout::DB_DATA) * 8),
-        Region::Db(number) => match module.db(number) {
-            Some(db) => (u64::from(db.address) * 8, (u64::from(db.address) + u64::from(db.length)) * 8),
-            None => (0, u64::MAX),
-        },
-        Region::AnyDb => (u64::from(layout::DB_DATA) * 8, u64::MAX),
-        Region::State | Region::Cells | Region::Any => (0, u64::MAX),
-    }
 }

@@ -21,14 +21,10 @@ mod compare;
 pub(crate) mod integer;
 
 use plcc_ir::analysis::ControlFlow;
-use plcc_ir::{BinaryOp, BlockCall, ConvertOp, Function, Inst, InstData, Loc, Module, Type, UnaryOp, Value, eval};
+use plcc_ir::{BinaryOp, BlockCall, ConvertOp, Function, Inst, InstData, Loc, Type, UnaryOp, Value, eval};
 
-/// Applies the rules to all functions.
-pub fn fold(module: &mut Module) {
-    module.functions.values_mut().for_each(fold_function);
-}
-
-fn fold_function(function: &mut Function) {
+/// Applies the rules to a function.
+pub fn fold(function: &mut Function) {
     let cfg = ControlFlow::new(function);
     let mut folder = Folder { function, out: Vec::new(), loc: Loc(0) };
     for &block in &cfg.rpo {

@@ -26,14 +26,14 @@ use plcc_abi::layout::state;
 use plcc_ir::analysis::ControlFlow;
 use plcc_ir::entities::EntityVec;
 use plcc_ir::{
-    Address, BinaryOp, Block, ConvertOp, FuncId, Function, Inst, InstData, Loc, Module, Region, RuntimeFn, StaticDb,
-    Type, Value,
+    Address, BinaryOp, Block, ConvertOp, Function, Inst, InstData, Loc, Region, RuntimeFn, StaticDb, Type, Value,
 };
 use rustc_hash::FxHashMap;
 
 use crate::effects::{Effects, is_interruption};
 use crate::extents::{Access, Extent, Extents};
 use crate::frames::Frames;
+use crate::surroundings::Surroundings;
 use crate::words::Words;
 
 /// Ranges that are known for one base; more are forgotten.
@@ -42,41 +42,27 @@ const RANGES_MAX: usize = 256;
 const BASES_MAX: usize = 64;
 const DB_FACTS_MAX: usize = 32;
 
-/// Forwards memory in all functions.
-pub fn forward_memory(module: &mut Module) {
-    forward(module, false);
+/// Forwards memory in a function.
+pub fn forward_memory(function: &mut Function, surroundings: &Surroundings) {
+    forward(function, surroundings, None);
 }
 
-/// Forwards memory in all functions, and reads bits that nothing is known about with the word or byte around them: bits that
+/// Forwards memory in a function, and reads bits that nothing is known about with the word or byte around them: bits that
 /// are read from one that was loaded early do not wait for what is written to their neighbours.
-pub fn read_whole_words(module: &mut Module) {
-    forward(module, true);
+pub fn read_whole_words(function: &mut Function, surroundings: &Surroundings) {
+    forward(function, surroundings, Some(&surroundings.dbs));
 }
 
-fn forward(module: &mut Module, whole_words: bool) {
-    let frames = Frames::new(module);
-    let effects = Effects::new(module);
-    for id in module.functions.keys() {
-        let dbs = whole_words.then_some(&*module.dbs);
-        forward_in_function(&mut module.functions[id], id, &frames, &effects, dbs);
-    }
-}
-
-fn forward_in_function(
-    function: &mut Function,
-    id: FuncId,
-    frames: &Frames,
-    effects: &Effects,
-    whole_words: Option<&[StaticDb]>,
-) {
+fn forward(function: &mut Function, surroundings: &Surroundings, whole_words: Option<&[StaticDb]>) {
+    let (frames, effects) = (&surroundings.frames(function), &surroundings.effects);
     let cfg = ControlFlow::new(function);
     let mut at_end: EntityVec<Block, Option<AtEnd>> = EntityVec::new();
     for _ in function.blocks.keys() {
         at_end.push(None);
     }
-    let cold_takes_frame = frames.is_private(id) && function.local_bytes() > 0;
+    let cold_takes_frame = frames.is_private() && function.local_bytes() > 0;
     let mut pass =
-        Forward { function, id, frames, effects, words: None, known: Memory::default(), out: Vec::new(), loc: Loc(0) };
+        Forward { function, frames, effects, words: None, known: Memory::default(), out: Vec::new(), loc: Loc(0) };
     for &block in &cfg.rpo {
         let takes = |function: &Function, from, to| takes_from(function, &cfg, effects, from, to, cold_takes_frame);
         pass.known = known_at_start(pass.function, &cfg, effects, block, &mut at_end, &takes);
@@ -348,8 +334,7 @@ enum Step {
 
 struct Forward<'a> {
     function: &'a mut Function,
-    id: FuncId,
-    frames: &'a Frames,
+    frames: &'a Frames<'a>,
     /// Words that are read for their bits, if any are.
     words: Option<Words<'a>>,
     effects: &'a Effects,
@@ -400,7 +385,7 @@ impl Forward<'_> {
             InstData::DbBase { number } => self.db_entry(inst, *number, false),
             InstData::DbLength { number } => self.db_entry(inst, *number, true),
             InstData::Call { callee, .. } => {
-                let keep_frame = !self.frames.call_touches(self.id, *callee);
+                let keep_frame = !self.frames.call_touches(*callee);
                 self.known.forget_all(keep_frame, self.function);
                 Step::Keep
             }
@@ -419,10 +404,10 @@ impl Forward<'_> {
                         self.known.regions.remove(&Region::Any);
                     }
                     Effect::All if is_interruption(*function) => {
-                        self.known.interrupt(*function, self.effects, self.frames.is_private(self.id));
+                        self.known.interrupt(*function, self.effects, self.frames.is_private());
                     }
                     Effect::All => {
-                        self.known.forget_all(self.frames.is_private(self.id), self.function);
+                        self.known.forget_all(self.frames.is_private(), self.function);
                     }
                 }
                 Step::Keep

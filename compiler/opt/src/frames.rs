@@ -10,45 +10,57 @@
 use plcc_ir::entities::{Entity, EntityVec};
 use plcc_ir::{FuncId, Function, InstData, Module, Region, Value};
 
-/// The facts about the frames of a module's functions.
-pub struct Frames {
-    facts: EntityVec<FuncId, Facts>,
-}
-
-#[derive(Clone, Copy)]
-struct Facts {
+/// The frame of a function, and what its callees do with it.
+pub struct Frames<'a> {
     is_private: bool,
-    touches_caller: bool,
+    callees: &'a Callees,
 }
 
-impl Frames {
-    pub fn new(module: &Module) -> Frames {
-        let mut facts = EntityVec::new();
+/// Which functions of a module touch the frames of their callers. Optimisation takes accesses away and adds none, so what was found
+/// before holds after it.
+pub struct Callees {
+    touching: EntityVec<FuncId, bool>,
+}
+
+impl Callees {
+    pub fn new(module: &Module) -> Callees {
+        let mut touching = EntityVec::new();
         for function in module.functions.values() {
-            facts.push(facts_of(function));
+            touching.push(touches_caller(function));
         }
-        Frames { facts }
+        Callees { touching }
     }
 
-    /// True if only `function` and its direct callees can reach its frame.
-    pub fn is_private(&self, function: FuncId) -> bool {
-        self.facts[function].is_private
-    }
-
-    /// True if a call of `callee` may read or write the frame of `caller`.
-    pub fn call_touches(&self, caller: FuncId, callee: FuncId) -> bool {
-        !self.facts[caller].is_private || self.facts[callee].touches_caller
+    /// True if a call of `callee` may read or write the frame of its caller.
+    pub fn touches_caller(&self, callee: FuncId) -> bool {
+        self.touching[callee]
     }
 }
 
-fn facts_of(function: &Function) -> Facts {
-    let mut touches_caller = false;
+impl<'a> Frames<'a> {
+    pub fn new(function: &Function, callees: &'a Callees) -> Frames<'a> {
+        Frames { is_private: !is_given_away(function, &|region| region == Region::L), callees }
+    }
+
+    /// True if only the function and its direct callees can reach its frame.
+    pub fn is_private(&self) -> bool {
+        self.is_private
+    }
+
+    /// True if a call of `callee` may read or write the frame.
+    pub fn call_touches(&self, callee: FuncId) -> bool {
+        !self.is_private || self.callees.touches_caller(callee)
+    }
+}
+
+fn touches_caller(function: &Function) -> bool {
+    let mut touches = false;
     for block in function.layout.iter().map(|&block| &function.blocks[block]) {
         for &inst in &block.insts {
-            function.insts[inst].for_each_address(|addr| touches_caller |= addr.region == Region::V);
+            function.insts[inst].for_each_address(|addr| touches |= addr.region == Region::V);
         }
     }
-    Facts { is_private: !is_given_away(function, &|region| region == Region::L), touches_caller }
+    touches
 }
 
 /// True if the address of local data, own ones or the caller's, goes anywhere.

@@ -8,21 +8,38 @@
 
 use plcc_ir::entities::{Entity, EntityVec};
 use plcc_ir::function::ValueDef;
-use plcc_ir::{FuncId, Function, InstData, Loc, Module, Value};
+use plcc_ir::{Block, FuncId, Function, Inst, InstData, Loc, Module, Value};
+use rustc_hash::FxHashMap;
 
 /// Rounds over the module: knowledge goes up one level of calls with each.
 const ROUNDS_MAX: usize = 4;
 
 /// Propagates the facts about parameters and returned values.
 pub fn simplify_interfaces(module: &mut Module) {
+    let calls = calls(module);
+    let mut before: EntityVec<FuncId, Vec<Known>> = EntityVec::new();
     for _ in 0..ROUNDS_MAX {
         let returned = returned_values(module);
-        let changed = use_returned_values(module, &returned);
-        let constants = constant_params(module);
+        let changed = use_returned_values(module, &calls, &before, &returned);
+        before = returned;
+        let constants = constant_params(module, &calls);
         if !use_constant_params(module, &constants) && !changed {
             break;
         }
     }
+}
+
+/// The calls in each function, with the blocks that they are in. Rounds add instructions, but no calls.
+fn calls(module: &Module) -> EntityVec<FuncId, Vec<(Block, Inst)>> {
+    let mut all = EntityVec::new();
+    for function in module.functions.values() {
+        let insts = function
+            .layout
+            .iter()
+            .flat_map(|&block| function.blocks[block].insts.iter().map(move |&inst| (block, inst)));
+        all.push(insts.filter(|&(_, inst)| matches!(function.insts[inst], InstData::Call { .. })).collect());
+    }
+    all
 }
 
 /// The facts about a value that crosses the boundary of a function.
@@ -37,6 +54,10 @@ enum Known {
 }
 
 impl Known {
+    fn is_some(self) -> bool {
+        matches!(self, Known::Constant(_) | Known::Param(_))
+    }
+
     fn join(self, other: Known) -> Known {
         match (self, other) {
             (Known::Nothing, known) | (known, Known::Nothing) => known,
@@ -75,41 +96,52 @@ fn returned_values(module: &Module) -> EntityVec<FuncId, Vec<Known>> {
     all
 }
 
-fn use_returned_values(module: &mut Module, returned: &EntityVec<FuncId, Vec<Known>>) -> bool {
+/// Uses what calls return. `before` is what was known in the round before and is used already; empty in the first.
+fn use_returned_values(
+    module: &mut Module,
+    calls: &EntityVec<FuncId, Vec<(Block, Inst)>>,
+    before: &EntityVec<FuncId, Vec<Known>>,
+    returned: &EntityVec<FuncId, Vec<Known>>,
+) -> bool {
+    let is_news = |callee: FuncId| before.is_empty() || before[callee] != returned[callee];
     let mut changed = false;
-    for function in module.functions.values_mut() {
+    for (id, function) in module.functions.iter_mut() {
+        let callees = calls[id].iter().filter_map(|&(_, inst)| callee_of(function, inst));
+        if !callees.clone().any(|callee| is_news(callee) && returned[callee].iter().any(|known| known.is_some())) {
+            continue;
+        }
         let used = used_values(function);
         let mut replaced = false;
-        for index in 0..function.layout.len() {
-            let block = function.layout[index];
-            let mut position = 0;
-            while let Some(&inst) = function.blocks[block].insts.get(position) {
-                position += 1;
-                let InstData::Call { callee, args } = &function.insts[inst] else { continue };
-                let (callee, args) = (*callee, args.clone());
-                let mut constants = Vec::new();
-                for (number, known) in returned[callee].iter().enumerate() {
-                    let result = function.results[inst][number];
-                    if !used[result.index()] {
-                        continue;
-                    }
-                    match *known {
-                        Known::Constant(bits) => {
-                            let ty = function.ty(result);
-                            let new = function.make_inst(InstData::Const { bits }, &[ty], function.locs[inst]);
-                            constants.push(new);
-                            let value = function.result(new);
-                            replace_uses_of_result(function, result, value);
-                        }
-                        Known::Param(param) => replace_uses_of_result(function, result, args[param]),
-                        Known::Nothing | Known::Unknown => continue,
-                    }
-                    replaced = true;
+        // Constants are put after the calls at the end, block by block.
+        let mut added: FxHashMap<Inst, Vec<Inst>> = FxHashMap::default();
+        for &(_, inst) in &calls[id] {
+            let InstData::Call { callee, args } = &function.insts[inst] else { continue };
+            let (callee, args) = (*callee, args.clone());
+            for (number, known) in returned[callee].iter().enumerate() {
+                let result = function.results[inst][number];
+                if !used[result.index()] {
+                    continue;
                 }
-                let count = constants.len();
-                function.blocks[block].insts.splice(position..position, constants);
-                position += count;
+                match *known {
+                    Known::Constant(bits) => {
+                        let ty = function.ty(result);
+                        let new = function.make_inst(InstData::Const { bits }, &[ty], function.locs[inst]);
+                        added.entry(inst).or_default().push(new);
+                        let value = function.result(new);
+                        replace_uses_of_result(function, result, value);
+                    }
+                    Known::Param(param) => replace_uses_of_result(function, result, args[param]),
+                    Known::Nothing | Known::Unknown => continue,
+                }
+                replaced = true;
             }
+        }
+        let mut blocks: Vec<Block> = Vec::new();
+        blocks.extend(calls[id].iter().filter(|(_, inst)| added.contains_key(inst)).map(|&(block, _)| block));
+        blocks.dedup();
+        for block in blocks {
+            let with_constants = |&inst: &Inst| std::iter::once(inst).chain(added.remove(&inst).unwrap_or_default());
+            function.blocks[block].insts = function.blocks[block].insts.iter().flat_map(with_constants).collect();
         }
         if replaced {
             settle_results(function);
@@ -117,6 +149,13 @@ fn use_returned_values(module: &mut Module, returned: &EntityVec<FuncId, Vec<Kno
         }
     }
     changed
+}
+
+fn callee_of(function: &Function, inst: Inst) -> Option<FuncId> {
+    match &function.insts[inst] {
+        InstData::Call { callee, .. } => Some(*callee),
+        _ => None,
+    }
 }
 
 fn used_values(function: &Function) -> Vec<bool> {
@@ -148,26 +187,24 @@ fn settle_results(function: &mut Function) {
     }
 }
 
-fn constant_params(module: &Module) -> EntityVec<FuncId, Vec<Known>> {
+fn constant_params(module: &Module, calls: &EntityVec<FuncId, Vec<(Block, Inst)>>) -> EntityVec<FuncId, Vec<Known>> {
     let mut all = EntityVec::new();
     let mut called = vec![false; module.functions.len()];
     for function in module.functions.values() {
         all.push(vec![Known::Nothing; function.params().count()]);
     }
     for (id, function) in module.functions.iter() {
-        for &block in &function.layout {
-            for &inst in &function.blocks[block].insts {
-                let InstData::Call { callee, args } = &function.insts[inst] else { continue };
-                called[callee.index()] |= *callee != id;
-                for (index, &arg) in args.iter().enumerate() {
-                    let known = match known_of(function, arg) {
-                        // A recursive call passes on the arguments of the first one.
-                        Known::Param(param) if *callee == id && param == index => Known::Nothing,
-                        Known::Param(_) => Known::Unknown,
-                        known => known,
-                    };
-                    all[*callee][index] = all[*callee][index].join(known);
-                }
+        for &(_, inst) in &calls[id] {
+            let InstData::Call { callee, args } = &function.insts[inst] else { continue };
+            called[callee.index()] |= *callee != id;
+            for (index, &arg) in args.iter().enumerate() {
+                let known = match known_of(function, arg) {
+                    // A recursive call passes on the arguments of the first one.
+                    Known::Param(param) if *callee == id && param == index => Known::Nothing,
+                    Known::Param(_) => Known::Unknown,
+                    known => known,
+                };
+                all[*callee][index] = all[*callee][index].join(known);
             }
         }
     }

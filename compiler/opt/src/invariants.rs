@@ -14,25 +14,20 @@ use plcc_abi::functions::Effect;
 use plcc_ir::analysis::{ControlFlow, Dominators};
 use plcc_ir::entities::Entity;
 use plcc_ir::function::ValueDef;
-use plcc_ir::{Block, Function, Inst, InstData, Module, Value};
+use plcc_ir::{Block, Function, Inst, InstData, Value};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::effects::{Effects, is_interruption};
 use crate::known_bits::unsigned_max;
 use crate::loops::Loops;
+use crate::surroundings::Surroundings;
 
 /// Instructions that are looked at, each once for each loop around it.
 const STEPS_MAX: usize = 4_000_000;
 
-/// Moves the look-ups out of loops, in all functions.
-pub fn hoist_lookups(module: &mut Module) {
-    let effects = Effects::new(module);
-    for function in module.functions.values_mut() {
-        hoist_in_function(function, &effects);
-    }
-}
-
-fn hoist_in_function(function: &mut Function, effects: &Effects) {
+/// Moves the look-ups out of loops, in a function.
+pub fn hoist_lookups(function: &mut Function, surroundings: &Surroundings) {
+    let effects = &surroundings.effects;
     let is_lookup = |data: &InstData| matches!(data, InstData::DbBase { .. } | InstData::DbLength { .. });
     let insts = || function.layout.iter().flat_map(|&block| &function.blocks[block].insts);
     if !insts().any(|&inst| is_lookup(&function.insts[inst])) {

@@ -1,6 +1,6 @@
 //! Optimisation passes over the SSA IR.
 //!
-//! [`PIPELINE`] is the list of passes in their order; each is one file with its idea on top. All take time near linear in
+//! [`TOGETHER`] and [`ALONE`] are the passes in their order; each is one file with its idea on top. All take time near linear in
 //! the size of the program and never recurse by it: a PLC block can have tens of thousands of lines.
 //!
 //! **Invariant**: a pass keeps everything that an observer of PLC memory can see: memory at calls, at runtime functions that may run
@@ -29,103 +29,137 @@ mod loop_memory;
 mod loops;
 mod merge_bits;
 mod ranges;
+mod surroundings;
 mod unroll;
+mod unused;
 mod usage;
 mod values;
 mod variables;
 mod without;
 mod words;
 
-use plcc_ir::Module;
-pub use usage::{Usage, usage};
+use plcc_ir::{Function, Module};
+pub use surroundings::Surroundings;
+pub use usage::{Usage, usage, usage_of};
 pub use without::{UnknownPass, Without};
 
 /// A pass with the name that `--print-after`, `--without-pass` and tests use.
 #[derive(Clone, Copy)]
 pub struct Pass {
     pub name: &'static str,
-    pub run: fn(&mut Module),
+    pub run: Run,
 }
 
-const fn pass(name: &'static str, run: fn(&mut Module)) -> Pass {
-    Pass { name, run }
+/// How much of the program a pass looks at.
+#[derive(Clone, Copy)]
+pub enum Run {
+    /// One function.
+    Function(fn(&mut Function)),
+    /// One function, and facts about the others.
+    Surrounded(fn(&mut Function, &Surroundings)),
+    Module(fn(&mut Module)),
 }
 
-/// What `-O2` does, in order. A new pass is its module above and a row here.
-pub const PIPELINE: &[Pass] = &[
-    pass("fold", fold::fold),
-    pass("control-flow", control_flow::simplify_control_flow),
-    pass("addresses", addresses::resolve_addresses),
-    pass("values", values::share_values),
-    pass("forward", forward::forward_memory),
-    pass("fold", fold::fold),
-    pass("control-flow", control_flow::simplify_control_flow),
-    pass("interfaces", interfaces::simplify_interfaces),
-    pass("fold", fold::fold),
-    pass("control-flow", control_flow::simplify_control_flow),
-    pass("dead-code", dead_code::eliminate_dead_code),
-    pass("compact", compact),
-    pass("inline", inline::inline_calls),
-    pass("fold", fold::fold),
-    pass("control-flow", control_flow::simplify_control_flow),
-    pass("addresses", addresses::resolve_addresses),
-    pass("bits", bits::find_bits),
-    pass("values", values::share_values),
-    pass("forward", forward::forward_memory),
-    pass("locals", locals::promote_locals),
-    pass("fold", fold::fold),
-    pass("ranges", ranges::use_ranges),
-    pass("fold", fold::fold),
-    pass("control-flow", control_flow::simplify_control_flow),
-    pass("addresses", addresses::resolve_addresses),
-    pass("values", values::share_values),
-    pass("forward", forward::forward_memory),
-    pass("fold", fold::fold),
-    pass("unroll", unroll::unroll_loops),
-    pass("control-flow", control_flow::simplify_control_flow),
-    pass("fold", fold::fold),
-    pass("control-flow", control_flow::simplify_control_flow),
-    pass("part-cold-loops", cold_loops::part_cold_loops),
-    pass("control-flow", control_flow::simplify_control_flow),
-    pass("loop-memory", loop_memory::carry_memory),
-    pass("fold", fold::fold),
-    pass("ranges", ranges::use_ranges),
-    pass("fold", fold::fold),
-    pass("control-flow", control_flow::simplify_control_flow),
-    pass("addresses", addresses::resolve_addresses),
-    pass("bits", bits::find_bits),
-    pass("values", values::share_values),
-    pass("forward", forward::forward_memory),
-    pass("fold", fold::fold),
-    pass("part-cold-ways", duplicate::part_cold_ways),
-    pass("control-flow", control_flow::simplify_control_flow),
-    pass("values", values::share_values),
-    pass("forward", forward::forward_memory),
-    pass("fold", fold::fold),
-    pass("part-cold-ways", duplicate::part_cold_ways),
-    pass("control-flow", control_flow::simplify_control_flow),
-    pass("values", values::share_values),
-    pass("forward", forward::forward_memory),
-    pass("branches", branches::select_by_branches),
-    pass("control-flow", control_flow::simplify_control_flow),
-    pass("fold", fold::fold),
-    pass("words", forward::read_whole_words),
-    pass("merge-bits", merge_bits::merge_bits),
-    pass("floats", floats::relax_floats),
-    pass("hoist-lookups", invariants::hoist_lookups),
-    pass("turn-loops", duplicate::turn_loops),
-    pass("fold", fold::fold),
-    pass("control-flow", control_flow::simplify_control_flow),
-    pass("dead-stores", dead_stores::eliminate_dead_stores),
-    pass("dead-code", dead_code::eliminate_dead_code),
-    pass("control-flow", control_flow::simplify_control_flow),
-    pass("compact", compact),
+const fn function(name: &'static str, run: fn(&mut Function)) -> Pass {
+    Pass { name, run: Run::Function(run) }
+}
+
+const fn surrounded(name: &'static str, run: fn(&mut Function, &Surroundings)) -> Pass {
+    Pass { name, run: Run::Surrounded(run) }
+}
+
+const fn module(name: &'static str, run: fn(&mut Module)) -> Pass {
+    Pass { name, run: Run::Module(run) }
+}
+
+/// What `-O2` does to all functions together, in order. A new pass is its module above and a row here or in [`ALONE`].
+pub const TOGETHER: &[Pass] = &[
+    function("fold", fold::fold),
+    function("control-flow", control_flow::simplify_control_flow),
+    function("unused", unused::remove_unused),
+    function("compact", Function::compact),
+    surrounded("addresses", addresses::resolve_addresses),
+    function("values", values::share_values),
+    surrounded("forward", forward::forward_memory),
+    function("fold", fold::fold),
+    function("control-flow", control_flow::simplify_control_flow),
+    module("interfaces", interfaces::simplify_interfaces),
+    function("fold", fold::fold),
+    function("control-flow", control_flow::simplify_control_flow),
+    module("dead-code", dead_code::eliminate_dead_code),
+    function("compact", Function::compact),
+    module("inline", inline::inline_calls),
+    function("fold", fold::fold),
+    function("control-flow", control_flow::simplify_control_flow),
+    module("dead-code", dead_code::eliminate_dead_code),
+    function("compact", Function::compact),
 ];
+
+/// What `-O2` does to each function after that. Nothing here depends on the code of other functions, so that the machine code of a function
+/// can be kept until it changes.
+pub const ALONE: &[Pass] = &[
+    surrounded("addresses", addresses::resolve_addresses),
+    function("bits", bits::find_bits),
+    function("values", values::share_values),
+    surrounded("forward", forward::forward_memory),
+    surrounded("locals", locals::promote_locals),
+    function("fold", fold::fold),
+    function("ranges", ranges::use_ranges),
+    function("fold", fold::fold),
+    function("control-flow", control_flow::simplify_control_flow),
+    surrounded("addresses", addresses::resolve_addresses),
+    function("values", values::share_values),
+    surrounded("forward", forward::forward_memory),
+    function("fold", fold::fold),
+    function("unroll", unroll::unroll_loops),
+    function("control-flow", control_flow::simplify_control_flow),
+    function("fold", fold::fold),
+    function("control-flow", control_flow::simplify_control_flow),
+    surrounded("part-cold-loops", cold_loops::part_cold_loops),
+    function("control-flow", control_flow::simplify_control_flow),
+    surrounded("loop-memory", loop_memory::carry_memory),
+    function("fold", fold::fold),
+    function("ranges", ranges::use_ranges),
+    function("fold", fold::fold),
+    function("control-flow", control_flow::simplify_control_flow),
+    surrounded("addresses", addresses::resolve_addresses),
+    function("bits", bits::find_bits),
+    function("values", values::share_values),
+    surrounded("forward", forward::forward_memory),
+    function("fold", fold::fold),
+    function("part-cold-ways", duplicate::part_cold_ways),
+    function("control-flow", control_flow::simplify_control_flow),
+    function("values", values::share_values),
+    surrounded("forward", forward::forward_memory),
+    function("fold", fold::fold),
+    function("part-cold-ways", duplicate::part_cold_ways),
+    function("control-flow", control_flow::simplify_control_flow),
+    function("values", values::share_values),
+    surrounded("forward", forward::forward_memory),
+    function("branches", branches::select_by_branches),
+    function("control-flow", control_flow::simplify_control_flow),
+    function("fold", fold::fold),
+    surrounded("words", forward::read_whole_words),
+    surrounded("merge-bits", merge_bits::merge_bits),
+    function("floats", floats::relax_floats),
+    surrounded("hoist-lookups", invariants::hoist_lookups),
+    function("turn-loops", duplicate::turn_loops),
+    function("fold", fold::fold),
+    function("control-flow", control_flow::simplify_control_flow),
+    surrounded("dead-stores", dead_stores::eliminate_dead_stores),
+    function("unused", unused::remove_unused),
+    function("control-flow", control_flow::simplify_control_flow),
+    function("compact", Function::compact),
+];
+
+fn pipeline() -> impl Iterator<Item = &'static Pass> {
+    TOGETHER.iter().chain(ALONE)
+}
 
 /// Names of the passes, each once, in the order in which they first run.
 pub fn passes() -> Vec<&'static str> {
     let mut names: Vec<&str> = Vec::new();
-    for pass in PIPELINE {
+    for pass in pipeline() {
         if !names.contains(&pass.name) {
             names.push(pass.name);
         }
@@ -135,26 +169,85 @@ pub fn passes() -> Vec<&'static str> {
 
 /// Optimises a module that the verifier passes, except for the passes that are switched off.
 pub fn optimize(module: &mut Module, without: Without) {
-    optimize_with(module, without, &mut |name, module| {
-        if cfg!(debug_assertions) {
-            check(name, module);
-        }
-    });
+    optimize_together(module, without);
+    run_all(ALONE, module, without);
 }
 
-/// Like [`optimize`]; calls `after` with the name of each pass that runs, and its result.
-pub fn optimize_with(module: &mut Module, without: Without, after: &mut dyn FnMut(&'static str, &Module)) {
-    for pass in PIPELINE.iter().filter(|pass| !without.contains(pass.name)) {
-        (pass.run)(module);
+/// The first part of [`optimize`]: the passes that look at all functions.
+pub fn optimize_together(module: &mut Module, without: Without) {
+    run_all(TOGETHER, module, without);
+}
+
+/// The second part of [`optimize`], for one function of a module after the first part.
+pub fn optimize_alone(function: &mut Function, surroundings: &Surroundings, without: Without) {
+    run_on(ALONE, function, surroundings, without);
+}
+
+/// Runs passes in order; those in a row that look at one function on all processors.
+fn run_all(mut passes: &[Pass], module: &mut Module, without: Without) {
+    if cfg!(debug_assertions) {
+        run_each(passes.iter(), module, without, &mut check);
+        return;
+    }
+    while let Some((first, rest)) = passes.split_first() {
+        if let Run::Module(run) = first.run {
+            if !without.contains(first.name) {
+                run(module);
+            }
+            passes = rest;
+            continue;
+        }
+        let row = passes.iter().take_while(|pass| !matches!(pass.run, Run::Module(_))).count();
+        let (row, rest) = passes.split_at(row);
+        let surroundings = Surroundings::new(module);
+        surroundings::for_each(&mut module.functions, &|function| run_on(row, function, &surroundings, without));
+        passes = rest;
+    }
+}
+
+/// Runs passes that look at one function.
+fn run_on(passes: &[Pass], function: &mut Function, surroundings: &Surroundings, without: Without) {
+    for pass in passes.iter().filter(|pass| !without.contains(pass.name)) {
+        match pass.run {
+            Run::Function(run) => run(function),
+            Run::Surrounded(run) => run(function, surroundings),
+            Run::Module(_) => unreachable!("only passes that look at one function run so"),
+        }
+    }
+}
+
+fn run_each<'p>(
+    passes: impl Iterator<Item = &'p Pass>,
+    module: &mut Module,
+    without: Without,
+    after: &mut dyn FnMut(&'static str, &Module),
+) {
+    for pass in passes.filter(|pass| !without.contains(pass.name)) {
+        run_one(pass, module);
         after(pass.name, module);
     }
 }
 
+fn run_one(pass: &Pass, module: &mut Module) {
+    if let Run::Module(run) = pass.run {
+        run(module);
+    } else {
+        let surroundings = Surroundings::new(module);
+        let functions = module.functions.values_mut();
+        functions.for_each(|function| run_on(&[*pass], function, &surroundings, Without::NOTHING));
+    }
+}
+
+/// Like [`optimize`]; calls `after` with the name of each pass that runs, and its result.
+pub fn optimize_with(module: &mut Module, without: Without, after: &mut dyn FnMut(&'static str, &Module)) {
+    run_each(pipeline(), module, without, after);
+}
+
 /// Runs the pass called `name`; false if there is none.
 pub fn run_pass(module: &mut Module, name: &str) -> bool {
-    let pass = PIPELINE.iter().find(|pass| pass.name == name);
+    let pass = pipeline().find(|pass| pass.name == name);
     if let Some(pass) = pass {
-        (pass.run)(module);
+        run_one(pass, module);
     }
     pass.is_some()
 }
@@ -175,7 +268,7 @@ pub fn run_listed_passes(text: &str) -> Result<String, String> {
         }
         verify(&module).map_err(|error| format!("after {name}: {error}"))?;
     }
-    compact(&mut module);
+    module.functions.values_mut().for_each(Function::compact);
     Ok(plcc_ir::print::module_text(&module))
 }
 
@@ -184,11 +277,6 @@ pub fn check(name: &str, module: &Module) {
     if let Err(errors) = plcc_ir::verify::verify(module) {
         panic!("after {name}: {}\n{}", errors[0], plcc_ir::print::module_text(module));
     }
-}
-
-/// Drops blocks, instructions and values that earlier passes took out, and numbers the rest again.
-fn compact(module: &mut Module) {
-    module.functions.values_mut().for_each(plcc_ir::Function::compact);
 }
 
 #[cfg(test)]

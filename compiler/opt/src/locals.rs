@@ -12,26 +12,24 @@
 //!     jump b1                ;     jump b1(v2)
 //! ```
 
-use plcc_ir::{Address, ConvertOp, FuncId, Function, Inst, InstData, Loc, Module, Region, Type, Value};
+use plcc_ir::{Address, ConvertOp, Function, Inst, InstData, Loc, Region, Type, Value};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::frames::Frames;
+use crate::surroundings::Surroundings;
 use crate::variables::{Action, promote};
 
-/// Promotes local data in all functions.
-pub fn promote_locals(module: &mut Module) {
-    let frames = Frames::new(module);
-    for id in module.functions.keys() {
-        if is_unreachable_from_outside(&module.functions[id], id, &frames) {
-            promote_in_function(&mut module.functions[id]);
-        }
+/// Promotes local data of a function.
+pub fn promote_locals(function: &mut Function, surroundings: &Surroundings) {
+    if is_unreachable_from_outside(function, &surroundings.frames(function)) {
+        promote_in_function(function);
     }
 }
 
 /// True if nothing but accesses to `L` with constant addresses reaches the frame.
-fn is_unreachable_from_outside(function: &Function, id: FuncId, frames: &Frames) -> bool {
+fn is_unreachable_from_outside(function: &Function, frames: &Frames<'_>) -> bool {
     let is_harmless = |inst: &InstData| match inst {
-        InstData::Call { callee, .. } => !frames.call_touches(id, *callee),
+        InstData::Call { callee, .. } => !frames.call_touches(*callee),
         InstData::FrameBase { .. } => false,
         InstData::AddressOf { addr } => addr.region != Region::L,
         data => {
@@ -41,7 +39,7 @@ fn is_unreachable_from_outside(function: &Function, id: FuncId, frames: &Frames)
         }
     };
     let mut insts = function.layout.iter().flat_map(|&block| &function.blocks[block].insts);
-    frames.is_private(id) && insts.all(|&inst| is_harmless(&function.insts[inst]))
+    frames.is_private() && insts.all(|&inst| is_harmless(&function.insts[inst]))
 }
 
 /// How a byte of the frame is accessed.

@@ -24,20 +24,15 @@
 mod plan;
 mod rewrite;
 
-use plcc_ir::Module;
+use plcc_ir::Function;
 
-use crate::effects::Effects;
-use crate::frames::Frames;
+use crate::surroundings::Surroundings;
 
-/// Carries memory through loops in all functions.
-pub fn carry_memory(module: &mut Module) {
-    let frames = Frames::new(module);
-    let effects = Effects::new(module);
-    for id in module.functions.keys() {
-        let plan = plan::plan(module, id, &frames, &effects);
-        if !plan.is_empty() {
-            rewrite::rewrite(&mut module.functions[id], &plan);
-        }
+/// Carries memory through loops in a function.
+pub fn carry_memory(function: &mut Function, surroundings: &Surroundings) {
+    let plan = plan::plan(function, surroundings);
+    if !plan.is_empty() {
+        rewrite::rewrite(function, &plan);
     }
 }
 

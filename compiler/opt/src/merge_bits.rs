@@ -20,25 +20,20 @@
 //! At most [`OPEN_MAX`] words are collected at a time, so that they fit into registers.
 
 use plcc_abi::functions::Effect;
-use plcc_ir::{Address, BinaryOp, Block, ConvertOp, Function, Inst, InstData, Loc, Module, StaticDb, Type, Value};
+use plcc_ir::{Address, BinaryOp, Block, ConvertOp, Function, Inst, InstData, Loc, Type, Value};
 use rustc_hash::FxHashMap;
 
+use crate::surroundings::Surroundings;
 use crate::words::Words;
 
 /// Words that are collected at the same time.
 const OPEN_MAX: usize = 8;
 
-/// Merges the stores of bits in all functions.
-pub fn merge_bits(module: &mut Module) {
-    for function in module.functions.values_mut() {
-        merge_in_function(function, &module.dbs);
-    }
-}
-
-fn merge_in_function(function: &mut Function, dbs: &[StaticDb]) {
+/// Merges the stores of bits in a function.
+pub fn merge_bits(function: &mut Function, surroundings: &Surroundings) {
     for index in 0..function.layout.len() {
         let block = function.layout[index];
-        let words = Words::of(function, &function.blocks[block].insts, dbs);
+        let words = Words::of(function, &function.blocks[block].insts, &surroundings.dbs);
         let groups = groups(function, block, &words);
         if !groups.is_empty() {
             rewrite(function, block, groups);

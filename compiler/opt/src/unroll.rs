@@ -16,7 +16,7 @@
 
 use plcc_ir::analysis::{ControlFlow, Dominators};
 use plcc_ir::function::ValueDef;
-use plcc_ir::{Block, Function, InstData, Module, Value, eval};
+use plcc_ir::{Block, Function, InstData, Value, eval};
 use rustc_hash::FxHashSet;
 
 use crate::loops::{Loop, Loops};
@@ -33,14 +33,15 @@ const ROUNDS_MAX: usize = 8;
 /// Larger functions are left as they are.
 const FUNCTION_MAX: usize = 20_000;
 
-/// Unrolls short loops in all functions.
-pub fn unroll_loops(module: &mut Module) {
-    for function in module.functions.values_mut().filter(|function| function.insts.len() <= FUNCTION_MAX) {
-        let (mut growth, mut done) = (GROWTH, FxHashSet::default());
-        for _ in 0..ROUNDS_MAX {
-            if !unroll_in_function(function, &mut growth, &mut done) {
-                break;
-            }
+/// Unrolls short loops in a function.
+pub fn unroll_loops(function: &mut Function) {
+    if function.insts.len() > FUNCTION_MAX {
+        return;
+    }
+    let (mut growth, mut done) = (GROWTH, FxHashSet::default());
+    for _ in 0..ROUNDS_MAX {
+        if !unroll_in_function(function, &mut growth, &mut done) {
+            break;
         }
     }
 }

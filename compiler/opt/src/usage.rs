@@ -1,40 +1,54 @@
 //! What the program uses of the CPU, so that the runtime does in each cycle only what is needed.
 
-use plcc_ir::{Address, FuncId, Function, InstData, Module, Region, RuntimeFn};
+use plcc_ir::{Address, Function, InstData, Module, Region, RuntimeFn};
 
-use crate::frames::Frames;
+use crate::surroundings::Surroundings;
 
 /// No byte of the outputs is sure to stay as it is.
 const ALL: u32 = u32::MAX;
 
 /// See the module comment.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Usage {
     /// The output byte from which on no code of the program changes one. Only the bytes before it are copied to the modules after
     /// each cycle; an S7-1500 has 32 KB of them.
     pub outputs: u32,
     /// Code of an S7-200 touches neither interrupts nor counters, pulse outputs, ports or network, nor anything through pointers.
     pub logic_only: bool,
-    /// Whether each entry reads its local data, or lets others do so: only then they need the start information and zeros.
-    pub local_data: Vec<bool>,
+    /// A function reads its local data, or lets others do so: only then an organization block needs the start information and zeros.
+    pub local_data: bool,
 }
 
-/// Looks at all code of the module.
-pub fn usage(module: &Module) -> Usage {
-    let frames = Frames::new(module);
-    let local_data = module.entries.iter().map(|&entry| reads_local_data(module, entry, &frames)).collect();
-    let mut usage = Usage { outputs: 0, logic_only: true, local_data };
-    for function in module.functions.values() {
-        for &block in &function.layout {
-            for &inst in &function.blocks[block].insts {
-                usage.add(function, &function.insts[inst]);
-            }
+/// Looks at the code of each function of the module.
+pub fn usage(module: &Module) -> Vec<Usage> {
+    let surroundings = Surroundings::new(module);
+    module.functions.values().map(|function| usage_of(function, &surroundings)).collect()
+}
+
+/// Looks at the code of a function.
+pub fn usage_of(function: &Function, surroundings: &Surroundings) -> Usage {
+    let mut usage = Usage { local_data: reads_local_data(function, surroundings), ..Usage::NOTHING };
+    for &block in &function.layout {
+        for &inst in &function.blocks[block].insts {
+            usage.add(function, &function.insts[inst]);
         }
     }
     usage
 }
 
 impl Usage {
+    /// What a program without code uses.
+    pub const NOTHING: Usage = Usage { outputs: 0, logic_only: true, local_data: false };
+
+    /// What two parts of a program use.
+    pub fn and(self, other: Usage) -> Usage {
+        Usage {
+            outputs: self.outputs.max(other.outputs),
+            logic_only: self.logic_only && other.logic_only,
+            local_data: self.local_data || other.local_data,
+        }
+    }
+
     fn add(&mut self, function: &Function, inst: &InstData) {
         let outputs = match inst {
             InstData::Store { addr, value } => end_of(addr, function.ty(*value).bytes()),
@@ -60,9 +74,9 @@ impl Usage {
     }
 }
 
-/// True if anybody may read the local data of `id`.
-fn reads_local_data(module: &Module, id: FuncId, frames: &Frames) -> bool {
-    let function = &module.functions[id];
+/// True if anybody may read the local data of the function.
+fn reads_local_data(function: &Function, surroundings: &Surroundings) -> bool {
+    let frames = surroundings.frames(function);
     let insts = function.layout.iter().flat_map(|&block| &function.blocks[block].insts);
     insts.into_iter().any(|&inst| match &function.insts[inst] {
         InstData::Load { addr } | InstData::LoadBit { addr, .. } | InstData::AddressOf { addr } => {
@@ -72,7 +86,7 @@ fn reads_local_data(module: &Module, id: FuncId, frames: &Frames) -> bool {
         InstData::StoreBit { addr, .. } => addr.region == Region::L,
         InstData::Copy { from, .. } => from.region == Region::L,
         InstData::FrameBase { .. } => true,
-        InstData::Call { callee, .. } => frames.call_touches(id, *callee),
+        InstData::Call { callee, .. } => frames.call_touches(*callee),
         _ => false,
     })
 }
@@ -92,7 +106,7 @@ mod tests {
 
     fn of(code: &str) -> Usage {
         let text = format!("func @F {{\nb0:\n v0 = const.i32 1\n{code} ret\n}}\n");
-        usage(&plcc_ir::parse::parse_module(&text).expect("text is well formed"))
+        usage(&plcc_ir::parse::parse_module(&text).expect("text is well formed"))[0]
     }
 
     #[test]
@@ -102,7 +116,7 @@ mod tests {
                 "entry @F\nfunc @F frame 24 {{\nb0:\n v0 = const.i32 1\n{code} ret\n}}\nfunc @G {{\nb0:\nret\n}}\nfunc @H {{\nb0:\n v0 = \
                  load.i8 V 0\n ret\n}}\n"
             );
-            usage(&plcc_ir::parse::parse_module(&text).expect("text is well formed")).local_data == [true]
+            usage(&plcc_ir::parse::parse_module(&text).expect("text is well formed"))[0].local_data
         };
         assert!(!reads("") && !reads(" store.i32 L 20, v0\n") && !reads(" call @G()\n"));
         assert!(reads(" v1 = load.i8 L 6\n") && reads(" v1 = address L 0\n") && reads(" call @H()\n"));

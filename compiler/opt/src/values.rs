@@ -9,15 +9,10 @@ use std::collections::hash_map::Entry;
 use plcc_abi::functions::Effect;
 use plcc_ir::analysis::{ControlFlow, Dominators};
 use plcc_ir::entities::{Entity, EntityVec};
-use plcc_ir::{Block, Function, Inst, InstData, Loc, Module, Type, Value};
+use plcc_ir::{Block, Function, Inst, InstData, Loc, Type, Value};
 use rustc_hash::FxHashMap;
 
 use crate::fold::integer::is_commutative;
-
-/// Shares equal computations in all functions.
-pub fn share_values(module: &mut Module) {
-    module.functions.values_mut().for_each(share_in_function);
-}
 
 /// A condition that is known after a block.
 #[derive(Clone, Copy)]
@@ -26,7 +21,8 @@ struct Known {
     value: Value,
 }
 
-fn share_in_function(function: &mut Function) {
+/// Shares equal computations in a function.
+pub fn share_values(function: &mut Function) {
     let cfg = ControlFlow::new(function);
     let dominators = Dominators::new(function, &cfg);
     let mut uses: EntityVec<Value, u32> = EntityVec::new();

@@ -4,6 +4,7 @@
 //! - [`layout`]: the offsets of all memory areas of the virtual CPU.
 //! - [`functions`]: the table of runtime functions that generated code may call.
 //! - [`image`]: the description of a program for the runtime.
+//! - [`linked`]: how the runtime of an executable finds its program.
 //! - [`codes`]: error numbers of S7 CPUs that both sides use.
 //! - [`technology`]: fast counters, pulse generators, hardware interrupts.
 //! - [`ob`]: organization blocks, grouped by the events that start them.
@@ -16,6 +17,7 @@ pub mod codes;
 pub mod functions;
 pub mod image;
 pub mod layout;
+pub mod linked;
 pub mod ob;
 pub mod s7200;
 pub mod technology;

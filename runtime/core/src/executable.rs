@@ -1,22 +1,21 @@
 //! `main` of a compiled program: its image and code are linked next to the runtime.
 
-use std::ffi::{CStr, OsString, c_char, c_int};
+use std::ffi::{CStr, OsString, c_char, c_int, c_void};
 use std::io::Write;
 use std::os::unix::ffi::OsStringExt;
 use std::rc::Rc;
 
 use clap::Parser;
 use plcc_abi::ProgramImage;
+use plcc_abi::linked::LinkedProgram;
 
 use crate::code::{Code, EntryFunction};
 use crate::options::RunOptions;
 use crate::testing::{TEST_VARIABLE, TestJob};
 
 unsafe extern "C" {
-    static plcc_image: u8;
-    static plcc_image_len: u64;
-    static plcc_entries: EntryFunction;
-    static plcc_entries_len: u64;
+    /// Defined by the object file of the program.
+    static plcc_program: LinkedProgram;
 }
 
 #[derive(Parser)]
@@ -27,7 +26,7 @@ struct CommandLine {
 }
 
 /// The entry functions of the linked program.
-struct LinkedCode(&'static [EntryFunction]);
+struct LinkedCode(Vec<EntryFunction>);
 
 impl Code for LinkedCode {
     fn call(&self, entry: u32, mem: *mut u8, lbase: u32, vbase: u32) {
@@ -81,39 +80,55 @@ fn damaged(error: &str) -> c_int {
     c_int::from(crate::run::EXIT_USAGE)
 }
 
-/// Where a program that shares the executable with others has its four symbols.
-#[repr(C)]
-struct DirectoryEntry {
-    image: *const u8,
-    image_len: *const u64,
-    entries: *const EntryFunction,
-    entries_len: *const u64,
+/// The place to which a field leads that contains its own distance from there.
+///
+/// # Safety
+/// `field` is part of a linked program.
+unsafe fn target<T>(field: *const i32) -> *const T {
+    // SAFETY: the linker wrote the field, and what it leads to is in the same executable.
+    unsafe { field.byte_offset(field.read() as isize).cast() }
 }
 
 /// The program with this number; the only one has number 0.
 fn linked_program(number: usize) -> Result<(ProgramImage, Rc<dyn Code>), String> {
-    // SAFETY: the object file of the program defines the four symbols; the lengths are those of the tables. An image of length 0
-    // is a directory of `plcc_entries_len` programs whose pointers are these symbols.
+    let mut program = &raw const plcc_program;
+    // SAFETY: the object file of the program defines the symbol and all that its fields lead to, with these lengths, by the
+    // contract of `plcc_abi`. Each entry is the address of an entry function.
     let (image, entries) = unsafe {
-        let mut found = DirectoryEntry {
-            image: &raw const plcc_image,
-            image_len: &raw const plcc_image_len,
-            entries: &raw const plcc_entries,
-            entries_len: &raw const plcc_entries_len,
-        };
-        if plcc_image_len == 0 {
-            let directory = (&raw const plcc_image).cast::<DirectoryEntry>();
-            let directory = std::slice::from_raw_parts(directory, plcc_entries_len as usize);
-            let entry = directory.get(number).ok_or_else(|| format!("program {number} does not exist"))?;
-            found = DirectoryEntry { ..*entry };
+        if (*program).image_len == 0 {
+            if number as u64 >= (*program).entries_len {
+                return Err(format!("program {number} does not exist"));
+            }
+            let table: *const i32 = target(&raw const (*program).entries);
+            program = target(table.add(number));
         }
-        (
-            std::slice::from_raw_parts(found.image, *found.image_len as usize),
-            std::slice::from_raw_parts(found.entries, *found.entries_len as usize),
-        )
+        let image = std::slice::from_raw_parts(target(&raw const (*program).image), (*program).image_len as usize);
+        let table: *const i32 = target(&raw const (*program).entries);
+        let function = |entry| std::mem::transmute::<*const u8, EntryFunction>(target(table.add(entry)));
+        (image, (0..(*program).entries_len as usize).map(function).collect())
     };
     let image = postcard::from_bytes::<ProgramImage>(image).map_err(|error| error.to_string())?;
     Ok((image, Rc::new(LinkedCode(entries))))
+}
+
+/// `memset` of the C library, for generated code: a finished executable has no other name for it.
+///
+/// # Safety
+/// As `memset`.
+#[unsafe(no_mangle)]
+unsafe extern "C" fn plcc_memset(to: *mut c_void, byte: c_int, len: usize) -> *mut c_void {
+    // SAFETY: as the caller promises.
+    unsafe { libc::memset(to, byte, len) }
+}
+
+/// `memmove` of the C library, likewise.
+///
+/// # Safety
+/// As `memmove`.
+#[unsafe(no_mangle)]
+unsafe extern "C" fn plcc_memmove(to: *mut c_void, from: *const c_void, len: usize) -> *mut c_void {
+    // SAFETY: as the caller promises.
+    unsafe { libc::memmove(to, from, len) }
 }
 
 /// Runs as a test; the report goes to standard output.

@@ -2,7 +2,6 @@
 
 use std::collections::HashMap;
 use std::fmt::Write as _;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use plcc_diag::SourceFile;
@@ -89,9 +88,7 @@ impl Program {
         let options = compiled.codegen_options();
         let object = plcc_codegen::compile_object(&compiled.module, &compiled.image_bytes(), &options)
             .map_err(|error| error.to_string())?;
-        let object_path = path.with_extension("o");
-        fs::write(&object_path, object).map_err(|error| error.to_string())?;
-        link::link(&[object_path], path, None).map_err(|error| error.to_string())?;
+        link::link(&[object], path, None).map_err(|error| error.to_string())?;
         Ok(Program { rows, compiled, prefix, executable: path.to_path_buf() })
     }
 

@@ -17,8 +17,7 @@ fn an_object_exports_what_the_runtime_needs() {
     });
     let object = compile_object(&module, b"image", &CodegenOptions::default()).expect("it compiles");
     assert_eq!(&object[..4], b"\x7fELF");
-    for name in ["plcc_image", "plcc_image_len", "plcc_entries", "plcc_entries_len", "plcc_OB1", "plcc_keep_safepoint"]
-    {
+    for name in ["plcc_program", "plcc_OB1", "plcc_keep_safepoint"] {
         let named = [b"\0", name.as_bytes(), b"\0"].concat();
         assert!(object.windows(named.len()).any(|window| window == named), "{name}");
     }

@@ -4,6 +4,7 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use crate::cache::Cache;
 use crate::cli::{BuildArgs, Emit};
 use crate::command::exit;
 use crate::inputs::{self, Read};
@@ -46,6 +47,9 @@ fn build_read(args: &BuildArgs, read: Read, name: &str) -> Result<(), u8> {
             &emit::ir_after(pipeline::lower(&bound, args.optimization.optimization()), pass),
         );
     }
+    if args.emit.is_none() && !args.stats {
+        return link_executable(bound, args, name);
+    }
     let compiled = pipeline::back(&bound, args.optimization.optimization());
     let options = compiled.codegen_options();
     if args.stats {
@@ -53,7 +57,6 @@ fn build_read(args: &BuildArgs, read: Read, name: &str) -> Result<(), u8> {
         return write_text(args.output.as_deref(), &if args.json { statistics.json() } else { statistics.table() });
     }
     match args.emit {
-        None => link_executable(&compiled, args, name),
         Some(Emit::Obj) => {
             let output = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{name}.o")));
             write_bytes(&output, &object(&compiled)?)
@@ -67,7 +70,7 @@ fn build_read(args: &BuildArgs, read: Read, name: &str) -> Result<(), u8> {
             let text = emit::asm(&compiled, &bound.sources).map_err(|error| internal(&error))?;
             write_text(args.output.as_deref(), &text)
         }
-        Some(Emit::Tokens | Emit::Ast) => unreachable!("written before binding"),
+        None | Some(Emit::Tokens | Emit::Ast) => unreachable!("written before"),
     }
 }
 
@@ -92,7 +95,7 @@ pub fn internal(error: &dyn std::error::Error) -> u8 {
     exit::COMPILE
 }
 
-fn link_executable(compiled: &Compiled, args: &BuildArgs, name: &str) -> Result<(), u8> {
+fn link_executable(bound: Bound, args: &BuildArgs, name: &str) -> Result<(), u8> {
     let output = args.output.clone().unwrap_or_else(|| PathBuf::from(name));
     if output.is_dir() {
         report::say(&format!("`{}` is a folder; name the executable with -o", output.display()));
@@ -102,10 +105,12 @@ fn link_executable(compiled: &Compiled, args: &BuildArgs, name: &str) -> Result<
         report::say(&format!("`{}` is a source; name the executable with -o", output.display()));
         return Err(exit::USAGE);
     }
-    let folder = tempfile::tempdir().map_err(|error| cannot_write(&std::env::temp_dir(), &error))?;
-    let object_path = folder.path().join("program.o");
-    write_bytes(&object_path, &object(compiled)?)?;
-    link::link(&[object_path], &output, args.linker.as_deref()).map_err(|error| {
+    let lowered = pipeline::lower(&bound, args.optimization.optimization());
+    // A large program takes much memory; what is not needed any more makes room.
+    drop(bound);
+    let cache = if args.no_cache { None } else { Cache::of(&output) };
+    let object = pipeline::object(lowered, cache.as_ref()).map_err(|error| internal(&error))?;
+    link::link(&[object], &output, args.linker.as_deref()).map_err(|error| {
         report::say(&error.to_string());
         exit::USAGE
     })

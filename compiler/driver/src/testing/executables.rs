@@ -1,9 +1,8 @@
-//! Many test programs in few executables: a link takes longer than most programs run.
+//! Many test programs in few executables: to write one takes longer than most programs run.
 //!
-//! The objects of a batch export their symbols under different prefixes. A directory object names them all; the
+//! The objects of a batch export their programs under different names. A directory object names them all; the
 //! executable reads from the environment variable `PLCC_TEST` which program to test and how. It prints the report as JSON.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -11,17 +10,16 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use plcc_runtime::testing::{TEST_VARIABLE, TestJob};
 use plcc_runtime::{TestOptions, TestReport};
 
-use super::in_parallel;
 use super::prepare::{Prepared, VariantState};
-use crate::link;
+use crate::{link, parallel};
 
 /// Programs that share a link.
 const BATCH: usize = 64;
 
-/// A prefix that no other object of this process has.
-pub fn unique_prefix() -> String {
+/// A name under which no other object of this process exports its program.
+pub fn unique_name() -> String {
     static NEXT: AtomicUsize = AtomicUsize::new(0);
-    format!("plcc{}", NEXT.fetch_add(1, Ordering::Relaxed))
+    format!("plcc_program{}", NEXT.fetch_add(1, Ordering::Relaxed))
 }
 
 /// Links and runs all programs that are still objects.
@@ -57,7 +55,7 @@ fn run_batch(batch: &[(&TestOptions, &mut VariantState)], linker: Option<&str>) 
         .enumerate()
         .map(|(program, (options, _))| TestJob { program, options: (*options).clone() })
         .collect();
-    in_parallel(&jobs, |job| match report_of(&executable, job) {
+    parallel::map(&jobs, |job| match report_of(&executable, job) {
         Ok(report) => VariantState::Done(report),
         Err(message) => VariantState::Broken(message),
     })
@@ -68,29 +66,25 @@ fn link_batch(
     folder: &Path,
     linker: Option<&str>,
 ) -> Result<PathBuf, String> {
-    let mut objects = Vec::new();
-    let mut prefixes = Vec::new();
-    for (index, (_, state)) in batch.iter().enumerate() {
-        if let VariantState::Object { prefix, bytes } = &**state {
-            objects.push(write(folder.join(format!("{index}.o")), bytes)?);
-            prefixes.push(prefix.as_str());
+    let mut objects: Vec<&[u8]> = Vec::new();
+    let mut names = Vec::new();
+    for (_, state) in batch {
+        if let VariantState::Object { name, bytes } = &**state {
+            objects.push(bytes);
+            names.push(name.as_str());
         }
     }
-    let directory = plcc_codegen::directory_object(&prefixes).map_err(|error| error.to_string())?;
-    objects.push(write(folder.join("directory.o"), &directory)?);
+    let directory = plcc_codegen::directory_object(&names).map_err(|error| error.to_string())?;
+    objects.push(&directory);
     let executable = folder.join("tests");
     link::link(&objects, &executable, linker).map_err(|error| error.to_string())?;
     Ok(executable)
 }
 
-fn write(path: PathBuf, bytes: &[u8]) -> Result<PathBuf, String> {
-    fs::write(&path, bytes).map_err(|error| format!("cannot write `{}`: {error}", path.display()))?;
-    Ok(path)
-}
-
 fn report_of(executable: &Path, job: &TestJob) -> Result<TestReport, String> {
     let job = serde_json::to_string(job).map_err(|error| error.to_string())?;
-    let output = Command::new(executable).env(TEST_VARIABLE, job).output().map_err(|error| error.to_string())?;
+    let output =
+        link::output_of(Command::new(executable).env(TEST_VARIABLE, job)).map_err(|error| error.to_string())?;
     serde_json::from_slice(&output.stdout).map_err(|error| {
         format!(
             "{error} in the report of the executable ({}): {}",

@@ -10,10 +10,8 @@ pub mod executables;
 pub mod judge;
 pub mod prepare;
 
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use crate::inputs::TestInput;
+use crate::parallel;
 use crate::pipeline::{Optimization, Settings};
 use prepare::Prepared;
 
@@ -82,12 +80,9 @@ impl Outcome {
     }
 }
 
-/// Threads that compile and run tests.
-const THREADS: usize = 2;
-
 /// Runs all tests; outcomes are in the order of `inputs`.
 pub fn run(inputs: &[TestInput], plan: &Plan) -> Vec<Outcome> {
-    let mut prepared = in_parallel(inputs, |input| {
+    let mut prepared = parallel::map(inputs, |input| {
         guarded(&name_of(input), || prepare::prepare(input, plan))
             .unwrap_or_else(|outcome| Prepared { outcome, programs: Vec::new() })
     });
@@ -109,27 +104,4 @@ fn guarded<T>(name: &str, work: impl FnOnce() -> T) -> Result<T, Outcome> {
         outcome.fail(&format!("{name}: internal fault, please report it: {}", crate::panic_text(panic.as_ref())));
         outcome
     })
-}
-
-/// `work` for each item, on a few threads with large stacks; results are in the order of the items.
-fn in_parallel<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
-    let next = AtomicUsize::new(0);
-    let results: Mutex<Vec<(usize, R)>> = Mutex::new(Vec::with_capacity(items.len()));
-    let worker = || {
-        loop {
-            let index = next.fetch_add(1, Ordering::Relaxed);
-            let Some(item) = items.get(index) else { return };
-            let result = work(item);
-            results.lock().expect("no thread panics while it holds the lock").push((index, result));
-        }
-    };
-    std::thread::scope(|scope| {
-        for _ in 0..THREADS.min(items.len()) {
-            let thread = std::thread::Builder::new().stack_size(crate::COMPILE_STACK_BYTES);
-            thread.spawn_scoped(scope, worker).expect("the system gives a thread");
-        }
-    });
-    let mut results = results.into_inner().expect("no thread panics while it holds the lock");
-    results.sort_by_key(|(index, _)| *index);
-    results.into_iter().map(|(_, result)| result).collect()
 }

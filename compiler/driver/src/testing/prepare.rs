@@ -26,9 +26,9 @@ pub struct TestProgram {
 
 /// State of a form of a program.
 pub enum VariantState {
-    /// An executable: the object to link, and the prefix of its symbols.
+    /// An executable: the object to link, and the name under which it exports the program.
     Object {
-        prefix: String,
+        name: String,
         bytes: Vec<u8>,
     },
     Done(TestReport),
@@ -158,10 +158,10 @@ fn run_variant(compiled: &Compiled, form: Form, options: &TestOptions) -> Varian
             Err(error) => return VariantState::Broken(error.to_string()),
         },
         Form::Exe => {
-            let (prefix, image) = (executables::unique_prefix(), compiled.image_bytes());
+            let (name, image) = (executables::unique_name(), compiled.image_bytes());
             let options = compiled.codegen_options();
-            return match plcc_codegen::compile_object_as(&prefix, &compiled.module, &image, &options) {
-                Ok(bytes) => VariantState::Object { prefix, bytes },
+            return match plcc_codegen::compile_object_as(&name, &compiled.module, &image, &options) {
+                Ok(bytes) => VariantState::Object { name, bytes },
                 Err(error) => VariantState::Broken(error.to_string()),
             };
         }

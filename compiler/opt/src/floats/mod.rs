@@ -17,7 +17,7 @@
 use plcc_ir::analysis::{ControlFlow, Dominators};
 use plcc_ir::entities::Entity;
 use plcc_ir::function::ValueDef;
-use plcc_ir::{BinaryOp, Block, ConvertOp, FloatCc, Function, Inst, InstData, Loc, Module, Type, UnaryOp, Value};
+use plcc_ir::{BinaryOp, Block, ConvertOp, FloatCc, Function, Inst, InstData, Loc, Type, UnaryOp, Value};
 use rustc_hash::FxHashMap;
 
 use crate::loops::Loops;
@@ -26,12 +26,8 @@ mod numbers;
 
 use numbers::Numbers;
 
-/// Moves the making of canonical forms in all functions.
-pub fn relax_floats(module: &mut Module) {
-    module.functions.values_mut().for_each(relax_in_function);
-}
-
-fn relax_in_function(function: &mut Function) {
+/// Moves the making of canonical forms in a function.
+pub fn relax_floats(function: &mut Function) {
     choose_as_floats(function);
     let mut made = canonical_values(function);
     if made.is_empty() {

@@ -11,7 +11,7 @@ fn check(body: &str, expected: &str) {
     };
     let mut module = around(body);
     crate::check("parsing", &module);
-    super::fold(&mut module);
+    module.functions.values_mut().for_each(super::fold);
     crate::dead_code::eliminate_dead_code(&mut module);
     crate::check("fold", &module);
     module.functions.values_mut().for_each(plcc_ir::Function::compact);

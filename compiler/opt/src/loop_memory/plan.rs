@@ -1,15 +1,16 @@
 //! Which places which loops carry.
 
 use plcc_ir::analysis::{ControlFlow, Dominators};
-use plcc_ir::{Address, Block, FuncId, Function, Inst, InstData, Module, Region, Type, Value};
+use plcc_ir::{Address, Block, FuncId, Function, Inst, InstData, Region, Type, Value};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use crate::effects::{Effects, extent_of};
+use crate::effects::Effects;
 use crate::extents::Access;
 use crate::frames::Frames;
 use crate::known_bits::unsigned_max;
 use crate::loops::{Loop, Loops};
 use crate::ranges::base_ranges;
+use crate::surroundings::Surroundings;
 
 /// Larger functions are left as they are.
 const INSTS_MAX: usize = 400_000;
@@ -50,8 +51,7 @@ pub struct Carried {
 }
 
 /// Decides what the loops of a function carry.
-pub fn plan(module: &Module, id: FuncId, frames: &Frames, effects: &Effects) -> Vec<Carrier> {
-    let function = &module.functions[id];
+pub fn plan(function: &Function, surroundings: &Surroundings) -> Vec<Carrier> {
     let cfg = ControlFlow::new(function);
     let has_loops = cfg
         .rpo
@@ -63,11 +63,10 @@ pub fn plan(module: &Module, id: FuncId, frames: &Frames, effects: &Effects) -> 
     let dominators = Dominators::new(function, &cfg);
     let loops = Loops::new(function, &cfg, &dominators);
     let mut planner = Planner {
-        module,
-        id,
+        surroundings,
         function,
-        frames,
-        effects,
+        frames: surroundings.frames(function),
+        effects: &surroundings.effects,
         bases: None,
         taken: FxHashSet::default(),
         steps: 0,
@@ -130,10 +129,9 @@ struct Candidate {
 }
 
 struct Planner<'a> {
-    module: &'a Module,
-    id: FuncId,
+    surroundings: &'a Surroundings,
     function: &'a Function,
-    frames: &'a Frames,
+    frames: Frames<'a>,
     effects: &'a Effects,
     loops: &'a Loops,
     /// The ranges of bases in bytes, once they are needed.
@@ -223,7 +221,7 @@ impl Planner<'_> {
         let function = self.function;
         let mut access = |index: usize, access: Access, writes: bool| {
             let base = access.base.map(|base| self.base_range(inst, index, base, cfg, dominators));
-            let reach = reach(self.module, &access, base);
+            let reach = reach(self.surroundings, &access, base);
             out.push((inst, Other::Access { reach, writes }));
         };
         match &function.insts[inst] {
@@ -263,15 +261,15 @@ impl Planner<'_> {
         match other {
             Other::Access { reach: other, writes } => {
                 let access = Access { region: place.region, base: None, start: place.start, end: place.end };
-                let meets = reach(self.module, &access, None).meets(other);
+                let meets = reach(self.surroundings, &access, None).meets(other);
                 (meets && !writes, meets && *writes)
             }
             Other::Call(callee) => {
-                let touched = place.region != Region::L || self.frames.call_touches(self.id, *callee);
+                let touched = place.region != Region::L || self.frames.call_touches(*callee);
                 (touched, touched)
             }
             Other::Runtime(function) => {
-                if place.region == Region::L && self.frames.is_private(self.id) {
+                if place.region == Region::L && self.frames.is_private() {
                     return (false, false);
                 }
                 let range = Some((place.start, place.end));
@@ -344,11 +342,11 @@ fn drop_overlapping(candidates: &mut Vec<(Place, Candidate)>) {
     candidates.retain(|_| keep.next() == Some(true));
 }
 
-fn reach(module: &Module, access: &Access, base: Option<(u64, u64)>) -> Reach {
+fn reach(surroundings: &Surroundings, access: &Access, base: Option<(u64, u64)>) -> Reach {
     let moved = |bit: u64, by: u64| bit.saturating_add(by.saturating_mul(8));
     let (lo, hi) = base.unwrap_or((0, 0));
     let inside = (moved(access.start, lo), moved(access.end, hi));
-    let (start, end) = extent_of(module, access.region);
+    let (start, end) = surroundings.extent_of(access.region);
     let anywhere = match access.region {
         Region::Any | Region::AnyDb => (inside.0.max(start), inside.1.min(end)),
         Region::L | Region::V | Region::State | Region::Cells => (start, end),

@@ -19,16 +19,11 @@ use crate::loops::Loops;
 use analysis::Ranges;
 use interval::Interval;
 use plcc_ir::analysis::{ControlFlow, Dominators};
-use plcc_ir::{BinaryOp, Block, ConvertOp, Function, Inst, InstData, Loc, Module, Type, Value, eval};
+use plcc_ir::{BinaryOp, Block, ConvertOp, Function, Inst, InstData, Loc, Type, Value, eval};
 use rustc_hash::FxHashMap;
 
 /// Larger functions are left as they are: each sweep looks at all of their code.
 const INSTS_MAX: usize = 400_000;
-
-/// Uses ranges in all functions.
-pub fn use_ranges(module: &mut Module) {
-    module.functions.values_mut().for_each(use_in_function);
-}
 
 /// The numbers, from least to greatest, that the bases of an instruction's addresses can be where it is; a copy has two. Bases of
 /// which nothing is known are left out.
@@ -76,7 +71,8 @@ enum Change {
     ShiftAndAdd(BinaryOp, Value, u64, u64),
 }
 
-fn use_in_function(function: &mut Function) {
+/// Uses ranges in a function.
+pub fn use_ranges(function: &mut Function) {
     if function.insts.len() > INSTS_MAX {
         return;
     }

@@ -1,0 +1,74 @@
+//! Linking with a C compiler: `--linker NAME`, and computers for which plcc does not write executables.
+//!
+//! The runtime is one prelinked object here.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use super::LinkError;
+
+/// The runtime as `build.rs` made it.
+static RUNTIME_OBJECT: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/runtime.o"));
+
+/// Links `objects` with the runtime to the executable `out`.
+pub fn link(objects: &[impl AsRef<[u8]>], out: &Path, linker: &str) -> Result<(), LinkError> {
+    let folder = tempfile::tempdir().map_err(LinkError::Temporary)?;
+    let write = |name: String, bytes: &[u8]| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).map_err(LinkError::Temporary)?;
+        Ok(path)
+    };
+    let mut command = Command::new(linker);
+    for (index, object) in objects.iter().enumerate() {
+        command.arg(write(format!("program{index}.o"), object.as_ref())?);
+    }
+    command.arg(write("plcc-runtime.o".to_string(), RUNTIME_OBJECT)?);
+    command.arg("-o").arg(argument(out)).args(["-lm", "-static-libgcc"]);
+    command.stdin(Stdio::null());
+    let output = command.output().map_err(|error| LinkError::Start { linker: linker.to_string(), error })?;
+    if output.status.success() {
+        return Ok(());
+    }
+    let text = [output.stdout, output.stderr].concat();
+    let text = match String::from_utf8_lossy(&text).trim() {
+        "" => output.status.to_string(),
+        text => text.to_string(),
+    };
+    Err(LinkError::Failed { command: format!("{command:?}"), output: text })
+}
+
+/// A path that the linker cannot mistake for an option.
+fn argument(path: &Path) -> OsString {
+    if path.as_os_str().as_encoded_bytes().starts_with(b"-") {
+        return PathBuf::from(".").join(path).into_os_string();
+    }
+    path.as_os_str().to_os_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NO_OBJECTS: [&[u8]; 0] = [];
+
+    #[test]
+    fn a_missing_linker_is_named() {
+        let error = link(&NO_OBJECTS, Path::new("out"), "/no/such/linker").expect_err("there is none");
+        assert!(matches!(error, LinkError::Start { .. }));
+        assert!(error.to_string().contains("`/no/such/linker`"), "{error}");
+    }
+
+    #[test]
+    fn a_failing_linker_is_shown_with_its_command() {
+        let error = link(&NO_OBJECTS, Path::new("out"), "false").expect_err("it fails");
+        assert!(matches!(error, LinkError::Failed { .. }));
+        assert!(error.to_string().contains("plcc-runtime.o"), "{error}");
+    }
+
+    #[test]
+    fn paths_are_no_options() {
+        assert_eq!(argument(Path::new("-out")), OsString::from("./-out"));
+        assert_eq!(argument(Path::new("a/-out")), OsString::from("a/-out"));
+    }
+}

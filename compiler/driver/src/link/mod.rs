@@ -1,0 +1,135 @@
+//! Linking executables.
+//!
+//! plcc carries the runtime as a finished executable with room for one program (`template`). Linking puts the sections of the
+//! program's objects there (`place`), fills in addresses (`relocate`), and writes symbols, line tables and headers
+//! (`write`). `compiler` does the same with a C compiler.
+
+use std::fmt;
+use std::fs::{self, Permissions};
+use std::io::{self, Write as _};
+use std::os::unix::fs::PermissionsExt as _;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::time::Duration;
+
+mod compiler;
+mod place;
+mod relocate;
+mod template;
+mod write;
+
+use template::Template;
+
+/// The C compiler that links where plcc cannot.
+const COMPILER: &str = "cc";
+
+/// Why there is no executable.
+#[derive(Debug)]
+pub enum LinkError {
+    /// A folder for temporary files is full or read-only.
+    Temporary(io::Error),
+    /// The linker could not be started: it is not installed, or its name is misspelt.
+    Start { linker: String, error: io::Error },
+    /// The linker failed: the output cannot be written, or plcc has a bug.
+    Failed { command: String, output: String },
+    /// The executable cannot be written.
+    Output { path: PathBuf, error: io::Error },
+    /// An object contains what plcc does not link: a bug of plcc, or a program of more than 2 GB.
+    Object(String),
+}
+
+impl fmt::Display for LinkError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            LinkError::Temporary(error) => write!(f, "temporary files cannot be written: {error}"),
+            LinkError::Start { linker, error } => write!(
+                f,
+                "the linker `{linker}` cannot be started: {error}; install a C compiler or name one with `--linker`"
+            ),
+            LinkError::Failed { command, output } => write!(f, "the linker failed: {command}\n{}", output.trim_end()),
+            LinkError::Output { path, error } => write!(f, "cannot write `{}`: {error}", path.display()),
+            LinkError::Object(message) => {
+                write!(f, "internal fault, please report it: {message}; `--linker {COMPILER}` may help")
+            }
+        }
+    }
+}
+
+impl std::error::Error for LinkError {}
+
+/// Links `objects` with the runtime to the executable `out`. `linker` is a C compiler; without one plcc links.
+pub fn link(objects: &[impl AsRef<[u8]>], out: &Path, linker: Option<&str>) -> Result<(), LinkError> {
+    match linker {
+        Some(linker) => compiler::link(objects, out, linker),
+        None if Template::is_usable() => write_executable(out, &executable(objects)?),
+        None => compiler::link(objects, out, COMPILER),
+    }
+}
+
+/// How often an executable that is busy is tried again, a millisecond later each time.
+const BUSY_TRIES: usize = 2000;
+
+/// Runs an executable that this process may just have written. A process that another thread starts at the same moment has the
+/// file open for writing until it begins its own program; until then Linux refuses to run it.
+pub fn output_of(command: &mut Command) -> io::Result<Output> {
+    for _ in 0..BUSY_TRIES {
+        match command.output() {
+            Err(error) if error.kind() == io::ErrorKind::ExecutableFileBusy => {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            result => return result,
+        }
+    }
+    command.output()
+}
+
+/// The bytes of the executable that contains `objects` and the runtime.
+fn executable(objects: &[impl AsRef<[u8]>]) -> Result<Vec<u8>, LinkError> {
+    let template = Template::read()?;
+    let parsed: Vec<place::ObjectFile<'_>> =
+        objects.iter().map(|object| place::parse(object.as_ref())).collect::<Result<_, _>>()?;
+    let mut image = place::place(&template, &parsed)?;
+    relocate::relocate(&parsed, &mut image)?;
+    Ok(write::write(&template, &parsed, image))
+}
+
+/// Puts the executable in the place of what `path` was. A running executable goes on with the file that it was started from.
+fn write_executable(path: &Path, bytes: &[u8]) -> Result<(), LinkError> {
+    let failed = |error| LinkError::Output { path: path.to_path_buf(), error };
+    // Devices and pipes are written to.
+    if path.metadata().is_ok_and(|metadata| !metadata.is_file()) {
+        return fs::write(path, bytes).map_err(failed);
+    }
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let mut file = tempfile::Builder::new()
+        .prefix(".plcc-")
+        .permissions(Permissions::from_mode(0o777))
+        .tempfile_in(folder)
+        .map_err(failed)?;
+    file.write_all(bytes).map_err(failed)?;
+    file.persist(path).map_err(|error| failed(error.error))?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_busy_executable_is_waited_for() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("program");
+        fs::copy("/bin/true", &path).expect("every Linux has it");
+        let busy = fs::File::options().append(true).open(&path).expect("own file");
+        assert!(Command::new(&path).output().is_err_and(|error| error.kind() == io::ErrorKind::ExecutableFileBusy));
+        let closing = std::thread::spawn(move || {
+            std::thread::sleep(Duration::from_millis(50));
+            drop(busy);
+        });
+        assert!(output_of(&mut Command::new(&path)).expect("it runs").status.success());
+        closing.join().expect("it does nothing else");
+    }
+}

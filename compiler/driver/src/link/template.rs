@@ -1,0 +1,123 @@
+//! The runtime as an executable with room for a program.
+//!
+//! `build.rs` links it like any executable, with two sections of a few bytes at the end: `.plcc.program`, read-only, which
+//! begins with the symbol `plcc_program`, and `.plcc.text`, executable. Each has a segment of its own, and nothing that is
+//! loaded comes after them, so they can grow.
+
+use object::LittleEndian;
+use object::elf::{self, FileHeader64, ProgramHeader64, SectionHeader64, Sym64};
+use object::read::elf::{FileHeader as _, ProgramHeader as _, SectionHeader as _, Sym as _};
+use plcc_abi::linked;
+
+use super::LinkError;
+
+static BYTES: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/template"));
+
+pub const ENDIAN: LittleEndian = LittleEndian;
+
+/// The parsed template.
+pub struct Template {
+    pub bytes: &'static [u8],
+    pub header: FileHeader64<LittleEndian>,
+    pub segments: Vec<ProgramHeader64<LittleEndian>>,
+    /// Sections that are loaded, with their names, and the empty one in front.
+    pub sections: Vec<(&'static [u8], SectionHeader64<LittleEndian>)>,
+    /// Defined functions, with their names.
+    pub functions: Vec<(&'static [u8], Sym64<LittleEndian>)>,
+    pub program: Room,
+    pub code: Room,
+    /// Where in the file the parts end that stay as they are.
+    pub end: u64,
+}
+
+/// A place for a part of the program.
+#[derive(Clone, Copy, Debug)]
+pub struct Room {
+    pub section: usize,
+    pub segment: usize,
+    /// Alignment of its segment in memory and in the file.
+    pub page: u64,
+    pub address: u64,
+}
+
+impl Template {
+    /// True if the runtime is for a computer whose executables plcc can write.
+    pub fn is_usable() -> bool {
+        FileHeader64::<LittleEndian>::parse(BYTES).is_ok_and(|header| header.e_machine(ENDIAN) == elf::EM_X86_64)
+    }
+
+    /// Errors: the linker that built the runtime did not make what it was asked for.
+    pub fn read() -> Result<Template, LinkError> {
+        let wrong = |error: object::read::Error| LinkError::Object(format!("the runtime: {error}"));
+        let missing = |what: &str| LinkError::Object(format!("the runtime has no {what}"));
+        let header = FileHeader64::<LittleEndian>::parse(BYTES).map_err(wrong)?;
+        let segments = header.program_headers(ENDIAN, BYTES).map_err(wrong)?.to_vec();
+        let table = header.sections(ENDIAN, BYTES).map_err(wrong)?;
+        let mut sections = Vec::new();
+        for section in table.iter() {
+            if section.sh_type(ENDIAN) == elf::SHT_NULL || section.sh_flags(ENDIAN) & u64::from(elf::SHF_ALLOC) != 0 {
+                sections.push((table.section_name(ENDIAN, section).map_err(wrong)?, *section));
+            }
+        }
+        let room = |name: &str| {
+            let section = sections.iter().position(|(found, _)| *found == name.as_bytes())?;
+            let address = sections[section].1.sh_addr(ENDIAN);
+            let holds = |segment: &ProgramHeader64<LittleEndian>| {
+                segment.p_type(ENDIAN) == elf::PT_LOAD && segment.p_vaddr(ENDIAN) == address
+            };
+            let segment = segments.iter().position(holds)?;
+            Some(Room { section, segment, page: segments[segment].p_align(ENDIAN), address })
+        };
+        let program = room(linked::SECTION).ok_or_else(|| missing(linked::SECTION))?;
+        let code = room(linked::CODE_SECTION).ok_or_else(|| missing(linked::CODE_SECTION))?;
+        let rooms = [program.section, code.section];
+        let mut end = 0;
+        for (index, (_, section)) in sections.iter().enumerate() {
+            if rooms.contains(&index) {
+                continue;
+            }
+            if section.sh_addr(ENDIAN) > program.address {
+                return Err(missing(&format!("room: {} is not its last section", linked::SECTION)));
+            }
+            if section.sh_type(ENDIAN) != elf::SHT_NOBITS {
+                end = end.max(section.sh_offset(ENDIAN) + section.sh_size(ENDIAN));
+            }
+        }
+        let symbols = table.symbols(ENDIAN, BYTES, elf::SHT_SYMTAB).map_err(wrong)?;
+        let mut functions = Vec::new();
+        for symbol in symbols.iter() {
+            let section = symbol.st_shndx(ENDIAN);
+            if symbol.st_type() == elf::STT_FUNC && section != elf::SHN_UNDEF && usize::from(section) < sections.len() {
+                functions.push((symbols.symbol_name(ENDIAN, symbol).map_err(wrong)?, *symbol));
+            }
+        }
+        functions.sort_by_key(|(_, symbol)| symbol.st_value(ENDIAN));
+        Ok(Template { bytes: BYTES, header: *header, segments, sections, functions, program, code, end })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use plcc_abi::RuntimeFn;
+    use std::collections::HashSet;
+
+    #[test]
+    fn the_template_has_room_and_all_functions() {
+        let template = Template::read().expect("build.rs made it");
+        assert!(template.program.address < template.code.address);
+        let names: HashSet<&[u8]> = template.functions.iter().map(|(name, _)| *name).collect();
+        let library = linked::LIBRARY_FUNCTIONS.map(|(_, name)| name);
+        for name in RuntimeFn::ALL.iter().map(|function| function.symbol()).chain(library) {
+            assert!(names.contains(name.as_bytes()), "{name}");
+        }
+    }
+
+    #[test]
+    fn no_segment_is_writable_and_executable() {
+        for segment in Template::read().expect("build.rs made it").segments {
+            let flags = segment.p_flags(ENDIAN);
+            assert!(flags & elf::PF_W == 0 || flags & elf::PF_X == 0, "{flags}");
+        }
+    }
+}

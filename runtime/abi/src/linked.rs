@@ -1,0 +1,45 @@
+//! How the runtime of an executable finds its program.
+//!
+//! The program's object file defines [`SYMBOL`]; all parts are named by their distance from the field that names them, so
+//! that nothing has to be relocated when the executable is loaded, and everything can be read-only.
+
+/// The symbol of the [`LinkedProgram`].
+pub const SYMBOL: &str = "plcc_program";
+
+/// The section that contains it and nothing else.
+pub const SECTION: &str = ".plcc.program";
+
+/// The section of an executable that contains the program's code.
+pub const CODE_SECTION: &str = ".plcc.text";
+
+/// Where the parts of a program are in the memory of its process, in host byte order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C, align(8))]
+pub struct LinkedProgram {
+    /// Distance in bytes from this field to the encoded [`ProgramImage`](crate::ProgramImage).
+    pub image: i32,
+    /// Distance in bytes from this field to the table of entry functions. Each entry is an `i32`, the distance from itself to the function.
+    pub entries: i32,
+    /// Length of the image in bytes. 0: the executable contains several programs, and the table leads to their
+    /// `LinkedProgram`s.
+    pub image_len: u64,
+    /// Number of entries in the table.
+    pub entries_len: u64,
+}
+
+impl LinkedProgram {
+    /// The bytes of this value, as they are in an object file.
+    pub fn encode(&self) -> [u8; size_of::<LinkedProgram>()] {
+        let mut bytes = [0; size_of::<LinkedProgram>()];
+        let mut put = |at: usize, field: &[u8]| bytes[at..at + field.len()].copy_from_slice(field);
+        put(std::mem::offset_of!(LinkedProgram, image), &self.image.to_ne_bytes());
+        put(std::mem::offset_of!(LinkedProgram, entries), &self.entries.to_ne_bytes());
+        put(std::mem::offset_of!(LinkedProgram, image_len), &self.image_len.to_ne_bytes());
+        put(std::mem::offset_of!(LinkedProgram, entries_len), &self.entries_len.to_ne_bytes());
+        bytes
+    }
+}
+
+/// The names under which the runtime exports functions of the C library that generated code calls: their names there, and
+/// here.
+pub const LIBRARY_FUNCTIONS: [(&str, &str); 2] = [("memset", "plcc_memset"), ("memmove", "plcc_memmove")];
