@@ -1,6 +1,8 @@
 //! What the program uses of the CPU, so that the runtime does in each cycle only what is needed.
 
-use plcc_ir::{Address, Function, InstData, Module, Region, RuntimeFn};
+use plcc_abi::functions::Effect;
+use plcc_abi::layout;
+use plcc_ir::{Address, BinaryOp, Function, InstData, Module, Region, RuntimeFn, Value};
 
 use crate::surroundings::Surroundings;
 
@@ -56,9 +58,7 @@ impl Usage {
             InstData::Clear { addr, len } | InstData::Copy { to: addr, len, .. } => end_of(addr, *len),
             // Whoever has the address may write there.
             InstData::AddressOf { addr } if addr.region == Region::Q => ALL,
-            InstData::CallRuntime { function, .. } => match function {
-                // Their parameters may be pointers to outputs.
-                RuntimeFn::SystemFunction | RuntimeFn::CallBlock | RuntimeFn::CopyText => ALL,
+            InstData::CallRuntime { function: called, args } => match called {
                 RuntimeFn::S7200Operation
                 | RuntimeFn::S7200Pointer
                 | RuntimeFn::S7200Counter
@@ -66,11 +66,57 @@ impl Usage {
                     self.logic_only = false;
                     ALL
                 }
+                // The organization blocks that they run are code of the program.
+                RuntimeFn::Safepoint | RuntimeFn::SyncError | RuntimeFn::LocalError | RuntimeFn::Stop => 0,
+                RuntimeFn::AssertMemory | RuntimeFn::Sleep => 0,
+                // They write nothing, or a text at the address that comes last.
+                RuntimeFn::TextCompare
+                | RuntimeFn::TextFind
+                | RuntimeFn::TextLength
+                | RuntimeFn::TextToDint
+                | RuntimeFn::TextScan => 0,
+                RuntimeFn::TextConcat
+                | RuntimeFn::TextConcatThree
+                | RuntimeFn::TextReplace
+                | RuntimeFn::TextLeft
+                | RuntimeFn::TextRight
+                | RuntimeFn::TextMid
+                | RuntimeFn::TextDelete
+                | RuntimeFn::TextInsert
+                | RuntimeFn::TextOfDint
+                | RuntimeFn::TextOfReal
+                | RuntimeFn::TextFixedOfReal => match args.last() {
+                    Some(&to) if is_elsewhere(function, to) => 0,
+                    _ => ALL,
+                },
+                // What they get may point to outputs.
+                _ if called.effect() == Effect::All => ALL,
                 _ => 0,
             },
             _ => 0,
         };
         self.outputs = self.outputs.max(outputs);
+    }
+}
+
+/// True if `address` is surely not one of the outputs.
+fn is_elsewhere(function: &Function, address: Value) -> bool {
+    let is_output = |at: u64| (u64::from(layout::Q)..u64::from(layout::Q + layout::AREA_BYTES)).contains(&at);
+    match function.defining(address) {
+        Some(InstData::Const { bits }) => !is_output(*bits),
+        Some(InstData::AddressOf { addr }) => !matches!(addr.region, Region::Q | Region::Any),
+        Some(InstData::DbBase { .. }) => true,
+        Some(InstData::Binary { op: BinaryOp::Iadd, args: [start, distance] }) => {
+            let is_start = matches!(
+                function.defining(*start),
+                Some(
+                    InstData::DbBase { .. }
+                        | InstData::AddressOf { addr: Address { region: Region::L | Region::V, .. } }
+                )
+            );
+            is_start && function.constant(*distance).is_some_and(|distance| distance < u64::from(layout::AREA_BYTES))
+        }
+        _ => false,
     }
 }
 
@@ -128,5 +174,15 @@ mod tests {
         assert_eq!(of(" store.i32 M 9, v0\n store.i32 Q 4, v0\n").outputs, 8);
         assert_eq!(of(" store.i32 Q[v0]+4, v0\n").outputs, ALL);
         assert_eq!(of(" v1 = address Q 0\n").outputs, ALL);
+    }
+
+    #[test]
+    fn a_text_may_be_written_to_outputs() {
+        let concat =
+            |to: &str| of(&format!(" v1 = const.i64 0\n {to}\n v3 = rt @text_concat(v1, v0, v0, v2)\n")).outputs;
+        assert_eq!(concat("v2 = address M 4"), 0);
+        assert_eq!(concat(&format!("v2 = const.i32 {}", layout::M)), 0);
+        assert_eq!(concat(&format!("v2 = const.i32 {}", layout::Q + 8)), ALL);
+        assert_eq!(concat("v2 = load.i32 M 0"), ALL);
     }
 }
