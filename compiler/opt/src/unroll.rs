@@ -59,7 +59,8 @@ fn unroll_in_function(function: &mut Function, growth: &mut usize, done: &mut Fx
         let is_constant = |inst: &plcc_ir::Inst| matches!(function.insts[*inst], InstData::Const { .. });
         let insts = |block: &Block| function.blocks[*block].insts.iter().filter(|inst| !is_constant(inst)).count();
         let size: usize = each.blocks.iter().map(insts).sum();
-        if !is_innermost || each.header == function.entry() || size * 2 > INSTS_MAX || function.blocks[each.header].cold {
+        if !is_innermost || each.header == function.entry() || size * 2 > INSTS_MAX || function.blocks[each.header].cold
+        {
             continue;
         }
         if done.contains(&each.header) {
@@ -97,7 +98,9 @@ fn passes(function: &Function, cfg: &ControlFlow, each: &Loop) -> Option<usize> 
     let (&[back], &[enter]) = (&back[..], &enter[..]) else { return None };
     // Each pass goes through the header and the jump back; one of them decides whether it is the last.
     let (test, cond, then_to) = [each.header, back].into_iter().find_map(|block| {
-        let InstData::Branch { cond, then_to, else_to } = &function.insts[function.terminator(block)?] else { return None };
+        let InstData::Branch { cond, then_to, else_to } = &function.insts[function.terminator(block)?] else {
+            return None;
+        };
         (inside(&then_to.block) != inside(&else_to.block)).then_some((block, *cond, then_to.block))
     })?;
     let stays_if = inside(&then_to);
@@ -110,7 +113,8 @@ fn passes(function: &Function, cfg: &ControlFlow, each: &Loop) -> Option<usize> 
             let stays = (value(cond)? != 0) == stays_if;
             if !stays {
                 // A test at the head ends a pass that does nothing.
-                return Some(if test == each.header && test != back { pass - 1 } else { pass }).filter(|&passes| passes > 0);
+                return Some(if test == each.header && test != back { pass - 1 } else { pass })
+                    .filter(|&passes| passes > 0);
             }
             counter = value(next.args[index])?;
         }

@@ -74,6 +74,8 @@ enum Change {
     Shift(BinaryOp, Value, u64),
     /// It is that operation with a constant operand, and a constant added.
     ShiftAndAdd(BinaryOp, Value, u64, u64),
+    /// It is the sum of two values that are shifted by a constant.
+    SumOfShifts(BinaryOp, [Value; 2], u64),
 }
 
 fn use_in_function(function: &mut Function) {
@@ -182,6 +184,15 @@ fn binary(
             }
             _ => None,
         },
+        // The multiple of a sum with a constant is a sum of multiples, whose constant goes into the address.
+        BinaryOp::Shl if let Some((x, by)) = sum_with_constant(function, ranges, a) => {
+            let by = (by as u64).wrapping_shl(count);
+            function.constant(x).is_none().then_some(Change::ShiftAndAdd(op, x, u64::from(count), by))
+        }
+        // Multiples, of indices, are shifted one by one: that ends their shift left.
+        BinaryOp::Ashr | BinaryOp::Lshr if let Some(parts) = shifted_parts(function, ranges, a, count) => {
+            Some(Change::SumOfShifts(op, parts, u64::from(count)))
+        }
         // The shifted sum of a multiple and a constant is the sum of both shifted.
         BinaryOp::Ashr | BinaryOp::Lshr
             if let Some((x, of_x, by)) = shifted_sum(function, ranges, a, count)
@@ -251,6 +262,20 @@ fn shifted_sum(function: &Function, ranges: &Ranges<'_>, sum: Value, count: u32)
     (fits && !carries && count > 0 && function.constant(x).is_none()).then_some((x, of_x, by >> count))
 }
 
+/// The operands of a sum that does not wrap, natural numbers that were shifted left by `count` at least.
+fn shifted_parts(function: &Function, ranges: &Ranges<'_>, sum: Value, count: u32) -> Option<[Value; 2]> {
+    let &InstData::Binary { op: BinaryOp::Iadd, args } = function.defining(sum)? else { return None };
+    let [a, b] = [ranges.get(args[0])?, ranges.get(args[1])?];
+    let full = Interval::full(function.ty(sum));
+    let fits = a.is_natural() && b.is_natural() && a.hi.checked_add(b.hi)? <= full.hi;
+    let is_shifted = |value: Value| match function.defining(value) {
+        Some(InstData::Binary { op: BinaryOp::Shl, .. }) => true,
+        Some(InstData::Binary { op: BinaryOp::Iadd, .. }) => shifted_parts(function, ranges, value, count).is_some(),
+        _ => false,
+    };
+    (count > 0 && fits && a.zeros >= count && b.zeros >= count && args.into_iter().all(is_shifted)).then_some(args)
+}
+
 /// Of natural numbers both shifts right are the same: one form is shared and combined.
 fn natural(op: BinaryOp, a: Value, of_a: Interval, count: i64) -> Option<Change> {
     (op == BinaryOp::Ashr && of_a.is_natural()).then_some(Change::Shift(BinaryOp::Lshr, a, count as u64))
@@ -284,6 +309,19 @@ fn apply(function: &mut Function, changes: Vec<(Block, Inst, Change)>) {
                     } else {
                         function.replace_value(result, value);
                     }
+                }
+                Change::SumOfShifts(op, args, by) => {
+                    let ty = function.ty(result);
+                    let count = function.make_inst(InstData::Const { bits: eval::mask(ty, by) }, &[ty], loc);
+                    out.push(count);
+                    let args = args.map(|arg| {
+                        let args = [arg, function.result(count)];
+                        let shifted = function.make_inst(InstData::Binary { op, args }, &[ty], loc);
+                        out.push(shifted);
+                        function.result(shifted)
+                    });
+                    function.insts[inst] = InstData::Binary { op: BinaryOp::Iadd, args };
+                    out.push(inst);
                 }
                 Change::ShiftAndAdd(op, arg, by, added) => {
                     let ty = function.ty(result);
