@@ -33,7 +33,8 @@ pub fn simplify_control_flow(function: &mut Function) {
     }
 }
 
-/// Marks the blocks that only cold ones lead to, and unmarks those that others always go on to.
+/// Marks the blocks that only cold ones lead to, and unmarks those that others always go on to. Returns stay as they are: a cold one
+/// is that of a STOP.
 fn spread_cold(function: &mut Function) {
     if function.layout.iter().all(|&block| !function.blocks[block].cold) {
         return;
@@ -41,13 +42,19 @@ fn spread_cold(function: &mut Function) {
     let cfg = ControlFlow::new(function);
     for &block in &cfg.rpo {
         if let (false, &[next]) = (function.blocks[block].cold, cfg.successors(block)) {
-            function.blocks[next].cold = false;
+            function.blocks[next].cold &= is_end(function, next);
         }
         let preds = cfg.predecessors(block);
-        if block != function.entry() && preds.iter().all(|&pred| function.blocks[pred].cold) {
+        if block != function.entry() && !is_end(function, block) && preds.iter().all(|&pred| function.blocks[pred].cold)
+        {
             function.blocks[block].cold = true;
         }
     }
+}
+
+/// True if the function ends with the block.
+fn is_end(function: &Function, block: Block) -> bool {
+    function.terminator(block).is_none_or(|last| matches!(function.insts[last], InstData::Return { .. }))
 }
 
 /// Skips blocks that only jump on.
@@ -246,6 +253,11 @@ fn merge_blocks(function: &mut Function) -> bool {
             for (param, arg) in std::mem::take(&mut function.blocks[next].params).into_iter().zip(target.args) {
                 function.replace_value(param, arg);
             }
+            // A return that is not that of a STOP must not become one.
+            let is_constant = |inst: &Inst| matches!(function.insts[*inst], InstData::Const { .. });
+            if is_end(function, next) && function.blocks[block].insts.iter().all(is_constant) {
+                function.blocks[block].cold &= function.blocks[next].cold;
+            }
             let insts: Vec<Inst> = std::mem::take(&mut function.blocks[next].insts);
             function.blocks[block].insts.extend(insts);
             merged[next.index()] = true;
@@ -268,6 +280,39 @@ fn sole_successor(function: &Function, cfg: &ControlFlow, block: Block) -> Optio
 #[cfg(test)]
 mod tests {
     use crate::tests::check_pass;
+
+    #[test]
+    fn a_return_after_cold_blocks_is_not_that_of_a_stop() {
+        check_pass(
+            "control-flow",
+            "func @F {
+            b0(v0: i32, v1: i1):
+            branch v1, b1, b2
+            b1 cold:
+            jump b3
+            b2 cold:
+            v2 = rt @safepoint(v0)
+            jump b4
+            b3:
+            jump b5
+            b4:
+            store.i32 M 0, v0
+            jump b3
+            b5:
+            ret
+            }",
+            "func @F {
+            b0(v0: i32, v1: i1):
+            branch v1, b2, b1
+            b1 cold:
+            v2 = rt @safepoint(v0)
+            store.i32 M 0, v0
+            jump b2
+            b2:
+            ret
+            }",
+        );
+    }
 
     #[test]
     fn empty_blocks_are_skipped_with_their_values() {

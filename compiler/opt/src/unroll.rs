@@ -25,7 +25,7 @@ use crate::variables::{Versions, copy_blocks, join_versions, move_constants};
 /// Passes of a loop that becomes straight code.
 const PASSES_MAX: usize = 8;
 /// Instructions of all passes together, without constants.
-const INSTS_MAX: usize = 200;
+const INSTS_MAX: usize = 320;
 /// Instructions that copies may add to a function.
 const GROWTH: usize = 2000;
 /// Rounds over a function: where one loop follows another, the second waits.

@@ -28,6 +28,7 @@ impl Folder<'_> {
             BinaryOp::Shl | BinaryOp::Lshr | BinaryOp::Ashr | BinaryOp::Rotl | BinaryOp::Rotr if ca == Some(0) => {
                 constant(0)
             }
+            BinaryOp::Iadd => self.constant_last(a, b).or_else(|| self.constant_last(b, a)),
             BinaryOp::And | BinaryOp::Or if a == b => Some(Change::Value(a)),
             BinaryOp::Xor | BinaryOp::Isub if a == b => constant(0),
             BinaryOp::And | BinaryOp::Or => self
@@ -127,6 +128,14 @@ impl Folder<'_> {
         }
         let both = self.emit_const(ty, bits);
         Some(Change::Data(InstData::Binary { op, args: [x, both] }))
+    }
+
+    /// `(x + c) + y` is `(x + y) + c`: as part of an address a constant costs nothing.
+    fn constant_last(&mut self, a: Value, b: Value) -> Option<Change> {
+        let (x, _) = self.with_constant(BinaryOp::Iadd, a)?;
+        let Some(&InstData::Binary { args: [_, addend], .. }) = self.function.defining(a) else { return None };
+        let sum = self.emit(InstData::Binary { op: BinaryOp::Iadd, args: [x, b] }, self.ty(a));
+        Some(Change::Data(InstData::Binary { op: BinaryOp::Iadd, args: [sum, addend] }))
     }
 
     /// `and x, (not x)` is 0, `or x, (not x)` has all bits.

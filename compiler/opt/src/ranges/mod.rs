@@ -67,8 +67,18 @@ enum Change {
     Value(Value),
     /// It is another operation with a constant operand, or with none.
     Shift(BinaryOp, Value, u64),
-    /// It is that operation with a constant operand, and a constant added.
-    ShiftAndAdd(BinaryOp, Value, u64, u64),
+    /// It is a shifted value, and a constant added.
+    ShiftAndAdd(Part, u64),
+    /// It is the sum of two shifted values.
+    SumOfShifts([Part; 2]),
+}
+
+/// A value that is shifted by a constant.
+#[derive(Clone, Copy)]
+struct Part {
+    op: BinaryOp,
+    arg: Value,
+    by: u64,
 }
 
 /// Uses ranges in a function.
@@ -178,12 +188,22 @@ fn binary(
             }
             _ => None,
         },
+        // The multiple of a sum with a constant is a sum of multiples, whose constant goes into the address.
+        BinaryOp::Shl if let Some((x, by)) = sum_with_constant(function, ranges, a) => {
+            let by = (by as u64).wrapping_shl(count);
+            let part = Part { op, arg: x, by: u64::from(count) };
+            function.constant(x).is_none().then_some(Change::ShiftAndAdd(part, by))
+        }
+        // Multiples, of indices, are shifted one by one: that ends their shift left.
+        BinaryOp::Ashr | BinaryOp::Lshr if let Some(parts) = shifted_parts(function, ranges, a, count) => {
+            Some(Change::SumOfShifts(parts.map(|arg| part_of(function, ranges, op, arg, count))))
+        }
         // The shifted sum of a multiple and a constant is the sum of both shifted.
         BinaryOp::Ashr | BinaryOp::Lshr
             if let Some((x, of_x, by)) = shifted_sum(function, ranges, a, count)
                 && (op == BinaryOp::Ashr || of_x.is_natural() && of_a.is_natural()) =>
         {
-            Some(Change::ShiftAndAdd(op, x, u64::from(count), by as u64))
+            Some(Change::ShiftAndAdd(part_of(function, ranges, op, x, count), by as u64))
         }
         // Left and right again: without a wrap it is one shift.
         BinaryOp::Ashr | BinaryOp::Lshr => {
@@ -247,6 +267,32 @@ fn shifted_sum(function: &Function, ranges: &Ranges<'_>, sum: Value, count: u32)
     (fits && !carries && count > 0 && function.constant(x).is_none()).then_some((x, of_x, by >> count))
 }
 
+/// The operands of a sum that does not wrap, natural numbers that were shifted left by `count` at least.
+fn shifted_parts(function: &Function, ranges: &Ranges<'_>, sum: Value, count: u32) -> Option<[Value; 2]> {
+    let &InstData::Binary { op: BinaryOp::Iadd, args } = function.defining(sum)? else { return None };
+    let [a, b] = [ranges.get(args[0])?, ranges.get(args[1])?];
+    let full = Interval::full(function.ty(sum));
+    let fits = a.is_natural() && b.is_natural() && a.hi.checked_add(b.hi)? <= full.hi;
+    let is_shifted = |value: Value| match function.defining(value) {
+        Some(InstData::Binary { op: BinaryOp::Shl, .. }) => true,
+        Some(InstData::Binary { op: BinaryOp::Iadd, .. }) => shifted_parts(function, ranges, value, count).is_some(),
+        _ => false,
+    };
+    (count > 0 && fits && a.zeros >= count && b.zeros >= count && args.into_iter().all(is_shifted)).then_some(args)
+}
+
+/// `arg` shifted right: what was shifted left without a wrap is shifted less.
+fn part_of(function: &Function, ranges: &Ranges<'_>, op: BinaryOp, arg: Value, count: u32) -> Part {
+    let less = || {
+        let &InstData::Binary { op: BinaryOp::Shl, args: [x, by] } = function.defining(arg)? else { return None };
+        let (of_x, by) = (ranges.get(x)?, u32::try_from(ranges.get(by)?.single()?).ok()?);
+        let ty = function.ty(arg);
+        let fits = by < ty.bits() && of_x.is_natural() && of_x.hi <= Interval::full(ty).hi >> by;
+        (fits && by >= count).then_some(Part { op: BinaryOp::Shl, arg: x, by: u64::from(by - count) })
+    };
+    less().unwrap_or(Part { op, arg, by: u64::from(count) })
+}
+
 /// Of natural numbers both shifts right are the same: one form is shared and combined.
 fn natural(op: BinaryOp, a: Value, of_a: Interval, count: i64) -> Option<Change> {
     (op == BinaryOp::Ashr && of_a.is_natural()).then_some(Change::Shift(BinaryOp::Lshr, a, count as u64))
@@ -281,14 +327,17 @@ fn apply(function: &mut Function, changes: Vec<(Block, Inst, Change)>) {
                         function.replace_value(result, value);
                     }
                 }
-                Change::ShiftAndAdd(op, arg, by, added) => {
+                Change::SumOfShifts(parts) => {
+                    let args = parts.map(|part| shifted(function, &mut out, loc, part));
+                    function.insts[inst] = InstData::Binary { op: BinaryOp::Iadd, args };
+                    out.push(inst);
+                }
+                Change::ShiftAndAdd(part, added) => {
                     let ty = function.ty(result);
-                    let count = function.make_inst(InstData::Const { bits: eval::mask(ty, by) }, &[ty], loc);
-                    let args = [arg, function.result(count)];
-                    let shifted = function.make_inst(InstData::Binary { op, args }, &[ty], loc);
+                    let shifted = shifted(function, &mut out, loc, part);
                     let added = function.make_inst(InstData::Const { bits: eval::mask(ty, added) }, &[ty], loc);
-                    out.extend([count, shifted, added]);
-                    let args = [function.result(shifted), function.result(added)];
+                    out.push(added);
+                    let args = [shifted, function.result(added)];
                     function.insts[inst] = InstData::Binary { op: BinaryOp::Iadd, args };
                     out.push(inst);
                 }
@@ -304,6 +353,18 @@ fn apply(function: &mut Function, changes: Vec<(Block, Inst, Change)>) {
         function.blocks[block].insts = out;
     }
     function.resolve_aliases();
+}
+
+/// The instructions of a shifted value.
+fn shifted(function: &mut Function, out: &mut Vec<Inst>, loc: Loc, Part { op, arg, by }: Part) -> Value {
+    if by == 0 {
+        return arg;
+    }
+    let ty = function.ty(arg);
+    let count = function.make_inst(InstData::Const { bits: eval::mask(ty, by) }, &[ty], loc);
+    let inst = function.make_inst(InstData::Binary { op, args: [arg, function.result(count)] }, &[ty], loc);
+    out.extend([count, inst]);
+    function.result(inst)
 }
 
 #[cfg(test)]
