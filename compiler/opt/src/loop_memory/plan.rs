@@ -19,6 +19,8 @@ const STEPS_MAX: usize = 4_000_000;
 const PAIRS_MAX: usize = 2_000_000;
 /// Places that a loop carries: about as many as there are registers.
 const PLACES_MAX: usize = 14;
+/// Instructions of a loop that carries places which not every pass reads or writes.
+const SMALL: usize = 64;
 /// Stores and loads that the cold sides of a loop get.
 const COLD_MAX: usize = 400;
 
@@ -126,7 +128,8 @@ struct Candidate {
     reads: u64,
     writes: u64,
     accesses: Vec<Inst>,
-    is_hot: bool,
+    /// Each pass of the loop reads or writes it.
+    is_usual: bool,
 }
 
 struct Planner<'a> {
@@ -149,8 +152,14 @@ impl Planner<'_> {
         let function = self.function;
         let mut found: FxHashMap<Place, Candidate> = FxHashMap::default();
         let (mut hot, mut cold): (Vec<(Inst, Other)>, Vec<(Inst, Other)>) = (Vec::new(), Vec::new());
+        let latches: Vec<Block> =
+            cfg.predecessors(each.header).iter().copied().filter(|block| each.blocks.contains(block)).collect();
+        let hot_blocks = each.blocks.iter().filter(|&&block| !function.blocks[block].cold);
+        let is_small = hot_blocks.map(|&block| function.blocks[block].insts.len()).sum::<usize>() <= SMALL;
         for &block in &each.blocks {
             let is_cold = function.blocks[block].cold;
+            // In a large loop that does this and that a place costs more before and after it than in the few passes that need it.
+            let is_usual = !is_cold && (is_small || latches.iter().all(|&latch| dominators.dominates(block, latch)));
             let weight = if is_cold { 0 } else { 8u64.pow(self.loops.depth(block).min(8)) };
             for &inst in &function.blocks[block].insts {
                 if self.taken.contains(&inst) {
@@ -162,13 +171,13 @@ impl Planner<'_> {
                         reads: 0,
                         writes: 0,
                         accesses: Vec::new(),
-                        is_hot: false,
+                        is_usual: false,
                     });
                     if candidate.ty != Some(ty) {
                         candidate.ty = None;
                     }
                     *(if writes { &mut candidate.writes } else { &mut candidate.reads }) += weight.max(1);
-                    candidate.is_hot |= !is_cold;
+                    candidate.is_usual |= is_usual;
                     candidate.accesses.push(inst);
                 } else {
                     let list = if is_cold { &mut cold } else { &mut hot };
@@ -179,7 +188,7 @@ impl Planner<'_> {
         let mut candidates: Vec<(Place, Candidate)> = found.into_iter().collect();
         candidates.sort_unstable_by_key(|(place, _)| *place);
         drop_overlapping(&mut candidates);
-        candidates.retain(|(_, candidate)| candidate.is_hot && candidate.ty.is_some());
+        candidates.retain(|(_, candidate)| candidate.is_usual && candidate.ty.is_some());
         // Without this order a loop would carry what it can, not what it uses most.
         candidates.sort_by_key(|(_, candidate)| std::cmp::Reverse(candidate.reads + candidate.writes));
         let mut places = Vec::new();
