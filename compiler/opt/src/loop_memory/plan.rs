@@ -9,7 +9,7 @@ use crate::extents::Access;
 use crate::frames::Frames;
 use crate::known_bits::unsigned_max;
 use crate::loops::{Loop, Loops};
-use crate::ranges::base_ranges;
+use crate::ranges::{BaseRanges, base_ranges};
 
 /// Larger functions are left as they are.
 const INSTS_MAX: usize = 400_000;
@@ -140,7 +140,7 @@ struct Planner<'a> {
     effects: &'a Effects,
     loops: &'a Loops,
     /// The ranges of bases in bytes, once they are needed.
-    bases: Option<FxHashMap<Inst, [Option<(u64, u64)>; 2]>>,
+    bases: Option<BaseRanges>,
     /// Accesses that an outer loop has made values.
     taken: FxHashSet<Inst>,
     steps: usize,
@@ -151,7 +151,8 @@ impl Planner<'_> {
     fn places_of(&mut self, each: &Loop, cfg: &ControlFlow, dominators: &Dominators) -> Vec<Carried> {
         let function = self.function;
         let mut found: FxHashMap<Place, Candidate> = FxHashMap::default();
-        let (mut hot, mut cold): (Vec<(Inst, Other)>, Vec<(Inst, Other)>) = (Vec::new(), Vec::new());
+        let mut hot: Vec<(Inst, Other)> = Vec::new();
+        let mut cold: Vec<(Inst, Other)> = Vec::new();
         let latches: Vec<Block> =
             cfg.predecessors(each.header).iter().copied().filter(|block| each.blocks.contains(block)).collect();
         let hot_blocks = each.blocks.iter().filter(|&&block| !function.blocks[block].cold);

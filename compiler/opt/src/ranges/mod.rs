@@ -30,14 +30,13 @@ pub fn use_ranges(module: &mut Module) {
     module.functions.values_mut().for_each(use_in_function);
 }
 
+/// See [`base_ranges`].
+pub type BaseRanges = FxHashMap<Inst, [Option<(u64, u64)>; 2]>;
+
 /// The numbers, from least to greatest, that the bases of an instruction's addresses can be where it is; a copy has two. Bases of
 /// which nothing is known are left out.
-pub fn base_ranges(
-    function: &Function,
-    cfg: &ControlFlow,
-    dominators: &Dominators,
-) -> FxHashMap<Inst, [Option<(u64, u64)>; 2]> {
-    let mut found = FxHashMap::default();
+pub fn base_ranges(function: &Function, cfg: &ControlFlow, dominators: &Dominators) -> BaseRanges {
+    let mut found = BaseRanges::default();
     if function.insts.len() > INSTS_MAX {
         return found;
     }
