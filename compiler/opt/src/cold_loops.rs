@@ -52,9 +52,12 @@ pub fn part_cold_loops(function: &mut Function, surroundings: &Surroundings) {
         if function.blocks[each.header].cold || !comes_back(function, effects, &cfg, each, &inside) {
             continue;
         }
+        // A block of a loop that was copied is not on all ways any more.
+        let before = dominators.immediate(each.header).filter(|before| !done.contains(before));
+        let before = before.unwrap_or(function.entry());
         growth -= insts;
         done.extend(&inside);
-        copy(function, each, &inside, &mut versions);
+        copy(function, each, &inside, before, &mut versions);
     }
     if !versions.made.is_empty() {
         function.remove_unreachable_blocks();
@@ -98,10 +101,10 @@ fn calls(function: &Function, block: Block) -> bool {
     function.blocks[block].insts.iter().any(|&inst| is_call(&function.insts[inst]))
 }
 
-/// Copies a loop; cold blocks that go on in it go on in the copy.
-fn copy(function: &mut Function, each: &Loop, inside: &FxHashSet<Block>, versions: &mut Versions) {
+/// Copies a loop; cold blocks that go on in it go on in the copy. `before` is a block that all ways to the loop pass.
+fn copy(function: &mut Function, each: &Loop, inside: &FxHashSet<Block>, before: Block, versions: &mut Versions) {
     let order: Vec<Block> = function.layout.iter().copied().filter(|block| inside.contains(block)).collect();
-    move_constants(function, &order);
+    move_constants(function, &order, before);
     let copies = copy_blocks(function, &order, versions);
     for copy in copies.values() {
         function.blocks[*copy].cold = true;

@@ -134,7 +134,7 @@ fn others(module: &Module) -> Option<Others> {
         }
     }
     let mut functions = module.functions.values();
-    functions.all(|function| is_alone(function)).then_some(others)
+    functions.all(is_alone).then_some(others)
 }
 
 /// True if nothing that the function begins goes on by itself and writes memory later.

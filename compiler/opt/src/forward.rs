@@ -92,7 +92,7 @@ fn forgets(function: &Function, effects: &Effects, block: Block) -> bool {
     let calls_all = |data: &InstData| match data {
         InstData::CallRuntime { function, .. } => {
             function.effect() == Effect::All
-                && !(is_interruption(*function) && !effects.may_write(*function, Region::M, None))
+                && (!is_interruption(*function) || effects.may_write(*function, Region::M, None))
         }
         data => matches!(data, InstData::Call { .. }),
     };

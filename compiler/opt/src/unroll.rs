@@ -75,10 +75,13 @@ fn unroll_in_function(function: &mut Function, growth: &mut usize, done: &mut Fx
             is_left = true;
             continue;
         }
+        // A block of a loop that was copied is not on all ways any more.
+        let before = dominators.immediate(each.header).filter(|before| !copied.contains(before));
+        let before = before.unwrap_or(function.entry());
         *growth -= passes * size;
         done.insert(each.header);
         copied.extend(&each.blocks);
-        copy(function, &cfg, each, passes, &mut versions);
+        copy(function, &cfg, each, (passes, before), &mut versions);
     }
     if !versions.made.is_empty() {
         join_versions(function, &versions);
@@ -146,11 +149,17 @@ fn evaluate(function: &Function, value: Value, counter: (Value, u64), depth: u32
     }
 }
 
-/// Puts so many copies of the loop before it.
-fn copy(function: &mut Function, cfg: &ControlFlow, each: &Loop, passes: usize, versions: &mut Versions) {
+/// Puts so many copies of the loop before it; all ways to it pass the block.
+fn copy(
+    function: &mut Function,
+    cfg: &ControlFlow,
+    each: &Loop,
+    (passes, before): (usize, Block),
+    versions: &mut Versions,
+) {
     let inside: FxHashSet<Block> = each.blocks.iter().copied().collect();
     let order: Vec<Block> = function.layout.iter().copied().filter(|block| inside.contains(block)).collect();
-    move_constants(function, &order);
+    move_constants(function, &order, before);
     let redirect = |function: &mut Function, from: Block, to: Block, new: Block| {
         if let Some(last) = function.terminator(from) {
             function.insts[last].for_each_target_mut(|call| {

@@ -88,8 +88,8 @@ pub fn copy_blocks(function: &mut Function, blocks: &[Block], versions: &mut Ver
     copies
 }
 
-/// Moves the constants in blocks to the begin of the function, so that copies of the blocks have the same.
-pub fn move_constants(function: &mut Function, blocks: &[Block]) {
+/// Moves the constants in blocks to the end of another one before them, so that copies of the blocks have the same.
+pub fn move_constants(function: &mut Function, blocks: &[Block], to: Block) {
     let mut moved = Vec::new();
     for &block in blocks {
         let insts = std::mem::take(&mut function.blocks[block].insts);
@@ -98,8 +98,9 @@ pub fn move_constants(function: &mut Function, blocks: &[Block]) {
         moved.extend(constants);
         function.blocks[block].insts = rest;
     }
-    let entry = function.entry();
-    function.blocks[entry].insts.splice(0..0, moved);
+    let insts = &mut function.blocks[to].insts;
+    let end = insts.len().saturating_sub(1);
+    insts.splice(end..end, moved);
 }
 
 /// Makes every use of an original one of the version that was computed on the way there. It takes as long as it takes: whoever

@@ -9,7 +9,7 @@ use crate::extents::Access;
 use crate::frames::Frames;
 use crate::known_bits::unsigned_max;
 use crate::loops::{Loop, Loops};
-use crate::ranges::base_ranges;
+use crate::ranges::{BaseRanges, base_ranges};
 use crate::surroundings::Surroundings;
 
 /// Larger functions are left as they are.
@@ -20,6 +20,8 @@ const STEPS_MAX: usize = 4_000_000;
 const PAIRS_MAX: usize = 2_000_000;
 /// Places that a loop carries: about as many as there are registers.
 const PLACES_MAX: usize = 14;
+/// Instructions of a loop that carries places which not every pass reads or writes.
+const SMALL: usize = 64;
 /// Stores and loads that the cold sides of a loop get.
 const COLD_MAX: usize = 400;
 
@@ -125,7 +127,8 @@ struct Candidate {
     reads: u64,
     writes: u64,
     accesses: Vec<Inst>,
-    is_hot: bool,
+    /// Each pass of the loop reads or writes it.
+    is_usual: bool,
 }
 
 struct Planner<'a> {
@@ -135,7 +138,7 @@ struct Planner<'a> {
     effects: &'a Effects,
     loops: &'a Loops,
     /// The ranges of bases in bytes, once they are needed.
-    bases: Option<FxHashMap<Inst, [Option<(u64, u64)>; 2]>>,
+    bases: Option<BaseRanges>,
     /// Accesses that an outer loop has made values.
     taken: FxHashSet<Inst>,
     steps: usize,
@@ -146,9 +149,16 @@ impl Planner<'_> {
     fn places_of(&mut self, each: &Loop, cfg: &ControlFlow, dominators: &Dominators) -> Vec<Carried> {
         let function = self.function;
         let mut found: FxHashMap<Place, Candidate> = FxHashMap::default();
-        let (mut hot, mut cold): (Vec<(Inst, Other)>, Vec<(Inst, Other)>) = (Vec::new(), Vec::new());
+        let mut hot: Vec<(Inst, Other)> = Vec::new();
+        let mut cold: Vec<(Inst, Other)> = Vec::new();
+        let latches: Vec<Block> =
+            cfg.predecessors(each.header).iter().copied().filter(|block| each.blocks.contains(block)).collect();
+        let hot_blocks = each.blocks.iter().filter(|&&block| !function.blocks[block].cold);
+        let is_small = hot_blocks.map(|&block| function.blocks[block].insts.len()).sum::<usize>() <= SMALL;
         for &block in &each.blocks {
             let is_cold = function.blocks[block].cold;
+            // In a large loop that does this and that a place costs more before and after it than in the few passes that need it.
+            let is_usual = !is_cold && (is_small || latches.iter().all(|&latch| dominators.dominates(block, latch)));
             let weight = if is_cold { 0 } else { 8u64.pow(self.loops.depth(block).min(8)) };
             for &inst in &function.blocks[block].insts {
                 if self.taken.contains(&inst) {
@@ -160,13 +170,13 @@ impl Planner<'_> {
                         reads: 0,
                         writes: 0,
                         accesses: Vec::new(),
-                        is_hot: false,
+                        is_usual: false,
                     });
                     if candidate.ty != Some(ty) {
                         candidate.ty = None;
                     }
                     *(if writes { &mut candidate.writes } else { &mut candidate.reads }) += weight.max(1);
-                    candidate.is_hot |= !is_cold;
+                    candidate.is_usual |= is_usual;
                     candidate.accesses.push(inst);
                 } else {
                     let list = if is_cold { &mut cold } else { &mut hot };
@@ -177,7 +187,7 @@ impl Planner<'_> {
         let mut candidates: Vec<(Place, Candidate)> = found.into_iter().collect();
         candidates.sort_unstable_by_key(|(place, _)| *place);
         drop_overlapping(&mut candidates);
-        candidates.retain(|(_, candidate)| candidate.is_hot && candidate.ty.is_some());
+        candidates.retain(|(_, candidate)| candidate.is_usual && candidate.ty.is_some());
         // Without this order a loop would carry what it can, not what it uses most.
         candidates.sort_by_key(|(_, candidate)| std::cmp::Reverse(candidate.reads + candidate.writes));
         let mut places = Vec::new();

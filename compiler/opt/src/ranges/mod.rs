@@ -25,14 +25,13 @@ use rustc_hash::FxHashMap;
 /// Larger functions are left as they are: each sweep looks at all of their code.
 const INSTS_MAX: usize = 400_000;
 
+/// See [`base_ranges`].
+pub type BaseRanges = FxHashMap<Inst, [Option<(u64, u64)>; 2]>;
+
 /// The numbers, from least to greatest, that the bases of an instruction's addresses can be where it is; a copy has two. Bases of
 /// which nothing is known are left out.
-pub fn base_ranges(
-    function: &Function,
-    cfg: &ControlFlow,
-    dominators: &Dominators,
-) -> FxHashMap<Inst, [Option<(u64, u64)>; 2]> {
-    let mut found = FxHashMap::default();
+pub fn base_ranges(function: &Function, cfg: &ControlFlow, dominators: &Dominators) -> BaseRanges {
+    let mut found = BaseRanges::default();
     if function.insts.len() > INSTS_MAX {
         return found;
     }
