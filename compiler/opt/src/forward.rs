@@ -454,7 +454,8 @@ impl Forward<'_> {
         }
         let (addr, ty) = match words.around(addr) {
             Some(word) => (word, Type::I32),
-            None => (*addr, Type::I8),
+            None if words.shares_byte(addr) => (*addr, Type::I8),
+            None => return,
         };
         let value = self.emit(InstData::Load { addr }, ty);
         self.known.learn(&Access::of_type(&addr, ty), value);
@@ -686,8 +687,7 @@ mod tests {
              M 8.3, v6\nv7 = load.bit M 8.4\nstore.bit Q 0.0, v7\nret v0",
             "v2 = load.i32 M 4\nv3 = const.i32 25\nv4 = lshr v2, v3\nv5 = trunc.i1 v4\nv6 = const.i32 16\nv7 = lshr v2, v6\nv8 = \
              trunc.i1 v7\nv9 = load.i8 M 8\nv10 = const.i8 2\nv11 = lshr v9, v10\nv12 = trunc.i1 v11\nv13 = and v5, v8\nv14 = and \
-             v13, v12\nstore.bit M 4.0, v13\nstore.bit M 8.3, v14\nv15 = const.i8 4\nv16 = lshr v9, v15\nv17 = trunc.i1 v16\nv18 = \
-             load.i8 Q 0\nstore.bit Q 0.0, v17\nret v0",
+             v13, v12\nstore.bit M 4.0, v13\nstore.bit M 8.3, v14\nv15 = const.i8 4\nv16 = lshr v9, v15\nv17 = trunc.i1 v16\nstore.bit Q 0.0, v17\nret v0",
         );
     }
 }

@@ -27,8 +27,8 @@ pub struct Words<'m> {
 /// How a block uses the bits of a word.
 #[derive(Default)]
 struct Used {
-    /// Which of the bytes have bits that are used, one bit for each.
-    bytes: u8,
+    /// How often bits of each byte are used.
+    bytes: [u32; WORD_BYTES as usize],
     uses: u32,
 }
 
@@ -41,7 +41,7 @@ impl<'m> Words<'m> {
             {
                 let (word, byte) = (addr.offset / WORD_BYTES, addr.offset % WORD_BYTES);
                 let used = used.entry((addr.region, word)).or_default();
-                used.bytes |= 1 << byte;
+                used.bytes[byte as usize] += 1;
                 used.uses += if matches!(function.insts[inst], InstData::StoreBit { .. }) { 2 } else { 1 };
             }
         }
@@ -53,9 +53,16 @@ impl<'m> Words<'m> {
         let word = addr.offset / WORD_BYTES;
         let used = self.used.get(&(addr.region, word))?;
         let (start, end) = (word * WORD_BYTES, u64::from(word + 1) * u64::from(WORD_BYTES));
-        let is_better = used.bytes.count_ones() > 1 && used.uses >= USES_MIN;
+        let bytes = used.bytes.iter().filter(|&&uses| uses > 0).count();
+        let is_better = bytes > 1 && used.uses >= USES_MIN;
         (addr.base.is_none() && is_better && end <= self.length(addr.region))
             .then_some(Address { offset: start, ..*addr })
+    }
+
+    /// True if more than one bit of the byte is used, or one more than once.
+    pub fn shares_byte(&self, addr: &Address) -> bool {
+        let used = self.used.get(&(addr.region, addr.offset / WORD_BYTES));
+        addr.base.is_some() || used.is_some_and(|used| used.bytes[(addr.offset % WORD_BYTES) as usize] > 1)
     }
 
     /// Bytes of the region that exist.

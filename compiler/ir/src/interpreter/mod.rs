@@ -54,7 +54,8 @@ impl Interpreter {
         returned
     }
 
-    /// Instructions that have run so far, a measure of time that depends on no machine.
+    /// Instructions that have run so far, without constants, which machine code has in the instructions that use them: a measure of time that
+    /// depends on no machine.
     pub fn executed(&self) -> u64 {
         self.executed.get()
     }
@@ -153,7 +154,10 @@ fn execute(code: &Code, frame: &mut Frame, r: &mut [u64], host: &dyn Host) -> (E
     loop {
         executed += 1;
         match &code.ops[pc] {
-            Op::Const { dst, bits } => r[*dst as usize] = *bits,
+            Op::Const { dst, bits } => {
+                executed -= 1;
+                r[*dst as usize] = *bits;
+            }
             Op::Unary { op, ty, dst, arg } => {
                 r[*dst as usize] = eval::mask(*ty, eval::unary(*op, *ty, r[*arg as usize]));
             }

@@ -24,6 +24,16 @@ use rustc_hash::FxHashMap;
 
 /// Larger functions are left as they are: each sweep looks at all of their code.
 const INSTS_MAX: usize = 400_000;
+/// So are functions whose jumps bring more values.
+const ARGUMENTS_MAX: usize = 1_000_000;
+
+fn is_too_large(function: &Function) -> bool {
+    let mut arguments = 0;
+    for inst in function.layout.iter().filter_map(|&block| function.terminator(block)) {
+        function.insts[inst].for_each_target(|call| arguments += call.args.len());
+    }
+    function.insts.len() > INSTS_MAX || arguments > ARGUMENTS_MAX
+}
 
 /// See [`base_ranges`].
 pub type BaseRanges = FxHashMap<Inst, [Option<(u64, u64)>; 2]>;
@@ -32,7 +42,7 @@ pub type BaseRanges = FxHashMap<Inst, [Option<(u64, u64)>; 2]>;
 /// which nothing is known are left out.
 pub fn base_ranges(function: &Function, cfg: &ControlFlow, dominators: &Dominators) -> BaseRanges {
     let mut found = BaseRanges::default();
-    if function.insts.len() > INSTS_MAX {
+    if is_too_large(function) {
         return found;
     }
     let Some(mut ranges) = Ranges::of(function, cfg, dominators) else { return found };
@@ -82,7 +92,7 @@ struct Part {
 
 /// Uses ranges in a function.
 pub fn use_ranges(function: &mut Function) {
-    if function.insts.len() > INSTS_MAX {
+    if is_too_large(function) {
         return;
     }
     let cfg = ControlFlow::new(function);
