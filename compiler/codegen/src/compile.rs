@@ -45,8 +45,6 @@ pub struct CompiledFunction {
     pub places: Vec<Place>,
     /// Where Cranelift's blocks begin; ascending.
     pub blocks: Vec<u32>,
-    /// From the start of a block to that of another one.
-    pub edges: Vec<(u32, u32)>,
 }
 
 /// From an offset on, code belongs to a place of the source.
@@ -269,7 +267,6 @@ impl Worker<'_, '_> {
             alignment: u64::from(code.buffer.alignment),
             places: filled(places.collect()),
             blocks: code.bb_starts.clone(),
-            edges: code.bb_edges.clone(),
         })
     }
 }

@@ -4,13 +4,13 @@
 //! [`LOOP_PASSES`] times for each loop around it. Whatever a called function does is left out,
 //! apart from the call.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-use iced_x86::{Mnemonic, OpKind};
+use iced_x86::{FlowControl, Instruction, Mnemonic, OpKind};
 use plcc_abi::image::BlockKind;
 use plcc_abi::image::Site;
 use plcc_ir::Module;
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::compile::{CompiledFunction, Compiler};
 use crate::isa::Placement;
@@ -61,9 +61,9 @@ pub fn statistics(module: &Module, options: &CodegenOptions) -> Result<(Vec<(Pla
     let mut others = Cost::default();
     for function in compiler.functions()? {
         let parts = machine::parts(&function);
-        let depths = depths(&function);
+        let (starts, depths) = depths(&function, &parts);
         let depth = |at: u32| {
-            let after = function.blocks.partition_point(|start| *start <= at);
+            let after = starts.partition_point(|start| *start <= at);
             after.checked_sub(1).map_or(0, |block| depths[block])
         };
         let mut site = None;
@@ -108,18 +108,54 @@ fn networks(module: &Module, of_sites: BTreeMap<u32, Cost>, others: &mut Cost) -
     rows
 }
 
-/// The depth of each block of a function. What cold sides jump back to is not a loop.
-fn depths(function: &CompiledFunction) -> Vec<u32> {
-    let is_cold = |at: u32| {
-        let after = function.places.partition_point(|place| place.at <= at);
-        after.checked_sub(1).is_some_and(|place| function.places[place].cold)
+/// Where the blocks of a function begin, and how deep in loops they are. What cold sides jump back to is not a loop. A jump by a table may
+/// lead to each block that nothing else leads to.
+fn depths(function: &CompiledFunction, parts: &[Part]) -> (Vec<u32>, Vec<u32>) {
+    let direct = |instruction: &Instruction| {
+        matches!(instruction.flow_control(), FlowControl::ConditionalBranch | FlowControl::UnconditionalBranch)
     };
-    let edges: Vec<(u32, u32)> = function.edges.iter().copied().filter(|(from, _)| !is_cold(*from)).collect();
-    loops::depths(&function.blocks, &edges, LOOP_DEPTH_MAX)
+    let mut starts: BTreeSet<u32> = function.blocks.iter().copied().chain([0]).collect();
+    for part in parts {
+        if let Part::Instruction { instruction, .. } = part
+            && direct(instruction)
+        {
+            starts.insert(instruction.near_branch_target() as u32);
+            starts.insert(instruction.next_ip() as u32);
+        }
+    }
+    let (mut edges, mut tables, mut block) = (Vec::new(), Vec::new(), 0);
+    for part in parts {
+        let Part::Instruction { instruction, place, .. } = part else { continue };
+        if starts.contains(&(instruction.ip() as u32)) {
+            block = instruction.ip() as u32;
+        }
+        if place.is_some_and(|place| place.cold) {
+            continue;
+        }
+        let next = instruction.next_ip() as u32;
+        match instruction.flow_control() {
+            FlowControl::ConditionalBranch => {
+                edges.extend([(block, instruction.near_branch_target() as u32), (block, next)]);
+            }
+            FlowControl::UnconditionalBranch => edges.push((block, instruction.near_branch_target() as u32)),
+            FlowControl::IndirectBranch => tables.push(block),
+            FlowControl::Return | FlowControl::Exception => {}
+            _ if starts.contains(&next) => edges.push((block, next)),
+            _ => {}
+        }
+    }
+    let reached: FxHashSet<u32> = edges.iter().map(|&(_, to)| to).collect();
+    let others = function.blocks.iter().copied().filter(|start| *start > 0 && !reached.contains(start));
+    if let Some(table) = tables.first().copied() {
+        edges.extend(others.map(|to| (table, to)));
+    }
+    let starts: Vec<u32> = starts.into_iter().collect();
+    let depths = loops::depths(&starts, &edges, LOOP_DEPTH_MAX);
+    (starts, depths)
 }
 
 /// What an instruction usually takes on a processor of 3 GHz that runs several at once.
-fn nanoseconds(instruction: &iced_x86::Instruction) -> f64 {
+fn nanoseconds(instruction: &Instruction) -> f64 {
     use Mnemonic as M;
     let bits = if instruction.op_count() > 0 && instruction.op_kind(0) == OpKind::Register {
         instruction.op0_register().size() * 8
