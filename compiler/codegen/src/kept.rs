@@ -150,9 +150,8 @@ impl KeptFunction {
             relocs: self.relocs.iter().map(reloc).collect::<Option<_>>()?,
             alignment: self.alignment,
             places: self.places.iter().map(|&(at, site)| Place { at, site, cold: false }).collect(),
-            // Only statistics and assembly, which nothing is kept for, look at these.
+            // Only statistics and assembly, which nothing is kept for, look at them.
             blocks: Vec::new(),
-            edges: Vec::new(),
         })
     }
 
