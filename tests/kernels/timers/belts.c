@@ -1,83 +1,13 @@
+#include "../iec.h"
 #include "../plc.h"
 
 AREAS({"M", M, 40}, {"Q", Q, 2})
-
-struct timer {
-    uint32_t start, elapsed;
-    bool in, q, running;
-};
 
 static struct belt {
     struct timer start, runs_on, flash;
     int16_t parts;
     bool up;
 } belts[8];
-
-static bool on_delay(struct timer *timer, bool in, uint32_t preset, uint32_t now)
-{
-    if (!in) {
-        timer->elapsed = 0;
-        timer->q = false;
-    } else {
-        if (!timer->in) {
-            timer->start = now;
-        }
-        if (!timer->q) {
-            timer->elapsed = now - timer->start;
-            if (timer->elapsed >= preset) {
-                timer->elapsed = preset;
-                timer->q = true;
-            }
-        }
-    }
-    timer->in = in;
-    return timer->q;
-}
-
-static bool off_delay(struct timer *timer, bool in, uint32_t preset, uint32_t now)
-{
-    if (in) {
-        timer->q = true;
-        timer->elapsed = 0;
-        timer->running = false;
-    } else {
-        if (timer->in) {
-            timer->start = now;
-            timer->running = true;
-        }
-        if (timer->running) {
-            timer->elapsed = now - timer->start;
-            if (timer->elapsed >= preset) {
-                timer->elapsed = preset;
-                timer->running = false;
-                timer->q = false;
-            }
-        }
-    }
-    timer->in = in;
-    return timer->q;
-}
-
-static bool pulse(struct timer *timer, bool in, uint32_t preset, uint32_t now)
-{
-    if (in && !timer->in && !timer->q) {
-        timer->start = now;
-        timer->q = true;
-        timer->elapsed = 0;
-    }
-    if (timer->q) {
-        timer->elapsed = now - timer->start;
-        if (timer->elapsed >= preset) {
-            timer->elapsed = preset;
-            timer->q = false;
-        }
-    }
-    if (!timer->q && !in) {
-        timer->elapsed = 0;
-    }
-    timer->in = in;
-    return timer->q;
-}
 
 void scan(uint32_t now)
 {

@@ -1,11 +1,7 @@
+#include "../iec.h"
 #include "../plc.h"
 
 AREAS({"M", M, 20})
-
-struct timer {
-    uint32_t start, elapsed;
-    bool in, q, running;
-};
 
 struct station {
     bool start, sensor, run, lamp, full;
@@ -18,72 +14,6 @@ struct station {
 };
 
 static struct station stations[12];
-
-static bool on_delay(struct timer *timer, bool in, uint32_t preset, uint32_t now)
-{
-    if (!in) {
-        timer->elapsed = 0;
-        timer->q = false;
-    } else {
-        if (!timer->in) {
-            timer->start = now;
-        }
-        if (!timer->q) {
-            timer->elapsed = now - timer->start;
-            if (timer->elapsed >= preset) {
-                timer->elapsed = preset;
-                timer->q = true;
-            }
-        }
-    }
-    timer->in = in;
-    return timer->q;
-}
-
-static bool off_delay(struct timer *timer, bool in, uint32_t preset, uint32_t now)
-{
-    if (in) {
-        timer->q = true;
-        timer->elapsed = 0;
-        timer->running = false;
-    } else {
-        if (timer->in) {
-            timer->start = now;
-            timer->running = true;
-        }
-        if (timer->running) {
-            timer->elapsed = now - timer->start;
-            if (timer->elapsed >= preset) {
-                timer->elapsed = preset;
-                timer->running = false;
-                timer->q = false;
-            }
-        }
-    }
-    timer->in = in;
-    return timer->q;
-}
-
-static bool pulse(struct timer *timer, bool in, uint32_t preset, uint32_t now)
-{
-    if (in && !timer->in && !timer->q) {
-        timer->start = now;
-        timer->q = true;
-        timer->elapsed = 0;
-    }
-    if (timer->q) {
-        timer->elapsed = now - timer->start;
-        if (timer->elapsed >= preset) {
-            timer->elapsed = preset;
-            timer->q = false;
-        }
-    }
-    if (!timer->q && !in) {
-        timer->elapsed = 0;
-    }
-    timer->in = in;
-    return timer->q;
-}
 
 static void call(struct station *s, bool start, bool sensor, uint32_t delay, uint32_t now)
 {
