@@ -21,7 +21,7 @@
 
 use plcc_abi::functions::Effect;
 use plcc_ir::{Address, BinaryOp, Block, ConvertOp, Function, Inst, InstData, Loc, Type, Value};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::surroundings::Surroundings;
 use crate::words::Words;
@@ -56,7 +56,8 @@ struct Group {
 impl Group {
     fn overlaps(&self, addr: &Address, bytes: u32) -> bool {
         let (start, end) = (u64::from(addr.offset), u64::from(addr.offset) + u64::from(bytes));
-        let (own_start, own_end) = (u64::from(self.addr.offset), u64::from(self.addr.offset) + self.ty.bytes() as u64);
+        let (own_start, own_end) =
+            (u64::from(self.addr.offset), u64::from(self.addr.offset) + u64::from(self.ty.bytes()));
         if (addr.region, addr.base) == (self.addr.region, self.addr.base) {
             own_start < end && start < own_end
         } else {
@@ -64,7 +65,7 @@ impl Group {
         }
     }
 
-    /// Stores without the ones that become part of it would be no better.
+    /// False for one store of a bit in its byte, which is as good by itself.
     fn is_worth_it(&self) -> bool {
         self.ty != Type::I8 || self.stores.len() > 1 || !self.dead.is_empty()
     }
@@ -158,7 +159,7 @@ fn rewrite(function: &mut Function, block: Block, groups: Vec<Group>) {
         .enumerate()
         .flat_map(|(index, group)| group.stores.iter().map(move |&(inst, number)| (inst, (index, number))))
         .collect();
-    let dead: rustc_hash::FxHashSet<Inst> = groups.iter().flat_map(|group| group.dead.iter().copied()).collect();
+    let dead: FxHashSet<Inst> = groups.iter().flat_map(|group| group.dead.iter().copied()).collect();
     let mut collected = vec![Collected::default(); groups.len()];
     let mut ends = groups.iter().enumerate().peekable();
     let insts = std::mem::take(&mut function.blocks[block].insts);
