@@ -113,7 +113,7 @@ const NUMBERS: &[(Elementary, &[&str])] = &[
     (Elementary::Dword, &["EVENT_ANY", "EVENT_ATT", "EVENT_HWINT", "AOM_IDENT", "CONN_R_ID"]),
 ];
 
-/// Data types of timers and counters: the blocks whose instances they are; the first available one counts.
+/// Data types of timers, counters and axes: the blocks whose instances they are; the first available one counts.
 ///
 /// The four timers have one layout, and that of TONR names all components; CTUD does so for the counters.
 #[rustfmt::skip]
@@ -132,6 +132,9 @@ const INSTANCES: &[(&str, &[&str])] = &[
     ("IEC_UDCOUNTER",  &["IEC_UDCOUNTER", "CTUD_UDINT"]),
     ("IEC_LCOUNTER",   &["IEC_LCOUNTER", "CTUD_LINT"]),
     ("IEC_ULCOUNTER",  &["IEC_ULCOUNTER", "CTUD_ULINT"]),
+    ("TO_Axis",        &["TO_Axis", "TO_PositioningAxis"]),
+    ("TO_SpeedAxis",   &["TO_SpeedAxis", "TO_PositioningAxis"]),
+    ("TO_SynchronousAxis", &["TO_SynchronousAxis", "TO_PositioningAxis"]),
     ("CTU",            &["CTU_INT", "CTU"]),
     ("CTD",            &["CTD_INT", "CTD"]),
     ("CTUD",           &["CTUD_INT", "CTUD"]),
