@@ -22,8 +22,6 @@ pub const NOT_SUPPORTED: &[&str] = &[
     "DB_ANY_TO_VARIANT",
     "VARIANT_TO_DB_ANY",
     "VARIANT_TO_ANY",
-    "DB_ANY_TO_UINT",
-    "UINT_TO_DB_ANY",
     "SEG",
     "BCDCPL",
     "GETIO",

@@ -51,6 +51,7 @@ const SOURCES: &[(Language, &str)] = &[
     (Language::Scl, include_str!("../scl/motion/commands.scl")),
     (Language::Scl, include_str!("../scl/motion/parts.scl")),
     (Language::Scl, include_str!("../scl/pid/compact.scl")),
+    (Language::Scl, include_str!("../scl/pid/step3.scl")),
     (Language::Scl, include_str!("../scl/pid/cont_c.scl")),
     (Language::Scl, include_str!("../scl/pid/cont_s.scl")),
     (Language::Scl, include_str!("../scl/pid/pulsegen.scl")),

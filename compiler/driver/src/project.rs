@@ -13,6 +13,7 @@ use toml::Spanned;
 
 use crate::s7200::{self, S7200Keys};
 use crate::station::{self, Station, StationKeys};
+use crate::axes;
 use crate::technology;
 
 /// Name of the file that makes a folder a project.
@@ -36,6 +37,8 @@ pub struct Project {
     pub partial: bool,
     /// Fast counters and pulse generators, checked later against the CPU.
     pub technology: technology::Used,
+    /// Source in SCL that declares the axes; empty without any.
+    pub axes: String,
     /// Place of the settings of an S7-200, checked later against the CPU.
     pub s7200: Option<Span>,
 }
@@ -90,6 +93,8 @@ struct Keys {
     pulse: BTreeMap<Spanned<String>, technology::PulseKeys>,
     #[serde(default)]
     hardware_interrupt: BTreeMap<Spanned<String>, technology::InterruptKeys>,
+    #[serde(default)]
+    axis: BTreeMap<Spanned<String>, axes::AxisKeys>,
     s7200: Option<Spanned<S7200Keys>>,
 }
 
@@ -197,6 +202,8 @@ impl Context {
         let (technology, messages) =
             technology::read(&keys.hsc, &keys.pulse, &keys.hardware_interrupt, self.file, &mut config);
         self.diagnostics.extend(messages);
+        let (axes, messages) = axes::source(&keys.axis, self.file);
+        self.diagnostics.extend(messages);
         if let Some(keys) = &keys.s7200 {
             let (settings, messages) = s7200::read(keys.get_ref(), self.file);
             config.s7200 = settings;
@@ -229,6 +236,7 @@ impl Context {
             config,
             station,
             technology,
+            axes,
             s7200: keys.s7200.map(|keys| Span::new(file, keys.span())),
         }
     }

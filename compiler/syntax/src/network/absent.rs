@@ -58,11 +58,6 @@ const ABSENT: &[Absent] = &[
         help: "compare with the elements EQ, NE, GT, LT, GE, LE, which take times and dates",
     },
     Absent {
-        names: &["RTM"],
-        why: "the CPU of plcc has no runtime meters",
-        help: "count the time with a TONR or with RUNTIME",
-    },
-    Absent {
         names: &["ENDIS_PW", "INIT_RD"],
         why: "passwords and retentive data of the CPU are not part of the program here",
         help: "remove the element",

@@ -129,6 +129,7 @@ system_functions! {
     79 SET      (Word)                    -> (Word, Pointer)   = output_bits::set;
     80 RSET     (Word)                    -> (Word, Pointer)   = output_bits::rset;
     81 UBLKMOV  (Any)                     -> (Word, Any)       = block_move::ublkmov;
+    101 RTM     (Byte, Byte, Dword)       -> (Word, Bool, Dword) = meters::handle;
     // Instructions of the TIA Portal.
     1150 RD_SYS_T ()                        -> (Word, Dtl)       = dtl::read_clock;
     1151 RD_LOC_T ()                        -> (Word, Dtl)       = dtl::read_clock;

@@ -6,7 +6,7 @@
 use std::rc::Rc;
 
 use plcc_abi::image::BlockKind;
-use plcc_syntax::ast::{BlockPrefix, TypeRef};
+use plcc_syntax::ast::{BlockName, BlockPrefix, TypeKind, TypeRef};
 
 use crate::bind::declarations::Declarations;
 use crate::bind::declarations::typed::{StructBuilder, Typed, TypedStruct, Use, elementary_typed};
@@ -113,6 +113,9 @@ const NUMBERS: &[(Elementary, &[&str])] = &[
     (Elementary::Dword, &["EVENT_ANY", "EVENT_ATT", "EVENT_HWINT", "AOM_IDENT", "CONN_R_ID"]),
 ];
 
+/// The block of all axes.
+const AXIS: &str = "TO_PositioningAxis";
+
 /// Data types of timers, counters and axes: the blocks whose instances they are; the first available one counts.
 ///
 /// The four timers have one layout, and that of TONR names all components; CTUD does so for the counters.
@@ -132,9 +135,9 @@ const INSTANCES: &[(&str, &[&str])] = &[
     ("IEC_UDCOUNTER",  &["IEC_UDCOUNTER", "CTUD_UDINT"]),
     ("IEC_LCOUNTER",   &["IEC_LCOUNTER", "CTUD_LINT"]),
     ("IEC_ULCOUNTER",  &["IEC_ULCOUNTER", "CTUD_ULINT"]),
-    ("TO_Axis",        &["TO_Axis", "TO_PositioningAxis"]),
-    ("TO_SpeedAxis",   &["TO_SpeedAxis", "TO_PositioningAxis"]),
-    ("TO_SynchronousAxis", &["TO_SynchronousAxis", "TO_PositioningAxis"]),
+    ("TO_Axis",        &[AXIS]),
+    ("TO_SpeedAxis",   &[AXIS]),
+    ("TO_SynchronousAxis", &[AXIS]),
     ("CTU",            &["CTU_INT", "CTU"]),
     ("CTD",            &["CTD_INT", "CTD"]),
     ("CTUD",           &["CTUD_INT", "CTUD"]),
@@ -221,4 +224,20 @@ fn bytes_typed(count: u16) -> Typed {
 /// True of blocks that can be components of data blocks and PLC data types: those of the system.
 pub fn is_component(kind: BlockKind) -> bool {
     kind == BlockKind::Sfb
+}
+
+/// True of the name of an axis.
+pub fn is_axis(ty: &TypeKind) -> bool {
+    let name = match ty {
+        TypeKind::Named(name) | TypeKind::Block(BlockName::Symbol { name, .. }) => name,
+        TypeKind::String(_)
+        | TypeKind::WideString(_)
+        | TypeKind::Array { .. }
+        | TypeKind::OpenArray { .. }
+        | TypeKind::Reference(_)
+        | TypeKind::Struct(_)
+        | TypeKind::Block(BlockName::Numbered { .. }) => return false,
+    };
+    let is = |own: &str| own.eq_ignore_ascii_case(name.trim());
+    is(AXIS) || INSTANCES.iter().any(|(own, blocks)| *blocks == [AXIS] && is(own))
 }
