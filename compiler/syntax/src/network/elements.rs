@@ -109,6 +109,8 @@ pub enum Kind {
     Valid {
         valid: bool,
     },
+    /// A contact that asks what a VARIANT points to.
+    Variant(VariantQuestion),
     /// A function block of the system on an instance, by the name that the library has for it.
     Instance(&'static str),
     /// TP, TON, TOF, TONR as coils.
@@ -215,6 +217,17 @@ pub struct PinRow {
     pub optional: bool,
     pub direction: PinDirection,
     pub numbered: bool,
+}
+
+/// What a contact asks about a VARIANT.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum VariantQuestion {
+    /// IS_NULL, NOT_NULL: whether it points to nothing.
+    IsNull { null: bool },
+    /// IS_ARRAY.
+    IsArray,
+    /// EQ_Type, NE_Type; EQ_ElemType, NE_ElemType ask for the elements of an array.
+    SameType { elements: bool, same: bool },
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -400,6 +413,7 @@ const PRE: (&str, &str) = ("pre", "out");
 const COMPARE: &str = "?pre|en in1 in2 ?>out|eno";
 const S5_TIMER: &str = "?timer|operand|t_no|no s|in ?tv|pt|value ?r ?>bi|rt ?>bcd|rtbcd ?>q ?>out";
 const S5_COUNTER: &str = "?counter|operand|c_no|no ?cu ?cd ?s ?pv ?r ?>cv|cvbin ?>cv_bcd|cvbcd ?>q";
+const TYPES: &str = "?pre|en in1|operand1 in2|operand2 ?>out|eno";
 const FLAG: &str = "?pre|in ?>out";
 const UNARY: &str = "?en in ?>out ?>eno";
 const BINARY: &str = "?en in1 in2 ?>out ?>eno";
@@ -410,7 +424,7 @@ use Kind::{
     BitField, Calculate, CallCoil, Coil, Compare, Condition, Contact, Convert, CounterCoil as CountCoil, Demux,
     EdgeCoil, EdgeContact, EdgeTrigger, Flag as StatusFlag, FlipFlop, Formula, Function, Gate as LogicGate, Instance,
     Invert, Jump, JumpList, Mcr as McrCoil, Move, Mux, Negate, Not, OpenDb, Operator, PresetTimer, Procedure, Range,
-    ResetCoil, ResetTimer, Return, Round, S5Counter, S5Timer, Save, SetCoil, Step, Switch, TimerCoil, Valid,
+    ResetCoil, ResetTimer, Return, Round, S5Counter, S5Timer, Save, SetCoil, Step, Switch, TimerCoil, Valid, Variant,
 };
 
 /// All elements, by chapter.
@@ -457,6 +471,13 @@ pub static CHAPTERS: &[Chapter] = &[
             row("InRange", &["InRange", "IN_RANGE"], &[], "?pre min in|val max ?>out", PRE, Range { inside: true }),
             row("OutRange", &["OutRange", "OUT_RANGE"], &[], "?pre min in|val max ?>out", PRE, Range { inside: false }),
             row("OK", &["IsValid", "OK", "OkContact", "OK_Contact", "IsValidContact"], &[], "?pre|in operand ?>out", PRE, Valid { valid: true }).sd(&["IsValidContact", "OK_Contact"]),
+            row("IS_NULL", &["IsNull", "IS_NULL"], &[], "?pre|in operand ?>out", PRE, Variant(VariantQuestion::IsNull { null: true })),
+            row("NOT_NULL", &["NotNull", "NOT_NULL"], &[], "?pre|in operand ?>out", PRE, Variant(VariantQuestion::IsNull { null: false })),
+            row("IS_ARRAY", &["IsArray", "IS_ARRAY"], &[], "?pre|in operand ?>out", PRE, Variant(VariantQuestion::IsArray)),
+            row("EQ_Type", &["EqType", "EQ_Type"], &[], TYPES, PRE, Variant(VariantQuestion::SameType { elements: false, same: true })).sd(&["EQ_Type_Contact"]),
+            row("NE_Type", &["NeType", "NE_Type"], &[], TYPES, PRE, Variant(VariantQuestion::SameType { elements: false, same: false })).sd(&["NE_Type_Contact"]),
+            row("EQ_ElemType", &["EqElemType", "EQ_ElemType"], &[], TYPES, PRE, Variant(VariantQuestion::SameType { elements: true, same: true })).sd(&["EQ_ElemType_Contact"]),
+            row("NE_ElemType", &["NeElemType", "NE_ElemType"], &[], TYPES, PRE, Variant(VariantQuestion::SameType { elements: true, same: false })).sd(&["NE_ElemType_Contact"]),
             row("NOK", &["IsNotValid", "NOT_OK", "IsInvalid", "NotOkContact", "NOK", "NotOk", "NotIsValid", "IsNotValidContact"], &[], "?pre|in operand ?>out", PRE, Valid { valid: false }).sd(&["IsNotValidContact", "NOT_OK"]),
         ],
     },
