@@ -104,7 +104,11 @@ impl Reader {
         let limits = [&keys.min_position, &keys.max_position];
         let marks = [&keys.home_mark, &keys.home_position, &keys.home_offset, &keys.approach_velocity];
         if !positions && let Some(key) = limits.into_iter().chain(marks).flatten().next() {
-            self.report(key, "a speed axis has no positions".to_string(), "leave it out, or write `type = \"TO_PositioningAxis\"`");
+            self.report(
+                key,
+                "a speed axis has no positions".to_string(),
+                "leave it out, or write `type = \"TO_PositioningAxis\"`",
+            );
         }
         if let [Some(least), Some(most)] = limits
             && least.get_ref() >= most.get_ref()

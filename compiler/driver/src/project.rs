@@ -11,9 +11,9 @@ use plcc_syntax::stl::Mnemonics;
 use serde::Deserialize;
 use toml::Spanned;
 
+use crate::axes;
 use crate::s7200::{self, S7200Keys};
 use crate::station::{self, Station, StationKeys};
-use crate::axes;
 use crate::technology;
 
 /// Name of the file that makes a folder a project.
@@ -490,5 +490,23 @@ outputs = { start = 0, bytes = 1 }
         let two = "[[module]]\nname = \"a\"\ninputs = { start = 0, bytes = 4 }\n";
         assert_eq!(line(&format!("{two}{}", two.replace("= 0", "= 3"))), Some(5));
         assert_eq!(line(&format!("{two}{}", two.replace("= 0", "= 4"))), None);
+    }
+
+    #[test]
+    fn reads_axes() {
+        let (project, messages) = read(
+            "[axis.\"Fan axis\"]\ntype = \"TO_SpeedAxis\"\nmax_velocity = 5\n[axis.Axis_1]\nacceleration = 1e3\nmin_position = -10.5",
+        );
+        assert_eq!(messages, []);
+        let place = |text: &str| project.axes.find(text).unwrap_or_else(|| panic!("{text} in {}", project.axes));
+        assert!(place("DATA_BLOCK \"Fan axis\"") < place("S.SpeedAxis := TRUE"));
+        assert!(place("DynamicDefaults.Velocity := 5.0") < place("DATA_BLOCK \"Axis_1\""));
+        assert!(place("DynamicDefaults.Acceleration := 1000.0") < place("PositionLimits_SW.MinPosition := -10.5"));
+        assert!(place("\"Fan axis\"();") < place("\"Axis_1\"();"));
+        let (_, messages) = read(
+            "[axis.a]\ntype = \"TO_Cam\"\ndeceleration = 0\nvelocity = 300\nmin_position = 5\nmax_position = 5\n[axis.b]\ntype = \"TO_SpeedAxis\"\nhome_mark = 1\njerk = nan",
+        );
+        let lines: Vec<u32> = messages.iter().map(|(line, _)| *line).collect();
+        assert_eq!(lines, [2, 6, 4, 3, 9, 10], "{messages:?}");
     }
 }

@@ -2,7 +2,10 @@
 
 use std::fmt::Write as _;
 
-use plcc_syntax::network::elements::{CHAPTERS, Chapter, CounterCoil, EnoRule, Flag, Gate, Kind, Mcr, PinDirection, PinRow, ReturnValue, Row, VariantQuestion};
+use plcc_syntax::network::elements::{
+    CHAPTERS, Chapter, CounterCoil, EnoRule, Flag, Gate, Kind, Mcr, PinDirection, PinRow, ReturnValue, Row,
+    VariantQuestion,
+};
 
 use super::scl;
 
@@ -110,8 +113,12 @@ fn does(row: &Row) -> String {
         Kind::Variant(VariantQuestion::IsNull { null: true }) => "flow AND the VARIANT points to nothing",
         Kind::Variant(VariantQuestion::IsNull { null: false }) => "flow AND the VARIANT points to something",
         Kind::Variant(VariantQuestion::IsArray) => "flow AND the VARIANT points to an array",
-        Kind::Variant(VariantQuestion::SameType { elements: false, same: true }) => "flow AND both are of the same data type",
-        Kind::Variant(VariantQuestion::SameType { elements: false, same: false }) => "flow AND they are not of the same data type",
+        Kind::Variant(VariantQuestion::SameType { elements: false, same: true }) => {
+            "flow AND both are of the same data type"
+        }
+        Kind::Variant(VariantQuestion::SameType { elements: false, same: false }) => {
+            "flow AND they are not of the same data type"
+        }
         Kind::Variant(VariantQuestion::SameType { elements: true, same: true }) => {
             "flow AND the first is an array whose elements have the data type of the second"
         }
