@@ -669,6 +669,9 @@ pub static CHAPTERS: &[Chapter] = &[
             en("PID_Compact", &["PID_Compact"], &[],
                 "?en ?setpoint ?input ?input_per ?disturbance ?manualenable ?manualvalue ?errorack ?reset ?modeactivate ?=mode ?>scaledinput ?>output ?>output_per ?>output_pwm ?>setpointlimit_h ?>setpointlimit_l ?>inputwarning_h ?>inputwarning_l ?>state ?>error ?>errorbits ?>eno",
                 Instance("PID_Compact")),
+            en("PID_3Step", &["PID_3Step"], &[],
+                "?en ?setpoint ?input ?input_per ?actuator_h ?actuator_l ?feedback ?feedback_per ?disturbance ?manualenable ?manualvalue ?manual_up ?manual_dn ?errorack ?reset ?modeactivate ?=mode ?>scaledinput ?>scaledfeedback ?>output_up ?>output_dn ?>output_per ?>setpointlimit_h ?>setpointlimit_l ?>inputwarning_h ?>inputwarning_l ?>state ?>error ?>errorbits ?>eno",
+                Instance("PID_3Step")),
         ],
     },
     Chapter {
