@@ -24,6 +24,7 @@ use crate::organization::Running;
 use crate::s7200::{S7200, ScanCycle};
 use crate::schedule::Schedule;
 use crate::system::meters::{METERS, Meter};
+use crate::system::zone::Zone;
 use crate::technology::Technology;
 use crate::watchdog::Watchdog;
 
@@ -71,6 +72,8 @@ pub struct Cpu {
     pub(crate) all_outputs: Cell<bool>,
     /// The OBs of the program cycle in the order of their numbers.
     pub(crate) cycle_obs: Vec<LoadedOb>,
+    /// Of local time.
+    pub(crate) zone: Cell<Zone>,
     /// Run-time meters.
     pub(crate) meters: [Meter; METERS],
 }
@@ -112,6 +115,7 @@ impl Cpu {
             created_dbs: RefCell::new(Vec::with_capacity(CREATED_DBS_MAX)),
             diagnostics_changed: Cell::new(false),
             communication: RefCell::default(),
+            zone: Cell::default(),
             meters: Default::default(),
             all_outputs: Cell::new(true),
             cycle_obs,

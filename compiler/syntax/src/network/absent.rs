@@ -22,11 +22,6 @@ const ABSENT: &[Absent] = &[
         help: "use CTRL_PWM, which sets the width of the pulses",
     },
     Absent {
-        names: &["SET_TIMEZONE"],
-        why: "no time zone is configured: local time is the time of the clock",
-        help: "set the clock to local time with WR_SYS_T",
-    },
-    Absent {
         names: &["T_COMP"],
         why: "T_COMP belongs to S7-1500 and compares in a mode given as a number",
         help: "compare with the elements EQ, NE, GT, LT, GE, LE, which take times and dates",

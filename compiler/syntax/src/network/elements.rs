@@ -658,6 +658,7 @@ pub static CHAPTERS: &[Chapter] = &[
             en("QRY_DINT", &["QRY_DINT"], &[], "?en ob_nr ?>ret_val ?>status ?>eno", Procedure("QRY_DINT")),
             en("DIS_AIRT", &["DIS_AIRT"], &[], "?en ?>ret_val ?>eno", Procedure("DIS_AIRT")),
             en("EN_AIRT", &["EN_AIRT"], &[], "?en ?>ret_val ?>eno", Procedure("EN_AIRT")),
+            en("SET_TIMEZONE", &["SET_TIMEZONE"], &[], "?en ?req ?timezone ?>done ?>busy ?>error ?>status ?>eno", Instance("SET_TIMEZONE")),
             en("RTM", &["RTM"], &[], "?en nr mode ?pv ?>ret_val ?>cq ?>cv ?>eno", Procedure("RTM")),
             en("CTRL_PWM", &["CTRL_PWM"], &[], "?en pwm enable ?>busy ?>status ?>eno", Instance("CTRL_PWM")),
             en("TSEND_C", &["TSEND_C"], &[], "?en ?req ?cont ?len =connect =data ?addr ?com_rst ?>done ?>busy ?>error ?>status ?>eno", Instance("TSEND_C")),
@@ -676,7 +677,7 @@ pub static CHAPTERS: &[Chapter] = &[
     },
     Chapter {
         title: "Motion control",
-        source: "S7-1200 reference, motion control",
+        source: "motion control",
         rows: &[
             en("MC_Power", &["MC_Power"], &[],
                 "?en =axis ?enable ?startmode ?stopmode ?>status ?>busy ?>error ?>errorid ?>errorinfo ?>eno",

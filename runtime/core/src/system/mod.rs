@@ -31,6 +31,7 @@ mod technology;
 mod text;
 mod time_of_day;
 mod variants;
+pub(crate) mod zone;
 
 use plcc_abi::codes::sync;
 
@@ -132,7 +133,7 @@ system_functions! {
     101 RTM     (Byte, Byte, Dword)       -> (Word, Bool, Dword) = meters::handle;
     // Instructions of the TIA Portal.
     1150 RD_SYS_T ()                        -> (Word, Dtl)       = dtl::read_clock;
-    1151 RD_LOC_T ()                        -> (Word, Dtl)       = dtl::read_clock;
+    1151 RD_LOC_T ()                        -> (Word, Dtl)       = dtl::read_clock_local;
     1152 WR_SYS_T (Dtl)                     -> (Word)            = dtl::set_clock;
     1153 T_COMBINE (Word, Dword)            -> (Dtl)             = dtl::combine;
     1154 DTL_TO_DATE (Dtl)                  -> (Word)            = dtl::to_date;
@@ -202,6 +203,7 @@ system_functions! {
     2034 DT_COMPARE (DateAndTime, DateAndTime) -> (Word)       = dates::compare;
     2090 HSC_CONTROL (Word, Byte, Word, Dword, Dword, Word) -> (Word) = technology::hsc_control;
     2091 PWM_CONTROL (Word, Bool)           -> (Word)            = technology::pwm_control;
+    2095 ZONE_SET (Word, Word, Dword, Byte, Dword, Byte) -> (Word) = zone::set;
     2100 LINK_OPEN (Any, Word, Bool)      -> (Word, Word)      = communication::open;
     2101 LINK_STATE (Word)                -> (Word, Word, Word) = communication::state;
     2102 LINK_CLOSE (Word, Bool)          -> (Word)            = communication::close;

@@ -38,11 +38,13 @@ enum Part {
     One(Elementary),
     /// ARRAY[1..n] OF BYTE.
     Bytes(u16),
+    /// STRING[n].
+    Text(u8),
     /// Another structure of the table.
     Structure(&'static str),
 }
 
-use Part::{Bytes, One};
+use Part::{Bytes, One, Text};
 
 struct Structure {
     name: &'static str,
@@ -85,6 +87,19 @@ const STRUCTURES: &[Structure] = &[
             ("rem_staddr", Bytes(6)), ("rem_tsap_id", Bytes(16)), ("next_staddr", Bytes(6)), ("spare", One(Elementary::Word)),
         ],
         default: &TCON_PARAM_DEFAULT,
+    },
+    Structure {
+        name: "TimeTransformationRule",
+        members: &[
+            ("Bias", One(Elementary::Int)), ("DaylightBias", One(Elementary::Int)),
+            ("DaylightStartMonth", One(Elementary::Usint)), ("DaylightStartWeek", One(Elementary::Usint)),
+            ("DaylightStartWeekday", One(Elementary::Usint)), ("DaylightStartHour", One(Elementary::Usint)),
+            ("DaylightStartMinute", One(Elementary::Usint)), ("StandardStartMonth", One(Elementary::Usint)),
+            ("StandardStartWeek", One(Elementary::Usint)), ("StandardStartWeekday", One(Elementary::Usint)),
+            ("StandardStartHour", One(Elementary::Usint)), ("StandardStartMinute", One(Elementary::Usint)),
+            ("TimeZoneName", Text(80)),
+        ],
+        default: &[],
     },
     Structure { name: "IP_V4", members: &[("ADDR", Bytes(4))], default: &[] },
     Structure {
@@ -202,6 +217,7 @@ impl Declarations<'_> {
             let typed = match part {
                 One(ty) => elementary_typed(*ty),
                 Bytes(count) => bytes_typed(*count),
+                Text(length) => text_typed(*length),
                 Part::Structure(other) => self.predefined(other, span)?,
             };
             builder.add((*name).to_string(), &typed);
@@ -212,6 +228,13 @@ impl Declarations<'_> {
         }
         Some(typed)
     }
+}
+
+/// STRING[length], empty.
+fn text_typed(length: u8) -> Typed {
+    let mut image = vec![0; usize::from(length) + 2];
+    image[0] = length;
+    Typed { ty: DataType::String(length), image: image.into() }
 }
 
 /// ARRAY[1..count] OF BYTE.
