@@ -11,6 +11,7 @@
 //! - `family`: differences between the families of CPUs; [`s7200`]: functions of the S7-200 only.
 //! - [`guest`]: code that runs in the process of the compiler.
 //! - [`assertion`]: values of assertions, compared and printed by their types.
+//! - [`realtime`]: the scheduler for real time, locked memory; [`watchdog`]: what interrupts running code.
 //! - [`run`](mod@run), [`testing`]: the two ways to run a program. `executable` holds `main` of a compiled program.
 //!
 //! **Invariant**: the runtime is independent of the source language and never depends on the compiler.
@@ -45,6 +46,7 @@ pub mod ob_set;
 pub mod options;
 pub mod organization;
 pub mod plant;
+pub mod realtime;
 pub mod report;
 pub mod run;
 pub mod s7200;

@@ -60,6 +60,9 @@ pub struct RunOptions {
     /// Longest host time of a cycle under the virtual clock [default: 10s]
     #[arg(long, value_name = "TIME", value_parser = parse_duration)]
     pub hang_limit: Option<Duration>,
+    /// Run before all ordinary processes (SCHED_FIFO) with memory locked; needs CAP_SYS_NICE and CAP_IPC_LOCK
+    #[arg(long)]
+    pub realtime: bool,
     /// S7-200: stop also on errors that leave a real CPU in RUN
     #[arg(long)]
     pub stop_on_error: bool,

@@ -19,7 +19,7 @@ use crate::plant::Plant;
 use crate::scenario::{Player, Scenario};
 use crate::signal::{Signal, Source};
 use crate::trace::{self, Recorder};
-use crate::{diagnostics, report, signal};
+use crate::{diagnostics, realtime, report, signal};
 
 /// The program stopped because it was asked to.
 pub const EXIT_OK: u8 = 0;
@@ -98,6 +98,10 @@ pub fn run(mut image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions) ->
         }
     };
     tell_partial(&cpu.image.partial, options.quiet);
+    if let Err(message) = realtime(options) {
+        say!("runtime: --realtime: {message}");
+        return EXIT_USAGE;
+    }
     watch_signals();
     let pace = Pace {
         cycles: options.cycles,
@@ -110,6 +114,16 @@ pub fn run(mut image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions) ->
     }
     let cycles = cpu.execute(&pace, &mut session);
     finish(&cpu, options, &printed, session, cycles)
+}
+
+/// Does what `--realtime` asks for. Under the virtual clock cycles follow each other without a pause: at the priority of real time they
+/// would keep the computer from everything else.
+fn realtime(options: &RunOptions) -> Result<(), String> {
+    match (options.realtime, options.clock) {
+        (false, _) => Ok(()),
+        (true, ClockKind::Real) => realtime::enter(),
+        (true, ClockKind::Virtual) => Err("the virtual clock does not wait; leave out one of both flags".to_string()),
+    }
 }
 
 /// Reports the stand-ins for missing parts, one per line, or all in one line.
