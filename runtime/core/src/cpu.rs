@@ -67,8 +67,9 @@ pub struct Cpu {
     pub(crate) family: &'static dyn Family,
     /// State that only an S7-200 has.
     pub(crate) s7200: Option<Box<S7200>>,
-    /// Outputs may have changed that the program does not use: the next copy to the modules is of all.
-    pub(crate) all_outputs: Cell<bool>,
+    /// The output byte before which the runtime may have changed outputs that no code of the program writes: the next copy to the
+    /// modules includes them.
+    pub(crate) outputs_changed: Cell<u32>,
     /// The OBs of the program cycle in the order of their numbers.
     pub(crate) cycle_obs: Vec<LoadedOb>,
     /// Run-time meters.
@@ -113,7 +114,7 @@ impl Cpu {
             diagnostics_changed: Cell::new(false),
             communication: RefCell::default(),
             meters: Default::default(),
-            all_outputs: Cell::new(true),
+            outputs_changed: Cell::new(u32::MAX),
             cycle_obs,
         });
         cpu.memory.set_host64(state::CPU, Rc::as_ptr(&cpu) as u64);
