@@ -6,11 +6,13 @@
 //! - `action`: rows of actions; `permanent`: permanent instructions; `condition`: conditions; `call`: block calls of the first two;
 //!   `leaving`: statements that are not possible in them.
 //! - `assemble`: the code of steps and transitions, put into the placeholders.
+//! - `alone`: the short way of a call with one active step.
 //! - `analysis`: which charts are valid.
 //!
 //! Source: GRAPH reference, chapters D to G.
 
 mod action;
+mod alone;
 mod analysis;
 mod assemble;
 mod build;
@@ -69,6 +71,48 @@ const SWITCH_OVER: &str = "IF #target > 0 THEN
     mark_entered();
   END_IF;
 END_IF;";
+
+/// Time of step `k`, and the end of its events.
+const TICK: &str = "IF #RAW[#k].EVENTS <> BYTE#0 THEN
+  expire();
+  #RAW[#k].EVENTS := 0;
+END_IF;
+#elapsed := #RAW[#k].T + #passed;
+IF #elapsed < 0 THEN
+  #elapsed := 2147483647;
+END_IF;
+#RAW[#k].T := #elapsed;
+IF (#RAW[#k].STATES AND BYTE#16#06) = BYTE#0 THEN
+  #elapsed := #RAW[#k].U + #passed;
+  IF #elapsed < 0 THEN
+    #elapsed := 2147483647;
+  END_IF;
+  #RAW[#k].U := #elapsed;
+END_IF;";
+
+/// What the outputs of the block need to know of step `k`.
+const NOTE: &str = "IF has_monitoring THEN
+  #error := #error OR #G7S[#k].LA;
+  #fault := #fault OR #G7S[#k].VA;
+END_IF;
+IF has_display THEN
+  IF #lowest = 0 OR #RAW[#k].SNO < #lowest THEN
+    #lowest := #RAW[#k].SNO;
+    #lowest_at := #k;
+  END_IF;
+  IF has_monitoring THEN
+    IF (#G7S[#k].LA OR #G7S[#k].VA) AND (#lowest_faulty = 0 OR #RAW[#k].SNO < #lowest_faulty) THEN
+      #lowest_faulty := #RAW[#k].SNO;
+      #lowest_faulty_at := #k;
+    END_IF;
+    IF #G7S[#k].LA OR #G7S[#k].VA THEN
+      #faults := #faults + 1;
+    END_IF;
+  END_IF;
+END_IF;";
+
+/// AUTO and SACT_DISP are on, other modes and what halts, skips or clears is not. T_PERM and IL_PERM count as requests.
+const IS_ORDINARY: &str = "#ordinary := (#MOP_D AND DWORD#16#0FC80F60) = DWORD#16#01000200;";
 
 /// Continues a loop if `k` is not a position of a step.
 const ONLY_STEPS: &str = "IF DINT_TO_UDINT(INT_TO_DINT(#k) - 1) <= #last_step THEN ; ELSE CONTINUE; END_IF;";
@@ -204,6 +248,8 @@ impl ChartBinder<'_, '_> {
         let supervision = parts.supervisions.iter().any(Option::is_some);
         let transition_display = any(&["T_NO", "T_MORE", "T_PREV", "T_NEXT"]);
         let skips = chart.settings.skip_steps == Some(true) || declared("EN_SSKIP") || self.mentions_word("SSKIP");
+        let blocks = &self.program.data.blocks;
+        let is_shared = |number: u16| Some(blocks.get(&number)?.block.instance_of.is_none());
         let features = Features {
             monitoring: supervision || parts.interlocks.iter().any(Option::is_some),
             selection: supervision || !competing.is_empty() || transition_display,
@@ -213,7 +259,9 @@ impl ChartBinder<'_, '_> {
             transition_display,
             safe_activation: chart.settings.safe_activation == Some(true),
             requests: chart.steps.iter().flat_map(|step| &step.actions).any(|row| row.qualifier == Qualifier::Off),
+            alone: alone::is_possible(engine, &parts, &competing, &is_shared),
         };
+        let has_before = !parts.before.is_empty();
         let meaning = |name: &str| -> Meaning {
             match name {
                 "has_monitoring" => Meaning::Bool(features.monitoring),
@@ -222,6 +270,9 @@ impl ChartBinder<'_, '_> {
                 "has_skipping" => Meaning::Bool(features.skipping),
                 "has_display" => Meaning::Bool(features.display),
                 "has_transition_display" => Meaning::Bool(features.transition_display),
+                "has_alone" => Meaning::Bool(features.alone),
+                "single" if !features.alone => Meaning::Bool(false),
+                "has_before" => Meaning::Bool(has_before),
                 "has_safe_activation" => Meaning::Bool(features.safe_activation),
                 "steps" => Meaning::Number(chart.steps.len() as u64),
                 "last_step" => Meaning::Number(chart.steps.len() as u64 - 1),
@@ -238,12 +289,15 @@ impl ChartBinder<'_, '_> {
         let text = ENGINE
             .replace("edges();", &parameters::edges(declared))
             .replace("monitor();", MONITOR)
+            .replace("tick();", TICK)
+            .replace("note();", NOTE)
+            .replace("is_ordinary();", IS_ORDINARY)
             .replace("only_steps();", ONLY_STEPS)
             .replace("switch_over();", SWITCH_OVER)
             .replace("clear_requests();", CLEAR_REQUESTS);
         let trees = template::prune(template::parse(&text), &meaning);
         engine.restrict_sets(&features, &parts, &competing);
-        let holes = Assembly::new(engine, parts, features, results, owned, competing).holes();
+        let holes = Assembly::new(engine, parts, features, results, owned, competing).holes(&is_shared);
         self.bind_template(ctx, engine, &trees, holes)
     }
 
