@@ -31,6 +31,8 @@ pub fn is_possible(engine: &Engine, parts: &Parts, competing: &[usize], is_share
     let watched = parts.interlocks.iter().chain(&parts.supervisions).flatten();
     competing.is_empty()
         && watched.chain(&parts.conditions).all(is_plain)
+        && tame(&parts.before)
+        && is_copyable(&parts.before)
         && parts.codes.iter().all(|code| tame(&code.expire) && is_copyable(&code.active))
 }
 
@@ -115,12 +117,12 @@ impl Visitor for Look<'_> {
 }
 
 impl Assembly<'_, '_> {
-    /// The usual transition, from one step to another, does phases 7 to 9 in place; any other one enters the lists of steps to leave
-    /// and to enter. A step that is entered is monitored at once, which phase 9 does.
+    /// The usual transition, from one step to another, does phases 7 to 9 in place, without monitoring; any other one enters the lists of
+    /// steps to leave and to enter.
     pub fn fire_alone(&self, at: usize, is_shared: &IsShared) -> Vec<Statement> {
         let ([from], [to]) = (self.parts.from[at].as_slice(), self.parts.to[at].as_slice()) else { return self.fire(at) };
         let leave = &self.parts.codes[*from].leave;
-        if self.features.monitoring || !is_copyable(leave) || !is_tame(leave, self.engine.data_begin(), is_shared) {
+        if !is_copyable(leave) || !is_tame(leave, self.engine.data_begin(), is_shared) {
             return self.fire(at);
         }
         let span = self.engine.chart.transitions[at].span;
@@ -130,6 +132,11 @@ impl Assembly<'_, '_> {
             // Written from outside, it could be active without being in the list.
             false => vec![if_then(self.engine.is_marked(*to, span), self.fire(at), switch, span)],
         }
+    }
+
+    /// The position of a step, an INT.
+    fn place(&self, step: usize) -> Expr {
+        number(step as u64 + 1, Elementary::Int, self.engine.span)
     }
 
     fn switch_alone(&self, at: usize, from: usize, to: usize) -> Vec<Statement> {
@@ -159,14 +166,19 @@ impl Assembly<'_, '_> {
         for list in ["SAX", "S0X", "S1X"] {
             statements.extend([put(list, 0, 2), put(list, 2, 0)]);
         }
-        let alone = number(to as u64 + 1, Elementary::Int, span);
-        statements.push(assign(engine.variable("alone"), alone, span));
+        statements.push(assign(engine.variable("alone"), self.place(to), span));
+        if self.features.monitoring {
+            statements.push(assign(engine.variable("replaced"), number(1, Elementary::Bool, span), span));
+        }
         statements
     }
 
     /// Phase 5 of the only active step; without monitoring also phases 7 to 9.
     pub fn one(&self, step: usize, is_shared: &IsShared) -> Vec<Statement> {
-        self.evaluate_with(step, &|at| self.fire_alone(at, is_shared))
+        // A constant in each arm: `act_alone();` follows without another jump by the step.
+        let alone = assign(self.engine.variable("alone"), self.place(step), self.engine.span);
+        let evaluated = self.evaluate_with(step, &|at| self.fire_alone(at, is_shared));
+        std::iter::once(alone).chain(evaluated).collect()
     }
 
     /// Phase 7 of the only active step.

@@ -82,8 +82,8 @@ const BITS: &[&str] = &[
     "faulty_now",
     "gone",
     "still_valid",
-    "ordinary",
     "single",
+    "done",
 ];
 const NUMBERS: &[&str] = &[
     "i",
@@ -171,6 +171,7 @@ impl<'c> Engine<'c> {
         let double = |variable: &Variable| typed(variable, 0, DataType::Elementary(Elementary::Dword));
         names.insert("MOP_D", double(&names["MOP"]));
         names.insert("OLD_D", double(&names["OLD"]));
+        names.insert("G7_BITS", typed(&names["STARTED"], 0, DataType::Elementary(Elementary::Byte)));
         let word = |word| Some(typed(&names["ACTIVE"], 8 * word, DataType::Elementary(Elementary::Ulint)));
         let active = Set((0..words(steps.len()) as u32).map(word).collect());
         names.insert("G7S", list(steps.first()?, steps.len(), steps[0].ty.clone()));

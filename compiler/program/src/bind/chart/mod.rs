@@ -1,7 +1,7 @@
 //! Binding of GRAPH: a chart becomes statements of the typed tree of SCL, so that all languages share one lowering.
 //!
 //! - `index`: steps and transitions by name and number; `names`: their names in expressions.
-//! - `engine.scl`, `monitor.scl`: one call of the block as SCL with placeholders; `template` reads them.
+//! - `engine.scl`, `alone.scl`, `monitor.scl`: one call of the block as SCL with placeholders; `template` reads them.
 //! - `engine_data`: the data that statements of the chart use: where it is, sets of steps; `build`: pieces of the typed tree.
 //! - `action`: rows of actions; `permanent`: permanent instructions; `condition`: conditions; `call`: block calls of the first two;
 //!   `leaving`: statements that are not possible in them.
@@ -48,7 +48,7 @@ use index::Index;
 use plcc_model::Direction;
 use plcc_model::scl::{SclBody, Statement, StatementKind, walk};
 use plcc_model::types::DataType;
-use template::{ENGINE, MONITOR, Meaning};
+use template::{ALONE, ENGINE, MONITOR, Meaning};
 
 /// Clears the requests of ON, OFF and the operator.
 const CLEAR_REQUESTS: &str = "#REQUESTED := FALSE;
@@ -111,8 +111,19 @@ IF has_display THEN
   END_IF;
 END_IF;";
 
-/// AUTO and SACT_DISP are on, other modes and what halts, skips or clears is not. T_PERM and IL_PERM count as requests.
-const IS_ORDINARY: &str = "#ordinary := (#MOP_D AND DWORD#16#0FC80F60) = DWORD#16#01000200;";
+/// Ends the events of the steps that the last call left.
+const END_OF_LEAVING: &str = "IF #S0X[0] > BYTE#1 THEN
+  FOR #i := 1 TO BYTE_TO_INT(#S0X[0]) - 1 DO
+    #k := BYTE_TO_INT(#S0X[#i]);
+    only_steps();
+    IF #RAW[#k].EVENTS <> BYTE#0 THEN
+      expire();
+      #RAW[#k].EVENTS := 0;
+    END_IF;
+    forget();
+  END_FOR;
+  #S0X[0] := BYTE#1;
+END_IF;";
 
 /// Continues a loop if `k` is not a position of a step.
 const ONLY_STEPS: &str = "IF DINT_TO_UDINT(INT_TO_DINT(#k) - 1) <= #last_step THEN ; ELSE CONTINUE; END_IF;";
@@ -261,7 +272,6 @@ impl ChartBinder<'_, '_> {
             requests: chart.steps.iter().flat_map(|step| &step.actions).any(|row| row.qualifier == Qualifier::Off),
             alone: alone::is_possible(engine, &parts, &competing, &is_shared),
         };
-        let has_before = !parts.before.is_empty();
         let meaning = |name: &str| -> Meaning {
             match name {
                 "has_monitoring" => Meaning::Bool(features.monitoring),
@@ -271,8 +281,7 @@ impl ChartBinder<'_, '_> {
                 "has_display" => Meaning::Bool(features.display),
                 "has_transition_display" => Meaning::Bool(features.transition_display),
                 "has_alone" => Meaning::Bool(features.alone),
-                "single" if !features.alone => Meaning::Bool(false),
-                "has_before" => Meaning::Bool(has_before),
+                "single" | "done" if !features.alone => Meaning::Bool(false),
                 "has_safe_activation" => Meaning::Bool(features.safe_activation),
                 "steps" => Meaning::Number(chart.steps.len() as u64),
                 "last_step" => Meaning::Number(chart.steps.len() as u64 - 1),
@@ -287,11 +296,12 @@ impl ChartBinder<'_, '_> {
             }
         };
         let text = ENGINE
+            .replace("alone_way();", ALONE)
+            .replace("end_of_leaving();", END_OF_LEAVING)
             .replace("edges();", &parameters::edges(declared))
             .replace("monitor();", MONITOR)
             .replace("tick();", TICK)
             .replace("note();", NOTE)
-            .replace("is_ordinary();", IS_ORDINARY)
             .replace("only_steps();", ONLY_STEPS)
             .replace("switch_over();", SWITCH_OVER)
             .replace("clear_requests();", CLEAR_REQUESTS);
