@@ -45,8 +45,9 @@ pub struct Features {
     pub safe_activation: bool,
     /// Rows of OFF.
     pub requests: bool,
-    /// The short way of a call with one active step, see `alone.rs`.
+    /// The short way of a call with one active step, see `alone.rs`; that with several.
     pub alone: bool,
+    pub several: bool,
 }
 
 /// Fills the placeholders.

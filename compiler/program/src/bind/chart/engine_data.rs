@@ -82,7 +82,7 @@ const BITS: &[&str] = &[
     "faulty_now",
     "gone",
     "still_valid",
-    "single",
+    "short",
     "done",
 ];
 const NUMBERS: &[&str] = &[

@@ -111,6 +111,15 @@ IF has_display THEN
   END_IF;
 END_IF;";
 
+/// Phases 1 to 3 of the short way, without its steps.
+const BEGIN: &str = "IF has_display THEN
+  #SEL_OLD := #S_SEL;
+END_IF;
+before();
+#now := TIME_TO_DINT(TIME_TCK());
+#passed := DWORD_TO_DINT(DINT_TO_DWORD(#now - #LAST) AND DWORD#16#7FFFFFFF);
+#LAST := #now;";
+
 /// Ends the events of the steps that the last call left.
 const END_OF_LEAVING: &str = "IF #S0X[0] > BYTE#1 THEN
   FOR #i := 1 TO BYTE_TO_INT(#S0X[0]) - 1 DO
@@ -261,16 +270,20 @@ impl ChartBinder<'_, '_> {
         let skips = chart.settings.skip_steps == Some(true) || declared("EN_SSKIP") || self.mentions_word("SSKIP");
         let blocks = &self.program.data.blocks;
         let is_shared = |number: u16| Some(blocks.get(&number)?.block.instance_of.is_none());
+        let alone = alone::is_possible(engine, &parts, &competing, &is_shared);
+        let is_wide = parts.to.iter().any(|to| to.len() > 1) || chart.steps.iter().filter(|step| step.initial).count() > 1;
+        let selection = supervision || !competing.is_empty() || transition_display;
         let features = Features {
             monitoring: supervision || parts.interlocks.iter().any(Option::is_some),
-            selection: supervision || !competing.is_empty() || transition_display,
+            selection,
             all_conditions: self.mentions_word("T_PERM"),
             skipping: skips,
             display: any(&DISPLAYS),
             transition_display,
             safe_activation: chart.settings.safe_activation == Some(true),
             requests: chart.steps.iter().flat_map(|step| &step.actions).any(|row| row.qualifier == Qualifier::Off),
-            alone: alone::is_possible(engine, &parts, &competing, &is_shared),
+            alone,
+            several: alone && is_wide && !selection,
         };
         let meaning = |name: &str| -> Meaning {
             match name {
@@ -280,8 +293,9 @@ impl ChartBinder<'_, '_> {
                 "has_skipping" => Meaning::Bool(features.skipping),
                 "has_display" => Meaning::Bool(features.display),
                 "has_transition_display" => Meaning::Bool(features.transition_display),
+                "has_several" => Meaning::Bool(features.several),
                 "has_alone" => Meaning::Bool(features.alone),
-                "single" | "done" if !features.alone => Meaning::Bool(false),
+                "short" | "done" if !features.alone => Meaning::Bool(false),
                 "has_safe_activation" => Meaning::Bool(features.safe_activation),
                 "steps" => Meaning::Number(chart.steps.len() as u64),
                 "last_step" => Meaning::Number(chart.steps.len() as u64 - 1),
@@ -297,6 +311,7 @@ impl ChartBinder<'_, '_> {
         };
         let text = ENGINE
             .replace("alone_way();", ALONE)
+            .replace("begin();", BEGIN)
             .replace("end_of_leaving();", END_OF_LEAVING)
             .replace("edges();", &parameters::edges(declared))
             .replace("monitor();", MONITOR)
