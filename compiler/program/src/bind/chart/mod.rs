@@ -272,9 +272,11 @@ impl ChartBinder<'_, '_> {
         let is_shared = |number: u16| Some(blocks.get(&number)?.block.instance_of.is_none());
         let alone = alone::is_possible(engine, &parts, &competing, &is_shared);
         let is_wide = parts.to.iter().any(|to| to.len() > 1) || chart.steps.iter().filter(|step| step.initial).count() > 1;
-        let selection = supervision || !competing.is_empty() || transition_display;
+        let monitoring = supervision || parts.interlocks.iter().any(Option::is_some);
+        // On the short way a step is monitored before it is left.
+        let selection = supervision || !competing.is_empty() || transition_display || alone && monitoring;
         let features = Features {
-            monitoring: supervision || parts.interlocks.iter().any(Option::is_some),
+            monitoring,
             selection,
             all_conditions: self.mentions_word("T_PERM"),
             skipping: skips,
