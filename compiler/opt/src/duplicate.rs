@@ -43,6 +43,8 @@ const GROWTH: usize = 2000;
 const ROUNDS_MAX: usize = 12;
 /// Larger functions are left as they are.
 const INSTS_MAX: usize = 20_000;
+/// The same for ways that bring constants.
+const CONSTANT_WAYS_MAX: usize = 200_000;
 
 /// Copies the tests of loops to their ends.
 pub fn turn_loops(function: &mut Function) {
@@ -90,16 +92,18 @@ fn is_test(function: &Function, block: Block) -> bool {
 
 /// Gives cold ways copies of the blocks in which they meet hot ones, where both then branch by what is known.
 pub fn part_cold_ways(function: &mut Function) {
-    if function.insts.len() > INSTS_MAX {
+    if function.insts.len() > CONSTANT_WAYS_MAX {
         return;
     }
+    let is_small = function.insts.len() <= INSTS_MAX;
     let mut growth = function.insts.len() + GROWTH;
     for _ in 0..ROUNDS_MAX {
         if part_constant_ways(function, &mut growth) {
             // What the constants decide shows which constants other ways bring.
+            simplify_control_flow(function);
             fold(function);
             simplify_control_flow(function);
-        } else if !part_in_function(function, &mut growth) {
+        } else if !is_small || !part_in_function(function, &mut growth) {
             break;
         }
         function.remove_unreachable_blocks();
@@ -417,6 +421,55 @@ mod tests {
             branch v9, b2(v7), b4(v7)
             b4(v10: i16):
             ret v10
+            }",
+        );
+    }
+
+    #[test]
+    fn a_constant_goes_where_it_leads() {
+        check_pass(
+            "part-cold-ways",
+            "func @F -> i16 {
+            b0(v0: i16, v1: i1):
+            branch v1, b1, b2
+            b1:
+            v2 = const.i32 1
+            store.i16 M 0, v0
+            jump b3(v2)
+            b2:
+            v3 = sext.i32 v0
+            jump b3(v3)
+            b3(v4: i32):
+            switch v4 [b4, b5], b6
+            b4:
+            v5 = const.i16 4
+            ret v5
+            b5:
+            v6 = const.i16 5
+            ret v6
+            b6:
+            v7 = trunc.i16 v4
+            ret v7
+            }",
+            "func @F -> i16 {
+            b0(v0: i16, v1: i1):
+            branch v1, b1, b2
+            b1:
+            v2 = const.i32 1
+            store.i16 M 0, v0
+            jump b4
+            b2:
+            v3 = sext.i32 v0
+            switch v3 [b3, b4], b5
+            b3:
+            v4 = const.i16 4
+            ret v4
+            b4:
+            v5 = const.i16 5
+            ret v5
+            b5:
+            v6 = trunc.i16 v3
+            ret v6
             }",
         );
     }
