@@ -115,12 +115,7 @@ fn run(case: &Case, compiled: &Compiled, code: Rc<dyn Code>) -> Result<(), Failu
 }
 
 /// Runs a case; `look` sees the CPU after each cycle.
-fn play(
-    case: &Case,
-    compiled: &Compiled,
-    code: Rc<dyn Code>,
-    look: &mut dyn FnMut(&Cpu),
-) -> Result<(), Failure> {
+fn play(case: &Case, compiled: &Compiled, code: Rc<dyn Code>, look: &mut dyn FnMut(&Cpu)) -> Result<(), Failure> {
     let driver = Box::new(Simulated::new(compiled.image.config.modules.clone()));
     let cpu = Cpu::new(compiled.image.clone(), code, Clock::simulated(), driver);
     let mut player = Player {

@@ -42,9 +42,7 @@ const GROWTH: usize = 2000;
 /// Rounds over a function: the next check comes to light when one is gone.
 const ROUNDS_MAX: usize = 12;
 /// Larger functions are left as they are.
-const INSTS_MAX: usize = 20_000;
-/// The same for ways that bring constants.
-const CONSTANT_WAYS_MAX: usize = 200_000;
+const INSTS_MAX: usize = 100_000;
 
 /// Copies the tests of loops to their ends.
 pub fn turn_loops(function: &mut Function) {
@@ -92,10 +90,9 @@ fn is_test(function: &Function, block: Block) -> bool {
 
 /// Gives cold ways copies of the blocks in which they meet hot ones, where both then branch by what is known.
 pub fn part_cold_ways(function: &mut Function) {
-    if function.insts.len() > CONSTANT_WAYS_MAX {
+    if function.insts.len() > INSTS_MAX {
         return;
     }
-    let is_small = function.insts.len() <= INSTS_MAX;
     let mut growth = function.insts.len() + GROWTH;
     for _ in 0..ROUNDS_MAX {
         if part_constant_ways(function, &mut growth) {
@@ -103,7 +100,7 @@ pub fn part_cold_ways(function: &mut Function) {
             simplify_control_flow(function);
             fold(function);
             simplify_control_flow(function);
-        } else if !is_small || !part_in_function(function, &mut growth) {
+        } else if !part_in_function(function, &mut growth) {
             break;
         }
         function.remove_unreachable_blocks();

@@ -13,9 +13,7 @@ use super::engine_data::{Engine, elements};
 use crate::bind::declarations::path::Variable;
 use crate::bind::scl::expression::binary_expr;
 use plcc_model::scl::walk::{self, Role, Visitor};
-use plcc_model::scl::{
-    Access, Base, BinaryOp, Call, Complex, Conversion, Expr, ExprKind, Statement, StatementKind,
-};
+use plcc_model::scl::{Access, Base, BinaryOp, Call, Complex, Conversion, Expr, ExprKind, Statement, StatementKind};
 use plcc_model::{Assert, Place};
 
 /// Whether a DB is shared, if it is known.
@@ -39,7 +37,8 @@ pub fn is_possible(engine: &Engine, parts: &Parts, competing: &[usize], is_share
 /// True of statements that can be there twice.
 fn is_copyable(statements: &[Statement]) -> bool {
     let unique = |statement: &Statement| {
-        matches!(statement.kind, StatementKind::Label(_) | StatementKind::Stl(_) | StatementKind::Assert(_)).then_some(())
+        matches!(statement.kind, StatementKind::Label(_) | StatementKind::Stl(_) | StatementKind::Assert(_))
+            .then_some(())
     };
     walk::find(statements, &unique).is_none()
 }
@@ -120,7 +119,9 @@ impl Assembly<'_, '_> {
     /// The usual transition, from one step to another, does phases 7 to 9 in place, without monitoring; any other one enters the lists of
     /// steps to leave and to enter.
     pub fn fire_alone(&self, at: usize, is_shared: &IsShared) -> Vec<Statement> {
-        let ([from], [to]) = (self.parts.from[at].as_slice(), self.parts.to[at].as_slice()) else { return self.fire(at) };
+        let ([from], [to]) = (self.parts.from[at].as_slice(), self.parts.to[at].as_slice()) else {
+            return self.fire(at);
+        };
         let leave = &self.parts.codes[*from].leave;
         if !is_copyable(leave) || !is_tame(leave, self.engine.data_begin(), is_shared) {
             return self.fire(at);

@@ -120,16 +120,19 @@ before();
 #passed := DWORD_TO_DINT(DINT_TO_DWORD(#now - #LAST) AND DWORD#16#7FFFFFFF);
 #LAST := #now;";
 
-/// Ends the events of the steps that the last call left.
+/// Ends the events of step `k`, which the last call left.
+const END_STEP: &str = "IF #RAW[#k].EVENTS <> BYTE#0 THEN
+  expire();
+  #RAW[#k].EVENTS := 0;
+END_IF;
+forget();";
+
+/// The same for all of them.
 const END_OF_LEAVING: &str = "IF #S0X[0] > BYTE#1 THEN
   FOR #i := 1 TO BYTE_TO_INT(#S0X[0]) - 1 DO
     #k := BYTE_TO_INT(#S0X[#i]);
     only_steps();
-    IF #RAW[#k].EVENTS <> BYTE#0 THEN
-      expire();
-      #RAW[#k].EVENTS := 0;
-    END_IF;
-    forget();
+    end_step();
   END_FOR;
   #S0X[0] := BYTE#1;
 END_IF;";
@@ -271,7 +274,8 @@ impl ChartBinder<'_, '_> {
         let blocks = &self.program.data.blocks;
         let is_shared = |number: u16| Some(blocks.get(&number)?.block.instance_of.is_none());
         let alone = alone::is_possible(engine, &parts, &competing, &is_shared);
-        let is_wide = parts.to.iter().any(|to| to.len() > 1) || chart.steps.iter().filter(|step| step.initial).count() > 1;
+        let is_wide =
+            parts.to.iter().any(|to| to.len() > 1) || chart.steps.iter().filter(|step| step.initial).count() > 1;
         let monitoring = supervision || parts.interlocks.iter().any(Option::is_some);
         // On the short way a step is monitored before it is left.
         let selection = supervision || !competing.is_empty() || transition_display || alone && monitoring;
@@ -315,6 +319,7 @@ impl ChartBinder<'_, '_> {
             .replace("alone_way();", ALONE)
             .replace("begin();", BEGIN)
             .replace("end_of_leaving();", END_OF_LEAVING)
+            .replace("end_step();", END_STEP)
             .replace("edges();", &parameters::edges(declared))
             .replace("monitor();", MONITOR)
             .replace("tick();", TICK)
