@@ -65,6 +65,7 @@ fn image() -> ProgramImage {
         files: Vec::new(),
         asserts: Vec::new(),
         symbols: Vec::new(),
+        types: Vec::new(),
         partial: Vec::new(),
         stops_itself: false,
         outputs_used: u32::MAX,

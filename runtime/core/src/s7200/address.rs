@@ -75,6 +75,11 @@ pub(crate) fn parse(text: &str) -> Option<Address> {
 }
 
 impl Part {
+    /// The current value next to a status bit.
+    pub(crate) fn current_value(self) -> Option<Part> {
+        NUMBERED.iter().find(|(_, part, ..)| *part == self).and_then(|(.., value)| *value)
+    }
+
     /// Why nothing can be set there from outside.
     pub(crate) fn is_fixed(self) -> Option<&'static str> {
         match self {
