@@ -66,6 +66,7 @@ fn image() -> ProgramImage {
         asserts: Vec::new(),
         symbols: Vec::new(),
         types: Vec::new(),
+        used: Vec::new(),
         partial: Vec::new(),
         stops_itself: false,
         outputs_used: u32::MAX,

@@ -26,6 +26,7 @@ mod s7200;
 mod scl;
 mod stl;
 mod stop;
+mod used;
 
 use plcc_abi::ProgramImage;
 use plcc_abi::image::{AssertEntry, BlockEntry, BlockKind, DbEntry, ErrorSlot, Site};
@@ -156,6 +157,7 @@ impl<'s> Output<'s> {
             asserts: Vec::new(),
             symbols: types.symbols(program),
             types: types.finish(),
+            used: Vec::new(),
             partial: program.partial.clone(),
             stops_itself: facts.stops_itself,
             outputs_used: u32::MAX,
@@ -206,6 +208,7 @@ impl<'s> Output<'s> {
     }
 
     fn finish(mut self) -> Lowered {
+        self.image.used = used::places(&self.module);
         self.image.files = self.module.files.clone();
         self.image.sites = self.module.sites.clone();
         Lowered { module: self.module, image: self.image }

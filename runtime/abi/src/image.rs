@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::names::{NamedType, TypeNumber};
+use crate::names::{NamedType, TypeNumber, UsedPlace};
 use crate::ob::{OB_FREE, ObClass, StartInput};
 use crate::s7200::{S7200Config, S7200Image};
 use crate::technology::{FastCounter, HardwareEvent, PulseGenerator};
@@ -410,6 +410,8 @@ pub struct ProgramImage {
     pub symbols: Vec<SymbolEntry>,
     /// Types of the components of DBs and of symbols.
     pub types: Vec<NamedType>,
+    /// Places that the code names, in order.
+    pub used: Vec<UsedPlace>,
     /// Stand-ins for missing parts, and parts left out because of them: one line each, reported at the start of a run.
     pub partial: Vec<String>,
     /// No code of the program changes output bytes from here on: they need not be copied to the modules in each cycle.

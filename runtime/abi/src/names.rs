@@ -55,3 +55,22 @@ pub struct NamedMember {
     pub byte: u32,
     pub bit: u8,
 }
+
+/// A place that code of the program names.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct UsedPlace {
+    pub area: UsedArea,
+    pub byte: u32,
+    pub bit: u8,
+    /// 1, 8, 16, 32 or 64.
+    pub bits: u8,
+}
+
+/// Where it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum UsedArea {
+    Input,
+    Output,
+    BitMemory,
+    Db(u16),
+}

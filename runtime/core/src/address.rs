@@ -8,7 +8,7 @@ use crate::s7200::Part;
 use crate::{counters, names, s7200, timers};
 
 /// Where a value is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Place {
     Input(u32),
     Output(u32),
@@ -29,6 +29,11 @@ pub enum Place {
 }
 
 impl Place {
+    /// The beginning of its DB; another place is itself.
+    pub fn start(self) -> Place {
+        if let Place::Db(number, _) = self { Place::Db(number, 0) } else { self }
+    }
+
     /// The place this many bytes further.
     pub fn offset(self, bytes: u32) -> Place {
         match self {
@@ -46,7 +51,7 @@ impl Place {
 }
 
 /// How wide it is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Width {
     /// A bit with its number in the byte.
     Bit(u8),
@@ -75,7 +80,7 @@ impl Width {
 }
 
 /// An address with its width.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Address {
     pub place: Place,
     pub width: Width,

@@ -42,7 +42,7 @@ pub struct RunOptions {
     /// Record values after each cycle in FILE.vcd or FILE.csv
     #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,
-    /// Values to record [default: the values of --print and all symbols, or Q0.0 to Q3.7 if there are none]
+    /// Values to record [default: the values of --print and those that the program uses]
     #[arg(long, value_name = "ADDR,...")]
     pub trace_signals: Vec<String>,
     /// Shortest time between two records [default: record each cycle]

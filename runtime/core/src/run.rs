@@ -114,6 +114,10 @@ pub fn run(mut image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions) ->
     finish(&cpu, options, &printed, session, cycles)
 }
 
+fn is_closed(error: &std::io::Error) -> bool {
+    error.kind() == std::io::ErrorKind::BrokenPipe
+}
+
 /// Reports the stand-ins for missing parts, one per line, or all in one line.
 fn tell_partial(items: &[String], quiet: bool) {
     match (items.len(), quiet) {
@@ -128,10 +132,15 @@ fn finish(cpu: &Cpu, options: &RunOptions, printed: &[Signal], session: Session,
     let mut exit = EXIT_OK;
     if !printed.is_empty() {
         let mut out = std::io::stdout().lock();
-        // A closed pipe is not a fault of the program.
         let plant = session.player.plant();
-        let _ = report::write_values(cpu, plant, printed, options.json.then_some((cycles, session.last)), &mut out)
-            .and_then(|()| out.flush());
+        let written =
+            report::write_values(cpu, plant, printed, options.json.then_some((cycles, session.last)), &mut out)
+                .and_then(|()| out.flush());
+        // A closed pipe is not a fault of the program.
+        if let Err(error) = written.or_else(|error| if is_closed(&error) { Ok(()) } else { Err(error) }) {
+            say!("runtime: cannot write to standard output: {error}");
+            exit = EXIT_USAGE;
+        }
     }
     for failure in session.player.failures() {
         let place = failure.place().map(|place| format!(" {place}")).unwrap_or_default();
@@ -141,13 +150,13 @@ fn finish(cpu: &Cpu, options: &RunOptions, printed: &[Signal], session: Session,
         };
         let (file, line, text) = (&failure.file, failure.line, &failure.text);
         say!("{file}:{line}: expected {text}, but it is {}{place}{beside}", failure.left);
-        exit = EXIT_FAULT;
+        exit = exit.max(EXIT_FAULT);
     }
     let stop = cpu.stopped();
     match stop {
         Some(stop) if !stop.asked => {
             say!("{}", cpu.stop_text(&stop));
-            exit = EXIT_FAULT;
+            exit = exit.max(EXIT_FAULT);
         }
         Some(stop) if stop.entry.event == STOP_BY_REQUEST => {
             if !options.quiet {
@@ -177,14 +186,21 @@ fn prepare(cpu: &Cpu, options: &RunOptions) -> Result<(Vec<Signal>, Session), St
     let player = Player::new(scenario.unwrap_or_default(), cpu)?.print_to(Box::new(std::io::stdout()), options.json);
     let printed = signals(cpu, player.plant(), &options.print)?;
     let asked = signals(cpu, player.plant(), &options.trace_signals)?;
+    // A wrong flag leaves the trace of an earlier run as it is.
+    let set = settings(cpu, &options.set)?;
     let recorder = match &options.trace {
         Some(path) => {
             let step = options.trace_step.map_or(0, |step| step.0);
-            Some(Recorder::create(path, trace::signals(cpu, &asked, &printed), step)?)
+            let (signals, has_more) = trace::signals(cpu, &asked, &printed);
+            if has_more {
+                let count = signals.len();
+                say!("the trace has the first {count} values of the program; --trace-signals names others");
+            }
+            Some(Recorder::create(path, signals, step)?)
         }
         None => None,
     };
-    Ok((printed, Session { set: settings(cpu, &options.set)?, last: 0, player, recorder }))
+    Ok((printed, Session { set, last: 0, player, recorder }))
 }
 
 /// Values of a structure or DB that a flag names as a whole.

@@ -70,6 +70,7 @@ fn add_report(
         outcome.untested.push(scenario.unwrap_or_else(|| outcome.name.clone()));
     }
     for failure in &report.failures {
+        outcome.details.push(failure.clone());
         outcome.fail(&described(failure));
     }
     for place in &report.not_reached {

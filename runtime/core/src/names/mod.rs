@@ -5,11 +5,15 @@
 
 mod path;
 
+use std::collections::{HashMap, HashSet};
+
 use plcc_abi::ProgramImage;
-use plcc_abi::image::{AssertType, DbEntry};
-use plcc_abi::names::{NamedStruct, NamedType, TypeNumber};
+use plcc_abi::image::{AssertType, DbEntry, SymbolEntry};
+use plcc_abi::names::{NamedStruct, NamedType, TypeNumber, UsedArea, UsedPlace};
+use plcc_abi::s7200::V_DB;
 
 use crate::address::{self, Address, Place, Width, digits};
+use crate::s7200::Part as S7200Part;
 use crate::signal;
 use crate::typed::{self, ValueType};
 use path::{Part, written};
@@ -86,24 +90,37 @@ pub fn neighbours(text: &str, image: &ProgramImage, most: usize) -> Vec<(String,
     values.take(most).collect()
 }
 
-/// The declared value of a DB at this address.
-pub fn name_in_db(number: u16, byte: u32, bit: u8, is_bit: bool, image: &ProgramImage) -> Option<(String, Named)> {
-    let db = image.dbs.iter().find(|db| db.number == number)?;
+/// Values of an instance DB among those that a program uses.
+const INSTANCE_VALUES_MAX: usize = 64;
+
+/// The values that the program uses, with their names: what its code names, and those of its instance DBs.
+pub fn used(image: &ProgramImage) -> Vec<(String, Named)> {
     let finder = Finder { image };
-    let name = if db.name.is_empty() { format!("DB{number}") } else { written(&db.name) };
-    finder.at(
-        name,
-        Variable { place: Place::Db(number, 0), bit: 0, ty: db.ty? },
-        byte,
-        if is_bit { Some(bit) } else { None },
-    )
+    let symbols: HashMap<Address, &SymbolEntry> =
+        image.symbols.iter().filter_map(|symbol| Some((address::parse_for(&symbol.address, image)?, symbol))).collect();
+    let mut list: Vec<(String, Named)> = image.used.iter().map(|used| finder.used(used, &symbols)).collect();
+    for db in &image.dbs {
+        let Some(ty) = db.ty else { continue };
+        if matches!(finder.ty(ty), Some(NamedType::Struct(structure)) if !structure.name.is_empty()) {
+            let mut values = Vec::new();
+            let variable = Variable { place: Place::Db(db.number, 0), bit: 0, ty };
+            finder.list(&db_name(db), variable, INSTANCE_VALUES_MAX, &mut values);
+            list.extend(values);
+        }
+    }
+    // An access to a part of a value has the name of the value.
+    let mut names = HashSet::new();
+    list.retain(|(name, _)| names.insert(name.clone()));
+    list
 }
 
 /// Timers and counters have values of a type, although nobody declares them.
 fn usual_type(place: Place) -> Option<ValueType> {
     match place {
         Place::TimerValue(_) => Some(ValueType::of(AssertType::S5Time)),
-        Place::CounterValue(_) => Some(ValueType::of(AssertType::Signed(16))),
+        Place::CounterValue(_) | Place::S7200(S7200Part::TimerValue | S7200Part::CounterValue, _) => {
+            Some(ValueType::of(AssertType::Signed(16)))
+        }
         Place::Input(_)
         | Place::Output(_)
         | Place::BitMemory(_)
@@ -342,6 +359,45 @@ impl<'a> Finder<'a> {
             }
             NamedType::Value(_) | NamedType::Text { .. } | NamedType::Other { .. } => None,
         }
+    }
+
+    /// A place of the code, as a symbol or a value of a DB where it is one.
+    fn used(&self, used: &UsedPlace, symbols: &HashMap<Address, &SymbolEntry>) -> (String, Named) {
+        let (letter, place) = match used.area {
+            UsedArea::Input => ("I".to_string(), Place::Input(used.byte)),
+            UsedArea::Output => ("Q".to_string(), Place::Output(used.byte)),
+            UsedArea::BitMemory => ("M".to_string(), Place::BitMemory(used.byte)),
+            UsedArea::Db(V_DB) if self.image.s7200.is_some() => ("V".to_string(), Place::Db(V_DB, used.byte)),
+            UsedArea::Db(number) => (format!("DB{number}.DB"), Place::Db(number, used.byte)),
+        };
+        let (width, size) = match used.bits {
+            1 => (Width::Bit(used.bit), ""),
+            8 => (Width::Byte, "B"),
+            16 => (Width::Word, "W"),
+            32 => (Width::Dword, "D"),
+            _ => (Width::Lword, "L"),
+        };
+        let address = Address { place, width };
+        if let Some(symbol) = symbols.get(&address)
+            && let Ok(named) = find(&symbol.name, self.image)
+        {
+            return (symbol.name.clone(), named);
+        }
+        let bit = (used.bits == 1).then_some(used.bit);
+        if let UsedArea::Db(number) = used.area
+            && let Some(db) = self.db(number.into())
+            && let Some(ty) = db.ty
+            && let Some(found) = self.at(db_name(db), Variable { place: place.start(), bit: 0, ty }, used.byte, bit)
+            && found.1.address.width == width
+        {
+            return found;
+        }
+        let name = match bit {
+            Some(bit) if letter.ends_with("DB") => format!("{letter}X{}.{bit}", used.byte),
+            Some(bit) => format!("{letter}{}.{bit}", used.byte),
+            None => format!("{letter}{size}{}", used.byte),
+        };
+        (name, Named { address, ty: None })
     }
 
     /// A type as a user knows it.

@@ -8,7 +8,7 @@ use crate::address::{Address, Bits, Place, Width, digits, offset};
 use crate::cpu::Cpu;
 
 /// Areas that only an S7-200 has. The number is that of the byte, timer, counter or accumulator.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Part {
     SpecialMemory,
     /// Sequence control relays.

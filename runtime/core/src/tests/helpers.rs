@@ -71,6 +71,7 @@ pub fn image(blocks: &[(BlockKind, u16)]) -> ProgramImage {
         asserts: Vec::new(),
         symbols: Vec::new(),
         types: Vec::new(),
+        used: Vec::new(),
         partial: Vec::new(),
         stops_itself: false,
         outputs_used: u32::MAX,
