@@ -58,6 +58,8 @@ pub struct AssertFailure {
     pub when: Option<(u64, u64)>,
     /// Type of an expected value; empty if it has none.
     pub ty: String,
+    /// The value that came and the one that was expected, as JSON; of an expectation.
+    pub values: Option<(serde_json::Value, serde_json::Value)>,
     /// Values next to the one that was expected, ready to print.
     pub beside: Vec<String>,
 }

@@ -92,12 +92,14 @@ fn json(outcomes: &[Outcome]) -> String {
 
 fn failure(failure: &AssertFailure) -> serde_json::Value {
     let (cycle, time) = failure.when.unzip();
+    let texts = || (failure.left.as_str().into(), failure.right.as_str().into());
+    let (found, expected) = failure.values.clone().unwrap_or_else(texts);
     json!({
         "file": failure.file,
         "line": failure.line,
         "text": failure.text,
-        "found": failure.left,
-        "expected": failure.right,
+        "found": found,
+        "expected": expected,
         "type": failure.ty,
         "cycle": cycle,
         "time_ms": time.map(|time: u64| time as f64 / 1e6),

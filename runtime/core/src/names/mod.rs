@@ -98,7 +98,7 @@ pub fn used(image: &ProgramImage) -> Vec<(String, Named)> {
     let finder = Finder { image };
     let symbols: HashMap<Address, &SymbolEntry> =
         image.symbols.iter().filter_map(|symbol| Some((address::parse_for(&symbol.address, image)?, symbol))).collect();
-    let mut list: Vec<(String, Named)> = image.used.iter().map(|used| finder.used(used, &symbols)).collect();
+    let mut list: Vec<(String, Named)> = image.used.iter().filter_map(|used| finder.used(used, &symbols)).collect();
     for db in &image.dbs {
         let Some(ty) = db.ty else { continue };
         if matches!(finder.ty(ty), Some(NamedType::Struct(structure)) if !structure.name.is_empty()) {
@@ -362,7 +362,7 @@ impl<'a> Finder<'a> {
     }
 
     /// A place of the code, as a symbol or a value of a DB where it is one.
-    fn used(&self, used: &UsedPlace, symbols: &HashMap<Address, &SymbolEntry>) -> (String, Named) {
+    fn used(&self, used: &UsedPlace, symbols: &HashMap<Address, &SymbolEntry>) -> Option<(String, Named)> {
         let (letter, place) = match used.area {
             UsedArea::Input => ("I".to_string(), Place::Input(used.byte)),
             UsedArea::Output => ("Q".to_string(), Place::Output(used.byte)),
@@ -381,23 +381,27 @@ impl<'a> Finder<'a> {
         if let Some(symbol) = symbols.get(&address)
             && let Ok(named) = find(&symbol.name, self.image)
         {
-            return (symbol.name.clone(), named);
+            return Some((symbol.name.clone(), named));
         }
         let bit = (used.bits == 1).then_some(used.bit);
         if let UsedArea::Db(number) = used.area
             && let Some(db) = self.db(number.into())
             && let Some(ty) = db.ty
-            && let Some(found) = self.at(db_name(db), Variable { place: place.start(), bit: 0, ty }, used.byte, bit)
-            && found.1.address.width == width
         {
-            return found;
+            let found = self.at(db_name(db), Variable { place: place.start(), bit: 0, ty }, used.byte, bit);
+            // Pointers to actuals are no values.
+            if found.is_some()
+                || matches!(self.ty(ty), Some(NamedType::Struct(structure)) if !structure.name.is_empty())
+            {
+                return found.filter(|(_, named)| named.address.width == width);
+            }
         }
         let name = match bit {
             Some(bit) if letter.ends_with("DB") => format!("{letter}X{}.{bit}", used.byte),
             Some(bit) => format!("{letter}{}.{bit}", used.byte),
             None => format!("{letter}{size}{}", used.byte),
         };
-        (name, Named { address, ty: None })
+        Some((name, Named { address, ty: None }))
     }
 
     /// A type as a user knows it.

@@ -265,6 +265,7 @@ impl Player {
                     failed.push(AssertFailure {
                         when: Some((cycle, time)),
                         beside: beside(cpu, &setting.signal.name),
+                        values: Some((actual.json(), setting.value.json())),
                         ..self.failure(setting, actual.text())
                     });
                 }

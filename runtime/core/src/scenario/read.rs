@@ -141,12 +141,15 @@ impl Reader<'_> {
         setting: fn(&Self, &str, &str) -> Result<Wanted, String>,
     ) -> Result<Vec<Setting>, String> {
         let mut settings = Vec::new();
-        for (name, text) in table {
-            let offset = text.span().start;
-            let parsed = scalar_text(text.get_ref()).and_then(|text| setting(self, name, &text));
+        let mut flat = Vec::new();
+        for (name, value) in table {
+            flatten(name, value.get_ref(), value.span().start, &mut flat);
+        }
+        for (name, value, offset) in flat {
+            let parsed = scalar_text(value).and_then(|text| setting(self, &name, &text));
             let (source, value, tolerance) =
                 parsed.or_else(|message| self.error(offset, &format!("{name}: {message}")))?;
-            let signal = Signal { name: name.clone(), source };
+            let signal = Signal { name, source };
             settings.push(Setting { signal, value, tolerance, line: (self.line)(offset) });
         }
         // In the order of the file.
@@ -254,6 +257,16 @@ impl Reader<'_> {
             return self.error(event.span().start, message);
         }
         parse_event(event.get_ref(), self.image).or_else(|message| self.error(event.span().start, &message))
+    }
+}
+
+/// `Station_DB.Starts = 1` is a table in a table for TOML: the names of both, with a point between.
+fn flatten<'a>(name: &str, value: &'a toml::Value, offset: usize, flat: &mut Vec<(String, &'a toml::Value, usize)>) {
+    match value {
+        toml::Value::Table(inner) if !inner.is_empty() => {
+            inner.iter().for_each(|(key, value)| flatten(&format!("{name}.{key}"), value, offset, flat));
+        }
+        value => flat.push((name.to_string(), value, offset)),
     }
 }
 
