@@ -72,6 +72,8 @@ pub struct Cpu {
     pub(crate) outputs_changed: Cell<u32>,
     /// The OBs of the program cycle in the order of their numbers.
     pub(crate) cycle_obs: Vec<LoadedOb>,
+    /// Number of the cycle, 0 in startup.
+    pub(crate) cycle: Cell<u64>,
     /// Run-time meters.
     pub(crate) meters: [Meter; METERS],
 }
@@ -99,6 +101,7 @@ impl Cpu {
             family: if image.s7200.is_some() { &ScanCycle } else { &Step7 },
             s7200: image.s7200.as_ref().map(|own| Box::new(S7200::new(own, &image.config.s7200))),
             assertions: Assertions::new(&image.asserts),
+            cycle: Cell::new(0),
             watchdog: Watchdog::new(&memory),
             memory,
             image,

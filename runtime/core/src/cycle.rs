@@ -123,6 +123,7 @@ impl Cpu {
 
     fn run_cycle(&self, cycle: u64, start: u64, times: &CycleTimes, observer: &mut dyn Observer) {
         self.arm_hang();
+        self.cycle.set(cycle);
         observer.before(self, cycle, start);
         self.update_clock_memory();
         self.update_system_memory(cycle == 1);

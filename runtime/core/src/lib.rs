@@ -6,7 +6,7 @@
 //! - [`cycle`], [`organization`], [`schedule`], [`faults`], [`diagnostics`]: cycle, OBs, interrupts, errors.
 //! - [`system`]: system functions (SFC), one file per family.
 //! - [`io`]: the driver; [`analog`]: words of analog channels; [`plant`]: the process at the I/O.
-//! - [`address`], [`value`], [`signal`], [`scenario`], [`trace`], [`options`]: what a user writes and sees.
+//! - [`address`], [`names`], [`value`], [`typed`], [`signal`], [`scenario`], [`trace`], [`options`]: what a user writes and sees.
 //! - [`communication`]: TCP and ISO-on-TCP connections of the program.
 //! - `family`: differences between the families of CPUs; [`s7200`]: functions of the S7-200 only.
 //! - [`guest`]: code that runs in the process of the compiler.
@@ -42,6 +42,7 @@ pub mod guest;
 pub mod io;
 pub mod math;
 pub mod memory;
+pub mod names;
 pub mod ob_set;
 pub mod options;
 pub mod organization;
@@ -60,6 +61,7 @@ pub mod testing;
 pub mod text;
 pub mod timers;
 pub mod trace;
+pub mod typed;
 pub mod value;
 pub mod watchdog;
 
