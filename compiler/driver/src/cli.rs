@@ -13,7 +13,7 @@ use crate::report::MessageFormat;
 
 /// Compiler from Siemens PLC programs to native code.
 #[derive(Parser, Debug)]
-#[command(name = "plcc", version, arg_required_else_help = true, disable_help_subcommand = true)]
+#[command(name = "plcc", version, arg_required_else_help = true)]
 pub struct Cli {
     #[command(subcommand)]
     pub command: Command,
@@ -120,8 +120,9 @@ impl From<MnemonicsArg> for Mnemonics {
 
 #[derive(Args, Debug)]
 pub struct BuildArgs {
-    /// Sources, symbol tables, folders of these, or a project. Together they are one program.
-    #[arg(required = true, value_name = "FILE|DIR")]
+    /// Sources, symbol tables, folders of these, or a project. Together they are one program [default: the project in this
+    /// folder].
+    #[arg(value_name = "FILE|DIR")]
     pub inputs: Vec<PathBuf>,
     /// Output file [default: named after the project or the first source].
     #[arg(short, value_name = "OUT")]
@@ -149,6 +150,9 @@ pub struct BuildArgs {
     /// Link with a C compiler, such as `cc` [default: plcc links].
     #[arg(long, value_name = "CC")]
     pub linker: Option<String>,
+    /// Do not print what was written.
+    #[arg(long)]
+    pub quiet: bool,
 }
 
 /// An intermediate form.
@@ -164,8 +168,9 @@ pub enum Emit {
 
 #[derive(Args, Debug)]
 pub struct RunArgs {
-    /// Sources, symbol tables, folders of these, or a project. Together they are one program.
-    #[arg(required = true, value_name = "FILE|DIR")]
+    /// Sources, symbol tables, folders of these, or a project. Together they are one program [default: the project in this
+    /// folder].
+    #[arg(value_name = "FILE|DIR")]
     pub inputs: Vec<PathBuf>,
     #[command(flatten)]
     pub optimization: OptimizationArgs,
@@ -177,8 +182,9 @@ pub struct RunArgs {
 
 #[derive(Args, Debug)]
 pub struct TestArgs {
-    /// Sources, projects, or folders of both. Each source outside a project is a separate test.
-    #[arg(required = true, value_name = "FILE|DIR")]
+    /// Sources, tables, projects, or folders of these [default: the project in this folder]. Each project is a test; other sources are
+    /// one program, or a test each if more than one has a main program.
+    #[arg(value_name = "FILE|DIR")]
     pub inputs: Vec<PathBuf>,
     /// How to run the program.
     #[arg(long, value_name = "FORM", default_value = "jit")]
@@ -190,6 +196,9 @@ pub struct TestArgs {
     /// Link with a C compiler, such as `cc`, for `--form exe` [default: plcc links].
     #[arg(long, value_name = "CC")]
     pub linker: Option<String>,
+    /// Print the results as JSON.
+    #[arg(long)]
+    pub json: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -206,8 +215,9 @@ pub enum FormArg {
 
 #[derive(Args, Debug)]
 pub struct CheckArgs {
-    /// Sources, symbol tables, folders of these, or a project. Together they are one program.
-    #[arg(required = true, value_name = "FILE|DIR")]
+    /// Sources, symbol tables, folders of these, or a project. Together they are one program [default: the project in this
+    /// folder].
+    #[arg(value_name = "FILE|DIR")]
     pub inputs: Vec<PathBuf>,
     /// Format of the messages.
     #[arg(long, value_name = "FORMAT", default_value = "human")]

@@ -12,6 +12,7 @@ use crate::content::{self, Content};
 use crate::pipeline;
 use crate::project::{self, Project};
 use crate::sheets;
+use crate::{command::exit, report};
 
 /// A program as it was read.
 #[derive(Default)]
@@ -46,6 +47,19 @@ impl Read {
         let file = self.sources.add(SourceFile::new(file.display().to_string(), ""));
         self.diagnostics.push(Diagnostic::new(code, Span::new(file, 0..0), title).help(help));
     }
+}
+
+/// The paths of the command line; if it names none, the project in the current folder. `Err`: the exit code.
+pub fn or_here(paths: &[PathBuf]) -> Result<Vec<PathBuf>, u8> {
+    if !paths.is_empty() {
+        return Ok(paths.to_vec());
+    }
+    if !Path::new(project::FILE_NAME).is_file() {
+        let file = project::FILE_NAME;
+        report::say(&format!("name a FILE or DIR: this folder is not a project, it contains no {file}"));
+        return Err(exit::USAGE);
+    }
+    Ok(vec![PathBuf::from(".")])
 }
 
 /// Reads `paths` as one program: files, folders and at most one project.
@@ -103,51 +117,8 @@ pub enum TestInput {
     File(PathBuf),
     /// A folder with a plc.toml.
     Project(PathBuf),
-}
-
-/// The tests that `paths` name: a file is one, a project is one, another folder is each source and project below it.
-pub fn find_tests(paths: &[PathBuf]) -> Vec<TestInput> {
-    let mut tests = Vec::new();
-    for path in paths {
-        if path.is_dir() {
-            find_tests_below(path, &mut tests);
-        } else {
-            tests.push(TestInput::File(path.clone()));
-        }
-    }
-    tests
-}
-
-fn find_tests_below(folder: &Path, tests: &mut Vec<TestInput>) {
-    if folder.join(project::FILE_NAME).is_file() {
-        return tests.push(TestInput::Project(folder.to_path_buf()));
-    }
-    for path in entries(folder) {
-        if is_folder(&path) {
-            find_tests_below(&path, tests);
-        } else if path.extension().is_none_or(|suffix| suffix != "toml")
-            && read_text(&path).is_ok_and(|text| !text.is_empty() && is_source(&path, &text))
-        {
-            tests.push(TestInput::File(path));
-        }
-    }
-}
-
-/// The extension of a scenario next to its source.
-const SCENARIO_ENDING: &str = ".scenario.toml";
-
-/// Scenarios that have no source next to them: nothing plays them.
-pub fn lone_scenarios(paths: &[PathBuf], tests: &[TestInput]) -> Vec<PathBuf> {
-    let mut scenarios: Vec<PathBuf> =
-        paths.iter().filter(|path| path.is_dir()).flat_map(|path| files_below(path)).collect();
-    scenarios.retain(|path| path.file_name().is_some_and(|name| name.to_string_lossy().ends_with(SCENARIO_ENDING)));
-    scenarios.retain(|path| {
-        !tests.iter().any(|test| match test {
-            TestInput::File(source) => source.with_extension("scenario.toml") == *path,
-            TestInput::Project(folder) => path.starts_with(folder),
-        })
-    });
-    scenarios
+    /// Sources and tables of one program, or a folder of them.
+    Program(Vec<PathBuf>),
 }
 
 /// Scenarios of a project: the `.toml` files below its `tests` folder.
@@ -162,7 +133,8 @@ pub fn file_scenario(file: &Path) -> Option<PathBuf> {
     Some(file.with_extension("scenario.toml")).filter(|path| path.is_file())
 }
 
-fn is_source(path: &Path, text: &str) -> bool {
+/// True for the text of a source, at a path that the user did not name.
+pub(crate) fn is_source(path: &Path, text: &str) -> bool {
     matches!(content_in_folder(path, text), Content::Source | Content::SourceAndTable)
 }
 
@@ -405,7 +377,7 @@ fn read_text_as(path: &Path, code_page: Option<CodePage>) -> std::io::Result<Str
 }
 
 /// All files below `folder`, sorted by name, without hidden files. A link to a folder counts as a file and is not followed.
-fn files_below(folder: &Path) -> Vec<PathBuf> {
+pub(crate) fn files_below(folder: &Path) -> Vec<PathBuf> {
     let mut files = Vec::new();
     for path in entries(folder) {
         if is_folder(&path) {
@@ -418,11 +390,11 @@ fn files_below(folder: &Path) -> Vec<PathBuf> {
 }
 
 /// A folder itself, not a link to one.
-fn is_folder(path: &Path) -> bool {
+pub(crate) fn is_folder(path: &Path) -> bool {
     path.is_dir() && !path.is_symlink()
 }
 
-fn entries(folder: &Path) -> Vec<PathBuf> {
+pub(crate) fn entries(folder: &Path) -> Vec<PathBuf> {
     let mut entries: Vec<PathBuf> = fs::read_dir(folder)
         .into_iter()
         .flatten()
@@ -515,10 +487,6 @@ mod tests {
         assert_eq!((named.units.len(), codes), (1, vec![Code::NotASource]));
         let all = read(&[folder.path().to_path_buf()]);
         assert_eq!((all.units.len(), all.diagnostics.len()), (1, 0));
-        // A scenario that nothing plays is reported.
-        fs::write(folder.path().join("b.scenario.toml"), "").unwrap();
-        let paths = [folder.path().to_path_buf()];
-        assert_eq!(lone_scenarios(&paths, &find_tests(&paths)), [folder.path().join("b.scenario.toml")]);
     }
 
     /// Reading a pipe would wait forever.
@@ -546,7 +514,6 @@ mod tests {
         for name in ["pipe.stl", "loop.stl", "zero.stl", "kernel.stl", "again"] {
             assert!(help.contains(name), "{name}: {help}");
         }
-        assert_eq!(find_tests(&[folder.path().to_path_buf()]).len(), 1);
     }
 
     #[test]

@@ -5,6 +5,8 @@ use std::io::{IsTerminal, Write};
 use clap::ValueEnum;
 use plcc_diag::{Diagnostic, Severity, SourceMap, drawing, json, sarif};
 
+use crate::command::exit;
+
 /// Format of the messages.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum MessageFormat {
@@ -38,6 +40,18 @@ pub fn summary(diagnostics: &[Diagnostic]) -> String {
         (0, warnings) => plural(warnings, "warning"),
         (errors, 0) => plural(errors, "error"),
         (errors, warnings) => format!("{}, {}", plural(errors, "error"), plural(warnings, "warning")),
+    }
+}
+
+/// Writes a text to standard output. `Err`: the exit code, where it cannot be written; a closed pipe (`| head`) is not a fault.
+pub fn print(text: &str) -> Result<(), u8> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            say(&format!("cannot write to standard output: {error}"));
+            Err(exit::USAGE)
+        }
+        Ok(()) | Err(_) => Ok(()),
     }
 }
 

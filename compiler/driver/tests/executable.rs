@@ -65,6 +65,8 @@ fn image() -> ProgramImage {
         files: Vec::new(),
         asserts: Vec::new(),
         symbols: Vec::new(),
+        types: Vec::new(),
+        used: Vec::new(),
         partial: Vec::new(),
         stops_itself: false,
         outputs_used: u32::MAX,

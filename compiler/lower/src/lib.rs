@@ -18,6 +18,7 @@ mod call;
 mod entry;
 mod fault;
 mod labels;
+mod names;
 mod place;
 mod plan;
 mod pointer;
@@ -25,6 +26,7 @@ mod s7200;
 mod scl;
 mod stl;
 mod stop;
+mod used;
 
 use plcc_abi::ProgramImage;
 use plcc_abi::image::{AssertEntry, BlockEntry, BlockKind, DbEntry, ErrorSlot, Site};
@@ -33,6 +35,7 @@ use plcc_ir::{Module, StaticDb};
 use plcc_model::Program;
 use plcc_model::{Assert, Body, CodeBlock};
 
+use crate::names::Types;
 use crate::plan::Plan;
 
 /// A lowered program: its code, and data about it for the runtime.
@@ -128,6 +131,7 @@ impl<'s> Output<'s> {
         let files: Vec<String> = sources.files().map(|(_, file)| file.name.clone()).collect();
         let address_of = |number| facts.dbs.iter().find(|db| db.number == number).map_or(facts.db_end, |db| db.address);
         let module = Module { dbs: facts.dbs.clone(), files, ..Module::default() };
+        let mut types = Types::default();
         let image = ProgramImage {
             name: program.name.clone(),
             profile: program.profile.clone(),
@@ -143,6 +147,7 @@ impl<'s> Output<'s> {
                     data: db.data.clone(),
                     read_only: db.read_only,
                     unlinked: db.unlinked,
+                    ty: (!db.members.is_empty()).then(|| types.of_db(db, program)),
                 })
                 .collect(),
             db_end: facts.db_end,
@@ -150,7 +155,9 @@ impl<'s> Output<'s> {
             error_slots: facts.error_slots,
             files: Vec::new(),
             asserts: Vec::new(),
-            symbols: program.symbols.clone(),
+            symbols: types.symbols(program),
+            types: types.finish(),
+            used: Vec::new(),
             partial: program.partial.clone(),
             stops_itself: facts.stops_itself,
             outputs_used: u32::MAX,
@@ -201,6 +208,7 @@ impl<'s> Output<'s> {
     }
 
     fn finish(mut self) -> Lowered {
+        self.image.used = used::places(&self.module);
         self.image.files = self.module.files.clone();
         self.image.sites = self.module.sites.clone();
         Lowered { module: self.module, image: self.image }

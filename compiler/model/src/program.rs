@@ -2,9 +2,7 @@
 //!
 //! All languages bind to these blocks and interfaces; bodies differ by language until they are lowered.
 
-use plcc_abi::image::{
-    AssertCondition, AssertConstant, AssertKind, AssertOp, AssertType, BlockKind, Config, Profile, SymbolEntry,
-};
+use plcc_abi::image::{AssertCondition, AssertConstant, AssertKind, AssertOp, AssertType, BlockKind, Config, Profile};
 use plcc_abi::ob::StartInput;
 use plcc_abi::s7200::image::CpuRow;
 use plcc_diag::Span;
@@ -26,7 +24,7 @@ pub struct Program {
     /// Sorted by number.
     pub dbs: Vec<DataBlock>,
     /// Named addresses, for the flags of the executable.
-    pub symbols: Vec<SymbolEntry>,
+    pub symbols: Vec<Symbol>,
     /// `//@ test cycles=N`, `//@ test expect=fail` and `//@ cpu`, found in the sources.
     pub test: TestSettings,
     /// Lines that every run of the program prints at its start: that it is not the same as its sources.
@@ -45,6 +43,16 @@ impl Program {
     pub fn db(&self, number: u16) -> Option<&DataBlock> {
         self.dbs.binary_search_by_key(&number, |db| db.number).ok().map(|index| &self.dbs[index])
     }
+}
+
+/// A named address.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Symbol {
+    pub name: String,
+    /// In international spelling: `Q4.0`, `DB10`.
+    pub address: String,
+    /// The declared type of a value in memory.
+    pub ty: Option<DataType>,
 }
 
 /// The settings in the pragmas of a test file.

@@ -29,7 +29,7 @@ mod structure;
 mod tests;
 mod whole;
 
-use plcc_abi::image::{BlockKind, SymbolEntry};
+use plcc_abi::image::BlockKind;
 use plcc_abi::s7200::image::CpuRow;
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 use plcc_syntax::s7200::ast::OperandKind;
@@ -38,7 +38,7 @@ use rustc_hash::FxHashMap;
 use plcc_binding::report::Report;
 use plcc_binding::{BindInput, Bound};
 use plcc_model::profile;
-use plcc_model::{Body, CodeBlock, Interface, Program, TestSettings};
+use plcc_model::{Body, CodeBlock, Interface, Program, Symbol, TestSettings};
 
 /// Binds the blocks of Micro/WIN sources. The program is complete if no message is an error and, with `partial`, nothing is undefined.
 pub fn bind(input: &BindInput) -> (Program, Vec<Diagnostic>) {
@@ -150,13 +150,13 @@ impl<'a> Binder<'a> {
     }
 
     /// Symbols of the tables that have an address, for the flags of the executable.
-    fn symbol_entries(&self) -> Vec<SymbolEntry> {
-        let mut entries: Vec<SymbolEntry> = self
+    fn symbol_entries(&self) -> Vec<Symbol> {
+        let mut entries: Vec<Symbol> = self
             .globals
             .values()
             .filter_map(|global| match &global.target {
                 OperandKind::Direct(direct) => {
-                    Some(SymbolEntry { name: global.name.clone(), address: address::text(*direct) })
+                    Some(Symbol { name: global.name.clone(), address: address::text(*direct), ty: None })
                 }
                 _ => None,
             })

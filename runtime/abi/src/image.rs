@@ -5,6 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::names::{NamedType, TypeNumber, UsedPlace};
 use crate::ob::{OB_FREE, ObClass, StartInput};
 use crate::s7200::{S7200Config, S7200Image};
 use crate::technology::{FastCounter, HardwareEvent, PulseGenerator};
@@ -136,6 +137,8 @@ pub struct DbEntry {
     pub read_only: bool,
     /// In load memory only: not accessible to the program.
     pub unlinked: bool,
+    /// A structure with its components; `None` if it has no declared ones.
+    pub ty: Option<TypeNumber>,
 }
 
 /// Comparison of an assertion.
@@ -150,7 +153,7 @@ pub enum AssertOp {
 }
 
 /// What the value of a side of an assertion is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum AssertType {
     /// Bits without another meaning: registers, addresses, BYTE to LWORD.
     Bits(u8),
@@ -259,6 +262,8 @@ pub struct SymbolEntry {
     pub name: String,
     /// Absolute address in international spelling: `Q4.0`, `DB10.DBD4`.
     pub address: String,
+    /// The declared type of a value in memory, if it has one.
+    pub ty: Option<TypeNumber>,
 }
 
 /// Settings of the CPU, from plc.toml.
@@ -403,6 +408,10 @@ pub struct ProgramImage {
     pub files: Vec<String>,
     pub asserts: Vec<AssertEntry>,
     pub symbols: Vec<SymbolEntry>,
+    /// Types of the components of DBs and of symbols.
+    pub types: Vec<NamedType>,
+    /// Places that the code names, in order.
+    pub used: Vec<UsedPlace>,
     /// Stand-ins for missing parts, and parts left out because of them: one line each, reported at the start of a run.
     pub partial: Vec<String>,
     /// No code of the program changes output bytes from here on: they need not be copied to the modules in each cycle.

@@ -4,6 +4,7 @@
 //! - [`layout`]: the offsets of all memory areas of the virtual CPU.
 //! - [`functions`]: the table of runtime functions that generated code may call.
 //! - [`image`]: the description of a program for the runtime.
+//! - [`names`]: types of the values that flags and scenarios name.
 //! - [`linked`]: how the runtime of an executable finds its program.
 //! - [`codes`]: error numbers of S7 CPUs that both sides use.
 //! - [`technology`]: fast counters, pulse generators, hardware interrupts.
@@ -18,6 +19,7 @@ pub mod functions;
 pub mod image;
 pub mod layout;
 pub mod linked;
+pub mod names;
 pub mod ob;
 pub mod s7200;
 pub mod technology;

@@ -5,10 +5,10 @@ use plcc_abi::layout;
 
 use crate::cpu::{Area, Cpu};
 use crate::s7200::Part;
-use crate::{counters, s7200, signal, timers};
+use crate::{counters, names, s7200, timers};
 
 /// Where a value is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Place {
     Input(u32),
     Output(u32),
@@ -20,12 +20,38 @@ pub enum Place {
     Timer(u32),
     /// Status bit of a counter.
     Counter(u32),
+    /// Remaining time of a timer, an S5TIME.
+    TimerValue(u32),
+    /// Count of a counter, an INT.
+    CounterValue(u32),
     /// What only an S7-200 has, with its number. V is DB 1.
     S7200(Part, u32),
 }
 
+impl Place {
+    /// The beginning of its DB; another place is itself.
+    pub fn start(self) -> Place {
+        if let Place::Db(number, _) = self { Place::Db(number, 0) } else { self }
+    }
+
+    /// The place this many bytes further.
+    pub fn offset(self, bytes: u32) -> Place {
+        match self {
+            Place::Input(byte) => Place::Input(byte.saturating_add(bytes)),
+            Place::Output(byte) => Place::Output(byte.saturating_add(bytes)),
+            Place::BitMemory(byte) => Place::BitMemory(byte.saturating_add(bytes)),
+            Place::PeripheralInput(byte) => Place::PeripheralInput(byte.saturating_add(bytes)),
+            Place::PeripheralOutput(byte) => Place::PeripheralOutput(byte.saturating_add(bytes)),
+            Place::Db(number, byte) => Place::Db(number, byte.saturating_add(bytes)),
+            Place::Timer(_) | Place::Counter(_) | Place::TimerValue(_) | Place::CounterValue(_) | Place::S7200(..) => {
+                self
+            }
+        }
+    }
+}
+
 /// How wide it is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Width {
     /// A bit with its number in the byte.
     Bit(u8),
@@ -54,7 +80,7 @@ impl Width {
 }
 
 /// An address with its width.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Address {
     pub place: Place,
     pub width: Width,
@@ -64,7 +90,9 @@ impl Address {
     /// Whether a value can be set there from outside. `Err`: why not.
     pub fn check_settable(&self) -> Result<(), String> {
         let fixed = match self.place {
-            Place::Timer(_) | Place::Counter(_) => Some("timers and counters cannot be set"),
+            Place::Timer(_) | Place::Counter(_) | Place::TimerValue(_) | Place::CounterValue(_) => {
+                Some("timers and counters cannot be set")
+            }
             Place::S7200(part, _) => part.is_fixed(),
             Place::Input(_)
             | Place::Output(_)
@@ -77,24 +105,9 @@ impl Address {
     }
 }
 
-/// Finds an address or a symbol (with or without quotes). `Err`: the error as a sentence.
+/// Finds an address or a name (with or without quotes). `Err`: the error as a sentence.
 pub fn resolve(text: &str, image: &ProgramImage) -> Result<Address, String> {
-    let text = text.trim();
-    let bare = text.strip_prefix('"').and_then(|rest| rest.strip_suffix('"')).unwrap_or(text);
-    let parse = |text: &str| parse_for(text, image);
-    let is_name = |name: &str| name == text || name == bare;
-    if let Some(symbol) = image.symbols.iter().find(|symbol| is_name(&symbol.name)) {
-        return parse(&symbol.address)
-            .ok_or_else(|| format!("symbol {text} means {}, which is not a value", symbol.address));
-    }
-    if let Some(address) = parse(text).or_else(|| signal::analog_channel(text, image)) {
-        return Ok(address);
-    }
-    // Symbols do not distinguish case; an absolute address goes first.
-    let folded = image.symbols.iter().find(|symbol| symbol.name.to_lowercase() == bare.to_lowercase());
-    folded.and_then(|symbol| parse(&symbol.address)).ok_or_else(|| {
-        format!("`{text}` is neither an address (such as Q4.0, MW20, DB10.DBD4) nor a symbol of the program")
-    })
+    names::find(text, image).map(|named| named.address)
 }
 
 /// An absolute address as the CPU of the program has them.
@@ -106,7 +119,8 @@ pub fn parse_for(text: &str, image: &ProgramImage) -> Option<Address> {
     image.s7200.as_ref().and_then(|_| own()).or_else(|| parse(text))
 }
 
-/// An absolute address of an S7-300 and its like: `I0.0 E0.0 QB4 AB4 MW20 MD 20 PIW256 PEW256 DB10.DBX0.1 DB10.DBD4 T5 C5 Z5`.
+/// An absolute address of an S7-300 and its like: `I0.0 E0.0 QB4 AB4 MW20 MD 20 PIW256 PEW256 DB10.DBX0.1 DB10.DBD4 T5 C5 Z5`, and
+/// `T5.VALUE`, `C5.VALUE`.
 pub fn parse(text: &str) -> Option<Address> {
     let compact: String = text.chars().filter(|c| !c.is_whitespace()).collect::<String>().to_ascii_uppercase();
     let text = compact.strip_prefix('%').unwrap_or(&compact);
@@ -135,14 +149,16 @@ pub fn parse(text: &str) -> Option<Address> {
             return Some(Address { place: place(byte), width });
         }
     }
+    let (text, is_value) = text.strip_suffix(".VALUE").map_or((text, false), |text| (text, true));
     let number = |prefix: char| digits(text.strip_prefix(prefix)?).filter(|&number| number < layout::TIMERS_MAX);
-    let place = match text.chars().next()? {
-        'T' => Place::Timer(number('T')?),
-        'C' => Place::Counter(number('C')?),
-        'Z' => Place::Counter(number('Z')?),
+    let place = match (text.chars().next()?, is_value) {
+        ('T', false) => Place::Timer(number('T')?),
+        ('T', true) => Place::TimerValue(number('T')?),
+        (letter @ ('C' | 'Z'), false) => Place::Counter(number(letter)?),
+        (letter @ ('C' | 'Z'), true) => Place::CounterValue(number(letter)?),
         _ => return None,
     };
-    Some(Address { place, width: Width::Bit(0) })
+    Some(Address { place, width: if is_value { Width::Word } else { Width::Bit(0) } })
 }
 
 /// A decimal number of at most 6 digits.
@@ -194,10 +210,14 @@ impl Cpu {
                 length if self.s7200.is_some() => inside(byte, length, "the V memory"),
                 length => inside(byte, length, &format!("DB {number}")),
             },
-            Place::Timer(number) if number < self.image.profile.timers => Ok(()),
-            Place::Timer(number) => Err(format!("timer {number} does not exist on this CPU")),
-            Place::Counter(number) if number < self.image.profile.counters => Ok(()),
-            Place::Counter(number) => Err(format!("counter {number} does not exist on this CPU")),
+            Place::Timer(number) | Place::TimerValue(number) if number < self.image.profile.timers => Ok(()),
+            Place::Timer(number) | Place::TimerValue(number) => {
+                Err(format!("timer {number} does not exist on this CPU"))
+            }
+            Place::Counter(number) | Place::CounterValue(number) if number < self.image.profile.counters => Ok(()),
+            Place::Counter(number) | Place::CounterValue(number) => {
+                Err(format!("counter {number} does not exist on this CPU"))
+            }
             Place::S7200(part, number) => self.check_part(part, number, address.width),
         }
     }
@@ -209,7 +229,12 @@ impl Cpu {
             Place::BitMemory(byte) => Some(layout::M + byte),
             Place::Db(number, byte) => Some(self.memory.db(number).0 + byte),
             Place::S7200(part, number) => part.memory_offset(number),
-            Place::PeripheralInput(_) | Place::PeripheralOutput(_) | Place::Timer(_) | Place::Counter(_) => None,
+            Place::PeripheralInput(_)
+            | Place::PeripheralOutput(_)
+            | Place::Timer(_)
+            | Place::Counter(_)
+            | Place::TimerValue(_)
+            | Place::CounterValue(_) => None,
         }
     }
 
@@ -232,6 +257,8 @@ impl Cpu {
             Place::PeripheralOutput(byte) => wide(&|byte, bytes| self.module_output(byte, bytes), byte),
             Place::Timer(number) => timers::scan(&self.memory, &self.clock, number).into(),
             Place::Counter(number) => (counters::value(&self.memory, number) != 0).into(),
+            Place::TimerValue(number) => timers::remaining(&self.memory, &self.clock, number).into(),
+            Place::CounterValue(number) => counters::value(&self.memory, number).into(),
             Place::Input(_) | Place::Output(_) | Place::BitMemory(_) | Place::Db(..) | Place::S7200(..) => {
                 let offset = self.offset_of(address.place).unwrap_or(layout::SCRATCH);
                 match address.width {
@@ -250,7 +277,7 @@ impl Cpu {
         self.check_address(address)?;
         address.check_settable()?;
         match address.place {
-            Place::Timer(_) | Place::Counter(_) => {}
+            Place::Timer(_) | Place::Counter(_) | Place::TimerValue(_) | Place::CounterValue(_) => {}
             Place::S7200(part, number) => {
                 self.s7200_look_always();
                 if !self.write_part(part, number, value) {
@@ -289,10 +316,23 @@ impl Cpu {
         Ok(())
     }
 
+    /// The bytes of a value that has more than eight, or of a text, from its address on; 0 where they do not exist.
+    pub fn read_bytes(&self, address: &Address, length: u32) -> Vec<u8> {
+        let byte = |offset| Address { place: address.place.offset(offset), width: Width::Byte };
+        (0..length).map(|offset| self.read(&byte(offset)) as u8).collect()
+    }
+
+    /// Sets bytes from an address on. `Err`: the error.
+    pub fn write_bytes(&self, address: &Address, bytes: &[u8]) -> Result<(), String> {
+        let byte = |offset| Address { place: address.place.offset(offset), width: Width::Byte };
+        self.check_address(&byte(bytes.len().saturating_sub(1) as u32))?;
+        (0u32..).zip(bytes).try_for_each(|(offset, &value)| self.write(&byte(offset), value.into()))
+    }
+
     fn write_memory(&self, address: &Address, value: Bits) {
         let Some(offset) = self.offset_of(address.place) else { return };
         if let Place::Output(_) = address.place {
-            self.all_outputs.set(true);
+            self.note_outputs(u32::MAX);
         }
         match address.width {
             Width::Bit(bit) => self.memory.set_bit(offset, bit, value & 1 != 0),
@@ -313,6 +353,8 @@ impl Cpu {
             | Place::Db(..)
             | Place::Timer(_)
             | Place::Counter(_)
+            | Place::TimerValue(_)
+            | Place::CounterValue(_)
             | Place::S7200(..) => {}
         }
     }
@@ -338,6 +380,8 @@ mod tests {
         same("M0.0", "MX0.0");
         assert_eq!(parse("DB10.DBD4"), Some(Address { place: Place::Db(10, 4), width: Width::Dword }));
         assert_eq!(parse("T5"), Some(Address { place: Place::Timer(5), width: Width::Bit(0) }));
+        assert_eq!(parse("t 5.value"), Some(Address { place: Place::TimerValue(5), width: Width::Word }));
+        same("C5.VALUE", "Z5.VALUE");
     }
 
     #[test]

@@ -24,8 +24,17 @@ struct AssertState {
     held: Vec<bool>,
     /// Its values, ready to print, of those that did not hold.
     values: Vec<Option<(String, String)>>,
-    /// The values of the first failure.
-    failed: Option<(String, String)>,
+    failed: Option<Failed>,
+}
+
+/// The first failure of an assertion.
+#[derive(Clone, Debug)]
+pub(crate) struct Failed {
+    /// Both sides, of several comparisons with `; ` between them.
+    pub left: String,
+    pub right: String,
+    /// Cycle and time in nanoseconds.
+    pub when: (u64, u64),
 }
 
 impl Assertions {
@@ -63,10 +72,11 @@ impl Assertions {
         if state.failed.is_none() && (entry.trap || !is_met(&entry.condition, &state.held)) {
             let all: Vec<&(String, String)> = state.values.iter().flatten().collect();
             let join = |texts: Vec<&str>| texts.join("; ");
-            state.failed = Some((
-                join(all.iter().map(|(left, _)| left.as_str()).collect()),
-                join(all.iter().map(|(_, right)| right.as_str()).collect()),
-            ));
+            state.failed = Some(Failed {
+                left: join(all.iter().map(|(left, _)| left.as_str()).collect()),
+                right: join(all.iter().map(|(_, right)| right.as_str()).collect()),
+                when: (cpu.cycle.get(), cpu.clock.now()),
+            });
         }
     }
 
@@ -74,8 +84,7 @@ impl Assertions {
         self.states.borrow().get(id).is_some_and(|state| state.executed)
     }
 
-    /// Both sides of the first failure, of several comparisons with `; ` between them.
-    pub(crate) fn failure(&self, id: usize) -> Option<(String, String)> {
+    pub(crate) fn failure(&self, id: usize) -> Option<Failed> {
         self.states.borrow().get(id).and_then(|state| state.failed.clone())
     }
 }
@@ -126,6 +135,34 @@ impl Value {
             }
             _ => Value::Bits(given & mask(ty)),
         }
+    }
+
+    /// The value whose bytes these are; missing ones are 0.
+    pub fn of_bytes(ty: AssertType, bytes: &[u8]) -> Value {
+        let text = |bytes: &[u8], width: usize| match width {
+            1 => bytes.iter().map(|&byte| u16::from(byte)).collect(),
+            _ => bytes.chunks_exact(2).map(|pair| u16::from(pair[0]) << 8 | u16::from(pair[1])).collect(),
+        };
+        match ty {
+            AssertType::Text => Value::Text(text(bytes.get(2..).unwrap_or_default(), 1)),
+            AssertType::WideText => Value::Text(text(bytes.get(4..).unwrap_or_default(), 2)),
+            _ => Value::Bytes(first(bytes)),
+        }
+    }
+
+    /// Seconds of a duration; `None`: the type is another one.
+    pub fn seconds(&self, ty: AssertType) -> Option<f64> {
+        match ty {
+            AssertType::S5Time | AssertType::Time | AssertType::Ltime => {
+                self.nanoseconds(ty).map(|ns| ns as f64 / NS_PER_S as f64)
+            }
+            _ => None,
+        }
+    }
+
+    /// The characters of a text.
+    pub fn plain_text(&self, ty: AssertType) -> String {
+        String::from_utf16_lossy(&self.characters(ty))
     }
 
     fn bits(&self) -> u64 {
@@ -235,7 +272,7 @@ fn holds(comparison: &AssertComparison, left: &Value, right: &Value) -> bool {
     )
 }
 
-fn compare(
+pub(crate) fn compare(
     kind: AssertKind,
     (left, own): (&Value, AssertType),
     (right, other): (&Value, AssertType),
@@ -263,7 +300,7 @@ fn mask(ty: AssertType) -> u64 {
     u64::MAX >> (64 - width.clamp(1, 64))
 }
 
-fn signed(bits: u64, width: u8) -> i128 {
+pub(crate) fn signed(bits: u64, width: u8) -> i128 {
     let unused = 64 - u32::from(width.clamp(1, 64));
     i128::from((bits << unused) as i64 >> unused)
 }
@@ -283,7 +320,14 @@ fn hex(bits: u64) -> String {
 }
 
 fn quoted(text: &[u16]) -> String {
-    format!("'{}'", String::from_utf16_lossy(text).escape_default())
+    let mut quoted = String::from("'");
+    for c in String::from_utf16_lossy(text).chars() {
+        match c.is_control() || matches!(c, '\'' | '\\') {
+            true => quoted.extend(c.escape_default()),
+            false => quoted.push(c),
+        }
+    }
+    quoted + "'"
 }
 
 /// `-1h30m0.5s`
@@ -342,6 +386,11 @@ fn dtl(bytes: &[u8; 12]) -> Option<i128> {
     let days = i128::from(date.since(epoch).ok()?.get_days());
     let seconds = (i128::from(bytes[5]) * 60 + i128::from(bytes[6])) * 60 + i128::from(bytes[7]);
     Some((days * 86_400 + seconds) * i128::from(NS_PER_S) + i128::from(ns))
+}
+
+/// The byte of a character in Windows-1252.
+pub(crate) fn byte_of(character: u16) -> Option<u8> {
+    (0..=255u8).find(|&byte| windows_1252(byte.into()) == character)
 }
 
 /// The character of a byte of Windows-1252.

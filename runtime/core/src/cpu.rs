@@ -68,12 +68,15 @@ pub struct Cpu {
     pub(crate) family: &'static dyn Family,
     /// State that only an S7-200 has.
     pub(crate) s7200: Option<Box<S7200>>,
-    /// Outputs may have changed that the program does not use: the next copy to the modules is of all.
-    pub(crate) all_outputs: Cell<bool>,
+    /// The output byte before which the runtime may have changed outputs that no code of the program writes: the next copy to the
+    /// modules includes them.
+    pub(crate) outputs_changed: Cell<u32>,
     /// The OBs of the program cycle in the order of their numbers.
     pub(crate) cycle_obs: Vec<LoadedOb>,
     /// Of local time.
     pub(crate) zone: Cell<Zone>,
+    /// Number of the cycle, 0 in startup.
+    pub(crate) cycle: Cell<u64>,
     /// Run-time meters.
     pub(crate) meters: [Meter; METERS],
 }
@@ -101,6 +104,7 @@ impl Cpu {
             family: if image.s7200.is_some() { &ScanCycle } else { &Step7 },
             s7200: image.s7200.as_ref().map(|own| Box::new(S7200::new(own, &image.config.s7200))),
             assertions: Assertions::new(&image.asserts),
+            cycle: Cell::new(0),
             watchdog: Watchdog::new(&memory),
             memory,
             image,
@@ -117,7 +121,7 @@ impl Cpu {
             communication: RefCell::default(),
             zone: Cell::default(),
             meters: Default::default(),
-            all_outputs: Cell::new(true),
+            outputs_changed: Cell::new(u32::MAX),
             cycle_obs,
         });
         cpu.memory.set_host64(state::CPU, Rc::as_ptr(&cpu) as u64);

@@ -19,7 +19,7 @@ unsafe extern "C" {
 }
 
 #[derive(Parser)]
-#[command(about = "A PLC program compiled by plcc.", disable_version_flag = true)]
+#[command(about = "A PLC program compiled by plcc.", version)]
 struct CommandLine {
     #[command(flatten)]
     run: RunOptions,
@@ -54,10 +54,23 @@ pub unsafe extern "C" fn main(argc: c_int, argv: *const *const c_char) -> c_int 
     });
     let run = match CommandLine::try_parse_from(arguments) {
         Ok(command) => command.run,
+        Err(error) if error.kind() == clap::error::ErrorKind::DisplayVersion => return version(),
         Err(error) => return usage(&error),
     };
     match linked_program(0) {
         Ok((image, code)) => c_int::from(crate::run::run(image, code, &run)),
+        Err(error) => damaged(&error),
+    }
+}
+
+/// The name of the program and its CPU, and the compiler that made it.
+fn version() -> c_int {
+    match linked_program(0) {
+        Ok((image, _)) => {
+            let (name, cpu) = (&image.name, &image.profile.name);
+            let _ = writeln!(std::io::stdout(), "{name} for {cpu}, compiled by plcc {}", env!("CARGO_PKG_VERSION"));
+            c_int::from(crate::run::EXIT_OK)
+        }
         Err(error) => damaged(&error),
     }
 }

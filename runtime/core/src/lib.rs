@@ -6,11 +6,12 @@
 //! - [`cycle`], [`organization`], [`schedule`], [`faults`], [`diagnostics`]: cycle, OBs, interrupts, errors.
 //! - [`system`]: system functions (SFC), one file per family.
 //! - [`io`]: the driver; [`analog`]: words of analog channels; [`plant`]: the process at the I/O.
-//! - [`address`], [`value`], [`signal`], [`scenario`], [`trace`], [`options`]: what a user writes and sees.
+//! - [`address`], [`names`], [`value`], [`typed`], [`signal`], [`scenario`], [`trace`], [`options`]: what a user writes and sees.
 //! - [`communication`]: TCP and ISO-on-TCP connections of the program.
 //! - `family`: differences between the families of CPUs; [`s7200`]: functions of the S7-200 only.
 //! - [`guest`]: code that runs in the process of the compiler.
 //! - [`assertion`]: values of assertions, compared and printed by their types.
+//! - [`realtime`]: the scheduler for real time, locked memory; [`watchdog`]: what interrupts running code.
 //! - [`run`](mod@run), [`testing`]: the two ways to run a program. `executable` holds `main` of a compiled program.
 //!
 //! **Invariant**: the runtime is independent of the source language and never depends on the compiler.
@@ -41,10 +42,12 @@ pub mod guest;
 pub mod io;
 pub mod math;
 pub mod memory;
+pub mod names;
 pub mod ob_set;
 pub mod options;
 pub mod organization;
 pub mod plant;
+pub mod realtime;
 pub mod report;
 pub mod run;
 pub mod s7200;
@@ -58,6 +61,7 @@ pub mod testing;
 pub mod text;
 pub mod timers;
 pub mod trace;
+pub mod typed;
 pub mod value;
 pub mod watchdog;
 

@@ -42,7 +42,7 @@ pub struct RunOptions {
     /// Record values after each cycle in FILE.vcd or FILE.csv
     #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,
-    /// Values to record [default: the values of --print and all symbols, or Q0.0 to Q3.7 if there are none]
+    /// Values to record [default: the values of --print and those that the program uses]
     #[arg(long, value_name = "ADDR,...")]
     pub trace_signals: Vec<String>,
     /// Shortest time between two records [default: record each cycle]
@@ -60,6 +60,9 @@ pub struct RunOptions {
     /// Longest host time of a cycle under the virtual clock [default: 10s]
     #[arg(long, value_name = "TIME", value_parser = parse_duration)]
     pub hang_limit: Option<Duration>,
+    /// Run before all ordinary processes (SCHED_FIFO) with memory locked; needs CAP_SYS_NICE and CAP_IPC_LOCK
+    #[arg(long)]
+    pub realtime: bool,
     /// S7-200: stop also on errors that leave a real CPU in RUN
     #[arg(long)]
     pub stop_on_error: bool,
@@ -81,7 +84,7 @@ pub fn parse_duration(text: &str) -> Result<Duration, String> {
     duration::span(text).map(Duration).ok_or_else(wrong)
 }
 
-/// Splits lists at commas, but not inside quotes or parentheses.
+/// Splits lists at commas, but not inside quotes, parentheses or brackets.
 pub fn split_list(texts: &[String]) -> Vec<String> {
     let mut items = Vec::new();
     for text in texts {
@@ -97,8 +100,8 @@ pub fn split_list(texts: &[String]) -> Vec<String> {
                 (_, None) => {
                     match c {
                         '"' | '\'' => quote = Some(c),
-                        '(' => depth += 1,
-                        ')' => depth = depth.saturating_sub(1),
+                        '(' | '[' => depth += 1,
+                        ')' | ']' => depth = depth.saturating_sub(1),
                         _ => {}
                     }
                     item.push(c);
@@ -120,6 +123,7 @@ mod tests {
         let list = |text: &str| split_list(&[text.to_string()]);
         assert_eq!(list("Q4.0, MW20,\"a,b\""), ["Q4.0", "MW20", "\"a,b\""]);
         assert_eq!(list("MW0=B#(1,8),MD2='a,b'"), ["MW0=B#(1,8)", "MD2='a,b'"]);
+        assert_eq!(list("a[1,2].x,\"b\".c"), ["a[1,2].x", "\"b\".c"]);
         assert_eq!(list(""), Vec::<String>::new());
     }
 }

@@ -2,38 +2,31 @@
 
 use std::io::Write;
 
-use crate::address::Width;
+use crate::clock::NS_PER_MS;
 use crate::cpu::Cpu;
 use crate::plant::Plant;
-use crate::signal::{Signal, Value};
+use crate::signal::Signal;
 
-/// Writes one line per signal, or one JSON object. Names are printed as given.
+/// Writes one line per signal, or one JSON object with the cycle and its time in nanoseconds. Names are printed as given.
 pub fn write_values(
     cpu: &Cpu,
     plant: Option<&Plant>,
     signals: &[Signal],
-    json: bool,
+    json: Option<(u64, u64)>,
     out: &mut dyn Write,
 ) -> std::io::Result<()> {
-    if json {
-        let mut object = String::from("{");
-        for (index, Signal { name, source }) in signals.iter().enumerate() {
-            let value = source.read(cpu, plant);
-            let text = match value {
-                Value::Bits(_, Width::Bit(_)) => value.text(),
-                Value::Number(number) if number.is_finite() => value.text(),
-                Value::Bits(..) | Value::Number(_) => quoted(&value.text()),
-            };
-            object += &format!("{}{}: {text}", if index == 0 { "" } else { ", " }, quoted(name));
+    let Some((cycle, time)) = json else {
+        for Signal { name, source } in signals {
+            writeln!(out, "{name} = {}", source.read(cpu, plant).text())?;
         }
-        return writeln!(out, "{object}}}");
-    }
-    for Signal { name, source } in signals {
-        writeln!(out, "{name} = {}", source.read(cpu, plant).text())?;
-    }
-    Ok(())
-}
-
-fn quoted(text: &str) -> String {
-    serde_json::Value::from(text).to_string()
+        return Ok(());
+    };
+    let values = signals.iter().map(|Signal { name, source }| {
+        let value = serde_json::json!({ "type": source.ty(), "value": source.read(cpu, plant).json() });
+        format!("{}: {value}", serde_json::Value::from(name.as_str()))
+    });
+    // In the order of the flags.
+    let values: Vec<String> = values.collect();
+    let time = time as f64 / NS_PER_MS as f64;
+    writeln!(out, "{{\"cycle\": {cycle}, \"time_ms\": {time}, \"values\": {{{}}}}}", values.join(", "))
 }

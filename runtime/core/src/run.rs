@@ -7,7 +7,6 @@ use std::sync::{Arc, OnceLock};
 
 use plcc_abi::ProgramImage;
 
-use crate::address::{self, Address};
 use crate::clock::Clock;
 use crate::code::Code;
 use crate::cpu::Cpu;
@@ -17,9 +16,9 @@ use crate::io::Simulated;
 use crate::options::{ClockKind, HANG_LIMIT_DEFAULT, RunOptions, split_list};
 use crate::plant::Plant;
 use crate::scenario::{Player, Scenario};
-use crate::signal::{Signal, Source};
+use crate::signal::{Signal, Source, Value};
 use crate::trace::{self, Recorder};
-use crate::{diagnostics, report, signal};
+use crate::{diagnostics, names, realtime, report};
 
 /// The program stopped because it was asked to.
 pub const EXIT_OK: u8 = 0;
@@ -54,7 +53,9 @@ fn watch_signals() {
 
 /// Everything that flags name, checked.
 struct Session {
-    set: Vec<(Address, u64)>,
+    set: Vec<(Source, Value)>,
+    /// Time of the last cycle in nanoseconds.
+    last: u64,
     player: Player,
     recorder: Option<Recorder>,
 }
@@ -62,15 +63,16 @@ struct Session {
 impl Observer for Session {
     fn before(&mut self, cpu: &Cpu, cycle: u64, time: u64) {
         if cycle == 0 {
-            for (address, value) in &self.set {
+            for (source, value) in &self.set {
                 // Checked when the session was made.
-                let _ = cpu.write(address, *value);
+                let _ = source.write(cpu, value);
             }
         }
         self.player.before(cpu, cycle, time);
     }
 
     fn after(&mut self, cpu: &Cpu, cycle: u64, time: u64) {
+        self.last = time;
         self.player.after(cpu, cycle, time);
         if let Some(recorder) = &mut self.recorder {
             recorder.sample(cpu, self.player.plant(), cycle, time);
@@ -98,6 +100,10 @@ pub fn run(mut image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions) ->
         }
     };
     tell_partial(&cpu.image.partial, options.quiet);
+    if let Err(message) = realtime(options) {
+        say!("runtime: --realtime: {message}");
+        return EXIT_USAGE;
+    }
     watch_signals();
     let pace = Pace {
         cycles: options.cycles,
@@ -110,6 +116,20 @@ pub fn run(mut image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions) ->
     }
     let cycles = cpu.execute(&pace, &mut session);
     finish(&cpu, options, &printed, session, cycles)
+}
+
+/// Does what `--realtime` asks for. Under the virtual clock cycles follow each other without a pause: at the priority of real time they
+/// would keep the computer from everything else.
+fn realtime(options: &RunOptions) -> Result<(), String> {
+    match (options.realtime, options.clock) {
+        (false, _) => Ok(()),
+        (true, ClockKind::Real) => realtime::enter(),
+        (true, ClockKind::Virtual) => Err("the virtual clock does not wait; leave out one of both flags".to_string()),
+    }
+}
+
+fn is_closed(error: &std::io::Error) -> bool {
+    error.kind() == std::io::ErrorKind::BrokenPipe
 }
 
 /// Reports the stand-ins for missing parts, one per line, or all in one line.
@@ -126,20 +146,31 @@ fn finish(cpu: &Cpu, options: &RunOptions, printed: &[Signal], session: Session,
     let mut exit = EXIT_OK;
     if !printed.is_empty() {
         let mut out = std::io::stdout().lock();
-        // A closed pipe is not a fault of the program.
         let plant = session.player.plant();
-        let _ = report::write_values(cpu, plant, printed, options.json, &mut out).and_then(|()| out.flush());
+        let written =
+            report::write_values(cpu, plant, printed, options.json.then_some((cycles, session.last)), &mut out)
+                .and_then(|()| out.flush());
+        // A closed pipe is not a fault of the program.
+        if let Err(error) = written.or_else(|error| if is_closed(&error) { Ok(()) } else { Err(error) }) {
+            say!("runtime: cannot write to standard output: {error}");
+            exit = EXIT_USAGE;
+        }
     }
     for failure in session.player.failures() {
-        let (file, line, text) = (failure.file, failure.line, failure.text);
-        say!("{file}:{line}: expected {text}, but it is {}", failure.left);
-        exit = EXIT_FAULT;
+        let place = failure.place().map(|place| format!(" {place}")).unwrap_or_default();
+        let beside = match failure.beside.is_empty() {
+            true => String::new(),
+            false => format!("; beside it: {}", failure.beside.join(", ")),
+        };
+        let (file, line, text) = (&failure.file, failure.line, &failure.text);
+        say!("{file}:{line}: expected {text}, but it is {}{place}{beside}", failure.left);
+        exit = exit.max(EXIT_FAULT);
     }
     let stop = cpu.stopped();
     match stop {
         Some(stop) if !stop.asked => {
             say!("{}", cpu.stop_text(&stop));
-            exit = EXIT_FAULT;
+            exit = exit.max(EXIT_FAULT);
         }
         Some(stop) if stop.entry.event == STOP_BY_REQUEST => {
             if !options.quiet {
@@ -169,34 +200,67 @@ fn prepare(cpu: &Cpu, options: &RunOptions) -> Result<(Vec<Signal>, Session), St
     let player = Player::new(scenario.unwrap_or_default(), cpu)?.print_to(Box::new(std::io::stdout()), options.json);
     let printed = signals(cpu, player.plant(), &options.print)?;
     let asked = signals(cpu, player.plant(), &options.trace_signals)?;
+    // A wrong flag leaves the trace of an earlier run as it is.
+    let set = settings(cpu, &options.set)?;
     let recorder = match &options.trace {
         Some(path) => {
             let step = options.trace_step.map_or(0, |step| step.0);
-            Some(Recorder::create(path, trace::signals(cpu, &asked, &printed), step)?)
+            let (signals, has_more) = trace::signals(cpu, &asked, &printed);
+            if has_more {
+                let count = signals.len();
+                say!("the trace has the first {count} values of the program; --trace-signals names others");
+            }
+            Some(Recorder::create(path, signals, step)?)
         }
         None => None,
     };
-    Ok((printed, Session { set: settings(cpu, &options.set)?, player, recorder }))
+    Ok((printed, Session { set, last: 0, player, recorder }))
 }
+
+/// Values of a structure or DB that a flag names as a whole.
+const VALUES_MAX: usize = 1000;
 
 /// The signals of a list flag.
 fn signals(cpu: &Cpu, plant: Option<&Plant>, list: &[String]) -> Result<Vec<Signal>, String> {
-    let named = |name: String| {
-        let source = Source::find(&name, &cpu.image, plant)?;
-        source.check(cpu).map_err(|message| format!("{name}: {message}"))?;
-        Ok(Signal { name, source })
-    };
-    split_list(list).into_iter().map(named).collect()
+    let mut signals = Vec::new();
+    for name in split_list(list) {
+        let found = match Source::find(&name, &cpu.image, plant) {
+            Ok(source) => vec![Signal { name, source }],
+            // A structure, an array or a DB stands for all its values.
+            Err(wrong) => {
+                let values = names::values(&name, &cpu.image, VALUES_MAX).map_err(|_| wrong)?;
+                values.into_iter().map(|(name, named)| Signal { name, source: Source::of(named) }).collect()
+            }
+        };
+        for Signal { name, source } in &found {
+            source.check(cpu).map_err(|message| format!("{name}: {message}"))?;
+        }
+        signals.extend(found);
+    }
+    Ok(signals)
+}
+
+/// Splits at the first `=` that is not in quotes.
+fn split_setting(item: &str) -> Option<(&str, &str)> {
+    let mut in_quotes = false;
+    let at = item.find(|c| {
+        in_quotes ^= c == '"';
+        c == '=' && !in_quotes
+    })?;
+    Some((&item[..at], &item[at + 1..]))
 }
 
 /// The settings of `--set`. Inputs among them are copied into the process image from the start.
-fn settings(cpu: &Cpu, list: &[String]) -> Result<Vec<(Address, u64)>, String> {
+fn settings(cpu: &Cpu, list: &[String]) -> Result<Vec<(Source, Value)>, String> {
     let one = |item: String| {
-        let (name, text) = item.split_once('=').ok_or_else(|| format!("--set {item}: write ADDR=VALUE, as I0.0=1"))?;
-        let address = address::resolve(name, &cpu.image)?;
-        let checked = cpu.check_address(&address).and_then(|()| address.check_settable());
-        let checked = checked.and_then(|()| signal::parse_value(text, &address, &cpu.image));
-        checked.map(|value| (address, value)).map_err(|message| format!("--set {item}: {message}"))
+        let (name, text) = split_setting(&item).ok_or_else(|| format!("--set {item}: write ADDR=VALUE, as I0.0=1"))?;
+        let source = Source::find(name, &cpu.image, None)?;
+        let checked = match source.address() {
+            Some(address) => cpu.check_address(address).and_then(|()| source.check_settable()),
+            None => source.check_settable(),
+        };
+        let checked = checked.and_then(|()| source.parse(text, &cpu.image));
+        checked.map(|value| (source, value)).map_err(|message| format!("--set {item}: {message}"))
     };
     split_list(list).into_iter().map(one).collect()
 }

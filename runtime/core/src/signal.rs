@@ -2,30 +2,35 @@
 //!
 //! | Text | Value |
 //! | --- | --- |
-//! | `MW20`, `Motor`, `AI0` | bits, as `--print` writes them |
+//! | `MW20`, `AI0` | bits, as `--print` writes them |
+//! | `Motor`, `Station_DB.D1.Starts` | a value of its declared type |
 //! | `AO0 in %`, `Level_Transmitter in mA` | number in a unit, by the range of the channel |
-//! | `Level as REAL`, `MW10 as INT` | number |
+//! | `Level as REAL`, `MW10 as INT`, `DB1.DBB0 as STRING` | a value of this type |
 //! | `plant.level` | number, from the plant of the scenario |
 //! | `pulse.1.duty`, `pulse.1.period` | of a pulse generator: on-time in percent of its cycle, cycle in milliseconds |
 //! | `PLS0.COUNT` | pulses of a pulse output of an S7-200 |
 //!
-//! After the last three ` in UNIT` may name their unit, for the axis of a picture; it changes nothing.
+//! After the last four ` in UNIT` may name their unit, for the axis of a picture; it changes nothing.
 
 use plcc_abi::ProgramImage;
-use plcc_abi::image::{AnalogChannel, Module, StationModule};
+use plcc_abi::image::{AnalogChannel, AssertType, Module, StationModule};
 
-use crate::address::{self, Address, Bits, Place, Width};
+use crate::address::{Address, Bits, Place, Width};
 use crate::analog::{self, Scale};
+use crate::assertion::Value as TypedValue;
 use crate::cpu::Cpu;
+use crate::names::{self, Named};
 use crate::plant::Plant;
 use crate::s7200::{self, Part};
+use crate::typed::{self, ValueType};
 use crate::value;
 
 /// Where a value comes from and how it is read.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Source {
     Bits(Address),
-    Number(Address, NumberType),
+    /// A value of a type that is not bits.
+    Typed(Address, ValueType),
     /// A word of an analog channel.
     Channel(Address, Scale),
     /// A value of the plant, by its number.
@@ -38,55 +43,14 @@ pub enum Source {
     PulseCount(u8),
 }
 
-/// How bits at an address are a number.
+/// How a trace shows a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum NumberType {
-    /// An integer with a sign, of the width of the address.
-    Signed,
-    Unsigned,
-    Real,
-    Lreal,
+pub enum Shape {
+    Bits(Width),
+    /// Durations in seconds.
+    Number,
+    Text,
 }
-
-impl NumberType {
-    /// The number that the bits of an address of this width are.
-    fn number(self, bits: Bits, width: Width) -> f64 {
-        let unused = 64 - width.bits();
-        match self {
-            NumberType::Signed => ((bits << unused) as i64 >> unused) as f64,
-            NumberType::Unsigned => bits as f64,
-            NumberType::Real => f64::from(f32::from_bits(bits as u32)),
-            NumberType::Lreal => f64::from_bits(bits),
-        }
-    }
-
-    /// The bits of a number, rounded and limited to what the type holds.
-    fn bits(self, number: f64, width: Width) -> Bits {
-        match self {
-            NumberType::Real => u64::from((number as f32).to_bits()),
-            NumberType::Lreal => number.to_bits(),
-            NumberType::Unsigned => match width {
-                Width::Bit(_) | Width::Byte => u64::from(number.round() as u8),
-                Width::Word => u64::from(number.round() as u16),
-                Width::Dword => u64::from(number.round() as u32),
-                Width::Lword => number.round() as u64,
-            },
-            NumberType::Signed if width == Width::Byte => u64::from(number.round() as i8 as u8),
-            NumberType::Signed => whole(number, width),
-        }
-    }
-}
-
-const NUMBER_TYPES: [(&str, NumberType, Width); 8] = [
-    ("SINT", NumberType::Signed, Width::Byte),
-    ("INT", NumberType::Signed, Width::Word),
-    ("DINT", NumberType::Signed, Width::Dword),
-    ("USINT", NumberType::Unsigned, Width::Byte),
-    ("UINT", NumberType::Unsigned, Width::Word),
-    ("UDINT", NumberType::Unsigned, Width::Dword),
-    ("REAL", NumberType::Real, Width::Dword),
-    ("LREAL", NumberType::Lreal, Width::Lword),
-];
 
 /// A source with the name that the user gave it.
 #[derive(Clone, Debug, PartialEq)]
@@ -96,18 +60,78 @@ pub struct Signal {
 }
 
 /// A value that was read.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Value {
     Bits(Bits, Width),
+    /// A whole number of a type.
+    Whole(i128),
     Number(f64),
+    /// A value of another type.
+    Typed(AssertType, TypedValue),
 }
 
 impl Value {
+    /// Of a type.
+    fn typed(ty: AssertType, value: TypedValue, width: Width) -> Value {
+        match (ty, &value) {
+            (AssertType::Bool | AssertType::Bits(_), TypedValue::Bits(bits)) => Value::Bits(*bits, width),
+            (AssertType::Real, TypedValue::Bits(bits)) => Value::Number(f32::from_bits(*bits as u32).into()),
+            (_, TypedValue::Bits(bits)) => match typed::whole(ty, *bits) {
+                Some(whole) => Value::Whole(whole),
+                None => Value::Typed(ty, value),
+            },
+            _ => Value::Typed(ty, value),
+        }
+    }
+
     /// As `--print` writes it.
-    pub fn text(self) -> String {
+    pub fn text(&self) -> String {
         match self {
-            Value::Bits(bits, width) => value::text(bits, width),
-            Value::Number(number) => number_text(number),
+            Value::Bits(bits, width) => value::text(*bits, *width),
+            Value::Whole(whole) => whole.to_string(),
+            Value::Number(number) => number_text(*number),
+            Value::Typed(AssertType::Lreal, _) => self.number().map_or_else(String::new, |number| number.to_string()),
+            Value::Typed(ty, value) => value.typed_text(*ty),
+        }
+    }
+
+    /// As a number, a duration in seconds; `None`: a text or a date.
+    pub fn number(&self) -> Option<f64> {
+        match self {
+            Value::Bits(bits, _) => Some(*bits as f64),
+            Value::Whole(whole) => Some(*whole as f64),
+            Value::Number(number) => Some(*number),
+            Value::Typed(AssertType::Lreal, TypedValue::Bits(bits)) => Some(f64::from_bits(*bits)),
+            Value::Typed(ty, value) => value.seconds(*ty),
+        }
+    }
+
+    /// As JSON: a number, true or false where it is one, else a text.
+    pub fn json(&self) -> serde_json::Value {
+        match self {
+            Value::Bits(bits, Width::Bit(_)) => (*bits != 0).into(),
+            Value::Bits(bits, _) => (*bits).into(),
+            Value::Whole(whole) => match (i64::try_from(*whole), u64::try_from(*whole)) {
+                (Ok(whole), _) => whole.into(),
+                (_, Ok(whole)) => whole.into(),
+                _ => whole.to_string().into(),
+            },
+            // NaN and infinite numbers are null.
+            Value::Number(number) => number_text(*number).parse::<f64>().unwrap_or(*number).into(),
+            Value::Typed(AssertType::Lreal, _) => self.number().into(),
+            Value::Typed(
+                AssertType::Text | AssertType::WideText | AssertType::Char | AssertType::Wchar,
+                TypedValue::Bits(_) | TypedValue::Text(_) | TypedValue::Bytes(_),
+            ) => self.plain_text().into(),
+            Value::Typed(..) => self.text().into(),
+        }
+    }
+
+    /// A text without quotes.
+    fn plain_text(&self) -> String {
+        match self {
+            Value::Typed(ty, value) => value.plain_text(*ty),
+            Value::Bits(..) | Value::Whole(_) | Value::Number(_) => self.text(),
         }
     }
 }
@@ -138,33 +162,56 @@ impl Source {
         if let Some(number) = pulse_output(without_unit(text), image) {
             return Ok(Source::PulseCount(number));
         }
-        let plain = address::resolve(text, image).map(Source::Bits);
+        let plain = names::find(text, image).map(Source::of);
         if plain.is_ok() {
             return plain;
         }
-        if let Some((name, ty)) = text.rsplit_once(" as ") {
-            let ty = without_unit(ty);
-            let address = address::resolve(name, image)?;
-            let row = NUMBER_TYPES.iter().find(|(word, ..)| word.eq_ignore_ascii_case(ty.trim()));
-            let (_, ty, width) = row.ok_or_else(|| {
-                format!("`{}` is not one of SINT, INT, DINT, USINT, UINT, UDINT, REAL, LREAL", ty.trim())
-            })?;
-            if address.width != *width {
-                return Err(format!("the width of {} is not that of {}", name.trim(), row.map_or("", |row| row.0)));
-            }
-            return Ok(Source::Number(address, *ty));
+        if let Some((name, ty)) = split_last(text, " as ") {
+            let ty = typed::from_word(without_unit(ty))?;
+            return as_type(names::find(name, image)?, ty)
+                .ok_or_else(|| format!("the width of {} is not that of {}", name.trim(), typed::name(ty)));
         }
-        if let Some((name, unit)) = text.rsplit_once(" in ") {
-            let address = address::resolve(name, image)?;
+        if let Some((name, unit)) = split_last(text, " in ") {
+            if let Ok(source) = names::find(name, image).map(Source::of)
+                && !matches!(source, Source::Bits(_))
+                && scale(source.address().unwrap_or(&NOWHERE), unit, image).is_err()
+            {
+                return Ok(source);
+            }
+            let address = names::find(name, image)?.address;
             return Ok(Source::Channel(address, scale(&address, unit, image)?));
         }
         plain
     }
 
+    /// By the declared type of a named value.
+    pub fn of(named: Named) -> Source {
+        match named.ty {
+            Some(ty) if !matches!(ty.ty, AssertType::Bool | AssertType::Bits(_)) => Source::Typed(named.address, ty),
+            Some(_) | None => Source::Bits(named.address),
+        }
+    }
+
+    /// The type of its values.
+    pub fn ty(&self) -> &'static str {
+        match self {
+            Source::Bits(address) => match address.width {
+                Width::Bit(_) => "BOOL",
+                Width::Byte => "BYTE",
+                Width::Word => "WORD",
+                Width::Dword => "DWORD",
+                Width::Lword => "LWORD",
+            },
+            Source::Typed(_, ty) => typed::name(ty.ty),
+            Source::PulseCount(_) => "UDINT",
+            Source::Channel(..) | Source::Plant(_) | Source::PulseDuty(_) | Source::PulsePeriod(_) => "REAL",
+        }
+    }
+
     /// The address, if it has one.
     pub fn address(&self) -> Option<&Address> {
         match self {
-            Source::Bits(address) | Source::Number(address, _) | Source::Channel(address, _) => Some(address),
+            Source::Bits(address) | Source::Typed(address, _) | Source::Channel(address, _) => Some(address),
             Source::Plant(_) | Source::PulseDuty(_) | Source::PulsePeriod(_) | Source::PulseCount(_) => None,
         }
     }
@@ -179,9 +226,9 @@ impl Source {
         }
     }
 
-    /// True for integers: no other number means one of them.
+    /// True for counts: no other number means one of them.
     pub fn is_exact(&self) -> bool {
-        matches!(self, Source::Number(_, NumberType::Signed | NumberType::Unsigned) | Source::PulseCount(_))
+        matches!(self, Source::PulseCount(_))
     }
 
     pub fn read(&self, cpu: &Cpu, plant: Option<&Plant>) -> Value {
@@ -190,7 +237,7 @@ impl Source {
                 let driven = pulse_terminal(address, cpu).and_then(|number| cpu.s7200_pulse_level(number));
                 Value::Bits(driven.map_or_else(|| cpu.read(address), u64::from), address.width)
             }
-            Source::Number(address, ty) => Value::Number(ty.number(cpu.read(address), address.width)),
+            Source::Typed(address, ty) => Value::typed(ty.ty, typed_value(cpu, address, *ty), address.width),
             Source::Channel(address, scale) => {
                 let word = cpu.read(address) as u16 as i16;
                 let is_output = matches!(
@@ -210,31 +257,171 @@ impl Source {
         }
     }
 
-    /// Width in a trace; `None`: a number.
-    pub fn width(&self) -> Option<Width> {
+    /// How a trace shows it.
+    pub fn shape(&self) -> Shape {
         match self {
-            Source::Bits(address) => Some(address.width),
-            Source::Number(..)
-            | Source::Channel(..)
+            Source::Bits(address) => Shape::Bits(address.width),
+            Source::Typed(_, ty) => match ty.ty {
+                AssertType::Date
+                | AssertType::TimeOfDay
+                | AssertType::Ltod
+                | AssertType::Ldt
+                | AssertType::DateAndTime
+                | AssertType::Dtl
+                | AssertType::Char
+                | AssertType::Wchar
+                | AssertType::Text
+                | AssertType::WideText => Shape::Text,
+                _ => Shape::Number,
+            },
+            Source::Channel(..)
             | Source::Plant(_)
             | Source::PulseDuty(_)
             | Source::PulsePeriod(_)
-            | Source::PulseCount(_) => None,
+            | Source::PulseCount(_) => Shape::Number,
+        }
+    }
+
+    /// Reads the text of a value for this source. `Err`: the error as a sentence.
+    pub fn parse(&self, text: &str, image: &ProgramImage) -> Result<Value, String> {
+        match self {
+            Source::Bits(address) => parse_value(text, address, image).map(|bits| Value::Bits(bits, address.width)),
+            Source::Typed(address, ty) => match (typed::parse(text, *ty), analog::with_unit(text)) {
+                (Err(_), Some((number, unit))) if address.width == Width::Word => {
+                    let word = scale(address, unit, image)?.word(number);
+                    Ok(Value::typed(ty.ty, TypedValue::Bits(u64::from(word as u16)), address.width))
+                }
+                (parsed, _) => parsed.map(|value| Value::typed(ty.ty, value, address.width)),
+            },
+            Source::Channel(..)
+            | Source::Plant(_)
+            | Source::PulseDuty(_)
+            | Source::PulsePeriod(_)
+            | Source::PulseCount(_) => {
+                let number = text.trim().parse::<f64>().map_err(|_| format!("`{}` is not a number", text.trim()));
+                number.map(Value::Number)
+            }
+        }
+    }
+
+    /// Whether a value can be set there from outside. `Err`: why not.
+    pub fn check_settable(&self) -> Result<(), String> {
+        match self {
+            Source::Bits(address) | Source::Typed(address, _) | Source::Channel(address, _) => address.check_settable(),
+            Source::PulseDuty(_) | Source::PulsePeriod(_) | Source::PulseCount(_) => {
+                Err("the program sets a pulse generator".to_string())
+            }
+            Source::Plant(_) => Err("set a value of the plant with `plant = { name = 1.0 }`".to_string()),
+        }
+    }
+
+    /// Sets a value that [`parse`](Source::parse) has read. `Err`: the error.
+    pub fn write(&self, cpu: &Cpu, value: &Value) -> Result<(), String> {
+        self.check_settable()?;
+        let Some(address) = self.address() else { return Ok(()) };
+        match (self, value) {
+            (_, Value::Bits(bits, _) | Value::Typed(_, TypedValue::Bits(bits))) => cpu.write(address, *bits),
+            (_, Value::Whole(whole)) => cpu.write(address, *whole as u64 & mask(address.width)),
+            (_, Value::Number(number)) => self.write_number(cpu, *number),
+            (_, Value::Typed(_, TypedValue::Bytes(bytes))) => cpu.write_bytes(address, bytes),
+            (Source::Typed(_, ty), Value::Typed(_, TypedValue::Text(text))) => write_text(cpu, address, *ty, text),
+            (_, Value::Typed(_, TypedValue::Text(_))) => Ok(()),
         }
     }
 
     /// Sets the address to a number, rounded and limited to what it holds. `Err`: the error.
     pub fn write_number(&self, cpu: &Cpu, number: f64) -> Result<(), String> {
+        self.check_settable()?;
         let (address, bits) = match self {
             Source::Bits(address) => (address, whole(number, address.width)),
-            Source::Number(address, ty) => (address, ty.bits(number, address.width)),
+            Source::Typed(address, ty) => (address, number_bits(number, ty.ty, address.width)),
             Source::Channel(address, scale) => (address, u64::from(scale.word(number) as u16)),
-            Source::PulseDuty(_) | Source::PulsePeriod(_) | Source::PulseCount(_) => {
-                return Err("the program sets a pulse generator".to_string());
-            }
-            Source::Plant(_) => return Err("set a value of the plant with `plant = { name = 1.0 }`".to_string()),
+            Source::PulseDuty(_) | Source::PulsePeriod(_) | Source::PulseCount(_) | Source::Plant(_) => return Ok(()),
         };
         cpu.write(address, bits)
+    }
+}
+
+/// An address that no unit belongs to.
+const NOWHERE: Address = Address { place: Place::Timer(0), width: Width::Bit(0) };
+
+/// Splits at the last separator, in any letter case.
+fn split_last<'a>(text: &'a str, separator: &str) -> Option<(&'a str, &'a str)> {
+    let at = text.to_ascii_lowercase().rfind(separator)?;
+    Some((&text[..at], &text[at + separator.len()..]))
+}
+
+/// A value read as another type; `None`: the widths differ. What has 64 bits or more may begin at a byte.
+fn as_type(named: Named, ty: AssertType) -> Option<Source> {
+    let mut address = named.address;
+    let ty = match named.ty {
+        Some(own) if own.ty == ty => own,
+        Some(_) | None => ValueType::of(ty),
+    };
+    let width = ty.width(match address.width {
+        Width::Bit(bit) => bit,
+        Width::Byte | Width::Word | Width::Dword | Width::Lword => 0,
+    });
+    let begins_here = address.width == Width::Byte && matches!(width, Width::Byte | Width::Lword);
+    if address.width != width && !begins_here {
+        return None;
+    }
+    address.width = width;
+    Some(Source::of(Named { address, ty: Some(ty) }))
+}
+
+/// The value of a type at an address.
+fn typed_value(cpu: &Cpu, address: &Address, ty: ValueType) -> TypedValue {
+    match ty.ty {
+        AssertType::Dtl => TypedValue::of_bytes(ty.ty, &cpu.read_bytes(address, 12)),
+        AssertType::Text => {
+            let head = cpu.read_bytes(address, 2);
+            let length = head.iter().min().map_or(0, |length| u32::from(*length));
+            TypedValue::of_bytes(ty.ty, &cpu.read_bytes(address, 2 + length))
+        }
+        AssertType::WideText => {
+            let head = cpu.read_bytes(address, 4);
+            let word = |at: usize| u32::from(head[at]) << 8 | u32::from(head[at + 1]);
+            let length = word(0).min(word(2)).min(16_382);
+            TypedValue::of_bytes(ty.ty, &cpu.read_bytes(address, 4 + 2 * length))
+        }
+        _ => TypedValue::Bits(cpu.read(address)),
+    }
+}
+
+/// Writes a text with its length. Its maximum length stays, or becomes the declared one if there was none.
+fn write_text(cpu: &Cpu, address: &Address, ty: ValueType, text: &[u16]) -> Result<(), String> {
+    let is_wide = ty.ty == AssertType::WideText;
+    let head = cpu.read_bytes(address, 4);
+    let room = if is_wide { u16::from(head[0]) << 8 | u16::from(head[1]) } else { head[0].into() };
+    let room = if room == 0 { ty.length } else { room };
+    if text.len() > usize::from(room) {
+        return Err(format!("the text has {} characters; there is room for {room}", text.len()));
+    }
+    let length = text.len() as u16;
+    let bytes: Vec<u8> = match is_wide {
+        true => [room, length].iter().chain(text).flat_map(|unit| unit.to_be_bytes()).collect(),
+        false => [room, length].iter().chain(text).map(|unit| *unit as u8).collect(),
+    };
+    cpu.write_bytes(address, &bytes)
+}
+
+fn mask(width: Width) -> u64 {
+    u64::MAX >> (64 - width.bits())
+}
+
+/// The bits of a number, rounded and limited to what the type holds; a duration is in seconds.
+fn number_bits(number: f64, ty: AssertType, width: Width) -> Bits {
+    match ty {
+        AssertType::Real => u64::from((number as f32).to_bits()),
+        AssertType::Lreal => number.to_bits(),
+        AssertType::Unsigned(8) => u64::from(number.round() as u8),
+        AssertType::Unsigned(16) => u64::from(number.round() as u16),
+        AssertType::Unsigned(32) => u64::from(number.round() as u32),
+        AssertType::Unsigned(_) => number.round() as u64,
+        AssertType::Signed(8) => u64::from(number.round() as i8 as u8),
+        AssertType::Time => whole(number * 1000.0, width),
+        _ => whole(number, width),
     }
 }
 
@@ -307,7 +494,13 @@ fn channel<'a>(address: &Address, image: &'a ProgramImage) -> Option<&'a AnalogC
     station(image).into_iter().find_map(|(module, station)| match address.place {
         Place::PeripheralInput(byte) | Place::Input(byte) => at(module.input_start, byte, &station.analog_inputs),
         Place::PeripheralOutput(byte) | Place::Output(byte) => at(module.output_start, byte, &station.analog_outputs),
-        Place::BitMemory(_) | Place::Db(..) | Place::Timer(_) | Place::Counter(_) | Place::S7200(..) => None,
+        Place::BitMemory(_)
+        | Place::Db(..)
+        | Place::Timer(_)
+        | Place::Counter(_)
+        | Place::TimerValue(_)
+        | Place::CounterValue(_)
+        | Place::S7200(..) => None,
     })
 }
 

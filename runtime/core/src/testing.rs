@@ -6,7 +6,8 @@ use std::rc::Rc;
 use plcc_abi::ProgramImage;
 use serde::{Deserialize, Serialize};
 
-use crate::clock::Clock;
+use crate::assertion::Failed;
+use crate::clock::{Clock, NS_PER_MS};
 use crate::code::Code;
 use crate::cpu::Cpu;
 use crate::cycle::Pace;
@@ -45,7 +46,7 @@ pub struct TestOptions {
 }
 
 /// An assertion that failed.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AssertFailure {
     pub file: String,
     pub line: u32,
@@ -53,6 +54,27 @@ pub struct AssertFailure {
     /// Both sides, ready to print.
     pub left: String,
     pub right: String,
+    /// Cycle and time in nanoseconds, where it happened in one.
+    pub when: Option<(u64, u64)>,
+    /// Type of an expected value; empty if it has none.
+    pub ty: String,
+    /// The value that came and the one that was expected, as JSON; of an expectation.
+    pub values: Option<(serde_json::Value, serde_json::Value)>,
+    /// Values next to the one that was expected, ready to print.
+    pub beside: Vec<String>,
+}
+
+impl AssertFailure {
+    /// One without a text.
+    pub fn at(file: &str, line: u32) -> AssertFailure {
+        AssertFailure { file: file.to_string(), line, ..AssertFailure::default() }
+    }
+
+    /// `in cycle 7, at 60 ms`, if it happened in one.
+    pub fn place(&self) -> Option<String> {
+        let (cycle, time) = self.when?;
+        Some(format!("in cycle {cycle}, at {} ms", time as f64 / NS_PER_MS as f64))
+    }
 }
 
 /// An assertion that was never executed.
@@ -128,7 +150,15 @@ fn judge(cpu: &Cpu, options: &TestOptions, until_stop: bool, player: &Player, re
     for (id, entry) in image.asserts.iter().enumerate() {
         let (file, line, text) = (file(entry.file), entry.line, entry.text.clone());
         match cpu.assertions.failure(id) {
-            Some((left, right)) => report.failures.push(AssertFailure { file, line, text, left, right }),
+            Some(Failed { left, right, when }) => {
+                report.failures.push(AssertFailure {
+                    text,
+                    left,
+                    right,
+                    when: Some(when),
+                    ..AssertFailure::at(&file, line)
+                });
+            }
             None if cpu.assertions.is_executed(id) || entry.trap => report.passed += 1,
             // A program that is to fail ends where it fails.
             None if options.expect_fail.is_some() => {}

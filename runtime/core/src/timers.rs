@@ -123,6 +123,15 @@ pub fn settle(memory: &Memory, clock: &Clock, number: u32) {
     }
 }
 
+/// Remaining time of the timer as an S5TIME (`LC T n`); 0 if there is no such timer.
+pub fn remaining(memory: &Memory, clock: &Clock, number: u32) -> u16 {
+    if number >= TIMERS_MAX {
+        return 0;
+    }
+    let cell = Cell::load(memory, clock, number);
+    u16::from(cell.base) << 12 | bcd::from_int(cell.value.into(), 3) as u16
+}
+
 /// Status of the timer at this moment (`A T n`); false if there is no such timer.
 pub fn scan(memory: &Memory, clock: &Clock, number: u32) -> bool {
     number < TIMERS_MAX && Cell::load(memory, clock, number).status

@@ -1,7 +1,6 @@
 //! `plcc build`.
 
 use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use crate::cache::Cache;
@@ -14,7 +13,11 @@ use crate::{emit, link, statistics};
 
 /// Compiles and links, or writes an intermediate form.
 pub fn build(args: &BuildArgs) -> u8 {
-    let read = inputs::read_as(&args.inputs, args.compile.code_page);
+    let inputs = match inputs::or_here(&args.inputs) {
+        Ok(inputs) => inputs,
+        Err(code) => return code,
+    };
+    let read = inputs::read_as(&inputs, args.compile.code_page);
     let name = read.name.clone();
     match build_read(args, read, &name) {
         Ok(()) => exit::OK,
@@ -59,7 +62,8 @@ fn build_read(args: &BuildArgs, read: Read, name: &str) -> Result<(), u8> {
     match args.emit {
         Some(Emit::Obj) => {
             let output = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{name}.o")));
-            write_bytes(&output, &object(&compiled)?)
+            write_bytes(&output, &object(&compiled)?)?;
+            written(&output, args)
         }
         Some(Emit::Ir) => write_text(args.output.as_deref(), &plcc_ir::print::module_text(&compiled.module)),
         Some(Emit::Clif) => {
@@ -113,7 +117,26 @@ fn link_executable(bound: Bound, args: &BuildArgs, name: &str) -> Result<(), u8>
     link::link(&[object], &output, args.linker.as_deref()).map_err(|error| {
         report::say(&error.to_string());
         exit::USAGE
-    })
+    })?;
+    written(&output, args)
+}
+
+/// Tells what was written, and how large it is.
+fn written(output: &Path, args: &BuildArgs) -> Result<(), u8> {
+    let size = fs::metadata(output).ok().filter(fs::Metadata::is_file).map(|metadata| metadata.len());
+    match size.filter(|_| !args.quiet) {
+        Some(bytes) => report::print(&format!("wrote {} ({})\n", output.display(), size_text(bytes))),
+        None => Ok(()),
+    }
+}
+
+/// `1.2 MB`
+fn size_text(bytes: u64) -> String {
+    match bytes {
+        0..1_000 => format!("{bytes} bytes"),
+        1_000..1_000_000 => format!("{:.1} kB", bytes as f64 / 1e3),
+        _ => format!("{:.1} MB", bytes as f64 / 1e6),
+    }
 }
 
 fn is_same_file(a: &Path, b: &Path) -> bool {
@@ -124,11 +147,7 @@ fn is_same_file(a: &Path, b: &Path) -> bool {
 fn write_text(output: Option<&Path>, text: &str) -> Result<(), u8> {
     match output {
         Some(path) => write_bytes(path, text.as_bytes()),
-        // A closed pipe (`| head`) is not a fault.
-        None => {
-            let _ = std::io::stdout().write_all(text.as_bytes());
-            Ok(())
-        }
+        None => report::print(text),
     }
 }
 

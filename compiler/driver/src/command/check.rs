@@ -7,7 +7,11 @@ use crate::{inputs, pipeline};
 
 /// Reports all messages. Returns 3 after an error, otherwise 0.
 pub fn check(args: &CheckArgs) -> u8 {
-    let read = inputs::read_as(&args.inputs, args.compile.code_page);
+    let inputs = match inputs::or_here(&args.inputs) {
+        Ok(inputs) => inputs,
+        Err(code) => return code,
+    };
+    let read = inputs::read_as(&inputs, args.compile.code_page);
     let unreadable = read.is_unreadable();
     // A single file may be part of a program; a project is a whole one.
     let settings = pipeline::Settings::new(&args.compile);

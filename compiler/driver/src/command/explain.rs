@@ -8,10 +8,7 @@ use crate::report;
 /// Prints the page of `code`.
 pub fn explain(code: &str) -> u8 {
     match Code::from_name(code.trim()) {
-        Some(code) => {
-            print!("{}", code.page());
-            exit::OK
-        }
+        Some(code) => report::print(code.page()).err().unwrap_or(exit::OK),
         None => {
             report::say(&format!(
                 "unknown code `{code}`; codes go from {} to {}",

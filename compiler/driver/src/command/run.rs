@@ -16,7 +16,7 @@ pub fn run(args: &RunArgs) -> u8 {
 }
 
 fn compile(args: &RunArgs) -> Result<(plcc_abi::ProgramImage, Rc<dyn plcc_runtime::Code>), u8> {
-    let read = inputs::read_as(&args.inputs, args.compile.code_page);
+    let read = inputs::read_as(&inputs::or_here(&args.inputs)?, args.compile.code_page);
     let unreadable = read.is_unreadable();
     let settings = pipeline::Settings { require_main: true, ..pipeline::Settings::new(&args.compile) };
     let bound = accepted(pipeline::front(read, &settings), unreadable)?;

@@ -25,10 +25,7 @@ pub fn station(folder: &Path) -> u8 {
         return exit::COMPILE;
     }
     match read.project.and_then(|project| project.station) {
-        Some(found) => {
-            print!("{}", station::table(&found));
-            exit::OK
-        }
+        Some(found) => report::print(&station::table(&found)).err().unwrap_or(exit::OK),
         None => {
             report::say(&format!(
                 "{} does not describe a station; docs/plc-toml.md shows how to",

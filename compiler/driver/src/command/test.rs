@@ -1,12 +1,17 @@
 //! `plcc test`.
 
+use std::fmt::Write;
+
+use plcc_runtime::AssertFailure;
+use serde_json::json;
+
 use crate::cli::{FormArg, TestArgs};
 use crate::command::exit;
 use crate::pipeline::Settings;
-use crate::testing::{self, Form, Outcome, Plan, Variant};
+use crate::testing::{self, Form, Outcome, Plan, Variant, find};
 use crate::{inputs, report};
 
-/// Runs all tests and prints what failed, then `N passed, M failed`.
+/// Runs all tests and prints what failed, then `N passed, M failed`; or all of it as JSON.
 pub fn test(args: &TestArgs) -> u8 {
     let forms: &[Form] = match args.form {
         FormArg::Interp => &[Form::Interp],
@@ -20,10 +25,15 @@ pub fn test(args: &TestArgs) -> u8 {
         variants: forms.iter().map(|&form| Variant { form, optimization }).collect(),
         linker: args.linker.clone(),
     };
-    let tests = inputs::find_tests(&args.inputs);
+    let paths = match inputs::or_here(&args.inputs) {
+        Ok(paths) => paths,
+        Err(code) => return code,
+    };
+    let tests = find::find_tests(&paths);
     let outcomes = testing::run(&tests, &plan);
-    for scenario in inputs::lone_scenarios(&args.inputs, &tests) {
-        println!("no source next to the scenario: {}", scenario.display());
+    let mut text = String::new();
+    for scenario in find::lone_scenarios(&paths, &tests) {
+        let _ = writeln!(text, "no source next to the scenario: {}", scenario.display());
     }
     if outcomes.is_empty() {
         report::say("no source in the given folders");
@@ -31,14 +41,20 @@ pub fn test(args: &TestArgs) -> u8 {
     }
     for outcome in &outcomes {
         eprint!("{}", outcome.messages);
-        print!("{}", outcome.failures);
+        text.push_str(&outcome.failures);
         for file in &outcome.untested {
-            println!("no assertions: {file}");
+            let _ = writeln!(text, "no assertions: {file}");
         }
     }
     let sum = |count: fn(&Outcome) -> u64| outcomes.iter().map(count).sum::<u64>();
     let failed = sum(|outcome| outcome.failed);
-    println!("{} passed, {failed} failed", sum(|outcome| outcome.passed));
+    let _ = writeln!(text, "{} passed, {failed} failed", sum(|outcome| outcome.passed));
+    if args.json {
+        text = json(&outcomes);
+    }
+    if let Err(code) = report::print(&text) {
+        return code;
+    }
     if outcomes.iter().any(|outcome| outcome.unreadable) {
         exit::USAGE
     } else if outcomes.iter().any(|outcome| outcome.rejected) {
@@ -48,4 +64,45 @@ pub fn test(args: &TestArgs) -> u8 {
     } else {
         exit::OK
     }
+}
+
+/// One object: the sums, and each test with its failures.
+fn json(outcomes: &[Outcome]) -> String {
+    let tests = outcomes.iter().map(|outcome| {
+        json!({
+            "name": outcome.name,
+            "passed": outcome.passed,
+            "failed": outcome.failed,
+            "compiled": !outcome.rejected && !outcome.unreadable,
+            "failures": outcome.details.iter().map(failure).collect::<Vec<_>>(),
+            "text": outcome.failures,
+            "messages": outcome.messages,
+            "no_assertions": outcome.untested,
+        })
+    });
+    let tests: Vec<_> = tests.collect();
+    let sum = |count: fn(&Outcome) -> u64| outcomes.iter().map(count).sum::<u64>();
+    let all = json!({
+        "passed": sum(|outcome| outcome.passed),
+        "failed": sum(|outcome| outcome.failed),
+        "tests": tests,
+    });
+    format!("{all}\n")
+}
+
+fn failure(failure: &AssertFailure) -> serde_json::Value {
+    let (cycle, time) = failure.when.unzip();
+    let texts = || (failure.left.as_str().into(), failure.right.as_str().into());
+    let (found, expected) = failure.values.clone().unwrap_or_else(texts);
+    json!({
+        "file": failure.file,
+        "line": failure.line,
+        "text": failure.text,
+        "found": found,
+        "expected": expected,
+        "type": failure.ty,
+        "cycle": cycle,
+        "time_ms": time.map(|time: u64| time as f64 / 1e6),
+        "beside": failure.beside,
+    })
 }

@@ -46,13 +46,33 @@ impl fmt::Display for LinkError {
                 f,
                 "the linker `{linker}` cannot be started: {error}; install a C compiler or name one with `--linker`"
             ),
-            LinkError::Failed { command, output } => write!(f, "the linker failed: {command}\n{}", output.trim_end()),
+            LinkError::Failed { command, output } => write!(
+                f,
+                "the linker failed: {}; plcc links without it if `--linker` is left out\n  {command}\n  {}",
+                cause(output),
+                output.trim_end().replace('\n', "\n  ")
+            ),
             LinkError::Output { path, error } => write!(f, "cannot write `{}`: {error}", path.display()),
             LinkError::Object(message) => {
                 write!(f, "internal fault, please report it: {message}; `--linker {COMPILER}` may help")
             }
         }
     }
+}
+
+/// Why a linker failed, in our words where it is clear.
+fn cause(output: &str) -> &'static str {
+    let causes = [
+        ("No space left on device", "the disk is full"),
+        ("Permission denied", "the executable may not be written there"),
+        ("Is a directory", "the name of the executable is that of a folder"),
+        ("cannot open output file", "the executable cannot be written"),
+        ("cannot find -l", "a library of the C compiler is not installed"),
+        ("cannot execute", "a part of the C compiler is not installed"),
+        ("incompatible with", "it links for another processor than this one"),
+        ("unrecognized", "it does not know an option; name a C compiler, not a linker"),
+    ];
+    causes.iter().find(|(text, _)| output.contains(text)).map_or("its own message follows", |(_, cause)| cause)
 }
 
 impl std::error::Error for LinkError {}

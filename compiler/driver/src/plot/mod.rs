@@ -4,7 +4,9 @@
 
 mod draw;
 
+use plcc_abi::image::AssertType;
 use plcc_runtime::signal::number_text;
+use plcc_runtime::typed::{self, ValueType};
 
 /// A column of a trace.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,6 +15,8 @@ struct Column {
     /// Unit of its axis; empty if none is known.
     unit: String,
     is_bit: bool,
+    /// It has values that cannot be drawn: texts, dates.
+    is_text: bool,
     /// Seconds and value; times do not fall.
     points: Vec<(f64, f64)>,
 }
@@ -60,8 +64,10 @@ fn columns(trace: &str) -> Result<Vec<Column>, String> {
     for (index, name) in header.iter().enumerate().filter(|(index, _)| is_value(*index)) {
         let (name, unit) = name.rsplit_once(" in ").unwrap_or((name, ""));
         let name = name.rsplit_once(" as ").map_or(name, |(name, _)| name);
-        columns
-            .push((index, Column { name: name.to_string(), unit: unit.to_string(), is_bit: true, points: Vec::new() }));
+        columns.push((
+            index,
+            Column { name: name.to_string(), unit: unit.to_string(), is_bit: true, is_text: false, points: Vec::new() },
+        ));
     }
     if columns.is_empty() {
         return Err("this trace has no values".to_string());
@@ -79,6 +85,10 @@ fn columns(trace: &str) -> Result<Vec<Column>, String> {
         }
         for (index, column) in &mut columns {
             let text = field(*index);
+            if is_text(text) {
+                column.is_text = true;
+                continue;
+            }
             let value = value(text).filter(|value| value.is_finite()).ok_or_else(|| wrong(text))?;
             if value.abs() > VALUE_MAX {
                 return Err(format!("`{text}` cannot be drawn: the largest value is {VALUE_MAX:e}"));
@@ -88,14 +98,26 @@ fn columns(trace: &str) -> Result<Vec<Column>, String> {
             column.points.push((ms / 1000.0, value));
         }
     }
+    columns.retain(|(_, column)| !column.is_text);
     if columns.iter().any(|(_, column)| column.points.is_empty()) {
         return Err("this trace has no samples".to_string());
     }
     Ok(columns.into_iter().map(|(_, column)| column).collect())
 }
 
-/// A number, or a word in base 16 as an INT; wider values as they are.
+/// True for `'abc'`, `D#2026-01-31`, `TOD#6:00:00` and the like.
+fn is_text(text: &str) -> bool {
+    let prefix = text.split_once('#').map(|(prefix, _)| prefix);
+    text.starts_with('\'') || matches!(prefix, Some("D" | "TOD" | "LTOD" | "DT" | "LDT" | "DTL"))
+}
+
+/// A number, a word in base 16 as an INT, wider values as they are, a duration in seconds.
 fn value(text: &str) -> Option<f64> {
+    if text.starts_with("T#") || text.starts_with("S5T#") || text.starts_with("LT#") {
+        let ty = AssertType::Ltime;
+        let (_, duration) = text.split_once('#')?;
+        return typed::parse(&format!("LT#{duration}"), ValueType::of(ty)).ok()?.seconds(ty);
+    }
     match text.strip_prefix("16#") {
         None => text.parse().ok(),
         Some(digits) if digits.len() == 4 => u16::from_str_radix(digits, 16).ok().map(|word| f64::from(word as i16)),

@@ -1,7 +1,7 @@
 //! From the reports of all forms of a test to one outcome.
 
 use plcc_diag::{Code, Diagnostic, SourceMap, Span, drawing};
-use plcc_runtime::TestReport;
+use plcc_runtime::{AssertFailure, TestReport};
 
 use super::prepare::{Prepared, TestProgram, VariantState};
 use super::{Outcome, Variant};
@@ -70,10 +70,8 @@ fn add_report(
         outcome.untested.push(scenario.unwrap_or_else(|| outcome.name.clone()));
     }
     for failure in &report.failures {
-        outcome.fail(&format!(
-            "{}:{}: {}\n       left  {}\n       right {}",
-            failure.file, failure.line, failure.text, failure.left, failure.right
-        ));
+        outcome.details.push(failure.clone());
+        outcome.fail(&described(failure));
     }
     for place in &report.not_reached {
         if reached_elsewhere(&(place.file.clone(), place.line)) {
@@ -88,6 +86,24 @@ fn add_report(
         let scenario = program.options.scenario.as_ref().map(|path| format!(" ({})", path.display()));
         outcome.fail(&format!("{}{}: {problem}", outcome.name, scenario.unwrap_or_default()));
     }
+}
+
+/// An assertion or expectation that failed: what was expected, what came, when, and what is beside it.
+fn described(failure: &AssertFailure) -> String {
+    let AssertFailure { file, line, text, left, right, .. } = failure;
+    let mut lines = vec![format!("{file}:{line}: {text}")];
+    if failure.ty.is_empty() {
+        lines.extend([format!("left  {left}"), format!("right {right}")]);
+    } else {
+        lines.extend([format!("expected {right}"), format!("found    {left} ({})", failure.ty)]);
+    }
+    if let Some(place) = failure.place() {
+        lines.push(place);
+    }
+    if !failure.beside.is_empty() {
+        lines.push(format!("beside it: {}", failure.beside.join(", ")));
+    }
+    lines.join("\n       ")
 }
 
 /// The message about an assertion that no cycle reached.

@@ -1,5 +1,6 @@
 //! `plcc test`: compiles test programs, runs them in every requested form, and judges the results.
 //!
+//! - [`find`]: from the arguments to the tests.
 //! - [`prepare`]: from one test input to a finished outcome or to programs to run.
 //! - [`carets`]: files that mark their expected messages.
 //! - [`executables`]: many programs in few executables.
@@ -7,8 +8,11 @@
 
 pub mod carets;
 pub mod executables;
+pub mod find;
 pub mod judge;
 pub mod prepare;
+
+use plcc_runtime::AssertFailure;
 
 use crate::inputs::TestInput;
 use crate::parallel;
@@ -70,6 +74,8 @@ pub struct Outcome {
     pub messages: String,
     /// What failed, a few lines each.
     pub failures: String,
+    /// Assertions and expectations that failed.
+    pub details: Vec<AssertFailure>,
 }
 
 impl Outcome {
@@ -94,6 +100,10 @@ pub fn run(inputs: &[TestInput], plan: &Plan) -> Vec<Outcome> {
 pub fn name_of(input: &TestInput) -> String {
     match input {
         TestInput::File(path) | TestInput::Project(path) => path.display().to_string(),
+        TestInput::Program(parts) => {
+            let names: Vec<String> = parts.iter().map(|part| part.display().to_string()).collect();
+            names.join(" ")
+        }
     }
 }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use plcc_diag::{Code, Diagnostic, SourceMap, drawing};
 use plcc_runtime::{TestOptions, TestReport};
 
-use super::{Form, Outcome, Plan, Variant, carets, executables, name_of};
+use super::{Form, Outcome, Plan, Variant, carets, executables, find, name_of};
 use crate::inputs::{self, Read, TestInput};
 use crate::pipeline::{self, Bound, Compiled, Settings};
 use crate::{code, report};
@@ -38,12 +38,13 @@ pub enum VariantState {
 
 /// Compiles `input` and runs it in the forms that need no executable.
 pub fn prepare(input: &TestInput, plan: &Plan) -> Prepared {
-    let (path, scenarios) = match input {
-        TestInput::File(path) => (path, inputs::file_scenario(path).into_iter().collect()),
-        TestInput::Project(path) => (path, inputs::project_scenarios(path)),
+    let (paths, scenarios) = match input {
+        TestInput::File(path) => (std::slice::from_ref(path), inputs::file_scenario(path).into_iter().collect()),
+        TestInput::Project(path) => (std::slice::from_ref(path), inputs::project_scenarios(path)),
+        TestInput::Program(paths) => (paths.as_slice(), find::program_scenarios(paths)),
     };
     let mut outcome = Outcome { name: name_of(input), ..Outcome::default() };
-    let read = inputs::read(std::slice::from_ref(path));
+    let read = inputs::read(paths);
     outcome.unreadable = read.is_unreadable();
     if let Some(programs) = marked(&read, plan, &mut outcome) {
         return Prepared { outcome, programs };

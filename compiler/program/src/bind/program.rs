@@ -47,7 +47,7 @@ pub fn bind_all(input: &BindInput) -> Bound {
     let mut dbs = std::mem::take(&mut program.data.blocks);
     let mut dbs: Vec<_> = dbs.drain().map(|(_, db)| db.block).collect();
     dbs.sort_by_key(|db| db.number);
-    let symbols = program.globals.names.entries();
+    let symbols = program.symbols();
     let notices = std::mem::take(&mut program.globals.notices);
     let (mut diagnostics, missing) = program.globals.report.finish();
     // A message inside a system block has no file to show.

@@ -184,6 +184,12 @@ fn output(cpu: &Cpu, source: &Source) -> f64 {
             }
             Source::Bits(address)
         }
+        Source::Typed(mut address, ty) => {
+            if let Place::Output(byte) = address.place {
+                address.place = Place::PeripheralOutput(byte);
+            }
+            Source::Typed(address, ty)
+        }
         other => other,
     };
     if let Source::Bits(address) = source
@@ -195,6 +201,7 @@ fn output(cpu: &Cpu, source: &Source) -> f64 {
         Value::Bits(bits, Width::Word) => f64::from(bits as u16 as i16),
         Value::Bits(bits, Width::Dword) => f64::from(bits as u32 as i32),
         Value::Bits(bits, _) => bits as f64,
-        Value::Number(number) => number,
+        Value::Whole(whole) => whole as f64,
+        value @ (Value::Number(_) | Value::Typed(..)) => value.number().unwrap_or(0.0),
     }
 }

@@ -8,7 +8,7 @@ use crate::address::{Address, Bits, Place, Width, digits, offset};
 use crate::cpu::Cpu;
 
 /// Areas that only an S7-200 has. The number is that of the byte, timer, counter or accumulator.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Part {
     SpecialMemory,
     /// Sequence control relays.
@@ -75,6 +75,11 @@ pub(crate) fn parse(text: &str) -> Option<Address> {
 }
 
 impl Part {
+    /// The current value next to a status bit.
+    pub(crate) fn current_value(self) -> Option<Part> {
+        NUMBERED.iter().find(|(_, part, ..)| *part == self).and_then(|(.., value)| *value)
+    }
+
     /// Why nothing can be set there from outside.
     pub(crate) fn is_fixed(self) -> Option<&'static str> {
         match self {

@@ -112,11 +112,10 @@ impl Sent {
     pub fn failure(&self, file: &str, left: String) -> AssertFailure {
         let right = quoted(&self.bytes);
         AssertFailure {
-            file: file.to_string(),
-            line: self.line,
             text: format!("port{} sent {right}", self.port),
             left,
             right,
+            ..AssertFailure::at(file, self.line)
         }
     }
 }

@@ -7,11 +7,13 @@ use super::trains::Trains;
 use super::{PulsesAt, Scenario, Setting, When};
 use crate::cpu::Cpu;
 use crate::cycle::Observer;
+use crate::names;
 use crate::plant::{Fault, Plant};
 use crate::report;
 use crate::s7200::PulseInput;
-use crate::signal::{self, Signal, Value};
+use crate::signal::{self, Signal, Source, Value};
 use crate::testing::AssertFailure;
+use crate::typed;
 
 /// When entries are due, so that a cycle looks at its own alone.
 struct Agenda {
@@ -147,11 +149,11 @@ impl Player {
             expected = format!("{expected} +- {}", Value::Number(setting.tolerance).text());
         }
         AssertFailure {
-            file: self.scenario.file.clone(),
-            line: setting.line,
             text: format!("{} = {expected}", setting.signal.name),
             left: actual,
             right: expected,
+            ty: setting.signal.source.ty().to_string(),
+            ..AssertFailure::at(&self.scenario.file, setting.line)
         }
     }
 
@@ -160,24 +162,43 @@ impl Player {
         let stepped = if cycle == 0 { plant.begin(cpu, time) } else { plant.advance(cpu, time) };
         if let Err(Fault { line, name, message }) = stepped {
             self.failures.push(AssertFailure {
-                file: self.scenario.file.clone(),
-                line,
                 text: format!("a value of the plant for {name}"),
                 left: message,
                 right: "a number".to_string(),
+                when: Some((cycle, time)),
+                ..AssertFailure::at(&self.scenario.file, line)
             });
         }
     }
 }
 
-fn holds(setting: &Setting, actual: Value) -> bool {
-    match (setting.value, actual) {
-        // A number has the value of its REAL.
-        (Value::Number(wanted), Value::Number(actual)) => {
-            let rounding = if setting.signal.source.is_exact() { 0.0 } else { wanted.abs() * f64::from(f32::EPSILON) };
-            (actual - wanted).abs() <= setting.tolerance + rounding
-        }
-        (wanted, actual) => wanted == actual,
+/// Values that are shown next to one that is wrong.
+const BESIDE_MAX: usize = 8;
+
+/// The other values of the structure in which the value `name` is.
+fn beside(cpu: &Cpu, name: &str) -> Vec<String> {
+    let values = names::neighbours(name, &cpu.image, BESIDE_MAX).into_iter();
+    values.map(|(name, named)| format!("{name} = {}", Source::of(named).read(cpu, None).text())).collect()
+}
+
+fn holds(setting: &Setting, actual: &Value) -> bool {
+    let number = |value: &Value| match value {
+        Value::Whole(_) | Value::Number(_) => value.number(),
+        Value::Typed(..) if setting.tolerance > 0.0 || matches!(setting.value, Value::Number(_)) => value.number(),
+        Value::Bits(..) | Value::Typed(..) => None,
+    };
+    match (&setting.value, actual) {
+        (Value::Whole(wanted), Value::Whole(actual)) => wanted == actual,
+        (Value::Typed(ty, wanted), Value::Typed(_, actual)) => typed::equal(*ty, wanted, actual),
+        (wanted, actual) => match (number(wanted), number(actual)) {
+            // A number has the value of its REAL.
+            (Some(wanted), Some(actual)) => {
+                let is_exact = setting.signal.source.is_exact();
+                let rounding = if is_exact { 0.0 } else { wanted.abs() * f64::from(f32::EPSILON) };
+                (actual - wanted).abs() <= setting.tolerance + rounding
+            }
+            _ => wanted == actual,
+        },
     }
 }
 
@@ -190,9 +211,9 @@ impl Observer for Player {
     }
 
     #[inline]
-    fn after(&mut self, cpu: &Cpu, _cycle: u64, _time: u64) {
+    fn after(&mut self, cpu: &Cpu, cycle: u64, time: u64) {
         if !self.idle {
-            self.compare(cpu);
+            self.compare(cpu, cycle, time);
         }
     }
 }
@@ -208,16 +229,12 @@ impl Player {
             let Some(at) = self.scenario.entries.get(index) else { continue };
             self.happened[index] = true;
             for setting in &at.set {
-                let (Some(address), Value::Bits(bits, _)) = (setting.signal.source.address(), setting.value) else {
-                    continue;
-                };
-                if let Err(message) = cpu.write(address, bits) {
+                if let Err(message) = setting.signal.source.write(cpu, &setting.value) {
                     self.failures.push(AssertFailure {
-                        file: self.scenario.file.clone(),
-                        line: setting.line,
                         text: format!("{} to be set", setting.signal.name),
                         left: message,
                         right: setting.value.text(),
+                        ..AssertFailure::at(&self.scenario.file, setting.line)
                     });
                 }
             }
@@ -235,29 +252,36 @@ impl Player {
     }
 
     /// Compares what the scenario expects after the cycle.
-    fn compare(&mut self, cpu: &Cpu) {
+    fn compare(&mut self, cpu: &Cpu, cycle: u64, time: u64) {
         self.failures.extend(self.trains.retry(cpu, &self.scenario.file));
         for index in std::mem::take(&mut self.current) {
             let Some(at) = self.scenario.entries.get(index) else { continue };
             let mut failed = Vec::new();
             for setting in &at.expect {
                 let actual = setting.signal.source.read(cpu, self.plant());
-                if holds(setting, actual) {
+                if holds(setting, &actual) {
                     self.expectations_met += 1;
                 } else {
-                    failed.push(self.failure(setting, actual.text()));
+                    failed.push(AssertFailure {
+                        when: Some((cycle, time)),
+                        beside: beside(cpu, &setting.signal.name),
+                        values: Some((actual.json(), setting.value.json())),
+                        ..self.failure(setting, actual.text())
+                    });
                 }
             }
             for sent in &at.sent {
                 match sent.compare(cpu, &self.scenario.file) {
                     None => self.expectations_met += 1,
-                    failure => failed.extend(failure),
+                    failure => {
+                        failed.extend(failure.map(|failure| AssertFailure { when: Some((cycle, time)), ..failure }))
+                    }
                 }
             }
             if let Some(out) = self.out.as_mut().filter(|_| !at.print.is_empty()) {
                 let plant = self.scenario.plant.as_ref();
                 // A closed pipe must not stop a plant.
-                let _ = report::write_values(cpu, plant, &at.print, self.json, out.as_mut());
+                let _ = report::write_values(cpu, plant, &at.print, self.json.then_some((cycle, time)), out.as_mut());
             }
             self.failures.extend(failed);
         }

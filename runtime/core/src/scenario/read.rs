@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use plcc_abi::ProgramImage;
+use plcc_abi::image::AssertType;
 use plcc_abi::technology::CountMode;
 use serde::Deserialize;
 use toml::Spanned;
@@ -16,6 +17,7 @@ use crate::options::parse_duration;
 use crate::plant::{Plant, PlantText};
 use crate::s7200::PulseInput;
 use crate::signal::{self, Signal, Source, Value};
+use crate::typed::{self, ValueType};
 use crate::value;
 
 #[derive(Deserialize)]
@@ -139,12 +141,15 @@ impl Reader<'_> {
         setting: fn(&Self, &str, &str) -> Result<Wanted, String>,
     ) -> Result<Vec<Setting>, String> {
         let mut settings = Vec::new();
-        for (name, text) in table {
-            let offset = text.span().start;
-            let parsed = scalar_text(text.get_ref()).and_then(|text| setting(self, name, &text));
+        let mut flat = Vec::new();
+        for (name, value) in table {
+            flatten(name, value.get_ref(), value.span().start, &mut flat);
+        }
+        for (name, value, offset) in flat {
+            let parsed = scalar_text(value).and_then(|text| setting(self, &name, &text));
             let (source, value, tolerance) =
                 parsed.or_else(|message| self.error(offset, &format!("{name}: {message}")))?;
-            let signal = Signal { name: name.clone(), source };
+            let signal = Signal { name, source };
             settings.push(Setting { signal, value, tolerance, line: (self.line)(offset) });
         }
         // In the order of the file.
@@ -152,45 +157,43 @@ impl Reader<'_> {
         Ok(settings)
     }
 
-    /// `"I0.0" = 1`, `"AI0" = "12 mA"`.
+    /// `"I0.0" = 1`, `"AI0" = "12 mA"`, `"Station_DB.D1.Delay" = "T#5s"`.
     fn to_set(&self, name: &str, text: &str) -> Result<Wanted, String> {
-        let address = address::resolve(name, self.image)?;
-        address.check_settable()?;
-        let bits = signal::parse_value(text, &address, self.image)?;
-        Ok((Source::Bits(address), Value::Bits(bits, address.width), 0.0))
+        let source = Source::find(name, self.image, None)?;
+        source.check_settable()?;
+        Ok((source, source.parse(text, self.image)?, 0.0))
     }
 
-    /// As to set, or with a tolerance: `"AO0" = "50 +- 2 %"`, `"Level as REAL" = "50 +- 0.5"`, `"plant.level" = 3.0`.
+    /// As to set, or with a tolerance: `"AO0" = "50 +- 2 %"`, `"Level" = "50 +- 0.5"`, `"plant.level" = 3.0`.
     fn to_expect(&self, name: &str, text: &str) -> Result<Wanted, String> {
         let source = Source::find(name, self.image, self.plant)?;
-        let number = |text: &str| text.trim().parse::<f64>().map_err(|_| format!("`{}` is not a number", text.trim()));
-        let (middle, tolerance) = match text.split_once("+-") {
-            Some((middle, tolerance)) => (middle.trim(), Some(tolerance.trim())),
-            None => (text, None),
+        let is_text = matches!(source, Source::Typed(_, ty) if typed::bits(ty.ty).is_none());
+        let Some((middle, tolerance)) = text.split_once("+-").filter(|_| !is_text) else {
+            return Ok((source, source.parse(text, self.image)?, 0.0));
         };
-        match (source, tolerance) {
-            (Source::Bits(address), None) => {
-                let bits = signal::parse_value(text, &address, self.image)?;
-                Ok((source, Value::Bits(bits, address.width), 0.0))
-            }
-            (Source::Bits(address), Some(tolerance)) => {
-                let (tolerance, unit) = analog::with_unit(tolerance)
-                    .ok_or("a tolerance needs a number: write `50 +- 2 %`, or `\"Level as REAL\" = \"50 +- 2\"`")?;
+        let number = |text: &str| text.trim().parse::<f64>().map_err(|_| format!("`{}` is not a number", text.trim()));
+        match (source, analog::with_unit(tolerance)) {
+            (Source::Bits(address) | Source::Typed(address, _), Some((tolerance, unit))) => {
                 let scale = signal::scale(&address, unit, self.image)?;
                 Ok((Source::Channel(address, scale), Value::Number(number(middle)?), tolerance.abs()))
             }
+            (Source::Bits(_), None) => {
+                Err("a tolerance needs a number: write `50 +- 2 %`, or `\"Level as REAL\" = \"50 +- 2\"`".to_string())
+            }
             (
-                Source::Number(..)
+                Source::Typed(..)
                 | Source::Channel(..)
                 | Source::Plant(_)
                 | Source::PulseDuty(_)
                 | Source::PulsePeriod(_)
                 | Source::PulseCount(_),
-                tolerance,
-            ) => {
-                let tolerance = tolerance.map_or(Ok(0.0), number)?;
-                Ok((source, Value::Number(number(middle)?), tolerance.abs()))
-            }
+                _,
+            ) => match source.parse(middle, self.image)?.number() {
+                Some(middle) => {
+                    Ok((source, Value::Number(middle), seconds(tolerance).map_or_else(|| number(tolerance), Ok)?.abs()))
+                }
+                None => Err(format!("a value of type {} has no tolerance", source.ty())),
+            },
         }
     }
 
@@ -255,6 +258,23 @@ impl Reader<'_> {
         }
         parse_event(event.get_ref(), self.image).or_else(|message| self.error(event.span().start, &message))
     }
+}
+
+/// `Station_DB.Starts = 1` is a table in a table for TOML: the names of both, with a point between.
+fn flatten<'a>(name: &str, value: &'a toml::Value, offset: usize, flat: &mut Vec<(String, &'a toml::Value, usize)>) {
+    match value {
+        toml::Value::Table(inner) if !inner.is_empty() => {
+            inner.iter().for_each(|(key, value)| flatten(&format!("{name}.{key}"), value, offset, flat));
+        }
+        value => flat.push((name.to_string(), value, offset)),
+    }
+}
+
+/// The seconds of a duration with its unit, `100ms`.
+fn seconds(text: &str) -> Option<f64> {
+    let has_unit = text.trim().ends_with(|c: char| c.is_ascii_alphabetic());
+    let ty = ValueType::of(AssertType::Time);
+    has_unit.then(|| typed::parse(text, ty).ok()?.seconds(ty.ty)).flatten()
 }
 
 /// The expectation of the TOML reader, without the names of its types.

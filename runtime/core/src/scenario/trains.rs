@@ -46,10 +46,9 @@ impl Trains {
 
 fn failure(pulses: &Pulses, file: &str, message: String) -> AssertFailure {
     AssertFailure {
-        file: file.to_string(),
-        line: pulses.line,
         text: format!("pulses at {}", pulses.name),
         left: message,
         right: format!("{} pulses", pulses.count),
+        ..AssertFailure::at(file, pulses.line)
     }
 }

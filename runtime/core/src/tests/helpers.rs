@@ -70,6 +70,8 @@ pub fn image(blocks: &[(BlockKind, u16)]) -> ProgramImage {
         files: Vec::new(),
         asserts: Vec::new(),
         symbols: Vec::new(),
+        types: Vec::new(),
+        used: Vec::new(),
         partial: Vec::new(),
         stops_itself: false,
         outputs_used: u32::MAX,
@@ -152,6 +154,7 @@ pub fn s7200_image(blocks: &[(BlockKind, u16)]) -> ProgramImage {
         data: vec![0; 10_240],
         read_only: false,
         unlinked: false,
+        ty: None,
     }];
     image.db_end = layout::DB_DATA + 10_240;
     image

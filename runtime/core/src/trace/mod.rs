@@ -1,18 +1,21 @@
 //! Recording of values, one sample after the outputs of each cycle.
 //!
-//! Recorded signals: the list of `--trace-signals`; without it the values of `--print` and all symbols that are values;
+//! Recorded signals: the list of `--trace-signals`; without it the values of `--print` and those that the program uses;
 //! without any of these the outputs Q0.0 to Q3.7. A sample has the time at which its cycle started, cycle 0 is the one
 //! after the startup OB. In a VCD the edges of an S7-200 pulse output between two samples have their own times.
 
 mod table;
 mod waveform;
 
+use std::collections::HashSet;
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::Path;
+use std::time::{Duration, Instant};
 
-use crate::address::{self, Address, Place, Width};
+use crate::address::{Address, Place, Width};
 use crate::cpu::Cpu;
+use crate::names;
 use crate::plant::Plant;
 use crate::s7200::{Edge, PULSE_OUTPUTS};
 use crate::signal::{Signal, Source, Value};
@@ -28,8 +31,12 @@ trait Sink {
         Ok(())
     }
     fn sample(&mut self, cycle: u64, time: u64, values: &[Value]) -> std::io::Result<()>;
+    /// Writes all samples until now to the file.
     fn finish(&mut self) -> std::io::Result<()>;
 }
+
+/// Host time after which a trace that grows is brought up to date.
+const FLUSH_PERIOD: Duration = Duration::from_millis(500);
 
 /// Writes a trace file.
 pub struct Recorder {
@@ -45,6 +52,8 @@ pub struct Recorder {
     /// Minimum nanoseconds between two samples, and when the next one is due.
     step: u64,
     due: u64,
+    /// When the file was last brought up to date.
+    flushed: Instant,
     /// The first error; nothing is written after it.
     error: Option<std::io::Error>,
 }
@@ -72,6 +81,7 @@ impl Recorder {
             signals,
             sink,
             step,
+            flushed: Instant::now(),
             due: 0,
             error: None,
         })
@@ -94,6 +104,11 @@ impl Recorder {
                 }
             }
             self.error = self.sink.sample(cycle, time, &self.values).err();
+            // A process that is ended from outside leaves all but the last moment.
+            if self.error.is_none() && self.flushed.elapsed() >= FLUSH_PERIOD {
+                self.error = self.sink.finish().err();
+                self.flushed = Instant::now();
+            }
         }
     }
 
@@ -147,31 +162,36 @@ fn pulse_output(source: &Source) -> Option<u8> {
     }
 }
 
-/// The signals to record, see the module comment.
-pub fn signals(cpu: &Cpu, asked: &[Signal], printed: &[Signal]) -> Vec<Signal> {
+/// Signals that are recorded if nobody names them.
+const SIGNALS_MAX: usize = 1000;
+
+/// The signals to record, see the module comment, and whether there are more.
+pub fn signals(cpu: &Cpu, asked: &[Signal], printed: &[Signal]) -> (Vec<Signal>, bool) {
     if !asked.is_empty() {
-        return asked.to_vec();
+        return (asked.to_vec(), false);
     }
     let mut signals = printed.to_vec();
-    for symbol in &cpu.image.symbols {
-        let address =
-            address::parse_for(&symbol.address, &cpu.image).filter(|address| cpu.check_address(address).is_ok());
-        if let Some(address) = address.filter(|_| !signals.iter().any(|signal| signal.name == symbol.name)) {
-            signals.push(Signal { name: symbol.name.clone(), source: Source::Bits(address) });
+    let mut names: HashSet<String> = printed.iter().map(|signal| signal.name.clone()).collect();
+    for (name, named) in names::used(&cpu.image) {
+        if cpu.check_address(&named.address).is_ok() && names.insert(name.clone()) {
+            signals.push(Signal { name, source: Source::of(named) });
         }
     }
+    let has_more = signals.len() > SIGNALS_MAX;
+    signals.truncate(SIGNALS_MAX.max(printed.len()));
     if signals.is_empty() {
         signals.extend((0..32u32).map(|index| Signal {
             name: format!("Q{}.{}", index / 8, index % 8),
             source: Source::Bits(Address { place: Place::Output(index / 8), width: Width::Bit((index % 8) as u8) }),
         }));
     }
-    signals
+    (signals, has_more)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::address;
 
     fn signal(name: &str) -> Signal {
         Signal { name: name.to_string(), source: Source::Bits(address::parse(name).unwrap()) }

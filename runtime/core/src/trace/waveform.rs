@@ -6,7 +6,7 @@ use vcd::{IdCode, TimescaleUnit, VarType};
 
 use super::{Signal, Sink};
 use crate::address::Width;
-use crate::signal::Value;
+use crate::signal::{Shape, Value};
 
 pub(super) struct Waveform<W: Write> {
     writer: vcd::Writer<W>,
@@ -25,9 +25,10 @@ impl<W: Write> Waveform<W> {
         for signal in signals {
             // Names in VCD have no blanks.
             let name: String = signal.name.chars().map(|c| if c.is_whitespace() { '_' } else { c }).collect();
-            codes.push(match signal.source.width() {
-                Some(width) => writer.add_wire(width.bits(), &name)?,
-                None => writer.add_var(VarType::Real, 64, &name, None)?,
+            codes.push(match signal.source.shape() {
+                Shape::Bits(width) => writer.add_wire(width.bits(), &name)?,
+                Shape::Number => writer.add_var(VarType::Real, 64, &name, None)?,
+                Shape::Text => writer.add_var(VarType::String, 1, &name, None)?,
             });
         }
         writer.upscope()?;
@@ -54,7 +55,9 @@ impl<W: Write> Sink for Waveform<W> {
         match last {
             Some(Value::Bits(bits, _)) if *bits == u64::from(level) => return Ok(()),
             Some(Value::Bits(bits, _)) => *bits = level.into(),
-            Some(Value::Number(_)) | None => *last = Some(Value::Bits(level.into(), Width::Bit(0))),
+            Some(Value::Whole(_) | Value::Number(_) | Value::Typed(..)) | None => {
+                *last = Some(Value::Bits(level.into(), Width::Bit(0)))
+            }
         }
         self.stamp(time)?;
         self.writer.change_scalar(code, if level { vcd::Value::V1 } else { vcd::Value::V0 })
@@ -65,19 +68,24 @@ impl<W: Write> Sink for Waveform<W> {
     }
 
     fn sample(&mut self, _cycle: u64, time: u64, values: &[Value]) -> Result<()> {
-        for (index, &value) in values.iter().enumerate() {
+        for (index, value) in values.iter().enumerate() {
             let (Some(&code), Some(last)) = (self.codes.get(index), self.last.get_mut(index)) else { continue };
-            if last.replace(value) == Some(value) {
+            if last.as_ref() == Some(value) {
                 continue;
             }
+            *last = Some(value.clone());
             self.stamp(time)?;
             let bit = |bits: u64, index: u32| if bits >> index & 1 != 0 { vcd::Value::V1 } else { vcd::Value::V0 };
-            match value {
-                Value::Number(number) => self.writer.change_real(code, number)?,
+            match *value {
                 Value::Bits(bits, Width::Bit(_)) => self.writer.change_scalar(code, bit(bits, 0))?,
                 Value::Bits(bits, width) => {
                     self.writer.change_vector(code, (0..width.bits()).rev().map(|index| bit(bits, index)))?;
                 }
+                Value::Whole(_) | Value::Number(_) | Value::Typed(..) => match value.number() {
+                    Some(number) => self.writer.change_real(code, number)?,
+                    // Texts in VCD have no blanks.
+                    None => self.writer.change_string(code, &value.text().replace(char::is_whitespace, "_"))?,
+                },
             }
         }
         Ok(())

@@ -19,6 +19,7 @@ pub mod path;
 pub mod pointer;
 pub mod predefined;
 pub mod start_inputs;
+pub mod symbols;
 pub mod typed;
 pub mod types;
 

@@ -1,8 +1,8 @@
 //! Which names and numbers the program defines: symbol tables, blocks of the sources, blocks of the system.
 
-use plcc_abi::image::{BlockKind, SymbolEntry};
+use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
-use plcc_syntax::ast::{Area, BlockName, BlockPrefix, CellKind, Width};
+use plcc_syntax::ast::{BlockName, BlockPrefix};
 use rustc_hash::FxHashMap;
 
 use crate::bind::globals::Globals;
@@ -76,26 +76,6 @@ impl Names {
     /// Symbol of a block, empty if it has none.
     pub fn block_name(&self, prefix: BlockPrefix, number: u16) -> String {
         self.blocks.get(&(prefix, number)).cloned().unwrap_or_default()
-    }
-
-    /// Named addresses of memory, timers, counters and DBs.
-    pub fn entries(&self) -> Vec<SymbolEntry> {
-        let mut entries: Vec<SymbolEntry> = self
-            .symbols
-            .values()
-            .filter_map(|global| {
-                let address = match global.target {
-                    SymbolTarget::Memory { area, width, byte, bit } => address_text(area, width, byte, bit),
-                    SymbolTarget::Cell { kind: CellKind::Timer, number } => format!("T{number}"),
-                    SymbolTarget::Cell { kind: CellKind::Counter, number } => format!("C{number}"),
-                    SymbolTarget::Block { prefix: BlockPrefix::Db, number } => format!("DB{number}"),
-                    SymbolTarget::Block { .. } => return None,
-                };
-                Some(SymbolEntry { name: global.name.clone(), address })
-            })
-            .collect();
-        entries.sort_by(|a, b| a.name.cmp(&b.name));
-        entries
     }
 }
 
@@ -177,16 +157,5 @@ impl Globals<'_> {
             }
             _ => self.report.missing_block(prefix, number, span),
         }
-    }
-}
-
-/// An address as the runtime reads it: `Q4.0`, `MW20`.
-fn address_text(area: Area, width: Width, byte: u32, bit: u8) -> String {
-    let area = area.letters();
-    match width {
-        Width::Bit => format!("{area}{byte}.{bit}"),
-        Width::Byte => format!("{area}B{byte}"),
-        Width::Word => format!("{area}W{byte}"),
-        Width::Dword | Width::Lword => format!("{area}D{byte}"),
     }
 }

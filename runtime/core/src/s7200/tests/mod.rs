@@ -84,6 +84,7 @@ pub fn changed_cpu(change: impl FnOnce(&mut ProgramImage)) -> Rc<Cpu> {
             data: vec![0; V_BYTES as usize],
             read_only: false,
             unlinked: false,
+            ty: None,
         });
         image.db_end = V + V_BYTES;
         image.s7200 = Some(S7200Image { cpu: cpu_226(), ..S7200Image::default() });

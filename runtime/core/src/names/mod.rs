@@ -1,0 +1,549 @@
+//! Symbolic names of values: `"Station_DB".D1.Starts`, `Motors.m[2].speed`, `DB41.S005.X`, `Status.%X3`.
+//!
+//! A name begins with a symbol or a DB, and goes on with members, indices and at last a slice of a bit string. Quotes may be
+//! left out, and letters of both cases are the same where no other name has the exact letters.
+
+mod path;
+
+use std::collections::{HashMap, HashSet};
+
+use plcc_abi::ProgramImage;
+use plcc_abi::image::{AssertType, DbEntry, SymbolEntry};
+use plcc_abi::names::{NamedStruct, NamedType, TypeNumber, UsedArea, UsedPlace};
+use plcc_abi::s7200::V_DB;
+
+use crate::address::{self, Address, Place, Width, digits};
+use crate::s7200::Part as S7200Part;
+use crate::signal;
+use crate::typed::{self, ValueType};
+use path::{Part, written};
+
+/// A value with an address.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Named {
+    pub address: Address,
+    /// Its declared type; `None`: bits without another meaning.
+    pub ty: Option<ValueType>,
+}
+
+/// A variable on the way to a value: where it begins, and its type.
+#[derive(Clone, Copy)]
+struct Variable {
+    place: Place,
+    bit: u8,
+    ty: TypeNumber,
+}
+
+/// Members and indices of which a structure or array is made, in a list.
+const LISTED_MAX: usize = 12;
+
+/// Finds an absolute address or a symbolic name. `Err`: the error as a sentence.
+pub fn find(text: &str, image: &ProgramImage) -> Result<Named, String> {
+    let text = text.trim();
+    let bare = text.strip_prefix('"').and_then(|rest| rest.strip_suffix('"')).unwrap_or(text);
+    let is_symbol = image.symbols.iter().any(|symbol| symbol.name == text || symbol.name == bare);
+    if !is_symbol && let Some(address) = address::parse_for(text, image).or_else(|| signal::analog_channel(text, image))
+    {
+        return Ok(Named { address, ty: usual_type(address.place) });
+    }
+    let finder = Finder { image };
+    let parts = match is_symbol {
+        true => Some(vec![Part::Name(bare.to_string())]),
+        false => path::parts(text),
+    };
+    match parts.as_deref() {
+        Some([Part::Name(root), rest @ ..]) => finder.value(text, root, rest),
+        _ => Err(format!("`{text}` is neither an address (such as Q4.0, MW20, DB10.DBD4) nor a name")),
+    }
+}
+
+/// All values of a structure, an array or a DB, with their names, at most `most`; a value alone is a list of one. `Err`: as
+/// for [`find`].
+pub fn values(text: &str, image: &ProgramImage, most: usize) -> Result<Vec<(String, Named)>, String> {
+    let wrong = match find(text, image) {
+        Ok(named) => return Ok(vec![(text.trim().to_string(), named)]),
+        Err(wrong) => wrong,
+    };
+    let finder = Finder { image };
+    let Some(parts) = path::parts(text) else { return Err(wrong) };
+    let [Part::Name(root), rest @ ..] = &parts[..] else { return Err(wrong) };
+    let Ok(Root::Variable(variable)) = finder.root(text, root) else { return Err(wrong) };
+    let Ok(variable) = finder.walk(variable, rest, root) else { return Err(wrong) };
+    let mut list = Vec::new();
+    finder.list(text.trim(), variable, most, &mut list);
+    if list.is_empty() { Err(wrong) } else { Ok(list) }
+}
+
+/// Values next to that of `text` in the same structure, at most `most`.
+pub fn neighbours(text: &str, image: &ProgramImage, most: usize) -> Vec<(String, Named)> {
+    let Some(parts) = path::parts(text) else { return Vec::new() };
+    let finder = Finder { image };
+    let [Part::Name(root), rest @ .., Part::Name(last)] = &parts[..] else { return Vec::new() };
+    let Ok(Root::Variable(variable)) = finder.root(text, root) else { return Vec::new() };
+    let Ok(variable) = finder.walk(variable, rest, root) else { return Vec::new() };
+    let Some(NamedType::Struct(structure)) = finder.ty(variable.ty) else { return Vec::new() };
+    let others = structure.members.iter().filter(|member| !same(&member.name, last));
+    let values = others.filter_map(|member| {
+        let variable = Variable { place: variable.place.offset(member.byte), bit: member.bit, ty: member.ty };
+        Some((written(&member.name), finder.end(variable)?))
+    });
+    values.take(most).collect()
+}
+
+/// Values of an instance DB among those that a program uses.
+const INSTANCE_VALUES_MAX: usize = 64;
+
+/// The values that the program uses, with their names: what its code names, and those of its instance DBs.
+pub fn used(image: &ProgramImage) -> Vec<(String, Named)> {
+    let finder = Finder { image };
+    let symbols: HashMap<Address, &SymbolEntry> =
+        image.symbols.iter().filter_map(|symbol| Some((address::parse_for(&symbol.address, image)?, symbol))).collect();
+    let mut list: Vec<(String, Named)> = image.used.iter().filter_map(|used| finder.used(used, &symbols)).collect();
+    for db in &image.dbs {
+        let Some(ty) = db.ty else { continue };
+        if matches!(finder.ty(ty), Some(NamedType::Struct(structure)) if !structure.name.is_empty()) {
+            let mut values = Vec::new();
+            let variable = Variable { place: Place::Db(db.number, 0), bit: 0, ty };
+            finder.list(&db_name(db), variable, INSTANCE_VALUES_MAX, &mut values);
+            list.extend(values);
+        }
+    }
+    // An access to a part of a value has the name of the value.
+    let mut names = HashSet::new();
+    list.retain(|(name, _)| names.insert(name.clone()));
+    list
+}
+
+/// Timers and counters have values of a type, although nobody declares them.
+fn usual_type(place: Place) -> Option<ValueType> {
+    match place {
+        Place::TimerValue(_) => Some(ValueType::of(AssertType::S5Time)),
+        Place::CounterValue(_) | Place::S7200(S7200Part::TimerValue | S7200Part::CounterValue, _) => {
+            Some(ValueType::of(AssertType::Signed(16)))
+        }
+        Place::Input(_)
+        | Place::Output(_)
+        | Place::BitMemory(_)
+        | Place::PeripheralInput(_)
+        | Place::PeripheralOutput(_)
+        | Place::Db(..)
+        | Place::Timer(_)
+        | Place::Counter(_)
+        | Place::S7200(..) => None,
+    }
+}
+
+fn same(a: &str, b: &str) -> bool {
+    a == b || a.to_lowercase() == b.to_lowercase()
+}
+
+/// The one of `names` that a user may have meant: letters differ in less than a third of them.
+pub fn nearest<'a>(wrong: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let folded = wrong.to_lowercase();
+    let limit = folded.chars().count().div_ceil(3).min(4);
+    let near = names.filter(|name| name.chars().count().abs_diff(folded.chars().count()) <= limit);
+    let distances = near.map(|name| (strsim::damerau_levenshtein(&folded, &name.to_lowercase()), name));
+    distances.filter(|(distance, _)| *distance <= limit).min_by_key(|(distance, _)| *distance).map(|(_, name)| name)
+}
+
+/// What the first part of a name means.
+enum Root {
+    Address(Address, Option<ValueType>),
+    Variable(Variable),
+}
+
+struct Finder<'a> {
+    image: &'a ProgramImage,
+}
+
+impl<'a> Finder<'a> {
+    fn ty(&self, number: TypeNumber) -> Option<&'a NamedType> {
+        self.image.types.get(number as usize)
+    }
+
+    fn value(&self, text: &str, root: &str, rest: &[Part]) -> Result<Named, String> {
+        let (rest, slice) = match rest {
+            [rest @ .., Part::Slice(width, number)] => (rest, Some((*width, *number))),
+            rest => (rest, None),
+        };
+        let named = match (self.root(text, root)?, rest) {
+            (Root::Address(address, ty), []) => Named { address, ty },
+            (Root::Address(address, _), [Part::Name(value)]) if value.eq_ignore_ascii_case("VALUE") => {
+                let address = current_value(address).ok_or_else(|| format!("`{root}` has no `{value}`"))?;
+                Named { address, ty: usual_type(address.place) }
+            }
+            (Root::Address(..), [part, ..]) => return Err(format!("`{root}` is a value without {}", what(part))),
+            (Root::Variable(variable), rest) => {
+                let found = self.walk(variable, rest, root)?;
+                self.end(found).ok_or_else(|| self.no_value(text, found))?
+            }
+        };
+        match slice {
+            None => Ok(named),
+            Some((width, number)) => sliced(named, width, number)
+                .ok_or_else(|| format!("`{text}`: a slice is part of a bit string or an integer, and within it")),
+        }
+    }
+
+    /// A symbol or DB; one with the exact letters goes first.
+    fn root(&self, text: &str, root: &str) -> Result<Root, String> {
+        let rules: [fn(&str, &str) -> bool; 2] = [|a, b| a == b, same];
+        for is_name in rules {
+            if let Some(symbol) = self.image.symbols.iter().find(|symbol| is_name(&symbol.name, root)) {
+                if let Some(db) = symbol.address.strip_prefix("DB").and_then(digits).and_then(|number| self.db(number))
+                {
+                    return self.of_db(db);
+                }
+                let address = address::parse_for(&symbol.address, self.image)
+                    .ok_or_else(|| format!("symbol {text} means {}, which is not a value", symbol.address))?;
+                return Ok(match symbol.ty.and_then(|number| Some((number, self.ty(number)?))) {
+                    Some((_, NamedType::Value(ty))) => Root::Address(address, Some(ValueType::of(*ty))),
+                    Some((ty, _)) => Root::Variable(Variable { place: address.place, bit: 0, ty }),
+                    None => Root::Address(address, usual_type(address.place)),
+                });
+            }
+            let mut dbs = self.image.dbs.iter();
+            if let Some(db) = dbs.find(|db| !db.name.is_empty() && is_name(&db.name, root)) {
+                return self.of_db(db);
+            }
+        }
+        let upper = root.strip_prefix('%').unwrap_or(root).to_ascii_uppercase();
+        if let Some(number) = upper.strip_prefix("DB").map(str::trim).and_then(digits) {
+            let db = self.db(number).ok_or_else(|| format!("the program has no DB {number}"))?;
+            return self.of_db(db);
+        }
+        if let Some(address) = address::parse_for(root, self.image) {
+            return Ok(Root::Address(address, usual_type(address.place)));
+        }
+        Err(self.unknown(text, root))
+    }
+
+    fn db(&self, number: u32) -> Option<&'a DbEntry> {
+        self.image.dbs.iter().find(|db| u32::from(db.number) == number)
+    }
+
+    fn of_db(&self, db: &DbEntry) -> Result<Root, String> {
+        let ty =
+            db.ty.ok_or_else(|| format!("DB {} has no declared values; name an address, as DB{0}.DBW0", db.number))?;
+        Ok(Root::Variable(Variable { place: Place::Db(db.number, 0), bit: 0, ty }))
+    }
+
+    /// Follows members and indices.
+    fn walk(&self, mut variable: Variable, parts: &[Part], root: &str) -> Result<Variable, String> {
+        let mut so_far = written(root);
+        for part in parts {
+            let next = match (part, self.ty(variable.ty)) {
+                (Part::Name(name), Some(NamedType::Struct(structure))) => {
+                    let member = member(structure, name).ok_or_else(|| no_member(&so_far, structure, name))?;
+                    so_far = format!("{so_far}.{}", written(&member.name));
+                    Variable { place: variable.place.offset(member.byte), bit: member.bit, ty: member.ty }
+                }
+                (Part::Index(indices), Some(NamedType::Array { dimensions, element })) => {
+                    if indices.len() != dimensions.len() {
+                        return Err(format!(
+                            "`{so_far}` is {}: it needs {} indices",
+                            self.name(variable.ty),
+                            dimensions.len()
+                        ));
+                    }
+                    let mut bits = u64::from(variable.bit);
+                    for (&index, dimension) in indices.iter().zip(dimensions) {
+                        let (low, high) = (i64::from(dimension.low), i64::from(dimension.high));
+                        if !(low..=high).contains(&index) {
+                            return Err(format!("index {index} of `{so_far}` is not from {low} to {high}"));
+                        }
+                        bits += (index - low) as u64 * u64::from(dimension.distance);
+                    }
+                    let texts: Vec<String> = indices.iter().map(ToString::to_string).collect();
+                    so_far = format!("{so_far}[{}]", texts.join(","));
+                    Variable { place: variable.place.offset((bits / 8) as u32), bit: (bits % 8) as u8, ty: *element }
+                }
+                (part, _) => {
+                    return Err(format!("`{so_far}` is {} and has no {}", self.name(variable.ty), what(part)));
+                }
+            };
+            variable = next;
+        }
+        Ok(variable)
+    }
+
+    /// The value that a variable is; `None`: it consists of others, or has none.
+    fn end(&self, variable: Variable) -> Option<Named> {
+        let ty = match self.ty(variable.ty)? {
+            NamedType::Value(ty) => ValueType::of(*ty),
+            NamedType::Text { wide, length } => {
+                let ty = if *wide { AssertType::WideText } else { AssertType::Text };
+                ValueType { ty, length: *length }
+            }
+            NamedType::Struct(structure) if structure.is_dtl => ValueType::of(AssertType::Dtl),
+            NamedType::Struct(_) | NamedType::Array { .. } | NamedType::Other { .. } => return None,
+        };
+        let address = Address { place: variable.place, width: ty.width(variable.bit) };
+        Some(Named { address, ty: Some(ty) })
+    }
+
+    fn list(&self, name: &str, variable: Variable, most: usize, list: &mut Vec<(String, Named)>) {
+        if list.len() >= most {
+            return;
+        }
+        if let Some(named) = self.end(variable) {
+            return list.push((name.to_string(), named));
+        }
+        match self.ty(variable.ty) {
+            Some(NamedType::Struct(structure)) => {
+                for member in &structure.members {
+                    let name = format!("{name}.{}", written(&member.name));
+                    let place = variable.place.offset(member.byte);
+                    self.list(&name, Variable { place, bit: member.bit, ty: member.ty }, most, list);
+                }
+            }
+            Some(NamedType::Array { dimensions, element }) => {
+                let mut indices: Vec<i64> = dimensions.iter().map(|dimension| i64::from(dimension.low)).collect();
+                let is_empty = dimensions.iter().any(|dimension| dimension.low > dimension.high);
+                while !is_empty && list.len() < most {
+                    let bits: u64 = indices
+                        .iter()
+                        .zip(dimensions)
+                        .map(|(index, dimension)| {
+                            (index - i64::from(dimension.low)) as u64 * u64::from(dimension.distance)
+                        })
+                        .sum();
+                    let texts: Vec<String> = indices.iter().map(ToString::to_string).collect();
+                    let name = format!("{name}[{}]", texts.join(","));
+                    let place = variable.place.offset((bits / 8) as u32);
+                    self.list(&name, Variable { place, bit: (bits % 8) as u8, ty: *element }, most, list);
+                    // The last index runs fastest.
+                    let next = (0..indices.len()).rev().find(|&at| indices[at] < i64::from(dimensions[at].high));
+                    let Some(next) = next else { break };
+                    indices[next] += 1;
+                    for at in next + 1..indices.len() {
+                        indices[at] = i64::from(dimensions[at].low);
+                    }
+                }
+            }
+            Some(NamedType::Value(_) | NamedType::Text { .. } | NamedType::Other { .. }) | None => {}
+        }
+    }
+
+    /// The value of a variable at `byte` and `bit` from its beginning (`None`: not a bit).
+    fn at(&self, name: String, variable: Variable, byte: u32, bit: Option<u8>) -> Option<(String, Named)> {
+        if let Some(named) = self.end(variable) {
+            let is_here = byte == 0 && bit.is_none_or(|bit| bit == variable.bit);
+            return is_here.then_some((name, named));
+        }
+        match self.ty(variable.ty)? {
+            NamedType::Struct(structure) => {
+                let before =
+                    structure.members.partition_point(|member| (member.byte, member.bit) <= (byte, bit.unwrap_or(7)));
+                let member = structure.members[..before].last()?;
+                let name = format!("{name}.{}", written(&member.name));
+                let inner = Variable { place: variable.place.offset(member.byte), bit: member.bit, ty: member.ty };
+                self.at(name, inner, byte - member.byte, bit)
+            }
+            NamedType::Array { dimensions, element } => {
+                let mut rest = u64::from(byte) * 8 + u64::from(bit.unwrap_or(0));
+                let mut texts = Vec::new();
+                for dimension in dimensions {
+                    let number = rest / u64::from(dimension.distance.max(1));
+                    let index = i64::from(dimension.low) + number as i64;
+                    if index > i64::from(dimension.high) {
+                        return None;
+                    }
+                    rest -= number * u64::from(dimension.distance);
+                    texts.push(index.to_string());
+                }
+                let start = u64::from(byte) * 8 + u64::from(bit.unwrap_or(0)) - rest;
+                let place = variable.place.offset((start / 8) as u32);
+                let inner = Variable { place, bit: (start % 8) as u8, ty: *element };
+                self.at(format!("{name}[{}]", texts.join(",")), inner, byte - (start / 8) as u32, bit)
+            }
+            NamedType::Value(_) | NamedType::Text { .. } | NamedType::Other { .. } => None,
+        }
+    }
+
+    /// A place of the code, as a symbol or a value of a DB where it is one.
+    fn used(&self, used: &UsedPlace, symbols: &HashMap<Address, &SymbolEntry>) -> Option<(String, Named)> {
+        let (letter, place) = match used.area {
+            UsedArea::Input => ("I".to_string(), Place::Input(used.byte)),
+            UsedArea::Output => ("Q".to_string(), Place::Output(used.byte)),
+            UsedArea::BitMemory => ("M".to_string(), Place::BitMemory(used.byte)),
+            UsedArea::Db(V_DB) if self.image.s7200.is_some() => ("V".to_string(), Place::Db(V_DB, used.byte)),
+            UsedArea::Db(number) => (format!("DB{number}.DB"), Place::Db(number, used.byte)),
+        };
+        let (width, size) = match used.bits {
+            1 => (Width::Bit(used.bit), ""),
+            8 => (Width::Byte, "B"),
+            16 => (Width::Word, "W"),
+            32 => (Width::Dword, "D"),
+            _ => (Width::Lword, "L"),
+        };
+        let address = Address { place, width };
+        if let Some(symbol) = symbols.get(&address)
+            && let Ok(named) = find(&symbol.name, self.image)
+        {
+            return Some((symbol.name.clone(), named));
+        }
+        let bit = (used.bits == 1).then_some(used.bit);
+        if let UsedArea::Db(number) = used.area
+            && let Some(db) = self.db(number.into())
+            && let Some(ty) = db.ty
+        {
+            let found = self.at(db_name(db), Variable { place: place.start(), bit: 0, ty }, used.byte, bit);
+            // Pointers to actuals are no values.
+            if found.is_some()
+                || matches!(self.ty(ty), Some(NamedType::Struct(structure)) if !structure.name.is_empty())
+            {
+                return found.filter(|(_, named)| named.address.width == width);
+            }
+        }
+        let name = match bit {
+            Some(bit) if letter.ends_with("DB") => format!("{letter}X{}.{bit}", used.byte),
+            Some(bit) => format!("{letter}{}.{bit}", used.byte),
+            None => format!("{letter}{size}{}", used.byte),
+        };
+        Some((name, Named { address, ty: None }))
+    }
+
+    /// A type as a user knows it.
+    fn name(&self, number: TypeNumber) -> String {
+        match self.ty(number) {
+            Some(NamedType::Value(ty)) => format!("of type {}", typed::name(*ty)),
+            Some(NamedType::Text { wide: false, length }) => format!("a STRING[{length}]"),
+            Some(NamedType::Text { wide: true, length }) => format!("a WSTRING[{length}]"),
+            Some(NamedType::Array { dimensions, .. }) => {
+                let bounds: Vec<String> =
+                    dimensions.iter().map(|dimension| format!("{}..{}", dimension.low, dimension.high)).collect();
+                format!("an ARRAY[{}]", bounds.join(","))
+            }
+            Some(NamedType::Struct(structure)) if structure.name.is_empty() => "a structure".to_string(),
+            Some(NamedType::Struct(structure)) => format!("a structure ({})", structure.name),
+            Some(NamedType::Other { name }) => format!("a parameter that points to its actual ({name})"),
+            None => "without a type".to_string(),
+        }
+    }
+
+    fn no_value(&self, text: &str, variable: Variable) -> String {
+        let mut list = Vec::new();
+        self.list(text, variable, 1, &mut list);
+        let is = self.name(variable.ty);
+        match list.first() {
+            Some((name, _)) => format!("`{text}` is {is}; name one of its values, such as {name}"),
+            None => format!("`{text}` is {is} and has no value that can be shown"),
+        }
+    }
+
+    fn unknown(&self, text: &str, root: &str) -> String {
+        let is_instance = |db: &&DbEntry| match db.ty.and_then(|ty| self.ty(ty)) {
+            Some(NamedType::Struct(structure)) => same(&structure.name, root),
+            _ => false,
+        };
+        let instances: Vec<String> = self.image.dbs.iter().filter(is_instance).map(db_name).collect();
+        if !instances.is_empty() {
+            return format!("`{root}` is a function block; its values are in its instances: {}", instances.join(", "));
+        }
+        let names = self.image.symbols.iter().map(|symbol| symbol.name.as_str());
+        let dbs = self.image.dbs.iter().map(|db| db.name.as_str()).filter(|name| !name.is_empty());
+        let near = match nearest(root, names.chain(dbs)) {
+            Some(near) => format!("; did you mean `{}`?", written(near)),
+            None => self.member_of_db(root).map_or_else(String::new, |name| format!("; did you mean `{name}`?")),
+        };
+        // `I0.9` was meant as an address.
+        let is_bit = text.rsplit_once('.').is_some_and(|(_, bit)| digits(bit).is_some());
+        if text == root || is_bit {
+            format!("`{text}` is neither an address (such as Q4.0, MW20, DB10.DBD4) nor a symbol of the program{near}")
+        } else {
+            format!("`{text}`: the program has no DB or tag `{root}`{near}")
+        }
+    }
+
+    /// `Motors.speed` for `speed`.
+    fn member_of_db(&self, name: &str) -> Option<String> {
+        self.image.dbs.iter().find_map(|db| match self.ty(db.ty?)? {
+            NamedType::Struct(structure) => {
+                member(structure, name).map(|member| format!("{}.{}", db_name(db), written(&member.name)))
+            }
+            _ => None,
+        })
+    }
+}
+
+fn db_name(db: &DbEntry) -> String {
+    if db.name.is_empty() { format!("DB{}", db.number) } else { written(&db.name) }
+}
+
+fn member<'a>(structure: &'a NamedStruct, name: &str) -> Option<&'a plcc_abi::names::NamedMember> {
+    let members = &structure.members;
+    members.iter().find(|member| member.name == name).or_else(|| members.iter().find(|member| same(&member.name, name)))
+}
+
+fn no_member(so_far: &str, structure: &NamedStruct, name: &str) -> String {
+    let is = if structure.name.is_empty() { String::new() } else { format!(" ({})", structure.name) };
+    let names = || structure.members.iter().map(|member| member.name.as_str());
+    let help = match nearest(name, names()) {
+        Some(near) => format!("did you mean `{}`?", written(near)),
+        None => {
+            let mut list: Vec<String> = names().take(LISTED_MAX).map(written).collect();
+            if structure.members.len() > LISTED_MAX {
+                list.push("...".to_string());
+            }
+            format!("it has {}", list.join(", "))
+        }
+    };
+    format!("`{so_far}`{is} has no member `{name}`; {help}")
+}
+
+fn what(part: &Part) -> String {
+    match part {
+        Part::Name(name) => format!("member `{name}`"),
+        Part::Index(_) => "elements".to_string(),
+        Part::Slice(..) => "slices here: they come last".to_string(),
+    }
+}
+
+/// `VALUE` of a timer or counter.
+fn current_value(address: Address) -> Option<Address> {
+    let place = match address.place {
+        Place::Timer(number) => Place::TimerValue(number),
+        Place::Counter(number) => Place::CounterValue(number),
+        Place::S7200(part, number) => Place::S7200(part.current_value()?, number),
+        Place::Input(_)
+        | Place::Output(_)
+        | Place::BitMemory(_)
+        | Place::PeripheralInput(_)
+        | Place::PeripheralOutput(_)
+        | Place::Db(..)
+        | Place::TimerValue(_)
+        | Place::CounterValue(_) => return None,
+    };
+    Some(Address { place, width: Width::Word })
+}
+
+/// Slice `number` of `width` bits of a value.
+fn sliced(named: Named, width: u32, number: u32) -> Option<Named> {
+    let is_whole = match named.ty {
+        None => true,
+        Some(ty) => matches!(ty.ty, AssertType::Bits(_) | AssertType::Signed(_) | AssertType::Unsigned(_)),
+    };
+    let bits = named.address.width.bits();
+    let has_bytes = match named.address.place {
+        Place::Timer(_) | Place::Counter(_) | Place::TimerValue(_) | Place::CounterValue(_) | Place::S7200(..) => false,
+        Place::Input(_)
+        | Place::Output(_)
+        | Place::BitMemory(_)
+        | Place::PeripheralInput(_)
+        | Place::PeripheralOutput(_)
+        | Place::Db(..) => true,
+    };
+    let end = number.checked_add(1)?.checked_mul(width)?;
+    if !is_whole || !has_bytes || matches!(named.address.width, Width::Bit(_)) || end > bits || width == bits {
+        return None;
+    }
+    let first = number * width;
+    let (byte, ty) = match width {
+        1 => (bits / 8 - 1 - first / 8, AssertType::Bool),
+        _ => ((bits - end) / 8, AssertType::Bits(width as u8)),
+    };
+    let ty = ValueType::of(ty);
+    let address = Address { place: named.address.place.offset(byte), width: ty.width((first % 8) as u8) };
+    Some(Named { address, ty: Some(ty) })
+}
