@@ -47,6 +47,7 @@ const SOURCES: &[(Language, &str)] = &[
     (Language::Scl, include_str!("../scl/drum.scl")),
     (Language::Scl, include_str!("../scl/communication.scl")),
     (Language::Scl, include_str!("../scl/connections.scl")),
+    (Language::Scl, include_str!("../scl/records.scl")),
     (Language::Scl, include_str!("../scl/pid/compact.scl")),
     (Language::Scl, include_str!("../scl/pid/cont_c.scl")),
     (Language::Scl, include_str!("../scl/pid/cont_s.scl")),

@@ -6,6 +6,7 @@ use plcc_syntax::ast;
 use plcc_syntax::{Class, Elementary};
 
 use crate::constant::Constant;
+use plcc_model::types::value_type;
 use plcc_model::{Compared, ComparedValue, Comparison};
 
 /// A declared type that values of assertions have.
@@ -100,29 +101,7 @@ impl Type {
             Type::Dtl => AssertType::Dtl,
             Type::Text => AssertType::Text,
             Type::WideText => AssertType::WideText,
-            Type::Elementary(ty) => match ty {
-                Elementary::Bool => AssertType::Bool,
-                Elementary::Byte | Elementary::Word | Elementary::Dword | Elementary::Lword => {
-                    AssertType::Bits(ty.bits() as u8)
-                }
-                Elementary::Sint | Elementary::Int | Elementary::Dint | Elementary::Lint => {
-                    AssertType::Signed(ty.bits() as u8)
-                }
-                Elementary::Usint | Elementary::Uint | Elementary::Udint | Elementary::Ulint => {
-                    AssertType::Unsigned(ty.bits() as u8)
-                }
-                Elementary::Char => AssertType::Char,
-                Elementary::Wchar => AssertType::Wchar,
-                Elementary::Real => AssertType::Real,
-                Elementary::Lreal => AssertType::Lreal,
-                Elementary::S5Time => AssertType::S5Time,
-                Elementary::Time => AssertType::Time,
-                Elementary::Ltime => AssertType::Ltime,
-                Elementary::Date => AssertType::Date,
-                Elementary::TimeOfDay => AssertType::TimeOfDay,
-                Elementary::Ltod => AssertType::Ltod,
-                Elementary::Ldt => AssertType::Ldt,
-            },
+            Type::Elementary(ty) => value_type(ty),
         }
     }
 

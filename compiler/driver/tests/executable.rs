@@ -67,6 +67,7 @@ fn image() -> ProgramImage {
         symbols: Vec::new(),
         partial: Vec::new(),
         stops_itself: false,
+        shapes: Vec::new(),
         outputs_used: u32::MAX,
         notices: Vec::new(),
         s7200: None,

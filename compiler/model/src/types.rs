@@ -2,6 +2,8 @@
 
 use std::rc::Rc;
 
+use plcc_abi::image::AssertType;
+
 pub use plcc_syntax::{Class, Elementary};
 
 /// Types that only parameters have.
@@ -78,4 +80,31 @@ pub struct Member {
     pub ty: DataType,
     pub byte: u32,
     pub bit: u8,
+}
+
+/// What the runtime takes a value of this type as.
+pub const fn value_type(ty: Elementary) -> AssertType {
+    match ty {
+        Elementary::Bool => AssertType::Bool,
+        Elementary::Byte | Elementary::Word | Elementary::Dword | Elementary::Lword => {
+            AssertType::Bits(ty.bits() as u8)
+        }
+        Elementary::Sint | Elementary::Int | Elementary::Dint | Elementary::Lint => {
+            AssertType::Signed(ty.bits() as u8)
+        }
+        Elementary::Usint | Elementary::Uint | Elementary::Udint | Elementary::Ulint => {
+            AssertType::Unsigned(ty.bits() as u8)
+        }
+        Elementary::Char => AssertType::Char,
+        Elementary::Wchar => AssertType::Wchar,
+        Elementary::Real => AssertType::Real,
+        Elementary::Lreal => AssertType::Lreal,
+        Elementary::S5Time => AssertType::S5Time,
+        Elementary::Time => AssertType::Time,
+        Elementary::Ltime => AssertType::Ltime,
+        Elementary::Date => AssertType::Date,
+        Elementary::TimeOfDay => AssertType::TimeOfDay,
+        Elementary::Ltod => AssertType::Ltod,
+        Elementary::Ldt => AssertType::Ldt,
+    }
 }

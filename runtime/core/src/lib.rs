@@ -8,6 +8,7 @@
 //! - [`io`]: the driver; [`analog`]: words of analog channels; [`plant`]: the process at the I/O.
 //! - [`address`], [`value`], [`signal`], [`scenario`], [`trace`], [`options`]: what a user writes and sees.
 //! - [`communication`]: TCP and ISO-on-TCP connections of the program.
+//! - [`records`]: data logs, recipes and files of a program.
 //! - `family`: differences between the families of CPUs; [`s7200`]: functions of the S7-200 only.
 //! - [`guest`]: code that runs in the process of the compiler.
 //! - [`assertion`]: values of assertions, compared and printed by their types.
@@ -45,6 +46,7 @@ pub mod ob_set;
 pub mod options;
 pub mod organization;
 pub mod plant;
+pub mod records;
 pub mod report;
 pub mod run;
 pub mod s7200;

@@ -16,6 +16,7 @@ use crate::faults::STOP_BY_REQUEST;
 use crate::io::Simulated;
 use crate::options::{ClockKind, HANG_LIMIT_DEFAULT, RunOptions, split_list};
 use crate::plant::Plant;
+use crate::records::store::{self, Store};
 use crate::scenario::{Player, Scenario};
 use crate::signal::{Signal, Source};
 use crate::trace::{self, Recorder};
@@ -90,6 +91,8 @@ pub fn run(mut image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions) ->
     if let Some(port) = options.iso_port {
         cpu.communication.borrow_mut().set_iso_port(port);
     }
+    let folder = store::folder(options.data.as_deref(), cpu.image.config.data_folder.as_deref());
+    cpu.set_store(Store::new(folder));
     let (printed, mut session) = match prepare(&cpu, options) {
         Ok(prepared) => prepared,
         Err(message) => {

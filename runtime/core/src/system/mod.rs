@@ -16,7 +16,7 @@ mod dates;
 mod delay;
 mod disable;
 mod distributed;
-mod dtl;
+pub(crate) mod dtl;
 mod hexadecimal;
 mod images;
 mod local_error;
@@ -25,6 +25,7 @@ pub(crate) mod meters;
 pub(crate) mod numbers;
 mod output_bits;
 mod parameters;
+mod records;
 mod station;
 mod status_list;
 mod technology;
@@ -207,6 +208,17 @@ system_functions! {
     2103 LINK_SEND (Word, Dword, Any)     -> (Word)            = communication::send;
     2104 LINK_SENT (Word)                 -> (Word)            = communication::sent;
     2105 LINK_RECEIVE (Word, Dword, Bool) -> (Word, Dword, Any) = communication::receive;
+    2110 JOB_STATE (Dword)               -> (Word, Dword)     = records::job_state;
+    2111 JOB_BYTES (Dword)               -> (Word, Dword, Variant) = records::job_bytes;
+    2112 LOG_CREATE (Dword, Word, Word, Variant, Variant, Variant) -> (Word, Dword) = records::log_create;
+    2113 LOG_OPEN (Word, Variant)        -> (Word, Dword)     = records::log_open;
+    2114 LOG_ACTION (Byte, Dword)        -> (Word, Dword)     = records::log_action;
+    2115 LOG_NEW (Dword, Variant, Dword) -> (Word, Dword)     = records::log_new;
+    2116 LOG_DELETE (Variant, Bool, Dword) -> (Word, Dword)   = records::log_delete;
+    2117 RECIPES (Bool, Variant)         -> (Word, Dword)     = records::recipes;
+    2118 FILE_READ (Variant, Dword, Dword, Variant) -> (Word, Dword) = records::file_read;
+    2119 FILE_WRITE (Variant, Dword, Dword, Variant) -> (Word, Dword) = records::file_write;
+    2120 FILE_DELETE (Variant)           -> (Word, Dword)     = records::file_delete;
 }
 
 /// No row.
