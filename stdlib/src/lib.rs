@@ -48,6 +48,10 @@ const SOURCES: &[(Language, &str)] = &[
     (Language::Scl, include_str!("../scl/communication.scl")),
     (Language::Scl, include_str!("../scl/connections.scl")),
     (Language::Scl, include_str!("../scl/records.scl")),
+    (Language::Scl, include_str!("../scl/data_blocks.scl")),
+    (Language::Scl, include_str!("../scl/alarms.scl")),
+    (Language::Scl, include_str!("../scl/module_records.scl")),
+    (Language::Scl, include_str!("../scl/partners.scl")),
     (Language::Scl, include_str!("../scl/pid/compact.scl")),
     (Language::Scl, include_str!("../scl/pid/cont_c.scl")),
     (Language::Scl, include_str!("../scl/pid/cont_s.scl")),
@@ -283,7 +287,7 @@ mod tests {
         assert_eq!(find_name("blkmov").map(|block| (block.class, block.number)), Some((BlockClass::Sfc, 20)));
         assert_eq!(find(BlockClass::Sfb, 4).map(|block| (block.name, block.form)), Some(("TON", Form::Source)));
         assert_eq!(find(BlockClass::Sfc, 64).map(|block| block.form), Some(Form::Runtime));
-        assert_eq!(find(BlockClass::Sfc, 58).map(|block| block.form), Some(Form::NotShipped));
+        assert_eq!(find(BlockClass::Sfc, 78).map(|block| block.form), Some(Form::NotShipped));
         assert!(find(BlockClass::Sfc, 9999).is_none());
     }
 

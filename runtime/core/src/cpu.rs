@@ -13,6 +13,7 @@ use plcc_abi::layout::{self, state};
 use plcc_abi::ob::{OB_FREE, ObClass};
 
 use crate::assertion::Assertions;
+use crate::alarms::Alarms;
 use crate::clock::{Clock, NS_PER_MS};
 use crate::code::Code;
 use crate::communication::Communication;
@@ -68,6 +69,8 @@ pub struct Cpu {
     pub(crate) communication: RefCell<Communication>,
     /// Data logs, recipes and files.
     pub(crate) records: RefCell<Records>,
+    /// Alarms that came and went.
+    pub(crate) alarms: RefCell<Alarms>,
     /// Fast counters, pulse generators, hardware interrupts.
     pub(crate) technology: Technology,
     /// How startup, cycle and interrupts work on this CPU.
@@ -120,6 +123,7 @@ impl Cpu {
             load_memory: RefCell::default(),
             diagnostics_changed: Cell::new(false),
             communication: RefCell::default(),
+            alarms: RefCell::default(),
             records: RefCell::new(Records::new(Store::temporary())),
             meters: Default::default(),
             all_outputs: Cell::new(true),
@@ -155,6 +159,11 @@ impl Cpu {
     pub(crate) fn stored(&self, number: u16) -> Option<Vec<u8>> {
         let changed = self.load_memory.borrow().get(&number).cloned();
         changed.or_else(|| Some(self.image.dbs.iter().find(|db| db.number == number)?.data.clone()))
+    }
+
+    /// Forgets the load memory of a DB that the program has made. False: there is none.
+    pub(crate) fn forget(&self, number: u16) -> bool {
+        self.load_memory.borrow_mut().remove(&number).is_some()
     }
 
     /// Changes what a DB of the program has in load memory.

@@ -1,4 +1,4 @@
-//! Run-time meters: SFC 2 SET_RTM, SFC 3 CTRL_RTM, SFC 4 READ_RTM. They count full hours, 0 to 32767.
+//! Run-time meters: SFC 2 SET_RTM, SFC 3 CTRL_RTM, SFC 4 READ_RTM, which count full hours from 0 to 32767; SFC 101 RTM with 32 bits.
 //!
 //! Source: System and standard functions, SFC 2 to 4. Assumption: eight meters, as on most CPUs; see the data sheet.
 
@@ -51,6 +51,33 @@ pub(super) fn control(call: &Call) -> Outcome {
         meter.counted_ns.set(meter.elapsed(now));
         meter.since.set(start.then_some(now));
     }
+    OK
+}
+
+/// NR, MODE (0 read, 1 start, 2 stop, 4 set, 5 set and start, 6 set and stop), PV -> RET_VAL, CQ, CV. 8080 number, 8081 negative, 8083 MODE.
+pub(super) fn rtm(call: &Call) -> Outcome {
+    call.set_bool(4, false);
+    call.set_dword(5, 0);
+    let Some(meter) = meter(call) else { return error(0x8080) };
+    let (mode, now) = (call.byte(1), call.cpu.clock.now());
+    if matches!(mode, 3 | 7..) {
+        return error(0x8083);
+    }
+    if mode & 4 != 0 {
+        let Ok(hours) = u64::try_from(call.dword(2) as i32) else { return error(0x8081) };
+        meter.counted_ns.set(hours * NS_PER_HOUR);
+        meter.since.set(meter.since.get().map(|_| now));
+    }
+    let runs = match mode & 3 {
+        1 => true,
+        2 => false,
+        _ => meter.since.get().is_some(),
+    };
+    meter.counted_ns.set(meter.elapsed(now));
+    meter.since.set(runs.then_some(now));
+    let hours = meter.elapsed(now) / NS_PER_HOUR;
+    call.set_bool(4, runs);
+    call.set_dword(5, u32::try_from(hours).unwrap_or(u32::MAX).min(i32::MAX as u32));
     OK
 }
 
