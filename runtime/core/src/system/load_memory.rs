@@ -159,6 +159,9 @@ pub(super) fn writ_dbl(call: &Call) -> Outcome {
     let write = || {
         let source = bytes(call, 1)?;
         let (db, part) = stored(call, 4, Access::Write)?;
+        if call.cpu.is_read_only(db) {
+            return Err(any::code(4, 0x30));
+        }
         if source.len() > part.len() {
             return Err(SOURCE_LONGER);
         }
