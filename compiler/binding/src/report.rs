@@ -182,7 +182,9 @@ impl Report {
     pub fn not_shipped(&mut self, prefix: BlockPrefix, number: u16, name: &str, span: Span) {
         self.missing(MissingKey::NotShipped(prefix, number), span, || {
             let block = match prefix {
-                BlockPrefix::Sfc | BlockPrefix::Sfb if number >= plcc_stdlib::TIA_NUMBERS => "the instruction".to_string(),
+                BlockPrefix::Sfc | BlockPrefix::Sfb if number >= plcc_stdlib::TIA_NUMBERS => {
+                    "the instruction".to_string()
+                }
                 _ => format!("{} {number}", prefix.letters()),
             };
             Diagnostic::new(Code::NotShipped, span, format!("{block} `{name}` is not included yet"))

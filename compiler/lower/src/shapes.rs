@@ -1,8 +1,8 @@
 //! The shapes of data blocks in the image, for programs with blocks that write data to files.
 
 use plcc_abi::image::{AssertType, BlockKind};
-use plcc_abi::shape::{ArrayShape, DbShape, Part, Shape};
 use plcc_abi::shape::USERS;
+use plcc_abi::shape::{ArrayShape, DbShape, Part, Shape};
 use plcc_model::types::{DTL, DataType, Member, value_type};
 use plcc_model::{Program, layout};
 

@@ -89,9 +89,7 @@ pub const fn value_type(ty: Elementary) -> AssertType {
         Elementary::Byte | Elementary::Word | Elementary::Dword | Elementary::Lword => {
             AssertType::Bits(ty.bits() as u8)
         }
-        Elementary::Sint | Elementary::Int | Elementary::Dint | Elementary::Lint => {
-            AssertType::Signed(ty.bits() as u8)
-        }
+        Elementary::Sint | Elementary::Int | Elementary::Dint | Elementary::Lint => AssertType::Signed(ty.bits() as u8),
         Elementary::Usint | Elementary::Uint | Elementary::Udint | Elementary::Ulint => {
             AssertType::Unsigned(ty.bits() as u8)
         }

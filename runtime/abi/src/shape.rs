@@ -28,11 +28,19 @@ pub struct Part {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Shape {
     /// A value of so many bytes; of a BOOL one bit.
-    Value { ty: AssertType, bytes: u32 },
+    Value {
+        ty: AssertType,
+        bytes: u32,
+    },
     Array(ArrayShape),
-    Struct { bytes: u32, parts: Vec<Part> },
+    Struct {
+        bytes: u32,
+        parts: Vec<Part>,
+    },
     /// Not a value: a parameter that points elsewhere.
-    Other { bytes: u32 },
+    Other {
+        bytes: u32,
+    },
 }
 
 /// The form of an array.

@@ -12,8 +12,8 @@ use plcc_abi::image::{BlockEntry, BlockKind};
 use plcc_abi::layout::{self, state};
 use plcc_abi::ob::{OB_FREE, ObClass};
 
-use crate::assertion::Assertions;
 use crate::alarms::Alarms;
+use crate::assertion::Assertions;
 use crate::clock::{Clock, NS_PER_MS};
 use crate::code::Code;
 use crate::communication::Communication;

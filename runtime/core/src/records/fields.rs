@@ -342,7 +342,8 @@ mod tests {
     #[test]
     fn fields_of_a_part_of_a_block() {
         let int = Shape::Value { ty: AssertType::Signed(16), bytes: 2 };
-        let part = |name: &str, byte: u32, shape: &Shape| Part { name: name.into(), byte, bit: 0, shape: shape.clone() };
+        let part =
+            |name: &str, byte: u32, shape: &Shape| Part { name: name.into(), byte, bit: 0, shape: shape.clone() };
         let array = Shape::Array(ArrayShape {
             dimensions: vec![(1, 2)],
             bytes: 4,

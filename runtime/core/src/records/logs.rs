@@ -4,6 +4,7 @@
 //!
 //! Source: S7-1200 reference, data logging.
 
+use plcc_abi::layout::AREA_BYTES;
 use plcc_abi::shape::DbShape;
 use serde::{Deserialize, Serialize};
 
@@ -52,6 +53,11 @@ pub struct Definition {
 }
 
 impl Definition {
+    /// False if a file says what no block of the program can have written.
+    fn is_possible(&self) -> bool {
+        self.records > 0 && self.start < AREA_BYTES && (1..=AREA_BYTES).contains(&self.bytes)
+    }
+
     /// The first line.
     fn heading(&self) -> String {
         match (self.header.as_str(), self.stamped) {
@@ -133,15 +139,8 @@ impl Logs {
         store.write(&description(name), 0, &told, true).map_err(made)?;
         self.logs.retain(|log| log.name != name);
         self.last_id += 1;
-        let mut log = Log {
-            id: self.last_id,
-            name: name.to_string(),
-            definition,
-            open: true,
-            rows: Vec::new(),
-            next: 1,
-            end: 0,
-        };
+        let mut log =
+            Log { id: self.last_id, name: name.to_string(), definition, open: true, rows: Vec::new(), next: 1, end: 0 };
         log.rewrite(store).map_err(made)?;
         self.logs.push(log);
         Ok(self.last_id)
@@ -167,8 +166,7 @@ impl Logs {
         let definition = serde_json::from_slice::<Definition>(&read(description(name))?);
         let definition = definition.map_err(|_| status::INCONSISTENT)?;
         let text = String::from_utf8(read(csv(name))?).map_err(|_| status::INCONSISTENT)?;
-        let consistent = definition.records > 0 && definition.fields(shapes).is_ok();
-        if !consistent {
+        if !definition.is_possible() || definition.fields(shapes).is_err() {
             return Err(status::INCONSISTENT);
         }
         let id = match known {
@@ -304,5 +302,73 @@ fn missing_or(fault: Fault) -> u16 {
         Fault::Missing => status::MISSING,
         Fault::Name => status::NAME,
         Fault::Full | Fault::Denied => status::DENIED,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use plcc_abi::image::AssertType;
+    use plcc_abi::shape::{Part, Shape};
+
+    use super::*;
+
+    fn shapes() -> [DbShape; 1] {
+        let shape = Shape::Value { ty: AssertType::Signed(16), bytes: 2 };
+        [DbShape { number: 1, parts: vec![Part { name: "a".into(), byte: 0, bit: 0, shape }] }]
+    }
+
+    fn definition(records: u32) -> Definition {
+        Definition { db: 1, start: 0, bytes: 2, records, stamped: false, header: "a".into() }
+    }
+
+    fn text(store: &Store) -> String {
+        String::from_utf8(store.read("DataLogs/L.csv", 0, FILE_BYTES_MAX).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn a_log_of_an_earlier_run_goes_on() {
+        let store = Store::temporary();
+        let mut first = Logs::default();
+        let id = first.create(&store, "L", definition(2), 10).unwrap();
+        assert_eq!(first.write(&store, id, "5"), Ok(false));
+        assert_eq!(first.write(&store, id, "6"), Ok(true));
+        assert_eq!(first.write(&store, id, "7"), Ok(false));
+        assert_eq!(text(&store), "Record,a\r\n3,7\r\n2,6\r\n");
+        let mut second = Logs::default();
+        assert_eq!(second.create(&store, "L", definition(2), 10), Err(status::EXISTS));
+        let (id, was_open) = second.open(&store, &shapes(), "L", false).unwrap();
+        assert!(!was_open);
+        assert_eq!(second.write(&store, id, "8"), Ok(true));
+        assert_eq!(text(&store), "Record,a\r\n3,7\r\n4,8\r\n");
+        assert_eq!(second.open(&store, &shapes(), "L", false), Ok((id, true)));
+        second.clear(&store, id).unwrap();
+        assert_eq!(text(&store), "Record,a\r\n//END\r\n");
+    }
+
+    #[test]
+    fn files_that_no_log_can_have_are_refused() {
+        let store = Store::temporary();
+        let open = |json: &str, csv: &str| {
+            store.write("DataLogs/L.json", 0, json.as_bytes(), true).unwrap();
+            store.write("DataLogs/L.csv", 0, csv.as_bytes(), true).unwrap();
+            Logs::default().open(&store, &shapes(), "L", false)
+        };
+        let json = |start: u32, bytes: u32, records: u32| {
+            serde_json::to_string(&Definition { start, bytes, ..definition(records) }).unwrap()
+        };
+        assert_eq!(open(&json(0, 2, 2), "Record,a\r\n1,5\r\n//END\r\n"), Ok((1, false)));
+        for (json, csv) in [
+            (json(u32::MAX, 2, 2), "Record,a\r\n"),
+            (json(0, u32::MAX, 2), "Record,a\r\n"),
+            (json(0, 2, 0), "Record,a\r\n"),
+            (json(2, 2, 2), "Record,a\r\n"),
+            (json(0, 2, 2), "Record,b\r\n"),
+            (json(0, 2, 2), "Record,a\r\n1,5\r\n2,5\r\n3,5\r\n"),
+            (json(0, 2, 2), "Record,a\r\nx,5\r\n"),
+            (json(0, 2, 2), "Record,a\r\n18446744073709551615,5\r\n"),
+            ("{".to_string(), "Record,a\r\n"),
+        ] {
+            assert_eq!(open(&json, csv), Err(status::INCONSISTENT), "{json} {csv}");
+        }
     }
 }

@@ -104,9 +104,7 @@ impl Records {
                 let status = if was_open { logs::status::ALREADY_OPEN } else { 0 };
                 Ok(Done { status, value, ..Done::default() })
             }
-            Job::WriteLog { id, record } => {
-                only(if logs.write(store, id, &record)? { logs::status::FULL } else { 0 })
-            }
+            Job::WriteLog { id, record } => only(if logs.write(store, id, &record)? { logs::status::FULL } else { 0 }),
             Job::CloseLog { id } => only(logs.close(id)),
             Job::ClearLog { id } => logs.clear(store, id).map(nothing),
             Job::NewLog { id, name, records, width } => value(logs.create_like(store, id, &name, records, width)?),

@@ -175,7 +175,22 @@ mod tests {
     #[test]
     fn names_stay_below_the_folder() {
         let store = Store::temporary();
-        for name in ["../x", "a/../../x", "/etc/passwd", "", "a//b", ".", "..", ".x", "a\\..\\b", "x\0y", "C:x", "a/b/c/d/e", "x ", "x."] {
+        for name in [
+            "../x",
+            "a/../../x",
+            "/etc/passwd",
+            "",
+            "a//b",
+            ".",
+            "..",
+            ".x",
+            "a\\..\\b",
+            "x\0y",
+            "C:x",
+            "a/b/c/d/e",
+            "x ",
+            "x.",
+        ] {
             assert_eq!(store.write(name, 0, b"1", true), Err(Fault::Name), "{name:?}");
             assert_eq!(store.read(name, 0, 1), Err(Fault::Name), "{name:?}");
             assert_eq!(store.remove(name), Err(Fault::Name), "{name:?}");

@@ -22,8 +22,7 @@ const READ_ONLY: u8 = 2;
 
 /// Number of the DB in load memory that parameter `index` points into, and the part of it.
 fn stored(call: &Call, index: usize, access: Access) -> Result<(u16, std::ops::Range<usize>), u16> {
-    let Any { area, db, byte, bytes, .. } =
-        plcc_abi::any::decode(call.any(index), index, access)?.ok_or(NO_BLOCK)?;
+    let Any { area, db, byte, bytes, .. } = plcc_abi::any::decode(call.any(index), index, access)?.ok_or(NO_BLOCK)?;
     if !matches!(area, area::DB | area::DI) {
         return Err(NO_BLOCK);
     }

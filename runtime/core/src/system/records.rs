@@ -139,9 +139,10 @@ fn header(call: &Call) -> Result<String, u16> {
     let Some(range) = any::decode(call, 4, Access::Read).map_err(|_| HEADER_TYPE)? else { return Ok(String::new()) };
     let text = match range.type_code {
         STRING => name(call, 4).map_err(|_| HEADER_TYPE)?,
-        code if BYTE_AND_CHAR.contains(&code) => call.cpu.memory.view(range.offset, range.existing, |bytes| {
-            unicode(bytes.split(|&byte| byte == 0).next().unwrap_or(&[]))
-        }),
+        code if BYTE_AND_CHAR.contains(&code) => call
+            .cpu
+            .memory
+            .view(range.offset, range.existing, |bytes| unicode(bytes.split(|&byte| byte == 0).next().unwrap_or(&[]))),
         _ => return Err(HEADER_TYPE),
     };
     Ok(text.replace(char::is_control, " ").trim().to_string())
