@@ -15,10 +15,6 @@ pub const NOT_SUPPORTED: &[&str] = &[
     "SPLIT",
     "ATTACH",
     "DETACH",
-    "MB_CLIENT",
-    "MB_SERVER",
-    "PUT",
-    "GET",
     "DB_ANY_TO_VARIANT",
     "VARIANT_TO_DB_ANY",
     "VARIANT_TO_ANY",
@@ -28,13 +24,10 @@ pub const NOT_SUPPORTED: &[&str] = &[
     "SETIO",
     "DPRD_DAT",
     "DPWR_DAT",
-    "RDREC",
-    "WRREC",
     "DeviceStates",
     "ModuleStates",
     "LED",
     "GET_DIAG",
-    "Program_Alarm",
 ];
 
 /// True of a function of which plcc only knows the name.

@@ -95,6 +95,8 @@ struct Keys {
     hardware_interrupt: BTreeMap<Spanned<String>, technology::InterruptKeys>,
     #[serde(default)]
     axis: BTreeMap<Spanned<String>, axes::AxisKeys>,
+    /// Folder of the program's files.
+    data: Option<Spanned<String>>,
     s7200: Option<Spanned<S7200Keys>>,
 }
 
@@ -189,6 +191,13 @@ impl Context {
             && config.system_memory_byte == config.clock_memory_byte
         {
             self.report(byte.span(), "clock memory and system memory are one byte", "give each a byte of its own");
+        }
+        if let Some(data) = keys.data {
+            if data.get_ref().is_empty() || data.get_ref().contains('\0') {
+                self.report(data.span(), "no name of a folder", "write `\"plc-data\"`");
+            } else {
+                config.data_folder = Some(data.into_inner());
+            }
         }
         config.overrun_stops = keys.cycle_time_exceeded.map(|key| matches!(key, ExceededKey::Stop));
         config.startup = match keys.startup {

@@ -16,7 +16,7 @@ const FIRST_DAY: i64 = 7305;
 const YEARS: std::ops::RangeInclusive<u16> = 1970..=2261;
 
 /// The moment of a DTL; `Err`: the error code of WR_SYS_T. The weekday does not count.
-fn decode(bytes: [u8; 12]) -> Result<i64, u16> {
+pub(crate) fn decode(bytes: [u8; 12]) -> Result<i64, u16> {
     let [year_high, year_low, month, day, _, hour, minute, second, ns @ ..] = bytes;
     let (year, ns) = (u16::from_be_bytes([year_high, year_low]), u32::from_be_bytes(ns));
     if !YEARS.contains(&year) {
@@ -36,7 +36,7 @@ fn decode(bytes: [u8; 12]) -> Result<i64, u16> {
     Ok(datetime::moment(date.to_datetime(time)))
 }
 
-fn encode(moment: i64) -> [u8; 12] {
+pub(crate) fn encode(moment: i64) -> [u8; 12] {
     let at = datetime::civil(moment);
     let [year_high, year_low] = (at.year() as u16).to_be_bytes();
     let weekday = at.date().weekday().to_sunday_one_offset() as u8;
