@@ -64,6 +64,8 @@ enum Statement {
     Peripheral(usize),
     Safepoint(usize),
     Sine(usize, usize),
+    /// A function that looks at memory.
+    Looks(usize, usize),
 }
 
 #[derive(Clone, Debug)]
@@ -106,6 +108,7 @@ fn statement() -> impl Strategy<Value = Statement> {
         (w.clone(), w.clone()).prop_map(|(to, from)| Statement::Sign(to, from)),
         (w.clone(), b.clone()).prop_map(|(to, from)| Statement::BitToWord(to, from)),
         (w.clone(), w.clone()).prop_map(|(to, from)| Statement::Sine(to, from)),
+        (w.clone(), w.clone()).prop_map(|(to, from)| Statement::Looks(to, from)),
     ];
     let memory = prop_oneof![
         4 => (w.clone(), place(), 0..4usize).prop_map(|(to, place, ty)| Statement::Load(to, place, ty)),
@@ -387,6 +390,13 @@ impl Builder<'_> {
                 let value = self.b.call_runtime(RuntimeFn::Safepoint, &[site]).expect("it has a result");
                 self.set_word(*to, value);
             }
+            Statement::Looks(to, from) => {
+                let from = self.word(*from);
+                let known = self.b.zext(Type::I64, from);
+                let value = self.b.call_runtime(RuntimeFn::TextLength, &[known, from, from]).expect("it has a result");
+                let value = self.b.trunc(Type::I32, value);
+                self.set_word(*to, value);
+            }
             Statement::Sine(to, from) => {
                 let from = self.word(*from);
                 let from = self.b.bitcast(Type::F32, from);
@@ -557,6 +567,10 @@ impl Host for Memory {
                 self.read(layout::Q, &mut outputs);
                 self.note(outputs.iter().fold(0, |hash, &byte| hash << 3 ^ u64::from(byte)));
                 self.write(layout::Q + (count % 8) as u32, &[count as u8]);
+            }
+            Effect::Reads => {
+                let hash = self.observed().iter().fold(0u64, |hash, &byte| hash.wrapping_mul(31) ^ u64::from(byte));
+                self.note(hash);
             }
             Effect::All => {
                 let hash = self.observed().iter().fold(0u64, |hash, &byte| hash.wrapping_mul(31) ^ u64::from(byte));
