@@ -119,7 +119,8 @@ impl BlockLowering<'_, '_> {
         while at < characters.len() {
             // The last word may begin before the end of the one before it.
             let from = at.min(characters.len() - bytes);
-            let constant = characters[from..from + bytes].iter().fold(0, |bits: u64, &byte| bits << 8 | u64::from(byte));
+            let constant =
+                characters[from..from + bytes].iter().fold(0, |bits: u64, &byte| bits << 8 | u64::from(byte));
             let word = self.b.load(ty, Address { offset: addr.offset + 2 + from as u32, ..addr });
             let word = self.b.binary_imm(BinaryOp::Xor, word, constant as i64);
             let word = self.b.zext(sum, word);

@@ -64,8 +64,6 @@ enum Statement {
     Peripheral(usize),
     Safepoint(usize),
     Sine(usize, usize),
-    /// A function that looks at memory.
-    Looks(usize, usize),
 }
 
 #[derive(Clone, Debug)]
@@ -108,7 +106,6 @@ fn statement() -> impl Strategy<Value = Statement> {
         (w.clone(), w.clone()).prop_map(|(to, from)| Statement::Sign(to, from)),
         (w.clone(), b.clone()).prop_map(|(to, from)| Statement::BitToWord(to, from)),
         (w.clone(), w.clone()).prop_map(|(to, from)| Statement::Sine(to, from)),
-        (w.clone(), w.clone()).prop_map(|(to, from)| Statement::Looks(to, from)),
     ];
     let memory = prop_oneof![
         4 => (w.clone(), place(), 0..4usize).prop_map(|(to, place, ty)| Statement::Load(to, place, ty)),
@@ -388,13 +385,6 @@ impl Builder<'_> {
             Statement::Safepoint(to) => {
                 let site = self.b.i32_const(0);
                 let value = self.b.call_runtime(RuntimeFn::Safepoint, &[site]).expect("it has a result");
-                self.set_word(*to, value);
-            }
-            Statement::Looks(to, from) => {
-                let from = self.word(*from);
-                let known = self.b.zext(Type::I64, from);
-                let value = self.b.call_runtime(RuntimeFn::TextLength, &[known, from, from]).expect("it has a result");
-                let value = self.b.trunc(Type::I32, value);
                 self.set_word(*to, value);
             }
             Statement::Sine(to, from) => {
