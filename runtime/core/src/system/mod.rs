@@ -214,7 +214,7 @@ system_functions! {
     2018 TEXT_OF_UNSIGNED (Lword, Word)  -> (Word, Any)       = numbers::of_integer;
     2019 FIELD_OF_UNSIGNED (Lword, Word, Word, Word, Word, Word) -> (Word, Any) = numbers::field_of_integer;
     2020 DINT_OF_TEXT (Any, Word, Dword, Dword) -> (Dword)    = numbers::to_dint;
-    2021 REAL_OF_TEXT (Any)               -> (Word, Dword)     = numbers::to_real;
+    2021 REAL_OF_TEXT (Any)               -> (Dword)           = numbers::to_real;
     2022 SCAN_INTEGER (Any, Word, Word, Word) -> (Word, Lword, Word) = numbers::integer_of;
     2023 SCAN_LREAL (Any, Word, Word)     -> (Word, Lword, Word) = numbers::float_of;
     2024 SCAN_REAL (Any, Word, Word)      -> (Word, Dword, Word) = numbers::real_of;
@@ -228,6 +228,7 @@ system_functions! {
     2032 DT_COMBINE (Word, Dword)         -> (Word, DateAndTime) = dates::combine;
     2033 DT_SPLIT (DateAndTime)           -> (Word, Word, Dword, Word) = dates::split;
     2034 DT_COMPARE (DateAndTime, DateAndTime) -> (Word)       = dates::compare;
+    2035 REAL_AT_START (Any)              -> (Dword)           = numbers::real_at_start;
     2090 HSC_CONTROL (Word, Byte, Word, Dword, Dword, Word) -> (Word) = technology::hsc_control;
     2091 PWM_CONTROL (Word, Bool)           -> (Word)            = technology::pwm_control;
     2095 ZONE_SET (Word, Word, Dword, Byte, Dword, Byte) -> (Word) = zone::set;
