@@ -25,7 +25,7 @@ pub(super) fn create(cpu: &Cpu, low: u16, high: u16, count: u32, linked: bool) -
     if low == 0 || high == 0 || low > high {
         return Err(0x80A1);
     }
-    if count == 0 || count % 2 != 0 || count > cpu.image.profile.db_bytes_max {
+    if count == 0 || !count.is_multiple_of(2) || count > cpu.image.profile.db_bytes_max {
         return Err(0x80A2);
     }
     let is_free = |number| cpu.memory.db(number).1 == 0 && cpu.stored(number).is_none();
