@@ -65,10 +65,7 @@ struct Session {
 impl Observer for Session {
     fn before(&mut self, cpu: &Cpu, cycle: u64, time: u64) {
         if cycle == 0 {
-            for (source, value) in &self.set {
-                // Checked when the session was made.
-                let _ = source.write(cpu, value);
-            }
+            self.set_values(cpu);
         }
         self.player.before(cpu, cycle, time);
     }
@@ -76,6 +73,25 @@ impl Observer for Session {
     fn after(&mut self, cpu: &Cpu, cycle: u64, time: u64) {
         self.last = time;
         self.player.after(cpu, cycle, time);
+        if self.recorder.is_some() {
+            self.record(cpu, cycle, time);
+        }
+    }
+}
+
+impl Session {
+    /// The values of `--set`.
+    #[cold]
+    fn set_values(&self, cpu: &Cpu) {
+        for (source, value) in &self.set {
+            // Checked when the session was made.
+            let _ = source.write(cpu, value);
+        }
+    }
+
+    /// A sample of the trace.
+    #[inline(never)]
+    fn record(&mut self, cpu: &Cpu, cycle: u64, time: u64) {
         if let Some(recorder) = &mut self.recorder {
             recorder.sample(cpu, self.player.plant(), cycle, time);
         }
