@@ -15,9 +15,10 @@ use std::sync::{Arc, mpsc};
 use plcc_abi::ProgramImage;
 
 use super::session::{prepare, setting};
-use super::{EXIT_FAULT, EXIT_OK, EXIT_USAGE, end_requested, pace, say, tell_partial, verdict, watch_signals};
+use super::{
+    CodeMaker, EXIT_FAULT, EXIT_OK, EXIT_USAGE, end_requested, pace, say, tell_partial, verdict, watch_signals,
+};
 use crate::clock::Clock;
-use crate::code::Code;
 use crate::cpu::Cpu;
 use crate::io::Simulated;
 use crate::options::{ClockKind, RunOptions};
@@ -66,7 +67,7 @@ impl Table {
 }
 
 /// Runs the instances. Result: the worst exit code of all.
-pub(super) fn run(image: ProgramImage, code: &(dyn Fn() -> Rc<dyn Code> + Sync), options: &RunOptions) -> u8 {
+pub(super) fn run(image: ProgramImage, code: CodeMaker, options: &RunOptions) -> u8 {
     let (count, table) = match check(options) {
         Ok(checked) => checked,
         Err(message) => {
@@ -164,7 +165,7 @@ impl Write for Buffer {
 fn one(
     number: usize,
     image: &Arc<ProgramImage>,
-    code: &(dyn Fn() -> Rc<dyn Code> + Sync),
+    code: CodeMaker,
     options: &RunOptions,
     table: &Option<Table>,
 ) -> Outcome {
@@ -234,6 +235,7 @@ mod tests {
     use plcc_abi::image::BlockKind;
 
     use super::*;
+    use crate::code::Code;
     use crate::tests::image;
 
     /// OB 1 adds MW 2 to MW 4.

@@ -57,12 +57,19 @@ fn watch_signals() {
     }
 }
 
-/// Runs a program by the runtime flags. Values go to standard output, messages to standard error. Each CPU gets code of its own from `code`.
-/// Result: exit code.
-pub fn run(mut image: ProgramImage, code: &(dyn Fn() -> Rc<dyn Code> + Sync), options: &RunOptions) -> u8 {
-    if options.instances.is_some() || options.instance_values.is_some() {
-        return instances::run(image, code, options);
+/// Makes the code of a CPU.
+pub type CodeMaker<'a> = &'a (dyn Fn() -> Rc<dyn Code> + Sync);
+
+/// Runs a program by the runtime flags, on one CPU or on as many as they say. Result: exit code.
+pub fn start(image: ProgramImage, code: CodeMaker, options: &RunOptions) -> u8 {
+    match options.instances.is_some() || options.instance_values.is_some() {
+        true => instances::run(image, code, options),
+        false => run(image, code(), options),
     }
+}
+
+/// Runs a program on one CPU. Values go to standard output, messages to standard error. Result: exit code.
+pub fn run(mut image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions) -> u8 {
     let clock = match options.clock {
         ClockKind::Real => Clock::real(),
         ClockKind::Virtual => Clock::simulated(),
@@ -70,7 +77,7 @@ pub fn run(mut image: ProgramImage, code: &(dyn Fn() -> Rc<dyn Code> + Sync), op
     image.config.s7200.stop_on_error |= options.stop_on_error;
     options.restart(&mut image.config);
     let driver = Box::new(Simulated::new(image.config.modules.clone()));
-    let cpu = Cpu::new(image, code(), clock, driver);
+    let cpu = Cpu::new(image, code, clock, driver);
     if let Some(port) = options.iso_port {
         cpu.communication.borrow_mut().set_iso_port(port);
     }
