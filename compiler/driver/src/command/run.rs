@@ -19,7 +19,7 @@ fn compile(args: &RunArgs) -> Result<(plcc_abi::ProgramImage, Rc<dyn plcc_runtim
     let read = inputs::read_as(&inputs::or_here(&args.inputs)?, args.compile.code_page);
     let unreadable = read.is_unreadable();
     let settings = pipeline::Settings { require_main: true, ..pipeline::Settings::new(&args.compile) };
-    let bound = accepted(pipeline::front(read, &settings), unreadable)?;
+    let bound = accepted(pipeline::front(read, &settings), unreadable, &settings)?;
     let compiled = pipeline::back(&bound, args.optimization.optimization());
     let code = code::jit(&compiled).map_err(|error| internal(&error))?;
     Ok((compiled.image, code))

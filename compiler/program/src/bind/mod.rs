@@ -19,6 +19,7 @@ mod globals;
 mod network;
 mod partial;
 mod program;
+mod review;
 mod scl;
 mod stl;
 mod trees;
