@@ -39,9 +39,10 @@ fn variants(rings: usize) -> impl Iterator<Item = Rings> {
     })
 }
 
+/// Sets of steps have a word for each 64 steps, so that charts with several active steps differ by a few instructions.
 #[test]
 fn cost_does_not_follow_the_size_of_the_chart() {
-    for (active, sizes) in [(1, [5, 250]), (8, [80, 250])] {
+    for (active, sizes) in [(1, [50, 250]), (8, [160, 250])] {
         for kind in variants(active) {
             let [small, large] = sizes.map(|steps| cost(&Rings { steps, ..kind }));
             assert!(large <= 1.1 * small, "{kind:?}: {small} instructions with {} steps, {large} with 250", sizes[0]);
@@ -61,5 +62,5 @@ fn cost_is_linear_in_active_steps() {
 fn an_idle_call_is_short() {
     let kind = Rings { steps: 250, rings: 1, interface: "Minimum", supervised: false, switching: false };
     let cost = cost(&kind);
-    assert!(cost <= 187.0, "{cost} instructions");
+    assert!(cost <= 97.0, "{cost} instructions");
 }

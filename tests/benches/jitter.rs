@@ -3,9 +3,8 @@
 //!     cargo bench --bench jitter              30 seconds each
 //!     cargo bench --bench jitter -- 5         5 seconds each
 //!
-//! Printed are percentiles of how far the time from one start to the next is from 1 ms, in microseconds: as any process runs, and under
-//! the scheduler for real time (SCHED_FIFO) with memory locked, where the system permits it. The table is in docs/PERFORMANCE.md.
-#![allow(unsafe_code, reason = "the scheduler of the operating system")]
+//! Printed are percentiles of how far the time from one start to the next is from 1 ms, in microseconds: as any process runs, and with
+//! `--realtime`, where the system permits it. The table is in docs/PERFORMANCE.md.
 
 use std::cell::RefCell;
 use std::process::ExitCode;
@@ -23,6 +22,7 @@ use plcc_runtime::clock::Clock;
 use plcc_runtime::cpu::Cpu;
 use plcc_runtime::cycle::{Observer, Pace};
 use plcc_runtime::io::Simulated;
+use plcc_runtime::realtime;
 
 /// Period of both, in nanoseconds.
 const PERIOD: u64 = 1_000_000;
@@ -61,9 +61,9 @@ fn main() -> ExitCode {
     let seconds = std::env::args().skip(1).find_map(|argument| argument.parse().ok()).unwrap_or(SECONDS);
     println!("{:<34}{:>10}{:>10}{:>10}{:>10}{:>10}", "microseconds from 1 ms", "starts", "p50", "p99", "p99.99", "max");
     run("as any process", seconds);
-    match real_time() {
-        Ok(()) => run("SCHED_FIFO", seconds),
-        Err(error) => println!("SCHED_FIFO: not permitted ({error})"),
+    match realtime::enter() {
+        Ok(()) => run("--realtime", seconds),
+        Err(error) => println!("--realtime: {error}"),
     }
     ExitCode::SUCCESS
 }
@@ -130,17 +130,4 @@ struct Nobody;
 impl Observer for Nobody {
     fn before(&mut self, _: &Cpu, _: u64, _: u64) {}
     fn after(&mut self, _: &Cpu, _: u64, _: u64) {}
-}
-
-/// Asks for the scheduler for real time and for memory that stays. Errors: the system does not permit it.
-fn real_time() -> Result<(), std::io::Error> {
-    // SAFETY: the parameter is numbers, for which 0 is a value, and is only read during the call.
-    let scheduled = unsafe {
-        let mut parameter: libc::sched_param = std::mem::zeroed();
-        parameter.sched_priority = 50;
-        libc::sched_setscheduler(0, libc::SCHED_FIFO, &raw const parameter)
-    };
-    // SAFETY: the call takes flags alone.
-    let locked = unsafe { libc::mlockall(libc::MCL_CURRENT | libc::MCL_FUTURE) };
-    if scheduled == 0 && locked == 0 { Ok(()) } else { Err(std::io::Error::last_os_error()) }
 }

@@ -35,6 +35,33 @@ fn charts_do_what_the_model_does() {
     }
 }
 
+/// The short way of the ordinary modes leaves the same in the instance as the long one, except for the bit that forbids it.
+#[test]
+fn both_ways_leave_the_same() {
+    /// IL_PERM in its byte of MOP, and in that of the last MOP.
+    const IL_PERM: u8 = 0x20;
+    let first = setting("PLCC_RANDOM_CHARTS_FROM", 1);
+    for seed in first..first + setting("PLCC_RANDOM_CHARTS", 100) {
+        let result = plcc_driver::on_large_stack(move || {
+            let case = generate::case(seed);
+            let [short, long] = [false, true].map(|long| run::instances(&case, long).expect("it runs"));
+            assert_eq!(short.len(), long.len());
+            for (call, (short, long)) in short.iter().zip(&long).enumerate() {
+                let different: Vec<(usize, u8)> =
+                    short.iter().zip(long).map(|(a, b)| a ^ b).enumerate().filter(|(_, bits)| *bits != 0).collect();
+                assert!(
+                    different.len() <= 2 && different.iter().all(|(_, bits)| *bits == IL_PERM),
+                    "chart {seed}, call {}: {different:?}\n{}",
+                    call + 1,
+                    text::graph(&case.chart)
+                );
+            }
+            long != short
+        });
+        assert!(result.expect("no panic"), "chart {seed}: IL_PERM was not set");
+    }
+}
+
 /// The same without a pass, another one for each seed: no pass is needed for a right result.
 #[test]
 fn any_pass_may_be_off() {

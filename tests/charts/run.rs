@@ -63,16 +63,22 @@ impl Form {
 /// All of them.
 pub const FORMS: [Form; 2] = [Form::Plain, Form::Machine];
 
-/// Compiles and runs in all forms.
-pub fn check(case: &Case, forms: &[Form]) -> Result<(), Failure> {
+/// Binds a chart with its caller.
+fn bound(case: &Case, long: bool) -> Result<pipeline::Bound, Failure> {
     let mut read = Read { name: "chart".to_string(), ..Read::default() };
     read.units.push(read.sources.add(SourceFile::new("chart.gr7", text::graph(&case.chart))));
-    read.units.push(read.sources.add(SourceFile::new("main.stl", text::caller(&case.chart))));
+    read.units.push(read.sources.add(SourceFile::new("main.stl", text::caller(&case.chart, long))));
     let bound = pipeline::front(read, &Settings { require_main: true, ..Settings::default() });
     if bound.has_errors() {
         let errors: Vec<_> = bound.diagnostics.iter().filter(|message| message.is_error()).cloned().collect();
         return Err(Failure::Refused(plcc_diag::drawing::draw(&errors, &bound.sources, false)));
     }
+    Ok(bound)
+}
+
+/// Compiles and runs in all forms.
+pub fn check(case: &Case, forms: &[Form]) -> Result<(), Failure> {
+    let bound = bound(case, false)?;
     for &form in forms {
         let compiled = pipeline::back(&bound, form.optimization());
         plcc_ir::verify::verify(&compiled.module)
@@ -91,7 +97,25 @@ pub fn check(case: &Case, forms: &[Form]) -> Result<(), Failure> {
     Ok(())
 }
 
+/// The instance after each call, with or without the short way of the ordinary modes. Source of IL_PERM: `text::caller`.
+pub fn instances(case: &Case, long: bool) -> Result<Vec<Vec<u8>>, Failure> {
+    let bound = bound(case, long)?;
+    let compiled = pipeline::back(&bound, Form::Machine.optimization());
+    let code = code::jit(&compiled).map_err(|error| Failure::Refused(error.to_string()))?;
+    let mut seen = Vec::new();
+    play(case, &compiled, code, &mut |cpu| {
+        let (begin, bytes) = cpu.memory.db(1);
+        seen.push((begin..begin + bytes).map(|at| cpu.memory.byte(at)).collect());
+    })?;
+    Ok(seen)
+}
+
 fn run(case: &Case, compiled: &Compiled, code: Rc<dyn Code>) -> Result<(), Failure> {
+    play(case, compiled, code, &mut |_| ())
+}
+
+/// Runs a case; `look` sees the CPU after each cycle.
+fn play(case: &Case, compiled: &Compiled, code: Rc<dyn Code>, look: &mut dyn FnMut(&Cpu)) -> Result<(), Failure> {
     let driver = Box::new(Simulated::new(compiled.image.config.modules.clone()));
     let cpu = Cpu::new(compiled.image.clone(), code, Clock::simulated(), driver);
     let mut player = Player {
@@ -101,6 +125,7 @@ fn run(case: &Case, compiled: &Compiled, code: Rc<dyn Code>) -> Result<(), Failu
         model: Model::new(&case.chart),
         memory: Memory::new(),
         failure: None,
+        look,
     };
     let pace = Pace { cycles: Some(case.calls.len() as u64), cycle_time: 0, hang_limit: HANG_LIMIT };
     let cycles = cpu.execute(&pace, &mut player);
@@ -122,6 +147,7 @@ struct Player<'a> {
     model: Model,
     memory: Memory,
     failure: Option<Failure>,
+    look: &'a mut dyn FnMut(&Cpu),
 }
 
 impl Observer for Player<'_> {
@@ -150,6 +176,7 @@ impl Observer for Player<'_> {
 
     fn after(&mut self, cpu: &Cpu, cycle: u64, time: u64) {
         let Some(index) = cycle.checked_sub(1).map(|index| index as usize) else { return };
+        (self.look)(cpu);
         if self.failure.is_some() {
             return;
         }

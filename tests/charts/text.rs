@@ -306,13 +306,15 @@ impl Display for Shown<'_> {
 }
 
 /// OB 1, the instance DB 1, and DB 2 with the watched values.
-pub fn caller(chart: &Chart) -> String {
+///
+/// `long`: IL_PERM is set, which has no effect but that no call takes the short way of the ordinary modes.
+pub fn caller(chart: &Chart, long: bool) -> String {
     let mut out = String::new();
-    print_caller(chart, &mut out).expect("a string takes all");
+    print_caller(chart, long, &mut out).expect("a string takes all");
     out
 }
 
-fn print_caller(chart: &Chart, out: &mut String) -> fmt::Result {
+fn print_caller(chart: &Chart, long: bool, out: &mut String) -> fmt::Result {
     let watches = watches(chart);
     let bytes = watches.last().map_or(0, |last| last.byte + last.bits.div_ceil(8));
     writeln!(out, "DATA_BLOCK DB 1\nFB 1\nBEGIN\nEND_DATA_BLOCK")?;
@@ -321,6 +323,9 @@ fn print_caller(chart: &Chart, out: &mut String) -> fmt::Result {
     writeln!(out, "      L     #w\n      +     1\n      T     #w\nEND_FUNCTION")?;
     writeln!(out, "ORGANIZATION_BLOCK OB 1\nBEGIN")?;
     writeln!(out, "      L     MB {PAUSE}\n      L     0\n      <>I\n      JC    rest")?;
+    if long {
+        writeln!(out, "      SET\n      =     DB1.MOP.IL_PERM")?;
+    }
     let bit = |index: u32| format!("M {}.{}", u32::from(PARAMETERS) + index / 8, index % 8);
     let mut parameters: Vec<String> =
         chart.interface.inputs().map(|input| format!("{} := {}", input.name(), bit(input as u32))).collect();

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use plcc_abi::image::{Family, Profile, ProgramImage};
+use plcc_abi::image::{BlockKind, Family, Profile, ProgramImage};
 use plcc_binding::BindInput;
 use plcc_codegen::{CodegenError, CodegenOptions, Finishing};
 use plcc_diag::{Code, Diagnostic, FileId, Severity, SourceFile, SourceMap, Span};
@@ -324,7 +324,8 @@ pub fn optimize(mut compiled: Compiled) -> Compiled {
         Level::O2 => plcc_opt::optimize(&mut compiled.module, compiled.optimization.without),
     }
     let usage = plcc_opt::usage(&compiled.module);
-    compiled.with_usage(&usage)
+    let reached = compiled.reached();
+    compiled.with_usage(&usage, &reached)
 }
 
 /// The object file of a program that is lowered, not optimised. At -O2 the code of unchanged functions comes from `cache`, which keeps
@@ -335,6 +336,7 @@ pub fn object(mut compiled: Compiled, cache: Option<&Cache>) -> Result<Vec<u8>, 
         plcc_opt::optimize_together(&mut compiled.module, without);
     }
     let options = compiled.codegen_options();
+    let reached = compiled.reached();
     let Compiled { mut module, image, optimization } = compiled;
     let surroundings = plcc_opt::Surroundings::new(&module);
     // Keys are made of canonical functions, which the passes leave, and do not name the processor of this computer.
@@ -354,7 +356,7 @@ pub fn object(mut compiled: Compiled, cache: Option<&Cache>) -> Result<Vec<u8>, 
     let finished = plcc_codegen::finish(&mut module, &options, &finishing)?;
     let usage: Vec<Usage> = finished.notes.iter().copied().map(usage_of_note).collect();
     let entries = Module { entries, ..Module::default() };
-    let image = Compiled { module: entries, image, optimization }.with_usage(&usage);
+    let image = Compiled { module: entries, image, optimization }.with_usage(&usage, &reached);
     let object = finished.object(&image.image_bytes())?;
     if let (Some(cache), Some(old), Some(keys)) = (cache, &old, &keys) {
         cache.write(old, keys, &finished.made);
@@ -377,9 +379,20 @@ pub fn back(bound: &Bound, optimization: impl Into<Optimization>) -> Compiled {
 }
 
 impl Compiled {
+    /// Which functions can run: those that the runtime starts by itself, and what they call.
+    fn reached(&self) -> Vec<bool> {
+        let is_called = |kind| matches!(kind, BlockKind::Fc | BlockKind::Fb | BlockKind::Sfc | BlockKind::Sfb);
+        let roots = self.image.blocks.iter().filter(|block| !is_called(block.kind));
+        plcc_opt::reached(
+            &self.module,
+            roots.filter_map(|block| self.module.entries.get(block.entry as usize).copied()),
+        )
+    }
+
     /// Tells the runtime what each function of the program uses.
-    fn with_usage(mut self, functions: &[Usage]) -> Compiled {
-        let usage = functions.iter().copied().fold(Usage::NOTHING, Usage::and);
+    fn with_usage(mut self, functions: &[Usage], reached: &[bool]) -> Compiled {
+        let used = functions.iter().zip(reached).filter_map(|(usage, reached)| reached.then_some(*usage));
+        let usage = used.fold(Usage::NOTHING, Usage::and);
         self.image.outputs_used = usage.outputs;
         for block in &mut self.image.blocks {
             let entry = self.module.entries.get(block.entry as usize);

@@ -120,3 +120,61 @@ fn each_run_of_safety_blocks_says_so() {
         assert_eq!(output.status.code(), Some(0), "{errors}");
     }
 }
+
+/// What `/proc/PID/task/TID/stat` says of each thread: its real-time priority and its policy.
+fn schedulers(pid: u32) -> Vec<(String, String)> {
+    let Ok(threads) = std::fs::read_dir(format!("/proc/{pid}/task")) else { return Vec::new() };
+    let stats = threads.flatten().filter_map(|thread| std::fs::read_to_string(thread.path().join("stat")).ok());
+    let fields = |stat: String| {
+        // The second field is the name, in parentheses; the third one comes first here.
+        let fields: Vec<String> = stat.rsplit(") ").next()?.split(' ').map(str::to_string).collect();
+        Some((fields.get(37)?.clone(), fields.get(38)?.clone()))
+    };
+    let mut found: Vec<_> = stats.filter_map(fields).collect();
+    found.sort();
+    found
+}
+
+#[test]
+fn realtime_is_as_asked_or_refused() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    build(folder, "      L     MW 0\n      +     1\n      T     MW 0\n");
+    let errors = both(folder, &["--realtime", "--clock", "virtual", "--cycles", "1"], 2);
+    assert!(errors.contains("--realtime: the virtual clock does not wait"), "{errors}");
+
+    // Without rights. Root loses its capabilities; for everybody else limits are enough.
+    let bare = "ulimit -r 0; ulimit -l 64; [ $(id -u) = 0 ] && exec setpriv --bounding-set=-all \"$@\"; exec \"$@\"";
+    let refused = command("sh", folder, &["-c", bare, "sh", "./program", "--realtime", "--cycles", "1"]);
+    let errors = String::from_utf8_lossy(&refused.stderr);
+    assert_eq!(refused.status.code(), Some(2), "{errors}");
+    for right in ["CAP_SYS_NICE", "ulimit -r", "CAP_IPC_LOCK", "ulimit -l"] {
+        assert!(errors.contains(right), "{errors}");
+    }
+
+    // With rights, if the test has them: the cycle, and the watchdog above it.
+    let mut child = Command::new(folder.join("program"))
+        .args(["--realtime", "--cycle-time", "5ms"])
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .expect("it starts");
+    let fifo = |priority: &str| (priority.to_string(), "1".to_string());
+    let mut seen = Vec::new();
+    for _ in 0..500 {
+        seen = schedulers(child.id());
+        if seen == [fifo("40"), fifo("41")] || child.try_wait().expect("it was started").is_some() {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    let status = std::fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
+    let _ = child.kill();
+    let output = child.wait_with_output().expect("it was started");
+    if output.status.code() == Some(2) {
+        assert!(String::from_utf8_lossy(&output.stderr).contains("CAP_"), "{output:?}");
+        return;
+    }
+    assert_eq!(seen, [fifo("40"), fifo("41")]);
+    let locked = status.lines().find_map(|line| line.strip_prefix("VmLck:")).expect("Linux says").trim();
+    assert!(!locked.starts_with("0 "), "{status}");
+}

@@ -9,7 +9,8 @@
 //!   code between them for the cold way, the hot one is straight.
 //!
 //! A third is common on an S7-200, where all boxes of a network have the same condition: a short block branches by what was tested
-//! before. Ways on which the test went otherwise get a copy of it.
+//! before. Ways on which the test went otherwise get a copy of it. So do ways that bring constants by which it branches: the number of
+//! the next step of a sequence, a variable that says that all is done.
 //!
 //! ```text
 //! b1: branch v1, b2, b3      ; b1: branch v1, b2, b3
@@ -24,12 +25,16 @@ use plcc_ir::function::ValueDef;
 use plcc_ir::{Block, BlockCall, Function, InstData, Value};
 use rustc_hash::FxHashMap;
 
+use crate::control_flow::simplify_control_flow;
+use crate::fold::fold;
 use crate::variables::{Versions, join_versions};
 
 /// Instructions of a loop's test that is copied.
 const TEST_MAX: usize = 6;
 /// Instructions of a block that is copied for ways on which its branch is decided.
 const DECIDED_MAX: usize = 8;
+/// Copies of a block for the constants that decide where it goes.
+const WAYS_MAX: usize = 300;
 /// Instructions of a block that is copied for cold ways.
 const COLD_MAX: usize = 60;
 /// Instructions that copies may add to a function, besides as many as it has.
@@ -37,7 +42,7 @@ const GROWTH: usize = 2000;
 /// Rounds over a function: the next check comes to light when one is gone.
 const ROUNDS_MAX: usize = 12;
 /// Larger functions are left as they are.
-const INSTS_MAX: usize = 20_000;
+const INSTS_MAX: usize = 100_000;
 
 /// Copies the tests of loops to their ends.
 pub fn turn_loops(function: &mut Function) {
@@ -90,11 +95,98 @@ pub fn part_cold_ways(function: &mut Function) {
     }
     let mut growth = function.insts.len() + GROWTH;
     for _ in 0..ROUNDS_MAX {
-        if !part_in_function(function, &mut growth) {
+        if part_constant_ways(function, &mut growth) {
+            // What the constants decide shows which constants other ways bring.
+            simplify_control_flow(function);
+            fold(function);
+            simplify_control_flow(function);
+        } else if !part_in_function(function, &mut growth) {
             break;
         }
         function.remove_unreachable_blocks();
     }
+}
+
+/// Gives ways copies of a short block that branches by constants that they bring.
+fn part_constant_ways(function: &mut Function, growth: &mut usize) -> bool {
+    let cfg = ControlFlow::new(function);
+    let dominators = Dominators::new(function, &cfg);
+    let mut copies = Copies::default();
+    for &meet in &cfg.rpo {
+        let preds = cfg.predecessors(meet);
+        let size = function.blocks[meet].insts.len();
+        let is_loop = || preds.iter().any(|&pred| dominators.dominates(meet, pred));
+        if preds.len() < 2 || size > DECIDED_MAX || meet == function.entry() || is_loop() {
+            continue;
+        }
+        let Some(deciding) = deciding_params(function, meet) else { continue };
+        let mut ways: Vec<(Vec<u64>, Vec<Block>)> = Vec::new();
+        for &pred in preds {
+            let Some(brought) = constants_brought(function, pred, meet, &deciding) else { continue };
+            match ways.iter().position(|(other, _)| *other == brought) {
+                Some(index) => ways[index].1.push(pred),
+                None if ways.len() < WAYS_MAX => ways.push((brought, vec![pred])),
+                None => {}
+            }
+        }
+        if ways.iter().any(|(_, list)| list.len() == preds.len()) || copies.touches(function, meet) {
+            continue;
+        }
+        for (_, list) in ways {
+            if size > *growth {
+                break;
+            }
+            *growth -= size;
+            let is_cold = function.blocks[meet].cold || list.iter().all(|&way| function.blocks[way].cold);
+            let copy = copies.add(function, meet, &list);
+            function.blocks[copy].cold = is_cold;
+        }
+    }
+    let changed = !copies.made.is_empty();
+    copies.finish(function);
+    changed
+}
+
+/// The parameters that alone decide where a block goes, by their positions; none if something else does.
+fn deciding_params(function: &Function, block: Block) -> Option<Vec<usize>> {
+    let (InstData::Branch { cond: decides, .. } | InstData::Switch { value: decides, .. }) =
+        &function.insts[function.terminator(block)?]
+    else {
+        return None;
+    };
+    let mut open = vec![function.resolve(*decides)];
+    let mut found = Vec::new();
+    while let Some(value) = open.pop() {
+        match function.values[value].def {
+            ValueDef::Param(at, place) if at == block => found.push(place as usize),
+            ValueDef::Result(inst, _) => match &function.insts[inst] {
+                InstData::Const { .. } => {}
+                InstData::IntCompare { .. }
+                | InstData::Convert { .. }
+                | InstData::Binary { .. }
+                | InstData::Unary { .. }
+                    if function.blocks[block].insts.contains(&inst) =>
+                {
+                    function.insts[inst].for_each_use(|used| open.push(function.resolve(used)));
+                }
+                _ => return None,
+            },
+            _ => return None,
+        }
+    }
+    (!found.is_empty()).then_some(found)
+}
+
+/// The constants that the only jump from `pred` brings for these parameters of `block`.
+fn constants_brought(function: &Function, pred: Block, block: Block, params: &[usize]) -> Option<Vec<u64>> {
+    let mut calls: Vec<BlockCall> = Vec::new();
+    function.insts[function.terminator(pred)?].clone().for_each_target_mut(|call| {
+        if call.block == block {
+            calls.push(call.clone());
+        }
+    });
+    let [call] = calls.as_slice() else { return None };
+    params.iter().map(|&param| function.constant(function.resolve(call.args[param]))).collect()
 }
 
 fn part_in_function(function: &mut Function, growth: &mut usize) -> bool {
@@ -326,6 +418,55 @@ mod tests {
             branch v9, b2(v7), b4(v7)
             b4(v10: i16):
             ret v10
+            }",
+        );
+    }
+
+    #[test]
+    fn a_constant_goes_where_it_leads() {
+        check_pass(
+            "part-cold-ways",
+            "func @F -> i16 {
+            b0(v0: i16, v1: i1):
+            branch v1, b1, b2
+            b1:
+            v2 = const.i32 1
+            store.i16 M 0, v0
+            jump b3(v2)
+            b2:
+            v3 = sext.i32 v0
+            jump b3(v3)
+            b3(v4: i32):
+            switch v4 [b4, b5], b6
+            b4:
+            v5 = const.i16 4
+            ret v5
+            b5:
+            v6 = const.i16 5
+            ret v6
+            b6:
+            v7 = trunc.i16 v4
+            ret v7
+            }",
+            "func @F -> i16 {
+            b0(v0: i16, v1: i1):
+            branch v1, b1, b2
+            b1:
+            v2 = const.i32 1
+            store.i16 M 0, v0
+            jump b4
+            b2:
+            v3 = sext.i32 v0
+            switch v3 [b3, b4], b5
+            b3:
+            v4 = const.i16 4
+            ret v4
+            b4:
+            v5 = const.i16 5
+            ret v5
+            b5:
+            v6 = trunc.i16 v3
+            ret v6
             }",
         );
     }

@@ -40,7 +40,7 @@ mod words;
 
 use plcc_ir::{Function, Module};
 pub use surroundings::Surroundings;
-pub use usage::{Usage, usage, usage_of};
+pub use usage::{Usage, reached, usage, usage_of};
 pub use without::{UnknownPass, Without};
 
 /// A pass with the name that `--print-after`, `--without-pass` and tests use.

@@ -2,7 +2,8 @@
 
 use plcc_abi::functions::Effect;
 use plcc_abi::layout;
-use plcc_ir::{Address, BinaryOp, Function, InstData, Module, Region, RuntimeFn, Value};
+use plcc_ir::entities::Entity;
+use plcc_ir::{Address, BinaryOp, FuncId, Function, InstData, Module, Region, RuntimeFn, Value};
 
 use crate::surroundings::Surroundings;
 
@@ -25,6 +26,28 @@ pub struct Usage {
 pub fn usage(module: &Module) -> Vec<Usage> {
     let surroundings = Surroundings::new(module);
     module.functions.values().map(|function| usage_of(function, &surroundings)).collect()
+}
+
+/// Which functions can run when the CPU starts those of `roots`. A call by number may start any.
+///
+/// Library blocks stay in the module when all their calls have become other code.
+pub fn reached(module: &Module, roots: impl IntoIterator<Item = FuncId>) -> Vec<bool> {
+    let mut reached = vec![false; module.functions.len()];
+    let mut work: Vec<FuncId> = roots.into_iter().collect();
+    while let Some(id) = work.pop() {
+        if std::mem::replace(&mut reached[id.index()], true) {
+            continue;
+        }
+        let function = &module.functions[id];
+        for &inst in function.layout.iter().flat_map(|&block| &function.blocks[block].insts) {
+            match &function.insts[inst] {
+                InstData::Call { callee, .. } => work.push(*callee),
+                InstData::CallRuntime { function: RuntimeFn::CallBlock, .. } => return vec![true; reached.len()],
+                _ => {}
+            }
+        }
+    }
+    reached
 }
 
 /// Looks at the code of a function.
@@ -66,15 +89,16 @@ impl Usage {
                     self.logic_only = false;
                     ALL
                 }
-                // The organization blocks that they run are code of the program.
+                // The blocks that they run are code of the program.
                 RuntimeFn::Safepoint | RuntimeFn::SyncError | RuntimeFn::LocalError | RuntimeFn::Stop => 0,
-                RuntimeFn::AssertMemory | RuntimeFn::Sleep => 0,
-                // They write nothing, or a text at the address that comes last.
-                RuntimeFn::TextCompare
-                | RuntimeFn::TextFind
-                | RuntimeFn::TextLength
-                | RuntimeFn::TextToDint
-                | RuntimeFn::TextScan => 0,
+                RuntimeFn::CallBlock | RuntimeFn::AssertMemory | RuntimeFn::Sleep => 0,
+                // The runtime itself notes which outputs they write.
+                RuntimeFn::SystemFunction => 0,
+                RuntimeFn::CopyText => match args.first() {
+                    Some(&to) if is_elsewhere(function, to) => 0,
+                    _ => ALL,
+                },
+                // They write a text at the address that comes last.
                 RuntimeFn::TextConcat
                 | RuntimeFn::TextConcatThree
                 | RuntimeFn::TextReplace
@@ -177,6 +201,13 @@ mod tests {
     }
 
     #[test]
+    fn system_functions_note_outputs_themselves() {
+        assert_eq!(of(" v1 = rt @system_function(v0, v0, v0, v0)\n").outputs, 0);
+        assert_eq!(of(" v1 = address M 4\n v2 = rt @copy_text(v1, v1, v0, v0)\n").outputs, 0);
+        assert_eq!(of(" v1 = load.i32 M 4\n v2 = rt @copy_text(v1, v1, v0, v0)\n").outputs, ALL);
+    }
+
+    #[test]
     fn a_text_may_be_written_to_outputs() {
         let concat =
             |to: &str| of(&format!(" v1 = const.i64 0\n {to}\n v3 = rt @text_concat(v1, v0, v0, v2)\n")).outputs;
@@ -184,5 +215,19 @@ mod tests {
         assert_eq!(concat(&format!("v2 = const.i32 {}", layout::M)), 0);
         assert_eq!(concat(&format!("v2 = const.i32 {}", layout::Q + 8)), ALL);
         assert_eq!(concat("v2 = load.i32 M 0"), ALL);
+    }
+
+    #[test]
+    fn what_only_unreached_functions_do_can_be_left_out() {
+        let module = |call: &str| {
+            let text = format!(
+                "func @A {{\nb0:\n v0 = const.i32 1\n{call} ret\n}}\nfunc @B {{\nb0:\n call @C()\n ret\n}}\nfunc @C {{\nb0:\n ret\n}}\n"
+            );
+            plcc_ir::parse::parse_module(&text).expect("text is well formed")
+        };
+        let of = |call: &str| reached(&module(call), [FuncId::new(0)]);
+        assert_eq!(of(""), [true, false, false]);
+        assert_eq!(of(" call @B()\n"), [true, true, true]);
+        assert_eq!(of(" v1 = rt @call_block(v0, v0, v0, v0, v0)\n"), [true, true, true]);
     }
 }

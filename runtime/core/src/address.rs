@@ -332,7 +332,7 @@ impl Cpu {
     fn write_memory(&self, address: &Address, value: Bits) {
         let Some(offset) = self.offset_of(address.place) else { return };
         if let Place::Output(_) = address.place {
-            self.all_outputs.set(true);
+            self.note_outputs(u32::MAX);
         }
         match address.width {
             Width::Bit(bit) => self.memory.set_bit(offset, bit, value & 1 != 0),

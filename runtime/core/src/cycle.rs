@@ -70,6 +70,7 @@ impl Cpu {
             }
             self.run_cycle(cycle, start, &times, observer);
             self.communicate();
+            self.records.borrow_mut().work(self);
             if !self.is_stopped() {
                 // Under the real clock this is the time between cycle starts. Virtual time moves by it, in addition to the time
                 // that passed within the cycle.
@@ -199,8 +200,13 @@ impl Cpu {
     /// Copies the process image of outputs to the modules as it is: the part that the program uses, unless more has changed.
     pub(crate) fn write_output_image(&self) {
         let (base, length) = self.area(Area::Outputs);
-        let length = if self.all_outputs.take() { length } else { length.min(self.image.outputs_used) };
+        let length = length.min(self.image.outputs_used.max(self.outputs_changed.take()));
         self.memory.view(base, length, |image| self.driver.write_image(image));
+    }
+
+    /// Something besides the code of the program may change outputs before byte `end` in the process image.
+    pub(crate) fn note_outputs(&self, end: u32) {
+        self.outputs_changed.set(self.outputs_changed.get().max(end));
     }
 
     /// The clock memory byte: bits 0-7 have periods of 0.1, 0.2, 0.4, 0.5, 0.8, 1, 1.6 and 2 s, half of each 0, then 1.

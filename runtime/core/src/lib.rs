@@ -8,9 +8,12 @@
 //! - [`io`]: the driver; [`analog`]: words of analog channels; [`plant`]: the process at the I/O.
 //! - [`address`], [`names`], [`value`], [`typed`], [`signal`], [`scenario`], [`trace`], [`options`]: what a user writes and sees.
 //! - [`communication`]: TCP and ISO-on-TCP connections of the program.
+//! - [`records`]: data logs, recipes and files of a program.
+//! - [`alarms`]: alarms of the program.
 //! - `family`: differences between the families of CPUs; [`s7200`]: functions of the S7-200 only.
 //! - [`guest`]: code that runs in the process of the compiler.
 //! - [`assertion`]: values of assertions, compared and printed by their types.
+//! - [`realtime`]: the scheduler for real time, locked memory; [`watchdog`]: what interrupts running code.
 //! - [`run`](mod@run), [`testing`]: the two ways to run a program. `executable` holds `main` of a compiled program.
 //!
 //! **Invariant**: the runtime is independent of the source language and never depends on the compiler.
@@ -19,6 +22,7 @@
 #![allow(unsafe_code, reason = "generated code and the runtime share the memory of the CPU")]
 
 pub mod address;
+pub mod alarms;
 pub mod analog;
 pub mod assertion;
 pub mod bcd;
@@ -46,6 +50,8 @@ pub mod ob_set;
 pub mod options;
 pub mod organization;
 pub mod plant;
+pub mod realtime;
+pub mod records;
 pub mod report;
 pub mod run;
 pub mod s7200;

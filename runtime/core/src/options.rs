@@ -54,12 +54,21 @@ pub struct RunOptions {
     /// Print only faults and the values of --print
     #[arg(long)]
     pub quiet: bool,
+    /// Folder of the program's data logs, recipes and files [default: `data` in plc.toml, else plc-data]
+    #[arg(long, value_name = "DIR")]
+    pub data: Option<PathBuf>,
+    /// Write the alarms that come and go to a CSV file
+    #[arg(long, value_name = "FILE")]
+    pub alarm_log: Option<PathBuf>,
     /// TCP port of ISO-on-TCP connections [default: 102, which needs privileges to listen on]
     #[arg(long, value_name = "PORT")]
     pub iso_port: Option<u16>,
     /// Longest host time of a cycle under the virtual clock [default: 10s]
     #[arg(long, value_name = "TIME", value_parser = parse_duration)]
     pub hang_limit: Option<Duration>,
+    /// Run before all ordinary processes (SCHED_FIFO) with memory locked; needs CAP_SYS_NICE and CAP_IPC_LOCK
+    #[arg(long)]
+    pub realtime: bool,
     /// S7-200: stop also on errors that leave a real CPU in RUN
     #[arg(long)]
     pub stop_on_error: bool,

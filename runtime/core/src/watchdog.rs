@@ -136,6 +136,7 @@ impl Beats {
 }
 
 fn watch(shared: &Shared) {
+    crate::realtime::enter_watchdog();
     let mut beats = Beats { last: 0, since: 0 };
     while !shared.end.load(Ordering::SeqCst) {
         let deadline = shared.deadline.load(Ordering::SeqCst);

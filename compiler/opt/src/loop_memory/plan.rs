@@ -20,7 +20,7 @@ const STEPS_MAX: usize = 4_000_000;
 const PAIRS_MAX: usize = 2_000_000;
 /// Places that a loop carries: about as many as there are registers.
 const PLACES_MAX: usize = 14;
-/// Instructions of a loop that carries places which not every pass reads or writes.
+/// Instructions of a loop without a switch that carries places which not every pass reads or writes.
 const SMALL: usize = 64;
 /// Stores and loads that the cold sides of a loop get.
 const COLD_MAX: usize = 400;
@@ -153,8 +153,11 @@ impl Planner<'_> {
         let mut cold: Vec<(Inst, Other)> = Vec::new();
         let latches: Vec<Block> =
             cfg.predecessors(each.header).iter().copied().filter(|block| each.blocks.contains(block)).collect();
-        let hot_blocks = each.blocks.iter().filter(|&&block| !function.blocks[block].cold);
-        let is_small = hot_blocks.map(|&block| function.blocks[block].insts.len()).sum::<usize>() <= SMALL;
+        let hot_blocks = || each.blocks.iter().filter(|&&block| !function.blocks[block].cold);
+        // An arm of a switch is one of many: a pass needs few of the places.
+        let has_arms = hot_blocks().any(|&block| ends_with_switch(function, block));
+        let insts: usize = hot_blocks().map(|&block| function.blocks[block].insts.len()).sum();
+        let is_small = insts <= SMALL && !has_arms;
         for &block in &each.blocks {
             let is_cold = function.blocks[block].cold;
             // In a large loop that does this and that a place costs more before and after it than in the few passes that need it.
@@ -287,6 +290,10 @@ impl Planner<'_> {
             }
         }
     }
+}
+
+fn ends_with_switch(function: &Function, block: Block) -> bool {
+    function.terminator(block).is_some_and(|last| matches!(function.insts[last], InstData::Switch { .. }))
 }
 
 /// The place that an instruction loads or stores, its type, and whether it stores.

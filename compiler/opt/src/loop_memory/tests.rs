@@ -127,3 +127,14 @@ fn parts_of_a_place_keep_it_in_memory() {
     );
     check_pass("loop-memory", &text, &expected);
 }
+
+#[test]
+fn a_place_in_an_arm_of_a_switch_stays_in_memory() {
+    let text = [
+        "jump b1",
+        "b1:\nswitch v0 [b2, b3], b4\nb2:\nstore.i32 DB5 8, v0\njump b4\nb3:\nstore.i32 DB5 12, v0\njump b4\nb4:",
+        "branch v1, b1, b5",
+        "b5:\nret",
+    ];
+    check(text, text, "");
+}

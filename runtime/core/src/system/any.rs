@@ -31,7 +31,12 @@ pub(super) fn decode(call: &Call, index: usize, access: Access) -> Result<Option
     let memory = &call.cpu.memory;
     let (base, length) = match any.area {
         area::I => call.cpu.area(Area::Inputs),
-        area::Q => call.cpu.area(Area::Outputs),
+        area::Q => {
+            if access == Access::Write {
+                call.cpu.note_outputs(byte.saturating_add(bytes));
+            }
+            call.cpu.area(Area::Outputs)
+        }
         area::M => call.cpu.area(Area::BitMemory),
         area::DB | area::DI => {
             let (address, length) = memory.db(any.db);

@@ -125,6 +125,9 @@ fn assign(call: &Call) -> Option<()> {
     let memory = &call.cpu.memory;
     if from.head == u32::from_be_bytes([0x10, BOOL, 0, 1]) {
         let ((from, from_bit), (to, to_bit)) = (bit_place(call, from)?, bit_place(call, to)?);
+        if (call.any(1).pointer >> 24) as u8 == area::Q {
+            call.cpu.note_outputs(u32::MAX);
+        }
         memory.set_bit(to, to_bit, memory.bit(from, from_bit));
         return Some(());
     }

@@ -8,6 +8,7 @@ use plcc_syntax::chart::ast::Transition;
 use rustc_hash::FxHashMap;
 
 use super::action::StepCode;
+use super::alone::IsShared;
 use super::build::{assign, if_then, number};
 use super::engine_data::{Engine, all, compared, not};
 use crate::bind::declarations::path::Variable;
@@ -44,6 +45,9 @@ pub struct Features {
     pub safe_activation: bool,
     /// Rows of OFF.
     pub requests: bool,
+    /// The short way of a call with one active step, see `alone.rs`; that with several.
+    pub alone: bool,
+    pub several: bool,
 }
 
 /// Fills the placeholders.
@@ -107,7 +111,7 @@ impl<'a, 'c> Assembly<'a, 'c> {
     }
 
     /// The code for each placeholder of the engine.
-    pub fn holes(self) -> FxHashMap<&'static str, Vec<Statement>> {
+    pub fn holes(self, is_shared: &IsShared) -> FxHashMap<&'static str, Vec<Statement>> {
         let engine = self.engine;
         let mut holes = FxHashMap::default();
         let per_step = |make: &dyn Fn(usize) -> Vec<Statement>| self.case("k", make);
@@ -131,6 +135,15 @@ impl<'a, 'c> Assembly<'a, 'c> {
         holes.insert("skip", if self.features.skipping { per_step(&|step| self.skip(step)) } else { Vec::new() });
         holes.insert("leave", per_step(&|step| self.parts.codes[step].leave.clone()));
         holes.insert("act", per_step(&|step| self.parts.codes[step].active.clone()));
+        if self.features.alone {
+            let alone = |make: &dyn Fn(usize) -> Vec<Statement>| self.case("alone", make);
+            holes.insert("one", alone(&|step| self.one(step, is_shared)));
+            holes.insert("watch_alone", alone(&|step| self.watch(step)));
+            if self.features.selection {
+                holes.insert("select_alone", alone(&|step| self.select_alone(step, is_shared)));
+            }
+            holes.insert("act_alone", alone(&|step| self.parts.codes[step].active.clone()));
+        }
         holes.insert("before", self.parts.before);
         holes.insert("after", self.parts.after);
         holes
@@ -170,6 +183,11 @@ impl<'a, 'c> Assembly<'a, 'c> {
 
     /// Phase 5 of an active step; without monitoring also phase 7.
     fn evaluate(&self, step: usize) -> Vec<Statement> {
+        self.evaluate_with(step, &|at| self.fire_or_mark(at))
+    }
+
+    /// The same, with what a transition does that fires.
+    pub fn evaluate_with(&self, step: usize, fire: &dyn Fn(usize) -> Vec<Statement>) -> Vec<Statement> {
         let mut statements = Vec::new();
         for (place, &at) in self.owned[step].iter().enumerate() {
             let span = self.engine.chart.transitions[at].span;
@@ -196,7 +214,7 @@ impl<'a, 'c> Assembly<'a, 'c> {
             let satisfied = |place: usize, at: usize| {
                 super::build::load(&self.results[place], self.engine.chart.transitions[at].span)
             };
-            statements.extend(self.choose(&self.owned[step], &satisfied));
+            statements.extend(self.choose(&self.owned[step], &satisfied, fire));
         }
         statements
     }
@@ -262,9 +280,14 @@ impl<'a, 'c> Assembly<'a, 'c> {
 
     /// Phase 7 of an active step.
     fn select(&self, step: usize) -> Vec<Statement> {
+        self.select_with(step, &|at| self.fire_or_mark(at))
+    }
+
+    /// The same, with what a transition does that fires.
+    pub fn select_with(&self, step: usize, fire: &dyn Fn(usize) -> Vec<Statement>) -> Vec<Statement> {
         let own: Vec<usize> = self.owned[step].iter().copied().filter(|at| !self.competing.contains(at)).collect();
         let satisfied = |_: usize, at: usize| self.engine.satisfied(at, self.engine.chart.transitions[at].span);
-        self.choose(&own, &satisfied)
+        self.choose(&own, &satisfied, fire)
     }
 
     fn select_joins(&self) -> Vec<Statement> {
@@ -279,13 +302,17 @@ impl<'a, 'c> Assembly<'a, 'c> {
     }
 
     /// The first transition that can fire does. With T_PERM their numbers decide.
-    fn choose(&self, list: &[usize], satisfied: &dyn Fn(usize, usize) -> Expr) -> Vec<Statement> {
+    fn choose(
+        &self,
+        list: &[usize],
+        satisfied: &dyn Fn(usize, usize) -> Expr,
+        fire: &dyn Fn(usize) -> Vec<Statement>,
+    ) -> Vec<Statement> {
         if list.is_empty() {
             return Vec::new();
         }
         let place = |at: usize| list.iter().position(|one| *one == at).unwrap_or(0);
         self.in_order(list, &|list| {
-            let fire = |at| if self.is_plain(at) { self.fire_plain(at) } else { self.fire(at) };
             let branches = list.iter().map(|&at| (self.goes(at, satisfied(place(at), at)), fire(at))).collect();
             let span = self.engine.chart.transitions[list[0]].span;
             vec![Statement { kind: StatementKind::If { branches, otherwise: Vec::new() }, span }]
@@ -336,8 +363,12 @@ impl<'a, 'c> Assembly<'a, 'c> {
         self.parts.from[at].len() == 1 && self.parts.to[at].len() == 1
     }
 
+    fn fire_or_mark(&self, at: usize) -> Vec<Statement> {
+        if self.is_plain(at) { self.fire_plain(at) } else { self.fire(at) }
+    }
+
     /// A transition switches.
-    fn fire(&self, at: usize) -> Vec<Statement> {
+    pub fn fire(&self, at: usize) -> Vec<Statement> {
         let engine = self.engine;
         let mut statements = self.mark_fired(at);
         for &step in &self.parts.from[at] {
@@ -358,7 +389,7 @@ impl<'a, 'c> Assembly<'a, 'c> {
     }
 
     /// TS, and the end of a forced transition.
-    fn mark_fired(&self, at: usize) -> Vec<Statement> {
+    pub fn mark_fired(&self, at: usize) -> Vec<Statement> {
         let engine = self.engine;
         let span = engine.chart.transitions[at].span;
         let flags = super::build::load(&engine.flags(at), span);

@@ -5,6 +5,7 @@ use plcc_syntax::Elementary;
 use plcc_syntax::chart::ast::{Body as Chart, Dialect, Event};
 use rustc_hash::FxHashMap;
 
+use super::alone::RawStep;
 use super::assemble::{Features, Parts};
 use super::build::{assign, element, if_then, load, number};
 use super::index::Index;
@@ -81,6 +82,8 @@ const BITS: &[&str] = &[
     "faulty_now",
     "gone",
     "still_valid",
+    "short",
+    "done",
 ];
 const NUMBERS: &[&str] = &[
     "i",
@@ -100,6 +103,7 @@ const NUMBERS: &[&str] = &[
     "first_valid",
     "valid",
     "target",
+    "alone",
 ];
 const TIMES: &[&str] = &["now", "passed", "elapsed"];
 
@@ -167,6 +171,7 @@ impl<'c> Engine<'c> {
         let double = |variable: &Variable| typed(variable, 0, DataType::Elementary(Elementary::Dword));
         names.insert("MOP_D", double(&names["MOP"]));
         names.insert("OLD_D", double(&names["OLD"]));
+        names.insert("G7_BITS", typed(&names["STARTED"], 0, DataType::Elementary(Elementary::Byte)));
         let word = |word| Some(typed(&names["ACTIVE"], 8 * word, DataType::Elementary(Elementary::Ulint)));
         let active = Set((0..words(steps.len()) as u32).map(word).collect());
         names.insert("G7S", list(steps.first()?, steps.len(), steps[0].ty.clone()));
@@ -179,8 +184,26 @@ impl<'c> Engine<'c> {
     }
 
     /// A component of a step.
-    fn component(&self, step: usize, name: &str) -> Variable {
+    pub fn component(&self, step: usize, name: &str) -> Variable {
         member(&self.steps[step], name).expect("both kinds of steps have it")
+    }
+
+    /// A step as whole bytes and numbers.
+    pub fn raw(&self, step: usize) -> RawStep {
+        let part = |byte, ty| typed(&self.steps[step], byte, DataType::Elementary(ty));
+        RawStep {
+            events: part(0, Elementary::Byte),
+            states: part(1, Elementary::Byte),
+            t: part(4, Elementary::Dint),
+            u: part(8, Elementary::Dint),
+        }
+    }
+
+    /// Where the data of the chart begins in the instance: parameters and variables of the block are before it.
+    pub fn data_begin(&self) -> u32 {
+        let kept = KEPT.iter().map(|(name, _)| &self.names[name]);
+        let places = self.steps.iter().chain(&self.transitions).chain(kept).map(|variable| variable.byte);
+        places.min().unwrap_or(0)
     }
 
     /// A variable of the engine.
@@ -252,6 +275,11 @@ impl<'c> Engine<'c> {
     /// Whether a step is active, from the set.
     pub fn is_active(&self, steps: &[usize], span: Span) -> Expr {
         self.active.holds_all(steps, span)
+    }
+
+    /// Adds a step to the active steps or removes it.
+    pub fn set_active(&self, step: usize, add: bool, span: Span) -> Option<Statement> {
+        if add { self.active.add(step, span) } else { self.active.remove(step, span) }
     }
 
     /// Removes from the sets what nothing uses: whether a step is left matters for competing joins and for OFF, whether it is
@@ -456,7 +484,7 @@ fn member(variable: &Variable, name: &str) -> Option<Variable> {
 }
 
 /// Elements of an array, as separate variables.
-fn elements(array: &Variable) -> Vec<Variable> {
+pub fn elements(array: &Variable) -> Vec<Variable> {
     let DataType::Array(ty) = &array.ty else { return Vec::new() };
     let element = |index| {
         let (byte, bit) = layout::element_place(ty, index);

@@ -1,16 +1,18 @@
 //! Binding of GRAPH: a chart becomes statements of the typed tree of SCL, so that all languages share one lowering.
 //!
 //! - `index`: steps and transitions by name and number; `names`: their names in expressions.
-//! - `engine.scl`, `monitor.scl`: one call of the block as SCL with placeholders; `template` reads them.
+//! - `engine.scl`, `alone.scl`, `monitor.scl`: one call of the block as SCL with placeholders; `template` reads them.
 //! - `engine_data`: the data that statements of the chart use: where it is, sets of steps; `build`: pieces of the typed tree.
 //! - `action`: rows of actions; `permanent`: permanent instructions; `condition`: conditions; `call`: block calls of the first two;
 //!   `leaving`: statements that are not possible in them.
 //! - `assemble`: the code of steps and transitions, put into the placeholders.
+//! - `alone`: the short way of a call with one active step.
 //! - `analysis`: which charts are valid.
 //!
 //! Source: GRAPH reference, chapters D to G.
 
 mod action;
+mod alone;
 mod analysis;
 mod assemble;
 mod build;
@@ -46,7 +48,7 @@ use index::Index;
 use plcc_model::Direction;
 use plcc_model::scl::{SclBody, Statement, StatementKind, walk};
 use plcc_model::types::DataType;
-use template::{ENGINE, MONITOR, Meaning};
+use template::{ALONE, ENGINE, MONITOR, Meaning};
 
 /// Clears the requests of ON, OFF and the operator.
 const CLEAR_REQUESTS: &str = "#REQUESTED := FALSE;
@@ -68,6 +70,71 @@ const SWITCH_OVER: &str = "IF #target > 0 THEN
     #S1X[#entered] := INT_TO_BYTE(#k);
     mark_entered();
   END_IF;
+END_IF;";
+
+/// Time of step `k`, and the end of its events.
+const TICK: &str = "IF #RAW[#k].EVENTS <> BYTE#0 THEN
+  expire();
+  #RAW[#k].EVENTS := 0;
+END_IF;
+#elapsed := #RAW[#k].T + #passed;
+IF #elapsed < 0 THEN
+  #elapsed := 2147483647;
+END_IF;
+#RAW[#k].T := #elapsed;
+IF (#RAW[#k].STATES AND BYTE#16#06) = BYTE#0 THEN
+  #elapsed := #RAW[#k].U + #passed;
+  IF #elapsed < 0 THEN
+    #elapsed := 2147483647;
+  END_IF;
+  #RAW[#k].U := #elapsed;
+END_IF;";
+
+/// What the outputs of the block need to know of step `k`.
+const NOTE: &str = "IF has_monitoring THEN
+  #error := #error OR #G7S[#k].LA;
+  #fault := #fault OR #G7S[#k].VA;
+END_IF;
+IF has_display THEN
+  IF #lowest = 0 OR #RAW[#k].SNO < #lowest THEN
+    #lowest := #RAW[#k].SNO;
+    #lowest_at := #k;
+  END_IF;
+  IF has_monitoring THEN
+    IF (#G7S[#k].LA OR #G7S[#k].VA) AND (#lowest_faulty = 0 OR #RAW[#k].SNO < #lowest_faulty) THEN
+      #lowest_faulty := #RAW[#k].SNO;
+      #lowest_faulty_at := #k;
+    END_IF;
+    IF #G7S[#k].LA OR #G7S[#k].VA THEN
+      #faults := #faults + 1;
+    END_IF;
+  END_IF;
+END_IF;";
+
+/// Phases 1 to 3 of the short way, without its steps.
+const BEGIN: &str = "IF has_display THEN
+  #SEL_OLD := #S_SEL;
+END_IF;
+before();
+#now := TIME_TO_DINT(TIME_TCK());
+#passed := DWORD_TO_DINT(DINT_TO_DWORD(#now - #LAST) AND DWORD#16#7FFFFFFF);
+#LAST := #now;";
+
+/// Ends the events of step `k`, which the last call left.
+const END_STEP: &str = "IF #RAW[#k].EVENTS <> BYTE#0 THEN
+  expire();
+  #RAW[#k].EVENTS := 0;
+END_IF;
+forget();";
+
+/// The same for all of them.
+const END_OF_LEAVING: &str = "IF #S0X[0] > BYTE#1 THEN
+  FOR #i := 1 TO BYTE_TO_INT(#S0X[0]) - 1 DO
+    #k := BYTE_TO_INT(#S0X[#i]);
+    only_steps();
+    end_step();
+  END_FOR;
+  #S0X[0] := BYTE#1;
 END_IF;";
 
 /// Continues a loop if `k` is not a position of a step.
@@ -204,15 +271,25 @@ impl ChartBinder<'_, '_> {
         let supervision = parts.supervisions.iter().any(Option::is_some);
         let transition_display = any(&["T_NO", "T_MORE", "T_PREV", "T_NEXT"]);
         let skips = chart.settings.skip_steps == Some(true) || declared("EN_SSKIP") || self.mentions_word("SSKIP");
+        let blocks = &self.program.data.blocks;
+        let is_shared = |number: u16| Some(blocks.get(&number)?.block.instance_of.is_none());
+        let alone = alone::is_possible(engine, &parts, &competing, &is_shared);
+        let is_wide =
+            parts.to.iter().any(|to| to.len() > 1) || chart.steps.iter().filter(|step| step.initial).count() > 1;
+        let monitoring = supervision || parts.interlocks.iter().any(Option::is_some);
+        // On the short way a step is monitored before it is left.
+        let selection = supervision || !competing.is_empty() || transition_display || alone && monitoring;
         let features = Features {
-            monitoring: supervision || parts.interlocks.iter().any(Option::is_some),
-            selection: supervision || !competing.is_empty() || transition_display,
+            monitoring,
+            selection,
             all_conditions: self.mentions_word("T_PERM"),
             skipping: skips,
             display: any(&DISPLAYS),
             transition_display,
             safe_activation: chart.settings.safe_activation == Some(true),
             requests: chart.steps.iter().flat_map(|step| &step.actions).any(|row| row.qualifier == Qualifier::Off),
+            alone,
+            several: alone && is_wide && !selection,
         };
         let meaning = |name: &str| -> Meaning {
             match name {
@@ -222,6 +299,9 @@ impl ChartBinder<'_, '_> {
                 "has_skipping" => Meaning::Bool(features.skipping),
                 "has_display" => Meaning::Bool(features.display),
                 "has_transition_display" => Meaning::Bool(features.transition_display),
+                "has_several" => Meaning::Bool(features.several),
+                "has_alone" => Meaning::Bool(features.alone),
+                "short" | "done" if !features.alone => Meaning::Bool(false),
                 "has_safe_activation" => Meaning::Bool(features.safe_activation),
                 "steps" => Meaning::Number(chart.steps.len() as u64),
                 "last_step" => Meaning::Number(chart.steps.len() as u64 - 1),
@@ -236,14 +316,20 @@ impl ChartBinder<'_, '_> {
             }
         };
         let text = ENGINE
+            .replace("alone_way();", ALONE)
+            .replace("begin();", BEGIN)
+            .replace("end_of_leaving();", END_OF_LEAVING)
+            .replace("end_step();", END_STEP)
             .replace("edges();", &parameters::edges(declared))
             .replace("monitor();", MONITOR)
+            .replace("tick();", TICK)
+            .replace("note();", NOTE)
             .replace("only_steps();", ONLY_STEPS)
             .replace("switch_over();", SWITCH_OVER)
             .replace("clear_requests();", CLEAR_REQUESTS);
         let trees = template::prune(template::parse(&text), &meaning);
         engine.restrict_sets(&features, &parts, &competing);
-        let holes = Assembly::new(engine, parts, features, results, owned, competing).holes();
+        let holes = Assembly::new(engine, parts, features, results, owned, competing).holes(&is_shared);
         self.bind_template(ctx, engine, &trees, holes)
     }
 

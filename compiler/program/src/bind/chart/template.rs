@@ -8,6 +8,8 @@ use crate::bind::trees::SYSTEM_FILE;
 
 /// The engine.
 pub const ENGINE: &str = include_str!("engine.scl");
+/// The short way of a call with one active step.
+pub const ALONE: &str = include_str!("alone.scl");
 /// Monitoring of a step.
 pub const MONITOR: &str = include_str!("monitor.scl");
 
@@ -171,6 +173,7 @@ mod tests {
     #[test]
     fn the_templates_can_be_read() {
         assert!(!parse(ENGINE).is_empty());
+        assert!(!parse(ALONE).is_empty());
         assert!(!parse(MONITOR).is_empty());
     }
 }

@@ -183,8 +183,10 @@ pub fn find(name: &str) -> Option<&'static Parameter> {
     PARAMETERS.iter().find(|parameter| parameter.name.eq_ignore_ascii_case(name))
 }
 
-/// SCL that turns rising edges of the inputs into bits of MOP. `declared`: whether the block has the parameter.
+/// SCL that turns rising edges of the inputs into bits of MOP. One test tells that no input has changed. `declared`: whether the block
+/// has the parameter.
 pub fn edges(declared: impl Fn(&str) -> bool) -> String {
+    let mut changes = Vec::new();
     let mut text = String::new();
     for parameter in PARAMETERS.iter().filter(|parameter| declared(parameter.name)) {
         let name = parameter.name;
@@ -193,9 +195,13 @@ pub fn edges(declared: impl Fn(&str) -> bool) -> String {
             Effect::Toggle(bit) => (bit, format!("#MOP.{bit} := NOT #MOP.{bit};")),
             Effect::Named | Effect::Nothing => continue,
         };
+        changes.push(format!("(#{name} XOR #MOPEDGE.{bit})"));
         text.push_str(&format!("IF #{name} AND NOT #MOPEDGE.{bit} THEN {action} END_IF; #MOPEDGE.{bit} := #{name};\n"));
     }
-    text
+    match changes.is_empty() {
+        true => text,
+        false => format!("IF {} THEN\n{text}END_IF;\n", changes.join(" OR ")),
+    }
 }
 
 #[cfg(test)]
