@@ -117,7 +117,7 @@ codes! {
     LoopControl = "P0524" Error "EXIT or CONTINUE outside of a loop";
     LoopVariable = "P0525" Error "a FOR variable that its loop changes";
     JumpIntoStatement = "P0526" Error "a jump into a loop, an IF or a CASE";
-    NeverWritten = "P0527" Warning "temporary data that is read but never written";
+    NeverWritten = "P0527" Warning "temporary data that is read before it is written";
     ValueNeverSet = "P0528" Warning "a function whose value is never set";
     UnknownElement = "P0530" Error "an element of LAD or FBD that plcc does not know";
     ShortCircuit = "P0531" Error "a branch without an element";
@@ -195,4 +195,5 @@ codes! {
     CallDepth = "P0815" Warning "calls that may be nested too deeply";
     DataOverlap = "P0816" Warning "values of a data block that overlap";
     MixedFamilies = "P0817" Error "sources of the S7-200 among those of another family";
+    LeftOverLevel = "P0818" Warning "a level of the logic stack that nothing uses";
 }

@@ -4,24 +4,12 @@
 use std::collections::HashMap;
 
 use plcc_diag::{Code, Diagnostic, SourceMap, Span};
-use plcc_model::{Body, CodeBlock, LabelId, Operand, Place, StlStatement, StlStatementKind};
+use plcc_model::{LabelId, Operand, Place, StlStatement, StlStatementKind};
 use plcc_syntax::stl::{OperandClass, StlInsn};
 use rustc_hash::FxHashSet;
 
-/// The messages about the statements of `blocks`.
-pub fn review<'b>(blocks: impl Iterator<Item = &'b CodeBlock>, sources: &SourceMap) -> Vec<Diagnostic> {
-    let mut found = Vec::new();
-    for block in blocks {
-        if let Body::Stl(statements) = &block.body {
-            labels(statements, sources, &mut found);
-            unreachable(statements, &mut found);
-            values(statements, &mut found);
-        }
-    }
-    found
-}
-
-fn labels(statements: &[StlStatement], sources: &SourceMap, found: &mut Vec<Diagnostic>) {
+/// Reports labels that no jump of the block names.
+pub fn labels(statements: &[StlStatement], sources: &SourceMap, found: &mut Vec<Diagnostic>) {
     let mut used: FxHashSet<LabelId> = FxHashSet::default();
     for statement in statements {
         match &statement.kind {
@@ -40,14 +28,16 @@ fn labels(statements: &[StlStatement], sources: &SourceMap, found: &mut Vec<Diag
         if let StlStatementKind::Label(label) = statement.kind
             && !used.contains(&label)
         {
-            let message = Diagnostic::new(
-                Code::UnusedLabel,
-                name_of(statement.span, sources),
-                "no jump of the block leads to this label",
-            );
-            found.push(message.label("is never used").help("remove it, or look whether a jump is missing"));
+            found.push(unused_label(statement.span, sources));
         }
     }
+}
+
+/// The message about a label in a statement.
+pub fn unused_label(span: Span, sources: &SourceMap) -> Diagnostic {
+    Diagnostic::new(Code::UnusedLabel, name_of(span, sources), "no jump of the block leads to this label")
+        .label("is never used")
+        .help("remove it, or look whether a jump is missing")
 }
 
 /// The label alone, without its colon and what comes after it.
@@ -57,7 +47,8 @@ fn name_of(span: Span, sources: &SourceMap) -> Span {
     Span { end: span.start + text[..length].trim_end().len() as u32, ..span }
 }
 
-fn unreachable(statements: &[StlStatement], found: &mut Vec<Diagnostic>) {
+/// Reports statements that no path reaches.
+pub fn unreachable(statements: &[StlStatement], found: &mut Vec<Diagnostic>) {
     // The statement after which none is reached.
     let mut end: Option<Span> = None;
     for statement in statements {
@@ -92,8 +83,8 @@ fn unreachable(statements: &[StlStatement], found: &mut Vec<Diagnostic>) {
     }
 }
 
-/// Timers without a time, and outputs that are assigned twice.
-fn values(statements: &[StlStatement], found: &mut Vec<Diagnostic>) {
+/// Reports timers without a time, and outputs that are assigned twice.
+pub fn values(statements: &[StlStatement], found: &mut Vec<Diagnostic>) {
     let mut accu_is_loaded = false;
     let mut assigned: HashMap<(u32, u8), Span> = HashMap::new();
     for statement in statements {
