@@ -28,7 +28,7 @@ fn compile(args: &RunArgs) -> Result<(ProgramImage, Vec<EntryFunction>, JitProgr
     let read = inputs::read_as(&inputs::or_here(&args.inputs)?, args.compile.code_page);
     let unreadable = read.is_unreadable();
     let settings = pipeline::Settings { require_main: true, ..pipeline::Settings::new(&args.compile) };
-    let bound = accepted(pipeline::front(read, &settings), unreadable)?;
+    let bound = accepted(pipeline::front(read, &settings), unreadable, &settings)?;
     let compiled = pipeline::back(&bound, args.optimization.optimization());
     let (entries, code) = code::machine_code(&compiled).map_err(|error| internal(&error))?;
     Ok((compiled.image, entries, code))
