@@ -172,6 +172,7 @@ impl Out {
             ("unlinked", header.unlinked),
             ("read_only", header.read_only),
             ("non_retain", header.non_retain),
+            ("retain", header.retain),
         ];
         for (name, set) in flags {
             if set {

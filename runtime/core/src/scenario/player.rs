@@ -220,6 +220,7 @@ impl Observer for Player {
 
 impl Player {
     /// Sets what the scenario sets before `cycle`.
+    #[inline(never)]
     fn play(&mut self, cpu: &Cpu, cycle: u64, time: u64) {
         // Pulses until now count with the earlier levels.
         cpu.s7200_poll_counters();
@@ -252,6 +253,7 @@ impl Player {
     }
 
     /// Compares what the scenario expects after the cycle.
+    #[inline(never)]
     fn compare(&mut self, cpu: &Cpu, cycle: u64, time: u64) {
         self.failures.extend(self.trains.retry(cpu, &self.scenario.file));
         for index in std::mem::take(&mut self.current) {
