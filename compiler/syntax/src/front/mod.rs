@@ -20,6 +20,7 @@ mod cursor;
 mod expression;
 pub mod extent;
 pub(crate) mod frame;
+pub mod frame_words;
 pub mod pointer;
 pub mod pragma;
 mod recover;

@@ -51,6 +51,7 @@ pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, V
     let detected = mnemonics::detect(text, &raw, options.mnemonics);
     let mut diagnostics = Vec::new();
     report_comments(file, &raw, &mut diagnostics);
+    report_slips(file, text, &raw, &mut diagnostics);
     report_mixture(file, text, &detected, options, &mut diagnostics);
     let Parsed { blocks, pragmas, diagnostics } = parse_raw(file, text, &raw, &detected, options.pragmas, diagnostics);
     (SourceUnit { mnemonics: detected.set, blocks, pragmas, ..SourceUnit::default() }, diagnostics)
@@ -155,6 +156,16 @@ fn report_comments(file: FileId, raw: &raw::RawText, diagnostics: &mut Vec<Diagn
                 "close it with `*)`, or begin each line of it with `//`",
             ),
         });
+    }
+}
+
+/// Keywords of frames that are misspelt.
+fn report_slips(file: FileId, text: &str, raw: &raw::RawText, diagnostics: &mut Vec<Diagnostic>) {
+    for token in &raw.tokens {
+        if let Some(keyword) = token.keyword {
+            let span = Span { file, start: token.start, end: token.end };
+            diagnostics.push(front::frame_words::misspelt(span, token.text(text), keyword));
+        }
     }
 }
 

@@ -197,7 +197,8 @@ impl Declarations<'_> {
 
     pub fn resolve_global(&mut self, ctx: &mut CurrentBlock, name: &str, span: Span) -> Option<Resolved> {
         let Some(target) = self.globals.global(name) else {
-            self.globals.unknown_name(name, span);
+            let locals = ctx.bound.locals.values().map(|local| local.name.as_str());
+            self.globals.unknown_name(name, span, locals);
             return None;
         };
         self.globals.check_system_tag(name, target, span);

@@ -119,6 +119,7 @@ impl<'a> Declarations<'a> {
                 Some(Typed { ty: DataType::Struct(typed.ty), image: typed.image })
             }
             TypeKind::Block(name) => self.block_type(name, used),
+            TypeKind::Error => None,
             TypeKind::Reference(_) => {
                 self.types.references_refused = true;
                 let title = format!("`{}` is a reference, which is not supported", self.types.scope.variable);
@@ -257,7 +258,7 @@ impl<'a> Declarations<'a> {
                 None => {
                     let typed = self.predefined(name, span);
                     if typed.is_none() {
-                        self.globals.report.missing_type(name, span);
+                        self.globals.unknown_type(name, span);
                     }
                     return typed;
                 }
@@ -334,7 +335,7 @@ impl<'a> Declarations<'a> {
             None => {}
         }
         let Some(&block) = self.globals.sources.types.get(&number) else {
-            self.globals.report.missing_type(&format!("UDT {number}"), span);
+            self.globals.unknown_type(&format!("UDT {number}"), span);
             return None;
         };
         self.types.udts.insert(number, State::Running);

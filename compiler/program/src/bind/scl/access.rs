@@ -209,7 +209,8 @@ impl SclBinder<'_, '_> {
     /// `"tag":P`: the input or output itself, past the process image.
     fn peripheral_tag(&mut self, ctx: &mut SclBlock, tag: &str, span: Span) -> Option<Thing> {
         let Some(global) = self.program.globals.names.symbols.get(&fold(tag)) else {
-            self.program.globals.unknown_name(tag, span);
+            let locals = ctx.block.bound.locals.values().map(|local| local.name.as_str());
+            self.program.globals.unknown_name(tag, span, locals);
             return None;
         };
         let (target, ty) = (global.target, global.ty);

@@ -458,13 +458,12 @@ impl SclBinder<'_, '_> {
 
     /// Reports a function that neither the program nor the language has.
     fn unknown_function(&mut self, name: &Name) {
-        if plcc_stdlib::not_supported(&name.text) {
-            self.program.globals.report.missing_function(&name.text, name.span, None, true);
+        if self.program.globals.missing_instruction(&name.text, name.span) {
             return;
         }
         let folded = fold(&name.text);
         if plcc_stdlib::LIBRARY.iter().any(|block| fold(block.name) == folded) {
-            self.program.globals.unknown_name(&name.text, name.span);
+            self.program.globals.unknown_name(&name.text, name.span, std::iter::empty());
             return;
         }
         let own = self
