@@ -72,10 +72,7 @@ fn program_memory(program: &Path, scans: u64, addresses: &[(String, u8)]) -> Res
     command.args(["--json", "--print", &list.join(",")]);
     let text = text_of(kernels::finished(&mut command)?.stdout);
     let values: serde_json::Value = serde_json::from_str(&text).map_err(|error| format!("{error}: {text}\n"))?;
-    let byte = |address: &str| {
-        let digits = values.get(address)?.as_str()?.strip_prefix("16#")?;
-        u8::from_str_radix(digits, 16).ok()
-    };
+    let byte = |address: &str| u8::try_from(values.get("values")?.get(address)?.get("value")?.as_u64()?).ok();
     list.iter().map(|address| byte(address).ok_or_else(|| format!("no byte at {address}\n"))).collect()
 }
 

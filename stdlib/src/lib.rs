@@ -47,7 +47,16 @@ const SOURCES: &[(Language, &str)] = &[
     (Language::Scl, include_str!("../scl/drum.scl")),
     (Language::Scl, include_str!("../scl/communication.scl")),
     (Language::Scl, include_str!("../scl/connections.scl")),
+    (Language::Scl, include_str!("../scl/motion/axis.scl")),
+    (Language::Scl, include_str!("../scl/motion/commands.scl")),
+    (Language::Scl, include_str!("../scl/motion/parts.scl")),
+    (Language::Scl, include_str!("../scl/records.scl")),
+    (Language::Scl, include_str!("../scl/data_blocks.scl")),
+    (Language::Scl, include_str!("../scl/alarms.scl")),
+    (Language::Scl, include_str!("../scl/module_records.scl")),
+    (Language::Scl, include_str!("../scl/partners.scl")),
     (Language::Scl, include_str!("../scl/pid/compact.scl")),
+    (Language::Scl, include_str!("../scl/pid/step3.scl")),
     (Language::Scl, include_str!("../scl/pid/cont_c.scl")),
     (Language::Scl, include_str!("../scl/pid/cont_s.scl")),
     (Language::Scl, include_str!("../scl/pid/pulsegen.scl")),
@@ -282,7 +291,7 @@ mod tests {
         assert_eq!(find_name("blkmov").map(|block| (block.class, block.number)), Some((BlockClass::Sfc, 20)));
         assert_eq!(find(BlockClass::Sfb, 4).map(|block| (block.name, block.form)), Some(("TON", Form::Source)));
         assert_eq!(find(BlockClass::Sfc, 64).map(|block| block.form), Some(Form::Runtime));
-        assert_eq!(find(BlockClass::Sfc, 58).map(|block| block.form), Some(Form::NotShipped));
+        assert_eq!(find(BlockClass::Sfc, 78).map(|block| block.form), Some(Form::NotShipped));
         assert!(find(BlockClass::Sfc, 9999).is_none());
     }
 

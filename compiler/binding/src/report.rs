@@ -199,7 +199,12 @@ impl Report {
     /// A block that the CPU or a Siemens library has but plcc does not.
     pub fn not_shipped(&mut self, prefix: BlockPrefix, number: u16, name: &str, span: Span) {
         self.missing(MissingKey::NotShipped(prefix, number), span, || {
-            let block = format!("{} {number}", prefix.letters());
+            let block = match prefix {
+                BlockPrefix::Sfc | BlockPrefix::Sfb if number >= plcc_stdlib::TIA_NUMBERS => {
+                    "the instruction".to_string()
+                }
+                _ => format!("{} {number}", prefix.letters()),
+            };
             Diagnostic::new(Code::NotShipped, span, format!("{block} `{name}` is not included yet"))
                 .label("plcc knows this block but does not include it")
                 .help(match prefix {

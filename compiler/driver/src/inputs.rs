@@ -343,6 +343,11 @@ fn add_project(read: &mut Read, folder: &Path) {
         Some(sources) => sources.iter().for_each(|source| add_named(read, folder, source)),
     }
     project.symbols.iter().for_each(|table| add_named(read, folder, table));
+    if !project.axes.is_empty() {
+        let name = format!("{} (axes).scl", path.display());
+        let file = read.sources.add(SourceFile::new(name, project.axes.clone()));
+        read.units.push(file);
+    }
     read.project = Some(project);
 }
 

@@ -15,6 +15,7 @@ use std::ffi::OsString;
 
 use clap::Parser;
 
+pub mod axes;
 pub mod cache;
 pub mod cli;
 pub mod code;

@@ -11,6 +11,7 @@ use plcc_syntax::stl::Mnemonics;
 use serde::Deserialize;
 use toml::Spanned;
 
+use crate::axes;
 use crate::s7200::{self, S7200Keys};
 use crate::station::{self, Station, StationKeys};
 use crate::technology;
@@ -36,6 +37,8 @@ pub struct Project {
     pub partial: bool,
     /// Fast counters and pulse generators, checked later against the CPU.
     pub technology: technology::Used,
+    /// Source in SCL that declares the axes; empty without any.
+    pub axes: String,
     /// Place of the settings of an S7-200, checked later against the CPU.
     pub s7200: Option<Span>,
 }
@@ -90,6 +93,10 @@ struct Keys {
     pulse: BTreeMap<Spanned<String>, technology::PulseKeys>,
     #[serde(default)]
     hardware_interrupt: BTreeMap<Spanned<String>, technology::InterruptKeys>,
+    #[serde(default)]
+    axis: BTreeMap<Spanned<String>, axes::AxisKeys>,
+    /// Folder of the program's files.
+    data: Option<Spanned<String>>,
     s7200: Option<Spanned<S7200Keys>>,
 }
 
@@ -185,6 +192,13 @@ impl Context {
         {
             self.report(byte.span(), "clock memory and system memory are one byte", "give each a byte of its own");
         }
+        if let Some(data) = keys.data {
+            if data.get_ref().is_empty() || data.get_ref().contains('\0') {
+                self.report(data.span(), "no name of a folder", "write `\"plc-data\"`");
+            } else {
+                config.data_folder = Some(data.into_inner());
+            }
+        }
         config.overrun_stops = keys.cycle_time_exceeded.map(|key| matches!(key, ExceededKey::Stop));
         config.startup = match keys.startup {
             None | Some(StartupKey::Warm) => 100,
@@ -196,6 +210,8 @@ impl Context {
         }
         let (technology, messages) =
             technology::read(&keys.hsc, &keys.pulse, &keys.hardware_interrupt, self.file, &mut config);
+        self.diagnostics.extend(messages);
+        let (axes, messages) = axes::source(&keys.axis, self.file);
         self.diagnostics.extend(messages);
         if let Some(keys) = &keys.s7200 {
             let (settings, messages) = s7200::read(keys.get_ref(), self.file);
@@ -229,6 +245,7 @@ impl Context {
             config,
             station,
             technology,
+            axes,
             s7200: keys.s7200.map(|keys| Span::new(file, keys.span())),
         }
     }
@@ -482,5 +499,23 @@ outputs = { start = 0, bytes = 1 }
         let two = "[[module]]\nname = \"a\"\ninputs = { start = 0, bytes = 4 }\n";
         assert_eq!(line(&format!("{two}{}", two.replace("= 0", "= 3"))), Some(5));
         assert_eq!(line(&format!("{two}{}", two.replace("= 0", "= 4"))), None);
+    }
+
+    #[test]
+    fn reads_axes() {
+        let (project, messages) = read(
+            "[axis.\"Fan axis\"]\ntype = \"TO_SpeedAxis\"\nmax_velocity = 5\n[axis.Axis_1]\nacceleration = 1e3\nmin_position = -10.5",
+        );
+        assert_eq!(messages, []);
+        let place = |text: &str| project.axes.find(text).unwrap_or_else(|| panic!("{text} in {}", project.axes));
+        assert!(place("DATA_BLOCK \"Fan axis\"") < place("S.SpeedAxis := TRUE"));
+        assert!(place("DynamicDefaults.Velocity := 5.0") < place("DATA_BLOCK \"Axis_1\""));
+        assert!(place("DynamicDefaults.Acceleration := 1000.0") < place("PositionLimits_SW.MinPosition := -10.5"));
+        assert!(place("\"Fan axis\"();") < place("\"Axis_1\"();"));
+        let (_, messages) = read(
+            "[axis.a]\ntype = \"TO_Cam\"\ndeceleration = 0\nvelocity = 300\nmin_position = 5\nmax_position = 5\n[axis.b]\ntype = \"TO_SpeedAxis\"\nhome_mark = 1\njerk = nan",
+        );
+        let lines: Vec<u32> = messages.iter().map(|(line, _)| *line).collect();
+        assert_eq!(lines, [2, 6, 4, 3, 9, 10], "{messages:?}");
     }
 }

@@ -7,6 +7,7 @@
 //! - `s7200` lowers programs of an S7-200, with its own state of a block.
 //! - For all families: `arithmetic`, `stop` has the safepoints and the way out of a function, `labels` the targets of jumps.
 //! - `assertion`: code that assertions of all languages share.
+//! - `shapes`: what data blocks look like, for blocks that write them to files.
 //! - `entry` creates the functions that the runtime calls.
 //!
 //! **Invariant**: a program that was bound without errors lowers without errors.
@@ -24,6 +25,7 @@ mod plan;
 mod pointer;
 mod s7200;
 mod scl;
+mod shapes;
 mod stl;
 mod stop;
 mod used;
@@ -160,6 +162,7 @@ impl<'s> Output<'s> {
             used: Vec::new(),
             partial: program.partial.clone(),
             stops_itself: facts.stops_itself,
+            shapes: shapes::of(program),
             outputs_used: u32::MAX,
             notices: program.notices.clone(),
             s7200: None,

@@ -203,7 +203,7 @@ fn visit(function: &mut Function, frames: &Frames<'_>, inst: Inst, overwritten: 
                     overwritten.ranges.remove(&Region::Q);
                     overwritten.ranges.remove(&Region::Any);
                 }
-                Effect::All => overwritten.read_all(frames.is_private()),
+                Effect::Reads | Effect::All => overwritten.read_all(frames.is_private()),
             }
             false
         }

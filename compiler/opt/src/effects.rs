@@ -42,6 +42,7 @@ impl Effects {
                     matches!(function, RuntimeFn::S7200Pointer | RuntimeFn::S7200Error | RuntimeFn::S7200TimerSync);
                 touches(Effect::System, region) && !(keeps && is_register(region, range))
             }
+            Effect::Reads => false,
             effect => touches(effect, region),
         }
     }
@@ -85,7 +86,7 @@ fn touches(effect: Effect, region: Region) -> bool {
         Effect::Cells => region == Region::Cells,
         Effect::System => matches!(region, Region::System | Region::Any),
         Effect::Io => matches!(region, Region::Q | Region::Any),
-        Effect::All => true,
+        Effect::Reads | Effect::All => true,
     }
 }
 
@@ -121,7 +122,7 @@ fn others(module: &Module) -> Option<Others> {
                 }
                 InstData::Call { callee, .. } => work.push(*callee),
                 InstData::CallRuntime { function, .. } if !is_interruption(*function) => match function.effect() {
-                    Effect::Pure | Effect::Cells | Effect::System => {}
+                    Effect::Pure | Effect::Cells | Effect::System | Effect::Reads => {}
                     Effect::Io => {
                         others.regions.insert(Region::Q);
                     }

@@ -391,7 +391,7 @@ impl Forward<'_> {
             }
             InstData::CallRuntime { function, .. } => {
                 match function.effect() {
-                    Effect::Pure => {}
+                    Effect::Pure | Effect::Reads => {}
                     Effect::Cells => {
                         self.known.regions.remove(&Region::Cells);
                     }

@@ -98,12 +98,7 @@ impl Usage {
                     Some(&to) if is_elsewhere(function, to) => 0,
                     _ => ALL,
                 },
-                // They write nothing, or a text at the address that comes last.
-                RuntimeFn::TextCompare
-                | RuntimeFn::TextFind
-                | RuntimeFn::TextLength
-                | RuntimeFn::TextToDint
-                | RuntimeFn::TextScan => 0,
+                // They write a text at the address that comes last.
                 RuntimeFn::TextConcat
                 | RuntimeFn::TextConcatThree
                 | RuntimeFn::TextReplace

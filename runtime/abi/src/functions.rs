@@ -63,6 +63,8 @@ pub enum Effect {
     System,
     /// Touches the I/O driver and the process image of outputs.
     Io,
+    /// Reads any memory and changes none.
+    Reads,
     /// May run organization blocks, so it may read and write everything.
     All,
 }
@@ -164,11 +166,11 @@ runtime_functions! {
     /// OUT := IN1, then IN2, then IN3, as two calls do it. WRITTEN: the BR of the first of them.
     TextConcatThree = "text_concat_three"(known: I64, in1: I32, in2: I32, in3: I32, out: I32) -> I64, All;
     /// The relation of two texts: bit 0 of `relation`: less, bit 1: equal, bit 2: greater.
-    TextCompare = "text_compare"(known: I64, in1: I32, in2: I32, relation: I32) -> I64, All;
+    TextCompare = "text_compare"(known: I64, in1: I32, in2: I32, relation: I32) -> I64, Reads;
     /// Position of the first IN2 in IN1.
-    TextFind = "text_find"(known: I64, in1: I32, in2: I32, rules: I32) -> I64, All;
+    TextFind = "text_find"(known: I64, in1: I32, in2: I32, rules: I32) -> I64, Reads;
     /// The actual length, `maximum` 1: the maximum.
-    TextLength = "text_length"(known: I64, text: I32, maximum: I32) -> I64, All;
+    TextLength = "text_length"(known: I64, text: I32, maximum: I32) -> I64, Reads;
     TextReplace = "text_replace"(known: I64, in1: I32, in2: I32, l: I32, p: I32, rules: I32, out: I32) -> I64, All;
     TextLeft = "text_left"(known: I64, text: I32, l: I32, rules: I32, out: I32) -> I64, All;
     TextRight = "text_right"(known: I64, text: I32, l: I32, rules: I32, out: I32) -> I64, All;
@@ -182,9 +184,13 @@ runtime_functions! {
     /// OUT := a REAL with a decimal point.
     TextFixedOfReal = "text_fixed_of_real"(known: I64, value: I32, out: I32) -> I64, All;
     /// A sign or none, then digits only.
-    TextToDint = "text_to_dint"(known: I64, text: I32, longest: I32, low: I32, high: I32) -> I64, All;
+    TextToDint = "text_to_dint"(known: I64, text: I32, longest: I32, low: I32, high: I32) -> I64, Reads;
+    /// A REAL of the form `+v.nnnnnnnE+xx`.
+    TextToReal = "text_to_real"(known: I64, text: I32) -> I64, Reads;
+    /// The REAL at the beginning of a text.
+    TextScanReal = "text_scan_real"(known: I64, text: I32) -> I64, Reads;
     /// The number at the beginning of a text, in the range of an INT (`kind` 2) or DINT (3).
-    TextScan = "text_scan"(known: I64, text: I32, kind: I32) -> I64, All;
+    TextScan = "text_scan"(known: I64, text: I32, kind: I32) -> I64, Reads;
 
     /// An [`Operation`](crate::s7200::Operation) of an S7-200 by its number, with its operands. The result is described at
     /// [`s7200::result`](crate::s7200::result).

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::names::{NamedType, TypeNumber, UsedPlace};
 use crate::ob::{OB_FREE, ObClass, StartInput};
 use crate::s7200::{S7200Config, S7200Image};
+use crate::shape::DbShape;
 use crate::technology::{FastCounter, HardwareEvent, PulseGenerator};
 
 /// Kinds of blocks, as passed to [`RuntimeFn::CallBlock`](crate::RuntimeFn::CallBlock).
@@ -299,6 +300,8 @@ pub struct Config {
     pub startup: u16,
     /// Order number of the CPU, `6ES7 315-2AF03-0AB0`; empty if unknown.
     pub cpu_order: String,
+    /// Folder of the program's files, if the flags of the run say nothing.
+    pub data_folder: Option<String>,
     pub s7200: S7200Config,
 }
 
@@ -321,6 +324,7 @@ impl Default for Config {
             modules: None,
             startup: 100,
             cpu_order: String::new(),
+            data_folder: None,
             s7200: S7200Config::default(),
         }
     }
@@ -414,6 +418,8 @@ pub struct ProgramImage {
     pub used: Vec<UsedPlace>,
     /// Stand-ins for missing parts, and parts left out because of them: one line each, reported at the start of a run.
     pub partial: Vec<String>,
+    /// What DBs look like, if the program has a block that needs it.
+    pub shapes: Vec<DbShape>,
     /// No code of the program changes output bytes from here on: they need not be copied to the modules in each cycle.
     pub outputs_used: u32,
     /// The program may end itself (SFC 46, STP): `plcc test` runs it until then.

@@ -4,6 +4,7 @@
 //! shared: all its state is in cells, and no borrow of a `RefCell` lasts across a call into code.
 
 use std::cell::{Cell, RefCell};
+use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use plcc_abi::ProgramImage;
@@ -11,6 +12,7 @@ use plcc_abi::image::{BlockEntry, BlockKind};
 use plcc_abi::layout::{self, state};
 use plcc_abi::ob::{OB_FREE, ObClass};
 
+use crate::alarms::Alarms;
 use crate::assertion::Assertions;
 use crate::clock::{Clock, NS_PER_MS};
 use crate::code::Code;
@@ -21,9 +23,12 @@ use crate::io::Driver;
 use crate::memory::Memory;
 use crate::options::CYCLE_TIME_DEFAULT;
 use crate::organization::Running;
+use crate::records::Records;
+use crate::records::store::Store;
 use crate::s7200::{S7200, ScanCycle};
 use crate::schedule::Schedule;
 use crate::system::meters::{METERS, Meter};
+use crate::system::zone::Zone;
 use crate::technology::Technology;
 use crate::watchdog::Watchdog;
 
@@ -57,10 +62,16 @@ pub struct Cpu {
     read_only_dbs: Vec<u64>,
     /// DBs made at run time: number, address, bytes. Sorted by address.
     pub(crate) created_dbs: RefCell<Vec<(u16, u32, u32)>>,
+    /// Load memory of DBs where the program has changed it.
+    load_memory: RefCell<BTreeMap<u16, Vec<u8>>>,
     /// An event of the diagnostics came since the last cycle began, for the system memory byte.
     pub(crate) diagnostics_changed: Cell<bool>,
     /// Connections of the program.
     pub(crate) communication: RefCell<Communication>,
+    /// Data logs, recipes and files.
+    pub(crate) records: RefCell<Records>,
+    /// Alarms that came and went.
+    pub(crate) alarms: RefCell<Alarms>,
     /// Fast counters, pulse generators, hardware interrupts.
     pub(crate) technology: Technology,
     /// How startup, cycle and interrupts work on this CPU.
@@ -72,6 +83,8 @@ pub struct Cpu {
     pub(crate) outputs_changed: Cell<u32>,
     /// The OBs of the program cycle in the order of their numbers.
     pub(crate) cycle_obs: Vec<LoadedOb>,
+    /// Of local time.
+    pub(crate) zone: Cell<Zone>,
     /// Number of the cycle, 0 in startup.
     pub(crate) cycle: Cell<u64>,
     /// Run-time meters.
@@ -114,8 +127,12 @@ impl Cpu {
             blocks,
             read_only_dbs,
             created_dbs: RefCell::new(Vec::with_capacity(CREATED_DBS_MAX)),
+            load_memory: RefCell::default(),
             diagnostics_changed: Cell::new(false),
             communication: RefCell::default(),
+            zone: Cell::default(),
+            alarms: RefCell::default(),
+            records: RefCell::new(Records::new(Store::temporary())),
             meters: Default::default(),
             outputs_changed: Cell::new(u32::MAX),
             cycle_obs,
@@ -139,6 +156,47 @@ impl Cpu {
             self.memory.load(db.address, &db.data);
             self.memory.set_db(db.number, db.address, db.data.len() as u32);
         }
+    }
+
+    /// Where the files of the program are, unless in a folder that goes with the CPU.
+    pub fn set_store(&self, store: Store) {
+        self.records.replace(Records::new(store));
+    }
+
+    /// What a DB of the program has in load memory.
+    pub(crate) fn stored(&self, number: u16) -> Option<Vec<u8>> {
+        let changed = self.load_memory.borrow().get(&number).cloned();
+        changed.or_else(|| Some(self.image.dbs.iter().find(|db| db.number == number)?.data.clone()))
+    }
+
+    /// Forgets the load memory of a DB that the program has made. False: there is none.
+    pub(crate) fn forget(&self, number: u16) -> bool {
+        self.load_memory.borrow_mut().remove(&number).is_some()
+    }
+
+    /// Changes what a DB of the program has in load memory.
+    pub(crate) fn store(&self, number: u16, data: Vec<u8>) {
+        self.load_memory.borrow_mut().insert(number, data);
+    }
+
+    /// The bytes of a DB: those the program works with, else those in load memory.
+    pub(crate) fn contents(&self, number: u16) -> Option<Vec<u8>> {
+        match self.memory.db(number) {
+            (_, 0) => self.stored(number),
+            (address, length) => Some(self.memory.view(address, length, <[u8]>::to_vec)),
+        }
+    }
+
+    /// Replaces the bytes of a DB, as [`Self::contents`] has them. False: the DB is write-protected, or has another length.
+    pub(crate) fn set_contents(&self, number: u16, data: &[u8]) -> bool {
+        match self.memory.db(number) {
+            (_, 0) => self.store(number, data.to_vec()),
+            (address, length) if length as usize == data.len() && !self.is_read_only(number) => {
+                self.memory.load(address, data);
+            }
+            (..) => return false,
+        }
+        true
     }
 
     /// Nanoseconds from one cycle start to the next, unless another time is set.

@@ -70,6 +70,7 @@ impl Cpu {
             }
             self.run_cycle(cycle, start, &times, observer);
             self.communicate();
+            self.records.borrow_mut().work(self);
             if !self.is_stopped() {
                 // Under the real clock this is the time between cycle starts. Virtual time moves by it, in addition to the time
                 // that passed within the cycle.

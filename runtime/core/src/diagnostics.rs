@@ -13,6 +13,12 @@ use crate::datetime;
 /// Entries that the ring holds.
 pub const CAPACITY: usize = 500;
 
+/// Events of alarms; no event of a CPU has these numbers.
+pub const ALARM_CAME: u16 = 0xC001;
+pub const ALARM_WENT: u16 = 0xC002;
+pub const USER_CAME: u16 = 0xC011;
+pub const USER_WENT: u16 = 0xC012;
+
 /// No place in the program is known.
 pub const NO_SITE: u32 = u32::MAX;
 
@@ -115,6 +121,10 @@ pub fn event_text(entry: &Entry) -> String {
         0x2942 => format!("I/O access error on reading address {info}"),
         0x2943 => format!("I/O access error on writing address {info}"),
         0x8000..=0xBFFF => format!("event of the program (SFC 52), INFO2 16#{info:08X}"),
+        ALARM_CAME => format!("alarm 16#{info:08X} came"),
+        ALARM_WENT => format!("alarm 16#{info:08X} went"),
+        USER_CAME => format!("message of the program came: text {}, list {}", info & 0xFFFF, info >> 16),
+        USER_WENT => format!("message of the program went: text {}, list {}", info & 0xFFFF, info >> 16),
         event => format!("event of class {}", event >> 12),
     };
     format!("16#{:04X} {words}", entry.event)

@@ -263,6 +263,18 @@ functions! {
                 flag(length != 0) | u64::from(value as u32)
             })
         }
+        TextToReal = plcc_rt_text_to_real(cpu, known: u64, text) -> u64 {
+            with_texts!(cpu, known, m, [text 0], [], {
+                let read = numbers::read_real(m, text);
+                read.map_or(0, |(value, good)| WRITTEN | flag(good) | u64::from(value.to_bits()))
+            })
+        }
+        TextScanReal = plcc_rt_text_scan_real(cpu, known: u64, text) -> u64 {
+            with_texts!(cpu, known, m, [text 0], [], {
+                let (value, length) = numbers::real_start(m, text);
+                flag(length != 0) | u64::from(value.to_bits())
+            })
+        }
         S7200Operation = plcc_rt_s7200_operation(cpu, site, operation, a, b, c, d) -> u64 {
             cpu.s7200_operation(operation, &s7200::Operands { site, a, b, c, d })
         }

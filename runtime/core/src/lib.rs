@@ -8,6 +8,8 @@
 //! - [`io`]: the driver; [`analog`]: words of analog channels; [`plant`]: the process at the I/O.
 //! - [`address`], [`names`], [`value`], [`typed`], [`signal`], [`scenario`], [`trace`], [`options`]: what a user writes and sees.
 //! - [`communication`]: TCP and ISO-on-TCP connections of the program.
+//! - [`records`]: data logs, recipes and files of a program.
+//! - [`alarms`]: alarms of the program.
 //! - `family`: differences between the families of CPUs; [`s7200`]: functions of the S7-200 only.
 //! - [`guest`]: code that runs in the process of the compiler.
 //! - [`assertion`]: values of assertions, compared and printed by their types.
@@ -20,6 +22,7 @@
 #![allow(unsafe_code, reason = "generated code and the runtime share the memory of the CPU")]
 
 pub mod address;
+pub mod alarms;
 pub mod analog;
 pub mod assertion;
 pub mod bcd;
@@ -48,6 +51,7 @@ pub mod options;
 pub mod organization;
 pub mod plant;
 pub mod realtime;
+pub mod records;
 pub mod report;
 pub mod run;
 pub mod s7200;

@@ -54,6 +54,12 @@ pub struct RunOptions {
     /// Print only faults and the values of --print
     #[arg(long)]
     pub quiet: bool,
+    /// Folder of the program's data logs, recipes and files [default: `data` in plc.toml, else plc-data]
+    #[arg(long, value_name = "DIR")]
+    pub data: Option<PathBuf>,
+    /// Write the alarms that come and go to a CSV file
+    #[arg(long, value_name = "FILE")]
+    pub alarm_log: Option<PathBuf>,
     /// TCP port of ISO-on-TCP connections [default: 102, which needs privileges to listen on]
     #[arg(long, value_name = "PORT")]
     pub iso_port: Option<u16>,

@@ -1,5 +1,6 @@
 //! Running a program as a CPU does: `plcc run` and executables.
 
+use std::fs::File;
 use std::io::Write;
 use std::rc::Rc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -15,10 +16,11 @@ use crate::faults::STOP_BY_REQUEST;
 use crate::io::Simulated;
 use crate::options::{ClockKind, HANG_LIMIT_DEFAULT, RunOptions, split_list};
 use crate::plant::Plant;
+use crate::records::store::{self, Store};
 use crate::scenario::{Player, Scenario};
 use crate::signal::{Signal, Source, Value};
 use crate::trace::{self, Recorder};
-use crate::{diagnostics, names, realtime, report};
+use crate::{diagnostics, files, names, realtime, report};
 
 /// The program stopped because it was asked to.
 pub const EXIT_OK: u8 = 0;
@@ -91,6 +93,17 @@ pub fn run(mut image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions) ->
     let cpu = Cpu::new(image, code, clock, driver);
     if let Some(port) = options.iso_port {
         cpu.communication.borrow_mut().set_iso_port(port);
+    }
+    let folder = store::folder(options.data.as_deref(), cpu.image.config.data_folder.as_deref());
+    cpu.set_store(Store::new(folder));
+    if let Some(path) = &options.alarm_log {
+        match files::writable(path).and_then(|()| File::create(path)) {
+            Ok(file) => cpu.alarms.borrow_mut().write_to(file),
+            Err(error) => {
+                say!("runtime: {}: {error}", path.display());
+                return EXIT_USAGE;
+            }
+        }
     }
     let (printed, mut session) = match prepare(&cpu, options) {
         Ok(prepared) => prepared,

@@ -88,6 +88,7 @@ pub fn has_sequence_elsewhere(name: &str) -> bool {
                 | Kind::Operator(_)
                 | Kind::Gate(_)
                 | Kind::Valid { .. }
+                | Kind::Variant(_)
                 | Kind::Jump { .. }
                 | Kind::JumpList
                 | Kind::Switch

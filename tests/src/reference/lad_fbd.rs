@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use plcc_syntax::network::elements::{
     CHAPTERS, Chapter, CounterCoil, EnoRule, Flag, Gate, Kind, Mcr, PinDirection, PinRow, ReturnValue, Row,
+    VariantQuestion,
 };
 
 use super::scl;
@@ -109,6 +110,21 @@ fn does(row: &Row) -> String {
         Kind::Compare(op) => return format!("flow AND `in1 {op} in2`"),
         Kind::Range { inside: true } => "flow AND `min <= in <= max`",
         Kind::Range { inside: false } => "flow AND (`in < min` or `in > max`)",
+        Kind::Variant(VariantQuestion::IsNull { null: true }) => "flow AND the VARIANT points to nothing",
+        Kind::Variant(VariantQuestion::IsNull { null: false }) => "flow AND the VARIANT points to something",
+        Kind::Variant(VariantQuestion::IsArray) => "flow AND the VARIANT points to an array",
+        Kind::Variant(VariantQuestion::SameType { elements: false, same: true }) => {
+            "flow AND both are of the same data type"
+        }
+        Kind::Variant(VariantQuestion::SameType { elements: false, same: false }) => {
+            "flow AND they are not of the same data type"
+        }
+        Kind::Variant(VariantQuestion::SameType { elements: true, same: true }) => {
+            "flow AND the first is an array whose elements have the data type of the second"
+        }
+        Kind::Variant(VariantQuestion::SameType { elements: true, same: false }) => {
+            "flow AND the first is not an array whose elements have the data type of the second"
+        }
         Kind::Valid { valid: true } => "flow AND the operand is a valid floating-point number",
         Kind::Valid { valid: false } => "flow AND the operand is not a valid floating-point number",
         Kind::Instance(name) => return format!("calls [{name}](stdlib.md) with its instance"),

@@ -171,7 +171,7 @@ mod tests {
         let root = folder.path().to_path_buf();
         assert_eq!(tests_of(&folder), [TestInput::Program(vec![root.clone()])]);
         assert_eq!(program_scenarios(std::slice::from_ref(&root)), [root.join("main.scenario.toml")]);
-        assert!(lone_scenarios(&[root.clone()], &tests_of(&folder)).is_empty());
+        assert!(lone_scenarios(std::slice::from_ref(&root), &tests_of(&folder)).is_empty());
         let named = ["main.stl", "sub/f.stl", "s.asc"].map(|name| root.join(name));
         assert_eq!(find_tests(&named), [TestInput::Program(named.to_vec())]);
     }

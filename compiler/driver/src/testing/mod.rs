@@ -108,6 +108,7 @@ pub fn name_of(input: &TestInput) -> String {
 }
 
 /// Runs `work`; a panic, which is a fault of plcc, becomes a failed outcome.
+#[allow(clippy::result_large_err, reason = "an outcome is made once for each test")]
 fn guarded<T>(name: &str, work: impl FnOnce() -> T) -> Result<T, Outcome> {
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(work)).map_err(|panic| {
         let mut outcome = Outcome { name: name.to_string(), rejected: true, ..Outcome::default() };

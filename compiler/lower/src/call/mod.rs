@@ -12,6 +12,7 @@ mod function;
 mod instance;
 mod system;
 mod text;
+mod text_compare;
 
 use plcc_abi::RuntimeFn;
 use plcc_abi::codes::{stop, sync};

@@ -35,10 +35,12 @@ const FUNCTIONS: &[(u16, RuntimeFn)] = &[
     (2012, RuntimeFn::TextOfReal),
     (2014, RuntimeFn::TextFixedOfReal),
     (2020, RuntimeFn::TextToDint),
+    (2021, RuntimeFn::TextToReal),
     (2026, RuntimeFn::TextScan),
     (2027, RuntimeFn::TextScan),
     (2028, RuntimeFn::TextToDint),
     (2029, RuntimeFn::TextOfDint),
+    (2035, RuntimeFn::TextScanReal),
 ];
 
 /// Bytes before the characters of a STRING.
@@ -65,12 +67,15 @@ pub enum TextInput {
 
 /// A text in memory.
 pub struct TextOperand {
-    /// Offset from the memory base, an i32.
+    pub(super) addr: Address,
+    /// The same as offset from the memory base, an i32.
     address: Value,
     /// Characters that exist there, an i32 as [`plcc_abi::text`] describes it.
     room: Value,
     /// The declared maximum; 0 if it is not known.
-    declared: u8,
+    pub(super) declared: u8,
+    /// The characters of a constant.
+    pub(super) characters: Option<Vec<u8>>,
     /// i1: address and room are right.
     ok: Value,
 }
@@ -111,7 +116,15 @@ impl BlockLowering<'_, '_> {
     /// A text in this block's frame.
     pub fn text_in_frame(&mut self, addr: Address, declared: u8) -> TextOperand {
         let (address, room) = (self.b.address_of(addr), self.b.i32_const(LOCAL.into()));
-        TextOperand { address, room, declared, ok: self.b.bool_const(true) }
+        TextOperand { addr, address, room, declared, characters: None, ok: self.b.bool_const(true) }
+    }
+
+    /// A constant with its head, which is in this block's frame.
+    pub fn constant_text(&mut self, addr: Address, bytes: &[u8]) -> Option<TextOperand> {
+        let (&[maximum, length], characters) = bytes.split_first_chunk()?;
+        let characters = characters.get(..usize::from(length))?.to_vec();
+        let characters = (maximum != 0).then_some(characters);
+        Some(TextOperand { characters, ..self.text_in_frame(addr, maximum) })
     }
 
     /// A text at `addr` if all `checks` hold; with a `declared` maximum all of it exists then. `pointer` makes the pointer to it that a called block would get. `None`: only the system function
@@ -154,7 +167,7 @@ impl BlockLowering<'_, '_> {
             None => byte,
         };
         let room = self.room(length, byte);
-        Some(TextOperand { address, room, declared, ok })
+        Some(TextOperand { addr, address, room, declared, characters: None, ok })
     }
 
     /// A text at `addr`, to which `fields` point.
@@ -173,7 +186,7 @@ impl BlockLowering<'_, '_> {
         let local = self.b.i32_const(LOCAL.into());
         let room = self.b.select(is_local, local, room);
         let known = self.b.or(in_db, is_local);
-        TextOperand { address, room, declared, ok: self.b.and(ok, known) }
+        TextOperand { addr, address, room, declared, characters: None, ok: self.b.and(ok, known) }
     }
 
     /// Characters of a text at `byte` that exist, if `length` bytes exist from 0 on.

@@ -558,6 +558,10 @@ impl Host for Memory {
                 self.note(outputs.iter().fold(0, |hash, &byte| hash << 3 ^ u64::from(byte)));
                 self.write(layout::Q + (count % 8) as u32, &[count as u8]);
             }
+            Effect::Reads => {
+                let hash = self.observed().iter().fold(0u64, |hash, &byte| hash.wrapping_mul(31) ^ u64::from(byte));
+                self.note(hash);
+            }
             Effect::All => {
                 let hash = self.observed().iter().fold(0u64, |hash, &byte| hash.wrapping_mul(31) ^ u64::from(byte));
                 self.note(hash);

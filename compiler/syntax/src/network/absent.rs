@@ -10,37 +10,11 @@ struct Absent {
     help: &'static str,
 }
 
-const VARIANT: &str = "here a VARIANT does not carry its data type, so a program cannot ask for it";
-const VARIANT_HELP: &str =
-    "declare the parameter with its data type, one block for each type, or pass the type as an additional number";
-
 const ABSENT: &[Absent] = &[
     Absent {
-        names: &[
-            "TypeOf",
-            "TypeOfElements",
-            "TypeOfDB",
-            "EQ_Type",
-            "NE_Type",
-            "EQ_ElemType",
-            "NE_ElemType",
-            "EqType",
-            "NeType",
-            "EqElemType",
-            "NeElemType",
-            "EQ_Type_Contact",
-            "NE_Type_Contact",
-            "EQ_ElemType_Contact",
-            "NE_ElemType_Contact",
-            "IS_NULL",
-            "NOT_NULL",
-            "IsNull",
-            "NotNull",
-            "IS_ARRAY",
-            "IsArray",
-        ],
-        why: VARIANT,
-        help: VARIANT_HELP,
+        names: &["TypeOf", "TypeOfElements", "TypeOfDB"],
+        why: "it is not an element but a function of SCL",
+        help: "compare with EQ_Type or EQ_ElemType, or write the network in SCL",
     },
     Absent {
         names: &["CTRL_PTO"],
@@ -48,19 +22,9 @@ const ABSENT: &[Absent] = &[
         help: "use CTRL_PWM, which sets the width of the pulses",
     },
     Absent {
-        names: &["SET_TIMEZONE"],
-        why: "no time zone is configured: local time is the time of the clock",
-        help: "set the clock to local time with WR_SYS_T",
-    },
-    Absent {
         names: &["T_COMP"],
         why: "T_COMP belongs to S7-1500 and compares in a mode given as a number",
         help: "compare with the elements EQ, NE, GT, LT, GE, LE, which take times and dates",
-    },
-    Absent {
-        names: &["RTM"],
-        why: "the CPU of plcc has no runtime meters",
-        help: "count the time with a TONR or with RUNTIME",
     },
     Absent {
         names: &["ENDIS_PW", "INIT_RD"],
@@ -85,7 +49,7 @@ mod tests {
         for name in ABSENT.iter().flat_map(|absent| absent.names) {
             assert!(find_sd(name).is_none() && find_xml(name).is_none(), "{name}");
         }
-        assert!(reason("is_array").is_some());
+        assert!(reason("typeof").is_some());
         assert!(reason("Add").is_none());
     }
 }

@@ -109,6 +109,8 @@ pub enum Kind {
     Valid {
         valid: bool,
     },
+    /// A contact that asks what a VARIANT points to.
+    Variant(VariantQuestion),
     /// A function block of the system on an instance, by the name that the library has for it.
     Instance(&'static str),
     /// TP, TON, TOF, TONR as coils.
@@ -215,6 +217,17 @@ pub struct PinRow {
     pub optional: bool,
     pub direction: PinDirection,
     pub numbered: bool,
+}
+
+/// What a contact asks about a VARIANT.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum VariantQuestion {
+    /// IS_NULL, NOT_NULL: whether it points to nothing.
+    IsNull { null: bool },
+    /// IS_ARRAY.
+    IsArray,
+    /// EQ_Type, NE_Type; EQ_ElemType, NE_ElemType ask for the elements of an array.
+    SameType { elements: bool, same: bool },
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -400,6 +413,7 @@ const PRE: (&str, &str) = ("pre", "out");
 const COMPARE: &str = "?pre|en in1 in2 ?>out|eno";
 const S5_TIMER: &str = "?timer|operand|t_no|no s|in ?tv|pt|value ?r ?>bi|rt ?>bcd|rtbcd ?>q ?>out";
 const S5_COUNTER: &str = "?counter|operand|c_no|no ?cu ?cd ?s ?pv ?r ?>cv|cvbin ?>cv_bcd|cvbcd ?>q";
+const TYPES: &str = "?pre|en in1|operand1 in2|operand2 ?>out|eno";
 const FLAG: &str = "?pre|in ?>out";
 const UNARY: &str = "?en in ?>out ?>eno";
 const BINARY: &str = "?en in1 in2 ?>out ?>eno";
@@ -410,7 +424,7 @@ use Kind::{
     BitField, Calculate, CallCoil, Coil, Compare, Condition, Contact, Convert, CounterCoil as CountCoil, Demux,
     EdgeCoil, EdgeContact, EdgeTrigger, Flag as StatusFlag, FlipFlop, Formula, Function, Gate as LogicGate, Instance,
     Invert, Jump, JumpList, Mcr as McrCoil, Move, Mux, Negate, Not, OpenDb, Operator, PresetTimer, Procedure, Range,
-    ResetCoil, ResetTimer, Return, Round, S5Counter, S5Timer, Save, SetCoil, Step, Switch, TimerCoil, Valid,
+    ResetCoil, ResetTimer, Return, Round, S5Counter, S5Timer, Save, SetCoil, Step, Switch, TimerCoil, Valid, Variant,
 };
 
 /// All elements, by chapter.
@@ -457,6 +471,13 @@ pub static CHAPTERS: &[Chapter] = &[
             row("InRange", &["InRange", "IN_RANGE"], &[], "?pre min in|val max ?>out", PRE, Range { inside: true }),
             row("OutRange", &["OutRange", "OUT_RANGE"], &[], "?pre min in|val max ?>out", PRE, Range { inside: false }),
             row("OK", &["IsValid", "OK", "OkContact", "OK_Contact", "IsValidContact"], &[], "?pre|in operand ?>out", PRE, Valid { valid: true }).sd(&["IsValidContact", "OK_Contact"]),
+            row("IS_NULL", &["IsNull", "IS_NULL"], &[], "?pre|in operand ?>out", PRE, Variant(VariantQuestion::IsNull { null: true })),
+            row("NOT_NULL", &["NotNull", "NOT_NULL"], &[], "?pre|in operand ?>out", PRE, Variant(VariantQuestion::IsNull { null: false })),
+            row("IS_ARRAY", &["IsArray", "IS_ARRAY"], &[], "?pre|in operand ?>out", PRE, Variant(VariantQuestion::IsArray)),
+            row("EQ_Type", &["EqType", "EQ_Type"], &[], TYPES, PRE, Variant(VariantQuestion::SameType { elements: false, same: true })).sd(&["EQ_Type_Contact"]),
+            row("NE_Type", &["NeType", "NE_Type"], &[], TYPES, PRE, Variant(VariantQuestion::SameType { elements: false, same: false })).sd(&["NE_Type_Contact"]),
+            row("EQ_ElemType", &["EqElemType", "EQ_ElemType"], &[], TYPES, PRE, Variant(VariantQuestion::SameType { elements: true, same: true })).sd(&["EQ_ElemType_Contact"]),
+            row("NE_ElemType", &["NeElemType", "NE_ElemType"], &[], TYPES, PRE, Variant(VariantQuestion::SameType { elements: true, same: false })).sd(&["NE_ElemType_Contact"]),
             row("NOK", &["IsNotValid", "NOT_OK", "IsInvalid", "NotOkContact", "NOK", "NotOk", "NotIsValid", "IsNotValidContact"], &[], "?pre|in operand ?>out", PRE, Valid { valid: false }).sd(&["IsNotValidContact", "NOT_OK"]),
         ],
     },
@@ -637,6 +658,8 @@ pub static CHAPTERS: &[Chapter] = &[
             en("QRY_DINT", &["QRY_DINT"], &[], "?en ob_nr ?>ret_val ?>status ?>eno", Procedure("QRY_DINT")),
             en("DIS_AIRT", &["DIS_AIRT"], &[], "?en ?>ret_val ?>eno", Procedure("DIS_AIRT")),
             en("EN_AIRT", &["EN_AIRT"], &[], "?en ?>ret_val ?>eno", Procedure("EN_AIRT")),
+            en("SET_TIMEZONE", &["SET_TIMEZONE"], &[], "?en ?req ?timezone ?>done ?>busy ?>error ?>status ?>eno", Instance("SET_TIMEZONE")),
+            en("RTM", &["RTM"], &[], "?en nr mode ?pv ?>ret_val ?>cq ?>cv ?>eno", Procedure("RTM")),
             en("CTRL_PWM", &["CTRL_PWM"], &[], "?en pwm enable ?>busy ?>status ?>eno", Instance("CTRL_PWM")),
             en("TSEND_C", &["TSEND_C"], &[], "?en ?req ?cont ?len =connect =data ?addr ?com_rst ?>done ?>busy ?>error ?>status ?>eno", Instance("TSEND_C")),
             en("TRCV_C", &["TRCV_C"], &[], "?en ?en_r ?cont ?len ?adhoc =connect =data ?addr ?com_rst ?>done ?>busy ?>error ?>status ?>rcvd_len ?>eno", Instance("TRCV_C")),
@@ -647,6 +670,48 @@ pub static CHAPTERS: &[Chapter] = &[
             en("PID_Compact", &["PID_Compact"], &[],
                 "?en ?setpoint ?input ?input_per ?disturbance ?manualenable ?manualvalue ?errorack ?reset ?modeactivate ?=mode ?>scaledinput ?>output ?>output_per ?>output_pwm ?>setpointlimit_h ?>setpointlimit_l ?>inputwarning_h ?>inputwarning_l ?>state ?>error ?>errorbits ?>eno",
                 Instance("PID_Compact")),
+            en("PID_3Step", &["PID_3Step"], &[],
+                "?en ?setpoint ?input ?input_per ?actuator_h ?actuator_l ?feedback ?feedback_per ?disturbance ?manualenable ?manualvalue ?manual_up ?manual_dn ?errorack ?reset ?modeactivate ?=mode ?>scaledinput ?>scaledfeedback ?>output_up ?>output_dn ?>output_per ?>setpointlimit_h ?>setpointlimit_l ?>inputwarning_h ?>inputwarning_l ?>state ?>error ?>errorbits ?>eno",
+                Instance("PID_3Step")),
+        ],
+    },
+    Chapter {
+        title: "Motion control",
+        source: "motion control",
+        rows: &[
+            en("MC_Power", &["MC_Power"], &[],
+                "?en =axis ?enable ?startmode ?stopmode ?>status ?>busy ?>error ?>errorid ?>errorinfo ?>eno",
+                Instance("MC_Power")),
+            en("MC_Reset", &["MC_Reset"], &[],
+                "?en =axis ?execute ?restart ?>done ?>busy ?>commandaborted ?>error ?>errorid ?>errorinfo ?>eno",
+                Instance("MC_Reset")),
+            en("MC_Home", &["MC_Home"], &[],
+                "?en =axis ?execute ?position ?mode ?>done ?>busy ?>active ?>commandaborted ?>error ?>errorid ?>errorinfo ?>eno",
+                Instance("MC_Home")),
+            en("MC_Halt", &["MC_Halt"], &[],
+                "?en =axis ?execute ?deceleration ?jerk ?abortacceleration ?>done ?>busy ?>active ?>commandaborted ?>error ?>errorid ?>errorinfo ?>eno",
+                Instance("MC_Halt")),
+            en("MC_MoveAbsolute", &["MC_MoveAbsolute"], &[],
+                "?en =axis ?execute ?position ?velocity ?acceleration ?deceleration ?jerk ?direction ?>done ?>busy ?>active ?>commandaborted ?>error ?>errorid ?>errorinfo ?>eno",
+                Instance("MC_MoveAbsolute")),
+            en("MC_MoveRelative", &["MC_MoveRelative"], &[],
+                "?en =axis ?execute ?distance ?velocity ?acceleration ?deceleration ?jerk ?>done ?>busy ?>active ?>commandaborted ?>error ?>errorid ?>errorinfo ?>eno",
+                Instance("MC_MoveRelative")),
+            en("MC_MoveVelocity", &["MC_MoveVelocity"], &[],
+                "?en =axis ?execute ?velocity ?acceleration ?deceleration ?jerk ?direction ?current ?positioncontrolled ?>invelocity ?>busy ?>active ?>commandaborted ?>error ?>errorid ?>errorinfo ?>eno",
+                Instance("MC_MoveVelocity")),
+            en("MC_MoveJog", &["MC_MoveJog"], &[],
+                "?en =axis ?jogforward ?jogbackward ?velocity ?acceleration ?deceleration ?jerk ?positioncontrolled ?>invelocity ?>busy ?>active ?>commandaborted ?>error ?>errorid ?>errorinfo ?>eno",
+                Instance("MC_MoveJog")),
+            en("MC_ChangeDynamic", &["MC_ChangeDynamic"], &[],
+                "?en =axis ?execute ?changerampup ?rampuptime ?changerampdown ?rampdowntime ?changeemergency ?emergencyramptime ?changejerktime ?jerktime ?>done ?>error ?>errorid ?>errorinfo ?>eno",
+                Instance("MC_ChangeDynamic")),
+            en("MC_ReadParam", &["MC_ReadParam"], &[],
+                "?en enable parameter =value ?>valid ?>busy ?>error ?>errorid ?>errorinfo ?>eno",
+                Instance("MC_ReadParam")),
+            en("MC_WriteParam", &["MC_WriteParam"], &[],
+                "?en execute paramname value ?>done ?>busy ?>error ?>errorid ?>errorinfo ?>eno",
+                Instance("MC_WriteParam")),
         ],
     },
     Chapter {

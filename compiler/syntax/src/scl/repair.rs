@@ -308,7 +308,9 @@ impl<'t> Repair<'t> {
     fn replace(&mut self, first: usize, after: usize, kind: RawKind, keyword: Option<Keyword>) {
         let (start, end) = (self.tokens[first], self.tokens[after - 1]);
         let token = RawToken { kind, end: end.end, keyword, ..start };
-        self.edits.retain(|edit| edit.first < first);
+        while self.edits.last().is_some_and(|edit| edit.first >= first) {
+            self.edits.pop();
+        }
         self.edits.push(Edit { first, after, with: vec![token] });
         self.at = after;
         self.note(token);

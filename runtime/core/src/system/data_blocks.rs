@@ -10,31 +10,37 @@ use super::{OK, Outcome, error};
 use crate::cpu::{CREATED_DBS_MAX, Cpu};
 
 /// The DB of the program with this number.
-fn program_db(cpu: &Cpu, number: u16) -> Option<&plcc_abi::image::DbEntry> {
+pub(super) fn program_db(cpu: &Cpu, number: u16) -> Option<&plcc_abi::image::DbEntry> {
     cpu.image.dbs.iter().find(|db| db.number == number)
 }
 
-/// LOW_LIMIT, UP_LIMIT, COUNT -> RET_VAL, DB_NUMBER: the lowest free number; contents 0. 80A1 number, 80A2 length,
-/// 80B1 none free, 80B2 no memory.
-pub(super) fn creat_db(call: &Call) -> Outcome {
-    let (low, high, count) = (call.word(0), call.word(1), call.word(2));
-    let cpu = call.cpu;
-    call.set_word(4, 0);
+/// True of a DB that is in load memory only.
+pub(super) fn in_load_memory(cpu: &Cpu, number: u16) -> bool {
+    cpu.memory.db(number).1 == 0 && cpu.stored(number).is_some()
+}
+
+/// A new DB with the lowest free number, contents 0, in load memory only unless `linked`. 80A1 number, 80A2 length, 80B1 none free,
+/// 80B2 no memory.
+pub(super) fn create(cpu: &Cpu, low: u16, high: u16, count: u32, linked: bool) -> Result<u16, u16> {
     if low == 0 || high == 0 || low > high {
-        return error(0x80A1);
+        return Err(0x80A1);
     }
-    if count == 0 || count % 2 != 0 || u32::from(count) > cpu.image.profile.db_bytes_max {
-        return error(0x80A2);
+    if count == 0 || !count.is_multiple_of(2) || count > cpu.image.profile.db_bytes_max {
+        return Err(0x80A2);
     }
-    let free = (low..=high).find(|&number| cpu.memory.db(number).1 == 0 && program_db(cpu, number).is_none());
-    let Some(number) = free else { return error(0x80B1) };
-    match allocate(cpu, number, u32::from(count)) {
-        true => {
-            call.set_word(4, number);
-            OK
-        }
-        false => error(0x80B2),
+    let is_free = |number| cpu.memory.db(number).1 == 0 && cpu.stored(number).is_none();
+    let number = (low..=high).find(|&number| is_free(number)).ok_or(0x80B1u16)?;
+    if linked && !allocate(cpu, number, count) {
+        return Err(0x80B2);
     }
+    Ok(number)
+}
+
+/// LOW_LIMIT, UP_LIMIT, COUNT -> RET_VAL, DB_NUMBER.
+pub(super) fn creat_db(call: &Call) -> Outcome {
+    let created = create(call.cpu, call.word(0), call.word(1), call.word(2).into(), true);
+    call.set_word(4, created.unwrap_or(0));
+    created.map_or_else(error, |_| OK)
 }
 
 fn allocate(cpu: &Cpu, number: u16, bytes: u32) -> bool {
@@ -59,21 +65,29 @@ fn allocate(cpu: &Cpu, number: u16, bytes: u32) -> bool {
     true
 }
 
-/// DB_NUMBER -> RET_VAL. 80A1 number, 80B1 missing, 80B2 of the program (its address is known to the code).
+/// DB_NUMBER -> RET_VAL.
 pub(super) fn del_db(call: &Call) -> Outcome {
-    let number = call.word(0);
+    delete(call.cpu, call.word(0)).map_or_else(error, |()| OK)
+}
+
+/// Deletes a DB that was made at run time. 80A1 number, 80B1 missing, 80B2 of the program (its address is known to the code).
+pub(super) fn delete(cpu: &Cpu, number: u16) -> Result<(), u16> {
     if number == 0 {
-        return error(0x80A1);
+        return Err(0x80A1);
     }
-    let mut created = call.cpu.created_dbs.borrow_mut();
+    if program_db(cpu, number).is_some() {
+        return Err(0x80B2);
+    }
+    let was_stored = cpu.forget(number);
+    let mut created = cpu.created_dbs.borrow_mut();
     match created.iter().position(|&(created, _, _)| created == number) {
         Some(index) => {
             created.remove(index);
-            call.cpu.memory.set_db(number, 0, 0);
-            OK
+            cpu.memory.set_db(number, 0, 0);
+            Ok(())
         }
-        None if program_db(call.cpu, number).is_some() => error(0x80B2),
-        None => error(0x80B1),
+        None if was_stored => Ok(()),
+        None => Err(0x80B1),
     }
 }
 
@@ -82,13 +96,13 @@ pub(super) fn test_db(call: &Call) -> Outcome {
     let number = call.word(0);
     let entry = program_db(call.cpu, number);
     let (_, length) = call.cpu.memory.db(number);
-    let stored = entry.map_or(0, |entry| entry.data.len() as u32);
+    let stored = call.cpu.stored(number).map_or(0, |data| data.len() as u32);
     call.set_word(2, length.max(stored) as u16);
     call.set_bool(3, entry.is_some_and(|entry| entry.read_only));
-    match (number, length, entry) {
+    match (number, length, stored) {
         (0, _, _) => error(0x80A1),
-        (_, 0, Some(_)) => error(0x80B2),
-        (_, 0, None) => error(0x80B1),
+        (_, 0, 0) => error(0x80B1),
+        (_, 0, _) => error(0x80B2),
         (_, _, _) => OK,
     }
 }

@@ -1,10 +1,11 @@
 //! DTL, the date and time of the TIA Portal in 12 bytes: year (2), month, day, weekday, hour, minute, second, nanoseconds (4).
 //!
-//! Source: S7-1200 reference, date and time. The clock is the CPU's; no time zone is configured, so local time is system time.
+//! Source: S7-1200 reference, date and time. The clock is the CPU's.
 
 use jiff::civil::{Date, Time};
 
 use super::parameters::Call;
+use super::zone;
 use super::{OK, Outcome, error};
 use crate::datetime;
 
@@ -15,7 +16,7 @@ const FIRST_DAY: i64 = 7305;
 const YEARS: std::ops::RangeInclusive<u16> = 1970..=2261;
 
 /// The moment of a DTL; `Err`: the error code of WR_SYS_T. The weekday does not count.
-fn decode(bytes: [u8; 12]) -> Result<i64, u16> {
+pub(crate) fn decode(bytes: [u8; 12]) -> Result<i64, u16> {
     let [year_high, year_low, month, day, _, hour, minute, second, ns @ ..] = bytes;
     let (year, ns) = (u16::from_be_bytes([year_high, year_low]), u32::from_be_bytes(ns));
     if !YEARS.contains(&year) {
@@ -35,7 +36,7 @@ fn decode(bytes: [u8; 12]) -> Result<i64, u16> {
     Ok(datetime::moment(date.to_datetime(time)))
 }
 
-fn encode(moment: i64) -> [u8; 12] {
+pub(crate) fn encode(moment: i64) -> [u8; 12] {
     let at = datetime::civil(moment);
     let [year_high, year_low] = (at.year() as u16).to_be_bytes();
     let weekday = at.date().weekday().to_sunday_one_offset() as u8;
@@ -50,6 +51,13 @@ pub(super) fn read_clock(call: &Call) -> Outcome {
     OK
 }
 
+/// -> RET_VAL: 1 in daylight saving time, OUT.
+pub(super) fn read_clock_local(call: &Call) -> Outcome {
+    let (local, summer) = call.cpu.zone.get().local(call.cpu.clock.wall());
+    call.set_dtl(1, encode(local));
+    Outcome::RetVal(u16::from(summer))
+}
+
 /// IN -> RET_VAL: 8081 year to 8087 nanoseconds.
 pub(super) fn set_clock(call: &Call) -> Outcome {
     match decode(call.dtl(0)) {
@@ -62,9 +70,18 @@ pub(super) fn set_clock(call: &Call) -> Outcome {
     }
 }
 
-/// LOCTIME, DST -> RET_VAL, as [`set_clock`]: without a time zone there is no daylight saving time.
+/// LOCTIME, DST -> RET_VAL, as [`set_clock`]; 8080, 8089 of [`zone::system_time`].
 pub(super) fn set_clock_local(call: &Call) -> Outcome {
-    if call.byte(1) & 1 != 0 { error(0x8080) } else { set_clock(call) }
+    let summer = call.byte(1) & 1 != 0;
+    let system = decode(call.dtl(0)).and_then(|local| zone::system_time(&call.cpu.zone.get(), local, summer));
+    match system {
+        Ok(moment) => {
+            call.cpu.clock.set_wall(moment);
+            call.cpu.wall_clock_was_set();
+            OK
+        }
+        Err(code) => error(code),
+    }
 }
 
 /// Reads a DTL. An invalid one yields 1970-01-01 with an error.

@@ -1,6 +1,7 @@
-//! Run-time meters: SFC 2 SET_RTM, SFC 3 CTRL_RTM, SFC 4 READ_RTM. They count full hours, 0 to 32767.
+//! Run-time meters: SFC 2 SET_RTM, SFC 3 CTRL_RTM, SFC 4 READ_RTM, which count full hours up to 32767, and SFC 101 RTM, up to 2147483647.
+//! They are the same meters.
 //!
-//! Source: System and standard functions, SFC 2 to 4. Assumption: eight meters, as on most CPUs; see the data sheet.
+//! Source: System and standard functions, SFC 2 to 4, SFC 101. Assumption: eight meters, as on most CPUs; see the data sheet.
 
 use std::cell::Cell;
 
@@ -12,6 +13,8 @@ pub(crate) const METERS: usize = 8;
 
 const NS_PER_HOUR: u64 = 3_600_000_000_000;
 const HOURS_MAX: u64 = 0x7FFF;
+/// Of SFC 101.
+const LONG_HOURS_MAX: u64 = 0x7FFF_FFFF;
 
 /// A run-time meter.
 #[derive(Default)]
@@ -27,6 +30,19 @@ impl Meter {
         let running = self.since.get().map_or(0, |since| now.saturating_sub(since));
         self.counted_ns.get().saturating_add(running)
     }
+
+    /// A running meter continues from there.
+    fn set(&self, hours: u64, now: u64) {
+        self.counted_ns.set(hours.saturating_mul(NS_PER_HOUR));
+        self.since.set(self.since.get().map(|_| now));
+    }
+
+    fn run(&self, start: bool, now: u64) {
+        if start != self.since.get().is_some() {
+            self.counted_ns.set(self.elapsed(now));
+            self.since.set(start.then_some(now));
+        }
+    }
 }
 
 fn meter<'a>(call: &'a Call) -> Option<&'a Meter> {
@@ -37,20 +53,14 @@ fn meter<'a>(call: &'a Call) -> Option<&'a Meter> {
 pub(super) fn set(call: &Call) -> Outcome {
     let Some(meter) = meter(call) else { return error(0x8080) };
     let Ok(hours) = u64::try_from(call.word(1) as i16) else { return error(0x8081) };
-    meter.counted_ns.set(hours * NS_PER_HOUR);
-    meter.since.set(meter.since.get().map(|_| call.cpu.clock.now()));
+    meter.set(hours, call.cpu.clock.now());
     OK
 }
 
 /// NR, S: starts or stops. 8080 number.
 pub(super) fn control(call: &Call) -> Outcome {
     let Some(meter) = meter(call) else { return error(0x8080) };
-    let now = call.cpu.clock.now();
-    let start = call.byte(1) & 1 != 0;
-    if start != meter.since.get().is_some() {
-        meter.counted_ns.set(meter.elapsed(now));
-        meter.since.set(start.then_some(now));
-    }
+    meter.run(call.byte(1) & 1 != 0, call.cpu.clock.now());
     OK
 }
 
@@ -61,4 +71,30 @@ pub(super) fn read(call: &Call) -> Outcome {
     call.set_bool(2, meter.since.get().is_some());
     call.set_word(3, hours.min(HOURS_MAX) as u16);
     if hours > HOURS_MAX { error(0x8082) } else { OK }
+}
+
+/// NR, MODE, PV -> RET_VAL, CQ (runs), CV (hours). 8080 number, 8081 negative, 8082 overflow, 8091 mode, 80B1 no memory card for mode 7.
+pub(super) fn handle(call: &Call) -> Outcome {
+    let Some(meter) = meter(call) else { return error(0x8080) };
+    let now = call.cpu.clock.now();
+    let mode = call.byte(1);
+    // 1 start, 2 stop, 4 set, 5 and 6 set as well.
+    match mode {
+        0..=2 => {}
+        4..=6 => {
+            let Ok(hours) = u64::try_from(call.dword(2) as i32) else { return error(0x8081) };
+            meter.set(hours, now);
+        }
+        7 => return error(0x80B1),
+        _ => return error(0x8091),
+    }
+    match mode & 3 {
+        1 => meter.run(true, now),
+        2 => meter.run(false, now),
+        _ => {}
+    }
+    let hours = meter.elapsed(now) / NS_PER_HOUR;
+    call.set_bool(4, meter.since.get().is_some());
+    call.set_dword(5, hours.min(LONG_HOURS_MAX) as u32);
+    if hours > LONG_HOURS_MAX { error(0x8082) } else { OK }
 }

@@ -6,6 +6,7 @@
 //!
 //! Source: System and standard functions, parameter tables.
 
+mod alarms;
 mod any;
 mod block_move;
 mod clock;
@@ -16,21 +17,25 @@ mod dates;
 mod delay;
 mod disable;
 mod distributed;
-mod dtl;
+pub(crate) mod dtl;
 mod hexadecimal;
 mod images;
+mod load_memory;
 mod local_error;
 mod masks;
 pub(crate) mod meters;
+mod module_records;
 pub(crate) mod numbers;
 mod output_bits;
 mod parameters;
+mod records;
 mod station;
 mod status_list;
 mod technology;
 mod text;
 mod time_of_day;
 mod variants;
+pub(crate) mod zone;
 
 use plcc_abi::codes::sync;
 
@@ -89,9 +94,14 @@ system_functions! {
     4 READ_RTM (Byte)                    -> (Word, Bool, Word) = meters::read;
     5 GADR_LGC (Byte, Word, Word, Byte, Word) -> (Word, Byte, Word) = station::gadr_lgc;
     6 RD_SINFO ()                        -> (Word, StartInfo, StartInfo) = control::rd_sinfo;
+    9 EN_MSG (Bool, Byte, Dword)       -> (Word, Bool)      = alarms::en_msg;
+    10 DIS_MSG (Bool, Byte, Dword)     -> (Word, Bool)      = alarms::dis_msg;
     13 DPNRM_DG (Bool, Word)              -> (Word, Any, Bool) = distributed::dpnrm_dg;
     14 DPRD_DAT (Word)                    -> (Word, Any)       = distributed::dprd_dat;
     15 DPWR_DAT (Word, Any)               -> (Word)            = distributed::dpwr_dat;
+    17 ALARM_SQ (Bool, Word, Dword, Any) -> (Word)          = alarms::alarm_sq;
+    18 ALARM_S  (Bool, Word, Dword, Any) -> (Word)          = alarms::alarm_s;
+    19 ALARM_SC (Dword)                -> (Word, Bool, NextBool) = alarms::alarm_sc;
     20 BLKMOV   (Any)                     -> (Word, Any)       = block_move::blkmov;
     21 FILL     (Any)                     -> (Word, Any)       = block_move::fill;
     22 CREAT_DB (Word, Word, Word)        -> (Word, Word)      = data_blocks::creat_db;
@@ -123,15 +133,30 @@ system_functions! {
     50 RD_LGADR (Byte, Word)           -> (Word, Any, Word, Any, Word) = station::rd_lgadr;
     51 RDSYSST  (Bool, Word, Word)     -> (Word, Bool, Dword, Any) = status_list::rdsysst;
     52 WR_USMSG (Bool, Word, Any, Any)    -> (Word)            = control::wr_usmsg;
+    55 WR_PARM  (Bool, Byte, Word, Byte, Any) -> (Word, Bool) = module_records::with_data;
+    56 WR_DPARM (Bool, Byte, Word, Byte) -> (Word, Bool)    = module_records::of_number;
+    57 PARM_MOD (Bool, Byte, Word)     -> (Word, Bool)      = module_records::parm_mod;
+    58 WR_REC   (Bool, Byte, Word, Byte, Any) -> (Word, Bool) = module_records::with_data;
+    59 RD_REC   (Bool, Byte, Word, Byte) -> (Word, Bool, Any) = module_records::of_number;
     64 TIME_TCK ()                        -> (Dword)           = clock::time_tck;
     70 GEO_LOG  (Word, Word, Word, Word) -> (Word, Word)     = station::geo_log;
     71 LOG_GEO  (Word)                 -> (Word, Word, Word, Word, Word, Word, Word) = station::log_geo;
     79 SET      (Word)                    -> (Word, Pointer)   = output_bits::set;
     80 RSET     (Word)                    -> (Word, Pointer)   = output_bits::rset;
     81 UBLKMOV  (Any)                     -> (Word, Any)       = block_move::ublkmov;
+    82 CREA_DBL (Bool, Word, Word, Word, Byte, Any) -> (Word, Bool, Word) = load_memory::crea_dbl;
+    83 READ_DBL (Bool, Any)               -> (Word, Bool, Any) = load_memory::read_dbl;
+    84 WRIT_DBL (Bool, Any)               -> (Word, Bool, Any) = load_memory::writ_dbl;
+    85 CREA_DB  (Word, Word, Word, Byte)  -> (Word, Word)      = load_memory::crea_db;
+    101 RTM     (Byte, Byte, Dword)       -> (Word, Bool, Dword) = meters::handle;
+    102 RD_DPARA (Word, Byte)             -> (Word, Any)       = module_records::rd_dpara;
+    107 ALARM_DQ (Bool, Word, Dword, Dword, Any) -> (Word)     = alarms::alarm_dq;
+    108 ALARM_D (Bool, Word, Dword, Dword, Any) -> (Word)      = alarms::alarm_d;
+    126 SYNC_PI (Byte, Word)              -> (Word, Word)      = images::synchronous;
+    127 SYNC_PO (Byte, Word)              -> (Word, Word)      = images::synchronous;
     // Instructions of the TIA Portal.
     1150 RD_SYS_T ()                        -> (Word, Dtl)       = dtl::read_clock;
-    1151 RD_LOC_T ()                        -> (Word, Dtl)       = dtl::read_clock;
+    1151 RD_LOC_T ()                        -> (Word, Dtl)       = dtl::read_clock_local;
     1152 WR_SYS_T (Dtl)                     -> (Word)            = dtl::set_clock;
     1153 T_COMBINE (Word, Dword)            -> (Dtl)             = dtl::combine;
     1154 DTL_TO_DATE (Dtl)                  -> (Word)            = dtl::to_date;
@@ -163,6 +188,10 @@ system_functions! {
     1404 SET_CINT (Word, Dword, Dword)      -> (Word)            = technology::set_cint;
     1405 QRY_CINT (Word)                    -> (Word, Dword, Dword, Word) = technology::qry_cint;
     1406 RUNTIME ()                         -> (Lword, Lword)    = technology::runtime;
+    1700 CREATE_DB (Bool, Word, Word, Dword, Byte, Variant) -> (Word, Bool, Word) = load_memory::create_db;
+    1701 DELETE_DB (Bool, Word)           -> (Word, Bool)      = load_memory::delete_db;
+    1702 ATTR_DB (Bool, Word)             -> (Word, Dword, Byte) = load_memory::attr_db;
+    1703 Gen_UsrMsg (Word, Word, Word)    -> (Word, Variant)   = alarms::gen_user_message;
     // Parts of library blocks that the runtime does.
     2000 TEXT_CONCAT (Any, Any)          -> (Any)             = text::concat;
     2001 TEXT_COMPARE (Any, Any, Word)   -> (Bool)            = text::compare;
@@ -185,7 +214,7 @@ system_functions! {
     2018 TEXT_OF_UNSIGNED (Lword, Word)  -> (Word, Any)       = numbers::of_integer;
     2019 FIELD_OF_UNSIGNED (Lword, Word, Word, Word, Word, Word) -> (Word, Any) = numbers::field_of_integer;
     2020 DINT_OF_TEXT (Any, Word, Dword, Dword) -> (Dword)    = numbers::to_dint;
-    2021 REAL_OF_TEXT (Any)               -> (Word, Dword)     = numbers::to_real;
+    2021 REAL_OF_TEXT (Any)               -> (Dword)           = numbers::to_real;
     2022 SCAN_INTEGER (Any, Word, Word, Word) -> (Word, Lword, Word) = numbers::integer_of;
     2023 SCAN_LREAL (Any, Word, Word)     -> (Word, Lword, Word) = numbers::float_of;
     2024 SCAN_REAL (Any, Word, Word)      -> (Word, Dword, Word) = numbers::real_of;
@@ -199,14 +228,30 @@ system_functions! {
     2032 DT_COMBINE (Word, Dword)         -> (Word, DateAndTime) = dates::combine;
     2033 DT_SPLIT (DateAndTime)           -> (Word, Word, Dword, Word) = dates::split;
     2034 DT_COMPARE (DateAndTime, DateAndTime) -> (Word)       = dates::compare;
+    2035 REAL_AT_START (Any)              -> (Dword)           = numbers::real_at_start;
     2090 HSC_CONTROL (Word, Byte, Word, Dword, Dword, Word) -> (Word) = technology::hsc_control;
     2091 PWM_CONTROL (Word, Bool)           -> (Word)            = technology::pwm_control;
+    2095 ZONE_SET (Word, Word, Dword, Byte, Dword, Byte) -> (Word) = zone::set;
     2100 LINK_OPEN (Any, Word, Bool)      -> (Word, Word)      = communication::open;
     2101 LINK_STATE (Word)                -> (Word, Word, Word) = communication::state;
     2102 LINK_CLOSE (Word, Bool)          -> (Word)            = communication::close;
     2103 LINK_SEND (Word, Dword, Any)     -> (Word)            = communication::send;
     2104 LINK_SENT (Word)                 -> (Word)            = communication::sent;
     2105 LINK_RECEIVE (Word, Dword, Bool) -> (Word, Dword, Any) = communication::receive;
+    2106 ALARM_EDGE (Dword, Byte, Bool, NextBool) -> (Word)   = alarms::alarm_edge;
+    2107 ALARM_NUMBER ()                 -> (Dword)           = alarms::alarm_number;
+    2108 RECORD_OF_ID (Dword)            -> (Word)            = module_records::of_id;
+    2110 JOB_STATE (Dword)               -> (Word, Dword)     = records::job_state;
+    2111 JOB_BYTES (Dword)               -> (Word, Dword, Variant) = records::job_bytes;
+    2112 LOG_CREATE (Dword, Word, Word, Variant, Variant, Variant) -> (Word, Dword) = records::log_create;
+    2113 LOG_OPEN (Word, Variant)        -> (Word, Dword)     = records::log_open;
+    2114 LOG_ACTION (Byte, Dword)        -> (Word, Dword)     = records::log_action;
+    2115 LOG_NEW (Dword, Variant, Dword) -> (Word, Dword)     = records::log_new;
+    2116 LOG_DELETE (Variant, Bool, Dword) -> (Word, Dword)   = records::log_delete;
+    2117 RECIPES (Bool, Variant)         -> (Word, Dword)     = records::recipes;
+    2118 FILE_READ (Variant, Dword, Dword, Variant) -> (Word, Dword) = records::file_read;
+    2119 FILE_WRITE (Variant, Dword, Dword, Variant) -> (Word, Dword) = records::file_write;
+    2120 FILE_DELETE (Variant)           -> (Word, Dword)     = records::file_delete;
 }
 
 /// No row.

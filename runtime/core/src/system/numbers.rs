@@ -14,7 +14,7 @@ use super::parameters::Call;
 use super::text::{self, Buffer, CUT, INVALID, Text};
 use super::{OK, Outcome, error};
 use crate::memory::Bytes;
-use crate::text::{decimal, give_whole};
+use crate::text::{decimal, give_whole, real};
 
 /// Value of a LINT, or with UNSIGNED of a ULINT.
 fn integer(bits: u64, form: u16) -> i128 {
@@ -52,7 +52,10 @@ pub(super) fn of_real(call: &Call) -> Outcome {
 /// See [`of_real`]. False if it does not fit, or is not a number; then nothing is written.
 #[inline(never)]
 pub(crate) fn write_real(memory: Bytes, value: f32, out: Option<Text>) -> bool {
-    scientific(f64::from(value), 7, 2).is_some_and(|number| give_whole(memory, out, number.characters()))
+    match real::scientific(value) {
+        Some(number) => give_whole(memory, out, &number),
+        None => scientific(f64::from(value), 7, 2).is_some_and(|number| give_whole(memory, out, number.characters())),
+    }
 }
 
 /// IN LREAL -> RET_VAL, OUT STRING: `+1.2345678901234E+001`, 21 characters.
@@ -151,23 +154,34 @@ fn read_limited(call: &Call) -> Option<(i32, bool)> {
     decimal::read(call.cpu.memory.bytes_at(), text::of(call, 0, Access::Read), call.word(1), low, high)
 }
 
-/// S STRING -> RET_VAL, OUT REAL: exactly `+v.nnnnnnnE+xx` at the beginning. Too large is limited and [`CUT`].
+/// S STRING, NUMBER REAL: see [`read_real`]. A text of another form leaves NUMBER as it is.
 pub(super) fn to_real(call: &Call) -> Outcome {
+    let text = text::of(call, 0, Access::Read);
+    let Some((value, good)) = read_real(call.cpu.memory.bytes_at(), text) else { return Outcome::Flag(false) };
+    call.set_dword(1, value.to_bits());
+    Outcome::Flag(good)
+}
+
+/// Exactly `+v.nnnnnnnE+xx` at the beginning. `None`: another form. The value is limited; the second result says whether it was in the range.
+#[inline(never)]
+pub(crate) fn read_real(memory: Bytes, text: Option<Text>) -> Option<(f32, bool)> {
     const FORM: &[u8] = b"+9.9999999E+99";
-    let Some(text) = text::characters(call, 0) else { return error(INVALID) };
     let fits = |(&form, &character): (&u8, &u8)| match form {
         b'+' => matches!(character, b'+' | b'-'),
         b'9' => character.is_ascii_digit(),
         other => character == other,
     };
-    let characters = text.characters();
-    if characters.len() < FORM.len() || !FORM.iter().zip(characters).all(fits) {
-        return error(INVALID);
-    }
-    let Ok(value) = text.as_str().get(..FORM.len()).unwrap_or("").parse::<f32>() else { return error(INVALID) };
+    let value = text?.view(memory, |characters| {
+        let number = characters.get(..FORM.len())?;
+        if FORM.iter().zip(number).all(fits) { real_of_digits(number) } else { None }
+    })?;
     let limited = value.clamp(f32::MIN, f32::MAX);
-    call.set_dword(2, limited.to_bits());
-    if limited == value { OK } else { error(CUT) }
+    Some((limited, limited == value))
+}
+
+/// The REAL that digits, sign, point and exponent mean.
+fn real_of_digits(digits: &[u8]) -> Option<f32> {
+    real::parse(digits).or_else(|| std::str::from_utf8(digits).ok()?.parse().ok())
 }
 
 /// A number at the beginning of a text.
@@ -353,13 +367,30 @@ pub(super) fn float_of(call: &Call) -> Outcome {
 /// IN STRING, FORMAT WORD, P INT -> RET_VAL, OUT REAL, NEXT INT. A value too small for a normal number becomes 0.
 pub(super) fn real_of(call: &Call) -> Outcome {
     const OUT: usize = 4;
-    let value = scan_call(call, scan)
-        .and_then(|scanned| scanned.digits.as_str().parse::<f32>().ok().map(|value| (value, scanned.length)));
-    let (value, length) = value.unwrap_or((0.0, 0));
-    let value = if value.is_subnormal() { 0.0 } else { value };
+    let (value, length) = scan_call(call, scan_real).unwrap_or((0.0, 0));
     call.set_dword(OUT, value.to_bits());
     call.set_word(OUT + 1, call.word(2).wrapping_add(length as u16));
     if length == 0 { error(INVALID) } else { OK }
+}
+
+/// A REAL, 0 if it is too small for a normal number; and its characters.
+fn scan_real(text: &[u8], format: u16) -> Option<(f32, usize)> {
+    let scanned = scan(text, format)?;
+    let value = real_of_digits(scanned.digits.characters())?;
+    Some((if value.is_subnormal() { 0.0 } else { value }, scanned.length))
+}
+
+/// IN STRING -> OUT REAL: the number at the beginning of the text, without an exponent; 0 if there is none.
+pub(super) fn real_at_start(call: &Call) -> Outcome {
+    let (value, length) = real_start(call.cpu.memory.bytes_at(), text::of(call, 0, Access::Read));
+    call.set_dword(1, value.to_bits());
+    Outcome::Flag(length != 0)
+}
+
+/// See [`real_at_start`]; the number of its characters is 0 if there is none.
+#[inline(never)]
+pub(crate) fn real_start(memory: Bytes, text: Option<Text>) -> (f32, usize) {
+    scan_text(memory, text, 0, 1, scan_real).unwrap_or((0.0, 0))
 }
 
 /// The parameters of VAL_STRG after its number.

@@ -10,9 +10,9 @@ use super::{OK, Outcome, error};
 use crate::cpu::Cpu;
 
 /// IOID: the address is one of inputs.
-const INPUTS: u8 = 0x54;
+pub(super) const INPUTS: u8 = 0x54;
 /// IOID: the address is one of outputs.
-const OUTPUTS: u8 = 0x55;
+pub(super) const OUTPUTS: u8 = 0x55;
 /// Type codes of a field of WORD.
 const WORD: u8 = 0x04;
 
@@ -45,6 +45,15 @@ fn at(cpu: &Cpu, ioid: u8, address: u32) -> Option<(&Module, &StationModule)> {
         address >= start && address - start < length
     };
     modules(cpu).find(|(module, _)| covers(module))
+}
+
+/// True of an address of a module: of the station, or any that a module covers.
+pub(super) fn is_module(cpu: &Cpu, ioid: u8, address: u32) -> bool {
+    let covers = |module: &Module| {
+        let (start, length) = bytes(module, ioid);
+        address >= start && address - start < length
+    };
+    matches!(ioid, INPUTS | OUTPUTS) && cpu.image.config.modules.iter().flatten().any(covers)
 }
 
 /// IOID and first address of the module in a slot, inputs first. `Err`: no module, or one without addresses, there.

@@ -161,16 +161,18 @@ fn put<const N: usize>(memory: Bytes, out: Option<Text>, mut parts: [Part; N]) -
     const { assert!(N <= 3) }
     let Some(out) = out else { return false };
     let start = out.start();
-    let mut total = 0;
-    let mut fits = true;
-    // Whether what is written before a part leaves it as it is.
+    let mut total = parts.iter().map(|part| part.count).sum::<u32>();
+    let fits = total <= out.maximum();
+    if !fits {
+        total = cut(&mut parts, out.maximum());
+    }
+    // Whether what is written before a part leaves it as it is: the part ends before the result or begins after what is written then.
     let mut apart = true;
-    for part in &mut parts {
-        let room = out.maximum() - total;
-        fits &= part.count <= room;
-        part.count = part.count.min(room);
-        apart &= total == 0 || part.count == 0 || part.at + part.count <= start || part.at >= start + total;
-        total += part.count;
+    let mut written = parts[0].count;
+    for part in &parts[1..] {
+        let from_start = part.at.wrapping_sub(start);
+        apart &= part.count == 0 || from_start.wrapping_add(part.count) >= written + part.count;
+        written += part.count;
     }
     if apart {
         // Written out: a loop would stay one.
@@ -186,6 +188,17 @@ fn put<const N: usize>(memory: Bytes, out: Option<Text>, mut parts: [Part; N]) -
     }
     out.set_length(memory, total);
     fits
+}
+
+/// Shortens `parts` to `room` characters together. Returns how many are left.
+#[cold]
+fn cut(parts: &mut [Part], room: u32) -> u32 {
+    let mut total = 0;
+    for part in parts {
+        part.count = part.count.min(room - total);
+        total += part.count;
+    }
+    total
 }
 
 /// Copies a part of a text to `to`, where there is room. Returns what is after it.

@@ -5,6 +5,7 @@
 
 pub mod decimal;
 pub mod join;
+pub mod real;
 pub mod search;
 
 use plcc_abi::layout::state;
@@ -154,7 +155,8 @@ pub fn copy(memory: &Memory, to: u32, from: u32, limit: u32, wide: bool) -> bool
     if wide {
         return copy_wide(memory, to, from, limit);
     }
-    if !memory.contains(from, 2) || !memory.contains(to, 2) {
+    let last = from.max(to);
+    if !memory.contains(last, 2) {
         return true;
     }
     let bytes = memory.bytes_at();
@@ -163,7 +165,7 @@ pub fn copy(memory: &Memory, to: u32, from: u32, limit: u32, wide: bool) -> bool
         let length = u32::from(bytes.word(from) >> 8);
         let limit = if limit == u32::MAX { u32::from(bytes.word(to) & 0xFF) } else { limit };
         let kept = length.min(limit);
-        if !memory.contains(from, 2 + kept) || !memory.contains(to, 2 + kept) {
+        if !memory.contains(last, 2 + kept) {
             return true;
         }
         bytes.copy(from + 2, to + 2, kept);

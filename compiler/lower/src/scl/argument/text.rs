@@ -120,12 +120,11 @@ impl BlockLowering<'_, '_> {
             Source::Variable { access, located } => self.located_text(access, located, Direction::Read),
             Source::Frame(addr) => {
                 let actual = &call.arguments.iter().find(|argument| argument.parameter == parameter)?.actual;
-                let declared = match actual {
-                    Actual::Complex(Complex::Const(bytes)) => *bytes.first()?,
-                    Actual::Complex(Complex::Character(_)) => 1,
-                    _ => TEXT_MAX as u8,
-                };
-                Some(self.text_in_frame(*addr, declared))
+                match actual {
+                    Actual::Complex(Complex::Const(bytes)) => self.constant_text(*addr, bytes),
+                    Actual::Complex(Complex::Character(_)) => Some(self.text_in_frame(*addr, 1)),
+                    _ => Some(self.text_in_frame(*addr, TEXT_MAX as u8)),
+                }
             }
         }
     }
@@ -164,7 +163,7 @@ impl BlockLowering<'_, '_> {
         arguments: &TextArguments,
         given: &[Given],
     ) -> Option<Value> {
-        let result = self.run_text(arguments.function, callee, &arguments.texts, &arguments.values);
+        let result = self.run_text_or_compare(arguments.function, callee, &arguments.texts, &arguments.values);
         let (parameter, keeps) = text.value?;
         let formal = &callee.interface.parameters[parameter];
         let is_bit = formal.passing == Passing::Elementary(Width::Bit);

@@ -9,6 +9,7 @@ use plcc_syntax::scl::ast::Dialect;
 use rustc_hash::FxHashMap;
 
 use crate::bind::declarations::path::Base;
+use crate::bind::declarations::predefined;
 use crate::bind::declarations::typed::{
     BoundInterface, DeclarationScope, Local, StructBuilder, Typed, Use, is_complex,
 };
@@ -374,8 +375,14 @@ impl Declarations<'_> {
     }
 }
 
+/// The variables of the sections of this kind. An axis in VAR_INPUT is the axis itself and no copy of it, so it counts as VAR_IN_OUT.
 fn variables(block: &ast::CodeBlock, kind: SectionKind) -> impl Iterator<Item = &ast::Variable> {
-    block.sections.iter().filter(move |section| section.kind == kind).flat_map(|section| &section.variables)
+    let of = |section: &ast::Section, variable: &ast::Variable| match section.kind {
+        SectionKind::Input if predefined::is_axis(&variable.ty.kind) => SectionKind::InOut,
+        other => other,
+    };
+    let all = block.sections.iter().flat_map(|section| section.variables.iter().map(move |one| (section, one)));
+    all.filter(move |(section, one)| of(section, one) == kind).map(|(_, one)| one)
 }
 
 fn add_local(

@@ -6,7 +6,7 @@
 use std::rc::Rc;
 
 use plcc_abi::image::BlockKind;
-use plcc_syntax::ast::{BlockPrefix, TypeRef};
+use plcc_syntax::ast::{BlockName, BlockPrefix, TypeKind, TypeRef};
 
 use crate::bind::declarations::Declarations;
 use crate::bind::declarations::typed::{StructBuilder, Typed, TypedStruct, Use, elementary_typed};
@@ -38,11 +38,13 @@ enum Part {
     One(Elementary),
     /// ARRAY[1..n] OF BYTE.
     Bytes(u16),
+    /// STRING[n].
+    Text(u8),
     /// Another structure of the table.
     Structure(&'static str),
 }
 
-use Part::{Bytes, One};
+use Part::{Bytes, One, Text};
 
 struct Structure {
     name: &'static str,
@@ -86,6 +88,19 @@ const STRUCTURES: &[Structure] = &[
         ],
         default: &TCON_PARAM_DEFAULT,
     },
+    Structure {
+        name: "TimeTransformationRule",
+        members: &[
+            ("Bias", One(Elementary::Int)), ("DaylightBias", One(Elementary::Int)),
+            ("DaylightStartMonth", One(Elementary::Usint)), ("DaylightStartWeek", One(Elementary::Usint)),
+            ("DaylightStartWeekday", One(Elementary::Usint)), ("DaylightStartHour", One(Elementary::Usint)),
+            ("DaylightStartMinute", One(Elementary::Usint)), ("StandardStartMonth", One(Elementary::Usint)),
+            ("StandardStartWeek", One(Elementary::Usint)), ("StandardStartWeekday", One(Elementary::Usint)),
+            ("StandardStartHour", One(Elementary::Usint)), ("StandardStartMinute", One(Elementary::Usint)),
+            ("TimeZoneName", Text(80)),
+        ],
+        default: &[],
+    },
     Structure { name: "IP_V4", members: &[("ADDR", Bytes(4))], default: &[] },
     Structure {
         name: "TCON_IP_v4",
@@ -113,7 +128,10 @@ const NUMBERS: &[(Elementary, &[&str])] = &[
     (Elementary::Dword, &["EVENT_ANY", "EVENT_ATT", "EVENT_HWINT", "AOM_IDENT", "CONN_R_ID"]),
 ];
 
-/// Data types of timers and counters: the blocks whose instances they are; the first available one counts.
+/// The block of all axes.
+const AXIS: &str = "TO_PositioningAxis";
+
+/// Data types of timers, counters and axes: the blocks whose instances they are; the first available one counts.
 ///
 /// The four timers have one layout, and that of TONR names all components; CTUD does so for the counters.
 #[rustfmt::skip]
@@ -132,6 +150,9 @@ const INSTANCES: &[(&str, &[&str])] = &[
     ("IEC_UDCOUNTER",  &["IEC_UDCOUNTER", "CTUD_UDINT"]),
     ("IEC_LCOUNTER",   &["IEC_LCOUNTER", "CTUD_LINT"]),
     ("IEC_ULCOUNTER",  &["IEC_ULCOUNTER", "CTUD_ULINT"]),
+    ("TO_Axis",        &[AXIS]),
+    ("TO_SpeedAxis",   &[AXIS]),
+    ("TO_SynchronousAxis", &[AXIS]),
     ("CTU",            &["CTU_INT", "CTU"]),
     ("CTD",            &["CTD_INT", "CTD"]),
     ("CTUD",           &["CTUD_INT", "CTUD"]),
@@ -196,6 +217,7 @@ impl Declarations<'_> {
             let typed = match part {
                 One(ty) => elementary_typed(*ty),
                 Bytes(count) => bytes_typed(*count),
+                Text(length) => text_typed(*length),
                 Part::Structure(other) => self.predefined(other, span)?,
             };
             builder.add((*name).to_string(), &typed);
@@ -208,6 +230,13 @@ impl Declarations<'_> {
     }
 }
 
+/// STRING[length], empty.
+fn text_typed(length: u8) -> Typed {
+    let mut image = vec![0; usize::from(length) + 2];
+    image[0] = length;
+    Typed { ty: DataType::String(length), image: image.into() }
+}
+
 /// ARRAY[1..count] OF BYTE.
 fn bytes_typed(count: u16) -> Typed {
     let element = DataType::Elementary(Elementary::Byte);
@@ -218,4 +247,21 @@ fn bytes_typed(count: u16) -> Typed {
 /// True of blocks that can be components of data blocks and PLC data types: those of the system.
 pub fn is_component(kind: BlockKind) -> bool {
     kind == BlockKind::Sfb
+}
+
+/// True of the name of an axis.
+pub fn is_axis(ty: &TypeKind) -> bool {
+    let name = match ty {
+        TypeKind::Named(name) | TypeKind::Block(BlockName::Symbol { name, .. }) => name,
+        TypeKind::String(_)
+        | TypeKind::WideString(_)
+        | TypeKind::Array { .. }
+        | TypeKind::OpenArray { .. }
+        | TypeKind::Reference(_)
+        | TypeKind::Struct(_)
+        | TypeKind::Block(BlockName::Numbered { .. })
+        | TypeKind::Error => return false,
+    };
+    let is = |own: &str| own.eq_ignore_ascii_case(name.trim());
+    is(AXIS) || INSTANCES.iter().any(|(own, blocks)| *blocks == [AXIS] && is(own))
 }

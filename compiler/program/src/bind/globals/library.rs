@@ -249,7 +249,10 @@ impl Globals<'_> {
         };
         if block.form == Form::NotShipped {
             self.report.not_shipped(prefix, key.number, block.name, span);
-            return false;
+            // Instances have their layout, so the rest of the program can be checked.
+            if block.class != BlockClass::Sfb || self.input.partial {
+                return false;
+            }
         }
         let code = parsed(block);
         // Blocks that a library block uses also have a position in the program.

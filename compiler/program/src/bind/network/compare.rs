@@ -2,6 +2,7 @@
 
 use plcc_diag::Span;
 use plcc_syntax::Elementary;
+use plcc_syntax::network::elements::VariantQuestion;
 use plcc_syntax::scl::ast::BinaryOp as Operator;
 
 use super::pins::{and, inverted, or};
@@ -10,6 +11,7 @@ use crate::bind::network::NetworkBinder;
 use crate::bind::scl::SclBlock;
 use crate::bind::scl::expression::constant_expr;
 use crate::bind::scl::value::Value;
+use crate::bind::scl::variant::{Question, null_answer};
 use plcc_model::scl::{CompareOp, Expr, ExprKind, Function};
 
 /// The bits of the smallest REAL that is not denormal.
@@ -124,5 +126,46 @@ impl NetworkBinder<'_, '_> {
         let check = and(finite, normal, span);
         let result = if valid { check } else { inverted(check) };
         self.output(ctx, sheet, at, "out", Value::Elementary(and(flow, result, span)))
+    }
+
+    /// IS_NULL, IS_ARRAY, EQ_Type and their relatives.
+    pub fn variant_contact(
+        &mut self,
+        ctx: &mut SclBlock,
+        sheet: &mut Sheet,
+        at: usize,
+        question: VariantQuestion,
+    ) -> Option<()> {
+        let span = sheet.element(at).span;
+        let flow = self.flow(ctx, sheet, at, "pre")?;
+        let answer = match question {
+            VariantQuestion::IsNull { null } => {
+                let value = self.input(ctx, sheet, at, "operand")?;
+                let op = if null { CompareOp::Equal } else { CompareOp::NotEqual };
+                let answer = null_answer(op, &value, span);
+                if answer.is_none() {
+                    let is = crate::bind::scl::message::described(&value);
+                    self.scl().wrong_type(value.span(), &is, "a VARIANT", None);
+                }
+                self.scl().convert(ctx, answer?, Elementary::Bool)?
+            }
+            VariantQuestion::IsArray => {
+                let value = self.input(ctx, sheet, at, "operand")?;
+                let answer = self.scl().type_answer(Question::IsArray, &value, span)?;
+                self.scl().convert(ctx, answer, Elementary::Bool)?
+            }
+            VariantQuestion::SameType { elements, same } => {
+                let asked = if elements { Question::ElementType } else { Question::Type };
+                let (left, right) = (self.input(ctx, sheet, at, "in1")?, self.input(ctx, sheet, at, "in2")?);
+                let left = self.scl().type_answer(asked, &left, span)?;
+                let right = self.scl().type_answer(Question::Type, &right, span)?;
+                let left = self.scl().convert(ctx, left, Elementary::Dword)?;
+                let right = self.scl().convert(ctx, right, Elementary::Dword)?;
+                let op = if same { CompareOp::Equal } else { CompareOp::NotEqual };
+                let kind = ExprKind::Compare { op, left: Box::new(left), right: Box::new(right) };
+                Expr { kind, ty: Elementary::Bool, span }
+            }
+        };
+        self.output(ctx, sheet, at, "out", Value::Elementary(and(flow, answer, span)))
     }
 }

@@ -101,6 +101,7 @@ fn only_logic(element: &Element) -> bool {
         | Kind::Compare(_)
         | Kind::Range { .. }
         | Kind::Valid { .. }
+        | Kind::Variant(_)
         | Kind::Flag(_) => true,
         Kind::Coil
         | Kind::SetCoil

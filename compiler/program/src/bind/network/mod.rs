@@ -311,6 +311,7 @@ impl NetworkBinder<'_, '_> {
             Kind::Compare(op) => self.compare_contact(ctx, sheet, at, op),
             Kind::Range { inside } => self.range_contact(ctx, sheet, at, inside),
             Kind::Valid { valid } => self.valid_contact(ctx, sheet, at, valid),
+            Kind::Variant(question) => self.variant_contact(ctx, sheet, at, question),
             Kind::Instance(name) => self.instance_box(ctx, sheet, at, name),
             Kind::TimerCoil(name) => self.timer_coil(ctx, sheet, at, name),
             Kind::ResetTimer => self.reset_timer_coil(ctx, sheet, at),

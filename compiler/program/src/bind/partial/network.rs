@@ -416,6 +416,7 @@ fn is_bit(row: &Row) -> bool {
         | Kind::Compare(_)
         | Kind::Range { .. }
         | Kind::Valid { .. }
+        | Kind::Variant(_)
         | Kind::Instance(_)
         | Kind::TimerCoil(_)
         | Kind::ResetTimer

@@ -26,8 +26,10 @@ impl SclBinder<'_, '_> {
 
     /// The running time then also ends with the new PT.
     pub(super) fn preset_timer(&mut self, ctx: &mut SclBlock, pins: &Pins) -> Option<Vec<StatementKind>> {
-        let value = self.of_type(ctx, pins.get("PT")?, Elementary::Time);
         let members = self.timer_members(ctx, pins.get("TIMER")?, &["PT", "LATCHED"])?;
+        // LTIME of a TON_LTIME.
+        let ty = members.first().and_then(Access::elementary).unwrap_or(Elementary::Time);
+        let value = self.of_type(ctx, pins.get("PT")?, ty);
         let mut code = Vec::new();
         let value = self.kept(ctx, &mut code, value?);
         code.extend(members.into_iter().map(|target| StatementKind::Assign { target, value: value.clone() }));

@@ -40,20 +40,25 @@ pub enum Question {
 impl SclBinder<'_, '_> {
     pub fn type_question(&mut self, ctx: &mut SclBlock, question: Question, pins: &Pins, span: Span) -> Option<Value> {
         let value = self.value(ctx, pins.get("IN")?)?;
-        if let Value::Parameter { access, .. } = &value
+        self.type_answer(question, &value, span)
+    }
+
+    /// The answer for a variable or a VARIANT.
+    pub fn type_answer(&mut self, question: Question, value: &Value, span: Span) -> Option<Value> {
+        if let Value::Parameter { access, .. } = value
             && access.ty == DataType::Parameter(ParameterType::Variant)
         {
             let elements = variant_field(access, layout::VARIANT_ELEMENTS, span)?;
             let ty = variant_field(access, layout::VARIANT_TYPE, span)?;
             return Some(Value::Elementary(answered(question, elements, ty, span)));
         }
-        let pointed = match &value {
+        let pointed = match value {
             Value::Elementary(expr) => pointed_at(&DataType::Elementary(expr.ty)),
             Value::Constant(Constant::Typed { ty, .. }, _) => pointed_at(&DataType::Elementary(*ty)),
             Value::Complex { ty, .. } => pointed_at(ty),
             Value::Parameter { access, .. } => match &access.ty {
                 DataType::OpenArray(array) => Pointed::Known { elements: 1, ty: layout::type_number(&array.element) },
-                _ => return self.without_type(&value),
+                _ => return self.without_type(value),
             },
             other => return self.without_type(other),
         };
@@ -110,18 +115,10 @@ impl SclBinder<'_, '_> {
             Operator::NotEqual => CompareOp::NotEqual,
             _ => return None,
         };
-        let (Some(Value::Parameter { access, .. }), NodeKind::Literal(Literal::Nil | Literal::Null)) =
-            (left, &right.kind)
-        else {
-            return None;
-        };
-        if access.ty != DataType::Parameter(ParameterType::Variant) {
-            return None;
+        match (left, &right.kind) {
+            (Some(left), NodeKind::Literal(Literal::Nil | Literal::Null)) => null_answer(op, left, span),
+            _ => None,
         }
-        let ty = variant_field(access, layout::VARIANT_TYPE, span)?;
-        let zero = constant_expr(0, Elementary::Udint, span);
-        let kind = ExprKind::Compare { op, left: Box::new(ty), right: Box::new(zero) };
-        Some(Value::Elementary(Expr { kind, ty: Elementary::Bool, span }))
     }
 
     /// The value of the right side of a comparison whose left side asks for a type.
@@ -130,6 +127,18 @@ impl SclBinder<'_, '_> {
         let number = asks.then(|| self.named_type_number(ctx, right)).flatten()?;
         Some(Value::Constant(number, right.span))
     }
+}
+
+/// `v = NULL` or `v <> NULL` of a VARIANT; `None` of anything else.
+pub fn null_answer(op: CompareOp, value: &Value, span: Span) -> Option<Value> {
+    let Value::Parameter { access, .. } = value else { return None };
+    if access.ty != DataType::Parameter(ParameterType::Variant) {
+        return None;
+    }
+    let ty = variant_field(access, layout::VARIANT_TYPE, span)?;
+    let zero = constant_expr(0, Elementary::Udint, span);
+    let kind = ExprKind::Compare { op, left: Box::new(ty), right: Box::new(zero) };
+    Some(Value::Elementary(Expr { kind, ty: Elementary::Bool, span }))
 }
 
 /// The result for a VARIANT with these fields.

@@ -301,7 +301,7 @@ fn undefined_names_are_one_list() {
     let (_, diagnostics) = bind_text("A \"x\"\nA \"y\"\nA \"X\"\nCALL FC 200\n", "", false);
     let codes: Vec<&str> = diagnostics.iter().map(|diagnostic| diagnostic.code.name()).collect();
     assert_eq!(codes, ["P0301", "P0301", "P0302"]);
-    let (_, diagnostics) = bind_text("A \"x\"\nCALL FC 200 ( a := 1 )\nCALL SFC 102\n", "", true);
+    let (_, diagnostics) = bind_text("A \"x\"\nCALL FC 200 ( a := 1 )\nCALL SFC 78\n", "", true);
     assert!(diagnostics.iter().all(|diagnostic| diagnostic.severity == Severity::Warning), "{diagnostics:#?}");
     assert_eq!(diagnostics.len(), 3);
 }

@@ -357,6 +357,7 @@ impl Builder<'_, '_> {
                     | Kind::Compare(_)
                     | Kind::Range { .. }
                     | Kind::Valid { .. }
+                    | Kind::Variant(_)
                     | Kind::Flag(_)
             ),
         })

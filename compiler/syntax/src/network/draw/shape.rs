@@ -59,6 +59,7 @@ fn symbol(row: &Row, element: &Element, language: Language) -> Option<String> {
         Kind::Not => contact("NOT"),
         Kind::EdgeContact { rising } => contact(if rising { "P" } else { "N" }),
         Kind::Compare(sign) if language == Language::Lad => contact(if sign == "=" { "==" } else { sign }),
+        Kind::Variant(_) => contact(row.name),
         Kind::Valid { valid } => contact(if valid { "OK" } else { "NOT_OK" }),
         Kind::Flag(_) => contact(row.name.trim_end_matches("_FlagContact").trim_end_matches("_Flags_Contact")),
         Kind::Coil => coil(if negated { "/" } else { assign }),
