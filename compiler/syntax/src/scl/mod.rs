@@ -88,6 +88,7 @@ fn parse_raw(file: FileId, text: &str, raw: &raw::RawText, obey_pragmas: bool) -
         }
     };
     diagnostics.append(&mut state.diagnostics);
+    front::drop_followers_of_comment(&raw.comments, &mut diagnostics);
     diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
     Parsed { blocks, pragmas: classified.pragmas, diagnostics }
 }

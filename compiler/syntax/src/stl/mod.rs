@@ -98,6 +98,7 @@ fn parse_raw(
     if diagnostics.iter().any(|diagnostic| diagnostic.code == Code::NotASource) {
         diagnostics.retain(|diagnostic| diagnostic.code != Code::MixedMnemonics);
     }
+    front::drop_followers_of_comment(&raw.comments, &mut diagnostics);
     diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
     Parsed { blocks, pragmas: classified.pragmas, diagnostics }
 }
@@ -142,10 +143,11 @@ fn refuse(file: FileId, text: &str, raw: &raw::RawText) -> Option<Diagnostic> {
 fn report_comments(file: FileId, raw: &raw::RawText, diagnostics: &mut Vec<Diagnostic>) {
     for comment in &raw.comments {
         diagnostics.push(match comment.form {
-            CommentForm::Line | CommentForm::Slash => continue,
-            CommentForm::Block => {
+            CommentForm::Line => continue,
+            CommentForm::Block | CommentForm::Slash => {
                 let span = Span { file, start: comment.start, end: comment.end };
-                Diagnostic::new(Code::BlockComment, span, "STL has no comments in `(* *)`")
+                let signs = if comment.form == CommentForm::Block { "`(* *)`" } else { "`/* */`" };
+                Diagnostic::new(Code::BlockComment, span, format!("STL has no comments in {signs}"))
                     .label("read as a comment")
                     .help("begin each line of the comment with `//`")
             }

@@ -20,6 +20,9 @@ pub enum RawKind {
     Comment,
     #[token("(*", block_comment)]
     BlockComment,
+    /// `/* … */`
+    #[token("/*", slash_comment)]
+    SlashComment,
     /// A `(*` without `*)`; the rest of the file.
     UnterminatedComment,
 
@@ -111,6 +114,7 @@ impl Kind for RawKind {
             RawKind::Newline => Role::LineEnd,
             RawKind::Comment => Role::Comment(CommentForm::Line),
             RawKind::BlockComment => Role::Comment(CommentForm::Block),
+            RawKind::SlashComment => Role::Comment(CommentForm::Slash),
             RawKind::UnterminatedComment => Role::Comment(CommentForm::Unterminated),
             _ => Role::Token,
         }
@@ -150,6 +154,7 @@ fn shape(kind: RawKind) -> Shape {
         RawKind::Newline
         | RawKind::Comment
         | RawKind::BlockComment
+        | RawKind::SlashComment
         | RawKind::UnterminatedComment
         | RawKind::Literal
         | RawKind::Title
@@ -181,6 +186,10 @@ fn shape(kind: RawKind) -> Shape {
 /// Consumes up to `*)`.
 fn block_comment(lexer: &mut Lexer<RawKind>) -> RawKind {
     if front::skip_through(lexer, "*)") { RawKind::BlockComment } else { RawKind::UnterminatedComment }
+}
+
+fn slash_comment(lexer: &mut Lexer<RawKind>) -> RawKind {
+    if front::skip_through(lexer, "*/") { RawKind::SlashComment } else { RawKind::UnterminatedComment }
 }
 
 /// A word may begin a constant (`S5T#`), or a title.
