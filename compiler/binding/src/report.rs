@@ -110,7 +110,9 @@ impl Report {
             match misread_address(name) {
                 Some(address) => message.help(format!("if you mean the address, write `{address}`")),
                 None if meant.is_some() => message.help(format!("is `{}` meant?", meant.unwrap_or_default())),
-                None => message.help("add the symbol table of the project to the sources, or define the block"),
+                None => message.help(
+                    "declare it in the block, add the symbol table of the project to the sources, or define the block",
+                ),
             }
         });
     }
@@ -138,9 +140,8 @@ impl Report {
                 .label("plcc knows this function but does not support it")
                 .help("avoid it, or write a function that does the same"),
             false => {
-                let message =
-                    Diagnostic::new(Code::UnknownBlock, span, format!("the function `{name}` is not defined"))
-                        .label("neither a block of the program nor a function of SCL");
+                let message = Diagnostic::new(Code::UnknownBlock, span, format!("the block `{name}` is not defined"))
+                    .label("neither a block of the program nor a function of SCL");
                 match meant {
                     Some(other) => message.help(format!("is `{other}` meant?")),
                     None => message.help("add the source that defines it, or the symbol table that names it"),

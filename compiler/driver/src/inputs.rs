@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use plcc_binding::similar;
 use plcc_diag::{Code, Diagnostic, FileId, SourceFile, SourceMap, Span};
 use plcc_runtime::files::regular;
 use plcc_syntax::{CodePage, Language};
@@ -40,6 +41,20 @@ impl Read {
     /// True if a file could not be read at all.
     pub fn is_unreadable(&self) -> bool {
         self.diagnostics.iter().any(|d| d.code == Code::Unreadable)
+    }
+
+    /// A file that the user named and that cannot be read.
+    fn unreadable(&mut self, path: &Path, error: &std::io::Error) {
+        let title = format!("cannot read `{}`: {}", path.display(), reason(error));
+        let help = match error.kind() {
+            std::io::ErrorKind::NotFound => match beside(path) {
+                Some(near) => format!("is `{near}` meant?"),
+                None => "check the name of the file; it is looked for in the folder where plcc runs".to_string(),
+            },
+            std::io::ErrorKind::PermissionDenied => "the file exists, but you may not read it".to_string(),
+            _ => "check the file and the permission to read it".to_string(),
+        };
+        self.report(Code::Unreadable, path, title, &help);
     }
 
     /// Reports `code` at a place that cannot be shown.
@@ -188,19 +203,24 @@ fn add_file(read: &mut Read, path: &Path, wanted: Wanted) {
     {
         return read.unread.push((path.to_path_buf(), reason(&why)));
     }
+    if wanted == Wanted::Yes
+        && path.is_file()
+        && let Some((what, how)) = foreign::siemens_project(path)
+    {
+        return read.report(
+            Code::NotASource,
+            path,
+            format!("`{}` is {what}, which only that tool reads", path.display()),
+            how,
+        );
+    }
     if sheets::is_workbook(path) {
         return add_workbook(read, path, wanted);
     }
     let text = match read_text_as(path, read.code_page) {
         Ok(text) => text,
         Err(error) => {
-            let title = format!("cannot read `{}`: {}", path.display(), reason(&error));
-            return read.report(
-                Code::Unreadable,
-                path,
-                title,
-                "check the name of the file and the permission to read it",
-            );
+            return read.unreadable(path, &error);
         }
     };
     let content = match wanted {
@@ -249,13 +269,7 @@ fn add_workbook(read: &mut Read, path: &Path, wanted: Wanted) {
     let bytes = match regular(path).and_then(|()| fs::read(path)) {
         Ok(bytes) => bytes,
         Err(error) => {
-            let title = format!("cannot read `{}`: {}", path.display(), reason(&error));
-            return read.report(
-                Code::Unreadable,
-                path,
-                title,
-                "check the name of the file and the permission to read it",
-            );
+            return read.unreadable(path, &error);
         }
     };
     match sheets::text(bytes) {
@@ -360,8 +374,38 @@ fn add_named(read: &mut Read, folder: &Path, (name, span): &(String, Span)) {
         add_file(read, &path, Wanted::Yes);
     } else {
         let message = Diagnostic::new(Code::Project, *span, format!("`{name}` is not a file or folder in the project"));
-        read.diagnostics.push(message.help("names are relative to the folder of plc.toml"));
+        read.diagnostics.push(match nearest_below(folder, name) {
+            Some(near) => message.help(format!("is `{near}` meant?")),
+            None => message.help("names are relative to the folder of plc.toml"),
+        });
     }
+}
+
+/// The file of the same folder whose name resembles that of `path`.
+fn beside(path: &Path) -> Option<String> {
+    let wanted = path.file_name()?.to_string_lossy().into_owned();
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let names: Vec<String> = entries(folder)
+        .iter()
+        .filter_map(|path| path.file_name().map(|name| name.to_string_lossy().into_owned()))
+        .collect();
+    // `main.scl` for `main.stl`: the same program in another language.
+    let stem = |name: &str| name.rsplit_once('.').map_or(name.to_owned(), |(stem, _)| stem.to_owned());
+    let near = similar(&wanted, names.iter().map(String::as_str))
+        .or_else(|| names.iter().map(String::as_str).find(|name| stem(name).eq_ignore_ascii_case(&stem(&wanted))))?;
+    Some(path.with_file_name(near).display().to_string())
+}
+
+/// The file below `folder` whose path resembles `name`, or that has this name in another folder.
+fn nearest_below(folder: &Path, name: &str) -> Option<String> {
+    let files: Vec<String> = files_below(folder)
+        .iter()
+        .filter_map(|path| path.strip_prefix(folder).ok().map(|path| path.to_string_lossy().replace('\\', "/")))
+        .collect();
+    let last = |path: &str| path.rsplit('/').next().unwrap_or(path).to_lowercase();
+    let near = similar(name, files.iter().map(String::as_str))
+        .or_else(|| files.iter().map(String::as_str).find(|path| last(path) == last(name)))?;
+    Some(near.to_owned())
 }
 
 /// Text of a file, decoded.

@@ -21,9 +21,39 @@ pub fn between(a: &str, b: &str) -> usize {
     row[b.len()]
 }
 
+/// The name that differs least from `name`, without regard to letter case and outer blanks, if it only differs by a slip.
+pub fn nearest<'n>(name: &str, names: impl Iterator<Item = &'n str>) -> Option<&'n str> {
+    const CANDIDATES: usize = 20_000;
+    const LENGTH_MAX: usize = 130;
+    let fold = |name: &str| name.trim().to_lowercase();
+    let wanted = fold(name);
+    let length = wanted.chars().count();
+    let limit = match length {
+        // Names of one letter always resemble each other.
+        0 | 1 => return None,
+        2 | 3 => 1,
+        4..=LENGTH_MAX => 2,
+        _ => return None,
+    };
+    names
+        .take(CANDIDATES)
+        .filter(|other| other.chars().count().abs_diff(length) <= limit)
+        .map(|other| (between(&wanted, &fold(other)), other))
+        .filter(|(distance, _)| *distance <= limit)
+        .min()
+        .map(|(_, other)| other)
+}
+
 #[cfg(test)]
 mod tests {
-    use super::between;
+    use super::{between, nearest};
+
+    #[test]
+    fn finds_slips() {
+        assert_eq!(nearest("nmae", ["cpu", "name"].into_iter()), Some("name"));
+        assert_eq!(nearest("speed", ["cpu", "name"].into_iter()), None);
+        assert_eq!(nearest("a", ["b"].into_iter()), None);
+    }
 
     #[test]
     fn counts_edits() {

@@ -77,7 +77,7 @@ impl SclBinder<'_, '_> {
         let text = self.program.globals.text(span);
         self.program.report(
             Diagnostic::new(Code::Protected, span, format!("`{text}` cannot be written"))
-                .label(format!("`{}` is written by {callee}", formal.name))
+                .label(format!("`{}` is written by {}", formal.name, self.program.globals.shown(callee)))
                 .help("name a variable or an address"),
         );
         None
@@ -98,7 +98,11 @@ impl SclBinder<'_, '_> {
             Diagnostic::new(
                 Code::TypeMismatch,
                 span,
-                format!("`{}` of {callee} is of type {wanted}, but `{text}` is {is}", formal.name),
+                format!(
+                    "`{}` of {} is of type {wanted}, but `{text}` is {is}",
+                    formal.name,
+                    self.program.globals.shown(callee)
+                ),
             )
             .label(is.to_string())
             .help(help),

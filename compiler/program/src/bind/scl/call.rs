@@ -478,9 +478,21 @@ impl SclBinder<'_, '_> {
         let meant = similar(&name.text, own.into_iter())
             .or_else(|| similar(&name.text, super::function::names()))
             .or_else(|| similar(&name.text, shipped))
-            .map(str::to_owned);
+            .map(str::to_owned)
+            .or_else(|| similar_conversion(&name.text));
         self.program.globals.report.missing_function(&name.text, name.span, meant, false);
     }
+}
+
+/// `WORD_TO_INT` for `WORD_TO_ITN`.
+fn similar_conversion(name: &str) -> Option<String> {
+    let upper = name.to_ascii_uppercase();
+    let (from, to) = upper.split_once("_TO_")?;
+    let own = |word: &str| {
+        let names = || plcc_syntax::Elementary::ALL.into_iter().map(|ty| ty.name());
+        names().find(|name| *name == word).or_else(|| similar(word, names()))
+    };
+    Some(format!("{}_TO_{}", own(from)?, own(to)?))
 }
 
 /// `FB10`, `DB20` written as a bare word.
