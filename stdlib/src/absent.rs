@@ -230,9 +230,15 @@ const GROUPS: &[Group] = &[
     ]),
 ];
 
-/// The group of the catalogues that has an instruction of this name, in any letter case, and the name as written there.
+/// The group of the catalogues that has an instruction of this name, in any letter case, and the name as written there. None: no
+/// catalogue has it, or the library of plcc has it.
 pub fn catalogued(name: &str) -> Option<(&'static Group, &'static str)> {
     let name = name.trim().trim_matches('"');
+    let shipped =
+        |block: &&crate::SystemBlock| block.form != crate::Form::NotShipped && block.name.eq_ignore_ascii_case(name);
+    if crate::blocks().iter().any(|block| shipped(&block)) {
+        return None;
+    }
     GROUPS.iter().find_map(|group| {
         group.names.iter().find(|known| known.eq_ignore_ascii_case(name)).map(|known| (group, *known))
     })
@@ -250,6 +256,19 @@ mod tests {
         assert_eq!(place("mc_power"), Some(("the TIA Portal", "motion control", "MC_Power")));
         assert_eq!(place("RETTEN"), Some(("STEP 7", "standard library: S5-S7 converting blocks", "RETTEN")));
         assert_eq!(catalogued("Motor").map(|(_, name)| name), None);
+    }
+
+    #[test]
+    fn what_the_library_has_is_not_absent() {
+        let shipped: Vec<&str> = crate::blocks()
+            .iter()
+            .filter(|block| block.form != crate::Form::NotShipped)
+            .map(|block| block.name)
+            .collect();
+        assert!(shipped.len() > 100, "{}", shipped.len());
+        let absent: Vec<&&str> = shipped.iter().filter(|name| catalogued(name).is_some()).collect();
+        assert_eq!(absent, Vec::<&&str>::new());
+        assert!(shipped.contains(&"BLKMOV") && catalogued("RETTEN").is_some());
     }
 
     #[test]

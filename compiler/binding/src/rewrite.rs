@@ -115,6 +115,20 @@ pub fn address_of_width(text: &str, width: char) -> Option<String> {
     Some(format!("{data}{letter} {byte}{bit}"))
 }
 
+/// `P#M 2.0 WORD 1` for the address `MW 2`. None: it is not an address of one area.
+pub fn any_pointer(text: &str) -> Option<String> {
+    let bit = address_of_width(text, 'X')?;
+    let compact: String = text.chars().filter(|c| !c.is_whitespace()).collect::<String>().to_ascii_uppercase();
+    let letters = compact.trim_end_matches(|c: char| c.is_ascii_digit());
+    let ty = match letters.chars().next_back() {
+        Some('B') => "BYTE",
+        Some('W') => "WORD",
+        Some('D') => "DWORD",
+        _ => return None,
+    };
+    Some(format!("P#{bit} {ty} 1"))
+}
+
 /// What the author meant, whatever its form.
 enum Meaning {
     Bool(bool),
@@ -365,6 +379,9 @@ mod tests {
         assert_eq!(address_of_width("DB1.DBX 2.3", 'W').as_deref(), Some("DB1.DBW 2"));
         assert_eq!(address_of_width("I 0.5", 'B').as_deref(), Some("IB 0"));
         assert_eq!(address_of_width("#speed", 'B'), None);
+        assert_eq!(any_pointer("MW 2").as_deref(), Some("P#M 2.0 WORD 1"));
+        assert_eq!(any_pointer("DB1.DBD 4").as_deref(), Some("P#DB1.DBX 4.0 DWORD 1"));
+        assert_eq!(any_pointer("5"), None);
     }
 
     #[test]

@@ -142,7 +142,11 @@ impl StlBinder<'_, '_> {
                 message.help(format!("name {} or a variable of type {wanted}", address_of_type(*ty, &text)))
             }
             (DataType::Parameter(ParameterType::Any | ParameterType::Variant), _) => {
-                message.help("write for example `P#M 50.0 BYTE 10`, or name a variable")
+                message.help(match rewrite::any_pointer(&text) {
+                    Some(pointer) => format!("write `{pointer}`, or name a variable"),
+                    None => "name a variable, or write a pointer to an area: `P#`, its first bit, a type and a number"
+                        .to_string(),
+                })
             }
             (DataType::Parameter(ParameterType::Pointer), _) => {
                 message.help("write for example `P#M 50.0`, or name a variable")
