@@ -511,6 +511,31 @@ mod tests {
     }
 
     #[test]
+    fn a_missing_file_is_told_with_the_one_that_is_meant() {
+        let toml = "sources = [\"mian.stl\", \"valve.scl\", \"gone.stl\"]\n";
+        let folder = folder(&[("plc.toml", toml), ("main.stl", "A I 0.0\n"), ("blocks/valve.scl", "%M0.0 := TRUE;\n")]);
+        let helps = |path: &Path| -> Vec<String> {
+            read(&[path.to_path_buf()]).diagnostics.into_iter().filter_map(|message| message.help).collect()
+        };
+        let project = helps(folder.path());
+        assert_eq!(project[..2], ["is `main.stl` meant?", "is `blocks/valve.scl` meant?"]);
+        assert!(project[2].contains("relative to the folder"), "{}", project[2]);
+        assert!(helps(&folder.path().join("mian.stl"))[0].ends_with("main.stl` meant?"));
+        assert!(helps(&folder.path().join("main.scl"))[0].ends_with("main.stl` meant?"));
+        assert!(helps(&folder.path().join("gone.stl"))[0].contains("check the name"));
+    }
+
+    #[test]
+    fn a_project_of_a_tool_is_told_with_its_export() {
+        let folder = folder(&[("a.s7p", "A I 0.0\n"), ("a.zap15", "x"), ("a.mwp", "x")]);
+        for (name, words) in [("a.s7p", "Generate Source"), ("a.zap15", "Generate source from blocks"), ("a.mwp", ".awl")] {
+            let read = read(&[folder.path().join(name)]);
+            assert_eq!(read.diagnostics[0].code, Code::NotASource, "{name}");
+            assert!(read.diagnostics[0].help.as_ref().is_some_and(|help| help.contains(words)), "{name}");
+        }
+    }
+
+    #[test]
     fn a_named_file_must_be_a_source() {
         let folder = folder(&[("notes.md", "# Notes\n\nThis is prose that explains the program.\n")]);
         fs::write(folder.path().join("other.xml"), "<?xml version=\"1.0\"?>\n<html/>\n").unwrap();
