@@ -3,13 +3,13 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use plcc_binding::similar;
 use plcc_diag::{Code, Diagnostic, FileId, SourceFile, SourceMap, Span};
 use plcc_runtime::files::regular;
 use plcc_syntax::{CodePage, Language};
 
 use crate::content::foreign::{self, Foreign};
 use crate::content::{self, Content};
+use crate::near;
 use crate::pipeline;
 use crate::project::{self, Project};
 use crate::sheets;
@@ -47,7 +47,7 @@ impl Read {
     fn unreadable(&mut self, path: &Path, error: &std::io::Error) {
         let title = format!("cannot read `{}`: {}", path.display(), reason(error));
         let help = match error.kind() {
-            std::io::ErrorKind::NotFound => match beside(path) {
+            std::io::ErrorKind::NotFound => match near::beside(path) {
                 Some(near) => format!("is `{near}` meant?"),
                 None => "check the name of the file; it is looked for in the folder where plcc runs".to_string(),
             },
@@ -374,38 +374,11 @@ fn add_named(read: &mut Read, folder: &Path, (name, span): &(String, Span)) {
         add_file(read, &path, Wanted::Yes);
     } else {
         let message = Diagnostic::new(Code::Project, *span, format!("`{name}` is not a file or folder in the project"));
-        read.diagnostics.push(match nearest_below(folder, name) {
+        read.diagnostics.push(match near::below(folder, name) {
             Some(near) => message.help(format!("is `{near}` meant?")),
             None => message.help("names are relative to the folder of plc.toml"),
         });
     }
-}
-
-/// The file of the same folder whose name resembles that of `path`.
-fn beside(path: &Path) -> Option<String> {
-    let wanted = path.file_name()?.to_string_lossy().into_owned();
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let names: Vec<String> = entries(folder)
-        .iter()
-        .filter_map(|path| path.file_name().map(|name| name.to_string_lossy().into_owned()))
-        .collect();
-    // `main.scl` for `main.stl`: the same program in another language.
-    let stem = |name: &str| name.rsplit_once('.').map_or(name.to_owned(), |(stem, _)| stem.to_owned());
-    let near = similar(&wanted, names.iter().map(String::as_str))
-        .or_else(|| names.iter().map(String::as_str).find(|name| stem(name).eq_ignore_ascii_case(&stem(&wanted))))?;
-    Some(path.with_file_name(near).display().to_string())
-}
-
-/// The file below `folder` whose path resembles `name`, or that has this name in another folder.
-fn nearest_below(folder: &Path, name: &str) -> Option<String> {
-    let files: Vec<String> = files_below(folder)
-        .iter()
-        .filter_map(|path| path.strip_prefix(folder).ok().map(|path| path.to_string_lossy().replace('\\', "/")))
-        .collect();
-    let last = |path: &str| path.rsplit('/').next().unwrap_or(path).to_lowercase();
-    let near = similar(name, files.iter().map(String::as_str))
-        .or_else(|| files.iter().map(String::as_str).find(|path| last(path) == last(name)))?;
-    Some(near.to_owned())
 }
 
 /// Text of a file, decoded.
@@ -528,7 +501,9 @@ mod tests {
     #[test]
     fn a_project_of_a_tool_is_told_with_its_export() {
         let folder = folder(&[("a.s7p", "A I 0.0\n"), ("a.zap15", "x"), ("a.mwp", "x")]);
-        for (name, words) in [("a.s7p", "Generate Source"), ("a.zap15", "Generate source from blocks"), ("a.mwp", ".awl")] {
+        for (name, words) in
+            [("a.s7p", "Generate Source"), ("a.zap15", "Generate source from blocks"), ("a.mwp", ".awl")]
+        {
             let read = read(&[folder.path().join(name)]);
             assert_eq!(read.diagnostics[0].code, Code::NotASource, "{name}");
             assert!(read.diagnostics[0].help.as_ref().is_some_and(|help| help.contains(words)), "{name}");

@@ -24,6 +24,7 @@ pub mod content;
 pub mod emit;
 pub mod inputs;
 pub mod link;
+mod near;
 mod parallel;
 pub mod pipeline;
 pub mod plot;
