@@ -124,6 +124,7 @@ impl Declarations<'_> {
                     | TypeKind::Array { .. }
                     | TypeKind::OpenArray { .. }
                     | TypeKind::Reference(_)
+                    | TypeKind::Error
                     | TypeKind::Struct(_) => {
                         self.no_content(source, ty.span);
                         return None;
@@ -187,9 +188,9 @@ impl Declarations<'_> {
                         return Some((self.as_structure(typed, span)?, None));
                     }
                     if plcc_stdlib::LIBRARY.iter().any(|block| block.name.eq_ignore_ascii_case(name)) {
-                        self.globals.unknown_name(name, span);
+                        self.globals.unknown_name(name, span, std::iter::empty());
                     } else {
-                        self.globals.report.missing_type(name, span);
+                        self.globals.unknown_type(name, span);
                     }
                     return None;
                 }

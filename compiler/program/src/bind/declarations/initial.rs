@@ -151,7 +151,7 @@ impl Declarations<'_> {
             OperandKind::Block(BlockName::Symbol { name, span }) => match self.globals.global(name) {
                 Some(target) => target,
                 None => {
-                    self.globals.unknown_name(name, *span);
+                    self.globals.unknown_name(name, *span, std::iter::empty());
                     return None;
                 }
             },
