@@ -248,6 +248,7 @@ impl Declarations<'_> {
             data: at_least_a_word(data),
             members: typed.ty.members.clone(),
             instance_of,
+            data_type: if instance_of.is_none() { typed.ty.name.clone() } else { String::new() },
             read_only: source.header.read_only,
             unlinked: source.header.unlinked,
             kept,
@@ -287,6 +288,7 @@ impl Declarations<'_> {
             return;
         }
         let block = DataBlock {
+            data_type: String::new(),
             number,
             name: self.globals.names.block_name(BlockPrefix::Db, number),
             span,
@@ -344,6 +346,7 @@ impl Declarations<'_> {
             }
             let kept = self.kept(&ast::Header::default(), &[], Some(key), &typed.ty);
             let block = DataBlock {
+                data_type: String::new(),
                 number: instance,
                 name: self.globals.names.block_name(BlockPrefix::Db, instance),
                 span,
