@@ -11,8 +11,9 @@
 //!     branch v4, b1(v3), b2  ;
 //! ```
 //!
-//! The loop stays after the copies for passes that they are not made for, so that nothing depends on the number. Where it is right,
-//! later passes find that no jump leads there.
+//! A loop that tests at its head, before it does anything, gets one more copy of the head for the last test. The loop stays after the
+//! copies for passes that they are not made for, so that nothing depends on the number. Where it is right, later passes find that no
+//! jump leads there.
 
 use plcc_ir::analysis::{ControlFlow, Dominators};
 use plcc_ir::function::ValueDef;
@@ -68,7 +69,8 @@ fn unroll_in_function(function: &mut Function, growth: &mut usize, done: &mut Fx
             continue;
         }
         let Some(passes) = passes(function, &cfg, each) else { continue };
-        if passes * size > INSTS_MAX.min(*growth) {
+        let size = passes.count * size;
+        if size > INSTS_MAX.min(*growth) {
             continue;
         }
         if cfg.predecessors(each.header).iter().any(|pred| copied.contains(pred)) {
@@ -78,7 +80,7 @@ fn unroll_in_function(function: &mut Function, growth: &mut usize, done: &mut Fx
         // A block of a loop that was copied is not on all ways any more.
         let before = dominators.immediate(each.header).filter(|before| !copied.contains(before));
         let before = before.unwrap_or(function.entry());
-        *growth -= passes * size;
+        *growth -= size;
         done.insert(each.header);
         copied.extend(&each.blocks);
         copy(function, &cfg, each, (passes, before), &mut versions);
@@ -89,8 +91,16 @@ fn unroll_in_function(function: &mut Function, growth: &mut usize, done: &mut Fx
     is_left && !versions.made.is_empty()
 }
 
+/// How often a loop does what is in it.
+#[derive(Clone, Copy)]
+struct Passes {
+    count: usize,
+    /// The head tests once more than that.
+    tests_first: bool,
+}
+
 /// How many passes the loop has, if a counter with constant ends decides that.
-fn passes(function: &Function, cfg: &ControlFlow, each: &Loop) -> Option<usize> {
+fn passes(function: &Function, cfg: &ControlFlow, each: &Loop) -> Option<Passes> {
     let inside = |block: &Block| each.blocks.contains(block);
     let jumps = |from: Block, to: Block| {
         let last = function.terminator(from)?;
@@ -109,16 +119,16 @@ fn passes(function: &Function, cfg: &ControlFlow, each: &Loop) -> Option<usize> 
     })?;
     let stays_if = inside(&then_to);
     let (first, next) = (jumps(enter, each.header)?, jumps(back, each.header)?);
+    let tests_first = test == each.header && test != back;
     let params = &function.blocks[each.header].params;
     params.iter().enumerate().find_map(|(index, &param)| {
         let mut counter = function.constant(first.args[index])?;
-        for pass in 1..=PASSES_MAX {
+        for tested in 1..=PASSES_MAX + usize::from(tests_first) {
             let value = |of: Value| evaluate(function, of, (param, counter), 8);
             let stays = (value(cond)? != 0) == stays_if;
             if !stays {
-                // A test at the head ends a pass that does nothing.
-                return Some(if test == each.header && test != back { pass - 1 } else { pass })
-                    .filter(|&passes| passes > 0);
+                let passes = Passes { count: tested - usize::from(tests_first), tests_first };
+                return (passes.count > 0).then_some(passes);
             }
             counter = value(next.args[index])?;
         }
@@ -149,12 +159,12 @@ fn evaluate(function: &Function, value: Value, counter: (Value, u64), depth: u32
     }
 }
 
-/// Puts so many copies of the loop before it; all ways to it pass the block.
+/// Puts copies of the loop before it; all ways to it pass the block.
 fn copy(
     function: &mut Function,
     cfg: &ControlFlow,
     each: &Loop,
-    (passes, before): (usize, Block),
+    (passes, before): (Passes, Block),
     versions: &mut Versions,
 ) {
     let inside: FxHashSet<Block> = each.blocks.iter().copied().collect();
@@ -175,12 +185,13 @@ fn copy(
     let mut to = each.header;
     let place = function.layout.iter().position(|&block| block == order[0]).unwrap_or(0);
     let first = function.layout.len();
-    for _ in 0..passes {
-        let copies = copy_blocks(function, &order, versions);
+    for pass in 0..passes.count + usize::from(passes.tests_first) {
+        let blocks = if pass < passes.count { &order[..] } else { &[each.header] };
+        let copies = copy_blocks(function, blocks, versions);
         for &way in &ways {
             redirect(function, way, to, copies[&each.header]);
         }
-        ways = back.iter().map(|block| copies[block]).collect();
+        ways = back.iter().filter_map(|block| copies.get(block).copied()).collect();
         to = copies[&each.header];
     }
     for &way in &ways {
@@ -223,6 +234,38 @@ mod tests {
         assert!(!result(2).contains("branch"), "{}", result(2));
         assert!(!result(8).contains("branch"), "{}", result(8));
         assert!(result(9).contains("branch"), "{}", result(9));
+        check_pass("unroll", &text(9), &text(9));
+    }
+
+    #[test]
+    fn a_loop_that_tests_at_its_head_is_straight() {
+        let text = |passes: u32| {
+            format!(
+                "; passes: unroll, fold, control-flow, fold, control-flow, dead-code
+                func @F -> i32 {{
+                b0(v0: i32):
+                v1 = const.i16 1
+                jump b1(v1, v0)
+                b1(v2: i16, v3: i32):
+                v4 = const.i16 {passes}
+                v5 = sle v2, v4
+                branch v5, b2, b3
+                b2:
+                v6 = sext.i32 v2
+                v7 = imul v3, v6
+                store.i16 M 0, v2
+                v8 = iadd v2, v1
+                jump b1(v8, v7)
+                b3:
+                ret v3
+                }}"
+            )
+        };
+        let result = |passes: u32| crate::run_listed_passes(&text(passes)).expect("text is well formed");
+        let count = |passes: u32| result(passes).matches("store").count();
+        assert!(!result(1).contains("branch") && count(1) == 1, "{}", result(1));
+        assert!(!result(8).contains("branch") && count(8) == 8, "{}", result(8));
+        assert!(result(9).contains("branch") && count(9) == 1, "{}", result(9));
         check_pass("unroll", &text(9), &text(9));
     }
 }
