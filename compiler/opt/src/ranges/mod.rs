@@ -103,6 +103,13 @@ pub fn use_ranges(function: &mut Function) {
     }
 }
 
+/// Uses ranges in a function with loops: for the pointers of loops that have been rid of cold ways.
+pub fn use_ranges_of_loops(function: &mut Function) {
+    if analysis::has_loops(function, &ControlFlow::new(function)) {
+        use_ranges(function);
+    }
+}
+
 /// Result: whether there are new sums of indices and constants.
 fn use_once(function: &mut Function) -> bool {
     let cfg = ControlFlow::new(function);
