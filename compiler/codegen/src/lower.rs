@@ -367,29 +367,8 @@ impl<'m, 'f> Lowering<'m, 'f> {
             return Ok(());
         }
         let [x, y] = [self.value(args[0])?, self.value(args[1])?];
-        let bits = self.function.ty(result).bits();
-        let is_division = matches!(op, BinaryOp::Sdiv | BinaryOp::Srem | BinaryOp::Udiv | BinaryOp::Urem);
-        let value =
-            if is_division && bits < 32 { self.narrow_division(op, [x, y]) } else { self.operation(op, [x, y]) };
-        self.define(result, value);
-        Ok(())
-    }
-
-    /// A division of 8 or 16 bits, done in 32: by a constant it is a product there.
-    fn narrow_division(&mut self, op: BinaryOp, operands: [ClifValue; 2]) -> ClifValue {
-        let narrow = self.b.func.dfg.value_type(operands[0]);
-        let is_signed = matches!(op, BinaryOp::Sdiv | BinaryOp::Srem);
-        let wide = operands.map(|operand| {
-            let ins = self.b.ins();
-            if is_signed { ins.sextend(types::I32, operand) } else { ins.uextend(types::I32, operand) }
-        });
-        let value = self.operation(op, wide);
-        self.b.ins().ireduce(narrow, value)
-    }
-
-    fn operation(&mut self, op: BinaryOp, [x, y]: [ClifValue; 2]) -> ClifValue {
         let ins = self.b.ins();
-        match op {
+        let value = match op {
             BinaryOp::Iadd => ins.iadd(x, y),
             BinaryOp::Isub => ins.isub(x, y),
             BinaryOp::Imul => ins.imul(x, y),
@@ -409,7 +388,9 @@ impl<'m, 'f> Lowering<'m, 'f> {
             BinaryOp::Fsub => ins.fsub(x, y),
             BinaryOp::Fmul => ins.fmul(x, y),
             BinaryOp::Fdiv => ins.fdiv(x, y),
-        }
+        };
+        self.define(result, value);
+        Ok(())
     }
 
     fn bit_binary(&mut self, op: BinaryOp, args: [Value; 2]) -> Result<Bit, CodegenError> {
