@@ -446,7 +446,7 @@ fn the_constant_of_an_index_is_in_the_offset() {
     let wraps =
         |constant: i32| format!("v4 = const.i16 {constant}\nv5 = iadd v2, v4\nv6 = sext.i32 v5\nv7 = shl v6, v3");
     // Up: the offset grows.
-    let up = "v4 = const.i16 3\nv5 = iadd v2, v4\nv9 = sext.i32 v2\nv10 = const.i32 3\nv6 = iadd v9, v10\nv11 = shl v9, v3\nv12 = const.i32 6\nv7 = iadd v11, v12";
+    let up = "v4 = const.i16 3\nv5 = iadd v2, v4\nv9 = sext.i32 v2\nv10 = const.i32 3\nv6 = iadd v9, v10\nv13 = const.i32 1\nv11 = shl v9, v13\nv12 = const.i32 6\nv7 = iadd v11, v12";
     check_pass("ranges", &text(&wraps(3), "v7]+0"), &text(up, "v11]+6"));
     // The sum may wrap.
     let before = text(&wraps(32760), "v7]+0");
