@@ -5,15 +5,22 @@ use std::rc::Rc;
 use plcc_codegen::{CodegenError, JitProgram};
 use plcc_ir::interpreter::{Host, Interpreter};
 use plcc_ir::{FuncId, RuntimeFn};
+use plcc_runtime::code::EntryFunction;
 use plcc_runtime::{Code, functions, guest};
 
 use crate::pipeline::Compiled;
 
 /// Machine code in memory.
 pub fn jit(compiled: &Compiled) -> Result<Rc<dyn Code>, CodegenError> {
+    let (entries, program) = machine_code(compiled)?;
+    Ok(Rc::new(guest::NativeCode::new(entries, program)))
+}
+
+/// Machine code in memory: its entry functions, and what keeps it there.
+pub fn machine_code(compiled: &Compiled) -> Result<(Vec<EntryFunction>, JitProgram), CodegenError> {
     let program = JitProgram::compile(&compiled.module, &functions::address, &compiled.codegen_options())?;
     let entries = (0..program.entries() as u32).map(|index| program.entry(index)).collect();
-    Ok(Rc::new(guest::NativeCode::new(entries, program)))
+    Ok((entries, program))
 }
 
 /// The IR in its interpreter.

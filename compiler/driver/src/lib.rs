@@ -30,6 +30,7 @@ pub mod pipeline;
 pub mod plot;
 pub mod project;
 pub mod report;
+pub mod retain;
 pub mod s7200;
 pub mod sheets;
 pub mod station;

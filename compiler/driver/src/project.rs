@@ -13,6 +13,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use crate::axes;
+use crate::retain::{self, RetainKeys};
 use crate::s7200::{self, S7200Keys};
 use crate::station::{self, Station, StationKeys};
 use crate::technology;
@@ -95,6 +96,7 @@ struct Keys {
     /// Folder of the program's files.
     data: Option<Spanned<String>>,
     s7200: Option<Spanned<S7200Keys>>,
+    retain: Option<RetainKeys>,
 }
 
 #[derive(Deserialize)]
@@ -210,6 +212,11 @@ impl Context {
         self.diagnostics.extend(messages);
         let (axes, messages) = axes::source(&keys.axis, self.file);
         self.diagnostics.extend(messages);
+        if let Some(keys) = &keys.retain {
+            let (retain, messages) = retain::read(keys, self.file);
+            config.retain = retain;
+            self.diagnostics.extend(messages);
+        }
         if let Some(keys) = &keys.s7200 {
             let (settings, messages) = s7200::read(keys.get_ref(), self.file);
             config.s7200 = settings;

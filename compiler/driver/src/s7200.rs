@@ -30,7 +30,6 @@ const RANGE_DEFAULT: &str = "0-10 V";
 #[serde(deny_unknown_fields)]
 pub struct S7200Keys {
     station: Option<Spanned<i64>>,
-    retentive: Option<Spanned<String>>,
     watchdog: Option<Spanned<String>>,
     potentiometers: Option<Spanned<Vec<Spanned<i64>>>>,
     #[serde(default, alias = "stop-on-error")]
@@ -167,7 +166,6 @@ impl Reader {
         let station = keys.station.as_ref().and_then(|key| self.number(key, 0..=STATION_MAX, "a station address"));
         let mut config = S7200Config {
             station,
-            retentive_file: keys.retentive.as_ref().and_then(|key| self.file_name(key)),
             watchdog_ms: keys.watchdog.as_ref().and_then(|key| self.watchdog(key)),
             stop_on_error: keys.stop_on_error,
             strict_compare: keys.strict_compare,
@@ -217,7 +215,7 @@ impl Reader {
 
     fn file_name(&mut self, key: &Spanned<String>) -> Option<String> {
         if key.get_ref().is_empty() || key.get_ref().contains('\0') {
-            self.report(key, "no name of a file".to_string(), "write `\"plant.state\"`");
+            self.report(key, "no name of a device".to_string(), "write `\"/dev/ttyUSB0\"`");
             return None;
         }
         Some(key.get_ref().clone())

@@ -2,7 +2,9 @@
 //!
 //! All languages bind to these blocks and interfaces; bodies differ by language until they are lowered.
 
-use plcc_abi::image::{AssertCondition, AssertConstant, AssertKind, AssertOp, AssertType, BlockKind, Config, Profile};
+use plcc_abi::image::{
+    AssertCondition, AssertConstant, AssertKind, AssertOp, AssertType, BlockKind, Config, Kept, Profile,
+};
 use plcc_abi::ob::StartInput;
 use plcc_abi::s7200::image::CpuRow;
 use plcc_diag::Span;
@@ -195,6 +197,8 @@ pub struct DataBlock {
     pub instance_of: Option<BlockKey>,
     pub read_only: bool,
     pub unlinked: bool,
+    /// What of it is retentive.
+    pub kept: Kept,
 }
 
 /// A statement of an STL block.
@@ -473,6 +477,11 @@ impl<S> Assert<S> {
 pub enum AssertSide {
     /// Value zero-extended.
     Operand(Operand),
+    /// Time left of a timer, an S5TIME, or count of a counter, an INT.
+    CellValue {
+        kind: CellKind,
+        number: Number,
+    },
     /// A text or a DTL: where it is.
     Memory(Place),
     Register(AssertRegister),

@@ -2,6 +2,7 @@
 //!
 //! Source: S7-200 system manual, data block editor.
 
+use plcc_abi::image::Kept;
 use plcc_abi::s7200::V_DB;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::Width;
@@ -53,6 +54,7 @@ impl Binder<'_> {
             instance_of: None,
             read_only: false,
             unlinked: false,
+            kept: Kept::Everything,
         }
     }
 

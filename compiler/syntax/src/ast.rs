@@ -130,6 +130,8 @@ pub struct Header {
     pub unlinked: bool,
     pub read_only: bool,
     pub non_retain: bool,
+    /// `RETAIN`: of a data block, all of it.
+    pub retain: bool,
 }
 
 /// OB, FC, FB, SFC or SFB.
@@ -189,6 +191,8 @@ pub struct DataBlock {
     pub content: DataContent,
     /// Assignments after BEGIN.
     pub values: Vec<ValueAssignment>,
+    /// Names of the components that are declared as retentive one by one.
+    pub retained: Vec<String>,
     pub span: Span,
 }
 
@@ -251,6 +255,14 @@ pub enum Retain {
     NonRetain,
     /// Each instance DB may choose.
     DbSpecific,
+}
+
+impl Section {
+    /// Names of the variables in sections that say RETAIN.
+    pub fn retained(sections: &[Section]) -> Vec<String> {
+        let retentive = sections.iter().filter(|section| section.retain == Retain::Retain);
+        retentive.flat_map(|section| &section.variables).map(|variable| variable.name.clone()).collect()
+    }
 }
 
 /// A declared variable or component; `a, b : BOOL` makes two.
@@ -684,6 +696,8 @@ impl AssertOp {
 #[derive(Clone, Debug, PartialEq)]
 pub enum AssertSide {
     Operand(Operand),
+    /// `T1.VALUE`: the value of a timer or counter.
+    CellValue(Operand),
     Register(AssertRegister),
     Literal(AssertLiteral),
 }

@@ -172,6 +172,7 @@ impl Out {
             ("unlinked", header.unlinked),
             ("read_only", header.read_only),
             ("non_retain", header.non_retain),
+            ("retain", header.retain),
         ];
         for (name, set) in flags {
             if set {
@@ -532,6 +533,7 @@ pub(crate) fn operand_text(kind: &OperandKind) -> String {
 fn assert_side(side: &AssertSide) -> String {
     let register = match side {
         AssertSide::Operand(side) => return operand(side),
+        AssertSide::CellValue(cell) => return format!("value of {}", operand(cell)),
         AssertSide::Literal(AssertLiteral { loaded: Some(value), .. }) => return literal(value),
         AssertSide::Literal(AssertLiteral { exact: Some(value), negative, .. }) => {
             return format!("{}{}", if *negative { "-" } else { "" }, scl::text::literal(value));

@@ -138,6 +138,8 @@ pub struct DbEntry {
     pub read_only: bool,
     /// In load memory only: not accessible to the program.
     pub unlinked: bool,
+    /// What comes back after the process has ended.
+    pub kept: Kept,
     /// A structure with its components; `None` if it has no declared ones.
     pub ty: Option<TypeNumber>,
 }
@@ -298,6 +300,8 @@ pub struct Config {
     pub modules: Option<Vec<Module>>,
     /// First startup OB: 100, 101 or 102.
     pub startup: u16,
+    /// Retentive memory.
+    pub retain: RetainConfig,
     /// Order number of the CPU, `6ES7 315-2AF03-0AB0`; empty if unknown.
     pub cpu_order: String,
     /// Folder of the program's files, if the flags of the run say nothing.
@@ -323,6 +327,7 @@ impl Default for Config {
             time_of_day: Vec::new(),
             modules: None,
             startup: 100,
+            retain: RetainConfig::default(),
             cpu_order: String::new(),
             data_folder: None,
             s7200: S7200Config::default(),
@@ -336,6 +341,44 @@ impl Config {
         let given = self.ob_classes.iter().find(|(number, _)| *number == ob).map(|(_, class)| *class);
         given.or_else(|| if ob >= OB_FREE { Some(ObClass::ProgramCycle) } else { ObClass::of_number(ob) })
     }
+}
+
+/// What is retentive besides data blocks, and where it is kept.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RetainConfig {
+    /// The file; `None`: nothing is kept, and each start begins with start values.
+    pub file: Option<String>,
+    pub interval: RetainInterval,
+    /// Bytes of bit memory, S5 timers and counters from the first on; `None`: as many as the family has by default.
+    pub bit_memory: Option<u32>,
+    pub timers: Option<u32>,
+    pub counters: Option<u32>,
+    /// Memory reset: what is in the file does not come back.
+    pub reset: bool,
+}
+
+/// How often retentive memory is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum RetainInterval {
+    /// After each cycle that has changed it.
+    Cycle,
+    Milliseconds(u32),
+}
+
+impl Default for RetainInterval {
+    fn default() -> RetainInterval {
+        RetainInterval::Milliseconds(100)
+    }
+}
+
+/// What of a data block is retentive.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Kept {
+    #[default]
+    Nothing,
+    Everything,
+    /// First bit in the block and number of bits of each part.
+    Bits(Vec<(u32, u32)>),
 }
 
 /// A time-of-day interrupt set in plc.toml.

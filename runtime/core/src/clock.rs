@@ -19,6 +19,8 @@ pub struct Clock {
     now: Cell<u64>,
     /// Wall clock at time 0.
     wall_base: Cell<i64>,
+    /// What the timers of the CPU had counted at time 0, in nanoseconds.
+    counted_before: Cell<u64>,
     /// A full second of the wall clock and its DATE_AND_TIME.
     second: Cell<(i64, [u8; 8])>,
 }
@@ -26,12 +28,24 @@ pub struct Clock {
 impl Clock {
     pub fn real() -> Clock {
         let wall = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos() as i64);
-        Clock { origin: Some(Instant::now()), now: Cell::new(0), wall_base: Cell::new(wall), second: no_second() }
+        Clock {
+            origin: Some(Instant::now()),
+            now: Cell::new(0),
+            wall_base: Cell::new(wall),
+            counted_before: Cell::new(0),
+            second: no_second(),
+        }
     }
 
     /// Starts at time 0 and 1994-01-01 00:00:00.
     pub fn simulated() -> Clock {
-        Clock { origin: None, now: Cell::new(0), wall_base: Cell::new(datetime::VIRTUAL_START), second: no_second() }
+        Clock {
+            origin: None,
+            now: Cell::new(0),
+            wall_base: Cell::new(datetime::VIRTUAL_START),
+            counted_before: Cell::new(0),
+            second: no_second(),
+        }
     }
 
     pub fn is_virtual(&self) -> bool {
@@ -46,9 +60,19 @@ impl Clock {
         }
     }
 
-    /// Milliseconds since the start, 0..=2147483647, then from 0 again.
+    /// Milliseconds that the CPU has counted, 0..=2147483647, then from 0 again: since the start, and before it if its memory is retentive.
     pub fn ticks(&self) -> u32 {
-        ((self.now() / NS_PER_MS) & 0x7FFF_FFFF) as u32
+        ((self.counted() / NS_PER_MS) & 0x7FFF_FFFF) as u32
+    }
+
+    /// Nanoseconds that the CPU has counted for its timers.
+    pub fn counted(&self) -> u64 {
+        self.counted_before.get().wrapping_add(self.now())
+    }
+
+    /// The timers of the CPU go on from `counted`: times that began before a restart last as long as if there had been none.
+    pub fn count_from(&self, counted: u64) {
+        self.counted_before.set(counted.wrapping_sub(self.now()));
     }
 
     /// What generated code sees of the clock: the fields `COUNTDOWN` and `TICKS` of the CPU state.

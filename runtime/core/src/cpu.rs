@@ -3,9 +3,10 @@
 //! Generated code calls the runtime and the runtime calls generated code, nested to any depth, so a `Cpu` is only ever
 //! shared: all its state is in cells, and no borrow of a `RefCell` lasts across a call into code.
 
-use std::cell::{Cell, RefCell};
+use std::cell::{Cell, OnceCell, RefCell};
 use std::collections::BTreeMap;
 use std::rc::Rc;
+use std::sync::Arc;
 
 use plcc_abi::ProgramImage;
 use plcc_abi::image::{BlockEntry, BlockKind};
@@ -25,6 +26,7 @@ use crate::options::CYCLE_TIME_DEFAULT;
 use crate::organization::Running;
 use crate::records::Records;
 use crate::records::store::Store;
+use crate::retain::Retention;
 use crate::s7200::{S7200, ScanCycle};
 use crate::schedule::Schedule;
 use crate::system::meters::{METERS, Meter};
@@ -47,7 +49,7 @@ pub struct Cpu {
     /// Before `memory`: its thread must end before the memory goes.
     pub(crate) watchdog: Watchdog,
     pub memory: Memory,
-    pub image: ProgramImage,
+    pub image: Arc<ProgramImage>,
     pub(crate) code: Rc<dyn Code>,
     pub clock: Clock,
     pub driver: Box<dyn Driver>,
@@ -66,6 +68,10 @@ pub struct Cpu {
     load_memory: RefCell<BTreeMap<u16, Vec<u8>>>,
     /// An event of the diagnostics came since the last cycle began, for the system memory byte.
     pub(crate) diagnostics_changed: Cell<bool>,
+    /// Memory that outlives the process, if there is a file for it.
+    pub(crate) retention: OnceCell<Retention>,
+    /// The startup OB: that of the configuration unless such a restart is not possible.
+    pub(crate) startup: Cell<u16>,
     /// Connections of the program.
     pub(crate) communication: RefCell<Communication>,
     /// Data logs, recipes and files.
@@ -96,7 +102,13 @@ pub const CREATED_DBS_MAX: usize = 4096;
 
 impl Cpu {
     /// A CPU in STOP with the program loaded.
-    pub fn new(image: ProgramImage, code: Rc<dyn Code>, clock: Clock, driver: Box<dyn Driver>) -> Rc<Cpu> {
+    pub fn new(
+        image: impl Into<Arc<ProgramImage>>,
+        code: Rc<dyn Code>,
+        clock: Clock,
+        driver: Box<dyn Driver>,
+    ) -> Rc<Cpu> {
+        let image: Arc<ProgramImage> = image.into();
         let mut blocks = image.blocks.clone();
         blocks.sort_by_key(|block| (block.kind, block.number));
         let memory = Memory::new(image.db_end);
@@ -115,6 +127,8 @@ impl Cpu {
             s7200: image.s7200.as_ref().map(|own| Box::new(S7200::new(own, &image.config.s7200))),
             assertions: Assertions::new(&image.asserts),
             cycle: Cell::new(0),
+            retention: OnceCell::new(),
+            startup: Cell::new(image.config.startup),
             watchdog: Watchdog::new(&memory),
             memory,
             image,

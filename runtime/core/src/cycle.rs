@@ -71,6 +71,9 @@ impl Cpu {
             self.run_cycle(cycle, start, &times, observer);
             self.communicate();
             self.records.borrow_mut().work(self);
+            if self.retention.get().is_some() && !self.is_stopped() {
+                self.keep_retentive(false);
+            }
             if !self.is_stopped() {
                 // Under the real clock this is the time between cycle starts. Virtual time moves by it, in addition to the time
                 // that passed within the cycle.
@@ -81,26 +84,30 @@ impl Cpu {
         self.watchdog.set(u64::MAX);
         self.watchdog.watch_beats(u64::MAX);
         self.family.finish(self);
+        self.keep_retentive(true);
         cycle
     }
 
     fn start_up(&self, observer: &mut dyn Observer) {
-        let ob = self.image.config.startup;
         self.log(0x4301, NO_SITE, 0);
         self.arm_hang();
         self.rearm();
         self.family.power_on(self);
+        let ob = self.startup.get();
         observer.before(self, 0, self.clock.now());
         self.update_clock_memory();
         self.update_system_memory(false);
         self.set_configured_times();
         self.start_technology();
         self.family.start_hardware(self);
-        let cause = match ob {
-            101 => 0x83,
-            102 => 0x85,
-            _ => 0x81,
-        };
+        // With retentive memory it is power that comes back: an automatic restart.
+        let automatic = u8::from(self.retention.get().is_some());
+        let cause = automatic
+            + match ob {
+                101 => 0x83,
+                102 => 0x85,
+                _ => 0x81,
+            };
         let further = self.obs_of(ObClass::Startup).filter(|&other| other >= OB_FREE);
         for ob in std::iter::once(ob).filter(|&ob| self.has_ob(ob)).chain(further) {
             if !self.is_stopped() {
@@ -142,7 +149,6 @@ impl Cpu {
             self.stop_outputs();
         } else {
             self.write_outputs();
-            self.family.end_cycle(self);
         }
         observer.after(self, cycle, start);
     }
@@ -157,7 +163,7 @@ impl Cpu {
     }
 
     fn cycle_info(&self, ob: u16, cycle: u64, times: &CycleTimes) -> StartInfo {
-        let scan = match (cycle, self.image.config.startup) {
+        let scan = match (cycle, self.startup.get()) {
             (1, 101) => 2,
             (1, 102) => 4,
             (1, _) => 1,

@@ -19,6 +19,13 @@ pub const ALARM_WENT: u16 = 0xC002;
 pub const USER_CAME: u16 = 0xC011;
 pub const USER_WENT: u16 = 0xC012;
 
+/// Events of retentive memory; no event of a CPU has these numbers.
+pub const RETAIN_LOST: u16 = 0xC021;
+pub const RETAIN_CHANGED: u16 = 0xC022;
+pub const RETAIN_NOT_WRITTEN: u16 = 0xC023;
+pub const RETAIN_WRITTEN: u16 = 0xC024;
+pub const MEMORY_RESET: u16 = 0xC025;
+
 /// No place in the program is known.
 pub const NO_SITE: u32 = u32::MAX;
 
@@ -137,6 +144,11 @@ pub fn event_text(image: &ProgramImage, entry: &Entry) -> String {
         ALARM_WENT => format!("alarm 16#{info:08X} went"),
         USER_CAME => format!("message of the program came: text {}, list {}", info & 0xFFFF, info >> 16),
         USER_WENT => format!("message of the program went: text {}, list {}", info & 0xFFFF, info >> 16),
+        RETAIN_LOST => "retentive memory is lost: all data begins with its start values".to_string(),
+        RETAIN_CHANGED => format!("DB {info} begins with its start values: its layout has changed"),
+        RETAIN_NOT_WRITTEN => "retentive memory cannot be written".to_string(),
+        RETAIN_WRITTEN => "retentive memory is written again".to_string(),
+        MEMORY_RESET => "memory reset".to_string(),
         event => format!("event of class {}", event >> 12),
     };
     format!("16#{:04X} {words}", entry.event)

@@ -58,7 +58,10 @@ pub unsafe extern "C" fn main(argc: c_int, argv: *const *const c_char) -> c_int 
         Err(error) => return usage(&error),
     };
     match linked_program(0) {
-        Ok((image, code)) => c_int::from(crate::run::run(image, code, &run)),
+        Ok((image, entries)) => {
+            let code = || -> Rc<dyn Code> { Rc::new(LinkedCode(entries.clone())) };
+            c_int::from(crate::run::start(image, &code, &run))
+        }
         Err(error) => damaged(&error),
     }
 }
@@ -103,7 +106,7 @@ unsafe fn target<T>(field: *const i32) -> *const T {
 }
 
 /// The program with this number; the only one has number 0.
-fn linked_program(number: usize) -> Result<(ProgramImage, Rc<dyn Code>), String> {
+fn linked_program(number: usize) -> Result<(ProgramImage, Vec<EntryFunction>), String> {
     let mut program = &raw const plcc_program;
     // SAFETY: the object file of the program defines the symbol and all that its fields lead to, with these lengths, by the
     // contract of `plcc_abi`. Each entry is the address of an entry function.
@@ -121,7 +124,7 @@ fn linked_program(number: usize) -> Result<(ProgramImage, Rc<dyn Code>), String>
         (image, (0..(*program).entries_len as usize).map(function).collect())
     };
     let image = postcard::from_bytes::<ProgramImage>(image).map_err(|error| error.to_string())?;
-    Ok((image, Rc::new(LinkedCode(entries))))
+    Ok((image, entries))
 }
 
 /// `memset` of the C library, for generated code: a finished executable has no other name for it.
@@ -147,7 +150,8 @@ unsafe extern "C" fn plcc_memmove(to: *mut c_void, from: *const c_void, len: usi
 /// Runs as a test; the report goes to standard output.
 fn test(job: &str) -> c_int {
     let report = serde_json::from_str::<TestJob>(job).map_err(|error| error.to_string()).and_then(|job| {
-        let (image, code) = linked_program(job.program)?;
+        let (image, entries) = linked_program(job.program)?;
+        let code: Rc<dyn Code> = Rc::new(LinkedCode(entries));
         let report = crate::testing::test(image, code, &job.options);
         serde_json::to_string(&report).map_err(|error| error.to_string())
     });

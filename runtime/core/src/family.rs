@@ -24,9 +24,6 @@ pub(crate) trait Family {
     /// Copies the process image of outputs to the modules.
     fn write_outputs(&self, cpu: &Cpu);
 
-    /// The outputs of the cycle are written.
-    fn end_cycle(&self, _cpu: &Cpu) {}
-
     /// The CPU has stopped, and the driver has been told to stop.
     fn stop_outputs(&self, _cpu: &Cpu) {}
 
@@ -71,6 +68,10 @@ pub(crate) trait Family {
 pub(crate) struct Step7;
 
 impl Family for Step7 {
+    fn power_on(&self, cpu: &Cpu) {
+        cpu.power_on_retentive();
+    }
+
     fn run_program(&self, cpu: &Cpu, cycle: u64, times: &CycleTimes) {
         cpu.run_program_cycle(cycle, times);
     }

@@ -53,6 +53,7 @@ pub mod plant;
 pub mod realtime;
 pub mod records;
 pub mod report;
+mod retain;
 pub mod run;
 pub mod s7200;
 pub mod scenario;

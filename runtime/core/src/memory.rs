@@ -124,6 +124,14 @@ impl Memory {
         unsafe { self.base.add(OFFSET as usize).cast::<u32>().read_unaligned() }
     }
 
+    /// Writes `N` bytes of the CPU state, which always exists.
+    #[inline(always)]
+    pub fn set_state<const OFFSET: u32, const N: usize>(&self, bytes: [u8; N]) {
+        const { assert!(OFFSET as usize + N <= layout::I as usize) }
+        // SAFETY: the allocation has all areas below the DBs; no reference into memory exists.
+        unsafe { self.base.add(OFFSET as usize).cast::<[u8; N]>().write_unaligned(bytes) }
+    }
+
     /// A field of the CPU state or of a cell: host byte order.
     pub fn host32(&self, offset: u32) -> u32 {
         u32::from_ne_bytes(self.bytes(offset))

@@ -1,5 +1,6 @@
 //! The runtime flags, the same for an executable and for `plcc run`.
 
+use plcc_abi::image::Config;
 use plcc_literal::duration;
 use std::path::PathBuf;
 
@@ -57,6 +58,18 @@ pub struct RunOptions {
     /// Folder of the program's data logs, recipes and files [default: `data` in plc.toml, else plc-data]
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
+    /// Keep retentive memory in a file, from one run to the next [default: `file` in `[retain]` of plc.toml, else no file]
+    #[arg(long, value_name = "FILE")]
+    pub retain: Option<PathBuf>,
+    /// How the program starts [default: `startup` in plc.toml, else warm]
+    #[arg(long, value_enum, value_name = "KIND")]
+    pub restart: Option<Restart>,
+    /// Run N independent CPUs with the program on all processors; needs --clock virtual and --cycles
+    #[arg(long, value_name = "N")]
+    pub instances: Option<u32>,
+    /// Values that differ from instance to instance: a CSV file with the names of --set in its first line and a line for each instance
+    #[arg(long, value_name = "FILE")]
+    pub instance_values: Option<PathBuf>,
     /// Write the alarms that come and go to a CSV file
     #[arg(long, value_name = "FILE")]
     pub alarm_log: Option<PathBuf>,
@@ -72,6 +85,35 @@ pub struct RunOptions {
     /// S7-200: stop also on errors that leave a real CPU in RUN
     #[arg(long)]
     pub stop_on_error: bool,
+}
+
+/// How a program starts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Restart {
+    /// OB 100; retentive data is kept.
+    Warm,
+    /// OB 101, S7-400; all data is kept, and the program goes on.
+    Hot,
+    /// OB 102; all data begins with its start values.
+    Cold,
+    /// Memory reset, then OB 100: all data begins with its start values.
+    Reset,
+}
+
+impl RunOptions {
+    /// Puts what the flags say about restarts into the configuration.
+    pub(crate) fn restart(&self, config: &mut Config) {
+        if let Some(path) = &self.retain {
+            config.retain.file = Some(path.display().to_string());
+        }
+        match self.restart {
+            None => {}
+            Some(Restart::Warm) => config.startup = 100,
+            Some(Restart::Hot) => config.startup = 101,
+            Some(Restart::Cold) => config.startup = 102,
+            Some(Restart::Reset) => (config.startup, config.retain.reset) = (100, true),
+        }
+    }
 }
 
 /// A time span in nanoseconds, the value of a flag.

@@ -86,6 +86,10 @@ impl Cpu {
         let Some(block) = self.block_of(loaded) else { return };
         let ob = loaded.number;
         let running = &self.running;
+        if running.priority.get() == 0 {
+            self.run_outermost(loaded, block, priority, info);
+            return;
+        }
         let before = (running.priority.get(), running.ob.get(), running.delayed.get(), running.error_depth.get());
         let replaceable = running.replaceable.take();
         let masks = running.masks.take();
@@ -96,7 +100,7 @@ impl Cpu {
         running.error_depth.set(0);
         running.active.set(ob, true);
         let limit = self.image.profile.local_data.min(layout::L_CLASS_BYTES);
-        self.enter(block, layout::l_stack(class), limit, loaded.depth_max, before.0 != 0, info);
+        self.enter(block, layout::l_stack(class), limit, loaded.depth_max, true, info);
         running.active.set(ob, false);
         running.priority.set(before.0);
         running.ob.set(before.1);
@@ -104,6 +108,24 @@ impl Cpu {
         running.error_depth.set(before.3);
         running.replaceable.set(replaceable);
         running.masks.set(masks);
+    }
+
+    /// Runs an OB while no other runs: what it leaves behind is what there is between OBs, and nothing is kept for it.
+    fn run_outermost(&self, loaded: &LoadedOb, block: &BlockEntry, priority: u8, info: StartInfo) {
+        let running = &self.running;
+        running.priority.set(priority);
+        running.ob.set(loaded.number);
+        running.active.set(loaded.number, true);
+        let limit = self.image.profile.local_data.min(layout::L_CLASS_BYTES);
+        let class = u32::from(priority).min(ERROR_CLASS - 1);
+        self.enter(block, layout::l_stack(class), limit, loaded.depth_max, false, info);
+        running.active.set(loaded.number, false);
+        running.priority.set(0);
+        running.ob.set(0);
+        running.delayed.set(0);
+        running.error_depth.set(0);
+        running.replaceable.set(None);
+        running.masks.set(Masks::default());
     }
 
     /// Runs OB 121 or OB 122 inside the running class. False: nested too deeply.
@@ -139,15 +161,11 @@ impl Cpu {
         if block.local_data_used {
             memory.clear(base, block.frame.clamp(LOCAL_BYTES, layout::L_CLASS_BYTES));
         }
-        memory.clear(state::REGISTERS, 4 * REGISTER_SLOTS as u32);
-        memory.set_host32(state::DEPTH, 1);
-        memory.set_host32(state::DEPTH_MAX, u32::MAX);
-        memory.set_host32(state::L_END, base + layout::L_CLASS_BYTES);
-        self.show_clock();
+        self.begin_code(u32::MAX, base + layout::L_CLASS_BYTES);
         self.code.call(block.entry, memory.base(), base, base);
         match &saved {
             Some(saved) => self.restore(saved),
-            None => memory.set_host32(state::DEPTH, 0),
+            None => memory.set_state::<{ state::DEPTH }, 4>([0; 4]),
         }
         running.priority.set(before.0);
         running.ob.set(before.1);
@@ -173,24 +191,31 @@ impl Cpu {
             self.set_start_inputs(block, base, &info, !called);
             memory.set_bytes(base + 12, self.clock.wall_bytes());
         }
-        memory.clear(state::REGISTERS, 4 * REGISTER_SLOTS as u32);
-        memory.set_host32(state::DEPTH, 1);
-        memory.set_host32(state::DEPTH_MAX, depth_max);
-        memory.set_host32(state::L_END, base + limit);
-        self.show_clock();
+        self.begin_code(depth_max, base + limit);
         self.code.call(block.entry, memory.base(), base, base);
         match &saved {
             Some(saved) => self.restore(saved),
-            None => memory.set_host32(state::DEPTH, 0),
+            None => memory.set_state::<{ state::DEPTH }, 4>([0; 4]),
         }
         self.running.info.set(outer_info);
+    }
+
+    /// Registers, nesting and clock as the first block of a class finds them.
+    #[inline]
+    fn begin_code(&self, depth_max: u32, l_end: u32) {
+        let memory = &self.memory;
+        memory.set_state::<{ state::REGISTERS }, { 4 * REGISTER_SLOTS }>([0; 4 * REGISTER_SLOTS]);
+        memory.set_state::<{ state::DEPTH }, 4>(1u32.to_ne_bytes());
+        memory.set_state::<{ state::DEPTH_MAX }, 4>(depth_max.to_ne_bytes());
+        memory.set_state::<{ state::L_END }, 4>(l_end.to_ne_bytes());
+        self.show_clock();
     }
 
     /// Renews what generated code sees of the clock; whoever moves the clock while a block waits does it again.
     pub(crate) fn show_clock(&self) {
         let (countdown, ticks) = self.clock.fields();
-        self.memory.set_host64(state::COUNTDOWN, countdown);
-        self.memory.set_host32(state::TICKS, ticks);
+        self.memory.set_state::<{ state::COUNTDOWN }, 8>(countdown.to_ne_bytes());
+        self.memory.set_state::<{ state::TICKS }, 4>(ticks.to_ne_bytes());
     }
 
     fn save(&self) -> Saved {

@@ -113,7 +113,7 @@ pub fn test(image: ProgramImage, code: Rc<dyn Code>, options: &TestOptions) -> T
     let mut report = TestReport::default();
     let mut image = image;
     // A test begins the same every time, and leaves nothing behind.
-    image.config.s7200.retentive_file = None;
+    image.config.retain.file = None;
     let driver = Box::new(Simulated::new(image.config.modules.clone()));
     let cpu = Cpu::new(image, code, Clock::simulated(), driver);
     let scenario = match options.scenario.as_deref().map(|path| Scenario::read(path, &cpu.image)).transpose() {

@@ -132,6 +132,43 @@ pub fn remaining(memory: &Memory, clock: &Clock, number: u32) -> u16 {
     u16::from(cell.base) << 12 | bcd::from_int(cell.value.into(), 3) as u16
 }
 
+/// Bytes of a timer in retentive memory.
+pub(crate) const KEPT_BYTES: usize = 8 + 4 + 1;
+
+/// A timer as retentive memory has it: the nanoseconds that are left (`u64::MAX`: it does not run), value, base and status, edge of the
+/// start. The inputs of a timer stand still while the CPU is off.
+pub(crate) fn kept(memory: &Memory, clock: &Clock, number: u32) -> [u8; KEPT_BYTES] {
+    let cell = Cell::load(memory, clock, number);
+    let left = cell.deadline.map_or(u64::MAX, |deadline| deadline.saturating_sub(clock.now()));
+    cell.store(memory, number);
+    let at = address(number);
+    let mut kept = [0; KEPT_BYTES];
+    kept[..8].copy_from_slice(&left.to_le_bytes());
+    kept[8..12].copy_from_slice(&memory.host32(at + timer_cell::INFO).to_le_bytes());
+    kept[12] = memory.byte(at + timer_cell::START_EDGE);
+    kept
+}
+
+/// Continues a timer where it was when it was [kept].
+pub(crate) fn bring_back(memory: &Memory, clock: &Clock, number: u32, kept: &[u8]) {
+    let (Some(left), Some(info), Some(&edge)) = (kept.first_chunk::<8>(), kept.get(8..12), kept.get(12)) else {
+        return;
+    };
+    let left = u64::from_le_bytes(*left);
+    let info = info.try_into().map_or(0, u32::from_le_bytes);
+    let at = address(number);
+    memory.set_host32(at + timer_cell::INFO, info);
+    memory.set_byte(at + timer_cell::START_EDGE, edge & 1);
+    let deadline = (left != u64::MAX).then(|| clock.now().saturating_add(left.min(LONGEST)));
+    memory.set_host64(at + timer_cell::END, deadline.map_or(0, |deadline| u64::MAX - deadline));
+    let mut cell = Cell::load(memory, clock, number);
+    cell.value = cell.value.min(999);
+    cell.store(memory, number);
+}
+
+/// The longest S5TIME in nanoseconds.
+const LONGEST: u64 = 9990 * 1_000_000_000;
+
 /// Status of the timer at this moment (`A T n`); false if there is no such timer.
 pub fn scan(memory: &Memory, clock: &Clock, number: u32) -> bool {
     number < TIMERS_MAX && Cell::load(memory, clock, number).status

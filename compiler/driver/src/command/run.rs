@@ -2,6 +2,11 @@
 
 use std::rc::Rc;
 
+use plcc_abi::ProgramImage;
+use plcc_codegen::JitProgram;
+use plcc_runtime::code::EntryFunction;
+use plcc_runtime::{Code, guest};
+
 use crate::cli::RunArgs;
 use crate::code;
 use crate::command::build::{accepted, internal};
@@ -10,17 +15,21 @@ use crate::{inputs, pipeline};
 /// Compiles in memory and runs; the exit code is that of the program.
 pub fn run(args: &RunArgs) -> u8 {
     match compile(args) {
-        Ok((image, code)) => plcc_runtime::run(image, code, &args.run),
+        Ok((image, entries, _code)) => {
+            // The code stays where it is until all CPUs have ended.
+            let code = || -> Rc<dyn Code> { Rc::new(guest::NativeCode::new(entries.clone(), ())) };
+            plcc_runtime::run::start(image, &code, &args.run)
+        }
         Err(exit) => exit,
     }
 }
 
-fn compile(args: &RunArgs) -> Result<(plcc_abi::ProgramImage, Rc<dyn plcc_runtime::Code>), u8> {
+fn compile(args: &RunArgs) -> Result<(ProgramImage, Vec<EntryFunction>, JitProgram), u8> {
     let read = inputs::read_as(&inputs::or_here(&args.inputs)?, args.compile.code_page);
     let unreadable = read.is_unreadable();
     let settings = pipeline::Settings { require_main: true, ..pipeline::Settings::new(&args.compile) };
-    let bound = accepted(pipeline::front(read, &settings), unreadable)?;
+    let bound = accepted(pipeline::front(read, &settings), unreadable, &settings)?;
     let compiled = pipeline::back(&bound, args.optimization.optimization());
-    let code = code::jit(&compiled).map_err(|error| internal(&error))?;
-    Ok((compiled.image, code))
+    let (entries, code) = code::machine_code(&compiled).map_err(|error| internal(&error))?;
+    Ok((compiled.image, entries, code))
 }

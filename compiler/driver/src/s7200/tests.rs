@@ -17,7 +17,6 @@ fn reads_every_key() {
         r#"
 [s7200]
 station = 4
-retentive = "plant.state"
 watchdog = "300ms"
 potentiometers = [10, 200]
 stop-on-error = true
@@ -50,7 +49,7 @@ module = "EM 232"
 "#,
     );
     assert_eq!(messages, []);
-    assert_eq!((config.station, config.retentive_file.as_deref()), (Some(4), Some("plant.state")));
+    assert_eq!(config.station, Some(4));
     assert_eq!((config.watchdog_ms, config.potentiometers), (Some(300), [10, 200]));
     assert!(config.stop_on_error && config.strict_compare && config.mode_switch_term);
     assert_eq!(
@@ -120,7 +119,6 @@ fn tells_the_line_of_what_is_wrong() {
     assert_eq!(line("[s7200]\nstation = 127\n"), Some(2));
     assert_eq!(line("[s7200]\nstatoin = 2\n"), Some(2));
     assert_eq!(line("[s7200]\n\nwatchdog = \"70s\"\n"), Some(3));
-    assert_eq!(line("[s7200]\nretentive = \"\"\n"), Some(2));
     assert_eq!(line("[s7200]\npotentiometers = [256]\n"), Some(2));
     assert_eq!(line("[s7200]\npotentiometers = [1, 2, 3]\n"), Some(2));
     assert_eq!(line("[s7200]\nmode_switch = \"stop\"\n"), Some(2));

@@ -22,7 +22,7 @@ mod pointer;
 mod sequence;
 mod shift;
 
-use plcc_abi::image::{BlockEntry, BlockKind, DbEntry};
+use plcc_abi::image::{BlockEntry, BlockKind, DbEntry, Kept};
 use plcc_abi::s7200::image::{CpuRow, S7200Image};
 use plcc_diag::SourceMap;
 use plcc_ir::{BinaryOp, FuncId, Function};
@@ -48,6 +48,7 @@ pub(crate) fn lower(program: &Program, cpu: CpuRow, sources: &SourceMap) -> Lowe
             data: plan.texts.bytes.clone(),
             read_only: true,
             unlinked: false,
+            kept: Kept::Nothing,
             ty: None,
         });
     }

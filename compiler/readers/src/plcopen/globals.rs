@@ -246,6 +246,7 @@ impl<'a> Reader<'a> {
     /// block.
     pub fn global_variables(&mut self, root: Node<'a, 'a>) {
         let mut variables: Vec<Variable> = Vec::new();
+        let mut retained = Vec::new();
         let mut first = None;
         let constants: HashSet<u32> = self.constants.iter().map(|constant| constant.name_span.start).collect();
         for GlobalVariable { node, list, name, unique } in global_variables(root) {
@@ -266,6 +267,9 @@ impl<'a> Reader<'a> {
             } else if let Some(mut variable) = self.variable(node, 0) {
                 variable.name = unique.clone();
                 first.get_or_insert(variable.name_span);
+                if node.parent().is_some_and(|list| is_true(list, "retain") || is_true(list, "persistent")) {
+                    retained.push(unique.clone());
+                }
                 variables.push(variable);
             } else {
                 continue;
@@ -285,7 +289,7 @@ impl<'a> Reader<'a> {
         if let Some(span) = first {
             let name = BlockName::Symbol { name: GLOBALS.to_string(), span };
             let content = DataContent::Struct(variables);
-            let block = DataBlock { name, header: Header::default(), content, values: Vec::new(), span };
+            let block = DataBlock { name, header: Header::default(), content, values: Vec::new(), retained, span };
             self.blocks.push(Block::Data(block));
         }
     }

@@ -123,9 +123,9 @@ impl Reader<'_> {
         let more = if names.len() > 4 { format!(" and {} others", names.len() - 3) } else { String::new() };
         let shown = if names.len() > 4 { &names[..3] } else { &names[..] };
         let named = format!("`{}`{more}", shown.join("`, `"));
-        let text = format!("retentive variables begin each run with their start values: {named}");
+        let text = format!("retentive variables begin each run with their start values without `--retain`: {named}");
         let message = Diagnostic::new(Code::Tolerated, self.place(list, attribute), text);
-        let help = "a run is one power cycle: set remembered values in a scenario or with `--set`";
+        let help = "run with `--retain FILE`, or set remembered values in a scenario or with `--set`";
         self.messages.push(message.label("a PLC keeps it when its power fails").help(help));
     }
 

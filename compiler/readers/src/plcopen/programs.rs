@@ -161,7 +161,8 @@ impl<'a> Reader<'a> {
             let program = BlockName::Symbol { name: instance.program.clone(), span };
             let content = DataContent::OfType(TypeRef { kind: TypeKind::Block(program), span });
             let name = BlockName::Symbol { name: instance.name.clone(), span };
-            let block = DataBlock { name, header: Header::default(), content, values: Vec::new(), span };
+            let (header, values, retained) = (Header::default(), Vec::new(), Vec::new());
+            let block = DataBlock { name, header, content, values, retained, span };
             self.blocks.push(Block::Data(block));
             if !instance.runs {
                 continue;

@@ -41,7 +41,8 @@ pub fn read(reader: &mut Reader, object: Node) -> Option<Block> {
         "GlobalDB" => {
             let members = interface::components(reader, interface::sections(object), false, &shown);
             let content = if members.is_empty() { DataContent::Empty } else { DataContent::Struct(members) };
-            Block::Data(DataBlock { name, header: header(object), content, values: Vec::new(), span })
+            let retained = interface::retained(object);
+            Block::Data(DataBlock { name, header: header(object), content, values: Vec::new(), retained, span })
         }
         other => {
             let message =
@@ -255,7 +256,7 @@ fn instance(reader: &mut Reader, object: Node, name: BlockName, span: Span) -> D
         None if members.is_empty() => DataContent::Empty,
         None => DataContent::Struct(members),
     };
-    DataBlock { name, header: header(object), content, values, span }
+    DataBlock { name, header: header(object), content, values, retained: interface::retained(object), span }
 }
 
 /// A data block that is one array.
@@ -280,5 +281,5 @@ fn array(reader: &mut Reader, object: Node, name: BlockName, span: Span) -> Data
             if members.is_empty() { DataContent::Empty } else { DataContent::Struct(members) }
         }
     };
-    DataBlock { name, header: header(object), content, values: Vec::new(), span }
+    DataBlock { name, header: header(object), content, values: Vec::new(), retained: interface::retained(object), span }
 }

@@ -111,6 +111,14 @@ pub fn components(reader: &mut Reader, sections: Option<Node>, instance: bool, w
     members.into_iter().map(|member| variable(reader, member, 0)).collect()
 }
 
+/// Names of the members that a data block declares as retentive.
+pub fn retained(object: Node) -> Vec<String> {
+    let all = sections(object);
+    let members =
+        all.iter().flat_map(|sections| children(*sections, "Section")).flat_map(|section| children(section, "Member"));
+    members.filter(|member| member.attribute("Remanence") == Some("Retain")).map(name_of).collect()
+}
+
 fn constant(reader: &mut Reader, member: Node) -> Constant {
     let name_span = reader.name_span(member, "Name");
     let ty = type_of(reader, member, 0);

@@ -29,6 +29,7 @@ pub fn header(comment: Vec<String>, parts: Vec<HeaderPart>) -> Header {
             HeaderPart::Flag(HeaderFlag::Unlinked) => header.unlinked = true,
             HeaderPart::Flag(HeaderFlag::ReadOnly) => header.read_only = true,
             HeaderPart::Flag(HeaderFlag::NonRetain) => header.non_retain = true,
+            HeaderPart::Flag(HeaderFlag::Retain) => header.retain = true,
             HeaderPart::Attributes(attributes) => header.attributes.extend(attributes),
         }
     }

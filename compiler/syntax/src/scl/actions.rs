@@ -157,6 +157,7 @@ pub fn data_block(
     check_letters(state, &name, "DATA_BLOCK", BlockPrefix::Db);
     let parts = sort(parts, range.end);
     let header = header(state, parts.header, range.start..parts.header_end);
+    let retained = Section::retained(&parts.sections);
     let members: Vec<Variable> = parts.sections.into_iter().flat_map(|section| section.variables).collect();
     let mut content = if members.is_empty() { DataContent::Empty } else { DataContent::Struct(members) };
     for (ty, value) in parts.contents {
@@ -170,7 +171,7 @@ pub fn data_block(
         };
     }
     let values = values.into_iter().flatten().flatten().collect();
-    Block::Data(DataBlock { name, header, content, values, span: state.span(range) })
+    Block::Data(DataBlock { name, header, content, values, retained, span: state.span(range) })
 }
 
 pub fn type_block(state: &mut State, name: BlockName, parts: Vec<Part>, range: Range<usize>) -> Block {

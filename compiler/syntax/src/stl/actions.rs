@@ -77,6 +77,20 @@ pub fn code_block(
     }))
 }
 
+/// A section; the word after its keyword may say whether it is retentive.
+pub fn section(state: &State, kind: SectionKind, variables: Vec<Variable>, range: Range<usize>) -> Section {
+    let word = state.text.get(range.clone()).and_then(|text| text.split_whitespace().nth(1)).unwrap_or_default();
+    let retain = match word.to_ascii_uppercase().as_str() {
+        // Not a variable of this name.
+        _ if variables.first().is_some_and(|first| first.name.eq_ignore_ascii_case(word)) => Retain::Unsaid,
+        "RETAIN" => Retain::Retain,
+        "NON_RETAIN" => Retain::NonRetain,
+        "DB_SPECIFIC" => Retain::DbSpecific,
+        _ => Retain::Unsaid,
+    };
+    Section { kind, retain, variables, span: state.span(range) }
+}
+
 pub fn implied_ob(state: &mut State, networks: Vec<Network>, range: Range<usize>) -> Block {
     frame::implied_ob(crate::ast::Code::Stl(networks), state.span(range))
 }
@@ -93,9 +107,12 @@ pub fn data_block(
     {
         state.report(frame::wrong_letters(*span, "DATA_BLOCK", "DB", *number, state.text));
     }
+    let sections: Vec<&Section> =
+        parts.iter().filter_map(|part| if let Part::Section(one) = part { Some(one) } else { None }).collect();
+    let retained = sections.into_iter().flat_map(|section| Section::retained(std::slice::from_ref(section))).collect();
     let (header, content) = data_parts(state, parts, range.clone());
     let values = values.into_iter().flatten().flatten().collect();
-    Block::Data(DataBlock { name, header, content, values, span: state.span(range) })
+    Block::Data(DataBlock { name, header, content, values, retained, span: state.span(range) })
 }
 
 pub fn type_block(state: &mut State, name: BlockName, parts: Vec<Part>, range: Range<usize>) -> Block {

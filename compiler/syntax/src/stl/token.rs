@@ -32,6 +32,7 @@ pub enum HeaderFlag {
     Unlinked,
     ReadOnly,
     NonRetain,
+    Retain,
 }
 
 /// A token of the grammar. Texts are slices of the source.

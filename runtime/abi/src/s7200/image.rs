@@ -64,8 +64,6 @@ pub struct S7200Config {
     pub stations: Vec<(u8, String)>,
     /// Analog modules in the order of their slots.
     pub analog: Vec<AnalogModule>,
-    /// File that keeps retentive memory.
-    pub retentive_file: Option<String>,
     /// Scan watchdog in milliseconds, 0: off; `None`: as the CPU has it.
     pub watchdog_ms: Option<u16>,
     /// Analog potentiometers, SMB28 and SMB29.

@@ -36,10 +36,6 @@ impl Family for ScanCycle {
         cpu.s7200_write_outputs();
     }
 
-    fn end_cycle(&self, cpu: &Cpu) {
-        cpu.s7200_keep(false);
-    }
-
     fn stop_outputs(&self, cpu: &Cpu) {
         cpu.s7200_stop_outputs();
     }

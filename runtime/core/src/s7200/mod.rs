@@ -18,7 +18,7 @@ mod bits;
 mod blocks;
 mod calendar;
 mod daylight;
-mod errors;
+pub(crate) mod errors;
 mod family;
 mod freeport;
 mod high_speed;

@@ -49,7 +49,7 @@ impl Cpu {
     pub(crate) fn s7200_start(&self) {
         let Some(own) = self.s7200() else { return };
         let memory = &self.memory;
-        self.s7200_load_retentive();
+        own.retain.found(self.power_on_retentive());
         self.s7200_start_special();
         self.s7200_start_timers();
         memory.clear(layout::SYSTEM + system::COUNTER_BITS, COUNTERS);
@@ -252,7 +252,6 @@ impl Cpu {
         if self.is_stopped() {
             self.s7200_stop_outputs();
         }
-        self.s7200_keep(true);
     }
 }
 

@@ -11,7 +11,11 @@ use super::{OK, Outcome, error};
 /// Meters of a CPU, numbers 0 to 7.
 pub(crate) const METERS: usize = 8;
 
-const NS_PER_HOUR: u64 = 3_600_000_000_000;
+/// Bytes of a meter in retentive memory.
+pub(crate) const KEPT_BYTES: usize = 8 + 1;
+
+const NS_PER_S: u64 = 1_000_000_000;
+const NS_PER_HOUR: u64 = 3600 * NS_PER_S;
 const HOURS_MAX: u64 = 0x7FFF;
 /// Of SFC 101.
 const LONG_HOURS_MAX: u64 = 0x7FFF_FFFF;
@@ -35,6 +39,21 @@ impl Meter {
     fn set(&self, hours: u64, now: u64) {
         self.counted_ns.set(hours.saturating_mul(NS_PER_HOUR));
         self.since.set(self.since.get().map(|_| now));
+    }
+
+    /// As retentive memory has it: the full seconds counted, and whether it runs.
+    pub(crate) fn kept(&self, now: u64) -> [u8; KEPT_BYTES] {
+        let mut kept = [0; KEPT_BYTES];
+        kept[..8].copy_from_slice(&(self.elapsed(now) / NS_PER_S).to_le_bytes());
+        kept[8] = self.since.get().is_some().into();
+        kept
+    }
+
+    /// Continues where it was when it was [kept](Meter::kept).
+    pub(crate) fn bring_back(&self, kept: &[u8], now: u64) {
+        let (Some(seconds), Some(&runs)) = (kept.first_chunk::<8>(), kept.get(8)) else { return };
+        self.counted_ns.set(u64::from_le_bytes(*seconds).saturating_mul(NS_PER_S));
+        self.since.set((runs != 0).then_some(now));
     }
 
     fn run(&self, start: bool, now: u64) {

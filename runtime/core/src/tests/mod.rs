@@ -7,6 +7,7 @@ mod helpers;
 mod interrupts;
 mod plant;
 mod playing;
+mod retain;
 mod run;
 mod s7200_interrupts;
 mod s7200_retain;

@@ -27,6 +27,7 @@ fn in_ob1_of(family: Family, body: impl Fn(&Cpu, u32) + 'static) {
             data: (0..20).collect(),
             read_only: false,
             unlinked: false,
+            kept: Default::default(),
             ty: None,
         });
         image.db_end = layout::DB_DATA + 32;

@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use plcc_abi::image::BlockKind;
+use plcc_abi::image::{BlockKind, Kept};
 use plcc_diag::{Code, Diagnostic, Severity, Span};
 use plcc_syntax::ast::{self, BlockName, BlockPrefix, DataContent, OperandKind, PathPart, PathRoot, TypeKind};
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -10,10 +10,11 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use crate::bind::declarations::Declarations;
 use crate::bind::declarations::path::{Base, Variable};
 use crate::bind::declarations::typed::{StructBuilder, Typed, TypedStruct, Use};
-use crate::bind::trees::mentions;
+use crate::bind::trees::{blocks, mentions};
 use plcc_abi::layout;
 use plcc_binding::fold;
-use plcc_model::types::{DataType, StructType};
+use plcc_model::layout::bytes as layout_bytes;
+use plcc_model::types::{DataType, Elementary, StructType};
 use plcc_model::{BlockKey, DataBlock};
 use plcc_syntax::symbols::SymbolTarget;
 
@@ -239,6 +240,7 @@ impl Declarations<'_> {
             }
         }
         self.check_db_size(number, data.len() as u32, source.name.span());
+        let kept = self.kept(&source.header, &source.retained, instance_of, &typed.ty);
         let block = DataBlock {
             number,
             name: self.globals.names.block_name(BlockPrefix::Db, number),
@@ -248,8 +250,35 @@ impl Declarations<'_> {
             instance_of,
             read_only: source.header.read_only,
             unlinked: source.header.unlinked,
+            kept,
         };
         BoundDb { block, ty: typed.ty }
+    }
+
+    /// What of a data block is retentive.
+    ///
+    /// S7-300/400: all of it, unless the header says NON_RETAIN. S7-1200/1500: the variables that say so, in the data block or in the FB
+    /// whose instance it is; a block with standard access as a whole.
+    fn kept(&self, header: &ast::Header, retained: &[String], instance_of: Option<BlockKey>, ty: &StructType) -> Kept {
+        if !self.globals.input.profile.family.is_portal() {
+            return if header.non_retain { Kept::Nothing } else { Kept::Everything };
+        }
+        if !header.non_retain && (header.retain || blocks::keeps_standard_data(header)) {
+            return Kept::Everything;
+        }
+        let code = instance_of.and_then(|key| self.globals.sources.code.get(&key));
+        let of_type = code.map(|code| ast::Section::retained(&code.block().sections)).unwrap_or_default();
+        let names: FxHashSet<String> = retained.iter().chain(&of_type).map(|name| fold(name)).collect();
+        let members = ty.members.iter().filter(|member| names.contains(&fold(&member.name)));
+        let bits = members.map(|member| {
+            let bits =
+                if member.ty == DataType::Elementary(Elementary::Bool) { 1 } else { 8 * layout_bytes(&member.ty) };
+            (8 * member.byte + u32::from(member.bit), bits)
+        });
+        match bits.collect::<Vec<_>>() {
+            bits if bits.is_empty() => Kept::Nothing,
+            bits => Kept::Bits(bits),
+        }
     }
 
     /// A data block that the source does not name, for the constants of a block.
@@ -266,6 +295,7 @@ impl Declarations<'_> {
             instance_of: None,
             read_only: true,
             unlinked: false,
+            kept: Kept::Nothing,
         };
         self.data.blocks.insert(number, BoundDb { block, ty: typed.ty });
     }
@@ -312,6 +342,7 @@ impl Declarations<'_> {
             if !self.fits_with_others(typed.ty.bytes, span) {
                 return;
             }
+            let kept = self.kept(&ast::Header::default(), &[], Some(key), &typed.ty);
             let block = DataBlock {
                 number: instance,
                 name: self.globals.names.block_name(BlockPrefix::Db, instance),
@@ -321,6 +352,7 @@ impl Declarations<'_> {
                 instance_of: Some(key),
                 read_only: false,
                 unlinked: false,
+                kept,
             };
             self.data.blocks.insert(instance, BoundDb { block, ty: typed.ty });
         }

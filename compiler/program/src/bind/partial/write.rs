@@ -281,7 +281,14 @@ fn symbol(name: &str, target: SymbolTarget, ty: String, span: Span) -> Symbol {
 }
 
 fn data_block(name: BlockName, content: DataContent, span: Span) -> Block {
-    Block::Data(ast::DataBlock { name, header: Header::default(), content, values: Vec::new(), span })
+    Block::Data(ast::DataBlock {
+        name,
+        header: Header::default(),
+        content,
+        values: Vec::new(),
+        retained: Vec::new(),
+        span,
+    })
 }
 
 fn variable(name: &str, ty: TypeRef, span: Span) -> Variable {

@@ -16,6 +16,18 @@ pub fn is_optimized(header: &ast::Header) -> bool {
     })
 }
 
+/// Whether a data block of the TIA Portal with standard access is retentive: SIMATIC SD says so, and sources say NON_RETAIN if it is not.
+pub fn keeps_standard_data(header: &ast::Header) -> bool {
+    let value = |name: &str| {
+        let found = header.attributes.iter().find(|(known, _)| known.eq_ignore_ascii_case(name));
+        found.map(|(_, value)| value.trim().trim_matches(['\'', '"']).to_ascii_uppercase())
+    };
+    match value("S7_StandardRetain") {
+        Some(retain) => retain == "TRUE",
+        None => value("S7_Optimized_Access").is_some_and(|optimized| optimized == "FALSE"),
+    }
+}
+
 /// Whether a block is a list of statements without a header, which is OB 1 unless its file is named otherwise.
 pub fn is_fragment(block: &ast::CodeBlock) -> bool {
     let span = block.name.span();

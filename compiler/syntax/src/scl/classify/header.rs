@@ -250,10 +250,7 @@ impl<'a> Classifier<'a, '_> {
     fn header_word(&mut self, token: RawToken) {
         let word = self.slice(token);
         if let Some(flag) = header_flag(word) {
-            return match flag {
-                Some(flag) => self.take(Tok::HeaderFlag(flag)),
-                None => self.at += 1,
-            };
+            return self.take(Tok::HeaderFlag(flag));
         }
         let field = header_field(word).expect("the caller saw a field or a flag");
         let first = self.at + 2;
@@ -420,16 +417,16 @@ fn header_field(word: &str) -> Option<HeaderField> {
     FIELDS.iter().find(|(name, _)| name.eq_ignore_ascii_case(word)).map(|(_, field)| *field)
 }
 
-/// A single word of the header; RETAIN states the default.
-fn header_flag(word: &str) -> Option<Option<HeaderFlag>> {
-    const FLAGS: [(&str, Option<HeaderFlag>); 7] = [
-        ("KNOW_HOW_PROTECT", Some(HeaderFlag::KnowHowProtect)),
-        ("STANDARD", Some(HeaderFlag::Standard)),
-        ("CODE_VERSION1", Some(HeaderFlag::CodeVersion1)),
-        ("UNLINKED", Some(HeaderFlag::Unlinked)),
-        ("READ_ONLY", Some(HeaderFlag::ReadOnly)),
-        ("NON_RETAIN", Some(HeaderFlag::NonRetain)),
-        ("RETAIN", None),
+/// A single word of the header.
+fn header_flag(word: &str) -> Option<HeaderFlag> {
+    const FLAGS: [(&str, HeaderFlag); 7] = [
+        ("KNOW_HOW_PROTECT", HeaderFlag::KnowHowProtect),
+        ("STANDARD", HeaderFlag::Standard),
+        ("CODE_VERSION1", HeaderFlag::CodeVersion1),
+        ("UNLINKED", HeaderFlag::Unlinked),
+        ("READ_ONLY", HeaderFlag::ReadOnly),
+        ("NON_RETAIN", HeaderFlag::NonRetain),
+        ("RETAIN", HeaderFlag::Retain),
     ];
     FLAGS.iter().find(|(name, _)| name.eq_ignore_ascii_case(word)).map(|(_, flag)| *flag)
 }

@@ -84,6 +84,7 @@ pub fn changed_cpu(change: impl FnOnce(&mut ProgramImage)) -> Rc<Cpu> {
             data: vec![0; V_BYTES as usize],
             read_only: false,
             unlinked: false,
+            kept: Default::default(),
             ty: None,
         });
         image.db_end = V + V_BYTES;

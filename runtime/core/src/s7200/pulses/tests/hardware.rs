@@ -26,8 +26,16 @@ fn cpu_of(row: CpuRow) -> Rc<Cpu> {
         image.s7200 = Some(S7200Image { cpu: row, ..S7200Image::default() });
         let data = vec![0; V_BYTES];
         let (number, address) = (V_DB, layout::DB_DATA);
-        image.dbs =
-            vec![DbEntry { number, name: "V".to_string(), address, data, read_only: false, unlinked: false, ty: None }];
+        image.dbs = vec![DbEntry {
+            number,
+            name: "V".to_string(),
+            address,
+            data,
+            read_only: false,
+            unlinked: false,
+            kept: Default::default(),
+            ty: None,
+        }];
         image.db_end = layout::DB_DATA + 1024;
     });
     cpu.s7200_start_counters();

@@ -1,0 +1,370 @@
+//! What is retentive on a CPU, as bytes: one item for each data block and each part of an area.
+//!
+//! A content is a head and items. The head: 1 if everything was kept for a hot restart, else 0; the milliseconds that the timers of the CPU
+//! have counted (`u64`); the name of the program (length `u16`). An item: kind, number (`u16`), signature (`u64`), length (`u32`), and so
+//! many bytes. Numbers are little-endian. An item comes back only into one with the same signature.
+
+use plcc_abi::image::{DbEntry, Family, Kept};
+use plcc_abi::layout::{self, COUNTER_CELL_BYTES};
+use plcc_abi::names::{NamedType, TypeNumber};
+use plcc_abi::s7200::V_DB;
+
+use crate::cpu::{Area, Cpu};
+use crate::timers;
+
+/// Bytes of the head before the name.
+const HEAD_BYTES: usize = 1 + 8 + 2;
+/// Where the head has what changes with time alone.
+pub(super) const TIME: std::ops::Range<usize> = 1..9;
+
+/// Which memory an item is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[repr(u8)]
+pub(super) enum Kind {
+    BitMemory = 1,
+    Timers = 2,
+    Counters = 3,
+    Db = 4,
+    Outputs = 5,
+    Meters = 6,
+    /// Timers and counters of an S7-200.
+    S7200Cells = 7,
+    /// V bytes in the permanent memory of an S7-200.
+    Permanent = 8,
+}
+
+/// A part of memory that is kept, in bits from the memory base.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Bits {
+    first: u64,
+    count: u64,
+}
+
+impl Bits {
+    fn bytes(first: u32, count: u32) -> Bits {
+        Bits { first: 8 * u64::from(first), count: 8 * u64::from(count) }
+    }
+
+    /// The bytes that have some of them: offset and length.
+    fn cover(self) -> (u32, u32) {
+        let (start, end) = (self.first / 8, (self.first + self.count).div_ceil(8));
+        (start as u32, (end - start) as u32)
+    }
+
+    /// Of byte `offset` the bits that belong here.
+    fn mask(self, offset: u32) -> u8 {
+        let start = 8 * u64::from(offset);
+        (0..8)
+            .filter(|bit| (self.first..self.first + self.count).contains(&(start + bit)))
+            .fold(0, |mask, bit| mask | 1 << bit)
+    }
+}
+
+/// Where the bytes of an item are.
+#[derive(Clone, Debug)]
+enum Place {
+    Memory(Vec<Bits>),
+    /// So many S5 timers from T0.
+    Timers(u32),
+    Meters,
+    Permanent,
+}
+
+/// An item of this CPU.
+#[derive(Clone, Debug)]
+struct Item {
+    kind: Kind,
+    number: u16,
+    signature: u64,
+    place: Place,
+}
+
+/// The retentive memory of a CPU.
+#[derive(Debug)]
+pub(super) struct Items {
+    /// For a hot restart: all memory, not only what is retentive.
+    everything: bool,
+    items: Vec<Item>,
+}
+
+/// What came back.
+#[derive(Debug, Default, PartialEq, Eq)]
+pub(super) struct Loaded {
+    /// Data blocks that begin with their start values, because they are others than those that were kept.
+    pub changed: Vec<u16>,
+    /// All that is kept came back.
+    pub complete: bool,
+}
+
+/// Why nothing came back.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) enum Refused {
+    Damaged,
+    /// Another program has written it.
+    Program(String),
+}
+
+impl Items {
+    /// What is retentive on this CPU; with `everything`, all of its memory.
+    pub(super) fn of(cpu: &Cpu, everything: bool) -> Items {
+        let mut items = Vec::new();
+        let mut add = |kind, number, signature, place| items.push(Item { kind, number, signature, place });
+        let (m, m_bytes) = cpu.area(Area::BitMemory);
+        let profile = &cpu.image.profile;
+        let config = &cpu.image.config.retain;
+        let defaults = Defaults::of(profile.family);
+        if profile.family == Family::S7200 {
+            let first = S7200_M_FIRST.min(m_bytes);
+            add(Kind::BitMemory, 0, 0, Place::Memory(vec![Bits::bytes(m + first, m_bytes - first)]));
+            add(
+                Kind::S7200Cells,
+                0,
+                0,
+                Place::Memory(cpu.s7200_retentive_cells().map(|(at, n)| Bits::bytes(at, n)).collect()),
+            );
+            let v = cpu.image.dbs.iter().find(|db| db.number == V_DB);
+            let signature = v.map_or(0, |db| Signature::default().bytes(&db.data).0);
+            let (at, bytes) = cpu.memory.db(V_DB);
+            // Before V, whose values are newer.
+            add(Kind::Permanent, 0, signature, Place::Permanent);
+            add(Kind::Db, V_DB, signature, Place::Memory(vec![Bits::bytes(at, bytes)]));
+            return Items { everything: false, items };
+        }
+        let count = |given: Option<u32>, default: u32, all: u32| {
+            if everything { all } else { given.unwrap_or(default).min(all) }
+        };
+        let m_kept = count(config.bit_memory, defaults.bit_memory, m_bytes);
+        add(Kind::BitMemory, 0, 0, Place::Memory(vec![Bits::bytes(m, m_kept)]));
+        let timers = profile.timers.min(layout::TIMERS_MAX);
+        add(Kind::Timers, 0, 0, Place::Timers(count(config.timers, defaults.timers, timers)));
+        let counters = count(config.counters, defaults.counters, profile.counters.min(layout::TIMERS_MAX));
+        add(Kind::Counters, 0, 0, Place::Memory(vec![Bits::bytes(layout::C, counters * COUNTER_CELL_BYTES)]));
+        add(Kind::Meters, 0, 0, Place::Meters);
+        if everything {
+            let (q, q_bytes) = cpu.area(Area::Outputs);
+            add(Kind::Outputs, 0, 0, Place::Memory(vec![Bits::bytes(q, q_bytes)]));
+        }
+        for db in cpu.image.dbs.iter().filter(|db| !db.unlinked && !db.read_only) {
+            let start = 8 * u64::from(db.address);
+            let whole = vec![Bits::bytes(db.address, db.data.len() as u32)];
+            let bits = match &db.kept {
+                _ if everything => whole,
+                Kept::Nothing => continue,
+                Kept::Everything => whole,
+                Kept::Bits(bits) => bits
+                    .iter()
+                    .map(|&(first, count)| Bits { first: start + u64::from(first), count: count.into() })
+                    .collect(),
+            };
+            add(Kind::Db, db.number, signature_of(db, &cpu.image.types), Place::Memory(bits));
+        }
+        Items { everything, items }
+    }
+
+    /// Puts the content of this moment into `content`.
+    pub(super) fn collect(&self, cpu: &Cpu, content: &mut Vec<u8>) {
+        content.clear();
+        content.push(self.everything.into());
+        content.extend(cpu.clock.counted().to_le_bytes());
+        let name = cpu.image.name.as_bytes();
+        let name = &name[..name.len().min(usize::from(u16::MAX))];
+        content.extend((name.len() as u16).to_le_bytes());
+        content.extend(name);
+        for item in &self.items {
+            content.push(item.kind as u8);
+            content.extend(item.number.to_le_bytes());
+            content.extend(item.signature.to_le_bytes());
+            let length = content.len();
+            content.extend([0; 4]);
+            item.collect(cpu, content);
+            let bytes = (content.len() - length - 4) as u32;
+            content[length..length + 4].copy_from_slice(&bytes.to_le_bytes());
+        }
+    }
+
+    /// Brings a content back. For a hot restart it must have everything, see [`Loaded::complete`].
+    pub(super) fn load(&self, cpu: &Cpu, content: &[u8]) -> Result<Loaded, Refused> {
+        let (head, rest) = content.split_at_checked(HEAD_BYTES).ok_or(Refused::Damaged)?;
+        let name_bytes = usize::from(u16::from_le_bytes([head[9], head[10]]));
+        let (name, rest) = rest.split_at_checked(name_bytes).ok_or(Refused::Damaged)?;
+        if name != cpu.image.name.as_bytes() {
+            return Err(Refused::Program(String::from_utf8_lossy(name).into_owned()));
+        }
+        let kept = parts(rest).ok_or(Refused::Damaged)?;
+        let mut loaded = Loaded { changed: Vec::new(), complete: head[0] == u8::from(self.everything) };
+        let find = |item: &Item| kept.iter().find(|part| (part.kind, part.number) == (item.kind as u8, item.number));
+        if self.everything
+            && !(loaded.complete && self.items.iter().all(|item| find(item).is_some_and(|part| part.fits(item))))
+        {
+            loaded.complete = false;
+            return Ok(loaded);
+        }
+        for item in &self.items {
+            match find(item) {
+                Some(part) if part.fits(item) => item.load(cpu, part.bytes),
+                Some(_) => loaded.changed.extend((item.kind == Kind::Db).then_some(item.number)),
+                None => {}
+            }
+        }
+        let counted = head[TIME].try_into().map_or(0, u64::from_le_bytes);
+        cpu.clock.count_from(counted);
+        Ok(loaded)
+    }
+}
+
+/// An item in a content.
+struct Part<'a> {
+    kind: u8,
+    number: u16,
+    signature: u64,
+    bytes: &'a [u8],
+}
+
+impl Part<'_> {
+    fn fits(&self, item: &Item) -> bool {
+        self.signature == item.signature
+    }
+}
+
+/// The items of a content; `None`: it is cut.
+fn parts(mut rest: &[u8]) -> Option<Vec<Part<'_>>> {
+    let mut parts = Vec::new();
+    while let Some((&[kind, low, high], after)) = rest.split_first_chunk::<3>() {
+        let (signature, after) = after.split_first_chunk::<8>()?;
+        let (length, after) = after.split_first_chunk::<4>()?;
+        let (bytes, after) = after.split_at_checked(u32::from_le_bytes(*length) as usize)?;
+        let signature = u64::from_le_bytes(*signature);
+        parts.push(Part { kind, number: u16::from_le_bytes([low, high]), signature, bytes });
+        rest = after;
+    }
+    rest.is_empty().then_some(parts)
+}
+
+impl Item {
+    fn collect(&self, cpu: &Cpu, content: &mut Vec<u8>) {
+        match &self.place {
+            Place::Memory(bits) => {
+                for bits in bits {
+                    let (start, bytes) = bits.cover();
+                    let from = content.len();
+                    cpu.memory.view(start, bytes, |values| content.extend(values));
+                    // Bits beside it do not count as changes.
+                    if bits.first % 8 != 0 || bits.count % 8 != 0 {
+                        let ends = [(from, start), (content.len() - 1, start + bytes - 1)];
+                        ends.into_iter().for_each(|(index, offset)| content[index] &= bits.mask(offset));
+                    }
+                }
+            }
+            Place::Timers(count) => {
+                (0..*count).for_each(|number| content.extend(timers::kept(&cpu.memory, &cpu.clock, number)))
+            }
+            Place::Meters => cpu.meters.iter().for_each(|meter| content.extend(meter.kept(cpu.clock.now()))),
+            Place::Permanent => cpu.s7200_permanent(content),
+        }
+    }
+
+    fn load(&self, cpu: &Cpu, mut values: &[u8]) {
+        match &self.place {
+            Place::Memory(bits) => {
+                for bits in bits {
+                    let (start, bytes) = bits.cover();
+                    for offset in start..start.saturating_add(bytes) {
+                        let Some((&value, rest)) = values.split_first() else { return };
+                        values = rest;
+                        let mask = bits.mask(offset);
+                        cpu.memory.set_byte(offset, cpu.memory.byte(offset) & !mask | value & mask);
+                    }
+                }
+            }
+            Place::Timers(count) => {
+                let chunks = values.chunks_exact(timers::KEPT_BYTES);
+                (0..*count)
+                    .zip(chunks)
+                    .for_each(|(number, kept)| timers::bring_back(&cpu.memory, &cpu.clock, number, kept));
+            }
+            Place::Meters => {
+                let chunks = values.chunks_exact(crate::system::meters::KEPT_BYTES);
+                cpu.meters.iter().zip(chunks).for_each(|(meter, kept)| meter.bring_back(kept, cpu.clock.now()));
+            }
+            Place::Permanent => cpu.s7200_bring_back_permanent(values),
+        }
+    }
+}
+
+/// First byte of M that is retentive on an S7-200. Source: S7-200 system manual, storing and restoring data.
+const S7200_M_FIRST: u32 = 14;
+
+/// What is retentive without configuration, from the first on.
+struct Defaults {
+    /// Bytes.
+    bit_memory: u32,
+    timers: u32,
+    counters: u32,
+}
+
+impl Defaults {
+    /// Source: configuration of the CPUs, retentive memory: MB 0 to 15 and C 0 to 7 on an S7-300/400, nothing on an S7-1200/1500.
+    fn of(family: Family) -> Defaults {
+        match family {
+            Family::S7300 | Family::S7400 => Defaults { bit_memory: 16, timers: 0, counters: 8 },
+            Family::S7200 | Family::S71200 | Family::S71500 => Defaults { bit_memory: 0, timers: 0, counters: 0 },
+        }
+    }
+}
+
+/// FNV-1a of what makes two layouts the same.
+struct Signature(u64);
+
+impl Default for Signature {
+    fn default() -> Signature {
+        Signature(0xCBF2_9CE4_8422_2325)
+    }
+}
+
+impl Signature {
+    fn bytes(self, bytes: &[u8]) -> Signature {
+        Signature(bytes.iter().fold(self.0, |sum, &byte| (sum ^ u64::from(byte)).wrapping_mul(0x0100_0000_01B3)))
+    }
+
+    fn number(self, number: u32) -> Signature {
+        self.bytes(&number.to_le_bytes())
+    }
+
+    fn text(self, text: &str) -> Signature {
+        // Names of the CPU do not distinguish case.
+        self.number(text.len() as u32).bytes(text.to_lowercase().as_bytes())
+    }
+
+    /// Names, types and places of all components.
+    fn ty(self, ty: TypeNumber, types: &[NamedType]) -> Signature {
+        match types.get(ty as usize) {
+            None => self,
+            Some(NamedType::Value(value)) => self.text(&format!("{value:?}")),
+            Some(NamedType::Text { wide, length }) => {
+                self.text(if *wide { "wide" } else { "text" }).number((*length).into())
+            }
+            Some(NamedType::Array { dimensions, element }) => {
+                let all = dimensions.iter().fold(self.text("array"), |sum, one| {
+                    sum.bytes(&one.low.to_le_bytes()).bytes(&one.high.to_le_bytes()).number(one.distance)
+                });
+                // A type has a larger number than those that it contains.
+                if *element < ty { all.ty(*element, types) } else { all }
+            }
+            Some(NamedType::Struct(all)) => all.members.iter().fold(self.text("struct"), |sum, member| {
+                let sum = sum.text(&member.name).number(member.byte).number(member.bit.into());
+                if member.ty < ty { sum.ty(member.ty, types) } else { sum }
+            }),
+            Some(NamedType::Other { name }) => self.text(name),
+        }
+    }
+}
+
+/// The signature of a data block's layout and of what of it is retentive.
+fn signature_of(db: &DbEntry, types: &[NamedType]) -> u64 {
+    let sum = Signature::default().number(db.data.len() as u32);
+    let sum = db.ty.map_or(Signature(sum.0), |ty| Signature(sum.0).ty(ty, types));
+    match &db.kept {
+        Kept::Nothing | Kept::Everything => sum.0,
+        Kept::Bits(bits) => bits.iter().fold(sum, |sum, (first, count)| sum.number(*first).number(*count)).0,
+    }
+}

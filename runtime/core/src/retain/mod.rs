@@ -1,0 +1,243 @@
+//! Memory that lasts: what a CPU keeps without power is in a file, from one process to the next.
+//!
+//! A copy of retentive memory is made between two cycles, so it is that of one completed cycle. It is written to the file by a
+//! [thread](writer) that the cycle never waits for, as often as `every` says, or by the cycle itself if each cycle counts. When the CPU goes to
+//! STOP or the run ends, the last copy is written before the process ends. Writing goes on after it has failed once.
+//!
+//! Sources: CPU manuals, retentive memory and restart types; S7-200 system manual, storing and restoring data.
+
+mod items;
+mod slots;
+mod writer;
+
+use std::cell::{Cell, RefCell};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use plcc_abi::image::{Family, RetainInterval};
+
+use crate::cpu::Cpu;
+use crate::diagnostics::{self, NO_SITE};
+use crate::s7200::errors::INTERNAL_ERROR;
+use items::{Items, Loaded, Refused};
+use slots::{Content, Fault, Slots};
+use writer::Writer;
+
+/// Startup OBs.
+const WARM: u16 = 100;
+const HOT: u16 = 101;
+const COLD: u16 = 102;
+
+/// Whether the data of a CPU came back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Restored {
+    /// No file is named.
+    NotKept,
+    /// There is none, or it is of no use.
+    Lost,
+    Whole,
+}
+
+/// The retentive memory of a CPU that keeps it.
+pub(crate) struct Retention {
+    path: PathBuf,
+    items: Items,
+    interval: RetainInterval,
+    writer: RefCell<Writer>,
+    /// The content last handed over, and the one being made.
+    written: RefCell<Vec<u8>>,
+    next: RefCell<Vec<u8>>,
+    last: Cell<Option<Instant>>,
+    /// The last copy could not be written, and this was reported.
+    failed: Cell<bool>,
+}
+
+/// A message to the user; a closed standard error changes nothing.
+fn say(text: &str) {
+    let _ = writeln!(std::io::stderr(), "runtime: {text}");
+}
+
+impl Cpu {
+    /// Whether the file of retentive memory can be one. `Err`: why not.
+    pub(crate) fn check_retentive_file(&self) -> Result<(), String> {
+        let Some(path) = &self.image.config.retain.file else { return Ok(()) };
+        match slots::check(Path::new(path)) {
+            // What else may be wrong is told when the file is opened, and the CPU runs without it.
+            Ok(()) | Err(Fault::Host(_) | Fault::InUse) => Ok(()),
+            Err(Fault::Foreign(text)) => Err(format!("{text}; name another file for retentive memory")),
+        }
+    }
+
+    /// The CPU is switched on: memory gets what was kept, as the kind of restart says.
+    pub(crate) fn power_on_retentive(&self) -> Restored {
+        let Some(path) = self.image.config.retain.file.as_deref().map(Path::new) else { return Restored::NotKept };
+        let (mut slots, content) = match Slots::open(path) {
+            Ok(opened) => opened,
+            Err(fault) => {
+                let fault = match fault {
+                    Fault::InUse => format!("{} is in use by another process", path.display()),
+                    Fault::Foreign(text) => text,
+                    Fault::Host(error) => format!("cannot use {}: {error}", path.display()),
+                };
+                say(&format!("nothing is retentive in this run: {fault}"));
+                self.log(diagnostics::RETAIN_NOT_WRITTEN, NO_SITE, 0);
+                self.refuse_hot_restart("there is no retentive memory");
+                return Restored::Lost;
+            }
+        };
+        let config = &self.image.config.retain;
+        let hot = self.startup.get() == HOT && self.image.profile.family == Family::S7400;
+        let items = Items::of(self, hot);
+        let restored = self.bring_back(path, &items, content);
+        // Cycles are not to wait for a file that must be made.
+        let mut first = Vec::new();
+        items.collect(self, &mut first);
+        let made = if slots.is_short_for(first.len()) { slots.write(&first) } else { Ok(()) };
+        let retention = Retention {
+            path: path.to_path_buf(),
+            items,
+            interval: config.interval,
+            writer: RefCell::new(Writer::new(slots, config.interval)),
+            written: RefCell::default(),
+            next: RefCell::default(),
+            last: Cell::new(None),
+            failed: Cell::new(false),
+        };
+        retention.note(self, made.is_err().then_some(made));
+        // Once for each CPU: it is switched on once.
+        let _ = self.retention.set(retention);
+        restored
+    }
+
+    fn bring_back(&self, path: &Path, items: &Items, content: Content) -> Restored {
+        let path = path.display();
+        let lost = |text: String| {
+            say(&text);
+            self.log(diagnostics::RETAIN_LOST, NO_SITE, 0);
+        };
+        let restored = match (content, self.startup.get()) {
+            (_, _) if self.image.config.retain.reset => {
+                self.log(diagnostics::MEMORY_RESET, NO_SITE, 0);
+                Restored::Lost
+            }
+            (Content::Nothing, _) => Restored::Lost,
+            (Content::Damaged, _) => {
+                lost(format!("{path} is damaged: all data begins with its start values"));
+                Restored::Lost
+            }
+            (Content::Whole(_), COLD) => Restored::Lost,
+            (Content::Whole(content), _) => match items.load(self, &content) {
+                Ok(loaded) => self.note_loaded(&path.to_string(), &loaded),
+                Err(Refused::Damaged) => {
+                    lost(format!("{path} is incomplete: all data begins with its start values"));
+                    Restored::Lost
+                }
+                Err(Refused::Program(name)) => {
+                    lost(format!("{path} is of the program `{name}`: all data begins with its start values"));
+                    Restored::Lost
+                }
+            },
+        };
+        if restored == Restored::Lost {
+            self.refuse_hot_restart("no state of this program was kept");
+        }
+        restored
+    }
+
+    fn note_loaded(&self, path: &str, loaded: &Loaded) -> Restored {
+        for &number in &loaded.changed {
+            let name = self.image.dbs.iter().find(|db| db.number == number).map_or("", |db| db.name.as_str());
+            let named = if name.is_empty() { String::new() } else { format!(" \"{name}\"") };
+            let why = match self.image.profile.family {
+                Family::S7200 => "V memory begins with the values of the data block, which is another than that of",
+                _ => "begins with its start values: its layout is another than in",
+            };
+            match self.image.profile.family {
+                Family::S7200 => say(&format!("{why} {path}")),
+                _ => say(&format!("DB {number}{named} {why} {path}")),
+            }
+            self.log(diagnostics::RETAIN_CHANGED, NO_SITE, number.into());
+        }
+        if self.startup.get() == HOT && !loaded.complete {
+            self.refuse_hot_restart("the program has changed, or its state was kept for a warm restart");
+        }
+        Restored::Whole
+    }
+
+    /// Only what was interrupted can go on: without its state an S7-400 makes a warm restart.
+    fn refuse_hot_restart(&self, why: &str) {
+        if self.startup.get() == HOT && self.image.profile.family == Family::S7400 {
+            say(&format!("no hot restart: {why}; warm restart"));
+            self.startup.set(WARM);
+        }
+    }
+
+    /// A cycle is complete; with `finally`, the run ends.
+    #[inline]
+    pub(crate) fn keep_retentive(&self, finally: bool) {
+        if let Some(retention) = self.retention.get() {
+            retention.keep(self, finally);
+        }
+    }
+}
+
+impl Retention {
+    fn keep(&self, cpu: &Cpu, finally: bool) {
+        // What a fault of plcc itself has left is not to come back.
+        let damaged = cpu.stopped().is_some_and(|stop| stop.entry.event == INTERNAL_ERROR);
+        if damaged || !finally && !self.is_time() {
+            return;
+        }
+        let mut writer = self.writer.borrow_mut();
+        self.note(cpu, writer.outcome());
+        if writer.is_busy() && !finally {
+            return;
+        }
+        let mut next = self.next.borrow_mut();
+        self.items.collect(cpu, &mut next);
+        let mut written = self.written.borrow_mut();
+        // Time alone is not a change.
+        let same = |one: &[u8], other: &[u8]| {
+            one.first() == other.first() && one.get(items::TIME.end..) == other.get(items::TIME.end..)
+        };
+        if self.failed.get() || !same(&written, &next) || finally {
+            std::mem::swap(&mut *written, &mut *next);
+            writer.write(&written);
+        }
+        if finally {
+            let outcome = writer.finish();
+            self.note(cpu, outcome);
+        }
+    }
+
+    fn is_time(&self) -> bool {
+        match self.interval {
+            RetainInterval::Cycle => true,
+            RetainInterval::Milliseconds(ms) => {
+                let now = Instant::now();
+                let due =
+                    self.last.get().is_none_or(|last| now.duration_since(last) >= Duration::from_millis(ms.into()));
+                if due {
+                    self.last.set(Some(now));
+                }
+                due
+            }
+        }
+    }
+
+    /// Reports that writing has failed, and that it works again.
+    fn note(&self, cpu: &Cpu, outcome: Option<std::io::Result<()>>) {
+        match outcome {
+            Some(Err(error)) if !self.failed.replace(true) => {
+                say(&format!("cannot write retentive memory to {}: {error}", self.path.display()));
+                cpu.log(diagnostics::RETAIN_NOT_WRITTEN, NO_SITE, 0);
+            }
+            Some(Ok(())) if self.failed.replace(false) => {
+                say(&format!("retentive memory is written to {} again", self.path.display()));
+                cpu.log(diagnostics::RETAIN_WRITTEN, NO_SITE, 0);
+            }
+            Some(_) | None => {}
+        }
+    }
+}

@@ -1,0 +1,210 @@
+//! Running a program as a CPU does: `plcc run` and executables.
+
+mod instances;
+mod session;
+
+use std::fs::File;
+use std::io::Write;
+use std::rc::Rc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
+
+use plcc_abi::ProgramImage;
+
+use crate::clock::Clock;
+use crate::code::Code;
+use crate::cpu::Cpu;
+use crate::cycle::Pace;
+use crate::faults::STOP_BY_REQUEST;
+use crate::io::Simulated;
+use crate::options::{ClockKind, HANG_LIMIT_DEFAULT, RunOptions};
+use crate::records::store::{self, Store};
+use crate::signal::Signal;
+use crate::trace::Recorder;
+use crate::{diagnostics, files, realtime, report};
+use session::{Session, prepare};
+
+/// The program stopped because it was asked to.
+pub const EXIT_OK: u8 = 0;
+/// The CPU went to STOP on a fault, or an expectation of the scenario failed.
+pub const EXIT_FAULT: u8 = 1;
+/// A flag or file is wrong.
+pub const EXIT_USAGE: u8 = 2;
+
+/// Writes a line to standard error; a closed one must not stop a plant.
+macro_rules! say {
+    ($($arg:tt)*) => {{
+        let _ = writeln!(std::io::stderr(), $($arg)*);
+    }};
+}
+
+pub(crate) use say;
+
+static END: OnceLock<Arc<AtomicBool>> = OnceLock::new();
+
+/// True after SIGINT or SIGTERM.
+pub fn end_requested() -> bool {
+    END.get().is_some_and(|end| end.load(Ordering::Relaxed))
+}
+
+/// The first SIGINT or SIGTERM ends the run after the cycle, a second one ends the process at once.
+fn watch_signals() {
+    let end = END.get_or_init(|| Arc::new(AtomicBool::new(false)));
+    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
+        // Without the handlers the signals still end the process.
+        let _ = signal_hook::flag::register_conditional_shutdown(signal, i32::from(EXIT_FAULT), end.clone())
+            .and_then(|_| signal_hook::flag::register(signal, end.clone()));
+    }
+}
+
+/// Makes the code of a CPU.
+pub type CodeMaker<'a> = &'a (dyn Fn() -> Rc<dyn Code> + Sync);
+
+/// Runs a program by the runtime flags, on one CPU or on as many as they say. Result: exit code.
+pub fn start(image: ProgramImage, code: CodeMaker, options: &RunOptions) -> u8 {
+    match options.instances.is_some() || options.instance_values.is_some() {
+        true => instances::run(image, code, options),
+        false => run(image, code(), options),
+    }
+}
+
+/// Runs a program on one CPU. Values go to standard output, messages to standard error. Result: exit code.
+pub fn run(mut image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions) -> u8 {
+    let clock = match options.clock {
+        ClockKind::Real => Clock::real(),
+        ClockKind::Virtual => Clock::simulated(),
+    };
+    image.config.s7200.stop_on_error |= options.stop_on_error;
+    options.restart(&mut image.config);
+    let driver = Box::new(Simulated::new(image.config.modules.clone()));
+    let cpu = Cpu::new(image, code, clock, driver);
+    if let Some(port) = options.iso_port {
+        cpu.communication.borrow_mut().set_iso_port(port);
+    }
+    let folder = store::folder(options.data.as_deref(), cpu.image.config.data_folder.as_deref());
+    cpu.set_store(Store::new(folder));
+    if let Some(path) = &options.alarm_log {
+        match files::writable(path).and_then(|()| File::create(path)) {
+            Ok(file) => cpu.alarms.borrow_mut().write_to(file),
+            Err(error) => {
+                say!("runtime: {}: {error}", path.display());
+                return EXIT_USAGE;
+            }
+        }
+    }
+    let (printed, mut session) = match prepare(&cpu, options, Box::new(std::io::stdout())) {
+        Ok(prepared) => prepared,
+        Err(message) => {
+            say!("runtime: {message}");
+            return EXIT_USAGE;
+        }
+    };
+    tell_partial(&cpu.image.partial, options.quiet);
+    if let Err(message) = realtime(options) {
+        say!("runtime: --realtime: {message}");
+        return EXIT_USAGE;
+    }
+    watch_signals();
+    let pace = pace(&cpu, options);
+    // Also with --quiet: the user must know this to judge the values.
+    for notice in &cpu.image.notices {
+        say!("{notice}");
+    }
+    let cycles = cpu.execute(&pace, &mut session);
+    finish(&cpu, options, &printed, session, cycles)
+}
+
+fn pace(cpu: &Cpu, options: &RunOptions) -> Pace {
+    Pace {
+        cycles: options.cycles,
+        cycle_time: options.cycle_time.map_or_else(|| cpu.cycle_time(), |time| time.0),
+        hang_limit: options.hang_limit.unwrap_or(HANG_LIMIT_DEFAULT).0,
+    }
+}
+
+/// Does what `--realtime` asks for. Under the virtual clock cycles follow each other without a pause: at the priority of real time they
+/// would keep the computer from everything else.
+fn realtime(options: &RunOptions) -> Result<(), String> {
+    match (options.realtime, options.clock) {
+        (false, _) => Ok(()),
+        (true, ClockKind::Real) => realtime::enter(),
+        (true, ClockKind::Virtual) => Err("the virtual clock does not wait; leave out one of both flags".to_string()),
+    }
+}
+
+fn is_closed(error: &std::io::Error) -> bool {
+    error.kind() == std::io::ErrorKind::BrokenPipe
+}
+
+/// Reports the stand-ins for missing parts, one per line, or all in one line.
+fn tell_partial(items: &[String], quiet: bool) {
+    match (items.len(), quiet) {
+        (0, _) => {}
+        (1, true) => say!("partial: the program was built with 1 missing part"),
+        (count, true) => say!("partial: the program was built with {count} missing parts"),
+        (_, false) => items.iter().for_each(|item| say!("partial: {item}")),
+    }
+}
+
+fn finish(cpu: &Cpu, options: &RunOptions, printed: &[Signal], session: Session, cycles: u64) -> u8 {
+    let mut exit = EXIT_OK;
+    if !printed.is_empty() {
+        let mut out = std::io::stdout().lock();
+        let plant = session.player.plant();
+        let written =
+            report::write_values(cpu, plant, printed, options.json.then_some((cycles, session.last)), &mut out)
+                .and_then(|()| out.flush());
+        // A closed pipe is not a fault of the program.
+        if let Err(error) = written.or_else(|error| if is_closed(&error) { Ok(()) } else { Err(error) }) {
+            say!("runtime: cannot write to standard output: {error}");
+            exit = EXIT_USAGE;
+        }
+    }
+    let (lines, fault) = verdict(cpu, options, &session, cycles);
+    lines.iter().for_each(|line| say!("{line}"));
+    if fault {
+        exit = exit.max(EXIT_FAULT);
+    }
+    if options.diag {
+        for entry in cpu.diagnostics.newest_first() {
+            say!("{}", diagnostics::line(&cpu.image, &entry));
+        }
+        cpu.s7200_error_report().iter().for_each(|line| say!("{line}"));
+    }
+    if let Some(Err(error)) = session.recorder.map(Recorder::finish) {
+        say!("runtime: the trace is incomplete: {error}");
+        exit = EXIT_USAGE;
+    }
+    exit
+}
+
+/// How the run ended: expectations that were not met, why the CPU is in STOP. And whether one of them is a fault.
+fn verdict(cpu: &Cpu, options: &RunOptions, session: &Session, cycles: u64) -> (Vec<String>, bool) {
+    let (mut lines, mut fault) = (Vec::new(), false);
+    for failure in session.player.failures() {
+        let place = failure.place().map(|place| format!(" {place}")).unwrap_or_default();
+        let beside = match failure.beside.is_empty() {
+            true => String::new(),
+            false => format!("; beside it: {}", failure.beside.join(", ")),
+        };
+        let (file, line, text) = (&failure.file, failure.line, &failure.text);
+        lines.push(format!("{file}:{line}: expected {text}, but it is {}{place}{beside}", failure.left));
+        fault = true;
+    }
+    let stop = cpu.stopped();
+    match stop {
+        Some(stop) if !stop.asked => {
+            lines.push(cpu.stop_text(&stop));
+            fault = true;
+        }
+        Some(stop) if stop.entry.event == STOP_BY_REQUEST => {
+            if !options.quiet {
+                lines.push("ended in startup".to_string());
+            }
+        }
+        Some(_) if !options.quiet => lines.push(format!("stopped by the program after {cycles} cycles")),
+        None if !options.quiet => lines.push(format!("ended after {cycles} cycles")),
+        Some(_) | None => {}
+    }
+    (lines, fault)
+}

@@ -1,0 +1,127 @@
+//! What the flags of a run name, made for one CPU: values that are set, printed and recorded, and the scenario.
+
+use std::io::Write;
+
+use crate::cpu::Cpu;
+use crate::cycle::Observer;
+use crate::options::{RunOptions, split_list};
+use crate::plant::Plant;
+use crate::scenario::{Player, Scenario};
+use crate::signal::{self, Signal, Source, Value};
+use crate::trace::{self, Recorder};
+
+/// Everything that flags name, checked.
+pub(super) struct Session {
+    set: Vec<(Source, Value)>,
+    /// Time of the last cycle in nanoseconds.
+    pub last: u64,
+    pub player: Player,
+    pub recorder: Option<Recorder>,
+}
+
+impl Observer for Session {
+    fn before(&mut self, cpu: &Cpu, cycle: u64, time: u64) {
+        if cycle == 0 {
+            self.set_values(cpu);
+        }
+        self.player.before(cpu, cycle, time);
+    }
+
+    fn after(&mut self, cpu: &Cpu, cycle: u64, time: u64) {
+        self.last = time;
+        self.player.after(cpu, cycle, time);
+        if self.recorder.is_some() {
+            self.record(cpu, cycle, time);
+        }
+    }
+}
+
+impl Session {
+    /// Further values to be set.
+    pub fn set(&mut self, values: Vec<(Source, Value)>) {
+        self.set.extend(values);
+    }
+
+    /// The values of `--set`.
+    #[cold]
+    fn set_values(&self, cpu: &Cpu) {
+        for (source, value) in &self.set {
+            // Checked when the session was made.
+            let _ = source.write(cpu, value);
+        }
+    }
+
+    /// A sample of the trace.
+    #[inline(never)]
+    fn record(&mut self, cpu: &Cpu, cycle: u64, time: u64) {
+        if let Some(recorder) = &mut self.recorder {
+            recorder.sample(cpu, self.player.plant(), cycle, time);
+        }
+    }
+}
+
+/// The values that are printed at the end, and everything else that the flags name. What a scenario prints goes to `out`.
+pub(super) fn prepare(cpu: &Cpu, options: &RunOptions, out: Box<dyn Write>) -> Result<(Vec<Signal>, Session), String> {
+    cpu.check_retentive_file()?;
+    let scenario = options.scenario.as_deref().map(|path| Scenario::read(path, &cpu.image)).transpose()?;
+    let player = Player::new(scenario.unwrap_or_default(), cpu)?.print_to(out, options.json);
+    let printed = signals(cpu, player.plant(), &options.print)?;
+    let asked = signals(cpu, player.plant(), &options.trace_signals)?;
+    // A wrong flag leaves the trace of an earlier run as it is.
+    let set = settings(cpu, &options.set)?;
+    let recorder = match &options.trace {
+        Some(path) => {
+            let step = options.trace_step.map_or(0, |step| step.0);
+            let (signals, has_more) = trace::signals(cpu, &asked, &printed);
+            if has_more {
+                let count = signals.len();
+                super::say!("the trace has the first {count} values of the program; --trace-signals names others");
+            }
+            Some(Recorder::create(path, signals, step)?)
+        }
+        None => None,
+    };
+    Ok((printed, Session { set, last: 0, player, recorder }))
+}
+
+/// The signals of a list flag.
+fn signals(cpu: &Cpu, plant: Option<&Plant>, list: &[String]) -> Result<Vec<Signal>, String> {
+    let mut signals = Vec::new();
+    for name in split_list(list) {
+        let found = signal::all(&name, &cpu.image, plant)?;
+        for Signal { name, source } in &found {
+            source.check(cpu).map_err(|message| format!("{name}: {message}"))?;
+        }
+        signals.extend(found);
+    }
+    Ok(signals)
+}
+
+/// Splits at the first `=` that is not in quotes.
+fn split_setting(item: &str) -> Option<(&str, &str)> {
+    let mut in_quotes = false;
+    let at = item.find(|c| {
+        in_quotes ^= c == '"';
+        c == '=' && !in_quotes
+    })?;
+    Some((&item[..at], &item[at + 1..]))
+}
+
+/// The settings of `--set`. Inputs among them are copied into the process image from the start.
+fn settings(cpu: &Cpu, list: &[String]) -> Result<Vec<(Source, Value)>, String> {
+    let one = |item: String| {
+        let (name, text) = split_setting(&item).ok_or_else(|| format!("--set {item}: write ADDR=VALUE, as I0.0=1"))?;
+        setting(cpu, name, text).map_err(|message| format!("--set {item}: {message}"))
+    };
+    split_list(list).into_iter().map(one).collect()
+}
+
+/// A value that is set before the startup OB runs.
+pub(super) fn setting(cpu: &Cpu, name: &str, text: &str) -> Result<(Source, Value), String> {
+    let source = Source::find(name, &cpu.image, None)?;
+    let checked = match source.address() {
+        Some(address) => cpu.check_address(address).and_then(|()| source.check_settable()),
+        None => source.check_settable(),
+    };
+    checked.and_then(|()| source.parse(text, &cpu.image)).map(|value| (source, value))
+}

@@ -1,0 +1,248 @@
+//! What comes back after the end of a process, for each kind of restart.
+
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+use plcc_abi::image::{AssertType, DbEntry, Family, Kept, ProgramImage, RetainInterval};
+use plcc_abi::layout;
+use plcc_abi::names::{NamedMember, NamedStruct, NamedType};
+
+use super::helpers::{Block, cpu_with, run};
+use crate::counters;
+use crate::cpu::Cpu;
+use crate::timers;
+use plcc_abi::functions::TimerMode;
+
+const M: u32 = layout::M;
+const DB: u32 = layout::DB_DATA;
+
+/// A file in a folder of this test.
+fn file(name: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("plcc-retain-{}-{name}", std::process::id()));
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    folder.join("retain")
+}
+
+/// DB 1 of two words, `first` and `second`, that begin with 7.
+fn db(number: u16, kept: Kept) -> DbEntry {
+    DbEntry {
+        number,
+        name: String::new(),
+        address: DB + 16 * u32::from(number),
+        data: vec![0, 7, 0, 7],
+        read_only: false,
+        unlinked: false,
+        kept,
+        ty: Some(1),
+    }
+}
+
+fn types(second: &str) -> Vec<NamedType> {
+    let member = |name: &str, byte| NamedMember { name: name.to_string(), ty: 0, byte, bit: 0 };
+    let members = vec![member("first", 0), member("second", 2)];
+    let members =
+        members.into_iter().map(|m| if m.name == "second" { NamedMember { name: second.to_string(), ..m } } else { m });
+    let all = NamedStruct { name: String::new(), members: members.collect(), is_dtl: false };
+    vec![NamedType::Value(AssertType::Signed(16)), NamedType::Struct(all)]
+}
+
+/// A CPU with DB 1 and a DB 2 that is not retentive, and blocks for OB 1, 100, 101, 102.
+fn with(path: &Path, obs: Vec<(u16, Block)>, change: impl FnOnce(&mut ProgramImage)) -> Rc<Cpu> {
+    cpu_with(obs, |image| {
+        image.config.retain.file = Some(path.display().to_string());
+        image.dbs = vec![db(1, Kept::Everything), db(2, Kept::Nothing)];
+        image.types = types("second");
+        image.db_end = DB + 64;
+        change(image);
+    })
+}
+
+fn nothing() -> Vec<(u16, Block)> {
+    [1, 100, 101, 102].map(|ob| (ob, Box::new(|_: &Cpu, _: u32| {}) as Block)).into()
+}
+
+/// Words that a program has left and another one finds: MW 2, MW 20, C 1, C 9, DB1.DBW0, DB2.DBW0.
+fn words(cpu: &Cpu) -> [u16; 6] {
+    let memory = &cpu.memory;
+    [
+        memory.word(M + 2),
+        memory.word(M + 20),
+        counters::value(memory, 1) as u16,
+        counters::value(memory, 9) as u16,
+        memory.word(DB + 16),
+        memory.word(DB + 32),
+    ]
+}
+
+const FILLED: [u16; 6] = [2, 20, 5, 6, 100, 200];
+const START: [u16; 6] = [0, 0, 0, 0, 7, 7];
+
+fn set_counter(cpu: &Cpu, number: u32, count: u16) {
+    let cell = layout::C + number * layout::COUNTER_CELL_BYTES;
+    cpu.memory.set_bytes(cell + layout::counter_cell::COUNT, count.to_ne_bytes());
+}
+
+fn fill(cpu: &Cpu) {
+    cpu.memory.set_word(M + 2, 2);
+    cpu.memory.set_word(M + 20, 20);
+    set_counter(cpu, 1, 5);
+    set_counter(cpu, 9, 6);
+    cpu.memory.set_word(DB + 16, 100);
+    cpu.memory.set_word(DB + 32, 200);
+}
+
+fn leave(path: &Path, change: impl FnOnce(&mut ProgramImage)) {
+    let mut obs = nothing();
+    obs[0].1 = Box::new(|cpu, _| fill(cpu));
+    let cpu = with(path, obs, change);
+    run(&cpu, 1);
+    assert_eq!(words(&cpu), FILLED);
+}
+
+fn found(path: &Path, change: impl FnOnce(&mut ProgramImage)) -> [u16; 6] {
+    let cpu = with(path, nothing(), change);
+    run(&cpu, 1);
+    words(&cpu)
+}
+
+#[test]
+fn a_warm_restart_keeps_what_is_retentive() {
+    let path = file("warm");
+    assert_eq!(found(&path, |_| {}), START);
+    leave(&path, |_| {});
+    let kept = [2, 0, 5, 0, 100, 7];
+    assert_eq!(found(&path, |_| {}), kept);
+    assert_eq!(found(&path, |_| {}), kept);
+}
+
+#[test]
+fn plc_toml_says_what_is_retentive() {
+    let path = file("configured");
+    let change = |image: &mut ProgramImage| {
+        image.config.retain.bit_memory = Some(21);
+        image.config.retain.counters = Some(0);
+    };
+    leave(&path, change);
+    // MB 20 is retentive, MB 21 is not.
+    assert_eq!(found(&path, change), [2, 0, 0, 0, 100, 7]);
+}
+
+#[test]
+fn cold_restart_and_memory_reset_begin_with_start_values() {
+    let path = file("cold");
+    leave(&path, |_| {});
+    assert_eq!(found(&path, |image| image.config.startup = 102), START);
+    assert_eq!(found(&path, |_| {}), START, "the cold restart has written its own values");
+    leave(&path, |_| {});
+    assert_eq!(found(&path, |image| image.config.retain.reset = true), START);
+}
+
+#[test]
+fn a_hot_restart_keeps_everything() {
+    let path = file("hot");
+    let hot = |image: &mut ProgramImage| {
+        image.profile.family = Family::S7400;
+        image.config.startup = 101;
+    };
+    let started = |path: &Path, change: &dyn Fn(&mut ProgramImage)| {
+        let mut obs = nothing();
+        for (index, mark) in [(1, 100u16), (2, 101), (3, 102)] {
+            obs[index].1 = Box::new(move |cpu, _| cpu.memory.set_word(M + 30, mark));
+        }
+        let cpu = with(path, obs, change);
+        run(&cpu, 1);
+        (cpu.memory.word(M + 30), words(&cpu))
+    };
+    // Nothing was interrupted: a warm restart.
+    assert_eq!(started(&path, &hot), (100, START));
+    leave(&path, hot);
+    assert_eq!(started(&path, &hot), (101, FILLED));
+    // The program has changed.
+    leave(&path, hot);
+    assert_eq!(
+        started(&path, &|image| {
+            hot(image);
+            image.types = types("other");
+        })
+        .0,
+        100
+    );
+}
+
+#[test]
+fn a_changed_data_block_begins_with_its_start_values() {
+    let path = file("changed");
+    leave(&path, |_| {});
+    let cpu = with(&path, nothing(), |image| image.types = types("other"));
+    run(&cpu, 1);
+    assert_eq!(words(&cpu), [2, 0, 5, 0, 7, 7]);
+    let events: Vec<u16> = cpu.diagnostics.newest_first().iter().map(|entry| entry.event).collect();
+    assert!(events.contains(&crate::diagnostics::RETAIN_CHANGED));
+}
+
+#[test]
+fn another_program_finds_nothing() {
+    let path = file("program");
+    leave(&path, |_| {});
+    assert_eq!(found(&path, |image| image.name = "other".to_string()), START);
+}
+
+#[test]
+fn single_bits_are_retentive() {
+    let path = file("bits");
+    // Bits 3 to 20 of DB 1.
+    let change = |image: &mut ProgramImage| image.dbs[0].kept = Kept::Bits(vec![(3, 18)]);
+    let mut obs = nothing();
+    obs[0].1 = Box::new(|cpu, _| cpu.memory.set_dword(DB + 16, u32::MAX));
+    run(&with(&path, obs, change), 1);
+    let cpu = with(&path, nothing(), change);
+    run(&cpu, 1);
+    assert_eq!(cpu.memory.bytes::<4>(DB + 16), [0xF8, 0xFF, 0x1F, 7]);
+}
+
+#[test]
+fn timers_go_on() {
+    let path = file("timers");
+    let change = |image: &mut ProgramImage| image.config.retain.timers = Some(4);
+    // 2 seconds in units of 10 ms, begun in the first of 50 cycles.
+    let mut obs = nothing();
+    obs[0].1 = Box::new(|cpu, _| timers::start(&cpu.memory, &cpu.clock, 3, TimerMode::OnDelay, 0x0200, true));
+    let cpu = with(&path, obs, change);
+    run(&cpu, 50);
+    let (left, counted) = (timers::remaining(&cpu.memory, &cpu.clock, 3), cpu.clock.ticks());
+    drop(cpu);
+    let cpu = with(&path, nothing(), change);
+    run(&cpu, 1);
+    assert_eq!((left, timers::remaining(&cpu.memory, &cpu.clock, 3)), (0x0150, 0x0149));
+    assert_eq!(cpu.clock.ticks(), counted + 10, "the time of IEC timers goes on");
+}
+
+#[test]
+fn each_cycle_can_count() {
+    let path = file("cycle");
+    let mut obs = nothing();
+    obs[0].1 = Box::new(|cpu, _| cpu.memory.set_word(M, cpu.memory.word(M) + 1));
+    let change = |image: &mut ProgramImage| image.config.retain.interval = RetainInterval::Cycle;
+    let cpu = with(&path, obs, change);
+    run(&cpu, 40);
+    // The process is killed: nothing is done at its end.
+    let copy = path.with_file_name("copy");
+    std::fs::copy(&path, &copy).unwrap();
+    let cpu = with(&copy, nothing(), change);
+    run(&cpu, 1);
+    assert_eq!(cpu.memory.word(M), 40);
+}
+
+#[test]
+fn a_file_that_cannot_be_written_does_not_stop_the_cpu() {
+    let folder = file("denied");
+    std::fs::create_dir(&folder).unwrap();
+    for path in [folder.join("no/such/folder"), PathBuf::from("/proc/retain")] {
+        let cpu = with(&path, nothing(), |_| {});
+        run(&cpu, 3);
+        assert!(!cpu.is_stopped());
+        let events: Vec<u16> = cpu.diagnostics.newest_first().iter().map(|entry| entry.event).collect();
+        assert!(events.contains(&crate::diagnostics::RETAIN_NOT_WRITTEN), "{}", path.display());
+    }
+}
