@@ -154,8 +154,15 @@ impl SclBinder<'_, '_> {
         self.complex_value(ctx, value, ty)
     }
 
+    /// Whether the node is the name of a local STRING.
+    pub(super) fn is_local_text(ctx: &SclBlock, node: &Node) -> bool {
+        let NodeKind::Name(name) = &node.kind else { return false };
+        let local = ctx.block.bound.locals.get(&plcc_binding::fold(&name.text));
+        local.is_some_and(|local| matches!(local.ty, DataType::String(_)))
+    }
+
     /// Reports `"hello"` where a text is expected, if nothing has that name.
-    fn is_text_in_name_quotes(&mut self, ctx: &SclBlock, node: &Node) -> bool {
+    pub(super) fn is_text_in_name_quotes(&mut self, ctx: &SclBlock, node: &Node) -> bool {
         let NodeKind::Name(name) = &node.kind else { return false };
         let folded = plcc_binding::fold(&name.text);
         if name.form != NameForm::Quoted

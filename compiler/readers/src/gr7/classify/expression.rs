@@ -191,7 +191,9 @@ impl<'a> Classifier<'a, '_> {
         }
         let digits = slice.trim_start_matches(|c: char| c.is_ascii_digit());
         let unit = ["d", "h", "m", "s", "ms"].iter().any(|unit| unit.eq_ignore_ascii_case(digits));
-        if digits.len() < slice.len() && unit && !self.after_point() {
+        // In an action, times have no `T#`.
+        let compared = matches!(self.out.last(), Some((_, Tok::Compare(_), _)));
+        if digits.len() < slice.len() && unit && compared {
             let help = format!("write `T#{}`", slice.to_ascii_uppercase());
             self.foreign(token, "a time begins with `T#`", &help);
             self.take(Tok::Bad);

@@ -204,8 +204,9 @@ impl<'a> Classifier<'a, '_> {
             "VAR_TEMP",
             "BEGIN",
         ];
+        const OTHERS: [&str; 3] = ["NETWORK", "VAR_INOUT", "TITLE"];
         const LENGTH_LEAST: usize = 5;
-        if word.len() < LENGTH_LEAST || HEADERS.contains(&word) || ALONE.contains(&word) {
+        if word.len() < LENGTH_LEAST || HEADERS.contains(&word) || ALONE.contains(&word) || OTHERS.contains(&word) {
             return None;
         }
         if mnemonics::any(word, self.detected.set).is_some() {
