@@ -132,7 +132,7 @@ fn copies(function: &Function, each: &Loop, passes: usize, size: usize) -> Optio
     let loads = hot.flat_map(|&block| &function.blocks[block].insts).filter(|inst| is_load(inst)).count();
     (2..=TOGETHER_MAX.min(LOADS_MAX / loads.max(1)))
         .rev()
-        .find(|&count| passes % count == 0 && count * size <= TOGETHER_INSTS_MAX)
+        .find(|&count| passes.is_multiple_of(count) && count * size <= TOGETHER_INSTS_MAX)
 }
 
 /// How many passes the loop has, if a counter with constant ends decides that.

@@ -103,7 +103,7 @@ impl Binder<'_> {
             self.missing_operand(what, mnemonic, &self.form(insn));
         }
         if operands.len() == classes.len() + 1
-            && let Some(at) = decimal_comma(&classes, operands)
+            && let Some(at) = decimal_comma(classes, operands)
         {
             let (whole, part) = (&operands[at].span, &operands[at + 1].span);
             let text = self.written(whole.to(*part));

@@ -169,7 +169,7 @@ impl SclBinder<'_, '_> {
             || self.program.globals.input.partial
             || ctx.block.bound.locals.contains_key(&folded)
             || self.program.globals.names.symbols.contains_key(&folded)
-            || self.program.globals.names.constants.get(&folded).is_some()
+            || self.program.globals.names.constants.contains_key(&folded)
             || ctx
                 .block
                 .bound
