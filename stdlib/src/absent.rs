@@ -253,7 +253,7 @@ mod tests {
         let count: usize = GROUPS.iter().map(|group| group.names.len()).sum();
         assert!(count > 700, "{count}");
         let place = |name| catalogued(name).map(|(group, written)| (group.tool, group.name, written));
-        assert_eq!(place("mc_power"), Some(("the TIA Portal", "motion control", "MC_Power")));
+        assert_eq!(place("mc_moveadditive"), Some(("the TIA Portal", "motion control", "MC_MoveAdditive")));
         assert_eq!(place("RETTEN"), Some(("STEP 7", "standard library: S5-S7 converting blocks", "RETTEN")));
         assert_eq!(catalogued("Motor").map(|(_, name)| name), None);
     }

@@ -155,6 +155,7 @@ fn bare(networks: Vec<Network>) -> Source {
 
 fn keys(files: Vec<(&str, Source)>) -> Vec<(BlockKey, String)> {
     let (program, diagnostics) = bind_files(files, "226");
+    let diagnostics = without_review(diagnostics);
     assert!(diagnostics.is_empty(), "{diagnostics:#?}");
     program.blocks.iter().map(|block| (block.key(), block.name.clone())).collect()
 }

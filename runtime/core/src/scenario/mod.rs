@@ -137,7 +137,7 @@ mod tests {
         assert!(
             message("[[at]]\ncycle = 1\nsett = {}\n").starts_with("s.toml:3: `sett` is not a key here; write `set`")
         );
-        assert_eq!(message("\n[[at]]\nset = { \"I0.0\" = 1 }\n"), "s.toml:2: an entry needs `cycle` or `time`");
+        assert!(message("\n[[at]]\nset = { \"I0.0\" = 1 }\n").starts_with("s.toml:2: an entry says when it acts"));
         assert!(
             message("[[at]]\ncycle = 1\nset = { \"I0.9\" = 1 }\n").starts_with("s.toml:3: I0.9: `I0.9` is neither")
         );
