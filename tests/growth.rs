@@ -87,9 +87,10 @@ const SHAPES: &[Shape] = &[
         },
     },
     Shape {
+        // Each arm hands on all variables: the square of the size in arguments of blocks, next to what follows the size.
         name: "variables over arms",
         ending: "scl",
-        size: 500,
+        size: 300,
         text: |n| {
             let arms = lines(n, |i| format!("{i}: #t{i} := 1;\n"));
             let uses = lines(n, |i| format!("%MW{} := #t{i};\n", i % 1000 * 2));

@@ -139,7 +139,8 @@ mod tests {
         );
         assert!(message("\n[[at]]\nset = { \"I0.0\" = 1 }\n").starts_with("s.toml:2: an entry says when it acts"));
         assert!(
-            message("[[at]]\ncycle = 1\nset = { \"I0.9\" = 1 }\n").starts_with("s.toml:3: I0.9: `I0.9` is neither")
+            message("[[at]]\ncycle = 1\nset = { \"I0.9\" = 1 }\n")
+                .starts_with("s.toml:3: I0.9: `I0.9` is not an address")
         );
         assert!(
             message("[[at]]\ncycle = 1\n\nset = { \"I0.0\" = 2 }\n").starts_with("s.toml:4: I0.0: `2` does not fit")
