@@ -1,6 +1,6 @@
 //! Builds the runtime that is in every executable: as an executable with room for a program, to which plcc adds one, and as
-//! one relocatable object for linking with a C compiler. And as a shared library with room for a program, which becomes a unit of a
-//! co-simulation.
+//! one relocatable object for linking with a C compiler. Further forms with room for a program: an executable that needs no dynamic
+//! library, and a shared library, which becomes a unit of a co-simulation.
 //!
 //! The runtime crate is compiled once more as a static library with `main`, in a separate target folder, so that the
 //! outer build's lock is not touched. A partial link then picks from it and from the standard library what `main` and the
@@ -56,6 +56,7 @@ fn main() {
     let runtime = out.join("runtime.o");
     prelink(&archive, &runtime);
     link_template(&runtime, &out.join("template"), &["-fPIE", "-pie", "-static-libgcc"]);
+    link_static(&runtime, &out.join("static"));
     link_template(&prelinked_unit(&archive, &out), &out.join("unit"), &unit_options(&out));
 }
 
@@ -171,6 +172,22 @@ fn link_template(runtime: &Path, template: &Path, options: &[impl AsRef<OsStr>])
     linker.arg(&source).arg(runtime).args(["-lm", "-Wl,-T"]).arg(&script);
     linker.arg("-Wl,-z,relro,-z,now,-z,noexecstack,-z,separate-code,--build-id=none,--discard-all");
     run(&mut linker, "linking the runtime to an executable");
+}
+
+/// As [`link_template`], without dynamic libraries. Where the static C library is not installed the file is empty, and plcc says so when
+/// such an executable is asked for.
+fn link_static(runtime: &Path, template: &Path) {
+    let mut search = compiler();
+    let found = search.arg("-print-file-name=libc.a").output().is_ok_and(|output| {
+        // Only the name if there is no such file.
+        Path::new(String::from_utf8_lossy(&output.stdout).trim()).is_absolute()
+    });
+    if found {
+        link_template(runtime, template, &["-fPIE", "-static-pie"]);
+    } else {
+        println!("cargo::warning=there is no static C library: `plcc build --static` will not work");
+        std::fs::write(template, []).expect("cargo's output folder can be written");
+    }
 }
 
 fn compiler() -> Command {

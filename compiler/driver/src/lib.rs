@@ -25,6 +25,7 @@ pub mod emit;
 pub mod inputs;
 pub mod link;
 mod near;
+pub mod package;
 mod parallel;
 pub mod pipeline;
 pub mod plot;

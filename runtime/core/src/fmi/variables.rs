@@ -190,13 +190,14 @@ impl List<'_> {
         let (kind, own_unit) = kind(&source);
         let is_read_only = matches!(address.place, Place::Db(number, _) if self.cpu.is_read_only(number));
         let description = [source.ty(), note].join(" ").trim_end().to_string();
+        let role = role(address.place);
         self.variables.push(Variable {
             name: name.to_string(),
-            role: role(address.place),
+            role,
             kind,
             unit: unit.or(own_unit),
             description,
-            settable: source.check_settable().is_ok() && !is_read_only,
+            settable: role != Role::Output && source.check_settable().is_ok() && !is_read_only,
             source: Some(source),
         });
     }
