@@ -122,6 +122,7 @@ impl Cpu {
         if let Some(last) = course.last_start.replace(start) {
             course.times.add(start.saturating_sub(last));
         }
+        self.exchange();
         self.run_cycle(course.cycle, start, &course.times, observer);
         self.communicate();
         self.records.borrow_mut().work(self);

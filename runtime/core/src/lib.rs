@@ -15,6 +15,7 @@
 //! - [`guest`]: code that runs in the process of the compiler.
 //! - [`assertion`]: values of assertions, compared and printed by their types.
 //! - [`realtime`]: the scheduler for real time, locked memory; [`watchdog`]: what interrupts running code.
+//! - [`remote`]: devices on a field bus.
 //! - [`run`](mod@run), [`testing`]: the two ways to run a program. `executable` holds `main` of a compiled program.
 //!
 //! **Invariant**: the runtime is independent of the source language and never depends on the compiler.
@@ -56,6 +57,7 @@ pub mod organization;
 pub mod plant;
 pub mod realtime;
 pub mod records;
+pub mod remote;
 pub mod report;
 mod retain;
 pub mod run;

@@ -16,11 +16,12 @@ use crate::code::Code;
 use crate::cpu::Cpu;
 use crate::cycle::Pace;
 use crate::faults::STOP_BY_REQUEST;
-use crate::io::Simulated;
+use crate::io::{Driver, Simulated};
 use crate::options::{ClockKind, HANG_LIMIT_DEFAULT, RunOptions};
 use crate::records::store::{self, Store};
 use crate::signal::Signal;
 use crate::trace::Recorder;
+use crate::remote::{self, Remote};
 use crate::{diagnostics, files, realtime, report};
 use session::{Session, prepare};
 
@@ -34,7 +35,7 @@ pub const EXIT_USAGE: u8 = 2;
 /// Writes a line to standard error; a closed one must not stop a plant.
 macro_rules! say {
     ($($arg:tt)*) => {{
-        let _ = writeln!(std::io::stderr(), $($arg)*);
+        let _ = std::io::Write::write_fmt(&mut std::io::stderr(), format_args!("{}\n", format_args!($($arg)*)));
     }};
 }
 
@@ -76,7 +77,13 @@ pub fn run(mut image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions) ->
     };
     image.config.s7200.stop_on_error |= options.stop_on_error;
     options.restart(&mut image.config);
-    let driver = Box::new(Simulated::new(image.config.modules.clone()));
+    let driver = match driver(&image, options) {
+        Ok(driver) => driver,
+        Err(message) => {
+            say!("runtime: {message}");
+            return EXIT_USAGE;
+        }
+    };
     let cpu = Cpu::new(image, code, clock, driver);
     if let Some(port) = options.iso_port {
         cpu.communication.borrow_mut().set_iso_port(port);
@@ -112,6 +119,24 @@ pub fn run(mut image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions) ->
     }
     let cycles = cpu.execute(&pace, &mut session);
     finish(&cpu, options, &printed, session, cycles)
+}
+
+/// The driver: devices only under the real clock, for they know no other.
+fn driver(image: &ProgramImage, options: &RunOptions) -> Result<Box<dyn Driver>, String> {
+    let (modules, stations) = (image.config.modules.clone(), &image.config.remote);
+    match (stations.is_empty(), options.clock) {
+        (true, _) => Ok(Box::new(Simulated::new(modules))),
+        (false, ClockKind::Virtual) => {
+            say!("the devices of `[io]` are simulated under the virtual clock");
+            Ok(Box::new(Simulated::new(modules)))
+        }
+        (false, ClockKind::Real) => {
+            if !options.quiet {
+                remote::opened(stations).for_each(|line| say!("{line}"));
+            }
+            Ok(Box::new(Remote::new(modules, stations)?))
+        }
+    }
 }
 
 fn pace(cpu: &Cpu, options: &RunOptions) -> Pace {
