@@ -9,23 +9,34 @@ import subprocess
 import sys
 import tty
 
-from pymodbus.datastore import ModbusDeviceContext, ModbusSequentialDataBlock, ModbusServerContext
 from pymodbus.server import ModbusSerialServer, ModbusTcpServer
+from pymodbus.simulator import DataType, SimData, SimDevice
 
 UNIT = 17
+# What the library makes its own tables of, which are not used.
+UNUSED = SimDevice(UNIT, simdata=[SimData(0, values=0, count=8, datatype=DataType.REGISTERS)])
 
 
-class Table(ModbusSequentialDataBlock):
-    """Elements from 0 on. The library counts them from 1."""
+class Device:
+    """The tables of a device, in place of those of the library."""
 
     def __init__(self):
-        super().__init__(0, [0] * 200)
+        self.discrete, self.coils = [False] * 200, [False] * 200
+        self.registers, self.holding = [0] * 200, [0] * 200
 
-    def __getitem__(self, at):
-        return self.values[at + 1]
+    def table(self, function):
+        return {1: self.coils, 2: self.discrete, 3: self.holding, 4: self.registers, 15: self.coils, 16: self.holding}[function]
 
-    def __setitem__(self, at, value):
-        self.values[at + 1] = value
+    def device_ids(self):
+        return [UNIT]
+
+    async def async_getValues(self, device_id, func_code, address, count=1):
+        assert device_id == UNIT
+        return self.table(func_code)[address:address + count]
+
+    async def async_setValues(self, device_id, func_code, address, values):
+        assert device_id == UNIT
+        self.table(func_code)[address:address + len(values)] = values
 
 
 async def until(what, holds):
@@ -37,12 +48,11 @@ async def until(what, holds):
 
 
 async def check(start, executable, away):
-    discrete, coils, registers, holding = Table(), Table(), Table(), Table()
-    device = ModbusDeviceContext(di=discrete, co=coils, ir=registers, hr=holding)
-    context = ModbusServerContext(devices={UNIT: device}, single=False)
+    device = Device()
+    discrete, coils, registers, holding = device.discrete, device.coils, device.registers, device.holding
     # Inputs: 8 bits at I 4.0; a number of 0 to 10000 at PIW 300; two registers at ID 8, the low word first.
     discrete[0], discrete[9], registers[5], holding[20], holding[21] = True, True, 5000, 0x5678, 0x1234
-    server = await start(context)
+    server = await start(device)
     program = subprocess.Popen([executable, '--cycle-time', '2ms', '--print', 'MW0,MW2,MW4,MD10,MW14,MB20,MB21,QW6'],
                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     try:
@@ -58,7 +68,7 @@ async def check(start, executable, away):
             assert program.poll() is None, 'the program goes on'
             holding[30] = 0
             registers[5] = 2500
-            server = await start(context)
+            server = await start(device)
             await until('again', lambda: holding[30] == 6912)
     finally:
         program.send_signal(signal.SIGTERM)
@@ -78,8 +88,9 @@ async def check(start, executable, away):
 
 
 async def tcp(port, executable):
-    async def start(context):
-        server = ModbusTcpServer(context, address=('127.0.0.1', int(port)))
+    async def start(device):
+        server = ModbusTcpServer(UNUSED, address=('127.0.0.1', int(port)))
+        server.context = device
         await server.listen()
         return server
 
@@ -99,8 +110,9 @@ async def serial(link, executable):
     for here, there in (masters, masters[::-1]):
         loop.add_reader(here, lambda here=here, there=there: os.write(there, os.read(here, 512)))
 
-    async def start(context):
-        server = ModbusSerialServer(context, port=names[1], baudrate=115200)
+    async def start(device):
+        server = ModbusSerialServer(UNUSED, port=names[1], baudrate=115200)
+        server.context = device
         await server.listen()
         return server
 
