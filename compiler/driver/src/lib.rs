@@ -23,6 +23,7 @@ pub mod command;
 pub mod content;
 pub mod emit;
 pub mod inputs;
+mod keys;
 pub mod link;
 mod near;
 mod parallel;
