@@ -14,11 +14,7 @@ fn access(insn: Insn, class: OperandClass) -> Access {
     use OperandClass as C;
     match class {
         C::BitWrite | C::OutputBit | C::WordOutAnalog | C::StringOut | C::BytesOut | C::WordsOut | C::DwordsOut => {
-            if insn == Insn::Scat {
-                Access::ReadWrite
-            } else {
-                Access::Write
-            }
+            if matches!(insn, Insn::Scat | Insn::ShiftRegister) { Access::ReadWrite } else { Access::Write }
         }
         C::OutputByte => Access::Write,
         C::ByteOut | C::WordOut | C::DwordOut | C::RealOut if changes_in_place(insn) => Access::ReadWrite,
@@ -100,6 +96,10 @@ fn elements(class: OperandClass, operands: &[Actual]) -> u32 {
         C::BytesIn | C::BytesOut | C::WordsIn | C::WordsOut | C::DwordsIn | C::DwordsOut | C::BitWrite | C::OutputBit
     );
     match operands.last() {
+        // A negative count of a shift register is the direction.
+        Some(Actual::Const(count)) if class == C::BitWrite && operands.len() > 2 => {
+            u32::from((*count as u8).cast_signed().unsigned_abs()).max(1)
+        }
         Some(Actual::Const(count)) if of_several && operands.len() > 1 => (*count).clamp(1, 255),
         _ => 1,
     }
