@@ -24,7 +24,7 @@ pub struct Registers {
 
 /// Who is told what the probes see. All happens inside the running program: nothing here may wait longer than the cycle may last,
 /// unless the clock is virtual.
-pub trait Observer {
+pub trait Watcher {
     /// A block begins; `instance` is the offset of its instance in memory, 0 if it has none.
     fn enter(&self, cpu: &Cpu, place: u32, instance: u32);
     /// The block that began last ends. A block that is left because the CPU goes to STOP does not say so.
@@ -37,13 +37,13 @@ pub trait Observer {
 
 impl Cpu {
     /// Names who looks at the probes, before the CPU starts. The first call counts.
-    pub fn set_observer(&self, observer: Rc<dyn Observer>) {
-        let _ = self.observer.set(observer);
+    pub fn set_watcher(&self, watcher: Rc<dyn Watcher>) {
+        let _ = self.watcher.set(watcher);
     }
 
-    pub(crate) fn observe(&self, tell: impl FnOnce(&dyn Observer)) {
-        if let Some(observer) = self.observer.get() {
-            tell(observer.as_ref());
+    pub(crate) fn tell(&self, tell: impl FnOnce(&dyn Watcher)) {
+        if let Some(watcher) = self.watcher.get() {
+            tell(watcher.as_ref());
         }
     }
 }
