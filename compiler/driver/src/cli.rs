@@ -29,6 +29,8 @@ pub enum Command {
     Test(TestArgs),
     /// Check sources and report problems, without compiling.
     Check(CheckArgs),
+    /// List what uses what: cross references, assignment of memory, call structure, symbols without use.
+    Xref(XrefArgs),
     /// List the modules of a project's station and their addresses.
     Station {
         /// The folder of the project.
@@ -231,6 +233,22 @@ pub struct CheckArgs {
     /// Format of the messages.
     #[arg(long, value_name = "FORMAT", default_value = "human")]
     pub message_format: MessageFormat,
+    #[command(flatten)]
+    pub compile: CompileArgs,
+}
+
+#[derive(Args, Debug)]
+pub struct XrefArgs {
+    /// Sources, symbol tables, folders of these, or a project. Together they are one program [default: the project in this
+    /// folder].
+    #[arg(value_name = "FILE|DIR")]
+    pub inputs: Vec<PathBuf>,
+    /// Print all lists as one JSON document.
+    #[arg(long)]
+    pub json: bool,
+    /// Print the cross references as CSV, a row for each use.
+    #[arg(long, conflicts_with = "json")]
+    pub csv: bool,
     #[command(flatten)]
     pub compile: CompileArgs,
 }

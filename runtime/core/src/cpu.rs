@@ -24,6 +24,7 @@ use crate::io::Driver;
 use crate::memory::Memory;
 use crate::options::CYCLE_TIME_DEFAULT;
 use crate::organization::Running;
+use crate::probe::Watcher;
 use crate::records::Records;
 use crate::records::store::Store;
 use crate::retain::Retention;
@@ -57,6 +58,8 @@ pub struct Cpu {
     pub(crate) running: Running,
     pub(crate) schedule: Schedule,
     pub(crate) assertions: Assertions,
+    /// Who looks at the probes of the program.
+    pub(crate) watcher: OnceCell<Rc<dyn Watcher>>,
     pub(crate) stop: Cell<Option<Stop>>,
     /// Blocks sorted by kind and number.
     blocks: Vec<BlockEntry>,
@@ -126,6 +129,7 @@ impl Cpu {
             family: if image.s7200.is_some() { &ScanCycle } else { &Step7 },
             s7200: image.s7200.as_ref().map(|own| Box::new(S7200::new(own, &image.config.s7200))),
             assertions: Assertions::new(&image.asserts),
+            watcher: OnceCell::new(),
             cycle: Cell::new(0),
             retention: OnceCell::new(),
             startup: Cell::new(image.config.startup),

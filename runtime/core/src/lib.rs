@@ -13,6 +13,7 @@
 //! - `family`: differences between the families of CPUs; [`s7200`]: functions of the S7-200 only.
 //! - [`guest`]: code that runs in the process of the compiler.
 //! - [`assertion`]: values of assertions, compared and printed by their types.
+//! - [`probe`]: who looks at a program with probes.
 //! - [`realtime`]: the scheduler for real time, locked memory; [`watchdog`]: what interrupts running code.
 //! - [`run`](mod@run), [`testing`]: the two ways to run a program. `executable` holds `main` of a compiled program.
 //!
@@ -50,6 +51,7 @@ pub mod ob_set;
 pub mod options;
 pub mod organization;
 pub mod plant;
+pub mod probe;
 pub mod realtime;
 pub mod records;
 pub mod report;

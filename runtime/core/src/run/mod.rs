@@ -18,6 +18,7 @@ use crate::cycle::Pace;
 use crate::faults::STOP_BY_REQUEST;
 use crate::io::Simulated;
 use crate::options::{ClockKind, HANG_LIMIT_DEFAULT, RunOptions};
+use crate::probe::Watcher;
 use crate::records::store::{self, Store};
 use crate::signal::Signal;
 use crate::trace::Recorder;
@@ -69,7 +70,17 @@ pub fn start(image: ProgramImage, code: CodeMaker, options: &RunOptions) -> u8 {
 }
 
 /// Runs a program on one CPU. Values go to standard output, messages to standard error. Result: exit code.
-pub fn run(mut image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions) -> u8 {
+pub fn run(image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions) -> u8 {
+    run_watched(image, code, options, None)
+}
+
+/// As [`run`], with someone who looks at the probes of the program.
+pub fn run_watched(
+    mut image: ProgramImage,
+    code: Rc<dyn Code>,
+    options: &RunOptions,
+    watcher: Option<Rc<dyn Watcher>>,
+) -> u8 {
     let clock = match options.clock {
         ClockKind::Real => Clock::real(),
         ClockKind::Virtual => Clock::simulated(),
@@ -78,6 +89,9 @@ pub fn run(mut image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions) ->
     options.restart(&mut image.config);
     let driver = Box::new(Simulated::new(image.config.modules.clone()));
     let cpu = Cpu::new(image, code, clock, driver);
+    if let Some(watcher) = watcher {
+        cpu.set_watcher(watcher);
+    }
     if let Some(port) = options.iso_port {
         cpu.communication.borrow_mut().set_iso_port(port);
     }
