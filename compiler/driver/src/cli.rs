@@ -39,6 +39,8 @@ pub enum Command {
     },
     /// Draw a trace as an SVG picture.
     Plot(PlotArgs),
+    /// Draw a program: networks, charts and code.
+    View(ViewArgs),
     /// Explain a diagnostic code.
     Explain {
         /// The code that a message shows, such as `P0203`.
@@ -264,6 +266,18 @@ pub struct PlotArgs {
     /// Title above the picture.
     #[arg(long, value_name = "TEXT")]
     pub title: Option<String>,
+}
+
+#[derive(Args, Debug)]
+pub struct ViewArgs {
+    /// Source files, or the folder of a project.
+    #[arg(value_name = "FILE")]
+    pub inputs: Vec<PathBuf>,
+    /// Folder for SVG files, one for each network and chart.
+    #[arg(short, long = "out", value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    #[command(flatten)]
+    pub compile: CompileArgs,
 }
 
 #[cfg(test)]

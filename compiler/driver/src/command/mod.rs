@@ -8,6 +8,7 @@ pub mod run;
 pub mod station;
 pub mod test;
 pub mod xref;
+pub mod view;
 
 /// Exit codes. A command that runs a PLC program returns the codes of the runtime, which are the same.
 pub mod exit {
