@@ -61,6 +61,7 @@ fn dispatch(cli: &Cli) -> u8 {
         Command::Run(args) => command::run::run(args),
         Command::Test(args) => command::test::test(args),
         Command::Check(args) => command::check::check(args),
+        Command::Fmt(args) => command::fmt::fmt(args),
         Command::Station { folder } => command::station::station(folder),
         Command::Plot(args) => command::plot::plot(args),
         Command::Explain { code } => command::explain::explain(code),
