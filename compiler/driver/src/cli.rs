@@ -31,6 +31,8 @@ pub enum Command {
     Check(CheckArgs),
     /// List what uses what: cross references, assignment of memory, call structure, symbols without use.
     Xref(XrefArgs),
+    /// Lay out sources in one style.
+    Fmt(FmtArgs),
     /// List the modules of a project's station and their addresses.
     Station {
         /// The folder of the project.
@@ -253,6 +255,19 @@ pub struct XrefArgs {
     pub csv: bool,
     #[command(flatten)]
     pub compile: CompileArgs,
+}
+
+#[derive(Args, Debug)]
+pub struct FmtArgs {
+    /// Sources, or folders of these [default: the project in this folder].
+    #[arg(value_name = "FILE|DIR")]
+    pub inputs: Vec<PathBuf>,
+    /// Change nothing; print the files that would change, and fail if there are any.
+    #[arg(long)]
+    pub check: bool,
+    /// Code page of sources that are not UTF-8, such as `936` or `gbk` [default: detected for each file].
+    #[arg(long, value_name = "PAGE")]
+    pub code_page: Option<CodePage>,
 }
 
 #[derive(Args, Debug)]

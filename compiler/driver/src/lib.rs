@@ -63,6 +63,7 @@ fn dispatch(cli: &Cli) -> u8 {
         Command::Test(args) => command::test::test(args),
         Command::Check(args) => command::check::check(args),
         Command::Xref(args) => command::xref::xref(args),
+        Command::Fmt(args) => command::fmt::fmt(args),
         Command::Station { folder } => command::station::station(folder),
         Command::Plot(args) => command::plot::plot(args),
         Command::View(args) => command::view::view(args),
