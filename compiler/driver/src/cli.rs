@@ -39,6 +39,8 @@ pub enum Command {
         #[arg(default_value = ".", value_name = "DIR")]
         folder: PathBuf,
     },
+    /// Write sources in another notation.
+    Convert(ConvertArgs),
     /// Draw a trace as an SVG picture.
     Plot(PlotArgs),
     /// Draw a program: networks, charts and code.
@@ -268,6 +270,41 @@ pub struct FmtArgs {
     /// Code page of sources that are not UTF-8, such as `936` or `gbk` [default: detected for each file].
     #[arg(long, value_name = "PAGE")]
     pub code_page: Option<CodePage>,
+}
+
+#[derive(Args, Debug)]
+pub struct ConvertArgs {
+    /// Sources and exports, or folders of these; symbol tables among them give types to names.
+    #[arg(value_name = "FILE|DIR", required = true)]
+    pub inputs: Vec<PathBuf>,
+    /// The notation to write.
+    #[arg(long, value_name = "NOTATION")]
+    pub to: ConvertTo,
+    /// Output file; for several sources a folder [default: standard output].
+    #[arg(short, value_name = "OUT")]
+    pub output: Option<PathBuf>,
+    /// Mnemonics of the statement lists that are written [default: those of the source].
+    #[arg(long, value_name = "SET")]
+    pub mnemonics: Option<MnemonicsArg>,
+    /// Code page of sources that are not UTF-8, such as `936` or `gbk` [default: detected for each file].
+    #[arg(long, value_name = "PAGE")]
+    pub code_page: Option<CodePage>,
+}
+
+/// What `plcc convert` writes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ConvertTo {
+    /// Statement list, as source text for S7-300/400.
+    Stl,
+}
+
+impl ConvertTo {
+    /// Extension of its files.
+    pub const fn extension(self) -> &'static str {
+        match self {
+            ConvertTo::Stl => "stl",
+        }
+    }
 }
 
 #[derive(Args, Debug)]

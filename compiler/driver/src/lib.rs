@@ -65,6 +65,7 @@ fn dispatch(cli: &Cli) -> u8 {
         Command::Xref(args) => command::xref::xref(args),
         Command::Fmt(args) => command::fmt::fmt(args),
         Command::Station { folder } => command::station::station(folder),
+        Command::Convert(args) => command::convert::convert(args),
         Command::Plot(args) => command::plot::plot(args),
         Command::View(args) => command::view::view(args),
         Command::Explain { code } => command::explain::explain(code),

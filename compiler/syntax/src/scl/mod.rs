@@ -132,6 +132,11 @@ pub fn pieces(text: &str) -> Vec<Range<usize>> {
     pieces
 }
 
+/// The comments of a source, in the order of the text.
+pub fn comments(text: &str) -> Vec<crate::front::Comment> {
+    raw::scan(text).comments
+}
+
 /// The tokens of a source as the grammar sees them, one per line, for `--emit tokens`.
 pub fn tokens_text(text: &str, options: &ParseOptions) -> String {
     let classified = classify::classify(FileId::default(), text, &raw::scan(text), options.pragmas);

@@ -33,6 +33,7 @@ use crate::front::{self, CommentForm, ParseState, Place};
 
 pub use instructions::{Mnemonics, OperandClass, StlInsn};
 pub use messages::operand_phrase;
+pub use mnemonics::letters;
 
 /// Whether `word` is a mnemonic of either set, CALL included.
 pub fn is_mnemonic(word: &str) -> bool {
@@ -57,6 +58,11 @@ pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, V
     report_mixture(file, text, &detected, options, &mut diagnostics);
     let Parsed { blocks, pragmas, diagnostics } = parse_raw(file, text, &raw, &detected, options.pragmas, diagnostics);
     (SourceUnit { mnemonics: detected.set, blocks, pragmas, ..SourceUnit::default() }, diagnostics)
+}
+
+/// The comments of a source, in the order of the text.
+pub fn comments(text: &str) -> Vec<front::Comment> {
+    raw::scan(text).comments
 }
 
 /// The contents of the tokens of a text.
