@@ -8,6 +8,7 @@ use plcc_runtime::RunOptions;
 use plcc_syntax::CodePage;
 use plcc_syntax::stl::Mnemonics;
 
+use crate::package::fmu::Version;
 use crate::pipeline::Optimization;
 use crate::report::MessageFormat;
 
@@ -144,9 +145,15 @@ pub struct BuildArgs {
     /// Output file [default: named after the project or the first source].
     #[arg(short, value_name = "OUT")]
     pub output: Option<PathBuf>,
-    /// Write an intermediate form instead of an executable.
+    /// Write an intermediate form instead of an executable, a unit of a co-simulation (`fmu`) or a container image (`oci`).
     #[arg(long, value_name = "KIND")]
     pub emit: Option<Emit>,
+    /// With `--emit fmu`: version of the Functional Mock-up Interface.
+    #[arg(long, value_name = "VERSION", default_value = "2")]
+    pub fmi: Version,
+    /// Make an executable that needs no dynamic library.
+    #[arg(long = "static", conflicts_with_all = ["emit", "print_after", "stats"])]
+    pub is_static: bool,
     /// Print the IR after this pass instead of writing an executable.
     #[arg(long, value_name = "PASS", conflicts_with = "emit")]
     pub print_after: Option<String>,
@@ -172,7 +179,7 @@ pub struct BuildArgs {
     pub quiet: bool,
 }
 
-/// An intermediate form.
+/// What is written instead of an executable: intermediate forms, and packages of the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Emit {
     Tokens,
@@ -181,6 +188,10 @@ pub enum Emit {
     Clif,
     Asm,
     Obj,
+    /// A unit for simulators with the Functional Mock-up Interface.
+    Fmu,
+    /// A container image with the static executable, a tar file in the OCI layout.
+    Oci,
 }
 
 #[derive(Args, Debug)]

@@ -26,6 +26,7 @@ pub mod inputs;
 mod keys;
 pub mod link;
 mod near;
+pub mod package;
 mod parallel;
 pub mod pipeline;
 pub mod plot;

@@ -463,7 +463,7 @@ impl<'a> Finder<'a> {
     }
 }
 
-fn db_name(db: &DbEntry) -> String {
+pub(crate) fn db_name(db: &DbEntry) -> String {
     if db.name.is_empty() { format!("DB{}", db.number) } else { written(&db.name) }
 }
 
