@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use plcc_opt::Without;
 use plcc_runtime::RunOptions;
+use plcc_services::ServiceOptions;
 use plcc_syntax::CodePage;
 use plcc_syntax::stl::Mnemonics;
 
@@ -178,6 +179,8 @@ pub struct RunArgs {
     pub compile: CompileArgs,
     #[command(flatten)]
     pub run: RunOptions,
+    #[command(flatten)]
+    pub services: ServiceOptions,
 }
 
 #[derive(Args, Debug)]

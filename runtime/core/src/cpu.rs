@@ -22,6 +22,7 @@ use crate::diagnostics::{Diagnostics, Entry};
 use crate::family::{Family, Step7};
 use crate::io::Driver;
 use crate::memory::Memory;
+use crate::online::Service;
 use crate::options::CYCLE_TIME_DEFAULT;
 use crate::organization::Running;
 use crate::records::Records;
@@ -72,6 +73,9 @@ pub struct Cpu {
     pub(crate) retention: OnceCell<Retention>,
     /// The startup OB: that of the configuration unless such a restart is not possible.
     pub(crate) startup: Cell<u16>,
+    /// Answers clients.
+    pub(crate) service: RefCell<Option<Box<dyn Service>>>,
+    pub(crate) is_served: Cell<bool>,
     /// Connections of the program.
     pub(crate) communication: RefCell<Communication>,
     /// Data logs, recipes and files.
@@ -128,6 +132,8 @@ impl Cpu {
             assertions: Assertions::new(&image.asserts),
             cycle: Cell::new(0),
             retention: OnceCell::new(),
+            service: RefCell::default(),
+            is_served: Cell::new(false),
             startup: Cell::new(image.config.startup),
             watchdog: Watchdog::new(&memory),
             memory,
@@ -225,7 +231,7 @@ impl Cpu {
     }
 
     /// DB `number` is write-protected.
-    pub(crate) fn is_read_only(&self, number: u16) -> bool {
+    pub fn is_read_only(&self, number: u16) -> bool {
         let word = self.read_only_dbs.get(usize::from(number / 64)).copied().unwrap_or(0);
         word >> (number % 64) & 1 != 0
     }

@@ -70,6 +70,7 @@ impl Cpu {
             }
             self.run_cycle(cycle, start, &times, observer);
             self.communicate();
+            self.serve_clients(pace);
             self.records.borrow_mut().work(self);
             if self.retention.get().is_some() && !self.is_stopped() {
                 self.keep_retentive(false);
@@ -211,7 +212,7 @@ impl Cpu {
     }
 
     /// Something besides the code of the program may change outputs before byte `end` in the process image.
-    pub(crate) fn note_outputs(&self, end: u32) {
+    pub fn note_outputs(&self, end: u32) {
         self.outputs_changed.set(self.outputs_changed.get().max(end));
     }
 
@@ -251,7 +252,7 @@ impl Cpu {
     }
 
     /// Writes a peripheral output, and the process image where it covers the address. True: no module there.
-    pub(crate) fn peripheral_write(&self, address: u32, bytes: u32, value: u32) -> bool {
+    pub fn peripheral_write(&self, address: u32, bytes: u32, value: u32) -> bool {
         if !matches!(bytes, 1 | 2 | 4) || !self.driver.write(address, bytes, self.at_module(address, bytes, value)) {
             return true;
         }

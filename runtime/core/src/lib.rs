@@ -47,6 +47,7 @@ pub mod math;
 pub mod memory;
 pub mod names;
 pub mod ob_set;
+pub mod online;
 pub mod options;
 pub mod organization;
 pub mod plant;
@@ -75,5 +76,5 @@ mod tests;
 
 pub use code::Code;
 pub use options::RunOptions;
-pub use run::run;
+pub use run::{run, run_served};
 pub use testing::{AssertFailure, TestOptions, TestReport, test};

@@ -17,6 +17,7 @@ use crate::cpu::Cpu;
 use crate::cycle::Pace;
 use crate::faults::STOP_BY_REQUEST;
 use crate::io::Simulated;
+use crate::online::Service;
 use crate::options::{ClockKind, HANG_LIMIT_DEFAULT, RunOptions};
 use crate::records::store::{self, Store};
 use crate::signal::Signal;
@@ -59,7 +60,17 @@ fn watch_signals() {
 
 /// Runs a program by the runtime flags. Values go to standard output, messages to standard error. Each CPU gets code of its own from `code`.
 /// Result: exit code.
-pub fn run(mut image: ProgramImage, code: &(dyn Fn() -> Rc<dyn Code> + Sync), options: &RunOptions) -> u8 {
+pub fn run(image: ProgramImage, code: &(dyn Fn() -> Rc<dyn Code> + Sync), options: &RunOptions) -> u8 {
+    run_served(image, code, options, None)
+}
+
+/// As [`run`], with clients that are answered between cycles, also in STOP.
+pub fn run_served(
+    mut image: ProgramImage,
+    code: &(dyn Fn() -> Rc<dyn Code> + Sync),
+    options: &RunOptions,
+    service: Option<Box<dyn Service>>,
+) -> u8 {
     if options.instances.is_some() || options.instance_values.is_some() {
         return instances::run(image, code, options);
     }
@@ -103,8 +114,15 @@ pub fn run(mut image: ProgramImage, code: &(dyn Fn() -> Rc<dyn Code> + Sync), op
     for notice in &cpu.image.notices {
         say!("{notice}");
     }
+    if let Some(service) = service {
+        cpu.attach(service);
+    }
     let cycles = cpu.execute(&pace, &mut session);
-    finish(&cpu, options, &printed, session, cycles)
+    let exit = finish(&cpu, options, &printed, session, cycles);
+    if cpu.is_stopped() {
+        cpu.serve_in_stop();
+    }
+    exit
 }
 
 fn pace(cpu: &Cpu, options: &RunOptions) -> Pace {
