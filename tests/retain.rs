@@ -27,7 +27,7 @@ const PROGRAMS: &[Program] = &[
         words: ["DB1.DBD0", "MD4"],
         source: "DATA_BLOCK DB 1\nSTRUCT\n  a : DINT;\nEND_STRUCT\nBEGIN\nEND_DATA_BLOCK\n\
                  ORGANIZATION_BLOCK OB 1\nVAR_TEMP\n  info : ARRAY[0..19] OF BYTE;\n  n : INT;\nEND_VAR\nBEGIN\n\
-                 L DB1.DBD 0; + 1; T DB1.DBD 0;\n L 500;\nm: T #n;\n L MW 100; + 3; T MW 100; L #n; LOOP m;\n\
+                 L DB1.DBD 0; + L#1; T DB1.DBD 0;\n L 500;\nm: T #n;\n L MW 100; + 3; T MW 100; L #n; LOOP m;\n\
                  L DB1.DBD 0; T MD 4;\nEND_ORGANIZATION_BLOCK\n",
     },
     Program {

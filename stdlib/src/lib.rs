@@ -47,8 +47,13 @@ const SOURCES: &[(Language, &str)] = &[
     (Language::Scl, include_str!("../scl/drum.scl")),
     (Language::Scl, include_str!("../scl/communication.scl")),
     (Language::Scl, include_str!("../scl/connections.scl")),
+    (Language::Scl, include_str!("../scl/hardware.scl")),
+    (Language::Scl, include_str!("../scl/modbus.scl")),
+    (Language::Scl, include_str!("../scl/modbus_serial.scl")),
+    (Language::Scl, include_str!("../scl/serial.scl")),
     (Language::Scl, include_str!("../scl/motion/axis.scl")),
     (Language::Scl, include_str!("../scl/motion/commands.scl")),
+    (Language::Scl, include_str!("../scl/motion/sequences.scl")),
     (Language::Scl, include_str!("../scl/motion/parts.scl")),
     (Language::Scl, include_str!("../scl/records.scl")),
     (Language::Scl, include_str!("../scl/data_blocks.scl")),
@@ -57,6 +62,7 @@ const SOURCES: &[(Language, &str)] = &[
     (Language::Scl, include_str!("../scl/partners.scl")),
     (Language::Scl, include_str!("../scl/pid/compact.scl")),
     (Language::Scl, include_str!("../scl/pid/step3.scl")),
+    (Language::Scl, include_str!("../scl/pid/temp.scl")),
     (Language::Scl, include_str!("../scl/pid/cont_c.scl")),
     (Language::Scl, include_str!("../scl/pid/cont_s.scl")),
     (Language::Scl, include_str!("../scl/pid/pulsegen.scl")),
@@ -184,6 +190,10 @@ const LONG_NAMES: &[(&str, &str)] = &[
     ("TIME to S5TIME", "TIM_S5TI"),
 ];
 
+/// Older names of instructions of the TIA Portal.
+const OLDER_NAMES: &[(&str, &str)] =
+    &[("MB_COMM_LOAD", "Modbus_Comm_Load"), ("MB_MASTER", "Modbus_Master"), ("MB_SLAVE", "Modbus_Slave")];
+
 /// The standard name of a block that symbol tables call by a longer one, `DT to DATE` for DT_DATE; otherwise the name itself.
 pub fn standard_name(name: &str) -> &str {
     LONG_NAMES.iter().find(|(long, _)| long.eq_ignore_ascii_case(name.trim())).map_or(name, |(_, short)| short)
@@ -198,8 +208,10 @@ pub fn find_name(name: &str) -> Option<&'static SystemBlock> {
         .max_by_key(|block| block.class)
 }
 
-/// An instruction of the TIA Portal by name, in any letter case.
+/// An instruction of the TIA Portal by name, also an older one, in any letter case.
 pub fn find_tia(name: &str) -> Option<&'static SystemBlock> {
+    let older = OLDER_NAMES.iter().find(|(older, _)| older.eq_ignore_ascii_case(name.trim()));
+    let name = older.map_or(name, |(_, name)| name);
     blocks().iter().find(|block| block.is_tia() && block.name.eq_ignore_ascii_case(name))
 }
 

@@ -47,7 +47,6 @@ pub const LIBRARY: &[LibraryBlock] = &[
     fc(102, "DEV"),
     fc(103, "CDT"),
     fc(104, "TBL_TBL"),
-    fb(80, "LEAD_LAG"),
     fb(81, "DCAT"),
     fb(82, "MCAT"),
     fb(83, "IMC"),

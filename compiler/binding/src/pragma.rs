@@ -1,6 +1,6 @@
 //! Pragmas of whole files.
 
-use plcc_diag::{Code, Diagnostic, Span};
+use plcc_diag::{Code, Diagnostic, SourceMap, Span};
 use plcc_model::{TestSettings, profile};
 use plcc_syntax::ast::Pragma;
 
@@ -81,4 +81,21 @@ pub fn split(text: &str) -> (&str, &str) {
         Some((word, rest)) => (word, rest.trim()),
         None => (text, ""),
     }
+}
+
+/// True of an assignment that is overwritten, if an assertion between the two reads it. Only `plcc test` binds assertions.
+pub fn is_asserted(message: &Diagnostic, sources: &SourceMap) -> bool {
+    let second = message.primary.span;
+    message.code == Code::DoubleCoil
+        && message.secondary.iter().any(|first| {
+            let first = first.span;
+            first.file == second.file && has_assertion(sources, Span { start: first.end, end: second.start, ..second })
+        })
+}
+
+/// True if a part of a source contains an assertion, also one that is not bound.
+pub fn has_assertion(sources: &SourceMap, part: Span) -> bool {
+    let text = sources.files().nth(part.file.0 as usize).map(|(_, file)| &file.text);
+    let part = text.and_then(|text| text.get(part.start as usize..(part.end as usize).min(text.len())));
+    part.is_some_and(|part| part.contains("@ assert"))
 }

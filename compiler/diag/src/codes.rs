@@ -97,6 +97,7 @@ codes! {
     SectionNotAllowed = "P0410" Error "a declaration section that the block kind cannot have";
     Protected = "P0411" Error "an operand that cannot be written";
     MissingPointer = "P0412" Warning "a parameter that must point somewhere is never supplied";
+    OverlappingTags = "P0413" Warning "tags that share memory but not their kind";
     Nesting = "P0501" Error "parentheses that do not match";
     JumpIntoNesting = "P0502" Error "a jump into or out of parentheses";
     JumpList = "P0503" Error "a jump list that `JL` cannot use";
@@ -106,6 +107,9 @@ codes! {
     EdgeBitLocal = "P0507" Warning "an edge memory bit in local data";
     CallInMcrZone = "P0508" Warning "a call with parameters inside an MCR zone";
     OverlappingActuals = "P0509" Warning "actual parameters that overlap";
+    UnreachableCode = "P0510" Warning "a statement that is never reached";
+    UnusedLabel = "P0511" Warning "a label that no jump names";
+    TimerWithoutTime = "P0512" Warning "a timer that starts without a time";
     Narrowing = "P0520" Warning "a value that may not fit where it goes";
     AlwaysSame = "P0521" Warning "a comparison that always has the same result";
     CaseValue = "P0522" Warning "a value of CASE that never matches";
@@ -113,7 +117,7 @@ codes! {
     LoopControl = "P0524" Error "EXIT or CONTINUE outside of a loop";
     LoopVariable = "P0525" Error "a FOR variable that its loop changes";
     JumpIntoStatement = "P0526" Error "a jump into a loop, an IF or a CASE";
-    NeverWritten = "P0527" Warning "temporary data that is read but never written";
+    NeverWritten = "P0527" Warning "temporary data that is read before it is written";
     ValueNeverSet = "P0528" Warning "a function whose value is never set";
     UnknownElement = "P0530" Error "an element of LAD or FBD that plcc does not know";
     ShortCircuit = "P0531" Error "a branch without an element";
@@ -191,4 +195,5 @@ codes! {
     CallDepth = "P0815" Warning "calls that may be nested too deeply";
     DataOverlap = "P0816" Warning "values of a data block that overlap";
     MixedFamilies = "P0817" Error "sources of the S7-200 among those of another family";
+    LeftOverLevel = "P0818" Warning "a level of the logic stack that nothing uses";
 }

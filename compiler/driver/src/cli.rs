@@ -60,9 +60,18 @@ pub struct CompileArgs {
     /// Compile blocks of safety programs (F_LAD, F_FBD) as standard blocks, to test their logic.
     #[arg(long)]
     pub safety_as_standard: bool,
+    /// Fail if there are messages of this kind.
+    #[arg(long, value_name = "KIND")]
+    pub deny: Option<Deny>,
     /// Accept a program with missing parts: each one gets a warning, and a stub or a separate variable replaces it.
     #[arg(long)]
     pub partial: bool,
+}
+
+/// Messages that make a command fail.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Deny {
+    Warnings,
 }
 
 /// How to optimise.

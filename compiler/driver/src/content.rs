@@ -93,6 +93,9 @@ pub fn of(text: &str) -> Content {
 /// Finds out what the file `path` in a folder is. The user did not name it, so it must look clearly like a source.
 /// `is_source`: its extension is that of a source.
 pub fn in_folder(path: &Path, text: &str, is_source: bool) -> Content {
+    if is_output(text) {
+        return Content::Nothing;
+    }
     match foreign::of_name(path) {
         Some(Foreign::Program(what)) => return Content::Program(what),
         Some(Foreign::Other(what)) => return Content::Other(what),
@@ -125,6 +128,11 @@ pub fn in_folder(path: &Path, text: &str, is_source: bool) -> Content {
         }
         content => content,
     }
+}
+
+/// An executable or a trace, which plcc itself writes next to the sources.
+fn is_output(text: &str) -> bool {
+    ["\u{7f}ELF", "cycle,time_ms,", "$timescale"].iter().any(|start| text.starts_with(start))
 }
 
 fn has_addresses(text: &str) -> bool {
@@ -241,6 +249,9 @@ mod tests {
     #[test]
     fn files_of_folders_must_look_like_sources() {
         let of = |name: &str, text: &str| in_folder(Path::new(name), text, false);
+        for output in ["\u{7f}ELF\u{2}\u{1}\0", "cycle,time_ms,I0.0\n0,0,0\n", "$timescale 1 us $end\n"] {
+            assert_eq!(of("blink", output), Content::Nothing);
+        }
         for (name, text) in [
             ("main", "A I 0.0\n= Q 4.0\n"),
             ("main.txt", "      U     E 0.0;\n      S     M 3.1;\n"),

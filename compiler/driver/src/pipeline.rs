@@ -20,7 +20,7 @@ use plcc_syntax::stl::Mnemonics;
 use plcc_syntax::symbols::SymbolTable;
 
 use crate::cache::{Cache, Keys};
-use crate::cli::{CompileArgs, CpuFeatures, Level};
+use crate::cli::{CompileArgs, CpuFeatures, Deny, Level};
 use crate::inputs::Read;
 use crate::parallel;
 use crate::project::Project;
@@ -40,6 +40,8 @@ pub struct Settings {
     pub require_main: bool,
     /// Blocks of safety programs are standard blocks.
     pub safety_as_standard: bool,
+    /// A program with a warning is refused.
+    pub deny_warnings: bool,
 }
 
 impl Settings {
@@ -50,6 +52,7 @@ impl Settings {
             mnemonics: args.mnemonics.map(Mnemonics::from),
             safety_as_standard: args.safety_as_standard,
             partial: args.partial,
+            deny_warnings: args.deny == Some(Deny::Warnings),
             ..Settings::default()
         }
     }
@@ -86,6 +89,11 @@ impl Bound {
     /// True if the program cannot be compiled.
     pub fn has_errors(&self) -> bool {
         self.diagnostics.iter().any(Diagnostic::is_error)
+    }
+
+    /// True if the settings refuse a program that could be compiled.
+    pub fn is_denied(&self, settings: &Settings) -> bool {
+        settings.deny_warnings && !self.diagnostics.is_empty()
     }
 }
 

@@ -4,6 +4,7 @@
 //! an even byte; arrays and structures are rounded up to even. Each row of an array of BOOL begins at a new byte.
 
 use crate::types::{ArrayType, DataType, Elementary, ParameterType, StructType};
+use plcc_abi::names::{compound_number, structure_number};
 use plcc_syntax::ast::Width;
 
 /// No DB, local data or target of a pointer can have more bytes.
@@ -137,30 +138,19 @@ pub const fn type_code(ty: Elementary) -> u8 {
 /// The number by which a VARIANT distinguishes types: for elementary types and texts their code in an ANY, for structures and function
 /// blocks one derived from their name, or without a name from their components. The length of a text does not count.
 pub fn type_number(ty: &DataType) -> u32 {
-    const STRUCTURE: u32 = 1 << 31;
     match ty {
         DataType::Elementary(ty) => u32::from(type_code(*ty)),
         DataType::DateAndTime => 0x0E,
         DataType::String(_) => 0x13,
         DataType::WideString(_) => 0x14,
-        DataType::Array(array) => hash(0x8000, &[type_number(&array.element)]) | STRUCTURE,
+        DataType::Array(array) => compound_number(0x8000, &[type_number(&array.element)]),
         DataType::Struct(structure) if structure.name.is_empty() => {
             let members: Vec<u32> = structure.members.iter().map(|member| type_number(&member.ty)).collect();
-            hash(0x8001, &members) | STRUCTURE
+            compound_number(0x8001, &members)
         }
-        DataType::Struct(structure) => {
-            let letters: Vec<u32> = structure.name.chars().flat_map(char::to_uppercase).map(u32::from).collect();
-            hash(0x8002, &letters) | STRUCTURE
-        }
+        DataType::Struct(structure) => structure_number(&structure.name),
         DataType::OpenArray(_) | DataType::Parameter(_) | DataType::Void => 0,
     }
-}
-
-/// FNV-1a.
-fn hash(kind: u32, words: &[u32]) -> u32 {
-    let step = |hash: u32, byte: u8| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193);
-    let bytes = std::iter::once(&kind).chain(words).flat_map(|word| word.to_be_bytes());
-    bytes.fold(0x811C_9DC5, step)
 }
 
 /// Bytes of a parameter type in an instance or in the structure of parameters.

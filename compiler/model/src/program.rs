@@ -477,6 +477,11 @@ impl<S> Assert<S> {
 pub enum AssertSide {
     /// Value zero-extended.
     Operand(Operand),
+    /// Time left of a timer, an S5TIME, or count of a counter, an INT.
+    CellValue {
+        kind: CellKind,
+        number: Number,
+    },
     /// A text or a DTL: where it is.
     Memory(Place),
     Register(AssertRegister),

@@ -67,6 +67,8 @@ pub struct StructType {
     pub name: String,
     /// For an FB or SFB instance: its number and whether it is an SFB.
     pub instance_of: Option<(bool, u16)>,
+    /// For a reference (REF_TO): the type of what it refers to.
+    pub refers_to: Option<DataType>,
     pub members: Vec<Member>,
     /// Rounded up to even.
     pub bytes: u32,

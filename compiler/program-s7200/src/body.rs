@@ -50,6 +50,9 @@ impl Binder<'_> {
                 };
                 statements.extend(bound.map(|kind| Statement { span, network: network_number, kind }));
             }
+            let next = ast.networks[position + 1..].iter().find_map(|network| network.statements.first());
+            let end = next.map_or(u32::MAX, |statement| statement.span.start);
+            stack.end_network(end, self.input.sources, &mut self.report);
         }
         structure.finish(&mut self.report);
         Some(S7200Body { parameters: locals.formals(), statements })

@@ -6,6 +6,7 @@
 //!    its bits; [`call`] binds calls, [`pragma`] assertions. [`stack`] counts levels of the logic stack, [`structure`] pairs loops, steps
 //!    and jumps, [`rules`] checks where instructions are allowed and which constants they accept.
 //! 4. [`whole`] checks the whole program: timers, counters, steps, depth of calls. [`data`] fills V memory.
+//! 5. [`review`] looks at bound blocks for statements that are useless.
 //!
 //! Messages name the error number that the CPU's own programming tool shows.
 //! Source: S7-200 system manual, instruction set and compile rule violations.
@@ -21,6 +22,7 @@ mod operand;
 mod partial;
 pub use partial::complete;
 mod pragma;
+mod review;
 mod rules;
 mod settle;
 mod stack;
@@ -77,7 +79,12 @@ fn bind_all(input: &BindInput) -> Bound {
         s7200: Some(binder.row),
         partial: Vec::new(),
     };
-    let (diagnostics, missing) = binder.report.finish();
+    let (mut diagnostics, missing) = binder.report.finish();
+    // What is wrong may be why a statement seems useless.
+    if !diagnostics.iter().any(Diagnostic::is_error) {
+        diagnostics.extend(review::review(&program.blocks));
+        diagnostics.retain(|message| !plcc_binding::pragma::is_asserted(message, input.sources));
+    }
     Bound { program, diagnostics, missing }
 }
 

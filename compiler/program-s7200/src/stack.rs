@@ -6,9 +6,10 @@
 
 use plcc_abi::image::BlockKind;
 use plcc_abi::s7200::STACK_LEVELS;
-use plcc_diag::{Code, Diagnostic, Span};
+use plcc_diag::{Code, Diagnostic, SourceMap, Span};
 use plcc_syntax::s7200::{Acts, Contact, Insn};
 
+use plcc_binding::pragma::has_assertion;
 use plcc_binding::report::Report;
 
 /// The effect of an instruction on the stack.
@@ -76,14 +77,61 @@ pub struct Stack {
     told: bool,
     /// A message about a missing contact was given in this network.
     read_told: bool,
+    /// Levels of this network, the top last: which instruction pushed them, until something uses them.
+    unused: Vec<Option<Span>>,
 }
 
 impl Stack {
     pub fn new(kind: BlockKind) -> Stack {
-        Stack { kind, depth: 0, lost: 0, loaded: false, told: false, read_told: false }
+        Stack { kind, depth: 0, lost: 0, loaded: false, told: false, read_told: false, unused: Vec::new() }
+    }
+
+    /// The statements of a network are over; the next one begins at `end`.
+    pub fn end_network(&mut self, end: u32, sources: &SourceMap, report: &mut Report) {
+        let left = std::mem::take(&mut self.unused).into_iter().flatten().next();
+        // An assertion may read any level.
+        let left = left.filter(|span| !has_assertion(sources, Span { end, ..*span }));
+        if let Some(span) = left.filter(|_| !self.told && !self.read_told) {
+            report.push(
+                Diagnostic::new(Code::LeftOverLevel, span, "nothing uses the result of this contact")
+                    .label("it stays on the logic stack until the network ends")
+                    .help("join it with ALD or OLD, or remove it; a contact in series is `A`, one in parallel `O`"),
+            );
+        }
+    }
+
+    /// What an instruction leaves of the levels that nothing has used.
+    fn follow(&mut self, effect: &Effect, span: Span) {
+        let used = |levels: usize, unused: &mut Vec<Option<Span>>| {
+            unused.iter_mut().rev().take(levels).for_each(|level| *level = None);
+        };
+        match effect {
+            Effect::None => {}
+            Effect::Push => self.unused.push(Some(span)),
+            Effect::Set => used(1, &mut self.unused),
+            Effect::Copy(level) => {
+                used(level + 1, &mut self.unused);
+                self.unused.push(None);
+            }
+            // A contact in series or in parallel is not a use, a counter is.
+            Effect::Combine(1) => {}
+            Effect::Combine(levels) => used(*levels, &mut self.unused),
+            Effect::Join => {
+                // Together they are one level, which is not used yet.
+                let top = self.unused.pop().flatten();
+                if let Some(below) = self.unused.last_mut() {
+                    *below = below.or(top);
+                }
+            }
+            Effect::Pop => {
+                self.unused.pop();
+            }
+            Effect::Read => used(1, &mut self.unused),
+        }
     }
 
     pub fn begin_network(&mut self) {
+        self.unused.clear();
         (self.depth, self.lost, self.told, self.read_told) = (0, 0, false, false);
     }
 
@@ -96,7 +144,14 @@ impl Stack {
 
     /// A statement; `level` is the operand of `LDS`.
     pub fn visit(&mut self, insn: Insn, level: Option<u32>, name: &str, span: Span, report: &mut Report) {
-        match effect(insn, level) {
+        let effect = effect(insn, level);
+        self.follow(&effect, span);
+        if insn == Insn::Lscr {
+            // The step uses it.
+            self.unused.pop();
+            self.unused.push(None);
+        }
+        match effect {
             Effect::None => {}
             Effect::Push => self.push(),
             Effect::Set => self.depth = self.depth.max(1),

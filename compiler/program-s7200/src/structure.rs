@@ -161,6 +161,20 @@ impl Structure {
                     .help("end it with SCRE"),
             });
         }
+        let mut unused: Vec<Span> = self
+            .labels
+            .iter()
+            .filter(|(number, _)| !self.jumps.iter().any(|jump| jump.0 == **number))
+            .map(|(_, (_, span))| *span)
+            .collect();
+        unused.sort_by_key(|span| span.start);
+        for span in unused {
+            report.push(
+                Diagnostic::new(Code::UnusedLabel, span, "no jump of the block leads to this label")
+                    .label("is never used")
+                    .help("remove it, or look whether a jump is missing"),
+            );
+        }
         for &(number, step, span) in &self.jumps {
             match self.labels.get(&number) {
                 None => report.push(

@@ -694,6 +694,8 @@ impl AssertOp {
 #[derive(Clone, Debug, PartialEq)]
 pub enum AssertSide {
     Operand(Operand),
+    /// `T1.VALUE`: the value of a timer or counter.
+    CellValue(Operand),
     Register(AssertRegister),
     Literal(AssertLiteral),
 }

@@ -531,6 +531,7 @@ pub(crate) fn operand_text(kind: &OperandKind) -> String {
 fn assert_side(side: &AssertSide) -> String {
     let register = match side {
         AssertSide::Operand(side) => return operand(side),
+        AssertSide::CellValue(cell) => return format!("value of {}", operand(cell)),
         AssertSide::Literal(AssertLiteral { loaded: Some(value), .. }) => return literal(value),
         AssertSide::Literal(AssertLiteral { exact: Some(value), negative, .. }) => {
             return format!("{}{}", if *negative { "-" } else { "" }, scl::text::literal(value));

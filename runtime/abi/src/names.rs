@@ -74,3 +74,19 @@ pub enum UsedArea {
     BitMemory,
     Db(u16),
 }
+
+/// Marks the number of a structure or an array in a VARIANT.
+const STRUCTURE: u32 = 1 << 31;
+
+/// The number by which a VARIANT knows a structure or function block of this name, in any letter case.
+pub fn structure_number(name: &str) -> u32 {
+    let letters: Vec<u32> = name.chars().flat_map(char::to_uppercase).map(u32::from).collect();
+    compound_number(0x8002, &letters)
+}
+
+/// The number by which a VARIANT knows a type that consists of others: `kind` and what makes it different, by FNV-1a.
+pub fn compound_number(kind: u32, words: &[u32]) -> u32 {
+    let step = |hash: u32, byte: u8| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193);
+    let bytes = std::iter::once(&kind).chain(words).flat_map(|word| word.to_be_bytes());
+    bytes.fold(0x811C_9DC5, step) | STRUCTURE
+}

@@ -60,7 +60,7 @@ pub unsafe extern "C" fn main(argc: c_int, argv: *const *const c_char) -> c_int 
     match linked_program(0) {
         Ok((image, entries)) => {
             let code = || -> Rc<dyn Code> { Rc::new(LinkedCode(entries.clone())) };
-            c_int::from(crate::run::run(image, &code, &run))
+            c_int::from(crate::run::start(image, &code, &run, None))
         }
         Err(error) => damaged(&error),
     }

@@ -76,5 +76,5 @@ mod tests;
 
 pub use code::Code;
 pub use options::RunOptions;
-pub use run::{run, run_served};
+pub use run::run;
 pub use testing::{AssertFailure, TestOptions, TestReport, test};

@@ -147,6 +147,20 @@ fn without_unit(text: &str) -> &str {
     text.split_once(" in ").map_or(text, |(name, _)| name).trim()
 }
 
+/// Values of a structure or DB that is named as a whole.
+const VALUES_MAX: usize = 1000;
+
+/// The signal that `text` names, or all values of a structure, an array or a DB. `Err`: the error as a sentence.
+pub fn all(text: &str, image: &ProgramImage, plant: Option<&Plant>) -> Result<Vec<Signal>, String> {
+    match Source::find(text, image, plant) {
+        Ok(source) => Ok(vec![Signal { name: text.to_string(), source }]),
+        Err(wrong) => {
+            let values = names::values(text, image, VALUES_MAX).map_err(|_| wrong)?;
+            Ok(values.into_iter().map(|(name, named)| Signal { name, source: Source::of(named) }).collect())
+        }
+    }
+}
+
 impl Source {
     /// Finds what `text` names; see the module comment. `Err`: the error as a sentence.
     pub fn find(text: &str, image: &ProgramImage, plant: Option<&Plant>) -> Result<Source, String> {

@@ -331,6 +331,19 @@ fn moment(text: &str, ty: AssertType) -> Option<Value> {
     }
 }
 
+pub const fn is_duration(ty: AssertType) -> bool {
+    matches!(ty, AssertType::S5Time | AssertType::Time | AssertType::Ltime)
+}
+
+/// `T#100ms`, for a number of seconds.
+pub fn duration_text(seconds: f64) -> String {
+    let ns = (seconds * datetime::NS_PER_S as f64).round() as i64;
+    match ns % 1_000_000 {
+        0 => Value::Bits(((ns / 1_000_000) as u64) & u64::from(u32::MAX)).typed_text(AssertType::Time),
+        _ => Value::Bits(ns as u64).typed_text(AssertType::Ltime),
+    }
+}
+
 /// A whole number that a value is.
 pub fn whole(ty: AssertType, bits: u64) -> Option<i128> {
     match ty {

@@ -43,7 +43,7 @@ fn build_read(args: &BuildArgs, read: Read, name: &str) -> Result<(), u8> {
         write_text(args.output.as_deref(), &text)?;
         return if diagnostics.iter().any(|d| d.is_error()) { Err(exit::COMPILE) } else { Ok(()) };
     }
-    let bound = accepted(pipeline::bind(parsed, &settings), unreadable)?;
+    let bound = accepted(pipeline::bind(parsed, &settings), unreadable, &settings)?;
     if let Some(pass) = &args.print_after {
         return write_text(
             args.output.as_deref(),
@@ -78,12 +78,16 @@ fn build_read(args: &BuildArgs, read: Read, name: &str) -> Result<(), u8> {
     }
 }
 
-/// Reports the messages of a program; an error ends the command.
-pub fn accepted(mut bound: Bound, unreadable: bool) -> Result<Bound, u8> {
+/// Reports the messages of a program; an error ends the command, and so does a warning that the settings refuse.
+pub fn accepted(mut bound: Bound, unreadable: bool, settings: &Settings) -> Result<Bound, u8> {
     report::messages(&mut bound.diagnostics, &bound.sources, MessageFormat::Human);
     if bound.has_errors() {
         report::say(&report::summary(&bound.diagnostics));
         return Err(if unreadable { exit::USAGE } else { exit::COMPILE });
+    }
+    if bound.is_denied(settings) {
+        report::say(&format!("{}, refused by --deny", report::summary(&bound.diagnostics)));
+        return Err(exit::FAILED);
     }
     Ok(bound)
 }

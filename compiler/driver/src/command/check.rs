@@ -5,7 +5,7 @@ use crate::command::exit;
 use crate::report::{self, MessageFormat};
 use crate::{inputs, pipeline};
 
-/// Reports all messages. Returns 3 after an error, otherwise 0.
+/// Reports all messages. Returns 3 after an error, 1 after a warning that the command line refuses, otherwise 0.
 pub fn check(args: &CheckArgs) -> u8 {
     let inputs = match inputs::or_here(&args.inputs) {
         Ok(inputs) => inputs,
@@ -25,6 +25,7 @@ pub fn check(args: &CheckArgs) -> u8 {
     match (unreadable, bound.has_errors()) {
         (true, _) => exit::USAGE,
         (false, true) => exit::COMPILE,
+        (false, false) if bound.is_denied(&settings) => exit::FAILED,
         (false, false) => exit::OK,
     }
 }

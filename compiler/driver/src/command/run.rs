@@ -21,7 +21,7 @@ pub fn run(args: &RunArgs) -> u8 {
             match args.services.open() {
                 Ok((service, opened)) => {
                     opened.iter().for_each(|line| eprintln!("{line}"));
-                    plcc_runtime::run_served(image, &code, &args.run, service)
+                    plcc_runtime::run::start(image, &code, &args.run, service)
                 }
                 Err(message) => {
                     eprintln!("runtime: {message}");
@@ -37,7 +37,7 @@ fn compile(args: &RunArgs) -> Result<(ProgramImage, Vec<EntryFunction>, JitProgr
     let read = inputs::read_as(&inputs::or_here(&args.inputs)?, args.compile.code_page);
     let unreadable = read.is_unreadable();
     let settings = pipeline::Settings { require_main: true, ..pipeline::Settings::new(&args.compile) };
-    let bound = accepted(pipeline::front(read, &settings), unreadable)?;
+    let bound = accepted(pipeline::front(read, &settings), unreadable, &settings)?;
     let compiled = pipeline::back(&bound, args.optimization.optimization());
     let (entries, code) = code::machine_code(&compiled).map_err(|error| internal(&error))?;
     Ok((compiled.image, entries, code))

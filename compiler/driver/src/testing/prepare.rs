@@ -51,6 +51,10 @@ pub fn prepare(input: &TestInput, plan: &Plan) -> Prepared {
     }
     let bound = pipeline::front(read, &settings(plan));
     outcome.messages = drawing::draw(&bound.diagnostics, &bound.sources, false);
+    if bound.is_denied(&plan.settings) && !bound.has_errors() {
+        outcome.fail(&format!("{}: {}, refused by --deny", outcome.name, report::summary(&bound.diagnostics)));
+        return Prepared { outcome, programs: Vec::new() };
+    }
     let programs = match accept(&bound, &mut outcome) {
         true => {
             for notice in &bound.program.notices {

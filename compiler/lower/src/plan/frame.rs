@@ -97,6 +97,10 @@ pub fn local_bytes(block: &CodeBlock) -> u32 {
                 for side in assert.sides() {
                     match side {
                         plcc_model::AssertSide::Operand(operand) => see_operand(operand, &mut see),
+                        plcc_model::AssertSide::CellValue { number: plcc_model::Number::Word(place), .. } => {
+                            see(place, 16)
+                        }
+                        plcc_model::AssertSide::CellValue { .. } => {}
                         plcc_model::AssertSide::Memory(place) => see(place, 16),
                         plcc_model::AssertSide::Register(_) => {}
                     }

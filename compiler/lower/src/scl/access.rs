@@ -80,7 +80,7 @@ impl BlockLowering<'_, '_> {
                 LocatedBase::Indexed { area, byte, bit }
             }
         };
-        let (mut offset, mut in_bounds) = (None, None);
+        let (mut offset, mut in_bounds) = (None, self.is_in_db(access, &base));
         for (at, index) in access.indices.iter().enumerate() {
             let (distance, ok) = self.index(index, &access.indices[at + 1..]);
             offset = Some(match offset {
@@ -93,6 +93,26 @@ impl BlockLowering<'_, '_> {
             });
         }
         Located { base, offset, in_bounds }
+    }
+
+    /// Whether all of a structure or of an array that a reference refers to is in its DB; `None`: each access finds that out.
+    fn is_in_db(&mut self, access: &Access, base: &LocatedBase) -> Option<Value> {
+        let LocatedBase::Indexed { area: LocatedArea::Db(db), byte, .. } = base else { return None };
+        if access.indices.is_empty() && access.elementary().is_some() {
+            return None;
+        }
+        let last = access.indices.iter().map(|index| match index.bounds {
+            IndexBounds::Known(low, high) => {
+                (i64::from(high) - i64::from(low)).unsigned_abs() * u64::from(index.stride)
+            }
+            IndexBounds::Open { .. } => 0,
+        });
+        let bytes = last.sum::<u64>().div_ceil(8) + u64::from(layout::bytes(&access.ty));
+        let length = self.b.db_length(*db);
+        let low = self.b.icmp_imm(IntCc::Ule, *byte, 0xFFFF);
+        let end = self.b.binary_imm(BinaryOp::Iadd, *byte, bytes as i64);
+        let fits = self.b.icmp(IntCc::Ule, end, length);
+        Some(self.b.and(low, fits))
     }
 
     fn signed_index(&mut self, value: &Expr) -> Value {

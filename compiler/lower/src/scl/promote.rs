@@ -200,7 +200,10 @@ impl Visitor for Seen {
                 AssertSide::Operand(Operand::Cell { number: plcc_model::Number::Word(place), .. }) => {
                     self.memory(place, 32);
                 }
-                AssertSide::Operand(_) | AssertSide::Register(_) => {}
+                AssertSide::CellValue { number: plcc_model::Number::Word(place), .. } => {
+                    self.memory(place, 16);
+                }
+                AssertSide::Operand(_) | AssertSide::CellValue { .. } | AssertSide::Register(_) => {}
             }
         }
     }

@@ -3,8 +3,9 @@
 use plcc_abi::RuntimeFn;
 use plcc_diag::Span;
 use plcc_ir::{Type, Value};
-use plcc_model::{Assert, AssertRegister, AssertSide, Compared, ComparedValue, Operand, Place, Width};
+use plcc_model::{Assert, AssertRegister, AssertSide, CellKind, Compared, ComparedValue, Operand, Place, Width};
 
+use super::cells::CellRead;
 use crate::block::BlockLowering;
 use crate::fault::{Check, Substitute};
 use crate::place::{Direction, TargetKind};
@@ -60,6 +61,13 @@ impl BlockLowering<'_, '_> {
                 self.b.zext(Type::I32, bit)
             }
             AssertSide::Operand(operand) => self.load_value(operand),
+            AssertSide::CellValue { kind, number } => {
+                let read = match kind {
+                    CellKind::Timer => CellRead::Bcd,
+                    CellKind::Counter => CellRead::Binary,
+                };
+                self.cell_value(*kind, number, read)
+            }
             AssertSide::Memory(_) => unreachable!("its place is used instead"),
             AssertSide::Register(register) => self.assert_register(*register),
         }

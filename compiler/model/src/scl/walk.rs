@@ -93,7 +93,7 @@ impl StatementKind {
 }
 
 /// What a statement contains, except for other statements.
-fn own_part(statement: &StatementKind, visitor: &mut dyn Visitor) {
+pub fn own_part(statement: &StatementKind, visitor: &mut dyn Visitor) {
     match statement {
         StatementKind::Assign { target, value } => {
             access(target, Role::Value, visitor);

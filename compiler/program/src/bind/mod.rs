@@ -7,8 +7,9 @@
 //! 3. [`declarations`]: types, interfaces and data blocks.
 //! 4. [`stl`], [`scl`], [`network`] (LAD and FBD) and [`chart`] (GRAPH) bind statements over them, each by a type of its own. Networks
 //!    become the typed tree of SCL, and charts use SCL and networks.
-//! 5. [`program`](mod@program) binds a whole program, each block in its language.
-//! 6. [`partial`] binds a program in which parts may be missing, by binding it several times.
+//! 5. [`review`] looks at bound blocks for what they do for nothing, and for values that nobody has set.
+//! 6. [`program`](mod@program) binds a whole program, each block in its language.
+//! 7. [`partial`] binds a program in which parts may be missing, by binding it several times.
 //!
 //! With errors the program is incomplete and must not be lowered; the same applies to `partial` runs with warnings about
 //! undefined names.
@@ -19,6 +20,7 @@ mod globals;
 mod network;
 mod partial;
 mod program;
+mod review;
 mod scl;
 mod stl;
 mod trees;

@@ -17,7 +17,9 @@ use super::network::NetworkBinder;
 use super::scl::SclBinder;
 use super::stl::StlBinder;
 use super::trees::SYSTEM_FILE;
+use crate::bind::review::review;
 use crate::bind::trees::blocks;
+use plcc_binding::pragma::is_asserted;
 use plcc_binding::{BindInput, Bound};
 use plcc_model::{BlockKey, Body, CodeBlock, Interface, Program, profile};
 
@@ -36,6 +38,11 @@ pub fn bind_all(input: &BindInput) -> Bound {
     program.bind_types();
     program.bind_data();
     let mut blocks = bind_user_blocks(&mut program);
+    let mains: Vec<BlockKey> =
+        blocks.iter().filter(|block| is_main(input, &program.globals.config, block)).map(CodeBlock::key).collect();
+    // What is wrong may be why a statement seems useless.
+    let is_clean = !program.globals.report.diagnostics.iter().any(Diagnostic::is_error);
+    let reviewed = if is_clean { review(&mut program, &blocks, &mains) } else { Vec::new() };
     bind_system_blocks(&mut program, &mut blocks);
     program.check_pointers();
     blocks.sort_by_key(CodeBlock::key);
@@ -49,7 +56,12 @@ pub fn bind_all(input: &BindInput) -> Bound {
     dbs.sort_by_key(|db| db.number);
     let symbols = program.symbols();
     let notices = std::mem::take(&mut program.globals.notices);
+    program.globals.check_overlaps();
     let (mut diagnostics, missing) = program.globals.report.finish();
+    if !diagnostics.iter().any(Diagnostic::is_error) {
+        diagnostics.extend(reviewed);
+    }
+    diagnostics.retain(|message| !is_asserted(message, input.sources));
     // A message inside a system block has no file to show.
     for diagnostic in &mut diagnostics {
         if diagnostic.primary.span.file == SYSTEM_FILE {

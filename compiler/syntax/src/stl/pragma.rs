@@ -27,6 +27,9 @@ pub fn parse(file: FileId, source: &str, range: Range<usize>, diagnostics: &mut 
 /// A side of a comparison.
 fn side(file: FileId, source: &str, range: Range<usize>, diagnostics: &mut Vec<Diagnostic>) -> Option<AssertSide> {
     let text = &source[range.clone()];
+    if let Some(cell) = cell_value(file, source, text, range.start) {
+        return Some(AssertSide::CellValue(cell));
+    }
     let mut found = Vec::new();
     let mut operand = operand(file, source, text, range.clone(), &mut found);
     // SCL of STEP 7 has no `#` before names of local variables: `a[1]` is `#a[1]`.
@@ -56,6 +59,21 @@ fn side(file: FileId, source: &str, range: Range<usize>, diagnostics: &mut Vec<D
             });
             None
         }
+    }
+}
+
+/// The timer or counter of `T1.VALUE`. One that has a symbol is found by the binder.
+fn cell_value(file: FileId, source: &str, text: &str, start: usize) -> Option<Operand> {
+    let (cell, value) = text.rsplit_once('.')?;
+    if !value.trim().eq_ignore_ascii_case("VALUE") {
+        return None;
+    }
+    let cell = cell.trim_end();
+    match operand(file, source, cell, start..start + cell.len(), &mut Vec::new())? {
+        AssertSide::Operand(operand) => {
+            matches!(operand.kind, OperandKind::Cell { .. } | OperandKind::CellIndirect { .. }).then_some(operand)
+        }
+        AssertSide::CellValue(_) | AssertSide::Register(_) | AssertSide::Literal(_) => None,
     }
 }
 

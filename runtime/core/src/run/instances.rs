@@ -15,9 +15,10 @@ use std::sync::{Arc, mpsc};
 use plcc_abi::ProgramImage;
 
 use super::session::{prepare, setting};
-use super::{EXIT_FAULT, EXIT_OK, EXIT_USAGE, end_requested, pace, say, tell_partial, verdict, watch_signals};
+use super::{
+    CodeMaker, EXIT_FAULT, EXIT_OK, EXIT_USAGE, end_requested, pace, say, tell_partial, verdict, watch_signals,
+};
 use crate::clock::Clock;
-use crate::code::Code;
 use crate::cpu::Cpu;
 use crate::io::Simulated;
 use crate::options::{ClockKind, RunOptions};
@@ -66,7 +67,7 @@ impl Table {
 }
 
 /// Runs the instances. Result: the worst exit code of all.
-pub(super) fn run(image: ProgramImage, code: &(dyn Fn() -> Rc<dyn Code> + Sync), options: &RunOptions) -> u8 {
+pub(super) fn run(image: ProgramImage, code: CodeMaker, options: &RunOptions) -> u8 {
     let (count, table) = match check(options) {
         Ok(checked) => checked,
         Err(message) => {
@@ -164,7 +165,7 @@ impl Write for Buffer {
 fn one(
     number: usize,
     image: &Arc<ProgramImage>,
-    code: &(dyn Fn() -> Rc<dyn Code> + Sync),
+    code: CodeMaker,
     options: &RunOptions,
     table: &Option<Table>,
 ) -> Outcome {
@@ -227,4 +228,87 @@ fn report_in_order(receive: &mpsc::Receiver<(usize, Outcome)>) -> u8 {
         say!("{failed} of {next} instances failed");
     }
     exit
+}
+
+#[cfg(test)]
+mod tests {
+    use plcc_abi::image::BlockKind;
+
+    use super::*;
+    use crate::code::Code;
+    use crate::tests::image;
+
+    /// OB 1 adds MW 2 to MW 4.
+    struct Adding;
+
+    impl Code for Adding {
+        fn call(&self, _: u32, mem: *mut u8, _: u32, _: u32) {
+            // SAFETY: the runtime passes the base of its own memory.
+            let memory = unsafe { &Cpu::of(mem).memory };
+            let at = plcc_abi::layout::M;
+            memory.set_word(at + 4, memory.word(at + 4).wrapping_add(memory.word(at + 2)));
+        }
+    }
+
+    fn adding() -> Rc<dyn Code> {
+        Rc::new(Adding)
+    }
+
+    fn options() -> RunOptions {
+        RunOptions {
+            clock: ClockKind::Virtual,
+            cycles: Some(10),
+            print: vec!["MW4".to_string()],
+            instances: Some(2),
+            ..RunOptions::default()
+        }
+    }
+
+    fn file(name: &str, text: &str) -> std::path::PathBuf {
+        let path = std::env::temp_dir().join(format!("plcc-instances-{}-{name}.csv", std::process::id()));
+        std::fs::write(&path, text).unwrap();
+        path
+    }
+
+    #[test]
+    fn instances_have_values_of_their_own() {
+        let path = file("values", "MW2, MW4\n1, 0\n3, 100\n");
+        let options = RunOptions { instance_values: Some(path.clone()), ..options() };
+        let (count, table) = check(&options).unwrap();
+        assert_eq!(count, 2);
+        let image = Arc::new(image(&[(BlockKind::Ob, 1)]));
+        let outcomes = [0, 1].map(|number| one(number, &image, &adding, &options, &table));
+        let texts = outcomes.map(|outcome| (String::from_utf8(outcome.out).unwrap(), outcome.lines, outcome.exit));
+        assert_eq!(texts[0], ("MW4 = 16#000A\n".to_string(), Vec::new(), EXIT_OK));
+        assert_eq!(texts[1], ("MW4 = 16#0082\n".to_string(), Vec::new(), EXIT_OK));
+        std::fs::remove_file(path).unwrap();
+    }
+
+    #[test]
+    fn wrong_values_name_their_line() {
+        let path = file("wrong", "MW2\n1\nmany\n");
+        let options = RunOptions { instance_values: Some(path.clone()), ..options() };
+        let (_, table) = check(&options).unwrap();
+        let image = Arc::new(image(&[(BlockKind::Ob, 1)]));
+        let outcome = one(1, &image, &adding, &options, &table);
+        assert_eq!(outcome.exit, EXIT_USAGE);
+        assert!(outcome.lines[0].contains("line 3"), "{:?}", outcome.lines);
+        std::fs::remove_file(path).unwrap();
+    }
+
+    #[test]
+    fn what_is_for_one_cpu_is_refused() {
+        let refused = |change: &dyn Fn(&mut RunOptions)| {
+            let mut options = options();
+            change(&mut options);
+            check(&options).map(|(count, _)| count).unwrap_err()
+        };
+        assert!(refused(&|options| options.clock = ClockKind::Real).contains("--clock virtual"));
+        assert!(refused(&|options| options.cycles = None).contains("--cycles"));
+        assert!(refused(&|options| options.trace = Some("x.csv".into())).contains("--trace"));
+        assert!(refused(&|options| options.instances = Some(0)).contains("from 1"));
+        let path = file("rows", "MW2\n1\n");
+        assert!(refused(&|options| options.instance_values = Some(path.clone())).contains("has values for 1"));
+        std::fs::remove_file(path).unwrap();
+    }
 }

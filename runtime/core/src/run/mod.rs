@@ -58,22 +58,33 @@ fn watch_signals() {
     }
 }
 
-/// Runs a program by the runtime flags. Values go to standard output, messages to standard error. Each CPU gets code of its own from `code`.
+/// Makes the code of a CPU.
+pub type CodeMaker<'a> = &'a (dyn Fn() -> Rc<dyn Code> + Sync);
+
+/// Runs a program by the runtime flags, on one CPU or on as many as they say. `service` answers clients of one CPU, also in STOP.
 /// Result: exit code.
-pub fn run(image: ProgramImage, code: &(dyn Fn() -> Rc<dyn Code> + Sync), options: &RunOptions) -> u8 {
+pub fn start(image: ProgramImage, code: CodeMaker, options: &RunOptions, service: Option<Box<dyn Service>>) -> u8 {
+    match options.instances.is_some() || options.instance_values.is_some() {
+        true if service.is_some() => {
+            say!("runtime: clients are answered by one CPU: leave out --instances");
+            EXIT_USAGE
+        }
+        true => instances::run(image, code, options),
+        false => run_served(image, code(), options, service),
+    }
+}
+
+/// Runs a program on one CPU. Values go to standard output, messages to standard error. Result: exit code.
+pub fn run(image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions) -> u8 {
     run_served(image, code, options, None)
 }
 
-/// As [`run`], with clients that are answered between cycles, also in STOP.
-pub fn run_served(
+fn run_served(
     mut image: ProgramImage,
-    code: &(dyn Fn() -> Rc<dyn Code> + Sync),
+    code: Rc<dyn Code>,
     options: &RunOptions,
     service: Option<Box<dyn Service>>,
 ) -> u8 {
-    if options.instances.is_some() || options.instance_values.is_some() {
-        return instances::run(image, code, options);
-    }
     let clock = match options.clock {
         ClockKind::Real => Clock::real(),
         ClockKind::Virtual => Clock::simulated(),
@@ -81,7 +92,7 @@ pub fn run_served(
     image.config.s7200.stop_on_error |= options.stop_on_error;
     options.restart(&mut image.config);
     let driver = Box::new(Simulated::new(image.config.modules.clone()));
-    let cpu = Cpu::new(image, code(), clock, driver);
+    let cpu = Cpu::new(image, code, clock, driver);
     if let Some(port) = options.iso_port {
         cpu.communication.borrow_mut().set_iso_port(port);
     }

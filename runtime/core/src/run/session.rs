@@ -4,11 +4,10 @@ use std::io::Write;
 
 use crate::cpu::Cpu;
 use crate::cycle::Observer;
-use crate::names;
 use crate::options::{RunOptions, split_list};
 use crate::plant::Plant;
 use crate::scenario::{Player, Scenario};
-use crate::signal::{Signal, Source, Value};
+use crate::signal::{self, Signal, Source, Value};
 use crate::trace::{self, Recorder};
 
 /// Everything that flags name, checked.
@@ -85,21 +84,11 @@ pub(super) fn prepare(cpu: &Cpu, options: &RunOptions, out: Box<dyn Write>) -> R
     Ok((printed, Session { set, last: 0, player, recorder }))
 }
 
-/// Values of a structure or DB that a flag names as a whole.
-const VALUES_MAX: usize = 1000;
-
 /// The signals of a list flag.
 fn signals(cpu: &Cpu, plant: Option<&Plant>, list: &[String]) -> Result<Vec<Signal>, String> {
     let mut signals = Vec::new();
     for name in split_list(list) {
-        let found = match Source::find(&name, &cpu.image, plant) {
-            Ok(source) => vec![Signal { name, source }],
-            // A structure, an array or a DB stands for all its values.
-            Err(wrong) => {
-                let values = names::values(&name, &cpu.image, VALUES_MAX).map_err(|_| wrong)?;
-                values.into_iter().map(|(name, named)| Signal { name, source: Source::of(named) }).collect()
-            }
-        };
+        let found = signal::all(&name, &cpu.image, plant)?;
         for Signal { name, source } in &found {
             source.check(cpu).map_err(|message| format!("{name}: {message}"))?;
         }

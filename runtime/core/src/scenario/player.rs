@@ -146,7 +146,11 @@ impl Player {
     fn failure(&self, setting: &Setting, actual: String) -> AssertFailure {
         let mut expected = setting.value.text();
         if setting.tolerance > 0.0 {
-            expected = format!("{expected} +- {}", Value::Number(setting.tolerance).text());
+            let tolerance = match setting.value {
+                Value::Typed(ty, _) if typed::is_duration(ty) => typed::duration_text(setting.tolerance),
+                _ => Value::Number(setting.tolerance).text(),
+            };
+            expected = format!("{expected} +- {tolerance}");
         }
         AssertFailure {
             text: format!("{} = {expected}", setting.signal.name),
@@ -189,7 +193,9 @@ fn holds(setting: &Setting, actual: &Value) -> bool {
     };
     match (&setting.value, actual) {
         (Value::Whole(wanted), Value::Whole(actual)) => wanted == actual,
-        (Value::Typed(ty, wanted), Value::Typed(_, actual)) => typed::equal(*ty, wanted, actual),
+        (Value::Typed(ty, wanted), Value::Typed(_, actual)) if setting.tolerance == 0.0 => {
+            typed::equal(*ty, wanted, actual)
+        }
         (wanted, actual) => match (number(wanted), number(actual)) {
             // A number has the value of its REAL.
             (Some(wanted), Some(actual)) => {

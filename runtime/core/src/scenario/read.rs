@@ -107,12 +107,11 @@ impl Reader<'_> {
             (None, None) => return self.error(start, "an entry needs `cycle` or `time`"),
             (Some(_), Some(_)) => return self.error(start, "an entry has either `cycle` or `time`, not both"),
         };
-        let print = entry.print.iter().map(|name| {
-            let found = Source::find(name.get_ref(), self.image, self.plant);
-            found
-                .map(|source| Signal { name: name.get_ref().clone(), source })
-                .or_else(|message| self.error(name.span().start, &message))
-        });
+        let mut print = Vec::new();
+        for name in &entry.print {
+            let found = signal::all(name.get_ref(), self.image, self.plant);
+            print.extend(found.or_else(|message| self.error(name.span().start, &message))?);
+        }
         let plant = entry.plant.iter().map(|(name, value)| {
             let found = self.plant.and_then(|plant| plant.find_settable(name));
             match found.filter(|_| value.get_ref().is_finite()) {
@@ -131,7 +130,7 @@ impl Reader<'_> {
             sent: line::sent(&entry.sent, self.image, self.line).or_else(|(at, message)| self.error(at, &message))?,
             pulses: entry.pulses.iter().map(|(name, text)| self.pulses(name, text)).collect::<Result<_, _>>()?,
             expect: self.settings(&entry.expect, Self::to_expect)?,
-            print: print.collect::<Result<_, _>>()?,
+            print,
         })
     }
 
@@ -172,6 +171,15 @@ impl Reader<'_> {
             return Ok((source, source.parse(text, self.image)?, 0.0));
         };
         let number = |text: &str| text.trim().parse::<f64>().map_err(|_| format!("`{}` is not a number", text.trim()));
+        if let Source::Typed(_, ty) = source
+            && typed::is_duration(ty.ty)
+        {
+            // A number alone is in the unit of the type.
+            let has_unit = tolerance.contains(|c: char| c.is_ascii_alphabetic());
+            let ty = if has_unit { AssertType::Ltime } else { ty.ty };
+            let tolerance = typed::parse(tolerance, ValueType::of(ty))?.seconds(ty);
+            return Ok((source, source.parse(middle, self.image)?, tolerance.unwrap_or_default().abs()));
+        }
         match (source, analog::with_unit(tolerance)) {
             (Source::Bits(address) | Source::Typed(address, _), Some((tolerance, unit))) => {
                 let scale = signal::scale(&address, unit, self.image)?;
@@ -189,9 +197,7 @@ impl Reader<'_> {
                 | Source::PulseCount(_),
                 _,
             ) => match source.parse(middle, self.image)?.number() {
-                Some(middle) => {
-                    Ok((source, Value::Number(middle), seconds(tolerance).map_or_else(|| number(tolerance), Ok)?.abs()))
-                }
+                Some(middle) => Ok((source, Value::Number(middle), number(tolerance)?.abs())),
                 None => Err(format!("a value of type {} has no tolerance", source.ty())),
             },
         }
@@ -268,13 +274,6 @@ fn flatten<'a>(name: &str, value: &'a toml::Value, offset: usize, flat: &mut Vec
         }
         value => flat.push((name.to_string(), value, offset)),
     }
-}
-
-/// The seconds of a duration with its unit, `100ms`.
-fn seconds(text: &str) -> Option<f64> {
-    let has_unit = text.trim().ends_with(|c: char| c.is_ascii_alphabetic());
-    let ty = ValueType::of(AssertType::Time);
-    has_unit.then(|| typed::parse(text, ty).ok()?.seconds(ty.ty)).flatten()
 }
 
 /// The expectation of the TOML reader, without the names of its types.

@@ -8,6 +8,7 @@
 
 mod alarms;
 mod any;
+mod array_db;
 mod block_move;
 mod clock;
 mod communication;
@@ -18,12 +19,14 @@ mod delay;
 mod disable;
 mod distributed;
 pub(crate) mod dtl;
+mod hardware;
 mod hexadecimal;
 mod images;
 mod load_memory;
 mod local_error;
 mod masks;
 pub(crate) mod meters;
+mod modbus;
 mod module_records;
 pub(crate) mod numbers;
 mod output_bits;
@@ -192,6 +195,19 @@ system_functions! {
     1701 DELETE_DB (Bool, Word)           -> (Word, Bool)      = load_memory::delete_db;
     1702 ATTR_DB (Bool, Word)             -> (Word, Dword, Byte) = load_memory::attr_db;
     1703 Gen_UsrMsg (Word, Word, Word)    -> (Word, Variant)   = alarms::gen_user_message;
+    1704 ReadFromArrayDB (Word, Dword)   -> (Word, Variant)   = array_db::read;
+    1705 WriteToArrayDB (Word, Dword, Variant) -> (Word)      = array_db::write;
+    1707 DB_ANY_TO_VARIANT (Word)        -> (VariantData, Word) = array_db::to_variant;
+    1708 VARIANT_TO_DB_ANY (Variant)     -> (Word, Word)      = array_db::of_variant;
+    1709 TypeOfDB (Word)                 -> (Dword)           = array_db::type_of_db;
+    1710 RD_ADDR (Word)                  -> (Word, Dword, Word, Dword, Word) = hardware::rd_addr;
+    1711 LOG2GEO (Word)                  -> (Word, Variant)   = hardware::log2geo;
+    1712 GEO2LOG (Variant)               -> (Word, Word)      = hardware::geo2log;
+    1713 IO2MOD (Variant)                -> (Word, Word)      = hardware::io2mod;
+    1714 LED (Word, Word)                -> (Word)            = hardware::led;
+    1715 DeviceStates (Word, Word)       -> (Word, Variant)   = hardware::states;
+    1716 ModuleStates (Word, Word)       -> (Word, Variant)   = hardware::states;
+    1717 GET_DIAG (Word, Word)           -> (Word, Word, Variant, Variant) = hardware::get_diag;
     // Parts of library blocks that the runtime does.
     2000 TEXT_CONCAT (Any, Any)          -> (Any)             = text::concat;
     2001 TEXT_COMPARE (Any, Any, Word)   -> (Bool)            = text::compare;
@@ -252,6 +268,12 @@ system_functions! {
     2118 FILE_READ (Variant, Dword, Dword, Variant) -> (Word, Dword) = records::file_read;
     2119 FILE_WRITE (Variant, Dword, Dword, Variant) -> (Word, Dword) = records::file_write;
     2120 FILE_DELETE (Variant)           -> (Word, Dword)     = records::file_delete;
+    2121 MB_REQUEST (Byte, Dword, Word, Byte, Word, Any) -> (Word, Word, Any) = modbus::request;
+    2122 MB_RESPONSE (Any, Any, Any)     -> (Word, Any)       = modbus::response;
+    2123 MB_REPLY (Any, Any, Word, Word) -> (Word, Word, Byte, Any, Any) = modbus::reply;
+    2124 IO_READ (Dword, Word, Word)     -> (Word, Word, Any) = hardware::read_io;
+    2125 IO_WRITE (Dword, Word, Word)    -> (Word, Word, Any) = hardware::write_io;
+    2126 REFERENCE_OF (Variant, Dword, Dword, Dword) -> (DateAndTime) = variants::reference;
 }
 
 /// No row.

@@ -24,6 +24,8 @@ pub(super) enum Kind {
     Any,
     /// An ANY with number and type of elements after it.
     Variant,
+    /// A VARIANT as a value.
+    VariantData,
     /// POINTER: DB number and area pointer.
     Pointer,
     /// Twelve bytes of start information.
@@ -40,7 +42,7 @@ impl Kind {
             Kind::Dword => 4,
             Kind::Lword | Kind::DateAndTime => 8,
             Kind::Any => 10,
-            Kind::Variant => 18,
+            Kind::Variant | Kind::VariantData => 18,
             Kind::Pointer => 6,
             Kind::Dtl | Kind::StartInfo => 12,
             Kind::ErrorStruct => local_error::BYTES,
@@ -120,6 +122,17 @@ impl Call<'_> {
     pub fn pointed(&self, index: usize) -> (u32, u32) {
         let at = self.at(index) + Kind::Any.bytes();
         (self.cpu.memory.dword(at), self.cpu.memory.dword(at + 4))
+    }
+
+    /// Sets parameter `index`, a [`Kind::VariantData`]: an ANY, number of elements, number of the type.
+    pub fn set_variant(&self, index: usize, any: Fields, elements: u32, ty: u32) {
+        let memory = &self.cpu.memory;
+        let at = self.at(index);
+        memory.set_dword(at, any.head);
+        memory.set_word(at + 4, any.db);
+        memory.set_dword(at + 6, any.pointer);
+        memory.set_dword(at + 10, elements);
+        memory.set_dword(at + 14, ty);
     }
 
     pub fn set_bool(&self, index: usize, value: bool) {

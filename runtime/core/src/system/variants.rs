@@ -137,7 +137,7 @@ fn assign(call: &Call) -> Option<()> {
 }
 
 /// Offset and bit of the BOOL that an ANY names.
-fn bit_place(call: &Call, any: Fields) -> Option<(u32, u8)> {
+pub(super) fn bit_place(call: &Call, any: Fields) -> Option<(u32, u8)> {
     let (byte, bit) = (any.pointer >> 3 & 0xFFFF, (any.pointer & 7) as u8);
     let (base, length) = match (any.pointer >> 24) as u8 {
         area::I => call.cpu.area(Area::Inputs),
@@ -151,6 +151,22 @@ fn bit_place(call: &Call, any: Fields) -> Option<(u32, u8)> {
         _ => return None,
     };
     (byte < length).then_some((base + byte, bit))
+}
+
+/// DATA, KIND, ELEMENTS, BYTES -> RET_VAL: number of the DB, bit and byte in it; all 0 if DATA is not in a DB, or has another type.
+pub(super) fn reference(call: &Call) -> Outcome {
+    call.set_date_and_time(4, [0; 8]);
+    let (any, (elements, ty)) = (call.any(0), call.pointed(0));
+    let (wanted, count, bytes) = (call.dword(1), call.dword(2), call.dword(3));
+    let in_db = matches!((any.pointer >> 24) as u8, area::DB | area::DI) && call.cpu.memory.db(any.db).1 > 0;
+    let fits = wanted == 0 || (wanted, count) == (ty, elements) && (bytes == 0 || bytes == any.head & 0xFFFF);
+    if in_db && ty != 0 && fits {
+        let (db, bit) = (any.db.to_be_bytes(), (any.pointer & 7) as u8);
+        let byte = (any.pointer >> 3 & 0xFFFF).to_be_bytes();
+        let [b0, b1, b2, b3] = byte;
+        call.set_date_and_time(4, [db[0], db[1], 0, bit, b0, b1, b2, b3]);
+    }
+    Outcome::Plain
 }
 
 /// Elements that a VARIANT points at.

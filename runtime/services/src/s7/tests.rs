@@ -237,7 +237,7 @@ fn long_lists_come_in_pieces() {
     let mut session = session(&plc);
     let mut answer =
         session.answer(&hex("32 07 0000 0001 0008 0008 00 01 12 04 11 44 01 00 FF 09 0004 00A0 0000"), &plc);
-    let mut all = Vec::new();
+    let mut all: Vec<u8> = Vec::new();
     loop {
         let pdu = answer.unwrap().unwrap();
         assert!(pdu.len() <= 240);

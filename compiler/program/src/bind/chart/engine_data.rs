@@ -532,5 +532,11 @@ fn raw(bytes: u32, members: &[(&str, Elementary, u32)]) -> DataType {
         bit: 0,
     };
     let members = members.iter().map(member).collect();
-    DataType::Struct(std::rc::Rc::new(StructType { name: String::new(), instance_of: None, members, bytes }))
+    DataType::Struct(std::rc::Rc::new(StructType {
+        name: String::new(),
+        instance_of: None,
+        refers_to: None,
+        members,
+        bytes,
+    }))
 }

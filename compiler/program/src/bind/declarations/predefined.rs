@@ -38,13 +38,15 @@ enum Part {
     One(Elementary),
     /// ARRAY[1..n] OF BYTE.
     Bytes(u16),
+    /// ARRAY[1..n] OF UINT.
+    Uints(u16),
     /// STRING[n].
     Text(u8),
     /// Another structure of the table.
     Structure(&'static str),
 }
 
-use Part::{Bytes, One, Text};
+use Part::{Bytes, One, Text, Uints};
 
 struct Structure {
     name: &'static str,
@@ -101,6 +103,58 @@ const STRUCTURES: &[Structure] = &[
         ],
         default: &[],
     },
+    Structure {
+        name: "VARIANT_DATA",
+        members: &[
+            ("HEAD", One(Elementary::Dword)), ("DB", One(Elementary::Word)), ("POINTER", One(Elementary::Dword)),
+            ("ELEMENTS", One(Elementary::Dword)), ("KIND", One(Elementary::Dword)),
+        ],
+        default: &[],
+    },
+    Structure { name: "AssocValues", members: &[("Value", Uints(8))], default: &[] },
+    Structure {
+        name: "REFERENCE",
+        members: &[("DB", One(Elementary::Word)), ("BIT", One(Elementary::Int)), ("BYTE", One(Elementary::Dint))],
+        default: &[],
+    },
+    Structure {
+        name: "GEOADDR",
+        members: &[
+            ("HWTYPE", One(Elementary::Uint)), ("AREA", One(Elementary::Uint)), ("IOSYSTEM", One(Elementary::Uint)),
+            ("STATION", One(Elementary::Uint)), ("SLOT", One(Elementary::Uint)), ("SUBSLOT", One(Elementary::Uint)),
+        ],
+        default: &[],
+    },
+    Structure {
+        name: "DIS",
+        members: &[
+            ("MaintenanceState", One(Elementary::Dword)), ("ComponentStateDetail", One(Elementary::Dword)),
+            ("OwnState", One(Elementary::Uint)), ("IOState", One(Elementary::Word)), ("OperatingState", One(Elementary::Uint)),
+        ],
+        default: &[],
+    },
+    Structure {
+        name: "DNN",
+        members: &[
+            ("SubordinateState", One(Elementary::Uint)), ("SubordinateIOState", One(Elementary::Word)),
+            ("DNNmode", One(Elementary::Word)),
+        ],
+        default: &[],
+    },
+    Structure {
+        name: "SI_classic",
+        members: &[
+            ("EV_CLASS", One(Elementary::Byte)), ("EV_NUM", One(Elementary::Byte)), ("PRIORITY", One(Elementary::Byte)),
+            ("NUM", One(Elementary::Byte)), ("TYP2_3", One(Elementary::Byte)), ("TYP1", One(Elementary::Byte)),
+            ("ZI1", One(Elementary::Word)), ("ZI2_3", One(Elementary::Dword)),
+        ],
+        default: &[],
+    },
+    Structure {
+        name: "TADDR_Param",
+        members: &[("REM_IP_ADDR", Bytes(4)), ("REM_PORT_NR", One(Elementary::Uint)), ("RESERVED", One(Elementary::Word))],
+        default: &[],
+    },
     Structure { name: "IP_V4", members: &[("ADDR", Bytes(4))], default: &[] },
     Structure {
         name: "TCON_IP_v4",
@@ -150,6 +204,7 @@ const INSTANCES: &[(&str, &[&str])] = &[
     ("IEC_UDCOUNTER",  &["IEC_UDCOUNTER", "CTUD_UDINT"]),
     ("IEC_LCOUNTER",   &["IEC_LCOUNTER", "CTUD_LINT"]),
     ("IEC_ULCOUNTER",  &["IEC_ULCOUNTER", "CTUD_ULINT"]),
+    ("TO_CommandTable_PTO", &["TO_CommandTable"]),
     ("TO_Axis",        &[AXIS]),
     ("TO_SpeedAxis",   &[AXIS]),
     ("TO_SynchronousAxis", &[AXIS]),
@@ -216,7 +271,8 @@ impl Declarations<'_> {
         for (name, part) in structure.members {
             let typed = match part {
                 One(ty) => elementary_typed(*ty),
-                Bytes(count) => bytes_typed(*count),
+                Bytes(count) => array_typed(Elementary::Byte, *count, 1),
+                Uints(count) => array_typed(Elementary::Uint, *count, 2),
                 Text(length) => text_typed(*length),
                 Part::Structure(other) => self.predefined(other, span)?,
             };
@@ -237,11 +293,12 @@ fn text_typed(length: u8) -> Typed {
     Typed { ty: DataType::String(length), image: image.into() }
 }
 
-/// ARRAY[1..count] OF BYTE.
-fn bytes_typed(count: u16) -> Typed {
-    let element = DataType::Elementary(Elementary::Byte);
-    let array = ArrayType { bounds: vec![(1, i32::from(count))], element, bytes: u32::from(count) };
-    Typed { ty: DataType::Array(Rc::new(array)), image: vec![0; usize::from(count)].into() }
+/// ARRAY[1..count] OF a type of so many bytes.
+fn array_typed(element: Elementary, count: u16, bytes: u16) -> Typed {
+    let bytes = usize::from(count * bytes);
+    let bounds = vec![(1, i32::from(count))];
+    let array = ArrayType { bounds, element: DataType::Elementary(element), bytes: bytes as u32 };
+    Typed { ty: DataType::Array(Rc::new(array)), image: vec![0; bytes].into() }
 }
 
 /// True of blocks that can be components of data blocks and PLC data types: those of the system.

@@ -114,7 +114,7 @@ impl StructBuilder {
             return Err(bytes);
         }
         self.image.resize(bytes as usize, 0);
-        let ty = StructType { name, instance_of, members: self.members, bytes: bytes as u32 };
+        let ty = StructType { name, instance_of, refers_to: None, members: self.members, bytes: bytes as u32 };
         Ok(TypedStruct { ty: Rc::new(ty), image: Rc::from(self.image) })
     }
 

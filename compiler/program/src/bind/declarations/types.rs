@@ -33,8 +33,6 @@ pub struct Types {
     pub depth: u32,
     /// Components by folded name; the structure is kept so that no other gets its address.
     pub member_index: FxHashMap<*const StructType, (Rc<StructType>, FxHashMap<String, usize>)>,
-    /// It has been reported that REF_TO is not supported.
-    pub references_refused: bool,
 }
 
 impl Types {
@@ -119,16 +117,7 @@ impl<'a> Declarations<'a> {
                 Some(Typed { ty: DataType::Struct(typed.ty), image: typed.image })
             }
             TypeKind::Block(name) => self.block_type(name, used),
-            TypeKind::Reference(_) => {
-                self.types.references_refused = true;
-                let title = format!("`{}` is a reference, which is not supported", self.types.scope.variable);
-                self.report(
-                    Diagnostic::new(Code::DeclarationSyntax, ty.span, title)
-                        .label("REF_TO is not possible here")
-                        .help("pass the variable itself as an IN_OUT parameter, or its index in an array"),
-                );
-                None
-            }
+            TypeKind::Reference(target) => self.reference_type(target, ty.span),
         }
     }
 

@@ -12,6 +12,7 @@ pub mod hardware;
 pub mod library;
 pub mod names;
 pub mod ob;
+mod overlaps;
 pub mod rules;
 pub mod sources;
 pub mod system_memory;

@@ -128,8 +128,9 @@ impl SclBinder<'_, '_> {
                     None
                 }
             },
-            NodeKind::Dereference(_) | NodeKind::Reference(_) => {
-                self.no_references(span);
+            NodeKind::Dereference(base) => self.dereferenced(ctx, base, span).map(Thing::Spot),
+            NodeKind::Reference(_) => {
+                self.misplaced_reference(span, "REF(…) is a value, and no variable");
                 None
             }
             NodeKind::Literal(_) | NodeKind::Unary { .. } | NodeKind::Binary { .. } => {

@@ -24,7 +24,8 @@ impl SclBinder<'_, '_> {
         span: Span,
         bound: &mut Vec<Statement>,
     ) {
-        let mut value = match self.value_for_target(ctx, targets, value) {
+        let special = self.reference_for_target(ctx, targets, value, span);
+        let mut value = match special.or_else(|| self.value_for_target(ctx, targets, value)) {
             Some(value) => value,
             None => self.value(ctx, value),
         };
@@ -46,10 +47,6 @@ impl SclBinder<'_, '_> {
         read: bool,
         bound: &mut Vec<Statement>,
     ) -> Option<Value> {
-        if op == AssignOp::Attempt {
-            self.no_references(span);
-            return None;
-        }
         // Anything that can never be a target is reported by the parser.
         if matches!(target.kind, NodeKind::Literal(_) | NodeKind::Unary { .. } | NodeKind::Binary { .. }) {
             return None;

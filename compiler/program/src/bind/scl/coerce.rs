@@ -6,6 +6,7 @@ use plcc_syntax::scl::ast::Expr as Node;
 use plcc_syntax::{Class, Elementary};
 
 use super::convert::{self, Implicit};
+use super::expression::constant_expr;
 use super::place::Spot;
 use super::value::Value;
 use super::{Rules, constant, message};
@@ -15,7 +16,10 @@ use plcc_model::Number;
 use plcc_model::layout;
 use plcc_model::scl::walk::{self, Role, Visitor};
 use plcc_model::scl::{Access, Complex, Expr, ExprKind, Function};
-use plcc_model::types::{DataType, StructType};
+use plcc_model::types::{DataType, ParameterType, StructType};
+
+/// The type of a VARIANT as the result of a function of the library.
+const VARIANT_DATA: &str = "VARIANT_DATA";
 
 /// Longest STRING.
 const STRING_MAX: usize = 254;
@@ -35,6 +39,12 @@ impl SclBinder<'_, '_> {
             // Source: SCL reference, absolute operands: the status, as `A T 5` reads it.
             Value::Cell { kind, number, span } if ty == Elementary::Bool => {
                 Some(Expr { kind: ExprKind::Cell { kind, number }, ty, span })
+            }
+            // A DB_ANY holds the number of a data block.
+            Value::Block { prefix: BlockPrefix::Db, number: Number::Known(number), span }
+                if ty == Elementary::Uint && !ctx.scope.rules.is_300() =>
+            {
+                Some(constant_expr(number.into(), ty, span))
             }
             other if ty == Elementary::Ldt && converts_dates(ctx.scope.rules) && Self::is_long_date(&other) => {
                 self.as_ldt(ctx, other)
@@ -142,6 +152,13 @@ impl SclBinder<'_, '_> {
         };
         match (value, ty) {
             (_, DataType::Void) => None,
+            // What DB_ANY_TO_VARIANT returns.
+            (
+                Value::Complex { value, ty: DataType::Struct(image), .. },
+                DataType::Parameter(ParameterType::Variant),
+            ) if image.name == VARIANT_DATA && image.bytes == layout::parameter_bytes(ParameterType::Variant) => {
+                Some(value)
+            }
             (Value::Complex { value, ty: from, .. }, _) => {
                 if !assignable(ctx.scope.rules, ty, &from) {
                     let (from, wanted) = (layout::type_name(&from), layout::type_name(ty));
@@ -283,7 +300,8 @@ pub fn assignable(rules: Rules, to: &DataType, from: &DataType) -> bool {
         }
         // A named type fits one without a name, or itself.
         (DataType::Struct(a), DataType::Struct(b)) if rules != Rules::Classic => {
-            (a.name.is_empty() || b.name.is_empty() || a.name == b.name) && layout::same_type(to, from)
+            let names = a.name.is_empty() || b.name.is_empty() || a.name == b.name;
+            names && a.refers_to == b.refers_to && layout::same_type(to, from)
         }
         _ => layout::same_type(to, from),
     }

@@ -33,25 +33,11 @@ impl SclBinder<'_, '_> {
                 return None;
             }
             Literal::Null => {
-                self.no_references(span);
+                self.misplaced_reference(span, "NULL is no value here");
                 return None;
             }
         };
         Some(Value::Constant(constant, span))
-    }
-
-    /// `REF_TO` and its operators; reported once, at the first use.
-    pub(super) fn no_references(&mut self, span: Span) {
-        if std::mem::replace(&mut self.program.types.references_refused, true) {
-            return;
-        }
-        self.refuse(
-            Code::Syntax,
-            span,
-            "references (REF_TO) are not supported",
-            "not possible here",
-            "pass the variable as VAR_IN_OUT",
-        );
     }
 
     /// A constant as a value of type `ty`.

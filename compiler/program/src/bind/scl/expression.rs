@@ -35,6 +35,7 @@ impl SclBinder<'_, '_> {
             | NodeKind::Member { .. }
             | NodeKind::MemberAbsolute { .. }
             | NodeKind::Slice { .. }
+            | NodeKind::Dereference(_)
             | NodeKind::Index { .. } => {
                 let thing = self.thing(ctx, node, Intent::Read)?;
                 self.thing_value(ctx, thing, node.span)
@@ -46,10 +47,7 @@ impl SclBinder<'_, '_> {
                 }
                 None => self.call(ctx, node, false),
             },
-            NodeKind::Dereference(_) | NodeKind::Reference(_) => {
-                self.no_references(node.span);
-                None
-            }
+            NodeKind::Reference(target) => self.reference(ctx, target, node.span),
             NodeKind::Unary { op, operand } => self.unary(ctx, node, *op, operand),
             NodeKind::Binary { .. } => self.chain(ctx, node),
             NodeKind::Error => None,

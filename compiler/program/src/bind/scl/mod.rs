@@ -36,6 +36,7 @@ pub(in crate::bind) mod numeric;
 mod pins;
 pub(in crate::bind) mod place;
 mod pointer;
+mod reference;
 mod result;
 mod scatter;
 pub(in crate::bind) mod scope;

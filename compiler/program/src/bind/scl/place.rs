@@ -3,11 +3,12 @@
 use plcc_diag::Span;
 use plcc_syntax::ast::{Area, BlockPrefix, CellKind, Width};
 
+use super::expression::{binary_expr, constant_expr};
 use crate::bind::declarations::path;
 use plcc_binding::constant::Constant;
 use plcc_model::Number;
-use plcc_model::scl::{Access, Base, Expr, Index, IndexedArea, Part};
-use plcc_model::types::DataType;
+use plcc_model::scl::{Access, Base, BinaryOp, Expr, Index, IndexedArea, Part};
+use plcc_model::types::{DataType, Elementary, Member};
 
 /// Where a variable begins.
 #[derive(Clone, Debug)]
@@ -42,7 +43,11 @@ impl Spot {
         let Spot { root, byte, bit, indices, ty, part } = self;
         let base = match root {
             Root::Fixed(base) => Base::Place(base.at(byte, bit)),
-            Root::Indexed { area, byte, bit } => Base::Indexed { area, byte, bit },
+            Root::Indexed { area, byte: start, bit: first } => Base::Indexed {
+                area,
+                byte: moved(start, byte, span),
+                bit: first.or_else(|| bit_number(&ty, &indices, bit, span)),
+            },
         };
         Access { base, indices, ty, part, span }
     }
@@ -96,6 +101,34 @@ pub enum Thing {
     Area(Area, Width),
     /// `DB10.DW` before its index.
     DbArea(Db, Width),
+}
+
+/// A byte address and `bytes` after it.
+fn moved(start: Box<Expr>, bytes: u32, span: Span) -> Box<Expr> {
+    if bytes == 0 {
+        return start;
+    }
+    let more = constant_expr(bytes.into(), Elementary::Dint, span);
+    Box::new(binary_expr(BinaryOp::Add, *start, more, Elementary::Dint, span))
+}
+
+/// The bit number of a BOOL that is not the first one of its byte.
+fn bit_number(ty: &DataType, indices: &[Index], bit: u8, span: Span) -> Option<Box<Expr>> {
+    let needed = *ty == DataType::Elementary(Elementary::Bool) && (bit > 0 || indices.is_empty());
+    needed.then(|| Box::new(constant_expr(bit.into(), Elementary::Int, span)))
+}
+
+/// A component of a structure, which has no run-time address beyond its start.
+pub fn part_of(access: &Access, member: &Member) -> Option<Access> {
+    match &access.base {
+        Base::Place(_) => shifted(access, member.byte, member.bit, &member.ty),
+        Base::Indexed { area, byte, .. } => {
+            let byte = moved(byte.clone(), member.byte, access.span);
+            let bit = bit_number(&member.ty, &access.indices, member.bit, access.span);
+            let base = Base::Indexed { area: area.clone(), byte, bit };
+            Some(Access { base, ty: member.ty.clone(), ..access.clone() })
+        }
+    }
 }
 
 /// A component of a place, at `byte`.`bit` after its start; none if the place has no fixed start.

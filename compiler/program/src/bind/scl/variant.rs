@@ -84,7 +84,8 @@ impl SclBinder<'_, '_> {
         let NodeKind::Name(name) = &node.kind else { return None };
         let folded = fold(&name.text);
         let hidden = ctx.block.bound.locals.contains_key(&folded) || ctx.block.bound.constants.contains_key(&folded);
-        if name.form == NameForm::Local || hidden {
+        // A name in quotes is that of a type, even if a local variable has it.
+        if name.form == NameForm::Local || (hidden && name.form == NameForm::Bare) {
             return None;
         }
         let word = match name.form {
@@ -99,13 +100,15 @@ impl SclBinder<'_, '_> {
         Some(Constant::Typed { ty: Elementary::Dword, bits: layout::type_number(&typed.ty).into() })
     }
 
-    /// True of `TypeOf(…)` and `TypeOfElements(…)`.
+    /// True of `TypeOf(…)`, `TypeOfElements(…)` and `TypeOfDB(…)`.
     pub fn asks_for_type(&self, node: &Node) -> bool {
         let NodeKind::Call { callee, .. } = &node.kind else { return false };
         let NodeKind::Name(name) = &callee.kind else { return false };
         let asks = |row: &super::function::Row| matches!(row.kind, Kind::Type(Question::Type | Question::ElementType));
+        // TypeOfDB is a function of the library.
+        let of_db = name.text.trim().eq_ignore_ascii_case("TypeOfDB");
         !self.program.globals.names.symbols.contains_key(&fold(&name.text))
-            && matches!(Named::find(&name.text), Some(Named::Row { row, .. }) if asks(row))
+            && (of_db || matches!(Named::find(&name.text), Some(Named::Row { row, .. }) if asks(row)))
     }
 
     /// `v = NULL`: TRUE of a VARIANT that points at nothing.
@@ -116,7 +119,9 @@ impl SclBinder<'_, '_> {
             _ => return None,
         };
         match (left, &right.kind) {
-            (Some(left), NodeKind::Literal(Literal::Nil | Literal::Null)) => null_answer(op, left, span),
+            (Some(left), NodeKind::Literal(Literal::Nil | Literal::Null)) => {
+                null_answer(op, left, span).or_else(|| self.reference_is_null(op, left, span))
+            }
             _ => None,
         }
     }

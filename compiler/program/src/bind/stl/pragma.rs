@@ -10,8 +10,8 @@ use plcc_binding::assertion::{self, Literal, Side, Type, What};
 use plcc_binding::constant::Constant;
 use plcc_binding::pragma::{bad_pragma, file_pragma, split, unknown_pragma};
 use plcc_binding::value;
-use plcc_model::types::{DTL, DataType};
-use plcc_model::{Assert, AssertSide, ComparedValue, Operand, Place, StlStatementKind, TestSettings};
+use plcc_model::types::{DTL, DataType, Elementary};
+use plcc_model::{Assert, AssertSide, CellKind, ComparedValue, Operand, Place, StlStatementKind, TestSettings};
 
 impl StlBinder<'_, '_> {
     /// The settings of all files for tests.
@@ -129,7 +129,14 @@ impl StlBinder<'_, '_> {
             ast::AssertSide::Literal(literal) => {
                 return self.literal_side(literal_of(literal), ty.map(|(ty, _)| ty), span);
             }
-            ast::AssertSide::Operand(operand) => operand,
+            ast::AssertSide::Operand(operand) => match self.named_cell(ctx, operand) {
+                Some(cell) => return self.cell_value(cell?, ty, span),
+                None => operand,
+            },
+            ast::AssertSide::CellValue(operand) => {
+                let cell = self.settle(ctx, operand)?;
+                return self.cell_value(cell, ty, span);
+            }
         };
         match self.settle(ctx, operand)? {
             Settled::Memory { place, width, ty: own } => {
@@ -196,6 +203,37 @@ impl StlBinder<'_, '_> {
             | Settled::Register(_)
             | Settled::Label => self.not_comparable(operand),
         }
+    }
+
+    /// The timer or counter before `.VALUE`; inside `None` after a message, outside if it is something else.
+    fn named_cell(&mut self, ctx: &mut CurrentBlock, operand: &ast::Operand) -> Option<Option<Settled<'static>>> {
+        let ast::OperandKind::Path(path) = &operand.kind else { return None };
+        match &path.parts[..] {
+            [ast::PathPart::Member { name, .. }] if name.eq_ignore_ascii_case("VALUE") => {}
+            _ => return None,
+        }
+        let cell = ast::Path { parts: Vec::new(), ..path.clone() };
+        match self.settle_path(ctx, &cell) {
+            Some(cell @ Settled::Cell { .. }) => Some(Some(cell)),
+            Some(_) => None,
+            None => Some(None),
+        }
+    }
+
+    /// Time left or count.
+    fn cell_value(&mut self, cell: Settled<'_>, ty: Option<(Type, Span)>, span: Span) -> Option<Side<AssertSide>> {
+        let Settled::Cell { kind, number } = cell else { return None };
+        let own = match kind {
+            CellKind::Timer => Elementary::S5Time,
+            CellKind::Counter => Elementary::Int,
+        };
+        let ty = match ty {
+            Some((ty, at)) if ty.width() != 16 || ty.is_in_memory() => return self.other_width(ty, 16, at),
+            Some((ty, _)) => ty,
+            None => Type::Elementary(own),
+        };
+        let value = ComparedValue::Code(AssertSide::CellValue { kind, number });
+        Some(Side { what: What::Value { value, ty: Some(ty), width: 16 }, span })
     }
 
     /// A side that is a single bit.

@@ -171,7 +171,7 @@ impl StlBinder<'_, '_> {
         }
     }
 
-    fn settle_path(&mut self, ctx: &mut CurrentBlock, path: &Path) -> Option<Settled<'static>> {
+    pub fn settle_path(&mut self, ctx: &mut CurrentBlock, path: &Path) -> Option<Settled<'static>> {
         match self.program.resolve(ctx, path)? {
             Resolved::Cell { kind, number } => {
                 let number = Number::Known(self.program.globals.check_cell(kind, number, path.span)?);

@@ -4,7 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The folders and files of `bind`, each above the ones before it.
-const LAYERS: [&str; 9] = ["trees", "globals", "declarations", "stl", "scl", "network", "chart", "program", "partial"];
+const LAYERS: [&str; 10] =
+    ["trees", "globals", "declarations", "stl", "scl", "network", "chart", "review", "program", "partial"];
 
 /// Test code may start from the entry.
 const TESTS: [&str; 3] = ["tests", "tests.rs", "testing.rs"];

@@ -93,7 +93,7 @@ impl Builder<'_, '_> {
         self.graph.elements.len() - 1
     }
 
-    /// `Contact`, `#t1.TON`, `"DB".ctu.CTU`; anything else is a call of a block.
+    /// `Contact`, `#t1.TON`, `"DB".ctu.CTU`; anything else is a call of a block of the program, or of the library.
     fn meaning(&self, target: Span) -> Meaning {
         let text = self.slice(target);
         if let Some((row, negated)) = elements::find_sd(text) {
@@ -106,7 +106,8 @@ impl Builder<'_, '_> {
             let span = Span { end: target.start + operand.trim_end().len() as u32, ..target };
             return Meaning::Row { row, negated, before: Some(span) };
         }
-        if text.starts_with(['"', '#', '%', '_']) || text.contains(['.', '[']) {
+        let library = || plcc_stdlib::find_tia(text).or_else(|| plcc_stdlib::find_name(text)).is_some();
+        if text.starts_with(['"', '#', '%', '_']) || text.contains(['.', '[']) || library() {
             Meaning::Block
         } else {
             Meaning::Unknown

@@ -1,0 +1,227 @@
+//! Warnings about statements that are valid but useless: outputs that are assigned twice, local memory that is read before it is written.
+//!
+//! A warning is given only where no path through the block makes the statement useful.
+
+use plcc_abi::image::BlockKind;
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_model::s7200::{Area, Direction, Operand, S7200Body, Statement, StatementKind, Width};
+use plcc_model::{Body, CodeBlock};
+use plcc_syntax::s7200::{Insn, OperandClass};
+use rustc_hash::{FxHashMap, FxHashSet};
+
+/// The messages about the statements of `blocks`.
+pub fn review(blocks: &[CodeBlock]) -> Vec<Diagnostic> {
+    let mut found = Vec::new();
+    for block in blocks {
+        if let Body::S7200(body) = &block.body {
+            outputs(&body.statements, &mut found);
+            local_memory(body, blocks, &mut found);
+        }
+    }
+    found
+}
+
+/// Outputs that are assigned twice, with nothing between that reads them or may skip one of the two.
+fn outputs(statements: &[Statement], found: &mut Vec<Diagnostic>) {
+    let mut assigned: FxHashMap<(u32, u8), Span> = FxHashMap::default();
+    for statement in statements {
+        let StatementKind::Instruction { insn, operands } = &statement.kind else {
+            assigned.clear();
+            continue;
+        };
+        if may_leave(*insn) {
+            assigned.clear();
+            continue;
+        }
+        if let (Insn::Assign, [Operand::Memory { area: Area::Q, byte, bit, .. }]) = (insn, operands.as_slice()) {
+            if let Some(first) = assigned.insert((*byte, *bit), statement.span) {
+                let text = format!("Q{byte}.{bit} is assigned twice; the second assignment wins");
+                found.push(
+                    Diagnostic::new(Code::DoubleCoil, statement.span, text)
+                        .label("assigned again")
+                        .also(first, "this assignment has no effect")
+                        .help("combine both conditions with O or OLD, or assign different outputs"),
+                );
+            }
+            continue;
+        }
+        for operand in operands {
+            match operand {
+                Operand::Memory { area: Area::Q, byte, bit, width: Width::Bit } if is_contact(*insn) => {
+                    assigned.remove(&(*byte, *bit));
+                }
+                Operand::Memory { area: Area::Q, .. } | Operand::Indirect { .. } => assigned.clear(),
+                Operand::Memory { .. }
+                | Operand::Const(_)
+                | Operand::Text(_)
+                | Operand::Timer { .. }
+                | Operand::Counter { .. }
+                | Operand::HighSpeedCounter(_)
+                | Operand::Accumulator { .. }
+                | Operand::AnalogInput { .. }
+                | Operand::AnalogOutput { .. } => {}
+            }
+        }
+    }
+}
+
+fn is_contact(insn: Insn) -> bool {
+    insn.operands() == [OperandClass::Bit]
+}
+
+/// What comes after it may be skipped, or come from elsewhere.
+fn may_leave(insn: Insn) -> bool {
+    matches!(
+        insn,
+        Insn::Jmp
+            | Insn::Lbl
+            | Insn::For
+            | Insn::Next
+            | Insn::Lscr
+            | Insn::Scrt
+            | Insn::Scre
+            | Insn::Cscre
+            | Insn::Cret
+            | Insn::Creti
+            | Insn::Ret
+            | Insn::Reti
+            | Insn::End
+            | Insn::Mend
+            | Insn::Call
+    )
+}
+
+/// Local memory that is read before anything writes it. A block that may go back is not looked at.
+fn local_memory(body: &S7200Body, blocks: &[CodeBlock], found: &mut Vec<Diagnostic>) {
+    if goes_back(&body.statements) {
+        return;
+    }
+    let mut written = Written::default();
+    for parameter in &body.parameters {
+        written.add(parameter.byte, parameter.bit, parameter.width);
+    }
+    let mut told = FxHashSet::default();
+    let mut reads = Vec::new();
+    let mut writes = Vec::new();
+    for statement in &body.statements {
+        match &statement.kind {
+            StatementKind::Instruction { insn, operands } => {
+                for (operand, class) in operands.iter().zip(insn.operands()) {
+                    match class {
+                        // The address of local memory is known to somebody from here on.
+                        OperandClass::DwordInAddress if matches!(operand, Operand::Const(_)) => written.all = true,
+                        class if is_read(*class) => reads.push(operand),
+                        _ => writes.push((operand, is_single(*class))),
+                    }
+                }
+            }
+            StatementKind::Call { number, arguments } => {
+                let callee = blocks.iter().find(|block| block.kind == BlockKind::Sbr && block.number == *number);
+                let Some(Body::S7200(callee)) = callee.map(|block| &block.body) else { return };
+                for (argument, parameter) in arguments.iter().zip(&callee.parameters) {
+                    match parameter.direction {
+                        Direction::In => reads.push(argument),
+                        Direction::InOut | Direction::Out => writes.push((argument, true)),
+                    }
+                }
+            }
+            StatementKind::Assert(_) | StatementKind::Sleep(_) => {}
+        }
+        for operand in reads.drain(..) {
+            let operand = if let Operand::Indirect { pointer, .. } = operand { pointer } else { operand };
+            if let Operand::Memory { area: Area::L, byte, bit, width } = operand
+                && !written.has(*byte, *bit, *width)
+                && told.insert((*byte, *bit, *width))
+            {
+                let name = match width {
+                    Width::Bit => format!("L{byte}.{bit}"),
+                    Width::Byte => format!("LB{byte}"),
+                    Width::Word => format!("LW{byte}"),
+                    Width::Dword | Width::Lword => format!("LD{byte}"),
+                };
+                found.push(
+                    Diagnostic::new(
+                        Code::NeverWritten,
+                        statement.span,
+                        format!("`{name}` is read before it is written"),
+                    )
+                    .label("the CPU does not clear local memory: it holds what other subroutines left there")
+                    .help("write it first; use V or M memory for what must be kept from one scan to the next"),
+                );
+            }
+        }
+        for (operand, single) in writes.drain(..) {
+            match operand {
+                Operand::Memory { area: Area::L, byte, bit, width } if single => written.add(*byte, *bit, *width),
+                Operand::Memory { area: Area::L, .. } => written.all = true,
+                Operand::Indirect { .. } => written.all = true,
+                _ => {}
+            }
+        }
+    }
+}
+
+/// A loop, or a jump to a label before it.
+fn goes_back(statements: &[Statement]) -> bool {
+    let mut labels = FxHashSet::default();
+    statements.iter().any(|statement| match &statement.kind {
+        StatementKind::Instruction { insn: Insn::For, .. } => true,
+        StatementKind::Instruction { insn, operands } => match (insn, operands.as_slice()) {
+            (Insn::Lbl, [Operand::Const(label)]) => {
+                labels.insert(*label);
+                false
+            }
+            (Insn::Jmp, [Operand::Const(label)]) => labels.contains(label),
+            _ => false,
+        },
+        StatementKind::Call { .. } | StatementKind::Assert(_) | StatementKind::Sleep(_) => false,
+    })
+}
+
+fn is_read(class: OperandClass) -> bool {
+    matches!(
+        class,
+        OperandClass::Bit
+            | OperandClass::ByteIn
+            | OperandClass::WordIn
+            | OperandClass::DwordIn
+            | OperandClass::DwordInAddress
+            | OperandClass::RealIn
+            | OperandClass::Count
+            | OperandClass::SignedCount
+    )
+}
+
+/// It writes no more than its operand.
+fn is_single(class: OperandClass) -> bool {
+    matches!(
+        class,
+        OperandClass::ByteOut
+            | OperandClass::WordOut
+            | OperandClass::WordOutAnalog
+            | OperandClass::DwordOut
+            | OperandClass::RealOut
+    )
+}
+
+/// Bytes and bits of local memory that something has written.
+#[derive(Default)]
+struct Written {
+    all: bool,
+    bits: FxHashSet<u32>,
+}
+
+impl Written {
+    fn range(byte: u32, bit: u8, width: Width) -> std::ops::Range<u32> {
+        let first = byte.saturating_mul(8).saturating_add(bit.into());
+        first..first.saturating_add(width.bits())
+    }
+
+    fn add(&mut self, byte: u32, bit: u8, width: Width) {
+        self.bits.extend(Written::range(byte, bit, width));
+    }
+
+    fn has(&self, byte: u32, bit: u8, width: Width) -> bool {
+        self.all || Written::range(byte, bit, width).any(|bit| self.bits.contains(&bit))
+    }
+}

@@ -1,0 +1,72 @@
+//! What the blocks of a program do for nothing, or with values that nobody has set: warnings about bound code that is valid.
+//!
+//! A warning is given only where no path through the program makes the statement useful.
+//!
+//! - [`stl`]: labels, unreachable statements, timers and assignments in STL; [`tree`]: labels and unreachable statements in the other
+//!   languages.
+//! - [`temporary`]: temporary data that is read before it is written.
+//! - [`assigned`]: variables in SCL that are assigned again before anything reads them.
+//! - [`outputs`]: outputs that two blocks assign in one cycle.
+
+mod assigned;
+mod outputs;
+mod region;
+mod stl;
+mod temporary;
+mod tree;
+
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_model::{BlockKey, Body, CodeBlock};
+use plcc_syntax::ast;
+
+use crate::bind::declarations::Declarations;
+
+/// The language of a block, as far as it decides what is checked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Language {
+    Stl,
+    Scl,
+    Networks,
+    Chart,
+}
+
+/// The messages about the statements of `blocks`, which are those of the user. `mains`: the blocks that the CPU calls in each cycle.
+pub fn review(program: &mut Declarations, blocks: &[CodeBlock], mains: &[BlockKey]) -> Vec<Diagnostic> {
+    let mut found = Vec::new();
+    let sources = program.globals.input.sources;
+    let blocks: Vec<(&CodeBlock, Language)> =
+        blocks.iter().filter_map(|block| Some((block, language(program, block)?))).collect();
+    for (block, language) in &blocks {
+        match &block.body {
+            Body::Stl(statements) => {
+                stl::labels(statements, sources, &mut found);
+                stl::unreachable(statements, &mut found);
+                stl::values(statements, &mut found);
+            }
+            Body::Scl(body) if *language != Language::Chart => {
+                tree::labels(body, sources, &mut found);
+                tree::unreachable(body, block.span, *language == Language::Scl, sources, &mut found);
+                if *language == Language::Scl {
+                    assigned::review(&body.statements, &|span| program.globals.text(span), &mut found);
+                }
+            }
+            Body::Scl(_) | Body::S7200(_) | Body::Runtime => {}
+        }
+        if *language != Language::Chart {
+            temporary::review(program, block, &mut found);
+        }
+    }
+    let reported = program.globals.report.diagnostics.iter().chain(&found);
+    let told: Vec<Span> = reported.filter(|one| one.code == Code::DoubleCoil).map(|one| one.primary.span).collect();
+    outputs::review(&blocks, mains, &told, &mut found);
+    found
+}
+
+fn language(program: &Declarations, block: &CodeBlock) -> Option<Language> {
+    Some(match &program.globals.sources.code.get(&block.key())?.block().code {
+        ast::Code::Stl(_) => Language::Stl,
+        ast::Code::Scl(_) => Language::Scl,
+        ast::Code::Graphic(_) => Language::Networks,
+        ast::Code::Chart(_) => Language::Chart,
+    })
+}

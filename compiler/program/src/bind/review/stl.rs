@@ -1,0 +1,152 @@
+//! What a block in STL does for nothing: statements that never run, labels that no jump names, timers that start without a time,
+//! outputs that are assigned twice. A warning is given only where no path through the block makes the statement useful.
+
+use std::collections::HashMap;
+
+use plcc_diag::{Code, Diagnostic, SourceMap, Span};
+use plcc_model::{LabelId, Operand, Place, StlStatement, StlStatementKind};
+use plcc_syntax::stl::{OperandClass, StlInsn};
+use rustc_hash::FxHashSet;
+
+/// Reports labels that no jump of the block names.
+pub fn labels(statements: &[StlStatement], sources: &SourceMap, found: &mut Vec<Diagnostic>) {
+    let mut used: FxHashSet<LabelId> = FxHashSet::default();
+    for statement in statements {
+        match &statement.kind {
+            StlStatementKind::Instruction { operand: Operand::Label(label), .. } => {
+                used.insert(*label);
+            }
+            StlStatementKind::JumpList { targets, default } => used.extend(targets.iter().chain([default])),
+            StlStatementKind::Label(_)
+            | StlStatementKind::Instruction { .. }
+            | StlStatementKind::Call(_)
+            | StlStatementKind::Assert(_)
+            | StlStatementKind::Sleep(_) => {}
+        }
+    }
+    for statement in statements {
+        if let StlStatementKind::Label(label) = statement.kind
+            && !used.contains(&label)
+        {
+            found.push(unused_label(statement.span, sources));
+        }
+    }
+}
+
+/// The message about a label in a statement.
+pub fn unused_label(span: Span, sources: &SourceMap) -> Diagnostic {
+    Diagnostic::new(Code::UnusedLabel, name_of(span, sources), "no jump of the block leads to this label")
+        .label("is never used")
+        .help("remove it, or look whether a jump is missing")
+}
+
+/// The label alone, without its colon and what comes after it.
+fn name_of(span: Span, sources: &SourceMap) -> Span {
+    let text = sources.file(span.file).text.get(span.start as usize..span.end as usize).unwrap_or_default();
+    let length = text.find(':').unwrap_or(text.len());
+    Span { end: span.start + text[..length].trim_end().len() as u32, ..span }
+}
+
+/// Reports statements that no path reaches.
+pub fn unreachable(statements: &[StlStatement], found: &mut Vec<Diagnostic>) {
+    // The statement after which none is reached.
+    let mut end: Option<Span> = None;
+    for statement in statements {
+        match &statement.kind {
+            StlStatementKind::Label(_) => end = None,
+            StlStatementKind::Instruction { insn: StlInsn::Nop | StlInsn::Display | StlInsn::BlockEnd, .. }
+            | StlStatementKind::Assert(_)
+            | StlStatementKind::Sleep(_) => {}
+            StlStatementKind::Instruction { .. } | StlStatementKind::JumpList { .. } | StlStatementKind::Call(_) => {
+                if let Some(span) = end.take() {
+                    let message =
+                        Diagnostic::new(Code::UnreachableCode, statement.span, "this statement is never reached");
+                    found.push(
+                        message
+                            .label("no path leads here")
+                            .also(span, "the program goes on elsewhere")
+                            .help("put a label here and jump to it, or remove the statements up to the next label"),
+                    );
+                    // One message for all of them.
+                    continue;
+                }
+                let leaves = match &statement.kind {
+                    StlStatementKind::Instruction { insn, .. } => {
+                        matches!(insn, StlInsn::Jump | StlInsn::BlockEndUnconditional)
+                    }
+                    StlStatementKind::JumpList { .. } => true,
+                    _ => false,
+                };
+                end = leaves.then_some(statement.span);
+            }
+        }
+    }
+}
+
+/// Reports timers without a time, and outputs that are assigned twice.
+pub fn values(statements: &[StlStatement], found: &mut Vec<Diagnostic>) {
+    let mut accu_is_loaded = false;
+    let mut assigned: HashMap<(u32, u8), Span> = HashMap::new();
+    for statement in statements {
+        let StlStatementKind::Instruction { insn, operand } = &statement.kind else {
+            accu_is_loaded = true;
+            assigned.clear();
+            continue;
+        };
+        if is_timer_start(*insn) && !accu_is_loaded {
+            let message = Diagnostic::new(Code::TimerWithoutTime, statement.span, "this timer starts without a time");
+            found.push(
+                message
+                    .label("nothing is loaded into ACCU1 before it")
+                    .help("load the time before the timer, as in `L S5T#2S`"),
+            );
+        }
+        let keeps_accu = matches!(insn, StlInsn::CloseNest | StlInsn::Not | StlInsn::SetRlo | StlInsn::ClearRlo)
+            || matches!(insn, StlInsn::Nop | StlInsn::Display)
+            || insn.opens_nesting()
+            || matches!(
+                insn.operand(),
+                OperandClass::Bit
+                    | OperandClass::BitWrite
+                    | OperandClass::BitOrNone
+                    | OperandClass::BitWriteOrCounter
+                    | OperandClass::BitWriteOrCell
+                    | OperandClass::Timer
+            );
+        accu_is_loaded |= !keeps_accu;
+        match (insn, operand) {
+            (StlInsn::Assign, Operand::Memory { place: Place::Q { byte, bit }, .. }) => {
+                if let Some(first) = assigned.insert((*byte, *bit), statement.span) {
+                    let text = format!("Q {byte}.{bit} is assigned twice; the second assignment wins");
+                    let message = Diagnostic::new(Code::DoubleCoil, statement.span, text);
+                    found.push(
+                        message
+                            .label("assigned again")
+                            .also(first, "this assignment has no effect")
+                            .help("combine both conditions with O, or assign different outputs"),
+                    );
+                }
+            }
+            (_, Operand::Memory { place: Place::Q { byte, bit }, .. }) if keeps_accu => {
+                assigned.remove(&(*byte, *bit));
+            }
+            // Other places are not this output, and what may read it or change the way makes it useful.
+            (_, Operand::Memory { place: Place::I { .. } | Place::M { .. } | Place::L { .. }, .. }) => {}
+            (_, Operand::Const { .. } | Operand::Cell { .. } | Operand::Status(_)) => {}
+            (_, Operand::None) if keeps_accu => {}
+            (StlInsn::Nop | StlInsn::Display, _) => {}
+            _ => assigned.clear(),
+        }
+    }
+}
+
+const fn is_timer_start(insn: StlInsn) -> bool {
+    matches!(
+        insn,
+        StlInsn::TimerPulse
+            | StlInsn::TimerExtendedPulse
+            | StlInsn::TimerOnDelay
+            | StlInsn::TimerRetentiveOnDelay
+            | StlInsn::TimerOffDelay
+    )
+}

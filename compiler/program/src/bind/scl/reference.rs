@@ -1,0 +1,193 @@
+//! References: `REF_TO` types, `REF(x)`, `r^`, `r ?= v`, NULL.
+//!
+//! A reference is a structure with the number of a data block, and bit and byte in it; all 0 is NULL. Only data of data blocks and instances
+//! can be referenced, so one stays valid. REFERENCE_OF of the library makes it from a VARIANT. Source: S7-1500 information system, references.
+
+use std::rc::Rc;
+
+use plcc_diag::{Code, Span};
+use plcc_syntax::Elementary;
+use plcc_syntax::ast::TypeRef;
+use plcc_syntax::scl::ast::{Argument, AssignOp, Expr as Node, ExprKind as NodeKind, Literal, Name, NameForm};
+
+use super::Intent;
+use super::expression::constant_expr;
+use super::place::{Root, Spot};
+use super::value::Value;
+use crate::bind::declarations::Declarations;
+use crate::bind::declarations::pointer::pointed_at;
+use crate::bind::declarations::typed::{StructBuilder, Typed, Use, elementary_typed};
+use crate::bind::scl::{SclBinder, SclBlock};
+use plcc_model::layout;
+use plcc_model::scl::{Base, CompareOp, Expr, ExprKind, IndexedArea};
+use plcc_model::types::{DataType, StructType};
+use plcc_model::{Place, Pointed};
+
+/// The function of the library that makes references.
+const MAKER: &str = "REFERENCE_OF";
+
+impl Declarations<'_> {
+    /// `REF_TO target`.
+    pub fn reference_type(&mut self, target: &TypeRef, span: Span) -> Option<Typed> {
+        let target = self.resolve_type(target, Use::Component)?.ty;
+        let mut builder = StructBuilder::default();
+        for (name, ty) in [("DB", Elementary::Word), ("BIT", Elementary::Int), ("BYTE", Elementary::Dint)] {
+            builder.add(name.to_string(), &elementary_typed(ty));
+        }
+        let typed = self.finish_structure(builder, String::new(), None, span)?;
+        Some(Typed { ty: reference_to(&typed.ty, &target), image: typed.image })
+    }
+}
+
+/// The structure of a reference, as one to `target`.
+fn reference_to(structure: &StructType, target: &DataType) -> DataType {
+    let name = format!("REF_TO {}", layout::type_name(target));
+    DataType::Struct(Rc::new(StructType { name, refers_to: Some(target.clone()), ..structure.clone() }))
+}
+
+/// What a reference refers to.
+fn target_of(ty: &DataType) -> Option<&DataType> {
+    match ty {
+        DataType::Struct(structure) => structure.refers_to.as_ref(),
+        _ => None,
+    }
+}
+
+fn bare(text: &str, span: Span) -> Name {
+    Name { text: text.to_string(), form: NameForm::Bare, span }
+}
+
+fn argument(name: &str, value: Node) -> Argument {
+    let span = value.span;
+    Argument { name: Some(bare(name, span)), output: false, value: Some(value), span }
+}
+
+impl SclBinder<'_, '_> {
+    /// `r^` as a variable.
+    pub(super) fn dereferenced(&mut self, ctx: &mut SclBlock, base: &Node, span: Span) -> Option<Spot> {
+        let reference = self.access(ctx, base, Intent::Read)?;
+        let Some(target) = target_of(&reference.ty).cloned() else {
+            let is = format!("of type {}", layout::type_name(&reference.ty));
+            self.wrong_type(base.span, &is, "a reference (REF_TO)", None);
+            return None;
+        };
+        let DataType::Struct(structure) = reference.ty.clone() else { return None };
+        let mut fields = structure.members.iter().map(|member| {
+            let DataType::Elementary(ty) = member.ty else { unreachable!("components of a reference are numbers") };
+            let access = super::place::part_of(&reference, member)?;
+            Some(Expr { kind: ExprKind::Load(Box::new(access)), ty, span })
+        });
+        let (db, bit, byte) = (fields.next()??, fields.next()??, fields.next()??);
+        let bit = (target == DataType::Elementary(Elementary::Bool)).then(|| Box::new(bit));
+        let root = Root::Indexed { area: IndexedArea::DynamicDb(Box::new(db)), byte: Box::new(byte), bit };
+        Some(Spot { root, byte: 0, bit: 0, indices: Vec::new(), ty: target, part: None })
+    }
+
+    /// `REF(x)`.
+    pub(super) fn reference(&mut self, ctx: &mut SclBlock, node: &Node, span: Span) -> Option<Value> {
+        let access = self.access(ctx, node, Intent::Both)?;
+        let in_db = matches!(
+            access.base,
+            Base::Place(Place::Db { .. } | Place::Instance { .. })
+                | Base::Indexed { area: IndexedArea::DynamicDb(_), .. }
+        );
+        if !in_db || access.part.is_some() || matches!(access.ty, DataType::Parameter(_) | DataType::OpenArray(_)) {
+            let text = self.program.globals.text(node.span);
+            self.refuse(
+                Code::OperandKind,
+                node.span,
+                &format!("there is no reference to `{text}`"),
+                "not data of a data block or of an instance",
+                "reference a static variable, or a variable in a data block",
+            );
+            return None;
+        }
+        let ty = access.ty.clone();
+        self.made(ctx, node.clone(), None, &ty, span)
+    }
+
+    /// The value of `r := NULL` and `r ?= v`; `None`: another assignment; `Some(None)`: after a message.
+    pub(super) fn reference_for_target(
+        &mut self,
+        ctx: &mut SclBlock,
+        targets: &[(Node, AssignOp)],
+        node: &Node,
+        span: Span,
+    ) -> Option<Option<Value>> {
+        let attempt = targets.iter().any(|(_, op)| *op == AssignOp::Attempt);
+        let null = matches!(node.kind, NodeKind::Literal(Literal::Null));
+        let (target, _) = targets.first().filter(|_| attempt || null)?;
+        if targets.len() > 1 {
+            self.misplaced_reference(span, "a reference gets this value in a statement of its own");
+            return Some(None);
+        }
+        let told = self.program.globals.report.diagnostics.len();
+        let Some(access) = self.access(ctx, target, Intent::Write) else { return Some(None) };
+        // The assignment itself reports mistakes in its target.
+        self.program.globals.report.diagnostics.truncate(told);
+        let Some(to) = target_of(&access.ty).cloned() else {
+            let is = format!("of type {}", layout::type_name(&access.ty));
+            self.wrong_type(target.span, &is, "a reference (REF_TO)", None);
+            return Some(None);
+        };
+        if null {
+            return Some(self.made(ctx, node.clone(), None, &to, span));
+        }
+        let Pointed::Known { elements, ty } = pointed_at(&to) else {
+            self.misplaced_reference(span, "the type of this reference is not known to a VARIANT");
+            return Some(None);
+        };
+        let bytes = match to {
+            DataType::String(_) | DataType::WideString(_) => layout::bytes(&to),
+            _ => 0,
+        };
+        Some(self.made(ctx, node.clone(), Some((ty, elements, bytes)), &to, span))
+    }
+
+    /// A part of a reference where it is not possible.
+    pub(super) fn misplaced_reference(&mut self, span: Span, title: &str) {
+        let help = "write `r := REF(x)`, `r := NULL`, `r ?= v`, `r = NULL`, with a variable of type REF_TO";
+        self.refuse(Code::TypeMismatch, span, title, "not possible here", help);
+    }
+
+    /// A call that makes a reference to `ty`. `wanted`: number of the type, elements and length of a text, if they are not known.
+    fn made(
+        &mut self,
+        ctx: &mut SclBlock,
+        data: Node,
+        wanted: Option<(u32, u32, u32)>,
+        ty: &DataType,
+        span: Span,
+    ) -> Option<Value> {
+        let (number, elements, bytes) = wanted.unwrap_or_default();
+        let constant = |bits: u32| {
+            let literal = Literal::Typed { ty: Elementary::Dword, bits: bits.into() };
+            Node { kind: NodeKind::Literal(literal), span }
+        };
+        let arguments = vec![
+            argument("DATA", data),
+            argument("KIND", constant(number)),
+            argument("ELEMENTS", constant(elements)),
+            argument("BYTES", constant(bytes)),
+        ];
+        let callee = Box::new(Node { kind: NodeKind::Name(bare(MAKER, span)), span });
+        match self.call(ctx, &Node { kind: NodeKind::Call { callee, arguments }, span }, false)? {
+            Value::Complex { value, ty: DataType::Struct(structure), span } => {
+                Some(Value::Complex { value, ty: reference_to(&structure, ty), span })
+            }
+            _ => None,
+        }
+    }
+
+    /// `r = NULL`, `r <> NULL`; `None`: not a reference.
+    pub(super) fn reference_is_null(&self, op: CompareOp, value: &Value, span: Span) -> Option<Value> {
+        let Value::Complex { value: plcc_model::scl::Complex::Variable(access), ty, .. } = value else { return None };
+        target_of(ty)?;
+        let DataType::Struct(structure) = ty else { return None };
+        let db = super::place::part_of(access, structure.members.first()?)?;
+        let left = Expr { kind: ExprKind::Load(Box::new(db)), ty: Elementary::Word, span };
+        let right = constant_expr(0, Elementary::Word, span);
+        let kind = ExprKind::Compare { op, left: Box::new(left), right: Box::new(right) };
+        Some(Value::Elementary(Expr { kind, ty: Elementary::Bool, span }))
+    }
+}
