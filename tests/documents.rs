@@ -159,10 +159,12 @@ fn bytes_of(ty: &TypeRef) -> u32 {
             "ANY" => 10,
             "DTL" => 12,
             "POINTER" => 6,
-            "VARIANT" => 18,
+            "VARIANT" | "VARIANT_DATA" => 18,
+            "REFERENCE" => 8,
             "ERRORSTRUCT" => 28,
             // Numbers of hardware and of events.
-            "OB_ATT" | "OB_CYCLIC" | "HW_HSC" | "HW_PWM" | "RTM" => 2,
+            "OB_ATT" | "OB_CYCLIC" | "HW_HSC" | "HW_PWM" | "RTM" | "DB_ANY" => 2,
+            "HW_ANY" | "HW_IO" | "HW_IOSYSTEM" | "HW_DEVICE" => 2,
             "EVENT_ATT" => 4,
             name => {
                 let elementary = Elementary::from_word(name).unwrap_or_else(|| panic!("the type {name}"));

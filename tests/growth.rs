@@ -340,20 +340,25 @@ fn work(shape: &Shape, size: usize, level: Level) -> (u64, u64) {
 /// Maximum factor of work for four times the size. Proportional work yields 4, quadratic 16.
 const FACTOR_MAX: f64 = 11.0;
 
+/// Measurements of a factor that is too large before it counts.
+const TRIES: usize = 4;
+
 #[test]
 fn work_follows_the_size() {
     let mut failures = String::new();
     for shape in SHAPES {
         for level in [Level::O0, Level::O2] {
-            // The smaller of two tries is the cost of the work itself.
-            let tries = [work(shape, shape.size, level), work(shape, shape.size, level)];
-            let small = (tries[0].0.min(tries[1].0), tries[0].1.min(tries[1].1));
-            let mut large = work(shape, 4 * shape.size, level);
-            if large.0 as f64 > FACTOR_MAX * small.0 as f64 {
-                // Another process may have had the caches: as with the small size, the smaller of two tries counts.
-                large.0 = large.0.min(work(shape, 4 * shape.size, level).0);
+            // What else runs on the computer, and where memory lies, change times by half: work that grows too fast does so in each try.
+            let (mut time, mut bytes, mut large) = (0.0, 0.0, (0, 0));
+            for _ in 0..TRIES {
+                let tries = [work(shape, shape.size, level), work(shape, shape.size, level)];
+                let small = (tries[0].0.min(tries[1].0), tries[0].1.min(tries[1].1));
+                large = work(shape, 4 * shape.size, level);
+                (time, bytes) = (large.0 as f64 / small.0 as f64, large.1 as f64 / small.1 as f64);
+                if time <= FACTOR_MAX {
+                    break;
+                }
             }
-            let (time, bytes) = (large.0 as f64 / small.0 as f64, large.1 as f64 / small.1 as f64);
             println!(
                 "{} {level:?}: {time:.1} times the time ({} ms), {bytes:.1} times the memory",
                 shape.name,

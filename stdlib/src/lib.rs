@@ -12,7 +12,7 @@ mod library;
 
 use std::sync::OnceLock;
 
-pub use absent::{NOT_SUPPORTED, not_supported};
+pub use absent::{Group, catalogued};
 pub use library::{LIBRARY, LibraryBlock};
 
 /// Language of a source.

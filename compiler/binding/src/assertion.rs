@@ -391,7 +391,7 @@ fn beside(
         span,
         title: format!("this constant is not of type {}", ty.name()),
         help: match ty {
-            Type::Elementary(own) => format!("write it as {}", crate::value::example(own)),
+            Type::Elementary(own) => crate::rewrite::wanted(own),
             Type::DateAndTime | Type::Dtl => "write it as DT#2000-6-20-5:45:00 or DTL#2000-6-20-5:45:00".to_string(),
             Type::Text | Type::WideText => "write a text in quotes: 'text'".to_string(),
         },

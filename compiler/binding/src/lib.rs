@@ -2,6 +2,7 @@
 //!
 //! - [`BindInput`], [`Bound`]: what is bound, and the result.
 //! - [`constant`], [`value`]: constants with their exact values, and their bytes as values of a type.
+//! - [`rewrite`]: how the author of a constant would write it with another type.
 //! - [`assertion`], [`pragma`]: the types by which assertions compare, and pragmas of files.
 //! - [`report`]: messages, with one list of names that are defined nowhere; [`stand_ins`]: what replaces them.
 //!
@@ -12,6 +13,7 @@ pub mod constant;
 mod names;
 pub mod pragma;
 pub mod report;
+pub mod rewrite;
 pub mod stand_ins;
 pub mod value;
 

@@ -1,7 +1,5 @@
 //! How names compare.
 
-use plcc_syntax::distance;
-
 /// A name in the form in which names are compared: without letter case and outer blanks.
 pub fn fold(name: &str) -> String {
     let name = name.trim();
@@ -9,19 +7,4 @@ pub fn fold(name: &str) -> String {
 }
 
 /// The name that differs least from `name`, if it only differs by a slip.
-pub fn similar<'n>(name: &str, names: impl Iterator<Item = &'n str>) -> Option<&'n str> {
-    const CANDIDATES: usize = 500;
-    let wanted = fold(name);
-    // Names of one letter always resemble each other.
-    let limit = match wanted.chars().count() {
-        0 | 1 => return None,
-        2 | 3 => 1,
-        _ => 2,
-    };
-    names
-        .take(CANDIDATES)
-        .map(|other| (distance::between(&wanted, &fold(other)), other))
-        .filter(|(distance, _)| *distance <= limit)
-        .min()
-        .map(|(_, other)| other)
-}
+pub use plcc_syntax::distance::nearest as similar;

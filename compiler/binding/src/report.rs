@@ -9,12 +9,17 @@ use crate::{fold, similar};
 /// Up to this number, a block number alone does not point to a library block.
 const LOW_NUMBERS: u16 = 40;
 
+/// For how many missing names a similar one is searched.
+const SEARCHES_MAX: usize = 200;
+
 /// The messages so far.
 pub struct Report {
     pub diagnostics: Vec<Diagnostic>,
     missing: Vec<Missing>,
     index: FxHashMap<MissingKey, usize>,
     partial: bool,
+    /// How often similar names were searched.
+    searches: usize,
     /// Data blocks whose number no source states.
     pub unnumbered_dbs: Vec<String>,
 }
@@ -59,6 +64,7 @@ impl Report {
             missing: Vec::new(),
             index: FxHashMap::default(),
             partial,
+            searches: 0,
             unnumbered_dbs: Vec::new(),
         }
     }
@@ -90,13 +96,23 @@ impl Report {
         }
     }
 
-    pub fn missing_symbol(&mut self, name: &str, span: Span) {
+    /// Whether to search a name that resembles one that is missing; false: that has been done often enough.
+    pub fn may_search(&mut self) -> bool {
+        self.searches += 1;
+        self.searches <= SEARCHES_MAX
+    }
+
+    /// `meant`: a name that resembles it.
+    pub fn missing_symbol(&mut self, name: &str, span: Span, meant: Option<String>) {
         self.missing(MissingKey::Symbol(fold(name)), span, || {
             let message = Diagnostic::new(Code::UnknownSymbol, span, format!("the symbol `{name}` is not defined"))
                 .label("no symbol table and no block has this name");
             match misread_address(name) {
                 Some(address) => message.help(format!("if you mean the address, write `{address}`")),
-                None => message.help("add the symbol table of the project to the sources, or define the block"),
+                None if meant.is_some() => message.help(format!("is `{}` meant?", meant.unwrap_or_default())),
+                None => message.help(
+                    "declare it in the block, add the symbol table of the project to the sources, or define the block",
+                ),
             }
         });
     }
@@ -110,6 +126,13 @@ impl Report {
         });
     }
 
+    /// An instruction that STEP 7 or the TIA Portal has but plcc does not; false: no instruction has the name.
+    pub fn missing_instruction(&mut self, name: &str, span: Span) -> bool {
+        let Some(message) = absent_instruction(name, span) else { return false };
+        self.missing(MissingKey::Symbol(fold(name)), span, || message);
+        true
+    }
+
     /// A function of SCL whose name means nothing, or that plcc does not have.
     pub fn missing_function(&mut self, name: &str, span: Span, meant: Option<String>, known: bool) {
         self.missing(MissingKey::Symbol(fold(name)), span, || match known {
@@ -117,9 +140,8 @@ impl Report {
                 .label("plcc knows this function but does not support it")
                 .help("avoid it, or write a function that does the same"),
             false => {
-                let message =
-                    Diagnostic::new(Code::UnknownBlock, span, format!("the function `{name}` is not defined"))
-                        .label("neither a block of the program nor a function of SCL");
+                let message = Diagnostic::new(Code::UnknownBlock, span, format!("the block `{name}` is not defined"))
+                    .label("neither a block of the program nor a function of SCL");
                 match meant {
                     Some(other) => message.help(format!("is `{other}` meant?")),
                     None => message.help("add the source that defines it, or the symbol table that names it"),
@@ -137,24 +159,21 @@ impl Report {
         });
     }
 
-    pub fn missing_type(&mut self, name: &str, span: Span) {
+    /// `shown`: the name as written; `meant`: a type of the program that resembles it.
+    pub fn missing_type(&mut self, name: &str, shown: &str, span: Span, meant: Option<String>) {
         self.missing(MissingKey::Symbol(fold(name)), span, || {
-            let types = plcc_model::types::Elementary::ALL.into_iter().map(|ty| ty.name());
-            if let Some((why, help)) = plcc_syntax::network::absent::reason(name) {
-                let text = format!("plcc does not have `{name}`");
-                return Diagnostic::new(Code::UnknownType, span, text).label(why).help(help);
+            if let Some(message) = absent_instruction(name, span) {
+                return message;
             }
-            if plcc_stdlib::not_supported(name) {
-                return Diagnostic::new(Code::UnknownType, span, format!("plcc does not have `{name}`"))
-                    .label("plcc only knows the name of this instruction of the TIA Portal")
-                    .help("avoid it, or write an FB with this name that does the same");
+            let message = Diagnostic::new(Code::UnknownType, span, format!("the data type `{shown}` is not defined"))
+                .label("neither a data type nor a UDT or FB of the program");
+            if let Some(ty) = foreign_type(name) {
+                return message.help(format!("write `{ty}`"));
             }
-            Diagnostic::new(Code::UnknownType, span, format!("the data type `{name}` is not defined"))
-                .label("neither a type of STL nor a UDT or FB of the program")
-                .help(match similar(name, types).filter(|_| name.len() > 3) {
-                    Some(ty) => format!("is `{ty}` meant? Otherwise add the source that defines it"),
-                    None => "add the source that defines it".to_owned(),
-                })
+            message.help(match meant.or_else(|| similar_type(name).map(str::to_owned)) {
+                Some(ty) => format!("is `{ty}` meant? Otherwise add the source that defines it"),
+                None => "add the source that defines it".to_owned(),
+            })
         });
     }
 
@@ -229,7 +248,7 @@ impl Report {
 
     /// All messages, followed by the undefined names in one list; also returns that list separately.
     pub fn finish(self) -> (Vec<Diagnostic>, Vec<Uses>) {
-        let Report { mut diagnostics, missing, index, partial, unnumbered_dbs: _ } = self;
+        let Report { mut diagnostics, missing, index, partial, searches: _, unnumbered_dbs: _ } = self;
         let mut list = Vec::with_capacity(missing.len());
         for Missing { key, mut diagnostic, places } in missing {
             let uses = places.len();
@@ -251,6 +270,60 @@ impl Report {
         }
         (diagnostics, list)
     }
+}
+
+/// The message for the name of an instruction that plcc does not have; none: no instruction has the name.
+fn absent_instruction(name: &str, span: Span) -> Option<Diagnostic> {
+    if let Some((why, help)) = plcc_syntax::network::absent::reason(name) {
+        let title = format!("plcc does not have `{name}`");
+        return Some(Diagnostic::new(Code::NotShipped, span, title).label(why).help(help));
+    }
+    let (group, written) = plcc_stdlib::catalogued(name)?;
+    let title = format!("`{written}` is an instruction of {} that plcc does not have", group.tool);
+    Some(Diagnostic::new(Code::NotShipped, span, title).label(format!("group: {}", group.name)).help(format!(
+        "if `{written}` is a block of your own, add the source that defines it; otherwise write a block with this name that does the same"
+    )))
+}
+
+/// The data type of STEP 7 for the name of one in other languages.
+fn foreign_type(name: &str) -> Option<&'static str> {
+    const FOREIGN: [(&str, &str); 26] = [
+        ("INTEGER", "INT"),
+        ("INT8", "SINT"),
+        ("INT16", "INT"),
+        ("INT32", "DINT"),
+        ("INT64", "LINT"),
+        ("UINT8", "USINT"),
+        ("UINT16", "UINT"),
+        ("UINT32", "UDINT"),
+        ("UINT64", "ULINT"),
+        ("SHORT", "INT"),
+        ("LONG", "DINT"),
+        ("LONGINT", "DINT"),
+        ("BOOLEAN", "BOOL"),
+        ("BIT", "BOOL"),
+        ("FLOAT", "REAL"),
+        ("FLOAT32", "REAL"),
+        ("FLOAT64", "LREAL"),
+        ("DOUBLE", "LREAL"),
+        ("SINGLE", "REAL"),
+        ("CHARACTER", "CHAR"),
+        ("TEXT", "STRING"),
+        ("DATETIME", "DATE_AND_TIME"),
+        ("DATE_TIME", "DATE_AND_TIME"),
+        ("DOUBLEWORD", "DWORD"),
+        ("DOUBLE_WORD", "DWORD"),
+        ("UNSIGNED", "UINT"),
+    ];
+    FOREIGN.iter().find(|(foreign, _)| foreign.eq_ignore_ascii_case(name)).map(|(_, ty)| *ty)
+}
+
+/// The data type whose name resembles `name`.
+fn similar_type(name: &str) -> Option<&'static str> {
+    const OTHERS: [&str; 9] =
+        ["STRING", "WSTRING", "DATE_AND_TIME", "DTL", "TIMER", "COUNTER", "POINTER", "VARIANT", "ARRAY"];
+    let types = plcc_model::types::Elementary::ALL.into_iter().map(|ty| ty.name());
+    similar(name, types.chain(OTHERS)).filter(|_| name.len() > 2)
 }
 
 /// Names that are misspelt addresses: `MO.0`, `Q01`.

@@ -91,36 +91,6 @@ pub fn untyped_bytes(ty: Elementary, literal: &Literal) -> Option<Vec<u8>> {
     (low..=high).contains(&value).then(|| value.to_be_bytes()[8 - bytes..].to_vec())
 }
 
-/// How to write a constant of `ty`.
-pub const fn example(ty: Elementary) -> &'static str {
-    match ty {
-        Elementary::Bool => "TRUE or FALSE",
-        Elementary::Byte => "B#16#1E",
-        Elementary::Word => "W#16#3A2F",
-        Elementary::Dword => "DW#16#2C1E_A2EB",
-        Elementary::Char => "'E'",
-        Elementary::Int => "-1025",
-        Elementary::Dint => "L#-2047",
-        Elementary::Real => "5.0",
-        Elementary::S5Time => "S5T#2S",
-        Elementary::Time => "T#2S",
-        Elementary::Date => "D#2000-6-20",
-        Elementary::TimeOfDay => "TOD#5:45:00",
-        Elementary::Lword => "LWORD#16#3A2F",
-        Elementary::Wchar => "WCHAR#'E'",
-        Elementary::Sint => "SINT#-5",
-        Elementary::Usint => "USINT#5",
-        Elementary::Uint => "UINT#5",
-        Elementary::Udint => "UDINT#5",
-        Elementary::Lint => "LINT#-5",
-        Elementary::Ulint => "ULINT#5",
-        Elementary::Lreal => "LREAL#5.0",
-        Elementary::Ltime => "LT#2S",
-        Elementary::Ltod => "LTOD#5:45:00",
-        Elementary::Ldt => "LDT#2000-6-20-5:45:00",
-    }
-}
-
 /// A description of a constant, for messages.
 pub const fn literal_kind(literal: &Literal) -> &'static str {
     match literal {

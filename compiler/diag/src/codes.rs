@@ -66,6 +66,8 @@ codes! {
     DeclarationSyntax = "P0209" Error "a declaration that breaks the syntax of STEP 7";
     NotASource = "P0210" Error "a file that contains no PLC source";
     Tolerated = "P0211" Warning "a form that the vendor rejects but that has only one meaning";
+    MisspeltKeyword = "P0212" Error "a keyword that is misspelt";
+    ForeignForm = "P0213" Error "a form of another programming language";
     UnknownSymbol = "P0301" Error "a symbol that neither a table nor a block defines";
     UnknownBlock = "P0302" Error "a block that is called but not defined";
     NotShipped = "P0303" Error "a system block that plcc does not have";

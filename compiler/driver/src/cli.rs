@@ -25,7 +25,7 @@ pub enum Command {
     /// Compile sources to an executable.
     Build(BuildArgs),
     /// Compile a program in memory and run it.
-    Run(RunArgs),
+    Run(Box<RunArgs>),
     /// Run tests: assertion pragmas and scenarios.
     Test(TestArgs),
     /// Check sources and report problems, without compiling.

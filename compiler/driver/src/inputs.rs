@@ -9,6 +9,7 @@ use plcc_syntax::{CodePage, Language};
 
 use crate::content::foreign::{self, Foreign};
 use crate::content::{self, Content};
+use crate::near;
 use crate::pipeline;
 use crate::project::{self, Project};
 use crate::sheets;
@@ -40,6 +41,20 @@ impl Read {
     /// True if a file could not be read at all.
     pub fn is_unreadable(&self) -> bool {
         self.diagnostics.iter().any(|d| d.code == Code::Unreadable)
+    }
+
+    /// A file that the user named and that cannot be read.
+    fn unreadable(&mut self, path: &Path, error: &std::io::Error) {
+        let title = format!("cannot read `{}`: {}", path.display(), reason(error));
+        let help = match error.kind() {
+            std::io::ErrorKind::NotFound => match near::beside(path) {
+                Some(near) => format!("is `{near}` meant?"),
+                None => "check the name of the file; it is looked for in the folder where plcc runs".to_string(),
+            },
+            std::io::ErrorKind::PermissionDenied => "the file exists, but you may not read it".to_string(),
+            _ => "check the file and the permission to read it".to_string(),
+        };
+        self.report(Code::Unreadable, path, title, &help);
     }
 
     /// Reports `code` at a place that cannot be shown.
@@ -188,19 +203,24 @@ fn add_file(read: &mut Read, path: &Path, wanted: Wanted) {
     {
         return read.unread.push((path.to_path_buf(), reason(&why)));
     }
+    if wanted == Wanted::Yes
+        && path.is_file()
+        && let Some((what, how)) = foreign::siemens_project(path)
+    {
+        return read.report(
+            Code::NotASource,
+            path,
+            format!("`{}` is {what}, which only that tool reads", path.display()),
+            how,
+        );
+    }
     if sheets::is_workbook(path) {
         return add_workbook(read, path, wanted);
     }
     let text = match read_text_as(path, read.code_page) {
         Ok(text) => text,
         Err(error) => {
-            let title = format!("cannot read `{}`: {}", path.display(), reason(&error));
-            return read.report(
-                Code::Unreadable,
-                path,
-                title,
-                "check the name of the file and the permission to read it",
-            );
+            return read.unreadable(path, &error);
         }
     };
     let content = match wanted {
@@ -249,13 +269,7 @@ fn add_workbook(read: &mut Read, path: &Path, wanted: Wanted) {
     let bytes = match regular(path).and_then(|()| fs::read(path)) {
         Ok(bytes) => bytes,
         Err(error) => {
-            let title = format!("cannot read `{}`: {}", path.display(), reason(&error));
-            return read.report(
-                Code::Unreadable,
-                path,
-                title,
-                "check the name of the file and the permission to read it",
-            );
+            return read.unreadable(path, &error);
         }
     };
     match sheets::text(bytes) {
@@ -360,7 +374,10 @@ fn add_named(read: &mut Read, folder: &Path, (name, span): &(String, Span)) {
         add_file(read, &path, Wanted::Yes);
     } else {
         let message = Diagnostic::new(Code::Project, *span, format!("`{name}` is not a file or folder in the project"));
-        read.diagnostics.push(message.help("names are relative to the folder of plc.toml"));
+        read.diagnostics.push(match near::below(folder, name) {
+            Some(near) => message.help(format!("is `{near}` meant?")),
+            None => message.help("names are relative to the folder of plc.toml"),
+        });
     }
 }
 
@@ -464,6 +481,33 @@ mod tests {
         let read = read(&[folder.path().to_path_buf()]);
         let codes: Vec<Code> = read.diagnostics.iter().map(|diagnostic| diagnostic.code).collect();
         assert_eq!((codes, read.units.len()), (vec![Code::Project], 0));
+    }
+
+    #[test]
+    fn a_missing_file_is_told_with_the_one_that_is_meant() {
+        let toml = "sources = [\"mian.stl\", \"valve.scl\", \"gone.stl\"]\n";
+        let folder = folder(&[("plc.toml", toml), ("main.stl", "A I 0.0\n"), ("blocks/valve.scl", "%M0.0 := TRUE;\n")]);
+        let helps = |path: &Path| -> Vec<String> {
+            read(&[path.to_path_buf()]).diagnostics.into_iter().filter_map(|message| message.help).collect()
+        };
+        let project = helps(folder.path());
+        assert_eq!(project[..2], ["is `main.stl` meant?", "is `blocks/valve.scl` meant?"]);
+        assert!(project[2].contains("relative to the folder"), "{}", project[2]);
+        assert!(helps(&folder.path().join("mian.stl"))[0].ends_with("main.stl` meant?"));
+        assert!(helps(&folder.path().join("main.scl"))[0].ends_with("main.stl` meant?"));
+        assert!(helps(&folder.path().join("gone.stl"))[0].contains("check the name"));
+    }
+
+    #[test]
+    fn a_project_of_a_tool_is_told_with_its_export() {
+        let folder = folder(&[("a.s7p", "A I 0.0\n"), ("a.zap15", "x"), ("a.mwp", "x")]);
+        for (name, words) in
+            [("a.s7p", "Generate Source"), ("a.zap15", "Generate source from blocks"), ("a.mwp", ".awl")]
+        {
+            let read = read(&[folder.path().join(name)]);
+            assert_eq!(read.diagnostics[0].code, Code::NotASource, "{name}");
+            assert!(read.diagnostics[0].help.as_ref().is_some_and(|help| help.contains(words)), "{name}");
+        }
     }
 
     #[test]

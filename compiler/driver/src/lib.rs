@@ -24,6 +24,7 @@ pub mod content;
 pub mod emit;
 pub mod inputs;
 pub mod link;
+mod near;
 mod parallel;
 pub mod pipeline;
 pub mod plot;
@@ -86,6 +87,10 @@ fn usage(error: &clap::Error) -> u8 {
         return exit::OK;
     }
     let text = error.render().to_string();
+    // The words of Rust for a number that does not parse.
+    let text = ["invalid digit found in string", "invalid float literal", "cannot parse integer from empty string"]
+        .iter()
+        .fold(text, |text, words| text.replace(words, "it is not a number"));
     report::say(text.strip_prefix("error: ").unwrap_or(&text).trim_end());
     exit::USAGE
 }

@@ -6,6 +6,7 @@ use std::ops::Range;
 use plcc_abi::image::{Config, Module, TimeOfDay};
 use plcc_abi::ob::{OB_CLASSES, OB_FREE, OB_NUMBER_MAX, ObClass};
 use plcc_diag::{Code, Diagnostic, FileId, SourceFile, Span};
+use plcc_literal::toml_words;
 use plcc_runtime::options::parse_duration;
 use plcc_syntax::stl::Mnemonics;
 use serde::Deserialize;
@@ -51,16 +52,12 @@ pub fn parse(file: FileId, source: &SourceFile) -> (Project, Vec<Diagnostic>) {
         Ok(keys) => context.project(keys),
         Err(error) => {
             let range = error.span().unwrap_or(0..0);
-            context.report(range, first_line(error.message()), "docs/plc-toml.md lists the keys and their values");
+            let wrong = toml_words::plain_at(error.message(), &source.text, range.start);
+            context.report(range, wrong.title, &wrong.help);
             Project::default()
         }
     };
     (project, context.diagnostics)
-}
-
-/// The library's message without the drawing that it may carry.
-fn first_line(message: &str) -> String {
-    message.lines().next().unwrap_or("not a TOML file").to_string()
 }
 
 #[derive(Deserialize)]

@@ -6,7 +6,7 @@
 
 use plcc_abi::RuntimeFn;
 use plcc_abi::layout::state;
-use plcc_ir::{Block, Value};
+use plcc_ir::{BinaryOp, Block, Value};
 
 use crate::block::BlockLowering;
 
@@ -20,6 +20,8 @@ pub struct Check {
     pub access: Value,
     /// i32: fault register, an address or a number.
     pub info: Value,
+    /// i32: number of the data block in which the access is.
+    pub db: Option<Value>,
 }
 
 /// What remains after an instruction that faulted.
@@ -59,7 +61,8 @@ impl BlockLowering<'_, '_> {
     /// Calls the error OB, then continues at `after`.
     fn raise(&mut self, check: &Check, substitute: Substitute, after: Block) {
         let site = self.b.i32_const(self.site);
-        let mut arguments = vec![site, check.code, check.access, check.info];
+        let access = self.access_with_db(check);
+        let mut arguments = vec![site, check.code, access, check.info];
         let mut function = RuntimeFn::SyncError;
         if self.plan.handles_errors(self.block.key()) {
             function = RuntimeFn::LocalError;
@@ -82,6 +85,13 @@ impl BlockLowering<'_, '_> {
             }
         }
         self.stop_exit.leave_if(&mut self.b, stop, after);
+    }
+
+    /// The access byte of OB 121, and the data block in the upper half, which messages name.
+    fn access_with_db(&mut self, check: &Check) -> Value {
+        let Some(db) = check.db else { return check.access };
+        let db = self.b.binary_imm(BinaryOp::Shl, db, 16);
+        self.b.binary(BinaryOp::Or, check.access, db)
     }
 
     /// Ends the path that [`BlockLowering::begin_guard`] began; both paths meet.

@@ -31,7 +31,12 @@ impl Types {
             Some(_) | None => key.to_string(),
         });
         let members = self.members(&db.members);
-        self.enter(NamedType::Struct(NamedStruct { name: name.unwrap_or_default(), members, is_dtl: false }))
+        self.enter(NamedType::Struct(NamedStruct {
+            name: name.unwrap_or_default(),
+            data_type: db.data_type.clone(),
+            members,
+            is_dtl: false,
+        }))
     }
 
     /// Symbols with the numbers of their types.
@@ -93,7 +98,7 @@ impl Types {
         }
         let members = self.members(&structure.members);
         let is_dtl = structure.name == DTL && structure.instance_of.is_none();
-        let named = NamedStruct { name: structure.name.clone(), members, is_dtl };
+        let named = NamedStruct { name: structure.name.clone(), data_type: String::new(), members, is_dtl };
         let number = self.enter(NamedType::Struct(named));
         self.structures.insert(place, number);
         number

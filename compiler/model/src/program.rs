@@ -195,6 +195,8 @@ pub struct DataBlock {
     pub members: Vec<Member>,
     /// The FB or SFB whose instance it is.
     pub instance_of: Option<BlockKey>,
+    /// The PLC data type that it has; empty for an instance, and without one.
+    pub data_type: String,
     pub read_only: bool,
     pub unlinked: bool,
     /// What of it is retentive.

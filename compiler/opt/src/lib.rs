@@ -133,6 +133,7 @@ pub const ALONE: &[Pass] = &[
     surrounded("forward", forward::forward_memory),
     function("fold", fold::fold),
     function("part-cold-ways", duplicate::part_cold_ways),
+    function("loop-ranges", ranges::use_ranges_of_loops),
     function("control-flow", control_flow::simplify_control_flow),
     function("values", values::share_values),
     surrounded("forward", forward::forward_memory),

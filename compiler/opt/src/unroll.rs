@@ -1,4 +1,4 @@
-//! Short loops become straight code.
+//! Short loops become straight code, and others whose passes can be counted do several passes in one.
 //!
 //! A loop over the rows of a matrix or the words of a telegram has few passes, and their number is known. With a copy of the loop for
 //! each pass its counter is a constant, so are the addresses made from it, and there is nothing to test:
@@ -11,21 +11,33 @@
 //!     branch v4, b1(v3), b2  ;
 //! ```
 //!
-//! The loop stays after the copies for passes that they are not made for, so that nothing depends on the number. Where it is right,
-//! later passes find that no jump leads there.
+//! A loop that tests at its head, before it does anything, gets one more copy of the head for the last test. The loop stays after the
+//! copies for passes that they are not made for, so that nothing depends on the number. Where it is right, later passes find that no
+//! jump leads there.
+//!
+//! A loop with more passes gets as many copies inside as divide their number, which test nothing: 128 passes become 16 of eight. The
+//! address in the second copy is that in the first and a constant, and eight bits of an array are in one byte.
 
 use plcc_ir::analysis::{ControlFlow, Dominators};
 use plcc_ir::function::ValueDef;
-use plcc_ir::{Block, Function, InstData, Value, eval};
+use plcc_ir::{Block, Function, Inst, InstData, Region, Value, eval};
 use rustc_hash::FxHashSet;
 
 use crate::loops::{Loop, Loops};
 use crate::variables::{Versions, copy_blocks, join_versions, move_constants};
 
 /// Passes of a loop that becomes straight code.
-const PASSES_MAX: usize = 8;
+const PASSES_MAX: usize = 16;
 /// Instructions of all passes together, without constants.
 const INSTS_MAX: usize = 320;
+/// Passes that are counted.
+const COUNTED_MAX: usize = 1024;
+/// Passes that become one.
+const TOGETHER_MAX: usize = 8;
+/// Loads of such a pass: what they bring is in registers at the same time.
+const LOADS_MAX: usize = 8;
+/// Instructions of such a pass.
+const TOGETHER_INSTS_MAX: usize = 200;
 /// Instructions that copies may add to a function.
 const GROWTH: usize = 2000;
 /// Rounds over a function: where one loop follows another, the second waits.
@@ -57,7 +69,7 @@ fn unroll_in_function(function: &mut Function, growth: &mut usize, done: &mut Fx
     let mut is_left = false;
     for each in &loops.all {
         let is_innermost = each.blocks.iter().all(|block| *block == each.header || !headers.contains(block));
-        let is_constant = |inst: &plcc_ir::Inst| matches!(function.insts[*inst], InstData::Const { .. });
+        let is_constant = |inst: &Inst| matches!(function.insts[*inst], InstData::Const { .. });
         let insts = |block: &Block| function.blocks[*block].insts.iter().filter(|inst| !is_constant(inst)).count();
         let size: usize = each.blocks.iter().map(insts).sum();
         if !is_innermost || each.header == function.entry() || size * 2 > INSTS_MAX || function.blocks[each.header].cold
@@ -68,7 +80,9 @@ fn unroll_in_function(function: &mut Function, growth: &mut usize, done: &mut Fx
             continue;
         }
         let Some(passes) = passes(function, &cfg, each) else { continue };
-        if passes * size > INSTS_MAX.min(*growth) {
+        let Some(copies) = copies(function, each, passes.count, size) else { continue };
+        let size = copies * size;
+        if size > *growth {
             continue;
         }
         if cfg.predecessors(each.header).iter().any(|pred| copied.contains(pred)) {
@@ -78,10 +92,16 @@ fn unroll_in_function(function: &mut Function, growth: &mut usize, done: &mut Fx
         // A block of a loop that was copied is not on all ways any more.
         let before = dominators.immediate(each.header).filter(|before| !copied.contains(before));
         let before = before.unwrap_or(function.entry());
-        *growth -= passes * size;
+        *growth -= size;
         done.insert(each.header);
         copied.extend(&each.blocks);
-        copy(function, &cfg, each, (passes, before), &mut versions);
+        let order = order(function, each);
+        move_constants(function, &order, before);
+        if copies == passes.count {
+            copy_before(function, &cfg, &order, passes, &mut versions);
+        } else {
+            copy_inside(function, &cfg, &order, (passes, copies), &mut versions);
+        }
     }
     if !versions.made.is_empty() {
         join_versions(function, &versions);
@@ -89,8 +109,34 @@ fn unroll_in_function(function: &mut Function, growth: &mut usize, done: &mut Fx
     is_left && !versions.made.is_empty()
 }
 
+/// How often a loop does what is in it.
+#[derive(Clone, Copy)]
+struct Passes {
+    header: Block,
+    count: usize,
+    /// The block whose branch decides whether there is another pass, and where it goes if there is one.
+    test: Block,
+    stays: Block,
+    /// The test is at the head, which is reached once more than there are passes.
+    tests_first: bool,
+}
+
+/// How many passes of a loop become straight code: all of them, or a part of them that divides their number.
+fn copies(function: &Function, each: &Loop, passes: usize, size: usize) -> Option<usize> {
+    if passes <= PASSES_MAX && passes * size <= INSTS_MAX {
+        return Some(passes);
+    }
+    let hot = each.blocks.iter().filter(|&&block| !function.blocks[block].cold);
+    let is_load =
+        |inst: &Inst| matches!(&function.insts[*inst], InstData::Load { addr } if addr.region != Region::State);
+    let loads = hot.flat_map(|&block| &function.blocks[block].insts).filter(|inst| is_load(inst)).count();
+    (2..=TOGETHER_MAX.min(LOADS_MAX / loads.max(1)))
+        .rev()
+        .find(|&count| passes.is_multiple_of(count) && count * size <= TOGETHER_INSTS_MAX)
+}
+
 /// How many passes the loop has, if a counter with constant ends decides that.
-fn passes(function: &Function, cfg: &ControlFlow, each: &Loop) -> Option<usize> {
+fn passes(function: &Function, cfg: &ControlFlow, each: &Loop) -> Option<Passes> {
     let inside = |block: &Block| each.blocks.contains(block);
     let jumps = |from: Block, to: Block| {
         let last = function.terminator(from)?;
@@ -101,24 +147,25 @@ fn passes(function: &Function, cfg: &ControlFlow, each: &Loop) -> Option<usize> 
     let (back, enter): (Vec<Block>, Vec<Block>) = cfg.predecessors(each.header).iter().partition(|pred| inside(pred));
     let (&[back], &[enter]) = (&back[..], &enter[..]) else { return None };
     // Each pass goes through the header and the jump back; one of them decides whether it is the last.
-    let (test, cond, then_to) = [each.header, back].into_iter().find_map(|block| {
+    let (test, cond, then_to, else_to) = [each.header, back].into_iter().find_map(|block| {
         let InstData::Branch { cond, then_to, else_to } = &function.insts[function.terminator(block)?] else {
             return None;
         };
-        (inside(&then_to.block) != inside(&else_to.block)).then_some((block, *cond, then_to.block))
+        (inside(&then_to.block) != inside(&else_to.block)).then_some((block, *cond, then_to.block, else_to.block))
     })?;
     let stays_if = inside(&then_to);
     let (first, next) = (jumps(enter, each.header)?, jumps(back, each.header)?);
+    let tests_first = test == each.header && test != back;
     let params = &function.blocks[each.header].params;
     params.iter().enumerate().find_map(|(index, &param)| {
         let mut counter = function.constant(first.args[index])?;
-        for pass in 1..=PASSES_MAX {
+        for tested in 1..=COUNTED_MAX {
             let value = |of: Value| evaluate(function, of, (param, counter), 8);
             let stays = (value(cond)? != 0) == stays_if;
             if !stays {
-                // A test at the head ends a pass that does nothing.
-                return Some(if test == each.header && test != back { pass - 1 } else { pass })
-                    .filter(|&passes| passes > 0);
+                let count = tested - usize::from(tests_first);
+                let stays = if stays_if { then_to } else { else_to };
+                return (count > 0).then_some(Passes { header: each.header, count, test, stays, tests_first });
             }
             counter = value(next.args[index])?;
         }
@@ -149,44 +196,80 @@ fn evaluate(function: &Function, value: Value, counter: (Value, u64), depth: u32
     }
 }
 
-/// Puts so many copies of the loop before it; all ways to it pass the block.
-fn copy(
-    function: &mut Function,
-    cfg: &ControlFlow,
-    each: &Loop,
-    (passes, before): (usize, Block),
-    versions: &mut Versions,
-) {
+/// The blocks of a loop as they are laid out.
+fn order(function: &Function, each: &Loop) -> Vec<Block> {
     let inside: FxHashSet<Block> = each.blocks.iter().copied().collect();
-    let order: Vec<Block> = function.layout.iter().copied().filter(|block| inside.contains(block)).collect();
-    move_constants(function, &order, before);
-    let redirect = |function: &mut Function, from: Block, to: Block, new: Block| {
-        if let Some(last) = function.terminator(from) {
-            function.insts[last].for_each_target_mut(|call| {
-                if call.block == to {
-                    call.block = new;
-                }
-            });
-        }
-    };
-    let (back, enter): (Vec<Block>, Vec<Block>) =
-        cfg.predecessors(each.header).iter().copied().partition(|pred| inside.contains(pred));
-    let mut ways = enter;
-    let mut to = each.header;
+    function.layout.iter().copied().filter(|block| inside.contains(block)).collect()
+}
+
+/// The blocks that jump to the head of a loop: from outside, and from its blocks.
+fn ways(cfg: &ControlFlow, header: Block, order: &[Block]) -> (Vec<Block>, Vec<Block>) {
+    cfg.predecessors(header).iter().copied().partition(|pred| !order.contains(pred))
+}
+
+/// Makes jumps from `ways` that lead to `to` lead to `new`.
+fn redirect(function: &mut Function, ways: &[Block], to: Block, new: Block) {
+    for &way in ways {
+        let Some(last) = function.terminator(way) else { continue };
+        function.insts[last].for_each_target_mut(|call| {
+            if call.block == to {
+                call.block = new;
+            }
+        });
+    }
+}
+
+/// Puts a copy for each pass before the loop.
+fn copy_before(function: &mut Function, cfg: &ControlFlow, order: &[Block], passes: Passes, versions: &mut Versions) {
+    let (enter, back) = ways(cfg, passes.header, order);
+    let (mut ways, mut to) = (enter, passes.header);
     let place = function.layout.iter().position(|&block| block == order[0]).unwrap_or(0);
     let first = function.layout.len();
-    for _ in 0..passes {
-        let copies = copy_blocks(function, &order, versions);
-        for &way in &ways {
-            redirect(function, way, to, copies[&each.header]);
-        }
-        ways = back.iter().map(|block| copies[block]).collect();
-        to = copies[&each.header];
+    for pass in 0..passes.count + usize::from(passes.tests_first) {
+        let blocks = if pass < passes.count { order } else { &[passes.header] };
+        let copies = copy_blocks(function, blocks, versions);
+        redirect(function, &ways, to, copies[&passes.header]);
+        ways = back.iter().filter_map(|block| copies.get(block).copied()).collect();
+        to = copies[&passes.header];
     }
-    for &way in &ways {
-        redirect(function, way, to, each.header);
-    }
+    redirect(function, &ways, to, passes.header);
     // The copies are laid out before the loop.
+    let made = function.layout.split_off(first);
+    function.layout.splice(place..place, made);
+}
+
+/// Gives the loop copies of its blocks, so that it does so many passes in one and tests once.
+fn copy_inside(
+    function: &mut Function,
+    cfg: &ControlFlow,
+    order: &[Block],
+    (passes, count): (Passes, usize),
+    versions: &mut Versions,
+) {
+    let (_, back) = ways(cfg, passes.header, order);
+    let place = function.layout.iter().rposition(|block| order.contains(block)).map_or(0, |last| last + 1);
+    let first = function.layout.len();
+    let copies: Vec<_> = (1..count).map(|_| copy_blocks(function, order, versions)).collect();
+    // Each copy jumps back to its own head: now to that of the next one.
+    let (mut ways, mut to) = (back.clone(), passes.header);
+    let mut tests = vec![(passes.test, passes.stays)];
+    for copy in &copies {
+        redirect(function, &ways, to, copy[&passes.header]);
+        if let Some((_, stays)) = tests.last_mut().filter(|(_, stays)| *stays == to) {
+            *stays = copy[&passes.header];
+        }
+        ways = back.iter().map(|block| copy[block]).collect();
+        to = copy[&passes.header];
+        tests.push((copy[&passes.test], copy[&passes.stays]));
+    }
+    redirect(function, &ways, to, passes.header);
+    // The test that stays is before the first pass or after the last one.
+    tests.remove(if passes.tests_first { 0 } else { count - 1 });
+    for (test, stays) in tests {
+        let last = function.terminator(test).expect("it ends with a branch");
+        let target = function.insts[last].targets().into_iter().find(|call| call.block == stays).cloned();
+        function.insts[last] = InstData::Jump { target: target.expect("it leads to the next pass") };
+    }
     let made = function.layout.split_off(first);
     function.layout.splice(place..place, made);
 }
@@ -221,8 +304,42 @@ mod tests {
             crate::run_listed_passes(&text).expect("text is well formed")
         };
         assert!(!result(2).contains("branch"), "{}", result(2));
-        assert!(!result(8).contains("branch"), "{}", result(8));
-        assert!(result(9).contains("branch"), "{}", result(9));
-        check_pass("unroll", &text(9), &text(9));
+        assert!(!result(16).contains("branch"), "{}", result(16));
+        assert!(result(17).contains("branch"), "{}", result(17));
+        check_pass("unroll", &text(17), &text(17));
+    }
+
+    #[test]
+    fn a_loop_that_tests_at_its_head_is_straight() {
+        let text = |passes: u32| {
+            format!(
+                "; passes: unroll, fold, control-flow, fold, control-flow, dead-code
+                func @F -> i32 {{
+                b0(v0: i32):
+                v1 = const.i16 1
+                jump b1(v1, v0)
+                b1(v2: i16, v3: i32):
+                v4 = const.i16 {passes}
+                v5 = sle v2, v4
+                branch v5, b2, b3
+                b2:
+                v6 = sext.i32 v2
+                v7 = imul v3, v6
+                store.i16 M 0, v2
+                v8 = iadd v2, v1
+                jump b1(v8, v7)
+                b3:
+                ret v3
+                }}"
+            )
+        };
+        let result = |passes: u32| crate::run_listed_passes(&text(passes)).expect("text is well formed");
+        let count = |passes: u32| result(passes).matches("store").count();
+        assert!(!result(1).contains("branch") && count(1) == 1, "{}", result(1));
+        assert!(!result(16).contains("branch") && count(16) == 16, "{}", result(16));
+        assert!(result(17).contains("branch") && count(17) == 1, "{}", result(17));
+        // Three passes of six, and one test for each three.
+        assert!(count(18) == 6 && result(18).matches("branch").count() == 1, "{}", result(18));
+        check_pass("unroll", &text(17), &text(17));
     }
 }

@@ -60,9 +60,26 @@ impl Binder<'_> {
 
     /// The mnemonic as the sources spell it.
     pub fn mnemonic(&self, insn: Insn) -> String {
+        insn.mnemonic(self.set()).into_owned()
+    }
+
+    fn set(&self) -> Mnemonics {
         let german = self.input.units.iter().find(|(_, unit)| unit.s7200.is_some());
-        let set = german.map_or(Mnemonics::En, |(_, unit)| unit.mnemonics);
-        insn.mnemonic(set).into_owned()
+        german.map_or(Mnemonics::En, |(_, unit)| unit.mnemonics)
+    }
+
+    /// Its operands, in words: `+I` has 2 operands, separated by `,`.
+    fn form(&self, insn: Insn) -> String {
+        let classes: Vec<&str> = insn.operands().iter().map(|class| describe(*class)).collect();
+        let form = plcc_syntax::s7200::form(insn, self.set());
+        if classes.is_empty() { form } else { format!("{form}: {}", classes.join(", then ")) }
+    }
+
+    /// The text of the source.
+    fn written(&self, span: Span) -> String {
+        let mut files = self.input.sources.files();
+        let file = files.nth(span.file.0 as usize).map(|(_, file)| file.text.as_str());
+        file.and_then(|text| text.get(span.range())).unwrap_or_default().to_string()
     }
 
     fn instruction(
@@ -83,14 +100,26 @@ impl Binder<'_> {
         let unread = operands.iter().any(|operand| operand.kind == ast::OperandKind::Error);
         if operands.len() < classes.len() && !optional && !unread {
             let what = classes.get(operands.len()).map_or("one", |class| describe(*class));
-            self.missing_operand(what, mnemonic);
+            self.missing_operand(what, mnemonic, &self.form(insn));
+        }
+        if operands.len() == classes.len() + 1
+            && let Some(at) = decimal_comma(classes, operands)
+        {
+            let (whole, part) = (&operands[at].span, &operands[at + 1].span);
+            let text = self.written(whole.to(*part));
+            self.push(
+                Diagnostic::new(Code::ForeignForm, whole.to(*part), "a decimal number has a point")
+                    .label("read as two operands")
+                    .help(format!("write `{}`", text.replace(',', "."))),
+            );
+            return None;
         }
         if let Some(surplus) = operands.get(classes.len()).filter(|_| !unread) {
             let title = format!("`{}` has {}", self.mnemonic(insn), count(classes.len()));
             self.push(
                 Diagnostic::new(Code::SurplusOperand, surplus.span, title)
                     .label("the first surplus operand")
-                    .help("remove it"),
+                    .help(format!("remove it: {}", self.form(insn))),
             );
         }
         let bound: Vec<Option<Operand>> = classes
@@ -112,6 +141,14 @@ impl Binder<'_> {
         self.uses.instruction(insn, &bound, mnemonic);
         Some(StatementKind::Instruction { insn, operands: bound })
     }
+}
+
+/// Index of the first part of a REAL that is written with a comma: `3,5`.
+fn decimal_comma(classes: &[OperandClass], operands: &[ast::Operand]) -> Option<usize> {
+    let whole = |operand: &ast::Operand| matches!(&operand.kind, ast::OperandKind::Constant(constant) if super::constant::whole(constant).is_some());
+    classes.iter().zip(operands.windows(2)).position(|(class, pair)| {
+        *class == OperandClass::RealIn && pair.iter().all(whole) && pair[0].span.end + 1 == pair[1].span.start
+    })
 }
 
 fn count(operands: usize) -> String {

@@ -22,7 +22,7 @@ impl Binder<'_> {
         mnemonic: Span,
     ) -> Option<StatementKind> {
         let Some((target, actuals)) = operands.split_first() else {
-            self.missing_operand("the subroutine", mnemonic);
+            self.missing_operand("the subroutine", mnemonic, "write its name after `CALL`");
             return None;
         };
         let callee = self.block_operand(locals, target, BlockKind::Sbr)?;
@@ -233,11 +233,11 @@ impl Binder<'_> {
     }
 
     /// Reports that an operand is missing after a mnemonic.
-    pub fn missing_operand(&mut self, what: &str, mnemonic: Span) {
+    pub fn missing_operand(&mut self, what: &str, mnemonic: Span, help: &str) {
         self.push(
             Diagnostic::new(Code::MissingOperand, mnemonic, "an operand is missing")
                 .label(format!("{what} must follow"))
-                .help("write all operands of the instruction"),
+                .help(help),
         );
     }
 }

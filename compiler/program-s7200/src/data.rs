@@ -52,6 +52,7 @@ impl Binder<'_> {
             data: memory.bytes,
             members: Vec::new(),
             instance_of: None,
+            data_type: String::new(),
             read_only: false,
             unlinked: false,
             kept: Kept::Everything,

@@ -309,6 +309,8 @@ pub enum TypeKind {
     Struct(Vec<Variable>),
     /// `UDT 5`, `FB 10`, `SFB 4`, `"MotorType"`.
     Block(BlockName),
+    /// A type that has been reported.
+    Error,
 }
 
 /// A bound or length: a number, or the name of a constant in languages that have them.

@@ -211,6 +211,7 @@ impl Out {
             | TypeKind::String(_)
             | TypeKind::WideString(_)
             | TypeKind::Reference(_)
+            | TypeKind::Error
             | TypeKind::Block(_) => {}
         }
     }
@@ -338,6 +339,7 @@ fn type_text(ty: &TypeRef) -> String {
         TypeKind::OpenArray { dimensions, element } => {
             format!("ARRAY[{}] OF {}", vec!["*"; usize::from(*dimensions)].join(", "), type_text(element))
         }
+        TypeKind::Error => "?".to_owned(),
         TypeKind::Reference(target) => format!("REF_TO {}", type_text(target)),
         TypeKind::Array { bounds, element } => {
             let bounds: Vec<String> =

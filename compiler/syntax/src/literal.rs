@@ -12,7 +12,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 
 pub use pointer::ANY_TYPES;
 pub use text::{parse_text, windows_1252};
-pub(crate) use time::nanoseconds;
+pub(crate) use time::{form, nanoseconds};
 
 /// A constant with its type. Values are already range-checked.
 #[derive(Clone, Debug, PartialEq)]

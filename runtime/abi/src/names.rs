@@ -42,6 +42,8 @@ pub struct Dimension {
 pub struct NamedStruct {
     /// Of the data type or the FB; empty if it has none.
     pub name: String,
+    /// The PLC data type of a data block as a whole; empty if it has none.
+    pub data_type: String,
     pub members: Vec<NamedMember>,
     /// It is a DTL, which is also a value.
     pub is_dtl: bool,

@@ -97,7 +97,7 @@ impl Cpu {
         }
         let event = if report.signal { ALARM_CAME } else { ALARM_WENT };
         let (ob, wall) = (self.running.ob.get(), self.clock.wall());
-        let entry = Entry { event, info: report.number, site: report.site, ob, wall };
+        let entry = Entry { event, info: report.number, access: 0, site: report.site, ob, wall };
         self.diagnostics.push(entry);
         if let Some(log) = &mut alarms.log {
             let time = crate::datetime::civil(wall);

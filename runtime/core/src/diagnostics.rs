@@ -35,6 +35,8 @@ pub struct Entry {
     pub event: u16,
     /// Subject of the event: a number or address, as in the start information.
     pub info: u32,
+    /// Access to memory: the access byte of OB 121, and the data block in the upper half.
+    pub access: u32,
     pub site: u32,
     /// OB that was running, 0: none.
     pub ob: u16,
@@ -92,7 +94,7 @@ pub fn place_text(image: &ProgramImage, entry: &Entry) -> String {
 }
 
 /// Event in words, with its number.
-pub fn event_text(entry: &Entry) -> String {
+pub fn event_text(image: &ProgramImage, entry: &Entry) -> String {
     let info = entry.info;
     if let Some(text) = crate::s7200::event_text(entry.event, info) {
         return text;
@@ -124,9 +126,19 @@ pub fn event_text(entry: &Entry) -> String {
         0x3505 => format!("time jump: time-of-day interrupt OB {info} was skipped"),
         0x3507 => format!("queue of interrupts is full (OB {info})"),
         0x35A1 => format!("OB {info} is requested but not loaded"),
-        event @ 0x2521..=0x253F => sync_error_text(event as u8, info),
-        0x2942 => format!("I/O access error on reading address {info}"),
-        0x2943 => format!("I/O access error on writing address {info}"),
+        event @ 0x2521..=0x253F => sync_error_text(image, event as u8, info, entry.access),
+        0x2942 => {
+            format!(
+                "I/O access error: no module has {}, on reading",
+                address_text(entry.access, info).replacen('P', "PI", 1)
+            )
+        }
+        0x2943 => {
+            format!(
+                "I/O access error: no module has {}, on writing",
+                address_text(entry.access, info).replacen('P', "PQ", 1)
+            )
+        }
         0x8000..=0xBFFF => format!("event of the program (SFC 52), INFO2 16#{info:08X}"),
         ALARM_CAME => format!("alarm 16#{info:08X} came"),
         ALARM_WENT => format!("alarm 16#{info:08X} went"),
@@ -142,12 +154,52 @@ pub fn event_text(entry: &Entry) -> String {
     format!("16#{:04X} {words}", entry.event)
 }
 
-fn sync_error_text(code: u8, info: u32) -> String {
+/// `DBW 200`, `MB 70000`, `PIW 300`: the address of an access; `access` is the access byte of OB 121.
+fn address_text(access: u32, byte: u32) -> String {
+    use plcc_abi::codes::{access as width, access_area};
+    let area = match access as u8 & 0x0F {
+        access_area::I => "I",
+        access_area::Q => "Q",
+        access_area::M => "M",
+        access_area::DB => "DB",
+        access_area::DI => "DI",
+        access_area::L => "L",
+        access_area::V => "local data of the caller, L",
+        _ => "P",
+    };
+    let width = match access as u8 & 0xF0 {
+        width::BYTE => "B",
+        width::WORD => "W",
+        width::DWORD => "D",
+        _ if area.starts_with('D') => "X",
+        _ => "",
+    };
+    format!("{area}{width} {byte}")
+}
+
+/// What is wrong with an address that its area does not have.
+fn length_text(image: &ProgramImage, access: u32, byte: u32, direction: &str) -> String {
+    use plcc_abi::codes::access_area;
+    let address = address_text(access, byte);
+    let db = access >> 16;
+    if !matches!(access as u8 & 0x0F, access_area::DB | access_area::DI) || db == 0 {
+        return format!("{address} does not exist, on {direction}");
+    }
+    match image.dbs.iter().find(|known| u32::from(known.number) == db) {
+        Some(known) => {
+            let name = if known.name.is_empty() { String::new() } else { format!(" \"{}\"", known.name) };
+            format!("DB {db}{name} has {} bytes; {address} does not exist, on {direction}", known.data.len())
+        }
+        None => format!("DB {db} has no {address}, on {direction}"),
+    }
+}
+
+fn sync_error_text(image: &ProgramImage, code: u8, info: u32, access: u32) -> String {
     use plcc_abi::codes::sync;
     match code {
-        sync::BCD => "BCD conversion error".to_string(),
-        sync::LENGTH_READ => format!("address {info} is outside of its area, on reading"),
-        sync::LENGTH_WRITE => format!("address {info} is outside of its area, on writing"),
+        sync::BCD => "BCD conversion error: a digit is greater than 9".to_string(),
+        sync::LENGTH_READ => length_text(image, access, info, "reading"),
+        sync::LENGTH_WRITE => length_text(image, access, info, "writing"),
         sync::AREA_READ => format!("wrong area 16#{info:02X} in a pointer, on reading"),
         sync::AREA_WRITE => format!("wrong area 16#{info:02X} in a pointer, on writing"),
         sync::TIMER_NUMBER => format!("timer {info} does not exist"),
@@ -174,7 +226,7 @@ pub fn line(image: &ProgramImage, entry: &Entry) -> String {
     let time = datetime::civil(entry.wall);
     let place = place_text(image, entry);
     let separator = if place.is_empty() { "" } else { "; " };
-    format!("{time:.3} {}{separator}{place}", event_text(entry))
+    format!("{time:.3} {}{separator}{place}", event_text(image, entry))
 }
 
 #[cfg(test)]
@@ -185,7 +237,7 @@ mod tests {
     fn ring_keeps_the_newest() {
         let diagnostics = Diagnostics::default();
         for info in 0..CAPACITY as u32 + 3 {
-            diagnostics.push(Entry { event: 1, info, site: NO_SITE, ob: 0, wall: 0 });
+            diagnostics.push(Entry { event: 1, info, access: 0, site: NO_SITE, ob: 0, wall: 0 });
         }
         let infos: Vec<u32> = diagnostics.newest_first().iter().map(|entry| entry.info).collect();
         assert_eq!(infos.len(), CAPACITY);

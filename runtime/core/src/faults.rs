@@ -44,7 +44,12 @@ fn is_asked(event: u16) -> bool {
 impl Cpu {
     /// Writes to the diagnostic buffer.
     pub(crate) fn log(&self, event: u16, site: u32, info: u32) -> Entry {
-        let entry = Entry { event, info, site, ob: self.running.ob.get(), wall: self.clock.wall() };
+        self.log_access(event, site, info, 0)
+    }
+
+    /// As [`Cpu::log`], for an access to memory. `access`: its access byte, and the data block in the upper half.
+    fn log_access(&self, event: u16, site: u32, info: u32, access: u32) -> Entry {
+        let entry = Entry { event, info, access, site, ob: self.running.ob.get(), wall: self.clock.wall() };
         self.diagnostics.push(entry);
         entry
     }
@@ -62,8 +67,9 @@ impl Cpu {
         self.memory.raise_attention();
     }
 
-    /// Synchronous error `code` at `site`: runs OB 121 or OB 122, else STOP. Result for generated code.
-    pub(crate) fn sync_error(&self, site: u32, code: u8, access: u8, info: u32) -> u32 {
+    /// Synchronous error `code` at `site`: runs OB 121 or OB 122, else STOP. `access`: access byte, and the data block in the upper half.
+    /// Result for generated code.
+    pub(crate) fn sync_error(&self, site: u32, code: u8, access: u32, info: u32) -> u32 {
         if self.is_stopped() {
             return 1;
         }
@@ -74,7 +80,7 @@ impl Cpu {
         }
         let io = matches!(code, sync::IO_READ | sync::IO_WRITE);
         let (ob, class, stop_event) = if io { (122, 0x29, 0x4563) } else { (121, 0x25, 0x4562) };
-        let cause = self.log(u16::from(class) << 8 | u16::from(code), site, info);
+        let cause = self.log_access(u16::from(class) << 8 | u16::from(code), site, info, access);
         // An S7-1200 has no error OBs: it notes the error and stays in RUN.
         if self.image.profile.family == Family::S71200 {
             return 0;
@@ -83,7 +89,7 @@ impl Cpu {
             self.stop_because(stop_event, site, 0, Some(cause));
             return 1;
         }
-        let start = StartInfo::new(class, code, ob).byte(5, access).word(6, info as u16);
+        let start = StartInfo::new(class, code, ob).byte(5, access as u8).word(6, info as u16);
         let mut start = self.with_block(start, site);
         if self.image.profile.family.is_portal() {
             start = start.word(10, self.running.ob.get());
@@ -237,8 +243,9 @@ impl Cpu {
         let place_of = stop.cause.as_ref().unwrap_or(&stop.entry);
         let place = diagnostics::place_text(&self.image, place_of);
         let separator = if place.is_empty() { "" } else { "; " };
-        let cause = stop.cause.map(|cause| format!(" ({})", diagnostics::event_text(&cause))).unwrap_or_default();
+        let cause =
+            stop.cause.map(|cause| format!(" ({})", diagnostics::event_text(&self.image, &cause))).unwrap_or_default();
         let scan = self.s7200_scan_number().map(|number| format!(" (scan {number})")).unwrap_or_default();
-        format!("{}{cause}{separator}{place}{scan}", diagnostics::event_text(&stop.entry))
+        format!("{}{cause}{separator}{place}{scan}", diagnostics::event_text(&self.image, &stop.entry))
     }
 }

@@ -155,7 +155,7 @@ functions! {
     memory {
         Safepoint = plcc_rt_safepoint(cpu, site) -> u32 { cpu.safepoint(site) }
         SyncError = plcc_rt_sync_error(cpu, site, code, access, info) -> u32 {
-            cpu.sync_error(site, code as u8, access as u8, info)
+            cpu.sync_error(site, code as u8, access, info)
         }
         Stop = plcc_rt_stop(cpu, site, code) { cpu.stop_by(code as u16, site, 0) }
         CallBlock = plcc_rt_call_block(cpu, site, kind, number, lbase, vbase) -> u32 {
@@ -173,7 +173,7 @@ functions! {
         TimerSettle = plcc_rt_timer_settle(cpu, number) { timers::settle(&cpu.memory, &cpu.clock, number) }
         PeripheralRead = plcc_rt_peripheral_read(cpu, address, bytes) -> u64 { cpu.peripheral_read(address, bytes) }
         LocalError = plcc_rt_local_error(cpu, site, code, access, info, lbase) -> u32 {
-            cpu.local_error(site, code as u8, access as u8, info, lbase)
+            cpu.local_error(site, code as u8, access, info, lbase)
         }
         PeripheralWriteBit = plcc_rt_peripheral_write_bit(cpu, address, bit, value) -> u32 {
             cpu.peripheral_write_bit(address, bit, value != 0).into()

@@ -6,21 +6,13 @@ use plcc_syntax::Elementary;
 
 use plcc_model::scl::{BinaryOp, Function, TimerKind};
 use plcc_program::tables::scl::{FUNCTIONS, Implicit, Kind, Question, Row, Rules, implicit, on_300};
-use plcc_stdlib::NOT_SUPPORTED;
 
 /// The page without its tables.
 const TEXT: &str = include_str!("scl.md.in");
 
 /// The page in Markdown: `docs/reference/scl.md`.
 pub fn reference() -> String {
-    let missing = |name: &&&str| {
-        let blocks = [plcc_stdlib::find_name(name), plcc_stdlib::find_tia(name)];
-        !blocks.into_iter().flatten().any(|block| block.form != plcc_stdlib::Form::NotShipped)
-    };
-    let absent: Vec<String> = NOT_SUPPORTED.iter().filter(missing).map(|name| format!("`{name}`")).collect();
-    TEXT.replace("{implicit}\n", &implicit_table())
-        .replace("{functions}\n", &function_tables())
-        .replace("{absent}", &absent.join(", "))
+    TEXT.replace("{implicit}\n", &implicit_table()).replace("{functions}\n", &function_tables())
 }
 
 // Conversions.

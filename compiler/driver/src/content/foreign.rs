@@ -136,6 +136,22 @@ pub fn of_name(path: &Path) -> Option<Foreign> {
     OTHERS.iter().find(|(suffixes, _)| suffixes.contains(&suffix)).map(|(_, what)| Foreign::Other(what))
 }
 
+/// A project or library of a tool for PLCs of Siemens: what it is, and how its program leaves that tool.
+pub fn siemens_project(path: &Path) -> Option<(&'static str, &'static str)> {
+    const STEP7: &str = "in the editor of STEP 7 choose File > Generate Source and select the blocks; in the symbol editor choose Table > Export, which writes .sdf";
+    const TIA: &str = "in the project tree of the TIA Portal select the blocks and choose \"Generate source from blocks\" for SCL, STL and data; export LAD, FBD and GRAPH as SIMATIC SD or XML, and the tags as .xlsx";
+    const MICRO_WIN: &str = "open it in STEP 7-Micro/WIN and choose File > Export, which writes .awl; an .awl holds the program and the data block";
+    let Some(Foreign::Program(what)) = of_name(path) else { return None };
+    let what = what.split(':').next().unwrap_or(what);
+    let how = match what {
+        _ if what.ends_with("of the TIA Portal") => TIA,
+        _ if what.contains("Micro/WIN") => MICRO_WIN,
+        _ if what.ends_with("of STEP 7") => STEP7,
+        _ => return None,
+    };
+    Some((what, how))
+}
+
 /// What XML with a root of this name is.
 pub fn of_root(root: &str) -> Option<Foreign> {
     Some(match root {
@@ -158,6 +174,20 @@ pub fn of_root(root: &str) -> Option<Foreign> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn projects_of_siemens_tell_how_to_export() {
+        for (name, words) in [
+            ("a.s7p", "Generate Source"),
+            ("a.zap15_1", "Generate source from blocks"),
+            ("a.AP17", "xlsx"),
+            ("a.mwp", ".awl"),
+        ] {
+            assert!(siemens_project(Path::new(name)).is_some_and(|(_, how)| how.contains(words)), "{name}");
+        }
+        assert_eq!(siemens_project(Path::new("a.stl")), None);
+        assert_eq!(siemens_project(Path::new("a.L5X")), None);
+    }
 
     #[test]
     fn names_tell_of_other_tools() {

@@ -171,7 +171,7 @@ fn kinds_ranges_and_channels_are_checked() {
     assert!(
         wrong("slot = 4\nkind = \"AI\"\nchannels = 2\nrange = [\"+-10 V\"]").contains("1 ranges for a module with 2")
     );
-    assert!(wrong("slot = 4\nkind = \"AI\"\nchannels = 2\nspeed = 1").contains("unknown field"));
+    assert!(wrong("slot = 4\nkind = \"AI\"\nchannels = 2\nspeed = 1").contains("`speed` is not a key here"));
 }
 
 /// Messages about a program with the tank's station: code, line and title.

@@ -167,7 +167,7 @@ pub fn instance_check(b: &mut FunctionBuilder, callee: &CodeBlock, di: Value, ar
     let code = b.select(open, short, none);
     let info = b.select(open, byte, di);
     let access = b.i32_const(u32::from(plcc_abi::codes::access_area::DI));
-    Some(Check { ok, code, access, info })
+    Some(Check { ok, code, access, info, db: None })
 }
 
 /// True for parameters that are copied by value; numbers and pointers are only passed in.

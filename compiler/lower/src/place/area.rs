@@ -56,7 +56,7 @@ impl BlockLowering<'_, '_> {
         let ok = self.b.icmp_imm(IntCc::Eq, effective.bit, 0);
         let code = if direction == Direction::Read { sync::ALIGN_READ } else { sync::ALIGN_WRITE };
         let code = self.b.i32_const(u32::from(code));
-        Some(Check { ok, code, access: self.access(width, area), info: effective.byte })
+        Some(Check { ok, code, access: self.access(width, area), info: effective.byte, db: None })
     }
 
     /// The access byte of OB 121 for an access to `area`, as a value.
@@ -123,7 +123,7 @@ impl BlockLowering<'_, '_> {
         let ok = self.b.icmp(IntCc::Ule, end, limit);
         let code = if direction == Direction::Read { sync::LENGTH_READ } else { sync::LENGTH_WRITE };
         let code = self.b.i32_const(u32::from(code));
-        Check { ok, code, access: self.access(width, area), info: byte }
+        Check { ok, code, access: self.access(width, area), info: byte, db: None }
     }
 
     /// In the DB that is open in the DB or DI register.
@@ -156,6 +156,7 @@ impl BlockLowering<'_, '_> {
         let none = self.b.i32_const(u32::from(none));
         check.code = self.b.select(open, check.code, none);
         check.info = self.b.select(open, check.info, number);
+        check.db = Some(number);
         let mut checks = vec![check];
         checks.extend(self.protection_check(number, width, area, direction));
         let addr = match self.b.constant_bits(byte) {
@@ -185,7 +186,7 @@ impl BlockLowering<'_, '_> {
         let code = if area == PlaceArea::Di { sync::WRITE_PROTECTED_DI } else { sync::WRITE_PROTECTED_DB };
         let code = self.b.i32_const(u32::from(code));
         let access = self.b.i32_const(access_byte(width, area_code(area)));
-        Some(Check { ok, code, access, info: number })
+        Some(Check { ok, code, access, info: number, db: None })
     }
 
     /// Fully qualified: opens DB `number`, then accesses it.
@@ -214,7 +215,7 @@ impl BlockLowering<'_, '_> {
         self.set(self.regs.db, opened);
         let code = self.b.i32_const(u32::from(sync::DB_MISSING));
         let access = self.b.i32_const(access_byte(width, access_area::DB));
-        target.checks.insert(0, Check { ok: loaded, code, access, info: number_value });
+        target.checks.insert(0, Check { ok: loaded, code, access, info: number_value, db: None });
         target
     }
 }

@@ -163,7 +163,7 @@ impl BlockLowering<'_, '_> {
                 let ok = self.b.not(is_peripheral);
                 let access = self.b.i32_const(access_byte(width, access_area::P));
                 let info = self.b.i32_const(u32::from(layout::area::P));
-                checks.push(Check { ok, code, access, info });
+                checks.push(Check { ok, code, access, info, db: None });
                 (addr, bit, checks)
             }
             TargetKind::Peripheral { .. } => {

@@ -121,7 +121,7 @@ impl BlockLowering<'_, '_> {
         let code = if direction == Direction::Read { sync::IO_READ } else { sync::IO_WRITE };
         let code = self.b.i32_const(u32::from(code));
         let access = self.b.i32_const(access_byte(width, access_area::P));
-        Check { ok, code, access, info: address }
+        Check { ok, code, access, info: address, db: None }
     }
 
     /// Writes the low bits of `value` (an i32; an i1 with width Bit) to `place`.

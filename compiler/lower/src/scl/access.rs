@@ -215,7 +215,7 @@ impl BlockLowering<'_, '_> {
                 Some(offset) => self.b.binary_imm(BinaryOp::Lshr, offset, 3),
                 None => self.b.i32_const(0),
             };
-            target.checks.insert(0, Check { ok, code, access, info });
+            target.checks.insert(0, Check { ok, code, access, info, db: None });
         }
         target
     }
@@ -237,7 +237,7 @@ impl BlockLowering<'_, '_> {
                 let code = if direction == Direction::Read { sync::LENGTH_READ } else { sync::LENGTH_WRITE };
                 let code = self.b.i32_const(u32::from(code));
                 let access = self.access_of(width, PlaceArea::M);
-                checks.push(Check { ok, code, access, info: byte });
+                checks.push(Check { ok, code, access, info: byte, db: None });
                 self.b.iadd(shifted, bit)
             }
         };
@@ -246,7 +246,7 @@ impl BlockLowering<'_, '_> {
         let code = if direction == Direction::Read { sync::LENGTH_READ } else { sync::LENGTH_WRITE };
         let code = self.b.i32_const(u32::from(code));
         let access = self.access_of(width, PlaceArea::M);
-        checks.push(Check { ok, code, access, info: byte });
+        checks.push(Check { ok, code, access, info: byte, db: None });
         let target = match area {
             LocatedArea::Memory(area) => self.in_area_at(*area, address, width, direction),
             LocatedArea::Db(number) => {
@@ -258,7 +258,7 @@ impl BlockLowering<'_, '_> {
                 let ok = self.b.or(ok, none);
                 let code = self.b.i32_const(u32::from(sync::DB_MISSING));
                 let access = self.access_of(width, PlaceArea::Db);
-                checks.push(Check { ok, code, access, info: *number });
+                checks.push(Check { ok, code, access, info: *number, db: None });
                 let target = self.in_area_at(PlaceArea::Db, address, width, direction);
                 self.set(self.regs.db, before);
                 target

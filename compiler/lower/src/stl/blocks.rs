@@ -118,7 +118,7 @@ impl BlockLowering<'_, '_> {
         };
         let code = self.b.i32_const(u32::from(sync::DB_MISSING));
         let access = self.b.i32_const(0);
-        let guard = self.begin_guard(vec![Check { ok, code, access, info: value }], Substitute::None);
+        let guard = self.begin_guard(vec![Check { ok, code, access, info: value, db: None }], Substitute::None);
         self.set(register, value);
         self.end_guard(guard);
     }

@@ -70,7 +70,7 @@ impl BlockLowering<'_, '_> {
         let ok = self.b.icmp_imm(IntCc::Ult, value, i64::from(count));
         let code = self.b.i32_const(u32::from(code));
         let access = self.b.i32_const(0);
-        let guard = self.begin_guard(vec![Check { ok, code, access, info: value }], substitute);
+        let guard = self.begin_guard(vec![Check { ok, code, access, info: value, db: None }], substitute);
         let distance = self.b.binary_imm(BinaryOp::Shl, value, i64::from(bytes.ilog2()));
         (Cell { number: value, distance: Some(distance), start }, guard)
     }

@@ -30,7 +30,7 @@ impl BlockLowering<'_, '_> {
     pub fn bcd_check(&mut self, ok: Value) -> Check {
         let code = self.b.i32_const(u32::from(sync::BCD));
         let zero = self.b.i32_const(0);
-        Check { ok, code, access: zero, info: zero }
+        Check { ok, code, access: zero, info: zero, db: None }
     }
 
     /// `ITB`, `DTB`. A value that does not fit leaves ACCU1 unchanged and sets OV.

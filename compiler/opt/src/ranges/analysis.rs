@@ -685,7 +685,8 @@ fn bit(op: BinaryOp, a: Interval, b: Interval) -> Interval {
     }
 }
 
-fn has_loops(function: &Function, cfg: &ControlFlow) -> bool {
+/// True if a jump leads back.
+pub fn has_loops(function: &Function, cfg: &ControlFlow) -> bool {
     function
         .layout
         .iter()

@@ -80,6 +80,10 @@ enum Change {
     ShiftAndAdd(Part, u64),
     /// It is the sum of two shifted values.
     SumOfShifts([Part; 2]),
+    /// It is an extended value, and a constant added.
+    ExtendAndAdd(ConvertOp, Value, u64),
+    /// The base of its address is that value, and its offset grows.
+    Base(Value, i64),
 }
 
 /// A value that is shifted by a constant.
@@ -92,12 +96,25 @@ struct Part {
 
 /// Uses ranges in a function.
 pub fn use_ranges(function: &mut Function) {
-    if is_too_large(function) {
-        return;
+    // A sum in the wide type, then its multiple, then the address: each shows when the one before is there.
+    if !is_too_large(function) && use_once(function) {
+        use_once(function);
+        use_once(function);
     }
+}
+
+/// Uses ranges in a function with loops: for the pointers of loops that have been rid of cold ways.
+pub fn use_ranges_of_loops(function: &mut Function) {
+    if analysis::has_loops(function, &ControlFlow::new(function)) {
+        use_ranges(function);
+    }
+}
+
+/// Result: whether there are new sums of indices and constants.
+fn use_once(function: &mut Function) -> bool {
     let cfg = ControlFlow::new(function);
     let dominators = Dominators::new(function, &cfg);
-    let Some(mut ranges) = Ranges::of(function, &cfg, &dominators) else { return };
+    let Some(mut ranges) = Ranges::of(function, &cfg, &dominators) else { return false };
     let mut changes: Vec<(Block, Inst, Change)> = Vec::new();
     ranges.begin();
     for &block in &dominators.preorder {
@@ -107,7 +124,7 @@ pub fn use_ranges(function: &mut Function) {
         }
         for &inst in &function.blocks[block].insts {
             ranges.compute(inst);
-            if let Some(change) = change_of(function, &ranges, inst) {
+            if let Some(change) = base_of(function, &ranges, inst).or_else(|| change_of(function, &ranges, inst)) {
                 changes.push((block, inst, change));
             }
         }
@@ -117,7 +134,9 @@ pub fn use_ranges(function: &mut Function) {
     if !passes.is_empty() {
         polls::remove(function, &cfg, &Loops::new(function, &cfg, &dominators), &passes);
     }
+    let has_sums = changes.iter().any(|(_, _, change)| matches!(change, Change::ExtendAndAdd(..)));
     apply(function, changes);
+    has_sums
 }
 
 fn change_of(function: &Function, ranges: &Ranges<'_>, inst: Inst) -> Option<Change> {
@@ -145,8 +164,8 @@ fn change_of(function: &Function, ranges: &Ranges<'_>, inst: Inst) -> Option<Cha
             let chosen = ranges.get(cond)?.single()?;
             Some(Change::Value(if chosen != 0 { if_true } else { if_false }))
         }
-        // Out of the narrow type and back into it.
-        InstData::Convert { op: ConvertOp::Sext | ConvertOp::Zext, arg } => match *function.defining(arg)? {
+        InstData::Convert { op: op @ (ConvertOp::Sext | ConvertOp::Zext), arg } => match *function.defining(arg)? {
+            // Out of the narrow type and back into it.
             InstData::Convert { op: ConvertOp::Trunc, arg: wide } if function.ty(wide) == ty => {
                 let narrow = Interval::full(function.ty(arg));
                 (function.ty(arg) != Type::I1
@@ -154,10 +173,30 @@ fn change_of(function: &Function, ranges: &Ranges<'_>, inst: Inst) -> Option<Cha
                     && range.contains(ranges.get(wide)?))
                 .then_some(Change::Value(wide))
             }
+            // An index and a constant: in the wide type, the constant goes into the address.
+            InstData::Binary { op: BinaryOp::Iadd, .. } => {
+                let (x, by) = sum_with_constant(function, ranges, arg)?;
+                let (of_x, full) = (ranges.get(x)?, Interval::full(function.ty(arg)));
+                let sum = of_x.lo.checked_add(by)?..=of_x.hi.checked_add(by)?;
+                let fits = *sum.start() >= full.lo && *sum.end() <= full.hi;
+                let is_same = op == ConvertOp::Sext || of_x.is_natural() && *sum.start() >= 0;
+                (fits && is_same && function.constant(x).is_none()).then_some(Change::ExtendAndAdd(op, x, by as u64))
+            }
             _ => None,
         },
         _ => None,
     }
+}
+
+/// The constant in the base of an address belongs to its offset.
+fn base_of(function: &Function, ranges: &Ranges<'_>, inst: Inst) -> Option<Change> {
+    let (InstData::Load { addr } | InstData::Store { addr, .. }) = &function.insts[inst] else { return None };
+    let (x, by) = sum_with_constant(function, ranges, addr.base?)?;
+    let of_x = ranges.get(x)?;
+    let fits = of_x.is_natural() && of_x.lo.checked_add(by)? >= 0 && of_x.hi.checked_add(by)? <= i64::from(i32::MAX);
+    let offset = i64::from(addr.offset) + by;
+    (fits && (0..=i64::from(i32::MAX)).contains(&offset) && function.constant(x).is_none())
+        .then_some(Change::Base(x, by))
 }
 
 /// True of operations without memory: a load whose result is known is left to the pass for memory.
@@ -322,8 +361,17 @@ fn apply(function: &mut Function, changes: Vec<(Block, Inst, Change)>) {
                 out.push(inst);
                 continue;
             };
+            if let Change::Base(base, by) = change {
+                if let InstData::Load { addr } | InstData::Store { addr, .. } = &mut function.insts[inst] {
+                    addr.base = Some(base);
+                    addr.offset = addr.offset.wrapping_add_signed(by as i32);
+                }
+                out.push(inst);
+                continue;
+            }
             let (result, loc) = (function.result(inst), function.locs[inst]);
             match change {
+                Change::Base(..) => unreachable!("done above"),
                 Change::Constant(bits) => {
                     function.insts[inst] = InstData::Const { bits };
                     function.locs[inst] = Loc(0);
@@ -342,13 +390,14 @@ fn apply(function: &mut Function, changes: Vec<(Block, Inst, Change)>) {
                     out.push(inst);
                 }
                 Change::ShiftAndAdd(part, added) => {
-                    let ty = function.ty(result);
                     let shifted = shifted(function, &mut out, loc, part);
-                    let added = function.make_inst(InstData::Const { bits: eval::mask(ty, added) }, &[ty], loc);
-                    out.push(added);
-                    let args = [shifted, function.result(added)];
-                    function.insts[inst] = InstData::Binary { op: BinaryOp::Iadd, args };
-                    out.push(inst);
+                    add(function, &mut out, inst, shifted, added);
+                }
+                Change::ExtendAndAdd(op, arg, added) => {
+                    let wide = function.make_inst(InstData::Convert { op, arg }, &[function.ty(result)], loc);
+                    out.push(wide);
+                    let wide = function.result(wide);
+                    add(function, &mut out, inst, wide, added);
                 }
                 Change::Shift(op, arg, by) => {
                     let ty = function.ty(result);
@@ -362,6 +411,14 @@ fn apply(function: &mut Function, changes: Vec<(Block, Inst, Change)>) {
         function.blocks[block].insts = out;
     }
     function.resolve_aliases();
+}
+
+/// Makes `inst` the sum of a value and a constant.
+fn add(function: &mut Function, out: &mut Vec<Inst>, inst: Inst, value: Value, added: u64) {
+    let ty = function.ty(value);
+    let added = function.make_inst(InstData::Const { bits: eval::mask(ty, added) }, &[ty], function.locs[inst]);
+    function.insts[inst] = InstData::Binary { op: BinaryOp::Iadd, args: [value, function.result(added)] };
+    out.extend([added, inst]);
 }
 
 /// The instructions of a shifted value.

@@ -422,5 +422,33 @@ fn an_address_register_keeps_its_area() {
     };
     let before = text("v13 = ule v11, v12", "v16 = and v15, v6", "v18 = or v16, v1");
     let after = text("v13 = const.i1 1", "v16 = and v15, v6", "").replace("v18)", "v15)");
+    // So does the counter, which needs no word.
+    let after = after.replace("v21 = zext.i32 v20", "v24 = const.i32 4294967295\nv21 = iadd v3, v24");
     check_pass("ranges", &before, &after);
+}
+
+#[test]
+fn the_constant_of_an_index_is_in_the_offset() {
+    let text = |body: &str, base: &str| {
+        format!(
+            "db 5 at 0x400000 length 40
+            func @F -> i16 {{
+            b0(v0: i16):
+            v1 = const.i16 15
+            v2 = and v0, v1
+            v3 = const.i32 1
+            {body}
+            v8 = load.i16 DB5[{base}
+            ret v8
+            }}"
+        )
+    };
+    let wraps =
+        |constant: i32| format!("v4 = const.i16 {constant}\nv5 = iadd v2, v4\nv6 = sext.i32 v5\nv7 = shl v6, v3");
+    // Up: the offset grows.
+    let up = "v4 = const.i16 3\nv5 = iadd v2, v4\nv9 = sext.i32 v2\nv10 = const.i32 3\nv6 = iadd v9, v10\nv13 = const.i32 1\nv11 = shl v9, v13\nv12 = const.i32 6\nv7 = iadd v11, v12";
+    check_pass("ranges", &text(&wraps(3), "v7]+0"), &text(up, "v11]+6"));
+    // The sum may wrap.
+    let before = text(&wraps(32760), "v7]+0");
+    check_pass("ranges", &before, &before);
 }

@@ -16,12 +16,12 @@ mod row;
 
 use plcc_diag::{Code, Diagnostic, FileId};
 
-pub use keyword::{Keyword, at as keyword_at};
+pub use keyword::{Keyword, at as keyword_at, misspelt};
 
 use super::lexer::{RawKind, RawToken};
 use super::pragma::{self, Tag};
 use super::token::Tok;
-use plcc_syntax::front::{Classified, Cursor};
+use plcc_syntax::front::{Classified, Cursor, frame_words};
 
 /// Classifies the tokens of a chart: the whole block except its head and declarations.
 pub fn classify<'a>(file: FileId, text: &'a str, raw: &[RawToken]) -> Classified<Tok<'a>> {
@@ -148,6 +148,10 @@ impl<'a> Classifier<'a, '_> {
                 Some(keyword) if keyword.ends_part() => break,
                 _ if self.is_word(self.at, "FROM") => self.steps(Tok::From),
                 _ if self.is_word(self.at, "TO") => self.steps(Tok::To),
+                _ if self.is_misspelt_condition(token) => {
+                    self.report(frame_words::misspelt(self.span(token), self.slice(token), Keyword::Condition.word()));
+                    self.condition();
+                }
                 _ => self.outside_of_clauses(token),
             }
         }
@@ -290,6 +294,11 @@ impl<'a> Classifier<'a, '_> {
                     self.at += 1;
                 }
                 RawKind::Colon if self.is_jump(self.at + 1) => self.at += 1,
+                RawKind::Semicolon if !closed => {
+                    self.foreign(token, "the steps of a list are separated by `,`", "write `,`");
+                    named = false;
+                    self.take(Tok::Comma);
+                }
                 RawKind::Colon | RawKind::Semicolon => break,
                 RawKind::Pragma if self.is_jump(self.at) => {
                     self.take(Tok::Jump);
@@ -321,6 +330,20 @@ impl<'a> Classifier<'a, '_> {
         self.raw
             .get(index)
             .is_some_and(|token| token.kind == RawKind::Pragma && pragma::tag(self.slice(*token)) == Some(Tag::Jump))
+    }
+
+    /// `CONDITON := …`
+    fn is_misspelt_condition(&self, token: RawToken) -> bool {
+        let assigned = matches!(self.kind_at(self.at + 1), Some(RawKind::Assign | RawKind::Equal));
+        assigned
+            && token.kind == RawKind::Word
+            && frame_words::slip_of(self.slice(token), [Keyword::Condition.word()]).is_some()
+    }
+
+    /// Reports a habit of other languages.
+    fn foreign(&mut self, token: RawToken, title: &str, help: &str) {
+        let message = Diagnostic::new(Code::ForeignForm, self.span(token), title);
+        self.report(message.label("a form of other languages").help(help));
     }
 
     fn outside_of_clauses(&mut self, token: RawToken) {

@@ -42,6 +42,12 @@ pub fn parse(file: FileId, text: &str, options: &ReadOptions) -> (SourceUnit, Ve
     let mut diagnostics = Vec::new();
     let raw = lexer::scan(text);
     report_comments(file, &raw, &mut diagnostics);
+    for (index, token) in raw.tokens.iter().enumerate() {
+        if let Some(keyword) = classify::misspelt(text, &raw.tokens, index) {
+            let span = Span { file, start: token.start, end: token.end };
+            diagnostics.push(front::frame_words::misspelt(span, &text[token.range()], keyword.word()));
+        }
+    }
     let document = frame::read(file, text, &raw, &mut diagnostics);
     if options.pragmas {
         diagnostics.extend(document.misplaced.iter().map(|range| misplaced(file, range.clone())));

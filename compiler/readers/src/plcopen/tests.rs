@@ -100,7 +100,7 @@ fn constants_outside_a_subrange_are_errors() {
 #[test]
 fn retentive_variables_are_told() {
     let list = "<localVars retain=\"true\"><variable name=\"a\"><type><INT/></type></variable></localVars>";
-    let title = "retentive variables begin each run with their start values: `a`".to_string();
+    let title = "retentive variables begin each run with their start values without `--retain`: `a`".to_string();
     assert_eq!(told(list, &st(""), ""), [(Code::Tolerated, Severity::Warning, title)]);
     let variables: String = ["a", "b", "c", "d", "e"]
         .map(|name| format!("<variable name=\"{name}\"><type><INT/></type></variable>"))
@@ -109,7 +109,9 @@ fn retentive_variables_are_told() {
         "<instances><configurations><configuration name=\"C\"><globalVars name=\"G\" persistent=\"true\">{variables}</globalVars>\
          </configuration></configurations></instances>"
     );
-    let title = "retentive variables begin each run with their start values: `a`, `b`, `c` and 2 others".to_string();
+    let title =
+        "retentive variables begin each run with their start values without `--retain`: `a`, `b`, `c` and 2 others"
+            .to_string();
     assert_eq!(told("", &st(""), &globals), [(Code::Tolerated, Severity::Warning, title)]);
 }
 

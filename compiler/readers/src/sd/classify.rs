@@ -7,6 +7,7 @@ use plcc_diag::{Code, Diagnostic, FileId};
 
 use super::pragma::{self, Attribute};
 use super::token::Tok;
+use plcc_syntax::front::frame_words::slip_of;
 use plcc_syntax::front::{Classified, Cursor};
 use plcc_syntax::network::ast::Comparison;
 use plcc_syntax::scl::keyword::Keyword;
@@ -138,6 +139,16 @@ impl<'a> Classifier<'a, '_> {
             match token.kind {
                 RawKind::RightParen => return self.take(Tok::RightParen),
                 RawKind::Comma => self.take(Tok::Comma),
+                RawKind::Semicolon if self.at + 1 < self.raw.len() => {
+                    self.foreign(token, "the pins of an element are separated by `,`", "write `,`");
+                    self.take(Tok::Comma);
+                }
+                RawKind::Word
+                    if self.kind_at(self.at + 1) == Some(RawKind::Equal)
+                        && matches!(self.out.last(), Some((_, Tok::LeftParen | Tok::Comma, _))) =>
+                {
+                    self.compared_pin(token);
+                }
                 RawKind::Assign => self.take(Tok::Assign),
                 RawKind::Arrow => self.take(Tok::Arrow),
                 _ if self.is_word("RUNG") || self.is_word("END_RUNG") => break,
@@ -156,6 +167,25 @@ impl<'a> Classifier<'a, '_> {
                 .help("write `)` after the last pin"),
         );
         self.push_here(Tok::RightParen);
+    }
+
+    /// `in = 7` for `in := 7`.
+    fn compared_pin(&mut self, token: RawToken) {
+        let name = &self.text[token.range()];
+        let output = name.get(..3).is_some_and(|start| start.eq_ignore_ascii_case("out"));
+        let (sign, tok) = if output { ("=>", Tok::Arrow) } else { (":=", Tok::Assign) };
+        let value = self.raw.get(self.at + 2).map_or("…", |value| &self.text[value.range()]);
+        let equal = self.raw[self.at + 1];
+        let help = format!("write `{name} {sign} {value}`");
+        self.foreign(equal, &format!("a pin is connected with `{sign}`"), &help);
+        self.take(Tok::Pin);
+        self.take(tok);
+    }
+
+    /// Reports a habit of other languages.
+    fn foreign(&mut self, token: RawToken, title: &str, help: &str) {
+        let message = Diagnostic::new(Code::ForeignForm, self.span(token), title);
+        self.report(message.label("a form of other languages").help(help));
     }
 
     /// A wire, an operand, or a comparison of SWITCH with its operand.
@@ -251,11 +281,36 @@ impl<'a> Classifier<'a, '_> {
     }
 }
 
-/// Whether `word` is at `index`, as a separate word.
+/// Whether `word` is at `index`, as a separate word, or a slip of it.
 pub fn is_word(text: &str, tokens: &[RawToken], index: usize, word: &str) -> bool {
     tokens.get(index).is_some_and(|token| {
         token.kind == RawKind::Word
-            && text[token.range()].eq_ignore_ascii_case(word)
+            && (text[token.range()].eq_ignore_ascii_case(word) || misspelt(text, tokens, index) == Some(word))
             && index.checked_sub(1).is_none_or(|before| tokens[before].kind != RawKind::Dot)
     })
+}
+
+/// The word of a frame that the one at `index` stands for, where no statement and no operand can be: `NETWROK` alone on its line,
+/// `RNUG` before a wire, `ENDRUNG` at the end of a line.
+pub fn misspelt(text: &str, tokens: &[RawToken], index: usize) -> Option<&'static str> {
+    const FRAME: [&str; 4] = ["NETWORK", "END_NETWORK", "RUNG", "END_RUNG"];
+    let token = tokens.get(index).filter(|token| token.kind == RawKind::Word && token.keyword.is_none())?;
+    let word = &text[token.range()];
+    if word.len() < 3 || !word.starts_with(['N', 'n', 'E', 'e', 'R', 'r']) {
+        return None;
+    }
+    let next = tokens.get(index + 1);
+    let before = index.checked_sub(1).map(|before| tokens[before].kind);
+    let wire = next.is_some_and(|next| next.kind == RawKind::Word && text[next.range()].eq_ignore_ascii_case("wire"));
+    let ends_line = next.is_none_or(|next| next.first_on_line);
+    let candidates: &[&'static str] = match token.first_on_line {
+        true if wire => &["RUNG", "END_RUNG"],
+        true if ends_line => &["NETWORK", "END_NETWORK", "END_RUNG"],
+        false if before == Some(RawKind::RightParen) && (ends_line || wire) => &["END_RUNG"],
+        _ => return None,
+    };
+    if FRAME.iter().any(|known| known.eq_ignore_ascii_case(word)) {
+        return None;
+    }
+    slip_of(word, candidates.iter().copied())
 }

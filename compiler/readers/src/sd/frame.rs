@@ -51,7 +51,7 @@ pub struct NetworkSource {
 /// Splits a document into its parts.
 pub fn read(file: FileId, text: &str, raw: RawText, diagnostics: &mut Vec<Diagnostic>) -> Document {
     // Regions count tokens, and some tokens are removed; regions of networks are read again with the networks.
-    let RawText { tokens, comments, regions: _, iec: _ } = raw;
+    let RawText { tokens, comments, regions: _, slips, iec: _ } = raw;
     let mut reader = Reader {
         file,
         text,
@@ -74,7 +74,7 @@ pub fn read(file: FileId, text: &str, raw: RawText, diagnostics: &mut Vec<Diagno
         comment.form == CommentForm::Unterminated || !inside
     };
     let (outside, inside): (Vec<Comment>, Vec<Comment>) = comments.into_iter().partition(kept);
-    let declarations = RawText { tokens: out, comments: outside, ..RawText::default() };
+    let declarations = RawText { tokens: out, comments: outside, slips, ..RawText::default() };
     Document { tokens, declarations, blocks, comments: inside, members }
 }
 

@@ -26,7 +26,7 @@ mod grammar {
     include!(concat!(env!("OUT_DIR"), "/sd/sd.rs"));
 }
 
-use plcc_diag::{Diagnostic, FileId};
+use plcc_diag::{Diagnostic, FileId, Span};
 
 use crate::ReadOptions;
 use plcc_syntax::ast::SourceUnit;
@@ -38,7 +38,14 @@ pub use texts::Texts;
 /// Parses a document. Recovers from errors; what it cannot parse is left out or becomes an error node.
 pub fn parse(file: FileId, text: &str, options: &ReadOptions) -> (SourceUnit, Vec<Diagnostic>) {
     let mut diagnostics = Vec::new();
-    let document = frame::read(file, text, raw::scan(text), &mut diagnostics);
+    let raw = raw::scan(text);
+    for (index, token) in raw.tokens.iter().enumerate() {
+        if let Some(word) = classify::misspelt(text, &raw.tokens, index) {
+            let span = Span { file, start: token.start, end: token.end };
+            diagnostics.push(front::frame_words::misspelt(span, &text[token.range()], word));
+        }
+    }
+    let document = frame::read(file, text, raw, &mut diagnostics);
     let unit = blocks::build(file, text, document, options, &mut diagnostics);
     diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
     (unit, diagnostics)

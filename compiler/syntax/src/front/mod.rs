@@ -20,6 +20,7 @@ mod cursor;
 mod expression;
 pub mod extent;
 pub(crate) mod frame;
+pub mod frame_words;
 pub mod pointer;
 pub mod pragma;
 mod recover;
@@ -30,8 +31,8 @@ pub use comment::{Comment, CommentForm};
 pub use cursor::{Classified, Cursor, Spanned, tokens_text};
 pub use expression::Sub;
 pub use recover::{
-    Brackets, NESTING_MAX, stray_characters, stray_help, too_deep, unclosed_comment, unterminated_name,
-    unterminated_text,
+    Brackets, NESTING_MAX, drop_followers_of_comment, stray_characters, stray_help, too_deep, unclosed_comment,
+    unterminated_name, unterminated_text,
 };
 pub use scan::{Bracket, Kind, RawText, RawToken, Role, after_point, scan, shift, skip_text, skip_through};
 pub use state::{ParseState, Place, error_range};

@@ -2,6 +2,7 @@
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
+use super::comment::{Comment, CommentForm};
 use super::cursor::Cursor;
 use super::scan::{Bracket, Kind, RawToken};
 
@@ -97,6 +98,16 @@ pub fn unterminated_name(span: Span, what: &str) -> Diagnostic {
     Diagnostic::new(Code::UnterminatedText, span, format!("the {what} is not closed on its line"))
         .label("begins here")
         .help("close it with `\"`")
+}
+
+/// A comment that is not closed hides the ends of blocks and statements, which are then not reported as missing.
+pub fn drop_followers_of_comment(comments: &[Comment], diagnostics: &mut Vec<Diagnostic>) {
+    if comments.iter().any(|comment| comment.form == CommentForm::Unterminated) {
+        diagnostics.retain(|diagnostic| {
+            let missing = diagnostic.title.starts_with("`END_") && diagnostic.title.ends_with("is missing");
+            diagnostic.code != Code::BlockFrame && !missing
+        });
+    }
 }
 
 /// The message for a comment without its end, which begins at byte `start`. `label`: how much of the file it includes.

@@ -11,12 +11,55 @@ const DATE_FORM: &str = "write year, month and day: `D#2000-6-20`";
 const TOD_FORM: &str = "write hours, minutes and seconds: `TOD#5:45:00.5`";
 const DT_FORM: &str = "write date and time: `DT#2000-6-20-5:45:00.5`";
 
+/// How to write the duration that the author of `text` means; `form` if that is not clear.
+///
+/// `S5TIME#10` has no unit, `T#5S_2H` not their order, `T#5sec` not their names.
+pub(crate) fn form(text: &str, value: &str, form: &str) -> String {
+    let prefix = text.split('#').next().unwrap_or_default();
+    let compact: String =
+        value.chars().filter(|c| *c != '_' && !c.is_whitespace()).collect::<String>().to_ascii_uppercase();
+    if !compact.is_empty() && compact.bytes().all(|digit| digit.is_ascii_digit()) {
+        return format!("write the unit: `{prefix}#{compact}S` for seconds, `{prefix}#{compact}MS` for milliseconds");
+    }
+    match in_order(&compact) {
+        Some(units) => format!("write `{prefix}#{units}`"),
+        None => form.to_owned(),
+    }
+}
+
+/// Numbers with their units, in descending order; none: a unit is unknown, or is there twice.
+fn in_order(compact: &str) -> Option<String> {
+    const UNITS: [(&str, &[&str]); 5] = [
+        ("D", &["D", "DAY", "DAYS"]),
+        ("H", &["H", "HR", "HOUR", "HOURS", "STD"]),
+        ("M", &["M", "MIN", "MINUTE", "MINUTES"]),
+        ("S", &["S", "SEC", "SECOND", "SECONDS", "SEK"]),
+        ("MS", &["MS", "MSEC", "MILLISECONDS"]),
+    ];
+    let mut parts: Vec<(usize, &str)> = Vec::new();
+    let mut rest = compact;
+    while !rest.is_empty() {
+        let letters = rest.find(|c: char| !c.is_ascii_digit()).filter(|at| *at > 0)?;
+        let (number, tail) = rest.split_at(letters);
+        let end = tail.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(tail.len());
+        let unit = UNITS.iter().position(|(_, names)| names.contains(&&tail[..end]))?;
+        if parts.iter().any(|(other, _)| *other == unit) {
+            return None;
+        }
+        parts.push((unit, number));
+        rest = &tail[end..];
+    }
+    parts.sort_unstable_by_key(|(unit, _)| *unit);
+    let written: Vec<String> = parts.iter().map(|(unit, number)| format!("{number}{}", UNITS[*unit].0)).collect();
+    (!written.is_empty()).then(|| written.join("_"))
+}
+
 /// `S5T#2s`: the finest time base that can represent the value; digits below it are cut off.
 ///
 /// Bits 13-12: time base (10 ms, 100 ms, 1 s, 10 s); bits 11-0: three BCD digits.
 /// Source: Programming with STEP 7, format of S5TIME.
 pub fn s5time(text: &str, value: &str) -> Result<Literal, LiteralError> {
-    let ms = milliseconds(text, value, S5TIME_FORM)?;
+    let ms = milliseconds(text, value, &form(text, value, S5TIME_FORM))?;
     if value.starts_with('-') || ms > 9_990_000 {
         return Err(LiteralError::range(text, "no S5TIME", "an S5TIME is from S5T#10MS to S5T#2H_46M_30S"));
     }
@@ -30,7 +73,7 @@ pub fn s5time(text: &str, value: &str) -> Result<Literal, LiteralError> {
 
 /// `T#-1S_100MS`.
 pub fn duration(text: &str, value: &str) -> Result<Literal, LiteralError> {
-    let ms = milliseconds(text, value, TIME_FORM)?;
+    let ms = milliseconds(text, value, &form(text, value, TIME_FORM))?;
     i32::try_from(ms).map(Literal::Time).map_err(|_| {
         LiteralError::range(text, "not a TIME", "a TIME is from T#-24D_20H_31M_23S_648MS to T#24D_20H_31M_23S_647MS")
     })

@@ -58,7 +58,7 @@ impl Place<Tok<'_>, Mnemonics> for Recovery {
 }
 
 /// How many operands a statement has, as help.
-fn form(insn: Insn, set: Mnemonics) -> String {
+pub fn form(insn: Insn, set: Mnemonics) -> String {
     let mnemonic = insn.mnemonic(set);
     match insn.operands().len() {
         0 => format!("`{mnemonic}` has no operands"),

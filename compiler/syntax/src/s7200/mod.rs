@@ -39,6 +39,7 @@ use crate::stl::Mnemonics;
 
 pub use aliases::{ALIASES, BOXES};
 pub use instructions::{Acts, Compare, CompareKind, Contact, Insn, OperandClass, Relation};
+pub use messages::form;
 pub use outline::is_s7200;
 
 /// Whether `word` is a mnemonic of either set, or another spelling of one.

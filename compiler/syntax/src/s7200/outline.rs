@@ -66,7 +66,14 @@ fn of_line(text: &str, line: &[RawToken], data: &mut bool) -> Sign {
         "ORGANIZATION_BLOCK" => {
             let numbered = code.iter().rev().take(2).any(|token| token.kind == RawKind::Colon)
                 && code.last().is_some_and(|last| classify::is_block(&last.text(text).to_ascii_uppercase()));
-            return if numbered { Sign::S7200 } else { Sign::None };
+            // Only S7-300/400 write `OB 1` with a blank and without a name before it.
+            let alone = next.is_some_and(|next| next.text(text).eq_ignore_ascii_case("OB"))
+                && code.get(2).is_some_and(|number| number.kind == RawKind::Integer);
+            return match (numbered, alone) {
+                (true, _) => Sign::S7200,
+                (false, true) => Sign::Other,
+                (false, false) => Sign::None,
+            };
         }
         "FUNCTION"
         | "FUNCTION_BLOCK"

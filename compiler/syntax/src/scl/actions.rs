@@ -284,6 +284,29 @@ pub fn variables(
         .collect()
 }
 
+/// The names of a declaration that does not parse, so that their uses are not reported as well.
+pub fn broken_declaration(state: &State, range: Range<usize>) -> Vec<Variable> {
+    let first = state.index_of(range.start);
+    let mut found = Vec::new();
+    for (start, token, end) in &state.tokens[first..] {
+        let name = match token {
+            Tok::Name(name) | Tok::Local(name) | Tok::Quoted(name) => name,
+            Tok::Comma => continue,
+            _ => break,
+        };
+        if *end > range.end || found.last().is_some_and(|(_, after)| !state.text[*after..*start].contains(',')) {
+            break;
+        }
+        found.push((
+            DeclaredName { name: state.name(name, NameForm::Bare, *start..*end), attributes: Vec::new() },
+            *end,
+        ));
+    }
+    let names = found.into_iter().map(|(name, _)| name).collect();
+    let ty = TypeRef { kind: TypeKind::Error, span: state.span(range.clone()) };
+    variables(state, names, None, ty, None, range.end)
+}
+
 /// `INT`, `"Motor"`, `_.TankUdt`, `Unit.Motor`.
 pub fn named_type(state: &State, names: Vec<Name>, range: Range<usize>) -> TypeKind {
     let span = state.span(range);

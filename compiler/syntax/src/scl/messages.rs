@@ -55,10 +55,74 @@ impl Place<Tok<'_>, Dialect> for Recovery {
                 "write `name := value` for inputs and `name => variable` for outputs, separated by `,`",
             ),
         };
+        if let Some(told) = self.slip(state, index) {
+            return told;
+        }
         let range = |(start, _, end): &Spanned| *start..*end;
         let here = at.filter(|(start, token, end)| start < end && !ends(token));
         let follows = before.filter(|(start, token, end)| start < end && !ends(token) && !begins(token));
         state.misplaced(code, what, here.map(range), follows.map(range), before.map_or(0..0, range)).help(help)
+    }
+}
+
+impl Recovery {
+    /// A form that has only one meaning: an ARRAY without OF, `STRING(20)`, a misspelt STRING, a value of CASE without `:`.
+    fn slip(self, state: &State, index: usize) -> Option<Diagnostic> {
+        let at = state.tokens.get(index).filter(|(start, _, end)| start < end)?;
+        let before = index.checked_sub(1).and_then(|before| state.tokens.get(before))?;
+        let text = |(start, _, end): &Spanned| state.text.get(*start..*end).unwrap_or_default().to_owned();
+        let told = |from: usize, to: usize, title: String, label: &str, help: String| {
+            let code = if self == Recovery::Declaration { Code::DeclarationSyntax } else { Code::Syntax };
+            Some(Diagnostic::new(code, state.span(from..to), title).label(label).help(help))
+        };
+        match (self, &before.1, &at.1) {
+            (Recovery::Declaration, Tok::RightBracket, _) => told(
+                at.0,
+                at.2,
+                "`OF` is missing before the type".to_owned(),
+                "the type of the elements",
+                format!("write `OF {}`", text(at)),
+            ),
+            (Recovery::Declaration, _, Tok::LeftParen) if text(before).eq_ignore_ascii_case("STRING") => {
+                let rest = state.text.get(at.2..).unwrap_or_default();
+                let length = rest.split(')').next().unwrap_or_default().trim();
+                told(
+                    at.0,
+                    at.2,
+                    "the length of a STRING is written in brackets".to_owned(),
+                    "a form of other languages",
+                    format!("write `{}[{length}]`", text(before)),
+                )
+            }
+            (
+                Recovery::Statement,
+                Tok::Literal(_),
+                Tok::Name(_) | Tok::Local(_) | Tok::Quoted(_) | Tok::Absolute(_),
+            ) if index.checked_sub(2).is_none_or(|first| {
+                state.tokens.get(first).is_some_and(|(_, token, _)| ends(token) || begins(token))
+            }) =>
+            {
+                let value = text(before);
+                told(
+                    before.0,
+                    before.2,
+                    format!("`{value}` cannot begin a statement"),
+                    "a constant",
+                    format!("as a value of CASE write `{value}:` before the statement"),
+                )
+            }
+            (Recovery::Declaration, Tok::Name(name), Tok::LeftBracket) => {
+                let near = crate::distance::nearest(name, ["STRING", "WSTRING", "ARRAY"].into_iter())?;
+                told(
+                    before.0,
+                    before.2,
+                    format!("the data type `{name}` is not defined"),
+                    "no type with a length or bounds",
+                    format!("is `{near}` meant?"),
+                )
+            }
+            _ => None,
+        }
     }
 }
 

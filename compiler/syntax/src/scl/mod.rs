@@ -17,6 +17,7 @@ mod messages;
 mod outline;
 pub mod raw;
 mod region;
+mod repair;
 pub mod text;
 mod token;
 
@@ -63,6 +64,13 @@ fn parse_raw(file: FileId, text: &str, raw: &raw::RawText, obey_pragmas: bool) -
     let dialect = dialect::of(text, raw);
     let mut diagnostics = Vec::new();
     report_comments(file, raw, &mut diagnostics);
+    for slip in &raw.slips {
+        let span = Span { file, start: slip.start, end: slip.end };
+        let word = text.get(slip.start as usize..slip.end as usize).unwrap_or_default();
+        diagnostics.push(front::frame_words::misspelt(span, word, slip.keyword));
+    }
+    let repaired = if raw.iec { None } else { repair::repair(file, text, raw, &mut diagnostics) };
+    let raw = repaired.as_ref().unwrap_or(raw);
     region::check(file, raw, &mut diagnostics);
     let classified = classify::classify(file, text, raw, obey_pragmas);
     diagnostics.extend_from_slice(&classified.diagnostics);
@@ -80,6 +88,7 @@ fn parse_raw(file: FileId, text: &str, raw: &raw::RawText, obey_pragmas: bool) -
         }
     };
     diagnostics.append(&mut state.diagnostics);
+    front::drop_followers_of_comment(&raw.comments, &mut diagnostics);
     diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
     Parsed { blocks, pragmas: classified.pragmas, diagnostics }
 }

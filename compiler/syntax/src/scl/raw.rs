@@ -6,6 +6,7 @@
 use logos::{Lexer, Logos};
 
 use super::keyword::Keyword;
+use crate::front::frame_words::{self, Seen, Shape};
 use crate::front::{self, Comment, CommentForm, Kind, Role, extent};
 
 /// What a raw token is.
@@ -128,6 +129,8 @@ pub enum RawKind {
     Caret,
     #[token("#")]
     Hash,
+    /// A part that has been reported, in place of an expression.
+    Reported,
     /// A character that no statement contains.
     Stray,
 }
@@ -180,12 +183,23 @@ pub struct Region {
     pub token: u32,
 }
 
+/// A misspelt keyword.
+#[derive(Clone, Copy, Debug)]
+pub struct Slip {
+    pub start: u32,
+    pub end: u32,
+    /// What is meant.
+    pub keyword: &'static str,
+}
+
 /// The tokens, comments and regions of a text, each in its order.
 #[derive(Default)]
 pub struct RawText {
     pub tokens: Vec<RawToken>,
     pub comments: Vec<Comment>,
     pub regions: Vec<Region>,
+    /// Misspelt keywords of frames, which count as what is meant.
+    pub slips: Vec<Slip>,
     /// Structured text of IEC 61131-3: addresses have `%`, and words of SCL alone are names.
     pub iec: bool,
 }
@@ -198,12 +212,97 @@ impl RawText {
             region.start += by;
             region.end += by;
         }
+        for slip in &mut self.slips {
+            slip.start += by;
+            slip.end += by;
+        }
     }
 }
 
 /// Splits `text` into raw tokens. Never fails: text that is not a token becomes `Stray`.
 pub fn scan(text: &str) -> RawText {
-    tokens(text, Past::default())
+    let mut raw = tokens(text, Past::default());
+    read_slips(text, &mut raw);
+    raw
+}
+
+/// Takes misspelt keywords of frames as what is meant.
+fn read_slips(text: &str, raw: &mut RawText) {
+    let seen = |at: usize| {
+        let token: RawToken = raw.tokens[at];
+        Seen { shape: shape(token.kind), text: token.text(text), first_on_line: token.first_on_line }
+    };
+    let found = frame_words::find(raw.tokens.len(), seen);
+    for meant in found.iter().rev() {
+        let end = raw.tokens[meant.first + meant.count - 1].end;
+        let token = &mut raw.tokens[meant.first];
+        (token.end, token.keyword) = (end, Keyword::from_word(meant.keyword));
+        raw.slips.push(Slip { start: token.start, end, keyword: meant.keyword });
+        raw.tokens.drain(meant.first + 1..meant.first + meant.count);
+        for region in &mut raw.regions {
+            if region.token as usize > meant.first {
+                region.token -= (meant.count - 1) as u32;
+            }
+        }
+    }
+    raw.slips.reverse();
+}
+
+fn shape(kind: RawKind) -> Shape {
+    match kind {
+        RawKind::Word => Shape::Word,
+        RawKind::Quoted | RawKind::Local => Shape::Name,
+        RawKind::Colon => Shape::Colon,
+        RawKind::Comma => Shape::Comma,
+        RawKind::LeftBrace => Shape::LeftBrace,
+        RawKind::Semicolon => Shape::Semicolon,
+        RawKind::Number => Shape::Number,
+        RawKind::RightParen | RawKind::RightBracket | RawKind::RightBrace => Shape::Other,
+        RawKind::Newline
+        | RawKind::Comment
+        | RawKind::BlockComment
+        | RawKind::SlashComment
+        | RawKind::UnterminatedComment
+        | RawKind::Literal
+        | RawKind::Absolute
+        | RawKind::Slice
+        | RawKind::Title
+        | RawKind::Region
+        | RawKind::EndRegion
+        | RawKind::Real
+        | RawKind::UnterminatedQuoted
+        | RawKind::Text
+        | RawKind::UnterminatedText
+        | RawKind::Marker
+        | RawKind::Reported
+        | RawKind::Hash
+        | RawKind::Stray => Shape::Other,
+        RawKind::Assign
+        | RawKind::AddAssign
+        | RawKind::SubtractAssign
+        | RawKind::MultiplyAssign
+        | RawKind::DivideAssign
+        | RawKind::AttemptAssign
+        | RawKind::Arrow
+        | RawKind::Power
+        | RawKind::Dot
+        | RawKind::DotDot
+        | RawKind::Ellipsis
+        | RawKind::LeftParen
+        | RawKind::LeftBracket
+        | RawKind::Equal
+        | RawKind::NotEqual
+        | RawKind::Greater
+        | RawKind::Less
+        | RawKind::GreaterEqual
+        | RawKind::LessEqual
+        | RawKind::Plus
+        | RawKind::Minus
+        | RawKind::Star
+        | RawKind::Slash
+        | RawKind::Ampersand
+        | RawKind::Caret => Shape::Operator,
+    }
 }
 
 /// As [`scan`], of structured text as IEC 61131-3 has it.
@@ -242,7 +341,7 @@ fn tokens(text: &str, past: Past) -> RawText {
         }
         Some(keyword)
     });
-    RawText { tokens: raw.tokens, comments: raw.comments, regions, iec: false }
+    RawText { tokens: raw.tokens, comments: raw.comments, regions, ..RawText::default() }
 }
 
 fn leaves_head(keyword: Keyword) -> bool {

@@ -8,7 +8,7 @@ use crate::ast::*;
 use crate::front::frame::{self, HeaderPart};
 use crate::literal::Literal;
 use crate::stl::messages::State;
-use crate::stl::token::CodeKeyword;
+use crate::stl::token::{CodeKeyword, Tok};
 use crate::stl::{StlInsn, check};
 
 /// A part of a block before BEGIN.
@@ -194,6 +194,26 @@ pub fn variables(
             comment: comment.clone(),
         })
         .collect()
+}
+
+/// The names of a declaration that does not parse, so that their uses are not reported as well.
+pub fn broken_declaration(state: &State, range: Range<usize>) -> Vec<Variable> {
+    let first = state.index_of(range.start);
+    let mut names: Vec<DeclaredName> = Vec::new();
+    for (start, token, end) in &state.tokens[first..] {
+        let name = match token {
+            Tok::Name(name) | Tok::Quoted(name) => *name,
+            Tok::Comma => continue,
+            _ => break,
+        };
+        let follows = names.last().is_some_and(|last| !state.text[last.span.end as usize..*start].contains(','));
+        if *end > range.end || follows {
+            break;
+        }
+        names.push(DeclaredName { name: name.to_owned(), span: state.span(*start..*end), attributes: Vec::new() });
+    }
+    let ty = TypeRef { kind: TypeKind::Error, span: state.span(range.clone()) };
+    variables(state, names, None, ty, None, range.end)
 }
 
 /// A bound, length or index: a whole number.

@@ -65,40 +65,94 @@ fn phrase(state: &State, start: usize, end: usize) -> Range<usize> {
     }
 }
 
-/// Letters that name an area only in the other mnemonic set.
-fn foreign_letters(state: &State, at: Option<&Spanned>, before: Option<&Spanned>) -> Option<String> {
-    let (Some((_, Tok::Literal(_), end)), Some((start, Tok::Name(name), _))) = (at, before) else { return None };
-    let letters = mnemonics::Upper::new(name);
-    let (area, width) = mnemonics::area(letters.as_str(), Some(mnemonics::other(state.rules)))?;
-    let own = mnemonics::letters(area, width, state.rules)?;
-    let number = &state.text[start + name.len()..*end];
-    Some(format!("write `{own}{number}`: the file has {} mnemonics", set_name(state.rules)))
-}
-
-/// What to write for `1,5`, `M 1.O`, `[AR1]` or `[AR3,P#0.0]`.
-fn slip(state: &State, index: usize, before: Option<&Spanned>) -> Option<String> {
-    let (_, before_token, before_end) = before?;
-    let (start, token, _) = state.tokens.get(index)?;
+/// A form that has only one meaning: German letters among international mnemonics, `1,5`, `0xFF`, `5s`, `M 1.O`, `[AR1]`, `T 1.0`.
+fn slip(state: &State, index: usize, before: Option<&Spanned>) -> Option<Diagnostic> {
+    let (b_start, before_token, before_end) = before?;
+    let (start, token, end) = state.tokens.get(index)?;
     let next = state.tokens.get(index + 1);
+    let adjacent = before_end == start;
+    let whole = state.text.get(*b_start..*end)?;
+    let told = |code, range: Range<usize>, title: String, label: &str, help: String| {
+        Some(Diagnostic::new(code, state.span(range), title).label(label).help(help))
+    };
     match (before_token, token, next.map(|(_, token, _)| token)) {
+        (Tok::Name(name), Tok::Literal(_), _) => {
+            let letters = mnemonics::Upper::new(name);
+            let (area, width) = mnemonics::area(letters.as_str(), Some(mnemonics::other(state.rules)))?;
+            let own = mnemonics::letters(area, width, state.rules)?;
+            let number = &state.text[b_start + name.len()..*end];
+            let (own_set, other_set) = (set_name(state.rules), set_name(mnemonics::other(state.rules)));
+            told(
+                Code::MixedMnemonics,
+                *b_start..*end,
+                format!("`{whole}` is an address of the {other_set} mnemonics in a file with {own_set} ones"),
+                "a file uses one set only",
+                format!("write `{own}{number}`: the file has {own_set} mnemonics"),
+            )
+        }
         (Tok::Literal(_), Tok::Comma, Some(Tok::Literal(_))) => {
-            let (b_start, ..) = before?;
-            let (_, _, end) = next?;
-            let number = state.text[*b_start..*end].replace(',', ".");
-            Some(format!("fractions have a point: write `{number}`"))
+            let number = &state.text[*b_start..next?.2];
+            told(
+                Code::ForeignForm,
+                *b_start..next?.2,
+                "a decimal number has a point".to_owned(),
+                "not a number of STL",
+                format!("fractions have a point: write `{}`", number.replace(',', ".")),
+            )
         }
-        (Tok::Address(_), Tok::Dot, Some(Tok::Name(name))) if name.eq_ignore_ascii_case("o") && before_end == start => {
-            let (b_start, _, b_end) = before?;
-            let number = &state.text[phrase(state, *b_start, *b_end)];
-            Some(format!("write the digit 0 in place of the letter O: `{number}.0`"))
+        (Tok::Literal(_), Tok::Name(name), _) if adjacent => {
+            let number = &state.text[*b_start..*before_end];
+            let upper = name.to_ascii_uppercase();
+            let digits = upper.strip_prefix('X').filter(|digits| digits.chars().all(|digit| digit.is_ascii_hexdigit()));
+            let (title, help) = match digits {
+                Some(digits) if number == "0" && (1..=8).contains(&digits.len()) => {
+                    let prefix = match digits.len() {
+                        1 | 2 => "B#16#",
+                        3 | 4 => "W#16#",
+                        _ => "DW#16#",
+                    };
+                    ("a hexadecimal number begins with `16#`", format!("write `{prefix}{digits}`"))
+                }
+                _ if ["MS", "S", "M", "H", "D"].contains(&upper.as_str()) => (
+                    "a time begins with `S5T#` or `T#`",
+                    format!("write `S5T#{number}{upper}` for a timer of the CPU, `T#{number}{upper}` for a TIME"),
+                ),
+                _ => return None,
+            };
+            told(Code::ForeignForm, *b_start..*end, title.to_owned(), "not a constant of STL", help)
         }
-        (Tok::Register(_), Tok::RightBracket, _) => Some("the offset is missing: write e.g. `[AR1,P#0.0]`".to_owned()),
-        (Tok::Name(name), Tok::Comma, _)
-            if name.len() == 3 && name.get(..2).is_some_and(|letters| letters.eq_ignore_ascii_case("ar")) =>
-        {
-            Some("the address registers are AR1 and AR2".to_owned())
+        (Tok::Cell(cell), Tok::BitAddress(number, _), _) => {
+            let letters = state.text.get(*b_start..*before_end)?;
+            let what = match cell {
+                crate::ast::CellKind::Timer => "a timer",
+                crate::ast::CellKind::Counter => "a counter",
+            };
+            told(
+                Code::Syntax,
+                *b_start..*end,
+                format!("`{whole}` has a bit number, but {what} has none"),
+                "the number before the point is that of the whole",
+                format!("write `{letters} {number}`"),
+            )
         }
-        _ => None,
+        _ => {
+            let help = match (before_token, token) {
+                (Tok::Address(_), Tok::Dot)
+                    if adjacent && matches!(next, Some((_, Tok::Name(name), _)) if name.eq_ignore_ascii_case("o")) =>
+                {
+                    let number = &state.text[phrase(state, *b_start, *before_end)];
+                    format!("write the digit 0 in place of the letter O: `{number}.0`")
+                }
+                (Tok::Register(_), Tok::RightBracket) => "the offset is missing: write e.g. `[AR1,P#0.0]`".to_owned(),
+                (Tok::Name(name), Tok::Comma)
+                    if name.len() == 3 && name.get(..2).is_some_and(|letters| letters.eq_ignore_ascii_case("ar")) =>
+                {
+                    "the address registers are AR1 and AR2".to_owned()
+                }
+                _ => return None,
+            };
+            Some(message(state, state.tokens.get(index), before, Code::Syntax, "statement").help(help))
+        }
     }
 }
 
@@ -145,8 +199,8 @@ fn statement_error(state: &State, index: usize, at: Option<&Spanned>, before: Op
         }
         _ => {}
     }
-    if let Some(help) = foreign_letters(state, at, before).or_else(|| slip(state, index, before)) {
-        return message(state, at, before, Code::Syntax, "statement").help(help);
+    if let Some(told) = slip(state, index, before) {
+        return told;
     }
     let start = state.tokens[..index].iter().rposition(|(_, token, _)| ends(token)).map_or(0, |end| end + 1);
     let first = state.tokens[start..index].iter().find(|(_, token, _)| !begins(token));
@@ -168,6 +222,13 @@ fn parameter_error(state: &State, at: Option<&Spanned>, before: Option<&Spanned>
 }
 
 fn declaration_error(state: &State, at: Option<&Spanned>, before: Option<&Spanned>) -> Diagnostic {
+    let after_bounds = matches!((before, at), (Some((_, Tok::RightBracket, _)), Some((start, _, end))) if start < end);
+    if after_bounds && let Some((start, _, end)) = at {
+        let ty = &state.text[*start..*end];
+        return Diagnostic::new(Code::DeclarationSyntax, state.span(*start..*end), "`OF` is missing before the type")
+            .label("the type of the elements")
+            .help(format!("write `OF {ty}`"));
+    }
     let help = match before.map(|(_, token, _)| token) {
         Some(Tok::Name(_)) if !matches!(at, Some((_, Tok::Colon, _))) => {
             "write `:` between name and data type, e.g. `speed : INT;`"

@@ -51,6 +51,7 @@ pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, V
     let detected = mnemonics::detect(text, &raw, options.mnemonics);
     let mut diagnostics = Vec::new();
     report_comments(file, &raw, &mut diagnostics);
+    report_slips(file, text, &raw, &mut diagnostics);
     report_mixture(file, text, &detected, options, &mut diagnostics);
     let Parsed { blocks, pragmas, diagnostics } = parse_raw(file, text, &raw, &detected, options.pragmas, diagnostics);
     (SourceUnit { mnemonics: detected.set, blocks, pragmas, ..SourceUnit::default() }, diagnostics)
@@ -97,6 +98,7 @@ fn parse_raw(
     if diagnostics.iter().any(|diagnostic| diagnostic.code == Code::NotASource) {
         diagnostics.retain(|diagnostic| diagnostic.code != Code::MixedMnemonics);
     }
+    front::drop_followers_of_comment(&raw.comments, &mut diagnostics);
     diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
     Parsed { blocks, pragmas: classified.pragmas, diagnostics }
 }
@@ -141,10 +143,11 @@ fn refuse(file: FileId, text: &str, raw: &raw::RawText) -> Option<Diagnostic> {
 fn report_comments(file: FileId, raw: &raw::RawText, diagnostics: &mut Vec<Diagnostic>) {
     for comment in &raw.comments {
         diagnostics.push(match comment.form {
-            CommentForm::Line | CommentForm::Slash => continue,
-            CommentForm::Block => {
+            CommentForm::Line => continue,
+            CommentForm::Block | CommentForm::Slash => {
                 let span = Span { file, start: comment.start, end: comment.end };
-                Diagnostic::new(Code::BlockComment, span, "STL has no comments in `(* *)`")
+                let signs = if comment.form == CommentForm::Block { "`(* *)`" } else { "`/* */`" };
+                Diagnostic::new(Code::BlockComment, span, format!("STL has no comments in {signs}"))
                     .label("read as a comment")
                     .help("begin each line of the comment with `//`")
             }
@@ -155,6 +158,16 @@ fn report_comments(file: FileId, raw: &raw::RawText, diagnostics: &mut Vec<Diagn
                 "close it with `*)`, or begin each line of it with `//`",
             ),
         });
+    }
+}
+
+/// Keywords of frames that are misspelt.
+fn report_slips(file: FileId, text: &str, raw: &raw::RawText, diagnostics: &mut Vec<Diagnostic>) {
+    for token in &raw.tokens {
+        if let Some(keyword) = token.keyword {
+            let span = Span { file, start: token.start, end: token.end };
+            diagnostics.push(front::frame_words::misspelt(span, token.text(text), keyword));
+        }
     }
 }
 

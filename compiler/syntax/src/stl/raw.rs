@@ -6,6 +6,7 @@
 
 use logos::{Lexer, Logos};
 
+use crate::front::frame_words::{self, Seen, Shape};
 use crate::front::pointer::{self, Tail};
 use crate::front::{self, CommentForm, Kind, Role, extent};
 
@@ -19,6 +20,9 @@ pub enum RawKind {
     Comment,
     #[token("(*", block_comment)]
     BlockComment,
+    /// `/* … */`
+    #[token("/*", slash_comment)]
+    SlashComment,
     /// A `(*` without `*)`; the rest of the file.
     UnterminatedComment,
 
@@ -110,23 +114,82 @@ impl Kind for RawKind {
             RawKind::Newline => Role::LineEnd,
             RawKind::Comment => Role::Comment(CommentForm::Line),
             RawKind::BlockComment => Role::Comment(CommentForm::Block),
+            RawKind::SlashComment => Role::Comment(CommentForm::Slash),
             RawKind::UnterminatedComment => Role::Comment(CommentForm::Unterminated),
             _ => Role::Token,
         }
     }
 }
 
-pub type RawToken = front::RawToken<RawKind>;
-pub type RawText = front::RawText<RawKind>;
+/// A word may be a misspelt keyword of a frame: it has the keyword that is meant.
+pub type RawToken = front::RawToken<RawKind, Option<&'static str>>;
+pub type RawText = front::RawText<RawKind, Option<&'static str>>;
 
 /// Splits `text` into raw tokens. Never fails: text that is not a token becomes `Stray`.
 pub fn scan(text: &str) -> RawText {
-    front::scan(RawKind::lexer(text), |_, _, _| Some(()))
+    let mut raw: RawText = front::scan(RawKind::lexer(text), |_, _, _| Some(None));
+    let seen = |at: usize| {
+        let token: RawToken = raw.tokens[at];
+        Seen { shape: shape(token.kind), text: token.text(text), first_on_line: token.first_on_line }
+    };
+    for meant in frame_words::find(raw.tokens.len(), seen).into_iter().rev() {
+        let end = raw.tokens[meant.first + meant.count - 1].end;
+        let token = &mut raw.tokens[meant.first];
+        (token.end, token.keyword) = (end, Some(meant.keyword));
+        raw.tokens.drain(meant.first + 1..meant.first + meant.count);
+    }
+    raw
+}
+
+fn shape(kind: RawKind) -> Shape {
+    match kind {
+        RawKind::Word => Shape::Word,
+        RawKind::Quoted => Shape::Name,
+        RawKind::Colon => Shape::Colon,
+        RawKind::Comma => Shape::Comma,
+        RawKind::LeftBrace => Shape::LeftBrace,
+        RawKind::Semicolon => Shape::Semicolon,
+        RawKind::Number => Shape::Number,
+        RawKind::Assign | RawKind::Dot | RawKind::DotDot | RawKind::LeftParen | RawKind::LeftBracket => Shape::Operator,
+        RawKind::Newline
+        | RawKind::Comment
+        | RawKind::BlockComment
+        | RawKind::SlashComment
+        | RawKind::UnterminatedComment
+        | RawKind::Literal
+        | RawKind::Title
+        | RawKind::Real
+        | RawKind::UnterminatedQuoted
+        | RawKind::Text
+        | RawKind::UnterminatedText
+        | RawKind::Marker
+        | RawKind::RightParen
+        | RawKind::RightBracket
+        | RawKind::RightBrace
+        | RawKind::Equal
+        | RawKind::EqualEqual
+        | RawKind::NotEqual
+        | RawKind::Greater
+        | RawKind::Less
+        | RawKind::GreaterEqual
+        | RawKind::LessEqual
+        | RawKind::Plus
+        | RawKind::Minus
+        | RawKind::Star
+        | RawKind::Slash
+        | RawKind::Hash
+        | RawKind::Percent
+        | RawKind::Stray => Shape::Other,
+    }
 }
 
 /// Consumes up to `*)`.
 fn block_comment(lexer: &mut Lexer<RawKind>) -> RawKind {
     if front::skip_through(lexer, "*)") { RawKind::BlockComment } else { RawKind::UnterminatedComment }
+}
+
+fn slash_comment(lexer: &mut Lexer<RawKind>) -> RawKind {
+    if front::skip_through(lexer, "*/") { RawKind::SlashComment } else { RawKind::UnterminatedComment }
 }
 
 /// A word may begin a constant (`S5T#`), or a title.

@@ -449,6 +449,10 @@ impl<'a> Finder<'a> {
         };
         // `I0.9` was meant as an address.
         let is_bit = text.rsplit_once('.').is_some_and(|(_, bit)| digits(bit).is_some());
+        let is_address = is_bit && root.starts_with(['I', 'E', 'Q', 'A', 'M', 'i', 'e', 'q', 'a', 'm']);
+        if is_address && digits(&root[1..]).is_some() {
+            return format!("`{text}` is not an address: a byte has the bits 0 to 7");
+        }
         if text == root || is_bit {
             format!("`{text}` is neither an address (such as Q4.0, MW20, DB10.DBD4) nor a symbol of the program{near}")
         } else {

@@ -62,7 +62,7 @@ impl Cpu {
         let entry = if !stops && errors.is_new(site, code) {
             self.log(event, site, 0)
         } else {
-            Entry { event, info: 0, site, ob: self.running.ob.get(), wall: self.clock.wall() }
+            Entry { event, info: 0, access: 0, site, ob: self.running.ob.get(), wall: self.clock.wall() }
         };
         errors.count.set(errors.count.get().saturating_add(1));
         errors.last.set(Some(entry));

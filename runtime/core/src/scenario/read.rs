@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use plcc_abi::ProgramImage;
 use plcc_abi::image::AssertType;
 use plcc_abi::technology::CountMode;
+use plcc_literal::toml_words;
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -70,8 +71,9 @@ pub(super) fn parse(file: &str, text: &str, image: &ProgramImage) -> Result<Scen
     let ends: Vec<usize> = text.match_indices('\n').map(|(at, _)| at).collect();
     let line = |offset: usize| ends.partition_point(|end| *end < offset) as u32 + 1;
     let raw: FileText = toml::from_str(text).map_err(|error| {
-        let at = error.span().map_or(1, |span| line(span.start));
-        format!("{file}:{at}: {}", in_words(error.message()))
+        let offset = error.span().map_or(0, |span| span.start);
+        let wrong = toml_words::plain_at(error.message(), text, offset);
+        format!("{file}:{}: {}; {}", line(offset), wrong.title, wrong.help)
     })?;
     let plant = raw.plant.as_ref().map(|plant| plant.plant(image, &line)).transpose();
     let plant = plant.map_err(|(offset, message)| format!("{file}:{}: {message}", line(offset)))?;
@@ -104,7 +106,10 @@ impl Reader<'_> {
                 Ok(duration) => When::Time(duration.0),
                 Err(message) => return self.error(time.span().start, &message),
             },
-            (None, None) => return self.error(start, "an entry needs `cycle` or `time`"),
+            (None, None) => {
+                return self
+                    .error(start, "an entry says when it acts: add `cycle = 1`, or a time such as `time = \"100ms\"`");
+            }
             (Some(_), Some(_)) => return self.error(start, "an entry has either `cycle` or `time`, not both"),
         };
         let mut print = Vec::new();
@@ -274,19 +279,6 @@ fn flatten<'a>(name: &str, value: &'a toml::Value, offset: usize, flat: &mut Vec
         }
         value => flat.push((name.to_string(), value, offset)),
     }
-}
-
-/// The expectation of the TOML reader, without the names of its types.
-fn in_words(message: &str) -> String {
-    [
-        ("expected u64", "expected a whole number, 0 or more"),
-        ("expected a sequence", "expected a list"),
-        ("expected a map", "expected a table"),
-        ("expected struct PlantText", "expected a table"),
-        ("expected f64", "expected a number"),
-    ]
-    .iter()
-    .fold(message.to_string(), |text, (from, to)| text.replace(from, to))
 }
 
 /// A TOML value as the text that `value::parse` takes.

@@ -114,6 +114,6 @@ pub(super) fn gen_user_message(call: &Call) -> Outcome {
     };
     let info = u32::from(call.word(2)) << 16 | u32::from(call.word(1));
     let (site, ob, wall) = (call.site, call.cpu.running.ob.get(), call.cpu.clock.wall());
-    call.cpu.diagnostics.push(Entry { event, info, site, ob, wall });
+    call.cpu.diagnostics.push(Entry { event, info, access: 0, site, ob, wall });
     OK
 }

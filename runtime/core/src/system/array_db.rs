@@ -206,6 +206,7 @@ fn type_of(call: &Call, ty: TypeNumber) -> Option<u32> {
         }),
         NamedType::Text { wide, .. } => Some(if *wide { 0x14 } else { 0x13 }),
         NamedType::Struct(structure) if !structure.name.is_empty() => Some(structure_number(&structure.name)),
+        NamedType::Struct(structure) if !structure.data_type.is_empty() => Some(structure_number(&structure.data_type)),
         NamedType::Struct(_) | NamedType::Array { .. } | NamedType::Other { .. } => None,
     }
 }

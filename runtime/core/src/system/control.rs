@@ -79,6 +79,6 @@ pub(super) fn wr_usmsg(call: &Call) -> Outcome {
     }
     let info = any::decode(call, 3, Access::Read).ok().flatten().map_or(0, |range| call.cpu.memory.dword(range.offset));
     let (site, ob, wall) = (call.site, call.cpu.running.ob.get(), call.cpu.clock.wall());
-    call.cpu.diagnostics.push(Entry { event, info, site, ob, wall });
+    call.cpu.diagnostics.push(Entry { event, info, access: 0, site, ob, wall });
     if send { Outcome::RetVal(0x0091) } else { OK }
 }

@@ -59,7 +59,7 @@ impl Cpu {
     }
 
     /// Synchronous error in a block that handles its own. Result for generated code.
-    pub(crate) fn local_error(&self, site: u32, code: u8, access: u8, info: u32, lbase: u32) -> u32 {
+    pub(crate) fn local_error(&self, site: u32, code: u8, access: u32, info: u32, lbase: u32) -> u32 {
         let Some(at) = self.error_slot(site, lbase) else { return self.sync_error(site, code, access, info) };
         self.memory.set_host32(state::SUBSTITUTE, 0);
         if self.memory.word(at) == 0 {
@@ -68,7 +68,7 @@ impl Cpu {
         self.stop_result()
     }
 
-    fn error_struct(&self, site: u32, code: u8, access: u8, info: u32) -> [u8; BYTES as usize] {
+    fn error_struct(&self, site: u32, code: u8, access: u32, info: u32) -> [u8; BYTES as usize] {
         let mut bytes = [0; BYTES as usize];
         let mut put = |at: usize, value: &[u8]| bytes[at..at + value.len()].copy_from_slice(value);
         let class = if matches!(code, sync::IO_READ | sync::IO_WRITE) { ACCESS } else { PROGRAMMING };
@@ -87,7 +87,7 @@ impl Cpu {
         let mode = mode(code);
         put(12, &[mode]);
         if mode == MODE_AREA_OFFSET {
-            put(20, &[area_code(access & 0x0F)]);
+            put(20, &[area_code(access as u8 & 0x0F)]);
             put(24, &info.wrapping_mul(8).to_be_bytes());
         }
         if mode == MODE_NUMBER {

@@ -136,7 +136,7 @@ fn what_is_wrong_in_a_plant_has_its_line() {
         ("[plant.read]\na = \"I0.0\"\n", "s.toml:2: `I0.0` is not an output"),
         ("[plant.write]\n\"Q0.0\" = \"1\"\n", "s.toml:2: `Q0.0` is not an input"),
         ("[plant.write]\n\"AI0 in V\" = \"1\"\n", "s.toml:2: the channel has the range 4..20 mA"),
-        ("[plant]\nspeed = 1\n", "s.toml:2: unknown field `speed`"),
+        ("[plant]\nspeed = 1\n", "s.toml:2: `speed` is not a key here"),
         ("[plant.state]\na = \"x\"\n", "s.toml:2: "),
         (
             "[plant.state]\na = 1\n[[at]]\ncycle = 1\nplant = { b = 1 }\n",

@@ -43,7 +43,7 @@ fn types(second: &str) -> Vec<NamedType> {
     let members = vec![member("first", 0), member("second", 2)];
     let members =
         members.into_iter().map(|m| if m.name == "second" { NamedMember { name: second.to_string(), ..m } } else { m });
-    let all = NamedStruct { name: String::new(), members: members.collect(), is_dtl: false };
+    let all = NamedStruct { name: String::new(), data_type: String::new(), members: members.collect(), is_dtl: false };
     vec![NamedType::Value(AssertType::Signed(16)), NamedType::Struct(all)]
 }
 

@@ -72,6 +72,7 @@ impl Declarations<'_> {
         };
         if db.block.instance_of != Some(key) {
             let (other, defined) = (db.block.instance_of, db.block.span);
+            let (other, key) = (other.map(|other| self.globals.shown(other)), self.globals.shown(key));
             let what = match other {
                 Some(other) => format!("DB {number} is an instance of {other}"),
                 None => format!("DB {number} is a shared data block"),
@@ -95,15 +96,20 @@ impl Declarations<'_> {
         (name, span): (&str, Span),
     ) -> Option<String> {
         let names = || bound.interface.parameters.iter().map(|parameter| parameter.name.as_str());
-        let message = Diagnostic::new(Code::UnknownParameter, span, format!("{key} has no parameter `{name}`"))
-            .label("no such parameter");
+        let message = Diagnostic::new(
+            Code::UnknownParameter,
+            span,
+            format!("{} has no parameter `{name}`", self.globals.shown(key)),
+        )
+        .label("no such parameter");
         let is_static = bound.locals.contains_key(&fold(name));
         let meant = similar(name, names()).filter(|_| !is_static);
         self.report(match meant {
             _ if is_static => message.help("it is static or temporary data of the block, which a call cannot supply"),
             Some(other) => message.help(format!("is `{other}` meant?")),
             None => {
-                let all: Vec<&str> = names().take(12).collect();
+                let result = |name: &&str| !name.eq_ignore_ascii_case("RET_VAL");
+                let all: Vec<&str> = names().filter(result).take(12).collect();
                 let help = match all.is_empty() {
                     true => "the block has no parameters".to_string(),
                     false => format!("its parameters are {}", all.join(", ")),

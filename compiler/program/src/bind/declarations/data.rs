@@ -124,6 +124,7 @@ impl Declarations<'_> {
                     | TypeKind::Array { .. }
                     | TypeKind::OpenArray { .. }
                     | TypeKind::Reference(_)
+                    | TypeKind::Error
                     | TypeKind::Struct(_) => {
                         self.no_content(source, ty.span);
                         return None;
@@ -187,9 +188,9 @@ impl Declarations<'_> {
                         return Some((self.as_structure(typed, span)?, None));
                     }
                     if plcc_stdlib::LIBRARY.iter().any(|block| block.name.eq_ignore_ascii_case(name)) {
-                        self.globals.unknown_name(name, span);
+                        self.globals.unknown_name(name, span, std::iter::empty());
                     } else {
-                        self.globals.report.missing_type(name, span);
+                        self.globals.unknown_type(name, span);
                     }
                     return None;
                 }
@@ -247,6 +248,7 @@ impl Declarations<'_> {
             data: at_least_a_word(data),
             members: typed.ty.members.clone(),
             instance_of,
+            data_type: if instance_of.is_none() { typed.ty.name.clone() } else { String::new() },
             read_only: source.header.read_only,
             unlinked: source.header.unlinked,
             kept,
@@ -286,6 +288,7 @@ impl Declarations<'_> {
             return;
         }
         let block = DataBlock {
+            data_type: String::new(),
             number,
             name: self.globals.names.block_name(BlockPrefix::Db, number),
             span,
@@ -343,6 +346,7 @@ impl Declarations<'_> {
             }
             let kept = self.kept(&ast::Header::default(), &[], Some(key), &typed.ty);
             let block = DataBlock {
+                data_type: String::new(),
                 number: instance,
                 name: self.globals.names.block_name(BlockPrefix::Db, instance),
                 span,

@@ -2,7 +2,7 @@
 //!
 //! Source: STL reference, declarations and data blocks; SCL reference, declarations.
 
-use plcc_diag::{Code, Diagnostic, Span};
+use plcc_diag::{Code, Diagnostic, Severity, Span};
 use plcc_syntax::ast::{BlockName, BlockPrefix, Bound, CellKind, InitialKind, InitialValue, OperandKind};
 use plcc_syntax::literal::Literal;
 use plcc_syntax::scl::ast::{Expr, ExprKind, Name};
@@ -151,7 +151,7 @@ impl Declarations<'_> {
             OperandKind::Block(BlockName::Symbol { name, span }) => match self.globals.global(name) {
                 Some(target) => target,
                 None => {
-                    self.globals.unknown_name(name, *span);
+                    self.globals.unknown_name(name, *span, std::iter::empty());
                     return None;
                 }
             },
@@ -361,11 +361,14 @@ impl Declarations<'_> {
     }
 
     fn surplus(&mut self, span: Span) {
-        self.report(
-            Diagnostic::new(Code::InitialValue, span, "more values than the array has elements")
-                .label("there is no element left for this one")
-                .help("remove values or make the array larger"),
-        );
+        let mut message = Diagnostic::new(Code::InitialValue, span, "more values than the array has elements")
+            .label("there is no element left for this one")
+            .help("remove values or make the array larger");
+        // A stand-in for a missing data type may have fewer elements.
+        if self.globals.input.partial {
+            message.severity = Severity::Warning;
+        }
+        self.report(message);
     }
 
     /// A constant of STL, which must be written as its type requires; types that STL does not have are less strict.

@@ -198,7 +198,10 @@ impl<'a> Declarations<'a> {
         }
         let prefix = crate::bind::globals::names::kind_prefix(key.kind);
         let name = match self.globals.names.block_name(prefix, key.number) {
-            name if name.is_empty() => key.to_string(),
+            name if name.is_empty() => match self.globals.library_block(key) {
+                Some(block) => block.name.to_string(),
+                None => key.to_string(),
+            },
             name => name,
         };
         let instance_of = Some((key.kind == BlockKind::Sfb, key.number));

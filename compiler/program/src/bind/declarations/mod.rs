@@ -18,6 +18,7 @@ pub mod interface;
 pub mod path;
 pub mod pointer;
 pub mod predefined;
+pub mod reference;
 pub mod start_inputs;
 pub mod symbols;
 pub mod typed;

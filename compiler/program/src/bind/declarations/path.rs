@@ -197,7 +197,8 @@ impl Declarations<'_> {
 
     pub fn resolve_global(&mut self, ctx: &mut CurrentBlock, name: &str, span: Span) -> Option<Resolved> {
         let Some(target) = self.globals.global(name) else {
-            self.globals.unknown_name(name, span);
+            let locals = ctx.bound.locals.values().map(|local| local.name.as_str());
+            self.globals.unknown_name(name, span, locals);
             return None;
         };
         self.globals.check_system_tag(name, target, span);
@@ -310,7 +311,8 @@ impl Declarations<'_> {
                                     *span,
                                     format!("index {} is outside the array", indices[dimension]),
                                 )
-                                .label(format!("the array goes from {low} to {high}")),
+                                .label(format!("the array goes from {low} to {high}"))
+                                .help(format!("write an index from {low} to {high}, or declare a larger array")),
                             );
                             return None;
                         }
@@ -376,7 +378,16 @@ impl Declarations<'_> {
         let names = structure.members.iter().map(|member| member.name.as_str());
         self.report(match similar(name, names) {
             Some(other) => message.help(format!("is `{other}` meant?")),
-            None => message,
+            None => {
+                const NAMES_MAX: usize = 12;
+                let names = structure.members.iter().map(|member| member.name.as_str());
+                let all: Vec<&str> = names.take(NAMES_MAX).collect();
+                let more = if structure.members.len() > NAMES_MAX { " and more" } else { "" };
+                match all.is_empty() {
+                    true => message.help("it has no components"),
+                    false => message.help(format!("its components are {}{more}", all.join(", "))),
+                }
+            }
         });
     }
 }

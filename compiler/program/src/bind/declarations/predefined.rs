@@ -316,7 +316,8 @@ pub fn is_axis(ty: &TypeKind) -> bool {
         | TypeKind::OpenArray { .. }
         | TypeKind::Reference(_)
         | TypeKind::Struct(_)
-        | TypeKind::Block(BlockName::Numbered { .. }) => return false,
+        | TypeKind::Block(BlockName::Numbered { .. })
+        | TypeKind::Error => return false,
     };
     let is = |own: &str| own.eq_ignore_ascii_case(name.trim());
     is(AXIS) || INSTANCES.iter().any(|(own, blocks)| *blocks == [AXIS] && is(own))

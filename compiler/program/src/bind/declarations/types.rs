@@ -98,7 +98,11 @@ impl<'a> Declarations<'a> {
             TypeKind::String(Some(bound)) => match self.bound(bound)? {
                 length @ 0..=254 => Some(string(length as u8)),
                 _ => {
-                    self.bad_type(ty.span, "a STRING can have up to 254 characters", "this length is not possible");
+                    self.report(
+                        Diagnostic::new(Code::DeclarationSyntax, ty.span, "a STRING can have up to 254 characters")
+                            .label("this length is not possible")
+                            .help("write `STRING[254]`, or use an ARRAY of STRING or of CHAR"),
+                    );
                     None
                 }
             },
@@ -117,6 +121,7 @@ impl<'a> Declarations<'a> {
                 Some(Typed { ty: DataType::Struct(typed.ty), image: typed.image })
             }
             TypeKind::Block(name) => self.block_type(name, used),
+            TypeKind::Error => None,
             TypeKind::Reference(target) => self.reference_type(target, ty.span),
         }
     }
@@ -202,13 +207,22 @@ impl<'a> Declarations<'a> {
             let (Some(low), Some(high)) = (self.bound(low), self.bound(high)) else { return None };
             match (i32::try_from(low), i32::try_from(high)) {
                 (Ok(low), Ok(high)) if low <= high => limits.push((low, high)),
+                (Ok(low), Ok(high)) => {
+                    self.report(
+                        Diagnostic::new(Code::DeclarationSyntax, span, "the bounds of the array are exchanged")
+                            .label(format!("from {low} to {high}"))
+                            .help(format!("write the low bound first: `ARRAY[{high}..{low}]`")),
+                    );
+                    return None;
+                }
                 _ => good = false,
             }
         }
         if !good || limits.is_empty() || limits.len() > 6 {
             self.report(
                 Diagnostic::new(Code::DeclarationSyntax, span, "these array bounds are not possible")
-                    .label("1 to 6 dimensions, each from a low to a high bound of type DINT"),
+                    .label("1 to 6 dimensions, each from a low to a high bound of type DINT")
+                    .help("write the bounds as `low..high`, those of several dimensions separated by `,`"),
             );
             return None;
         }
@@ -246,7 +260,7 @@ impl<'a> Declarations<'a> {
                 None => {
                     let typed = self.predefined(name, span);
                     if typed.is_none() {
-                        self.globals.report.missing_type(name, span);
+                        self.globals.unknown_type(name, span);
                     }
                     return typed;
                 }
@@ -323,7 +337,7 @@ impl<'a> Declarations<'a> {
             None => {}
         }
         let Some(&block) = self.globals.sources.types.get(&number) else {
-            self.globals.report.missing_type(&format!("UDT {number}"), span);
+            self.globals.unknown_type(&format!("UDT {number}"), span);
             return None;
         };
         self.types.udts.insert(number, State::Running);

@@ -2,7 +2,8 @@
 
 use plcc_binding::constant::fold::{self, Fault};
 use plcc_binding::constant::{Constant, Constants, fit};
-use plcc_binding::value::{self, Mismatch};
+use plcc_binding::rewrite;
+use plcc_binding::value::Mismatch;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_model::layout;
 use plcc_model::types::DataType;
@@ -58,7 +59,7 @@ impl Globals<'_> {
         match constant.bits(ty) {
             Ok(bits) => Some(bits),
             Err(problem) => {
-                let name = ty.name();
+                let (name, text) = (ty.name(), self.text(span));
                 self.report.push(match problem {
                     Mismatch::Type => Diagnostic::new(
                         Code::TypeMismatch,
@@ -66,10 +67,11 @@ impl Globals<'_> {
                         format!("{} is not of type {name}", constant.describe()),
                     )
                     .label(format!("a value of type {name} is expected here"))
-                    .help(format!("write it as {}", value::example(ty))),
+                    .help(rewrite::help(ty, &text, rewrite::Form::Scl)),
                     Mismatch::Range => {
-                        Diagnostic::new(Code::LiteralRange, span, format!("this value does not fit type {name}"))
-                            .label("out of range")
+                        Diagnostic::new(Code::LiteralRange, span, format!("`{text}` does not fit type {name}"))
+                            .label(rewrite::holds(ty))
+                            .help(rewrite::wanted(ty))
                     }
                 });
                 None
@@ -132,23 +134,29 @@ impl Globals<'_> {
 
     /// Reports an initial value that its variable cannot have.
     pub fn bad_initial(&mut self, what: &str, ty: &DataType, problem: Mismatch, span: Span) {
-        let name = layout::type_name(ty);
+        let (name, text) = (layout::type_name(ty), self.text(span));
         let message = match problem {
             Mismatch::Type => {
                 Diagnostic::new(Code::InitialValue, span, format!("{what} is not a value of type {name}"))
                     .label(format!("the variable is of type {name}"))
             }
-            Mismatch::Range => {
-                Diagnostic::new(Code::InitialValue, span, format!("this value does not fit type {name}"))
-                    .label("out of range")
-            }
+            Mismatch::Range => Diagnostic::new(Code::InitialValue, span, format!("`{text}` does not fit type {name}"))
+                .label(match ty {
+                    DataType::Elementary(elementary) => rewrite::holds(*elementary),
+                    _ => "out of range".to_string(),
+                }),
         };
         self.report.push(match ty {
-            DataType::Elementary(_) if problem == Mismatch::Range => message,
-            DataType::Elementary(elementary) => message.help(format!("write it as {}", value::example(*elementary))),
-            DataType::String(_) => message.help("write a text in quotes: 'text'"),
-            DataType::WideString(_) => message.help("write a text in quotes: WSTRING#'text'"),
-            DataType::DateAndTime => message.help("write it as DT#1993-12-25-8:12:34.567"),
+            DataType::Elementary(Elementary::Bool) if problem == Mismatch::Range => {
+                message.help(rewrite::wanted(Elementary::Bool))
+            }
+            DataType::Elementary(elementary) if problem == Mismatch::Range => {
+                message.help(format!("{}, or give the variable a larger type", rewrite::wanted(*elementary)))
+            }
+            DataType::Elementary(elementary) => message.help(rewrite::help(*elementary, &text, rewrite::Form::Scl)),
+            DataType::String(_) => message.help(rewrite::text(&text)),
+            DataType::WideString(_) => message.help(rewrite::text(&text).replace("`'", "`WSTRING#'")),
+            DataType::DateAndTime => message.help(rewrite::date_and_time(&text)),
             DataType::Array(_)
             | DataType::Struct(_)
             | DataType::Parameter(_)

@@ -196,6 +196,19 @@ impl Globals<'_> {
         Some((prefix, number))
     }
 
+    /// A block as its author knows it: by its symbol, and a block of the CPU or of a library by its number, too, if it has one.
+    pub fn shown(&self, key: BlockKey) -> String {
+        let library = self.library_block(key).map(|block| block.name.to_string());
+        let own = self.names.block_name(kind_prefix(key.kind), key.number);
+        let system = matches!(key.kind, BlockKind::Sfc | BlockKind::Sfb);
+        match library {
+            Some(name) if system && key.number >= plcc_stdlib::TIA_NUMBERS => format!("`{name}`"),
+            Some(name) => format!("`{name}` ({key})"),
+            None if own.is_empty() => key.to_string(),
+            None => format!("`{own}`"),
+        }
+    }
+
     /// The help, plus a note that a block came from the library if the program may mean its own.
     pub fn with_library_note(&self, key: BlockKey, help: String) -> String {
         match self.library_block(key).filter(|_| matches!(key.kind, BlockKind::Fc | BlockKind::Fb)) {

@@ -7,7 +7,7 @@ use rustc_hash::FxHashMap;
 
 use crate::bind::globals::Globals;
 use plcc_binding::constant::Constants;
-use plcc_binding::fold;
+use plcc_binding::{fold, similar};
 use plcc_model::types::Elementary;
 use plcc_syntax::symbols::SymbolTarget;
 
@@ -112,22 +112,66 @@ impl Globals<'_> {
                 None
             }
             None => {
-                self.unknown_name(name, span);
+                if !self.missing_instruction(name, span) {
+                    self.unknown_name(name, span, std::iter::empty());
+                }
                 None
             }
         }
     }
 
-    /// Reports a name that nothing defines.
-    pub fn unknown_name(&mut self, name: &str, span: Span) {
+    /// Reports an instruction that STEP 7 or the TIA Portal has but plcc does not; false: no instruction has the name.
+    pub fn missing_instruction(&mut self, name: &str, span: Span) -> bool {
+        let own = self.known_block(name).is_some() || self.names.symbols.contains_key(&fold(name));
+        !own && self.report.missing_instruction(name, span)
+    }
+
+    /// A block of the libraries of which plcc only knows name and number.
+    fn known_block(&self, name: &str) -> Option<&'static plcc_stdlib::LibraryBlock> {
         let folded = fold(name);
-        match plcc_stdlib::LIBRARY.iter().find(|block| fold(block.name) == fold(plcc_stdlib::standard_name(&folded))) {
+        let standard = fold(plcc_stdlib::standard_name(&folded));
+        plcc_stdlib::LIBRARY.iter().find(|block| fold(block.name) == standard)
+    }
+
+    /// Reports a name that nothing defines. `locals`: the names that the block declares.
+    pub fn unknown_name<'n>(&mut self, name: &str, span: Span, locals: impl Iterator<Item = &'n str>) {
+        match self.known_block(name) {
             Some(block) => {
                 let prefix = if block.fb { BlockPrefix::Fb } else { BlockPrefix::Fc };
                 self.report.not_shipped(prefix, block.number, block.name, span);
             }
-            None => self.report.missing_symbol(name, span),
+            None => {
+                let meant = self.similar_name(name, locals);
+                self.report.missing_symbol(name, span, meant);
+            }
         }
+    }
+
+    /// A name of the block or the program that resembles `name`; that of the block comes first.
+    fn similar_name<'n>(&mut self, name: &str, locals: impl Iterator<Item = &'n str>) -> Option<String> {
+        if !self.report.may_search() {
+            return None;
+        }
+        let globals = self.names.symbols.values().map(|global| global.name.as_str());
+        similar(name, locals).or_else(|| similar(name, globals)).map(str::to_owned)
+    }
+
+    /// Reports a data type that nothing defines.
+    pub fn unknown_type(&mut self, name: &str, span: Span) {
+        let shown = self.text(span).trim_matches('"').to_owned();
+        let shown = if shown.eq_ignore_ascii_case(name) { shown } else { name.to_owned() };
+        let meant = if self.report.may_search() {
+            // Types are kept by folded name.
+            let types = self.names.types.keys().map(String::as_str);
+            let blocks = self.names.symbols.values().filter(|global| {
+                matches!(global.target, SymbolTarget::Block { prefix: BlockPrefix::Fb | BlockPrefix::Udt, .. })
+            });
+            let blocks: Vec<&str> = blocks.map(|global| global.name.as_str()).collect();
+            similar(name, blocks.into_iter()).or_else(|| similar(name, types)).map(str::to_owned)
+        } else {
+            None
+        };
+        self.report.missing_type(name, &shown, span, meant);
     }
 
     /// What a global name means: a row of a table, a block of the sources, or a system block with this standard name.

@@ -351,7 +351,7 @@ impl<'a> Look<'_, 'a> {
                 }
             }
             TypeKind::Block(name) => self.inside_named(name, steps, span, teach, depth),
-            TypeKind::String(_) | TypeKind::WideString(_) => {}
+            TypeKind::String(_) | TypeKind::WideString(_) | TypeKind::Error => {}
         }
     }
 
@@ -561,7 +561,7 @@ impl<'a> Look<'_, 'a> {
             TypeKind::OpenArray { element, .. } | TypeKind::Reference(element) => self.declared_as(element),
             TypeKind::Struct(variables) => variables.iter().for_each(|variable| self.declared(variable)),
             TypeKind::String(Some(bound)) | TypeKind::WideString(Some(bound)) => self.bound_names(bound),
-            TypeKind::String(None) | TypeKind::WideString(None) => {}
+            TypeKind::String(None) | TypeKind::WideString(None) | TypeKind::Error => {}
             TypeKind::Named(_) | TypeKind::Block(_) => self.inside_type(ty, &[], ty.span, &mut |_| {}, 0),
         }
     }

@@ -56,6 +56,11 @@ pub fn review(program: &mut Declarations, blocks: &[CodeBlock], mains: &[BlockKe
             temporary::review(program, block, &mut found);
         }
     }
+    // An edge memory bit in temporary data has a message of its own.
+    let reported = &program.globals.report.diagnostics;
+    let edges: Vec<Span> =
+        reported.iter().filter(|one| one.code == Code::EdgeBit).map(|one| one.primary.span).collect();
+    found.retain(|one| one.code != Code::NeverWritten || !edges.contains(&one.primary.span));
     let reported = program.globals.report.diagnostics.iter().chain(&found);
     let told: Vec<Span> = reported.filter(|one| one.code == Code::DoubleCoil).map(|one| one.primary.span).collect();
     outputs::review(&blocks, mains, &told, &mut found);

@@ -216,11 +216,8 @@ impl Flow {
                     self.read(bits, span);
                 }
                 match Bits::at(place, width.bits().into()) {
-                    Some(bits) if is_read => {
-                        if !is_constant {
-                            self.read(bits, span);
-                        }
-                    }
+                    Some(_) if is_read && is_constant => {}
+                    Some(bits) if is_read => self.read(bits, span),
                     Some(bits) => self.write(bits),
                     None if !is_read && may_be_in(place, PlaceArea::L) => self.write_anything(),
                     None => {}

@@ -23,6 +23,13 @@ use plcc_model::types::{DataType, ParameterType};
 use plcc_syntax::symbols::SymbolTarget;
 
 impl SclBinder<'_, '_> {
+    /// Whether the name is that of an array of the block.
+    fn names_array(ctx: &SclBlock, node: &Node) -> bool {
+        let NodeKind::Name(name) = &node.kind else { return false };
+        let local = ctx.block.bound.locals.get(&fold(&name.text));
+        local.is_some_and(|local| matches!(local.ty, DataType::Array(_)))
+    }
+
     /// Binds a variable.
     pub(in crate::bind) fn access(&mut self, ctx: &mut SclBlock, node: &Node, intent: Intent) -> Option<Access> {
         let spot = self.spot(ctx, node, intent)?;
@@ -123,8 +130,20 @@ impl SclBinder<'_, '_> {
             NodeKind::Call { callee, arguments } => match self.indexed_call(ctx, callee, arguments, span) {
                 Some(thing) => thing,
                 None => {
-                    let help = "assign the result to a variable first";
-                    self.refuse(Code::OperandKind, span, "the result of a call is not a variable", "a call", help);
+                    let text = self.program.globals.text(span);
+                    let (title, label, help) = match (text.split_once('('), &callee.kind) {
+                        (Some((name, index)), NodeKind::Name(_)) if Self::names_array(ctx, callee) => (
+                            "the index of an array is written in brackets",
+                            "a form of other languages",
+                            format!("write `{name}[{}]`", index.trim_end_matches(')')),
+                        ),
+                        _ => (
+                            "the result of a call is not a variable",
+                            "a call",
+                            "assign the result to a variable first".to_string(),
+                        ),
+                    };
+                    self.refuse(Code::OperandKind, span, title, label, &help);
                     None
                 }
             },
@@ -210,7 +229,8 @@ impl SclBinder<'_, '_> {
     /// `"tag":P`: the input or output itself, past the process image.
     fn peripheral_tag(&mut self, ctx: &mut SclBlock, tag: &str, span: Span) -> Option<Thing> {
         let Some(global) = self.program.globals.names.symbols.get(&fold(tag)) else {
-            self.program.globals.unknown_name(tag, span);
+            let locals = ctx.block.bound.locals.values().map(|local| local.name.as_str());
+            self.program.globals.unknown_name(tag, span, locals);
             return None;
         };
         let (target, ty) = (global.target, global.ty);

@@ -3,6 +3,7 @@
 //! Source: SCL reference, parameters. Inputs are expressions and convert implicitly; outputs convert from the formal's type to the
 //! variable's; complex data must have the same type. `pointer` has what is passed by pointer.
 
+use plcc_binding::rewrite;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{BlockPrefix, CellKind};
 use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind};
@@ -77,7 +78,7 @@ impl SclBinder<'_, '_> {
         let text = self.program.globals.text(span);
         self.program.report(
             Diagnostic::new(Code::Protected, span, format!("`{text}` cannot be written"))
-                .label(format!("`{}` is written by {callee}", formal.name))
+                .label(format!("`{}` is written by {}", formal.name, self.program.globals.shown(callee)))
                 .help("name a variable or an address"),
         );
         None
@@ -88,9 +89,12 @@ impl SclBinder<'_, '_> {
         let text = self.program.globals.text(span);
         let wanted = layout::type_name(&formal.ty);
         let help = match &formal.ty {
-            DataType::Parameter(ParameterType::Any | ParameterType::Variant) => {
-                "write for example `P#M50.0 BYTE 10`, or name a variable".into()
-            }
+            DataType::Parameter(ParameterType::Any | ParameterType::Variant) => match rewrite::any_pointer(&text) {
+                Some(pointer) => format!("write `{pointer}`, or name a variable"),
+                None => {
+                    "name a variable, or write a pointer to an area: `P#`, its first bit, a type and a number".into()
+                }
+            },
             DataType::Parameter(ParameterType::Pointer) => "write for example `P#M50.0`, or name a variable".into(),
             _ => format!("name a variable of type {wanted}"),
         };
@@ -98,7 +102,11 @@ impl SclBinder<'_, '_> {
             Diagnostic::new(
                 Code::TypeMismatch,
                 span,
-                format!("`{}` of {callee} is of type {wanted}, but `{text}` is {is}", formal.name),
+                format!(
+                    "`{}` of {} is of type {wanted}, but `{text}` is {is}",
+                    formal.name,
+                    self.program.globals.shown(callee)
+                ),
             )
             .label(is.to_string())
             .help(help),

@@ -63,7 +63,7 @@ impl SclBinder<'_, '_> {
                     }
                     Formal::Unknown(meant) => {
                         good = false;
-                        misspelt.extend(meant);
+                        misspelt.push(meant.unwrap_or_default());
                         self.note_arguments(ctx, std::slice::from_ref(argument));
                         continue;
                     }
@@ -169,9 +169,13 @@ impl SclBinder<'_, '_> {
             true => "the block has no parameters".to_string(),
             false => format!("name them: its parameters are {}", names.join(", ")),
         };
-        let message = Diagnostic::new(code, name, format!("{} arguments do not fit {key}", given.len()))
-            .label(format!("it has {} parameters, {} of them inputs", all.len(), inputs.len()))
-            .help(self.program.globals.with_library_note(key, help));
+        let message = Diagnostic::new(
+            code,
+            name,
+            format!("{} arguments do not fit {}", given.len(), self.program.globals.shown(key)),
+        )
+        .label(format!("it has {} parameters, {} of them inputs", all.len(), inputs.len()))
+        .help(self.program.globals.with_library_note(key, help));
         self.program.report(message);
         self.note_arguments(ctx, given);
         None
@@ -181,15 +185,24 @@ impl SclBinder<'_, '_> {
         self.program.report(
             Diagnostic::new(Code::MissingOperand, span, "this argument names no parameter")
                 .label("others of this call are named")
-                .help("write `parameter := value`"),
+                .help(match self.program.globals.text(span).split_once('=') {
+                    Some((name, value)) if !name.contains([':', '<', '>']) => {
+                        format!("a parameter is supplied with `:=`: write `{} := {}`", name.trim(), value.trim())
+                    }
+                    _ => format!("write `parameter := {}`", self.program.globals.text(span)),
+                }),
         );
     }
 
     fn wrong_arrow(&mut self, key: BlockKey, formal: &Parameter, argument: &Given) {
         self.program.report(
-            Diagnostic::new(Code::AssignSign, argument.span, format!("`{}` of {key} is an input", formal.name))
-                .label("`=>` is for outputs of the block")
-                .help(format!("write `{} := ...`", formal.name)),
+            Diagnostic::new(
+                Code::AssignSign,
+                argument.span,
+                format!("`{}` of {} is an input", formal.name, self.program.globals.shown(key)),
+            )
+            .label("`=>` is for outputs of the block")
+            .help(format!("write `{} := ...`", formal.name)),
         );
     }
 
@@ -246,21 +259,23 @@ impl SclBinder<'_, '_> {
             let mut message = Diagnostic::new(
                 Code::MissingParameter,
                 name,
-                format!("the call of {key} does not use {}", dropped.join(", ")),
+                format!("the call of {} does not use {}", self.program.globals.shown(key), dropped.join(", ")),
             )
             .label("the value of this output is lost")
             .help(format!("add `{} => ...`; leave `=>` empty if you do not need the value", dropped[0]));
             message.severity = Severity::Warning;
             self.program.report(message);
         }
-        if missing.is_empty() {
-            return true;
+        // A parameter that the block does not have may be meant as one that is missing.
+        let unknown = misspelt.iter().filter(|name| name.is_empty()).count();
+        if missing.len() <= unknown {
+            return missing.is_empty();
         }
-        let help = format!("add `{} := ...`", missing[0]);
-        let message =
-            Diagnostic::new(Code::MissingParameter, name, format!("the call of {key} omits {}", missing.join(", ")))
-                .label("a function needs all its parameters")
-                .help(self.program.globals.with_library_note(key, help));
+        let help = format!("add `{} := …`", missing.join(" := …, "));
+        let title = format!("the call of {} omits {}", self.program.globals.shown(key), missing.join(", "));
+        let message = Diagnostic::new(Code::MissingParameter, name, title)
+            .label("a function needs all its parameters")
+            .help(self.program.globals.with_library_note(key, help));
         self.program.report(message);
         false
     }

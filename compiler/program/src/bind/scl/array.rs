@@ -164,7 +164,8 @@ impl SclBinder<'_, '_> {
                     index.span,
                     format!("index {} is outside the array", *value as u32 as i32),
                 )
-                .label(format!("the array goes from {low} to {high}")),
+                .label(format!("the array goes from {low} to {high}"))
+                .help(format!("write an index from {low} to {high}, or declare a larger array")),
             );
             return None;
         }

@@ -24,6 +24,10 @@ impl SclBinder<'_, '_> {
         span: Span,
         bound: &mut Vec<Statement>,
     ) {
+        let texts = targets.iter().any(|(target, _)| Self::is_local_text(ctx, target));
+        if texts && self.is_text_in_name_quotes(ctx, value) {
+            return;
+        }
         let special = self.reference_for_target(ctx, targets, value, span);
         let mut value = match special.or_else(|| self.value_for_target(ctx, targets, value)) {
             Some(value) => value,

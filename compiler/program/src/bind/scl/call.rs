@@ -458,13 +458,12 @@ impl SclBinder<'_, '_> {
 
     /// Reports a function that neither the program nor the language has.
     fn unknown_function(&mut self, name: &Name) {
-        if plcc_stdlib::not_supported(&name.text) {
-            self.program.globals.report.missing_function(&name.text, name.span, None, true);
+        if self.program.globals.missing_instruction(&name.text, name.span) {
             return;
         }
         let folded = fold(&name.text);
         if plcc_stdlib::LIBRARY.iter().any(|block| fold(block.name) == folded) {
-            self.program.globals.unknown_name(&name.text, name.span);
+            self.program.globals.unknown_name(&name.text, name.span, std::iter::empty());
             return;
         }
         let own = self
@@ -479,9 +478,21 @@ impl SclBinder<'_, '_> {
         let meant = similar(&name.text, own.into_iter())
             .or_else(|| similar(&name.text, super::function::names()))
             .or_else(|| similar(&name.text, shipped))
-            .map(str::to_owned);
+            .map(str::to_owned)
+            .or_else(|| similar_conversion(&name.text));
         self.program.globals.report.missing_function(&name.text, name.span, meant, false);
     }
+}
+
+/// `WORD_TO_INT` for `WORD_TO_ITN`.
+fn similar_conversion(name: &str) -> Option<String> {
+    let upper = name.to_ascii_uppercase();
+    let (from, to) = upper.split_once("_TO_")?;
+    let own = |word: &str| {
+        let names = || plcc_syntax::Elementary::ALL.into_iter().map(|ty| ty.name());
+        names().find(|name| *name == word).or_else(|| similar(word, names()))
+    };
+    Some(format!("{}_TO_{}", own(from)?, own(to)?))
 }
 
 /// `FB10`, `DB20` written as a bare word.

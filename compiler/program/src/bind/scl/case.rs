@@ -124,7 +124,7 @@ impl SclBinder<'_, '_> {
             Constant::WideText(text) if ty == Elementary::Wchar && text.len() == 1 => Some(i128::from(text[0])),
             other => {
                 let is = message::described(&Value::Constant(other.clone(), node.span));
-                self.wrong_type(node.span, &is, ty.name(), None);
+                self.wrong_type(node.span, &is, ty.name(), Some(plcc_binding::rewrite::wanted(ty)));
                 None
             }
         }

@@ -2,7 +2,7 @@
 
 use plcc_diag::{Code, Span};
 use plcc_syntax::ast::BlockPrefix;
-use plcc_syntax::scl::ast::Expr as Node;
+use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind, NameForm};
 use plcc_syntax::{Class, Elementary};
 
 use super::convert::{self, Implicit};
@@ -52,7 +52,11 @@ impl SclBinder<'_, '_> {
             other => {
                 let help = match (&other, ty) {
                     (Value::Complex { ty: DataType::String(_) | DataType::WideString(_), .. }, _) => {
-                        Some(format!("convert it: STRING_TO_{}(…), or take one character: `s[1]`", ty.name()))
+                        let text = self.program.globals.text(other.span());
+                        Some(format!(
+                            "convert it: `STRING_TO_{}({text})`, or take one character: `{text}[1]`",
+                            ty.name()
+                        ))
                     }
                     (Value::Complex { ty: DataType::Struct(structure), .. }, _) if structure.instance_of.is_some() => {
                         Some("name one of its outputs: `instance.output`".to_string())
@@ -93,7 +97,11 @@ impl SclBinder<'_, '_> {
             }
             Implicit::Unusual => self.unusual(span, from, ty),
             Implicit::Yes if convert::narrows(from, ty) && !self.follows_target(rules, &value, ty) => {
-                self.may_lose(span, from, ty);
+                match constant::computed(&value).filter(|_| ty.is_integer()) {
+                    Some(number) if constant::fits(number, false, ty) => {}
+                    Some(number) => self.value_lost(rules, span, number, ty),
+                    None => self.may_lose(span, from, ty),
+                }
             }
             Implicit::Yes => {}
         }
@@ -133,14 +141,49 @@ impl SclBinder<'_, '_> {
             span,
             &format!("`{text}` is of type {} and becomes {}", from.name(), to.name()),
             "S7-SCL of STEP 7 V5 does not convert this implicitly",
-            &format!("write {}_TO_{}(…)", from.name(), to.name()),
+            &format!("write {}", message::conversion(from, to, &text)),
         );
     }
 
     /// Binds an expression whose value must have the complex type `ty` (a text may have another length).
     pub(super) fn complex(&mut self, ctx: &mut SclBlock, node: &Node, ty: &DataType) -> Option<Complex> {
+        if matches!(ty, DataType::String(_)) && self.is_text_in_name_quotes(ctx, node) {
+            return None;
+        }
         let value = self.value(ctx, node)?;
         self.complex_value(ctx, value, ty)
+    }
+
+    /// Whether the node is the name of a local STRING.
+    pub(super) fn is_local_text(ctx: &SclBlock, node: &Node) -> bool {
+        let NodeKind::Name(name) = &node.kind else { return false };
+        let local = ctx.block.bound.locals.get(&plcc_binding::fold(&name.text));
+        local.is_some_and(|local| matches!(local.ty, DataType::String(_)))
+    }
+
+    /// Reports `"hello"` where a text is expected, if nothing has that name.
+    pub(super) fn is_text_in_name_quotes(&mut self, ctx: &SclBlock, node: &Node) -> bool {
+        let NodeKind::Name(name) = &node.kind else { return false };
+        let folded = plcc_binding::fold(&name.text);
+        if name.form != NameForm::Quoted
+            || self.program.globals.input.partial
+            || ctx.block.bound.locals.contains_key(&folded)
+            || self.program.globals.names.symbols.contains_key(&folded)
+            || self.program.globals.names.constants.contains_key(&folded)
+            || ctx
+                .block
+                .bound
+                .interface
+                .parameters
+                .iter()
+                .any(|parameter| plcc_binding::fold(&parameter.name) == folded)
+        {
+            return false;
+        }
+        let title = format!("`\"{}\"` is a name that nothing defines, and no text", name.text);
+        let help = format!("a text is written in single quotes: `'{}'`", name.text);
+        self.refuse(Code::UnknownSymbol, name.span, &title, "neither a symbol nor a variable", &help);
+        true
     }
 
     /// Converts a bound value to the complex type `ty`; reports a value that cannot have it.

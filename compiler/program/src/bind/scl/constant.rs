@@ -9,7 +9,8 @@ use super::value::Value;
 use super::{Rules, message};
 use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
-use plcc_model::scl::{Expr, ExprKind};
+use plcc_binding::rewrite;
+use plcc_model::scl::{BinaryOp, Conversion, Expr, ExprKind, Function, UnaryOp};
 
 impl SclBinder<'_, '_> {
     /// A literal as a value; pointers are not values.
@@ -58,7 +59,7 @@ impl SclBinder<'_, '_> {
                 },
                 Class::Signed | Class::Unsigned | Class::Bits => {
                     if !fits(*value, *based, ty) {
-                        self.value_lost(span, ty);
+                        self.value_lost(rules, span, *value, ty);
                     }
                     give(low_bits(*value, ty))
                 }
@@ -124,21 +125,88 @@ impl SclBinder<'_, '_> {
     fn unfit_constant(&mut self, constant: &Constant, span: Span, ty: Elementary) -> Option<Expr> {
         let is = message::described(&Value::Constant(constant.clone(), span));
         let text = matches!(constant, Constant::Text { .. } | Constant::WideText(_)) && ty.class() != Class::Character;
-        let help = (!text).then(|| format!("write it as {}", plcc_binding::value::example(ty)));
+        let written = self.program.globals.text(span);
+        let help = Some(match text {
+            true => format!(
+                "declare the variable as CHAR or STRING, or {}",
+                rewrite::help(ty, &written, rewrite::Form::Scl)
+            ),
+            false => rewrite::help(ty, &written, rewrite::Form::Scl),
+        });
         self.wrong_type(span, &is, ty.name(), help);
         None
     }
 
-    /// A constant that loses bits in the type of its partner.
-    fn value_lost(&mut self, span: Span, ty: Elementary) {
+    /// A constant that loses bits in the type of its partner. S7-SCL of STEP 7 V5 refuses it, the TIA Portal computes with the low bits.
+    ///
+    /// Source: SCL reference, type of a literal: an integer literal has the type that can hold it.
+    pub(super) fn value_lost(&mut self, rules: Rules, span: Span, value: i128, ty: Elementary) {
         let text = self.program.globals.text(span);
-        let (low, high) = range(ty);
+        let left = integer(ty, low_bits(value, ty));
+        let (code, label) = match rules {
+            Rules::Classic => (Code::LiteralRange, rewrite::holds(ty)),
+            Rules::Tia300 | Rules::Tia1200 | Rules::Tia1500 => {
+                (Code::Narrowing, format!("{}; the low bits remain, which are {left}", rewrite::holds(ty)))
+            }
+        };
+        let help = match rewrite::roomy(value) {
+            Some(larger) => format!("give the variable the type {larger}, or write a value that fits"),
+            None => "write a value that fits".to_string(),
+        };
         self.program.report(
-            Diagnostic::new(Code::Narrowing, span, format!("`{text}` does not fit type {}", ty.name()))
-                .label(format!("{} goes from {low} to {high}; the low bits remain", ty.name()))
-                .help("give the other operand or the target a larger type"),
+            Diagnostic::new(code, span, format!("`{text}` does not fit type {}", ty.name())).label(label).help(help),
         );
     }
+}
+
+/// The value of an expression of integers that are all constants, such as `ABS(-5)`; none: it is only known at run time, or wraps.
+pub(super) fn computed(expr: &Expr) -> Option<i128> {
+    if !expr.ty.is_integer() {
+        return None;
+    }
+    let value = match &expr.kind {
+        ExprKind::Const(bits) => integer(expr.ty, *bits),
+        ExprKind::Unary { op, operand } => {
+            let operand = computed(operand)?;
+            match op {
+                UnaryOp::Negate => -operand,
+                UnaryOp::Abs => operand.abs(),
+                UnaryOp::Not => return None,
+            }
+        }
+        ExprKind::Binary { op, left, right } => {
+            let (left, right) = (computed(left)?, computed(right)?);
+            match op {
+                BinaryOp::Add => left + right,
+                BinaryOp::Subtract => left - right,
+                BinaryOp::Multiply => left.checked_mul(right)?,
+                BinaryOp::Divide => left.checked_div(right)?,
+                BinaryOp::Modulo => left.checked_rem(right)?,
+                BinaryOp::Min => left.min(right),
+                BinaryOp::Max => left.max(right),
+                BinaryOp::Power
+                | BinaryOp::And
+                | BinaryOp::Or
+                | BinaryOp::Xor
+                | BinaryOp::ShiftLeft
+                | BinaryOp::ShiftRight
+                | BinaryOp::RotateLeft
+                | BinaryOp::RotateRight
+                | BinaryOp::AddDay
+                | BinaryOp::SubtractDay => return None,
+            }
+        }
+        ExprKind::Convert { conversion: Conversion::Value(_), operand } => computed(operand)?,
+        ExprKind::Function { function: Function::Limit, arguments } => match arguments.as_slice() {
+            [low, value, high] => {
+                let (low, value, high) = (computed(low)?, computed(value)?, computed(high)?);
+                if low > high { value } else { value.clamp(low, high) }
+            }
+            _ => return None,
+        },
+        _ => return None,
+    };
+    fits(value, false, expr.ty).then_some(value)
 }
 
 /// The type of a constant that has no partner.

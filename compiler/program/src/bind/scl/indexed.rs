@@ -81,7 +81,8 @@ impl SclBinder<'_, '_> {
                     if index < i64::from(low) || index > i64::from(high) {
                         let title = format!("index {index} is outside the array");
                         let label = format!("the array goes from {low} to {high}");
-                        self.refuse(Code::ArrayIndex, nodes[dimension].span, &title, &label, "");
+                        let help = format!("write an index from {low} to {high}, or declare a larger array");
+                        self.refuse(Code::ArrayIndex, nodes[dimension].span, &title, &label, &help);
                         return None;
                     }
                     bits = bits.wrapping_add(((index - i64::from(low)) as u32).wrapping_mul(stride));

@@ -7,6 +7,7 @@ use super::value::Value;
 use super::{Rules, convert};
 use crate::bind::scl::SclBinder;
 use plcc_binding::constant::Constant;
+use plcc_binding::rewrite;
 use plcc_model::layout;
 
 /// Nesting of expressions and statements beyond what anyone can read.
@@ -33,9 +34,11 @@ impl SclBinder<'_, '_> {
     }
 
     pub(super) fn no_conversion(&mut self, rules: Rules, span: Span, from: Elementary, to: Elementary) {
+        let text = self.program.globals.text(span);
         let help = match (from, to) {
+            _ if let Some(help) = rewrite::of_constant(to, &text, rewrite::Form::Scl) => Some(help),
             _ if convert::explicit(rules, from, to).is_some() => {
-                Some(format!("convert it: {}_TO_{}(…)", short_name(from), short_name(to)))
+                Some(format!("convert it: {}", conversion(from, to, &text)))
             }
             (_, Elementary::Bool) => Some("compare it, for example with `<> 0`".to_string()),
             _ => None,
@@ -46,6 +49,8 @@ impl SclBinder<'_, '_> {
     /// A value that may not fit where it goes.
     pub(super) fn may_lose(&mut self, span: Span, from: Elementary, to: Elementary) {
         let text = self.program.globals.text(span);
+        let help = rewrite::of_constant(to, &text, rewrite::Form::Scl)
+            .unwrap_or_else(|| format!("if that is intended, write {}", conversion(from, to, &text)));
         self.program.report(
             Diagnostic::new(
                 Code::Narrowing,
@@ -53,7 +58,7 @@ impl SclBinder<'_, '_> {
                 format!("`{text}` is of type {} and may not fit {}", from.name(), to.name()),
             )
             .label(format!("converts to {} without a check", to.name()))
-            .help(format!("if that is intended, write {}_TO_{}(…)", short_name(from), short_name(to))),
+            .help(help),
         );
     }
 
@@ -70,6 +75,14 @@ fn short_name(ty: Elementary) -> &'static str {
         Elementary::TimeOfDay => "TOD",
         other => other.name(),
     }
+}
+
+/// `DINT_TO_INT(#d)`.
+pub(super) fn conversion(from: Elementary, to: Elementary, text: &str) -> String {
+    // What does not fit on a line is not repeated.
+    const LENGTH_MAX: usize = 60;
+    let text = if text.is_empty() || text.chars().count() > LENGTH_MAX { "…" } else { text };
+    format!("`{}_TO_{}({text})`", short_name(from), short_name(to))
 }
 
 /// A description of a value, for messages: `of type INT`, `a block`.

@@ -3,47 +3,24 @@
 //! A reference is a structure with the number of a data block, and bit and byte in it; all 0 is NULL. Only data of data blocks and instances
 //! can be referenced, so one stays valid. REFERENCE_OF of the library makes it from a VARIANT. Source: S7-1500 information system, references.
 
-use std::rc::Rc;
-
 use plcc_diag::{Code, Span};
 use plcc_syntax::Elementary;
-use plcc_syntax::ast::TypeRef;
 use plcc_syntax::scl::ast::{Argument, AssignOp, Expr as Node, ExprKind as NodeKind, Literal, Name, NameForm};
 
 use super::Intent;
 use super::expression::constant_expr;
 use super::place::{Root, Spot};
 use super::value::Value;
-use crate::bind::declarations::Declarations;
 use crate::bind::declarations::pointer::pointed_at;
-use crate::bind::declarations::typed::{StructBuilder, Typed, Use, elementary_typed};
+use crate::bind::declarations::reference::reference_to;
 use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_model::layout;
 use plcc_model::scl::{Base, CompareOp, Expr, ExprKind, IndexedArea};
-use plcc_model::types::{DataType, StructType};
+use plcc_model::types::DataType;
 use plcc_model::{Place, Pointed};
 
 /// The function of the library that makes references.
 const MAKER: &str = "REFERENCE_OF";
-
-impl Declarations<'_> {
-    /// `REF_TO target`.
-    pub fn reference_type(&mut self, target: &TypeRef, span: Span) -> Option<Typed> {
-        let target = self.resolve_type(target, Use::Component)?.ty;
-        let mut builder = StructBuilder::default();
-        for (name, ty) in [("DB", Elementary::Word), ("BIT", Elementary::Int), ("BYTE", Elementary::Dint)] {
-            builder.add(name.to_string(), &elementary_typed(ty));
-        }
-        let typed = self.finish_structure(builder, String::new(), None, span)?;
-        Some(Typed { ty: reference_to(&typed.ty, &target), image: typed.image })
-    }
-}
-
-/// The structure of a reference, as one to `target`.
-fn reference_to(structure: &StructType, target: &DataType) -> DataType {
-    let name = format!("REF_TO {}", layout::type_name(target));
-    DataType::Struct(Rc::new(StructType { name, refers_to: Some(target.clone()), ..structure.clone() }))
-}
 
 /// What a reference refers to.
 fn target_of(ty: &DataType) -> Option<&DataType> {

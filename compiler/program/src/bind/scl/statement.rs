@@ -3,7 +3,7 @@
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::Elementary;
 use plcc_syntax::scl::ast::{
-    BinaryOp as Operator, Expr as Node, ExprKind as NodeKind, Statement as Tree, StatementKind as TreeKind,
+    BinaryOp as Operator, Expr as Node, ExprKind as NodeKind, Literal, Statement as Tree, StatementKind as TreeKind,
 };
 
 use super::Intent;
@@ -75,6 +75,7 @@ impl SclBinder<'_, '_> {
             TreeKind::Exit => self.in_loop(ctx, "EXIT", tree.span).map(|()| StatementKind::Exit),
             TreeKind::Continue => self.in_loop(ctx, "CONTINUE", tree.span).map(|()| StatementKind::Continue),
             TreeKind::Return(None) => Some(StatementKind::Return(None)),
+            TreeKind::Return(Some(value)) if self.returns_value(ctx, value) => None,
             TreeKind::Return(Some(value)) => self.condition(ctx, value).map(|value| StatementKind::Return(Some(value))),
             TreeKind::Goto(name) => self.goto(ctx, name).map(StatementKind::Goto),
             TreeKind::Pragma(pragma) => match self.stl().statement_pragma(ctx.block, pragma) {
@@ -97,6 +98,24 @@ impl SclBinder<'_, '_> {
             },
         };
         bound.extend(kind.map(|kind| Statement { kind, span }));
+    }
+
+    /// `RETURN 5;` as other languages write it, which is reported: SCL assigns the value of a function to its name.
+    fn returns_value(&mut self, ctx: &mut SclBlock, value: &Node) -> bool {
+        if !matches!(value.kind, NodeKind::Literal(Literal::Integer { .. } | Literal::Real(_) | Literal::Text { .. })) {
+            return false;
+        }
+        let text = self.program.globals.text(value.span);
+        let function = ctx.block.bound.interface.parameters.iter().any(|parameter| parameter.name == "RET_VAL");
+        ctx.scope.value_set = true;
+        let name = self.program.globals.shown(ctx.block.key).trim_matches('`').replace(' ', "");
+        let name = if name.starts_with("FC") { name } else { format!("#{name}") };
+        let help = match function {
+            true => format!("write `{name} := {text}; RETURN;`"),
+            false => "write `RETURN;`, and give the value to an output parameter".to_string(),
+        };
+        self.refuse(Code::ForeignForm, value.span, "RETURN takes no value", "a form of other languages", &help);
+        true
     }
 
     /// A condition: BOOL only.
@@ -132,11 +151,13 @@ impl SclBinder<'_, '_> {
                 }
                 _ => None,
             },
-            NodeKind::Binary { op: Operator::Equal, op_span, .. } => {
+            NodeKind::Binary { op: Operator::Equal, op_span, left, right } => {
+                let (target, value) = (self.program.globals.text(left.span), self.program.globals.text(right.span));
+                ctx.scope.value_set = true;
                 self.program.report(
                     Diagnostic::new(Code::AssignSign, *op_span, "this compares and does nothing with the result")
                         .label("a comparison")
-                        .help("to assign write `:=`"),
+                        .help(format!("to assign write `{target} := {value};`")),
                 );
                 None
             }

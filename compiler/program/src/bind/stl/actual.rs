@@ -20,6 +20,7 @@ use crate::bind::globals::names::code_kind;
 use crate::bind::stl::StlBinder;
 use crate::bind::stl::settle::Settled;
 use plcc_binding::constant::Constant;
+use plcc_binding::rewrite;
 use plcc_binding::value::{self, Mismatch};
 use plcc_model::layout;
 use plcc_model::types::{DataType, Elementary, ParameterType};
@@ -59,7 +60,7 @@ impl StlBinder<'_, '_> {
             let text = self.program.globals.text(span);
             self.program.report(
                 Diagnostic::new(Code::Protected, span, format!("`{text}` cannot be written"))
-                    .label(format!("`{}` is written by {callee}", formal.name))
+                    .label(format!("`{}` is written by {}", formal.name, self.program.globals.shown(callee)))
                     .help("name an address or a variable"),
             );
             return None;
@@ -85,9 +86,13 @@ impl StlBinder<'_, '_> {
             ) => self.number_actual(callee, formal, *parameter, settled, span),
             DataType::OpenArray(_) => {
                 self.program.report(
-                    Diagnostic::new(Code::TypeMismatch, span, format!("`{}` of {callee} is an ARRAY[*]", formal.name))
-                        .label("STL cannot pass the bounds")
-                        .help("call the block from SCL"),
+                    Diagnostic::new(
+                        Code::TypeMismatch,
+                        span,
+                        format!("`{}` of {} is an ARRAY[*]", formal.name, self.program.globals.shown(callee)),
+                    )
+                    .label("STL cannot pass the bounds")
+                    .help("call the block from SCL"),
                 );
                 None
             }
@@ -122,18 +127,26 @@ impl StlBinder<'_, '_> {
         let message = Diagnostic::new(
             Code::TypeMismatch,
             span,
-            format!("`{}` of {callee} is of type {wanted}, but `{text}` is {is}", formal.name),
+            format!(
+                "`{}` of {} is of type {wanted}, but `{text}` is {is}",
+                formal.name,
+                self.program.globals.shown(callee)
+            ),
         )
         .label(is);
         self.program.report(match (&formal.ty, settled) {
             (DataType::Elementary(ty), Settled::Literal(_)) => {
-                message.help(format!("write a constant as {}", value::example(*ty)))
+                message.help(rewrite::help(*ty, &text, rewrite::Form::Stl))
             }
             (DataType::Elementary(ty), _) => {
-                message.help(format!("name {} or a variable of type {wanted}", address_example(*ty)))
+                message.help(format!("name {} or a variable of type {wanted}", address_of_type(*ty, &text)))
             }
             (DataType::Parameter(ParameterType::Any | ParameterType::Variant), _) => {
-                message.help("write for example `P#M 50.0 BYTE 10`, or name a variable")
+                message.help(match rewrite::any_pointer(&text) {
+                    Some(pointer) => format!("write `{pointer}`, or name a variable"),
+                    None => "name a variable, or write a pointer to an area: `P#`, its first bit, a type and a number"
+                        .to_string(),
+                })
             }
             (DataType::Parameter(ParameterType::Pointer), _) => {
                 message.help("write for example `P#M 50.0`, or name a variable")
@@ -168,12 +181,15 @@ impl StlBinder<'_, '_> {
                             Code::TypeMismatch,
                             span,
                             format!(
-                                "`{}` of {callee} is of type {}, which cannot hold this value",
+                                "`{}` of {} is of type {}, which cannot hold `{}`",
                                 formal.name,
-                                ty.name()
+                                self.program.globals.shown(callee),
+                                ty.name(),
+                                self.program.globals.text(span)
                             ),
                         )
-                        .label("out of range"),
+                        .label(rewrite::holds(ty))
+                        .help(rewrite::wanted(ty)),
                     );
                     None
                 }
@@ -193,6 +209,7 @@ impl StlBinder<'_, '_> {
                     }
                     _ => return Some(Actual::Place(place.clone())),
                 };
+                let callee = self.program.globals.shown(callee);
                 self.program.report(
                     Diagnostic::new(Code::Protected, span, title)
                         .label(match formal.direction {
@@ -483,12 +500,17 @@ impl StlBinder<'_, '_> {
     }
 }
 
-fn address_example(ty: Elementary) -> &'static str {
-    match layout::width(ty) {
-        Width::Bit => "a bit such as `M 10.0`",
-        Width::Byte => "a byte such as `MB 10`",
-        Width::Word => "a word such as `MW 10`",
-        Width::Dword => "a double word such as `MD 10`",
-        Width::Lword => "a variable of 64 bits",
+/// An address of the width of the type, at the byte of the address that stands there.
+fn address_of_type(ty: Elementary, text: &str) -> String {
+    let (what, letter) = match layout::width(ty) {
+        Width::Bit => ("a bit", 'X'),
+        Width::Byte => ("a byte", 'B'),
+        Width::Word => ("a word", 'W'),
+        Width::Dword => ("a double word", 'D'),
+        Width::Lword => return "a variable of 64 bits".to_string(),
+    };
+    match rewrite::address_of_width(text, letter) {
+        Some(address) => format!("{what} such as `{address}`"),
+        None => what.to_string(),
     }
 }

@@ -109,10 +109,13 @@ impl StlBinder<'_, '_> {
                     Diagnostic::new(
                         Code::MissingOperand,
                         call.target.span,
-                        format!("the call of {key} names no instance data block"),
+                        format!("the call of {} names no instance data block", self.program.globals.shown(key)),
                     )
                     .label("a function block keeps its data in a DB")
-                    .help(format!("write `CALL {key} , DB 10`")),
+                    .help(format!(
+                        "write `CALL {}, DB …` with the number or the symbol of its instance data block",
+                        self.program.globals.text(call.target.span)
+                    )),
                 );
                 return None;
             }
@@ -177,7 +180,9 @@ impl StlBinder<'_, '_> {
                     continue;
                 }
                 good = false;
-                misspelt.extend(self.program.unknown_parameter(key, bound, (&given.name, given.name_span)));
+                misspelt.push(
+                    self.program.unknown_parameter(key, bound, (&given.name, given.name_span)).unwrap_or_default(),
+                );
                 continue;
             };
             if let Some(first) = seen.insert(index, given.name_span) {
@@ -214,15 +219,17 @@ impl StlBinder<'_, '_> {
                 .map(|(_, parameter)| parameter.name.as_str())
                 .filter(|name| !misspelt.iter().any(|other| other == name))
                 .collect();
-            if !missing.is_empty() {
+            // A parameter that the block does not have may be meant as one that is missing.
+            let unknown = misspelt.iter().filter(|name| name.is_empty()).count();
+            if missing.len() > unknown {
                 good = false;
                 let message = Diagnostic::new(
                     Code::MissingParameter,
                     call.target.span,
-                    format!("the call of {key} omits {}", missing.join(", ")),
+                    format!("the call of {} omits {}", self.program.globals.shown(key), missing.join(", ")),
                 )
                 .label("a function needs all its parameters");
-                let help = format!("add `{} := ...`", missing[0]);
+                let help = format!("add `{} := …`", missing.join(" := …, "));
                 self.program.report(message.help(self.program.globals.with_library_note(key, help)));
             }
         }
@@ -234,7 +241,7 @@ impl StlBinder<'_, '_> {
             Diagnostic::new(
                 Code::UnknownParameter,
                 span,
-                format!("{key} has {count} parameters, but the call passes more"),
+                format!("{} has {count} parameters, but the call passes more", self.program.globals.shown(key)),
             )
             .label("this pointer does not belong to any of them"),
         );

@@ -85,9 +85,9 @@ BEGIN
 END_FUNCTION_BLOCK
 "#;
     let expected = [
-        "P0302 the function `motor` is not defined",
+        "P0302 the block `motor` is not defined",
         "P0301 the symbol `speed` is not defined",
-        "P0302 the function `LIMIT` is not defined",
+        "P0302 the block `LIMIT` is not defined",
     ];
     assert_eq!(messages(Language::Scl, source), expected);
 }
@@ -103,7 +103,7 @@ BEGIN
    #F := "SCALE"(value := #raw, top := 100.0);
 END_FUNCTION
 "#;
-    assert_eq!(messages(Language::Scl, source), ["P0302 the function `SCALE` is not defined"]);
+    assert_eq!(messages(Language::Scl, source), ["P0302 the block `SCALE` is not defined"]);
     let source = "FUNCTION FC 50 : VOID\nBEGIN\n      CALL  FC     1\n       start := M 1.0\n       speed := MW 10\nEND_FUNCTION\n";
     assert_eq!(messages(Language::Stl, source), ["P0302 FC 1 is not defined"]);
 }

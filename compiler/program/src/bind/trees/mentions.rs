@@ -54,7 +54,7 @@ fn type_numbers(ty: &TypeRef, numbers: &mut Vec<(BlockPrefix, u32)>) {
             type_numbers(element, numbers);
         }
         TypeKind::Struct(variables) => variable_numbers(variables, numbers),
-        TypeKind::String(_) | TypeKind::WideString(_) => {}
+        TypeKind::String(_) | TypeKind::WideString(_) | TypeKind::Error => {}
     }
 }
 

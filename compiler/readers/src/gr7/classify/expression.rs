@@ -88,6 +88,7 @@ impl<'a> Classifier<'a, '_> {
     fn element(&mut self, token: RawToken) {
         let slice = self.slice(token);
         let tok = match token.kind {
+            RawKind::Word if self.other_language(token, slice) => return,
             RawKind::Word => self.word(slice),
             RawKind::Number if self.after_point() => Tok::Word(slice),
             RawKind::Number | RawKind::Literal | RawKind::Text => Tok::Literal(slice),
@@ -107,6 +108,11 @@ impl<'a> Classifier<'a, '_> {
             RawKind::Minus => Tok::Minus,
             RawKind::Star => Tok::Star,
             RawKind::Slash => Tok::Factor(BinaryOp::Divide),
+            RawKind::Ampersand if self.kind_at(self.at + 1) == Some(RawKind::Ampersand) => {
+                self.foreign(token, "the operator is `AND`", "write `AND` for `&&`");
+                let after = self.at + 2;
+                return self.take_up_to(Tok::And, after);
+            }
             RawKind::Ampersand => Tok::And,
             _ => return self.stray(token),
         };
@@ -154,9 +160,72 @@ impl<'a> Classifier<'a, '_> {
         }
     }
 
+    /// Takes a word of other languages: `UND`, `5s`.
+    fn other_language(&mut self, token: RawToken, slice: &'a str) -> bool {
+        let is = |word: &str| word.eq_ignore_ascii_case(slice);
+        let operand_follows = matches!(
+            self.kind_at(self.at + 1),
+            Some(
+                RawKind::Word
+                    | RawKind::Absolute
+                    | RawKind::Quoted
+                    | RawKind::Local
+                    | RawKind::Number
+                    | RawKind::Literal
+                    | RawKind::LeftParen
+            )
+        );
+        let operator = match () {
+            () if self.after_point() || !operand_follows => None,
+            () if is("NICHT") && !self.after_operand() => Some(("NOT", Tok::Not)),
+            () if !self.after_operand() => None,
+            () if is("UND") => Some(("AND", Tok::And)),
+            () if is("ODER") => Some(("OR", Tok::Or)),
+            () if is("EXOR") => Some(("XOR", Tok::Xor)),
+            () => None,
+        };
+        if let Some((word, tok)) = operator {
+            self.report(front::frame_words::misspelt(self.span(token), slice, word));
+            self.take(tok);
+            return true;
+        }
+        let digits = slice.trim_start_matches(|c: char| c.is_ascii_digit());
+        let unit = ["d", "h", "m", "s", "ms"].iter().any(|unit| unit.eq_ignore_ascii_case(digits));
+        // In an action, times have no `T#`.
+        let compared = matches!(self.out.last(), Some((_, Tok::Compare(_), _)));
+        if digits.len() < slice.len() && unit && compared {
+            let help = format!("write `T#{}`", slice.to_ascii_uppercase());
+            self.foreign(token, "a time begins with `T#`", &help);
+            self.take(Tok::Bad);
+            return true;
+        }
+        false
+    }
+
+    /// Takes a sign of other languages: `||`, `!`, `!=`.
+    fn other_sign(&mut self, token: RawToken, slice: &str) -> bool {
+        let (sign, word, tok) = match slice {
+            "|" | "||" => ("||", "OR", Tok::Or),
+            "!" if self.kind_at(self.at + 1) == Some(RawKind::Equal) => {
+                self.foreign(token, "not equal is `<>`", "write `<>` for `!=`");
+                let after = self.at + 2;
+                self.take_up_to(Tok::Compare(BinaryOp::NotEqual), after);
+                return true;
+            }
+            "!" => ("!", "NOT", Tok::Not),
+            _ => return false,
+        };
+        self.foreign(token, &format!("the operator is `{word}`"), &format!("write `{word}` for `{sign}`"));
+        self.take(tok);
+        true
+    }
+
     /// Reports the current raw token, which is allowed nowhere, and advances. A `Bad` takes its place.
     fn stray(&mut self, token: RawToken) {
         let (span, slice) = (self.span(token), self.slice(token));
+        if token.kind == RawKind::Stray && self.other_sign(token, slice) {
+            return;
+        }
         let diagnostic = match token.kind {
             RawKind::UnterminatedText => front::unterminated_text(span),
             RawKind::UnterminatedQuoted => front::unterminated_name(span, "name"),

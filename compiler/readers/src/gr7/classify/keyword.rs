@@ -1,6 +1,7 @@
 //! Words that begin and end the parts of a chart. A variable may have the name of one of them.
 
 use crate::gr7::lexer::{RawKind, RawToken};
+use plcc_syntax::front::frame_words::slip_of;
 
 /// A word that begins or ends a part of a chart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,10 +81,51 @@ impl Keyword {
     }
 }
 
+/// The keyword that a word which is none stands for: `ENDSTEP`, `TRANSITON`. Only where no operand can be: alone on its line, or before
+/// a name with its number or a colon.
+pub fn misspelt(text: &str, raw: &[RawToken], index: usize) -> Option<Keyword> {
+    let token = raw.get(index).filter(|token| token.kind == RawKind::Word && token.first_on_line)?;
+    let word = &text[token.range()];
+    if word.len() < 3 || Keyword::of(word).is_some() {
+        return None;
+    }
+    let next = raw.get(index + 1);
+    let candidates: &[&str] = match next {
+        None => ENDS,
+        Some(next) if next.first_on_line => ENDS,
+        Some(next) if next.kind == RawKind::Word => {
+            let heads = raw
+                .get(index + 2)
+                .is_some_and(|third| !third.first_on_line && matches!(third.kind, RawKind::Pragma | RawKind::Colon));
+            if !heads {
+                return None;
+            }
+            &["INITIAL_STEP", "STEP", "TRANSITION"]
+        }
+        Some(_) => return None,
+    };
+    let ends = candidates.len() == ENDS.len();
+    if ends && !word.starts_with(['E', 'e']) {
+        return None;
+    }
+    Keyword::of(slip_of(word, candidates.iter().copied())?)
+}
+
+/// Words that are alone on their line.
+const ENDS: &[&str] = &[
+    "END_STEP",
+    "END_TRANSITION",
+    "END_INTERLOCK",
+    "END_SUPERVISION",
+    "END_PERM_CONDITION",
+    "END_SEQUENCE",
+    "END_FUNCTION_BLOCK",
+];
+
 /// The keyword at `index`: a keyword that begins a part is the first on its line or follows an end, and is not used as an operand.
 pub fn at(text: &str, raw: &[RawToken], index: usize) -> Option<Keyword> {
     let token = raw.get(index).filter(|token| token.kind == RawKind::Word)?;
-    let keyword = Keyword::of(&text[token.range()])?;
+    let Some(keyword) = Keyword::of(&text[token.range()]) else { return misspelt(text, raw, index) };
     let before = index.checked_sub(1).map(|before| raw[before]);
     if before.is_some_and(|before| before.kind == RawKind::Dot) {
         return None;

@@ -6,6 +6,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 
 use super::super::tree::Wire;
 use super::Builder;
+use plcc_syntax::distance;
 use plcc_syntax::network::ast::{Language, NetId, Source};
 
 /// The name of the net that is TRUE.
@@ -54,6 +55,13 @@ impl Nets {
             known.used = known.fed.first().copied();
         }
     }
+}
+
+/// The wire whose name resembles `name`. Names such as `w1` and `w2` always do.
+fn near<'n>(name: &str, names: &'n [String]) -> Option<&'n String> {
+    const SHORT: usize = 4;
+    let near = distance::nearest(name, names.iter().map(String::as_str)).filter(|_| name.len() > SHORT)?;
+    names.iter().find(|known| *known == near)
 }
 
 impl Builder<'_, '_> {
@@ -112,15 +120,25 @@ impl Builder<'_, '_> {
 
     /// Gives the nets their sources, and reports wires without a source or without a use.
     pub(super) fn finish_nets(&mut self) {
-        for known in std::mem::take(&mut self.nets.wires) {
+        let wires = std::mem::take(&mut self.nets.wires);
+        let names: Vec<String> = wires
+            .iter()
+            .filter(|known| !known.fed.is_empty())
+            .map(|known| self.graph.net(known.net).name.clone())
+            .chain([RAIL.to_owned()])
+            .collect();
+        for known in wires {
             let name = self.graph.net(known.net).name.clone();
             if let (Some(used), []) = (known.used, known.fed.as_slice()) {
                 self.report(
                     Diagnostic::new(Code::NoSource, used, format!("nothing feeds `wire#{name}`"))
                         .label("used here")
-                        .help(match self.language {
-                            Language::Lad => "end a rung in this wire, or let the rung begin at `wire#powerrail`",
-                            _ => "end a rung in this wire, or write the operand at the pin",
+                        .help(match (near(&name, &names), self.language) {
+                            (Some(near), _) => format!("is `wire#{near}` meant?"),
+                            (None, Language::Lad) => {
+                                "end a rung in this wire, or let the rung begin at `wire#powerrail`".to_owned()
+                            }
+                            (None, _) => "end a rung in this wire, or write the operand at the pin".to_owned(),
                         }),
                 );
             }

@@ -4,6 +4,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 
 use super::{Builder, nets};
 use crate::sd::tree::{Argument, Pin as Given, Value, ValueKind};
+use plcc_syntax::distance;
 use plcc_syntax::network::ast::{Comparison, Pin, PinValue, Source, Storage};
 use plcc_syntax::network::elements::{Kind, PinDirection, PinRow, Row};
 use plcc_syntax::scl::ast::Expr;
@@ -198,7 +199,10 @@ impl Builder<'_, '_> {
             let diagnostic =
                 Diagnostic::new(Code::UnknownParameter, name, format!("`{}` has no pin `{text}`", row.name))
                     .label("not a pin of this element")
-                    .help(format!("its pins are {}", names.join(", ")));
+                    .help(match distance::nearest(text, names.iter().copied()) {
+                        Some(near) => format!("is `{near}` meant?"),
+                        None => format!("its pins are {}", names.join(", ")),
+                    });
             return self.report(diagnostic);
         };
         let fits = match known.direction {
@@ -214,10 +218,11 @@ impl Builder<'_, '_> {
             let tolerated = first_operand && takes_both_signs(row);
             let code = if tolerated { Code::Tolerated } else { Code::Syntax };
             let kind = if output { "input" } else { "output" };
+            let operand = self.slice(span).split_once(sign).map_or("…", |(_, operand)| operand.trim());
             let diagnostic =
                 Diagnostic::new(code, name, format!("`{text}` is an {kind}, but is connected with `{sign}`"))
                     .label(format!("an {kind} of `{}`", row.name))
-                    .help(format!("write `{text} {wanted} …`"));
+                    .help(format!("write `{text} {wanted} {operand}`"));
             self.report(diagnostic);
         }
         self.row_pin(pins, row, known, canonical, value, span);

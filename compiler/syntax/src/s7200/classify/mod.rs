@@ -12,6 +12,7 @@ use super::raw::{RawKind, RawToken};
 use super::token::Tok;
 use super::{pragma, suggest};
 use crate::front::Classified;
+use crate::front::frame_words;
 use crate::front::pragma::{is_for_file, is_pragma};
 
 pub use operand::{Where, block};
@@ -124,7 +125,11 @@ impl<'a> Classifier<'a, '_> {
         if word == "TITLE" && self.title(line) {
             return;
         }
-        if !self.frame(&word, code) {
+        let meant = self.misspelt_frame(&word, code);
+        if let Some(keyword) = meant {
+            self.report(frame_words::misspelt(self.span(first.range()), first.text(self.text), keyword));
+        }
+        if !self.frame(meant.unwrap_or(&word), code) {
             match self.mode {
                 Mode::Code => self.statement(code),
                 Mode::Declarations => self.declaration(code),
@@ -182,6 +187,41 @@ impl<'a> Classifier<'a, '_> {
         self.push(first.range().start..last.range().end, Tok::Title(text));
         self.end_line();
         true
+    }
+
+    /// The keyword of the frame that `word`, the first of its line, is a slip of.
+    fn misspelt_frame(&self, word: &str, code: &[RawToken]) -> Option<&'static str> {
+        const HEADERS: [&str; 4] = ["ORGANIZATION_BLOCK", "SUBROUTINE_BLOCK", "INTERRUPT_BLOCK", "DATA_BLOCK"];
+        const ALONE: [&str; 10] = [
+            "END_ORGANIZATION_BLOCK",
+            "END_SUBROUTINE_BLOCK",
+            "END_INTERRUPT_BLOCK",
+            "END_DATA_BLOCK",
+            "END_VAR",
+            "VAR_INPUT",
+            "VAR_OUTPUT",
+            "VAR_IN_OUT",
+            "VAR_TEMP",
+            "BEGIN",
+        ];
+        const OTHERS: [&str; 3] = ["NETWORK", "VAR_INOUT", "TITLE"];
+        const LENGTH_LEAST: usize = 5;
+        if word.len() < LENGTH_LEAST || HEADERS.contains(&word) || ALONE.contains(&word) || OTHERS.contains(&word) {
+            return None;
+        }
+        if mnemonics::any(word, self.detected.set).is_some() {
+            return None;
+        }
+        match without_semicolon(code) {
+            [_] => frame_words::slip_of(word, ALONE),
+            [_, next, ..] if word.len() > LENGTH_LEAST && next.kind == RawKind::Word => {
+                frame_words::slip_of(word, HEADERS)
+            }
+            [_, number, ..] if number.kind == RawKind::Integer && self.mode != Mode::Data => {
+                frame_words::slip_of(word, ["NETWORK"])
+            }
+            _ => None,
+        }
     }
 
     /// A line with a keyword of the frame; false: it is another line.

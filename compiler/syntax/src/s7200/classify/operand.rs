@@ -102,11 +102,23 @@ impl<'a> Classifier<'a, '_> {
             }
             RawKind::BadNumber => {
                 let span = self.span(token.range());
-                self.report(
-                    Diagnostic::new(Code::BadLiteral, span, format!("`{text}` is not a constant"))
-                        .label("begins like a number")
-                        .help("write `100`, `16#7F`, `2#0101` or `1.5`; names do not begin with a digit"),
-                );
+                let lower = text.to_ascii_lowercase();
+                let message = Diagnostic::new(Code::BadLiteral, span, format!("`{text}` is not a constant"));
+                let message = message.label("begins like a number");
+                let digits = |prefix: &str, radix: u32| {
+                    lower.strip_prefix(prefix).filter(|rest| rest.chars().all(|digit| digit.is_digit(radix)))
+                };
+                self.report(if let Some(digits) = digits("0x", 16) {
+                    message.help(format!("write `16#{}`", digits.to_ascii_uppercase()))
+                } else if let Some(digits) = digits("0b", 2) {
+                    message.help(format!("write `2#{digits}`"))
+                } else if lower.ends_with("ms") || lower.ends_with('s') {
+                    message.help(
+                        "a time of the S7-200 is a whole number of steps of its timer, of 1, 10 or 100 ms: write the number",
+                    )
+                } else {
+                    message.help("constants are whole numbers, `16#` or `2#` with digits, and numbers with a point; names do not begin with a digit")
+                });
                 Tok::BadOperand
             }
             RawKind::Quoted => {

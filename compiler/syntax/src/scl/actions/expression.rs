@@ -103,7 +103,9 @@ pub fn check_target(state: &mut State, target: &Expr) {
         },
         _ => false,
     };
-    if !fits {
+    // The binder knows better what is wrong with a call.
+    let call = matches!(target.kind, ExprKind::Call { .. });
+    if !fits && !call {
         let text = &state.text[target.span.range()];
         let title = if text.len() > 40 || text.contains('\n') {
             "nothing can be assigned to this expression".to_owned()

@@ -272,7 +272,7 @@ impl<'a> Classifier<'a, '_> {
         self.take(tok);
         if self.is_at(RawKind::Semicolon) {
             self.at += 1;
-        } else if self.peek().is_some() && !self.iec {
+        } else if self.peek().is_some() && !self.iec && self.slice(word) != "}" {
             let text = self.slice(word);
             self.tolerate(
                 self.span(word),

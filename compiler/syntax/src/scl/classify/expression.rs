@@ -206,6 +206,7 @@ impl<'a> Classifier<'a, '_> {
             RawKind::Caret => Tok::Caret,
             RawKind::Colon => Tok::Colon,
             RawKind::LeftBrace => return self.skip_braces(),
+            RawKind::Reported => Tok::Bad,
             _ => return self.stray(token),
         };
         self.take(tok);

@@ -4,7 +4,7 @@ use plcc_literal::calendar::{Clock, Date};
 use plcc_literal::duration::{Fraction, Smallest};
 
 use crate::elementary::Elementary;
-use crate::literal::{LiteralError, nanoseconds};
+use crate::literal::{LiteralError, form, nanoseconds};
 use crate::scl::ast::Literal;
 
 const TIME_FORM: &str = "write units in the order D, H, M, S, MS, each once: `T#1D_2H_3M_4S_5MS`";
@@ -13,7 +13,8 @@ const NS_PER_DAY: u64 = 86_400_000_000_000;
 
 /// `T#-1S_100MS`: milliseconds; smaller parts are cut off.
 pub fn duration(text: &str, value: &str) -> Result<Literal, LiteralError> {
-    let ms = nanoseconds(text, value, Smallest::Millisecond, Fraction::Last, TIME_FORM)? / 1_000_000;
+    let ms =
+        nanoseconds(text, value, Smallest::Millisecond, Fraction::Last, &form(text, value, TIME_FORM))? / 1_000_000;
     let ms = i32::try_from(ms).map_err(|_| {
         LiteralError::range(text, "not a TIME", "a TIME is from T#-24D_20H_31M_23S_648MS to T#24D_20H_31M_23S_647MS")
     })?;
@@ -22,8 +23,19 @@ pub fn duration(text: &str, value: &str) -> Result<Literal, LiteralError> {
 
 /// `LT#1S_5US_7NS`: nanoseconds.
 pub fn long_duration(text: &str, value: &str) -> Result<Literal, LiteralError> {
-    let ns = i64::try_from(nanoseconds(text, value, Smallest::Nanosecond, Fraction::Last, LTIME_FORM)?).map_err(|_| {
-        LiteralError::range(text, "not an LTIME", "an LTIME is from LT#-106751D_23H_47M_16S_854MS_775US_808NS to LT#106751D_23H_47M_16S_854MS_775US_807NS")
+    let ns = i64::try_from(nanoseconds(
+        text,
+        value,
+        Smallest::Nanosecond,
+        Fraction::Last,
+        &form(text, value, LTIME_FORM),
+    )?)
+    .map_err(|_| {
+        LiteralError::range(
+            text,
+            "not an LTIME",
+            "an LTIME is from LT#-106751D_23H_47M_16S_854MS_775US_808NS to LT#106751D_23H_47M_16S_854MS_775US_807NS",
+        )
     })?;
     Ok(Literal::Typed { ty: Elementary::Ltime, bits: ns as u64 })
 }

@@ -138,6 +138,20 @@ impl Classifier<'_, '_> {
             let after_operand = !matches!(self.last(), Some(Tok::LeftParen | Tok::Comma | Tok::Assign));
             match token.kind {
                 RawKind::RightParen => return self.take(Tok::RightParen),
+                RawKind::Semicolon if after_operand && self.is_parameter(self.at + 1) => {
+                    let name = self.slice(self.raw[self.at + 1]);
+                    let help = format!("write `, {name} := …`");
+                    self.report(
+                        Diagnostic::new(
+                            Code::ForeignForm,
+                            self.span(token),
+                            "the parameters of a call are separated by `,`",
+                        )
+                        .label("read as `,`")
+                        .help(help),
+                    );
+                    self.take(Tok::Comma);
+                }
                 RawKind::Semicolon => break,
                 _ if self.ends_code(self.at) => break,
                 _ if self.is_parameter(self.at) => {

@@ -285,6 +285,12 @@ impl<'a> Classifier<'a, '_> {
             return false;
         }
         match self.kind_at(index) {
+            // `5s` is meant as a time.
+            Some(RawKind::Word)
+                if index > 0 && self.kind_at(index - 1) == Some(RawKind::Number) && self.adjacent(index - 1) =>
+            {
+                !["MS", "S", "M", "H", "D"].contains(&self.upper(index).as_str())
+            }
             Some(RawKind::Word) => {
                 let next = self.kind_at(index + 1);
                 if next == Some(RawKind::Colon) {

@@ -83,7 +83,7 @@ enum Frame {
 }
 
 struct Classifier<'a, 'r> {
-    cursor: Cursor<'a, 'r, RawKind, (), Tok<'a>>,
+    cursor: Cursor<'a, 'r, RawKind, Option<&'static str>, Tok<'a>>,
     set: Mnemonics,
     /// Area letters of both mnemonic sets are accepted.
     both_sets: bool,
@@ -91,7 +91,7 @@ struct Classifier<'a, 'r> {
     mixed: bool,
 }
 
-crate::moves_cursor!(Classifier, RawKind, (), Tok);
+crate::moves_cursor!(Classifier, RawKind, Option<&'static str>, Tok);
 
 impl<'a> Classifier<'a, '_> {
     /// The whole file: blocks, and statements outside them.
@@ -144,7 +144,9 @@ impl<'a> Classifier<'a, '_> {
     /// The word at `index` in upper case; empty if there is no word.
     fn upper(&self, index: usize) -> Upper {
         match self.raw.get(index) {
-            Some(token) if token.kind == RawKind::Word => Upper::new(&self.text[token.range()]),
+            Some(token) if token.kind == RawKind::Word => {
+                Upper::new(token.keyword.unwrap_or(&self.text[token.range()]))
+            }
             _ => Upper::new(""),
         }
     }

@@ -330,7 +330,7 @@ fn temporary_data() {
     };
     assert_eq!(fc_codes(&temp("MW0 := #a;")), ["P0527"]);
     assert_eq!(fc_codes(&temp("#b := MW2; MW0 := #a;")), Vec::<&str>::new());
-    assert_eq!(fc_codes(&temp("MW0 := #a; #a := 1;")), Vec::<&str>::new());
+    assert_eq!(fc_codes(&temp("MW0 := #a; #a := 1;")), ["P0527"]);
 }
 
 /// Neither hangs nor overflows the stack.

@@ -1,0 +1,385 @@
+//! Heads of structured statements: THEN, DO, OF, TO and BY that are misspelt, exchanged, or written as signs. And declarations.
+
+use super::words::slip;
+use super::{Area, Head, Open, Repair, begins_operand, ends_operand};
+use crate::scl::keyword::Keyword;
+use crate::scl::raw::{RawKind, RawToken};
+
+impl Repair<'_> {
+    /// Repairs a part of a head, or a brace.
+    pub(super) fn repair_head(&mut self, token: RawToken) -> bool {
+        match token.kind {
+            RawKind::LeftBrace => return self.opening_brace(),
+            RawKind::RightBrace => return self.closed_brace(),
+            _ => {}
+        }
+        let outside = self.brackets.is_empty();
+        let Some(&Head { keyword, wanted, assigned, to, by }) = self.head.as_ref() else { return false };
+        let at = self.at;
+        let for_head = keyword == Keyword::For;
+        let statement = if keyword == Keyword::ElseIf { Keyword::Elsif } else { keyword };
+        match token.kind {
+            RawKind::Word if outside => match token.keyword {
+                Some(found @ (Keyword::Then | Keyword::Do | Keyword::Of))
+                    if found != wanted && wanted != Keyword::EndRepeat =>
+                {
+                    let title = format!("{} needs `{}`, not `{}`", statement.word(), wanted.word(), found.word());
+                    let help = format!("write `{}`", wanted.word());
+                    self.report(at, at + 1, title, &format!("read as `{}`", wanted.word()), help);
+                    self.replace(at, at + 1, RawKind::Word, Some(wanted));
+                    true
+                }
+                None if self.last.is_some_and(ends_operand) && !self.is_declared(self.slice(token)) => {
+                    let mut known = vec![wanted];
+                    if for_head && !to {
+                        known.push(Keyword::To);
+                    }
+                    if for_head && to && !by {
+                        known.push(Keyword::By);
+                    }
+                    let word = self.slice(token);
+                    if for_head && !assigned && word.eq_ignore_ascii_case("IN") {
+                        return self.for_in();
+                    }
+                    slip(word, &known).is_some_and(|keyword| self.take_keyword(keyword))
+                }
+                _ => false,
+            },
+            RawKind::LeftParen
+                if for_head && !assigned && self.last.is_some_and(|last| last.keyword == Some(Keyword::For)) =>
+            {
+                self.for_of_c()
+            }
+            RawKind::Equal if for_head && !assigned && outside => {
+                let rest = self.words(self.statement_head(), at - 1).to_owned();
+                let start = self.token(at + 1).map_or("1", |token| self.slice(token));
+                let help = format!("write `{rest} := {start}`");
+                self.report(at, at + 1, "the first value of FOR is given with `:=`".to_owned(), "compares", help);
+                self.replace(at, at + 1, RawKind::Assign, None);
+                true
+            }
+            // Without THEN, a statement follows.
+            RawKind::Assign
+                if !for_head
+                    && keyword != Keyword::Case
+                    && !self.begins_anew(at)
+                    && !self.brackets.last().copied().unwrap_or(false) =>
+            {
+                let (left, right) = self.sides(at, at + 1);
+                let help = format!("write `{left} = {right}`");
+                self.report(at, at + 1, "a condition compares with `=`; `:=` assigns".to_owned(), "read as `=`", help);
+                self.replace(at, at + 1, RawKind::Equal, None);
+                true
+            }
+            RawKind::Arrow if !for_head && !self.brackets.last().copied().unwrap_or(false) => {
+                let (left, right) = self.sides(at, at + 1);
+                let help = format!("write `{left} >= {right}`");
+                self.report(at, at + 1, "greater or equal is `>=`".to_owned(), "read as `>=`", help);
+                self.replace(at, at + 1, RawKind::GreaterEqual, None);
+                true
+            }
+            RawKind::Colon
+                if outside
+                    && wanted != Keyword::Of
+                    && wanted != Keyword::EndRepeat
+                    && self.kind(at + 1) != Some(RawKind::Equal) =>
+            {
+                let title = format!("the head of {} ends with `{}`", statement.word(), wanted.word());
+                self.report(
+                    at,
+                    at + 1,
+                    title,
+                    &format!("read as `{}`", wanted.word()),
+                    format!("write `{}`", wanted.word()),
+                );
+                self.replace(at, at + 1, RawKind::Word, Some(wanted));
+                true
+            }
+            RawKind::Semicolon if self.keyword(at + 1) == Some(wanted) && wanted != Keyword::EndRepeat => {
+                let title = format!("`;` cannot stand before `{}`", wanted.word());
+                let head = self.words(self.statement_head(), at - 1);
+                let help = format!("write `{} {head} {}`", statement.word(), wanted.word());
+                self.report(at, at + 1, title, "the head of the statement is not complete here", help);
+                self.drop_tokens(at, at + 1);
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// Whether the name before `at` follows another operand, so that it belongs to the next statement.
+    fn begins_anew(&self, at: usize) -> bool {
+        let mut first = at.saturating_sub(1);
+        while first >= 2 && self.kind(first - 1) == Some(RawKind::Dot) {
+            first -= 2;
+        }
+        first > 0 && ends_operand(self.tokens[first - 1])
+    }
+
+    /// Index of the token after the keyword of the head.
+    fn statement_head(&self) -> usize {
+        let is_head = |token: &RawToken| {
+            token.keyword.is_some_and(|word| {
+                matches!(
+                    word,
+                    Keyword::If | Keyword::Elsif | Keyword::ElseIf | Keyword::For | Keyword::While | Keyword::Case
+                )
+            })
+        };
+        self.tokens[..self.at].iter().rposition(is_head).map_or(self.at.saturating_sub(1), |found| found + 1)
+    }
+
+    /// The operands next to the operator at `at` to `after`, as written.
+    pub(super) fn sides(&self, at: usize, after: usize) -> (String, String) {
+        let mut first = at;
+        while first > 0 && at - first < 12 {
+            let token = self.tokens[first - 1];
+            let part = ends_operand(token)
+                || begins_operand(token)
+                || matches!(token.kind, RawKind::Dot | RawKind::Caret | RawKind::LeftBracket);
+            if !part || token.keyword.is_some_and(|word| word.is_operator() || word.ends_expression()) {
+                break;
+            }
+            // Two operands in a row belong to different parts.
+            if first < at && ends_operand(token) && begins_operand(self.tokens[first]) {
+                break;
+            }
+            first -= 1;
+        }
+        let mut end = after;
+        while end < self.tokens.len() && end - after < 12 {
+            let token = self.tokens[end];
+            let sign = end == after && token.kind == RawKind::Minus;
+            let part = sign
+                || ends_operand(token)
+                || begins_operand(token)
+                || matches!(token.kind, RawKind::Dot | RawKind::LeftBracket | RawKind::LeftParen);
+            if !part
+                || token
+                    .keyword
+                    .is_some_and(|word| word.is_operator() || word.ends_expression() || super::is_link(word))
+            {
+                break;
+            }
+            if end > after && begins_operand(token) && ends_operand(self.tokens[end - 1]) {
+                break;
+            }
+            end += 1;
+        }
+        let left = if first < at { self.words(first, at - 1) } else { "…" };
+        let right = if end > after { self.words(after, end - 1) } else { "…" };
+        (left.to_owned(), right.trim_end_matches(')').to_owned())
+    }
+
+    /// `FOR i IN 1..10 DO`
+    fn for_in(&mut self) -> bool {
+        let at = self.at;
+        let variable = self.words(self.statement_head(), at - 1).to_owned();
+        let points = (at..self.tokens.len().min(at + 12)).find(|index| self.kind(*index) == Some(RawKind::DotDot));
+        let Some(points) = points.filter(|points| *points > at + 1) else { return false };
+        let first = self.words(at + 1, points - 1).to_owned();
+        let last = self.token(points + 1).map_or("10", |token| self.slice(token)).to_owned();
+        let help = format!("write `FOR {variable} := {first} TO {last} DO`");
+        self.report(at, points + 2, "FOR counts with `:=` and TO".to_owned(), "a form of other languages", help);
+        self.replace(at, at + 1, RawKind::Assign, None);
+        while self.at < points {
+            let token = self.tokens[self.at];
+            self.pass(token);
+        }
+        self.replace(points, points + 1, RawKind::Word, Some(Keyword::To));
+        true
+    }
+
+    /// `FOR (i = 0; i < 10; i++) {`
+    fn for_of_c(&mut self) -> bool {
+        let at = self.at;
+        let Some(close) =
+            self.closing(at).filter(|close| (at..*close).any(|index| self.kind(index) == Some(RawKind::Semicolon)))
+        else {
+            return false;
+        };
+        let (variable, start) = match (self.token(at + 1), self.token(at + 3)) {
+            (Some(variable), Some(start)) if start.kind == RawKind::Number => (self.slice(variable), self.slice(start)),
+            _ => ("i", "first"),
+        };
+        let limit = (at..close).find(|index| matches!(self.kind(*index), Some(RawKind::Less | RawKind::LessEqual)));
+        let limit = limit.and_then(|less| {
+            let value = self.token(less + 1)?;
+            let text = self.slice(value);
+            Some(match (self.kind(less), text.parse::<i64>()) {
+                (Some(RawKind::Less), Ok(value)) => (value - 1).to_string(),
+                (Some(RawKind::Less), Err(_)) => format!("{text} - 1"),
+                _ => text.to_owned(),
+            })
+        });
+        let last = limit.unwrap_or_else(|| "last".to_owned());
+        let help = format!("write `FOR {variable} := {start} TO {last} DO … END_FOR;`");
+        self.report(at, close + 1, "FOR counts with `:=` and TO".to_owned(), "a form of other languages", help);
+        self.brackets.clear();
+        self.replace(at, close + 1, RawKind::Reported, None);
+        true
+    }
+
+    /// `{` for THEN or DO, or after ELSE.
+    fn opening_brace(&mut self) -> bool {
+        let at = self.at;
+        let after_else = self.last.is_some_and(|last| last.keyword == Some(Keyword::Else));
+        let wanted = match &self.head {
+            Some(head) if matches!(head.wanted, Keyword::Then | Keyword::Do) => Some(head.wanted),
+            None if after_else => None,
+            _ => return false,
+        };
+        let Some(open) = self.open.last_mut() else { return false };
+        let (statement, end) = (open.keyword, super::closer(open.keyword));
+        open.brace = true;
+        if !std::mem::replace(&mut self.braces_reported, true) {
+            let help = match wanted {
+                Some(wanted) => format!("write `{}` for `{{` and `{};` for `}}`", wanted.word(), end.word()),
+                None => format!("remove `{{`, and write `{};` for `}}`", end.word()),
+            };
+            let title = format!("the statements of {} are not written in braces", statement.word());
+            self.report(at, at + 1, title, "a form of other languages", help);
+        }
+        match wanted {
+            Some(wanted) => self.replace(at, at + 1, RawKind::Word, Some(wanted)),
+            None => self.drop_tokens(at, at + 1),
+        }
+        true
+    }
+
+    /// `}` for END_IF and others.
+    fn closed_brace(&mut self) -> bool {
+        let Some(index) = self.open.iter().rposition(|open| open.brace) else { return false };
+        let at = self.at;
+        let more = match self.token(at + 1) {
+            Some(next) => {
+                matches!(next.keyword, Some(Keyword::Else | Keyword::Elsif | Keyword::ElseIf))
+                    || super::words::alias(self.slice(next)) == Some(Keyword::Elsif)
+            }
+            None => false,
+        };
+        if more && self.open[index].keyword == Keyword::If {
+            self.open.truncate(index + 1);
+            // `else if` of such languages goes on with the statement.
+            if self.keyword(at + 1) == Some(Keyword::Else) && self.keyword(at + 2) == Some(Keyword::If) {
+                self.drop_tokens(at, at + 1);
+                self.replace(at + 1, at + 3, RawKind::Word, Some(Keyword::Elsif));
+            } else {
+                self.drop_tokens(at, at + 1);
+            }
+            self.statement = self.at;
+            return true;
+        }
+        let end = super::closer(self.open[index].keyword);
+        self.open.truncate(index + 1);
+        self.replace(at, at + 1, RawKind::Word, Some(end));
+        true
+    }
+
+    /// A token of a section: `name : INT = 5;`
+    pub(super) fn declaration_token(&mut self, token: RawToken) {
+        let at = self.at;
+        if let Some(word) = token.keyword
+            && (word.ends_section() || word.ends_block() || word == Keyword::Begin || word.begins_statement())
+            && self.kind(at + 1) != Some(RawKind::Colon)
+        {
+            self.area = if word.ends_block() { Area::Head } else { Area::Statements };
+            return self.pass(token);
+        }
+        match token.kind {
+            RawKind::Word | RawKind::Local
+                if matches!(
+                    self.kind(at + 1),
+                    Some(RawKind::Colon | RawKind::Comma | RawKind::Assign | RawKind::LeftBrace)
+                ) =>
+            {
+                self.declared.insert(self.slice(token).trim_start_matches('#').to_uppercase());
+            }
+            RawKind::Equal if self.brackets.is_empty() && self.last.is_some_and(ends_operand) => {
+                let (left, right) = self.sides(at, at + 1);
+                let help = format!("write `{left} := {right}`");
+                self.report(at, at + 1, "an initial value is given with `:=`".to_owned(), "read as `:=`", help);
+                self.replace(at, at + 1, RawKind::Assign, None);
+                return;
+            }
+            RawKind::Word if self.swapped_declaration(token) => return,
+            _ => {}
+        }
+        if self.repair_number(token) {
+            return;
+        }
+        self.at += 1;
+        match token.kind {
+            RawKind::LeftParen | RawKind::LeftBracket => self.brackets.push(true),
+            RawKind::RightParen | RawKind::RightBracket => {
+                self.brackets.pop();
+            }
+            RawKind::Semicolon => self.begin_statement(),
+            _ => {}
+        }
+        self.last = Some(token);
+    }
+
+    /// `speed INT;` without `:`, and `INT speed;`.
+    fn swapped_declaration(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        let starts = at == self.statement
+            || token.first_on_line
+                && self.last.is_none_or(|last| last.kind == RawKind::Semicolon || last.keyword.is_some());
+        let Some(next) = self.beside(at + 1).filter(|next| matches!(next.kind, RawKind::Word)) else { return false };
+        let ends = matches!(self.kind(at + 2), Some(RawKind::Semicolon | RawKind::Assign | RawKind::Equal));
+        if !starts || !ends || next.keyword.is_some() && next.keyword != Some(Keyword::String) {
+            return false;
+        }
+        let (first, second) = (self.slice(token), self.slice(next));
+        let is_type = |word: &str| crate::Elementary::from_word(word).is_some() || word.eq_ignore_ascii_case("STRING");
+        let (name, ty) = match (is_type(first), is_type(second)) {
+            (false, true) => (first, second),
+            (true, false) => (second, first),
+            _ => return false,
+        };
+        self.declared.insert(name.to_uppercase());
+        let title = if name == first {
+            format!("`:` is missing between `{name}` and its type")
+        } else {
+            "the name of a variable comes before its type".to_owned()
+        };
+        self.report(at, at + 2, title, "not a declaration of SCL", format!("write `{name} : {ty};`"));
+        let (name_token, type_token) = if name == first {
+            (token, next)
+        } else {
+            (RawToken { keyword: None, ..next }, RawToken { first_on_line: false, ..token })
+        };
+        let colon = RawToken {
+            kind: RawKind::Colon,
+            start: name_token.end,
+            end: name_token.end,
+            first_on_line: false,
+            keyword: None,
+        };
+        self.edits.push(super::Edit { first: at, after: at + 2, with: vec![name_token, colon, type_token] });
+        self.at = at + 2;
+        self.last = Some(type_token);
+        true
+    }
+}
+
+impl Open {
+    /// An open statement without braces.
+    #[cfg(test)]
+    fn plain(keyword: Keyword) -> Open {
+        Open { keyword, brace: false }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_statement_has_its_end() {
+        for keyword in [Keyword::If, Keyword::Case, Keyword::For, Keyword::While, Keyword::Repeat] {
+            assert_eq!(super::super::opener(super::super::closer(Open::plain(keyword).keyword)), Some(keyword));
+        }
+    }
+}

@@ -1,0 +1,344 @@
+//! Signs and numbers of other languages: `==`, `&&`, `i++`, `0x1F`, `3,5`.
+
+use super::{Repair, begins_operand, ends_operand};
+use crate::scl::keyword::Keyword;
+use crate::scl::raw::{RawKind, RawToken};
+
+/// Two signs without a blank between them, what they are in SCL, as a kind or keyword, and in words.
+const PAIRS: &[(RawKind, RawKind, RawKind, &str, &str)] = &[
+    (RawKind::Equal, RawKind::Equal, RawKind::Equal, "=", "values are compared with `=`"),
+    (RawKind::Greater, RawKind::Less, RawKind::NotEqual, "<>", "not equal is `<>`"),
+    (RawKind::Equal, RawKind::Less, RawKind::LessEqual, "<=", "less or equal is `<=`"),
+    (RawKind::Ampersand, RawKind::Ampersand, RawKind::Ampersand, "AND", "the operator is `AND`"),
+];
+
+impl Repair<'_> {
+    /// Repairs the sign or number at the current place.
+    pub(super) fn repair_sign(&mut self, token: RawToken) -> bool {
+        match token.kind {
+            RawKind::Number => self.repair_number(token),
+            RawKind::Semicolon => self.arguments_with_semicolon(),
+            RawKind::Colon => self.split_assignment(),
+            RawKind::Stray => self.stray_sign(token),
+            RawKind::Hash => self.comment_with_hash(token),
+            RawKind::Caret => self.power(),
+            RawKind::Plus | RawKind::Minus => self.step(token),
+            RawKind::Less | RawKind::Greater if self.shift(token) => true,
+            RawKind::Equal | RawKind::Greater | RawKind::Ampersand => self.pair(token),
+            _ => false,
+        }
+    }
+
+    fn pair(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        let Some(next) = self.token(at + 1).filter(|_| self.adjacent(at)) else { return false };
+        let Some((_, _, kind, sign, title)) =
+            PAIRS.iter().find(|(first, second, ..)| (*first, *second) == (token.kind, next.kind))
+        else {
+            return false;
+        };
+        self.operator(2, *kind, None, sign, title)
+    }
+
+    /// The operator of `count` tokens is `sign` in SCL.
+    fn operator(&mut self, count: usize, kind: RawKind, keyword: Option<Keyword>, sign: &str, title: &str) -> bool {
+        let at = self.at;
+        let (left, right) = self.sides(at, at + count);
+        let help = format!("write `{left} {sign} {right}`");
+        self.report(at, at + count, title.to_owned(), &format!("read as `{sign}`"), help);
+        self.replace(at, at + count, kind, keyword);
+        true
+    }
+
+    /// `!=`, `!x`, `||`, `|`, `%`, `x ? a : b`
+    fn stray_sign(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        let after_operand = self.last.is_some_and(ends_operand);
+        match self.slice(token) {
+            "!" if self.kind(at + 1) == Some(RawKind::Equal) && self.adjacent(at) => {
+                let count = if self.kind(at + 2) == Some(RawKind::Equal) && self.adjacent(at + 1) { 3 } else { 2 };
+                self.operator(count, RawKind::NotEqual, None, "<>", "not equal is `<>`")
+            }
+            "!" | "~" if !after_operand => {
+                let (_, operand) = self.sides(at, at + 1);
+                let help = format!("write `NOT {operand}`");
+                self.report(at, at + 1, "the operator is `NOT`".to_owned(), "read as `NOT`", help);
+                self.replace(at, at + 1, RawKind::Word, Some(Keyword::Not));
+                true
+            }
+            "||" | "|" if after_operand => {
+                self.operator(1, RawKind::Word, Some(Keyword::Or), "OR", "the operator is `OR`")
+            }
+            "%" if after_operand => {
+                self.operator(1, RawKind::Word, Some(Keyword::Mod), "MOD", "the rest of a division is `MOD`")
+            }
+            "?" if after_operand => {
+                let end = self.end_of_statement(at);
+                let first = self.statement;
+                let assigned = (first..at).find(|index| self.kind(*index) == Some(RawKind::Assign));
+                let colon = (at..end).find(|index| self.kind(*index) == Some(RawKind::Colon));
+                let help = match (assigned, colon) {
+                    (Some(assign), Some(colon)) if assign > first && colon > at + 1 && colon + 1 < end => {
+                        let target = self.words(first, assign - 1);
+                        let condition = self.words(assign + 1, at - 1);
+                        let (yes, no) = (self.words(at + 1, colon - 1), self.words(colon + 1, end - 1));
+                        format!("write `IF {condition} THEN {target} := {yes}; ELSE {target} := {no}; END_IF;`")
+                    }
+                    _ => "write `IF condition THEN … ELSE … END_IF;`".to_owned(),
+                };
+                self.report(
+                    at,
+                    at + 1,
+                    "SCL chooses between two values with IF".to_owned(),
+                    "a form of other languages",
+                    help,
+                );
+                self.give_up(end);
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// `i++;`, `i--;`
+    fn step(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        let twice = self.token(at + 1).is_some_and(|next| next.kind == token.kind) && self.adjacent(at);
+        let ends = matches!(self.kind(at + 2), Some(RawKind::Semicolon))
+            || self.token(at + 2).is_none_or(|next| next.first_on_line);
+        if !twice || !ends || !self.last.is_some_and(ends_operand) || at == self.statement {
+            return false;
+        }
+        let variable = self.words(self.statement, at - 1).to_owned();
+        let sign = self.slice(token);
+        let title = format!("SCL has no `{sign}{sign}`");
+        let help = format!("write `{variable} := {variable} {sign} 1;`");
+        self.report(at, at + 2, title, "a form of other languages", help);
+        self.give_up(at + 2);
+        true
+    }
+
+    /// `a << 2`, `a >> 2`
+    fn shift(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        let twice = self.token(at + 1).is_some_and(|next| next.kind == token.kind) && self.adjacent(at);
+        if !twice || !self.last.is_some_and(ends_operand) {
+            return false;
+        }
+        let (left, right) = self.sides(at, at + 2);
+        let function = if token.kind == RawKind::Less { "SHL" } else { "SHR" };
+        let title = format!("the function that shifts is `{function}`");
+        self.report(
+            at,
+            at + 2,
+            title,
+            "a form of other languages",
+            format!("write `{function}(IN := {left}, N := {right})`"),
+        );
+        let end = self.end_of_statement(at);
+        if self.head.is_some() {
+            // The rest of the condition goes with it.
+            self.replace(at, at + 2, RawKind::Plus, None);
+        } else {
+            self.give_up(end);
+        }
+        true
+    }
+
+    /// `a ^ 2`: a power is `**`; `^` follows a reference.
+    fn power(&mut self) -> bool {
+        let number = self.token(self.at + 1).is_some_and(begins_operand) && self.beside(self.at + 1).is_some();
+        number && self.operator(1, RawKind::Power, None, "**", "a power is `**`")
+    }
+
+    /// `a : = 5;`
+    fn split_assignment(&mut self) -> bool {
+        let at = self.at;
+        let next = self.beside(at + 1).filter(|next| next.kind == RawKind::Equal);
+        if next.is_none() || !self.last.is_some_and(ends_operand) {
+            return false;
+        }
+        let (left, right) = self.sides(at, at + 2);
+        let help = format!("write `{left} := {right}`");
+        self.report(at, at + 2, "`:=` is one sign".to_owned(), "read as `:=`", help);
+        self.replace(at, at + 2, RawKind::Assign, None);
+        true
+    }
+
+    /// `# comment` at the beginning of a line.
+    fn comment_with_hash(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        let blank =
+            self.text.as_bytes().get(token.end as usize).is_some_and(|byte| matches!(byte, b' ' | b'\t' | b'#'));
+        if !blank || !(token.first_on_line || self.last.is_some_and(|last| last.kind == RawKind::Semicolon)) {
+            return false;
+        }
+        let mut after = at + 1;
+        while self.beside(after).is_some() {
+            after += 1;
+        }
+        let text = self.words(at, after - 1).trim_start_matches('#').trim().to_owned();
+        let help = format!("write `// {text}`");
+        self.report(at, at + 1, "a comment begins with `//`".to_owned(), "read as a comment", help);
+        self.drop_tokens(at, after);
+        self.statement = self.at;
+        true
+    }
+
+    /// `f(a := 1; b := 2)`
+    fn arguments_with_semicolon(&mut self) -> bool {
+        const LOOK_MAX: usize = 200;
+        let at = self.at;
+        if self.brackets.last() != Some(&true) || self.head.is_some() {
+            return false;
+        }
+        let formal = matches!(self.kind(at + 1), Some(RawKind::Word | RawKind::Local))
+            && matches!(self.kind(at + 2), Some(RawKind::Assign | RawKind::Arrow));
+        // `)` that belongs to the call must follow.
+        let mut depth = 0usize;
+        let closed = self.tokens[at + 1..].iter().take(LOOK_MAX).find_map(|token| match token.kind {
+            RawKind::LeftParen | RawKind::LeftBracket => {
+                depth += 1;
+                None
+            }
+            RawKind::RightParen | RawKind::RightBracket if depth == 0 => Some(true),
+            RawKind::RightParen | RawKind::RightBracket => {
+                depth -= 1;
+                None
+            }
+            _ => token.keyword.is_some_and(|word| word.ends_expression()).then_some(false),
+        });
+        let last = self.kind(at + 1) == Some(RawKind::RightParen);
+        if closed != Some(true) || !(formal || last) {
+            return false;
+        }
+        let title = "the parameters of a call are separated by `,`".to_owned();
+        let help = match last {
+            true => "remove `;` before `)`".to_owned(),
+            false => format!("write `, {} {} …`", self.words(at + 1, at + 1), self.words(at + 2, at + 2)),
+        };
+        self.report(at, at + 1, title, if last { "not needed" } else { "read as `,`" }, help);
+        if last {
+            self.drop_tokens(at, at + 1);
+        } else {
+            // The statement goes on.
+            self.edits.push(super::Edit {
+                first: at,
+                after: at + 1,
+                with: vec![RawToken { kind: RawKind::Comma, ..self.tokens[at] }],
+            });
+            self.at += 1;
+            self.last = Some(RawToken { kind: RawKind::Comma, ..self.tokens[at] });
+        }
+        true
+    }
+
+    /// `0x1F`, `0b101`, `5L`, `5s`, `3,5`
+    pub(super) fn repair_number(&mut self, token: RawToken) -> bool {
+        if token.kind != RawKind::Number {
+            return false;
+        }
+        let at = self.at;
+        let number = self.slice(token);
+        let next = self.token(at + 1).filter(|_| self.adjacent(at));
+        let Some(next) = next else { return false };
+        match next.kind {
+            RawKind::Word => {
+                let Some((title, written)) = foreign_number(number, self.slice(next)) else { return false };
+                let help = format!("write `{written}`");
+                self.report(at, at + 2, title.to_owned(), "not a number of SCL", help);
+                self.replace(at, at + 2, RawKind::Reported, None);
+                true
+            }
+            RawKind::Comma => {
+                let digits = self.token(at + 2).filter(|next| next.kind == RawKind::Number && self.adjacent(at + 1));
+                let value = self.brackets.is_empty() && self.is_real_value();
+                let Some(digits) = digits.filter(|_| value) else { return false };
+                let written = format!("{number}.{}", self.slice(digits));
+                let help = format!("write `{written}`");
+                self.report(at, at + 3, "a decimal number has a point".to_owned(), "read as one number", help);
+                self.replace(at, at + 3, RawKind::Reported, None);
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// Whether one number stands here: after `:=` or an operator of a statement, or as the initial value of a REAL.
+    fn is_real_value(&self) -> bool {
+        let Some(last) = self.last else { return false };
+        match self.area {
+            super::Area::Statements | super::Area::Head => matches!(
+                last.kind,
+                RawKind::Assign
+                    | RawKind::Plus
+                    | RawKind::Minus
+                    | RawKind::Star
+                    | RawKind::Slash
+                    | RawKind::Less
+                    | RawKind::Greater
+                    | RawKind::LessEqual
+                    | RawKind::GreaterEqual
+            ),
+            super::Area::Declarations => {
+                let real =
+                    self.at.checked_sub(2).and_then(|before| self.token(before)).is_some_and(|ty| {
+                        ["REAL", "LREAL"].iter().any(|name| name.eq_ignore_ascii_case(self.slice(ty)))
+                    });
+                let array = (self.statement..self.at).any(|index| self.keyword(index) == Some(Keyword::Array));
+                last.kind == RawKind::Assign && real && !array
+            }
+        }
+    }
+}
+
+/// What is meant by a number and the letters directly after it, and how SCL writes it.
+pub(super) fn foreign_number(number: &str, word: &str) -> Option<(&'static str, String)> {
+    let upper = word.to_ascii_uppercase();
+    let digits = upper.get(1..).unwrap_or_default();
+    let of_base =
+        |base: u32| !digits.is_empty() && digits.bytes().all(|byte| byte == b'_' || char::from(byte).is_digit(base));
+    Some(match upper.as_str() {
+        _ if number == "0" && upper.starts_with('X') && of_base(16) => {
+            ("a hexadecimal number begins with `16#`", format!("16#{digits}"))
+        }
+        _ if number == "0" && upper.starts_with('B') && of_base(2) => {
+            ("a binary number begins with `2#`", format!("2#{digits}"))
+        }
+        _ if number == "0" && upper.starts_with('O') && of_base(8) => {
+            ("an octal number begins with `8#`", format!("8#{digits}"))
+        }
+        "L" | "LL" => ("a number of type DINT begins with `L#`", format!("L#{number}")),
+        "U" | "UL" => ("a number without sign has its type before it", format!("UDINT#{number}")),
+        "F" => ("a number of type REAL has a point", format!("{number}.0")),
+        "MS" | "S" | "M" | "H" | "MIN" | "SEC" => {
+            let unit = match upper.as_str() {
+                "MIN" => "M",
+                "SEC" => "S",
+                unit => unit,
+            };
+            ("a time begins with `T#`", format!("T#{number}{unit}"))
+        }
+        _ if upper == "H" || upper.bytes().all(|byte| byte.is_ascii_hexdigit()) => {
+            ("a hexadecimal number begins with `16#`", format!("16#{number}{upper}"))
+        }
+        _ => return None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::foreign_number;
+
+    #[test]
+    fn numbers_are_written_with_their_digits() {
+        let written = |number, word| foreign_number(number, word).map(|(_, written)| written);
+        assert_eq!(written("0", "x1f").as_deref(), Some("16#1F"));
+        assert_eq!(written("0", "b101").as_deref(), Some("2#101"));
+        assert_eq!(written("7", "s").as_deref(), Some("T#7S"));
+        assert_eq!(written("5", "L").as_deref(), Some("L#5"));
+        assert_eq!(written("1", "F").as_deref(), Some("1.0"));
+        assert_eq!(written("12", "AB").as_deref(), Some("16#12AB"));
+        assert_eq!(written("12", "px"), None);
+    }
+}

@@ -1,0 +1,247 @@
+//! What is wrong in a TOML file, in the words of its author rather than those of a reader of TOML.
+//!
+//! ```text
+//! unknown field `nmae`, expected one of `name`, `cpu`   ──►   `nmae` is not a key here; help: write `name`
+//! ```
+
+use crate::distance;
+
+/// A message and what to do.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Wrong {
+    pub title: String,
+    pub help: String,
+}
+
+/// Most keys in a help; of more, the ones that resemble the wrong one are named.
+const KEYS_MAX: usize = 12;
+
+/// Rewrites `message` of the library, which it reports at `offset` of `text`.
+pub fn plain_at(message: &str, text: &str, offset: usize) -> Wrong {
+    let offset = (0..=offset.min(text.len())).rev().find(|at| text.is_char_boundary(*at)).unwrap_or_default();
+    let start = text[..offset].rfind('\n').map_or(0, |at| at + 1);
+    let end = text[offset..].find('\n').map_or(text.len(), |at| offset + at);
+    plain(message, text[offset..end].trim_end(), &text[start..end])
+}
+
+/// Rewrites `message` of the library. `place`: the text at the place of the error, up to the end of its line. `line`: its whole line.
+pub fn plain(message: &str, place: &str, line: &str) -> Wrong {
+    let message = message.lines().next().unwrap_or_default();
+    let wrong = |title: String, help: String| Wrong { title, help };
+    if let Some((name, rest)) = quoted_after(message, "unknown field ") {
+        return unknown("key here", "keys", name, &all_quoted(rest));
+    }
+    if let Some((name, rest)) = quoted_after(message, "unknown variant ") {
+        let known = all_quoted(rest);
+        let Wrong { title, help } = unknown("value here", "values", name, &known);
+        return wrong(title, if known.is_empty() { "write another value".to_owned() } else { help });
+    }
+    if let Some((name, _)) = quoted_after(message, "missing field ") {
+        return wrong(format!("the key `{name}` is missing here"), format!("add `{name} = …`"));
+    }
+    if let Some(rest) = message.strip_prefix("invalid type: ").or_else(|| message.strip_prefix("invalid value: ")) {
+        let (found, wanted) = rest.rsplit_once(", expected ").unwrap_or((rest, "another value"));
+        return wrong_type(found, wanted);
+    }
+    if message.starts_with("duplicate key") {
+        let key = place.split(['=', ']']).next().unwrap_or_default().trim();
+        return wrong(format!("`{key}` is here twice"), "remove one of them".to_owned());
+    }
+    syntax(message, place, line.trim())
+}
+
+/// The word between back quotes after `start`, and the rest.
+fn quoted_after<'m>(message: &'m str, start: &str) -> Option<(&'m str, &'m str)> {
+    message.strip_prefix(start)?.strip_prefix('`')?.split_once('`')
+}
+
+fn all_quoted(text: &str) -> Vec<&str> {
+    text.split('`').skip(1).step_by(2).collect()
+}
+
+fn unknown(what: &str, plural: &str, name: &str, known: &[&str]) -> Wrong {
+    let title = format!("`{name}` is not a {what}");
+    // `[ob35]` for `[ob.35]`.
+    let numbered = known.iter().find(|key| {
+        let rest = name.strip_prefix(**key).map(|rest| rest.trim_start_matches(['_', '-', ' ']));
+        rest.is_some_and(|rest| !rest.is_empty() && rest.bytes().all(|digit| digit.is_ascii_digit()))
+    });
+    let help = match (numbered, distance::nearest(name, known.iter().copied())) {
+        (Some(key), _) => format!("write `{key}.{}`", name[key.len()..].trim_start_matches(['_', '-', ' '])),
+        (None, Some(near)) => format!("write `{near}`"),
+        (None, None) if known.is_empty() => "remove it".to_owned(),
+        (None, None) if known.len() <= KEYS_MAX => format!("the {plural} are {}", known.join(", ")),
+        (None, None) => {
+            let begin = |key: &&&str| key.bytes().next().map(|c| c.to_ascii_lowercase()) == first_letter(name);
+            let alike: Vec<&str> = known.iter().filter(begin).copied().collect();
+            let list = if alike.is_empty() { known } else { &alike };
+            format!("remove it, or write one of the {plural} that plcc has, such as {}", list.join(", "))
+        }
+    };
+    Wrong { title, help }
+}
+
+fn first_letter(name: &str) -> Option<u8> {
+    name.bytes().next().map(|letter| letter.to_ascii_lowercase())
+}
+
+/// `found`: `integer `50``, `string "x"`, `map`; `wanted`: `a string`, `a sequence`, `i64`.
+fn wrong_type(found: &str, wanted: &str) -> Wrong {
+    let (kind, value) = found.split_once(' ').unwrap_or((found, ""));
+    let value = value.trim_matches('`');
+    let text = value.trim_matches('"');
+    let is = match kind {
+        "integer" | "floating" => format!("the number {}", value.trim_start_matches("point `").trim_matches('`')),
+        "string" => format!("the text {value}"),
+        "boolean" => value.to_owned(),
+        "sequence" => "a list".to_owned(),
+        "map" => "a table".to_owned(),
+        _ => found.to_owned(),
+    };
+    let number = || text.trim().trim_start_matches(|c: char| c.is_ascii_alphabetic()).trim();
+    let (expected, help) = match wanted {
+        "a string" | "string" => match kind {
+            "integer" | "floating" => {
+                let number = is.trim_start_matches("the number ");
+                ("a text in quotation marks", format!("write `\"{number}\"`; a time needs its unit, `\"{number}ms\"`"))
+            }
+            "boolean" => ("a text in quotation marks", format!("write `\"{value}\"`")),
+            _ => ("a text in quotation marks", "write `\"…\"`".to_owned()),
+        },
+        "a sequence" | "a list" if kind == "map" => {
+            ("a list of tables", "write the name in two brackets: `[[…]]`".to_owned())
+        }
+        "a sequence" | "a list" => ("a list", format!("write `[{value}]`")),
+        "a boolean" => {
+            let yes = ["yes", "on", "1", "true"].iter().any(|word| word.eq_ignore_ascii_case(text));
+            let no = ["no", "off", "0", "false"].iter().any(|word| word.eq_ignore_ascii_case(text));
+            let help = match (yes, no) {
+                (true, _) => "write `true`, without quotation marks",
+                (_, true) => "write `false`, without quotation marks",
+                _ => "write `true` or `false`, without quotation marks",
+            };
+            ("true or false", help.to_owned())
+        }
+        wanted if is_number(wanted) => {
+            let expected = match wanted.as_bytes()[0] {
+                b'u' => "a whole number, 0 or more,",
+                b'i' => "a whole number",
+                _ => "a number",
+            };
+            match number().parse::<f64>() {
+                Ok(_) if kind == "string" => (expected, format!("write `{}`", number())),
+                _ => (expected, "write digits, without quotation marks".to_owned()),
+            }
+        }
+        wanted if wanted.contains("map") || wanted.contains("struct") => {
+            ("a table", "write the keys below `[…]`, or between `{` and `}`".to_owned())
+        }
+        wanted => (wanted, "write a value of that kind".to_owned()),
+    };
+    Wrong { title: format!("{expected} is expected here, not {is}"), help }
+}
+
+fn is_number(wanted: &str) -> bool {
+    let mut letters = wanted.chars();
+    matches!(letters.next(), Some('i' | 'u' | 'f')) && letters.as_str().parse::<u8>().is_ok()
+}
+
+/// An error in the form of the file.
+fn syntax(message: &str, place: &str, line: &str) -> Wrong {
+    let wrong = |title: &str, help: String| Wrong { title: title.to_owned(), help };
+    let key = line.split(['=', ':']).next().unwrap_or_default().trim();
+    if message.contains("must be quoted") || message.contains("literal string") || message.contains("unquoted") {
+        let value = line.split_once('=').map_or(place, |(_, value)| value).split('#').next().unwrap_or_default().trim();
+        if !value.is_empty() && !value.starts_with(['"', '\'', '[', '{']) {
+            return wrong("a text is written in quotation marks", format!("write `{key} = \"{value}\"`"));
+        }
+        return wrong("a text is written in quotation marks", "write `\"…\"`".to_owned());
+    }
+    if message.contains("key with no value") {
+        if let Some((key, value)) = line.split_once(':') {
+            return wrong(
+                "a key and its value are joined by `=`",
+                format!("write `{} = {}`", key.trim(), value.trim()),
+            );
+        }
+        return wrong("this key has no value", format!("write `{key} = …`"));
+    }
+    if message.contains("basic string") || message.contains("literal string") {
+        return wrong("the text is not closed on its line", "close it with `\"`".to_owned());
+    }
+    if message.contains("missing comma") || message.contains("extra assignment") {
+        return wrong("a comma is missing before this", "separate the parts by `,`".to_owned());
+    }
+    if message.contains("unclosed array") {
+        return wrong("the list is not closed", "close it with `]`".to_owned());
+    }
+    if message.contains("unclosed inline table") {
+        return wrong("the table is not closed", "close it with `}`".to_owned());
+    }
+    if message.contains("unclosed table") {
+        return wrong("the heading is not closed", format!("write `{}]`", line.trim_end_matches(']')));
+    }
+    if message.contains("missing value") || message.contains("missing assignment value") {
+        return wrong("the value is missing", format!("write `{key} = …`"));
+    }
+    let told = message.split(", expected").next().unwrap_or(message);
+    wrong(&format!("this is not TOML: {told}"), "write `key = value`, with texts in quotation marks".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(message: &str, line: &str) -> (String, String) {
+        let Wrong { title, help } = plain(message, line, line);
+        (title, help)
+    }
+
+    fn same(message: &str, line: &str, title: &str, help: &str) {
+        assert_eq!(of(message, line), (title.to_owned(), help.to_owned()));
+    }
+
+    #[test]
+    fn names_the_nearest_key() {
+        let known = "expected one of `name`, `cpu`, `ob`";
+        same(&format!("unknown field `nmae`, {known}"), "", "`nmae` is not a key here", "write `name`");
+        same(&format!("unknown field `ob35`, {known}"), "", "`ob35` is not a key here", "write `ob.35`");
+        same(&format!("unknown field `speed`, {known}"), "", "`speed` is not a key here", "the keys are name, cpu, ob");
+        same(
+            "unknown variant `warmm`, expected one of `warm`, `hot`",
+            "",
+            "`warmm` is not a value here",
+            "write `warm`",
+        );
+        same("missing field `slot`", "", "the key `slot` is missing here", "add `slot = …`");
+    }
+
+    #[test]
+    fn tells_types_in_plain_words() {
+        let string = "invalid type: integer `50`, expected a string";
+        same(
+            string,
+            "",
+            "a text in quotation marks is expected here, not the number 50",
+            "write `\"50\"`; a time needs its unit, `\"50ms\"`",
+        );
+        let list = "invalid type: string \"main.stl\", expected a sequence";
+        same(list, "", "a list is expected here, not the text \"main.stl\"", "write `[\"main.stl\"]`");
+        let byte = "invalid type: string \"MB 100\", expected i64";
+        same(byte, "", "a whole number is expected here, not the text \"MB 100\"", "write `100`");
+        let yes = "invalid type: string \"yes\", expected a boolean";
+        same(yes, "", "true or false is expected here, not the text \"yes\"", "write `true`, without quotation marks");
+    }
+
+    #[test]
+    fn tells_the_form_in_plain_words() {
+        let quotes = "string values must be quoted, expected literal string";
+        same(quotes, "name = x # a", "a text is written in quotation marks", "write `name = \"x\"`");
+        same(
+            "key with no value, expected `=`",
+            "name: \"x\"",
+            "a key and its value are joined by `=`",
+            "write `name = \"x\"`",
+        );
+    }
+}
