@@ -1,7 +1,7 @@
 //! Builds the runtime that is in every executable: as an executable with room for a program, to which plcc adds one, and as
-//! one relocatable object for linking with a C compiler.
+//! one relocatable object for linking with a C compiler. And the same with services, for programs that have clients.
 //!
-//! The runtime crate is compiled once more as a static library with `main`, in a separate target folder, so that the
+//! The crates of the runtime are compiled once more as one static library, in a separate target folder, so that the
 //! outer build's lock is not touched. A partial link then picks from it and from the standard library what `main` and the
 //! runtime functions need: linking an executable takes a fraction of the time that it takes with the archive.
 
@@ -13,7 +13,7 @@ use std::process::Command;
 use plcc_abi::{RuntimeFn, linked};
 
 /// What the object is built from, relative to the root of the workspace.
-const SOURCES: [&str; 8] = [
+const SOURCES: [&str; 10] = [
     "Cargo.lock",
     "Cargo.toml",
     "runtime/abi/Cargo.toml",
@@ -22,6 +22,8 @@ const SOURCES: [&str; 8] = [
     "runtime/core/src",
     "runtime/literal/Cargo.toml",
     "runtime/literal/src",
+    "runtime/services/Cargo.toml",
+    "runtime/services/src",
 ];
 
 /// Settings of the outer build that must not reach the inner one.
@@ -52,10 +54,15 @@ fn main() {
         println!("cargo::rerun-if-changed={}", root.join(source).display());
     }
     let archive = build_archive(&root, &out.join("runtime"));
-    let runtime = out.join("runtime.o");
-    prelink(&archive, &runtime);
-    link_template(&runtime, &out.join("template"));
+    for (name, entry) in RUNTIMES {
+        let runtime = out.join(format!("{name}.o"));
+        prelink(&archive, entry, &runtime);
+        link_template(&runtime, &out.join(format!("{name}-template")));
+    }
 }
+
+/// The runtimes: name of the file, and what of the library is `main`. What it does not reach is left out.
+const RUNTIMES: [(&str, &str); 2] = [("runtime", "plcc_main"), ("services", "plcc_main_with_services")];
 
 fn variable(name: &str) -> PathBuf {
     PathBuf::from(env::var_os(name).unwrap_or_else(|| panic!("cargo sets {name}")))
@@ -76,12 +83,12 @@ const LINKER_SCRIPT: &str = "SECTIONS {
 }
 ";
 
-/// Compiles the runtime; returns the path of the static library.
+/// Compiles the runtime with the services; returns the path of the static library.
 fn build_archive(root: &Path, target_dir: &Path) -> PathBuf {
     let target = env::var("TARGET").expect("cargo sets TARGET");
     let cargo = |offline: bool| {
         let mut cargo = Command::new(env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo")));
-        cargo.current_dir(root).args(["rustc", "--release", "--locked", "--package", "plcc-runtime", "--lib"]);
+        cargo.current_dir(root).args(["rustc", "--release", "--locked", "--package", "plcc-services", "--lib"]);
         cargo.args(["--features", "executable", "--crate-type", "staticlib", "--target", &target]);
         cargo.arg("--target-dir").arg(target_dir);
         cargo.args(offline.then_some("--offline"));
@@ -96,20 +103,24 @@ fn build_archive(root: &Path, target_dir: &Path) -> PathBuf {
     if !built {
         run(&mut cargo(false), "building the runtime");
     }
-    target_dir.join(target).join("release/libplcc_runtime.a")
+    target_dir.join(target).join("release/libplcc_services.a")
 }
 
 /// Links what `main` and the runtime functions need into one relocatable object.
-fn prelink(archive: &Path, object: &Path) {
+fn prelink(archive: &Path, entry: &str, object: &Path) {
     let mut linker = compiler();
-    let script = object.with_extension("ld");
+    let (script, source) = (object.with_extension("ld"), object.with_extension("main.c"));
     std::fs::write(&script, LINKER_SCRIPT).expect("cargo's output folder can be written");
+    let main =
+        format!("int {entry}(int, char **);\nint main(int argc, char **argv) {{ return {entry}(argc, argv); }}\n");
+    std::fs::write(&source, main).expect("cargo's output folder can be written");
+    linker.args(["-O1", "-fno-asynchronous-unwind-tables", "-fPIE"]);
     linker.args(["-r", "-nostdlib", "-Wl,--gc-sections", "-Wl,--force-group-allocation"]);
     linker.args(["-Wl,--strip-debug", "-Wl,--discard-all", "-T"]).arg(&script);
     let library = linked::LIBRARY_FUNCTIONS.map(|(_, exported)| exported);
     let roots = RuntimeFn::ALL.iter().map(|function| function.symbol()).chain(library).chain(["main"]);
     linker.args(roots.map(|symbol| format!("-Wl,--undefined={symbol}")));
-    linker.arg("-o").arg(object).arg(archive);
+    linker.arg("-o").arg(object).arg(&source).arg(archive);
     run(&mut linker, "linking the runtime");
 }
 

@@ -38,6 +38,8 @@ pub enum Command {
     },
     /// Draw a trace as an SVG picture.
     Plot(PlotArgs),
+    /// Make the hash of a password for plc.toml: reads the password, one line, from standard input.
+    Password,
     /// Explain a diagnostic code.
     Explain {
         /// The code that a message shows, such as `P0203`.
@@ -160,6 +162,9 @@ pub struct BuildArgs {
     /// Link with a C compiler, such as `cc` [default: plcc links].
     #[arg(long, value_name = "CC")]
     pub linker: Option<String>,
+    /// Give the executable servers for clients, and their flags [default: if plc.toml has `[services]`].
+    #[arg(long)]
+    pub services: bool,
     /// Do not print what was written.
     #[arg(long)]
     pub quiet: bool,

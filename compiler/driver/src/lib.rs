@@ -32,6 +32,7 @@ pub mod project;
 pub mod report;
 pub mod retain;
 pub mod s7200;
+pub mod services;
 pub mod sheets;
 pub mod station;
 pub mod statistics;
@@ -62,6 +63,7 @@ fn dispatch(cli: &Cli) -> u8 {
         Command::Test(args) => command::test::test(args),
         Command::Check(args) => command::check::check(args),
         Command::Station { folder } => command::station::station(folder),
+        Command::Password => command::password::password(),
         Command::Plot(args) => command::plot::plot(args),
         Command::Explain { code } => command::explain::explain(code),
     }

@@ -23,10 +23,11 @@ use crate::family::{Family, Step7};
 use crate::io::Driver;
 use crate::memory::Memory;
 use crate::online::Service;
-use crate::options::CYCLE_TIME_DEFAULT;
+use crate::options::{CYCLE_TIME_DEFAULT, Restart};
 use crate::organization::Running;
 use crate::records::Records;
 use crate::records::store::Store;
+use crate::restart::Carried;
 use crate::retain::Retention;
 use crate::s7200::{S7200, ScanCycle};
 use crate::schedule::Schedule;
@@ -76,6 +77,12 @@ pub struct Cpu {
     /// Answers clients.
     pub(crate) service: RefCell<Option<Box<dyn Service>>>,
     pub(crate) is_served: Cell<bool>,
+    /// A client asks for RUN.
+    pub(crate) restart_requested: Cell<Option<Restart>>,
+    /// The CPU goes on in place of one that stopped.
+    pub(crate) is_restarted: bool,
+    /// What that one has left, until startup.
+    pub(crate) carried: RefCell<Option<Carried>>,
     /// Connections of the program.
     pub(crate) communication: RefCell<Communication>,
     /// Data logs, recipes and files.
@@ -134,6 +141,9 @@ impl Cpu {
             retention: OnceCell::new(),
             service: RefCell::default(),
             is_served: Cell::new(false),
+            restart_requested: Cell::new(None),
+            is_restarted: false,
+            carried: RefCell::default(),
             startup: Cell::new(image.config.startup),
             watchdog: Watchdog::new(&memory),
             memory,

@@ -65,12 +65,13 @@ impl Cpu {
         while !self.is_stopped() && pace.cycles.is_none_or(|cycles| cycle < cycles) && !crate::run::end_requested() {
             cycle += 1;
             let start = self.clock.now();
-            if let Some(last) = last_start.replace(start) {
-                times.add(start.saturating_sub(last));
+            let period = last_start.replace(start).map(|last| start.saturating_sub(last));
+            if let Some(period) = period {
+                times.add(period);
             }
             self.run_cycle(cycle, start, &times, observer);
             self.communicate();
-            self.serve_clients(pace);
+            self.serve_clients(pace, start, period);
             self.records.borrow_mut().work(self);
             if self.retention.get().is_some() && !self.is_stopped() {
                 self.keep_retentive(false);
@@ -101,8 +102,8 @@ impl Cpu {
         self.set_configured_times();
         self.start_technology();
         self.family.start_hardware(self);
-        // With retentive memory it is power that comes back: an automatic restart.
-        let automatic = u8::from(self.retention.get().is_some());
+        // With retentive memory it is power that comes back, an automatic restart, unless a client asked for it.
+        let automatic = u8::from(self.retention.get().is_some() && !self.is_restarted);
         let cause = automatic
             + match ob {
                 101 => 0x83,
@@ -194,7 +195,7 @@ impl Cpu {
     }
 
     /// Outputs of the modules in STOP.
-    fn stop_outputs(&self) {
+    pub(crate) fn stop_outputs(&self) {
         self.driver.stop();
         self.family.stop_outputs(self);
     }

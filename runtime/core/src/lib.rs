@@ -36,7 +36,7 @@ pub mod datetime;
 pub mod diagnostics;
 pub mod events;
 #[cfg(all(feature = "executable", not(test)))]
-mod executable;
+pub mod executable;
 mod family;
 pub mod faults;
 pub mod files;
@@ -54,6 +54,7 @@ pub mod plant;
 pub mod realtime;
 pub mod records;
 pub mod report;
+mod restart;
 mod retain;
 pub mod run;
 pub mod s7200;

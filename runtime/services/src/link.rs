@@ -3,14 +3,15 @@
 //! Servers run on a thread of their own and never touch PLC memory. They send work, which the CPU does at its cycle control point, between two
 //! cycles. So each piece of work sees one completed cycle. The queue is bounded: who sends more than the CPU can do waits.
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use plcc_runtime::cpu::Cpu;
 use plcc_runtime::online::Service;
 use tokio::sync::{mpsc, oneshot};
 
-/// Work that may wait for the CPU.
-const QUEUE_MAX: usize = 64;
+use crate::limits::QUEUE_MAX;
+use crate::metrics::CycleTimes;
 
 type Work = Box<dyn FnOnce(&Cpu) + Send>;
 
@@ -23,12 +24,14 @@ pub struct Link {
 /// The end of the CPU.
 pub struct Desk {
     queue: mpsc::Receiver<Work>,
+    /// Where the times of cycles are counted, if someone wants to know them.
+    times: Option<Arc<CycleTimes>>,
 }
 
 /// Both ends of a new way.
-pub fn link() -> (Link, Desk) {
+pub fn link(times: Option<Arc<CycleTimes>>) -> (Link, Desk) {
     let (send, receive) = mpsc::channel(QUEUE_MAX);
-    (Link { queue: send }, Desk { queue: receive })
+    (Link { queue: send }, Desk { queue: receive, times })
 }
 
 impl Link {
@@ -45,6 +48,13 @@ impl Link {
 }
 
 impl Service for Desk {
+    fn look(&self, cpu: &Cpu, start: u64, period: Option<u64>) -> bool {
+        if let Some(times) = &self.times {
+            times.add(period, cpu.clock.now().saturating_sub(start));
+        }
+        !self.queue.is_empty()
+    }
+
     fn serve(&mut self, cpu: &Cpu, share: Duration) {
         let mut until = None;
         while let Ok(work) = self.queue.try_recv() {

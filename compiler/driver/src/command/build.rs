@@ -113,12 +113,14 @@ fn link_executable(bound: Bound, args: &BuildArgs, name: &str) -> Result<(), u8>
         report::say(&format!("`{}` is a source; name the executable with -o", output.display()));
         return Err(exit::USAGE);
     }
+    let has_services = args.services || bound.program.config.services.linked;
+    let runtime = if has_services { link::Runtime::Services } else { link::Runtime::Plain };
     let lowered = pipeline::lower(&bound, args.optimization.optimization());
     // A large program takes much memory; what is not needed any more makes room.
     drop(bound);
     let cache = if args.no_cache { None } else { Cache::of(&output) };
     let object = pipeline::object(lowered, cache.as_ref()).map_err(|error| internal(&error))?;
-    link::link(&[object], &output, args.linker.as_deref()).map_err(|error| {
+    link::link_with(runtime, &[object], &output, args.linker.as_deref()).map_err(|error| {
         report::say(&error.to_string());
         exit::USAGE
     })?;

@@ -3,6 +3,7 @@
 pub mod build;
 pub mod check;
 pub mod explain;
+pub mod password;
 pub mod plot;
 pub mod run;
 pub mod station;

@@ -77,12 +77,30 @@ fn cause(output: &str) -> &'static str {
 
 impl std::error::Error for LinkError {}
 
+/// What an executable has besides its program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Runtime {
+    Plain,
+    /// With servers for clients, and their flags.
+    Services,
+}
+
 /// Links `objects` with the runtime to the executable `out`. `linker` is a C compiler; without one plcc links.
 pub fn link(objects: &[impl AsRef<[u8]>], out: &Path, linker: Option<&str>) -> Result<(), LinkError> {
+    link_with(Runtime::Plain, objects, out, linker)
+}
+
+/// As [`link`], with the runtime of choice.
+pub fn link_with(
+    runtime: Runtime,
+    objects: &[impl AsRef<[u8]>],
+    out: &Path,
+    linker: Option<&str>,
+) -> Result<(), LinkError> {
     match linker {
-        Some(linker) => compiler::link(objects, out, linker),
-        None if Template::is_usable() => write_executable(out, &executable(objects)?),
-        None => compiler::link(objects, out, COMPILER),
+        Some(linker) => compiler::link(runtime, objects, out, linker),
+        None if Template::is_usable() => write_executable(out, &executable(runtime, objects)?),
+        None => compiler::link(runtime, objects, out, COMPILER),
     }
 }
 
@@ -104,8 +122,8 @@ pub fn output_of(command: &mut Command) -> io::Result<Output> {
 }
 
 /// The bytes of the executable that contains `objects` and the runtime.
-fn executable(objects: &[impl AsRef<[u8]>]) -> Result<Vec<u8>, LinkError> {
-    let template = Template::read()?;
+fn executable(runtime: Runtime, objects: &[impl AsRef<[u8]>]) -> Result<Vec<u8>, LinkError> {
+    let template = Template::read(runtime)?;
     let parsed: Vec<place::ObjectFile<'_>> =
         objects.iter().map(|object| place::parse(object.as_ref())).collect::<Result<_, _>>()?;
     let mut image = place::place(&template, &parsed)?;

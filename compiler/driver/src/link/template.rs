@@ -9,9 +9,10 @@ use object::elf::{self, FileHeader64, ProgramHeader64, SectionHeader64, Sym64};
 use object::read::elf::{FileHeader as _, ProgramHeader as _, SectionHeader as _, Sym as _};
 use plcc_abi::linked;
 
-use super::LinkError;
+use super::{LinkError, Runtime};
 
-static BYTES: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/template"));
+static PLAIN: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/runtime-template"));
+static SERVICES: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/services-template"));
 
 pub const ENDIAN: LittleEndian = LittleEndian;
 
@@ -43,16 +44,20 @@ pub struct Room {
 impl Template {
     /// True if the runtime is for a computer whose executables plcc can write.
     pub fn is_usable() -> bool {
-        FileHeader64::<LittleEndian>::parse(BYTES).is_ok_and(|header| header.e_machine(ENDIAN) == elf::EM_X86_64)
+        FileHeader64::<LittleEndian>::parse(PLAIN).is_ok_and(|header| header.e_machine(ENDIAN) == elf::EM_X86_64)
     }
 
     /// Errors: the linker that built the runtime did not make what it was asked for.
-    pub fn read() -> Result<Template, LinkError> {
+    pub fn read(runtime: Runtime) -> Result<Template, LinkError> {
+        let bytes = match runtime {
+            Runtime::Plain => PLAIN,
+            Runtime::Services => SERVICES,
+        };
         let wrong = |error: object::read::Error| LinkError::Object(format!("the runtime: {error}"));
         let missing = |what: &str| LinkError::Object(format!("the runtime has no {what}"));
-        let header = FileHeader64::<LittleEndian>::parse(BYTES).map_err(wrong)?;
-        let segments = header.program_headers(ENDIAN, BYTES).map_err(wrong)?.to_vec();
-        let table = header.sections(ENDIAN, BYTES).map_err(wrong)?;
+        let header = FileHeader64::<LittleEndian>::parse(bytes).map_err(wrong)?;
+        let segments = header.program_headers(ENDIAN, bytes).map_err(wrong)?.to_vec();
+        let table = header.sections(ENDIAN, bytes).map_err(wrong)?;
         let mut sections = Vec::new();
         for section in table.iter() {
             if section.sh_type(ENDIAN) == elf::SHT_NULL || section.sh_flags(ENDIAN) & u64::from(elf::SHF_ALLOC) != 0 {
@@ -83,7 +88,7 @@ impl Template {
                 end = end.max(section.sh_offset(ENDIAN) + section.sh_size(ENDIAN));
             }
         }
-        let symbols = table.symbols(ENDIAN, BYTES, elf::SHT_SYMTAB).map_err(wrong)?;
+        let symbols = table.symbols(ENDIAN, bytes, elf::SHT_SYMTAB).map_err(wrong)?;
         let mut functions = Vec::new();
         for symbol in symbols.iter() {
             let section = symbol.st_shndx(ENDIAN);
@@ -92,7 +97,7 @@ impl Template {
             }
         }
         functions.sort_by_key(|(_, symbol)| symbol.st_value(ENDIAN));
-        Ok(Template { bytes: BYTES, header: *header, segments, sections, functions, program, code, end })
+        Ok(Template { bytes, header: *header, segments, sections, functions, program, code, end })
     }
 }
 
@@ -104,18 +109,27 @@ mod tests {
 
     #[test]
     fn the_template_has_room_and_all_functions() {
-        let template = Template::read().expect("build.rs made it");
-        assert!(template.program.address < template.code.address);
-        let names: HashSet<&[u8]> = template.functions.iter().map(|(name, _)| *name).collect();
-        let library = linked::LIBRARY_FUNCTIONS.map(|(_, name)| name);
-        for name in RuntimeFn::ALL.iter().map(|function| function.symbol()).chain(library) {
-            assert!(names.contains(name.as_bytes()), "{name}");
+        for runtime in [Runtime::Plain, Runtime::Services] {
+            let template = Template::read(runtime).expect("build.rs made it");
+            assert!(template.program.address < template.code.address);
+            let names: HashSet<&[u8]> = template.functions.iter().map(|(name, _)| *name).collect();
+            let library = linked::LIBRARY_FUNCTIONS.map(|(_, name)| name);
+            for name in RuntimeFn::ALL.iter().map(|function| function.symbol()).chain(library) {
+                assert!(names.contains(name.as_bytes()), "{name}");
+            }
         }
     }
 
     #[test]
+    fn services_are_only_where_they_are_asked_for() {
+        let bytes = |runtime| Template::read(runtime).expect("build.rs made it").bytes.len();
+        let (plain, services) = (bytes(Runtime::Plain), bytes(Runtime::Services));
+        assert!(plain < 4_000_000 && plain + 200_000 < services, "{plain} {services}");
+    }
+
+    #[test]
     fn no_segment_is_writable_and_executable() {
-        for segment in Template::read().expect("build.rs made it").segments {
+        for segment in Template::read(Runtime::Services).expect("build.rs made it").segments {
             let flags = segment.p_flags(ENDIAN);
             assert!(flags & elf::PF_W == 0 || flags & elf::PF_X == 0, "{flags}");
         }

@@ -48,6 +48,7 @@ pub(crate) fn lower(program: &Program, cpu: CpuRow, sources: &SourceMap) -> Lowe
             data: plan.texts.bytes.clone(),
             read_only: true,
             unlinked: false,
+            optimized: false,
             kept: Kept::Nothing,
             ty: None,
         });

@@ -15,7 +15,7 @@ use crate::clock::Clock;
 use crate::code::Code;
 use crate::cpu::Cpu;
 use crate::cycle::Pace;
-use crate::faults::STOP_BY_REQUEST;
+use crate::faults::{STOP_BY_CLIENT, STOP_BY_REQUEST};
 use crate::io::Simulated;
 use crate::online::Service;
 use crate::options::{ClockKind, HANG_LIMIT_DEFAULT, RunOptions};
@@ -92,20 +92,10 @@ fn run_served(
     image.config.s7200.stop_on_error |= options.stop_on_error;
     options.restart(&mut image.config);
     let driver = Box::new(Simulated::new(image.config.modules.clone()));
-    let cpu = Cpu::new(image, code, clock, driver);
-    if let Some(port) = options.iso_port {
-        cpu.communication.borrow_mut().set_iso_port(port);
-    }
-    let folder = store::folder(options.data.as_deref(), cpu.image.config.data_folder.as_deref());
-    cpu.set_store(Store::new(folder));
-    if let Some(path) = &options.alarm_log {
-        match files::writable(path).and_then(|()| File::create(path)) {
-            Ok(file) => cpu.alarms.borrow_mut().write_to(file),
-            Err(error) => {
-                say!("runtime: {}: {error}", path.display());
-                return EXIT_USAGE;
-            }
-        }
+    let mut cpu = Cpu::new(image, code, clock, driver);
+    if let Err(message) = furnish(&cpu, options) {
+        say!("runtime: {message}");
+        return EXIT_USAGE;
     }
     let (printed, mut session) = match prepare(&cpu, options, Box::new(std::io::stdout())) {
         Ok(prepared) => prepared,
@@ -120,7 +110,7 @@ fn run_served(
         return EXIT_USAGE;
     }
     watch_signals();
-    let pace = pace(&cpu, options);
+    let mut pace = pace(&cpu, options);
     // Also with --quiet: the user must know this to judge the values.
     for notice in &cpu.image.notices {
         say!("{notice}");
@@ -128,12 +118,38 @@ fn run_served(
     if let Some(service) = service {
         cpu.attach(service);
     }
-    let cycles = cpu.execute(&pace, &mut session);
-    let exit = finish(&cpu, options, &printed, session, cycles);
-    if cpu.is_stopped() {
-        cpu.serve_in_stop();
+    let mut cycles = cpu.execute(&pace, &mut session);
+    // A CPU in STOP answers its clients, and one of them may start it again.
+    while cpu.is_stopped() && cpu.is_served.get() {
+        stop_line(&cpu, options, cycles).iter().for_each(|line| say!("{line}"));
+        let Some(kind) = cpu.serve_in_stop() else { break };
+        cpu = Cpu::restarted(cpu, kind);
+        if let Err(message) = furnish(&cpu, options) {
+            say!("runtime: {message}");
+            return EXIT_USAGE;
+        }
+        if !options.quiet {
+            say!("started again by a client");
+        }
+        pace.cycles = options.cycles.map(|all| all.saturating_sub(cycles));
+        cycles += cpu.execute(&pace, &mut session);
     }
-    exit
+    finish(&cpu, options, &printed, session, cycles)
+}
+
+/// Gives a CPU what the flags name: ports, folders, files.
+fn furnish(cpu: &Cpu, options: &RunOptions) -> Result<(), String> {
+    if let Some(port) = options.iso_port {
+        cpu.communication.borrow_mut().set_iso_port(port);
+    }
+    let folder = store::folder(options.data.as_deref(), cpu.image.config.data_folder.as_deref());
+    cpu.set_store(Store::new(folder));
+    // After a restart the file goes on.
+    if let (Some(path), false) = (&options.alarm_log, cpu.is_restarted) {
+        let file = files::writable(path).and_then(|()| File::create(path));
+        cpu.alarms.borrow_mut().write_to(file.map_err(|error| format!("{}: {error}", path.display()))?);
+    }
+    Ok(())
 }
 
 fn pace(cpu: &Cpu, options: &RunOptions) -> Pace {
@@ -213,20 +229,22 @@ fn verdict(cpu: &Cpu, options: &RunOptions, session: &Session, cycles: u64) -> (
         lines.push(format!("{file}:{line}: expected {text}, but it is {}{place}{beside}", failure.left));
         fault = true;
     }
-    let stop = cpu.stopped();
-    match stop {
-        Some(stop) if !stop.asked => {
-            lines.push(cpu.stop_text(&stop));
-            fault = true;
-        }
-        Some(stop) if stop.entry.event == STOP_BY_REQUEST => {
-            if !options.quiet {
-                lines.push("ended in startup".to_string());
-            }
-        }
-        Some(_) if !options.quiet => lines.push(format!("stopped by the program after {cycles} cycles")),
-        None if !options.quiet => lines.push(format!("ended after {cycles} cycles")),
-        Some(_) | None => {}
+    fault |= cpu.stopped().is_some_and(|stop| !stop.asked);
+    // With clients it was told when the CPU stopped.
+    if !(cpu.is_stopped() && cpu.is_served.get()) {
+        lines.extend(stop_line(cpu, options, cycles));
     }
     (lines, fault)
+}
+
+/// Why the CPU is in STOP, or that it has reached its end.
+fn stop_line(cpu: &Cpu, options: &RunOptions, cycles: u64) -> Option<String> {
+    let line = match cpu.stopped() {
+        Some(stop) if !stop.asked => return Some(cpu.stop_text(&stop)),
+        Some(stop) if stop.entry.event == STOP_BY_REQUEST => "ended in startup".to_string(),
+        Some(stop) if stop.entry.event == STOP_BY_CLIENT => format!("stopped by a client after {cycles} cycles"),
+        Some(_) => format!("stopped by the program after {cycles} cycles"),
+        None => format!("ended after {cycles} cycles"),
+    };
+    (!options.quiet).then_some(line)
 }
