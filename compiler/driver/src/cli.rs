@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use plcc_opt::Without;
 use plcc_runtime::RunOptions;
+use plcc_services::ServiceOptions;
 use plcc_syntax::CodePage;
 use plcc_syntax::stl::Mnemonics;
 
@@ -46,6 +47,8 @@ pub enum Command {
     Plot(PlotArgs),
     /// Draw a program: networks, charts and code.
     View(ViewArgs),
+    /// Make the hash of a password for plc.toml: reads the password, one line, from standard input.
+    Password,
     /// Explain a diagnostic code.
     Explain {
         /// The code that a message shows, such as `P0203`.
@@ -174,6 +177,9 @@ pub struct BuildArgs {
     /// Link with a C compiler, such as `cc` [default: plcc links].
     #[arg(long, value_name = "CC")]
     pub linker: Option<String>,
+    /// Give the executable servers for clients, and their flags [default: if plc.toml has `[services]`].
+    #[arg(long)]
+    pub services: bool,
     /// Do not print what was written.
     #[arg(long)]
     pub quiet: bool,
@@ -206,6 +212,8 @@ pub struct RunArgs {
     pub compile: CompileArgs,
     #[command(flatten)]
     pub run: RunOptions,
+    #[command(flatten)]
+    pub services: ServiceOptions,
 }
 
 #[derive(Args, Debug)]

@@ -34,6 +34,7 @@ pub mod project;
 pub mod report;
 pub mod retain;
 pub mod s7200;
+pub mod services;
 pub mod sheets;
 pub mod station;
 pub mod statistics;
@@ -67,6 +68,7 @@ fn dispatch(cli: &Cli) -> u8 {
         Command::Fmt(args) => command::fmt::fmt(args),
         Command::Station { folder } => command::station::station(folder),
         Command::Convert(args) => command::convert::convert(args),
+        Command::Password => command::password::password(),
         Command::Plot(args) => command::plot::plot(args),
         Command::View(args) => command::view::view(args),
         Command::Explain { code } => command::explain::explain(code),

@@ -157,8 +157,12 @@ impl Maker<'_> {
             Code::Graphic(body) => {
                 let is_fbd = body.networks.iter().any(|network| network.language == Language::Fbd);
                 page.language = if is_fbd { "FBD" } else { "LAD" };
-                page.sections =
-                    body.networks.iter().enumerate().map(|(at, network)| self.network(at + 1, network, scope)).collect();
+                page.sections = body
+                    .networks
+                    .iter()
+                    .enumerate()
+                    .map(|(at, network)| self.network(at + 1, network, scope))
+                    .collect();
             }
             Code::Stl(_) => page.language = "STL",
             Code::Scl(_) => page.language = "SCL",

@@ -46,12 +46,18 @@ pub struct Area {
 impl Area {
     /// Both have a common inner point.
     pub fn meets(&self, other: &Area) -> bool {
-        self.x < other.x + other.w && other.x < self.x + self.w && self.y < other.y + other.h && other.y < self.y + self.h
+        self.x < other.x + other.w
+            && other.x < self.x + self.w
+            && self.y < other.y + other.h
+            && other.y < self.y + self.h
     }
 
     /// `other` is inside, or touches the edges from inside.
     pub fn holds(&self, other: &Area) -> bool {
-        self.x <= other.x && self.y <= other.y && other.x + other.w <= self.x + self.w && other.y + other.h <= self.y + self.h
+        self.x <= other.x
+            && self.y <= other.y
+            && other.x + other.w <= self.x + self.w
+            && other.y + other.h <= self.y + self.h
     }
 }
 
@@ -123,7 +129,9 @@ impl Item {
                 Some(Area { x, y: at.1 - height + 3, w, h: height })
             }
             Item::Frame { area, .. } | Item::Glyph { area, .. } => Some(*area),
-            Item::Wire { .. } | Item::Dot { .. } | Item::Rail { .. } | Item::Circle { .. } | Item::Stroke { .. } => None,
+            Item::Wire { .. } | Item::Dot { .. } | Item::Rail { .. } | Item::Circle { .. } | Item::Stroke { .. } => {
+                None
+            }
         }
     }
 }

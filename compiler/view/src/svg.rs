@@ -70,7 +70,9 @@ fn write_item(out: &mut String, item: &Item) {
             };
             write!(out, "<path class=\"w\"{} d=\"M{} {}{way}\"/>", data(net), from.0, from.1)
         }
-        Item::Dot { at, net } => write!(out, "<circle class=\"d\"{} cx=\"{}\" cy=\"{}\" r=\"2.5\"/>", data(net), at.0, at.1),
+        Item::Dot { at, net } => {
+            write!(out, "<circle class=\"d\"{} cx=\"{}\" cy=\"{}\" r=\"2.5\"/>", data(net), at.0, at.1)
+        }
         Item::Rail { from, to } => {
             write!(out, "<path class=\"r\" d=\"M{} {}V{}\"/>", from.0, from.1, to.1)
         }
@@ -104,7 +106,13 @@ fn write_item(out: &mut String, item: &Item) {
             let way = match kind {
                 Glyph::Contact => format!("M{left} {top}V{bottom}M{right} {top}V{bottom}"),
                 Glyph::Coil => {
-                    format!("M{} {top}q-10 {} 0 {height}M{} {top}q10 {} 0 {height}", left + 5, height / 2, right - 5, height / 2)
+                    format!(
+                        "M{} {top}q-10 {} 0 {height}M{} {top}q10 {} 0 {height}",
+                        left + 5,
+                        height / 2,
+                        right - 5,
+                        height / 2
+                    )
                 }
             };
             let slash = match sign.as_str() {
@@ -124,7 +132,9 @@ fn write_item(out: &mut String, item: &Item) {
             }
             Ok(())
         }
-        Item::Circle { at, net } => write!(out, "<circle class=\"n\"{} cx=\"{}\" cy=\"{}\" r=\"3.5\"/>", data(net), at.0, at.1),
+        Item::Circle { at, net } => {
+            write!(out, "<circle class=\"n\"{} cx=\"{}\" cy=\"{}\" r=\"3.5\"/>", data(net), at.0, at.1)
+        }
         Item::Text { at, anchor, text, ink, key } => {
             let anchor = match anchor {
                 Anchor::Start => "",

@@ -119,11 +119,13 @@ impl Cpu {
     fn step(&self, course: &mut Course, observer: &mut dyn Observer) {
         course.cycle += 1;
         let start = self.clock.now();
-        if let Some(last) = course.last_start.replace(start) {
-            course.times.add(start.saturating_sub(last));
+        let period = course.last_start.replace(start).map(|last| start.saturating_sub(last));
+        if let Some(period) = period {
+            course.times.add(period);
         }
         self.run_cycle(course.cycle, start, &course.times, observer);
         self.communicate();
+        self.serve_clients(&course.pace, start, period);
         self.records.borrow_mut().work(self);
         if self.retention.get().is_some() && !self.is_stopped() {
             self.keep_retentive(false);
@@ -146,8 +148,8 @@ impl Cpu {
         self.set_configured_times();
         self.start_technology();
         self.family.start_hardware(self);
-        // With retentive memory it is power that comes back: an automatic restart.
-        let automatic = u8::from(self.retention.get().is_some());
+        // With retentive memory it is power that comes back, an automatic restart, unless a client asked for it.
+        let automatic = u8::from(self.retention.get().is_some() && !self.is_restarted);
         let cause = automatic
             + match ob {
                 101 => 0x83,
@@ -239,7 +241,7 @@ impl Cpu {
     }
 
     /// Outputs of the modules in STOP.
-    fn stop_outputs(&self) {
+    pub(crate) fn stop_outputs(&self) {
         self.driver.stop();
         self.family.stop_outputs(self);
     }
@@ -257,7 +259,7 @@ impl Cpu {
     }
 
     /// Something besides the code of the program may change outputs before byte `end` in the process image.
-    pub(crate) fn note_outputs(&self, end: u32) {
+    pub fn note_outputs(&self, end: u32) {
         self.outputs_changed.set(self.outputs_changed.get().max(end));
     }
 
@@ -297,7 +299,7 @@ impl Cpu {
     }
 
     /// Writes a peripheral output, and the process image where it covers the address. True: no module there.
-    pub(crate) fn peripheral_write(&self, address: u32, bytes: u32, value: u32) -> bool {
+    pub fn peripheral_write(&self, address: u32, bytes: u32, value: u32) -> bool {
         if !matches!(bytes, 1 | 2 | 4) || !self.driver.write(address, bytes, self.at_module(address, bytes, value)) {
             return true;
         }

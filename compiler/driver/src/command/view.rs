@@ -49,7 +49,9 @@ fn write_folder(book: &Book, folder: &Path) -> Result<(), String> {
             let Body::Drawing { scene, .. } = &section.content else { continue };
             let safe: String = page.id.chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).collect();
             let path = folder.join(format!("{safe}_{}.svg", section.number));
-            writable(&path).and_then(|()| std::fs::write(&path, svg::file(scene))).map_err(|error| failed(&path, error))?;
+            writable(&path)
+                .and_then(|()| std::fs::write(&path, svg::file(scene)))
+                .map_err(|error| failed(&path, error))?;
         }
     }
     Ok(())

@@ -18,8 +18,8 @@ mod relocate;
 mod template;
 mod write;
 
-pub use template::Form;
 use template::Template;
+pub use template::{Form, Runtime};
 
 /// The C compiler that links where plcc cannot.
 const COMPILER: &str = "cc";
@@ -89,20 +89,15 @@ impl std::error::Error for LinkError {}
 
 /// Links `objects` with the runtime to the executable `out`. `linker` is a C compiler; without one plcc links.
 pub fn link(objects: &[impl AsRef<[u8]>], out: &Path, linker: Option<&str>) -> Result<(), LinkError> {
-    link_form(Form::Executable, objects, out, linker)
+    link_form(Form::Executable(Runtime::Plain), objects, out, linker)
 }
 
 /// As [`link`], to another form.
-pub fn link_form(
-    form: Form,
-    objects: &[impl AsRef<[u8]>],
-    out: &Path,
-    linker: Option<&str>,
-) -> Result<(), LinkError> {
+pub fn link_form(form: Form, objects: &[impl AsRef<[u8]>], out: &Path, linker: Option<&str>) -> Result<(), LinkError> {
     match linker {
         Some(linker) => compiler::link(form, objects, out, linker),
         None if Template::is_usable(form) => write_executable(out, &linked(form, objects)?),
-        None if form == Form::Executable => compiler::link(form, objects, out, COMPILER),
+        None if matches!(form, Form::Executable(_)) => compiler::link(form, objects, out, COMPILER),
         None => Err(LinkError::NotHere(form)),
     }
 }

@@ -1,6 +1,8 @@
 //! Networks of LAD and FBD as sheets.
 
-use plcc_syntax::network::ast::{Element, Graph, Language, PinValue, Source as GraphSource, Storage, Target, TemplateKey};
+use plcc_syntax::network::ast::{
+    Element, Graph, Language, PinValue, Source as GraphSource, Storage, Target, TemplateKey,
+};
 use plcc_syntax::network::draw;
 use plcc_syntax::network::elements::{Gate, Kind, Row};
 use plcc_syntax::scl::ast::Expr;
@@ -215,7 +217,8 @@ impl Sheet {
             }
             let (Some(from), Some(to)) = (part.net(part.flow_in), part.net(part.flow_out)) else { continue };
             let alone = self.nets.get(to).is_some_and(|net| net.sources.len() == 1) && from != to;
-            let sources: usize = self.nets.iter().flat_map(|net| &net.sources).filter(|s| **s == Source::Net(to)).count();
+            let sources: usize =
+                self.nets.iter().flat_map(|net| &net.sources).filter(|s| **s == Source::Net(to)).count();
             if !alone || sources > 0 {
                 continue;
             }

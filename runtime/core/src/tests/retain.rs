@@ -33,6 +33,7 @@ fn db(number: u16, kept: Kept) -> DbEntry {
         data: vec![0, 7, 0, 7],
         read_only: false,
         unlinked: false,
+        optimized: false,
         kept,
         ty: Some(1),
     }
