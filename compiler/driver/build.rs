@@ -188,6 +188,12 @@ fn link_template(runtime: &Path, template: &Path, options: &[impl AsRef<OsStr>])
     let mut linker = compiler();
     linker.args(["-O1", "-fno-asynchronous-unwind-tables"]).args(options).arg("-o").arg(template);
     linker.arg(&source).arg(runtime).args(["-lm", "-Wl,-T"]).arg(&script);
+    // Debuggers see the functions that code calls; the rest would only make executables larger.
+    let names = template.with_extension("names");
+    let kept = runtime_functions().chain([linked::SYMBOL, "main"]);
+    std::fs::write(&names, kept.map(|name| format!("{name}\n")).collect::<String>())
+        .expect("cargo's output folder can be written");
+    linker.arg(format!("-Wl,--retain-symbols-file={}", names.display()));
     linker.arg("-Wl,-z,relro,-z,now,-z,noexecstack,-z,separate-code,--build-id=none,--discard-all");
     run(&mut linker, "linking the runtime to an executable");
 }

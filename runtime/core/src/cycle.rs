@@ -227,7 +227,9 @@ impl Cpu {
             communication.close_all();
             return;
         }
-        communication.work(self.clock.now());
+        if communication.is_open() {
+            communication.work(self.clock.now());
+        }
         if communication.take_waiting() && self.clock.is_virtual() {
             std::thread::sleep(crate::communication::PATIENCE);
         }

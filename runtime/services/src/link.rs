@@ -4,6 +4,7 @@
 //! cycles. So each piece of work sees one completed cycle. The queue is bounded: who sends more than the CPU can do waits.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use plcc_runtime::cpu::Cpu;
@@ -19,11 +20,14 @@ type Work = Box<dyn FnOnce(&Cpu) + Send>;
 #[derive(Clone)]
 pub struct Link {
     queue: mpsc::Sender<Work>,
+    waiting: Arc<AtomicUsize>,
 }
 
 /// The end of the CPU.
 pub struct Desk {
     queue: mpsc::Receiver<Work>,
+    /// Work in the queue: the cycle looks at it each time, which must cost next to nothing.
+    waiting: Arc<AtomicUsize>,
     /// Where the times of cycles are counted, if someone wants to know them.
     times: Option<Arc<CycleTimes>>,
 }
@@ -31,7 +35,8 @@ pub struct Desk {
 /// Both ends of a new way.
 pub fn link(times: Option<Arc<CycleTimes>>) -> (Link, Desk) {
     let (send, receive) = mpsc::channel(QUEUE_MAX);
-    (Link { queue: send }, Desk { queue: receive, times })
+    let waiting = Arc::<AtomicUsize>::default();
+    (Link { queue: send, waiting: waiting.clone() }, Desk { queue: receive, waiting, times })
 }
 
 impl Link {
@@ -42,7 +47,9 @@ impl Link {
             // Who asked may have gone.
             let _ = send.send(work(cpu));
         });
-        self.queue.send(boxed).await.ok()?;
+        let place = self.queue.reserve().await.ok()?;
+        self.waiting.fetch_add(1, Ordering::Relaxed);
+        place.send(boxed);
         receive.await.ok()
     }
 }
@@ -52,12 +59,13 @@ impl Service for Desk {
         if let Some(times) = &self.times {
             times.add(period, cpu.clock.now().saturating_sub(start));
         }
-        !self.queue.is_empty()
+        self.waiting.load(Ordering::Relaxed) != 0
     }
 
     fn serve(&mut self, cpu: &Cpu, share: Duration) {
         let mut until = None;
         while let Ok(work) = self.queue.try_recv() {
+            self.waiting.fetch_sub(1, Ordering::Relaxed);
             work(cpu);
             let until = *until.get_or_insert_with(|| Instant::now() + share);
             if Instant::now() >= until {
