@@ -52,7 +52,21 @@ impl fmt::Display for LinkError {
                 cause(output),
                 output.trim_end().replace('\n', "\n  ")
             ),
-            LinkError::Output { path, error } => write!(f, "cannot write `{}`: {error}", path.display()),
+            LinkError::Output { path, error } => match path.parent().filter(|parent| !parent.as_os_str().is_empty()) {
+                Some(folder) if error.kind() == io::ErrorKind::NotFound => {
+                    write!(
+                        f,
+                        "cannot write `{}`: there is no folder `{}`; create it first",
+                        path.display(),
+                        folder.display()
+                    )
+                }
+                Some(folder) if error.kind() == io::ErrorKind::NotADirectory => {
+                    write!(f, "cannot write `{}`: `{}` is a file, not a folder", path.display(), folder.display())
+                }
+                // The error names the temporary file, which is none of the user's.
+                _ => write!(f, "cannot write `{}`: {}", path.display(), crate::inputs::reason(error)),
+            },
             LinkError::Object(message) => {
                 write!(f, "internal fault, please report it: {message}; `--linker {COMPILER}` may help")
             }
