@@ -62,7 +62,21 @@ impl fmt::Display for LinkError {
                 f,
                 "this plcc was built without the static C library; install it and build plcc again, or try `--linker {COMPILER}`"
             ),
-            LinkError::Output { path, error } => write!(f, "cannot write `{}`: {error}", path.display()),
+            LinkError::Output { path, error } => match path.parent().filter(|parent| !parent.as_os_str().is_empty()) {
+                Some(folder) if error.kind() == io::ErrorKind::NotFound => {
+                    write!(
+                        f,
+                        "cannot write `{}`: there is no folder `{}`; create it first",
+                        path.display(),
+                        folder.display()
+                    )
+                }
+                Some(folder) if error.kind() == io::ErrorKind::NotADirectory => {
+                    write!(f, "cannot write `{}`: `{}` is a file, not a folder", path.display(), folder.display())
+                }
+                // The error names the temporary file, which is none of the user's.
+                _ => write!(f, "cannot write `{}`: {}", path.display(), crate::inputs::reason(error)),
+            },
             LinkError::Object(message) => {
                 write!(f, "internal fault, please report it: {message}; `--linker {COMPILER}` may help")
             }
