@@ -253,7 +253,7 @@ fn any_sheet(forward: bool) -> impl Strategy<Value = Sheet> {
 #[derive(Clone, Debug)]
 enum Rung {
     Element(usize),
-    Box(usize, Option<Box<Rung>>),
+    Box(Option<Box<Rung>>),
     Series(Vec<Rung>),
     Parallel(Vec<Rung>),
 }
@@ -262,7 +262,7 @@ fn rung() -> impl Strategy<Value = Rung> {
     let leaf = (0usize..20).prop_map(Rung::Element);
     leaf.prop_recursive(4, 24, 4, |inner| {
         prop_oneof![
-            (0usize..20, proptest::option::of(inner.clone())).prop_map(|(kind, feed)| Rung::Box(kind, feed.map(Box::new))),
+            proptest::option::of(inner.clone()).prop_map(|feed| Rung::Box(feed.map(Box::new))),
             proptest::collection::vec(inner.clone(), 1..5).prop_map(Rung::Series),
             proptest::collection::vec(inner, 2..4).prop_map(Rung::Parallel),
         ]
@@ -283,7 +283,7 @@ impl Builder {
     fn add(&mut self, rung: &Rung, from: usize, to: usize) {
         match rung {
             Rung::Element(kind) => self.parts.push(part(kind % 5 % 3, from, Some(to), None, None)),
-            Rung::Box(_, feed) => {
+            Rung::Box(feed) => {
                 let reset = feed.as_ref().map(|feed| {
                     let net = self.net();
                     self.add(feed, 0, net);

@@ -205,7 +205,10 @@ impl Band<'_> {
                         way.starts.push(end - 1);
                     }
                 }
-                let loops = way.starts.iter().min().is_some_and(|start| *start >= end);
+                // A source right of all that it feeds: the wire goes on at the left.
+                let last_end = way.ends.iter().copied().max().unwrap_or(end);
+                let before = way.starts.iter().min().is_some_and(|start| *start >= end);
+                let loops = before || way.starts.iter().max().is_some_and(|start| *start >= last_end);
                 let rail = self.sheet.nets[net].sources.contains(&Source::Rail);
                 if way.elsewhere_from || loops || way.starts.is_empty() && !rail {
                     let text = if way.starts.is_empty() && !way.elsewhere_from { "<??.?>".to_string() } else { format!("{name}»") };
@@ -215,7 +218,7 @@ impl Band<'_> {
                 }
             }
             if way.elsewhere_to {
-                if let Some(start) = way.starts.iter().copied().filter(|start| Some(*start) >= first_end || first_end.is_none()).min().or(way.starts.iter().copied().min()) {
+                if let Some(start) = way.starts.iter().copied().max() {
                     let at = (start + 1).min(count - 1);
                     things[at].push((Thing::To { net, text: format!("»{name}") }, rank * 4 + 2));
                     way.ends.push(at);
