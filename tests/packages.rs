@@ -16,7 +16,7 @@ use std::process::{Command, ExitCode};
 
 use libtest_mimic::{Arguments, Failed, Trial};
 use plcc_driver::cli::Level;
-use plcc_driver::link::{self, Form};
+use plcc_driver::link::{self, Form, Runtime};
 use plcc_driver::package::fmu::{self, Version};
 use plcc_driver::package::oci;
 use plcc_driver::pipeline::{self, Compiled, Settings};
@@ -180,7 +180,9 @@ fn order() -> Result<(), String> {
     assert_eq!(one.step(0.0, 0.1), STATUS_ERROR, "before the initialization");
     assert_eq!(one.start(0.0), STATUS_OK);
     assert_eq!(one.start(0.0), STATUS_ERROR, "twice");
-    for (from, length) in [(0.0, -0.1), (1.0, 0.1), (f64::NAN, 0.1), (0.0, f64::INFINITY), (0.0, f64::NAN), (0.0, 1e300)] {
+    for (from, length) in
+        [(0.0, -0.1), (1.0, 0.1), (f64::NAN, 0.1), (0.0, f64::INFINITY), (0.0, f64::NAN), (0.0, 1e300)]
+    {
         assert_eq!(one.step(from, length), STATUS_ERROR, "{from} {length}");
     }
     assert_eq!(one.get_boolean(u32::MAX), STATUS_ERROR);
@@ -209,7 +211,7 @@ fn statically() -> Result<(), String> {
         let output = kernels::finished(&mut command)?;
         Ok::<_, String>((std::fs::read(&path).map_err(text)?, output.stdout, output.stderr))
     };
-    let (ordinary, alone) = (run(Form::Executable)?, run(Form::Static)?);
+    let (ordinary, alone) = (run(Form::Executable(Runtime::Plain))?, run(Form::Static(Runtime::Plain))?);
     assert_eq!((&ordinary.1, &ordinary.2), (&alone.1, &alone.2));
     assert!(String::from_utf8_lossy(&alone.1).contains("Q0.0 = 1"), "{}", String::from_utf8_lossy(&alone.1));
     assert!(needs_loader(&ordinary.0) && !needs_loader(&alone.0));
@@ -227,7 +229,7 @@ fn needs_loader(elf: &[u8]) -> bool {
 
 fn image() -> Result<(Vec<u8>, Vec<u8>), String> {
     let (_, object) = compiled("units/pump.stl", None)?;
-    let executable = link::link_bytes(Form::Static, &[object], None).map_err(text)?;
+    let executable = link::link_bytes(Form::Static(Runtime::Plain), &[object], None).map_err(text)?;
     let image = oci::pack("Pump 1", &executable).map_err(text)?;
     Ok((executable, image))
 }

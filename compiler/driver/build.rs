@@ -1,8 +1,9 @@
 //! Builds the runtime that is in every executable: as an executable with room for a program, to which plcc adds one, and as
-//! one relocatable object for linking with a C compiler. Further forms with room for a program: an executable that needs no dynamic
-//! library, and a shared library, which becomes a unit of a co-simulation.
+//! one relocatable object for linking with a C compiler. Each comes without services, and with them for programs that have clients.
+//! Further forms with room for a program: an executable that needs no dynamic library, and a shared library, which becomes a unit of a
+//! co-simulation.
 //!
-//! The runtime crate is compiled once more as a static library with `main`, in a separate target folder, so that the
+//! The crates of the runtime are compiled once more as one static library, in a separate target folder, so that the
 //! outer build's lock is not touched. A partial link then picks from it and from the standard library what `main` and the
 //! runtime functions need: linking an executable takes a fraction of the time that it takes with the archive.
 
@@ -14,7 +15,7 @@ use std::process::Command;
 use plcc_abi::{RuntimeFn, linked};
 
 /// What the object is built from, relative to the root of the workspace.
-const SOURCES: [&str; 8] = [
+const SOURCES: [&str; 10] = [
     "Cargo.lock",
     "Cargo.toml",
     "runtime/abi/Cargo.toml",
@@ -23,6 +24,8 @@ const SOURCES: [&str; 8] = [
     "runtime/core/src",
     "runtime/literal/Cargo.toml",
     "runtime/literal/src",
+    "runtime/services/Cargo.toml",
+    "runtime/services/src",
 ];
 
 /// Settings of the outer build that must not reach the inner one.
@@ -53,12 +56,17 @@ fn main() {
         println!("cargo::rerun-if-changed={}", root.join(source).display());
     }
     let archive = build_archive(&root, &out.join("runtime"));
-    let runtime = out.join("runtime.o");
-    prelink(&archive, &runtime);
-    link_template(&runtime, &out.join("template"), &["-fPIE", "-pie", "-static-libgcc"]);
-    link_static(&runtime, &out.join("static"));
+    for (name, entry) in RUNTIMES {
+        let runtime = out.join(format!("{name}.o"));
+        prelink(&archive, entry, &runtime);
+        link_template(&runtime, &out.join(format!("{name}-template")), &["-fPIE", "-pie", "-static-libgcc"]);
+        link_static(&runtime, &out.join(format!("{name}-static")));
+    }
     link_template(&prelinked_unit(&archive, &out), &out.join("unit"), &unit_options(&out));
 }
+
+/// The runtimes: name of the file, and what of the library is `main`. What it does not reach is left out.
+const RUNTIMES: [(&str, &str); 2] = [("runtime", "plcc_main"), ("services", "plcc_main_with_services")];
 
 fn variable(name: &str) -> PathBuf {
     PathBuf::from(env::var_os(name).unwrap_or_else(|| panic!("cargo sets {name}")))
@@ -79,12 +87,12 @@ const LINKER_SCRIPT: &str = "SECTIONS {
 }
 ";
 
-/// Compiles the runtime; returns the path of the static library.
+/// Compiles the runtime with the services; returns the path of the static library.
 fn build_archive(root: &Path, target_dir: &Path) -> PathBuf {
     let target = env::var("TARGET").expect("cargo sets TARGET");
     let cargo = |offline: bool| {
         let mut cargo = Command::new(env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo")));
-        cargo.current_dir(root).args(["rustc", "--release", "--locked", "--package", "plcc-runtime", "--lib"]);
+        cargo.current_dir(root).args(["rustc", "--release", "--locked", "--package", "plcc-services", "--lib"]);
         cargo.args(["--features", "executable", "--crate-type", "staticlib", "--target", &target]);
         cargo.arg("--target-dir").arg(target_dir);
         cargo.args(offline.then_some("--offline"));
@@ -99,18 +107,29 @@ fn build_archive(root: &Path, target_dir: &Path) -> PathBuf {
     if !built {
         run(&mut cargo(false), "building the runtime");
     }
-    target_dir.join(target).join("release/libplcc_runtime.a")
+    target_dir.join(target).join("release/libplcc_services.a")
 }
 
 /// Links what `main` and the runtime functions need into one relocatable object.
-fn prelink(archive: &Path, object: &Path) {
-    let library = linked::LIBRARY_FUNCTIONS.map(|(_, exported)| exported);
-    let roots = RuntimeFn::ALL.iter().map(|function| function.symbol()).chain(library).chain(["main"]);
-    prelink_roots(archive, object, roots);
+fn prelink(archive: &Path, entry: &str, object: &Path) {
+    let source = object.with_extension("main.c");
+    let main =
+        format!("int {entry}(int, char **);\nint main(int argc, char **argv) {{ return {entry}(argc, argv); }}\n");
+    std::fs::write(&source, main).expect("cargo's output folder can be written");
+    let mut linker = compiler();
+    linker.args(["-O1", "-fno-asynchronous-unwind-tables", "-fPIE"]).arg(&source);
+    prelink_roots(linker, archive, object, runtime_functions().chain(["main"]));
 }
 
-fn prelink_roots<'a>(archive: &Path, object: &Path, roots: impl Iterator<Item = &'a str>) {
-    let mut linker = compiler();
+/// What generated code calls.
+fn runtime_functions<'a>() -> impl Iterator<Item = &'a str> {
+    RuntimeFn::ALL
+        .iter()
+        .map(|function| function.symbol())
+        .chain(linked::LIBRARY_FUNCTIONS.map(|(_, exported)| exported))
+}
+
+fn prelink_roots<'a>(mut linker: Command, archive: &Path, object: &Path, roots: impl Iterator<Item = &'a str>) {
     let script = object.with_extension("ld");
     std::fs::write(&script, LINKER_SCRIPT).expect("cargo's output folder can be written");
     linker.args(["-r", "-nostdlib", "-Wl,--gc-sections", "-Wl,--force-group-allocation"]);
@@ -125,9 +144,8 @@ fn prelinked_unit(archive: &Path, out: &Path) -> PathBuf {
     let names = exported(archive);
     assert!(names.len() > 100, "the runtime exports {} functions of units", names.len());
     let object = out.join("unit.o");
-    let library = linked::LIBRARY_FUNCTIONS.map(|(_, exported)| exported);
-    let roots = RuntimeFn::ALL.iter().map(|function| function.symbol()).chain(library);
-    prelink_roots(archive, &object, roots.chain(names.iter().map(String::as_str)));
+    let roots = runtime_functions().chain(names.iter().map(String::as_str));
+    prelink_roots(compiler(), archive, &object, roots);
     object
 }
 
@@ -170,6 +188,12 @@ fn link_template(runtime: &Path, template: &Path, options: &[impl AsRef<OsStr>])
     let mut linker = compiler();
     linker.args(["-O1", "-fno-asynchronous-unwind-tables"]).args(options).arg("-o").arg(template);
     linker.arg(&source).arg(runtime).args(["-lm", "-Wl,-T"]).arg(&script);
+    // Debuggers see the functions that code calls; the rest would only make executables larger.
+    let names = template.with_extension("names");
+    let kept = runtime_functions().chain([linked::SYMBOL, "main"]);
+    std::fs::write(&names, kept.map(|name| format!("{name}\n")).collect::<String>())
+        .expect("cargo's output folder can be written");
+    linker.arg(format!("-Wl,--retain-symbols-file={}", names.display()));
     linker.arg("-Wl,-z,relro,-z,now,-z,noexecstack,-z,separate-code,--build-id=none,--discard-all");
     run(&mut linker, "linking the runtime to an executable");
 }

@@ -96,8 +96,7 @@ impl Unit {
         let messages = Box::new(Mutex::new(Vec::new()));
         let null = std::ptr::null::<c_void>();
         let environment = std::ptr::from_ref(&*messages).cast_mut().cast();
-        let callbacks =
-            Box::new(Callbacks { logger: log, allocate: null, free: null, finished: null, environment });
+        let callbacks = Box::new(Callbacks { logger: log, allocate: null, free: null, finished: null, environment });
         let (name, guid) = (CString::new(name).ok()?, CString::new(guid).ok()?);
         let component = call!(self, c"fmi2Instantiate" (
             name.as_ptr() => *const c_char, 1 => c_int, guid.as_ptr() => *const c_char,

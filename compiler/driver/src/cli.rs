@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use plcc_opt::Without;
 use plcc_runtime::RunOptions;
+use plcc_services::ServiceOptions;
 use plcc_syntax::CodePage;
 use plcc_syntax::stl::Mnemonics;
 
@@ -30,14 +31,24 @@ pub enum Command {
     Test(TestArgs),
     /// Check sources and report problems, without compiling.
     Check(CheckArgs),
+    /// List what uses what: cross references, assignment of memory, call structure, symbols without use.
+    Xref(XrefArgs),
+    /// Lay out sources in one style.
+    Fmt(FmtArgs),
     /// List the modules of a project's station and their addresses.
     Station {
         /// The folder of the project.
         #[arg(default_value = ".", value_name = "DIR")]
         folder: PathBuf,
     },
+    /// Write sources in another notation.
+    Convert(ConvertArgs),
     /// Draw a trace as an SVG picture.
     Plot(PlotArgs),
+    /// Draw a program: networks, charts and code.
+    View(ViewArgs),
+    /// Make the hash of a password for plc.toml: reads the password, one line, from standard input.
+    Password,
     /// Explain a diagnostic code.
     Explain {
         /// The code that a message shows, such as `P0203`.
@@ -166,6 +177,9 @@ pub struct BuildArgs {
     /// Link with a C compiler, such as `cc` [default: plcc links].
     #[arg(long, value_name = "CC")]
     pub linker: Option<String>,
+    /// Give the executable servers for clients, and their flags [default: if plc.toml has `[services]`].
+    #[arg(long)]
+    pub services: bool,
     /// Do not print what was written.
     #[arg(long)]
     pub quiet: bool,
@@ -198,6 +212,8 @@ pub struct RunArgs {
     pub compile: CompileArgs,
     #[command(flatten)]
     pub run: RunOptions,
+    #[command(flatten)]
+    pub services: ServiceOptions,
 }
 
 #[derive(Args, Debug)]
@@ -247,6 +263,70 @@ pub struct CheckArgs {
 }
 
 #[derive(Args, Debug)]
+pub struct XrefArgs {
+    /// Sources, symbol tables, folders of these, or a project. Together they are one program [default: the project in this
+    /// folder].
+    #[arg(value_name = "FILE|DIR")]
+    pub inputs: Vec<PathBuf>,
+    /// Print all lists as one JSON document.
+    #[arg(long)]
+    pub json: bool,
+    /// Print the cross references as CSV, a row for each use.
+    #[arg(long, conflicts_with = "json")]
+    pub csv: bool,
+    #[command(flatten)]
+    pub compile: CompileArgs,
+}
+
+#[derive(Args, Debug)]
+pub struct FmtArgs {
+    /// Sources, or folders of these [default: the project in this folder].
+    #[arg(value_name = "FILE|DIR")]
+    pub inputs: Vec<PathBuf>,
+    /// Change nothing; print the files that would change, and fail if there are any.
+    #[arg(long)]
+    pub check: bool,
+    /// Code page of sources that are not UTF-8, such as `936` or `gbk` [default: detected for each file].
+    #[arg(long, value_name = "PAGE")]
+    pub code_page: Option<CodePage>,
+}
+
+#[derive(Args, Debug)]
+pub struct ConvertArgs {
+    /// Sources and exports, or folders of these; symbol tables among them give types to names.
+    #[arg(value_name = "FILE|DIR", required = true)]
+    pub inputs: Vec<PathBuf>,
+    /// The notation to write.
+    #[arg(long, value_name = "NOTATION")]
+    pub to: ConvertTo,
+    /// Output file; for several sources a folder [default: standard output].
+    #[arg(short, value_name = "OUT")]
+    pub output: Option<PathBuf>,
+    /// Mnemonics of the statement lists that are written [default: those of the source].
+    #[arg(long, value_name = "SET")]
+    pub mnemonics: Option<MnemonicsArg>,
+    /// Code page of sources that are not UTF-8, such as `936` or `gbk` [default: detected for each file].
+    #[arg(long, value_name = "PAGE")]
+    pub code_page: Option<CodePage>,
+}
+
+/// What `plcc convert` writes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ConvertTo {
+    /// Statement list, as source text for S7-300/400.
+    Stl,
+}
+
+impl ConvertTo {
+    /// Extension of its files.
+    pub const fn extension(self) -> &'static str {
+        match self {
+            ConvertTo::Stl => "stl",
+        }
+    }
+}
+
+#[derive(Args, Debug)]
 pub struct PlotArgs {
     /// A trace, written by `--trace FILE.csv`.
     #[arg(value_name = "TRACE.csv")]
@@ -257,6 +337,18 @@ pub struct PlotArgs {
     /// Title above the picture.
     #[arg(long, value_name = "TEXT")]
     pub title: Option<String>,
+}
+
+#[derive(Args, Debug)]
+pub struct ViewArgs {
+    /// Source files, or the folder of a project.
+    #[arg(value_name = "FILE")]
+    pub inputs: Vec<PathBuf>,
+    /// Folder for SVG files, one for each network and chart.
+    #[arg(short, long = "out", value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    #[command(flatten)]
+    pub compile: CompileArgs,
 }
 
 #[cfg(test)]

@@ -16,6 +16,7 @@ use crate::axes;
 use crate::remote;
 use crate::retain::{self, RetainKeys};
 use crate::s7200::{self, S7200Keys};
+use crate::services::{self, ServicesKeys};
 use crate::station::{self, Station, StationKeys};
 use crate::technology;
 
@@ -44,6 +45,8 @@ pub struct Project {
     pub axes: String,
     /// Place of the settings of an S7-200, checked later against the CPU.
     pub s7200: Option<Span>,
+    /// The file could not be read as a whole, so that nothing is known of the project.
+    pub unread: bool,
 }
 
 /// Reads the text of a `plc.toml`. Reports wrong keys as P0601 and ignores them.
@@ -55,7 +58,7 @@ pub fn parse(file: FileId, source: &SourceFile) -> (Project, Vec<Diagnostic>) {
             let range = error.span().unwrap_or(0..0);
             let wrong = toml_words::plain_at(error.message(), &source.text, range.start);
             context.report(range, wrong.title, &wrong.help);
-            Project::default()
+            Project { unread: true, ..Project::default() }
         }
     };
     (project, context.diagnostics)
@@ -100,6 +103,7 @@ struct Keys {
     retain: Option<RetainKeys>,
     #[serde(default)]
     io: BTreeMap<Spanned<String>, remote::IoKeys>,
+    services: Option<ServicesKeys>,
 }
 
 #[derive(Deserialize)]
@@ -220,6 +224,11 @@ impl Context {
             config.retain = retain;
             self.diagnostics.extend(messages);
         }
+        if let Some(keys) = &keys.services {
+            let (services, messages) = services::read(keys, self.file);
+            config.services = services;
+            self.diagnostics.extend(messages);
+        }
         if let Some(keys) = &keys.s7200 {
             let (settings, messages) = s7200::read(keys.get_ref(), self.file);
             config.s7200 = settings;
@@ -240,6 +249,7 @@ impl Context {
         self.devices(&keys.io, &mut config);
         config.cpu_order = station.as_ref().map(Station::cpu_order).unwrap_or_default();
         Project {
+            unread: false,
             name: keys.name.map(Spanned::into_inner),
             cpu: station.as_ref().and_then(Station::profile).or(cpu),
             mnemonics: keys.mnemonics.map(|key| match key {
@@ -400,7 +410,11 @@ impl Context {
         let ms = duration_ms(key.get_ref()).filter(|ms| range.contains(ms));
         if ms.is_none() {
             let title = format!("`{}` is not a time from {} to {} ms", key.get_ref(), range.start(), range.end());
-            self.report(key.span(), title, "write `200ms` or `2s`");
+            let help = match key.get_ref().trim().parse::<u32>() {
+                Ok(number) if range.contains(&number) => format!("write a unit: `{number}ms`"),
+                _ => "write a number with a unit, as in `200ms` or `2s`".to_string(),
+            };
+            self.report(key.span(), title, &help);
         }
         ms
     }

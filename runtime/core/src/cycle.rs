@@ -88,9 +88,10 @@ impl Cpu {
     }
 
     /// Under the virtual clock: everything that is due before `end`, and the clock is at `end` then. What is due at `end` itself sees what
-    /// is set until the next call. In between no time passes, however long the host takes.
+    /// is set until the next call. In between no time passes.
     pub fn run_until(&self, course: &mut Course, end: u64, observer: &mut dyn Observer) {
-        self.watchdog.watch_beats(course.pace.hang_limit);
+        // However long the pause was.
+        self.arm_hang();
         while !self.is_stopped() && course.next < end {
             self.advance(course.next, false);
             if !self.is_stopped() {
@@ -104,13 +105,16 @@ impl Cpu {
             self.stop_outputs();
         }
         self.clock.move_to(end);
-        self.watchdog.watch_beats(u64::MAX);
     }
 
     /// The end of the run.
     pub fn end(&self) {
         self.watchdog.set(u64::MAX);
         self.watchdog.watch_beats(u64::MAX);
+        if self.is_stopped() {
+            // Also if an interrupt between two cycles was the cause.
+            self.stop_outputs();
+        }
         self.family.finish(self);
         self.keep_retentive(true);
     }
@@ -119,12 +123,14 @@ impl Cpu {
     fn step(&self, course: &mut Course, observer: &mut dyn Observer) {
         course.cycle += 1;
         let start = self.clock.now();
-        if let Some(last) = course.last_start.replace(start) {
-            course.times.add(start.saturating_sub(last));
+        let period = course.last_start.replace(start).map(|last| start.saturating_sub(last));
+        if let Some(period) = period {
+            course.times.add(period);
         }
         self.exchange();
         self.run_cycle(course.cycle, start, &course.times, observer);
         self.communicate();
+        self.serve_clients(&course.pace, start, period);
         self.records.borrow_mut().work(self);
         if self.retention.get().is_some() && !self.is_stopped() {
             self.keep_retentive(false);
@@ -147,8 +153,8 @@ impl Cpu {
         self.set_configured_times();
         self.start_technology();
         self.family.start_hardware(self);
-        // With retentive memory it is power that comes back: an automatic restart.
-        let automatic = u8::from(self.retention.get().is_some());
+        // With retentive memory it is power that comes back, an automatic restart, unless a client asked for it.
+        let automatic = u8::from(self.retention.get().is_some() && !self.is_restarted);
         let cause = automatic
             + match ob {
                 101 => 0x83,
@@ -226,7 +232,9 @@ impl Cpu {
             communication.close_all();
             return;
         }
-        communication.work(self.clock.now());
+        if communication.is_open() {
+            communication.work(self.clock.now());
+        }
         if communication.take_waiting() && self.clock.is_virtual() {
             std::thread::sleep(crate::communication::PATIENCE);
         }
@@ -240,7 +248,7 @@ impl Cpu {
     }
 
     /// Outputs of the modules in STOP.
-    fn stop_outputs(&self) {
+    pub(crate) fn stop_outputs(&self) {
         self.driver.stop();
         self.family.stop_outputs(self);
     }
@@ -258,7 +266,7 @@ impl Cpu {
     }
 
     /// Something besides the code of the program may change outputs before byte `end` in the process image.
-    pub(crate) fn note_outputs(&self, end: u32) {
+    pub fn note_outputs(&self, end: u32) {
         self.outputs_changed.set(self.outputs_changed.get().max(end));
     }
 
@@ -298,7 +306,7 @@ impl Cpu {
     }
 
     /// Writes a peripheral output, and the process image where it covers the address. True: no module there.
-    pub(crate) fn peripheral_write(&self, address: u32, bytes: u32, value: u32) -> bool {
+    pub fn peripheral_write(&self, address: u32, bytes: u32, value: u32) -> bool {
         if !matches!(bytes, 1 | 2 | 4) || !self.driver.write(address, bytes, self.at_module(address, bytes, value)) {
             return true;
         }

@@ -1,30 +1,61 @@
-//! `main` of a compiled program.
+//! The entry point of a compiled program.
 
 use std::ffi::{CStr, OsString, c_char, c_int};
 use std::io::Write;
 use std::os::unix::ffi::OsStringExt;
 use std::rc::Rc;
 
-use clap::Parser;
+use clap::{Args, Parser};
+use plcc_abi::ProgramImage;
 
 use crate::code::Code;
 use crate::linked::{LinkedCode, linked_program};
+use crate::online::Service;
 use crate::options::RunOptions;
 use crate::testing::{TEST_VARIABLE, TestJob};
 
 #[derive(Parser)]
 #[command(about = "A PLC program compiled by plcc.", version)]
-struct CommandLine {
+struct CommandLine<O: Args> {
     #[command(flatten)]
     run: RunOptions,
+    #[command(flatten)]
+    services: O,
 }
 
-/// Entry point of the process.
+/// What answers clients, and what was opened for them, a line each.
+pub type Opened = (Option<Box<dyn Service>>, Vec<String>);
+
+/// Flags of services, which open them. `Err`: why not.
+pub trait Opener: Args {
+    fn open(&self, image: &ProgramImage) -> Result<Opened, String>;
+}
+
+/// The flags of an executable without services.
+#[derive(Args)]
+struct NoServices {}
+
+impl Opener for NoServices {
+    fn open(&self, _image: &ProgramImage) -> Result<Opened, String> {
+        Ok((None, Vec::new()))
+    }
+}
+
+/// Entry point of a process without services.
 ///
 /// # Safety
 /// Called by the C runtime only, with its `argc` and `argv`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn main(argc: c_int, argv: *const *const c_char) -> c_int {
+pub unsafe extern "C" fn plcc_main(argc: c_int, argv: *const *const c_char) -> c_int {
+    // SAFETY: as the caller promises.
+    unsafe { main_of::<NoServices>(argc, argv) }
+}
+
+/// What entry points do.
+///
+/// # Safety
+/// `argc` and `argv` are those of the process.
+pub unsafe fn main_of<O: Opener>(argc: c_int, argv: *const *const c_char) -> c_int {
     if let Ok(job) = std::env::var(TEST_VARIABLE) {
         return test(&job);
     }
@@ -33,15 +64,24 @@ pub unsafe extern "C" fn main(argc: c_int, argv: *const *const c_char) -> c_int 
         let argument = unsafe { CStr::from_ptr(*argv.add(index)) };
         OsString::from_vec(argument.to_bytes().to_vec())
     });
-    let run = match CommandLine::try_parse_from(arguments) {
-        Ok(command) => command.run,
+    let CommandLine::<O> { run, services } = match CommandLine::try_parse_from(arguments) {
+        Ok(command) => command,
         Err(error) if error.kind() == clap::error::ErrorKind::DisplayVersion => return version(),
         Err(error) => return usage(&error),
     };
     match linked_program(0) {
         Ok((image, entries)) => {
             let code = || -> Rc<dyn Code> { Rc::new(LinkedCode(entries.clone())) };
-            c_int::from(crate::run::start(image, &code, &run))
+            match services.open(&image) {
+                Ok((service, opened)) => {
+                    opened.iter().for_each(|line| crate::run::say!("{line}"));
+                    c_int::from(crate::run::start(image, &code, &run, service))
+                }
+                Err(message) => {
+                    crate::run::say!("runtime: {message}");
+                    c_int::from(crate::run::EXIT_USAGE)
+                }
+            }
         }
         Err(error) => damaged(&error),
     }

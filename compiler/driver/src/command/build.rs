@@ -7,10 +7,10 @@ use crate::cache::Cache;
 use crate::cli::{BuildArgs, Emit};
 use crate::command::exit;
 use crate::inputs::{self, Read};
+use crate::link::{Form, Runtime};
+use crate::package::{fmu, oci};
 use crate::pipeline::{self, Bound, Compiled, Settings};
 use crate::report::{self, MessageFormat};
-use crate::link::Form;
-use crate::package::{fmu, oci};
 use crate::{emit, link, statistics};
 
 /// Compiles and links, or writes an intermediate form.
@@ -110,10 +110,19 @@ pub fn internal(error: &dyn std::error::Error) -> u8 {
 
 fn link_executable(bound: Bound, args: &BuildArgs, name: &str) -> Result<(), u8> {
     let output = checked_output(args, name, "the executable")?;
+    let runtime = runtime(&bound, args);
     let object = cached_object(bound, args, &output)?;
-    let form = if args.is_static { Form::Static } else { Form::Executable };
+    let form = if args.is_static { Form::Static(runtime) } else { Form::Executable(runtime) };
     link::link_form(form, &[object], &output, args.linker.as_deref()).map_err(|error| unlinked(&error))?;
     written(&output, args)
+}
+
+/// With services if the project or a flag asks for them.
+fn runtime(bound: &Bound, args: &BuildArgs) -> Runtime {
+    match args.services || bound.program.config.services.linked {
+        true => Runtime::Services,
+        false => Runtime::Plain,
+    }
 }
 
 /// Where to write, which is neither a folder nor a source.
@@ -160,11 +169,12 @@ fn write_unit(compiled: &Compiled, args: &BuildArgs, name: &str) -> Result<(), u
 /// A container image.
 fn write_image(bound: Bound, args: &BuildArgs, name: &str) -> Result<(), u8> {
     let output = checked_output(args, &format!("{name}.tar"), "the image")?;
+    let form = Form::Static(runtime(&bound, args));
     let object = cached_object(bound, args, &output)?;
-    let executable = link::link_bytes(Form::Static, &[object], args.linker.as_deref());
-    let bytes = executable.map_err(|error| unlinked(&error)).and_then(|executable| {
-        oci::pack(name, &executable).map_err(|error| cannot_write(&output, &error))
-    })?;
+    let executable = link::link_bytes(form, &[object], args.linker.as_deref());
+    let bytes = executable
+        .map_err(|error| unlinked(&error))
+        .and_then(|executable| oci::pack(name, &executable).map_err(|error| cannot_write(&output, &error)))?;
     write_bytes(&output, &bytes)?;
     written(&output, args)
 }

@@ -6,17 +6,22 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use super::{Form, LinkError};
+use super::{Form, LinkError, Runtime};
 
-/// The runtime as `build.rs` made it.
-static RUNTIME_OBJECT: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/runtime.o"));
+/// The runtimes as `build.rs` made them.
+static PLAIN: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/runtime.o"));
+static SERVICES: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/services.o"));
 
 /// Links `objects` with the runtime to the executable `out`.
 pub fn link(form: Form, objects: &[impl AsRef<[u8]>], out: &Path, linker: &str) -> Result<(), LinkError> {
-    let own = match form {
-        Form::Executable => "-static-libgcc",
-        Form::Static => "-static-pie",
+    let (runtime, own) = match form {
+        Form::Executable(runtime) => (runtime, "-static-libgcc"),
+        Form::Static(runtime) => (runtime, "-static-pie"),
         Form::Unit => return Err(LinkError::NotHere(form)),
+    };
+    let runtime = match runtime {
+        Runtime::Plain => PLAIN,
+        Runtime::Services => SERVICES,
     };
     let folder = tempfile::tempdir().map_err(LinkError::Temporary)?;
     let write = |name: String, bytes: &[u8]| {
@@ -28,7 +33,7 @@ pub fn link(form: Form, objects: &[impl AsRef<[u8]>], out: &Path, linker: &str) 
     for (index, object) in objects.iter().enumerate() {
         command.arg(write(format!("program{index}.o"), object.as_ref())?);
     }
-    command.arg(write("plcc-runtime.o".to_string(), RUNTIME_OBJECT)?);
+    command.arg(write("plcc-runtime.o".to_string(), runtime)?);
     command.arg("-o").arg(argument(out)).args(["-lm", own]);
     command.stdin(Stdio::null());
     let output = command.output().map_err(|error| LinkError::Start { linker: linker.to_string(), error })?;
@@ -59,14 +64,16 @@ mod tests {
 
     #[test]
     fn a_missing_linker_is_named() {
-        let error = link(Form::Executable, &NO_OBJECTS, Path::new("out"), "/no/such/linker").expect_err("there is none");
+        let plain = Form::Executable(Runtime::Plain);
+        let error = link(plain, &NO_OBJECTS, Path::new("out"), "/no/such/linker").expect_err("there is none");
         assert!(matches!(error, LinkError::Start { .. }));
         assert!(error.to_string().contains("`/no/such/linker`"), "{error}");
     }
 
     #[test]
     fn a_failing_linker_is_shown_with_its_command() {
-        let error = link(Form::Executable, &NO_OBJECTS, Path::new("out"), "false").expect_err("it fails");
+        let plain = Form::Executable(Runtime::Plain);
+        let error = link(plain, &NO_OBJECTS, Path::new("out"), "false").expect_err("it fails");
         assert!(matches!(error, LinkError::Failed { .. }));
         assert!(error.to_string().contains("plcc-runtime.o"), "{error}");
     }

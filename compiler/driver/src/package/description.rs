@@ -50,7 +50,9 @@ pub fn describe(image: &ProgramImage, identifier: &str, version: Version) -> Des
     let tool = concat!("plcc ", env!("CARGO_PKG_VERSION"));
     let capabilities = "canHandleVariableCommunicationStepSize=\"true\" canBeInstantiatedOnlyOncePerProcess=\"false\"";
     let (version_text, token_name, further, more) = match version {
-        Version::V2 => ("2.0", "guid", " numberOfEventIndicators=\"0\"", " canNotUseMemoryManagementFunctions=\"true\""),
+        Version::V2 => {
+            ("2.0", "guid", " numberOfEventIndicators=\"0\"", " canNotUseMemoryManagementFunctions=\"true\"")
+        }
         Version::V3 => ("3.0", "instantiationToken", "", ""),
     };
     let mut xml = format!(

@@ -255,8 +255,9 @@ fn one_input_a_bit(variables: &mut [Variable]) {
         };
         Some((area, byte * 8 + bits.start..byte * 8 + bits.end))
     };
-    let mut order: Vec<usize> =
-        (0..variables.len()).filter(|&index| variables[index].role == Role::Input && variables[index].settable).collect();
+    let mut order: Vec<usize> = (0..variables.len())
+        .filter(|&index| variables[index].role == Role::Input && variables[index].settable)
+        .collect();
     order.sort_by_key(|&index| {
         let is_channel = matches!(variables[index].source, Some(Source::Channel(..)));
         (place(&variables[index]).map_or(0, |(_, bits)| bits.len()), !is_channel)
