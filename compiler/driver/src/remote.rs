@@ -63,8 +63,22 @@ pub fn read(tables: &BTreeMap<Spanned<String>, IoKeys>, file: FileId) -> (Vec<Re
     if let Some((name, _)) = tables.get(STATIONS_MAX) {
         reader.report(name, format!("more than {STATIONS_MAX} devices"), "leave some out");
     }
-    let stations = tables.iter().take(STATIONS_MAX).filter_map(|(name, keys)| reader.station(name, keys)).collect();
+    let mut stations: Vec<RemoteStation> = Vec::new();
+    for (name, keys) in tables.iter().take(STATIONS_MAX) {
+        let Some(station) = reader.station(name, keys) else { continue };
+        if let Some(other) = stations.iter().find(|other| differs(&other.line, &station.line)) {
+            let title = format!("`{}` and `{}` are on one line with different settings", other.name, station.name);
+            reader.report(name, title, "give them the same `baud` and `parity`");
+        }
+        stations.push(station);
+    }
     (stations, reader.diagnostics)
+}
+
+/// One serial line with two settings.
+fn differs(a: &RemoteLine, b: &RemoteLine) -> bool {
+    matches!((a, b), (RemoteLine::Serial { path: one, .. }, RemoteLine::Serial { path: other, .. }) if one == other)
+        && a != b
 }
 
 /// The addresses of devices, for a CPU whose modules are described.
@@ -138,7 +152,11 @@ impl Reader {
         let timeout_ms = self.time(&keys.timeout, 1000);
         let substitute = self.word(&keys.away, ["keep", "substitute"]);
         if keys.data.is_empty() {
-            self.report(name, format!("`{}` has no data", name.get_ref()), "add `[[io.NAME.data]]` with a table and `at`");
+            self.report(
+                name,
+                format!("`{}` has no data", name.get_ref()),
+                "add `[[io.NAME.data]]` with a table and `at`",
+            );
         }
         let channels: Vec<Option<RemoteChannel>> =
             keys.data.iter().map(|data| self.channel(name.get_ref(), data)).collect();
@@ -229,7 +247,8 @@ impl Reader {
         let registers_only = [keys.bytes.as_ref().map(|key| key.span()), keys.words.as_ref().map(|key| key.span())];
         if let Some(span) = registers_only.into_iter().flatten().next().filter(|_| table.has_bits()) {
             let title = "bits have no order of bytes and words".to_string();
-            self.diagnostics.push(Diagnostic::new(Code::Project, Span::new(self.file, span), title).help("leave it out"));
+            self.diagnostics
+                .push(Diagnostic::new(Code::Project, Span::new(self.file, span), title).help("leave it out"));
             return None;
         }
         let scale = self.scale(keys, table)?;
@@ -414,6 +433,19 @@ mod tests {
         assert_eq!(messages, [(1, "`a` needs either `modbus` or `serial`".to_string())]);
         let (_, _, messages) = read("[io.a]\nmodbus = \"a b\"\ntimeout = \"soon\"\n");
         assert_eq!(messages.len(), 3, "{messages:?}");
+    }
+
+    #[test]
+    fn devices_on_one_line_have_its_settings() {
+        let device = |name: &str, byte: u8, baud: u32| {
+            format!(
+                "[io.{name}]\nserial = \"/dev/ttyS0\"\nbaud = {baud}\n[[io.{name}.data]]\ncoils = 0\nat = \"IB{byte}\"\n"
+            )
+        };
+        let (stations, _, messages) = read(&[device("a", 0, 9600), device("b", 1, 9600)].concat());
+        assert_eq!((stations.len(), messages), (2, Vec::new()));
+        let (_, _, messages) = read(&[device("a", 0, 9600), device("b", 1, 19200)].concat());
+        assert_eq!(messages, [(7, "`a` and `b` are on one line with different settings".to_string())]);
     }
 
     #[test]

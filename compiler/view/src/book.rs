@@ -7,11 +7,11 @@ use plcc_syntax::chart::ast::{Permanent, PermanentKind};
 use plcc_syntax::network::ast::{Content, Language, Network};
 use plcc_syntax::stl::Mnemonics;
 
+use crate::chart::{self, Tiles};
 use crate::listing::{self, Listing};
 use crate::names::{Names, Scope};
 use crate::scene::Scene;
 use crate::sheet::Sheet;
-use crate::chart::{self, Tiles};
 use crate::{diagram, ladder, sheet};
 
 /// A program as pages.

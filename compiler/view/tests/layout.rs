@@ -32,7 +32,10 @@ impl Wire {
     /// The wire has a point inside of `area`.
     fn crosses(&self, area: Area) -> bool {
         let (low, high) = (self.low(), self.high());
-        low.0 < area.x + area.w && area.x < high.0.max(low.0 + 1) && low.1 < area.y + area.h && area.y < high.1.max(low.1 + 1)
+        low.0 < area.x + area.w
+            && area.x < high.0.max(low.0 + 1)
+            && low.1 < area.y + area.h
+            && area.y < high.1.max(low.1 + 1)
     }
 
     fn is_flat(&self) -> bool {
@@ -129,7 +132,8 @@ fn faults(scene: &Scene, sheet: &Sheet) -> Vec<String> {
 
 /// All nets at the rail are one, and stand for one that no net is.
 fn one(sheet: &Sheet, net: Option<usize>) -> Option<usize> {
-    let rail = |net: &usize| sheet.nets.get(*net).is_none_or(|net| net.sources.iter().all(|source| *source == Source::Rail));
+    let rail =
+        |net: &usize| sheet.nets.get(*net).is_none_or(|net| net.sources.iter().all(|source| *source == Source::Rail));
     net.map(|net| if rail(&net) { sheet.nets.len() } else { net })
 }
 
@@ -220,7 +224,8 @@ fn part(kind: usize, from: usize, to: Option<usize>, reset: Option<usize>, furth
 
 /// Fills in the sources of nets.
 fn finished(parts: Vec<Part>, nets: usize) -> Sheet {
-    let mut sheet = Sheet { parts, nets: (0..nets).map(|n| Net { name: format!("w{n}"), sources: Vec::new() }).collect() };
+    let mut sheet =
+        Sheet { parts, nets: (0..nets).map(|n| Net { name: format!("w{n}"), sources: Vec::new() }).collect() };
     sheet.nets[0].sources.push(Source::Rail);
     for at in 0..sheet.parts.len() {
         for index in 0..sheet.parts[at].pins.len() {
@@ -236,7 +241,13 @@ fn finished(parts: Vec<Part>, nets: usize) -> Sheet {
 
 /// Any graph: net 0 is the rail.
 fn any_sheet(forward: bool) -> impl Strategy<Value = Sheet> {
-    let element = (0usize..20, 0usize..9, 0usize..10, proptest::option::weighted(0.3, 0usize..9), proptest::option::weighted(0.2, 1usize..9));
+    let element = (
+        0usize..20,
+        0usize..9,
+        0usize..10,
+        proptest::option::weighted(0.3, 0usize..9),
+        proptest::option::weighted(0.2, 1usize..9),
+    );
     proptest::collection::vec(element, 1..14).prop_map(move |elements| {
         let parts = elements.into_iter().map(|(kind, from, to, reset, further)| {
             let to = match forward {

@@ -24,11 +24,7 @@ pub enum RemoteLine {
     /// Modbus TCP, `192.168.0.20:502`.
     Tcp(String),
     /// Modbus RTU.
-    Serial {
-        path: String,
-        baud: u32,
-        parity: RemoteParity,
-    },
+    Serial { path: String, baud: u32, parity: RemoteParity },
 }
 
 /// Of a serial line with eight data bits. Source: Modbus over serial line V1.02: without parity there are two stop bits.

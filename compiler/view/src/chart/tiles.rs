@@ -68,7 +68,8 @@ impl Tiles<'_> {
         }
         let mut top = 0;
         for (marks, text, drawing, key) in rows {
-            let height = drawing.as_ref().map_or(text.len() as i32 * LINE + 8, |scene| scene.height + text.len() as i32 * LINE);
+            let height =
+                drawing.as_ref().map_or(text.len() as i32 * LINE + 8, |scene| scene.height + text.len() as i32 * LINE);
             let height = height.max(LINE + 8);
             scene.frame(Area { x: left, y: top, w: marks_width, h: height }, Frame::Action, "");
             scene.frame(Area { x: left + marks_width, y: top, w: table, h: height }, Frame::Action, "");

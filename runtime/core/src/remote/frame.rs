@@ -108,7 +108,8 @@ mod tests {
         let data = [0x03, 0x06, 0x02, 0x2B, 0x00, 0x00, 0x00, 0x64];
         assert_eq!(answer(&request, &registers, &data), Answer::Data(&data[2..]));
         assert_eq!(answer(&request, &registers, &[0x83, 0x02]), Answer::Refused(2));
-        for wrong in [&data[..7], &[0x04, 0x06, 2, 0x2B, 0, 0, 0, 0x64], &[0x03], &[], &[0x03, 0x02, 1, 2], &[0x84, 2]] {
+        for wrong in [&data[..7], &[0x04, 0x06, 2, 0x2B, 0, 0, 0, 0x64], &[0x03], &[], &[0x03, 0x02, 1, 2], &[0x84, 2]]
+        {
             assert_eq!(answer(&request, &registers, wrong), Answer::Wrong, "{wrong:?}");
         }
         let two = RemoteChannel { first: 1, ..channel(RemoteTable::HoldingRegisters, 2) };

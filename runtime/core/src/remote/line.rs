@@ -1,9 +1,11 @@
 //! The way to a device: a TCP connection, or a serial line.
 
+use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};
 use std::io::{ErrorKind, Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::os::unix::fs::OpenOptionsExt;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use plcc_abi::remote::{RemoteLine, RemoteParity};
@@ -19,7 +21,13 @@ const CHARACTER_BITS: u32 = 11;
 /// An open way.
 pub enum Line {
     Tcp { stream: TcpStream, transaction: u16 },
-    Serial { file: File, silence: Duration },
+    Serial { file: File, silence: Duration, turn: Arc<Mutex<()>> },
+}
+
+/// Several devices may be on one serial line: one of them at a time. The lock of the line with this path.
+fn turn(path: &str) -> Arc<Mutex<()>> {
+    static LINES: Mutex<BTreeMap<String, Arc<Mutex<()>>>> = Mutex::new(BTreeMap::new());
+    LINES.lock().unwrap_or_else(PoisonError::into_inner).entry(path.to_string()).or_default().clone()
 }
 
 impl Line {
@@ -52,20 +60,22 @@ impl Line {
                     0..=19_200 => Duration::from_micros(u64::from(35 * CHARACTER_BITS * 100_000 / (*baud).max(1))),
                     _ => Duration::from_micros(1750),
                 };
-                Ok(Line::Serial { file, silence })
+                Ok(Line::Serial { file, silence, turn: turn(path) })
             }
         }
     }
 
     /// Sends a request and waits for its answer. `Err`: the device is away, or the way is broken.
     pub fn exchange(&mut self, unit: u8, request: &[u8], timeout: Duration) -> Result<Vec<u8>, String> {
-        let deadline = Instant::now() + timeout;
         match self {
             Line::Tcp { stream, transaction } => {
                 *transaction = transaction.wrapping_add(1);
-                over_tcp(stream, *transaction, unit, request, deadline)
+                over_tcp(stream, *transaction, unit, request, Instant::now() + timeout)
             }
-            Line::Serial { file, silence } => over_serial(file, *silence, unit, request, deadline),
+            Line::Serial { file, silence, turn } => {
+                let _turn = turn.lock().unwrap_or_else(PoisonError::into_inner);
+                over_serial(file, *silence, unit, request, Instant::now() + timeout)
+            }
         }
         .map_err(|error| match error.kind() {
             ErrorKind::WouldBlock | ErrorKind::TimedOut => "no answer in time".to_string(),
@@ -148,7 +158,8 @@ fn over_serial(
     loop {
         if let Some(length) = frame::serial_length(&answer).filter(|length| answer.len() >= *length) {
             answer.truncate(length);
-            let is_whole = answer[0] == unit && frame::checksum(&answer[..length - 2]).to_le_bytes() == answer[length - 2..];
+            let is_whole =
+                answer[0] == unit && frame::checksum(&answer[..length - 2]).to_le_bytes() == answer[length - 2..];
             if !is_whole {
                 return Err(std::io::Error::other("a damaged answer"));
             }

@@ -100,13 +100,19 @@ impl Remote {
             device.online.set(shared.online);
             changed(device.change(None, !shared.online, &shared.error));
             if !shared.online && !device.config.keep {
-                device.config.channels.iter().filter(|channel| !channel.output).for_each(|channel| self.substitute(channel));
+                device
+                    .config
+                    .channels
+                    .iter()
+                    .filter(|channel| !channel.output)
+                    .for_each(|channel| self.substitute(channel));
             }
         }
         if !shared.online || shared.exchanges == device.taken.replace(shared.exchanges) {
             return;
         }
-        for ((channel, exchanged), refused) in device.config.channels.iter().zip(&shared.channels).zip(&device.refused) {
+        for ((channel, exchanged), refused) in device.config.channels.iter().zip(&shared.channels).zip(&device.refused)
+        {
             if exchanged.refused.is_some() != refused.get() {
                 refused.set(exchanged.refused.is_some());
                 let why = exchanged.refused.map_or_else(String::new, |code| format!("exception {code}"));

@@ -87,7 +87,8 @@ impl Station {
             if left.is_zero() {
                 return;
             }
-            state = changed.wait_timeout(state, left).map_or_else(|poisoned| poisoned.into_inner().0, |(state, _)| state);
+            state =
+                changed.wait_timeout(state, left).map_or_else(|poisoned| poisoned.into_inner().0, |(state, _)| state);
         }
     }
 }

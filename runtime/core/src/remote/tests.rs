@@ -263,17 +263,43 @@ fn inputs_come_and_outputs_go_over_tcp() {
 
 #[test]
 fn inputs_come_and_outputs_go_over_a_serial_line() {
+    let (path, _slave, tables) = line();
+    inputs_and_outputs(&tables, RemoteLine::Serial { path, baud: 115_200, parity: RemoteParity::None });
+}
+
+/// A pseudo-terminal with a device at its other end: its path, its end that is held open, and the device.
+fn line() -> (String, File, Shared) {
     use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
     let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).unwrap();
     grantpt(&master).unwrap();
     unlockpt(&master).unwrap();
     let path = ptsname(&master, Vec::new()).unwrap().into_string().unwrap();
     // Held open, so that the master can be read before and after the CPU.
-    let _slave = File::options().read(true).write(true).open(&path).unwrap();
+    let slave = File::options().read(true).write(true).open(&path).unwrap();
     let tables = tables();
     let device = tables.clone();
     std::thread::spawn(move || serve_serial(master, &device));
-    inputs_and_outputs(&tables, RemoteLine::Serial { path, baud: 115_200, parity: RemoteParity::None });
+    (path, slave, tables)
+}
+
+#[test]
+fn two_devices_on_a_line_take_turns() {
+    let (path, _slave, tables) = line();
+    tables.lock().unwrap().registers[1] = 77;
+    let line = RemoteLine::Serial { path, baud: 115_200, parity: RemoteParity::None };
+    let one = station(line.clone());
+    let other = RemoteStation {
+        name: "other".to_string(),
+        unit: 18,
+        channels: vec![channel(RemoteTable::HoldingRegisters, 1, 1, false, 50)],
+        ..station(line)
+    };
+    let mut running = Running::new(&[one, other]);
+    running
+        .until("inputs of both", |cpu| cpu.memory.word(layout::I + 10) == 77 && cpu.memory.word(layout::I + 50) == 77);
+    let end = Instant::now() + Duration::from_secs(1);
+    running.until("a second", |_| Instant::now() > end);
+    assert_eq!(running.byte(0), 0, "no answer was lost");
 }
 
 /// A device at the end of a line. It gets noise before the first request, and answers in pieces.
@@ -292,8 +318,8 @@ fn serve_serial(master: OwnedFd, tables: &Shared) {
         }
         let (body, sum) = frame.split_at(length - 2);
         assert_eq!(frame::checksum(body).to_le_bytes(), sum);
-        assert_eq!(body[0], 17);
-        let mut answer = vec![17];
+        assert!(matches!(body[0], 17 | 18));
+        let mut answer = vec![body[0]];
         answer.extend(served(tables, &body[1..]));
         answer.extend(frame::checksum(&answer).to_le_bytes());
         frame.clear();
@@ -324,7 +350,8 @@ fn a_device_that_is_away_comes_back() {
     server.switch(true);
     running.until("OB 86 again", |cpu| cpu.memory.byte(layout::M) == 2);
     assert_eq!(running.info(20)[..4], [0x38, 0xC4, 26, 86]);
-    running.until("the inputs again", |cpu| cpu.memory.word(layout::I + 10) == 6 && cpu.memory.byte(layout::M + 3) == 0);
+    running
+        .until("the inputs again", |cpu| cpu.memory.word(layout::I + 10) == 6 && cpu.memory.byte(layout::M + 3) == 0);
     assert_eq!(running.byte(1), 0, "no OB 82");
     assert!(!running.cpu.is_stopped());
 }

@@ -21,9 +21,9 @@ use crate::online::Service;
 use crate::options::{ClockKind, HANG_LIMIT_DEFAULT, RunOptions};
 use crate::probe::Watcher;
 use crate::records::store::{self, Store};
+use crate::remote::{self, Remote};
 use crate::signal::Signal;
 use crate::trace::Recorder;
-use crate::remote::{self, Remote};
 use crate::{diagnostics, files, realtime, report};
 use session::{Session, prepare};
 
