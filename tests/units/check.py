@@ -67,6 +67,13 @@ TYPES = [
     ('d', 'String', 'String', 'D#2026-01-31', 'D#1990-01-01'),
     ('tod', 'String', 'String', 'TOD#12:30:15.5', 'TOD#23:59:59.999'),
     ('c', 'String', 'String', 'x', "'"),
+    ('st', 'Real', 'Float64', 2.5, 9990.0),
+    ('dt', 'String', 'String', 'DT#2026-01-31-06:00:00.5', 'DT#1990-01-01-00:00:00'),
+    ('ldt', 'String', 'String', 'LDT#2026-01-31-06:00:00.000000001', 'LDT#1970-01-01-00:00:00'),
+    ('ltod', 'String', 'String', 'LTOD#06:00:00.000000001', 'LTOD#23:59:59.999999999'),
+    ('dtl', 'String', 'String', 'DTL#1970-01-01-00:00:00', 'DTL#2262-04-11-23:47:16'),
+    ('wc', 'String', 'String', 'y', 'Ж'),
+    ('ws', 'String', 'String', 'wide', 'Жук'),
     ('s', 'String', 'String', 'start <1> & "2"', "it's"),
 ]
 
