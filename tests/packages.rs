@@ -1,7 +1,7 @@
 //! What a program is packed into: units of co-simulations, static executables, container images.
 //!
-//! Units are loaded here as a simulator would load them, and by FMPy, which knows nothing of plcc: `python3 -m venv target/python &&
-//! target/python/bin/pip install fmpy`. Without it these tests are ignored, as those of images are without skopeo.
+//! Units are loaded here as a simulator would load them, and by FMPy, which knows nothing of plcc: `python3 -m venv target/clients/venv &&
+//! target/clients/venv/bin/pip install fmpy==0.3.32`. Without it these tests are ignored, as those of images are without skopeo.
 
 #![allow(unsafe_code, reason = "a unit is a shared library")]
 

@@ -1,4 +1,4 @@
-//! Remote inputs and outputs with a device by pymodbus: `python3 -m venv target/python && target/python/bin/pip install pymodbus pyserial`.
+//! Remote inputs and outputs with a device by pymodbus: `python3 -m venv target/clients/venv && target/clients/venv/bin/pip install pymodbus==3.16.1 pyserial`.
 //! Without it these tests are ignored; those of the runtime have devices of their own.
 
 use std::net::TcpListener;

@@ -105,7 +105,7 @@ pub fn has(program: &str) -> bool {
 
 /// Where tests look for Python with the packages that they need.
 pub fn python() -> PathBuf {
-    tests_folder().join("../target/python/bin/python")
+    tests_folder().join("../target/clients/venv/bin/python")
 }
 
 /// The command that runs so many cycles of a program of plcc.

@@ -93,7 +93,9 @@ impl Cpu {
         // However long the pause was.
         self.arm_hang();
         while !self.is_stopped() && course.next < end {
-            self.advance(course.next, false);
+            if course.cycle > 0 {
+                self.advance(course.next, false);
+            }
             if !self.is_stopped() {
                 self.step(course, observer);
             }

@@ -87,6 +87,8 @@ impl Remote {
                 let shared = device.station.shared();
                 let why = if shared.error.is_empty() { "no answer yet" } else { &shared.error };
                 crate::run::say!("io {}: {why}", device.config.name);
+                drop(shared);
+                remote.substitute_inputs(device);
             }
         }
         Ok(remote)
@@ -99,13 +101,8 @@ impl Remote {
         if shared.online != device.online.get() {
             device.online.set(shared.online);
             changed(device.change(None, !shared.online, &shared.error));
-            if !shared.online && !device.config.keep {
-                device
-                    .config
-                    .channels
-                    .iter()
-                    .filter(|channel| !channel.output)
-                    .for_each(|channel| self.substitute(channel));
+            if !shared.online {
+                self.substitute_inputs(device);
             }
         }
         if !shared.online || shared.exchanges == device.taken.replace(shared.exchanges) {
@@ -125,6 +122,12 @@ impl Remote {
                 self.set_inputs(channel, &exchanged.bytes);
             }
         }
+    }
+
+    /// Of a device that is away, if it is to have substitute values.
+    fn substitute_inputs(&self, device: &Device) {
+        let inputs = device.config.channels.iter().filter(|channel| !channel.output && !device.config.keep);
+        inputs.for_each(|channel| self.substitute(channel));
     }
 
     fn substitute(&self, channel: &RemoteChannel) {

@@ -379,6 +379,7 @@ fn a_device_that_was_never_there_is_no_event() {
     let mut running = Running::new(&[station(RemoteLine::Tcp(address))]);
     running.until("cycles", |cpu| cpu.memory.word(layout::M + 10) > 50);
     assert_eq!((running.byte(0), running.byte(3)), (0, 1), "access errors, but no OB 86");
+    assert_eq!(running.cpu.memory.byte(layout::I + 4), 0xFF, "substitutes");
 }
 
 #[test]
