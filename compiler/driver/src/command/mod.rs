@@ -4,6 +4,8 @@ pub mod build;
 pub mod check;
 pub mod explain;
 pub mod fmt;
+pub mod manual;
+pub mod new;
 pub mod plot;
 pub mod run;
 pub mod station;
