@@ -187,9 +187,15 @@ fn run_as_stl(path: &Path) -> Result<usize, String> {
         false => vec![path.to_path_buf()],
     };
     let text_of = |path: &Path| plcc_syntax::decode_as(&fs::read(path).expect("a test file"), None);
-    let read = |path: &PathBuf| plcc_readers::parse(FileId::default(), &text_of(path), &ReadOptions::default()).0;
+    let read = |path: &PathBuf| {
+        let language = plcc_driver::pipeline::language_of(&path.to_string_lossy());
+        plcc_readers::parse(FileId::default(), &text_of(path), &ReadOptions { language, ..Default::default() }).0
+    };
     let is_source = |path: &&PathBuf| path.extension().is_some_and(|extension| extension == "s7dcl");
-    let units: Vec<SourceUnit> = all.iter().filter(is_source).map(read).collect();
+    let declares = |path: &&PathBuf| {
+        path.extension().is_some_and(|ending| ["s7dcl", "scl", "db", "xml"].iter().any(|one| ending == *one))
+    };
+    let units: Vec<SourceUnit> = all.iter().filter(declares).map(read).collect();
     let mut tables = Vec::new();
     for table in
         all.iter().filter(|path| path.extension().is_some_and(|extension| extension == "txt" || extension == "xml"))
@@ -205,6 +211,10 @@ fn run_as_stl(path: &Path) -> Result<usize, String> {
     let keeps_br = texts
         .iter()
         .any(|text| ["cpu 31", "cpu s7-300", "cpu = \"31", "cpu = \"s7-300"].iter().any(|cpu| text.contains(cpu)));
+    if texts.iter().any(|text| text.starts_with("cpu = ") && text.contains("[hardware_interrupt")) {
+        // Only an S7-1200 names them.
+        return Ok(0);
+    }
     let (mut blocks, mut written, mut program) = (0, String::new(), Vec::new());
     for path_of in &all {
         let name = path_of.strip_prefix(path).ok().filter(|name| is_project && !name.as_os_str().is_empty());
@@ -213,6 +223,15 @@ fn run_as_stl(path: &Path) -> Result<usize, String> {
         fs::create_dir_all(to.parent().expect("a folder")).expect("a folder");
         if !is_source(&path_of) {
             fs::copy(path_of, &to).expect("a copy");
+            if path_of.ends_with("plc.toml") {
+                // An S7-1200 has no STL.
+                let lines = text_of(path_of);
+                let lines = lines
+                    .lines()
+                    .filter(|line| !line.starts_with("sources = ["))
+                    .map(|line| if line.starts_with("cpu = \"12") { "cpu = \"s7-1500\"" } else { line });
+                fs::write(&to, lines.collect::<Vec<_>>().join("\n")).expect("a file");
+            }
             continue;
         }
         let made = as_stl(&text_of(path_of), &units, &tables, keeps_br);
