@@ -335,6 +335,9 @@ pub struct ConvertArgs {
     /// Mnemonics of the statement lists that are written [default: those of the source].
     #[arg(long, value_name = "SET")]
     pub mnemonics: Option<MnemonicsArg>,
+    /// CPU of the program, such as `315-2DP`, or family, such as `s7-300` [default: that of the project].
+    #[arg(long, value_name = "NAME")]
+    pub cpu: Option<String>,
     /// Code page of sources that are not UTF-8, such as `936` or `gbk` [default: detected for each file].
     #[arg(long, value_name = "PAGE")]
     pub code_page: Option<CodePage>,
