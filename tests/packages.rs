@@ -1,7 +1,7 @@
 //! What a program is packed into: units of co-simulations, static executables, container images.
 //!
-//! Units are loaded here as a simulator would load them, and by FMPy, which knows nothing of plcc: `python3 -m venv target/fmpy &&
-//! target/fmpy/bin/pip install fmpy`. Without it these tests are ignored, as those of images are without skopeo.
+//! Units are loaded here as a simulator would load them, and by FMPy, which knows nothing of plcc: `python3 -m venv target/python &&
+//! target/python/bin/pip install fmpy`. Without it these tests are ignored, as those of images are without skopeo.
 
 #![allow(unsafe_code, reason = "a unit is a shared library")]
 
@@ -26,8 +26,9 @@ use units::library::{STATUS_ERROR, STATUS_OK, STATUS_WARNING, Unit};
 
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();
-    let python = tests_folder().join("../target/fmpy/bin/python");
-    let no_fmpy = !kernels::has(&python.display().to_string());
+    let python = kernels::python();
+    let found = Command::new(&python).args(["-c", "import fmpy"]).output();
+    let no_fmpy = !found.is_ok_and(|output| output.status.success());
     let mut trials = vec![
         trial("units/stop", stop, false),
         trial("units/order", order, false),
@@ -194,7 +195,7 @@ fn order() -> Result<(), String> {
     assert_eq!(one.integer("IW2"), 100, "values can be read after the end");
     let messages = one.messages();
     assert!(messages.iter().any(|message| message.contains("70000 is not from 0 to 65535")), "{messages:?}");
-    assert_eq!(messages.len(), 11, "each error has its message: {messages:?}");
+    assert_eq!(messages.len(), 12, "each error has its message: {messages:?}");
     Ok(())
 }
 

@@ -31,6 +31,7 @@ mod parallel;
 pub mod pipeline;
 pub mod plot;
 pub mod project;
+pub mod remote;
 pub mod report;
 pub mod retain;
 pub mod s7200;

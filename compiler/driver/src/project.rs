@@ -13,6 +13,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use crate::axes;
+use crate::remote;
 use crate::retain::{self, RetainKeys};
 use crate::s7200::{self, S7200Keys};
 use crate::services::{self, ServicesKeys};
@@ -101,6 +102,8 @@ struct Keys {
     s7200: Option<Spanned<S7200Keys>>,
     retain: Option<RetainKeys>,
     services: Option<ServicesKeys>,
+    #[serde(default)]
+    io: BTreeMap<Spanned<String>, remote::IoKeys>,
 }
 
 #[derive(Deserialize)]
@@ -243,6 +246,7 @@ impl Context {
             let of_station = station.as_ref().map(Station::modules).unwrap_or_default();
             config.modules = Some(self.modules(of_station, &keys.module));
         }
+        self.devices(&keys.io, &mut config);
         config.cpu_order = station.as_ref().map(Station::cpu_order).unwrap_or_default();
         Project {
             unread: false,
@@ -360,6 +364,25 @@ impl Context {
             modules.push(new);
         }
         modules
+    }
+
+    /// Devices on a field bus. Beside modules their addresses are further ones.
+    fn devices(&mut self, keys: &BTreeMap<Spanned<String>, remote::IoKeys>, config: &mut Config) {
+        let (stations, messages) = remote::read(keys, self.file);
+        self.diagnostics.extend(messages);
+        if let Some(modules) = &mut config.modules {
+            let new: Vec<Module> = remote::modules(&stations).collect();
+            for device in &new {
+                if let Some(other) = modules.iter().find(|other| overlap(other, device)) {
+                    let title = format!("`{}` and module `{}` have addresses in common", device.name, other.name);
+                    let name = keys.keys().find(|name| device.name == format!("io {}", name.get_ref()));
+                    let span = name.map_or(0..0, Spanned::span);
+                    self.report(span, title, "give each its own addresses");
+                }
+            }
+            modules.extend(new);
+        }
+        config.remote = stations;
     }
 
     /// Start byte and number of bytes; both 0 if the module has none.

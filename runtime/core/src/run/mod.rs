@@ -16,13 +16,14 @@ use crate::code::Code;
 use crate::cpu::Cpu;
 use crate::cycle::Pace;
 use crate::faults::{STOP_BY_CLIENT, STOP_BY_REQUEST};
-use crate::io::Simulated;
+use crate::io::{Driver, Simulated};
 use crate::online::Service;
 use crate::options::{ClockKind, HANG_LIMIT_DEFAULT, RunOptions};
 use crate::probe::Watcher;
 use crate::records::store::{self, Store};
 use crate::signal::Signal;
 use crate::trace::Recorder;
+use crate::remote::{self, Remote};
 use crate::{diagnostics, files, realtime, report};
 use session::{Session, prepare};
 
@@ -36,7 +37,7 @@ pub const EXIT_USAGE: u8 = 2;
 /// Writes a line to standard error; a closed one must not stop a plant.
 macro_rules! say {
     ($($arg:tt)*) => {{
-        let _ = writeln!(std::io::stderr(), $($arg)*);
+        let _ = std::io::Write::write_fmt(&mut std::io::stderr(), format_args!("{}\n", format_args!($($arg)*)));
     }};
 }
 
@@ -103,7 +104,13 @@ fn run_with(
     };
     image.config.s7200.stop_on_error |= options.stop_on_error;
     options.restart(&mut image.config);
-    let driver = Box::new(Simulated::new(image.config.modules.clone()));
+    let driver = match driver(&image, options) {
+        Ok(driver) => driver,
+        Err(message) => {
+            say!("runtime: {message}");
+            return EXIT_USAGE;
+        }
+    };
     let mut cpu = Cpu::new(image, code, clock, driver);
     if let Some(watcher) = &watcher {
         cpu.set_watcher(watcher.clone());
@@ -168,6 +175,24 @@ fn furnish(cpu: &Cpu, options: &RunOptions) -> Result<(), String> {
         cpu.alarms.borrow_mut().write_to(file.map_err(|error| format!("{}: {error}", path.display()))?);
     }
     Ok(())
+}
+
+/// The driver: devices only under the real clock, for they know no other.
+fn driver(image: &ProgramImage, options: &RunOptions) -> Result<Box<dyn Driver>, String> {
+    let (modules, stations) = (image.config.modules.clone(), &image.config.remote);
+    match (stations.is_empty(), options.clock) {
+        (true, _) => Ok(Box::new(Simulated::new(modules))),
+        (false, ClockKind::Virtual) => {
+            say!("the devices of `[io]` are simulated under the virtual clock");
+            Ok(Box::new(Simulated::new(modules)))
+        }
+        (false, ClockKind::Real) => {
+            if !options.quiet {
+                remote::opened(stations).for_each(|line| say!("{line}"));
+            }
+            Ok(Box::new(Remote::new(modules, stations)?))
+        }
+    }
 }
 
 fn pace(cpu: &Cpu, options: &RunOptions) -> Pace {
