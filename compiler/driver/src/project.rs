@@ -101,9 +101,9 @@ struct Keys {
     data: Option<Spanned<String>>,
     s7200: Option<Spanned<S7200Keys>>,
     retain: Option<RetainKeys>,
+    services: Option<ServicesKeys>,
     #[serde(default)]
     io: BTreeMap<Spanned<String>, remote::IoKeys>,
-    services: Option<ServicesKeys>,
 }
 
 #[derive(Deserialize)]

@@ -5,6 +5,8 @@ pub mod check;
 pub mod convert;
 pub mod explain;
 pub mod fmt;
+pub mod manual;
+pub mod new;
 pub mod password;
 pub mod plot;
 pub mod run;

@@ -162,6 +162,21 @@ fn run_with(
     finish(&cpu, options, &printed, session, cycles)
 }
 
+/// Gives a CPU what the flags name: ports, folders, files.
+fn furnish(cpu: &Cpu, options: &RunOptions) -> Result<(), String> {
+    if let Some(port) = options.iso_port {
+        cpu.communication.borrow_mut().set_iso_port(port);
+    }
+    let folder = store::folder(options.data.as_deref(), cpu.image.config.data_folder.as_deref());
+    cpu.set_store(Store::new(folder));
+    // After a restart the file goes on.
+    if let (Some(path), false) = (&options.alarm_log, cpu.is_restarted) {
+        let file = files::writable(path).and_then(|()| File::create(path));
+        cpu.alarms.borrow_mut().write_to(file.map_err(|error| format!("{}: {error}", path.display()))?);
+    }
+    Ok(())
+}
+
 /// The driver: devices only under the real clock, for they know no other.
 fn driver(image: &ProgramImage, options: &RunOptions) -> Result<Box<dyn Driver>, String> {
     let (modules, stations) = (image.config.modules.clone(), &image.config.remote);
@@ -178,21 +193,6 @@ fn driver(image: &ProgramImage, options: &RunOptions) -> Result<Box<dyn Driver>,
             Ok(Box::new(Remote::new(modules, stations)?))
         }
     }
-}
-
-/// Gives a CPU what the flags name: ports, folders, files.
-fn furnish(cpu: &Cpu, options: &RunOptions) -> Result<(), String> {
-    if let Some(port) = options.iso_port {
-        cpu.communication.borrow_mut().set_iso_port(port);
-    }
-    let folder = store::folder(options.data.as_deref(), cpu.image.config.data_folder.as_deref());
-    cpu.set_store(Store::new(folder));
-    // After a restart the file goes on.
-    if let (Some(path), false) = (&options.alarm_log, cpu.is_restarted) {
-        let file = files::writable(path).and_then(|()| File::create(path));
-        cpu.alarms.borrow_mut().write_to(file.map_err(|error| format!("{}: {error}", path.display()))?);
-    }
-    Ok(())
 }
 
 fn pace(cpu: &Cpu, options: &RunOptions) -> Pace {
