@@ -123,7 +123,7 @@ impl Instance {
         let Some(source) = source else {
             return Ok(Scalar::Bool(self.course.is_some() && !self.cpu.is_stopped()));
         };
-        let value = self.in_stop(source).unwrap_or_else(|| *source).read(&self.cpu, None);
+        let value = self.in_stop(source).unwrap_or(*source).read(&self.cpu, None);
         Ok(match (kind, &value) {
             (Kind::Boolean, Value::Bits(bits, _)) => Scalar::Bool(*bits != 0),
             (Kind::Signed(_) | Kind::Unsigned(_), Value::Bits(bits, _)) => Scalar::Whole((*bits).into()),

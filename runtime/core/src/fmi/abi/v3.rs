@@ -15,6 +15,7 @@ pub extern "C" fn fmi3GetVersion() -> *const c_char {
 /// # Safety
 /// Called by a simulator as the interface says.
 #[unsafe(no_mangle)]
+#[allow(clippy::too_many_arguments, reason = "the interface has them")]
 pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     _name: *const c_char,
     token: *const c_char,
@@ -128,6 +129,7 @@ pub unsafe extern "C" fn fmi3Reset(instance: *mut c_void) -> c_int {
 /// # Safety
 /// Called by a simulator as the interface says.
 #[unsafe(no_mangle)]
+#[allow(clippy::too_many_arguments, reason = "the interface has them")]
 pub unsafe extern "C" fn fmi3DoStep(
     instance: *mut c_void,
     from: c_double,
