@@ -1,12 +1,13 @@
 //! Builds the runtime that is in every executable: as an executable with room for a program, to which plcc adds one, and as
-//! one relocatable object for linking with a C compiler. And the same with services, for programs that have clients.
+//! one relocatable object for linking with a C compiler. Further forms with room for a program: an executable that needs no dynamic
+//! library, and a shared library, which becomes a unit of a co-simulation. The executables are there with services and without.
 //!
 //! The crates of the runtime are compiled once more as one static library, in a separate target folder, so that the
 //! outer build's lock is not touched. A partial link then picks from it and from the standard library what `main` and the
 //! runtime functions need: linking an executable takes a fraction of the time that it takes with the archive.
 
 use std::env;
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -54,15 +55,21 @@ fn main() {
         println!("cargo::rerun-if-changed={}", root.join(source).display());
     }
     let archive = build_archive(&root, &out.join("runtime"));
-    for (name, entry) in RUNTIMES {
-        let runtime = out.join(format!("{name}.o"));
+    for (runtime, entry, template, without_libraries) in RUNTIMES {
+        let runtime = out.join(runtime);
         prelink(&archive, entry, &runtime);
-        link_template(&runtime, &out.join(format!("{name}-template")));
+        link_template(&runtime, &out.join(template), &["-fPIE", "-pie", "-static-libgcc"]);
+        link_static(&runtime, &out.join(without_libraries));
     }
+    link_template(&prelinked_unit(&archive, &out), &out.join("unit"), &unit_options(&out));
 }
 
-/// The runtimes: name of the file, and what of the library is `main`. What it does not reach is left out.
-const RUNTIMES: [(&str, &str); 2] = [("runtime", "plcc_main"), ("services", "plcc_main_with_services")];
+/// The runtimes of executables: the object, what of the library is its `main`, and the two executables. What `main` does not reach is left
+/// out.
+const RUNTIMES: [(&str, &str, &str, &str); 2] = [
+    ("runtime.o", "plcc_main", "template", "static"),
+    ("services.o", "plcc_main_with_services", "services", "services-static"),
+];
 
 fn variable(name: &str) -> PathBuf {
     PathBuf::from(env::var_os(name).unwrap_or_else(|| panic!("cargo sets {name}")))
@@ -83,7 +90,7 @@ const LINKER_SCRIPT: &str = "SECTIONS {
 }
 ";
 
-/// Compiles the runtime with the services; returns the path of the static library.
+/// Compiles the runtime; returns the path of the static library.
 fn build_archive(root: &Path, target_dir: &Path) -> PathBuf {
     let target = env::var("TARGET").expect("cargo sets TARGET");
     let cargo = |offline: bool| {
@@ -106,27 +113,64 @@ fn build_archive(root: &Path, target_dir: &Path) -> PathBuf {
     target_dir.join(target).join("release/libplcc_services.a")
 }
 
-/// Links what `main` and the runtime functions need into one relocatable object.
+/// Links what `main` and the runtime functions need into one relocatable object. `entry`: what `main` calls.
 fn prelink(archive: &Path, entry: &str, object: &Path) {
-    let mut linker = compiler();
-    let (script, source) = (object.with_extension("ld"), object.with_extension("main.c"));
-    std::fs::write(&script, LINKER_SCRIPT).expect("cargo's output folder can be written");
+    let source = object.with_extension("main.c");
     let main =
         format!("int {entry}(int, char **);\nint main(int argc, char **argv) {{ return {entry}(argc, argv); }}\n");
     std::fs::write(&source, main).expect("cargo's output folder can be written");
+    prelink_roots(&[&source, archive], object, functions().chain(["main"]));
+}
+
+/// What code of programs calls.
+fn functions() -> impl Iterator<Item = &'static str> {
+    let library = linked::LIBRARY_FUNCTIONS.map(|(_, exported)| exported);
+    RuntimeFn::ALL.iter().map(|function| function.symbol()).chain(library)
+}
+
+fn prelink_roots<'a>(inputs: &[&Path], object: &Path, roots: impl Iterator<Item = &'a str>) {
+    let mut linker = compiler();
+    let script = object.with_extension("ld");
+    std::fs::write(&script, LINKER_SCRIPT).expect("cargo's output folder can be written");
     linker.args(["-O1", "-fno-asynchronous-unwind-tables", "-fPIE"]);
     linker.args(["-r", "-nostdlib", "-Wl,--gc-sections", "-Wl,--force-group-allocation"]);
     linker.args(["-Wl,--strip-debug", "-Wl,--discard-all", "-T"]).arg(&script);
-    let library = linked::LIBRARY_FUNCTIONS.map(|(_, exported)| exported);
-    let roots = RuntimeFn::ALL.iter().map(|function| function.symbol()).chain(library).chain(["main"]);
     linker.args(roots.map(|symbol| format!("-Wl,--undefined={symbol}")));
-    linker.arg("-o").arg(object).arg(&source).arg(archive);
+    linker.arg("-o").arg(object).args(inputs);
     run(&mut linker, "linking the runtime");
+}
+
+/// As [`prelink`], with the functions that a simulator calls.
+fn prelinked_unit(archive: &Path, out: &Path) -> PathBuf {
+    let names = exported(archive);
+    assert!(names.len() > 100, "the runtime exports {} functions of units", names.len());
+    let object = out.join("unit.o");
+    let roots: Vec<&str> = functions().collect();
+    prelink_roots(&[archive], &object, roots.into_iter().chain(names.iter().map(String::as_str)));
+    object
+}
+
+/// The functions of the interface for co-simulation that the runtime has.
+fn exported(archive: &Path) -> Vec<String> {
+    let mut list = Command::new(env::var_os("NM").unwrap_or_else(|| OsString::from("nm")));
+    list.args(["--extern-only", "--defined-only", "--format=posix"]).arg(archive);
+    let output = list.output().unwrap_or_else(|error| panic!("nm lists the runtime: {error}"));
+    let text = String::from_utf8_lossy(&output.stdout);
+    let names = text.lines().filter_map(|line| line.split_whitespace().next());
+    names.filter(|name| name.starts_with("fmi2") || name.starts_with("fmi3")).map(str::to_string).collect()
+}
+
+/// A shared library that shows nothing but the functions of the interface.
+fn unit_options(out: &Path) -> Vec<String> {
+    let script = out.join("unit.map");
+    std::fs::write(&script, "{ global: fmi2*; fmi3*; local: *; };\n").expect("cargo's output folder can be written");
+    let script = format!("-Wl,--version-script={}", script.display());
+    ["-fPIC", "-shared", "-static-libgcc", "-Wl,-Bsymbolic", &script].map(str::to_string).into()
 }
 
 /// Links the runtime to an executable. Its last two segments have room for a program, and the first of them begins with
 /// the symbol by which the runtime finds the program.
-fn link_template(runtime: &Path, template: &Path) {
+fn link_template(runtime: &Path, template: &Path, options: &[impl AsRef<OsStr>]) {
     let (program, code) = (linked::SECTION, linked::CODE_SECTION);
     let (source, script) = (template.with_extension("c"), template.with_extension("ld"));
     let room = format!(
@@ -143,17 +187,31 @@ fn link_template(runtime: &Path, template: &Path) {
     std::fs::write(&source, room).expect("cargo's output folder can be written");
     std::fs::write(&script, sections).expect("cargo's output folder can be written");
     let mut linker = compiler();
-    linker.args(["-O1", "-fno-asynchronous-unwind-tables", "-fPIE", "-pie", "-o"]).arg(template);
-    linker.arg(&source).arg(runtime).args(["-lm", "-static-libgcc", "-Wl,-T"]).arg(&script);
+    linker.args(["-O1", "-fno-asynchronous-unwind-tables"]).args(options).arg("-o").arg(template);
+    linker.arg(&source).arg(runtime).args(["-lm", "-Wl,-T"]).arg(&script);
     // Debuggers see the functions that code calls; the rest would only make executables larger.
     let names = template.with_extension("names");
-    let functions = RuntimeFn::ALL.iter().map(|function| function.symbol());
-    let kept = functions.chain(linked::LIBRARY_FUNCTIONS.map(|(_, name)| name)).chain([linked::SYMBOL, "main"]);
-    std::fs::write(&names, kept.map(|name| format!("{name}\n")).collect::<String>())
-        .expect("cargo's output folder can be written");
+    let kept = functions().chain([linked::SYMBOL, "main"]).map(|name| format!("{name}\n"));
+    std::fs::write(&names, kept.collect::<String>()).expect("cargo's output folder can be written");
     linker.arg(format!("-Wl,--retain-symbols-file={}", names.display()));
     linker.arg("-Wl,-z,relro,-z,now,-z,noexecstack,-z,separate-code,--build-id=none,--discard-all");
     run(&mut linker, "linking the runtime to an executable");
+}
+
+/// As [`link_template`], without dynamic libraries. Where the static C library is not installed the file is empty, and plcc says so when
+/// such an executable is asked for.
+fn link_static(runtime: &Path, template: &Path) {
+    let mut search = compiler();
+    let found = search.arg("-print-file-name=libc.a").output().is_ok_and(|output| {
+        // Only the name if there is no such file.
+        Path::new(String::from_utf8_lossy(&output.stdout).trim()).is_absolute()
+    });
+    if found {
+        link_template(runtime, template, &["-fPIE", "-static-pie"]);
+    } else {
+        println!("cargo::warning=there is no static C library: `plcc build --static` will not work");
+        std::fs::write(template, []).expect("cargo's output folder can be written");
+    }
 }
 
 fn compiler() -> Command {

@@ -45,6 +45,7 @@ const SOURCES: &[(Language, &str)] = &[
     (Language::Scl, include_str!("../scl/instances.scl")),
     (Language::Scl, include_str!("../scl/iec.scl")),
     (Language::Scl, include_str!("../scl/drum.scl")),
+    (Language::Scl, include_str!("../scl/converting.scl")),
     (Language::Scl, include_str!("../scl/communication.scl")),
     (Language::Scl, include_str!("../scl/connections.scl")),
     (Language::Scl, include_str!("../scl/hardware.scl")),

@@ -23,8 +23,10 @@ pub mod command;
 pub mod content;
 pub mod emit;
 pub mod inputs;
+mod keys;
 pub mod link;
 mod near;
+pub mod package;
 mod parallel;
 pub mod pipeline;
 pub mod plot;
@@ -62,9 +64,13 @@ fn dispatch(cli: &Cli) -> u8 {
         Command::Run(args) => command::run::run(args),
         Command::Test(args) => command::test::test(args),
         Command::Check(args) => command::check::check(args),
+        Command::Xref(args) => command::xref::xref(args),
+        Command::Fmt(args) => command::fmt::fmt(args),
         Command::Station { folder } => command::station::station(folder),
         Command::Password => command::password::password(),
+        Command::Convert(args) => command::convert::convert(args),
         Command::Plot(args) => command::plot::plot(args),
+        Command::View(args) => command::view::view(args),
         Command::Explain { code } => command::explain::explain(code),
     }
 }

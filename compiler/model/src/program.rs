@@ -87,6 +87,8 @@ pub struct CodeBlock {
     pub name: String,
     /// The block's header.
     pub span: Span,
+    /// A block of the standard library: its statements have no source of their own.
+    pub library: bool,
     pub interface: Interface,
     /// Declared TEMP variables, in bytes, even.
     pub temp_bytes: u32,

@@ -25,6 +25,7 @@ use crate::memory::Memory;
 use crate::online::Service;
 use crate::options::{CYCLE_TIME_DEFAULT, Restart};
 use crate::organization::Running;
+use crate::probe::Watcher;
 use crate::records::Records;
 use crate::records::store::Store;
 use crate::restart::Carried;
@@ -59,6 +60,8 @@ pub struct Cpu {
     pub(crate) running: Running,
     pub(crate) schedule: Schedule,
     pub(crate) assertions: Assertions,
+    /// Who looks at the probes of the program.
+    pub(crate) watcher: OnceCell<Rc<dyn Watcher>>,
     pub(crate) stop: Cell<Option<Stop>>,
     /// Blocks sorted by kind and number.
     blocks: Vec<BlockEntry>,
@@ -137,6 +140,7 @@ impl Cpu {
             family: if image.s7200.is_some() { &ScanCycle } else { &Step7 },
             s7200: image.s7200.as_ref().map(|own| Box::new(S7200::new(own, &image.config.s7200))),
             assertions: Assertions::new(&image.asserts),
+            watcher: OnceCell::new(),
             cycle: Cell::new(0),
             retention: OnceCell::new(),
             service: RefCell::default(),

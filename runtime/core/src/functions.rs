@@ -7,6 +7,7 @@ use plcc_abi::functions::TimerMode;
 use plcc_abi::text::{BR, Rules, WRITTEN};
 
 use crate::cpu::Cpu;
+use crate::probe::Registers;
 use crate::system::numbers;
 use crate::text::{Texts, decimal, join, search};
 use crate::{math, s7200, text, timers};
@@ -191,6 +192,17 @@ functions! {
         AssertMemory = plcc_rt_assert_memory(cpu, id, comparison, left, left_high, right, right_high) {
             let (left, right) = (u64::from(left_high) << 32 | u64::from(left), u64::from(right_high) << 32 | u64::from(right));
             cpu.assertions.check(cpu, id as usize, comparison as usize, left, right);
+        }
+        ProbeEnter = plcc_rt_probe_enter(cpu, place, instance) {
+            cpu.tell(|watcher| watcher.enter(cpu, place, instance));
+        }
+        ProbeLeave = plcc_rt_probe_leave(cpu, place) { cpu.tell(|watcher| watcher.leave(cpu, place)); }
+        ProbeRegisters = plcc_rt_probe_registers(cpu, place, status, accu1, accu2, ar1, ar2, dbs) {
+            let registers = Registers { status, accu: [accu1, accu2], ar: [ar1, ar2], db: dbs as u16, di: (dbs >> 16) as u16 };
+            cpu.tell(|watcher| watcher.registers(cpu, place, registers));
+        }
+        ProbeValue = plcc_rt_probe_value(cpu, place, value: u64) {
+            cpu.tell(|watcher| watcher.value(cpu, place, value));
         }
         CopyText = plcc_rt_copy_text(cpu, to, from, limit, wide) -> u32 {
             text::copy(&cpu.memory, to, from, limit, wide != 0).into()

@@ -6,17 +6,20 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use super::{LinkError, Runtime};
+use super::{Form, LinkError};
 
 /// The runtimes as `build.rs` made them.
 static PLAIN: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/runtime.o"));
 static SERVICES: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/services.o"));
 
-/// Links `objects` with a runtime to the executable `out`.
-pub fn link(runtime: Runtime, objects: &[impl AsRef<[u8]>], out: &Path, linker: &str) -> Result<(), LinkError> {
-    let object = match runtime {
-        Runtime::Plain => PLAIN,
-        Runtime::Services => SERVICES,
+/// Links `objects` with the runtime to the executable `out`.
+pub fn link(form: Form, objects: &[impl AsRef<[u8]>], out: &Path, linker: &str) -> Result<(), LinkError> {
+    let (runtime, own) = match form {
+        Form::Executable => (PLAIN, "-static-libgcc"),
+        Form::Static => (PLAIN, "-static-pie"),
+        Form::Services => (SERVICES, "-static-libgcc"),
+        Form::StaticServices => (SERVICES, "-static-pie"),
+        Form::Unit => return Err(LinkError::NotHere(form)),
     };
     let folder = tempfile::tempdir().map_err(LinkError::Temporary)?;
     let write = |name: String, bytes: &[u8]| {
@@ -28,8 +31,8 @@ pub fn link(runtime: Runtime, objects: &[impl AsRef<[u8]>], out: &Path, linker: 
     for (index, object) in objects.iter().enumerate() {
         command.arg(write(format!("program{index}.o"), object.as_ref())?);
     }
-    command.arg(write("plcc-runtime.o".to_string(), object)?);
-    command.arg("-o").arg(argument(out)).args(["-lm", "-static-libgcc"]);
+    command.arg(write("plcc-runtime.o".to_string(), runtime)?);
+    command.arg("-o").arg(argument(out)).args(["-lm", own]);
     command.stdin(Stdio::null());
     let output = command.output().map_err(|error| LinkError::Start { linker: linker.to_string(), error })?;
     if output.status.success() {
@@ -59,14 +62,15 @@ mod tests {
 
     #[test]
     fn a_missing_linker_is_named() {
-        let error = link(Runtime::Plain, &NO_OBJECTS, Path::new("out"), "/no/such/linker").expect_err("there is none");
+        let error =
+            link(Form::Executable, &NO_OBJECTS, Path::new("out"), "/no/such/linker").expect_err("there is none");
         assert!(matches!(error, LinkError::Start { .. }));
         assert!(error.to_string().contains("`/no/such/linker`"), "{error}");
     }
 
     #[test]
     fn a_failing_linker_is_shown_with_its_command() {
-        let error = link(Runtime::Plain, &NO_OBJECTS, Path::new("out"), "false").expect_err("it fails");
+        let error = link(Form::Executable, &NO_OBJECTS, Path::new("out"), "false").expect_err("it fails");
         assert!(matches!(error, LinkError::Failed { .. }));
         assert!(error.to_string().contains("plcc-runtime.o"), "{error}");
     }

@@ -18,6 +18,7 @@ mod relocate;
 mod template;
 mod write;
 
+pub use template::Form;
 use template::Template;
 
 /// The C compiler that links where plcc cannot.
@@ -32,6 +33,8 @@ pub enum LinkError {
     Start { linker: String, error: io::Error },
     /// The linker failed: the output cannot be written, or plcc has a bug.
     Failed { command: String, output: String },
+    /// Only plcc itself links this form, and only for x86-64.
+    NotHere(Form),
     /// The executable cannot be written.
     Output { path: PathBuf, error: io::Error },
     /// An object contains what plcc does not link: a bug of plcc, or a program of more than 2 GB.
@@ -51,6 +54,13 @@ impl fmt::Display for LinkError {
                 "the linker failed: {}; plcc links without it if `--linker` is left out\n  {command}\n  {}",
                 cause(output),
                 output.trim_end().replace('\n', "\n  ")
+            ),
+            LinkError::NotHere(Form::Unit) => {
+                f.write_str("units of co-simulations are linked by plcc, for x86-64 only; leave out `--linker`")
+            }
+            LinkError::NotHere(_) => write!(
+                f,
+                "this plcc was built without the static C library; install it and build plcc again, or try `--linker {COMPILER}`"
             ),
             LinkError::Output { path, error } => write!(f, "cannot write `{}`: {error}", path.display()),
             LinkError::Object(message) => {
@@ -77,30 +87,31 @@ fn cause(output: &str) -> &'static str {
 
 impl std::error::Error for LinkError {}
 
-/// What an executable has besides its program.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Runtime {
-    Plain,
-    /// With servers for clients, and their flags.
-    Services,
-}
-
 /// Links `objects` with the runtime to the executable `out`. `linker` is a C compiler; without one plcc links.
 pub fn link(objects: &[impl AsRef<[u8]>], out: &Path, linker: Option<&str>) -> Result<(), LinkError> {
-    link_with(Runtime::Plain, objects, out, linker)
+    link_form(Form::Executable, objects, out, linker)
 }
 
-/// As [`link`], with the runtime of choice.
-pub fn link_with(
-    runtime: Runtime,
-    objects: &[impl AsRef<[u8]>],
-    out: &Path,
-    linker: Option<&str>,
-) -> Result<(), LinkError> {
+/// As [`link`], to another form.
+pub fn link_form(form: Form, objects: &[impl AsRef<[u8]>], out: &Path, linker: Option<&str>) -> Result<(), LinkError> {
     match linker {
-        Some(linker) => compiler::link(runtime, objects, out, linker),
-        None if Template::is_usable() => write_executable(out, &executable(runtime, objects)?),
-        None => compiler::link(runtime, objects, out, COMPILER),
+        Some(linker) => compiler::link(form, objects, out, linker),
+        None if Template::is_usable(form) => write_executable(out, &linked(form, objects)?),
+        None if matches!(form, Form::Executable | Form::Services) => compiler::link(form, objects, out, COMPILER),
+        None => Err(LinkError::NotHere(form)),
+    }
+}
+
+/// As [`link_form`], to memory.
+pub fn link_bytes(form: Form, objects: &[impl AsRef<[u8]>], linker: Option<&str>) -> Result<Vec<u8>, LinkError> {
+    match linker {
+        None if Template::is_usable(form) => linked(form, objects),
+        _ => {
+            let folder = tempfile::tempdir().map_err(LinkError::Temporary)?;
+            let path = folder.path().join("linked");
+            link_form(form, objects, &path, linker)?;
+            fs::read(&path).map_err(LinkError::Temporary)
+        }
     }
 }
 
@@ -121,9 +132,9 @@ pub fn output_of(command: &mut Command) -> io::Result<Output> {
     command.output()
 }
 
-/// The bytes of the executable that contains `objects` and the runtime.
-fn executable(runtime: Runtime, objects: &[impl AsRef<[u8]>]) -> Result<Vec<u8>, LinkError> {
-    let template = Template::read(runtime)?;
+/// The bytes of the file that contains `objects` and the runtime.
+fn linked(form: Form, objects: &[impl AsRef<[u8]>]) -> Result<Vec<u8>, LinkError> {
+    let template = Template::read(form)?;
     let parsed: Vec<place::ObjectFile<'_>> =
         objects.iter().map(|object| place::parse(object.as_ref())).collect::<Result<_, _>>()?;
     let mut image = place::place(&template, &parsed)?;

@@ -1,6 +1,6 @@
-//! The runtime as an executable with room for a program.
+//! The runtime as an executable or a shared library with room for a program.
 //!
-//! `build.rs` links it like any executable, with two sections of a few bytes at the end: `.plcc.program`, read-only, which
+//! `build.rs` links it like any other, with two sections of a few bytes at the end: `.plcc.program`, read-only, which
 //! begins with the symbol `plcc_program`, and `.plcc.text`, executable. Each has a segment of its own, and nothing that is
 //! loaded comes after them, so they can grow.
 
@@ -9,10 +9,50 @@ use object::elf::{self, FileHeader64, ProgramHeader64, SectionHeader64, Sym64};
 use object::read::elf::{FileHeader as _, ProgramHeader as _, SectionHeader as _, Sym as _};
 use plcc_abi::linked;
 
-use super::{LinkError, Runtime};
+use super::LinkError;
 
-static PLAIN: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/runtime-template"));
-static SERVICES: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/services-template"));
+static EXECUTABLE: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/template"));
+static STATIC: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/static"));
+static SERVICES: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/services"));
+static STATIC_SERVICES: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/services-static"));
+static UNIT: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/unit"));
+
+/// What comes out of linking.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    Executable,
+    /// An executable that needs no dynamic library.
+    Static,
+    /// An executable with servers for clients, and their flags.
+    Services,
+    /// Both.
+    StaticServices,
+    /// A shared library: the unit of a co-simulation.
+    Unit,
+}
+
+impl Form {
+    /// An executable.
+    pub fn executable(is_static: bool, has_services: bool) -> Form {
+        match (is_static, has_services) {
+            (false, false) => Form::Executable,
+            (true, false) => Form::Static,
+            (false, true) => Form::Services,
+            (true, true) => Form::StaticServices,
+        }
+    }
+
+    /// The template; empty if plcc was built without it.
+    fn bytes(self) -> &'static [u8] {
+        match self {
+            Form::Executable => EXECUTABLE,
+            Form::Static => STATIC,
+            Form::Services => SERVICES,
+            Form::StaticServices => STATIC_SERVICES,
+            Form::Unit => UNIT,
+        }
+    }
+}
 
 pub const ENDIAN: LittleEndian = LittleEndian;
 
@@ -43,16 +83,13 @@ pub struct Room {
 
 impl Template {
     /// True if the runtime is for a computer whose executables plcc can write.
-    pub fn is_usable() -> bool {
-        FileHeader64::<LittleEndian>::parse(PLAIN).is_ok_and(|header| header.e_machine(ENDIAN) == elf::EM_X86_64)
+    pub fn is_usable(form: Form) -> bool {
+        FileHeader64::<LittleEndian>::parse(form.bytes()).is_ok_and(|header| header.e_machine(ENDIAN) == elf::EM_X86_64)
     }
 
     /// Errors: the linker that built the runtime did not make what it was asked for.
-    pub fn read(runtime: Runtime) -> Result<Template, LinkError> {
-        let bytes = match runtime {
-            Runtime::Plain => PLAIN,
-            Runtime::Services => SERVICES,
-        };
+    pub fn read(form: Form) -> Result<Template, LinkError> {
+        let bytes = form.bytes();
         let wrong = |error: object::read::Error| LinkError::Object(format!("the runtime: {error}"));
         let missing = |what: &str| LinkError::Object(format!("the runtime has no {what}"));
         let header = FileHeader64::<LittleEndian>::parse(bytes).map_err(wrong)?;
@@ -107,29 +144,33 @@ mod tests {
     use plcc_abi::RuntimeFn;
     use std::collections::HashSet;
 
+    const FORMS: [Form; 5] = [Form::Executable, Form::Static, Form::Services, Form::StaticServices, Form::Unit];
+
     #[test]
     fn the_template_has_room_and_all_functions() {
-        for runtime in [Runtime::Plain, Runtime::Services] {
-            let template = Template::read(runtime).expect("build.rs made it");
+        for form in FORMS {
+            let template = Template::read(form).expect("build.rs made it");
             assert!(template.program.address < template.code.address);
             let names: HashSet<&[u8]> = template.functions.iter().map(|(name, _)| *name).collect();
             let library = linked::LIBRARY_FUNCTIONS.map(|(_, name)| name);
             for name in RuntimeFn::ALL.iter().map(|function| function.symbol()).chain(library) {
-                assert!(names.contains(name.as_bytes()), "{name}");
+                assert!(names.contains(name.as_bytes()), "{form:?}: {name}");
             }
         }
     }
 
     #[test]
     fn services_are_only_where_they_are_asked_for() {
-        let bytes = |runtime| Template::read(runtime).expect("build.rs made it").bytes.len();
-        let (plain, services) = (bytes(Runtime::Plain), bytes(Runtime::Services));
-        assert!(plain < 4_000_000 && plain + 200_000 < services, "{plain} {services}");
+        let bytes = |form| Template::read(form).expect("build.rs made it").bytes.len();
+        for (without, with) in [(Form::Executable, Form::Services), (Form::Static, Form::StaticServices)] {
+            assert!(bytes(without) + 200_000 < bytes(with), "{without:?}");
+        }
     }
 
     #[test]
     fn no_segment_is_writable_and_executable() {
-        for segment in Template::read(Runtime::Services).expect("build.rs made it").segments {
+        let segments = FORMS.map(|form| Template::read(form).expect("build.rs made it").segments);
+        for segment in segments.iter().flatten() {
             let flags = segment.p_flags(ENDIAN);
             assert!(flags & elf::PF_W == 0 || flags & elf::PF_X == 0, "{flags}");
         }

@@ -19,6 +19,7 @@ use crate::faults::{STOP_BY_CLIENT, STOP_BY_REQUEST};
 use crate::io::Simulated;
 use crate::online::Service;
 use crate::options::{ClockKind, HANG_LIMIT_DEFAULT, RunOptions};
+use crate::probe::Watcher;
 use crate::records::store::{self, Store};
 use crate::signal::Signal;
 use crate::trace::Recorder;
@@ -70,19 +71,30 @@ pub fn start(image: ProgramImage, code: CodeMaker, options: &RunOptions, service
             EXIT_USAGE
         }
         true => instances::run(image, code, options),
-        false => run_served(image, code(), options, service),
+        false => run_on(image, code(), options, None, service),
     }
 }
 
 /// Runs a program on one CPU. Values go to standard output, messages to standard error. Result: exit code.
 pub fn run(image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions) -> u8 {
-    run_served(image, code, options, None)
+    run_on(image, code, options, None, None)
 }
 
-fn run_served(
+/// As [`run`], with someone who looks at the probes of the program.
+pub fn run_watched(
+    image: ProgramImage,
+    code: Rc<dyn Code>,
+    options: &RunOptions,
+    watcher: Option<Rc<dyn Watcher>>,
+) -> u8 {
+    run_on(image, code, options, watcher, None)
+}
+
+fn run_on(
     mut image: ProgramImage,
     code: Rc<dyn Code>,
     options: &RunOptions,
+    watcher: Option<Rc<dyn Watcher>>,
     service: Option<Box<dyn Service>>,
 ) -> u8 {
     let clock = match options.clock {
@@ -93,7 +105,7 @@ fn run_served(
     options.restart(&mut image.config);
     let driver = Box::new(Simulated::new(image.config.modules.clone()));
     let mut cpu = Cpu::new(image, code, clock, driver);
-    if let Err(message) = furnish(&cpu, options) {
+    if let Err(message) = furnish(&cpu, options, watcher.as_ref()) {
         say!("runtime: {message}");
         return EXIT_USAGE;
     }
@@ -124,7 +136,7 @@ fn run_served(
         stop_line(&cpu, options, cycles).iter().for_each(|line| say!("{line}"));
         let Some(kind) = cpu.serve_in_stop() else { break };
         cpu = Cpu::restarted(cpu, kind);
-        if let Err(message) = furnish(&cpu, options) {
+        if let Err(message) = furnish(&cpu, options, watcher.as_ref()) {
             say!("runtime: {message}");
             return EXIT_USAGE;
         }
@@ -137,8 +149,11 @@ fn run_served(
     finish(&cpu, options, &printed, session, cycles)
 }
 
-/// Gives a CPU what the flags name: ports, folders, files.
-fn furnish(cpu: &Cpu, options: &RunOptions) -> Result<(), String> {
+/// Gives a CPU who looks at it, and what the flags name: ports, folders, files.
+fn furnish(cpu: &Cpu, options: &RunOptions, watcher: Option<&Rc<dyn Watcher>>) -> Result<(), String> {
+    if let Some(watcher) = watcher {
+        cpu.set_watcher(watcher.clone());
+    }
     if let Some(port) = options.iso_port {
         cpu.communication.borrow_mut().set_iso_port(port);
     }
