@@ -1,7 +1,7 @@
 //! What a program is packed into: units of co-simulations, static executables, container images.
 //!
-//! Units are loaded here as a simulator would load them, and by FMPy, which knows nothing of plcc: `python3 -m venv target/fmpy &&
-//! target/fmpy/bin/pip install fmpy`. Without it these tests are ignored, as those of images are without skopeo.
+//! Units are loaded here as a simulator would load them, and by FMPy, which knows nothing of plcc: `python3 -m venv target/python &&
+//! target/python/bin/pip install fmpy`. Without it these tests are ignored, as those of images are without skopeo.
 
 #![allow(unsafe_code, reason = "a unit is a shared library")]
 
@@ -16,7 +16,7 @@ use std::process::{Command, ExitCode};
 
 use libtest_mimic::{Arguments, Failed, Trial};
 use plcc_driver::cli::Level;
-use plcc_driver::link::{self, Form};
+use plcc_driver::link::{self, Form, Runtime};
 use plcc_driver::package::fmu::{self, Version};
 use plcc_driver::package::oci;
 use plcc_driver::pipeline::{self, Compiled, Settings};
@@ -26,8 +26,9 @@ use units::library::{STATUS_ERROR, STATUS_OK, STATUS_WARNING, Unit};
 
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();
-    let python = tests_folder().join("../target/fmpy/bin/python");
-    let no_fmpy = !kernels::has(&python.display().to_string());
+    let python = kernels::python();
+    let found = Command::new(&python).args(["-c", "import fmpy"]).output();
+    let no_fmpy = !found.is_ok_and(|output| output.status.success());
     let mut trials = vec![
         trial("units/stop", stop, false),
         trial("units/order", order, false),
@@ -194,7 +195,7 @@ fn order() -> Result<(), String> {
     assert_eq!(one.integer("IW2"), 100, "values can be read after the end");
     let messages = one.messages();
     assert!(messages.iter().any(|message| message.contains("70000 is not from 0 to 65535")), "{messages:?}");
-    assert_eq!(messages.len(), 11, "each error has its message: {messages:?}");
+    assert_eq!(messages.len(), 12, "each error has its message: {messages:?}");
     Ok(())
 }
 
@@ -210,7 +211,7 @@ fn statically() -> Result<(), String> {
         let output = kernels::finished(&mut command)?;
         Ok::<_, String>((std::fs::read(&path).map_err(text)?, output.stdout, output.stderr))
     };
-    let (ordinary, alone) = (run(Form::Executable)?, run(Form::Static)?);
+    let (ordinary, alone) = (run(Form::Executable(Runtime::Plain))?, run(Form::Static(Runtime::Plain))?);
     assert_eq!((&ordinary.1, &ordinary.2), (&alone.1, &alone.2));
     assert!(String::from_utf8_lossy(&alone.1).contains("Q0.0 = 1"), "{}", String::from_utf8_lossy(&alone.1));
     assert!(needs_loader(&ordinary.0) && !needs_loader(&alone.0));
@@ -228,7 +229,7 @@ fn needs_loader(elf: &[u8]) -> bool {
 
 fn image() -> Result<(Vec<u8>, Vec<u8>), String> {
     let (_, object) = compiled("units/pump.stl", None)?;
-    let executable = link::link_bytes(Form::Static, &[object], None).map_err(text)?;
+    let executable = link::link_bytes(Form::Static(Runtime::Plain), &[object], None).map_err(text)?;
     let image = oci::pack("Pump 1", &executable).map_err(text)?;
     Ok((executable, image))
 }

@@ -1,6 +1,7 @@
 //! Builds the runtime that is in every executable: as an executable with room for a program, to which plcc adds one, and as
-//! one relocatable object for linking with a C compiler. Further forms with room for a program: an executable that needs no dynamic
-//! library, and a shared library, which becomes a unit of a co-simulation. The executables are there with services and without.
+//! one relocatable object for linking with a C compiler. Each comes without services, and with them for programs that have clients.
+//! Further forms with room for a program: an executable that needs no dynamic library, and a shared library, which becomes a unit of a
+//! co-simulation.
 //!
 //! The crates of the runtime are compiled once more as one static library, in a separate target folder, so that the
 //! outer build's lock is not touched. A partial link then picks from it and from the standard library what `main` and the
@@ -55,21 +56,17 @@ fn main() {
         println!("cargo::rerun-if-changed={}", root.join(source).display());
     }
     let archive = build_archive(&root, &out.join("runtime"));
-    for (runtime, entry, template, without_libraries) in RUNTIMES {
-        let runtime = out.join(runtime);
+    for (name, entry) in RUNTIMES {
+        let runtime = out.join(format!("{name}.o"));
         prelink(&archive, entry, &runtime);
-        link_template(&runtime, &out.join(template), &["-fPIE", "-pie", "-static-libgcc"]);
-        link_static(&runtime, &out.join(without_libraries));
+        link_template(&runtime, &out.join(format!("{name}-template")), &["-fPIE", "-pie", "-static-libgcc"]);
+        link_static(&runtime, &out.join(format!("{name}-static")));
     }
     link_template(&prelinked_unit(&archive, &out), &out.join("unit"), &unit_options(&out));
 }
 
-/// The runtimes of executables: the object, what of the library is its `main`, and the two executables. What `main` does not reach is left
-/// out.
-const RUNTIMES: [(&str, &str, &str, &str); 2] = [
-    ("runtime.o", "plcc_main", "template", "static"),
-    ("services.o", "plcc_main_with_services", "services", "services-static"),
-];
+/// The runtimes: name of the file, and what of the library is `main`. What it does not reach is left out.
+const RUNTIMES: [(&str, &str); 2] = [("runtime", "plcc_main"), ("services", "plcc_main_with_services")];
 
 fn variable(name: &str) -> PathBuf {
     PathBuf::from(env::var_os(name).unwrap_or_else(|| panic!("cargo sets {name}")))
@@ -90,7 +87,7 @@ const LINKER_SCRIPT: &str = "SECTIONS {
 }
 ";
 
-/// Compiles the runtime; returns the path of the static library.
+/// Compiles the runtime with the services; returns the path of the static library.
 fn build_archive(root: &Path, target_dir: &Path) -> PathBuf {
     let target = env::var("TARGET").expect("cargo sets TARGET");
     let cargo = |offline: bool| {
@@ -113,30 +110,32 @@ fn build_archive(root: &Path, target_dir: &Path) -> PathBuf {
     target_dir.join(target).join("release/libplcc_services.a")
 }
 
-/// Links what `main` and the runtime functions need into one relocatable object. `entry`: what `main` calls.
+/// Links what `main` and the runtime functions need into one relocatable object.
 fn prelink(archive: &Path, entry: &str, object: &Path) {
     let source = object.with_extension("main.c");
     let main =
         format!("int {entry}(int, char **);\nint main(int argc, char **argv) {{ return {entry}(argc, argv); }}\n");
     std::fs::write(&source, main).expect("cargo's output folder can be written");
-    prelink_roots(&[&source, archive], object, functions().chain(["main"]));
-}
-
-/// What code of programs calls.
-fn functions() -> impl Iterator<Item = &'static str> {
-    let library = linked::LIBRARY_FUNCTIONS.map(|(_, exported)| exported);
-    RuntimeFn::ALL.iter().map(|function| function.symbol()).chain(library)
-}
-
-fn prelink_roots<'a>(inputs: &[&Path], object: &Path, roots: impl Iterator<Item = &'a str>) {
     let mut linker = compiler();
+    linker.args(["-O1", "-fno-asynchronous-unwind-tables", "-fPIE"]).arg(&source);
+    prelink_roots(linker, archive, object, runtime_functions().chain(["main"]));
+}
+
+/// What generated code calls.
+fn runtime_functions<'a>() -> impl Iterator<Item = &'a str> {
+    RuntimeFn::ALL
+        .iter()
+        .map(|function| function.symbol())
+        .chain(linked::LIBRARY_FUNCTIONS.map(|(_, exported)| exported))
+}
+
+fn prelink_roots<'a>(mut linker: Command, archive: &Path, object: &Path, roots: impl Iterator<Item = &'a str>) {
     let script = object.with_extension("ld");
     std::fs::write(&script, LINKER_SCRIPT).expect("cargo's output folder can be written");
-    linker.args(["-O1", "-fno-asynchronous-unwind-tables", "-fPIE"]);
     linker.args(["-r", "-nostdlib", "-Wl,--gc-sections", "-Wl,--force-group-allocation"]);
     linker.args(["-Wl,--strip-debug", "-Wl,--discard-all", "-T"]).arg(&script);
     linker.args(roots.map(|symbol| format!("-Wl,--undefined={symbol}")));
-    linker.arg("-o").arg(object).args(inputs);
+    linker.arg("-o").arg(object).arg(archive);
     run(&mut linker, "linking the runtime");
 }
 
@@ -145,8 +144,8 @@ fn prelinked_unit(archive: &Path, out: &Path) -> PathBuf {
     let names = exported(archive);
     assert!(names.len() > 100, "the runtime exports {} functions of units", names.len());
     let object = out.join("unit.o");
-    let roots: Vec<&str> = functions().collect();
-    prelink_roots(&[archive], &object, roots.into_iter().chain(names.iter().map(String::as_str)));
+    let roots = runtime_functions().chain(names.iter().map(String::as_str));
+    prelink_roots(compiler(), archive, &object, roots);
     object
 }
 
@@ -191,8 +190,9 @@ fn link_template(runtime: &Path, template: &Path, options: &[impl AsRef<OsStr>])
     linker.arg(&source).arg(runtime).args(["-lm", "-Wl,-T"]).arg(&script);
     // Debuggers see the functions that code calls; the rest would only make executables larger.
     let names = template.with_extension("names");
-    let kept = functions().chain([linked::SYMBOL, "main"]).map(|name| format!("{name}\n"));
-    std::fs::write(&names, kept.collect::<String>()).expect("cargo's output folder can be written");
+    let kept = runtime_functions().chain([linked::SYMBOL, "main"]);
+    std::fs::write(&names, kept.map(|name| format!("{name}\n")).collect::<String>())
+        .expect("cargo's output folder can be written");
     linker.arg(format!("-Wl,--retain-symbols-file={}", names.display()));
     linker.arg("-Wl,-z,relro,-z,now,-z,noexecstack,-z,separate-code,--build-id=none,--discard-all");
     run(&mut linker, "linking the runtime to an executable");

@@ -92,6 +92,12 @@ pub fn own_member(instance: Option<(bool, u16)>, name: &str) -> Option<&'static 
     }
 }
 
+/// True of an input that a timer has only because all timers share a layout: R belongs to TONR alone.
+pub fn is_shared_input(block: &SystemBlock, name: &str) -> bool {
+    let timer = block.name.trim_end_matches("_LTIME");
+    block.is_tia() && matches!(timer, "TP" | "TON" | "TOF") && name.eq_ignore_ascii_case("R")
+}
+
 /// Where the code of a block is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {

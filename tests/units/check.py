@@ -151,7 +151,7 @@ def trace(path, inputs, expected):
     rows = list(csv.DictReader(open(expected)))
     changes = {float(row['time']): row for row in csv.DictReader(open(inputs))}
     columns = [name for name in rows[0] if name not in ('cycle', 'time_ms')]
-    for steps in ([0.01], [0.005], [0.0025, 0.0075], [0.001, 0.002, 0.007]):
+    for steps in ([0.01], [0.005, 0.005], [0.0025, 0.0075], [0.001, 0.002, 0.007]):
         unit = Unit(path)
         unit.start()
         time = cycle = 0

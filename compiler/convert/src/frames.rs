@@ -113,8 +113,14 @@ impl Writer<'_> {
             let quote = if self.notation == Notation::Scl { "'" } else { "" };
             self.out.line(format!("TITLE = {quote}{title}{quote}"));
         }
-        if !header.attributes.is_empty() {
-            let list: Vec<String> = header.attributes.iter().map(|(key, value)| attribute(key, value)).collect();
+        let attributes = header.attributes.iter().filter_map(|(key, value)| match key.as_str() {
+            // SIMATIC SD has them as attributes, sources as text.
+            "S7_BlockNumber" | "S7_Version" | "S7_PreferredLanguage" => None,
+            "S7_Optimized" => Some(attribute("S7_Optimized_Access", value)),
+            key => Some(attribute(key, value)),
+        });
+        let list: Vec<String> = attributes.collect();
+        if !list.is_empty() {
             self.out.line(format!("{{ {} }}", list.join("; ")));
         }
         let texts = [

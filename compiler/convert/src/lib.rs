@@ -2,6 +2,7 @@
 //!
 //! - [`stl`]: sources in STL.
 //! - [`scl`]: sources in SCL.
+//! - [`to_stl`]: networks of LAD and FBD as statements.
 //! - [`literal`]: constants as text.
 //! - [`trivia`]: comments, which trees do not hold.
 //!
@@ -16,6 +17,7 @@ mod operand;
 mod out;
 pub mod scl;
 pub mod stl;
+pub mod to_stl;
 pub mod trivia;
 mod writer;
 

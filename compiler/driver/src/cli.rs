@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap_complete::Shell;
 use plcc_opt::Without;
 use plcc_runtime::RunOptions;
 use plcc_services::ServiceOptions;
@@ -45,10 +46,20 @@ pub enum Command {
     Convert(ConvertArgs),
     /// Draw a trace as an SVG picture.
     Plot(PlotArgs),
-    /// Make the hash of a password for plc.toml: reads the password, one line, from standard input.
-    Password,
     /// Draw a program: networks, charts and code.
     View(ViewArgs),
+    /// Make the hash of a password for plc.toml: reads the password, one line, from standard input.
+    Password,
+    /// Make a project with a small program and its test.
+    New(NewArgs),
+    /// Print the script that completes the command line of plcc in a shell.
+    Completions { shell: Shell },
+    /// Write the manual pages of plcc.
+    Man {
+        /// The folder for the pages.
+        #[arg(value_name = "DIR")]
+        folder: PathBuf,
+    },
     /// Explain a diagnostic code.
     Explain {
         /// The code that a message shows, such as `P0203`.
@@ -235,6 +246,15 @@ pub struct TestArgs {
     /// Print the results as JSON.
     #[arg(long)]
     pub json: bool,
+    /// Run only the tests whose paths contain this text.
+    #[arg(long, value_name = "TEXT")]
+    pub filter: Option<String>,
+    /// Write the results to a file in the form of JUnit, for CI services.
+    #[arg(long, value_name = "FILE")]
+    pub junit: Option<PathBuf>,
+    /// Run the tests again whenever a file changes.
+    #[arg(long)]
+    pub watch: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -279,6 +299,16 @@ pub struct XrefArgs {
 }
 
 #[derive(Args, Debug)]
+pub struct NewArgs {
+    /// The folder of the project, which has its name.
+    #[arg(value_name = "NAME")]
+    pub folder: PathBuf,
+    /// CPU, such as `1214C`, `315-2DP` or `224`.
+    #[arg(long, value_name = "NAME", default_value = "1214C")]
+    pub cpu: String,
+}
+
+#[derive(Args, Debug)]
 pub struct FmtArgs {
     /// Sources, or folders of these [default: the project in this folder].
     #[arg(value_name = "FILE|DIR")]
@@ -305,6 +335,9 @@ pub struct ConvertArgs {
     /// Mnemonics of the statement lists that are written [default: those of the source].
     #[arg(long, value_name = "SET")]
     pub mnemonics: Option<MnemonicsArg>,
+    /// CPU of the program, such as `315-2DP`, or family, such as `s7-300` [default: that of the project].
+    #[arg(long, value_name = "NAME")]
+    pub cpu: Option<String>,
     /// Code page of sources that are not UTF-8, such as `936` or `gbk` [default: detected for each file].
     #[arg(long, value_name = "PAGE")]
     pub code_page: Option<CodePage>,

@@ -31,6 +31,7 @@ mod parallel;
 pub mod pipeline;
 pub mod plot;
 pub mod project;
+pub mod remote;
 pub mod report;
 pub mod retain;
 pub mod s7200;
@@ -66,9 +67,12 @@ fn dispatch(cli: &Cli) -> u8 {
         Command::Check(args) => command::check::check(args),
         Command::Xref(args) => command::xref::xref(args),
         Command::Fmt(args) => command::fmt::fmt(args),
+        Command::New(args) => command::new::new(args),
+        Command::Completions { shell } => command::manual::completions(*shell),
+        Command::Man { folder } => command::manual::pages(folder),
         Command::Station { folder } => command::station::station(folder),
-        Command::Password => command::password::password(),
         Command::Convert(args) => command::convert::convert(args),
+        Command::Password => command::password::password(),
         Command::Plot(args) => command::plot::plot(args),
         Command::View(args) => command::view::view(args),
         Command::Explain { code } => command::explain::explain(code),

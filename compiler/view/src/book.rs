@@ -3,6 +3,7 @@
 use plcc_abi::image::BlockKind;
 use plcc_model::{BlockKey, Program};
 use plcc_syntax::ast::{self, BlockName, Code, CodeBlock, CodeKind, SourceUnit};
+use plcc_syntax::chart::ast::{Permanent, PermanentKind};
 use plcc_syntax::network::ast::{Content, Language, Network};
 use plcc_syntax::stl::Mnemonics;
 
@@ -10,6 +11,7 @@ use crate::listing::{self, Listing};
 use crate::names::{Names, Scope};
 use crate::scene::Scene;
 use crate::sheet::Sheet;
+use crate::chart::{self, Tiles};
 use crate::{diagram, ladder, sheet};
 
 /// A program as pages.
@@ -166,9 +168,35 @@ impl Maker<'_> {
             }
             Code::Stl(_) => page.language = "STL",
             Code::Scl(_) => page.language = "SCL",
-            Code::Chart(_) => page.language = "GRAPH",
+            Code::Chart(body) => {
+                page.language = "GRAPH";
+                let tiles = Tiles { text: self.text, names: self.names, scope };
+                page.sections = self.chart(body, &tiles);
+            }
         }
         page
+    }
+
+    /// The permanent instructions and the chart.
+    fn chart(&self, body: &plcc_syntax::chart::ast::Body, tiles: &Tiles) -> Vec<Section> {
+        let permanent = |list: &[Permanent], title: &str| -> Vec<Section> {
+            let sections = list.iter().map(|permanent| {
+                let content = match &permanent.kind {
+                    PermanentKind::Network(network) => return self.network(0, network, tiles.scope),
+                    PermanentKind::Coil { .. } | PermanentKind::Call(_) => {
+                        let spans = std::iter::once(permanent.span);
+                        Body::Text(listing::of_spans(self.text, spans, self.unit.overlay.is_some(), listing::Kind::Scl))
+                    }
+                };
+                Section { title: title.to_string(), content, ..Section::default() }
+            });
+            sections.collect()
+        };
+        let scene = chart::draw(body, tiles);
+        let mut sections = permanent(&body.before, "Permanent instructions before the sequence");
+        sections.push(Section { content: Body::Drawing { scene, sheet: None }, ..Section::default() });
+        sections.extend(permanent(&body.after, "Permanent instructions after the sequence"));
+        sections
     }
 
     fn key(&self, kind: BlockKind, name: &BlockName) -> Option<BlockKey> {

@@ -1,6 +1,7 @@
 //! Drawings of programs.
 
 pub mod book;
+pub mod chart;
 pub mod diagram;
 pub mod ladder;
 pub mod listing;

@@ -23,7 +23,7 @@ pub enum Item {
     /// The power rail.
     Rail { from: Point, to: Point },
     /// A box.
-    Frame { area: Area, kind: Frame },
+    Frame { area: Area, kind: Frame, key: String },
     /// The bars of a contact, the arcs of a coil, with the sign between them; the flow passes through the middle of `area`.
     Glyph { area: Area, kind: Glyph, sign: String, part: usize },
     /// The circle of a negated pin.
@@ -150,6 +150,10 @@ impl Scene {
         }
     }
 
+    pub fn frame(&mut self, area: Area, kind: Frame, key: &str) {
+        self.items.push(Item::Frame { area, kind, key: key.to_string() });
+    }
+
     /// Adds `other` at a place.
     pub fn add(&mut self, other: Scene, (dx, dy): Point) {
         let moved = |point: Point| (point.0 + dx, point.1 + dy);
@@ -158,7 +162,7 @@ impl Scene {
             Item::Wire { from, to, net } => Item::Wire { from: moved(from), to: moved(to), net },
             Item::Dot { at, net } => Item::Dot { at: moved(at), net },
             Item::Rail { from, to } => Item::Rail { from: moved(from), to: moved(to) },
-            Item::Frame { area: a, kind } => Item::Frame { area: area(a), kind },
+            Item::Frame { area: a, kind, key } => Item::Frame { area: area(a), kind, key },
             Item::Glyph { area: a, kind, sign, part } => Item::Glyph { area: area(a), kind, sign, part },
             Item::Circle { at, net } => Item::Circle { at: moved(at), net },
             Item::Text { at, anchor, text, ink, key } => Item::Text { at: moved(at), anchor, text, ink, key },

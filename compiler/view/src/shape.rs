@@ -130,11 +130,13 @@ fn small(part: usize, of: &Part, sign: &str, ty: &str, kind: Glyph) -> Shape {
         lines.draw(scene, middle, bottom, Anchor::Middle);
         bottom += lines.height();
     }
-    if let Some(net) = of.net(of.flow_in) {
+    if let (Some(net), Some(pin)) = (of.net(of.flow_in), of.flow_in) {
         scene.wire((0, 0), (left, 0), Some(net));
+        shape.ends.insert(pin, (0, 0));
     }
-    if let Some(net) = of.net(of.flow_out) {
+    if let (Some(net), Some(pin)) = (of.net(of.flow_out), of.flow_out) {
         scene.wire((left + glyph_width, 0), (width, 0), Some(net));
+        shape.ends.insert(pin, (width, 0));
     }
     (shape.up, shape.down) = (-top + 2, bottom + 3);
     // Pins without an operand: a net that a named connector leads to.
@@ -213,7 +215,7 @@ fn boxed(of: &Part, title: &str, detail: &str, instance: Option<&Label>, rooms: 
     let area = Area { x: left, y: -header, w: inner, h: header + last + 12 };
     let mut shape = Shape { width: left + inner + right, ..Shape::default() };
     let scene = &mut shape.scene;
-    scene.items.push(crate::scene::Item::Frame { area, kind: Frame::Box });
+    scene.frame(area, Frame::Box, "");
     for (index, (line, ink)) in titles.iter().enumerate() {
         scene.text((left + inner / 2, area.y + 13 + index as i32 * LINE), Anchor::Middle, *ink, line, "");
     }

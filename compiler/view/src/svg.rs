@@ -76,14 +76,15 @@ fn write_item(out: &mut String, item: &Item) {
         Item::Rail { from, to } => {
             write!(out, "<path class=\"r\" d=\"M{} {}V{}\"/>", from.0, from.1, to.1)
         }
-        Item::Frame { area, kind } => {
+        Item::Frame { area, kind, key } => {
+            let key = if key.is_empty() { String::new() } else { format!(" data-s=\"{}\"", escaped(key)) };
             let class = match kind {
                 Frame::Box | Frame::Action => "b",
                 Frame::Step | Frame::InitialStep => "b k",
             };
             write!(
                 out,
-                "<rect class=\"{class}\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/>",
+                "<rect class=\"{class}\"{key} x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/>",
                 area.x, area.y, area.w, area.h
             )
             .expect(WRITES);

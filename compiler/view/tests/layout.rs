@@ -32,10 +32,7 @@ impl Wire {
     /// The wire has a point inside of `area`.
     fn crosses(&self, area: Area) -> bool {
         let (low, high) = (self.low(), self.high());
-        low.0 < area.x + area.w
-            && area.x < high.0.max(low.0 + 1)
-            && low.1 < area.y + area.h
-            && area.y < high.1.max(low.1 + 1)
+        low.0 < area.x + area.w && area.x < high.0.max(low.0 + 1) && low.1 < area.y + area.h && area.y < high.1.max(low.1 + 1)
     }
 
     fn is_flat(&self) -> bool {
@@ -132,8 +129,7 @@ fn faults(scene: &Scene, sheet: &Sheet) -> Vec<String> {
 
 /// All nets at the rail are one, and stand for one that no net is.
 fn one(sheet: &Sheet, net: Option<usize>) -> Option<usize> {
-    let rail =
-        |net: &usize| sheet.nets.get(*net).is_none_or(|net| net.sources.iter().all(|source| *source == Source::Rail));
+    let rail = |net: &usize| sheet.nets.get(*net).is_none_or(|net| net.sources.iter().all(|source| *source == Source::Rail));
     net.map(|net| if rail(&net) { sheet.nets.len() } else { net })
 }
 
@@ -224,8 +220,7 @@ fn part(kind: usize, from: usize, to: Option<usize>, reset: Option<usize>, furth
 
 /// Fills in the sources of nets.
 fn finished(parts: Vec<Part>, nets: usize) -> Sheet {
-    let mut sheet =
-        Sheet { parts, nets: (0..nets).map(|n| Net { name: format!("w{n}"), sources: Vec::new() }).collect() };
+    let mut sheet = Sheet { parts, nets: (0..nets).map(|n| Net { name: format!("w{n}"), sources: Vec::new() }).collect() };
     sheet.nets[0].sources.push(Source::Rail);
     for at in 0..sheet.parts.len() {
         for index in 0..sheet.parts[at].pins.len() {
@@ -241,13 +236,7 @@ fn finished(parts: Vec<Part>, nets: usize) -> Sheet {
 
 /// Any graph: net 0 is the rail.
 fn any_sheet(forward: bool) -> impl Strategy<Value = Sheet> {
-    let element = (
-        0usize..20,
-        0usize..9,
-        0usize..10,
-        proptest::option::weighted(0.3, 0usize..9),
-        proptest::option::weighted(0.2, 1usize..9),
-    );
+    let element = (0usize..20, 0usize..9, 0usize..10, proptest::option::weighted(0.3, 0usize..9), proptest::option::weighted(0.2, 1usize..9));
     proptest::collection::vec(element, 1..14).prop_map(move |elements| {
         let parts = elements.into_iter().map(|(kind, from, to, reset, further)| {
             let to = match forward {
@@ -264,7 +253,7 @@ fn any_sheet(forward: bool) -> impl Strategy<Value = Sheet> {
 #[derive(Clone, Debug)]
 enum Rung {
     Element(usize),
-    Box(usize, Option<Box<Rung>>),
+    Box(Option<Box<Rung>>),
     Series(Vec<Rung>),
     Parallel(Vec<Rung>),
 }
@@ -273,8 +262,7 @@ fn rung() -> impl Strategy<Value = Rung> {
     let leaf = (0usize..20).prop_map(Rung::Element);
     leaf.prop_recursive(4, 24, 4, |inner| {
         prop_oneof![
-            (0usize..20, proptest::option::of(inner.clone()))
-                .prop_map(|(kind, feed)| Rung::Box(kind, feed.map(Box::new))),
+            proptest::option::of(inner.clone()).prop_map(|feed| Rung::Box(feed.map(Box::new))),
             proptest::collection::vec(inner.clone(), 1..5).prop_map(Rung::Series),
             proptest::collection::vec(inner, 2..4).prop_map(Rung::Parallel),
         ]
@@ -295,7 +283,7 @@ impl Builder {
     fn add(&mut self, rung: &Rung, from: usize, to: usize) {
         match rung {
             Rung::Element(kind) => self.parts.push(part(kind % 5 % 3, from, Some(to), None, None)),
-            Rung::Box(_, feed) => {
+            Rung::Box(feed) => {
                 let reset = feed.as_ref().map(|feed| {
                     let net = self.net();
                     self.add(feed, 0, net);

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::names::{NamedType, TypeNumber, UsedPlace};
 use crate::ob::{OB_FREE, ObClass, StartInput};
+use crate::remote::RemoteStation;
 use crate::s7200::{S7200Config, S7200Image};
 use crate::services::ServicesConfig;
 use crate::shape::DbShape;
@@ -301,6 +302,8 @@ pub struct Config {
     pub time_of_day: Vec<TimeOfDay>,
     /// Byte ranges of inputs and outputs that modules cover; `None`: every address exists.
     pub modules: Option<Vec<Module>>,
+    /// Devices on a field bus.
+    pub remote: Vec<RemoteStation>,
     /// First startup OB: 100, 101 or 102.
     pub startup: u16,
     /// Retentive memory.
@@ -331,6 +334,7 @@ impl Default for Config {
             priorities: Vec::new(),
             time_of_day: Vec::new(),
             modules: None,
+            remote: Vec::new(),
             startup: 100,
             retain: RetainConfig::default(),
             cpu_order: String::new(),

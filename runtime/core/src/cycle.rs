@@ -123,6 +123,7 @@ impl Cpu {
         if let Some(period) = period {
             course.times.add(period);
         }
+        self.exchange();
         self.run_cycle(course.cycle, start, &course.times, observer);
         self.communicate();
         self.serve_clients(&course.pace, start, period);

@@ -16,6 +16,7 @@
 //! - [`assertion`]: values of assertions, compared and printed by their types.
 //! - [`probe`]: who looks at a program with probes.
 //! - [`realtime`]: the scheduler for real time, locked memory; [`watchdog`]: what interrupts running code.
+//! - [`remote`]: devices on a field bus.
 //! - [`run`](mod@run), [`testing`]: the two ways to run a program. `executable` holds `main` of a compiled program.
 //!
 //! **Invariant**: the runtime is independent of the source language and never depends on the compiler.
@@ -59,6 +60,7 @@ pub mod plant;
 pub mod probe;
 pub mod realtime;
 pub mod records;
+pub mod remote;
 pub mod report;
 mod restart;
 mod retain;

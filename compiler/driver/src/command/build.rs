@@ -7,7 +7,7 @@ use crate::cache::Cache;
 use crate::cli::{BuildArgs, Emit};
 use crate::command::exit;
 use crate::inputs::{self, Read};
-use crate::link::Form;
+use crate::link::{Form, Runtime};
 use crate::package::{fmu, oci};
 use crate::pipeline::{self, Bound, Compiled, Settings};
 use crate::report::{self, MessageFormat};
@@ -110,15 +110,19 @@ pub fn internal(error: &dyn std::error::Error) -> u8 {
 
 fn link_executable(bound: Bound, args: &BuildArgs, name: &str) -> Result<(), u8> {
     let output = checked_output(args, name, "the executable")?;
-    let form = Form::executable(args.is_static, has_services(&bound, args));
+    let runtime = runtime(&bound, args);
     let object = cached_object(bound, args, &output)?;
+    let form = if args.is_static { Form::Static(runtime) } else { Form::Executable(runtime) };
     link::link_form(form, &[object], &output, args.linker.as_deref()).map_err(|error| unlinked(&error))?;
     written(&output, args)
 }
 
-/// Whether clients can reach the program.
-fn has_services(bound: &Bound, args: &BuildArgs) -> bool {
-    args.services || bound.program.config.services.linked
+/// With services if the project or a flag asks for them.
+fn runtime(bound: &Bound, args: &BuildArgs) -> Runtime {
+    match args.services || bound.program.config.services.linked {
+        true => Runtime::Services,
+        false => Runtime::Plain,
+    }
 }
 
 /// Where to write, which is neither a folder nor a source.
@@ -165,7 +169,7 @@ fn write_unit(compiled: &Compiled, args: &BuildArgs, name: &str) -> Result<(), u
 /// A container image.
 fn write_image(bound: Bound, args: &BuildArgs, name: &str) -> Result<(), u8> {
     let output = checked_output(args, &format!("{name}.tar"), "the image")?;
-    let form = Form::executable(true, has_services(&bound, args));
+    let form = Form::Static(runtime(&bound, args));
     let object = cached_object(bound, args, &output)?;
     let executable = link::link_bytes(form, &[object], args.linker.as_deref());
     let bytes = executable

@@ -2,8 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use plcc_abi::image::Family;
+use plcc_convert::to_stl::{self, types::Types};
 use plcc_convert::trivia::Trivia;
 use plcc_diag::{Diagnostic, FileId};
+use plcc_model::profile;
 use plcc_runtime::files::writable;
 use plcc_syntax::ast::SourceUnit;
 use plcc_syntax::stl::{self, Mnemonics};
@@ -25,9 +28,20 @@ pub fn convert(args: &ConvertArgs) -> u8 {
     messages.retain(Diagnostic::is_error);
     let mut files = Vec::new();
     if messages.is_empty() {
+        let types = Types::new(parsed.units.iter().map(|(_, unit)| unit), &parsed.tables);
+        let project = parsed.project.as_ref().and_then(|project| project.cpu.as_ref());
+        let cpu = args.cpu.as_deref().or(project.map(|(name, _)| name.as_str()));
+        let keeps_br = cpu
+            .and_then(profile::lookup)
+            .is_some_and(|profile| matches!(profile.family, Family::S7300 | Family::S7400));
         for (file, unit) in &parsed.units {
             let source = parsed.sources.file(*file);
-            let (text, found) = written(args, *file, unit, &source.text);
+            let (made, found) = to_stl::unit(unit, &types, keeps_br);
+            messages.extend(found);
+            if messages.iter().any(Diagnostic::is_error) {
+                continue;
+            }
+            let (text, found) = written(args, *file, &made, &source.text);
             messages.extend(found);
             files.push((source.name.clone(), text));
         }

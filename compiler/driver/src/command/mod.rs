@@ -6,6 +6,8 @@ pub mod convert;
 pub mod explain;
 pub mod fmt;
 pub mod password;
+pub mod manual;
+pub mod new;
 pub mod plot;
 pub mod run;
 pub mod station;

@@ -6,7 +6,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use super::{Form, LinkError};
+use super::{Form, LinkError, Runtime};
 
 /// The runtimes as `build.rs` made them.
 static PLAIN: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/runtime.o"));
@@ -15,11 +15,13 @@ static SERVICES: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/services.o"))
 /// Links `objects` with the runtime to the executable `out`.
 pub fn link(form: Form, objects: &[impl AsRef<[u8]>], out: &Path, linker: &str) -> Result<(), LinkError> {
     let (runtime, own) = match form {
-        Form::Executable => (PLAIN, "-static-libgcc"),
-        Form::Static => (PLAIN, "-static-pie"),
-        Form::Services => (SERVICES, "-static-libgcc"),
-        Form::StaticServices => (SERVICES, "-static-pie"),
+        Form::Executable(runtime) => (runtime, "-static-libgcc"),
+        Form::Static(runtime) => (runtime, "-static-pie"),
         Form::Unit => return Err(LinkError::NotHere(form)),
+    };
+    let runtime = match runtime {
+        Runtime::Plain => PLAIN,
+        Runtime::Services => SERVICES,
     };
     let folder = tempfile::tempdir().map_err(LinkError::Temporary)?;
     let write = |name: String, bytes: &[u8]| {
@@ -62,15 +64,16 @@ mod tests {
 
     #[test]
     fn a_missing_linker_is_named() {
-        let error =
-            link(Form::Executable, &NO_OBJECTS, Path::new("out"), "/no/such/linker").expect_err("there is none");
+        let plain = Form::Executable(Runtime::Plain);
+        let error = link(plain, &NO_OBJECTS, Path::new("out"), "/no/such/linker").expect_err("there is none");
         assert!(matches!(error, LinkError::Start { .. }));
         assert!(error.to_string().contains("`/no/such/linker`"), "{error}");
     }
 
     #[test]
     fn a_failing_linker_is_shown_with_its_command() {
-        let error = link(Form::Executable, &NO_OBJECTS, Path::new("out"), "false").expect_err("it fails");
+        let plain = Form::Executable(Runtime::Plain);
+        let error = link(plain, &NO_OBJECTS, Path::new("out"), "false").expect_err("it fails");
         assert!(matches!(error, LinkError::Failed { .. }));
         assert!(error.to_string().contains("plcc-runtime.o"), "{error}");
     }

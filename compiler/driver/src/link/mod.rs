@@ -18,8 +18,8 @@ mod relocate;
 mod template;
 mod write;
 
-pub use template::Form;
 use template::Template;
+pub use template::{Form, Runtime};
 
 /// The C compiler that links where plcc cannot.
 const COMPILER: &str = "cc";
@@ -62,7 +62,21 @@ impl fmt::Display for LinkError {
                 f,
                 "this plcc was built without the static C library; install it and build plcc again, or try `--linker {COMPILER}`"
             ),
-            LinkError::Output { path, error } => write!(f, "cannot write `{}`: {error}", path.display()),
+            LinkError::Output { path, error } => match path.parent().filter(|parent| !parent.as_os_str().is_empty()) {
+                Some(folder) if error.kind() == io::ErrorKind::NotFound => {
+                    write!(
+                        f,
+                        "cannot write `{}`: there is no folder `{}`; create it first",
+                        path.display(),
+                        folder.display()
+                    )
+                }
+                Some(folder) if error.kind() == io::ErrorKind::NotADirectory => {
+                    write!(f, "cannot write `{}`: `{}` is a file, not a folder", path.display(), folder.display())
+                }
+                // The error names the temporary file, which is none of the user's.
+                _ => write!(f, "cannot write `{}`: {}", path.display(), crate::inputs::reason(error)),
+            },
             LinkError::Object(message) => {
                 write!(f, "internal fault, please report it: {message}; `--linker {COMPILER}` may help")
             }
@@ -89,7 +103,7 @@ impl std::error::Error for LinkError {}
 
 /// Links `objects` with the runtime to the executable `out`. `linker` is a C compiler; without one plcc links.
 pub fn link(objects: &[impl AsRef<[u8]>], out: &Path, linker: Option<&str>) -> Result<(), LinkError> {
-    link_form(Form::Executable, objects, out, linker)
+    link_form(Form::Executable(Runtime::Plain), objects, out, linker)
 }
 
 /// As [`link`], to another form.
@@ -97,7 +111,7 @@ pub fn link_form(form: Form, objects: &[impl AsRef<[u8]>], out: &Path, linker: O
     match linker {
         Some(linker) => compiler::link(form, objects, out, linker),
         None if Template::is_usable(form) => write_executable(out, &linked(form, objects)?),
-        None if matches!(form, Form::Executable | Form::Services) => compiler::link(form, objects, out, COMPILER),
+        None if matches!(form, Form::Executable(_)) => compiler::link(form, objects, out, COMPILER),
         None => Err(LinkError::NotHere(form)),
     }
 }

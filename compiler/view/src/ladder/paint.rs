@@ -151,8 +151,9 @@ impl Painter<'_> {
         let place = |pin: &usize| shape.ends.get(pin).map(|end| (x + end.0, y + end.1));
         for (pin, net, feed) in feeds {
             let Some(end) = place(pin) else { continue };
-            let start = end.0 - feed.width;
-            let rail = self.rail.filter(|_| *railed);
+            let rail = self.rail.filter(|_| *railed && !feed.loose);
+            let start = rail.map_or(end.0 - feed.width, |rail| rail + RAIL);
+            self.scene.wire((start + feed.width, end.1), end, Some(*net));
             if !feed.loose {
                 match rail {
                     Some(rail) => self.scene.wire((rail, end.1), (start, end.1), rail_net),

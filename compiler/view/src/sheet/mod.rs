@@ -1,6 +1,7 @@
 //! A network as it is drawn: parts with pins, and nets between them. All notations of networks become sheets, and the layouts of LAD and FBD
 //! know nothing else.
 
+pub mod expression;
 pub mod network;
 
 /// A network for drawing.

@@ -16,13 +16,14 @@ use crate::code::Code;
 use crate::cpu::Cpu;
 use crate::cycle::Pace;
 use crate::faults::{STOP_BY_CLIENT, STOP_BY_REQUEST};
-use crate::io::Simulated;
+use crate::io::{Driver, Simulated};
 use crate::online::Service;
 use crate::options::{ClockKind, HANG_LIMIT_DEFAULT, RunOptions};
 use crate::probe::Watcher;
 use crate::records::store::{self, Store};
 use crate::signal::Signal;
 use crate::trace::Recorder;
+use crate::remote::{self, Remote};
 use crate::{diagnostics, files, realtime, report};
 use session::{Session, prepare};
 
@@ -36,7 +37,7 @@ pub const EXIT_USAGE: u8 = 2;
 /// Writes a line to standard error; a closed one must not stop a plant.
 macro_rules! say {
     ($($arg:tt)*) => {{
-        let _ = writeln!(std::io::stderr(), $($arg)*);
+        let _ = std::io::Write::write_fmt(&mut std::io::stderr(), format_args!("{}\n", format_args!($($arg)*)));
     }};
 }
 
@@ -71,13 +72,13 @@ pub fn start(image: ProgramImage, code: CodeMaker, options: &RunOptions, service
             EXIT_USAGE
         }
         true => instances::run(image, code, options),
-        false => run_on(image, code(), options, None, service),
+        false => run_with(image, code(), options, service, None),
     }
 }
 
 /// Runs a program on one CPU. Values go to standard output, messages to standard error. Result: exit code.
 pub fn run(image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions) -> u8 {
-    run_on(image, code, options, None, None)
+    run_with(image, code, options, None, None)
 }
 
 /// As [`run`], with someone who looks at the probes of the program.
@@ -87,15 +88,15 @@ pub fn run_watched(
     options: &RunOptions,
     watcher: Option<Rc<dyn Watcher>>,
 ) -> u8 {
-    run_on(image, code, options, watcher, None)
+    run_with(image, code, options, None, watcher)
 }
 
-fn run_on(
+fn run_with(
     mut image: ProgramImage,
     code: Rc<dyn Code>,
     options: &RunOptions,
-    watcher: Option<Rc<dyn Watcher>>,
     service: Option<Box<dyn Service>>,
+    watcher: Option<Rc<dyn Watcher>>,
 ) -> u8 {
     let clock = match options.clock {
         ClockKind::Real => Clock::real(),
@@ -103,9 +104,18 @@ fn run_on(
     };
     image.config.s7200.stop_on_error |= options.stop_on_error;
     options.restart(&mut image.config);
-    let driver = Box::new(Simulated::new(image.config.modules.clone()));
+    let driver = match driver(&image, options) {
+        Ok(driver) => driver,
+        Err(message) => {
+            say!("runtime: {message}");
+            return EXIT_USAGE;
+        }
+    };
     let mut cpu = Cpu::new(image, code, clock, driver);
-    if let Err(message) = furnish(&cpu, options, watcher.as_ref()) {
+    if let Some(watcher) = &watcher {
+        cpu.set_watcher(watcher.clone());
+    }
+    if let Err(message) = furnish(&cpu, options) {
         say!("runtime: {message}");
         return EXIT_USAGE;
     }
@@ -136,7 +146,10 @@ fn run_on(
         stop_line(&cpu, options, cycles).iter().for_each(|line| say!("{line}"));
         let Some(kind) = cpu.serve_in_stop() else { break };
         cpu = Cpu::restarted(cpu, kind);
-        if let Err(message) = furnish(&cpu, options, watcher.as_ref()) {
+        if let Some(watcher) = &watcher {
+            cpu.set_watcher(watcher.clone());
+        }
+        if let Err(message) = furnish(&cpu, options) {
             say!("runtime: {message}");
             return EXIT_USAGE;
         }
@@ -149,11 +162,8 @@ fn run_on(
     finish(&cpu, options, &printed, session, cycles)
 }
 
-/// Gives a CPU who looks at it, and what the flags name: ports, folders, files.
-fn furnish(cpu: &Cpu, options: &RunOptions, watcher: Option<&Rc<dyn Watcher>>) -> Result<(), String> {
-    if let Some(watcher) = watcher {
-        cpu.set_watcher(watcher.clone());
-    }
+/// Gives a CPU what the flags name: ports, folders, files.
+fn furnish(cpu: &Cpu, options: &RunOptions) -> Result<(), String> {
     if let Some(port) = options.iso_port {
         cpu.communication.borrow_mut().set_iso_port(port);
     }
@@ -165,6 +175,24 @@ fn furnish(cpu: &Cpu, options: &RunOptions, watcher: Option<&Rc<dyn Watcher>>) -
         cpu.alarms.borrow_mut().write_to(file.map_err(|error| format!("{}: {error}", path.display()))?);
     }
     Ok(())
+}
+
+/// The driver: devices only under the real clock, for they know no other.
+fn driver(image: &ProgramImage, options: &RunOptions) -> Result<Box<dyn Driver>, String> {
+    let (modules, stations) = (image.config.modules.clone(), &image.config.remote);
+    match (stations.is_empty(), options.clock) {
+        (true, _) => Ok(Box::new(Simulated::new(modules))),
+        (false, ClockKind::Virtual) => {
+            say!("the devices of `[io]` are simulated under the virtual clock");
+            Ok(Box::new(Simulated::new(modules)))
+        }
+        (false, ClockKind::Real) => {
+            if !options.quiet {
+                remote::opened(stations).for_each(|line| say!("{line}"));
+            }
+            Ok(Box::new(Remote::new(modules, stations)?))
+        }
+    }
 }
 
 fn pace(cpu: &Cpu, options: &RunOptions) -> Pace {

@@ -170,6 +170,18 @@ impl Declarations<'_> {
 
     fn no_content(&mut self, source: &ast::DataBlock, span: Span) {
         let name = self.globals.text(source.name.span());
+        let of = self.globals.text(span);
+        let is_function =
+            |target| matches!(target, SymbolTarget::Block { prefix: BlockPrefix::Fc | BlockPrefix::Sfc, .. });
+        if self.globals.global(of.trim_matches('"')).is_some_and(is_function) {
+            let call = of.trim();
+            self.report(
+                Diagnostic::new(Code::DeclarationSyntax, span, format!("{name} cannot be an instance of {call}"))
+                    .label("a function, which keeps no data")
+                    .help(format!("call `{call}(…)` without a data block, or make it a FUNCTION_BLOCK")),
+            );
+            return;
+        }
         self.report(
             Diagnostic::new(Code::DeclarationSyntax, span, format!("{name} declares no data"))
                 .label("a STRUCT, a UDT, an FB or an SFB is expected")
