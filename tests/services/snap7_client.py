@@ -50,8 +50,9 @@ assert bytes(client.db_read(3, 0, 2)) == b"\x12\x34"
 info = client.get_cpu_info()
 assert info.ASName == b"line", info
 blocks = client.list_blocks()
-assert (blocks.OBCount, blocks.DBCount) == (1, 4), blocks
+assert (blocks.OBCount, blocks.FCCount, blocks.DBCount) == (1, 1, 4), blocks
 assert client.get_block_info(snap7.type.Block.DB, 1).MC7Size == 4096
+assert client.get_block_info(snap7.type.Block.FC, 7).BlkNumber == 7
 assert client.get_order_code().OrderCode.startswith(b"6ES7")
 
 

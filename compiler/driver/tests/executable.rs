@@ -72,6 +72,7 @@ fn image() -> ProgramImage {
         shapes: Vec::new(),
         outputs_used: u32::MAX,
         notices: Vec::new(),
+        inner_blocks: Vec::new(),
         s7200: None,
     }
 }

@@ -104,7 +104,10 @@ fn lower_program(program: &Program, sources: &SourceMap, probes: Probes) -> Lowe
                 frame += wrapper.frame_bytes;
                 output.module.functions.push(wrapper)
             }
-            _ => continue,
+            _ => {
+                output.image.inner_blocks.push((block.kind, block.number, block.name.clone()));
+                continue;
+            }
         };
         output.image.blocks.push(BlockEntry {
             kind: block.kind,
@@ -182,6 +185,7 @@ impl<'s> Output<'s> {
             shapes: shapes::of(program),
             outputs_used: u32::MAX,
             notices: program.notices.clone(),
+            inner_blocks: Vec::new(),
             s7200: None,
         };
         Output { module, image, probes, sources }

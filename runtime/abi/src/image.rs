@@ -479,6 +479,8 @@ pub struct ProgramImage {
     pub stops_itself: bool,
     /// Lines that every run prints first.
     pub notices: Vec<String>,
+    /// Blocks that only code of the program calls, and their names: clients see them in lists.
+    pub inner_blocks: Vec<(BlockKind, u16, String)>,
     /// Of an S7-200.
     pub s7200: Option<S7200Image>,
 }

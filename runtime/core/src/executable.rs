@@ -26,9 +26,10 @@ struct CommandLine<O: Args> {
 /// What answers clients, and what was opened for them, a line each.
 pub type Opened = (Option<Box<dyn Service>>, Vec<String>);
 
-/// Flags of services, which open them. `Err`: why not.
+/// Flags of services, which open them.
 pub trait Opener: Args {
-    fn open(&self, image: &ProgramImage) -> Result<Opened, String>;
+    /// `flags_only`: nothing but flags counts, not what plc.toml says. `Err`: why nothing is open.
+    fn open(&self, image: &ProgramImage, flags_only: bool) -> Result<Opened, String>;
 }
 
 /// The flags of an executable without services.
@@ -36,7 +37,7 @@ pub trait Opener: Args {
 struct NoServices {}
 
 impl Opener for NoServices {
-    fn open(&self, _image: &ProgramImage) -> Result<Opened, String> {
+    fn open(&self, _image: &ProgramImage, _flags_only: bool) -> Result<Opened, String> {
         Ok((None, Vec::new()))
     }
 }
@@ -72,7 +73,7 @@ pub unsafe fn main_of<O: Opener>(argc: c_int, argv: *const *const c_char) -> c_i
     match linked_program(0) {
         Ok((image, entries)) => {
             let code = || -> Rc<dyn Code> { Rc::new(LinkedCode(entries.clone())) };
-            match services.open(&image) {
+            match services.open(&image, run.is_many()) {
                 Ok((service, opened)) => {
                     opened.iter().for_each(|line| crate::run::say!("{line}"));
                     c_int::from(crate::run::start(image, &code, &run, service))

@@ -101,6 +101,11 @@ pub enum Restart {
 }
 
 impl RunOptions {
+    /// Many CPUs run: none of them is the one that clients could reach.
+    pub fn is_many(&self) -> bool {
+        self.instances.is_some() || self.instance_values.is_some()
+    }
+
     /// Puts what the flags say about restarts into the configuration.
     pub(crate) fn restart(&self, config: &mut Config) {
         if let Some(path) = &self.retain {

@@ -116,7 +116,9 @@ impl Access<'_> {
             0x08 => BlockKind::Ob,
             0x0A => BlockKind::Db,
             0x0C => BlockKind::Fc,
+            0x0D => BlockKind::Sfc,
             0x0E => BlockKind::Fb,
+            0x0F => BlockKind::Sfb,
             _ => return None,
         })
     }
@@ -221,7 +223,11 @@ impl Plc for Access<'_> {
         let image = &self.0.image;
         let mut numbers: Vec<u16> = match kind {
             BlockKind::Db => image.dbs.iter().map(|db| db.number).collect(),
-            _ => image.blocks.iter().filter(|block| block.kind == kind).map(|block| block.number).collect(),
+            _ => {
+                let inner = image.inner_blocks.iter().map(|(kind, number, _)| (*kind, *number));
+                let all = image.blocks.iter().map(|block| (block.kind, block.number)).chain(inner);
+                all.filter(|(found, _)| *found == kind).map(|(_, number)| number).collect()
+            }
         };
         numbers.sort_unstable();
         numbers
@@ -239,10 +245,12 @@ impl Plc for Access<'_> {
             let name = db.name.clone();
             return Some(BlockInfo { language: DB, number, bytes, local_data: 0, name, read_only: db.read_only });
         }
-        let block = image.blocks.iter().find(|block| block.kind == kind && block.number == number)?;
-        let local_data = block.frame.min(u32::from(u16::MAX)) as u16;
+        let named = image.blocks.iter().map(|block| (block.kind, block.number, &block.name, block.frame));
+        let inner = image.inner_blocks.iter().map(|(kind, number, name)| (*kind, *number, name, 0));
+        let (.., name, frame) = named.chain(inner).find(|(found, own, ..)| (*found, *own) == (kind, number))?;
+        let local_data = frame.min(u32::from(u16::MAX)) as u16;
         // Machine code of this computer has no length that means something to a client.
-        Some(BlockInfo { language: UNKNOWN, number, bytes: 0, local_data, name: block.name.clone(), read_only: false })
+        Some(BlockInfo { language: UNKNOWN, number, bytes: 0, local_data, name: name.clone(), read_only: false })
     }
 
     fn clock(&self) -> DateAndTime {

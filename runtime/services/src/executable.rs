@@ -8,8 +8,8 @@ use plcc_runtime::executable::{Opened, Opener, main_of};
 use crate::ServiceOptions;
 
 impl Opener for ServiceOptions {
-    fn open(&self, image: &ProgramImage) -> Result<Opened, String> {
-        ServiceOptions::open(self, image)
+    fn open(&self, image: &ProgramImage, flags_only: bool) -> Result<Opened, String> {
+        ServiceOptions::open(self, image, flags_only)
     }
 }
 

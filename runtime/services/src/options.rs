@@ -77,15 +77,15 @@ pub fn check_broker(text: &str) -> Result<(), String> {
 pub type Opened = (Option<Box<dyn Service>>, Vec<String>);
 
 impl ServiceOptions {
-    /// Opens what the flags and plc.toml ask for. `Err`: why not.
-    pub fn open(&self, image: &ProgramImage) -> Result<Opened, String> {
+    /// Opens what the flags and, unless `flags_only`, plc.toml ask for. `Err`: why not.
+    pub fn open(&self, image: &ProgramImage, flags_only: bool) -> Result<Opened, String> {
         let config = &image.config.services;
         let port = |flag: Option<SocketAddr>, key: &Option<String>| match (flag, key) {
-            (None, Some(text)) => address(text).map(Some),
+            (None, Some(text)) if !flags_only => address(text).map(Some),
             (flag, _) => Ok(flag),
         };
         let broker = match (&self.mqtt, &config.mqtt) {
-            (None, Some(text)) => Some(Broker::parse(text)?),
+            (None, Some(text)) if !flags_only => Some(Broker::parse(text)?),
             (flag, _) => flag.clone(),
         };
         let (s7, modbus) = (port(self.s7, &config.s7)?, port(self.modbus, &config.modbus)?);

@@ -66,7 +66,7 @@ pub type CodeMaker<'a> = &'a (dyn Fn() -> Rc<dyn Code> + Sync);
 /// Runs a program by the runtime flags, on one CPU or on as many as they say. `service` answers clients of one CPU, also in STOP.
 /// Result: exit code.
 pub fn start(image: ProgramImage, code: CodeMaker, options: &RunOptions, service: Option<Box<dyn Service>>) -> u8 {
-    match options.instances.is_some() || options.instance_values.is_some() {
+    match options.is_many() {
         true if service.is_some() => {
             say!("runtime: clients are answered by one CPU: leave out --instances");
             EXIT_USAGE

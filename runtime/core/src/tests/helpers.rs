@@ -77,6 +77,7 @@ pub fn image(blocks: &[(BlockKind, u16)]) -> ProgramImage {
         shapes: Vec::new(),
         outputs_used: u32::MAX,
         notices: Vec::new(),
+        inner_blocks: Vec::new(),
         s7200: None,
     }
 }
