@@ -263,6 +263,23 @@ impl Folder<'_> {
         Some(Change::Data(InstData::Binary { op, args: [x, count] }))
     }
 
+    /// A word that is shifted in a wider type and taken out of it again is shifted as it is.
+    pub(super) fn trunc_of_shift(&mut self, to: Type, arg: Value) -> Option<Change> {
+        let Some(&InstData::Binary { op, args: [wide, count] }) = self.function.defining(arg) else { return None };
+        let Some(&InstData::Convert { op: extended, arg: word }) = self.function.defining(wide) else { return None };
+        let fills = match extended {
+            ConvertOp::Zext => matches!(op, BinaryOp::Shl | BinaryOp::Lshr),
+            ConvertOp::Sext => matches!(op, BinaryOp::Shl | BinaryOp::Ashr),
+            _ => false,
+        };
+        let count = shift_count(self.function, self.ty(arg), count)?;
+        if !fills || self.ty(word) != to || to == Type::I1 || count >= to.bits() {
+            return None;
+        }
+        let count = self.emit_const(to, u64::from(count));
+        Some(Change::Data(InstData::Binary { op, args: [word, count] }))
+    }
+
     /// The low word of something put together from words.
     pub(super) fn trunc_of_parts(&mut self, to: Type, arg: Value) -> Option<Change> {
         let wanted = eval::mask(to, u64::MAX);
