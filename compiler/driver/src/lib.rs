@@ -62,6 +62,7 @@ fn dispatch(cli: &Cli) -> u8 {
         Command::Test(args) => command::test::test(args),
         Command::Check(args) => command::check::check(args),
         Command::Xref(args) => command::xref::xref(args),
+        Command::Status(args) => command::status::status(args),
         Command::Station { folder } => command::station::station(folder),
         Command::Plot(args) => command::plot::plot(args),
         Command::Explain { code } => command::explain::explain(code),

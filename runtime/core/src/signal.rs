@@ -84,6 +84,11 @@ impl Value {
         }
     }
 
+    /// The value of an elementary type with these bits, zero-extended.
+    pub fn of_type(ty: AssertType, bits: u64) -> Value {
+        Value::typed(ty, TypedValue::Bits(bits), ValueType::of(ty).width(0))
+    }
+
     /// As `--print` writes it.
     pub fn text(&self) -> String {
         match self {

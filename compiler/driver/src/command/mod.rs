@@ -6,6 +6,7 @@ pub mod explain;
 pub mod plot;
 pub mod run;
 pub mod station;
+pub mod status;
 pub mod test;
 pub mod xref;
 
