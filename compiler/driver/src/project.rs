@@ -15,6 +15,7 @@ use toml::Spanned;
 use crate::axes;
 use crate::retain::{self, RetainKeys};
 use crate::s7200::{self, S7200Keys};
+use crate::services::{self, ServicesKeys};
 use crate::station::{self, Station, StationKeys};
 use crate::technology;
 
@@ -43,6 +44,8 @@ pub struct Project {
     pub axes: String,
     /// Place of the settings of an S7-200, checked later against the CPU.
     pub s7200: Option<Span>,
+    /// The file could not be read as a whole, so that nothing is known of the project.
+    pub unread: bool,
 }
 
 /// Reads the text of a `plc.toml`. Reports wrong keys as P0601 and ignores them.
@@ -54,7 +57,7 @@ pub fn parse(file: FileId, source: &SourceFile) -> (Project, Vec<Diagnostic>) {
             let range = error.span().unwrap_or(0..0);
             let wrong = toml_words::plain_at(error.message(), &source.text, range.start);
             context.report(range, wrong.title, &wrong.help);
-            Project::default()
+            Project { unread: true, ..Project::default() }
         }
     };
     (project, context.diagnostics)
@@ -97,6 +100,7 @@ struct Keys {
     data: Option<Spanned<String>>,
     s7200: Option<Spanned<S7200Keys>>,
     retain: Option<RetainKeys>,
+    services: Option<ServicesKeys>,
 }
 
 #[derive(Deserialize)]
@@ -217,6 +221,11 @@ impl Context {
             config.retain = retain;
             self.diagnostics.extend(messages);
         }
+        if let Some(keys) = &keys.services {
+            let (services, messages) = services::read(keys, self.file);
+            config.services = services;
+            self.diagnostics.extend(messages);
+        }
         if let Some(keys) = &keys.s7200 {
             let (settings, messages) = s7200::read(keys.get_ref(), self.file);
             config.s7200 = settings;
@@ -236,6 +245,7 @@ impl Context {
         }
         config.cpu_order = station.as_ref().map(Station::cpu_order).unwrap_or_default();
         Project {
+            unread: false,
             name: keys.name.map(Spanned::into_inner),
             cpu: station.as_ref().and_then(Station::profile).or(cpu),
             mnemonics: keys.mnemonics.map(|key| match key {
@@ -377,7 +387,11 @@ impl Context {
         let ms = duration_ms(key.get_ref()).filter(|ms| range.contains(ms));
         if ms.is_none() {
             let title = format!("`{}` is not a time from {} to {} ms", key.get_ref(), range.start(), range.end());
-            self.report(key.span(), title, "write `200ms` or `2s`");
+            let help = match key.get_ref().trim().parse::<u32>() {
+                Ok(number) if range.contains(&number) => format!("write a unit: `{number}ms`"),
+                _ => "write a number with a unit, as in `200ms` or `2s`".to_string(),
+            };
+            self.report(key.span(), title, &help);
         }
         ms
     }

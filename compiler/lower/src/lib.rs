@@ -164,6 +164,7 @@ impl<'s> Output<'s> {
                     data: db.data.clone(),
                     read_only: db.read_only,
                     unlinked: db.unlinked,
+                    optimized: db.optimized,
                     kept: db.kept.clone(),
                     ty: (!db.members.is_empty()).then(|| types.of_db(db, program)),
                 })

@@ -201,6 +201,8 @@ pub struct DataBlock {
     pub data_type: String,
     pub read_only: bool,
     pub unlinked: bool,
+    /// Optimised access: clients cannot reach it by addresses.
+    pub optimized: bool,
     /// What of it is retentive.
     pub kept: Kept,
 }

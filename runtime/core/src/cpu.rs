@@ -22,11 +22,13 @@ use crate::diagnostics::{Diagnostics, Entry};
 use crate::family::{Family, Step7};
 use crate::io::Driver;
 use crate::memory::Memory;
-use crate::options::CYCLE_TIME_DEFAULT;
+use crate::online::Service;
+use crate::options::{CYCLE_TIME_DEFAULT, Restart};
 use crate::organization::Running;
 use crate::probe::Watcher;
 use crate::records::Records;
 use crate::records::store::Store;
+use crate::restart::Carried;
 use crate::retain::Retention;
 use crate::s7200::{S7200, ScanCycle};
 use crate::schedule::Schedule;
@@ -75,6 +77,15 @@ pub struct Cpu {
     pub(crate) retention: OnceCell<Retention>,
     /// The startup OB: that of the configuration unless such a restart is not possible.
     pub(crate) startup: Cell<u16>,
+    /// Answers clients.
+    pub(crate) service: RefCell<Option<Box<dyn Service>>>,
+    pub(crate) is_served: Cell<bool>,
+    /// A client asks for RUN.
+    pub(crate) restart_requested: Cell<Option<Restart>>,
+    /// The CPU goes on in place of one that stopped.
+    pub(crate) is_restarted: bool,
+    /// What that one has left, until startup.
+    pub(crate) carried: RefCell<Option<Carried>>,
     /// Connections of the program.
     pub(crate) communication: RefCell<Communication>,
     /// Data logs, recipes and files.
@@ -137,6 +148,11 @@ impl Cpu {
             watcher: OnceCell::new(),
             cycle: Cell::new(0),
             retention: OnceCell::new(),
+            service: RefCell::default(),
+            is_served: Cell::new(false),
+            restart_requested: Cell::new(None),
+            is_restarted: false,
+            carried: RefCell::default(),
             startup: Cell::new(image.config.startup),
             watchdog: Watchdog::new(&memory),
             memory,
@@ -234,7 +250,7 @@ impl Cpu {
     }
 
     /// DB `number` is write-protected.
-    pub(crate) fn is_read_only(&self, number: u16) -> bool {
+    pub fn is_read_only(&self, number: u16) -> bool {
         let word = self.read_only_dbs.get(usize::from(number / 64)).copied().unwrap_or(0);
         word >> (number % 64) & 1 != 0
     }

@@ -50,6 +50,7 @@ pub(crate) fn lower(program: &Program, cpu: CpuRow, sources: &SourceMap, probes:
             data: plan.texts.bytes.clone(),
             read_only: true,
             unlinked: false,
+            optimized: false,
             kept: Kept::Nothing,
             ty: None,
         });
