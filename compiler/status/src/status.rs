@@ -91,7 +91,7 @@ pub struct Value {
 pub struct Row {
     pub rlo: bool,
     pub sta: bool,
-    /// The timer or counter of the statement, else ACCU1 in hexadecimal.
+    /// The status of the timer or counter of the statement, else ACCU1 in hexadecimal.
     pub standard: String,
     pub accu1: u32,
     pub accu2: u32,

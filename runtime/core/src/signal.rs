@@ -323,6 +323,17 @@ impl Source {
         }
     }
 
+    /// The bits of a value that [`parse`](Source::parse) has read; `None`: it has more than eight bytes, or no address.
+    pub fn bits(&self, value: &Value) -> Option<u64> {
+        let address = self.address()?;
+        match (self, value) {
+            (_, Value::Bits(bits, _) | Value::Typed(_, TypedValue::Bits(bits))) => Some(*bits),
+            (_, Value::Whole(whole)) => Some(*whole as u64 & mask(address.width)),
+            (Source::Typed(_, ty), Value::Number(number)) => Some(number_bits(*number, ty.ty, address.width)),
+            (_, Value::Number(_) | Value::Typed(..)) => None,
+        }
+    }
+
     /// Whether a value can be set there from outside. `Err`: why not.
     pub fn check_settable(&self) -> Result<(), String> {
         match self {
