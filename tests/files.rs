@@ -11,6 +11,7 @@
 //! | `opt/` | IR; `; passes: a,b` in its first line | `x.expect` |
 //! | `clif/` | STL or SCL | `x.clif` |
 //! | `xref/`, `xref/*/` | a source, a project | `x.xref`: its reference data |
+//! | `status/` | `x.status`: a command `plcc status`, and what it prints | |
 //! | `messages/` | STL or SCL | `x.txt`: its messages as drawn |
 //! | `../samples/*/`, `../samples/*/*/` | a project with scenarios | `x.trace.csv`, `x.vcd`, `x.svg` beside `x.toml`, with the signals of its `# trace-signals:` line; `station.txt`: the list of `plcc station` |
 
@@ -19,6 +20,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::{Arc, OnceLock};
 
+use clap::Parser;
 use libtest_mimic::{Arguments, Failed, Trial};
 use plcc_driver::cli::Level;
 use plcc_driver::emit;
@@ -70,6 +72,7 @@ fn trials(is_selected: &dyn Fn(&str) -> bool) -> Vec<Trial> {
             trials.push(trial(shown(&program), move || check_xref(&program)));
         }
     }
+    file_trials("status", "status", check_status, &mut trials);
     for twins in folders(&tests.join("twins")) {
         trials.push(trial(shown(&twins), move || check_twins(&twins)));
     }
@@ -255,6 +258,20 @@ fn check_xref(path: &Path) -> Result<(), String> {
     let reference = plcc_xref::reference(&bound.program, &bound.sources);
     let folder = format!("{}/", root().display());
     expect_file(&path.with_extension("xref"), &plcc_xref::text::document(&reference).replace(&folder, ""))
+}
+
+/// The first line is a command, `plcc status INPUT ...`; the rest is what it prints.
+fn check_status(path: &Path) -> Result<(), String> {
+    let text = fs::read_to_string(path).map_err(|error| error.to_string())?;
+    let command = text.lines().next().unwrap_or_default();
+    let mut words: Vec<String> = command.split_whitespace().map(String::from).collect();
+    let input = words.get_mut(2).ok_or("the first line is not a command with an input")?;
+    *input = root().join(&*input).display().to_string();
+    let cli = plcc_driver::cli::Cli::try_parse_from(words).map_err(|error| error.to_string())?;
+    let plcc_driver::cli::Command::Status(args) = cli.command else { return Err("it is not `plcc status`".into()) };
+    let (shown, _) = plcc_driver::command::status::output(&args).map_err(|exit| format!("exit code {exit}"))?;
+    let folder = format!("{}/", root().display());
+    expect_file(path, &format!("{command}\n{}", shown.replace(&folder, "")))
 }
 
 /// Each sample is a project, or a folder of one for each language: its scenarios pass in all forms, and traces are as they were.

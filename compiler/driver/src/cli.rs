@@ -34,6 +34,8 @@ pub enum Command {
     Check(CheckArgs),
     /// List what uses what: cross references, assignment of memory, call structure, symbols without use.
     Xref(XrefArgs),
+    /// Show what the statements of a block see in one cycle.
+    Status(Box<StatusArgs>),
     /// Lay out sources in one style.
     Fmt(FmtArgs),
     /// List the modules of a project's station and their addresses.
@@ -278,6 +280,43 @@ pub struct CheckArgs {
     /// Format of the messages.
     #[arg(long, value_name = "FORMAT", default_value = "human")]
     pub message_format: MessageFormat,
+    #[command(flatten)]
+    pub compile: CompileArgs,
+}
+
+#[derive(Args, Debug)]
+pub struct StatusArgs {
+    /// Sources, symbol tables, folders of these, or a project. Together they are one program [default: the project in this
+    /// folder].
+    #[arg(value_name = "FILE|DIR")]
+    pub inputs: Vec<PathBuf>,
+    /// The block, such as `FB1` or its name, and a network of it, such as `FB1:3`.
+    #[arg(long, value_name = "BLOCK[:NETWORK]")]
+    pub block: String,
+    /// Number of the cycle; 0: startup.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub cycle: u64,
+    /// The call with its instance in this data block.
+    #[arg(long, value_name = "DB")]
+    pub instance: Option<String>,
+    /// The call on this path, such as `OB1/FC2`: the last block calls it.
+    #[arg(long, value_name = "PATH")]
+    pub path: Option<String>,
+    /// Which of the calls in the cycle that fit.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub call: u32,
+    /// Print the status as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Set a value before the startup OB runs, e.g. I0.0=1; separate several by commas or repeat the flag.
+    #[arg(long, value_name = "ADDR=VALUE")]
+    pub set: Vec<String>,
+    /// Play a scenario: a TOML file (see docs/testing.md).
+    #[arg(long, value_name = "FILE")]
+    pub scenario: Option<PathBuf>,
+    /// Time from one cycle start to the next of the virtual clock [default: 10ms].
+    #[arg(long, value_name = "TIME", value_parser = plcc_runtime::options::parse_duration)]
+    pub cycle_time: Option<plcc_runtime::options::Duration>,
     #[command(flatten)]
     pub compile: CompileArgs,
 }

@@ -31,7 +31,9 @@ pub enum Probe {
     Block,
     /// The registers after a statement of STL. The timer or counter that it names, if it is known.
     Registers(Option<(CellKind, u16)>),
-    /// A value that is read or computed.
+    /// The value of a variable that is read.
+    Variable(Elementary),
+    /// A value that is computed.
     Value(Elementary),
     /// A value that is written.
     Written(Elementary),
@@ -148,7 +150,11 @@ impl BlockLowering<'_, '_> {
     /// An expression has this value.
     pub fn probe_expr(&mut self, expr: &Expr, value: Value) {
         if !matches!(expr.kind, ExprKind::Const(_)) && self.is_probed(expr.span) {
-            self.probe_value(expr.span, Probe::Value(expr.ty), expr.ty, value);
+            let probe = match expr.kind {
+                ExprKind::Load(_) | ExprKind::Cell { .. } => Probe::Variable(expr.ty),
+                _ => Probe::Value(expr.ty),
+            };
+            self.probe_value(expr.span, probe, expr.ty, value);
         }
     }
 

@@ -272,6 +272,16 @@ impl Cpu {
         }
     }
 
+    /// Modifies a value between the phases of a cycle: an input only in the process image, until the inputs are read again. `Err`: the error.
+    pub fn modify(&self, address: &Address, value: Bits) -> Result<(), String> {
+        self.check_address(address)?;
+        match address.place {
+            Place::Input(_) => self.write_memory(address, value),
+            _ => self.write(address, value)?,
+        }
+        Ok(())
+    }
+
     /// Sets a value from outside: an input goes to its module and into the process image. `Err`: the error.
     pub fn write(&self, address: &Address, value: Bits) -> Result<(), String> {
         self.check_address(address)?;

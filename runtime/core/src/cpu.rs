@@ -115,6 +115,11 @@ pub struct Cpu {
 pub const CREATED_DBS_MAX: usize = 4096;
 
 impl Cpu {
+    /// Number of the cycle, 0 in startup.
+    pub fn cycle_number(&self) -> u64 {
+        self.cycle.get()
+    }
+
     /// A CPU in STOP with the program loaded.
     pub fn new(
         image: impl Into<Arc<ProgramImage>>,

@@ -19,6 +19,10 @@ const CYCLE_PRIORITY: u8 = 1;
 pub trait Observer {
     /// Before `cycle` reads its inputs; cycle 0 is before the startup OB. `time` in nanoseconds.
     fn before(&mut self, cpu: &Cpu, cycle: u64, time: u64);
+    /// The inputs of `cycle` are in the process image; the program has not begun.
+    fn begin(&mut self, _cpu: &Cpu, _cycle: u64) {}
+    /// The program of `cycle` has run; the outputs are not written yet.
+    fn end(&mut self, _cpu: &Cpu, _cycle: u64) {}
     /// After the outputs of `cycle`; cycle 0 is after the startup OB.
     fn after(&mut self, cpu: &Cpu, cycle: u64, time: u64);
 }
@@ -191,6 +195,7 @@ impl Cpu {
         self.update_clock_memory();
         self.update_system_memory(cycle == 1);
         self.read_inputs();
+        observer.begin(self, cycle);
         self.schedule.monitor.begin(start);
         self.arm_watchdog();
         self.family.begin_cycle(self, cycle, times);
@@ -200,6 +205,7 @@ impl Cpu {
         self.family.run_program(self, cycle, times);
         self.schedule.monitor.end();
         self.family.end_program(self);
+        observer.end(self, cycle);
         if self.is_stopped() {
             self.stop_outputs();
         } else {

@@ -14,6 +14,7 @@
 //! - [`fmi`]: a CPU as a unit of a co-simulation.
 //! - [`guest`]: code that runs in the process of the compiler.
 //! - [`assertion`]: values of assertions, compared and printed by their types.
+//! - [`watch`]: watch tables.
 //! - [`probe`]: who looks at a program with probes.
 //! - [`realtime`]: the scheduler for real time, locked memory; [`watchdog`]: what interrupts running code.
 //! - [`remote`]: devices on a field bus.
@@ -78,6 +79,7 @@ pub mod timers;
 pub mod trace;
 pub mod typed;
 pub mod value;
+pub mod watch;
 pub mod watchdog;
 
 #[cfg(test)]

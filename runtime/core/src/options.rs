@@ -46,6 +46,9 @@ pub struct RunOptions {
     /// Values to record [default: the values of --print and those that the program uses]
     #[arg(long, value_name = "ADDR,...")]
     pub trace_signals: Vec<String>,
+    /// Modify values by a watch table, a TOML file (see docs/debugging.md), and print it after the last cycle
+    #[arg(long, value_name = "FILE")]
+    pub watch_table: Option<PathBuf>,
     /// Shortest time between two records [default: record each cycle]
     #[arg(long, value_name = "TIME", value_parser = parse_duration)]
     pub trace_step: Option<Duration>,

@@ -84,6 +84,11 @@ impl Value {
         }
     }
 
+    /// The value of an elementary type with these bits, zero-extended.
+    pub fn of_type(ty: AssertType, bits: u64) -> Value {
+        Value::typed(ty, TypedValue::Bits(bits), ValueType::of(ty).width(0))
+    }
+
     /// As `--print` writes it.
     pub fn text(&self) -> String {
         match self {
@@ -315,6 +320,17 @@ impl Source {
                 let number = text.trim().parse::<f64>().map_err(|_| format!("`{}` is not a number", text.trim()));
                 number.map(Value::Number)
             }
+        }
+    }
+
+    /// The bits of a value that [`parse`](Source::parse) has read; `None`: it has more than eight bytes, or no address.
+    pub fn bits(&self, value: &Value) -> Option<u64> {
+        let address = self.address()?;
+        match (self, value) {
+            (_, Value::Bits(bits, _) | Value::Typed(_, TypedValue::Bits(bits))) => Some(*bits),
+            (_, Value::Whole(whole)) => Some(*whole as u64 & mask(address.width)),
+            (Source::Typed(_, ty), Value::Number(number)) => Some(number_bits(*number, ty.ty, address.width)),
+            (_, Value::Number(_) | Value::Typed(..)) => None,
         }
     }
 

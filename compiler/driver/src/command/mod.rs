@@ -11,6 +11,7 @@ pub mod password;
 pub mod plot;
 pub mod run;
 pub mod station;
+pub mod status;
 pub mod test;
 pub mod view;
 pub mod xref;

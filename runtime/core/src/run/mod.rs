@@ -241,6 +241,14 @@ fn finish(cpu: &Cpu, options: &RunOptions, printed: &[Signal], session: Session,
             exit = EXIT_USAGE;
         }
     }
+    if let Some(table) = &session.watch {
+        let mut out = std::io::stdout().lock();
+        let written = out.write_all(table.text(cpu).as_bytes()).and_then(|()| out.flush());
+        if let Err(error) = written.or_else(|error| if is_closed(&error) { Ok(()) } else { Err(error) }) {
+            say!("runtime: cannot write to standard output: {error}");
+            exit = EXIT_USAGE;
+        }
+    }
     let (lines, fault) = verdict(cpu, options, &session, cycles);
     lines.iter().for_each(|line| say!("{line}"));
     if fault {

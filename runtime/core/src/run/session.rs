@@ -9,6 +9,7 @@ use crate::plant::Plant;
 use crate::scenario::{Player, Scenario};
 use crate::signal::{self, Signal, Source, Value};
 use crate::trace::{self, Recorder};
+use crate::watch::{Table, Trigger};
 
 /// Everything that flags name, checked.
 pub(super) struct Session {
@@ -17,6 +18,8 @@ pub(super) struct Session {
     pub last: u64,
     pub player: Player,
     pub recorder: Option<Recorder>,
+    /// The watch table.
+    pub watch: Option<Table>,
 }
 
 impl Observer for Session {
@@ -25,6 +28,18 @@ impl Observer for Session {
             self.set_values(cpu);
         }
         self.player.before(cpu, cycle, time);
+    }
+
+    fn begin(&mut self, cpu: &Cpu, cycle: u64) {
+        if let Some(table) = &self.watch {
+            table.modify(cpu, cycle, Trigger::Begin);
+        }
+    }
+
+    fn end(&mut self, cpu: &Cpu, cycle: u64) {
+        if let Some(table) = &self.watch {
+            table.modify(cpu, cycle, Trigger::End);
+        }
     }
 
     fn after(&mut self, cpu: &Cpu, cycle: u64, time: u64) {
@@ -69,6 +84,7 @@ pub(super) fn prepare(cpu: &Cpu, options: &RunOptions, out: Box<dyn Write>) -> R
     let asked = signals(cpu, player.plant(), &options.trace_signals)?;
     // A wrong flag leaves the trace of an earlier run as it is.
     let set = settings(cpu, &options.set)?;
+    let watch = options.watch_table.as_deref().map(|path| Table::read(path, cpu)).transpose()?;
     let recorder = match &options.trace {
         Some(path) => {
             let step = options.trace_step.map_or(0, |step| step.0);
@@ -81,7 +97,7 @@ pub(super) fn prepare(cpu: &Cpu, options: &RunOptions, out: Box<dyn Write>) -> R
         }
         None => None,
     };
-    Ok((printed, Session { set, last: 0, player, recorder }))
+    Ok((printed, Session { set, last: 0, player, recorder, watch }))
 }
 
 /// The signals of a list flag.

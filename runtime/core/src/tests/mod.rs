@@ -15,5 +15,6 @@ mod s7200_scan;
 mod s7200_timers;
 mod system;
 mod timers;
+mod watch;
 
 pub(crate) use helpers::{Block, Closures, cpu_with, image};

@@ -1,0 +1,168 @@
+//! Looks at the probes of the running program, and keeps what the chosen call sees.
+
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::rc::Rc;
+
+use plcc_lower::probe::{Place, Probe};
+use plcc_model::{CellKind, Program};
+use plcc_runtime::cpu::Cpu;
+use plcc_runtime::probe::{Registers, Watcher};
+use plcc_runtime::signal::Source;
+
+use crate::choice::Choice;
+use crate::graph::{self, StepSeen, Steps};
+
+/// What a probe has told last.
+#[derive(Clone, Debug)]
+pub enum Seen {
+    /// The registers, and the timer or counter of the statement as a text.
+    Registers(Registers, Option<String>),
+    /// A value, zero-extended.
+    Value(u64),
+    /// A logic stack with ENO, and the operands of the statement with their values.
+    Stack(u64, Vec<(String, String)>),
+}
+
+/// What the chosen call has seen.
+#[derive(Clone, Debug, Default)]
+pub struct Recorded {
+    /// By place.
+    pub seen: HashMap<u32, Seen>,
+    /// The blocks on the way to the call, by the places of their probes, the block itself last.
+    pub path: Vec<u32>,
+    /// The DB of its instance.
+    pub instance: Option<u16>,
+    /// Steps of a chart at the end of the call.
+    pub steps: Vec<StepSeen>,
+    /// Nanoseconds since the CPU started.
+    pub time: u64,
+}
+
+/// See the module comment.
+pub struct Recorder {
+    places: Rc<[Place]>,
+    choice: Choice,
+    steps: Steps,
+    state: RefCell<State>,
+}
+
+#[derive(Default)]
+struct State {
+    /// The blocks that run now: places of their probes, and their instances.
+    running: Vec<(u32, u32)>,
+    /// Number of calls that fit so far.
+    calls: u32,
+    /// Number of blocks that run when the chosen one runs.
+    depth: Option<usize>,
+    recorded: Option<Recorded>,
+}
+
+impl Recorder {
+    pub fn new(program: &Program, places: Rc<[Place]>, choice: Choice) -> Recorder {
+        let steps = Steps::of(program, choice.block);
+        Recorder { places, choice, steps, state: RefCell::default() }
+    }
+
+    /// What the call has seen; `None`: there was no such call.
+    pub fn recorded(&self) -> Option<Recorded> {
+        self.state.borrow().recorded.clone()
+    }
+
+    pub fn choice(&self) -> &Choice {
+        &self.choice
+    }
+
+    pub fn places(&self) -> &[Place] {
+        &self.places
+    }
+
+    /// Whether the call that has just begun fits all but its number.
+    fn fits(&self, running: &[(u32, u32)], instance: Option<u16>) -> bool {
+        let block = |&(place, _): &(u32, u32)| self.places.get(place as usize).map(|place| place.block);
+        let Some((last, callers)) = running.split_last() else { return false };
+        let wanted = &self.choice.call;
+        let mut path = callers.iter().rev().map(block);
+        block(last) == Some(self.choice.block)
+            && wanted.instance.is_none_or(|db| instance == Some(db))
+            && wanted.path.iter().rev().all(|key| path.next().flatten() == Some(*key))
+    }
+
+    /// Keeps what a probe of the chosen call tells.
+    fn keep(&self, place: u32, seen: impl FnOnce(&Place) -> Seen) {
+        let mut state = self.state.borrow_mut();
+        if state.depth.is_none_or(|depth| depth != state.running.len()) {
+            return;
+        }
+        let Some(at) = self.places.get(place as usize).filter(|at| at.block == self.choice.block) else { return };
+        if let Some(recorded) = &mut state.recorded {
+            recorded.seen.insert(place, seen(at));
+        }
+    }
+}
+
+/// The DB with this offset in memory.
+pub(crate) fn db_at(cpu: &Cpu, offset: u32) -> Option<u16> {
+    let inside = |db: &&plcc_abi::image::DbEntry| {
+        db.address <= offset && offset - db.address < u32::try_from(db.data.len()).unwrap_or(u32::MAX)
+    };
+    cpu.image.dbs.iter().find(inside).map(|db| db.number).filter(|_| offset != 0)
+}
+
+/// The value of a named address as a text.
+fn text_of(cpu: &Cpu, name: &str) -> Option<String> {
+    Source::find(name, &cpu.image, None).ok().map(|source| source.read(cpu, None).text())
+}
+
+impl Watcher for Recorder {
+    fn enter(&self, cpu: &Cpu, place: u32, instance: u32) {
+        let mut state = self.state.borrow_mut();
+        state.running.push((place, instance));
+        if cpu.cycle_number() != self.choice.cycle || state.recorded.is_some() {
+            return;
+        }
+        let db = db_at(cpu, instance);
+        if !self.fits(&state.running, db) {
+            return;
+        }
+        state.calls += 1;
+        if state.calls == self.choice.call.number.max(1) {
+            state.depth = Some(state.running.len());
+            let path = state.running.iter().map(|(place, _)| *place).collect();
+            state.recorded = Some(Recorded { path, instance: db, time: cpu.clock.now(), ..Recorded::default() });
+        }
+    }
+
+    fn leave(&self, cpu: &Cpu, _place: u32) {
+        let mut state = self.state.borrow_mut();
+        if state.depth == Some(state.running.len()) {
+            state.depth = None;
+            let instance = state.running.last().map_or(0, |(_, instance)| *instance);
+            if let Some(recorded) = &mut state.recorded {
+                recorded.steps = graph::seen(&self.steps, cpu, instance);
+            }
+        }
+        state.running.pop();
+    }
+
+    fn registers(&self, cpu: &Cpu, place: u32, registers: Registers) {
+        self.keep(place, |at| {
+            let cell = match at.probe {
+                Probe::Registers(Some((CellKind::Timer, number))) => text_of(cpu, &format!("T{number}")),
+                Probe::Registers(Some((CellKind::Counter, number))) => text_of(cpu, &format!("C{number}")),
+                _ => None,
+            };
+            Seen::Registers(registers, cell)
+        });
+    }
+
+    fn value(&self, cpu: &Cpu, place: u32, value: u64) {
+        self.keep(place, |at| match &at.probe {
+            Probe::Stack(operands) => {
+                let named = operands.iter().filter_map(|name| Some((name.clone(), text_of(cpu, name)?)));
+                Seen::Stack(value, named.collect())
+            }
+            _ => Seen::Value(value),
+        });
+    }
+}

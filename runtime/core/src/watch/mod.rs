@@ -1,0 +1,209 @@
+//! Watch tables: values by their formats, and values that are modified at the beginning or the end of a cycle.
+//!
+//! [`format`](mod@format) has the display formats. A table is a TOML file:
+//!
+//! ```toml
+//! [[row]]
+//! address = "MW10"          # or a name
+//! format = "dec"            # default: by the declared type, else bool and hex
+//! comment = "Speed"
+//! modify = "50"             # a value, by the format or with a prefix
+//! trigger = "begin"         # before the program, with the inputs read; or "end", before the outputs are written
+//! every-cycle = true        # default: once
+//! cycle = 3                 # the first cycle, default 1
+//! ```
+
+pub mod format;
+
+use std::path::Path;
+
+use plcc_abi::ProgramImage;
+use plcc_literal::toml_words;
+use serde::Deserialize;
+
+use crate::address::Address;
+use crate::cpu::Cpu;
+use crate::names;
+use crate::signal::Source;
+use format::Format;
+
+/// Rows of a table at most. Source: Programming with STEP 7, variable table.
+const ROWS_MAX: usize = 1024;
+
+/// When a value is modified.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Trigger {
+    /// After the inputs were read, before the program runs.
+    #[default]
+    Begin,
+    /// After the program, before the outputs are written.
+    End,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FileText {
+    #[serde(default)]
+    row: Vec<RowText>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+struct RowText {
+    address: toml::Spanned<String>,
+    format: Option<Format>,
+    #[serde(default)]
+    comment: String,
+    modify: Option<String>,
+    #[serde(default)]
+    trigger: Trigger,
+    #[serde(default)]
+    every_cycle: bool,
+    #[serde(default = "first_cycle")]
+    cycle: u64,
+}
+
+const fn first_cycle() -> u64 {
+    1
+}
+
+/// A row of a table.
+#[derive(Clone, Debug)]
+struct Row {
+    name: String,
+    source: Source,
+    address: Address,
+    /// `None`: by the declared type.
+    format: Option<Format>,
+    comment: String,
+    modify: Option<Modify>,
+}
+
+/// A value that is written.
+#[derive(Clone, Copy, Debug)]
+struct Modify {
+    bits: u64,
+    trigger: Trigger,
+    every_cycle: bool,
+    cycle: u64,
+}
+
+/// A watch table.
+#[derive(Clone, Debug)]
+pub struct Table {
+    rows: Vec<Row>,
+}
+
+impl Table {
+    /// Reads the file of a table. `Err`: the error with its place.
+    pub fn read(path: &Path, cpu: &Cpu) -> Result<Table, String> {
+        let name = path.display();
+        let text = std::fs::read_to_string(path).map_err(|error| format!("{name}: {error}"))?;
+        Table::parse(&text, cpu).map_err(|(offset, message)| {
+            let line = text.get(..offset).map_or(1, |before| before.matches('\n').count() + 1);
+            format!("{name}:{line}: {message}")
+        })
+    }
+
+    /// Reads the text of a table. `Err`: the offset and the error.
+    pub fn parse(text: &str, cpu: &Cpu) -> Result<Table, (usize, String)> {
+        let file: FileText = toml::from_str(text).map_err(|error| {
+            let offset = error.span().map_or(0, |span| span.start);
+            let wrong = toml_words::plain_at(error.message(), text, offset);
+            (offset, format!("{}; {}", wrong.title, wrong.help))
+        })?;
+        if file.row.len() > ROWS_MAX {
+            return Err((0, format!("the table has {} rows; {ROWS_MAX} are possible", file.row.len())));
+        }
+        let rows = file.row.into_iter().map(|row| {
+            let offset = row.address.span().start;
+            Row::new(row, &cpu.image, cpu).map_err(|message| (offset, message))
+        });
+        Ok(Table { rows: rows.collect::<Result<_, _>>()? })
+    }
+
+    /// Writes the values that are due at a trigger of a cycle. Of rows that overlap the last one counts.
+    pub fn modify(&self, cpu: &Cpu, cycle: u64, trigger: Trigger) {
+        for row in &self.rows {
+            let Some(modify) = row.modify.filter(|modify| modify.trigger == trigger) else { continue };
+            if cycle == modify.cycle || modify.every_cycle && cycle > modify.cycle {
+                // Checked when the table was read; a DB may be gone.
+                let _ = cpu.modify(&row.address, modify.bits);
+            }
+        }
+    }
+
+    /// The rows with their values now.
+    pub fn shown(&self, cpu: &Cpu) -> Vec<Shown> {
+        let value = |row: &Row| match row.format {
+            Some(format) => format.show(cpu.read(&row.address), row.address.width),
+            None => row.source.read(cpu, None).text(),
+        };
+        let shown = |row: &Row| Shown {
+            address: row.name.clone(),
+            value: value(row),
+            modified: row.modify.is_some(),
+            comment: row.comment.clone(),
+        };
+        self.rows.iter().map(shown).collect()
+    }
+
+    /// The table for people.
+    pub fn text(&self, cpu: &Cpu) -> String {
+        let rows = self.shown(cpu);
+        let width = |of: &dyn Fn(&Shown) -> usize| rows.iter().map(of).max().unwrap_or(0);
+        let (names, values) = (width(&|row| row.address.chars().count()), width(&|row| row.value.chars().count()));
+        let line = |row: &Shown| {
+            let mark = if row.modified { "modified" } else { "" };
+            let line = format!("{:names$}  {:values$}  {mark:8}  {}", row.address, row.value, row.comment);
+            format!("{}\n", line.trim_end())
+        };
+        rows.iter().map(line).collect()
+    }
+}
+
+/// A row as it is shown.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Shown {
+    pub address: String,
+    pub value: String,
+    /// The table writes the value.
+    pub modified: bool,
+    pub comment: String,
+}
+
+impl Row {
+    fn new(row: RowText, image: &ProgramImage, cpu: &Cpu) -> Result<Row, String> {
+        let name = row.address.into_inner();
+        let named = names::find(&name, image)?;
+        let (source, address) = (Source::of(named), named.address);
+        cpu.check_address(&address)?;
+        let format = match row.format {
+            Some(format) if !format.fits(address.width) => {
+                return Err(format!("{name} has {} bits, which this format does not show", address.width.bits()));
+            }
+            None if matches!(source, Source::Bits(_)) => Some(Format::usual(address.width)),
+            format => format,
+        };
+        let bits = |text: &String| -> Result<u64, String> {
+            address.check_settable()?;
+            if let Some(format) = format {
+                return format.parse(text, address.width);
+            }
+            source.bits(&source.parse(text, image)?).ok_or_else(|| "a text cannot be modified".to_string())
+        };
+        if row.modify.is_some() {
+            // What is not modified comes from the module again.
+            cpu.name_input(&address);
+        }
+        let bits = row.modify.as_ref().map(bits).transpose().map_err(|message| format!("{name}: {message}"))?;
+        let modify = bits.map(|bits| Modify {
+            bits,
+            trigger: row.trigger,
+            every_cycle: row.every_cycle,
+            cycle: row.cycle.max(1),
+        });
+        Ok(Row { name, source, address, format, comment: row.comment, modify })
+    }
+}

@@ -1,0 +1,59 @@
+//! A program does the same with probes as without: the report of its test is the same.
+//!
+//! One in twenty-five run tests; `PLCC_PROBES=all` takes all of them.
+
+use plcc_driver::cli::Level;
+use plcc_driver::pipeline::{self, Compiled, Settings};
+use plcc_driver::{code, inputs};
+use plcc_runtime::{TestOptions, TestReport};
+use plcc_tests::{files, shown, tests_folder};
+
+/// One in so many run tests.
+const STEP: usize = 25;
+
+#[test]
+fn probes_change_nothing() {
+    let all = std::env::var_os("PLCC_PROBES").is_some_and(|value| value == "all");
+    let folder = tests_folder().join("run");
+    let sources = ["stl", "awl", "scl", "s7dcl", "gr7", "xml"].map(|language| files(&folder, language)).concat();
+    assert!(sources.len() > 500, "the run tests are there");
+    let mut probes = 0;
+    for path in sources.iter().step_by(if all { 1 } else { STEP }) {
+        probes += check(path);
+    }
+    assert!(probes > 500, "only {probes} probes");
+}
+
+/// Number of probes.
+fn check(path: &std::path::Path) -> usize {
+    let path = path.to_path_buf();
+    let work = move || {
+        let settings = Settings { pragmas: true, require_main: true, ..Settings::default() };
+        let bound = pipeline::front(inputs::read(&[path.clone()]), &settings);
+        if bound.has_errors() {
+            return 0;
+        }
+        let test = &bound.program.test;
+        let scenario = Some(path.with_extension("scenario.toml")).filter(|file| file.is_file());
+        let options = TestOptions {
+            cycles: test.cycles.map(u64::from),
+            expect_fail: test.expect_fail.clone(),
+            scenario,
+            ..TestOptions::default()
+        };
+        let run = |compiled: &Compiled| -> TestReport {
+            let code = code::jit(compiled).expect("what is lowered becomes code");
+            plcc_runtime::test(compiled.image.clone(), code, &options)
+        };
+        let plain = pipeline::back(&bound, Level::O2);
+        let without = plcc_ir::print::module_text(&pipeline::lower(&bound, Level::O0).module);
+        assert!(!without.contains("probe_"), "{}: code has probes that nobody asked for", shown(&path));
+        let (probed, places) = pipeline::lower_with_probes(&bound, Level::O2);
+        let verified = plcc_ir::verify::verify(&probed.module);
+        assert!(verified.is_ok(), "{}: {verified:?}", shown(&path));
+        let (before, after) = (run(&plain), run(&pipeline::optimize(probed)));
+        assert_eq!(before, after, "{}", shown(&path));
+        places.len()
+    };
+    plcc_driver::on_large_stack(work).unwrap_or_else(|fault| panic!("{fault}"))
+}
