@@ -96,6 +96,8 @@ pub enum Ink {
     Mark,
     /// Comments and other notes.
     Note,
+    /// The value of an operand.
+    Value,
     Plain,
 }
 
@@ -104,7 +106,7 @@ impl Ink {
     pub const fn height(self) -> i32 {
         match self {
             Ink::Operand | Ink::Title | Ink::Plain | Ink::Mark => metrics::TEXT,
-            Ink::Address | Ink::Pin | Ink::Detail | Ink::Note => metrics::SMALL,
+            Ink::Address | Ink::Pin | Ink::Detail | Ink::Note | Ink::Value => metrics::SMALL,
         }
     }
 }

@@ -177,7 +177,7 @@ fn pin(name: &str, place: Place, output: bool, link: Link) -> Pin {
 fn operand(number: usize) -> Link {
     let text = ["#Start", "\"Tank\".Valves[3].IsOpen", "I0.0", "a", "\"PumpRunningFeedback\""][number % 5].to_string();
     let address = if number.is_multiple_of(3) { "DB10.DBX2.0".to_string() } else { String::new() };
-    Link::Operand(Label { key: text.clone(), text, address })
+    Link::Operand(Label { key: text.clone(), text, address, value: None })
 }
 
 /// A contact, a coil (without `to`) or a box between nets.
@@ -319,7 +319,7 @@ fn editor_sheet() -> impl Strategy<Value = Sheet> {
 fn check(name: &str, scene: &Scene, sheet: &Sheet) {
     let faults = faults(scene, sheet);
     if let (false, Ok(path)) = (faults.is_empty(), std::env::var("PLCC_VIEW_FAULT")) {
-        std::fs::write(path, plcc_view::svg::file(scene)).expect("a file can be written");
+        std::fs::write(path, plcc_view::svg::file(scene, None)).expect("a file can be written");
     }
     assert!(faults.is_empty(), "{name}: {faults:#?}");
 }

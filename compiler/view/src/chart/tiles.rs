@@ -169,7 +169,7 @@ impl Tiles<'_> {
             ActionBody::Value { operand, value } => {
                 let label = self.names.label(&draw::whole(operand), self.scope);
                 key = label.key;
-                one(format!("{} := {}", label.text, plcc_syntax::scl::text::expr(value)))
+                one(format!("{} := {}", label.text, draw::whole(value)))
             }
             ActionBody::All { .. } => one("S_ALL".to_string()),
             ActionBody::Call(call) => (self.lines(call.span), None),

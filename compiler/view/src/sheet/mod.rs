@@ -3,6 +3,9 @@
 
 pub mod expression;
 pub mod network;
+pub mod rungs;
+pub mod s7200;
+pub mod stl;
 
 /// A network for drawing.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -109,12 +112,27 @@ pub struct Label {
     pub address: String,
     /// By which values and uses of it are found: the address, or the name of a local variable; empty for constants.
     pub key: String,
+    /// Its value, if a state is shown.
+    pub value: Option<String>,
 }
 
 impl Label {
     /// A text that is no operand.
     pub fn plain(text: impl Into<String>) -> Label {
         Label { text: text.into(), ..Label::default() }
+    }
+}
+
+impl Sheet {
+    /// Shows values: `value` finds that of a key.
+    pub fn show(&mut self, value: &dyn Fn(&str) -> Option<String>) {
+        let operands = self.parts.iter_mut().flat_map(|part| &mut part.pins).filter_map(|pin| match &mut pin.link {
+            Link::Operand(label) => Some(label),
+            Link::Net(_) | Link::Open => None,
+        });
+        for label in operands.filter(|label| !label.key.is_empty()) {
+            label.value = value(&label.key);
+        }
     }
 }
 
