@@ -234,8 +234,13 @@ impl Maker {
             self.rungs.coil(name, labels, from);
             return Ok(());
         }
-        let instance = is_timer.then(|| labels.remove(0));
-        let skipped = usize::from(is_timer);
+        let is_call = matches!(classes.first(), Some(OperandClass::Subroutine));
+        let first = (is_timer || is_call).then(|| labels.remove(0));
+        let skipped = usize::from(first.is_some());
+        let (title, instance) = match (first, is_call) {
+            (Some(label), true) => (label.text, None),
+            (first, _) => (name.to_string(), first),
+        };
         let mut pins: Vec<Pin> = Vec::new();
         let mut inputs = 0;
         for (index, label) in labels.into_iter().enumerate() {
@@ -244,12 +249,13 @@ impl Maker {
             let pin = match (output, is_timer, index) {
                 (true, ..) => "OUT".to_string(),
                 (false, true, _) => "PT".to_string(),
+                (false, false, _) if is_call => format!("{}", index + 1),
                 (false, false, _) if inputs == 1 => "IN".to_string(),
                 (false, false, _) => format!("IN{inputs}"),
             };
             pins.push(side(&pin, label, output));
         }
-        let look = Look::Box { title: name.to_string(), detail: String::new(), instance };
+        let look = Look::Box { title, detail: String::new(), instance };
         self.rungs.part(look, Meaning::Other, pins, Some(from), None);
         if is_timer {
             self.rungs.name_input("IN");
