@@ -76,7 +76,7 @@ pub struct Section {
 /// What a section shows.
 #[derive(Clone, Debug)]
 pub enum Body {
-    Drawing { scene: Scene, sheet: Option<Sheet> },
+    Drawing { scene: Scene, sheet: Sheet },
     Text(Listing),
 }
 
@@ -200,7 +200,13 @@ impl Maker<'_> {
             }
             Code::Chart(body) => {
                 page.language = "GRAPH";
-                let tiles = Tiles { text: self.text, names: self.names, scope };
+                let tiles = Tiles {
+                    text: self.text,
+                    names: self.names,
+                    scope,
+                    values: self.options.values,
+                    all: Default::default(),
+                };
                 page.sections = self.chart(body, &tiles);
             }
         }
@@ -224,7 +230,8 @@ impl Maker<'_> {
         };
         let scene = chart::draw(body, tiles);
         let mut sections = permanent(&body.before, "Permanent instructions before the sequence");
-        sections.push(Section { content: Body::Drawing { scene, sheet: None }, ..Section::default() });
+        let sheet = tiles.all.take();
+        sections.push(Section { content: Body::Drawing { scene, sheet }, ..Section::default() });
         sections.extend(permanent(&body.after, "Permanent instructions after the sequence"));
         sections
     }
@@ -322,7 +329,7 @@ impl Maker<'_> {
                     sheet.show(&|key| values.get(key).cloned());
                 }
                 let scene = ladder::draw(&sheet, self.options.width);
-                Section { content: Body::Drawing { scene, sheet: Some(sheet) }, ..Section::default() }
+                Section { content: Body::Drawing { scene, sheet }, ..Section::default() }
             }
             Err(reason) => {
                 let text = listing::of_spans(self.text, spans, self.unit.overlay.is_some(), listing::Kind::Stl);
@@ -407,7 +414,7 @@ impl Maker<'_> {
                     Language::Fbd => diagram::draw(&sheet, self.options.width),
                     Language::Lad | Language::Scl | Language::Stl => ladder::draw(&sheet, self.options.width),
                 };
-                Body::Drawing { scene, sheet: Some(sheet) }
+                Body::Drawing { scene, sheet }
             }
             Content::Scl(statements) => {
                 let spans = statements.iter().map(|statement| statement.span);

@@ -4,6 +4,7 @@ pub mod book;
 pub mod chart;
 mod data;
 pub mod diagram;
+pub mod faults;
 pub mod ladder;
 pub mod listing;
 pub mod logic;

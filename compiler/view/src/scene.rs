@@ -148,6 +148,18 @@ impl Scene {
         self.items.push(Item::Frame { area, kind, key: key.to_string() });
     }
 
+    /// Adds `by` to the numbers of all nets.
+    pub fn renumber(&mut self, by: usize) {
+        for item in &mut self.items {
+            match item {
+                Item::Wire { net, .. } | Item::Dot { net, .. } | Item::Circle { net, .. } => {
+                    *net = net.map(|net| net + by);
+                }
+                Item::Rail { .. } | Item::Frame { .. } | Item::Glyph { .. } | Item::Text { .. } | Item::Stroke { .. } => {}
+            }
+        }
+    }
+
     /// Adds `other` at a place.
     pub fn add(&mut self, other: Scene, (dx, dy): Point) {
         let moved = |point: Point| (point.0 + dx, point.1 + dy);

@@ -90,9 +90,7 @@ fn write_folder(book: &Book, folder: &Path, values: Option<&HashMap<String, Stri
             *count += 1;
             let stem = if *count == 1 { stem } else { format!("{stem}_{count}") };
             let shown = values.map(|values| Shown {
-                nets: sheet.as_ref().map_or_else(HashMap::new, |sheet| {
-                    logic::logic(sheet).values(&|key| values.get(key).cloned())
-                }),
+                nets: logic::logic(sheet).values(&|key| values.get(key).cloned()),
                 active: values.iter().filter(|(_, value)| *value == "1").map(|(key, _)| key.clone()).collect(),
             });
             write(&folder.join(format!("{stem}.svg")), &svg::file(scene, shown.as_ref()))?;

@@ -85,9 +85,7 @@ fn section(section: &Section) -> Value {
         Body::Drawing { scene, sheet } => {
             value["svg"] = json!(svg::inline(scene));
             value["h"] = json!(scene.height);
-            if let Some(sheet) = sheet {
-                value["logic"] = logic::logic(sheet).json();
-            }
+            value["logic"] = logic::logic(sheet).json();
         }
         Body::Text(listing) => {
             value["text"] = json!(listing.lines.join("\n"));

@@ -23,16 +23,7 @@ pub fn uses(book: &Book, names: &Names) -> Value {
                 }
             };
             match &section.content {
-                Body::Drawing { sheet: Some(sheet), .. } => of_sheet(sheet, &mut add),
-                Body::Drawing { scene, sheet: None } => {
-                    for item in &scene.items {
-                        if let crate::scene::Item::Text { key, .. } = item {
-                            if !key.is_empty() {
-                                add(key, 'r');
-                            }
-                        }
-                    }
-                }
+                Body::Drawing { sheet, .. } => of_sheet(sheet, &mut add),
                 Body::Text(listing) => of_text(&listing.lines, listing.kind, names, page.scope, &mut add),
             }
         }

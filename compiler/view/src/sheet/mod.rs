@@ -124,6 +124,31 @@ impl Label {
 }
 
 impl Sheet {
+    /// Adds another sheet, and a net for its rail; returns the number of its first net.
+    pub fn append(&mut self, other: Sheet) -> usize {
+        let (nets, parts) = (self.nets.len(), self.parts.len());
+        for mut net in other.nets {
+            for source in &mut net.sources {
+                match source {
+                    Source::Pin { part, .. } => *part += parts,
+                    Source::Net(net) => *net += nets,
+                    Source::Rail | Source::Operand { .. } => {}
+                }
+            }
+            self.nets.push(net);
+        }
+        self.nets.push(Net { name: String::new(), sources: vec![Source::Rail] });
+        for mut part in other.parts {
+            for pin in &mut part.pins {
+                if let Link::Net(net) = &mut pin.link {
+                    *net += nets;
+                }
+            }
+            self.parts.push(part);
+        }
+        nets
+    }
+
     /// Shows values: `value` finds that of a key.
     pub fn show(&mut self, value: &dyn Fn(&str) -> Option<String>) {
         let operands = self.parts.iter_mut().flat_map(|part| &mut part.pins).filter_map(|pin| match &mut pin.link {
