@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 
 use plcc_abi::image::BlockKind;
-use plcc_model::{BlockKey, Direction, Program};
 use plcc_diag::Span;
+use plcc_model::{BlockKey, Direction, Program};
 use plcc_syntax::ast::{
     self, BlockName, Code, CodeBlock, CodeKind, DataContent, SectionKind, SourceUnit, TypeKind, Variable,
 };
@@ -13,12 +13,15 @@ use plcc_syntax::network::ast::{Content, Language, Network};
 use plcc_syntax::s7200::ast as s7200;
 use plcc_syntax::stl::Mnemonics;
 
+use crate::chart::{self, Tiles};
 use crate::data;
 use crate::listing::{self, Listing};
+use crate::logic;
+use crate::metrics;
 use crate::names::{Names, Scope};
-use crate::scene::Scene;
+use crate::scene::{Anchor, Ink, Scene};
 use crate::sheet::Sheet;
-use crate::chart::{self, Tiles};
+use crate::svg::{self, Shown};
 use crate::{diagram, ladder, sheet};
 
 /// A program as pages.
@@ -139,6 +142,38 @@ pub fn book_with(
     book
 }
 
+impl Book {
+    /// All drawings below each other, each with the name of its block and its network. `values`: the state that is shown.
+    pub fn poster(&self, values: Option<&HashMap<String, String>>) -> String {
+        let mut all = Scene { width: 0, height: 6, items: Vec::new() };
+        let mut shown = Shown::default();
+        let mut nets = 0;
+        for page in &self.pages {
+            for section in &page.sections {
+                let Body::Drawing { scene, sheet } = &section.content else { continue };
+                let mut scene = scene.clone();
+                let network = if section.number > 0 { format!(", network {}", section.number) } else { String::new() };
+                let title = if section.title.is_empty() { String::new() } else { format!(": {}", section.title) };
+                let caption = format!("{}{network}{title}", page.id);
+                all.text((10, all.height + 12), Anchor::Start, Ink::Note, &caption, "");
+                all.width = all.width.max(scene.width).max(20 + metrics::width(&caption, Ink::Note.height()));
+                scene.renumber(nets);
+                if let Some(values) = values {
+                    let known = logic::logic(sheet).values(&|key| values.get(key).cloned());
+                    shown.nets.extend(known.into_iter().map(|(net, value)| (net + nets, value)));
+                }
+                nets += sheet.nets.len() + 1;
+                let (top, height) = (all.height + 14, scene.height);
+                all.add(scene, (0, top));
+                all.height = top + height + 6;
+            }
+        }
+        let active = values.iter().flat_map(|values| values.iter()).filter(|(_, value)| *value == "1");
+        shown.active = active.map(|(key, _)| key.clone()).collect();
+        svg::file(&all, values.map(|_| &shown))
+    }
+}
+
 struct Maker<'a> {
     text: &'a str,
     unit: &'a SourceUnit,
@@ -172,7 +207,12 @@ impl Maker<'_> {
         }
         if let Some(of) = &block.return_type {
             let ty = self.words(of.span);
-            page.declarations.push(Declaration { section: "Return", name: "RET_VAL".to_string(), ty, ..Declaration::default() });
+            page.declarations.push(Declaration {
+                section: "Return",
+                name: "RET_VAL".to_string(),
+                ty,
+                ..Declaration::default()
+            });
         }
         for row in &mut page.declarations {
             if row.depth == 0 && matches!(row.section, "Input" | "Output" | "InOut" | "Static") {
@@ -185,12 +225,17 @@ impl Maker<'_> {
             Code::Graphic(body) => {
                 let is_fbd = body.networks.iter().any(|network| network.language == Language::Fbd);
                 page.language = if is_fbd { "FBD" } else { "LAD" };
-                page.sections =
-                    body.networks.iter().enumerate().map(|(at, network)| self.network(at + 1, network, scope)).collect();
+                page.sections = body
+                    .networks
+                    .iter()
+                    .enumerate()
+                    .map(|(at, network)| self.network(at + 1, network, scope))
+                    .collect();
             }
             Code::Stl(networks) => {
                 page.language = "STL";
-                page.sections = networks.iter().enumerate().map(|(at, network)| self.stl(at + 1, network, scope)).collect();
+                page.sections =
+                    networks.iter().enumerate().map(|(at, network)| self.stl(at + 1, network, scope)).collect();
             }
             Code::Scl(body) => {
                 page.language = "SCL";
@@ -343,7 +388,8 @@ impl Maker<'_> {
     fn is_output(&self, block: &str, formal: &str) -> bool {
         let name = block.trim_matches('"');
         let same = |known: &&plcc_model::CodeBlock| {
-            known.name.eq_ignore_ascii_case(name) || known.key().to_string().replace(' ', "").eq_ignore_ascii_case(&name.replace(' ', ""))
+            known.name.eq_ignore_ascii_case(name)
+                || known.key().to_string().replace(' ', "").eq_ignore_ascii_case(&name.replace(' ', ""))
         };
         let found = self.program.and_then(|program| program.blocks.iter().find(same));
         found.is_some_and(|block| {
@@ -360,9 +406,16 @@ impl Maker<'_> {
         };
         let number = block.number.map(|(number, _)| number).or((prefix == "OB").then_some(1));
         let name = block.name.as_ref().map_or(String::new(), |(name, _)| name.clone());
-        let id = number.map_or(if name.is_empty() { prefix.to_string() } else { name.clone() }, |n| format!("{prefix} {n}"));
-        let mut page =
-            Page { id, name, language: "STL", title: block.title.clone(), comment: block.comment.clone(), ..Page::default() };
+        let id =
+            number.map_or(if name.is_empty() { prefix.to_string() } else { name.clone() }, |n| format!("{prefix} {n}"));
+        let mut page = Page {
+            id,
+            name,
+            language: "STL",
+            title: block.title.clone(),
+            comment: block.comment.clone(),
+            ..Page::default()
+        };
         for row in &block.declarations {
             page.declarations.push(Declaration {
                 section: match row.section {

@@ -11,7 +11,11 @@ const ROWS_MAX: usize = 5_000;
 pub fn members(db: u16, list: &[Member], base: u32, depth: usize, rows: &mut Vec<Declaration>) {
     for member in list {
         if rows.len() == ROWS_MAX {
-            rows.push(Declaration { name: "…".to_string(), comment: "more components".to_string(), ..Declaration::default() });
+            rows.push(Declaration {
+                name: "…".to_string(),
+                comment: "more components".to_string(),
+                ..Declaration::default()
+            });
         }
         if rows.len() > ROWS_MAX {
             return;

@@ -100,7 +100,10 @@ impl Wire {
     /// The wire has a point inside of `area`.
     fn crosses(&self, area: Area) -> bool {
         let (low, high) = (self.low(), self.high());
-        low.0 < area.x + area.w && area.x < high.0.max(low.0 + 1) && low.1 < area.y + area.h && area.y < high.1.max(low.1 + 1)
+        low.0 < area.x + area.w
+            && area.x < high.0.max(low.0 + 1)
+            && low.1 < area.y + area.h
+            && area.y < high.1.max(low.1 + 1)
     }
 
     fn is_flat(&self) -> bool {
@@ -126,7 +129,8 @@ fn shrunk(area: Area, by: i32) -> Area {
 
 /// All nets at the rail are one, and stand for one that no net is.
 fn one(sheet: &Sheet, net: Option<usize>) -> Option<usize> {
-    let rail = |net: &usize| sheet.nets.get(*net).is_none_or(|net| net.sources.iter().all(|source| *source == Source::Rail));
+    let rail =
+        |net: &usize| sheet.nets.get(*net).is_none_or(|net| net.sources.iter().all(|source| *source == Source::Rail));
     net.map(|net| if rail(&net) { sheet.nets.len() } else { net })
 }
 

@@ -24,7 +24,12 @@ pub enum Term {
     Any(Vec<Input>),
     Odd(Vec<Input>),
     /// A comparison of two operands, while the flow is 1.
-    Compare { flow: Option<usize>, sign: String, left: String, right: String },
+    Compare {
+        flow: Option<usize>,
+        sign: String,
+        left: String,
+        right: String,
+    },
     Unknown,
 }
 
@@ -63,7 +68,9 @@ pub fn logic(sheet: &Sheet) -> Logic {
         let plain = matches!(&part.look, Look::Coil { sign } if sign.is_empty())
             || matches!(&part.look, Look::Box { title, .. } if title == "=");
         let target = part.pins.iter().find(|pin| pin.place == Place::Above);
-        if let (true, Some(net), Some(Link::Operand(label))) = (plain, part.net(part.flow_in), target.map(|pin| &pin.link)) {
+        if let (true, Some(net), Some(Link::Operand(label))) =
+            (plain, part.net(part.flow_in), target.map(|pin| &pin.link))
+        {
             logic.coils.push((net, label.key.clone()));
         }
     }
@@ -163,11 +170,23 @@ impl Logic {
 }
 
 fn any(values: &[Option<bool>]) -> Option<bool> {
-    if values.contains(&Some(true)) { Some(true) } else if values.contains(&None) { None } else { Some(false) }
+    if values.contains(&Some(true)) {
+        Some(true)
+    } else if values.contains(&None) {
+        None
+    } else {
+        Some(false)
+    }
 }
 
 fn all(values: &[Option<bool>]) -> Option<bool> {
-    if values.contains(&Some(false)) { Some(false) } else if values.contains(&None) { None } else { Some(true) }
+    if values.contains(&Some(false)) {
+        Some(false)
+    } else if values.contains(&None) {
+        None
+    } else {
+        Some(true)
+    }
 }
 
 impl Term {
@@ -236,7 +255,13 @@ impl Term {
 fn number(text: &str) -> Option<f64> {
     if let Some(hex) = text.strip_prefix("16#") {
         let bits = i64::from_str_radix(&hex.replace('_', ""), 16).ok()?;
-        return Some(if hex.len() == 4 { bits as i16 as f64 } else if hex.len() == 8 { bits as i32 as f64 } else { bits as f64 });
+        return Some(if hex.len() == 4 {
+            bits as i16 as f64
+        } else if hex.len() == 8 {
+            bits as i32 as f64
+        } else {
+            bits as f64
+        });
     }
     text.parse().ok().or_else(|| text.split_once('#')?.1.parse().ok())
 }

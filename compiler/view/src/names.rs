@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
-use plcc_model::{BlockKey, DataBlock, Program};
 use plcc_model::types::{DataType, Member};
+use plcc_model::{BlockKey, DataBlock, Program};
 
 use crate::sheet::Label;
 
@@ -15,6 +15,8 @@ pub struct Names {
     /// The symbol of an address.
     symbols: HashMap<String, String>,
     dbs: Vec<Db>,
+    /// Names of blocks that have one.
+    blocks: HashMap<BlockKey, String>,
 }
 
 /// A data block.
@@ -44,7 +46,18 @@ impl Names {
             names.addresses.insert(symbol.name.to_lowercase(), address);
         }
         names.dbs = program.dbs.iter().map(db).collect();
+        let named = program.blocks.iter().filter(|block| !block.name.is_empty());
+        names.blocks = named.map(|block| (block.key(), block.name.clone())).collect();
         names
+    }
+
+    /// The name of the FB whose instance `text` names.
+    pub fn block_of_instance(&self, text: &str) -> Option<String> {
+        let (local, parts) = path(text)?;
+        let [name] = &parts[..] else { return None };
+        let db = self.dbs.iter().find(|db| !local && db.name.eq_ignore_ascii_case(name))?;
+        let block = db.instance_of?;
+        Some(self.blocks.get(&block).map_or(block.to_string(), |name| format!("\"{name}\"")))
     }
 
     /// The symbols and their addresses, in order of the addresses.
@@ -184,7 +197,8 @@ fn path(text: &str) -> Option<(bool, Vec<String>)> {
 /// Areas with an address of a byte, and with that of a bit only if the width says so.
 const AREAS: &[&str] = &["PI", "PQ", "SM", "AI", "AQ", "I", "Q", "M", "V", "L", "S"];
 /// Areas that the German set calls by other letters.
-const GERMAN: &[(&str, &str)] = &[("PE", "PI"), ("PA", "PQ"), ("AE", "AI"), ("AA", "AQ"), ("E", "I"), ("A", "Q"), ("Z", "C")];
+const GERMAN: &[(&str, &str)] =
+    &[("PE", "PI"), ("PA", "PQ"), ("AE", "AI"), ("AA", "AQ"), ("E", "I"), ("A", "Q"), ("Z", "C")];
 
 /// An address in one form: `I0.0`, `MW10`, `DB5.DBX2.0`, `T5`. None if it is none.
 pub fn canonical(text: &str, german: bool) -> Option<String> {
@@ -201,7 +215,8 @@ pub fn canonical(text: &str, german: bool) -> Option<String> {
         let part = part.strip_prefix('%').unwrap_or(part);
         let rest = part.strip_prefix("DB").or_else(|| part.strip_prefix('D')).filter(|_| digits(number))?;
         let (width, place) = rest.split_at_checked(1)?;
-        let good = if width == "X" { bit_address(place) } else { matches!(width, "B" | "W" | "D" | "L") && digits(place) };
+        let good =
+            if width == "X" { bit_address(place) } else { matches!(width, "B" | "W" | "D" | "L") && digits(place) };
         return good.then(|| format!("DB{number}.DB{width}{place}"));
     }
     let text = match german {

@@ -46,12 +46,18 @@ pub struct Area {
 impl Area {
     /// Both have a common inner point.
     pub fn meets(&self, other: &Area) -> bool {
-        self.x < other.x + other.w && other.x < self.x + self.w && self.y < other.y + other.h && other.y < self.y + self.h
+        self.x < other.x + other.w
+            && other.x < self.x + self.w
+            && self.y < other.y + other.h
+            && other.y < self.y + self.h
     }
 
     /// `other` is inside, or touches the edges from inside.
     pub fn holds(&self, other: &Area) -> bool {
-        self.x <= other.x && self.y <= other.y && other.x + other.w <= self.x + self.w && other.y + other.h <= self.y + self.h
+        self.x <= other.x
+            && self.y <= other.y
+            && other.x + other.w <= self.x + self.w
+            && other.y + other.h <= self.y + self.h
     }
 }
 
@@ -125,7 +131,9 @@ impl Item {
                 Some(Area { x, y: at.1 - height + 3, w, h: height })
             }
             Item::Frame { area, .. } | Item::Glyph { area, .. } => Some(*area),
-            Item::Wire { .. } | Item::Dot { .. } | Item::Rail { .. } | Item::Circle { .. } | Item::Stroke { .. } => None,
+            Item::Wire { .. } | Item::Dot { .. } | Item::Rail { .. } | Item::Circle { .. } | Item::Stroke { .. } => {
+                None
+            }
         }
     }
 }
@@ -155,7 +163,11 @@ impl Scene {
                 Item::Wire { net, .. } | Item::Dot { net, .. } | Item::Circle { net, .. } => {
                     *net = net.map(|net| net + by);
                 }
-                Item::Rail { .. } | Item::Frame { .. } | Item::Glyph { .. } | Item::Text { .. } | Item::Stroke { .. } => {}
+                Item::Rail { .. }
+                | Item::Frame { .. }
+                | Item::Glyph { .. }
+                | Item::Text { .. }
+                | Item::Stroke { .. } => {}
             }
         }
     }

@@ -94,8 +94,9 @@ fn label(pin: &Pin) -> Option<Label> {
 fn small(part: usize, of: &Part, sign: &str, ty: &str, kind: Glyph) -> Shape {
     let place = |place: Place| of.pins.iter().filter(move |pin| pin.place == place).filter_map(label);
     let below: Vec<Label> = place(Place::Below).collect();
-    let above: Vec<Lines> =
-        place(Place::Above).map(|label| if below.is_empty() { Lines::name(&label) } else { Lines::all(&label) }).collect();
+    let above: Vec<Lines> = place(Place::Above)
+        .map(|label| if below.is_empty() { Lines::name(&label) } else { Lines::all(&label) })
+        .collect();
     let mut lower: Vec<Lines> = Vec::new();
     if below.is_empty() {
         let addresses = place(Place::Above).filter(|label| !label.address.is_empty());
@@ -104,7 +105,7 @@ fn small(part: usize, of: &Part, sign: &str, ty: &str, kind: Glyph) -> Shape {
     lower.extend(below.iter().map(Lines::all));
     let inner = metrics::width(sign, 11).max(metrics::width(ty, metrics::SMALL));
     let glyph_width = match kind {
-        Glyph::Contact if sign.len() <= 1 && ty.is_empty() => 10,
+        Glyph::Contact if matches!(sign, "" | "/") => 10,
         Glyph::Contact => inner + 8,
         Glyph::Coil => (inner + 12).max(22),
     };
@@ -159,9 +160,8 @@ fn boxed(of: &Part, title: &str, detail: &str, instance: Option<&Label>, rooms: 
     let pin = |at: &Option<usize>| at.and_then(|at| of.pins.get(at));
     let text = |at: &Option<usize>| pin(at).and_then(label).map(|label| Lines::all(&label));
     let name = |at: &Option<usize>| pin(at).map_or("", |pin| pin.name.as_str());
-    let names = |list: &[Option<usize>]| {
-        list.iter().map(|at| metrics::width(name(at), metrics::SMALL)).max().unwrap_or(0)
-    };
+    let names =
+        |list: &[Option<usize>]| list.iter().map(|at| metrics::width(name(at), metrics::SMALL)).max().unwrap_or(0);
     let beside = |list: &[Option<usize>]| {
         let room = |at: &Option<usize>| at.and_then(|at| rooms.get(&at)).map_or(0, |room| room.width);
         list.iter().map(|at| text(at).map_or(0, |lines| lines.width() + 4).max(room(at))).max().unwrap_or(0)
@@ -180,8 +180,13 @@ fn boxed(of: &Part, title: &str, detail: &str, instance: Option<&Label>, rooms: 
         .map(Lines::all)
         .chain(of.pins.iter().filter(|pin| pin.place == Place::Above).filter_map(label).map(|label| Lines::all(&label)))
         .collect();
-    let lower: Vec<Lines> =
-        of.pins.iter().filter(|pin| pin.place == Place::Below).filter_map(label).map(|label| Lines::all(&label)).collect();
+    let lower: Vec<Lines> = of
+        .pins
+        .iter()
+        .filter(|pin| pin.place == Place::Below)
+        .filter_map(label)
+        .map(|label| Lines::all(&label))
+        .collect();
     let (left_space, right_space) = (beside(&lefts) + STUB, beside(&rights) + STUB);
     let outer = upper.iter().chain(&lower).map(Lines::width).max().unwrap_or(0);
     let left = left_space.max((outer - inner) / 2 + 4);

@@ -44,7 +44,10 @@ fn plain_style() -> String {
 /// A drawing inside a page, which has the style sheet.
 pub fn inline(scene: &Scene) -> String {
     let (width, height) = (scene.width, scene.height);
-    format!("<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">{}</svg>", content(scene, None))
+    format!(
+        "<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">{}</svg>",
+        content(scene, None)
+    )
 }
 
 /// The items, one on each line.
@@ -72,7 +75,9 @@ fn write_item(out: &mut String, item: &Item, state: Option<&Shown>) {
             let state = state.map_or("", |state| state.class(*net));
             write!(out, "<path class=\"w{state}\"{} d=\"M{} {}{way}\"/>", data(net), from.0, from.1)
         }
-        Item::Dot { at, net } => write!(out, "<circle class=\"d\"{} cx=\"{}\" cy=\"{}\" r=\"2.5\"/>", data(net), at.0, at.1),
+        Item::Dot { at, net } => {
+            write!(out, "<circle class=\"d\"{} cx=\"{}\" cy=\"{}\" r=\"2.5\"/>", data(net), at.0, at.1)
+        }
         Item::Rail { from, to } => {
             write!(out, "<path class=\"r\" d=\"M{} {}V{}\"/>", from.0, from.1, to.1)
         }
@@ -108,7 +113,13 @@ fn write_item(out: &mut String, item: &Item, state: Option<&Shown>) {
             let way = match kind {
                 Glyph::Contact => format!("M{left} {top}V{bottom}M{right} {top}V{bottom}"),
                 Glyph::Coil => {
-                    format!("M{} {top}q-10 {} 0 {height}M{} {top}q10 {} 0 {height}", left + 5, height / 2, right - 5, height / 2)
+                    format!(
+                        "M{} {top}q-10 {} 0 {height}M{} {top}q10 {} 0 {height}",
+                        left + 5,
+                        height / 2,
+                        right - 5,
+                        height / 2
+                    )
                 }
             };
             let slash = match sign.as_str() {
@@ -128,7 +139,9 @@ fn write_item(out: &mut String, item: &Item, state: Option<&Shown>) {
             }
             Ok(())
         }
-        Item::Circle { at, net } => write!(out, "<circle class=\"n\"{} cx=\"{}\" cy=\"{}\" r=\"3.5\"/>", data(net), at.0, at.1),
+        Item::Circle { at, net } => {
+            write!(out, "<circle class=\"n\"{} cx=\"{}\" cy=\"{}\" r=\"3.5\"/>", data(net), at.0, at.1)
+        }
         Item::Text { at, anchor, text, ink, key } => {
             let anchor = match anchor {
                 Anchor::Start => "",

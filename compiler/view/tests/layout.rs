@@ -58,7 +58,8 @@ fn part(kind: usize, from: usize, to: Option<usize>, reset: Option<usize>, furth
 
 /// Fills in the sources of nets.
 fn finished(parts: Vec<Part>, nets: usize) -> Sheet {
-    let mut sheet = Sheet { parts, nets: (0..nets).map(|n| Net { name: format!("w{n}"), sources: Vec::new() }).collect() };
+    let mut sheet =
+        Sheet { parts, nets: (0..nets).map(|n| Net { name: format!("w{n}"), sources: Vec::new() }).collect() };
     sheet.nets[0].sources.push(Source::Rail);
     for at in 0..sheet.parts.len() {
         for index in 0..sheet.parts[at].pins.len() {
@@ -74,7 +75,13 @@ fn finished(parts: Vec<Part>, nets: usize) -> Sheet {
 
 /// Any graph: net 0 is the rail.
 fn any_sheet(forward: bool) -> impl Strategy<Value = Sheet> {
-    let element = (0usize..20, 0usize..9, 0usize..10, proptest::option::weighted(0.3, 0usize..9), proptest::option::weighted(0.2, 1usize..9));
+    let element = (
+        0usize..20,
+        0usize..9,
+        0usize..10,
+        proptest::option::weighted(0.3, 0usize..9),
+        proptest::option::weighted(0.2, 1usize..9),
+    );
     proptest::collection::vec(element, 1..14).prop_map(move |elements| {
         let parts = elements.into_iter().map(|(kind, from, to, reset, further)| {
             let to = match forward {

@@ -21,7 +21,9 @@ pub fn plot(args: &PlotArgs) -> u8 {
         let title = args.title.clone().unwrap_or_else(|| trace.to_string());
         // A trace that cannot be drawn as a picture is none here either.
         return match plot::picture(&text, "") {
-            Ok(_) => write(&output, &(page::head(&title) + &text.replace('<', "&lt;") + "</script>\n</body>\n</html>\n")),
+            Ok(_) => {
+                write(&output, &(page::head(&title) + &text.replace('<', "&lt;") + "</script>\n</body>\n</html>\n"))
+            }
             Err(message) => fail(&format!("{trace}: {message}")),
         };
     }

@@ -13,6 +13,8 @@ use plcc_view::{logic, page};
 
 use crate::cli::ViewArgs;
 use crate::command::exit;
+use crate::inputs::Read;
+use crate::pipeline::{Bound, Settings};
 use crate::report::{self, MessageFormat};
 use crate::{inputs, pipeline};
 
@@ -24,24 +26,15 @@ pub fn view(args: &ViewArgs) -> u8 {
     };
     let read = inputs::read_as(&inputs, args.compile.code_page);
     let unreadable = read.is_unreadable();
-    let settings = pipeline::Settings::new(&args.compile);
-    let parsed = pipeline::parse(read, &settings);
-    let units = parsed.units.clone();
-    let name = parsed.name.clone();
-    let mut bound = pipeline::bind(parsed, &settings);
-    report::messages(&mut bound.diagnostics, &bound.sources, MessageFormat::Human);
-    let names = Names::of(&bound.program);
-    let state = match args.state.as_deref().map(|text| state(text, &names)).transpose() {
-        Ok(state) => state,
+    let mut drawn = match draw(read, &Settings::new(&args.compile), args.state.as_deref()) {
+        Ok(drawn) => drawn,
         Err(message) => {
             report::say(&message);
             return exit::USAGE;
         }
     };
-    let texts: Vec<_> = units.iter().map(|(file, unit)| (bound.sources.file(*file).text.as_str(), unit)).collect();
-    let values = state.as_ref().map(|(trace, time)| trace.at(*time));
-    let options = book::Options { values: values.as_ref(), ..book::Options::default() };
-    let book = book::book(&name, &texts, &bound.program, options);
+    report::messages(&mut drawn.bound.diagnostics, &drawn.bound.sources, MessageFormat::Human);
+    let Drawn { book, names, bound, state, values } = drawn;
     let folder = args.output.as_ref().map_or(Ok(()), |folder| write_folder(&book, folder, values.as_ref()));
     let html = args.html.as_ref().map_or(Ok(()), |path| {
         write(path, &page::document(&book, &names, state.as_ref().map(|(trace, time)| (trace, *time))))
@@ -57,6 +50,32 @@ pub fn view(args: &ViewArgs) -> u8 {
     }
 }
 
+/// A program with its pictures.
+pub struct Drawn {
+    pub book: Book,
+    pub names: Names,
+    pub bound: Bound,
+    /// The trace, and the time in milliseconds.
+    pub state: Option<(Trace, Option<f64>)>,
+    /// The values at that time.
+    pub values: Option<HashMap<String, String>>,
+}
+
+/// Draws what was read; `state`: `TRACE[@TIME]`. `Err`: what is wrong with the state.
+pub fn draw(read: Read, settings: &Settings, shown: Option<&str>) -> Result<Drawn, String> {
+    let parsed = pipeline::parse(read, settings);
+    let units = parsed.units.clone();
+    let name = parsed.name.clone();
+    let bound = pipeline::bind(parsed, settings);
+    let names = Names::of(&bound.program);
+    let state = shown.map(|text| state(text, &names)).transpose()?;
+    let values = state.as_ref().map(|(trace, time)| trace.at(*time));
+    let texts: Vec<_> = units.iter().map(|(file, unit)| (bound.sources.file(*file).text.as_str(), unit)).collect();
+    let options = book::Options { values: values.as_ref(), ..book::Options::default() };
+    let book = book::book(&name, &texts, &bound.program, options);
+    Ok(Drawn { book, names, bound, state, values })
+}
+
 /// Reads `TRACE[@TIME]`: the trace, and the time in milliseconds.
 fn state(text: &str, names: &Names) -> Result<(Trace, Option<f64>), String> {
     let (path, time) = match text.rsplit_once('@') {
@@ -64,7 +83,9 @@ fn state(text: &str, names: &Names) -> Result<(Trace, Option<f64>), String> {
         _ => (text, None),
     };
     let time = match time {
-        Some(time) => Some(duration::span(time).ok_or_else(|| format!("`{time}` is not a time such as 1.5s"))? as f64 / 1e6),
+        Some(time) => {
+            Some(duration::span(time).ok_or_else(|| format!("`{time}` is not a time such as 1.5s"))? as f64 / 1e6)
+        }
         None => None,
     };
     let path = Path::new(path);
@@ -100,5 +121,7 @@ fn write_folder(book: &Book, folder: &Path, values: Option<&HashMap<String, Stri
 }
 
 fn write(path: &Path, text: &str) -> Result<(), String> {
-    writable(path).and_then(|()| std::fs::write(path, text)).map_err(|error| format!("cannot write `{}`: {error}", path.display()))
+    writable(path)
+        .and_then(|()| std::fs::write(path, text))
+        .map_err(|error| format!("cannot write `{}`: {error}", path.display()))
 }

@@ -31,7 +31,8 @@ pub enum End {
 impl Piece {
     /// A short line with an arrow to what is named.
     pub fn arrow(text: &str) -> Piece {
-        let mut piece = Piece { width: metrics::width(text, metrics::TEXT) + 22, height: 0, entry: 8, ..Piece::default() };
+        let mut piece =
+            Piece { width: metrics::width(text, metrics::TEXT) + 22, height: 0, entry: 8, ..Piece::default() };
         piece.arrow_at(8, text);
         piece
     }

@@ -75,7 +75,8 @@ impl Tiles<'_> {
         }
         let mut top = 0;
         for (marks, text, drawing, key) in rows {
-            let height = drawing.as_ref().map_or(text.len() as i32 * LINE + 8, |scene| scene.height + text.len() as i32 * LINE);
+            let height =
+                drawing.as_ref().map_or(text.len() as i32 * LINE + 8, |scene| scene.height + text.len() as i32 * LINE);
             let height = height.max(LINE + 8);
             scene.frame(Area { x: left, y: top, w: marks_width, h: height }, Frame::Action, "");
             scene.frame(Area { x: left + marks_width, y: top, w: table, h: height }, Frame::Action, "");
@@ -180,7 +181,8 @@ impl Tiles<'_> {
             link: Link::Operand(label.clone()),
             negated: false,
         };
-        let part = Part { look: Look::Nothing, meaning: Meaning::Other, pins: vec![pin], flow_in: None, flow_out: None };
+        let part =
+            Part { look: Look::Nothing, meaning: Meaning::Other, pins: vec![pin], flow_in: None, flow_out: None };
         self.all.borrow_mut().parts.push(part);
     }
 

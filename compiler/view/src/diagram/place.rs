@@ -14,15 +14,30 @@ const APART: i32 = 4;
 
 /// What stands in a column.
 pub enum Thing {
-    Box { part: usize, shape: Shape },
+    Box {
+        part: usize,
+        shape: Shape,
+    },
     /// A wire that passes.
-    Wire { net: usize },
+    Wire {
+        net: usize,
+    },
     /// The operand that feeds a net.
-    Operand { net: usize, label: Label, negated: bool },
+    Operand {
+        net: usize,
+        label: Label,
+        negated: bool,
+    },
     /// A net comes from elsewhere.
-    From { net: usize, text: String },
+    From {
+        net: usize,
+        text: String,
+    },
     /// A net goes on elsewhere.
-    To { net: usize, text: String },
+    To {
+        net: usize,
+        text: String,
+    },
 }
 
 pub struct Placed {
@@ -76,7 +91,8 @@ pub fn place(sheet: &Sheet, width: i32) -> Grid {
         }
         used += need;
     }
-    let first_of_band: Vec<usize> = (0..=last).map(|column| bands.iter().position(|b| *b == bands[column]).unwrap_or(0)).collect();
+    let first_of_band: Vec<usize> =
+        (0..=last).map(|column| bands.iter().position(|b| *b == bands[column]).unwrap_or(0)).collect();
     let band: Vec<usize> = columns.iter().map(|column| bands.get(*column).copied().unwrap_or(0)).collect();
     for at in &drawn {
         columns[*at] -= first_of_band[columns[*at]];
@@ -85,7 +101,8 @@ pub fn place(sheet: &Sheet, width: i32) -> Grid {
     let mut top = 0;
     for number in 0..=bands.last().copied().unwrap_or(0) {
         let members: Vec<usize> = drawn.iter().copied().filter(|at| band[*at] == number).collect();
-        top = Band { sheet, shapes: &shapes, columns: &columns, band: &band, number }.place(&members, top, &mut grid) + 2 * GAP;
+        top = Band { sheet, shapes: &shapes, columns: &columns, band: &band, number }.place(&members, top, &mut grid)
+            + 2 * GAP;
     }
     grid
 }
@@ -105,7 +122,8 @@ fn columns(sheet: &Sheet, drawn: &[usize]) -> Vec<usize> {
         for (at, net) in sheet.nets.iter().enumerate() {
             for source in &net.sources {
                 if let Source::Net(from) = source {
-                    let more: Vec<usize> = readers[at].iter().copied().filter(|part| !readers[*from].contains(part)).collect();
+                    let more: Vec<usize> =
+                        readers[at].iter().copied().filter(|part| !readers[*from].contains(part)).collect();
                     readers[*from].extend(more);
                 }
             }
@@ -131,14 +149,20 @@ fn columns(sheet: &Sheet, drawn: &[usize]) -> Vec<usize> {
                 .collect();
             if done {
                 busy.remove(&at);
-                depth[at] = Some(nexts.iter().filter_map(|next| depth[*next]).map(|depth| depth + 1).max().unwrap_or(0));
+                depth[at] =
+                    Some(nexts.iter().filter_map(|next| depth[*next]).map(|depth| depth + 1).max().unwrap_or(0));
                 continue;
             }
             if !busy.insert(at) {
                 continue;
             }
             stack.push((at, true));
-            stack.extend(nexts.into_iter().filter(|next| depth[*next].is_none() && !busy.contains(next)).map(|next| (next, false)));
+            stack.extend(
+                nexts
+                    .into_iter()
+                    .filter(|next| depth[*next].is_none() && !busy.contains(next))
+                    .map(|next| (next, false)),
+            );
         }
     }
     let deepest = depth.iter().flatten().copied().max().unwrap_or(0);
@@ -201,7 +225,8 @@ impl Band<'_> {
             if let Some(end) = first_end {
                 for source in &self.sheet.nets[net].sources {
                     if let Source::Operand { label, negated } = source {
-                        things[end - 1].push((Thing::Operand { net, label: label.clone(), negated: *negated }, rank * 4));
+                        things[end - 1]
+                            .push((Thing::Operand { net, label: label.clone(), negated: *negated }, rank * 4));
                         way.starts.push(end - 1);
                     }
                 }
@@ -211,7 +236,11 @@ impl Band<'_> {
                 let loops = before || way.starts.iter().max().is_some_and(|start| *start >= last_end);
                 let rail = self.sheet.nets[net].sources.contains(&Source::Rail);
                 if way.elsewhere_from || loops || way.starts.is_empty() && !rail {
-                    let text = if way.starts.is_empty() && !way.elsewhere_from { "<??.?>".to_string() } else { format!("{name}»") };
+                    let text = if way.starts.is_empty() && !way.elsewhere_from {
+                        "<??.?>".to_string()
+                    } else {
+                        format!("{name}»")
+                    };
                     things[end - 1].push((Thing::From { net, text }, rank * 4));
                     way.starts.push(end - 1);
                     way.elsewhere_to |= loops;
@@ -299,7 +328,8 @@ impl Band<'_> {
 
     /// The order of a wire among boxes: that of the last box that it leads to.
     fn rank(&self, net: usize, members: &[usize], order: &HashMap<usize, usize>) -> usize {
-        let reads = |at: &&usize| self.sheet.parts[**at].pins.iter().any(|pin| !pin.output && pin.link == Link::Net(net));
+        let reads =
+            |at: &&usize| self.sheet.parts[**at].pins.iter().any(|pin| !pin.output && pin.link == Link::Net(net));
         members.iter().filter(reads).filter_map(|at| order.get(at)).copied().max().unwrap_or(0)
     }
 
@@ -347,9 +377,14 @@ impl Band<'_> {
     fn heights(&self, base: usize, count: usize, top: i32, grid: &mut Grid) -> i32 {
         for pass in 0..3 {
             let from_left = pass == 1;
-            let list: Vec<usize> = if from_left { (base..base + count).collect() } else { (base..base + count).rev().collect() };
+            let list: Vec<usize> =
+                if from_left { (base..base + count).collect() } else { (base..base + count).rev().collect() };
             for column in list {
-                let neighbour = if from_left { column.checked_sub(1).filter(|c| *c >= base) } else { Some(column + 1).filter(|c| *c < base + count) };
+                let neighbour = if from_left {
+                    column.checked_sub(1).filter(|c| *c >= base)
+                } else {
+                    Some(column + 1).filter(|c| *c < base + count)
+                };
                 let mut bottom = top;
                 for index in 0..grid.columns[column].len() {
                     let wanted = neighbour.and_then(|other| self.wanted(grid, column, other, index, from_left));
@@ -401,14 +436,13 @@ impl Band<'_> {
         if column == base {
             return y;
         }
-        let others: Vec<(i32, usize)> = grid.outs[column - 1]
-            .iter()
-            .map(|end| (grid.columns[column - 1][end.thing].y + end.dy, end.net))
-            .collect();
+        let others: Vec<(i32, usize)> =
+            grid.outs[column - 1].iter().map(|end| (grid.columns[column - 1][end.thing].y + end.dy, end.net)).collect();
         let mine: Vec<(i32, usize)> =
             grid.ins[column].iter().filter(|end| end.thing == index).map(|end| (end.dy, end.net)).collect();
         let clash = |y: i32| {
-            mine.iter().any(|(dy, net)| others.iter().any(|(other, known)| known != net && (y + dy - other).abs() < APART))
+            mine.iter()
+                .any(|(dy, net)| others.iter().any(|(other, known)| known != net && (y + dy - other).abs() < APART))
         };
         while clash(y) {
             y += 1;

@@ -45,8 +45,17 @@ pub enum Kind {
     /// Lines below each other that are one after the other.
     Lines(Vec<Laid>),
     Parallel(Vec<Laid>),
-    Fork { main: Option<Box<Laid>>, tails: Vec<Laid> },
-    Connector { text: String, ink: Ink, goes_on: bool, negated: bool, key: String },
+    Fork {
+        main: Option<Box<Laid>>,
+        tails: Vec<Laid>,
+    },
+    Connector {
+        text: String,
+        ink: Ink,
+        goes_on: bool,
+        negated: bool,
+        key: String,
+    },
 }
 
 pub struct Measure<'a> {

@@ -157,10 +157,10 @@ impl Painter<'_> {
             if !feed.loose {
                 match rail {
                     Some(rail) => self.scene.wire((rail, end.1), (start, end.1), rail_net),
-                    None => self.scene.items.push(Item::Rail {
-                        from: (start, end.1 - SHORT_RAIL),
-                        to: (start, end.1 + SHORT_RAIL),
-                    }),
+                    None => self
+                        .scene
+                        .items
+                        .push(Item::Rail { from: (start, end.1 - SHORT_RAIL), to: (start, end.1 + SHORT_RAIL) }),
                 }
             }
             let outer = self.rail.take();
@@ -175,7 +175,8 @@ impl Painter<'_> {
         }
         for (pin, name) in connectors {
             let Some(end) = place(pin) else { continue };
-            let output = self.sheet.parts.get(part_of(laid)).and_then(|part| part.pins.get(*pin)).is_some_and(|p| p.output);
+            let output =
+                self.sheet.parts.get(part_of(laid)).and_then(|part| part.pins.get(*pin)).is_some_and(|p| p.output);
             let (text, anchor, dx) = match output {
                 true => (format!("»{name}"), Anchor::Start, 3),
                 false => (format!("{name}»"), Anchor::End, -3),

@@ -17,9 +17,16 @@ pub enum Block {
     /// Branches with common ends.
     Parallel(Vec<Block>),
     /// Branches with a common beginning. The first `ends` of them: none goes on. With `main`, which goes on, the others are below it.
-    Fork { main: Option<Box<Block>>, tails: Vec<Block> },
+    Fork {
+        main: Option<Box<Block>>,
+        tails: Vec<Block>,
+    },
     /// The end of a line that goes on elsewhere, or its beginning there.
-    Connector { name: String, goes_on: bool, label: Option<(Label, bool)> },
+    Connector {
+        name: String,
+        goes_on: bool,
+        label: Option<(Label, bool)>,
+    },
 }
 
 /// A part with what leads to its other inputs, and from its other outputs.
@@ -287,7 +294,8 @@ impl<'a> Reducer<'a> {
                     Source::Rail | Source::Operand { .. } => {}
                     Source::Pin { part, pin } => {
                         let source = self.sheet.parts.get(*part)?;
-                        let is_flow = source.flow_out.is_some_and(|flow| flow == *pin || source.net(Some(flow)) == Some(net));
+                        let is_flow =
+                            source.flow_out.is_some_and(|flow| flow == *pin || source.net(Some(flow)) == Some(net));
                         if *part == at || !parts.contains(part) || claimed.contains(part) || !is_flow {
                             return None;
                         }
@@ -306,7 +314,8 @@ impl<'a> Reducer<'a> {
         }
         let inside = |net: &usize| {
             let read = |(part, index): &(usize, usize)| found.contains(part) || (*part, *index) == (at, pin);
-            self.rails[*net] || self.readers[*net].iter().all(read) && self.fed[*net].iter().all(|net| nets.contains(net))
+            self.rails[*net]
+                || self.readers[*net].iter().all(read) && self.fed[*net].iter().all(|net| nets.contains(net))
         };
         // Boxes on the way may have outputs that lead elsewhere.
         let outputs_stay = found.iter().all(|part| {
@@ -321,13 +330,7 @@ impl<'a> Reducer<'a> {
     }
 
     /// The parts that a further output leads to, if nothing else leads there.
-    fn after(
-        &self,
-        net: usize,
-        at: usize,
-        parts: &HashSet<usize>,
-        claimed: &HashSet<usize>,
-    ) -> Option<HashSet<usize>> {
+    fn after(&self, net: usize, at: usize, parts: &HashSet<usize>, claimed: &HashSet<usize>) -> Option<HashSet<usize>> {
         if self.sheet.nets[net].sources.len() != 1 {
             return None;
         }
@@ -509,6 +512,7 @@ impl Reduction {
                 let depth = edge.depth + tails.iter().map(|tail| tail.depth + 1).max().unwrap_or(0);
                 let mut items = edge.items;
                 items.extend(fork(tails, None));
+                let items = open_ended(items);
                 self.tails[edge.from].push(Tail { block: Block::Series(items), order: edge.order, depth });
                 true
             }
@@ -534,8 +538,9 @@ impl Reduction {
         let root = self.root;
         let name = |net: usize| sheet.nets.get(net).map_or(String::new(), |net| net.name.clone());
         // A net without a source.
-        let bare = (0..self.inputs.len())
-            .find(|&net| net != root && self.inputs[net].is_empty() && (!self.outputs[net].is_empty() || !self.tails[net].is_empty()));
+        let bare = (0..self.inputs.len()).find(|&net| {
+            net != root && self.inputs[net].is_empty() && (!self.outputs[net].is_empty() || !self.tails[net].is_empty())
+        });
         if let Some(net) = bare {
             let order = self.outputs[net].iter().filter_map(|edge| self.edges[*edge].as_ref()).map(|edge| edge.order);
             let order = order.chain(self.tails[net].iter().map(|tail| tail.order)).min().unwrap_or(0);
@@ -545,7 +550,9 @@ impl Reduction {
         }
         let candidates = self.edges.iter().enumerate().filter_map(|(at, edge)| Some((at, edge.as_ref()?)));
         let candidates: Vec<(usize, usize, usize)> = candidates
-            .filter(|(_, edge)| edge.from != root && (self.inputs[edge.to].len() > 1 || edge.from == edge.to || edge.to == root))
+            .filter(|(_, edge)| {
+                edge.from != root && (self.inputs[edge.to].len() > 1 || edge.from == edge.to || edge.to == root)
+            })
             .map(|(at, edge)| (edge.order, at, edge.to))
             .collect();
         let chosen = candidates.iter().max().copied().or_else(|| {
@@ -559,18 +566,35 @@ impl Reduction {
         let Some(mut edge) = self.remove(at) else { return false };
         edge.items.push((Block::Connector { name: name(to), goes_on: false, label: None }, None));
         self.tails[edge.from].push(Tail { block: Block::Series(edge.items), order: edge.order, depth: edge.depth });
-        let is_connector = |edge: &Edge| {
-            matches!(edge.items.as_slice(), [(Block::Connector { goes_on: true, name: known, .. }, _)] if *known == name(to))
-        };
+        let is_connector = |edge: &Edge| matches!(edge.items.as_slice(), [(Block::Connector { goes_on: true, name: known, .. }, _)] if *known == name(to));
         let known = self.inputs[to].iter().filter_map(|edge| self.edges[*edge].as_ref()).any(is_connector);
         if to != root && !known {
             let start = Block::Connector { name: name(to), goes_on: true, label: None };
-            let order = self.inputs[to].iter().filter_map(|edge| self.edges[*edge].as_ref()).map(|edge| edge.order).max();
+            let order =
+                self.inputs[to].iter().filter_map(|edge| self.edges[*edge].as_ref()).map(|edge| edge.order).max();
             let order = order.unwrap_or(edge.order);
             self.add(Edge { from: root, to, items: vec![(start, Some(to))], order, depth: 0 });
         }
         true
     }
+}
+
+/// Nothing follows the items: where one branch goes on and others end, all of them end, and have the same room.
+fn open_ended(mut items: Vec<(Block, Option<usize>)>) -> Vec<(Block, Option<usize>)> {
+    let goes_on = |(block, _): &(Block, Option<usize>)| matches!(block, Block::Fork { main: Some(_), .. });
+    let Some(at) = items.iter().position(goes_on) else { return items };
+    let rest = items.split_off(at + 1);
+    if let Some((Block::Fork { main: Some(main), tails }, net)) = items.pop() {
+        let mut branch = match *main {
+            Block::Series(items) => items,
+            other => vec![(other, net)],
+        };
+        branch.extend(rest);
+        let mut branches = vec![Block::Series(open_ended(branch))];
+        branches.extend(tails);
+        items.push((Block::Fork { main: None, tails: branches }, None));
+    }
+    items
 }
 
 /// What follows at a net with branches: `main` goes on to a net.

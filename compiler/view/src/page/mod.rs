@@ -28,7 +28,8 @@ pub fn document(book: &Book, names: &Names, state: Option<(&Trace, Option<f64>)>
         "trace": state.map(|(trace, _)| signals(trace)),
         "start": state.map(|(trace, time)| trace.row(time)),
     });
-    let script = format!("<script id=\"data\" type=\"application/json\">{}</script>\n<script>{SCRIPT}</script>", safe(&data));
+    let script =
+        format!("<script id=\"data\" type=\"application/json\">{}</script>\n<script>{SCRIPT}</script>", safe(&data));
     let style = format!("{STYLE}\n{}", svg::STYLE);
     let body = "<nav><header><h1></h1><input id=\"search\" type=\"search\" placeholder=\"Search (/)\" autocomplete=\"off\">\
                 </header><div id=\"list\"></div></nav><main></main><aside id=\"uses\" hidden></aside>\

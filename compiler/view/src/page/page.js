@@ -49,11 +49,15 @@ function fill(div) {
 function link(div) {
   for (const t of div.querySelectorAll("text.t")) if (byName.has(fold(t.textContent))) t.classList.add("go");
 }
+function callers(i) {
+  const list = data.pages[i].callers;
+  return list ? "called by " + list.map((c) => `<span class="go" data-page="${c}">${esc(data.pages[c].id)}</span>`).join(", ") : "";
+}
 function html(i) {
   const p = data.pages[i];
   let h = `<div class="page"><h2>${esc(p.id)} ${p.name && p.name !== p.id ? esc(p.name) : ""} <small>${p.lang} ${esc(p.title)}</small></h2>`;
   if (p.comment) h += `<div class="comment">${esc(p.comment)}</div>`;
-  if (p.callers) h += `<div class="reason">called by ${p.callers.map((c) => `<span class="go" data-page="${c}">${esc(data.pages[c].id)}</span>`).join(", ")}</div>`;
+  h += `<div class="reason callers">${callers(i)}</div>`;
   if (p.rows.length) {
     const code = p.rows.some((r) => r[0]);
     h += `<details ${code && p.secs.length ? "" : "open"}><summary>${code ? "Interface" : "Components"} (${p.rows.length})</summary><table><tr>${code ? "<th></th>" : ""}<th>Name</th><th>Type</th><th>Address</th><th>Initial value</th><th>Comment</th></tr>`;
@@ -183,7 +187,10 @@ function addresses() {
   main.innerHTML = head("Addresses and symbols", "#addresses") + "<table><tr><th>Address</th><th>Symbol</th><th>Uses</th></tr>" +
     rows.map(([, k]) => `<tr><td data-k="${esc(k)}">${esc(k)}</td><td>${esc(symbolOf.get(k) ?? "")}</td><td>${(data.uses[k] ?? []).length || ""}</td></tr>`).join("") + "</table></div>";
 }
-const called = data.pages.map((p, i) => {
+let called = null;
+function structure() {
+  if (called) return called;
+  called = data.pages.map((p, i) => {
   const found = new Set();
   const add = (n) => { const t = byName.get(fold(n)); if (t !== undefined && t !== i) found.add(t); };
   for (const s of p.secs) {
@@ -196,8 +203,13 @@ const called = data.pages.map((p, i) => {
   }
   return [...found].filter((t) => data.pages[t].lang);
 });
-called.forEach((list, i) => list.forEach((t) => (data.pages[t].callers ??= []).push(i)));
+  called.forEach((list, i) => list.forEach((t) => (data.pages[t].callers ??= []).push(i)));
+  return called;
+}
+// It takes a moment in a large program; nobody waits for it.
+setTimeout(() => { structure(); if (here >= 0) for (const c of main.querySelectorAll(".callers")) c.innerHTML = callers(here); }, 50);
 function calls() {
+  structure();
   let count = 0;
   const tree = (i, path) => {
     if (count++ > 3000) return "";

@@ -29,7 +29,8 @@ pub fn uses(book: &Book, names: &Names) -> Value {
         }
     }
     let uses = uses.into_iter().map(|(key, list)| {
-        let list: Vec<Value> = list.into_iter().map(|(page, section, how)| json!([page, section, how.to_string()])).collect();
+        let list: Vec<Value> =
+            list.into_iter().map(|(page, section, how)| json!([page, section, how.to_string()])).collect();
         (key, Value::Array(list))
     });
     Value::Object(uses.collect())
@@ -66,7 +67,10 @@ fn of_text(lines: &[String], kind: Kind, names: &Names, scope: Scope, add: &mut 
         let code = line.split("//").next().unwrap_or_default();
         match kind {
             Kind::Stl => {
-                let code = code.split_once(':').filter(|(label, _)| !label.contains(['"', '#', ' '])).map_or(code, |(_, rest)| rest);
+                let code = code
+                    .split_once(':')
+                    .filter(|(label, _)| !label.contains(['"', '#', ' ']))
+                    .map_or(code, |(_, rest)| rest);
                 let mut words = code.trim().trim_end_matches(';').splitn(2, char::is_whitespace);
                 let (mnemonic, operands) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
                 let how = if WRITES.contains(&mnemonic) { 'w' } else { 'r' };

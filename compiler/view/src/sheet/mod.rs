@@ -62,7 +62,9 @@ pub enum Look {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Meaning {
     /// The flow goes on if the operand is 1, or 0 if it is negated.
-    Contact { negated: bool },
+    Contact {
+        negated: bool,
+    },
     Not,
     And,
     Or,
@@ -173,9 +175,8 @@ impl Part {
     /// Pins beside a box, except those of the flow.
     pub fn side(&self, output: bool) -> impl Iterator<Item = usize> {
         let flow = [self.flow_in, self.flow_out];
-        let wanted = move |at: &usize, pin: &Pin| {
-            pin.place == Place::Side && pin.output == output && !flow.contains(&Some(*at))
-        };
+        let wanted =
+            move |at: &usize, pin: &Pin| pin.place == Place::Side && pin.output == output && !flow.contains(&Some(*at));
         self.pins.iter().enumerate().filter(move |(at, pin)| wanted(at, pin)).map(|(at, _)| at)
     }
 }

@@ -1,6 +1,8 @@
 //! Networks of LAD and FBD as sheets.
 
-use plcc_syntax::network::ast::{Element, Graph, Language, PinValue, Source as GraphSource, Storage, Target, TemplateKey};
+use plcc_syntax::network::ast::{
+    Element, Graph, Language, PinValue, Source as GraphSource, Storage, Target, TemplateKey,
+};
 use plcc_syntax::network::draw;
 use plcc_syntax::network::elements::{Gate, Kind, Row};
 use plcc_syntax::scl::ast::Expr;
@@ -26,6 +28,15 @@ pub fn sheet(graph: &Graph, language: Language, names: &Names, scope: Scope) -> 
     let mut sheet = Sheet { parts, nets };
     if language == Language::Fbd {
         sheet.negations_at_pins();
+    }
+    // A call by its instance shows the block in the box, and the instance above it.
+    for part in &mut sheet.parts {
+        if let Look::Box { title, instance: instance @ None, .. } = &mut part.look {
+            if let Some(block) = names.block_of_instance(title) {
+                *instance = Some(names.label(title, scope));
+                *title = block;
+            }
+        }
     }
     sheet
 }
@@ -215,7 +226,8 @@ impl Sheet {
             }
             let (Some(from), Some(to)) = (part.net(part.flow_in), part.net(part.flow_out)) else { continue };
             let alone = self.nets.get(to).is_some_and(|net| net.sources.len() == 1) && from != to;
-            let sources: usize = self.nets.iter().flat_map(|net| &net.sources).filter(|s| **s == Source::Net(to)).count();
+            let sources: usize =
+                self.nets.iter().flat_map(|net| &net.sources).filter(|s| **s == Source::Net(to)).count();
             if !alone || sources > 0 {
                 continue;
             }

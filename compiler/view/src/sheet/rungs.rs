@@ -63,7 +63,13 @@ impl Rungs {
                     (true, true) => "ENO",
                     (false, _) => "",
                 };
-                pins.push(Pin { name: name.to_string(), place: Place::Side, output, link: Link::Net(net), negated: false });
+                pins.push(Pin {
+                    name: name.to_string(),
+                    place: Place::Side,
+                    output,
+                    link: Link::Net(net),
+                    negated: false,
+                });
                 pins.len() - 1
             })
         };
@@ -117,7 +123,13 @@ impl Rungs {
             return None;
         }
         part.flow_out = Some(part.pins.len());
-        part.pins.push(Pin { name: "ENO".to_string(), place: Place::Side, output: true, link: Link::Net(net), negated: false });
+        part.pins.push(Pin {
+            name: "ENO".to_string(),
+            place: Place::Side,
+            output: true,
+            link: Link::Net(net),
+            negated: false,
+        });
         Some(net)
     }
 

@@ -167,7 +167,9 @@ impl Maker {
     fn compare(&mut self, name: &str, labels: Vec<Label>) -> Result<(), String> {
         let (joins, rest) = match name.strip_prefix("LD") {
             Some(rest) => ('L', rest),
-            None => name.split_at_checked(1).map_or(('L', name), |(head, rest)| (head.chars().next().unwrap_or('L'), rest)),
+            None => {
+                name.split_at_checked(1).map_or(('L', name), |(head, rest)| (head.chars().next().unwrap_or('L'), rest))
+            }
         };
         let at = rest.find(['=', '<', '>']).unwrap_or(0);
         let (ty, sign) = rest.split_at(at);
@@ -268,6 +270,17 @@ fn is_output(class: OperandClass) -> bool {
     use OperandClass::*;
     matches!(
         class,
-        BitWrite | OutputBit | ByteOut | WordOut | WordOutAnalog | DwordOut | RealOut | StringOut | BytesOut | WordsOut | DwordsOut | OutputByte
+        BitWrite
+            | OutputBit
+            | ByteOut
+            | WordOut
+            | WordOutAnalog
+            | DwordOut
+            | RealOut
+            | StringOut
+            | BytesOut
+            | WordsOut
+            | DwordsOut
+            | OutputByte
     )
 }

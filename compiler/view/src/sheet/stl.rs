@@ -50,7 +50,9 @@ pub fn sheet(
         if let (Some(mark), true) = (&statement.label, at > 0) {
             return Err(format!("the label `{}` is inside of the network", mark.name));
         }
-        let is_last = statements[at + 1..].iter().all(|rest| !matches!(rest.kind, StatementKind::Instruction { .. } | StatementKind::Call(_)));
+        let is_last = statements[at + 1..]
+            .iter()
+            .all(|rest| !matches!(rest.kind, StatementKind::Instruction { .. } | StatementKind::Call(_)));
         match &statement.kind {
             StatementKind::Empty | StatementKind::Pragma(_) => {}
             StatementKind::Instruction { insn, operand, .. } => {
@@ -261,7 +263,13 @@ impl Maker<'_> {
         if self.span.is_some() {
             return Err("replaces the logic before it".to_string());
         }
-        let pin = |label, place| Pin { name: String::new(), place, output: false, link: Link::Operand(label), negated: false };
+        let pin = |label, place| Pin {
+            name: String::new(),
+            place,
+            output: false,
+            link: Link::Operand(label),
+            negated: false,
+        };
         let (start, end) = (self.rungs.net(), self.rungs.net());
         let look = Look::Compare { sign: sign.to_string(), ty: ty.to_string() };
         let pins = vec![pin(first, Place::Above), pin(second, Place::Below)];
