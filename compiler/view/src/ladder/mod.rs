@@ -1,5 +1,6 @@
 //! Drawings of LAD: the power rail at the left, rungs below each other, branches that open downwards and close upwards.
 
+mod graph;
 mod measure;
 mod paint;
 pub mod reduce;
