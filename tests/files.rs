@@ -10,6 +10,7 @@
 //! | `ir/` | IR that prints as it stands | |
 //! | `opt/` | IR; `; passes: a,b` in its first line | `x.expect` |
 //! | `clif/` | STL or SCL | `x.clif` |
+//! | `xref/`, `xref/*/` | a source, a project | `x.xref`: its reference data |
 //! | `messages/` | STL or SCL | `x.txt`: its messages as drawn |
 //! | `view/` | any source | `x.svg`: its drawings, with the state at the end of `x.trace.csv` if that is there |
 //! | `../samples/*/`, `../samples/*/*/` | a project with scenarios | `x.trace.csv`, `x.vcd`, `x.svg` beside `x.toml`, with the signals of its `# trace-signals:` line; `station.txt`: the list of `plcc station` |
@@ -69,6 +70,12 @@ fn trials(is_selected: &dyn Fn(&str) -> bool) -> Vec<Trial> {
         trials.push(trial(shown(&project), move || {
             all_passed(&testing::run(&[TestInput::Project(project)], &plan(all_variants())))
         }));
+    }
+    for program in fs::read_dir(tests.join("xref")).into_iter().flatten().flatten().map(|entry| entry.path()) {
+        let is_source = program.extension().is_some_and(|ending| LANGUAGES.iter().any(|language| ending == *language));
+        if is_source || program.is_dir() {
+            trials.push(trial(shown(&program), move || check_xref(&program)));
+        }
     }
     for twins in folders(&tests.join("twins")) {
         trials.push(trial(shown(&twins), move || check_twins(&twins)));
@@ -287,6 +294,14 @@ fn check_drawings() -> Result<(), String> {
         wrong.push(format!("only {count} drawings"));
     }
     if wrong.is_empty() { Ok(()) } else { Err(wrong.join("\n")) }
+}
+
+/// The reference data of a source or a project.
+fn check_xref(path: &Path) -> Result<(), String> {
+    let bound = bind_file(path, &Settings::default())?;
+    let reference = plcc_xref::reference(&bound.program, &bound.sources);
+    let folder = format!("{}/", root().display());
+    expect_file(&path.with_extension("xref"), &plcc_xref::text::document(&reference).replace(&folder, ""))
 }
 
 /// Each sample is a project, or a folder of one for each language: its scenarios pass in all forms, and traces are as they were.

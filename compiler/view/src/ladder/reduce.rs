@@ -253,6 +253,10 @@ impl<'a> Reducer<'a> {
                         named.insert(net);
                     }
                 }
+            } else if self.readers[net].is_empty() && goal != Some(net) && sheet.nets[net].sources.len() > 1 {
+                // Joined with another output, and leads nowhere.
+                block.connectors.push((index, name.clone()));
+                named.insert(net);
             } else if !self.readers[net].is_empty() || goal == Some(net) {
                 match self.after(net, at, parts, claimed).filter(|_| goal != Some(net)) {
                     Some(follow) => {
