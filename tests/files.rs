@@ -13,6 +13,7 @@
 //! | `xref/`, `xref/*/` | a source, a project | `x.xref`: its reference data |
 //! | `status/` | `x.status`: a command `plcc status`, and what it prints | |
 //! | `messages/` | STL or SCL | `x.txt`: its messages as drawn |
+//! | `view/` | any source | `x.svg`: its drawings, with the state at the end of `x.trace.csv` if that is there |
 //! | `../samples/*/`, `../samples/*/*/` | a project with scenarios | `x.trace.csv`, `x.vcd`, `x.svg` beside `x.toml`, with the signals of its `# trace-signals:` line; `station.txt`: the list of `plcc station` |
 
 use std::fs;
@@ -23,6 +24,7 @@ use std::sync::{Arc, OnceLock};
 use clap::Parser;
 use libtest_mimic::{Arguments, Failed, Trial};
 use plcc_driver::cli::Level;
+use plcc_driver::command::view;
 use plcc_driver::emit;
 use plcc_driver::inputs::{self, TestInput};
 use plcc_driver::pipeline::{self, Settings};
@@ -31,6 +33,9 @@ use plcc_tests::{
     all_variants, bind_file, difference, expect_file, files, folders, plan, projects, root, shown, tests_folder, twins,
     updating,
 };
+
+use plcc_view::book::{Body, Options};
+use plcc_view::names::Names;
 
 /// Endings of the sources that are tests.
 const LANGUAGES: [&str; 6] = ["stl", "awl", "scl", "s7dcl", "gr7", "xml"];
@@ -60,7 +65,9 @@ fn trials(is_selected: &dyn Fn(&str) -> bool) -> Vec<Trial> {
         file_trials("parse", language, check_parse, &mut trials);
         file_trials("clif", language, check_clif, &mut trials);
         file_trials("messages", language, check_messages, &mut trials);
+        file_trials("view", language, check_view, &mut trials);
     }
+    trials.push(trial("view: every network of the tests and samples".to_string(), check_drawings));
     for project in projects(&tests.join("run")) {
         trials.push(trial(shown(&project), move || {
             all_passed(&testing::run(&[TestInput::Project(project)], &plan(all_variants())))
@@ -250,6 +257,46 @@ fn check_messages(path: &Path) -> Result<(), String> {
     read.units.push(read.sources.add(plcc_diag::SourceFile::new(name, text)));
     let bound = pipeline::front(read, &Settings { require_main: false, ..Settings::default() });
     expect_file(&path.with_extension("txt"), &plcc_diag::drawing::draw(&bound.diagnostics, &bound.sources, false))
+}
+
+fn check_view(path: &Path) -> Result<(), String> {
+    let mut read = inputs::Read::default();
+    let text = inputs::read_text(path).map_err(|error| error.to_string())?;
+    read.units.push(read.sources.add(plcc_diag::SourceFile::new(shown(path), text)));
+    let trace = path.with_extension("trace.csv");
+    let state = trace.exists().then(|| trace.display().to_string());
+    let drawn = view::draw(read, &Settings::default(), state.as_deref())?;
+    expect_file(&path.with_extension("svg"), &drawn.book.poster(drawn.values.as_ref()))
+}
+
+/// Nothing overlaps in any drawing of a source that is here for another reason.
+fn check_drawings() -> Result<(), String> {
+    let mut wrong = Vec::new();
+    let folders = [tests_folder(), root().join("samples")];
+    let sources = folders.iter().flat_map(|folder| LANGUAGES.iter().flat_map(|language| files(folder, language)));
+    let mut count = 0;
+    for path in sources {
+        let Ok(text) = inputs::read_text(&path) else { continue };
+        let name = shown(&path);
+        let file = plcc_diag::SourceMap::default().add(plcc_diag::SourceFile::new(name.clone(), text.clone()));
+        let options = plcc_readers::ReadOptions { language: pipeline::language_of(&name), ..Default::default() };
+        let (unit, _) = plcc_readers::parse(file, &text, &options);
+        let book = plcc_view::book::book_with(&name, &[(&text, &unit)], &Names::default(), None, Options::default());
+        for page in book.pages.iter().filter(|page| page.language != "GRAPH") {
+            for section in &page.sections {
+                let Body::Drawing { scene, sheet } = &section.content else { continue };
+                count += 1;
+                let faults = plcc_view::faults::faults(scene, sheet);
+                wrong.extend(
+                    faults.first().map(|fault| format!("{name}, {}, network {}: {fault}", page.id, section.number)),
+                );
+            }
+        }
+    }
+    if count < 1000 {
+        wrong.push(format!("only {count} drawings"));
+    }
+    if wrong.is_empty() { Ok(()) } else { Err(wrong.join("\n")) }
 }
 
 /// The reference data of a source or a project.

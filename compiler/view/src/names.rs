@@ -15,6 +15,8 @@ pub struct Names {
     /// The symbol of an address.
     symbols: HashMap<String, String>,
     dbs: Vec<Db>,
+    /// Names of blocks that have one.
+    blocks: HashMap<BlockKey, String>,
 }
 
 /// A data block.
@@ -26,7 +28,7 @@ struct Db {
 }
 
 /// The block whose local names are meant.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Scope {
     /// The instance DB that its static variables are in, if it has only one.
     pub(crate) instance: Option<usize>,
@@ -44,7 +46,18 @@ impl Names {
             names.addresses.insert(symbol.name.to_lowercase(), address);
         }
         names.dbs = program.dbs.iter().map(db).collect();
+        let named = program.blocks.iter().filter(|block| !block.name.is_empty());
+        names.blocks = named.map(|block| (block.key(), block.name.clone())).collect();
         names
+    }
+
+    /// The name of the FB whose instance `text` names.
+    pub fn block_of_instance(&self, text: &str) -> Option<String> {
+        let (local, parts) = path(text)?;
+        let [name] = &parts[..] else { return None };
+        let db = self.dbs.iter().find(|db| !local && db.name.eq_ignore_ascii_case(name))?;
+        let block = db.instance_of?;
+        Some(self.blocks.get(&block).map_or(block.to_string(), |name| format!("\"{name}\"")))
     }
 
     /// The symbols and their addresses, in order of the addresses.
@@ -71,14 +84,16 @@ impl Names {
         let bare = text.strip_prefix('%').unwrap_or(text);
         if let Some(address) = canonical(bare, scope.german) {
             return match self.symbols.get(&address) {
-                Some(symbol) => Label { text: format!("\"{symbol}\""), address: bare.to_string(), key: address },
-                None => Label { text: bare.to_string(), address: String::new(), key: address },
+                Some(symbol) => {
+                    Label { text: format!("\"{symbol}\""), address: bare.to_string(), key: address, value: None }
+                }
+                None => Label { text: bare.to_string(), address: String::new(), key: address, value: None },
             };
         }
         let key = self.key(text, scope).unwrap_or_default();
         let is_tag = !key.is_empty() && self.symbols.contains_key(&key) && !key.starts_with("DB");
         let address = if is_tag { key.clone() } else { String::new() };
-        Label { text: text.to_string(), address, key }
+        Label { text: text.to_string(), address, key, value: None }
     }
 
     /// The address of what `text` names; a local variable without a known address is its own key.

@@ -97,19 +97,26 @@ pub fn place(sheet: &Sheet, width: i32) -> Grid {
     for at in &drawn {
         columns[*at] -= first_of_band[columns[*at]];
     }
+    let readers = readers(sheet, &drawn);
+    let mut feeds = vec![false; sheet.nets.len()];
+    for source in sheet.nets.iter().flat_map(|net| &net.sources) {
+        if let Source::Net(from) = source {
+            feeds[*from] = true;
+        }
+    }
     let mut grid = Grid::default();
     let mut top = 0;
     for number in 0..=bands.last().copied().unwrap_or(0) {
         let members: Vec<usize> = drawn.iter().copied().filter(|at| band[*at] == number).collect();
-        top = Band { sheet, shapes: &shapes, columns: &columns, band: &band, number }.place(&members, top, &mut grid)
+        top = Band { sheet, shapes: &shapes, columns: &columns, band: &band, number, readers: &readers, feeds: &feeds }
+            .place(&members, top, &mut grid)
             + 2 * GAP;
     }
     grid
 }
 
-/// The column of each part: as far to the right as what it feeds allows.
-fn columns(sheet: &Sheet, drawn: &[usize]) -> Vec<usize> {
-    // Distance from the right, over the parts that read its outputs. Loops are cut where they close.
+/// The parts that read each net.
+fn readers(sheet: &Sheet, drawn: &[usize]) -> Vec<Vec<usize>> {
     let mut readers: Vec<Vec<usize>> = vec![Vec::new(); sheet.nets.len()];
     for &at in drawn {
         for pin in sheet.parts[at].pins.iter().filter(|pin| !pin.output) {
@@ -118,6 +125,13 @@ fn columns(sheet: &Sheet, drawn: &[usize]) -> Vec<usize> {
             }
         }
     }
+    readers
+}
+
+/// The column of each part: as far to the right as what it feeds allows.
+fn columns(sheet: &Sheet, drawn: &[usize]) -> Vec<usize> {
+    // Distance from the right, over the parts that read its outputs. Loops are cut where they close.
+    let mut readers = readers(sheet, drawn);
     for _ in 0..sheet.nets.len().min(8) {
         for (at, net) in sheet.nets.iter().enumerate() {
             for source in &net.sources {
@@ -176,6 +190,10 @@ struct Band<'a> {
     columns: &'a [usize],
     band: &'a [usize],
     number: usize,
+    /// Parts that read a net.
+    readers: &'a [Vec<usize>],
+    /// Nets that feed another net.
+    feeds: &'a [bool],
 }
 
 /// Where a net begins and ends within a band.
@@ -219,7 +237,7 @@ impl Band<'_> {
         }
         for (net, way) in ways.iter_mut().enumerate() {
             self.complete(net, way);
-            let rank = self.rank(net, members, &order);
+            let rank = self.rank(net, &order);
             let name = &self.sheet.nets[net].name;
             let first_end = way.ends.iter().copied().min();
             if let Some(end) = first_end {
@@ -246,6 +264,8 @@ impl Band<'_> {
                     way.elsewhere_to |= loops;
                 }
             }
+            // Outputs that are joined and lead nowhere.
+            way.elsewhere_to |= way.starts.len() > 1 && way.ends.is_empty();
             if way.elsewhere_to {
                 if let Some(start) = way.starts.iter().copied().max() {
                     let at = (start + 1).min(count - 1);
@@ -276,12 +296,8 @@ impl Band<'_> {
                 Source::Rail | Source::Operand { .. } => {}
             }
         }
-        let reads = |(at, part): (usize, &crate::sheet::Part)| {
-            elsewhere(at) && part.pins.iter().any(|pin| !pin.output && pin.link == Link::Net(net))
-        };
         if !way.starts.is_empty() {
-            way.elsewhere_to |= self.sheet.parts.iter().enumerate().any(reads);
-            way.elsewhere_to |= self.sheet.nets.iter().any(|other| other.sources.contains(&Source::Net(net)));
+            way.elsewhere_to |= self.feeds[net] || self.readers[net].iter().any(|part| elsewhere(*part));
         }
     }
 
@@ -323,14 +339,12 @@ impl Band<'_> {
     }
 
     fn is_read(&self, net: usize, inside: &HashSet<usize>) -> bool {
-        inside.iter().any(|at| self.sheet.parts[*at].pins.iter().any(|pin| !pin.output && pin.link == Link::Net(net)))
+        self.readers[net].iter().any(|at| inside.contains(at))
     }
 
     /// The order of a wire among boxes: that of the last box that it leads to.
-    fn rank(&self, net: usize, members: &[usize], order: &HashMap<usize, usize>) -> usize {
-        let reads =
-            |at: &&usize| self.sheet.parts[**at].pins.iter().any(|pin| !pin.output && pin.link == Link::Net(net));
-        members.iter().filter(reads).filter_map(|at| order.get(at)).copied().max().unwrap_or(0)
+    fn rank(&self, net: usize, order: &HashMap<usize, usize>) -> usize {
+        self.readers[net].iter().filter_map(|at| order.get(at)).copied().max().unwrap_or(0)
     }
 
     fn column(&self, column: usize, mut list: Vec<(Thing, usize)>, grid: &mut Grid) {
@@ -375,6 +389,15 @@ impl Band<'_> {
 
     /// Heights: first from the right, so that what feeds a pin is in its row; then from the left, so that a box moves down to what feeds it.
     fn heights(&self, base: usize, count: usize, top: i32, grid: &mut Grid) -> i32 {
+        let firsts = |ends: &Vec<End>| {
+            let mut firsts: HashMap<usize, End> = HashMap::new();
+            ends.iter().for_each(|end| {
+                firsts.entry(end.net).or_insert(*end);
+            });
+            firsts
+        };
+        let outs: Vec<HashMap<usize, End>> = grid.outs[base..].iter().map(firsts).collect();
+        let ins: Vec<HashMap<usize, End>> = grid.ins[base..].iter().map(firsts).collect();
         for pass in 0..3 {
             let from_left = pass == 1;
             let list: Vec<usize> =
@@ -387,7 +410,13 @@ impl Band<'_> {
                 };
                 let mut bottom = top;
                 for index in 0..grid.columns[column].len() {
-                    let wanted = neighbour.and_then(|other| self.wanted(grid, column, other, index, from_left));
+                    let wanted = neighbour.and_then(|other| {
+                        let (mine, theirs) = match from_left {
+                            true => (&grid.ins[column], &outs[other - base]),
+                            false => (&grid.outs[column], &ins[other - base]),
+                        };
+                        wanted(of(mine, index), theirs, &grid.columns[other])
+                    });
                     let thing = &grid.columns[column][index];
                     let least = bottom + thing.up;
                     let current = if pass == 0 { least } else { thing.y };
@@ -405,10 +434,19 @@ impl Band<'_> {
         // The last word: from the left, ends that are too near to those of other nets move down.
         for column in base..base + count {
             let mut bottom = top;
+            // Heights at the other side of the channel, in order.
+            let mut others: Vec<(i32, usize)> = match column > base {
+                true => grid.outs[column - 1]
+                    .iter()
+                    .map(|end| (grid.columns[column - 1][end.thing].y + end.dy, end.net))
+                    .collect(),
+                false => Vec::new(),
+            };
+            others.sort_unstable();
             for index in 0..grid.columns[column].len() {
                 let least = bottom + grid.columns[column][index].up;
                 let y = least.max(grid.columns[column][index].y);
-                let y = self.apart(grid, column, base, index, y);
+                let y = apart(of(&grid.ins[column], index), &others, y);
                 let thing = &mut grid.columns[column][index];
                 thing.y = y;
                 bottom = y + thing.down + if matches!(thing.thing, Thing::Wire { .. }) { 2 } else { GAP };
@@ -416,37 +454,33 @@ impl Band<'_> {
         }
         grid.columns[base..base + count].iter().flatten().map(|thing| thing.y + thing.down).max().unwrap_or(top)
     }
+}
 
-    /// The height at which the first net of a thing goes straight to a neighbour.
-    fn wanted(&self, grid: &Grid, column: usize, other: usize, index: usize, from_left: bool) -> Option<i32> {
-        let (mine, theirs) = match from_left {
-            true => (&grid.ins[column], &grid.outs[other]),
-            false => (&grid.outs[column], &grid.ins[other]),
-        };
-        let end = mine.iter().filter(|end| end.thing == index);
-        end.filter_map(|end| {
-            let to = theirs.iter().find(|to| to.net == end.net)?;
-            Some(grid.columns[other][to.thing].y + to.dy - end.dy)
+/// The ends of one thing; ends are in the order of their things.
+fn of(ends: &[End], thing: usize) -> &[End] {
+    let from = ends.partition_point(|end| end.thing < thing);
+    let to = ends.partition_point(|end| end.thing <= thing);
+    &ends[from..to]
+}
+
+/// The height at which the first net of a thing goes straight to a neighbour.
+fn wanted(mine: &[End], theirs: &HashMap<usize, End>, things: &[Placed]) -> Option<i32> {
+    mine.iter().find_map(|end| {
+        let to = theirs.get(&end.net)?;
+        Some(things[to.thing].y + to.dy - end.dy)
+    })
+}
+
+/// Moves a thing down until none of its ends at the left is in the row of the end of another net at the other side of the channel.
+fn apart(mine: &[End], others: &[(i32, usize)], mut y: i32) -> i32 {
+    let clash = |y: i32| {
+        mine.iter().any(|end| {
+            let near = others.partition_point(|(other, _)| *other <= y + end.dy - APART);
+            others[near..].iter().take_while(|(other, _)| *other < y + end.dy + APART).any(|(_, net)| *net != end.net)
         })
-        .next()
+    };
+    while clash(y) {
+        y += 1;
     }
-
-    /// Moves a thing down until none of its ends at the left is in the row of the end of another net at the other side of the channel.
-    fn apart(&self, grid: &Grid, column: usize, base: usize, index: usize, mut y: i32) -> i32 {
-        if column == base {
-            return y;
-        }
-        let others: Vec<(i32, usize)> =
-            grid.outs[column - 1].iter().map(|end| (grid.columns[column - 1][end.thing].y + end.dy, end.net)).collect();
-        let mine: Vec<(i32, usize)> =
-            grid.ins[column].iter().filter(|end| end.thing == index).map(|end| (end.dy, end.net)).collect();
-        let clash = |y: i32| {
-            mine.iter()
-                .any(|(dy, net)| others.iter().any(|(other, known)| known != net && (y + dy - other).abs() < APART))
-        };
-        while clash(y) {
-            y += 1;
-        }
-        y
-    }
+    y
 }
