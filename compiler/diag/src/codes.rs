@@ -1,7 +1,7 @@
 //! The table of diagnostic codes. A code is never reused for another problem.
 //!
 //! `P01xx` reading and tokens, `P02xx` syntax, `P03xx` names and blocks, `P04xx` types and addresses, `P05xx` statements,
-//! `P06xx` project and station, `P07xx` tests, `P08xx` S7-200. Each has a page in `pages/`, printed by `plcc explain`.
+//! `P06xx` project and station, `P07xx` tests, `P08xx` S7-200, `P09xx` conversion. Each has a page in `pages/`, printed by `plcc explain`.
 
 /// How serious a problem is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -198,4 +198,5 @@ codes! {
     DataOverlap = "P0816" Warning "values of a data block that overlap";
     MixedFamilies = "P0817" Error "sources of the S7-200 among those of another family";
     LeftOverLevel = "P0818" Warning "a level of the logic stack that nothing uses";
+    NotConverted = "P0901" Error "a part that the other notation cannot say";
 }

@@ -15,6 +15,7 @@ use toml::Spanned;
 use crate::axes;
 use crate::retain::{self, RetainKeys};
 use crate::s7200::{self, S7200Keys};
+use crate::services::{self, ServicesKeys};
 use crate::station::{self, Station, StationKeys};
 use crate::technology;
 
@@ -99,6 +100,7 @@ struct Keys {
     data: Option<Spanned<String>>,
     s7200: Option<Spanned<S7200Keys>>,
     retain: Option<RetainKeys>,
+    services: Option<ServicesKeys>,
 }
 
 #[derive(Deserialize)]
@@ -217,6 +219,11 @@ impl Context {
         if let Some(keys) = &keys.retain {
             let (retain, messages) = retain::read(keys, self.file);
             config.retain = retain;
+            self.diagnostics.extend(messages);
+        }
+        if let Some(keys) = &keys.services {
+            let (services, messages) = services::read(keys, self.file);
+            config.services = services;
             self.diagnostics.extend(messages);
         }
         if let Some(keys) = &keys.s7200 {

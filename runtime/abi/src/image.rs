@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::names::{NamedType, TypeNumber, UsedPlace};
 use crate::ob::{OB_FREE, ObClass, StartInput};
 use crate::s7200::{S7200Config, S7200Image};
+use crate::services::ServicesConfig;
 use crate::shape::DbShape;
 use crate::technology::{FastCounter, HardwareEvent, PulseGenerator};
 
@@ -138,6 +139,8 @@ pub struct DbEntry {
     pub read_only: bool,
     /// In load memory only: not accessible to the program.
     pub unlinked: bool,
+    /// It has no addresses that a client could name.
+    pub optimized: bool,
     /// What comes back after the process has ended.
     pub kept: Kept,
     /// A structure with its components; `None` if it has no declared ones.
@@ -306,6 +309,8 @@ pub struct Config {
     pub cpu_order: String,
     /// Folder of the program's files, if the flags of the run say nothing.
     pub data_folder: Option<String>,
+    /// What clients can reach.
+    pub services: ServicesConfig,
     pub s7200: S7200Config,
 }
 
@@ -330,6 +335,7 @@ impl Default for Config {
             retain: RetainConfig::default(),
             cpu_order: String::new(),
             data_folder: None,
+            services: ServicesConfig::default(),
             s7200: S7200Config::default(),
         }
     }

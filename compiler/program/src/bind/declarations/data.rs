@@ -263,6 +263,7 @@ impl Declarations<'_> {
             data_type: if instance_of.is_none() { typed.ty.name.clone() } else { String::new() },
             read_only: source.header.read_only,
             unlinked: source.header.unlinked,
+            optimized: self.globals.input.profile.family.is_portal() && blocks::is_optimized(&source.header),
             kept,
         };
         BoundDb { block, ty: typed.ty }
@@ -309,6 +310,7 @@ impl Declarations<'_> {
             instance_of: None,
             read_only: true,
             unlinked: false,
+            optimized: false,
             kept: Kept::Nothing,
         };
         self.data.blocks.insert(number, BoundDb { block, ty: typed.ty });
@@ -367,6 +369,7 @@ impl Declarations<'_> {
                 instance_of: Some(key),
                 read_only: false,
                 unlinked: false,
+                optimized: false,
                 kept,
             };
             self.data.blocks.insert(instance, BoundDb { block, ty: typed.ty });
