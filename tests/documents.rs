@@ -59,7 +59,6 @@ const WITHOUT_CHECK_FILE: &[(Code, &str)] = &[
     (Code::ModuleAccess, "needs a plc.toml"),
     (Code::MemoryByName, "needs a tag table"),
     (Code::MemoryTag, "needs a tag table"),
-    (Code::OverlappingTags, "needs a tag table"),
     (Code::ExtensionBlock, "needs an export in XML"),
     (Code::NotRead, "needs a folder"),
     (Code::ForeignContent, "needs an export in XML"),

@@ -167,6 +167,10 @@ fn begins(token: &Tok) -> bool {
 
 fn declaration_help(at: Option<&Spanned>, before: Option<&Spanned>) -> &'static str {
     match before.map(|(_, token, _)| token) {
+        _ if matches!(at, Some((_, Tok::LeftBracket, _))) => "an array is written `ARRAY[low..high] OF type`",
+        _ if matches!(at, Some((_, Tok::RightBracket, _))) => {
+            "an array has a lower and an upper bound: `ARRAY[low..high] OF type`"
+        }
         Some(Tok::Name(_) | Tok::Quoted(_)) if !matches!(at, Some((_, Tok::Colon, _))) => {
             "write `:` between name and data type, e.g. `speed : INT;`"
         }

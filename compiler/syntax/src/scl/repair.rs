@@ -96,6 +96,8 @@ struct Repair<'t> {
     statement: usize,
     /// Names that the text declares, in upper case.
     declared: HashSet<String>,
+    /// Those with hyphens, which were reported.
+    with_hyphens: HashSet<String>,
     edits: Vec<Edit>,
     messages: Vec<Diagnostic>,
     /// `{` for THEN was reported.
@@ -116,6 +118,7 @@ impl<'t> Repair<'t> {
             brackets: Vec::new(),
             statement: 0,
             declared: HashSet::new(),
+            with_hyphens: HashSet::new(),
             edits: Vec::new(),
             messages: Vec::new(),
             braces_reported: false,
@@ -129,7 +132,11 @@ impl<'t> Repair<'t> {
                 Area::Head => self.pass(token),
                 Area::Declarations => self.declaration_token(token),
                 Area::Statements => {
-                    if !(self.repair_word(token) || self.repair_head(token) || self.repair_sign(token)) {
+                    if !(self.hyphenated_use(token)
+                        || self.repair_word(token)
+                        || self.repair_head(token)
+                        || self.repair_sign(token))
+                    {
                         self.pass(token);
                     }
                 }

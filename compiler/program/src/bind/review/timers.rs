@@ -2,9 +2,10 @@
 
 use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
-use plcc_model::scl::{Call, Instance, walk};
+use plcc_model::scl::{Access, Call, Instance, walk};
+use plcc_model::types::DataType;
 use plcc_model::{BlockKey, Body, CodeBlock};
-use rustc_hash::FxHashSet;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::Language;
 use crate::bind::declarations::{Declarations, State};
@@ -22,9 +23,11 @@ pub fn review(program: &Declarations, blocks: &[(&CodeBlock, Language)], found: 
         if *language != Language::Scl {
             continue;
         }
-        let mut calls = Calls { program, found: Vec::new() };
+        let mut calls = Calls { program, found: Vec::new(), other_uses: FxHashMap::default() };
         walk::statements(&body.statements, &mut calls);
         for (instance, has_time, span) in calls.found {
+            // A block that gets the timer may give it a time.
+            let has_time = has_time || calls.other_uses.get(&instance).is_some_and(|uses| *uses > 0);
             // `#t` is another variable in each block.
             let own = (!instance.starts_with('"') && !instance.starts_with("db")).then(|| block.key());
             match has_time {
@@ -67,9 +70,17 @@ fn sets_a_time(program: &Declarations) -> bool {
 struct Calls<'p, 'i> {
     program: &'p Declarations<'i>,
     found: Vec<(String, bool, Span)>,
+    /// How often a structure is named as a whole, except as the instance of a call of a timer.
+    other_uses: FxHashMap<String, i32>,
 }
 
 impl walk::Visitor for Calls<'_, '_> {
+    fn access(&mut self, access: &Access, _role: walk::Role) {
+        if matches!(access.ty, DataType::Struct(_)) {
+            *self.other_uses.entry(fold(&self.program.globals.text(access.span))).or_default() += 1;
+        }
+    }
+
     fn call(&mut self, call: &Call) {
         if call.target.kind != BlockKind::Sfb {
             return;
@@ -83,7 +94,9 @@ impl walk::Visitor for Calls<'_, '_> {
             Some(Instance::Db(number)) => format!("db {number}"),
             // An element of an array may be any of them.
             Some(Instance::Variable(access)) if access.indices.is_empty() => {
-                fold(&self.program.globals.text(access.span))
+                let text = fold(&self.program.globals.text(access.span));
+                *self.other_uses.entry(text.clone()).or_default() -= 1;
+                text
             }
             Some(Instance::Variable(_)) | None => return,
         };

@@ -1,6 +1,7 @@
 //! Classifies the words of declarations, types and the values of a data block.
 
 use plcc_diag::{Code, Diagnostic};
+use plcc_literal::distance;
 
 use super::expression::Run;
 use super::{Classifier, unquoted};
@@ -49,7 +50,10 @@ impl<'a> Classifier<'a, '_> {
                 () if text.eq_ignore_ascii_case("RETAIN") => Retain::Retain,
                 () if text.eq_ignore_ascii_case("NON_RETAIN") => Retain::NonRetain,
                 () if text.eq_ignore_ascii_case("DB_SPECIFIC") => Retain::DbSpecific,
-                () => break,
+                () => match self.misspelt_retain(*word, self.at + 2 + count) {
+                    Some(retain) => retain,
+                    None => break,
+                },
             };
             count += 1;
         }
@@ -59,6 +63,19 @@ impl<'a> Classifier<'a, '_> {
         self.at += 1;
         self.declarations(0);
         self.end_of_section(opening, Keyword::EndVar);
+    }
+
+    /// A word like `RETAN` after VAR, alone on its line, which is reported and read as meant.
+    fn misspelt_retain(&mut self, word: RawToken, next: usize) -> Option<Retain> {
+        let alone = !word.first_on_line && self.raw.get(next).is_none_or(|token| token.first_on_line);
+        let text = self.slice(word);
+        let meant = distance::nearest(text, ["RETAIN", "NON_RETAIN"].into_iter()).filter(|_| alone)?;
+        self.report(
+            Diagnostic::new(Code::MisspeltKeyword, self.span(word), format!("`{text}` is not a word of a section"))
+                .label(format!("read as {meant}"))
+                .help(format!("write `{meant}`")),
+        );
+        Some(if meant == "RETAIN" { Retain::Retain } else { Retain::NonRetain })
     }
 
     /// `VAR CONSTANT`, `CONST`; the last word of the head is the current token.

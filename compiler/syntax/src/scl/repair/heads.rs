@@ -302,7 +302,7 @@ impl Repair<'_> {
                 self.replace(at, at + 1, RawKind::Assign, None);
                 return;
             }
-            RawKind::Word if self.swapped_declaration(token) => return,
+            RawKind::Word if self.hyphenated_declaration(token) || self.swapped_declaration(token) => return,
             _ => {}
         }
         if self.repair_number(token) {
@@ -320,6 +320,65 @@ impl Repair<'_> {
         self.last = Some(token);
     }
 
+    /// The words from `at` that hyphens join without blanks, `belt-speed-max`: how many tokens they are.
+    fn hyphenated(&self, at: usize) -> usize {
+        let mut count = 1;
+        while let (Some(last), Some(sign), Some(next)) =
+            (self.token(at + count - 1), self.token(at + count), self.token(at + count + 1))
+            && sign.kind == RawKind::Minus
+            && next.kind == RawKind::Word
+            && last.end == sign.start
+            && sign.end == next.start
+        {
+            count += 2;
+        }
+        count
+    }
+
+    /// `belt-speed : INT;`, whose name is then one word wherever it is used.
+    fn hyphenated_declaration(&mut self, token: RawToken) -> bool {
+        let (at, count) = (self.at, self.hyphenated(self.at));
+        if count == 1
+            || self.kind(at + count) != Some(RawKind::Colon)
+            || self.last.is_some_and(|last| last.kind == RawKind::Colon)
+        {
+            return false;
+        }
+        let whole = self.one_word(token, count);
+        let name = self.slice(whole).to_owned();
+        let title = format!("`{name}` is not a name");
+        let help = format!("a name has letters, digits and `_`: write `{}`", name.replace('-', "_"));
+        self.report(at, at + count, title, "`-` subtracts", help);
+        self.with_hyphens.insert(name.to_uppercase());
+        self.declared.insert(name.to_uppercase());
+        self.edits.push(super::Edit { first: at, after: at + count, with: vec![whole] });
+        self.at = at + count;
+        self.last = Some(whole);
+        true
+    }
+
+    /// The use of a name that was declared with hyphens.
+    pub(super) fn hyphenated_use(&mut self, token: RawToken) -> bool {
+        if self.with_hyphens.is_empty() || !matches!(token.kind, RawKind::Word | RawKind::Local) {
+            return false;
+        }
+        let (at, count) = (self.at, self.hyphenated(self.at));
+        let whole = self.one_word(token, count);
+        if count == 1 || !self.with_hyphens.contains(&self.slice(whole).trim_start_matches('#').to_uppercase()) {
+            return false;
+        }
+        self.edits.push(super::Edit { first: at, after: at + count, with: vec![whole] });
+        self.at = at + count;
+        self.note(whole);
+        true
+    }
+
+    /// The first token up to the end of the last of `count`.
+    fn one_word(&self, token: RawToken, count: usize) -> RawToken {
+        let end = self.token(self.at + count - 1).map_or(token.end, |last| last.end);
+        RawToken { end, keyword: None, ..token }
+    }
+
     /// `speed INT;` without `:`, and `INT speed;`.
     fn swapped_declaration(&mut self, token: RawToken) -> bool {
         let at = self.at;
@@ -332,7 +391,10 @@ impl Repair<'_> {
             return false;
         }
         let (first, second) = (self.slice(token), self.slice(next));
-        let is_type = |word: &str| crate::Elementary::from_word(word).is_some() || word.eq_ignore_ascii_case("STRING");
+        let is_type = |word: &str| {
+            let upper = word.to_ascii_uppercase();
+            crate::Elementary::from_word(&upper).is_some() || upper == "STRING"
+        };
         let (name, ty) = match (is_type(first), is_type(second)) {
             (false, true) => (first, second),
             (true, false) => (second, first),
