@@ -39,6 +39,9 @@ struct Session {
     until: Instant,
 }
 
+/// The hash of a password that nobody has.
+pub(super) const NOBODY: &str =
+    "$argon2id$v=19$m=19456,t=2,p=1$c29tZXNhbHRzb21lc2FsdA$3mB0uVJ8ZkqjZ2TgzrPfQH9aZ1sXy0B1tW1vJtVn2nE";
 /// How long a session lasts without a sign of life.
 const SESSION_TIME: Duration = Duration::from_secs(12 * 3600);
 /// Sessions at once; the one that ends first makes room.
@@ -58,8 +61,6 @@ impl Users {
     pub fn sign_in(&self, name: &str, password: &str) -> Option<String> {
         let user = self.users.iter().position(|user| user.name == name);
         // A name that does not exist takes as long as a wrong password.
-        const NOBODY: &str =
-            "$argon2id$v=19$m=19456,t=2,p=1$c29tZXNhbHRzb21lc2FsdA$3mB0uVJ8ZkqjZ2TgzrPfQH9aZ1sXy0B1tW1vJtVn2nE";
         let hash = user.map_or(NOBODY, |user| &self.users[user].hash);
         let is_right = PasswordHash::new(hash)
             .is_ok_and(|hash| Argon2::default().verify_password(password.as_bytes(), &hash).is_ok());
