@@ -68,6 +68,7 @@ const WITHOUT_CHECK_FILE: &[(Code, &str)] = &[
     (Code::BranchArms, "needs an export in XML"),
     (Code::ChartInstance, "needs an export in XML"),
     (Code::MixedFamilies, "needs two files"),
+    (Code::NotConverted, "comes when a source is converted"),
     (Code::AssertionNotReached, "comes when a test has run"),
 ];
 

@@ -4,9 +4,10 @@ use plcc_abi::image::{self, BlockKind};
 use plcc_abi::layout;
 use plcc_abi::s7200::{COUNTERS, TIMERS, V_DB, system};
 use plcc_runtime::cpu::{self, Cpu};
+use plcc_runtime::options;
 use plcc_runtime::{bcd, counters, datetime, timers};
 
-use crate::s7::{Area, BlockInfo, DateAndTime, Event, Family, ItemError, Names, Place, Plc};
+use crate::s7::{Area, BlockInfo, DateAndTime, Event, Family, ItemError, Names, Place, Plc, Restart};
 
 /// See the module comment.
 pub struct Access<'a>(pub &'a Cpu);
@@ -19,6 +20,11 @@ impl Access<'_> {
         self.family() == Family::S7200
     }
 
+    /// A data block whose components have no addresses.
+    fn is_optimized(&self, number: u16) -> bool {
+        self.0.image.dbs.iter().any(|db| db.number == number && db.optimized)
+    }
+
     /// Where an area is in PLC memory. Timers, counters and modules are elsewhere.
     fn range(&self, area: Area) -> Result<Range, ItemError> {
         let system = |offset, bytes| Ok((layout::SYSTEM + offset, bytes));
@@ -29,6 +35,7 @@ impl Access<'_> {
             Area::Db(number) => match self.0.memory.db(number) {
                 _ if self.is_s7200() && number != V_DB => Err(ItemError::Missing),
                 (_, 0) => Err(ItemError::Missing),
+                _ if self.is_optimized(number) => Err(ItemError::Missing),
                 found => Ok(found),
             },
             Area::SpecialMemory => system(system::SM, system::SM_BYTES),
@@ -202,6 +209,13 @@ impl Plc for Access<'_> {
         self.0.stop_by_request();
     }
 
+    fn start(&self, restart: Restart) -> bool {
+        self.0.request_restart(match restart {
+            Restart::Warm => options::Restart::Warm,
+            Restart::Cold => options::Restart::Cold,
+        })
+    }
+
     fn blocks(&self, kind: u8) -> Vec<u16> {
         let Some(kind) = Self::kind(kind) else { return Vec::new() };
         let image = &self.0.image;
@@ -214,8 +228,8 @@ impl Plc for Access<'_> {
     }
 
     fn block(&self, code: u8, number: u16) -> Option<BlockInfo> {
-        /// Languages of blocks.
-        const STL: u8 = 1;
+        /// Languages of blocks. What a block was written in is not known any more.
+        const UNKNOWN: u8 = 0;
         const DB: u8 = 5;
         let kind = Self::kind(code)?;
         let image = &self.0.image;
@@ -228,7 +242,7 @@ impl Plc for Access<'_> {
         let block = image.blocks.iter().find(|block| block.kind == kind && block.number == number)?;
         let local_data = block.frame.min(u32::from(u16::MAX)) as u16;
         // Machine code of this computer has no length that means something to a client.
-        Some(BlockInfo { language: STL, number, bytes: 0, local_data, name: block.name.clone(), read_only: false })
+        Some(BlockInfo { language: UNKNOWN, number, bytes: 0, local_data, name: block.name.clone(), read_only: false })
     }
 
     fn clock(&self) -> DateAndTime {

@@ -1,102 +1,36 @@
 //! What speaks to the outside: servers for clients of the CPU.
 //!
+//! - [`s7`]: S7 communication; [`modbus`]: Modbus TCP; [`metrics`]: Prometheus and health; [`mqtt`]: values to a broker; [`web`]: a page.
+//! - [`link`]: the way to the CPU; [`access`]: the CPU as clients see it.
+//! - [`listen`], [`rights`], [`password`], [`limits`]: who may come in, and what they may use up.
+//! - [`options`]: the flags, and what they open. `executable` has `main` of a program with services.
+//!
 //! A thread of its own runs all servers. They reach the CPU through a [`link`] only, which it looks at between two cycles. Nothing is open unless
-//! a flag asks for it, and then only for this computer unless an address is written down.
+//! a flag or plc.toml asks for it, and then only for this computer unless an address is written down.
+//!
+//! **Invariant**: nothing that a client sends panics, hangs, or delays a cycle by more than the share of communication.
 
 mod access;
-pub mod link;
+#[cfg(all(feature = "executable", not(test)))]
+#[allow(unsafe_code, reason = "the C runtime calls the entry point")]
+mod executable;
+pub mod limits;
+mod link;
+mod listen;
+mod metrics;
+mod modbus;
+mod mqtt;
+pub mod options;
+pub mod password;
+pub mod rights;
 pub mod s7;
-pub mod web;
+mod web;
+mod wire;
 
-use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
+pub use options::ServiceOptions;
 
-use clap::{Args, ValueEnum};
-use plcc_runtime::online::Service;
-
-/// Flags of the services.
-#[derive(Args, Clone, Debug, Default)]
-pub struct ServiceOptions {
-    /// Answer S7 clients, as panels and libraries are: address and port, or a port of this computer alone
-    #[arg(long, value_name = "ADDR:PORT", value_parser = address)]
-    pub s7: Option<SocketAddr>,
-    /// What S7 clients may do
-    #[arg(long, value_name = "RIGHT", value_enum, default_value_t)]
-    pub s7_access: Access,
-    /// Serve a page that shows the CPU in a browser: address and port, or a port of this computer alone
-    #[arg(long, value_name = "ADDR:PORT", value_parser = address)]
-    pub web: Option<SocketAddr>,
-}
-
-/// What clients may do.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Access {
-    Read,
-    #[default]
-    Write,
-    /// Write, stop the CPU, and set its clock.
-    Control,
-}
-
-/// `0.0.0.0:102`, `[::]:102`, or a port alone, which is one of this computer.
-fn address(text: &str) -> Result<SocketAddr, String> {
-    if let Ok(port) = text.parse::<u16>() {
-        return Ok(SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), port));
-    }
-    text.parse()
-        .map_err(|_| format!("`{text}` is not an address with a port; write 127.0.0.1:{} or 0.0.0.0:{0}", s7::PORT))
-}
-
-impl ServiceOptions {
-    /// Opens what the flags ask for. Result: what answers on the side of the CPU, and what was opened, a line each. `Err`: why not.
-    pub fn open(&self) -> Result<(Option<Box<dyn Service>>, Vec<String>), String> {
-        if self.s7.is_none() && self.web.is_none() {
-            return Ok((None, Vec::new()));
-        }
-        let failed = |error: std::io::Error| format!("services: {error}");
-        let runtime =
-            tokio::runtime::Builder::new_current_thread().enable_io().enable_time().build().map_err(failed)?;
-        let inside = runtime.enter();
-        let (link, desk) = link::link();
-        let mut lines = Vec::new();
-        let mut servers = tokio::task::JoinSet::new();
-        if let Some(address) = self.s7 {
-            let (listener, opened) = listen("--s7", address)?;
-            let may = match self.s7_access {
-                Access::Read => "read",
-                Access::Write => "read and write",
-                Access::Control => "read, write and stop the CPU",
-            };
-            let rights =
-                s7::Rights { write: self.s7_access != Access::Read, control: self.s7_access == Access::Control };
-            lines.push(format!("S7 clients at {opened} may {may}"));
-            servers.spawn_on(s7::serve(listener, link.clone(), rights), runtime.handle());
-        }
-        if let Some(address) = self.web {
-            let users = web::Users::default();
-            if users.is_open() && !address.ip().is_loopback() {
-                return Err(format!("--web {address}: without users the page is for this computer only"));
-            }
-            let (listener, opened) = listen("--web", address)?;
-            lines.push(format!("page at http://{opened}"));
-            servers.spawn_on(web::serve(listener, link.clone(), users), runtime.handle());
-        }
-        drop(inside);
-        let serve = move || runtime.block_on(async { while servers.join_next().await.is_some() {} });
-        std::thread::Builder::new().name("services".to_string()).spawn(serve).map_err(failed)?;
-        Ok((Some(Box::new(desk)), lines))
-    }
-}
-
-/// Opens a port. Result: also the address, whose port may have been 0.
-fn listen(flag: &str, address: SocketAddr) -> Result<(tokio::net::TcpListener, SocketAddr), String> {
-    let failed = |error: std::io::Error| match error.kind() {
-        std::io::ErrorKind::PermissionDenied => {
-            format!("{flag}: port {} needs a right of the system; ports from 1024 on do not", address.port())
-        }
-        _ => format!("{flag}: cannot listen on {address}: {error}"),
-    };
-    let listener = TcpListener::bind(address).map_err(failed)?;
-    listener.set_nonblocking(true).map_err(failed)?;
-    let opened = listener.local_addr().map_err(failed)?;
-    Ok((tokio::net::TcpListener::from_std(listener).map_err(failed)?, opened))
+/// A message to the user; a closed standard error changes nothing.
+fn say(text: &str) {
+    use std::io::Write;
+    let _ = writeln!(std::io::stderr(), "runtime: {text}");
 }

@@ -13,4 +13,5 @@ pub mod absent;
 pub mod ast;
 pub mod draw;
 pub mod elements;
+pub mod order;
 pub mod text;

@@ -23,6 +23,8 @@ mod grammar {
     include!(concat!(env!("OUT_DIR"), "/stl/stl.rs"));
 }
 
+use std::ops::Range;
+
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
 use crate::ParseOptions;
@@ -31,6 +33,7 @@ use crate::front::{self, CommentForm, ParseState, Place};
 
 pub use instructions::{Mnemonics, OperandClass, StlInsn};
 pub use messages::operand_phrase;
+pub use mnemonics::letters;
 
 /// Whether `word` is a mnemonic of either set, CALL included.
 pub fn is_mnemonic(word: &str) -> bool {
@@ -55,6 +58,11 @@ pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, V
     report_mixture(file, text, &detected, options, &mut diagnostics);
     let Parsed { blocks, pragmas, diagnostics } = parse_raw(file, text, &raw, &detected, options.pragmas, diagnostics);
     (SourceUnit { mnemonics: detected.set, blocks, pragmas, ..SourceUnit::default() }, diagnostics)
+}
+
+/// The comments of a source, in the order of the text.
+pub fn comments(text: &str) -> Vec<front::Comment> {
+    raw::scan(text).comments
 }
 
 /// The contents of the tokens of a text.
@@ -203,6 +211,11 @@ fn report_mixture(
         diagnostic = diagnostic.also(span(own), format!("{set} mnemonic"));
     }
     diagnostics.push(diagnostic);
+}
+
+/// Bytes of the words, signs, constants and comments of a text, in its order.
+pub fn pieces(text: &str) -> Vec<Range<usize>> {
+    raw::scan(text).pieces()
 }
 
 /// The tokens of a source as the grammar sees them, one per line, for `--emit tokens`.

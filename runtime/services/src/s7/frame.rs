@@ -3,7 +3,7 @@
 //! A stream is cut into frames; a frame is a request for a connection, or a piece of a PDU. Whatever breaks the rules ends the
 //! connection: a client that counts wrongly cannot be understood later either.
 
-use super::wire::{Bytes, put16};
+use crate::wire::{Bytes, put16};
 
 /// Port of ISO-on-TCP.
 pub const PORT: u16 = 102;
@@ -29,6 +29,8 @@ const TPDU_SIZE: u8 = 0xC0;
 const CALLING: u8 = 0xC1;
 const CALLED: u8 = 0xC2;
 
+const TSAP_BYTES_MAX: usize = 16;
+
 /// The largest TPDU, 1024 bytes, as a power of two.
 const TPDU_EXPONENT: u8 = 10;
 
@@ -45,7 +47,7 @@ pub enum Received {
 pub struct ConnectRequest {
     /// The reference of the client.
     pub reference: [u8; 2],
-    /// TSAPs: connection type, then rack and slot.
+    /// TSAPs of 16 bytes at most: connection type, then rack and slot.
     pub calling: Vec<u8>,
     pub called: Vec<u8>,
     tpdu: u8,
@@ -141,6 +143,7 @@ fn connect_request(mut rest: Bytes) -> Option<ConnectRequest> {
                 let asked = value.first().copied().filter(|size| (7..=13).contains(size));
                 request.tpdu = asked.unwrap_or(TPDU_EXPONENT).min(TPDU_EXPONENT);
             }
+            CALLING | CALLED if value.len() > TSAP_BYTES_MAX => return None,
             CALLING => request.calling = value.to_vec(),
             CALLED => request.called = value.to_vec(),
             _ => {}
@@ -178,6 +181,11 @@ impl ConnectRequest {
         tpkt(&[6, DISCONNECT_REQUEST, high, low, 0, 0, reason])
     }
 
+    /// Bytes of a PDU in one frame.
+    pub fn piece_bytes(&self) -> usize {
+        (1 << self.tpdu) - 3
+    }
+
     /// Whether a CPU listens under the called TSAP: rack and slot are not compared, since a program has neither.
     pub fn is_for_cpu(&self) -> bool {
         match self.called.as_slice() {
@@ -189,11 +197,20 @@ impl ConnectRequest {
     }
 }
 
-/// The frame of a PDU.
-pub fn data(pdu: &[u8]) -> Vec<u8> {
-    let mut cotp = vec![2, DATA, END];
-    cotp.extend(pdu);
-    tpkt(&cotp)
+/// The frames of a PDU: one, unless the client takes only short ones.
+pub fn data(pdu: &[u8], piece_bytes: usize) -> Vec<u8> {
+    let mut frames = Vec::new();
+    let mut rest = pdu;
+    loop {
+        let (piece, after) = rest.split_at(rest.len().min(piece_bytes));
+        rest = after;
+        let mut cotp = vec![2, DATA, if rest.is_empty() { END } else { 0 }];
+        cotp.extend(piece);
+        frames.extend(tpkt(&cotp));
+        if rest.is_empty() {
+            return frames;
+        }
+    }
 }
 
 #[cfg(test)]
@@ -224,12 +241,21 @@ mod tests {
     #[test]
     fn a_stream_may_be_cut_anywhere() {
         let mut bytes = CONNECT.to_vec();
-        bytes.extend(data(&[1, 2, 3]));
+        bytes.extend(data(&[1, 2, 3], 1021));
         bytes.extend([3, 0, 0, 8, 2, 0xF0, 0, 4, 3, 0, 0, 9, 2, 0xF0, 0x80, 5, 6]);
         let mut reader = Reader::default();
         let found: Vec<Received> = bytes.iter().flat_map(|byte| all(&mut reader, &[*byte]).unwrap()).collect();
         assert_eq!(found[1..], [Received::Pdu(vec![1, 2, 3]), Received::Pdu(vec![4, 5, 6])]);
         assert!(!reader.is_waiting());
+    }
+
+    #[test]
+    fn a_long_pdu_goes_in_pieces() {
+        let pdu: Vec<u8> = (0..=239).collect();
+        let frames = data(&pdu, 125);
+        assert_eq!((&frames[..7], frames.len()), (&[3, 0, 0, 132, 2, 0xF0, 0][..], 240 + 2 * 7));
+        assert_eq!(all(&mut Reader::default(), &frames), Ok(vec![Received::Pdu(pdu)]));
+        assert_eq!(data(&[], 125), [3, 0, 0, 7, 2, 0xF0, 0x80]);
     }
 
     #[test]
@@ -243,7 +269,8 @@ mod tests {
             b"GET / HTTP/1.1",
             &[3, 0, 0, 7, 3, 0xF0, 0x80],
             &[3, 0, 0, 7, 0, 0xF0, 0x80],
-            &[3, 0, 0, 11, 6, 0xE0, 0, 0, 0, 1, 0xC1],
+            &[3, 0, 0, 11, 5, 0xE0, 0, 0, 0, 1, 0],
+            &[3, 0, 0, 12, 7, 0xE0, 0, 0, 0, 1, 0, 0xC1],
             &[3, 0, 0, 13, 8, 0xE0, 0, 0, 0, 1, 0, 0xC1, 9],
             &piece.repeat(20),
         ] {

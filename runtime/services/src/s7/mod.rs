@@ -13,12 +13,15 @@ mod session;
 mod status_lists;
 mod userdata;
 mod variables;
-mod wire;
 
+#[cfg(test)]
+mod fake;
 #[cfg(test)]
 mod tests;
 
+#[cfg(test)]
+pub(crate) use fake::Fake;
 pub use frame::PORT;
-pub use plc::{Area, BlockInfo, DateAndTime, Event, Family, ItemError, Names, Place, Plc};
-pub use server::serve;
-pub use session::{Rights, Session};
+pub use plc::{Area, BlockInfo, DateAndTime, Event, Family, ItemError, Names, Place, Plc, Restart};
+pub use server::{Server, serve};
+pub use session::{Gate, Session};

@@ -74,7 +74,7 @@ pub const BLOCK_KINDS: [u8; 7] = [0x08, 0x0E, 0x0C, 0x0A, 0x0B, 0x0D, 0x0F];
 /// What clients are told of a block.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BlockInfo {
-    /// 1 STL, 5 DB.
+    /// 5 DB; 0: it is not known.
     pub language: u8,
     pub number: u16,
     /// Bytes of data of a DB, of code otherwise.
@@ -97,6 +97,13 @@ pub struct Event {
     pub time: DateAndTime,
 }
 
+/// How a CPU begins to run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Restart {
+    Warm,
+    Cold,
+}
+
 /// The CPU, at its cycle control point.
 pub trait Plc {
     fn family(&self) -> Family;
@@ -113,6 +120,9 @@ pub trait Plc {
 
     /// Puts the CPU into STOP.
     fn stop(&self);
+
+    /// Puts a CPU in STOP into RUN. False: there is no such restart.
+    fn start(&self, restart: Restart) -> bool;
 
     /// Numbers of the blocks of a kind, sorted.
     fn blocks(&self, kind: u8) -> Vec<u16>;

@@ -1,9 +1,11 @@
 //! A connection of S7 after it is open: each PDU has at most one answer.
 
-use super::plc::Plc;
+use plcc_abi::services::{Protection, Right};
+
+use super::plc::{Plc, Restart};
 use super::userdata::{self, Pending};
 use super::variables::{self, READ, Refused, WRITE, WRONG_PDU};
-use super::wire::{Bytes, put16};
+use crate::wire::{Bytes, put16};
 
 const PROTOCOL: u8 = 0x32;
 
@@ -11,7 +13,7 @@ const PROTOCOL: u8 = 0x32;
 const JOB: u8 = 1;
 const ACK: u8 = 2;
 const ACK_DATA: u8 = 3;
-const USERDATA: u8 = 7;
+pub(super) const USERDATA: u8 = 7;
 
 /// Jobs besides reading and writing.
 const SETUP: u8 = 0xF0;
@@ -30,7 +32,12 @@ const WRONG_SEQUENCE: u16 = 0x8401;
 const WRONG_STATE: u16 = 0x8402;
 const NOT_PERMITTED: u16 = 0xD241;
 const WRONG_NAME: u16 = 0xD201;
+const WRONG_ARGUMENT: u16 = 0xD202;
 const NO_BLOCK: u16 = 0xD209;
+const WRONG_PASSWORD: u16 = 0xD602;
+const ALREADY_LEGITIMATED: u16 = 0xD603;
+const NOT_LEGITIMATED: u16 = 0xD604;
+const NO_PASSWORD: u16 = 0xD605;
 
 /// What a START is answered with besides the error word.
 const ALREADY_RUNNING: u8 = 3;
@@ -44,12 +51,13 @@ pub const PDU_BEFORE: usize = 960;
 /// Jobs that may wait for their answers.
 const PARALLEL_JOBS: u16 = 8;
 
-/// What a client may do.
+/// What stands between a client and the CPU.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Rights {
-    pub write: bool,
-    /// Stop the CPU and set its clock.
-    pub control: bool,
+pub struct Gate {
+    /// What the connection list allows.
+    pub right: Right,
+    pub protection: Protection,
+    pub has_password: bool,
 }
 
 /// The state of a connection.
@@ -57,7 +65,11 @@ pub struct Rights {
 pub struct Session {
     /// The length of PDUs that was agreed on.
     pub pdu: Option<u16>,
-    rights: Rights,
+    gate: Gate,
+    /// The client knows the password.
+    legitimated: bool,
+    /// Whether the password that it now sends is right.
+    verdict: Option<bool>,
     pub(super) pending: Option<Pending>,
     pub(super) sequence: u8,
 }
@@ -67,8 +79,13 @@ pub struct Session {
 pub struct Broken;
 
 impl Session {
-    pub fn new(rights: Rights) -> Session {
-        Session { pdu: None, rights, pending: None, sequence: 0 }
+    pub fn new(gate: Gate) -> Session {
+        Session { pdu: None, gate, legitimated: false, verdict: None, pending: None, sequence: 0 }
+    }
+
+    /// The client sends a password, and it is right or not.
+    pub fn judge(&mut self, right: bool) {
+        self.verdict = Some(right);
     }
 
     /// The longest PDU that the client may send.
@@ -76,8 +93,46 @@ impl Session {
         self.pdu.map_or(PDU_BEFORE, usize::from)
     }
 
-    pub(super) fn rights(&self) -> Rights {
-        self.rights
+    fn may_read(&self) -> bool {
+        self.gate.protection != Protection::Complete || self.legitimated
+    }
+
+    fn may_write(&self) -> bool {
+        self.gate.right >= Right::Write && self.may_read()
+    }
+
+    /// Stop and start the CPU, set its clock.
+    pub(super) fn may_control(&self) -> bool {
+        let open = matches!(self.gate.protection, Protection::None | Protection::Write);
+        self.gate.right >= Right::Control && (open || self.legitimated)
+    }
+
+    /// The client sends a password. `Err`: the error word.
+    pub(super) fn legitimate(&mut self) -> Result<(), u16> {
+        match (self.gate.has_password, self.legitimated, self.verdict.take()) {
+            (false, _, _) => Err(NO_PASSWORD),
+            (true, true, _) => Err(ALREADY_LEGITIMATED),
+            (true, false, Some(true)) => {
+                self.legitimated = true;
+                Ok(())
+            }
+            (true, false, Some(false) | None) => Err(WRONG_PASSWORD),
+        }
+    }
+
+    /// The client wants to be protected from itself again. `Err`: the error word.
+    pub(super) fn forget_password(&mut self) -> Result<(), u16> {
+        if std::mem::take(&mut self.legitimated) { Ok(()) } else { Err(NOT_LEGITIMATED) }
+    }
+
+    /// Protection level: the one that is set, and the one that holds for this client.
+    pub(super) fn levels(&self) -> (u16, u16) {
+        let set = match self.gate.protection {
+            Protection::None => 0,
+            Protection::Write => 2,
+            Protection::ReadWrite | Protection::Complete => 3,
+        };
+        (set, if self.legitimated { 1 } else { set.max(1) })
     }
 
     /// The answer to a PDU, if it has one.
@@ -117,19 +172,20 @@ impl Session {
         // Uploads of code have nothing to upload, and programs are not changed this way.
         let refused = |error| Ok(acknowledge(reference, error, &[function], &[]));
         match function {
+            READ | WRITE if !self.may_read() => Err(Refused(NOT_IMPLEMENTED)),
             READ => {
                 let (count, data) = variables::read(plc, rest, pdu.into())?;
                 Ok(acknowledge(reference, 0, &[READ, count], &data))
             }
             WRITE => {
-                if !self.rights.write {
+                if !self.may_write() {
                     return Err(Refused(NOT_IMPLEMENTED));
                 }
                 let codes = variables::write(plc, rest, data)?;
                 Ok(acknowledge(reference, 0, &[WRITE, codes.len() as u8], &codes))
             }
             START | STOP if plc.family().is_portal() => Err(Refused(NOT_IMPLEMENTED)),
-            START | STOP if !self.rights.control => refused(NOT_PERMITTED),
+            START | STOP if !self.may_control() => refused(NOT_PERMITTED),
             START => Ok(start(reference, rest, plc)),
             STOP => Ok(stop(reference, rest, plc)),
             START_UPLOAD => refused(NO_BLOCK),
@@ -156,24 +212,34 @@ impl Session {
     }
 }
 
-/// PI services: only a program that is in RUN already can be answered.
+/// PI services: restarts, and what changes nothing here.
 fn start(reference: [u8; 2], mut rest: Bytes, plc: &dyn Plc) -> Vec<u8> {
     let named = (|| {
         rest.take(7)?;
         let length = rest.u16()?;
-        rest.take(length.into())?;
+        let argument = rest.take(length.into())?;
         let length = rest.u8()?;
         let name = rest.take(length.into())?;
-        rest.is_empty().then_some(name)
+        rest.is_empty().then_some((argument, name))
     })();
-    match named {
-        Some(b"P_PROGRAM") if plc.is_running() => acknowledge(reference, WRONG_STATE, &[START, ALREADY_RUNNING], &[]),
-        Some(b"P_PROGRAM") => acknowledge(reference, WRONG_STATE, &[START, CANNOT_START], &[]),
+    let Some((argument, name)) = named else { return refusal(reference, WRONG_PDU) };
+    match name {
+        b"P_PROGRAM" if plc.is_running() => acknowledge(reference, WRONG_STATE, &[START, ALREADY_RUNNING], &[]),
+        b"P_PROGRAM" => {
+            let restart = match argument {
+                b"" => Restart::Warm,
+                b"C " => Restart::Cold,
+                _ => return acknowledge(reference, WRONG_ARGUMENT, &[START], &[]),
+            };
+            match plc.start(restart) {
+                true => acknowledge(reference, 0, &[START], &[]),
+                false => acknowledge(reference, WRONG_STATE, &[START, CANNOT_START], &[]),
+            }
+        }
         // There is neither work memory to be compressed nor a ROM.
-        Some(b"_GARB" | b"_MODU") => acknowledge(reference, 0, &[START], &[]),
-        Some(b"_INSE" | b"_DELE") => acknowledge(reference, NOT_PERMITTED, &[START], &[]),
-        Some(_) => acknowledge(reference, WRONG_NAME, &[START], &[]),
-        None => refusal(reference, WRONG_PDU),
+        b"_GARB" | b"_MODU" => acknowledge(reference, 0, &[START], &[]),
+        b"_INSE" | b"_DELE" => acknowledge(reference, NOT_PERMITTED, &[START], &[]),
+        _ => acknowledge(reference, WRONG_NAME, &[START], &[]),
     }
 }
 

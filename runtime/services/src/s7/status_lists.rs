@@ -1,7 +1,7 @@
 //! System status lists (SZL): what a CPU says of itself.
 
 use super::plc::Plc;
-use super::wire::put16;
+use crate::wire::put16;
 
 /// Error words.
 pub const WRONG_REQUEST: u16 = 0xD405;
@@ -26,12 +26,12 @@ struct List {
     records: Vec<Vec<u8>>,
 }
 
-/// The list with its head: number, index, length and number of records.
-pub fn read(plc: &dyn Plc, id: u16, index: u16) -> Result<Vec<u8>, u16> {
+/// The list with its head for a client with these protection levels: number, index, length and number of records.
+pub fn read(plc: &dyn Plc, levels: (u16, u16), id: u16, index: u16) -> Result<Vec<u8>, u16> {
     if !LISTS.contains(&id) {
         return Err(UNKNOWN_LIST);
     }
-    let list = list(plc, id, index).ok_or(UNKNOWN_INDEX)?;
+    let list = list(plc, levels, id, index).ok_or(UNKNOWN_INDEX)?;
     let mut out = Vec::new();
     put16(&mut out, id);
     put16(&mut out, index);
@@ -54,7 +54,7 @@ fn record(words: &[u16], bytes: &[u8]) -> Vec<u8> {
     record
 }
 
-fn list(plc: &dyn Plc, id: u16, index: u16) -> Option<List> {
+fn list(plc: &dyn Plc, levels: (u16, u16), id: u16, index: u16) -> Option<List> {
     let all = |length, records: Vec<Vec<u8>>| Some(List { length, records });
     // The record with this index, which is its first word.
     let one = |length, records: Vec<Vec<u8>>, index: u16| {
@@ -73,7 +73,7 @@ fn list(plc: &dyn Plc, id: u16, index: u16) -> Option<List> {
         0x001C => all(34, components(plc)),
         0x011C => one(34, components(plc), index),
         0x0131 => one(40, communication(plc), index.max(1)),
-        0x0132 | 0x0232 => one(40, vec![protection()], if index == 0 { 4 } else { index }),
+        0x0132 | 0x0232 => one(40, vec![protection(levels)], if index == 0 { 4 } else { index }),
         0x0424 | 0x0124 => all(20, vec![mode(plc)]),
         0x00A0 => all(20, events(plc, EVENTS_MAX)),
         0x01A0 => all(20, events(plc, usize::from(index).min(EVENTS_MAX))),
@@ -131,9 +131,9 @@ fn communication(plc: &dyn Plc) -> Vec<Vec<u8>> {
     vec![general, data]
 }
 
-fn protection() -> Vec<u8> {
-    // Key switch and parameters: level 1; valid level 1; selector RUN-P; no start switch.
-    record(&[4, 1, 0, 1, 2, 0], &[])
+fn protection((set, valid): (u16, u16)) -> Vec<u8> {
+    // Key switch: level 1; parameters; valid level; selector RUN-P; no start switch.
+    record(&[4, 1, set, valid, 2, 0], &[])
 }
 
 /// The present mode.

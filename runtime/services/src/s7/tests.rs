@@ -1,106 +1,13 @@
 //! Whole PDUs in and out, as clients and CPUs exchange them, and PDUs that nobody should send.
 
-use std::cell::RefCell;
-
+use plcc_abi::services::{Protection, Right};
 use proptest::prelude::*;
 
+use super::Fake;
 use super::frame::{Reader, Received, data};
-use super::plc::{Area, BlockInfo, DateAndTime, Event, Family, ItemError, Names, Place, Plc};
-use super::session::{Rights, Session};
-
-/// A CPU with 16 bytes of each area, and DB 10 of 100 bytes.
-struct Fake {
-    family: Family,
-    memory: RefCell<[u8; 16]>,
-    db: RefCell<[u8; 100]>,
-    running: std::cell::Cell<bool>,
-}
-
-impl Fake {
-    fn new() -> Fake {
-        let mut db = [0; 100];
-        db[4..7].copy_from_slice(&[0x11, 0x22, 0x33]);
-        let mut memory = [0; 16];
-        memory[5] = 8;
-        Fake {
-            family: Family::S7300,
-            memory: RefCell::new(memory),
-            db: RefCell::new(db),
-            running: std::cell::Cell::new(true),
-        }
-    }
-}
-
-impl Plc for Fake {
-    fn family(&self) -> Family {
-        self.family
-    }
-
-    fn names(&self) -> Names {
-        Names {
-            program: "test".to_string(),
-            order: "6ES7 315-2AG10-0AB0".to_string(),
-            module: "CPU 315-2 DP".to_string(),
-        }
-    }
-
-    fn read(&self, place: Place) -> Result<Vec<u8>, ItemError> {
-        let (start, count) = (place.start as usize, place.count as usize);
-        let all = match place.area {
-            Area::Db(10) => self.db.borrow().to_vec(),
-            Area::Db(_) => return Err(ItemError::Missing),
-            Area::Timers | Area::Counters => vec![0; 2 * (start + count).min(64)],
-            _ => self.memory.borrow().to_vec(),
-        };
-        if matches!(place.area, Area::Timers | Area::Counters) {
-            return all.get(2 * start..2 * (start + count)).map(<[u8]>::to_vec).ok_or(ItemError::OutOfRange);
-        }
-        let bytes = all.get(start..start + count).ok_or(ItemError::OutOfRange)?;
-        Ok(place.bit.map_or(bytes.to_vec(), |bit| vec![bytes[0] >> bit & 1]))
-    }
-
-    fn write(&self, place: Place, data: &[u8]) -> Result<(), ItemError> {
-        self.read(place)?;
-        if let (Area::Db(10), None) = (place.area, place.bit) {
-            self.db.borrow_mut()[place.start as usize..][..data.len()].copy_from_slice(data);
-        }
-        Ok(())
-    }
-
-    fn is_running(&self) -> bool {
-        self.running.get()
-    }
-
-    fn stop(&self) {
-        self.running.set(false);
-    }
-
-    fn blocks(&self, kind: u8) -> Vec<u16> {
-        if kind == 0x0A { (1..=100).collect() } else { vec![1] }
-    }
-
-    fn block(&self, _: u8, number: u16) -> Option<BlockInfo> {
-        let name = "Motor".to_string();
-        Some(BlockInfo { language: 5, number, bytes: 100, local_data: 0, name, read_only: false })
-            .filter(|_| number <= 100)
-    }
-
-    fn clock(&self) -> DateAndTime {
-        [0x26, 0x11, 0x22, 0x19, 0x05, 0x30, 0x12, 0x31]
-    }
-
-    fn set_clock(&self, time: DateAndTime) -> bool {
-        time.iter().all(|byte| byte >> 4 <= 9 && byte & 15 <= 9)
-    }
-
-    fn events(&self) -> Vec<Event> {
-        vec![Event { event: 0x4302, ob: 0, priority: 0, info: 0, time: self.clock() }; 30]
-    }
-
-    fn sizes(&self) -> [u16; 6] {
-        [128; 6]
-    }
-}
+use super::plc::Family;
+use super::session::{Gate, Session};
+use super::userdata;
 
 /// Bytes in hexadecimal; white space and what follows `;` does not count.
 fn hex(text: &str) -> Vec<u8> {
@@ -109,7 +16,7 @@ fn hex(text: &str) -> Vec<u8> {
     digits.chunks(2).map(|pair| u8::from_str_radix(&pair.iter().collect::<String>(), 16).unwrap()).collect()
 }
 
-const ALL: Rights = Rights { write: true, control: true };
+const ALL: Gate = Gate { right: Right::Control, protection: Protection::None, has_password: false };
 
 const SETUP: &str = "32 01 0000 0001 0008 0000 F0 00 0001 0001 01E0";
 
@@ -204,13 +111,69 @@ fn the_cpu_is_stopped_and_not_started() {
     exchange(&plc, &mut session, stop, "32 03 0000 0005 0001 0000 0000 29");
     assert!(!plc.running.get());
     exchange(&plc, &mut session, stop, "32 03 0000 0005 0002 0000 8402 29 07");
-    exchange(&plc, &mut session, start, "32 03 0000 0006 0002 0000 8402 28 02");
+    exchange(&plc, &mut session, start, "32 03 0000 0006 0001 0000 0000 28");
+    assert!(plc.running.get());
+    exchange(&plc, &mut session, stop, "32 03 0000 0005 0001 0000 0000 29");
+    // A cold restart, which this CPU refuses.
+    let cold = "32 01 0000 0006 0016 0000 28 00 00 00 00 00 00 FD 0002 43 20 09 50 5F 50 52 4F 47 52 41 4D";
+    exchange(&plc, &mut session, cold, "32 03 0000 0006 0002 0000 8402 28 02");
+    let unknown = "32 01 0000 0006 0016 0000 28 00 00 00 00 00 00 FD 0002 43 43 09 50 5F 50 52 4F 47 52 41 4D";
+    exchange(&plc, &mut session, unknown, "32 03 0000 0006 0001 0000 D202 28");
+}
+
+const STOP: &str = "32 01 0000 0005 0010 0000 29 00 00 00 00 00 09 50 5F 50 52 4F 47 52 41 4D";
+const SET_PASSWORD: &str = "32 07 0000 0007 0008 000C 00 01 12 04 11 45 01 00 FF 09 0008 26 30 10 17 20 36 55 43";
+const CLEAR_PASSWORD: &str = "32 07 0000 0008 0008 0004 00 01 12 04 11 45 02 00 0A 00 0000";
+
+#[test]
+fn a_password_lifts_the_protection() {
+    let plc = Fake::new();
+    let gate = Gate { protection: Protection::ReadWrite, has_password: true, ..ALL };
+    let mut session = Session::new(gate);
+    session.answer(&hex(SETUP), &plc).unwrap();
+    let refused = "32 03 0000 0005 0001 0000 D241 29";
+    let answer = |code: &str| format!("32 07 0000 0007 000C 0004 00 01 12 08 12 85 01 01 00 00 {code} 0A 00 0000");
+    exchange(&plc, &mut session, STOP, refused);
+    // Coded bytes of `secret`, and two blanks.
+    assert_eq!(userdata::password(&hex(SET_PASSWORD)).as_deref(), Some(&b"secret"[..]));
+    session.judge(false);
+    exchange(&plc, &mut session, SET_PASSWORD, &answer("D602"));
+    exchange(&plc, &mut session, STOP, refused);
+    session.judge(true);
+    exchange(&plc, &mut session, SET_PASSWORD, &answer("0000").replace("85 01 01", "85 01 02"));
+    exchange(&plc, &mut session, SET_PASSWORD, &answer("D603").replace("85 01 01", "85 01 03"));
+    exchange(&plc, &mut session, STOP, "32 03 0000 0005 0001 0000 0000 29");
+    let cleared = "32 07 0000 0008 000C 0004 00 01 12 08 12 85 02 04 00 00 0000 0A 00 0000";
+    exchange(&plc, &mut session, CLEAR_PASSWORD, cleared);
+    exchange(&plc, &mut session, STOP, refused);
+    exchange(&plc, &mut session, CLEAR_PASSWORD, &cleared.replace("02 04 00 00 0000", "02 05 00 00 D604"));
+}
+
+#[test]
+fn without_a_password_none_is_right() {
+    let plc = Fake::new();
+    let mut session = session(&plc);
+    session.judge(true);
+    let answer = session.answer(&hex(SET_PASSWORD), &plc).unwrap().unwrap();
+    assert_eq!(answer[20..22], [0xD6, 0x05]);
+}
+
+#[test]
+fn complete_protection_hides_everything() {
+    let plc = Fake { family: Family::S71200, ..Fake::new() };
+    let mut session = Session::new(Gate { protection: Protection::Complete, has_password: true, ..ALL });
+    session.answer(&hex(SETUP), &plc).unwrap();
+    let read = "32 01 0000 0002 000E 0000 04 01 12 0A 10 02 0001 0000 83 000000";
+    exchange(&plc, &mut session, read, "32 02 0000 0002 0000 0000 8104");
+    session.judge(true);
+    session.answer(&hex(SET_PASSWORD), &plc).unwrap();
+    exchange(&plc, &mut session, read, "32 03 0000 0002 0002 0005 0000 04 01 FF 04 0008 00");
 }
 
 #[test]
 fn rights_are_kept() {
     let plc = Fake::new();
-    let mut session = Session::new(Rights { write: false, control: false });
+    let mut session = Session::new(Gate { right: Right::Read, ..ALL });
     session.answer(&hex(SETUP), &plc).unwrap();
     for (request, expected) in [
         (
@@ -271,7 +234,9 @@ fn blocks_are_listed() {
 }
 
 /// Requests that are right, to be changed at random.
-const REQUESTS: [&str; 6] = [
+const REQUESTS: [&str; 8] = [
+    SET_PASSWORD,
+    "32 07 0000 0001 0008 0006 00 01 12 04 11 43 02 00 FF 09 0002 30 41",
     SETUP,
     "32 01 0000 0002 001A 0000 04 02 12 0A 10 02 0003 000A 84 000020 12 0A 10 01 0001 0000 83 00002B",
     "32 01 0000 0004 000E 0006 05 01 12 0A 10 04 0001 000A 84 000000 00 04 0010 ABCD",
@@ -284,6 +249,7 @@ fn survives(pdus: &[Vec<u8>]) {
     let plc = Fake::new();
     let mut own = session(&plc);
     for pdu in pdus {
+        let _ = userdata::password(pdu);
         match own.answer(pdu, &plc) {
             Ok(Some(answer)) => {
                 assert!(answer.len() <= own.pdu_max(), "{pdu:02X?}: {} bytes", answer.len());
@@ -323,7 +289,7 @@ proptest! {
     fn random_streams_do_no_harm(pieces in prop::collection::vec(prop::collection::vec(any::<u8>(), 0..60), 1..6), frames in any::<bool>()) {
         let mut reader = Reader::default();
         for piece in &pieces {
-            reader.feed(&if frames { data(piece) } else { piece.clone() });
+            reader.feed(&if frames { data(piece, 1021) } else { piece.clone() });
             while let Ok(Some(received)) = reader.next(240) {
                 prop_assert!(!matches!(received, Received::Pdu(pdu) if pdu.len() > 240));
             }

@@ -1,10 +1,10 @@
 //! Userdata: status lists, blocks, clock, passwords.
 
 use super::plc::{BLOCK_KINDS, DateAndTime, Plc};
-use super::session::{Session, userdata_pdu};
+use super::session::{Session, USERDATA, userdata_pdu};
 use super::status_lists;
 use super::variables::{Refused, WRONG_PDU};
-use super::wire::{Bytes, put16};
+use crate::wire::{Bytes, put16};
 
 /// Groups of functions.
 const BLOCKS: u8 = 3;
@@ -18,10 +18,10 @@ const NO_INFORMATION: u16 = 0xD406;
 const NO_FURTHER_BLOCK: u16 = 0xD20E;
 const BLOCK_MISSING: u16 = 0xD209;
 const BLOCK_NUMBER: u16 = 0xD210;
-const NO_PASSWORD: u16 = 0xD605;
-const NOT_LEGITIMATED: u16 = 0xD604;
 const NOT_PERMITTED: u16 = 0xD241;
 const WRONG_DATE: u16 = 0xDC01;
+
+const PASSWORD_BYTES: usize = 8;
 
 /// Head and parameter of an answer, and the head of its data.
 const AROUND: usize = 10 + 12 + 4;
@@ -58,6 +58,27 @@ impl<'a> Request<'a> {
         let request = kind & 0xF0 == 0x40;
         request.then_some(Request { group: kind & 0x0F, function, sequence, follows, payload })
     }
+}
+
+/// The password that a PDU sends, without the blanks behind it.
+pub fn password(pdu: &[u8]) -> Option<Vec<u8>> {
+    /// With which each character is mixed.
+    const MASK: u8 = 0x55;
+    let mut rest = Bytes(pdu);
+    let [_, USERDATA, _, _, _, _, high, low, ..] = rest.array::<10>()? else { return None };
+    let parameter = rest.take(u16::from_be_bytes([high, low]).into())?;
+    let request = Request::read(Bytes(parameter), rest)?;
+    let coded: &[u8; PASSWORD_BYTES] = request.payload.try_into().ok()?;
+    if (request.group, request.function, request.follows) != (SECURITY, 1, false) {
+        return None;
+    }
+    // Each character is also mixed with the coded one before the last.
+    let plain = |index: usize| coded[index] ^ MASK ^ index.checked_sub(2).map_or(0, |before| coded[before]);
+    let mut password: Vec<u8> = (0..PASSWORD_BYTES).map(plain).collect();
+    while password.last() == Some(&b' ') {
+        password.pop();
+    }
+    Some(password)
 }
 
 /// The answer to a request: its payload, or an error word.
@@ -114,12 +135,13 @@ impl Session {
     }
 }
 
-fn first(session: &Session, request: &Request, plc: &dyn Plc) -> Payload {
+fn first(session: &mut Session, request: &Request, plc: &dyn Plc) -> Payload {
     let payload = request.payload;
     match (request.group, request.function) {
         (CPU, 1) => match payload {
             &[id_high, id_low, index_high, index_low] => status_lists::read(
                 plc,
+                session.levels(),
                 u16::from_be_bytes([id_high, id_low]),
                 u16::from_be_bytes([index_high, index_low]),
             ),
@@ -131,10 +153,10 @@ fn first(session: &Session, request: &Request, plc: &dyn Plc) -> Payload {
         (BLOCKS, 1) => Ok(block_counts(plc)),
         (BLOCKS, 2) => blocks_of_kind(plc, payload),
         (BLOCKS, 3) => block_info(plc, payload),
-        (SECURITY, 1) => Err(NO_PASSWORD),
-        (SECURITY, 2) => Err(NOT_LEGITIMATED),
+        (SECURITY, 1) => session.legitimate().map(|()| Vec::new()),
+        (SECURITY, 2) => session.forget_password().map(|()| Vec::new()),
         (TIME, 1 | 3) => Ok(clock(plc.clock())),
-        (TIME, 2 | 4) if !session.rights().control => Err(NOT_PERMITTED),
+        (TIME, 2 | 4) if !session.may_control() => Err(NOT_PERMITTED),
         (TIME, 2 | 4) => {
             match payload.strip_prefix(&[0]).and_then(|rest| rest.get(1..)).and_then(|time| time.try_into().ok()) {
                 Some(time) if plc.set_clock(time) => Ok(Vec::new()),

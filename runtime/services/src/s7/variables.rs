@@ -1,7 +1,7 @@
 //! Read Var and Write Var: items with addresses, each with a result of its own.
 
 use super::plc::{Area, Family, ItemError, Place, Plc};
-use super::wire::{Bytes, put16};
+use crate::wire::{Bytes, put16};
 
 /// Jobs.
 pub const READ: u8 = 0x04;

@@ -1,9 +1,8 @@
 //! What the page and the server tell each other, as JSON.
 
+use plcc_abi::services::Role;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-
-use super::users::Role;
 
 /// An order of the page.
 #[derive(Debug, Deserialize)]
@@ -19,7 +18,7 @@ pub enum Order {
         value: String,
     },
     Stop,
-    /// A restart by one of the words `warm`, `hot`, `cold`.
+    /// A restart by one of the words `warm`, `cold`.
     Run {
         restart: String,
     },

@@ -15,5 +15,5 @@ mod session;
 mod tests;
 mod users;
 
-pub use server::serve;
-pub use users::{Role, User, Users};
+pub use server::{Page, serve};
+pub use users::Users;

@@ -1,47 +1,88 @@
 //! HTTP: the page's files, signing in, and the way to a connection.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use axum::extract::ws::WebSocketUpgrade;
-use axum::extract::{DefaultBodyLimit, State};
+use axum::extract::{DefaultBodyLimit, Extension};
 use axum::http::header::{CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE, COOKIE, HOST, ORIGIN, SET_COOKIE};
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 use axum::{Json, Router};
+use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper_util::service::TowerToHyperService;
+use plcc_abi::services::{Right, Role};
 use serde::Deserialize;
-use tokio::net::TcpListener;
+use tokio::sync::Semaphore;
 
-use super::users::{Role, Users};
+use super::users::Users;
 use super::{names, session};
+use crate::limits::{FRAME_TIME, HTTP_BYTES_MAX, PAGE_MESSAGE_MAX, PAGES_MAX};
 use crate::link::Link;
+use crate::listen::Visitor;
 
-/// Letters of a message of the page at most.
-const MESSAGE_MAX: usize = 256 * 1024;
 /// Pause after a wrong password.
 const WRONG_PASSWORD_PAUSE: Duration = Duration::from_secs(1);
 
+/// What the page is made of.
 #[derive(Clone)]
-struct Page {
+pub struct Page {
     link: Link,
     users: Users,
+    /// A permit for each browser that is told values.
+    places: Arc<Semaphore>,
+    app: Router,
 }
 
-/// Serves pages until the CPU ends.
-pub async fn serve(listener: TcpListener, link: Link, users: Users) {
-    let page = Page { link, users };
-    let app = Router::new()
-        .route("/", get(|| file("text/html; charset=utf-8", include_str!("page/index.html"))))
-        .route("/page.css", get(|| file("text/css; charset=utf-8", include_str!("page/page.css"))))
-        .route("/page.js", get(|| file("text/javascript; charset=utf-8", include_str!("page/page.js"))))
-        .route("/names", get(listed))
-        .route("/session", post(sign_in).delete(sign_out))
-        .route("/live", get(live))
-        .layer(DefaultBodyLimit::max(MESSAGE_MAX))
-        .with_state(page);
-    if let Err(error) = axum::serve(listener, app).await {
-        eprintln!("runtime: --web: {error}");
+/// What a request asks of.
+#[derive(Clone)]
+struct Asked {
+    page: Page,
+    /// The most that this computer may do.
+    most: Role,
+}
+
+impl Page {
+    pub fn new(link: Link, users: Users) -> Page {
+        let files = [
+            ("/", "text/html; charset=utf-8", include_str!("page/index.html")),
+            ("/page.css", "text/css; charset=utf-8", include_str!("page/page.css")),
+            ("/page.js", "text/javascript; charset=utf-8", include_str!("page/page.js")),
+        ];
+        let mut app = Router::new();
+        for (path, kind, text) in files {
+            app = app.route(path, get(move || file(kind, text)));
+        }
+        let app = app
+            .route("/names", get(listed))
+            .route("/session", post(sign_in).delete(sign_out))
+            .route("/live", get(live))
+            .layer(DefaultBodyLimit::max(PAGE_MESSAGE_MAX));
+        Page { link, users, places: Arc::new(Semaphore::new(PAGES_MAX)), app }
     }
+
+    fn user(&self, headers: &HeaderMap) -> Result<(String, Role), StatusCode> {
+        self.users.of(token(headers)).ok_or(StatusCode::UNAUTHORIZED)
+    }
+}
+
+/// Serves one connection.
+pub async fn serve(visitor: Visitor, page: Page) {
+    let most = match visitor.right {
+        Right::Read => Role::Look,
+        Right::Write => Role::Operate,
+        Right::Control => Role::Change,
+    };
+    let app = page.app.clone().layer(Extension(Asked { page, most }));
+    // A client that is too slow, or speaks no HTTP, is gone.
+    let _ = hyper::server::conn::http1::Builder::new()
+        .timer(TokioTimer::new())
+        .header_read_timeout(FRAME_TIME)
+        .max_buf_size(HTTP_BYTES_MAX)
+        .serve_connection(TokioIo::new(visitor.stream), TowerToHyperService::new(app))
+        .with_upgrades()
+        .await;
 }
 
 /// A part of the page. It may load nothing from elsewhere, and no other page may frame it.
@@ -54,12 +95,6 @@ async fn file(kind: &'static str, text: &'static str) -> Response {
 fn token(headers: &HeaderMap) -> Option<&str> {
     let cookies = headers.get(COOKIE)?.to_str().ok()?;
     cookies.split(';').find_map(|cookie| cookie.trim().strip_prefix("plcc="))
-}
-
-impl Page {
-    fn user(&self, headers: &HeaderMap) -> Result<(String, Role), StatusCode> {
-        self.users.of(token(headers)).ok_or(StatusCode::UNAUTHORIZED)
-    }
 }
 
 /// Requests that change something come from this page only: a browser says from which one.
@@ -78,7 +113,11 @@ struct SignIn {
     password: String,
 }
 
-async fn sign_in(State(page): State<Page>, headers: HeaderMap, Json(form): Json<SignIn>) -> Response {
+async fn sign_in(
+    Extension(Asked { page, .. }): Extension<Asked>,
+    headers: HeaderMap,
+    Json(form): Json<SignIn>,
+) -> Response {
     if !is_own(&headers) {
         return StatusCode::FORBIDDEN.into_response();
     }
@@ -97,7 +136,7 @@ async fn sign_in(State(page): State<Page>, headers: HeaderMap, Json(form): Json<
     }
 }
 
-async fn sign_out(State(page): State<Page>, headers: HeaderMap) -> StatusCode {
+async fn sign_out(Extension(Asked { page, .. }): Extension<Asked>, headers: HeaderMap) -> StatusCode {
     if !is_own(&headers) {
         return StatusCode::FORBIDDEN;
     }
@@ -107,16 +146,25 @@ async fn sign_out(State(page): State<Page>, headers: HeaderMap) -> StatusCode {
     StatusCode::NO_CONTENT
 }
 
-async fn listed(State(page): State<Page>, headers: HeaderMap) -> Result<Response, StatusCode> {
+async fn listed(Extension(Asked { page, .. }): Extension<Asked>, headers: HeaderMap) -> Result<Response, StatusCode> {
     page.user(&headers)?;
     let names = page.link.ask(|cpu| names::list(&cpu.image)).await.ok_or(StatusCode::SERVICE_UNAVAILABLE)?;
     Ok(Json(names).into_response())
 }
 
-async fn live(State(page): State<Page>, headers: HeaderMap, upgrade: WebSocketUpgrade) -> Result<Response, StatusCode> {
+async fn live(
+    Extension(Asked { page, most }): Extension<Asked>,
+    headers: HeaderMap,
+    upgrade: WebSocketUpgrade,
+) -> Result<Response, StatusCode> {
     if !is_own(&headers) {
         return Err(StatusCode::FORBIDDEN);
     }
     let (user, role) = page.user(&headers)?;
-    Ok(upgrade.max_message_size(MESSAGE_MAX).on_upgrade(move |socket| session::serve(socket, page.link, user, role)))
+    let place = page.places.try_acquire_owned().map_err(|_| StatusCode::SERVICE_UNAVAILABLE)?;
+    let serve = async move |socket| {
+        session::serve(socket, page.link, user, role.min(most)).await;
+        drop(place);
+    };
+    Ok(upgrade.max_message_size(PAGE_MESSAGE_MAX).on_upgrade(serve))
 }

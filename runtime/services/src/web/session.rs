@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use axum::extract::ws::{Message, WebSocket};
+use plcc_abi::services::Role;
 use plcc_runtime::cpu::Cpu;
 use plcc_runtime::datetime::NS_PER_S;
 use plcc_runtime::diagnostics;
@@ -13,16 +14,11 @@ use plcc_runtime::signal::Source;
 use tokio::time::{MissedTickBehavior, interval, timeout};
 
 use super::messages::{Entry, Hello, News, Order, Shown, State};
-use super::users::Role;
+use crate::limits::{ANSWER_TIME, NAME_MAX, WATCHED_MAX};
 use crate::link::Link;
 
 /// From one look at the values to the next.
 const PERIOD: Duration = Duration::from_millis(100);
-/// How long the page may take to take what it is told.
-const SEND_TIME: Duration = Duration::from_secs(5);
-/// Values that one page may watch, and letters of a name.
-const WATCHED_MAX: usize = 2_000;
-const NAME_MAX: usize = 500;
 
 /// What a page watches: number in its list, and where the value is.
 type Watched = Arc<[(usize, Source)]>;
@@ -105,7 +101,7 @@ pub async fn serve(mut socket: WebSocket, link: Link, user: String, role: Role) 
 /// `None`: the page is gone or too slow.
 async fn tell(socket: &mut WebSocket, news: &News) -> Option<()> {
     let text = serde_json::to_string(news).ok()?;
-    timeout(SEND_TIME, socket.send(Message::Text(text.into()))).await.ok()?.ok()
+    timeout(ANSWER_TIME, socket.send(Message::Text(text.into()))).await.ok()?.ok()
 }
 
 fn hello(cpu: &Cpu, user: String, role: Role) -> Hello {
@@ -214,13 +210,14 @@ fn modify(cpu: &Cpu, name: &str, value: &str) -> Result<(), String> {
 fn run(cpu: &Cpu, restart: &str) -> Result<(), String> {
     let kind = match restart {
         "warm" => Restart::Warm,
-        "hot" => Restart::Hot,
         "cold" => Restart::Cold,
-        _ => return Err(format!("`{restart}` is not a restart: warm, hot or cold")),
+        _ => return Err(format!("`{restart}` is not a restart: warm or cold")),
     };
     if !cpu.is_stopped() {
         return Err("the CPU is in RUN".to_string());
     }
-    let _ = kind;
-    Ok(())
+    match cpu.request_restart(kind) {
+        true => Ok(()),
+        false => Err(format!("a {restart} restart is not possible")),
+    }
 }

@@ -2,30 +2,12 @@
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-use argon2::password_hash::PasswordHash;
-use argon2::{Argon2, PasswordVerifier};
+use plcc_abi::services::{Role, User};
 
-/// What a user may do. Each may do what the ones before may.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Role {
-    Look,
-    /// Modify values.
-    Operate,
-    /// RUN, STOP, force, another program.
-    Change,
-}
-
-/// A person who may sign in.
-#[derive(Clone)]
-pub struct User {
-    pub name: String,
-    /// Of the password, as argon2 writes it: `$argon2id$...`.
-    pub hash: String,
-    pub role: Role,
-}
+use crate::limits::{SESSION_TIME, SESSIONS_MAX};
+use crate::password;
 
 /// All users and those who are signed in. Without users everyone may look.
 #[derive(Clone, Default)]
@@ -42,13 +24,8 @@ struct Session {
 /// The hash of a password that nobody has.
 pub(super) const NOBODY: &str =
     "$argon2id$v=19$m=19456,t=2,p=1$c29tZXNhbHRzb21lc2FsdA$3mB0uVJ8ZkqjZ2TgzrPfQH9aZ1sXy0B1tW1vJtVn2nE";
-/// How long a session lasts without a sign of life.
-const SESSION_TIME: Duration = Duration::from_secs(12 * 3600);
-/// Sessions at once; the one that ends first makes room.
-const SESSIONS_MAX: usize = 64;
-
 impl Users {
-    pub fn new(users: Vec<User>) -> Users {
+    pub fn new(users: &[User]) -> Users {
         Users { users: users.into(), sessions: Arc::default() }
     }
 
@@ -61,9 +38,8 @@ impl Users {
     pub fn sign_in(&self, name: &str, password: &str) -> Option<String> {
         let user = self.users.iter().position(|user| user.name == name);
         // A name that does not exist takes as long as a wrong password.
-        let hash = user.map_or(NOBODY, |user| &self.users[user].hash);
-        let is_right = PasswordHash::new(hash)
-            .is_ok_and(|hash| Argon2::default().verify_password(password.as_bytes(), &hash).is_ok());
+        let hash = user.map_or(NOBODY, |user| &self.users[user].password);
+        let is_right = password::is_right(password.as_bytes(), hash);
         let user = user.filter(|_| is_right)?;
         let mut bytes = [0; 24];
         getrandom::fill(&mut bytes).ok()?;

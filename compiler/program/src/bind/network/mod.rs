@@ -1,6 +1,6 @@
 //! Binding of networks in LAD and FBD: element by element to the typed tree of SCL, so that all languages share one lowering.
 //!
-//! - `order`: the order in which the elements of a graph run.
+
 //! - `sheet`: the network that is being bound: values of nets, hidden variables, statements so far.
 //! - `pins`: what comes in at pins and goes out of them; EN and ENO.
 //! - `bits`, `compare`, `math`, `moves`, `convert`, `calls`, `control`, `classic`: the elements, by the kinds of the table.
@@ -18,7 +18,7 @@ mod convert;
 mod legality;
 mod math;
 mod moves;
-mod order;
+
 mod pins;
 mod sheet;
 mod stl;
@@ -32,6 +32,7 @@ use plcc_syntax::ast;
 use plcc_syntax::network::ast::{Body as Networks, Content, Graph, Network, Target};
 use plcc_syntax::network::draw::draw;
 use plcc_syntax::network::elements::Kind;
+use plcc_syntax::network::order::order;
 use plcc_syntax::scl::ast::Dialect;
 
 use super::scl::expression::constant_expr;
@@ -225,7 +226,7 @@ impl NetworkBinder<'_, '_> {
         messages.into_iter().for_each(|message| self.program.report(message));
         let mut sheet = Sheet::new(page, graph);
         let mut drawn = 0;
-        for element in order::order(graph) {
+        for element in order(graph) {
             let before = self.program.globals.report.diagnostics.len();
             if self.bind_element(ctx, &mut sheet, element).is_none() && !graph.broken {
                 sheet.page.failed.get_or_insert(graph.elements[element].span);

@@ -1,6 +1,6 @@
 //! The order in which the elements of a network run. Source: LAD/FBD reference A.11.
 
-use plcc_syntax::network::ast::{Graph, NetId, PinValue, Source};
+use super::ast::{Graph, NetId, PinValue, Source};
 
 /// All elements of a graph in their order, but each after those that it needs. In a loop, the first one goes first.
 pub fn order(graph: &Graph) -> Vec<usize> {

@@ -1,0 +1,440 @@
+//! Frames of blocks, their headers and declarations, which STL and SCL share.
+
+use plcc_diag::Span;
+use plcc_syntax::ast::{
+    Block, BlockName, BlockPrefix, Bound, CodeBlock, CodeKind, Constant, DataBlock, DataContent, Header, InitialKind,
+    InitialValue, Retain, Section, SectionKind, TypeBlock, TypeKind, TypeRef, ValueAssignment, Variable,
+};
+
+use crate::operand;
+use crate::scl::expression;
+use crate::writer::{Notation, Writer};
+use crate::{literal, names};
+
+impl Writer<'_> {
+    /// The frame of a block with code; `body` writes its statements.
+    pub(crate) fn code_frame(&mut self, block: &CodeBlock, body: impl FnOnce(&mut Self)) {
+        let (keyword, end) = match block.kind {
+            CodeKind::Ob => ("ORGANIZATION_BLOCK", "END_ORGANIZATION_BLOCK"),
+            CodeKind::Fc | CodeKind::Sfc => ("FUNCTION", "END_FUNCTION"),
+            CodeKind::Fb | CodeKind::Sfb => ("FUNCTION_BLOCK", "END_FUNCTION_BLOCK"),
+        };
+        let name = self.block_name(&block.name);
+        let returns = match (&block.return_type, block.kind) {
+            (Some(ty), _) => format!(" : {}", self.type_text(ty)),
+            (None, CodeKind::Fc | CodeKind::Sfc) => " : VOID".to_string(),
+            (None, CodeKind::Ob | CodeKind::Fb | CodeKind::Sfb) => String::new(),
+        };
+        self.remarks_before(block.span.start);
+        self.out.line(format!("{keyword} {name}{returns}"));
+        let start = block.sections.iter().map(|section| section.span.start).min();
+        self.header(&block.header, Some(&block.name), start);
+        for section in &block.sections {
+            self.section(section);
+        }
+        self.constants(&block.constants);
+        self.out.line("BEGIN");
+        body(self);
+        self.remarks_before(block.span.end);
+        self.out.line(end);
+    }
+
+    pub(crate) fn data_block(&mut self, block: &DataBlock) {
+        let name = self.block_name(&block.name);
+        self.remarks_before(block.span.start);
+        self.out.line(format!("DATA_BLOCK {name}"));
+        let start = match &block.content {
+            DataContent::Struct(members) => members.first().map(|member| member.name_span.start),
+            DataContent::OfType(ty) | DataContent::Array(ty, _) => Some(ty.span.start),
+            DataContent::Empty => None,
+        };
+        self.header(&block.header, Some(&block.name), start);
+        match &block.content {
+            DataContent::Struct(members) if block.retained.is_empty() => {
+                self.out.line("STRUCT");
+                self.variables(members);
+                self.out.line("END_STRUCT;");
+            }
+            DataContent::Struct(members) => self.retained(members, &block.retained),
+            DataContent::OfType(ty) => {
+                let ty = self.type_text(ty);
+                self.out.line(ty);
+            }
+            DataContent::Array(ty, initial) => {
+                self.needs_scl(ty.span, "a data block that is an array");
+                let initial = initial.as_ref().map_or(String::new(), |value| format!(" := {}", self.initial(value)));
+                let ty = self.type_text(ty);
+                self.out.line(format!("{ty}{initial}"));
+            }
+            DataContent::Empty => {}
+        }
+        self.out.line("BEGIN");
+        self.out.indent();
+        for value in &block.values {
+            self.value(value);
+        }
+        self.out.dedent();
+        self.remarks_before(block.span.end);
+        self.out.line("END_DATA_BLOCK");
+    }
+
+    /// Sections with and without RETAIN, in the order of the members.
+    fn retained(&mut self, members: &[Variable], retained: &[String]) {
+        let is = |member: &Variable| retained.iter().any(|name| name.eq_ignore_ascii_case(&member.name));
+        for run in members.chunk_by(|a, b| is(a) == is(b)) {
+            self.out.line(if run.first().is_some_and(is) { "VAR RETAIN" } else { "VAR" });
+            self.variables(run);
+            self.out.line("END_VAR");
+        }
+    }
+
+    pub(crate) fn type_block(&mut self, block: &TypeBlock) {
+        let name = self.block_name(&block.name);
+        self.remarks_before(block.span.start);
+        if let Some(alias) = &block.alias {
+            self.needs_scl(alias.span, "a data type that is no STRUCT");
+            let ty = self.type_text(alias);
+            self.out.line(format!("TYPE {name} : {ty};"));
+        } else {
+            self.out.line(format!("TYPE {name}"));
+            let start = block.members.first().map(|member| member.name_span.start);
+            self.header(&block.header, Some(&block.name), start);
+            self.out.line("STRUCT");
+            self.variables(&block.members);
+            self.out.line("END_STRUCT;");
+        }
+        self.remarks_before(block.span.end);
+        self.out.line("END_TYPE");
+    }
+
+    /// The lines after the name of a block; `start`: where the first declaration is.
+    fn header(&mut self, header: &Header, name: Option<&BlockName>, start: Option<u32>) {
+        if let Some(title) = &header.title {
+            let quote = if self.notation == Notation::Scl { "'" } else { "" };
+            self.out.line(format!("TITLE = {quote}{title}{quote}"));
+        }
+        let attributes = header.attributes.iter().filter_map(|(key, value)| match key.as_str() {
+            // SIMATIC SD has them as attributes, sources as text.
+            "S7_BlockNumber" | "S7_Version" | "S7_PreferredLanguage" => None,
+            "S7_Optimized" => Some(attribute("S7_Optimized_Access", value)),
+            key => Some(attribute(key, value)),
+        });
+        let list: Vec<String> = attributes.collect();
+        if !list.is_empty() {
+            self.out.line(format!("{{ {} }}", list.join("; ")));
+        }
+        let texts = [
+            ("AUTHOR", &header.author),
+            ("FAMILY", &header.family),
+            ("NAME", &header.name),
+            ("VERSION", &header.version),
+        ];
+        for (key, value) in texts {
+            if let Some(value) = value {
+                let quote = if self.quotes_header() && key != "VERSION" { "'" } else { "" };
+                self.out.line(format!("{key} : {quote}{value}{quote}"));
+            }
+        }
+        let flags = [
+            ("KNOW_HOW_PROTECT", header.know_how_protect),
+            ("STANDARD", header.standard),
+            ("CODE_VERSION1", header.code_version1),
+            ("UNLINKED", header.unlinked),
+            ("READ_ONLY", header.read_only),
+            ("NON_RETAIN", header.non_retain),
+            ("RETAIN", header.retain),
+        ];
+        flags.iter().filter(|(_, set)| *set).for_each(|(word, _)| self.out.line(word));
+        if let (Some(number), Some(BlockName::Symbol { span, .. })) = (header.number, name) {
+            self.warn(
+                *span,
+                format!("the number {number} of the block is not in the source"),
+                "the notation has a name or a number: give the number in the symbol table",
+            );
+        }
+        let remarks = start.map_or_else(Vec::new, |start| self.trivia.before(start));
+        let known: Vec<String> = remarks.iter().map(|remark| bare(&remark.text)).collect();
+        for line in header.comment.iter().filter(|line| !known.contains(line)) {
+            self.out.line(format!("// {line}"));
+            self.written.push(line.clone());
+        }
+        self.out.remarks(&remarks);
+    }
+
+    /// Classic SCL quotes nothing, but the names of AUTHOR and FAMILY may contain blanks only in quotes.
+    fn quotes_header(&self) -> bool {
+        self.notation == Notation::Scl
+    }
+
+    fn section(&mut self, section: &Section) {
+        let keyword = match section.kind {
+            SectionKind::Input => "VAR_INPUT",
+            SectionKind::Output => "VAR_OUTPUT",
+            SectionKind::InOut => "VAR_IN_OUT",
+            SectionKind::Static => "VAR",
+            SectionKind::Temp => "VAR_TEMP",
+        };
+        let retain = match section.retain {
+            Retain::Unsaid => "",
+            Retain::Retain => " RETAIN",
+            Retain::NonRetain => " NON_RETAIN",
+            Retain::DbSpecific => " DB_SPECIFIC",
+        };
+        self.remarks_before(section.span.start);
+        self.out.line(format!("{keyword}{retain}"));
+        self.variables(&section.variables);
+        self.out.indent();
+        self.remarks_before(section.span.end);
+        self.out.dedent();
+        self.out.line("END_VAR");
+    }
+
+    fn constants(&mut self, constants: &[Constant]) {
+        let Some(first) = constants.first() else { return };
+        if self.notation == Notation::Stl {
+            return self.refuse(
+                first.name_span,
+                format!("STL has no constants of a block: `{}`", first.name),
+                "write its value where it is used, or define it in the symbol table",
+            );
+        }
+        self.out.line(if first.ty.is_some() { "VAR CONSTANT" } else { "CONST" });
+        self.out.indent();
+        for constant in constants {
+            self.remarks_before(constant.name_span.start);
+            let name = names::declared(&constant.name);
+            let value = match (&constant.value, &constant.initial) {
+                (Some(value), _) => expression::text(value, self),
+                (None, Some(value)) => self.initial(value),
+                (None, None) => String::new(),
+            };
+            let sign = if value.is_empty() { "" } else { " := " };
+            let ty = constant.ty.as_ref().map_or(String::new(), |ty| format!(" : {}", self.type_text(ty)));
+            self.out.line(format!("{name}{ty}{sign}{value};"));
+            let end = constant.value.as_ref().map_or(constant.name_span.end, |value| value.span.end);
+            self.remarks_on_line(end);
+        }
+        self.out.dedent();
+        self.out.line(if first.ty.is_some() { "END_VAR" } else { "END_CONST" });
+    }
+
+    pub(crate) fn variables(&mut self, variables: &[Variable]) {
+        self.out.indent();
+        for variable in variables {
+            self.variable(variable);
+        }
+        self.out.dedent();
+    }
+
+    fn variable(&mut self, variable: &Variable) {
+        self.remarks_before(variable.name_span.start);
+        let mut head = names::declared(&variable.name);
+        if !variable.attributes.is_empty() {
+            let list: Vec<String> = variable.attributes.iter().map(|(key, value)| attribute(key, value)).collect();
+            head.push_str(&format!(" {{ {} }}", list.join("; ")));
+        }
+        if let Some((at, _)) = &variable.at {
+            head.push_str(&format!(" AT {}", names::declared(at)));
+        }
+        let initial = variable.initial.as_ref().map_or(String::new(), |value| format!(" := {}", self.initial(value)));
+        match structure(&variable.ty) {
+            None => {
+                let ty = self.type_text(&variable.ty);
+                self.out.line(format!("{head} : {ty}{initial};"));
+            }
+            Some(members) => {
+                let ty = self.type_text(&variable.ty);
+                self.out.line(format!("{head} : {ty}"));
+                self.variables(members);
+                self.out.indent();
+                self.remarks_before(variable.ty.span.end);
+                self.out.dedent();
+                self.out.line(format!("END_STRUCT{initial};"));
+            }
+        }
+        let end = variable.initial.as_ref().map_or(variable.ty.span.end, |value| value.span.end);
+        let own = variable.comment.as_ref();
+        if let Some(comment) = own {
+            self.out.behind(&format!("// {comment}"));
+        }
+        let mut remarks = self.trivia.on_line(end.max(variable.name_span.end));
+        remarks.retain(|remark| own.is_none_or(|own| bare(&remark.text) != *own));
+        self.out.remarks(&remarks);
+    }
+
+    fn value(&mut self, value: &ValueAssignment) {
+        self.remarks_before(value.span.start);
+        let target = operand::value_path(&value.target, self);
+        let text = self.initial(&value.value);
+        self.out.line(format!("{target} := {text};"));
+        self.remarks_on_line(value.span.end);
+    }
+
+    // Types and values.
+
+    /// `FC 7`, `"Tank"`.
+    pub(crate) fn block_name(&self, name: &BlockName) -> String {
+        match name {
+            BlockName::Numbered { prefix, number, .. } => format!("{} {number}", prefix.letters()),
+            BlockName::Symbol { name, .. } => format!("\"{name}\""),
+        }
+    }
+
+    /// A type; of a structure only `STRUCT`, with the dimensions of an array of structures.
+    pub(crate) fn type_text(&mut self, ty: &TypeRef) -> String {
+        match &ty.kind {
+            TypeKind::Named(name) => name.clone(),
+            TypeKind::String(None) => "STRING".to_string(),
+            TypeKind::String(Some(length)) => format!("STRING[{}]", self.bound(length)),
+            TypeKind::WideString(None) => "WSTRING".to_string(),
+            TypeKind::WideString(Some(length)) => format!("WSTRING[{}]", self.bound(length)),
+            TypeKind::Array { bounds, element } => {
+                let list: Vec<String> =
+                    bounds.iter().map(|(low, high)| format!("{}..{}", self.bound(low), self.bound(high))).collect();
+                format!("ARRAY[{}] OF {}", list.join(", "), self.type_text(element))
+            }
+            TypeKind::OpenArray { dimensions, element } => {
+                self.needs_scl(ty.span, "an array without bounds");
+                let stars = vec!["*"; usize::from(*dimensions)].join(", ");
+                format!("ARRAY[{stars}] OF {}", self.type_text(element))
+            }
+            TypeKind::Reference(target) => {
+                self.needs_scl(ty.span, "a reference");
+                format!("REF_TO {}", self.type_text(target))
+            }
+            TypeKind::Struct(_) => "STRUCT".to_string(),
+            TypeKind::Block(name) => self.block_name(name),
+            TypeKind::Error => {
+                self.refuse(ty.span, "a type that was not understood", "repair the source first");
+                String::new()
+            }
+        }
+    }
+
+    pub(crate) fn bound(&mut self, bound: &Bound) -> String {
+        match bound {
+            Bound::Number(number, _) => number.to_string(),
+            Bound::Name(name, _) if self.notation == Notation::Stl => names::declared(name),
+            Bound::Name(name, _) => names::bare(name),
+            Bound::Expr(value) => {
+                self.needs_scl(value.span, "an expression as a bound");
+                expression::text(value, self)
+            }
+        }
+    }
+
+    pub(crate) fn initial(&mut self, value: &InitialValue) -> String {
+        match &value.kind {
+            InitialKind::Literal(constant) => self.slice(value.span, constant),
+            InitialKind::List(values) => {
+                let list = self.initials(values);
+                if self.notation == Notation::Stl { list } else { format!("[{list}]") }
+            }
+            InitialKind::Repeat { count, values } => format!("{}({})", self.bound(count), self.initials(values)),
+            InitialKind::Expr(constant) => match (self.notation, operand::constant(constant)) {
+                (Notation::Stl, Some(constant)) => literal::stl(&constant, self.mnemonics),
+                (Notation::Stl, None) => {
+                    self.needs_scl(value.span, "an expression as an initial value");
+                    String::new()
+                }
+                (Notation::Scl | Notation::Sd, _) => expression::text(constant, self),
+            },
+            InitialKind::Elements(elements) => {
+                self.needs_scl(value.span, "initial values of single elements");
+                let one = |(path, value): &(Vec<i64>, InitialValue), writer: &mut Self| {
+                    let path: Vec<String> = path.iter().map(i64::to_string).collect();
+                    format!("[{}] := {}", path.join(", "), writer.initial(value))
+                };
+                let list: Vec<String> = elements.iter().map(|element| one(element, self)).collect();
+                format!("({})", list.join(", "))
+            }
+            InitialKind::Fields(fields) => {
+                self.needs_scl(value.span, "initial values of a structure");
+                let list: Vec<String> = fields
+                    .iter()
+                    .map(|(name, value)| match name {
+                        Some(name) => format!("{} := {}", names::declared(&name.text), self.initial(value)),
+                        None => self.initial(value),
+                    })
+                    .collect();
+                format!("({})", list.join(", "))
+            }
+            InitialKind::Operand(kind) => operand::text(kind, value.span, self),
+            InitialKind::Default => String::new(),
+        }
+    }
+
+    fn initials(&mut self, values: &[InitialValue]) -> String {
+        let list: Vec<String> = values.iter().map(|value| self.initial(value)).collect();
+        list.join(", ")
+    }
+
+    fn needs_scl(&mut self, span: Span, what: &str) {
+        if self.notation == Notation::Stl {
+            self.refuse(
+                span,
+                format!("STL has no word for {what}"),
+                "declare it in another way, or leave the block in its language",
+            );
+        }
+    }
+
+    // Comments.
+
+    pub(crate) fn remarks_before(&mut self, at: u32) {
+        let mut remarks = self.trivia.before(at);
+        remarks.retain(|remark| !self.is_written(&remark.text));
+        self.out.remarks(&remarks);
+    }
+
+    pub(crate) fn remarks_on_line(&mut self, at: u32) {
+        let remarks = self.trivia.on_line(at);
+        self.out.remarks(&remarks);
+    }
+
+    /// Whether a comment was written with what it describes; each only once.
+    fn is_written(&mut self, text: &str) -> bool {
+        let text = bare(text);
+        match self.written.iter().position(|known| *known == text) {
+            Some(at) => {
+                self.written.remove(at);
+                true
+            }
+            None => false,
+        }
+    }
+}
+
+/// Members of a structure, also of an array of structures.
+fn structure(ty: &TypeRef) -> Option<&[Variable]> {
+    match &ty.kind {
+        TypeKind::Struct(members) => Some(members),
+        TypeKind::Array { element, .. } | TypeKind::OpenArray { element, .. } => structure(element),
+        TypeKind::Named(_)
+        | TypeKind::String(_)
+        | TypeKind::WideString(_)
+        | TypeKind::Reference(_)
+        | TypeKind::Block(_)
+        | TypeKind::Error => None,
+    }
+}
+
+fn attribute(key: &str, value: &str) -> String {
+    format!("{key} := '{value}'")
+}
+
+/// A comment without `//`.
+pub(crate) fn bare(text: &str) -> String {
+    text.strip_prefix("//").unwrap_or(text).trim().to_string()
+}
+
+/// Whether a block is the OB 1 that statements without a header form.
+pub(crate) fn is_implied(block: &Block) -> bool {
+    match block {
+        Block::Code(block) => matches!(
+            &block.name,
+            BlockName::Numbered { prefix: BlockPrefix::Ob, number: 1, span } if span.start == span.end
+        ),
+        Block::Data(_) | Block::Type(_) => false,
+    }
+}

@@ -1,0 +1,24 @@
+//! Writes syntax trees as sources, and turns one notation into another.
+//!
+//! - [`stl`]: sources in STL.
+//! - [`scl`]: sources in SCL.
+//! - [`to_stl`]: networks of LAD and FBD as statements.
+//! - [`literal`]: constants as text.
+//! - [`trivia`]: comments, which trees do not hold.
+//!
+//! What a notation cannot say is a message that names it; nothing is left out silently.
+//!
+//! **Invariant**: no symbols, no types, no files: a tree becomes a tree or a text.
+
+mod frames;
+pub mod literal;
+mod names;
+mod operand;
+mod out;
+pub mod scl;
+pub mod stl;
+pub mod to_stl;
+pub mod trivia;
+mod writer;
+
+pub use writer::Notation;

@@ -1,0 +1,28 @@
+//! Names as they are written, in quotes where they need them.
+
+/// A name that is declared, or a component: `speed`, `"speed 1"`.
+pub fn declared(name: &str) -> String {
+    if is_plain(name) { name.to_string() } else { format!("\"{name}\"") }
+}
+
+/// `#speed`, `#"speed 1"`.
+pub fn local(name: &str) -> String {
+    format!("#{}", declared(name))
+}
+
+/// `"Start"`.
+pub fn symbol(name: &str) -> String {
+    format!("\"{name}\"")
+}
+
+/// A name as it stands, in quotes only if it must have them.
+pub fn bare(name: &str) -> String {
+    declared(name)
+}
+
+/// Letters, digits and `_`, not first a digit.
+fn is_plain(name: &str) -> bool {
+    let mut characters = name.chars();
+    characters.next().is_some_and(|c| c.is_alphabetic() || c == '_')
+        && characters.all(|c| c.is_alphanumeric() || c == '_')
+}

@@ -1,0 +1,176 @@
+//! Expressions of SCL as text, with as few parentheses as they need.
+
+use plcc_diag::Span;
+use plcc_syntax::ast::{BlockName, OperandKind, Width};
+use plcc_syntax::scl::ast::{Argument, BinaryOp, Expr, ExprKind, Literal, Name, NameForm, UnaryOp};
+use plcc_syntax::stl::Mnemonics;
+
+use crate::writer::Writer;
+use crate::{literal, names, operand};
+
+/// An expression.
+pub(crate) fn text(value: &Expr, writer: &mut Writer) -> String {
+    written(value, 0, writer)
+}
+
+/// How tightly operators bind, from `OR` to unary ones.
+fn precedence(op: BinaryOp) -> u8 {
+    match op {
+        BinaryOp::Or => 1,
+        BinaryOp::Xor => 2,
+        BinaryOp::And => 3,
+        BinaryOp::Equal | BinaryOp::NotEqual => 4,
+        BinaryOp::Less | BinaryOp::Greater | BinaryOp::LessEqual | BinaryOp::GreaterEqual => 5,
+        BinaryOp::Add | BinaryOp::Subtract => 6,
+        BinaryOp::Multiply | BinaryOp::Divide | BinaryOp::DivideInteger | BinaryOp::Modulo => 7,
+        BinaryOp::Power => 9,
+    }
+}
+
+/// Of NOT and signs.
+const UNARY: u8 = 8;
+
+pub(crate) fn sign(op: BinaryOp) -> &'static str {
+    match op {
+        BinaryOp::Power => "**",
+        BinaryOp::Multiply => "*",
+        BinaryOp::Divide => "/",
+        BinaryOp::DivideInteger => "DIV",
+        BinaryOp::Modulo => "MOD",
+        BinaryOp::Add => "+",
+        BinaryOp::Subtract => "-",
+        BinaryOp::Less => "<",
+        BinaryOp::Greater => ">",
+        BinaryOp::LessEqual => "<=",
+        BinaryOp::GreaterEqual => ">=",
+        BinaryOp::Equal => "=",
+        BinaryOp::NotEqual => "<>",
+        BinaryOp::And => "AND",
+        BinaryOp::Xor => "XOR",
+        BinaryOp::Or => "OR",
+    }
+}
+
+/// An expression where something binds with `around`: in parentheses if it binds less.
+fn written(value: &Expr, around: u8, writer: &mut Writer) -> String {
+    match &value.kind {
+        ExprKind::Literal(constant) => constant_text(constant, value.span, writer),
+        ExprKind::Name(name) => name_text(name),
+        ExprKind::Absolute(kind) => absolute(kind, value.span, writer),
+        ExprKind::Member { base, name } => format!("{}.{}", written(base, u8::MAX, writer), member(name)),
+        ExprKind::MemberAbsolute { base, width, byte, bit } => {
+            let base = written(base, u8::MAX, writer);
+            let bit = if *width == Width::Bit { format!(".{bit}") } else { String::new() };
+            format!("{base}.%DB{}{byte}{bit}", width_letter(*width))
+        }
+        ExprKind::Slice { base, width, index } => {
+            format!("{}.%{}{index}", written(base, u8::MAX, writer), width_letter(*width))
+        }
+        ExprKind::Index { base, indices } => {
+            let base = written(base, u8::MAX, writer);
+            let indices: Vec<String> = indices.iter().map(|index| text(index, writer)).collect();
+            format!("{base}[{}]", indices.join(", "))
+        }
+        ExprKind::Call { callee, arguments } => {
+            let callee = written(callee, u8::MAX, writer);
+            let arguments: Vec<String> = arguments.iter().map(|one| argument(one, writer)).collect();
+            format!("{callee}({})", arguments.join(", "))
+        }
+        ExprKind::Dereference(base) => format!("{}^", written(base, u8::MAX, writer)),
+        ExprKind::Reference(target) => format!("REF({})", text(target, writer)),
+        ExprKind::Unary { op, operand } => {
+            let inner = written(operand, UNARY, writer);
+            let text = match op {
+                UnaryOp::Plus => format!("+{inner}"),
+                UnaryOp::Minus => format!("-{inner}"),
+                UnaryOp::Not => format!("NOT {inner}"),
+            };
+            // A sign never stands directly behind an operator.
+            if around > 0 && (around >= UNARY || *op != UnaryOp::Not) { format!("({text})") } else { text }
+        }
+        ExprKind::Binary { op, left, right, .. } => {
+            let own = precedence(*op);
+            let left = written(left, own, writer);
+            let right = written(right, own + 1, writer);
+            let text = format!("{left} {} {right}", sign(*op));
+            if own < around { format!("({text})") } else { text }
+        }
+        ExprKind::Error => {
+            writer.refuse(value.span, "an expression that was not understood", "repair the source first");
+            String::new()
+        }
+    }
+}
+
+pub(crate) fn argument(argument: &Argument, writer: &mut Writer) -> String {
+    let value = argument.value.as_ref().map_or(String::new(), |value| text(value, writer));
+    match &argument.name {
+        Some(name) => {
+            let sign = if argument.output { "=>" } else { ":=" };
+            format!("{} {sign} {value}", names::declared(&name.text)).trim_end().to_string()
+        }
+        None => value,
+    }
+}
+
+pub(crate) fn name_text(name: &Name) -> String {
+    match name.form {
+        NameForm::Bare => names::bare(&name.text),
+        NameForm::Local => names::local(&name.text),
+        NameForm::Quoted => names::symbol(&name.text),
+    }
+}
+
+fn member(name: &Name) -> String {
+    match name.form {
+        NameForm::Quoted => names::symbol(&name.text),
+        NameForm::Bare | NameForm::Local => names::declared(&name.text),
+    }
+}
+
+fn width_letter(width: Width) -> &'static str {
+    match width {
+        Width::Bit => "X",
+        Width::Byte => "B",
+        Width::Word => "W",
+        Width::Dword => "D",
+        Width::Lword => "L",
+    }
+}
+
+/// `%MW10`, as the author wrote it where the notation is the same.
+fn absolute(kind: &OperandKind, span: Span, writer: &mut Writer) -> String {
+    if let Some(text) = writer.source.and_then(|source| source.get(span.range())).filter(|text| !text.is_empty()) {
+        return text.split_whitespace().collect();
+    }
+    let set = writer.mnemonics;
+    writer.mnemonics = Mnemonics::En;
+    let text = match kind {
+        OperandKind::Block(BlockName::Numbered { prefix, number, .. }) => {
+            format!("{}{number}", operand::prefix_letters(*prefix))
+        }
+        kind => operand::text(kind, span, writer).replace(' ', ""),
+    };
+    writer.mnemonics = set;
+    format!("%{text}")
+}
+
+fn constant_text(value: &Literal, span: Span, writer: &mut Writer) -> String {
+    if let Some(text) = writer.source.and_then(|source| source.get(span.range())).filter(|text| !text.is_empty()) {
+        return text.trim().to_string();
+    }
+    match value {
+        Literal::Integer { value, based: false } => value.to_string(),
+        Literal::Integer { value, based: true } => format!("16#{value:X}"),
+        Literal::Real(value) => literal::real(*value, &format!("{value:?}")),
+        Literal::Typed { ty, bits } => literal::typed(*ty, *bits),
+        Literal::Text { bytes, typed } => format!("{}{}", if *typed { "STRING#" } else { "" }, literal::text(bytes)),
+        Literal::WideText(units) => format!("WSTRING#{}", literal::wide_text(units)),
+        Literal::DateAndTime(bytes) => literal::date_and_time(bytes),
+        Literal::Dtl(bytes) => literal::dtl(bytes),
+        Literal::Pointer { db, pointer } => format!("P#{}", literal::area_address(*db, *pointer, Mnemonics::En)),
+        Literal::Any(bytes) => literal::any(bytes, Mnemonics::En),
+        Literal::Nil => "NIL".to_string(),
+        Literal::Null => "NULL".to_string(),
+    }
+}

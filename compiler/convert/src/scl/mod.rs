@@ -1,0 +1,3 @@
+//! Sources in SCL.
+
+pub mod expression;

@@ -1,0 +1,715 @@
+//! Boxes with EN and ENO: arithmetic, moves, conversions, calls. Source: LAD/FBD reference F.1.
+
+use plcc_diag::Span;
+use plcc_syntax::ast::{self, Operand, OperandKind, Parameter, StatementKind, Width};
+use plcc_syntax::literal::Literal;
+use plcc_syntax::network::ast::{Element, Eno, Graph, PinValue, Target, TemplateKey};
+use plcc_syntax::network::elements::{EnoRule, Kind, Row};
+use plcc_syntax::scl::ast::{Expr, ExprKind};
+use plcc_syntax::stl::StlInsn;
+use plcc_syntax::{Class, Elementary};
+
+use super::Maker;
+use super::logic::Logic;
+use super::operand::block_name;
+use super::plan::Plan;
+use super::types::elementary;
+
+/// What a box does between its loads and its transfer.
+struct Work {
+    /// Inputs in the order of loading, with the type that each is loaded as.
+    loads: Vec<(String, Elementary)>,
+    insns: Vec<(StlInsn, Option<Operand>)>,
+    result: Elementary,
+    output: &'static str,
+    /// Whether OV says that the result is wrong.
+    checked: bool,
+}
+
+impl Maker<'_> {
+    /// A comparison as a value.
+    pub fn compare(&mut self, graph: &Graph, plan: &Plan, at: usize, sign: &str) -> Logic {
+        let flow = self.input(graph, plan, at, "pre");
+        let element = &graph.elements[at];
+        let Some(ty) = self.box_type(element, &["in1", "in2"]) else { return Logic::Constant(false) };
+        use StlInsn as I;
+        let rows = match ty {
+            Elementary::Int => {
+                [I::CompareEqI, I::CompareNeI, I::CompareLtI, I::CompareGtI, I::CompareLeI, I::CompareGeI]
+            }
+            Elementary::Dint | Elementary::Time => {
+                [I::CompareEqD, I::CompareNeD, I::CompareLtD, I::CompareGtD, I::CompareLeD, I::CompareGeD]
+            }
+            Elementary::Real => {
+                [I::CompareEqR, I::CompareNeR, I::CompareLtR, I::CompareGtR, I::CompareLeR, I::CompareGeR]
+            }
+            Elementary::Byte | Elementary::Word | Elementary::Char if matches!(sign, "=" | "<>") => {
+                [I::CompareEqI, I::CompareNeI, I::CompareEqI, I::CompareEqI, I::CompareEqI, I::CompareEqI]
+            }
+            Elementary::Dword if matches!(sign, "=" | "<>") => {
+                [I::CompareEqD, I::CompareNeD, I::CompareEqD, I::CompareEqD, I::CompareEqD, I::CompareEqD]
+            }
+            _ => {
+                self.refuse(
+                    element.span,
+                    format!("the comparison `{sign}` of {}", ty.name()),
+                    "compare INT, DINT or REAL",
+                );
+                return Logic::Constant(false);
+            }
+        };
+        let signs = ["=", "<>", "<", ">", "<=", ">="];
+        let Some(insn) = signs.iter().position(|known| *known == sign).map(|at| rows[at]) else {
+            return Logic::Constant(false);
+        };
+        let mut loads = Vec::new();
+        for name in ["in1", "in2"] {
+            match self.load(graph, at, name, ty) {
+                Some(load) => loads.extend(load),
+                None => return Logic::Constant(false),
+            }
+        }
+        Logic::and(vec![flow, Logic::Compare { loads, insn }])
+    }
+
+    /// A box of the table.
+    pub fn arithmetic_box(&mut self, graph: &Graph, plan: &Plan, at: usize, row: &'static Row) {
+        let element = &graph.elements[at];
+        if row.kind == Kind::Move {
+            return self.move_box(graph, plan, at);
+        }
+        if let Kind::Step { up } = row.kind {
+            return self.step_box(graph, plan, at, up);
+        }
+        let Some(work) = self.work(element, row) else { return };
+        let mut loads = Vec::new();
+        for (name, ty) in &work.loads {
+            match self.load(graph, at, name, *ty) {
+                Some(load) => loads.extend(load),
+                None => return,
+            }
+        }
+        let checked = work.checked && row.eno != Some(EnoRule::Never);
+        self.boxed(graph, plan, at, checked, |maker| {
+            for (insn, operand) in loads.into_iter().chain(work.insns) {
+                maker.push(insn, operand);
+            }
+            maker.store_pin(graph, plan, at, work.output, work.result);
+        });
+    }
+
+    /// INC, DEC.
+    fn step_box(&mut self, graph: &Graph, plan: &Plan, at: usize, up: bool) {
+        let element = &graph.elements[at];
+        let set = element.template(TemplateKey::Destination).and_then(|template| elementary(&template.value));
+        let Some(ty) = set.or_else(|| self.box_type(element, &["operand"])) else { return };
+        let (one, insn) = match (ty, up) {
+            (Elementary::Int, true) => (Literal::Int(1), StlInsn::AddI),
+            (Elementary::Int, false) => (Literal::Int(1), StlInsn::SubI),
+            (Elementary::Dint, true) => (Literal::Dint(1), StlInsn::AddD),
+            (Elementary::Dint, false) => (Literal::Dint(1), StlInsn::SubD),
+            _ => return self.refuse(element.span, format!("a step of {}", ty.name()), "count in INT or DINT"),
+        };
+        let Some(operand) = self.pin_operand(element, "operand") else { return };
+        let known = self.types.of(&operand.kind, self.block).or_else(|| width_type(&operand.kind));
+        if known.is_some_and(|known| known.bits() != ty.bits()) {
+            return self.refuse(
+                element.span,
+                format!("a step of {} on an operand of another size", ty.name()),
+                "use one type",
+            );
+        }
+        let one = Operand { kind: OperandKind::Literal(one), span: element.span };
+        self.boxed(graph, plan, at, true, |maker| {
+            maker.push(StlInsn::Load, Some(operand.clone()));
+            maker.push(StlInsn::Load, Some(one));
+            maker.push(insn, None);
+            maker.push(StlInsn::Transfer, Some(operand));
+        });
+    }
+
+    fn move_box(&mut self, graph: &Graph, plan: &Plan, at: usize) {
+        let element = &graph.elements[at];
+        let outputs: Vec<String> = element
+            .pins
+            .iter()
+            .filter(|pin| pin.output && pin.name.starts_with("out") && pin.value != PinValue::Open)
+            .map(|pin| pin.name.clone())
+            .collect();
+        // The type of the target, if a constant is moved.
+        let known = element.pins.iter().filter(|pin| pin.name == "in" || outputs.contains(&pin.name));
+        let types: Vec<Elementary> = known.filter_map(|pin| self.type_of(&pin.value)).collect();
+        let Some(ty) = types.first().copied() else {
+            return self.unknown_type(element);
+        };
+        if ty == Elementary::Bool || ty.bits() > 32 {
+            return self.refuse(element.span, format!("a MOVE of {}", ty.name()), "move a byte, word or double word");
+        }
+        let Some(load) = self.load(graph, at, "in", ty) else { return };
+        self.boxed(graph, plan, at, false, |maker| {
+            for (at_output, output) in outputs.iter().enumerate() {
+                if at_output == 0 || types.iter().any(|other| *other != ty) {
+                    load.iter().for_each(|(insn, operand)| maker.push(*insn, operand.clone()));
+                }
+                maker.store_pin(graph, plan, at, output, ty);
+            }
+        });
+    }
+
+    /// What an element does with its inputs, by type.
+    fn work(&mut self, element: &Element, row: &Row) -> Option<Work> {
+        use Elementary::{Dint, Dword, Int, Real, Word};
+        use StlInsn as I;
+        let two = |ty: Elementary, insn: I, checked: bool| Work {
+            loads: vec![("in1".to_string(), ty), ("in2".to_string(), ty)],
+            insns: vec![(insn, None)],
+            result: ty,
+            output: "out",
+            checked,
+        };
+        let one = |from: Elementary, insns: &[I], to: Elementary, checked: bool| Work {
+            loads: vec![("in".to_string(), from)],
+            insns: insns.iter().map(|insn| (*insn, None)).collect(),
+            result: to,
+            output: "out",
+            checked,
+        };
+        let work = match row.kind {
+            Kind::Operator(sign) => {
+                let inputs = element.pins.iter().filter(|pin| !pin.output && pin.name.starts_with("in")).count();
+                let ty = self.box_type(element, &["in1", "in2", "out"])?;
+                let found = match (sign, ty) {
+                    ("+", Int) => Some(I::AddI),
+                    ("-", Int) => Some(I::SubI),
+                    ("*", Int) => Some(I::MulI),
+                    ("/", Int) => Some(I::DivI),
+                    ("+", Dint) => Some(I::AddD),
+                    ("-", Dint) => Some(I::SubD),
+                    ("*", Dint) => Some(I::MulD),
+                    ("/", Dint) => Some(I::DivD),
+                    ("MOD", Dint) => Some(I::ModD),
+                    ("+", Real) => Some(I::AddR),
+                    ("-", Real) => Some(I::SubR),
+                    ("*", Real) => Some(I::MulR),
+                    ("/", Real) => Some(I::DivR),
+                    ("AND", Word) => Some(I::AndW),
+                    ("OR", Word) => Some(I::OrW),
+                    ("XOR", Word) => Some(I::XorW),
+                    ("AND", Dword) => Some(I::AndD),
+                    ("OR", Dword) => Some(I::OrD),
+                    ("XOR", Dword) => Some(I::XorD),
+                    _ => None,
+                };
+                match found {
+                    Some(insn) if inputs == 2 => Some(two(ty, insn, !matches!(sign, "AND" | "OR" | "XOR"))),
+                    _ => None,
+                }
+            }
+            Kind::Negate => match self.box_type(element, &["in", "out"])? {
+                Int => Some(one(Int, &[I::NegI], Int, true)),
+                Dint => Some(one(Dint, &[I::NegD], Dint, true)),
+                Real => Some(one(Real, &[I::NegR], Real, false)),
+                _ => None,
+            },
+            Kind::Invert => match self.box_type(element, &["in", "out"])? {
+                ty @ (Int | Word) => Some(one(ty, &[I::InvertI], ty, false)),
+                ty @ (Dint | Dword) => Some(one(ty, &[I::InvertD], ty, false)),
+                _ => None,
+            },
+            Kind::Convert => {
+                let key = |key| element.template(key).map(|template| template.value.to_uppercase());
+                let from = key(TemplateKey::Source).unwrap_or_default();
+                let to = key(TemplateKey::Destination).unwrap_or_default();
+                match (from.as_str(), to.as_str()) {
+                    ("INT", "DINT") => Some(one(Int, &[I::IToD], Dint, false)),
+                    ("DINT", "REAL") => Some(one(Dint, &[I::DToR], Real, false)),
+                    ("INT", "REAL") => Some(one(Int, &[I::IToD, I::DToR], Real, false)),
+                    ("INT", "BCD16") => Some(one(Int, &[I::IToBcd], Word, true)),
+                    ("BCD16", "INT") => Some(one(Word, &[I::BcdToI], Int, false)),
+                    ("DINT", "BCD32") => Some(one(Dint, &[I::DToBcd], Dword, true)),
+                    ("BCD32", "DINT") => Some(one(Dword, &[I::BcdToD], Dint, false)),
+                    _ => None,
+                }
+            }
+            Kind::Round(name) => {
+                let from =
+                    element.template(TemplateKey::Source).map_or(Real, |one| elementary(&one.value).unwrap_or(Real));
+                let to = element.template(TemplateKey::Destination).and_then(|one| elementary(&one.value));
+                let insn = match name {
+                    "ROUND" => I::Round,
+                    "TRUNC" => I::Truncate,
+                    "CEIL" => I::RoundUp,
+                    _ => I::RoundDown,
+                };
+                (from == Real && to.unwrap_or(Dint) == Dint).then(|| one(Real, &[insn], Dint, true))
+            }
+            Kind::Function(name) => {
+                let simple = match name {
+                    "ABS" => Some((I::AbsR, false)),
+                    "SQR" => Some((I::SqrR, true)),
+                    "SQRT" => Some((I::SqrtR, true)),
+                    "LN" => Some((I::LnR, true)),
+                    "EXP" => Some((I::ExpR, true)),
+                    "SIN" => Some((I::SinR, true)),
+                    "COS" => Some((I::CosR, true)),
+                    "TAN" => Some((I::TanR, true)),
+                    "ASIN" => Some((I::AsinR, true)),
+                    "ACOS" => Some((I::AcosR, true)),
+                    "ATAN" => Some((I::AtanR, true)),
+                    _ => None,
+                };
+                match simple {
+                    Some((insn, checked)) if self.box_type(element, &["in", "out"])? == Real => {
+                        Some(one(Real, &[insn], Real, checked))
+                    }
+                    Some(_) => None,
+                    None => self.shift(element, name),
+                }
+            }
+            _ => None,
+        };
+        if work.is_none() {
+            let ty = element.template(TemplateKey::Source).map_or(String::new(), |one| format!(" of {}", one.value));
+            let what = format!("the box `{}`{ty}", row.name);
+            self.refuse(
+                element.span,
+                what,
+                "leave the block in its language, or write the network with other elements",
+            );
+        }
+        work
+    }
+
+    /// SHL, SHR, ROL, ROR by a constant.
+    fn shift(&mut self, element: &Element, name: &str) -> Option<Work> {
+        use Elementary::{Dint, Dword, Int, Word};
+        use StlInsn as I;
+        if !matches!(name, "SHL" | "SHR" | "ROL" | "ROR") {
+            return None;
+        }
+        let ty = self.box_type(element, &["in", "out"])?;
+        let insn = match (name, ty) {
+            ("SHL", Word | Int) => I::ShiftLeftW,
+            ("SHL", Dword | Dint) => I::ShiftLeftD,
+            ("SHR", Word) => I::ShiftRightW,
+            ("SHR", Dword) => I::ShiftRightD,
+            ("SHR", Int) => I::ShiftSignedI,
+            ("SHR", Dint) => I::ShiftSignedD,
+            ("ROL", Dword) => I::RotateLeftD,
+            ("ROR", Dword) => I::RotateRightD,
+            _ => return None,
+        };
+        let most = if ty.bits() == 16 { 15 } else { 32 };
+        let count = match &element.pin("n")?.value {
+            PinValue::Operand(value) => match crate::operand::constant(value)? {
+                Literal::Int(count @ 0..) if count <= most => count,
+                Literal::Bits { value, .. } if i64::from(value) <= most => i64::from(value),
+                _ => return None,
+            },
+            PinValue::Net(_) | PinValue::Open => return None,
+        };
+        let count = super::number(count, element.span);
+        let loads = vec![("in".to_string(), ty)];
+        Some(Work { loads, insns: vec![(insn, Some(count))], result: ty, output: "out", checked: false })
+    }
+
+    /// Runs the statements of a box under EN, and takes its ENO.
+    fn boxed(&mut self, graph: &Graph, plan: &Plan, at: usize, checked: bool, body: impl FnOnce(&mut Self)) {
+        let enable = self.input(graph, plan, at, "en");
+        let wanted = self.is_wanted(graph, plan, at, "eno");
+        let generated = graph.elements[at].eno != Eno::Disabled;
+        let saves = wanted || (self.keeps_br && generated);
+        let eno = |maker: &mut Self| {
+            if generated && checked {
+                maker.push(
+                    StlInsn::AndNot,
+                    Some(Operand { kind: OperandKind::Status(ast::StatusOperand::Ov), span: maker.span }),
+                );
+            } else {
+                maker.push(StlInsn::SetRlo, None);
+            }
+            maker.push(StlInsn::Save, None);
+            maker.push(StlInsn::ClearRlo, None);
+            maker.sets_br = true;
+        };
+        match enable {
+            Logic::Constant(true) => {
+                body(self);
+                if saves {
+                    eno(self);
+                }
+            }
+            enable if !saves => return self.under(&enable, body),
+            enable => {
+                let label = self.new_label();
+                self.evaluate(&enable);
+                self.jump(StlInsn::JumpIfNotBr, &label);
+                self.sets_br = true;
+                body(self);
+                if generated && checked {
+                    eno(self);
+                } else {
+                    // JNB has set BR; bodies of boxes leave it.
+                }
+                self.label(&label);
+            }
+        }
+        self.take_eno(graph, plan, at, wanted);
+    }
+
+    /// ENO is BR.
+    fn take_eno(&mut self, graph: &Graph, plan: &Plan, at: usize, wanted: bool) {
+        if wanted {
+            let br = OperandKind::Status(ast::StatusOperand::Br);
+            self.push(StlInsn::And, Some(Operand { kind: br, span: self.span }));
+            self.result(graph, plan, at, "eno");
+        }
+    }
+
+    // Calls.
+
+    pub fn call_box(&mut self, graph: &Graph, plan: &Plan, at: usize, callee: &Expr, instance: Option<&Expr>) {
+        let span = graph.elements[at].span;
+        // `#lag.LEAD_LAG(…)`: the instance, and its block again.
+        let callee = match &callee.kind {
+            ExprKind::Member { base, name } if self.is_instance_of(base, &name.text) => base,
+            _ => callee,
+        };
+        let (target, instance) = match (block_name(callee), instance) {
+            (Some(block), None) if let Some(of) = self.types.instance_of(&block) => {
+                let target = Operand { kind: OperandKind::Block(of), span };
+                (target, Some(Operand { kind: OperandKind::Block(block), span }))
+            }
+            (Some(block), None) if self.types.is_data(&block) => {
+                return self.refuse(
+                    span,
+                    "a call of a data block whose function block is not in the sources",
+                    "give the source of the function block, too",
+                );
+            }
+            (Some(block), instance) => {
+                let target = Operand { kind: OperandKind::Block(block), span };
+                match instance.map(|instance| self.instance(instance)) {
+                    Some(None) => return,
+                    Some(instance) => (target, instance),
+                    None => (target, None),
+                }
+            }
+            // A multi-instance.
+            (None, _) => match self.operand(callee) {
+                Some(Operand { kind: OperandKind::Path(path), .. })
+                    if !matches!(path.root, ast::PathRoot::Local { .. }) =>
+                {
+                    return self.refuse(
+                        span,
+                        "a call of an instance in a data block",
+                        "declare the instance in the block",
+                    );
+                }
+                Some(target) => (target, None),
+                None => return,
+            },
+        };
+        self.call(graph, plan, at, target, instance);
+    }
+
+    /// Whether an operand is a variable of the type with that name.
+    fn is_instance_of(&self, value: &Expr, ty: &str) -> bool {
+        self.type_name(value).is_some_and(|name| name.eq_ignore_ascii_case(ty))
+    }
+
+    /// The name of the type of a variable of the block.
+    fn type_name(&self, value: &Expr) -> Option<&str> {
+        let ExprKind::Name(name) = &value.kind else { return None };
+        let mut variables = self.block.sections.iter().flat_map(|section| &section.variables);
+        let variable = variables.find(|variable| variable.name.eq_ignore_ascii_case(&name.text))?;
+        match &variable.ty.kind {
+            ast::TypeKind::Named(name) | ast::TypeKind::Block(ast::BlockName::Symbol { name, .. }) => Some(name),
+            _ => None,
+        }
+    }
+
+    pub fn instance_box(&mut self, graph: &Graph, plan: &Plan, at: usize, name: &str, instance: Option<&Expr>) {
+        let span = graph.elements[at].span;
+        let Some(instance) = instance else {
+            return self.refuse(span, format!("`{name}` without an instance"), "name its instance");
+        };
+        let Some(operand) = self.instance(instance) else { return };
+        if self.type_name(instance).is_some_and(|name| name.starts_with("IEC_")) {
+            let what = format!("`{name}` on a variable whose type is that of several blocks");
+            return self.refuse(span, what, &format!("declare the variable as {name}"));
+        }
+        let is_block = matches!(operand.kind, OperandKind::Block(_));
+        if is_block {
+            let name = ast::BlockName::Symbol { name: name.to_string(), span };
+            let target = Operand { kind: OperandKind::Block(name), span };
+            self.call(graph, plan, at, target, Some(operand));
+        } else {
+            self.call(graph, plan, at, operand, None);
+        }
+    }
+
+    /// An instance: a data block, or a variable of the block.
+    fn instance(&mut self, value: &Expr) -> Option<Operand> {
+        match (block_name(value), self.operand(value)?) {
+            (Some(name), Operand { kind: OperandKind::Block(_), span }) => {
+                Some(Operand { kind: OperandKind::Block(name), span })
+            }
+            (Some(name), Operand { kind: OperandKind::Path(path), span })
+                if matches!(path.root, ast::PathRoot::Quoted { .. }) =>
+            {
+                Some(Operand { kind: OperandKind::Block(name), span })
+            }
+            (_, operand) => Some(operand),
+        }
+    }
+
+    fn call(&mut self, graph: &Graph, plan: &Plan, at: usize, target: Operand, instance: Option<Operand>) {
+        let element = &graph.elements[at];
+        let mut parameters = Vec::new();
+        let mut results = Vec::new();
+        for (index, pin) in element.pins.iter().enumerate() {
+            if matches!(pin.name.as_str(), "en" | "eno") || pin.value == PinValue::Open {
+                continue;
+            }
+            let actual = match &pin.value {
+                PinValue::Operand(value) if !pin.negated => match self.operand(value) {
+                    Some(operand) => operand,
+                    None => return,
+                },
+                PinValue::Operand(_) | PinValue::Net(_) if !pin.output => {
+                    let typed = match pin.value {
+                        PinValue::Net(net) => self.typed.get(&net).map(|(operand, _)| operand.clone()),
+                        PinValue::Operand(_) | PinValue::Open => None,
+                    };
+                    match typed {
+                        Some(operand) => operand,
+                        None => {
+                            let value = self.input(graph, plan, at, &pin.name);
+                            match self.stored(&value) {
+                                Logic::Operand(bit) => bit,
+                                _ => return,
+                            }
+                        }
+                    }
+                }
+                PinValue::Net(net) if plan.is_used(*net) && !pin.negated => {
+                    let bit = self.temporary(Elementary::Bool);
+                    results.push((index, bit.clone()));
+                    bit
+                }
+                PinValue::Net(_) if !pin.negated => continue,
+                _ => return self.refuse(pin.span, "an inverted output", "invert the value behind the box"),
+            };
+            parameters.push(Parameter { name: pin.name.to_uppercase(), name_span: pin.span, actual: Some(actual) });
+        }
+        for parameter in &mut parameters {
+            // A row has its pins in small letters, a block has them as they are declared.
+            if let Some(pin) = element.pins.iter().find(|pin| pin.name.eq_ignore_ascii_case(&parameter.name)) {
+                parameter.name = pin.name.clone();
+            }
+            if let Target::Element { row, .. } = &element.target
+                && let Some((pin, _)) = row.pin(&parameter.name)
+            {
+                // The longest spelling is that of the block: `LD` of a counter is LOAD.
+                let names = pin.spellings().filter(|name| *name == "load" || *name == pin.name());
+                parameter.name = names.last().unwrap_or(&parameter.name).to_uppercase();
+            }
+        }
+        let enable = self.input(graph, plan, at, "en");
+        let wanted = self.is_wanted(graph, plan, at, "eno");
+        let call = StatementKind::Call(ast::Call { target, instance, parameters });
+        self.sets_br = true;
+        match enable {
+            Logic::Constant(true) => {
+                if wanted || self.keeps_br {
+                    // A block that does not touch BR has succeeded.
+                    self.push(StlInsn::SetRlo, None);
+                    self.push(StlInsn::Save, None);
+                }
+                self.rlo = None;
+                self.push_kind(call);
+            }
+            enable => {
+                let label = self.new_label();
+                self.evaluate(&enable);
+                self.jump(StlInsn::JumpIfNotBr, &label);
+                self.rlo = None;
+                self.push_kind(call);
+                self.label(&label);
+            }
+        }
+        for (pin, bit) in results {
+            self.outputs.insert((at, pin), Logic::Operand(bit));
+        }
+        self.take_eno(graph, plan, at, wanted);
+    }
+
+    // Values.
+
+    fn unknown_type(&mut self, element: &Element) {
+        self.refuse(
+            element.span,
+            "a box whose type is not in the sources",
+            "give the symbol table or the data block with the operands, too",
+        );
+    }
+
+    /// The type of a box: its setting, or that of its operands.
+    fn box_type(&mut self, element: &Element, pins: &[&str]) -> Option<Elementary> {
+        let set = element.template(TemplateKey::Source).or_else(|| element.template(TemplateKey::Value));
+        if let Some(template) = set.filter(|template| !template.value.trim().is_empty()) {
+            if let Some(ty) = elementary(&template.value) {
+                return Some(ty);
+            }
+            self.refuse(element.span, format!("the type `{}`", template.value), "use a type of the S7-300");
+            return None;
+        }
+        let mut found: Option<Elementary> = None;
+        for name in pins {
+            let Some(ty) = element.pin(name).and_then(|pin| self.type_of(&pin.value)) else { continue };
+            found = match found {
+                None => Some(ty),
+                // The result is converted to the type of the output.
+                Some(known) if known == ty || *name == "out" => Some(known),
+                Some(known) if known.class() == Class::Signed && ty.class() == Class::Signed => {
+                    Some(if known.bits() >= ty.bits() { known } else { ty })
+                }
+                Some(known) => {
+                    let what = format!("a box of {} and {}", known.name(), ty.name());
+                    self.refuse(element.span, what, "convert one of the operands");
+                    return None;
+                }
+            };
+        }
+        if found.is_none() {
+            self.unknown_type(element);
+        }
+        found
+    }
+
+    /// The type of what is connected to a pin, if it is known.
+    fn type_of(&self, value: &PinValue) -> Option<Elementary> {
+        match value {
+            PinValue::Operand(value) => self.types.of(&super::operand::operand_of(value)?.kind, self.block),
+            PinValue::Net(net) => self.typed.get(net).map(|(_, ty)| *ty),
+            PinValue::Open => None,
+        }
+    }
+
+    /// Loads an input.
+    pub fn load_pin(&mut self, graph: &Graph, at: usize, name: &str, ty: Elementary) {
+        for (insn, operand) in self.load(graph, at, name, ty).unwrap_or_default() {
+            self.push(insn, operand);
+        }
+    }
+
+    /// Statements that load an input as a value of type `ty`.
+    fn load(
+        &mut self,
+        graph: &Graph,
+        at: usize,
+        name: &str,
+        ty: Elementary,
+    ) -> Option<Vec<(StlInsn, Option<Operand>)>> {
+        let element = &graph.elements[at];
+        let pin = element.pin(name);
+        let (operand, from) = match pin.map(|pin| &pin.value) {
+            Some(PinValue::Operand(value)) => {
+                let Some(operand) = self.value_of(value, ty) else {
+                    self.refuse(
+                        value.span,
+                        format!("this constant as {}", ty.name()),
+                        "write it in the range of the type",
+                    );
+                    return None;
+                };
+                let from = self.types.of(&operand.kind, self.block).or_else(|| width_type(&operand.kind));
+                (operand, from)
+            }
+            Some(PinValue::Net(net)) => match self.typed.get(net) {
+                Some((operand, ty)) => (operand.clone(), Some(*ty)),
+                None => {
+                    self.refuse(element.span, format!("a wire with a value at `{name}`"), "put a variable between");
+                    return None;
+                }
+            },
+            Some(PinValue::Open) | None => {
+                self.refuse(element.span, format!("a box whose input `{name}` is open"), "connect an operand");
+                return None;
+            }
+        };
+        let is_number = matches!(operand.kind, OperandKind::Literal(Literal::Int(_) | Literal::Bits { .. }));
+        let from = match from {
+            Some(from) => from,
+            None if is_number => ty,
+            // Its own type, which nobody else needs here.
+            None if ty == Elementary::S5Time => ty,
+            None => {
+                self.unknown_type(element);
+                return None;
+            }
+        };
+        let conversion = self.conversion(from, ty, operand.span)?;
+        let mut load = vec![(StlInsn::Load, Some(operand))];
+        load.extend(conversion.iter().map(|insn| (*insn, None)));
+        Some(load)
+    }
+
+    /// Stores ACCU1, of type `ty`, to what is connected to an output.
+    pub fn store_pin(&mut self, graph: &Graph, plan: &Plan, at: usize, name: &str, ty: Elementary) {
+        let element = &graph.elements[at];
+        for pin in element.pins.iter().filter(|pin| pin.output && pin.name.eq_ignore_ascii_case(name)) {
+            match &pin.value {
+                PinValue::Operand(value) => {
+                    let Some(operand) = self.operand(value) else { return };
+                    let known = self.types.of(&operand.kind, self.block).or_else(|| width_type(&operand.kind));
+                    let Some(to) = known else { return self.unknown_type(element) };
+                    let Some(conversion) = self.conversion(ty, to, value.span) else { return };
+                    conversion.iter().for_each(|insn| self.push(*insn, None));
+                    self.push(StlInsn::Transfer, Some(operand));
+                }
+                PinValue::Net(net) if plan.is_used(*net) => {
+                    let operand = self.temporary(ty);
+                    self.push(StlInsn::Transfer, Some(operand.clone()));
+                    self.typed.insert(*net, (operand, ty));
+                }
+                PinValue::Net(_) | PinValue::Open => {}
+            }
+        }
+    }
+
+    /// Instructions that turn a value of one type into one of another.
+    fn conversion(&mut self, from: Elementary, to: Elementary, span: Span) -> Option<&'static [StlInsn]> {
+        use Elementary::{Byte, Char, Dint, Int, Real};
+        let same_bits = from.bits() == to.bits() && (from == Real) == (to == Real);
+        Some(match (from, to) {
+            _ if from == to => &[],
+            (Int, Dint) => &[StlInsn::IToD],
+            (Int, Real) => &[StlInsn::IToD, StlInsn::DToR],
+            (Dint, Real) => &[StlInsn::DToR],
+            _ if same_bits && from.bits() > 1 => &[],
+            // L fills with zeros.
+            (Byte | Char, _) if to.bits() > 8 && to != Real => &[],
+            (Elementary::Word | Elementary::Uint, Elementary::Dword | Dint | Elementary::Udint) => &[],
+            (Elementary::Usint, _) if to.bits() > 8 && to != Real => &[],
+            _ => {
+                let what = format!("a conversion of {} to {} by a box", from.name(), to.name());
+                self.refuse(span, what, "put a CONVERT before it");
+                return None;
+            }
+        })
+    }
+}
+
+/// The type that an absolute address has by its width.
+fn width_type(kind: &OperandKind) -> Option<Elementary> {
+    let (OperandKind::Absolute { width, .. } | OperandKind::DbAbsolute { width, .. }) = kind else { return None };
+    Some(match width {
+        Width::Bit => Elementary::Bool,
+        Width::Byte => Elementary::Byte,
+        Width::Word => Elementary::Word,
+        Width::Dword => Elementary::Dword,
+        Width::Lword => Elementary::Lword,
+    })
+}

@@ -1,0 +1,150 @@
+//! Operands of networks as operands of STL.
+
+use plcc_syntax::Elementary;
+use plcc_syntax::ast::{BlockName, Bound, Operand, OperandKind, Path, PathPart, PathRoot};
+use plcc_syntax::literal::Literal;
+use plcc_syntax::scl;
+use plcc_syntax::scl::ast::{Expr, ExprKind, Name, NameForm};
+
+use super::Maker;
+use super::logic::Logic;
+use crate::operand::constant;
+
+impl Maker<'_> {
+    /// A Boolean operand: a bit, or TRUE and FALSE.
+    pub fn bit(&mut self, value: &Expr) -> Logic {
+        if let ExprKind::Literal(_) = &value.kind {
+            return match constant(value) {
+                Some(Literal::Bool(value)) => Logic::Constant(value),
+                Some(Literal::Int(value @ (0 | 1))) => Logic::Constant(value == 1),
+                _ => {
+                    self.refuse(value.span, "this constant as a bit", "write TRUE or FALSE");
+                    Logic::Constant(false)
+                }
+            };
+        }
+        match self.operand(value) {
+            Some(operand) => Logic::Operand(operand),
+            None => Logic::Constant(false),
+        }
+    }
+
+    /// An operand, or a message.
+    pub fn operand(&mut self, value: &Expr) -> Option<Operand> {
+        let mut found = operand_of(value);
+        if found.is_none() {
+            self.refuse(value.span, "this operand", "copy it into a variable first");
+        }
+        // In STL the value of a function is RET_VAL.
+        if let Some(Operand { kind: OperandKind::Path(Path { root: PathRoot::Local { name, .. }, .. }), .. }) =
+            &mut found
+            && self.block.return_type.is_some()
+            && matches!(&self.block.name, BlockName::Symbol { name: own, .. } if own.eq_ignore_ascii_case(name))
+        {
+            *name = "RET_VAL".to_string();
+        }
+        found
+    }
+
+    /// A value to load as one of type `ty`: constants in the form of the type.
+    pub fn value_of(&mut self, value: &Expr, ty: Elementary) -> Option<Operand> {
+        let Some(literal) = constant(value) else { return self.operand(value) };
+        let literal = match (literal, ty) {
+            (Literal::Int(number), Elementary::Dint | Elementary::Time) => Literal::Dint(i32::try_from(number).ok()?),
+            (Literal::Int(number), Elementary::Real) => Literal::Real(number as f32),
+            (Literal::Int(number), Elementary::Word) => Literal::Word(u16::try_from(number).ok()?),
+            (Literal::Int(number), Elementary::Byte) => Literal::Byte(u8::try_from(number).ok()?),
+            (Literal::Int(number), Elementary::Dword) => Literal::Dword(u32::try_from(number).ok()?),
+            (Literal::Bits { value, .. }, Elementary::Dword) => Literal::Dword(value),
+            (Literal::Bits { value, .. }, Elementary::Word) => Literal::Word(u16::try_from(value).ok()?),
+            (Literal::Bits { value, .. }, Elementary::Dint) => Literal::Dint(value as i32),
+            (Literal::Bits { value, .. }, Elementary::Real) => Literal::Real(value as f32),
+            (literal, _) => literal,
+        };
+        Some(Operand { kind: OperandKind::Literal(literal), span: value.span })
+    }
+}
+
+/// The operand that an expression is, if STL has it.
+pub(crate) fn operand_of(value: &Expr) -> Option<Operand> {
+    let span = value.span;
+    let kind = match &value.kind {
+        ExprKind::Absolute(kind) => kind.clone(),
+        ExprKind::Name(name) => match (name.form, scl::absolute(&name.text)) {
+            (NameForm::Bare, Some(kind)) => kind,
+            _ => OperandKind::Path(Path { root: root(name), parts: Vec::new(), span }),
+        },
+        ExprKind::Member { .. } | ExprKind::Index { .. } => {
+            let (root, parts) = path(value)?;
+            OperandKind::Path(Path { root, parts, span })
+        }
+        ExprKind::MemberAbsolute { base, width, byte, bit } => {
+            let db = match &base.kind {
+                ExprKind::Name(Name { text, form: NameForm::Quoted, span }) => {
+                    BlockName::Symbol { name: text.clone(), span: *span }
+                }
+                ExprKind::Absolute(OperandKind::Block(name)) => name.clone(),
+                ExprKind::Name(name) => match scl::absolute(&name.text)? {
+                    OperandKind::Block(name) => name,
+                    _ => return None,
+                },
+                _ => return None,
+            };
+            OperandKind::DbAbsolute { db, width: *width, byte: *byte, bit: *bit }
+        }
+        _ => OperandKind::Literal(constant(value)?),
+    };
+    Some(Operand { kind, span })
+}
+
+fn root(name: &Name) -> PathRoot {
+    let (name, span, form) = (name.text.clone(), name.span, name.form);
+    match form {
+        NameForm::Bare => PathRoot::Bare { name, span },
+        NameForm::Local => PathRoot::Local { name, span },
+        NameForm::Quoted => PathRoot::Quoted { name, span },
+    }
+}
+
+fn path(value: &Expr) -> Option<(PathRoot, Vec<PathPart>)> {
+    match &value.kind {
+        ExprKind::Name(name) => match (name.form, scl::absolute(&name.text)) {
+            (NameForm::Bare, Some(OperandKind::Block(block))) => Some((PathRoot::Block(block), Vec::new())),
+            _ => Some((root(name), Vec::new())),
+        },
+        ExprKind::Absolute(OperandKind::Block(block)) => Some((PathRoot::Block(block.clone()), Vec::new())),
+        ExprKind::Member { base, name } => {
+            let (root, mut parts) = path(base)?;
+            parts.push(PathPart::Member { name: name.text.clone(), span: name.span });
+            Some((root, parts))
+        }
+        ExprKind::Index { base, indices } => {
+            let (root, mut parts) = path(base)?;
+            let values = indices.iter().map(index).collect::<Option<Vec<Bound>>>()?;
+            parts.push(PathPart::Index { values, span: value.span });
+            Some((root, parts))
+        }
+        _ => None,
+    }
+}
+
+/// An index must be a number.
+fn index(value: &Expr) -> Option<Bound> {
+    match constant(value)? {
+        Literal::Int(number) => Some(Bound::Number(number, value.span)),
+        _ => None,
+    }
+}
+
+/// A block that an element calls.
+pub(super) fn block_name(value: &Expr) -> Option<BlockName> {
+    match operand_of(value)?.kind {
+        OperandKind::Block(name) => Some(name),
+        OperandKind::Path(Path {
+            root: PathRoot::Quoted { name, span } | PathRoot::Bare { name, span },
+            parts,
+            ..
+        }) if parts.is_empty() => Some(BlockName::Symbol { name, span }),
+        _ => None,
+    }
+}

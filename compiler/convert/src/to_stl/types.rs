@@ -1,0 +1,177 @@
+//! Types of operands, where a box does not name its own.
+
+use std::collections::HashMap;
+
+use plcc_syntax::Elementary;
+use plcc_syntax::ast::{
+    Block, BlockName, CodeBlock, CodeKind, DataContent, OperandKind, PathPart, PathRoot, SourceUnit, TypeKind, TypeRef,
+    Variable, Width,
+};
+use plcc_syntax::literal::Literal;
+use plcc_syntax::symbols::SymbolTable;
+
+/// What the sources of a program declare.
+#[derive(Default)]
+pub struct Types<'a> {
+    /// Types of symbols, by folded names.
+    symbols: HashMap<String, Elementary>,
+    data: HashMap<String, &'a [Variable]>,
+    types: HashMap<String, &'a [Variable]>,
+    /// The blocks of instances, by folded names of their data blocks.
+    instances: HashMap<String, BlockName>,
+    function_blocks: HashMap<String, &'a BlockName>,
+}
+
+impl<'a> Types<'a> {
+    pub fn new(units: impl Iterator<Item = &'a SourceUnit>, tables: &[SymbolTable]) -> Types<'a> {
+        let mut types = Types::default();
+        for symbol in tables.iter().flat_map(|table| &table.symbols) {
+            if let Some(ty) = elementary(&symbol.ty) {
+                types.symbols.insert(symbol.name.to_lowercase(), ty);
+            }
+        }
+        for block in units.flat_map(|unit| &unit.blocks) {
+            match block {
+                Block::Data(data) => match &data.content {
+                    DataContent::Struct(members) => drop(types.data.insert(key(&data.name), members)),
+                    DataContent::OfType(TypeRef { kind: TypeKind::Block(of), .. }) => {
+                        types.instances.insert(key(&data.name), of.clone());
+                    }
+                    DataContent::OfType(TypeRef { kind: TypeKind::Named(name), span }) => {
+                        let of = BlockName::Symbol { name: name.clone(), span: *span };
+                        types.instances.insert(key(&data.name), of);
+                    }
+                    DataContent::OfType(_) | DataContent::Array(..) | DataContent::Empty => {}
+                },
+                Block::Type(ty) => {
+                    types.types.insert(key(&ty.name), &ty.members);
+                }
+                Block::Code(block) if block.kind == CodeKind::Fb => {
+                    types.function_blocks.insert(key(&block.name), &block.name);
+                }
+                Block::Code(_) => {}
+            }
+        }
+        types
+    }
+
+    /// The block whose instance a data block is.
+    pub fn instance_of(&self, name: &BlockName) -> Option<BlockName> {
+        let of = self.instances.get(&key(name))?;
+        // In the letter case of its declaration.
+        Some(self.function_blocks.get(&key(of)).map_or_else(|| of.clone(), |known| (*known).clone()))
+    }
+
+    /// Whether a name is that of a data block.
+    pub fn is_data(&self, name: &BlockName) -> bool {
+        self.data.contains_key(&key(name))
+    }
+
+    /// Whether elements of an array are instances, which STL does not have.
+    pub fn is_array_of_instances(&self, ty: &TypeRef) -> bool {
+        let TypeKind::Array { element, .. } = &ty.kind else { return false };
+        match &element.kind {
+            TypeKind::Named(name) => self.function_blocks.contains_key(&name.to_lowercase()),
+            TypeKind::Block(name) => self.function_blocks.contains_key(&key(name)),
+            _ => self.is_array_of_instances(element),
+        }
+    }
+
+    /// The type of an operand; for an absolute address the width alone says nothing, so there is none.
+    pub fn of(&self, kind: &OperandKind, block: &CodeBlock) -> Option<Elementary> {
+        match kind {
+            OperandKind::Literal(literal) => of_literal(literal),
+            OperandKind::Absolute { width: Width::Bit, .. } => Some(Elementary::Bool),
+            OperandKind::Path(path) => {
+                let (members, rest): (Vec<&Variable>, &[PathPart]) = match &path.root {
+                    PathRoot::Quoted { name, .. } | PathRoot::Bare { name, .. } if path.parts.is_empty() => {
+                        let known = self.symbols.get(&name.to_lowercase()).copied();
+                        return known.or_else(|| self.local(block, name, &[]));
+                    }
+                    PathRoot::Local { name, .. } | PathRoot::Bare { name, .. } => {
+                        return self.local(block, name, &path.parts);
+                    }
+                    PathRoot::Quoted { name, .. } => {
+                        (self.data.get(&name.to_lowercase())?.iter().collect(), &path.parts)
+                    }
+                    PathRoot::Block(name) => (self.data.get(&key(name))?.iter().collect(), &path.parts),
+                };
+                self.member(&members, rest)
+            }
+            _ => None,
+        }
+    }
+
+    fn local(&self, block: &CodeBlock, name: &str, parts: &[PathPart]) -> Option<Elementary> {
+        let variables: Vec<&Variable> = block.sections.iter().flat_map(|section| &section.variables).collect();
+        if let BlockName::Symbol { name: own, .. } = &block.name
+            && let Some(ty) = &block.return_type
+            && (own.eq_ignore_ascii_case(name) || name.eq_ignore_ascii_case("RET_VAL"))
+        {
+            return self.part(ty, parts);
+        }
+        let variable = variables.iter().find(|variable| variable.name.eq_ignore_ascii_case(name))?;
+        self.part(&variable.ty, parts)
+    }
+
+    fn member(&self, members: &[&Variable], parts: &[PathPart]) -> Option<Elementary> {
+        let (PathPart::Member { name, .. }, rest) = parts.split_first()? else { return None };
+        let variable = members.iter().find(|variable| variable.name.eq_ignore_ascii_case(name))?;
+        self.part(&variable.ty, rest)
+    }
+
+    fn part(&self, ty: &TypeRef, parts: &[PathPart]) -> Option<Elementary> {
+        match (&ty.kind, parts.split_first()) {
+            (TypeKind::Named(name), None) => elementary(name),
+            (TypeKind::Array { element, .. }, Some((PathPart::Index { .. }, rest))) => self.part(element, rest),
+            (TypeKind::Struct(members), Some(_)) => self.member(&members.iter().collect::<Vec<_>>(), parts),
+            (TypeKind::Block(name), Some(_)) => {
+                let members = self.types.get(&key(name))?;
+                self.member(&members.iter().collect::<Vec<_>>(), parts)
+            }
+            _ => None,
+        }
+    }
+}
+
+fn key(name: &BlockName) -> String {
+    match name {
+        BlockName::Numbered { prefix, number, .. } => format!("{} {number}", prefix.letters()),
+        BlockName::Symbol { name, .. } => name.to_lowercase(),
+    }
+}
+
+/// The elementary type of that name.
+pub fn elementary(name: &str) -> Option<Elementary> {
+    let name = name.trim().to_uppercase();
+    let name = match name.as_str() {
+        "TOD" => "TIME_OF_DAY",
+        name => name,
+    };
+    Elementary::ALL.into_iter().find(|ty| ty.name() == name)
+}
+
+fn of_literal(literal: &Literal) -> Option<Elementary> {
+    Some(match literal {
+        Literal::Bool(_) => Elementary::Bool,
+        Literal::Dint(_) => Elementary::Dint,
+        Literal::Byte(_) => Elementary::Byte,
+        Literal::Word(_) | Literal::Counter(_) => Elementary::Word,
+        Literal::Dword(_) => Elementary::Dword,
+        Literal::Real(_) => Elementary::Real,
+        Literal::S5Time(_) => Elementary::S5Time,
+        Literal::Time(_) => Elementary::Time,
+        Literal::Date(_) => Elementary::Date,
+        Literal::TimeOfDay(_) => Elementary::TimeOfDay,
+        // The other operand decides.
+        Literal::Int(_)
+        | Literal::Bits { .. }
+        | Literal::Bytes2(_)
+        | Literal::Bytes4(_)
+        | Literal::DateAndTime(_)
+        | Literal::Text(_)
+        | Literal::Pointer(_)
+        | Literal::AreaPointer { .. }
+        | Literal::Any(_) => return None,
+    })
+}

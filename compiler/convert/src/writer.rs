@@ -1,0 +1,58 @@
+//! What all writers share: the text so far, the comments still to come, messages.
+
+use plcc_diag::{Code, Diagnostic, Severity, Span};
+use plcc_syntax::literal::Literal;
+use plcc_syntax::stl::Mnemonics;
+
+use crate::literal;
+use crate::out::Out;
+use crate::trivia::Trivia;
+
+/// The notation of text that is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Notation {
+    Stl,
+    Scl,
+    /// SIMATIC SD.
+    Sd,
+}
+
+/// A source that grows.
+pub(crate) struct Writer<'a> {
+    pub out: Out,
+    pub trivia: Trivia<'a>,
+    pub notation: Notation,
+    pub mnemonics: Mnemonics,
+    /// The text that spans mean, if its constants are written as in the new notation.
+    pub source: Option<&'a str>,
+    /// Comments that are written before their place in the source is reached.
+    pub written: Vec<String>,
+    pub messages: Vec<Diagnostic>,
+}
+
+impl<'a> Writer<'a> {
+    pub fn new(notation: Notation, mnemonics: Mnemonics, trivia: Trivia<'a>, source: Option<&'a str>) -> Writer<'a> {
+        Writer { out: Out::default(), trivia, notation, mnemonics, source, written: Vec::new(), messages: Vec::new() }
+    }
+
+    /// A constant as the author wrote it, if the notation has it so; otherwise in its usual form.
+    pub fn slice(&self, span: Span, value: &Literal) -> String {
+        let same = |text: &&str| plcc_syntax::literal::parse(text).as_ref() == Ok(value);
+        let has_area = matches!(value, Literal::AreaPointer { .. } | Literal::Any(_));
+        let text = self.source.filter(|_| !has_area).and_then(|source| source.get(span.range()));
+        text.filter(same).map_or_else(|| literal::stl(value, self.mnemonics), str::to_string)
+    }
+
+    /// Something that the notation cannot say.
+    pub fn refuse(&mut self, span: Span, title: impl Into<String>, help: &str) {
+        let message = Diagnostic::new(Code::NotConverted, span, title);
+        self.messages.push(message.label("cannot be converted").help(help));
+    }
+
+    /// Something that is not in the new source, though it compiles.
+    pub fn warn(&mut self, span: Span, title: impl Into<String>, help: &str) {
+        let mut message = Diagnostic::new(Code::NotConverted, span, title);
+        message.severity = Severity::Warning;
+        self.messages.push(message.label("is lost").help(help));
+    }
+}
