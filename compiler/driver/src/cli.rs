@@ -368,7 +368,7 @@ pub struct PlotArgs {
     /// A trace, written by `--trace FILE.csv`.
     #[arg(value_name = "TRACE.csv")]
     pub trace: PathBuf,
-    /// Output file [default: the name of the trace with the extension svg].
+    /// Output file [default: the name of the trace with the extension svg]; FILE.html is a page with zoom and cursors.
     #[arg(short, value_name = "OUT.svg")]
     pub output: Option<PathBuf>,
     /// Title above the picture.
@@ -384,6 +384,12 @@ pub struct ViewArgs {
     /// Folder for SVG files, one for each network and chart.
     #[arg(short, long = "out", value_name = "DIR")]
     pub output: Option<PathBuf>,
+    /// One HTML document for the whole program.
+    #[arg(long, value_name = "FILE.html", required_unless_present = "output")]
+    pub html: Option<PathBuf>,
+    /// Show the state that a trace (`--trace FILE.csv` of a run) has at a time, by default at its end: power flow, active steps, values.
+    #[arg(long, value_name = "TRACE.csv[@TIME]")]
+    pub state: Option<String>,
     #[command(flatten)]
     pub compile: CompileArgs,
 }

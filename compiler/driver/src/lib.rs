@@ -18,6 +18,7 @@ use clap::Parser;
 pub mod axes;
 pub mod cache;
 pub mod cli;
+mod drawings;
 pub mod code;
 pub mod command;
 pub mod content;

@@ -1,12 +1,19 @@
 //! A whole program as pages: one for each block, with its drawings and its text.
 
+use std::collections::HashMap;
+
 use plcc_abi::image::BlockKind;
-use plcc_model::{BlockKey, Program};
-use plcc_syntax::ast::{self, BlockName, Code, CodeBlock, CodeKind, SourceUnit};
+use plcc_model::{BlockKey, Direction, Program};
+use plcc_diag::Span;
+use plcc_syntax::ast::{
+    self, BlockName, Code, CodeBlock, CodeKind, DataContent, SectionKind, SourceUnit, TypeKind, Variable,
+};
 use plcc_syntax::chart::ast::{Permanent, PermanentKind};
 use plcc_syntax::network::ast::{Content, Language, Network};
+use plcc_syntax::s7200::ast as s7200;
 use plcc_syntax::stl::Mnemonics;
 
+use crate::data;
 use crate::listing::{self, Listing};
 use crate::names::{Names, Scope};
 use crate::scene::Scene;
@@ -35,6 +42,8 @@ pub struct Page {
     /// Declarations, as rows of a table.
     pub declarations: Vec<Declaration>,
     pub sections: Vec<Section>,
+    /// Whose local names its texts have.
+    pub scope: Scope,
 }
 
 /// A row of the interface of a block, or a component of a data block.
@@ -67,7 +76,7 @@ pub struct Section {
 /// What a section shows.
 #[derive(Clone, Debug)]
 pub enum Body {
-    Drawing { scene: Scene, sheet: Option<Sheet> },
+    Drawing { scene: Scene, sheet: Sheet },
     Text(Listing),
 }
 
@@ -79,19 +88,21 @@ impl Default for Body {
 
 /// How a book is made.
 #[derive(Clone, Copy, Debug)]
-pub struct Options {
+pub struct Options<'a> {
     /// Width of drawings in pixels, after which networks go on in a second line.
     pub width: i32,
+    /// Values of operands by their keys, which are drawn beside them.
+    pub values: Option<&'a HashMap<String, String>>,
 }
 
-impl Default for Options {
-    fn default() -> Options {
-        Options { width: 1100 }
+impl Default for Options<'_> {
+    fn default() -> Self {
+        Options { width: 1100, values: None }
     }
 }
 
 /// The book of a program: its sources with their texts, and what binding found out about names.
-pub fn book(title: &str, units: &[(&str, &SourceUnit)], program: &Program, options: Options) -> Book {
+pub fn book(title: &str, units: &[(&str, &SourceUnit)], program: &Program, options: Options<'_>) -> Book {
     book_with(title, units, &Names::of(program), Some(program), options)
 }
 
@@ -101,7 +112,7 @@ pub fn book_with(
     units: &[(&str, &SourceUnit)],
     names: &Names,
     program: Option<&Program>,
-    options: Options,
+    options: Options<'_>,
 ) -> Book {
     let mut book = Book { title: title.to_string(), pages: Vec::new() };
     for (text, unit) in units {
@@ -110,8 +121,19 @@ pub fn book_with(
         for block in &unit.blocks {
             match block {
                 ast::Block::Code(block) => book.pages.push(maker.code(block)),
-                ast::Block::Data(_) | ast::Block::Type(_) => {}
+                ast::Block::Data(block) => book.pages.push(maker.data(block)),
+                ast::Block::Type(block) => {
+                    let mut page = maker.page(BlockKind::Db, &block.name, &block.header);
+                    if page.name.is_empty() || matches!(block.name, BlockName::Symbol { .. }) {
+                        page.id = format!("UDT {}", page.id.trim_start_matches("UDT "));
+                    }
+                    maker.declare(&block.members, "", 0, &mut page.declarations);
+                    book.pages.push(page);
+                }
             }
+        }
+        for block in unit.s7200.iter().flat_map(|source| &source.blocks) {
+            book.pages.push(maker.s7200(block));
         }
     }
     book
@@ -122,7 +144,7 @@ struct Maker<'a> {
     unit: &'a SourceUnit,
     names: &'a Names,
     program: Option<&'a Program>,
-    options: Options,
+    options: Options<'a>,
 }
 
 impl Maker<'_> {
@@ -137,24 +159,28 @@ impl Maker<'_> {
         let key = self.key(kind, &block.name);
         let german = self.unit.mnemonics == Mnemonics::De;
         let scope = key.map_or(Scope { german, ..Scope::default() }, |key| self.names.scope(key, german));
-        let name = match &block.name {
-            BlockName::Symbol { name, .. } => name.clone(),
-            BlockName::Numbered { .. } => {
-                key.and_then(|key| self.program?.block(key)).map_or(String::new(), |block| block.name.clone())
+        let mut page = self.page(kind, &block.name, &block.header);
+        for section in &block.sections {
+            let name = match section.kind {
+                SectionKind::Input => "Input",
+                SectionKind::Output => "Output",
+                SectionKind::InOut => "InOut",
+                SectionKind::Static => "Static",
+                SectionKind::Temp => "Temp",
+            };
+            self.declare(&section.variables, name, 0, &mut page.declarations);
+        }
+        if let Some(of) = &block.return_type {
+            let ty = self.words(of.span);
+            page.declarations.push(Declaration { section: "Return", name: "RET_VAL".to_string(), ty, ..Declaration::default() });
+        }
+        for row in &mut page.declarations {
+            if row.depth == 0 && matches!(row.section, "Input" | "Output" | "InOut" | "Static") {
+                let address = self.names.key(&format!("#\"{}\"", row.name), scope).unwrap_or_default();
+                row.address = if address.starts_with('#') { String::new() } else { address };
             }
-        };
-        let id = match (key, &block.name) {
-            (Some(key), _) => key.to_string(),
-            (None, BlockName::Numbered { prefix, number, .. }) => format!("{} {number}", prefix.letters()),
-            (None, BlockName::Symbol { name, .. }) => name.clone(),
-        };
-        let mut page = Page {
-            id,
-            name,
-            title: block.header.title.clone().unwrap_or_default(),
-            comment: block.header.comment.clone(),
-            ..Page::default()
-        };
+        }
+        page.scope = scope;
         match &block.code {
             Code::Graphic(body) => {
                 let is_fbd = body.networks.iter().any(|network| network.language == Language::Fbd);
@@ -166,11 +192,25 @@ impl Maker<'_> {
                     .map(|(at, network)| self.network(at + 1, network, scope))
                     .collect();
             }
-            Code::Stl(_) => page.language = "STL",
-            Code::Scl(_) => page.language = "SCL",
+            Code::Stl(networks) => {
+                page.language = "STL";
+                page.sections = networks.iter().enumerate().map(|(at, network)| self.stl(at + 1, network, scope)).collect();
+            }
+            Code::Scl(body) => {
+                page.language = "SCL";
+                let spans = body.statements.iter().map(|statement| statement.span);
+                let text = listing::of_spans(self.text, spans, self.unit.overlay.is_some(), listing::Kind::Scl);
+                page.sections = vec![Section { content: Body::Text(text), ..Section::default() }];
+            }
             Code::Chart(body) => {
                 page.language = "GRAPH";
-                let tiles = Tiles { text: self.text, names: self.names, scope };
+                let tiles = Tiles {
+                    text: self.text,
+                    names: self.names,
+                    scope,
+                    values: self.options.values,
+                    all: Default::default(),
+                };
                 page.sections = self.chart(body, &tiles);
             }
         }
@@ -194,9 +234,167 @@ impl Maker<'_> {
         };
         let scene = chart::draw(body, tiles);
         let mut sections = permanent(&body.before, "Permanent instructions before the sequence");
-        sections.push(Section { content: Body::Drawing { scene, sheet: None }, ..Section::default() });
+        let sheet = tiles.all.take();
+        sections.push(Section { content: Body::Drawing { scene, sheet }, ..Section::default() });
         sections.extend(permanent(&body.after, "Permanent instructions after the sequence"));
         sections
+    }
+
+    /// A page without contents.
+    fn page(&self, kind: BlockKind, name: &BlockName, header: &ast::Header) -> Page {
+        let key = self.key(kind, name);
+        let (number, symbol) = match name {
+            BlockName::Numbered { prefix, number, .. } => {
+                let named = key.and_then(|key| self.program?.block(key)).map(|block| block.name.clone());
+                let db = || self.program?.db(u16::try_from(*number).ok()?).map(|db| db.name.clone());
+                let symbol = if kind == BlockKind::Db { db() } else { named };
+                (format!("{} {number}", prefix.letters()), symbol.unwrap_or_default())
+            }
+            BlockName::Symbol { name, .. } => (key.map_or(name.clone(), |key| key.to_string()), name.clone()),
+        };
+        Page {
+            id: number,
+            name: symbol,
+            title: header.title.clone().unwrap_or_default(),
+            comment: header.comment.clone(),
+            ..Page::default()
+        }
+    }
+
+    fn data(&self, block: &ast::DataBlock) -> Page {
+        let mut page = self.page(BlockKind::Db, &block.name, &block.header);
+        let same = |db: &&plcc_model::DataBlock| match &block.name {
+            BlockName::Numbered { number, .. } => u32::from(db.number) == *number,
+            BlockName::Symbol { name, .. } => db.name.eq_ignore_ascii_case(name),
+        };
+        if let Some(db) = self.program.and_then(|program| program.dbs.iter().find(same)) {
+            page.id = format!("DB {}", db.number);
+            page.name = db.name.clone();
+            let mut rows = Vec::new();
+            data::members(db.number, &db.members, 0, 0, &mut rows);
+            page.declarations = rows;
+        } else if let DataContent::Struct(variables) = &block.content {
+            self.declare(variables, "", 0, &mut page.declarations);
+        }
+        if let DataContent::OfType(ty) = &block.content {
+            page.comment.insert(0, format!("Type: {}", self.words(ty.span)));
+        }
+        for value in &block.values {
+            let text = self.words(value.span);
+            page.comment.push(text);
+        }
+        page
+    }
+
+    fn declare(&self, list: &[Variable], section: &'static str, depth: usize, rows: &mut Vec<Declaration>) {
+        for variable in list {
+            let members = match &variable.ty.kind {
+                TypeKind::Struct(members) if depth < 40 => Some(members),
+                _ => None,
+            };
+            rows.push(Declaration {
+                section,
+                name: variable.name.clone(),
+                ty: if members.is_some() { "STRUCT".to_string() } else { self.words(variable.ty.span) },
+                initial: variable.initial.as_ref().map_or(String::new(), |value| self.words(value.span)),
+                comment: variable.comment.clone().unwrap_or_default(),
+                address: String::new(),
+                depth,
+            });
+            if let Some(members) = members {
+                self.declare(members, section, depth + 1, rows);
+            }
+        }
+    }
+
+    /// The text of a place, in one line.
+    fn words(&self, span: Span) -> String {
+        let text = self.text.get(span.start as usize..span.end as usize).unwrap_or_default();
+        text.split_whitespace().collect::<Vec<_>>().join(" ")
+    }
+
+    fn stl(&self, number: usize, network: &ast::Network, scope: Scope) -> Section {
+        let label = |operand: &ast::Operand| self.names.label(&self.words(operand.span), scope);
+        let drawn = sheet::stl::sheet(&network.statements, &label, &|block, formal| self.is_output(block, formal));
+        let spans = network.statements.iter().map(|statement| statement.span);
+        Section {
+            number,
+            title: network.title.clone().unwrap_or_default(),
+            comment: network.comment.clone(),
+            ..self.rungs(drawn, spans)
+        }
+    }
+
+    /// The ladder of a network in STL, or its text and why it is no ladder.
+    fn rungs(&self, drawn: Result<Sheet, String>, spans: impl Iterator<Item = Span>) -> Section {
+        match drawn {
+            Ok(mut sheet) => {
+                if let Some(values) = self.options.values {
+                    sheet.show(&|key| values.get(key).cloned());
+                }
+                let scene = ladder::draw(&sheet, self.options.width);
+                Section { content: Body::Drawing { scene, sheet }, ..Section::default() }
+            }
+            Err(reason) => {
+                let text = listing::of_spans(self.text, spans, self.unit.overlay.is_some(), listing::Kind::Stl);
+                let reason = if reason.is_empty() { reason } else { format!("Not shown as LAD: {reason}.") };
+                Section { reason, content: Body::Text(text), ..Section::default() }
+            }
+        }
+    }
+
+    /// Whether the parameter of a block is an output.
+    fn is_output(&self, block: &str, formal: &str) -> bool {
+        let name = block.trim_matches('"');
+        let same = |known: &&plcc_model::CodeBlock| {
+            known.name.eq_ignore_ascii_case(name) || known.key().to_string().replace(' ', "").eq_ignore_ascii_case(&name.replace(' ', ""))
+        };
+        let found = self.program.and_then(|program| program.blocks.iter().find(same));
+        found.is_some_and(|block| {
+            let mut parameters = block.interface.parameters.iter();
+            parameters.any(|known| known.direction == Direction::Output && known.name.eq_ignore_ascii_case(formal))
+        })
+    }
+
+    fn s7200(&self, block: &s7200::Block) -> Page {
+        let prefix = match block.kind {
+            s7200::BlockKind::Main => "OB",
+            s7200::BlockKind::Subroutine => "SBR",
+            s7200::BlockKind::Interrupt => "INT",
+        };
+        let number = block.number.map(|(number, _)| number).or((prefix == "OB").then_some(1));
+        let name = block.name.as_ref().map_or(String::new(), |(name, _)| name.clone());
+        let id = number.map_or(if name.is_empty() { prefix.to_string() } else { name.clone() }, |n| format!("{prefix} {n}"));
+        let mut page =
+            Page { id, name, language: "STL", title: block.title.clone(), comment: block.comment.clone(), ..Page::default() };
+        for row in &block.declarations {
+            page.declarations.push(Declaration {
+                section: match row.section {
+                    s7200::Section::Input => "Input",
+                    s7200::Section::InOut => "InOut",
+                    s7200::Section::Output => "Output",
+                    s7200::Section::Temp => "Temp",
+                },
+                name: row.name.clone(),
+                ty: row.ty.clone(),
+                comment: row.comment.clone().unwrap_or_default(),
+                ..Declaration::default()
+            });
+        }
+        let scope = Scope { german: self.unit.mnemonics == Mnemonics::De, ..Scope::default() };
+        page.scope = scope;
+        for (at, network) in block.networks.iter().enumerate() {
+            let label = |operand: &s7200::Operand| self.names.label(&self.words(operand.span), scope);
+            let drawn = sheet::s7200::sheet(&network.statements, &label);
+            let spans = network.statements.iter().map(|statement| statement.span);
+            page.sections.push(Section {
+                number: network.number.map_or(at + 1, |number| number as usize),
+                title: network.title.clone(),
+                comment: network.comment.clone(),
+                ..self.rungs(drawn, spans)
+            });
+        }
+        page
     }
 
     fn key(&self, kind: BlockKind, name: &BlockName) -> Option<BlockKey> {
@@ -212,12 +410,15 @@ impl Maker<'_> {
     fn network(&self, number: usize, network: &Network, scope: Scope) -> Section {
         let content = match &network.content {
             Content::Graphic(graph) => {
-                let sheet = sheet::network::sheet(graph, network.language, self.names, scope);
+                let mut sheet = sheet::network::sheet(graph, network.language, self.names, scope);
+                if let Some(values) = self.options.values {
+                    sheet.show(&|key| values.get(key).cloned());
+                }
                 let scene = match network.language {
                     Language::Fbd => diagram::draw(&sheet, self.options.width),
                     Language::Lad | Language::Scl | Language::Stl => ladder::draw(&sheet, self.options.width),
                 };
-                Body::Drawing { scene, sheet: Some(sheet) }
+                Body::Drawing { scene, sheet }
             }
             Content::Scl(statements) => {
                 let spans = statements.iter().map(|statement| statement.span);

@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
-use plcc_model::types::{DataType, Member};
 use plcc_model::{BlockKey, DataBlock, Program};
+use plcc_model::types::{DataType, Member};
 
 use crate::sheet::Label;
 
@@ -26,7 +26,7 @@ struct Db {
 }
 
 /// The block whose local names are meant.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Scope {
     /// The instance DB that its static variables are in, if it has only one.
     pub(crate) instance: Option<usize>,
@@ -71,14 +71,16 @@ impl Names {
         let bare = text.strip_prefix('%').unwrap_or(text);
         if let Some(address) = canonical(bare, scope.german) {
             return match self.symbols.get(&address) {
-                Some(symbol) => Label { text: format!("\"{symbol}\""), address: bare.to_string(), key: address },
-                None => Label { text: bare.to_string(), address: String::new(), key: address },
+                Some(symbol) => {
+                    Label { text: format!("\"{symbol}\""), address: bare.to_string(), key: address, value: None }
+                }
+                None => Label { text: bare.to_string(), address: String::new(), key: address, value: None },
             };
         }
         let key = self.key(text, scope).unwrap_or_default();
         let is_tag = !key.is_empty() && self.symbols.contains_key(&key) && !key.starts_with("DB");
         let address = if is_tag { key.clone() } else { String::new() };
-        Label { text: text.to_string(), address, key }
+        Label { text: text.to_string(), address, key, value: None }
     }
 
     /// The address of what `text` names; a local variable without a known address is its own key.
@@ -182,8 +184,7 @@ fn path(text: &str) -> Option<(bool, Vec<String>)> {
 /// Areas with an address of a byte, and with that of a bit only if the width says so.
 const AREAS: &[&str] = &["PI", "PQ", "SM", "AI", "AQ", "I", "Q", "M", "V", "L", "S"];
 /// Areas that the German set calls by other letters.
-const GERMAN: &[(&str, &str)] =
-    &[("PE", "PI"), ("PA", "PQ"), ("AE", "AI"), ("AA", "AQ"), ("E", "I"), ("A", "Q"), ("Z", "C")];
+const GERMAN: &[(&str, &str)] = &[("PE", "PI"), ("PA", "PQ"), ("AE", "AI"), ("AA", "AQ"), ("E", "I"), ("A", "Q"), ("Z", "C")];
 
 /// An address in one form: `I0.0`, `MW10`, `DB5.DBX2.0`, `T5`. None if it is none.
 pub fn canonical(text: &str, german: bool) -> Option<String> {
@@ -200,8 +201,7 @@ pub fn canonical(text: &str, german: bool) -> Option<String> {
         let part = part.strip_prefix('%').unwrap_or(part);
         let rest = part.strip_prefix("DB").or_else(|| part.strip_prefix('D')).filter(|_| digits(number))?;
         let (width, place) = rest.split_at_checked(1)?;
-        let good =
-            if width == "X" { bit_address(place) } else { matches!(width, "B" | "W" | "D" | "L") && digits(place) };
+        let good = if width == "X" { bit_address(place) } else { matches!(width, "B" | "W" | "D" | "L") && digits(place) };
         return good.then(|| format!("DB{number}.DB{width}{place}"));
     }
     let text = match german {

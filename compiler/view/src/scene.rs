@@ -102,6 +102,8 @@ pub enum Ink {
     Mark,
     /// Comments and other notes.
     Note,
+    /// The value of an operand.
+    Value,
     Plain,
 }
 
@@ -110,7 +112,7 @@ impl Ink {
     pub const fn height(self) -> i32 {
         match self {
             Ink::Operand | Ink::Title | Ink::Plain | Ink::Mark => metrics::TEXT,
-            Ink::Address | Ink::Pin | Ink::Detail | Ink::Note => metrics::SMALL,
+            Ink::Address | Ink::Pin | Ink::Detail | Ink::Note | Ink::Value => metrics::SMALL,
         }
     }
 }
@@ -152,6 +154,18 @@ impl Scene {
 
     pub fn frame(&mut self, area: Area, kind: Frame, key: &str) {
         self.items.push(Item::Frame { area, kind, key: key.to_string() });
+    }
+
+    /// Adds `by` to the numbers of all nets.
+    pub fn renumber(&mut self, by: usize) {
+        for item in &mut self.items {
+            match item {
+                Item::Wire { net, .. } | Item::Dot { net, .. } | Item::Circle { net, .. } => {
+                    *net = net.map(|net| net + by);
+                }
+                Item::Rail { .. } | Item::Frame { .. } | Item::Glyph { .. } | Item::Text { .. } | Item::Stroke { .. } => {}
+            }
+        }
     }
 
     /// Adds `other` at a place.

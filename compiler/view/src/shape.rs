@@ -8,6 +8,8 @@ use crate::sheet::{Label, Link, Look, Part, Pin, Place};
 
 /// Characters of a line of an operand.
 const CELLS: usize = 22;
+/// Characters of a value, at least: other values take the same place.
+const VALUE: usize = 8;
 /// The line from a box to what is connected to it.
 pub const STUB: i32 = 14;
 /// From one pin of a box to the next, at least.
@@ -59,7 +61,8 @@ impl Lines {
 
     fn name(label: &Label) -> Lines {
         let lines = metrics::wrapped(&label.text, CELLS).into_iter().map(|line| (line, Ink::Operand));
-        Lines(lines.collect(), label.key.clone())
+        let value = label.value.iter().map(|value| (format!("{value:^VALUE$}"), Ink::Value));
+        Lines(lines.chain(value).collect(), label.key.clone())
     }
 
     fn width(&self) -> i32 {

@@ -1,5 +1,6 @@
 //! Drawings as SVG.
 
+use std::collections::{HashMap, HashSet};
 use std::fmt::Write;
 
 use crate::metrics;
@@ -16,14 +17,14 @@ pub const STYLE: &str = "\
 .v{fill:var(--value,#b25d00);font-weight:bold}.act{fill:var(--active,#b9f0c0)}";
 
 /// A whole file.
-pub fn file(scene: &Scene) -> String {
+pub fn file(scene: &Scene, state: Option<&Shown>) -> String {
     let (width, height) = (scene.width, scene.height);
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" \
          font-family=\"{}\">\n<style>{}</style>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n{}</svg>\n",
         metrics::FONTS,
         plain_style(),
-        content(scene)
+        content(scene, state)
     )
 }
 
@@ -43,14 +44,14 @@ fn plain_style() -> String {
 /// A drawing inside a page, which has the style sheet.
 pub fn inline(scene: &Scene) -> String {
     let (width, height) = (scene.width, scene.height);
-    format!("<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">{}</svg>", content(scene))
+    format!("<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">{}</svg>", content(scene, None))
 }
 
 /// The items, one on each line.
-fn content(scene: &Scene) -> String {
+fn content(scene: &Scene, state: Option<&Shown>) -> String {
     let mut out = String::new();
     for item in &scene.items {
-        write_item(&mut out, item);
+        write_item(&mut out, item, state);
         out.push('\n');
     }
     out
@@ -59,7 +60,7 @@ fn content(scene: &Scene) -> String {
 /// Writing to a String cannot fail.
 const WRITES: &str = "a String takes all text";
 
-fn write_item(out: &mut String, item: &Item) {
+fn write_item(out: &mut String, item: &Item, state: Option<&Shown>) {
     let data = |net: &Option<usize>| net.map_or(String::new(), |net| format!(" data-n=\"{net}\""));
     match item {
         Item::Wire { from, to, net } => {
@@ -68,7 +69,8 @@ fn write_item(out: &mut String, item: &Item) {
                 (0, dy) => format!("v{dy}"),
                 (dx, dy) => format!("l{dx} {dy}"),
             };
-            write!(out, "<path class=\"w\"{} d=\"M{} {}{way}\"/>", data(net), from.0, from.1)
+            let state = state.map_or("", |state| state.class(*net));
+            write!(out, "<path class=\"w{state}\"{} d=\"M{} {}{way}\"/>", data(net), from.0, from.1)
         }
         Item::Dot { at, net } => {
             write!(out, "<circle class=\"d\"{} cx=\"{}\" cy=\"{}\" r=\"2.5\"/>", data(net), at.0, at.1)
@@ -77,14 +79,15 @@ fn write_item(out: &mut String, item: &Item) {
             write!(out, "<path class=\"r\" d=\"M{} {}V{}\"/>", from.0, from.1, to.1)
         }
         Item::Frame { area, kind, key } => {
-            let key = if key.is_empty() { String::new() } else { format!(" data-s=\"{}\"", escaped(key)) };
+            let data = if key.is_empty() { String::new() } else { format!(" data-s=\"{}\"", escaped(key)) };
             let class = match kind {
                 Frame::Box | Frame::Action => "b",
+                Frame::Step | Frame::InitialStep if state.is_some_and(|state| state.active.contains(key)) => "b act",
                 Frame::Step | Frame::InitialStep => "b k",
             };
             write!(
                 out,
-                "<rect class=\"{class}\"{key} x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/>",
+                "<rect class=\"{class}\"{data} x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/>",
                 area.x, area.y, area.w, area.h
             )
             .expect(WRITES);
@@ -172,7 +175,27 @@ fn class(ink: Ink) -> &'static str {
         Ink::Detail => "y",
         Ink::Mark => "m",
         Ink::Note => "c",
+        Ink::Value => "v",
         Ink::Plain => "x",
+    }
+}
+
+/// A state of a drawing.
+#[derive(Clone, Debug, Default)]
+pub struct Shown {
+    /// The values of nets; those that are not there are not known.
+    pub nets: HashMap<usize, bool>,
+    /// Keys of steps that are active.
+    pub active: HashSet<String>,
+}
+
+impl Shown {
+    fn class(&self, net: Option<usize>) -> &'static str {
+        match net.and_then(|net| self.nets.get(&net)) {
+            Some(true) => " on",
+            Some(false) => " off",
+            None => " un",
+        }
     }
 }
 

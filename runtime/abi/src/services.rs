@@ -16,6 +16,8 @@ pub struct ServicesConfig {
     pub web: Option<String>,
     /// Who may sign in on the page; without users everyone may look.
     pub users: Vec<User>,
+    /// The program as an HTML document, compressed by gzip, for the page.
+    pub drawings: Vec<u8>,
     /// URL of a broker.
     pub mqtt: Option<String>,
     /// What clients may do that no entry of `clients` names.

@@ -40,7 +40,7 @@ pub struct RunOptions {
     /// Play a scenario: a TOML file (see docs/testing.md)
     #[arg(long, value_name = "FILE")]
     pub scenario: Option<PathBuf>,
-    /// Record values after each cycle in FILE.vcd or FILE.csv
+    /// Record values after each cycle in FILE.vcd, FILE.csv or FILE.html, a page with curves, zoom and cursors
     #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,
     /// Values to record [default: the values of --print and those that the program uses]

@@ -1,6 +1,9 @@
 //! `plcc plot`.
 
+use std::path::Path;
+
 use plcc_runtime::files::{regular, writable};
+use plcc_runtime::trace::page;
 
 use super::exit;
 use crate::cli::PlotArgs;
@@ -14,11 +17,23 @@ pub fn plot(args: &PlotArgs) -> u8 {
         Err(error) => return fail(&format!("cannot read `{trace}`: {error}")),
     };
     let output = args.output.clone().unwrap_or_else(|| args.trace.with_extension("svg"));
+    if output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("html")) {
+        let title = args.title.clone().unwrap_or_else(|| trace.to_string());
+        // A trace that cannot be drawn as a picture is none here either.
+        return match plot::picture(&text, "") {
+            Ok(_) => write(&output, &(page::head(&title) + &text.replace('<', "&lt;") + "</script>\n</body>\n</html>\n")),
+            Err(message) => fail(&format!("{trace}: {message}")),
+        };
+    }
     let picture = match plot::picture(&text, args.title.as_deref().unwrap_or_default()) {
         Ok(picture) => picture,
         Err(message) => return fail(&format!("{trace}: {message}")),
     };
-    match writable(&output).and_then(|()| std::fs::write(&output, picture)) {
+    write(&output, &picture)
+}
+
+fn write(output: &Path, text: &str) -> u8 {
+    match writable(output).and_then(|()| std::fs::write(output, text)) {
         Ok(()) => exit::OK,
         Err(error) => fail(&format!("cannot write `{}`: {error}", output.display())),
     }

@@ -1,17 +1,22 @@
 //! `plcc view`.
 
+use std::collections::HashMap;
 use std::path::Path;
 
-use plcc_runtime::files::writable;
+use plcc_literal::duration;
+use plcc_runtime::files::{regular, writable};
 use plcc_view::book::{self, Body, Book};
-use plcc_view::svg;
+use plcc_view::names::Names;
+use plcc_view::svg::{self, Shown};
+use plcc_view::trace::Trace;
+use plcc_view::{logic, page};
 
 use crate::cli::ViewArgs;
 use crate::command::exit;
 use crate::report::{self, MessageFormat};
 use crate::{inputs, pipeline};
 
-/// Draws a program. Returns 3 if it has errors, and draws what could be read of it.
+/// Draws a program, as far as it could be read. Returns 3 if it has errors.
 pub fn view(args: &ViewArgs) -> u8 {
     let inputs = match inputs::or_here(&args.inputs) {
         Ok(inputs) => inputs,
@@ -25,13 +30,25 @@ pub fn view(args: &ViewArgs) -> u8 {
     let name = parsed.name.clone();
     let mut bound = pipeline::bind(parsed, &settings);
     report::messages(&mut bound.diagnostics, &bound.sources, MessageFormat::Human);
-    let texts: Vec<_> = units.iter().map(|(file, unit)| (bound.sources.file(*file).text.as_str(), unit)).collect();
-    let book = book::book(&name, &texts, &bound.program, book::Options::default());
-    if let Some(folder) = &args.output {
-        if let Err(message) = write_folder(&book, folder) {
+    let names = Names::of(&bound.program);
+    let state = match args.state.as_deref().map(|text| state(text, &names)).transpose() {
+        Ok(state) => state,
+        Err(message) => {
             report::say(&message);
             return exit::USAGE;
         }
+    };
+    let texts: Vec<_> = units.iter().map(|(file, unit)| (bound.sources.file(*file).text.as_str(), unit)).collect();
+    let values = state.as_ref().map(|(trace, time)| trace.at(*time));
+    let options = book::Options { values: values.as_ref(), ..book::Options::default() };
+    let book = book::book(&name, &texts, &bound.program, options);
+    let folder = args.output.as_ref().map_or(Ok(()), |folder| write_folder(&book, folder, values.as_ref()));
+    let html = args.html.as_ref().map_or(Ok(()), |path| {
+        write(path, &page::document(&book, &names, state.as_ref().map(|(trace, time)| (trace, *time))))
+    });
+    if let Err(message) = folder.and(html) {
+        report::say(&message);
+        return exit::USAGE;
     }
     match (unreadable, bound.has_errors()) {
         (true, _) => exit::USAGE,
@@ -40,19 +57,48 @@ pub fn view(args: &ViewArgs) -> u8 {
     }
 }
 
-/// One file for each drawing: `FC 1 network 2.svg`.
-fn write_folder(book: &Book, folder: &Path) -> Result<(), String> {
-    let failed = |path: &Path, error: std::io::Error| format!("cannot write `{}`: {error}", path.display());
-    std::fs::create_dir_all(folder).map_err(|error| failed(folder, error))?;
+/// Reads `TRACE[@TIME]`: the trace, and the time in milliseconds.
+fn state(text: &str, names: &Names) -> Result<(Trace, Option<f64>), String> {
+    let (path, time) = match text.rsplit_once('@') {
+        Some((path, time)) if !Path::new(text).exists() => (path, Some(time)),
+        _ => (text, None),
+    };
+    let time = match time {
+        Some(time) => Some(duration::span(time).ok_or_else(|| format!("`{time}` is not a time such as 1.5s"))? as f64 / 1e6),
+        None => None,
+    };
+    let path = Path::new(path);
+    let text = regular(path)
+        .and_then(|()| std::fs::read_to_string(path))
+        .map_err(|error| format!("cannot read `{}`: {error}", path.display()))?;
+    Ok((Trace::parse(&text, names).map_err(|error| format!("{}: {error}", path.display()))?, time))
+}
+
+/// One file for each drawing: `FC_1_network_2.svg`.
+fn write_folder(book: &Book, folder: &Path, values: Option<&HashMap<String, String>>) -> Result<(), String> {
+    std::fs::create_dir_all(folder).map_err(|error| format!("cannot write `{}`: {error}", folder.display()))?;
+    let mut used: HashMap<String, usize> = HashMap::new();
     for page in &book.pages {
         for section in &page.sections {
-            let Body::Drawing { scene, .. } = &section.content else { continue };
-            let safe: String = page.id.chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).collect();
-            let path = folder.join(format!("{safe}_{}.svg", section.number));
-            writable(&path)
-                .and_then(|()| std::fs::write(&path, svg::file(scene)))
-                .map_err(|error| failed(&path, error))?;
+            let Body::Drawing { scene, sheet } = &section.content else { continue };
+            let safe: String = page.id.chars().map(|c| if c.is_alphanumeric() || c == '-' { c } else { '_' }).collect();
+            let stem = match section.number {
+                0 => safe,
+                number => format!("{safe}_network_{number}"),
+            };
+            let count = used.entry(stem.to_lowercase()).or_insert(0);
+            *count += 1;
+            let stem = if *count == 1 { stem } else { format!("{stem}_{count}") };
+            let shown = values.map(|values| Shown {
+                nets: logic::logic(sheet).values(&|key| values.get(key).cloned()),
+                active: values.iter().filter(|(_, value)| *value == "1").map(|(key, _)| key.clone()).collect(),
+            });
+            write(&folder.join(format!("{stem}.svg")), &svg::file(scene, shown.as_ref()))?;
         }
     }
     Ok(())
+}
+
+fn write(path: &Path, text: &str) -> Result<(), String> {
+    writable(path).and_then(|()| std::fs::write(path, text)).map_err(|error| format!("cannot write `{}`: {error}", path.display()))
 }

@@ -1,5 +1,8 @@
 //! Steps with their actions, and transitions with their conditions.
 
+use std::cell::RefCell;
+use std::collections::HashMap;
+
 use plcc_diag::Span;
 use plcc_syntax::chart::ast::{Action, ActionBody, Condition, Step, Transition};
 use plcc_syntax::network::ast::{Content, Language};
@@ -9,7 +12,7 @@ use super::piece::Piece;
 use crate::metrics::{self, LINE};
 use crate::names::{Names, Scope};
 use crate::scene::{Anchor, Area, Frame, Ink, Item, Scene};
-use crate::sheet::{Sheet, expression, network};
+use crate::sheet::{Label, Link, Look, Meaning, Part, Pin, Place, Sheet, expression, network};
 use crate::{diagram, ladder};
 
 /// Width of small networks.
@@ -23,6 +26,10 @@ pub struct Tiles<'a> {
     pub text: &'a str,
     pub names: &'a Names,
     pub scope: Scope,
+    /// Values of operands by their keys.
+    pub values: Option<&'a HashMap<String, String>>,
+    /// All networks of the chart, with the numbers that their nets have in its drawing.
+    pub all: RefCell<Sheet>,
 }
 
 impl Tiles<'_> {
@@ -135,7 +142,7 @@ impl Tiles<'_> {
         match condition {
             Condition::Expression(value) => {
                 let sheet = expression::condition(value, sign, self.names, self.scope);
-                (Some(ladder::draw(&sheet, NETWORK)), Vec::new())
+                (Some(self.drawn(sheet, Language::Lad)), Vec::new())
             }
             Condition::Network(network) => match &network.content {
                 Content::Graphic(graph) => (Some(self.network(graph, network.language)), Vec::new()),
@@ -149,11 +156,32 @@ impl Tiles<'_> {
 
     /// A small network.
     pub fn network(&self, graph: &plcc_syntax::network::ast::Graph, language: Language) -> Scene {
-        let sheet: Sheet = network::sheet(graph, language, self.names, self.scope);
-        match language {
+        self.drawn(network::sheet(graph, language, self.names, self.scope), language)
+    }
+
+    fn drawn(&self, mut sheet: Sheet, language: Language) -> Scene {
+        if let Some(values) = self.values {
+            sheet.show(&|key| values.get(key).cloned());
+        }
+        let mut scene = match language {
             Language::Fbd => diagram::draw(&sheet, NETWORK),
             Language::Lad | Language::Scl | Language::Stl => ladder::draw(&sheet, NETWORK),
-        }
+        };
+        scene.renumber(self.all.borrow_mut().append(sheet));
+        scene
+    }
+
+    /// The chart writes an operand.
+    fn writes(&self, label: &Label) {
+        let pin = Pin {
+            name: String::new(),
+            place: Place::Side,
+            output: true,
+            link: Link::Operand(label.clone()),
+            negated: false,
+        };
+        let part = Part { look: Look::Nothing, meaning: Meaning::Other, pins: vec![pin], flow_in: None, flow_out: None };
+        self.all.borrow_mut().parts.push(part);
     }
 
     fn action(&self, action: &Action) -> (Vec<String>, Option<Scene>, String) {
@@ -162,14 +190,16 @@ impl Tiles<'_> {
         let (mut lines, drawing) = match &action.body {
             ActionBody::Operand(value) => {
                 let label = self.names.label(&draw::whole(value), self.scope);
+                self.writes(&label);
                 key = label.key;
                 let address = if label.address.is_empty() { String::new() } else { format!(" {}", label.address) };
                 one(label.text + &address)
             }
             ActionBody::Value { operand, value } => {
                 let label = self.names.label(&draw::whole(operand), self.scope);
+                self.writes(&label);
                 key = label.key;
-                one(format!("{} := {}", label.text, plcc_syntax::scl::text::expr(value)))
+                one(format!("{} := {}", label.text, draw::whole(value)))
             }
             ActionBody::All { .. } => one("S_ALL".to_string()),
             ActionBody::Call(call) => (self.lines(call.span), None),

@@ -6,7 +6,7 @@ use super::reduce::{Block, PartBlock};
 use crate::metrics;
 use crate::scene::Ink;
 use crate::shape::{self, Room, Shape};
-use crate::sheet::{Label, Look, Sheet};
+use crate::sheet::{Label, Look, Part, Sheet};
 
 /// The line from the rail to a rung.
 pub const RAIL: i32 = 10;
@@ -62,9 +62,18 @@ pub struct Measure<'a> {
     pub sheet: &'a Sheet,
     /// Connectors between lines so far.
     pub connectors: usize,
+    /// Width of the widest coil at an end: all have it, so that they stand below each other.
+    coils: i32,
 }
 
-impl Measure<'_> {
+impl<'a> Measure<'a> {
+    pub fn new(sheet: &'a Sheet) -> Measure<'a> {
+        let is_coil = |part: &Part| matches!(part.look, Look::Coil { .. }) && part.net(part.flow_out).is_none();
+        let coils = sheet.parts.iter().enumerate().filter(|(_, part)| is_coil(part));
+        let widths = coils.map(|(at, part)| shape::shape(at, part, &HashMap::new()).width);
+        Measure { sheet, connectors: 0, coils: widths.max().unwrap_or(0) }
+    }
+
     /// A rung from the rail.
     pub fn rung(&mut self, block: &Block, room: i32) -> Laid {
         self.block(block, room, true)
@@ -164,8 +173,11 @@ impl Measure<'_> {
             let laid = connector(name, true, None);
             rooms.insert(*pin, Room { up: laid.up, down: laid.down, width: laid.width });
         }
-        let shape = shape::shape(block.part, of, &rooms);
+        let mut shape = shape::shape(block.part, of, &rooms);
         let ends = of.net(of.flow_out).is_none();
+        if ends && matches!(of.look, Look::Coil { .. }) && shape.width < self.coils {
+            shape = centered(shape, self.coils, of.net(of.flow_in));
+        }
         Laid {
             width: shape.width,
             up: shape.up,
@@ -182,6 +194,18 @@ impl Measure<'_> {
             },
         }
     }
+}
+
+/// A shape in the middle of a wider place, with the wire that leads to it.
+fn centered(shape: Shape, width: i32, net: Option<usize>) -> Shape {
+    let left = (width - shape.width) / 2;
+    let mut wider = Shape { width, up: shape.up, down: shape.down, ..Shape::default() };
+    wider.scene.add(shape.scene, (left, 0));
+    if net.is_some() {
+        wider.scene.wire((0, 0), (left, 0), net);
+    }
+    wider.ends = shape.ends.into_iter().map(|(pin, end)| (pin, (end.0 + left, end.1))).collect();
+    wider
 }
 
 /// Items beside each other.

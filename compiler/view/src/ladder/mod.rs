@@ -15,7 +15,7 @@ const MARGIN: i32 = 10;
 
 /// Draws a network. Rungs wider than `width` pixels go on in a second line.
 pub fn draw(sheet: &Sheet, width: i32) -> Scene {
-    let mut measure = Measure { sheet, connectors: 0 };
+    let mut measure = Measure::new(sheet);
     let room = (width - RAIL - 2 * MARGIN).max(200);
     let rungs: Vec<_> = reduce::rungs(sheet).iter().map(|rung| measure.rung(rung, room)).collect();
     let mut scene = Scene::default();

@@ -3,6 +3,9 @@
 
 pub mod expression;
 pub mod network;
+pub mod rungs;
+pub mod s7200;
+pub mod stl;
 
 /// A network for drawing.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -111,12 +114,52 @@ pub struct Label {
     pub address: String,
     /// By which values and uses of it are found: the address, or the name of a local variable; empty for constants.
     pub key: String,
+    /// Its value, if a state is shown.
+    pub value: Option<String>,
 }
 
 impl Label {
     /// A text that is no operand.
     pub fn plain(text: impl Into<String>) -> Label {
         Label { text: text.into(), ..Label::default() }
+    }
+}
+
+impl Sheet {
+    /// Adds another sheet, and a net for its rail; returns the number of its first net.
+    pub fn append(&mut self, other: Sheet) -> usize {
+        let (nets, parts) = (self.nets.len(), self.parts.len());
+        for mut net in other.nets {
+            for source in &mut net.sources {
+                match source {
+                    Source::Pin { part, .. } => *part += parts,
+                    Source::Net(net) => *net += nets,
+                    Source::Rail | Source::Operand { .. } => {}
+                }
+            }
+            self.nets.push(net);
+        }
+        self.nets.push(Net { name: String::new(), sources: vec![Source::Rail] });
+        for mut part in other.parts {
+            for pin in &mut part.pins {
+                if let Link::Net(net) = &mut pin.link {
+                    *net += nets;
+                }
+            }
+            self.parts.push(part);
+        }
+        nets
+    }
+
+    /// Shows values: `value` finds that of a key.
+    pub fn show(&mut self, value: &dyn Fn(&str) -> Option<String>) {
+        let operands = self.parts.iter_mut().flat_map(|part| &mut part.pins).filter_map(|pin| match &mut pin.link {
+            Link::Operand(label) => Some(label),
+            Link::Net(_) | Link::Open => None,
+        });
+        for label in operands.filter(|label| !label.key.is_empty()) {
+            label.value = value(&label.key);
+        }
     }
 }
 

@@ -4,6 +4,7 @@
 //! without any of these the outputs Q0.0 to Q3.7. A sample has the time at which its cycle started, cycle 0 is the one
 //! after the startup OB. In a VCD the edges of an S7-200 pulse output between two samples have their own times.
 
+pub mod page;
 mod table;
 mod waveform;
 
@@ -70,7 +71,13 @@ impl Recorder {
         let sink: Box<dyn Sink> = match suffix.as_str() {
             "vcd" => Box::new(waveform::Waveform::new(open()?, &signals).map_err(failed)?),
             "csv" => Box::new(table::Table::new(open()?, &signals).map_err(failed)?),
-            _ => return Err(format!("--trace {}: the file must end in .vcd or .csv", path.display())),
+            "html" => {
+                let mut file = open()?;
+                let title = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+                std::io::Write::write_all(&mut file, page::head(&title).as_bytes()).map_err(failed)?;
+                Box::new(table::Table::new(page::Samples(file), &signals).map_err(failed)?)
+            }
+            _ => return Err(format!("--trace {}: the file must end in .vcd, .csv or .html", path.display())),
         };
         let outputs = (0..).zip(&signals).filter_map(|(index, signal)| Some((index, pulse_output(&signal.source)?)));
         Ok(Recorder {

@@ -3,9 +3,10 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use axum::body::Bytes;
 use axum::extract::ws::WebSocketUpgrade;
 use axum::extract::{DefaultBodyLimit, Extension};
-use axum::http::header::{CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE, COOKIE, HOST, ORIGIN, SET_COOKIE};
+use axum::http::header::{CACHE_CONTROL, CONTENT_ENCODING, CONTENT_SECURITY_POLICY, CONTENT_TYPE, COOKIE, HOST, ORIGIN, SET_COOKIE};
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
@@ -33,6 +34,8 @@ pub struct Page {
     /// A permit for each browser that is told values.
     places: Arc<Semaphore>,
     app: Router,
+    /// See [`ServicesConfig::drawings`](plcc_abi::services::ServicesConfig); empty if there are none.
+    drawings: Bytes,
 }
 
 /// What a request asks of.
@@ -44,7 +47,7 @@ struct Asked {
 }
 
 impl Page {
-    pub fn new(link: Link, users: Users) -> Page {
+    pub fn new(link: Link, users: Users, drawings: &[u8]) -> Page {
         let files = [
             ("/", "text/html; charset=utf-8", include_str!("page/index.html")),
             ("/page.css", "text/css; charset=utf-8", include_str!("page/page.css")),
@@ -55,11 +58,12 @@ impl Page {
             app = app.route(path, get(move || file(kind, text)));
         }
         let app = app
+            .route("/program", get(program))
             .route("/names", get(listed))
             .route("/session", post(sign_in).delete(sign_out))
             .route("/live", get(live))
             .layer(DefaultBodyLimit::max(PAGE_MESSAGE_MAX));
-        Page { link, users, places: Arc::new(Semaphore::new(PAGES_MAX)), app }
+        Page { link, users, places: Arc::new(Semaphore::new(PAGES_MAX)), app, drawings: Bytes::copy_from_slice(drawings) }
     }
 
     fn user(&self, headers: &HeaderMap) -> Result<(String, Role), StatusCode> {
@@ -89,6 +93,22 @@ pub async fn serve(visitor: Visitor, page: Page) {
 async fn file(kind: &'static str, text: &'static str) -> Response {
     let policy = "default-src 'self'; img-src 'self' data:; style-src 'self' 'unsafe-inline'; frame-ancestors 'none'";
     ([(CONTENT_TYPE, kind), (CACHE_CONTROL, "no-cache"), (CONTENT_SECURITY_POLICY, policy)], text).into_response()
+}
+
+/// The drawings of the program: one document, packed by plcc, that loads nothing else.
+async fn program(Extension(Asked { page, .. }): Extension<Asked>, headers: HeaderMap) -> Result<Response, StatusCode> {
+    page.user(&headers)?;
+    if page.drawings.is_empty() {
+        return Err(StatusCode::NOT_FOUND);
+    }
+    let policy = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; frame-ancestors 'self'";
+    let head = [
+        (CONTENT_TYPE, "text/html; charset=utf-8"),
+        (CONTENT_ENCODING, "gzip"),
+        (CACHE_CONTROL, "no-cache"),
+        (CONTENT_SECURITY_POLICY, policy),
+    ];
+    Ok((head, page.drawings.clone()).into_response())
 }
 
 /// The token in the cookie.

@@ -10,6 +10,7 @@ const live = {
   names: [], // what the server tells, in its order
   shown: new Map(), // name -> { value, text, type } or { wrong }
   role: "look",
+  drawn: false, // the program has drawings
 };
 
 // Connection
@@ -40,7 +41,7 @@ function send(order) {
 
 // Asks for the values of the view that is open.
 function watch() {
-  const names = [...new Set(view.names())];
+  const names = [...new Set(view?.names() ?? [])];
   if (names.length === live.names.length && names.every((name, at) => name === live.names[at])) return;
   live.names = names;
   send({ do: "watch", names });
@@ -58,12 +59,12 @@ function take(news) {
   if (news.buffer) buffer(news.buffer);
   if (news.refused) refused(news.refused);
   record();
-  view.update(changed);
+  view?.update(changed);
 }
 
 function hello(it) {
   document.title = `${it.program} – plcc`;
-  $("program").textContent = it.program;
+  $("title").textContent = it.program;
   $("cpu").textContent = it.cpu;
   $("user").textContent = it.user;
   $("sign-out").hidden = !it.user;
@@ -135,6 +136,28 @@ function formatted(shown, format) {
     }
   }
 }
+
+// View: program. The drawings are a document of their own, which says which operands are in sight.
+
+const program = {
+  frame: $("drawings"), keys: [],
+  async open() {
+    if (!this.frame.src) this.frame.src = "program";
+    this.look();
+  },
+  look() {
+    if (view !== this) return;
+    this.keys = this.frame.contentWindow?.live?.keys() ?? [];
+    watch();
+    this.update();
+    setTimeout(() => this.look(), 500);
+  },
+  names() { return this.keys; },
+  update() {
+    const told = this.keys.filter((key) => live.shown.get(key)?.text !== undefined);
+    this.frame.contentWindow?.live?.set(told.map((key) => [key, live.shown.get(key).text]));
+  },
+};
 
 // View: variables
 
@@ -318,11 +341,11 @@ function buffer(entries) {
 
 // Views
 
-const VIEWS = { variables, table, curves, buffer: diagnostics };
-let view = variables;
+const VIEWS = { program, variables, table, curves, buffer: diagnostics };
+let view = null;
 
 function show(name) {
-  if (!(name in VIEWS)) name = "variables";
+  if (!(name in VIEWS)) name = live.drawn ? "program" : "variables";
   view = VIEWS[name];
   for (const section of document.querySelectorAll("main section")) section.hidden = section.id !== name;
   for (const button of document.querySelectorAll("nav button")) {
@@ -349,9 +372,7 @@ $("sign-in").querySelector("form").onsubmit = async (event) => {
     body: JSON.stringify({ user: form.get("user"), password: form.get("password") }) });
   $("wrong").hidden = answer.ok;
   if (!answer.ok) return;
-  $("sign-in").close();
-  connect();
-  show(location.hash.slice(1));
+  location.reload();
 };
 $("sign-out").onclick = async () => {
   await fetch("session", { method: "DELETE" });
@@ -359,4 +380,8 @@ $("sign-out").onclick = async () => {
 };
 
 connect();
-show(location.hash.slice(1));
+fetch("program", { method: "HEAD" }).then((answer) => {
+  live.drawn = answer.ok;
+  document.querySelector("[data-view=program]").hidden = !answer.ok;
+  show(location.hash.slice(1));
+});

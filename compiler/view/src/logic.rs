@@ -1,0 +1,251 @@
+//! Where the power flows: the value of each net from the values of operands. A value may be unknown: a trace has only some operands, and
+//! what a box does is not computed here.
+
+use std::collections::HashMap;
+
+use crate::sheet::{Label, Link, Look, Meaning, Part, Pin, Place, Sheet, Source};
+
+/// The logic of a network: for each net the terms of which it is the OR.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Logic {
+    pub nets: Vec<Vec<Term>>,
+    /// Nets whose value is that of a coil, if nothing else is known.
+    pub coils: Vec<(usize, String)>,
+}
+
+/// What feeds a net.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Term {
+    Rail,
+    /// An input as it is.
+    Same(Input),
+    /// All inputs, one of them, an odd number of them.
+    All(Vec<Input>),
+    Any(Vec<Input>),
+    Odd(Vec<Input>),
+    /// A comparison of two operands, while the flow is 1.
+    Compare { flow: Option<usize>, sign: String, left: String, right: String },
+    Unknown,
+}
+
+/// An input of a term.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Input {
+    pub value: Value,
+    pub negated: bool,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    Net(usize),
+    /// The key of an operand, or a constant.
+    Operand(String),
+}
+
+/// The logic of a sheet.
+pub fn logic(sheet: &Sheet) -> Logic {
+    let mut logic = Logic::default();
+    for net in &sheet.nets {
+        let terms = net.sources.iter().map(|source| match source {
+            Source::Rail => Term::Rail,
+            Source::Net(net) => Term::Same(Input { value: Value::Net(*net), negated: false }),
+            Source::Operand { label, negated } => Term::Same(Input { value: operand(label), negated: *negated }),
+            Source::Pin { part, pin } => match sheet.parts.get(*part) {
+                Some(of) if of.flow_out == Some(*pin) => term(of),
+                _ => Term::Unknown,
+            },
+        });
+        logic.nets.push(terms.collect());
+    }
+    // The rail has a number of its own.
+    logic.nets.push(vec![Term::Rail]);
+    for part in &sheet.parts {
+        let plain = matches!(&part.look, Look::Coil { sign } if sign.is_empty())
+            || matches!(&part.look, Look::Box { title, .. } if title == "=");
+        let target = part.pins.iter().find(|pin| pin.place == Place::Above);
+        if let (true, Some(net), Some(Link::Operand(label))) = (plain, part.net(part.flow_in), target.map(|pin| &pin.link)) {
+            logic.coils.push((net, label.key.clone()));
+        }
+    }
+    logic
+}
+
+fn operand(label: &Label) -> Value {
+    Value::Operand(if label.key.is_empty() { label.text.clone() } else { label.key.clone() })
+}
+
+fn input(pin: &Pin) -> Option<Input> {
+    let value = match &pin.link {
+        Link::Net(net) => Value::Net(*net),
+        Link::Operand(label) => operand(label),
+        Link::Open => return None,
+    };
+    Some(Input { value, negated: pin.negated })
+}
+
+fn term(part: &Part) -> Term {
+    let inputs = || part.pins.iter().filter(|pin| !pin.output).filter_map(input);
+    let flow = part.flow_in.and_then(|pin| input(&part.pins[pin]));
+    match &part.meaning {
+        Meaning::Contact { negated } => {
+            let operands = part.pins.iter().filter(|pin| pin.place == Place::Above).filter_map(input);
+            let operands = operands.map(|input| Input { negated: *negated, ..input });
+            Term::All(flow.into_iter().chain(operands).collect())
+        }
+        Meaning::Not => flow.map_or(Term::Unknown, |flow| Term::Same(Input { negated: !flow.negated, ..flow })),
+        Meaning::And => Term::All(inputs().collect()),
+        Meaning::Or => Term::Any(inputs().collect()),
+        Meaning::Xor => Term::Odd(inputs().collect()),
+        Meaning::Through => flow.map_or(Term::Unknown, Term::Same),
+        Meaning::Compare(sign) => {
+            let mut operands = part.pins.iter().enumerate().filter(|(at, _)| Some(*at) != part.flow_in).filter_map(
+                |(_, pin)| match (&pin.link, pin.output) {
+                    (Link::Operand(label), false) => match operand(label) {
+                        Value::Operand(key) => Some(key),
+                        Value::Net(_) => None,
+                    },
+                    _ => None,
+                },
+            );
+            match (operands.next(), operands.next()) {
+                (Some(left), Some(right)) => {
+                    Term::Compare { flow: part.net(part.flow_in), sign: sign.clone(), left, right }
+                }
+                _ => Term::Unknown,
+            }
+        }
+        Meaning::Other => Term::Unknown,
+    }
+}
+
+impl Logic {
+    /// The values of nets that can be known; `value` finds the value of an operand as text.
+    pub fn values(&self, value: &dyn Fn(&str) -> Option<String>) -> HashMap<usize, bool> {
+        let mut known: HashMap<usize, bool> = HashMap::new();
+        let bit = |key: &str| match key.to_ascii_uppercase().as_str() {
+            "TRUE" => Some(true),
+            "FALSE" => Some(false),
+            _ => match value(key)?.as_str() {
+                "1" | "TRUE" => Some(true),
+                "0" | "FALSE" => Some(false),
+                _ => None,
+            },
+        };
+        // Nets feed each other in any order; each round settles at least one more.
+        for _ in 0..=self.nets.len() {
+            let before = known.len();
+            for (net, terms) in self.nets.iter().enumerate() {
+                if known.contains_key(&net) {
+                    continue;
+                }
+                let input = |input: &Input| {
+                    let value = match &input.value {
+                        Value::Net(net) => known.get(net).copied(),
+                        Value::Operand(key) => bit(key),
+                    };
+                    value.map(|value| value != input.negated)
+                };
+                let values: Vec<Option<bool>> = terms.iter().map(|term| term.value(&input, &known, value)).collect();
+                if let Some(value) = any(&values).filter(|_| !terms.is_empty()) {
+                    known.insert(net, value);
+                }
+            }
+            if known.len() == before {
+                let coil = self.coils.iter().find(|(net, key)| !known.contains_key(net) && bit(key).is_some());
+                match coil {
+                    Some((net, key)) => known.insert(*net, bit(key) == Some(true)),
+                    None => break,
+                };
+            }
+        }
+        known
+    }
+}
+
+fn any(values: &[Option<bool>]) -> Option<bool> {
+    if values.contains(&Some(true)) { Some(true) } else if values.contains(&None) { None } else { Some(false) }
+}
+
+fn all(values: &[Option<bool>]) -> Option<bool> {
+    if values.contains(&Some(false)) { Some(false) } else if values.contains(&None) { None } else { Some(true) }
+}
+
+impl Term {
+    fn value(
+        &self,
+        input: &dyn Fn(&Input) -> Option<bool>,
+        nets: &HashMap<usize, bool>,
+        operand: &dyn Fn(&str) -> Option<String>,
+    ) -> Option<bool> {
+        let list = |inputs: &[Input]| inputs.iter().map(input).collect::<Vec<_>>();
+        match self {
+            Term::Rail => Some(true),
+            Term::Same(one) => input(one),
+            Term::All(inputs) => all(&list(inputs)),
+            Term::Any(inputs) => any(&list(inputs)),
+            Term::Odd(inputs) => {
+                let values = list(inputs);
+                let sum = values.iter().flatten().filter(|value| **value).count();
+                (!values.contains(&None)).then_some(sum % 2 == 1)
+            }
+            Term::Compare { flow, sign, left, right } => {
+                let flow = match flow {
+                    Some(net) => nets.get(net).copied(),
+                    None => Some(true),
+                };
+                let number = |text: &str| number(&operand(text).unwrap_or_else(|| text.to_string()));
+                let result = match (number(left), number(right)) {
+                    (Some(left), Some(right)) => Some(match sign.as_str() {
+                        "=" | "==" => left == right,
+                        "<>" => left != right,
+                        "<" => left < right,
+                        "<=" => left <= right,
+                        ">" => left > right,
+                        ">=" => left >= right,
+                        _ => return None,
+                    }),
+                    _ => None,
+                };
+                all(&[flow, result])
+            }
+            Term::Unknown => None,
+        }
+    }
+
+    /// As the script of a page reads it.
+    fn json(&self) -> serde_json::Value {
+        use serde_json::json;
+        let input = |input: &Input| match &input.value {
+            Value::Net(net) => json!([net, input.negated]),
+            Value::Operand(key) => json!([key, input.negated]),
+        };
+        let list = |inputs: &[Input]| inputs.iter().map(input).collect::<Vec<_>>();
+        match self {
+            Term::Rail => json!(["r"]),
+            Term::Same(one) => json!(["&", input(one)]),
+            Term::All(inputs) => serde_json::Value::Array(std::iter::once(json!("&")).chain(list(inputs)).collect()),
+            Term::Any(inputs) => serde_json::Value::Array(std::iter::once(json!("|")).chain(list(inputs)).collect()),
+            Term::Odd(inputs) => serde_json::Value::Array(std::iter::once(json!("^")).chain(list(inputs)).collect()),
+            Term::Compare { flow, sign, left, right } => json!(["?", flow, sign, left, right]),
+            Term::Unknown => json!(["u"]),
+        }
+    }
+}
+
+/// A number of a trace or a constant: `-5`, `16#00FF`, `1.5`, `INT#7`, `T#5s` in seconds is none. Words in base 16 are INT.
+fn number(text: &str) -> Option<f64> {
+    if let Some(hex) = text.strip_prefix("16#") {
+        let bits = i64::from_str_radix(&hex.replace('_', ""), 16).ok()?;
+        return Some(if hex.len() == 4 { bits as i16 as f64 } else if hex.len() == 8 { bits as i32 as f64 } else { bits as f64 });
+    }
+    text.parse().ok().or_else(|| text.split_once('#')?.1.parse().ok())
+}
+
+impl Logic {
+    /// As the script of a page reads it.
+    pub fn json(&self) -> serde_json::Value {
+        let nets: Vec<Vec<serde_json::Value>> =
+            self.nets.iter().map(|terms| terms.iter().map(Term::json).collect()).collect();
+        serde_json::json!({ "nets": nets, "coils": self.coils })
+    }
+}

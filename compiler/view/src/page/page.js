@@ -1,0 +1,314 @@
+"use strict";
+const data = JSON.parse(document.getElementById("data").textContent);
+const $ = (s) => document.querySelector(s);
+const main = $("main"), list = $("#list");
+const esc = (t) => String(t).replace(/[&<>"]/g, (c) => ({ "&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;" })[c]);
+const fold = (t) => String(t).toLowerCase().replace(/["#%\s]/g, "");
+const byName = new Map();
+data.pages.forEach((p, i) => [p.id, p.name].forEach((n) => n && !byName.has(fold(n)) && byName.set(fold(n), i)));
+const symbolOf = new Map(data.symbols), addressOf = new Map(data.symbols.map(([a, n]) => [fold(n), a]));
+$("h1").textContent = data.title;
+
+// Code as coloured text.
+const WORDS = { scl: /^(IF|THEN|ELSIF|ELSE|END_IF|CASE|OF|END_CASE|FOR|TO|BY|DO|END_FOR|WHILE|END_WHILE|REPEAT|UNTIL|END_REPEAT|RETURN|EXIT|CONTINUE|GOTO|AND|OR|XOR|NOT|MOD|DIV|TRUE|FALSE|REGION|END_REGION|CALL)$/i };
+const TOKEN = /(\/\/.*|\(\*[\s\S]*?\*\))|("[^"\n]*"(?:\.(?:"[^"\n]*"|[\w\[\]]+))*|#[\w"][\w."\[\]]*)|('[^'\n]*')|([A-Z_]+#[\w.#:+-]+|\b\d[\w.#]*)|(%?[A-Za-z_]\w*(?:\.\w+)*)/g;
+function coloured(text, kind) {
+  let out = "", at = 0, first = true;
+  for (const m of text.matchAll(TOKEN)) {
+    const gap = text.slice(at, m.index);
+    if (gap.includes("\n")) first = true;
+    out += esc(gap);
+    at = m.index + m[0].length;
+    const t = esc(m[0]);
+    if (m[1]) out += `<span class="cm">${t}</span>`;
+    else if (m[2]) out += `<span class="id" data-k="${t}">${t}</span>`;
+    else if (m[3]) out += `<span class="st">${t}</span>`;
+    else if (m[4]) out += `<span class="nu">${t}</span>`;
+    else if (kind === "stl" ? first && text[at] !== ":" : WORDS.scl.test(m[0])) out += `<span class="kw">${t}</span>`;
+    else out += `<span class="id" data-k="${t}">${t}</span>`;
+    if (!m[1] && !(kind === "stl" && text[at] === ":")) first = false;
+  }
+  return out + esc(text.slice(at));
+}
+
+// One block. Networks are drawn when they come into sight.
+const seen = new IntersectionObserver((entries) => {
+  for (const e of entries) if (e.isIntersecting) { fill(e.target); seen.unobserve(e.target); }
+}, { root: main, rootMargin: "600px" });
+function fill(div) {
+  if (div.done) return;
+  div.done = true;
+  const s = data.pages[div.dataset.page].secs[div.dataset.sec];
+  if (s.svg !== undefined) div.innerHTML = s.svg;
+  else div.innerHTML = `<pre>${coloured(s.text, s.kind)}</pre>`;
+  div.style.minHeight = "";
+  link(div);
+  if (shown) paint(div, s);
+  marked(div);
+}
+function link(div) {
+  for (const t of div.querySelectorAll("text.t")) if (byName.has(fold(t.textContent))) t.classList.add("go");
+}
+function html(i) {
+  const p = data.pages[i];
+  let h = `<div class="page"><h2>${esc(p.id)} ${p.name && p.name !== p.id ? esc(p.name) : ""} <small>${p.lang} ${esc(p.title)}</small></h2>`;
+  if (p.comment) h += `<div class="comment">${esc(p.comment)}</div>`;
+  if (p.callers) h += `<div class="reason">called by ${p.callers.map((c) => `<span class="go" data-page="${c}">${esc(data.pages[c].id)}</span>`).join(", ")}</div>`;
+  if (p.rows.length) {
+    const code = p.rows.some((r) => r[0]);
+    h += `<details ${code && p.secs.length ? "" : "open"}><summary>${code ? "Interface" : "Components"} (${p.rows.length})</summary><table><tr>${code ? "<th></th>" : ""}<th>Name</th><th>Type</th><th>Address</th><th>Initial value</th><th>Comment</th></tr>`;
+    let last = "";
+    for (const [sec, name, ty, init, com, addr, depth] of p.rows) {
+      h += `<tr>${code ? `<td>${sec === last ? "" : sec}</td>` : ""}<td style="padding-left:${8 + depth * 14}px">${esc(name)}</td><td>${esc(ty)}</td><td${addr ? ` data-k="${esc(addr)}"` : ""}>${esc(addr)}</td><td>${esc(init)}</td><td>${esc(com)}</td></tr>`;
+      last = sec;
+    }
+    h += "</table></details>";
+  }
+  p.secs.forEach((s, k) => {
+    h += `<section id="s${i}-${k}">`;
+    if (s.n || s.title) h += `<h3>${s.n ? `Network ${s.n}` : ""}${s.n && s.title ? ": " : ""}${esc(s.title)}</h3>`;
+    if (s.labels.length) h += `<div class="reason">${s.labels.map(esc).join(", ")}:</div>`;
+    if (s.comment) h += `<div class="comment">${esc(s.comment)}</div>`;
+    if (s.reason) h += `<div class="reason">${esc(s.reason)}</div>`;
+    h += `<div class="draw" data-page="${i}" data-sec="${k}" style="min-height:${s.h || 17 * (1 + (s.text || "").split("\n").length)}px"></div></section>`;
+  });
+  return h + "</div>";
+}
+let here = -1;
+function go(i, k) {
+  here = i;
+  main.innerHTML = html(i);
+  main.scrollTop = 0;
+  for (const d of main.querySelectorAll(".draw")) seen.observe(d);
+  for (const a of list.querySelectorAll("a[data-page]")) a.classList.toggle("here", +a.dataset.page === i && a.dataset.sec === undefined);
+  if (k !== undefined) {
+    const s = document.getElementById(`s${i}-${k}`);
+    if (s) { fill(s.querySelector(".draw")); s.scrollIntoView(); s.classList.add("found"); setTimeout(() => s.classList.remove("found"), 1500); }
+  }
+  const hash = "#" + data.pages[i].id.replace(/ /g, "") + (k !== undefined ? "/" + k : "");
+  if (location.hash !== hash) history.pushState(null, "", hash);
+}
+function fromHash() {
+  const [id, k] = decodeURIComponent(location.hash.slice(1)).split("/");
+  const i = byName.get(fold(id));
+  if (i !== undefined) go(i, k === undefined ? undefined : +k);
+  else if (id === "addresses") addresses();
+  else if (id === "calls") calls();
+  return i !== undefined || id === "addresses" || id === "calls";
+}
+addEventListener("popstate", fromHash);
+
+// The list, and the search.
+const plain = (s) => (s.plain ??= (s.text ?? s.svg.replace(/<text[^>]*>([^<]*)<\/text>/g, "\u0001$1\u0001").replace(/(^|\u0001)[^\u0001]*(\u0001|$)/g, (m) => m)
+  .split("\u0001").filter((t, i) => i % 2).join(" ").replace(/&lt;/g, "<").replace(/&gt;/g, ">").replace(/&quot;/g, '"').replace(/&amp;/g, "&")) + " " + s.title + " " + s.comment);
+const low = (s) => (s.low ??= plain(s).toLowerCase());
+let query = "";
+function show(text) {
+  query = text.trim().toLowerCase();
+  let h = "";
+  if (!query) h += `<h4>Program</h4><a href="#calls" data-view="calls">Call structure</a><a href="#addresses" data-view="addresses">Addresses and symbols</a><h4>Blocks</h4>`;
+  let hits = 0;
+  data.pages.forEach((p, i) => {
+    const own = (p.id + " " + p.id.replace(/ /g, "") + " " + p.name + " " + p.title).toLowerCase().includes(query);
+    let inner = "";
+    if (query) p.secs.forEach((s, k) => {
+      if (hits > 400) return;
+      const at = low(s).indexOf(query);
+      if (at < 0) return;
+      hits++;
+      inner += `<a class="hit" href="#" data-page="${i}" data-sec="${k}">${s.n ? "Network " + s.n + ": " : ""}${esc(plain(s).slice(Math.max(0, at - 12), at + 40))}</a>`;
+    });
+    if (query && p.rows.some((r) => (r[1] + " " + r[4]).toLowerCase().includes(query))) inner += `<a class="hit" href="#" data-page="${i}">in its declarations</a>`;
+    if (own || inner) h += `<a href="#" data-page="${i}" title="${esc(p.title)}"><b>${esc(p.id)}</b>${esc(p.name === p.id ? "" : p.name)}<i>${p.lang}</i></a>${inner}`;
+  });
+  list.innerHTML = h || "<h4>nothing found</h4>";
+}
+function marked(div) {
+  if (!query) return;
+  for (const t of div.querySelectorAll("text,span")) if (t.textContent.toLowerCase().includes(query)) t.style.textDecoration = "underline 2px #e0a800";
+}
+let pause;
+$("#search").oninput = (e) => { clearTimeout(pause); pause = setTimeout(() => show(e.target.value), 80); };
+addEventListener("keydown", (e) => {
+  if (e.key === "/" && e.target.tagName !== "INPUT") { e.preventDefault(); $("#search").focus(); }
+  if (e.key === "Escape") $("#uses").hidden = true;
+});
+
+// Uses of an operand, also of addresses that overlap.
+function range(key) {
+  let m = /^(DB\d+)\.DB([XBWDL])(\d+)(?:\.(\d))?$/.exec(key) ?? /^(P?[IQ]|SM|A[IQ]|[MVLS])([BWDL]?)(\d+)(?:\.(\d))?$/.exec(key);
+  if (!m) return null;
+  const bits = { X: 1, "": 1, B: 8, W: 16, D: 32, L: 64 }[m[2]];
+  const from = m[3] * 8 + (bits === 1 ? +(m[4] ?? 0) : 0);
+  return [m[1], from, from + bits];
+}
+const ranges = Object.keys(data.uses).map((k) => [k, range(k)]).filter((r) => r[1]);
+function keyOf(text) {
+  const t = text.replace(/^%/, "");
+  if (data.uses[t]) return t;
+  const upper = t.replace(/\s/g, "").toUpperCase();
+  if (data.uses[upper]) return upper;
+  const address = addressOf.get(fold(t));
+  if (address) return address;
+  const local = here >= 0 ? data.pages[here].id + (t.startsWith("#") ? t : "#" + t) : t;
+  return data.uses[local] ? local : t;
+}
+function uses(text) {
+  const i = byName.get(fold(text));
+  if (i !== undefined) return go(i);
+  const key = keyOf(text), r = range(key), how = { r: "reads", w: "writes", c: "calls" };
+  const rows = (k) => (data.uses[k] ?? []).map(([p, s, h]) => `<a data-page="${p}" data-sec="${s}">${esc(data.pages[p].id)}${data.pages[p].secs[s].n ? ", network " + data.pages[p].secs[s].n : ""}: ${how[h]}</a>`).join("");
+  let h = `<span class="x">✕</span><b>${esc(symbolOf.get(key) ?? text)}</b> ${esc(key.replace(/^.*#/, "#"))}${rows(key)}`;
+  if (r) for (const [k, o] of ranges) if (k !== key && o[0] === r[0] && o[1] < r[2] && r[1] < o[2]) h += `<br><b>overlaps ${esc(k)}</b> ${esc(symbolOf.get(k) ?? "")}${rows(k)}`;
+  if (!data.uses[key]) h += "<br>no uses";
+  $("#uses").innerHTML = h;
+  $("#uses").hidden = false;
+}
+addEventListener("click", (e) => {
+  const t = e.target.closest("[data-page],[data-view],[data-k],.go,.x");
+  if (!t || t.classList.contains("draw")) return;
+  if (t.classList.contains("x") && t.closest("aside")) return void ($("#uses").hidden = true);
+  if (t.dataset.view) { e.preventDefault(); return t.dataset.view === "calls" ? calls() : addresses(); }
+  if (t.dataset.page !== undefined) { e.preventDefault(); return go(+t.dataset.page, t.dataset.sec === undefined ? undefined : +t.dataset.sec); }
+  if (t.dataset.k) return uses(t.dataset.k);
+  if (t.classList.contains("go")) return go(byName.get(fold(t.textContent)));
+});
+
+// Views of the whole program.
+function head(title, hash) { here = -1; if (location.hash !== hash) history.pushState(null, "", hash); main.scrollTop = 0; return `<div class="page"><h2>${title}</h2>`; }
+function addresses() {
+  const keys = new Set([...data.symbols.map((s) => s[0]), ...Object.keys(data.uses).filter((k) => range(k) || /^[TC]\d+$/.test(k))]);
+  const order = (k) => { const r = range(k); return r ? [r[0], r[1]] : [k.replace(/\d+/, ""), +(/\d+/.exec(k) ?? 0)]; };
+  const rows = [...keys].map((k) => [order(k), k]).sort((a, b) => (a[0][0] < b[0][0] ? -1 : a[0][0] > b[0][0] ? 1 : a[0][1] - b[0][1]));
+  main.innerHTML = head("Addresses and symbols", "#addresses") + "<table><tr><th>Address</th><th>Symbol</th><th>Uses</th></tr>" +
+    rows.map(([, k]) => `<tr><td data-k="${esc(k)}">${esc(k)}</td><td>${esc(symbolOf.get(k) ?? "")}</td><td>${(data.uses[k] ?? []).length || ""}</td></tr>`).join("") + "</table></div>";
+}
+const called = data.pages.map((p, i) => {
+  const found = new Set();
+  const add = (n) => { const t = byName.get(fold(n)); if (t !== undefined && t !== i) found.add(t); };
+  for (const s of p.secs) {
+    if (s.svg) for (const m of s.svg.matchAll(/<text class="t"[^>]*>([^<]*)</g)) add(m[1].replace(/&quot;/g, ""));
+    if (s.text) {
+      for (const m of s.text.matchAll(/^[^\n/]*?\b(?:CALL|UC|CC)\s+("[^"]+"|[A-Z]+ ?\d+|\w+)/gim)) add(m[1]);
+      for (const m of s.text.matchAll(/("[^"\n]+"|\b[A-Za-z_]\w*)(?=\s*(?:\.\s*("[^"]+"|\w+)\s*)?\()/g)) add(m[1]);
+    }
+    if (s.svg) for (const m of s.svg.matchAll(/CALL ("[^"]+"|[A-Z]+ ?\d+)/g)) add(m[1]);
+  }
+  return [...found].filter((t) => data.pages[t].lang);
+});
+called.forEach((list, i) => list.forEach((t) => (data.pages[t].callers ??= []).push(i)));
+function calls() {
+  let count = 0;
+  const tree = (i, path) => {
+    if (count++ > 3000) return "";
+    const p = data.pages[i], loop = path.includes(i);
+    return `<li><span class="go" data-page="${i}">${esc(p.id)} ${esc(p.name === p.id ? "" : p.name)}</span>${loop ? " (recursion)" : called[i].length ? "<ul>" + called[i].map((t) => tree(t, [...path, i])).join("") + "</ul>" : ""}</li>`;
+  };
+  const roots = data.pages.map((p, i) => i).filter((i) => data.pages[i].lang && !data.pages[i].callers);
+  main.innerHTML = head("Call structure", "#calls") + "<ul>" + roots.map((i) => tree(i, [])).join("") + "</ul></div>";
+}
+
+// The state at a time of the trace.
+let shown = null;
+const bit = (v) => (v === "1" || v === "TRUE" ? true : v === "0" || v === "FALSE" ? false : null);
+const number = (t) => {
+  const m = /^16#([0-9A-F_]+)$/i.exec(t);
+  if (m) { const n = parseInt(m[1].replace(/_/g, ""), 16); return m[1].length === 4 ? (n << 16) >> 16 : m[1].length === 8 ? n | 0 : n; }
+  const n = Number(t.replace(/^[A-Z]+#/, ""));
+  return t === "" || Number.isNaN(n) ? null : n;
+};
+const all = (vs) => (vs.includes(false) ? false : vs.includes(null) ? null : true);
+const any = (vs) => (vs.includes(true) ? true : vs.includes(null) ? null : false);
+function flow(logic) {
+  const known = new Map();
+  const operand = (k) => (/^TRUE$/i.test(k) ? true : /^FALSE$/i.test(k) ? false : shown.has(k) ? bit(shown.get(k)) : null);
+  const input = ([v, neg]) => { const x = typeof v === "number" ? known.get(v) ?? null : operand(v); return x === null ? null : x !== neg; };
+  const term = (t) => {
+    if (t[0] === "r") return true;
+    if (t[0] === "&") return all(t.slice(1).map(input));
+    if (t[0] === "|") return any(t.slice(1).map(input));
+    if (t[0] === "^") { const vs = t.slice(1).map(input); return vs.includes(null) ? null : vs.filter((v) => v).length % 2 === 1; }
+    if (t[0] === "?") {
+      const [, net, sign, a, b] = t, value = (k) => number(shown.get(k) ?? k), x = value(a), y = value(b);
+      const on = net === null ? true : known.get(net) ?? null;
+      if (x === null || y === null) return all([on, null]);
+      return all([on, { "=": x === y, "==": x === y, "<>": x !== y, "<": x < y, "<=": x <= y, ">": x > y, ">=": x >= y }[sign] ?? null]);
+    }
+    return null;
+  };
+  for (let round = 0; round <= logic.nets.length; round++) {
+    let more = false;
+    logic.nets.forEach((terms, n) => {
+      if (known.has(n) || !terms.length) return;
+      const v = any(terms.map(term));
+      if (v !== null) { known.set(n, v); more = true; }
+    });
+    if (more) continue;
+    const coil = logic.coils.find(([n, k]) => !known.has(n) && operand(k) !== null);
+    if (!coil) break;
+    known.set(coil[0], operand(coil[1]));
+  }
+  return known;
+}
+function paint(div, s) {
+  if (!s.svg) return;
+  const known = s.logic ? flow(s.logic) : new Map();
+  for (const w of div.querySelectorAll("path.w")) {
+    const v = known.get(+w.dataset.n);
+    w.setAttribute("class", "w " + (v === true ? "on" : v === false ? "off" : "un"));
+  }
+  for (const t of div.querySelectorAll("text.v")) t.textContent = shown.get(t.dataset.k) ?? "";
+  for (const t of div.querySelectorAll("text.o")) t.style.fill = bit(shown.get(t.dataset.k)) === true ? "var(--on,#1a9a2f)" : "";
+  for (const r of div.querySelectorAll("rect[data-s]")) r.setAttribute("class", "b " + (bit(shown.get(r.dataset.s)) === true ? "act" : "k"));
+}
+if (data.trace) {
+  const { columns, rows } = data.trace, slider = $("#slider");
+  $("#time").hidden = false;
+  slider.max = rows.length - 1;
+  const at = (i) => {
+    shown = new Map(columns.map(([, key], c) => [key, rows[i][1][c]]));
+    $("output").textContent = (rows[i][0] / 1000).toFixed(3) + " s";
+    for (const d of main.querySelectorAll(".draw")) if (d.done) paint(d, data.pages[d.dataset.page].secs[d.dataset.sec]);
+  };
+  slider.value = data.start ?? 0;
+  slider.oninput = () => at(+slider.value);
+  let timer;
+  $("#play").onclick = () => {
+    if (timer) { clearInterval(timer); timer = null; $("#play").textContent = "▶"; return; }
+    $("#play").textContent = "❚❚";
+    timer = setInterval(() => { slider.value = (+slider.value + 1) % rows.length; at(+slider.value); }, 200);
+  };
+  at(+slider.value);
+}
+
+// A page around this one may tell values as they change: it asks which operands are in sight, and says what they are, as texts.
+const inSight = () => [...main.querySelectorAll(".draw")].filter((d) => d.done && d.getBoundingClientRect().bottom > 0 && d.getBoundingClientRect().top < innerHeight);
+const sectionOf = (d) => data.pages[d.dataset.page].secs[d.dataset.sec];
+window.live = {
+  keys() {
+    const found = new Set(), input = (i) => typeof i[0] === "string" && found.add(i[0]);
+    for (const d of inSight()) {
+      for (const t of d.querySelectorAll("text.v,text.o")) found.add(t.dataset.k);
+      for (const r of d.querySelectorAll("rect[data-s]")) found.add(r.dataset.s);
+      const logic = sectionOf(d).logic;
+      for (const t of logic?.nets.flat() ?? []) if (t[0] === "?") t.slice(3).forEach((k) => found.add(k)); else t.slice(1).forEach((i) => Array.isArray(i) && input(i));
+      for (const [, k] of logic?.coils ?? []) found.add(k);
+    }
+    return [...found].filter((k) => k && !/^(TRUE|FALSE|[-+]?\d.*|\w+#[-+\d].*)$/i.test(k));
+  },
+  set(values) {
+    shown = new Map(values);
+    for (const d of inSight()) paint(d, sectionOf(d));
+  },
+};
+
+// Paper gets everything.
+addEventListener("beforeprint", () => {
+  main.innerHTML = data.pages.map((p, i) => html(i)).join("");
+  for (const d of main.querySelectorAll(".draw")) fill(d);
+  for (const d of main.querySelectorAll("details")) d.open = true;
+});
+addEventListener("afterprint", () => here >= 0 && go(here));
+
+show("");
+if (!fromHash() && data.pages.length) go(Math.max(0, data.pages.findIndex((p) => p.id === "OB 1")));

@@ -1,0 +1,104 @@
+//! Where operands and blocks are used.
+
+use std::collections::BTreeMap;
+
+use serde_json::{Value, json};
+
+use crate::book::{Body, Book};
+use crate::listing::Kind;
+use crate::names::{Names, Scope, canonical};
+use crate::sheet::{Label, Link, Look, Sheet, Source};
+
+/// For each key its uses: the numbers of page and section, and `w` for one that writes, `r` for one that reads, `c` for a call.
+pub fn uses(book: &Book, names: &Names) -> Value {
+    let mut uses: BTreeMap<String, Vec<(usize, usize, char)>> = BTreeMap::new();
+    for (number, page) in book.pages.iter().enumerate() {
+        for (at, section) in page.sections.iter().enumerate() {
+            let mut add = |key: &str, how: char| {
+                // Local names are those of their page.
+                let key = if key.starts_with('#') { format!("{}{key}", page.id) } else { key.to_string() };
+                let list = uses.entry(key).or_default();
+                if list.last() != Some(&(number, at, how)) {
+                    list.push((number, at, how));
+                }
+            };
+            match &section.content {
+                Body::Drawing { sheet, .. } => of_sheet(sheet, &mut add),
+                Body::Text(listing) => of_text(&listing.lines, listing.kind, names, page.scope, &mut add),
+            }
+        }
+    }
+    let uses = uses.into_iter().map(|(key, list)| {
+        let list: Vec<Value> = list.into_iter().map(|(page, section, how)| json!([page, section, how.to_string()])).collect();
+        (key, Value::Array(list))
+    });
+    Value::Object(uses.collect())
+}
+
+fn of_sheet(sheet: &Sheet, add: &mut dyn FnMut(&str, char)) {
+    let mut known = |label: &Label, how: char| {
+        if !label.key.is_empty() {
+            add(&label.key, how);
+        }
+    };
+    for part in &sheet.parts {
+        for pin in &part.pins {
+            if let Link::Operand(label) = &pin.link {
+                known(label, if pin.output { 'w' } else { 'r' });
+            }
+        }
+        if let Look::Box { instance: Some(label), .. } = &part.look {
+            known(label, 'c');
+        }
+    }
+    for source in sheet.nets.iter().flat_map(|net| &net.sources) {
+        if let Source::Operand { label, .. } = source {
+            known(label, 'r');
+        }
+    }
+}
+
+/// Instructions of STL that write their operand, in both sets of mnemonics.
+const WRITES: &[&str] = &["=", "S", "R", "T", "=I", "SI", "RI", "FP", "FN"];
+
+fn of_text(lines: &[String], kind: Kind, names: &Names, scope: Scope, add: &mut dyn FnMut(&str, char)) {
+    for line in lines {
+        let code = line.split("//").next().unwrap_or_default();
+        match kind {
+            Kind::Stl => {
+                let code = code.split_once(':').filter(|(label, _)| !label.contains(['"', '#', ' '])).map_or(code, |(_, rest)| rest);
+                let mut words = code.trim().trim_end_matches(';').splitn(2, char::is_whitespace);
+                let (mnemonic, operands) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
+                let how = if WRITES.contains(&mnemonic) { 'w' } else { 'r' };
+                for operand in operands.split([',', ';', '(', ')', '=']).filter(|operand| !operand.trim().is_empty()) {
+                    if let Some(key) = names.key(operand, scope) {
+                        add(&key, how);
+                    }
+                }
+            }
+            Kind::Scl => {
+                let (left, right) = code.split_once(":=").map_or(("", code), |(left, right)| (left, right));
+                for (part, how) in [(left, 'w'), (right, 'r')] {
+                    for word in words(part) {
+                        let is_name = word.starts_with(['"', '#', '%']) || canonical(word, scope.german).is_some();
+                        if let Some(key) = names.key(word, scope).filter(|_| is_name || word.contains('.')) {
+                            add(&key, how);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Names and addresses of a line of SCL.
+fn words(text: &str) -> impl Iterator<Item = &str> {
+    let mut quoted = false;
+    text.split(move |c: char| {
+        if c == '"' {
+            quoted = !quoted;
+        }
+        !quoted && !(c.is_alphanumeric() || matches!(c, '"' | '#' | '%' | '.' | '_'))
+    })
+    .filter(|word| !word.is_empty())
+}

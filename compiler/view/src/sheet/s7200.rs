@@ -1,0 +1,273 @@
+//! Networks of the S7-200 as rungs. The logic stack has spans of parts: `LD` begins one, `A` goes on, `O` is beside it, `ALD` and `OLD`
+//! join two, `LPS` begins a branch.
+
+use plcc_syntax::s7200::ast::{Operand, Statement, StatementKind};
+use plcc_syntax::s7200::{Acts, Insn, OperandClass};
+use plcc_syntax::stl::Mnemonics;
+
+use super::rungs::{Rungs, Span, side};
+use super::{Label, Link, Look, Meaning, Pin, Place, Sheet};
+
+/// The rungs of a network. `label` finds the operand at a place of the source. `Err`: why it cannot be drawn.
+pub fn sheet(statements: &[Statement], label: &dyn Fn(&Operand) -> Label) -> Result<Sheet, String> {
+    let mut maker = Maker { rungs: Rungs::default(), stack: Vec::new(), eno: None };
+    for statement in statements {
+        match &statement.kind {
+            StatementKind::Instruction { insn, operands, .. } => {
+                let labels: Vec<Label> = operands.iter().map(label).collect();
+                let name = insn.mnemonic(Mnemonics::En).to_string();
+                maker.instruction(*insn, &name, labels).map_err(|reason| format!("`{name}` {reason}"))?;
+            }
+            StatementKind::Pragma { .. } => {}
+            StatementKind::Error => return Err("a statement could not be read".to_string()),
+        }
+    }
+    if maker.rungs.part_count() == 0 {
+        return Err("there is nothing to draw".to_string());
+    }
+    match maker.stack.iter().find(|span| !maker.rungs.is_used(span.end)) {
+        Some(_) => Err("a result of logic is not used".to_string()),
+        None => Ok(maker.rungs.sheet()),
+    }
+}
+
+struct Maker {
+    rungs: Rungs,
+    stack: Vec<Span>,
+    /// The box whose ENO the next statement may continue.
+    eno: Option<usize>,
+}
+
+/// The logic stack has nine levels.
+const STACK: usize = 9;
+
+impl Maker {
+    fn top(&self) -> Result<Span, String> {
+        self.stack.last().copied().ok_or_else(|| "has no logic before it".to_string())
+    }
+
+    fn pop(&mut self) -> Result<Span, String> {
+        self.stack.pop().ok_or_else(|| "has no logic before it".to_string())
+    }
+
+    fn push(&mut self, span: Span) -> Result<(), String> {
+        self.stack.push(span);
+        if self.stack.len() > STACK { Err("needs more levels than the logic stack has".to_string()) } else { Ok(()) }
+    }
+
+    /// A contact beside the whole span.
+    fn beside(&mut self, add: impl FnOnce(&mut Rungs, usize, usize)) -> Result<(), String> {
+        let span = self.top()?;
+        if span.shared || self.rungs.is_used(span.end) {
+            return Err("would be beside a branch that already leads elsewhere".to_string());
+        }
+        add(&mut self.rungs, span.start, span.end);
+        Ok(())
+    }
+
+    fn instruction(&mut self, insn: Insn, name: &str, labels: Vec<Label>) -> Result<(), String> {
+        let contact = |name: &str, stem: usize| -> &'static str {
+            let rest = &name[stem..];
+            match (rest.contains('N'), rest.contains('I')) {
+                (false, false) => "",
+                (true, false) => "/",
+                (false, true) => "I",
+                (true, true) => "/I",
+            }
+        };
+        match insn {
+            Insn::Load | Insn::LoadNot | Insn::LoadNow | Insn::LoadNotNow => {
+                let span = self.rungs.load(contact(name, 2), labels);
+                self.push(span)?;
+            }
+            Insn::And | Insn::AndNot | Insn::AndNow | Insn::AndNotNow => {
+                let span = self.pop()?;
+                let span = self.rungs.then(span, contact(name, 1), labels);
+                self.push(span)?;
+            }
+            Insn::Or | Insn::OrNot | Insn::OrNow | Insn::OrNotNow => {
+                let sign = contact(name, 1);
+                self.beside(|rungs, from, to| rungs.contact(sign, labels, from, to))?;
+            }
+            Insn::Not | Insn::RisingEdge | Insn::FallingEdge => {
+                let sign = match insn {
+                    Insn::Not => "NOT",
+                    Insn::RisingEdge => "P",
+                    _ => "N",
+                };
+                let span = self.pop()?;
+                let span = self.rungs.then(span, sign, labels);
+                self.push(span)?;
+            }
+            Insn::Compare(_) => self.compare(name, labels)?,
+            Insn::AndLoad | Insn::OrLoad => {
+                let (second, first) = (self.pop()?, self.pop()?);
+                if insn == Insn::AndLoad {
+                    self.rungs.join(first.end, second.start);
+                    self.push(Span { start: first.start, end: second.end, shared: false })?;
+                } else {
+                    if first.shared || self.rungs.is_used(first.end) {
+                        return Err("would be beside a branch that already leads elsewhere".to_string());
+                    }
+                    self.rungs.join(first.start, second.start);
+                    self.rungs.join(first.end, second.end);
+                    self.push(first)?;
+                }
+            }
+            Insn::Push => {
+                let span = self.top()?;
+                self.push(Span { shared: true, ..span })?;
+            }
+            Insn::Read => {
+                self.pop()?;
+                let span = self.top()?;
+                self.push(Span { shared: true, ..span })?;
+            }
+            Insn::Pop => {
+                self.pop()?;
+                let span = self.pop()?;
+                self.push(Span { shared: true, ..span })?;
+            }
+            Insn::LoadStack => return Err("has no element of LAD".to_string()),
+            Insn::AndEno => {
+                self.eno.take().ok_or("has no box before it")?;
+                let net = self.rungs.eno().ok_or("has no box before it")?;
+                let span = self.pop()?;
+                self.push(Span { end: net, shared: false, ..span })?;
+                return Ok(());
+            }
+            Insn::Nop => {}
+            Insn::Ctu | Insn::Ctd => {
+                let (second, first) = (self.pop()?, self.pop()?);
+                let (count, other) = if insn == Insn::Ctu { ("CU", "R") } else { ("CD", "LD") };
+                self.counter(name, labels, &[(count, first), (other, second)]);
+            }
+            Insn::Ctud => {
+                let (third, second, first) = (self.pop()?, self.pop()?, self.pop()?);
+                self.counter(name, labels, &[("CU", first), ("CD", second), ("R", third)]);
+            }
+            Insn::Assign | Insn::AssignNow | Insn::Set | Insn::Reset | Insn::SetNow | Insn::ResetNow => {
+                let span = self.top()?;
+                self.rungs.rail(span);
+                let sign = name.trim_start_matches('=');
+                self.rungs.coil(sign, labels, span.end);
+            }
+            other => self.other(other, name, labels)?,
+        }
+        if !matches!(insn, Insn::Nop) {
+            self.eno = None;
+        }
+        if insn.eno() != "-" {
+            self.eno = Some(0);
+        }
+        Ok(())
+    }
+
+    /// `LDW>=`, `AB=`, `OR<>`: a compare contact.
+    fn compare(&mut self, name: &str, labels: Vec<Label>) -> Result<(), String> {
+        let (joins, rest) = match name.strip_prefix("LD") {
+            Some(rest) => ('L', rest),
+            None => name.split_at_checked(1).map_or(('L', name), |(head, rest)| (head.chars().next().unwrap_or('L'), rest)),
+        };
+        let at = rest.find(['=', '<', '>']).unwrap_or(0);
+        let (ty, sign) = rest.split_at(at);
+        let sign = if sign == "=" { "==" } else { sign };
+        let mut pins: Vec<Pin> = Vec::new();
+        for (index, label) in labels.into_iter().enumerate() {
+            let place = if index == 0 { Place::Above } else { Place::Below };
+            pins.push(Pin { name: String::new(), place, output: false, link: Link::Operand(label), negated: false });
+        }
+        let look = Look::Compare { sign: sign.to_string(), ty: ty.to_string() };
+        let meaning = Meaning::Compare(sign.to_string());
+        match joins {
+            'L' => {
+                let (start, end) = (self.rungs.net(), self.rungs.net());
+                self.rungs.part(look, meaning, pins, Some(start), Some(end));
+                self.push(Span { start, end, shared: false })
+            }
+            'A' => {
+                let span = self.pop()?;
+                let end = self.rungs.net();
+                self.rungs.part(look, meaning, pins, Some(span.end), Some(end));
+                self.push(Span { end, shared: false, ..span })
+            }
+            _ => self.beside(|rungs, from, to| rungs.part(look, meaning, pins, Some(from), Some(to))),
+        }
+    }
+
+    fn counter(&mut self, name: &str, mut labels: Vec<Label>, inputs: &[(&str, Span)]) {
+        let instance = (!labels.is_empty()).then(|| labels.remove(0));
+        let mut pins: Vec<Pin> = Vec::new();
+        for (name, span) in &inputs[1..] {
+            self.rungs.rail(*span);
+            let link = Link::Net(span.end);
+            pins.push(Pin { name: (*name).to_string(), place: Place::Side, output: false, link, negated: false });
+        }
+        pins.extend(labels.into_iter().map(|label| side("PV", label, false)));
+        self.rungs.rail(inputs[0].1);
+        let look = Look::Box { title: name.to_string(), detail: String::new(), instance };
+        self.rungs.part(look, Meaning::Other, pins, Some(inputs[0].1.end), None);
+        self.rungs.name_input(inputs[0].0);
+    }
+
+    /// Boxes, and instructions that need no flow.
+    fn other(&mut self, insn: Insn, name: &str, mut labels: Vec<Label>) -> Result<(), String> {
+        let is_timer = matches!(insn, Insn::Ton | Insn::Tonr | Insn::Tof);
+        // Stages of a sequence, labels and loop ends stand at the rail; all others need a result of logic, unless they are unconditional.
+        let flow = match (insn.acts(), is_timer) {
+            (Acts::Enabled, _) | (_, true) => Some(self.top()?),
+            (Acts::Always | Acts::Marker, _) => None,
+        };
+        let from = match flow {
+            Some(span) => {
+                self.rungs.rail(span);
+                span.end
+            }
+            None => {
+                let net = self.rungs.net();
+                self.rungs.rail(Span { start: net, end: net, shared: false });
+                net
+            }
+        };
+        let classes = insn.operands();
+        if labels.is_empty() || classes.iter().all(|class| matches!(class, OperandClass::Label | OperandClass::SBit)) {
+            self.rungs.coil(name, labels, from);
+            return Ok(());
+        }
+        let is_call = matches!(classes.first(), Some(OperandClass::Subroutine));
+        let first = (is_timer || is_call).then(|| labels.remove(0));
+        let skipped = usize::from(first.is_some());
+        let (title, instance) = match (first, is_call) {
+            (Some(label), true) => (label.text, None),
+            (first, _) => (name.to_string(), first),
+        };
+        let mut pins: Vec<Pin> = Vec::new();
+        let mut inputs = 0;
+        for (index, label) in labels.into_iter().enumerate() {
+            let output = classes.get(index + skipped).is_some_and(|class| is_output(*class));
+            inputs += usize::from(!output);
+            let pin = match (output, is_timer, index) {
+                (true, ..) => "OUT".to_string(),
+                (false, true, _) => "PT".to_string(),
+                (false, false, _) if is_call => format!("{}", index + 1),
+                (false, false, _) if inputs == 1 => "IN".to_string(),
+                (false, false, _) => format!("IN{inputs}"),
+            };
+            pins.push(side(&pin, label, output));
+        }
+        let look = Look::Box { title, detail: String::new(), instance };
+        self.rungs.part(look, Meaning::Other, pins, Some(from), None);
+        if is_timer {
+            self.rungs.name_input("IN");
+        }
+        Ok(())
+    }
+}
+
+fn is_output(class: OperandClass) -> bool {
+    use OperandClass::*;
+    matches!(
+        class,
+        BitWrite | OutputBit | ByteOut | WordOut | WordOutAnalog | DwordOut | RealOut | StringOut | BytesOut | WordsOut | DwordsOut | OutputByte
+    )
+}

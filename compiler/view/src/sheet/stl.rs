@@ -1,0 +1,314 @@
+//! Networks in STL of S7-300/400 as rungs: bits that are combined and assigned, timers and counters as coils, jumps and calls at the end.
+
+use plcc_syntax::ast::{Call, Operand, Statement, StatementKind};
+use plcc_syntax::stl::{Mnemonics, StlInsn};
+
+use super::rungs::{Rungs, Span, side};
+use super::{Label, Link, Look, Meaning, Pin, Place, Sheet};
+
+/// What the nesting stack keeps: the span before the parenthesis, and how its result is combined.
+struct Outer {
+    before: Option<Span>,
+    branch: Option<Span>,
+    opened: StlInsn,
+}
+
+struct Maker<'a> {
+    rungs: Rungs,
+    label: &'a dyn Fn(&Operand) -> Label,
+    /// Whether the block of that name has an output of that name.
+    is_output: &'a dyn Fn(&str, &str) -> bool,
+    /// The result of logic; none: the next scan begins anew.
+    span: Option<Span>,
+    /// The branches before an `O` without operand.
+    branch: Option<Span>,
+    outer: Vec<Outer>,
+    /// Values in the accumulators, the last one first.
+    loaded: Vec<Label>,
+    /// The span was assigned: only further coils follow it.
+    assigned: bool,
+}
+
+/// The rungs of a network. `label` finds an operand. `Err`: why it cannot be drawn.
+pub fn sheet(
+    statements: &[Statement],
+    label: &dyn Fn(&Operand) -> Label,
+    is_output: &dyn Fn(&str, &str) -> bool,
+) -> Result<Sheet, String> {
+    let mut maker = Maker {
+        rungs: Rungs::default(),
+        label,
+        is_output,
+        span: None,
+        branch: None,
+        outer: Vec::new(),
+        loaded: Vec::new(),
+        assigned: false,
+    };
+    let count = statements.len();
+    for (at, statement) in statements.iter().enumerate() {
+        if let (Some(mark), true) = (&statement.label, at > 0) {
+            return Err(format!("the label `{}` is inside of the network", mark.name));
+        }
+        let is_last = statements[at + 1..].iter().all(|rest| !matches!(rest.kind, StatementKind::Instruction { .. } | StatementKind::Call(_)));
+        match &statement.kind {
+            StatementKind::Empty | StatementKind::Pragma(_) => {}
+            StatementKind::Instruction { insn, operand, .. } => {
+                let name = insn.mnemonic(Mnemonics::En);
+                maker
+                    .instruction(*insn, operand.as_ref(), is_last)
+                    .map_err(|reason| format!("statement {} of {count}, `{name}`, {reason}", at + 1))?;
+            }
+            StatementKind::Call(call) => maker.call(call).map_err(|reason| format!("`CALL` {reason}"))?,
+            StatementKind::Error => return Err("a statement could not be read".to_string()),
+        }
+    }
+    let open = maker.span.is_some() && !maker.assigned || !maker.outer.is_empty();
+    match () {
+        () if maker.rungs.part_count() == 0 => Err(String::new()),
+        () if open => Err("the result of logic at its end is not used".to_string()),
+        () if !maker.loaded.is_empty() => Err("a value is loaded and not used".to_string()),
+        () => Ok(maker.rungs.sheet()),
+    }
+}
+
+impl Maker<'_> {
+    fn instruction(&mut self, insn: StlInsn, operand: Option<&Operand>, is_last: bool) -> Result<(), String> {
+        use StlInsn::*;
+        let label = operand.map(self.label);
+        match insn {
+            And | AndNot => {
+                let sign = if insn == And { "" } else { "/" };
+                self.scan(sign, label)
+            }
+            Or if label.is_none() => {
+                self.close_branch()?;
+                self.branch = Some(self.span.take().ok_or("has no logic before it")?);
+                Ok(())
+            }
+            Or | OrNot => {
+                let sign = if insn == Or { "" } else { "/" };
+                self.begin();
+                self.close_branch()?;
+                match self.span {
+                    None => self.scan(sign, label),
+                    Some(span) => {
+                        self.free(span)?;
+                        self.rungs.contact(sign, label.into_iter().collect(), span.start, span.end);
+                        Ok(())
+                    }
+                }
+            }
+            AndNest | AndNotNest | OrNest | OrNotNest => {
+                self.begin();
+                if matches!(insn, OrNest | OrNotNest) {
+                    self.close_branch()?;
+                }
+                self.outer.push(Outer { before: self.span.take(), branch: self.branch.take(), opened: insn });
+                Ok(())
+            }
+            CloseNest => self.close(),
+            Not => {
+                self.close_branch()?;
+                let span = self.span.filter(|_| !self.assigned).ok_or("has no logic before it")?;
+                self.span = Some(self.rungs.then(span, "NOT", Vec::new()));
+                Ok(())
+            }
+            EdgePositive | EdgeNegative => {
+                self.close_branch()?;
+                let span = self.span.filter(|_| !self.assigned).ok_or("has no logic before it")?;
+                let sign = if insn == EdgePositive { "P" } else { "N" };
+                self.span = Some(self.rungs.then(span, sign, label.into_iter().collect()));
+                Ok(())
+            }
+            SetRlo => {
+                let net = self.rungs.net();
+                self.span = Some(Span { start: net, end: net, shared: false });
+                (self.branch, self.assigned) = (None, false);
+                Ok(())
+            }
+            Assign => self.coil("", label, false),
+            Set | Reset if label.as_ref().is_some_and(|label| label.key.starts_with('C')) && insn == Set => {
+                self.coil("SC", label, true)
+            }
+            Set => self.coil("S", label, false),
+            Reset => self.coil("R", label, false),
+            Save => self.coil("SAVE", None, false),
+            Load => {
+                if self.loaded.len() == 2 {
+                    return Err("loads a third value".to_string());
+                }
+                self.loaded.push(label.ok_or("has no operand")?);
+                Ok(())
+            }
+            Transfer => {
+                // A box MOVE at the rail.
+                let (Some(value), true) = (self.loaded.pop(), self.loaded.is_empty()) else {
+                    return Err("has no single value before it".to_string());
+                };
+                if self.span.is_some() && !self.assigned {
+                    return Err("does not depend on the logic before it".to_string());
+                }
+                let net = self.rungs.net();
+                self.rungs.rail(Span { start: net, end: net, shared: false });
+                let pins = vec![side("IN", value, false), side("OUT", label.ok_or("has no operand")?, true)];
+                let look = Look::Box { title: "MOVE".to_string(), detail: String::new(), instance: None };
+                self.rungs.part(look, Meaning::Other, pins, Some(net), None);
+                Ok(())
+            }
+            Jump | JumpIf | JumpIfNot if !is_last => Err("is not the last statement".to_string()),
+            Jump => {
+                let net = self.rungs.net();
+                self.rungs.rail(Span { start: net, end: net, shared: false });
+                self.rungs.coil("JMP", label.into_iter().collect(), net);
+                Ok(())
+            }
+            JumpIf => self.coil("JMP", label, false),
+            JumpIfNot => self.coil("JMPN", label, false),
+            Nop | Display => Ok(()),
+            other => match (timer(other), comparison(other)) {
+                (Some((sign, timed)), _) => self.coil(sign, label, timed),
+                (None, Some((sign, ty))) => self.compare(sign, ty),
+                (None, None) => Err("has no element of LAD here".to_string()),
+            },
+        }
+    }
+
+    /// After an assignment a scan begins a new rung.
+    fn begin(&mut self) {
+        if self.assigned && self.outer.is_empty() {
+            (self.span, self.branch, self.assigned) = (None, None, false);
+        }
+    }
+
+    fn scan(&mut self, sign: &str, label: Option<Label>) -> Result<(), String> {
+        self.begin();
+        let labels: Vec<Label> = label.into_iter().collect();
+        self.span = Some(match self.span {
+            Some(span) => self.rungs.then(span, sign, labels),
+            None => self.rungs.load(sign, labels),
+        });
+        Ok(())
+    }
+
+    fn free(&self, span: Span) -> Result<(), String> {
+        match self.rungs.is_used(span.end) {
+            true => Err("would be beside a branch that already leads elsewhere".to_string()),
+            false => Ok(()),
+        }
+    }
+
+    /// The branch before `O` and the one after it are parallel.
+    fn close_branch(&mut self) -> Result<(), String> {
+        let Some(branch) = self.branch.take() else { return Ok(()) };
+        let span = self.span.take().ok_or("has an empty branch before it")?;
+        self.rungs.join(branch.start, span.start);
+        self.rungs.join(branch.end, span.end);
+        self.span = Some(branch);
+        Ok(())
+    }
+
+    fn close(&mut self) -> Result<(), String> {
+        self.close_branch()?;
+        let inner = self.span.take().ok_or("closes an empty parenthesis")?;
+        let Outer { before, branch, opened } = self.outer.pop().ok_or("closes no parenthesis")?;
+        let inner = match opened {
+            StlInsn::AndNotNest | StlInsn::OrNotNest => self.rungs.then(inner, "NOT", Vec::new()),
+            _ => inner,
+        };
+        self.branch = branch;
+        self.span = Some(match (before, opened) {
+            (None, _) => inner,
+            (Some(before), StlInsn::AndNest | StlInsn::AndNotNest) => {
+                self.rungs.join(before.end, inner.start);
+                Span { start: before.start, end: inner.end, shared: false }
+            }
+            (Some(before), _) => {
+                self.free(before)?;
+                self.rungs.join(before.start, inner.start);
+                self.rungs.join(before.end, inner.end);
+                before
+            }
+        });
+        Ok(())
+    }
+
+    /// A coil; `timed`: the loaded value stands below it.
+    fn coil(&mut self, sign: &str, label: Option<Label>, timed: bool) -> Result<(), String> {
+        if !self.outer.is_empty() {
+            return Err("is inside of a parenthesis".to_string());
+        }
+        self.close_branch()?;
+        let span = self.span.ok_or("has no logic before it")?;
+        let mut labels: Vec<Label> = label.into_iter().collect();
+        if timed {
+            labels.push(self.loaded.pop().ok_or("has no value before it")?);
+        }
+        if !self.loaded.is_empty() {
+            return Err("has values before it that it does not use".to_string());
+        }
+        self.rungs.rail(span);
+        self.rungs.coil(sign, labels, span.end);
+        self.assigned = true;
+        Ok(())
+    }
+
+    fn compare(&mut self, sign: &str, ty: &str) -> Result<(), String> {
+        let (Some(second), Some(first)) = (self.loaded.pop(), self.loaded.pop()) else {
+            return Err("has no two values before it".to_string());
+        };
+        self.begin();
+        if self.span.is_some() {
+            return Err("replaces the logic before it".to_string());
+        }
+        let pin = |label, place| Pin { name: String::new(), place, output: false, link: Link::Operand(label), negated: false };
+        let (start, end) = (self.rungs.net(), self.rungs.net());
+        let look = Look::Compare { sign: sign.to_string(), ty: ty.to_string() };
+        let pins = vec![pin(first, Place::Above), pin(second, Place::Below)];
+        self.rungs.part(look, Meaning::Compare(sign.to_string()), pins, Some(start), Some(end));
+        self.span = Some(Span { start, end, shared: false });
+        Ok(())
+    }
+
+    /// A call without conditions.
+    fn call(&mut self, call: &Call) -> Result<(), String> {
+        if self.span.is_some() && !self.assigned || !self.loaded.is_empty() {
+            return Err("does not depend on the logic before it".to_string());
+        }
+        let net = self.rungs.net();
+        self.rungs.rail(Span { start: net, end: net, shared: false });
+        let title = (self.label)(&call.target).text;
+        let pins = call.parameters.iter().map(|parameter| {
+            let label = parameter.actual.as_ref().map(self.label).unwrap_or_default();
+            side(&parameter.name, label, (self.is_output)(&title, &parameter.name))
+        });
+        let pins = pins.collect();
+        let look = Look::Box { title, detail: String::new(), instance: call.instance.as_ref().map(self.label) };
+        self.rungs.part(look, Meaning::Other, pins, Some(net), None);
+        (self.span, self.assigned) = (None, false);
+        Ok(())
+    }
+}
+
+/// Coils of timers and counters, and whether they take the loaded value.
+fn timer(insn: StlInsn) -> Option<(&'static str, bool)> {
+    Some(match insn.mnemonic(Mnemonics::En) {
+        "SP" => ("SP", true),
+        "SE" => ("SE", true),
+        "SD" => ("SD", true),
+        "SS" => ("SS", true),
+        "SF" => ("SF", true),
+        "CU" => ("CU", false),
+        "CD" => ("CD", false),
+        _ => return None,
+    })
+}
+
+/// `>=I`: its sign and its type.
+fn comparison(insn: StlInsn) -> Option<(&'static str, &'static str)> {
+    let name = insn.mnemonic(Mnemonics::En);
+    let at = name.len().checked_sub(1)?;
+    let (sign, ty) = name.split_at_checked(at)?;
+    let is_sign = matches!(sign, "==" | "<>" | "<" | "<=" | ">" | ">=");
+    (is_sign && matches!(ty, "I" | "D" | "R")).then_some((sign, ty))
+}
