@@ -51,7 +51,11 @@ pub enum Command {
     /// Draw a program: networks, charts and code.
     View(ViewArgs),
     /// Make the hash of a password for plc.toml: reads the password, one line, from standard input.
-    Password,
+    Password {
+        /// Of a user of the page, not of the CPU.
+        #[arg(long)]
+        user: bool,
+    },
     /// Make a project with a small program and its test.
     New(NewArgs),
     /// Print the script that completes the command line of plcc in a shell.

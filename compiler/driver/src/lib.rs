@@ -18,6 +18,7 @@ use clap::Parser;
 pub mod axes;
 pub mod cache;
 pub mod cli;
+mod drawings;
 pub mod code;
 pub mod command;
 pub mod content;
@@ -73,7 +74,7 @@ fn dispatch(cli: &Cli) -> u8 {
         Command::Man { folder } => command::manual::pages(folder),
         Command::Station { folder } => command::station::station(folder),
         Command::Convert(args) => command::convert::convert(args),
-        Command::Password => command::password::password(),
+        Command::Password { user } => command::password::password(*user),
         Command::Plot(args) => command::plot::plot(args),
         Command::View(args) => command::view::view(args),
         Command::Explain { code } => command::explain::explain(code),

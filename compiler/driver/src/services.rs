@@ -1,6 +1,6 @@
 //! `[services]` of plc.toml: what clients can reach, and who they may be.
 
-use plcc_abi::services::{Client, Protection, Registers, Right, ServicesConfig};
+use plcc_abi::services::{Client, Protection, Registers, Right, Role, ServicesConfig, User};
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 use plcc_services::{options, password, rights};
 use serde::Deserialize;
@@ -15,6 +15,9 @@ pub struct ServicesKeys {
     s7: Option<Spanned<String>>,
     modbus: Option<Spanned<String>>,
     metrics: Option<Spanned<String>>,
+    web: Option<Spanned<String>>,
+    #[serde(default)]
+    user: Vec<UserKeys>,
     mqtt: Option<Spanned<String>>,
     access: Option<RightKey>,
     #[serde(default)]
@@ -63,6 +66,15 @@ struct ClientKeys {
     access: RightKey,
 }
 
+/// `[[services.user]]`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct UserKeys {
+    name: Spanned<String>,
+    role: Role,
+    password: Spanned<String>,
+}
+
 /// `[services.registers]`.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -81,14 +93,7 @@ const INTERVAL_MS_MAX: u32 = 3_600_000;
 /// Reads the table. Reports wrong keys and ignores them.
 pub fn read(keys: &ServicesKeys, file: FileId) -> (ServicesConfig, Vec<Diagnostic>) {
     let mut reader = Reader { file, diagnostics: Vec::new() };
-    let password = keys.password.as_ref().and_then(|key| {
-        let help = "`plcc password` makes the hash of a password that it reads";
-        reader.checked(key, help, |text| match password::is_hash(text) {
-            true => Ok(()),
-            // What is wrong here may be the password itself.
-            false => Err("no hash of a password".to_string()),
-        })
-    });
+    let password = keys.password.as_ref().and_then(|key| reader.hash(key, "plcc password"));
     let address = |text: &str| options::address(text).map(|_| ());
     let help = "write a port of this computer, `10102`, or `0.0.0.0:102`";
     let config = ServicesConfig {
@@ -96,6 +101,8 @@ pub fn read(keys: &ServicesKeys, file: FileId) -> (ServicesConfig, Vec<Diagnosti
         s7: keys.s7.as_ref().and_then(|key| reader.checked(key, help, address)),
         modbus: keys.modbus.as_ref().and_then(|key| reader.checked(key, help, address)),
         metrics: keys.metrics.as_ref().and_then(|key| reader.checked(key, help, address)),
+        web: keys.web.as_ref().and_then(|key| reader.checked(key, help, address)),
+        users: reader.users(&keys.user),
         mqtt: keys.mqtt.as_ref().and_then(|key| {
             let check = |text: &str| options::check_broker(text).map_err(|_| "not the URL of a broker".to_string());
             reader.checked(key, "write `mqtt://HOST:PORT/PREFIX`, with `USER@` before HOST if needed", check)
@@ -109,6 +116,7 @@ pub fn read(keys: &ServicesKeys, file: FileId) -> (ServicesConfig, Vec<Diagnosti
             Some(ProtectionKey::Complete) => Protection::Complete,
         },
         password,
+        drawings: Vec::new(),
         communication_load: keys.communication_load.as_ref().and_then(|key| {
             let number = number_within::<u8>(key, LOADS, "a percentage");
             number.map_err(|title| reader.report(key, title, "a CPU gives its clients 5 to 50 % of a cycle")).ok()
@@ -154,6 +162,31 @@ impl Reader {
                 None
             }
         }
+    }
+
+    /// The hash of a password, which `command` makes.
+    fn hash(&mut self, key: &Spanned<String>, command: &str) -> Option<String> {
+        let help = format!("`{command}` makes the hash of a password that it reads");
+        self.checked(key, &help, |text| match password::is_hash(text) {
+            true => Ok(()),
+            // What is wrong here may be the password itself.
+            false => Err("this is not the hash of a password".to_string()),
+        })
+    }
+
+    fn users(&mut self, keys: &[UserKeys]) -> Vec<User> {
+        let mut users: Vec<User> = Vec::new();
+        for key in keys {
+            let name = key.name.get_ref();
+            if name.is_empty() || users.iter().any(|user| user.name == *name) {
+                self.report(&key.name, format!("`{name}` is not the name of another user"), "give each user a name");
+                continue;
+            }
+            if let Some(password) = self.hash(&key.password, "plcc password --user") {
+                users.push(User { name: name.clone(), role: key.role, password });
+            }
+        }
+        users
     }
 
     fn client(&mut self, keys: &ClientKeys) -> Option<Client> {

@@ -12,6 +12,12 @@ pub struct ServicesConfig {
     pub s7: Option<String>,
     pub modbus: Option<String>,
     pub metrics: Option<String>,
+    /// Of the page.
+    pub web: Option<String>,
+    /// Who may sign in on the page; without users everyone may look.
+    pub users: Vec<User>,
+    /// The program as an HTML document, compressed by gzip, for the page.
+    pub drawings: Vec<u8>,
     /// URL of a broker.
     pub mqtt: Option<String>,
     /// What clients may do that no entry of `clients` names.
@@ -37,6 +43,26 @@ pub enum Right {
     Write,
     /// Stop and start the CPU, set its clock.
     Control,
+}
+
+/// A person who may sign in on the page.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct User {
+    pub name: String,
+    pub role: Role,
+    /// The hash of the password: argon2, as a PHC string.
+    pub password: String,
+}
+
+/// What a user may do; each one includes those before it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Role {
+    Look,
+    /// Change values.
+    Operate,
+    /// Stop and start the CPU.
+    Change,
 }
 
 /// Computers and what they may do.

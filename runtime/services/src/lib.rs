@@ -1,6 +1,6 @@
 //! What speaks to the outside: servers for clients of the CPU.
 //!
-//! - [`s7`]: S7 communication; [`modbus`]: Modbus TCP; [`metrics`]: Prometheus and health; [`mqtt`]: values to a broker.
+//! - [`s7`]: S7 communication; [`modbus`]: Modbus TCP; [`metrics`]: Prometheus and health; [`mqtt`]: values to a broker; [`web`]: a page.
 //! - [`link`]: the way to the CPU; [`access`]: the CPU as clients see it.
 //! - [`listen`], [`rights`], [`password`], [`limits`]: who may come in, and what they may use up.
 //! - [`options`]: the flags, and what they open. `executable` has `main` of a program with services.
@@ -24,6 +24,7 @@ pub mod options;
 pub mod password;
 pub mod rights;
 pub mod s7;
+mod web;
 mod wire;
 
 pub use options::ServiceOptions;

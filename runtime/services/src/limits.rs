@@ -26,3 +26,15 @@ pub const GUESSERS_MAX: usize = 1024;
 pub const HTTP_BYTES_MAX: usize = 8192;
 /// How long a CPU may take to tell its state.
 pub const STATE_TIME: Duration = Duration::from_secs(1);
+
+/// Users that are signed in on the page at once; the one that was signed in longest makes room. And how long a session lasts without a
+/// sign of life.
+pub const SESSIONS_MAX: usize = 64;
+pub const SESSION_TIME: Duration = Duration::from_secs(12 * 3600);
+/// Browsers that are told values at once.
+pub const PAGES_MAX: usize = 16;
+/// The longest message of a page.
+pub const PAGE_MESSAGE_MAX: usize = 256 * 1024;
+/// Values that one page may watch, and letters of a name.
+pub const WATCHED_MAX: usize = 2_000;
+pub const NAME_MAX: usize = 500;

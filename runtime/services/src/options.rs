@@ -17,6 +17,7 @@ use crate::mqtt::{self, Broker, Publisher};
 use crate::password::Guard;
 use crate::rights::Clients;
 use crate::s7;
+use crate::web::{self, Page, Users};
 
 /// Flags of the services. They have precedence over plc.toml.
 #[derive(Args, Clone, Debug, Default)]
@@ -30,6 +31,9 @@ pub struct ServiceOptions {
     /// Answer HTTP requests for /metrics (Prometheus) and /health
     #[arg(long, value_name = "ADDR:PORT", value_parser = address)]
     pub metrics: Option<SocketAddr>,
+    /// Serve a page that shows the CPU in a browser
+    #[arg(long, value_name = "ADDR:PORT", value_parser = address)]
+    pub web: Option<SocketAddr>,
     /// Publish values to an MQTT broker: mqtt://HOST[:PORT]/PREFIX
     #[arg(long, value_name = "URL", value_parser = Broker::parse)]
     pub mqtt: Option<Broker>,
@@ -89,14 +93,14 @@ impl ServiceOptions {
             (flag, _) => flag.clone(),
         };
         let (s7, modbus) = (port(self.s7, &config.s7)?, port(self.modbus, &config.modbus)?);
-        let metrics = port(self.metrics, &config.metrics)?;
-        if s7.is_none() && modbus.is_none() && metrics.is_none() && broker.is_none() {
+        let (metrics, web) = (port(self.metrics, &config.metrics)?, port(self.web, &config.web)?);
+        if s7.or(modbus).or(metrics).or(web).is_none() && broker.is_none() {
             return Ok((None, Vec::new()));
         }
         let clients = Clients::new(config, self.access.map(Right::from));
         let times = metrics.is_some().then(Arc::<CycleTimes>::default);
         let (link, desk) = link(times.clone());
-        let mut plan = Plan { s7: None, modbus: None, metrics: None, publisher: None };
+        let mut plan = Plan { s7: None, modbus: None, metrics: None, web: None, publisher: None };
         let mut opened = Vec::new();
         if let Some(address) = s7 {
             let door = listen::open("s7", address, clients.clone())?;
@@ -110,10 +114,26 @@ impl ServiceOptions {
             opened.push(line("Modbus TCP clients", &door, &clients.text()));
             plan.modbus = Some((door, link.clone(), map));
         }
+        if let Some(address) = web {
+            let users = Users::new(&config.users);
+            if users.is_open() && !address.ip().is_loopback() {
+                return Err(format!(
+                    "--web {address}: without `[[services.user]]` in plc.toml the page is for this computer only"
+                ));
+            }
+            let door = listen::open("web", address, clients.clone())?;
+            let who = if users.is_open() { "everyone on this computer may look" } else { "users may sign in" };
+            opened.push(line("page at http", &door, who).replacen("http at ", "http://", 1));
+            plan.web = Some((door, Page::new(link.clone(), users, &config.drawings)));
+        }
         if let (Some(address), Some(times)) = (metrics, times) {
             let door = listen::open("metrics", address, clients)?;
             opened.push(line("HTTP clients", &door, "/metrics and /health"));
-            let services = [plan.s7.as_ref().map(|(door, _)| door), plan.modbus.as_ref().map(|(door, ..)| door)];
+            let services = [
+                plan.s7.as_ref().map(|(door, _)| door),
+                plan.modbus.as_ref().map(|(door, ..)| door),
+                plan.web.as_ref().map(|(door, _)| door),
+            ];
             let services = services.into_iter().flatten().chain([&door]);
             let services = services.map(|door| (door.service, door.open.clone())).collect();
             plan.metrics = Some((door, Pages { link: link.clone(), times, services }));
@@ -143,6 +163,7 @@ struct Plan {
     s7: Option<(Door, s7::Server)>,
     modbus: Option<(Door, Link, Map)>,
     metrics: Option<(Door, Pages)>,
+    web: Option<(Door, Page)>,
     publisher: Option<(Publisher, Link)>,
 }
 
@@ -177,12 +198,17 @@ impl Plan {
                 listen::accept(door, |visitor| metrics::serve(visitor.stream, pages.clone())).await;
             }
         };
+        let web = async {
+            if let Some((door, page)) = self.web {
+                listen::accept(door, |visitor| web::serve(visitor, page.clone())).await;
+            }
+        };
         let publisher = async {
             if let Some((publisher, link)) = self.publisher {
                 mqtt::run(publisher, link).await;
             }
         };
-        tokio::join!(s7, modbus, metrics, publisher);
+        tokio::join!(s7, modbus, metrics, web, publisher);
     }
 }
 

@@ -21,6 +21,22 @@ pub fn hash(password: &str) -> Result<String, String> {
     if !(1..=CHARACTERS_MAX).contains(&characters) || !password.bytes().all(|c| c.is_ascii_graphic()) {
         return Err(format!("a password of a CPU has 1 to {CHARACTERS_MAX} letters, digits and signs of ASCII"));
     }
+    salted(password)
+}
+
+/// Characters that a password of a user of the page has.
+pub const USER_CHARACTERS: std::ops::RangeInclusive<usize> = 8..=128;
+
+/// The hash of a user's password for plc.toml. `Err`: why it cannot be one.
+pub fn hash_of_user(password: &str) -> Result<String, String> {
+    if !USER_CHARACTERS.contains(&password.chars().count()) {
+        let (low, high) = (USER_CHARACTERS.start(), USER_CHARACTERS.end());
+        return Err(format!("a password of a user has {low} to {high} characters"));
+    }
+    salted(password)
+}
+
+fn salted(password: &str) -> Result<String, String> {
     let salt = SaltString::generate(&mut OsRng);
     let hash = Argon2::default().hash_password(password.as_bytes(), &salt);
     hash.map(|hash| hash.to_string()).map_err(|error| error.to_string())
@@ -31,7 +47,8 @@ pub fn is_hash(text: &str) -> bool {
     PasswordHash::new(text).is_ok_and(|hash| hash.algorithm == argon2::ARGON2ID_IDENT && hash.hash.is_some())
 }
 
-fn is_right(password: &[u8], hash: &str) -> bool {
+/// Whether a password is the one of a hash. It takes some ten milliseconds.
+pub fn is_right(password: &[u8], hash: &str) -> bool {
     PasswordHash::new(hash).is_ok_and(|hash| Argon2::default().verify_password(password, &hash).is_ok())
 }
 

@@ -11,7 +11,7 @@ use crate::link::{Form, Runtime};
 use crate::package::{fmu, oci};
 use crate::pipeline::{self, Bound, Compiled, Settings};
 use crate::report::{self, MessageFormat};
-use crate::{emit, link, statistics};
+use crate::{drawings, emit, link, statistics};
 
 /// Compiles and links, or writes an intermediate form.
 pub fn build(args: &BuildArgs) -> u8 {
@@ -45,7 +45,7 @@ fn build_read(args: &BuildArgs, read: Read, name: &str) -> Result<(), u8> {
         write_text(args.output.as_deref(), &text)?;
         return if diagnostics.iter().any(|d| d.is_error()) { Err(exit::COMPILE) } else { Ok(()) };
     }
-    let bound = accepted(pipeline::bind(parsed, &settings), unreadable, &settings)?;
+    let bound = accepted(drawings::bind(parsed, &settings, args.services), unreadable, &settings)?;
     if let Some(pass) = &args.print_after {
         return write_text(
             args.output.as_deref(),

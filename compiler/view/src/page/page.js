@@ -293,6 +293,27 @@ if (data.trace) {
   at(+slider.value);
 }
 
+// A page around this one may tell values as they change: it asks which operands are in sight, and says what they are, as texts.
+const inSight = () => [...main.querySelectorAll(".draw")].filter((d) => d.done && d.getBoundingClientRect().bottom > 0 && d.getBoundingClientRect().top < innerHeight);
+const sectionOf = (d) => data.pages[d.dataset.page].secs[d.dataset.sec];
+window.live = {
+  keys() {
+    const found = new Set(), input = (i) => typeof i[0] === "string" && found.add(i[0]);
+    for (const d of inSight()) {
+      for (const t of d.querySelectorAll("text.v,text.o")) found.add(t.dataset.k);
+      for (const r of d.querySelectorAll("rect[data-s]")) found.add(r.dataset.s);
+      const logic = sectionOf(d).logic;
+      for (const t of logic?.nets.flat() ?? []) if (t[0] === "?") t.slice(3).forEach((k) => found.add(k)); else t.slice(1).forEach((i) => Array.isArray(i) && input(i));
+      for (const [, k] of logic?.coils ?? []) found.add(k);
+    }
+    return [...found].filter((k) => k && !/^(TRUE|FALSE|[-+]?\d.*|\w+#[-+\d].*)$/i.test(k));
+  },
+  set(values) {
+    shown = new Map(values);
+    for (const d of inSight()) paint(d, sectionOf(d));
+  },
+};
+
 // Paper gets everything.
 addEventListener("beforeprint", () => {
   main.innerHTML = data.pages.map((p, i) => html(i)).join("");

@@ -1,0 +1,85 @@
+//! What the page and the server tell each other, as JSON.
+
+use plcc_abi::services::Role;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+/// An order of the page.
+#[derive(Debug, Deserialize)]
+#[serde(tag = "do", rename_all = "lowercase", deny_unknown_fields)]
+pub enum Order {
+    /// From now on tell these values, and no others.
+    Watch {
+        names: Vec<String>,
+    },
+    /// Change a value once, at the cycle control point.
+    Modify {
+        name: String,
+        value: String,
+    },
+    Stop,
+    /// A restart by one of the words `warm`, `cold`.
+    Run {
+        restart: String,
+    },
+}
+
+/// What the server tells. Fields without news are left out.
+#[derive(Debug, Default, Serialize)]
+pub struct News {
+    /// Once, at first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hello: Option<Hello>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub state: Option<State>,
+    /// Values that have changed: number in the list of watched names, and value.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub values: Vec<(usize, Shown)>,
+    /// Names that mean nothing: number in the list, and why.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub wrong: Vec<(usize, String)>,
+    /// The diagnostic buffer, newest first, when it has changed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub buffer: Option<Vec<Entry>>,
+    /// Why an order was not carried out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub refused: Option<String>,
+}
+
+/// Who speaks.
+#[derive(Clone, Debug, Serialize)]
+pub struct Hello {
+    pub program: String,
+    pub cpu: String,
+    pub user: String,
+    pub role: Role,
+}
+
+/// State of the CPU.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct State {
+    pub running: bool,
+    /// Why it is in STOP.
+    pub reason: String,
+    pub cycle: u64,
+    /// Time of day in milliseconds since 1970.
+    pub clock: f64,
+}
+
+/// A value as JSON, as text, and its type.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Shown {
+    pub value: Value,
+    pub text: String,
+    #[serde(rename = "type")]
+    pub ty: &'static str,
+}
+
+/// An event of the diagnostic buffer.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Entry {
+    pub clock: f64,
+    pub event: u16,
+    pub text: String,
+    pub place: String,
+}

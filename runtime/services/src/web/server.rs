@@ -1,0 +1,190 @@
+//! HTTP: the page's files, signing in, and the way to a connection.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::body::Bytes;
+use axum::extract::ws::WebSocketUpgrade;
+use axum::extract::{DefaultBodyLimit, Extension};
+use axum::http::header::{CACHE_CONTROL, CONTENT_ENCODING, CONTENT_SECURITY_POLICY, CONTENT_TYPE, COOKIE, HOST, ORIGIN, SET_COOKIE};
+use axum::http::{HeaderMap, StatusCode};
+use axum::response::{IntoResponse, Response};
+use axum::routing::{get, post};
+use axum::{Json, Router};
+use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper_util::service::TowerToHyperService;
+use plcc_abi::services::{Right, Role};
+use serde::Deserialize;
+use tokio::sync::Semaphore;
+
+use super::users::Users;
+use super::{names, session};
+use crate::limits::{FRAME_TIME, HTTP_BYTES_MAX, PAGE_MESSAGE_MAX, PAGES_MAX};
+use crate::link::Link;
+use crate::listen::Visitor;
+
+/// Pause after a wrong password.
+const WRONG_PASSWORD_PAUSE: Duration = Duration::from_secs(1);
+
+/// What the page is made of.
+#[derive(Clone)]
+pub struct Page {
+    link: Link,
+    users: Users,
+    /// A permit for each browser that is told values.
+    places: Arc<Semaphore>,
+    app: Router,
+    /// See [`ServicesConfig::drawings`](plcc_abi::services::ServicesConfig); empty if there are none.
+    drawings: Bytes,
+}
+
+/// What a request asks of.
+#[derive(Clone)]
+struct Asked {
+    page: Page,
+    /// The most that this computer may do.
+    most: Role,
+}
+
+impl Page {
+    pub fn new(link: Link, users: Users, drawings: &[u8]) -> Page {
+        let files = [
+            ("/", "text/html; charset=utf-8", include_str!("page/index.html")),
+            ("/page.css", "text/css; charset=utf-8", include_str!("page/page.css")),
+            ("/page.js", "text/javascript; charset=utf-8", include_str!("page/page.js")),
+        ];
+        let mut app = Router::new();
+        for (path, kind, text) in files {
+            app = app.route(path, get(move || file(kind, text)));
+        }
+        let app = app
+            .route("/program", get(program))
+            .route("/names", get(listed))
+            .route("/session", post(sign_in).delete(sign_out))
+            .route("/live", get(live))
+            .layer(DefaultBodyLimit::max(PAGE_MESSAGE_MAX));
+        Page { link, users, places: Arc::new(Semaphore::new(PAGES_MAX)), app, drawings: Bytes::copy_from_slice(drawings) }
+    }
+
+    fn user(&self, headers: &HeaderMap) -> Result<(String, Role), StatusCode> {
+        self.users.of(token(headers)).ok_or(StatusCode::UNAUTHORIZED)
+    }
+}
+
+/// Serves one connection.
+pub async fn serve(visitor: Visitor, page: Page) {
+    let most = match visitor.right {
+        Right::Read => Role::Look,
+        Right::Write => Role::Operate,
+        Right::Control => Role::Change,
+    };
+    let app = page.app.clone().layer(Extension(Asked { page, most }));
+    // A client that is too slow, or speaks no HTTP, is gone.
+    let _ = hyper::server::conn::http1::Builder::new()
+        .timer(TokioTimer::new())
+        .header_read_timeout(FRAME_TIME)
+        .max_buf_size(HTTP_BYTES_MAX)
+        .serve_connection(TokioIo::new(visitor.stream), TowerToHyperService::new(app))
+        .with_upgrades()
+        .await;
+}
+
+/// A part of the page. It may load nothing from elsewhere, and no other page may frame it.
+async fn file(kind: &'static str, text: &'static str) -> Response {
+    let policy = "default-src 'self'; img-src 'self' data:; style-src 'self' 'unsafe-inline'; frame-ancestors 'none'";
+    ([(CONTENT_TYPE, kind), (CACHE_CONTROL, "no-cache"), (CONTENT_SECURITY_POLICY, policy)], text).into_response()
+}
+
+/// The drawings of the program: one document, packed by plcc, that loads nothing else.
+async fn program(Extension(Asked { page, .. }): Extension<Asked>, headers: HeaderMap) -> Result<Response, StatusCode> {
+    page.user(&headers)?;
+    if page.drawings.is_empty() {
+        return Err(StatusCode::NOT_FOUND);
+    }
+    let policy = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; frame-ancestors 'self'";
+    let head = [
+        (CONTENT_TYPE, "text/html; charset=utf-8"),
+        (CONTENT_ENCODING, "gzip"),
+        (CACHE_CONTROL, "no-cache"),
+        (CONTENT_SECURITY_POLICY, policy),
+    ];
+    Ok((head, page.drawings.clone()).into_response())
+}
+
+/// The token in the cookie.
+fn token(headers: &HeaderMap) -> Option<&str> {
+    let cookies = headers.get(COOKIE)?.to_str().ok()?;
+    cookies.split(';').find_map(|cookie| cookie.trim().strip_prefix("plcc="))
+}
+
+/// Requests that change something come from this page only: a browser says from which one.
+fn is_own(headers: &HeaderMap) -> bool {
+    let Some(origin) = headers.get(ORIGIN) else { return true };
+    let (Ok(origin), Some(Ok(host))) = (origin.to_str(), headers.get(HOST).map(|host| host.to_str())) else {
+        return false;
+    };
+    origin.split_once("://").is_some_and(|(_, from)| from == host)
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SignIn {
+    user: String,
+    password: String,
+}
+
+async fn sign_in(
+    Extension(Asked { page, .. }): Extension<Asked>,
+    headers: HeaderMap,
+    Json(form): Json<SignIn>,
+) -> Response {
+    if !is_own(&headers) {
+        return StatusCode::FORBIDDEN.into_response();
+    }
+    let users = page.users.clone();
+    // Not on the thread that serves everybody: it is made to be slow.
+    let signed = tokio::task::spawn_blocking(move || users.sign_in(&form.user, &form.password)).await;
+    match signed {
+        Ok(Some(token)) => {
+            let cookie = format!("plcc={token}; HttpOnly; SameSite=Strict; Path=/");
+            ([(SET_COOKIE, cookie)], StatusCode::NO_CONTENT).into_response()
+        }
+        _ => {
+            tokio::time::sleep(WRONG_PASSWORD_PAUSE).await;
+            StatusCode::UNAUTHORIZED.into_response()
+        }
+    }
+}
+
+async fn sign_out(Extension(Asked { page, .. }): Extension<Asked>, headers: HeaderMap) -> StatusCode {
+    if !is_own(&headers) {
+        return StatusCode::FORBIDDEN;
+    }
+    if let Some(token) = token(&headers) {
+        page.users.sign_out(token);
+    }
+    StatusCode::NO_CONTENT
+}
+
+async fn listed(Extension(Asked { page, .. }): Extension<Asked>, headers: HeaderMap) -> Result<Response, StatusCode> {
+    page.user(&headers)?;
+    let names = page.link.ask(|cpu| names::list(&cpu.image)).await.ok_or(StatusCode::SERVICE_UNAVAILABLE)?;
+    Ok(Json(names).into_response())
+}
+
+async fn live(
+    Extension(Asked { page, most }): Extension<Asked>,
+    headers: HeaderMap,
+    upgrade: WebSocketUpgrade,
+) -> Result<Response, StatusCode> {
+    if !is_own(&headers) {
+        return Err(StatusCode::FORBIDDEN);
+    }
+    let (user, role) = page.user(&headers)?;
+    let place = page.places.try_acquire_owned().map_err(|_| StatusCode::SERVICE_UNAVAILABLE)?;
+    let serve = async move |socket| {
+        session::serve(socket, page.link, user, role.min(most)).await;
+        drop(place);
+    };
+    Ok(upgrade.max_message_size(PAGE_MESSAGE_MAX).on_upgrade(serve))
+}

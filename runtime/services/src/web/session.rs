@@ -1,0 +1,223 @@
+//! A connection: tells values as they change, and takes orders.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::extract::ws::{Message, WebSocket};
+use plcc_abi::services::Role;
+use plcc_runtime::cpu::Cpu;
+use plcc_runtime::datetime::NS_PER_S;
+use plcc_runtime::diagnostics;
+use plcc_runtime::options::Restart;
+use plcc_runtime::signal::Source;
+use tokio::time::{MissedTickBehavior, interval, timeout};
+
+use super::messages::{Entry, Hello, News, Order, Shown, State};
+use crate::limits::{ANSWER_TIME, NAME_MAX, WATCHED_MAX};
+use crate::link::Link;
+
+/// From one look at the values to the next.
+const PERIOD: Duration = Duration::from_millis(100);
+
+/// What a page watches: number in its list, and where the value is.
+type Watched = Arc<[(usize, Source)]>;
+
+/// What the CPU said at one cycle control point.
+struct Seen {
+    state: State,
+    shown: Vec<(usize, Shown)>,
+    /// The diagnostic buffer, if its newest entry is another one.
+    buffer: Option<Vec<Entry>>,
+    /// Number of events so far, as far as the buffer tells.
+    newest: Newest,
+}
+
+/// Tells whether the buffer has changed: number of entries and the newest one.
+type Newest = Option<(usize, diagnostics::Entry)>;
+
+/// Serves one page until it goes or the CPU ends.
+pub async fn serve(mut socket: WebSocket, link: Link, user: String, role: Role) {
+    let Some(hello) = link.ask(move |cpu| hello(cpu, user, role)).await else { return };
+    if tell(&mut socket, &News { hello: Some(hello), ..News::default() }).await.is_none() {
+        return;
+    }
+    let mut watched: Watched = Arc::new([]);
+    let mut known = HashMap::new();
+    let mut state = State::default();
+    let mut newest = None;
+    let mut tick = interval(PERIOD);
+    // After a pause the page wants the newest values, not all that were missed.
+    tick.set_missed_tick_behavior(MissedTickBehavior::Delay);
+    loop {
+        tokio::select! {
+            received = socket.recv() => {
+                let text = match received {
+                    Some(Ok(Message::Text(text))) => text,
+                    Some(Ok(Message::Ping(_) | Message::Pong(_))) => continue,
+                    Some(Ok(Message::Binary(_) | Message::Close(_)) | Err(_)) | None => return,
+                };
+                let news = match serde_json::from_str(&text) {
+                    Ok(Order::Watch { names }) => {
+                        let Some((found, wrong)) = link.ask(move |cpu| resolve(cpu, &names)).await else { return };
+                        watched = found;
+                        known.clear();
+                        News { wrong, ..News::default() }
+                    }
+                    Ok(order) => {
+                        let Some(refused) = carry_out(&link, order, role).await else { return };
+                        News { refused, ..News::default() }
+                    }
+                    Err(error) => News { refused: Some(format!("not understood: {error}")), ..News::default() },
+                };
+                if (news.refused.is_some() || !news.wrong.is_empty()) && tell(&mut socket, &news).await.is_none() {
+                    return;
+                }
+            }
+            _ = tick.tick() => {
+                let (list, before) = (watched.clone(), newest);
+                let Some(seen) = link.ask(move |cpu| look(cpu, &list, before)).await else { return };
+                newest = seen.newest;
+                let mut news = News { buffer: seen.buffer, ..News::default() };
+                for (number, shown) in seen.shown {
+                    if known.get(&number) != Some(&shown) {
+                        known.insert(number, shown.clone());
+                        news.values.push((number, shown));
+                    }
+                }
+                if seen.state != state {
+                    state = seen.state.clone();
+                    news.state = Some(seen.state);
+                }
+                let is_news = news.state.is_some() || news.buffer.is_some() || !news.values.is_empty();
+                if is_news && tell(&mut socket, &news).await.is_none() {
+                    return;
+                }
+            }
+        }
+    }
+}
+
+/// `None`: the page is gone or too slow.
+async fn tell(socket: &mut WebSocket, news: &News) -> Option<()> {
+    let text = serde_json::to_string(news).ok()?;
+    timeout(ANSWER_TIME, socket.send(Message::Text(text.into()))).await.ok()?.ok()
+}
+
+fn hello(cpu: &Cpu, user: String, role: Role) -> Hello {
+    Hello { program: cpu.image.name.clone(), cpu: cpu.image.profile.name.clone(), user, role }
+}
+
+/// Finds names: the values, and why others mean nothing.
+fn resolve(cpu: &Cpu, names: &[String]) -> (Watched, Vec<(usize, String)>) {
+    let mut found = Vec::new();
+    let mut wrong = Vec::new();
+    for (number, name) in names.iter().enumerate() {
+        if number >= WATCHED_MAX {
+            wrong.push((number, format!("a page can watch {WATCHED_MAX} values")));
+            break;
+        }
+        match source(cpu, name) {
+            Ok(source) => found.push((number, source)),
+            Err(error) => wrong.push((number, error)),
+        }
+    }
+    (found.into(), wrong)
+}
+
+fn source(cpu: &Cpu, name: &str) -> Result<Source, String> {
+    if name.len() > NAME_MAX {
+        return Err(format!("a name has at most {NAME_MAX} letters"));
+    }
+    let source = Source::find(name, &cpu.image, None)?;
+    source.check(cpu)?;
+    Ok(source)
+}
+
+/// All that a page wants to know, of one cycle.
+fn look(cpu: &Cpu, watched: &[(usize, Source)], before: Newest) -> Seen {
+    let shown = watched.iter().map(|(number, source)| {
+        let value = source.read(cpu, None);
+        (*number, Shown { value: value.json(), text: value.text(), ty: source.ty() })
+    });
+    let entries = cpu.diagnostics.newest_first();
+    let newest = entries.first().map(|entry| (entries.len(), *entry));
+    let buffer = (newest != before).then(|| entries.iter().map(|entry| self::entry(cpu, entry)).collect());
+    Seen { state: state(cpu), shown: shown.collect(), buffer, newest }
+}
+
+fn state(cpu: &Cpu) -> State {
+    let reason = cpu.stopped().map(|stop| diagnostics::event_text(&cpu.image, &stop.entry));
+    State {
+        running: !cpu.is_stopped(),
+        reason: reason.unwrap_or_default(),
+        cycle: cpu.cycle_number(),
+        clock: milliseconds(cpu.clock.wall()),
+    }
+}
+
+fn entry(cpu: &Cpu, entry: &diagnostics::Entry) -> Entry {
+    Entry {
+        clock: milliseconds(entry.wall),
+        event: entry.event,
+        text: diagnostics::event_text(&cpu.image, entry),
+        place: diagnostics::place_text(&cpu.image, entry),
+    }
+}
+
+/// A moment of the CPU's clock in milliseconds, as a page computes with it.
+fn milliseconds(wall: i64) -> f64 {
+    wall as f64 / (NS_PER_S / 1000) as f64
+}
+
+/// Result: why an order was refused, if it was. `None`: the CPU has ended.
+async fn carry_out(link: &Link, order: Order, role: Role) -> Option<Option<String>> {
+    let needed = match order {
+        Order::Watch { .. } => Role::Look,
+        Order::Modify { .. } => Role::Operate,
+        Order::Stop | Order::Run { .. } => Role::Change,
+    };
+    if role < needed {
+        return Some(Some(match needed {
+            Role::Change => "only a user with the role `change` may do this".to_string(),
+            Role::Operate | Role::Look => "only a user with the role `operate` or `change` may do this".to_string(),
+        }));
+    }
+    let done = link.ask(move |cpu| match order {
+        Order::Watch { .. } => Ok(()),
+        Order::Modify { name, value } => modify(cpu, &name, &value),
+        Order::Stop => {
+            cpu.stop_by_request();
+            Ok(())
+        }
+        Order::Run { restart } => run(cpu, &restart),
+    });
+    Some(done.await?.err())
+}
+
+fn modify(cpu: &Cpu, name: &str, value: &str) -> Result<(), String> {
+    let source = source(cpu, name)?;
+    if let Some(address) = source.address()
+        && let plcc_runtime::address::Place::Db(number, _) = address.place
+        && cpu.is_read_only(number)
+    {
+        return Err(format!("DB {number} is write-protected"));
+    }
+    let value = source.parse(value, &cpu.image)?;
+    source.write(cpu, &value)
+}
+
+fn run(cpu: &Cpu, restart: &str) -> Result<(), String> {
+    let kind = match restart {
+        "warm" => Restart::Warm,
+        "cold" => Restart::Cold,
+        _ => return Err(format!("`{restart}` is not a restart: warm or cold")),
+    };
+    if !cpu.is_stopped() {
+        return Err("the CPU is in RUN".to_string());
+    }
+    match cpu.request_restart(kind) {
+        true => Ok(()),
+        false => Err(format!("a {restart} restart is not possible")),
+    }
+}

@@ -1,0 +1,43 @@
+//! Users and their sessions.
+
+use plcc_abi::services::{Role, User};
+
+use super::users::{NOBODY, Users};
+use crate::password;
+
+fn user(name: &str, text: &str, role: Role) -> User {
+    User { name: name.to_string(), role, password: password::hash_of_user(text).expect("it is long enough") }
+}
+
+#[test]
+fn without_users_everyone_may_look() {
+    let users = Users::default();
+    assert!(users.is_open());
+    assert_eq!(users.of(None), Some((String::new(), Role::Look)));
+    assert_eq!(users.of(Some("0123")), Some((String::new(), Role::Look)));
+    assert_eq!(users.sign_in("", ""), None);
+}
+
+#[test]
+fn a_token_belongs_to_who_has_signed_in_until_the_session_ends() {
+    let users = Users::new(&[user("anna", "riverside", Role::Change), user("ben", "hillside", Role::Operate)]);
+    assert_eq!(users.of(None), None);
+    assert_eq!(users.of(Some("0123")), None);
+    assert_eq!(users.sign_in("anna", "hillside"), None);
+    assert_eq!(users.sign_in("carl", "hillside"), None);
+    let token = users.sign_in("ben", "hillside").expect("name and password are right");
+    assert_eq!(users.of(Some(&token)), Some(("ben".to_string(), Role::Operate)));
+    users.sign_out(&token);
+    assert_eq!(users.of(Some(&token)), None);
+}
+
+#[test]
+fn a_hash_that_is_none_lets_nobody_in() {
+    let users = Users::new(&[User { name: "anna".to_string(), role: Role::Look, password: "riverside".to_string() }]);
+    assert_eq!(users.sign_in("anna", "riverside"), None);
+}
+
+#[test]
+fn a_name_that_does_not_exist_is_checked_as_long_as_another() {
+    assert!(password::is_hash(NOBODY));
+}
