@@ -11,6 +11,7 @@ use plcc_driver::cli::Level;
 use plcc_driver::inputs::TestInput;
 use plcc_driver::testing::{self, Form, Variant};
 use plcc_readers::ReadOptions;
+use plcc_readers::sd::Texts;
 use plcc_syntax::ast::{Block, BlockName, Code, CodeKind, SourceUnit};
 use plcc_syntax::stl::Mnemonics;
 use plcc_syntax::symbols::SymbolTable;
@@ -108,6 +109,84 @@ fn stl_reads_back_as_it_was() {
     }
     assert!(failed.is_empty(), "{} of {}:\n{}", failed.len(), count + failed.len(), failed.join("\n\n"));
     assert!(count > 1000, "only {count} sources");
+}
+
+/// The texts of comments, the tree as it is read, and messages.
+struct Written {
+    text: String,
+    texts: Option<String>,
+    messages: Vec<Diagnostic>,
+}
+
+/// What is different after a round trip of a source in SCL or SIMATIC SD, or nothing; `None`: the source is not one that can be written.
+fn round_trip(path: &Path, write: impl Fn(&SourceUnit, &str) -> Written) -> Option<Result<(), String>> {
+    let text = plcc_syntax::decode_as(&fs::read(path).expect("a test file"), None);
+    let language = plcc_driver::pipeline::language_of(&path.to_string_lossy());
+    let texts_beside = fs::read_to_string(path.with_extension("s7res")).ok();
+    let texts_beside = texts_beside.map(|texts| Texts::parse(FileId::default(), &texts).0);
+    let options = ReadOptions { language, texts: texts_beside.as_ref(), ..Default::default() };
+    let (unit, messages) = plcc_readers::parse(FileId::default(), &text, &options);
+    if has_errors(&messages) || unit.blocks.is_empty() {
+        return None;
+    }
+    let written = write(&unit, &text);
+    if has_errors(&written.messages) {
+        return Some(Err(format!("{:#?}", written.messages)));
+    }
+    let texts = written.texts.map(|texts| Texts::parse(FileId::default(), &texts).0);
+    let options = ReadOptions { language, texts: texts.as_ref(), ..Default::default() };
+    let (again, messages) = plcc_readers::parse(FileId::default(), &written.text, &options);
+    if has_errors(&messages) {
+        let first = messages.iter().find(|message| message.is_error());
+        return Some(Err(format!("{first:?}\n{}", written.text)));
+    }
+    let (before, after) = (tree(&unit), tree(&again));
+    if before != after {
+        return Some(Err(format!("{}\n{}", plcc_tests::difference(&before, &after), written.text)));
+    }
+    let (before, after) =
+        (comments(&text, &scl::comments(&text)), comments(&written.text, &scl::comments(&written.text)));
+    let lost: Vec<_> = before.iter().filter(|(key, count)| after.get(*key) < Some(count)).collect();
+    if !lost.is_empty() {
+        return Some(Err(format!("comments: {lost:?} are lost")));
+    }
+    Some(Ok(()))
+}
+
+fn all_come_back(paths: Vec<PathBuf>, least: usize, write: impl Fn(&SourceUnit, &str) -> Written) {
+    let (mut count, mut failed) = (0, Vec::new());
+    for path in paths {
+        match round_trip(&path, &write) {
+            None => {}
+            Some(Ok(())) => count += 1,
+            Some(Err(text)) => failed.push(format!("{}: {text}", path.display())),
+        }
+    }
+    assert!(failed.is_empty(), "{} of {}:\n{}", failed.len(), count + failed.len(), failed.join("\n\n"));
+    assert!(count >= least, "only {count} sources");
+}
+
+#[test]
+fn scl_reads_back_as_it_was() {
+    let mut paths = sources("scl");
+    // Sources that also have blocks in other languages.
+    let has_networks =
+        |path: &PathBuf| fs::read(path).is_ok_and(|bytes| String::from_utf8_lossy(&bytes).contains("NETWORK"));
+    paths.retain(|path| !has_networks(path) && !path.ends_with("variants_from_stl.scl"));
+    all_come_back(paths, 180, |unit, text| {
+        let trivia = Trivia::new(text, scl::comments(text), false);
+        let (text, messages) = plcc_convert::scl::write(unit, trivia, Some(text));
+        Written { text, texts: None, messages }
+    });
+}
+
+#[test]
+fn simatic_sd_reads_back_as_it_was() {
+    all_come_back(sources("s7dcl"), 60, |unit, text| {
+        let trivia = Trivia::new(text, scl::comments(text), false);
+        let document = plcc_convert::sd::write(unit, trivia, Some(text));
+        Written { text: document.text, texts: document.texts, messages: document.messages }
+    });
 }
 
 /// A document without the blocks at these places, with their attributes.

@@ -107,7 +107,7 @@ pub(crate) fn argument(argument: &Argument, writer: &mut Writer) -> String {
     match &argument.name {
         Some(name) => {
             let sign = if argument.output { "=>" } else { ":=" };
-            format!("{} {sign} {value}", names::declared(&name.text)).trim_end().to_string()
+            format!("{} {sign} {value}", member(name)).trim_end().to_string()
         }
         None => value,
     }
