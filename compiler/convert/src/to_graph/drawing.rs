@@ -242,7 +242,7 @@ impl Drawing {
                     let other = Signal::And(vec![a.clone().not(), b.clone()]);
                     self.contacts(&Signal::Or(vec![one, other]), from, into)
                 }
-                _ => Err("an exclusive OR of more than two operands".to_string()),
+                _ => Err("an exclusive OR of branches".to_string()),
             },
             Signal::Compare { element, ty, left, right, span } => {
                 let (left, right) = (PinValue::Operand(left.clone()), PinValue::Operand(right.clone()));

@@ -297,6 +297,16 @@ impl Reader<'_> {
                         return Err("a comparison that is not in parentheses".to_string());
                     }
                     let (left, right) = (left.clone(), right.clone());
+                    let bits = if ty == "Int" { 16 } else { 32 };
+                    let fits = |kind: &Kind| match kind {
+                        Kind::Bits(own) => *own == bits,
+                        Kind::Type(own) => own.bits() == bits,
+                        Kind::Constant | Kind::Unknown => true,
+                        Kind::Cell => false,
+                    };
+                    if !self.loads.iter().all(|(_, _, kind)| fits(kind)) {
+                        return Err(format!("a comparison as {ty} of operands of another size"));
+                    }
                     self.loads.clear();
                     let signal = Signal::Compare { element, ty, left: typed(left, ty), right: typed(right, ty), span };
                     self.logic = Logic { alternatives: Vec::new(), current: Some(signal) };
@@ -475,6 +485,9 @@ impl Reader<'_> {
         }
         if call.instance.is_some() {
             return Err("a call with an instance data block".to_string());
+        }
+        if !matches!(call.target.kind, OperandKind::Block(_)) {
+            return Err("a call of an instance".to_string());
         }
         let block = expression(&call.target)?;
         let mut pins: Vec<Pin> = self.drawing.input("in", &Signal::Constant(true))?.into_iter().collect();
