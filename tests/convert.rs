@@ -508,3 +508,56 @@ fn truth_table(name: &str, text: &str) -> Vec<String> {
     assert!(shown.len() >= 32, "{} {}\n{text}", outcomes[0].messages, outcomes[0].failures);
     shown
 }
+
+/// Networks of LAD are FBD: the assertions still hold. How many blocks were redrawn.
+fn run_redrawn(path: &Path, language: Language) -> Result<usize, String> {
+    let text = plcc_syntax::decode_as(&fs::read(path).expect("a test file"), None);
+    let (mut unit, messages) = plcc_readers::parse(FileId::default(), &text, &ReadOptions::default());
+    if has_errors(&messages) {
+        return Ok(0);
+    }
+    let mut redrawn = 0;
+    for block in &mut unit.blocks {
+        let Block::Code(code) = block else { continue };
+        match to_graph::redraw::block(code, language) {
+            Ok(made) => {
+                redrawn += usize::from(made != *code);
+                *code = made;
+            }
+            Err(messages) if language == Language::Fbd => return Err(format!("{messages:#?}")),
+            Err(_) => {}
+        }
+    }
+    if redrawn == 0 {
+        return Ok(0);
+    }
+    let document = plcc_convert::sd::write(&unit, Trivia::new(&text, scl::comments(&text), false), Some(&text));
+    if has_errors(&document.messages) {
+        return Err(format!("{:#?}", document.messages));
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("a.s7dcl");
+    fs::write(&file, &document.text).expect("a file");
+    let variant = Variant { form: Form::Jit, optimization: Level::O0.into() };
+    let outcomes = testing::run(&[TestInput::File(file)], &plan(vec![variant]));
+    match outcomes.iter().find(|one| one.failed > 0 || one.rejected || one.unreadable) {
+        Some(one) => Err(format!("{}{}\n{}", one.messages, one.failures, document.text)),
+        None => Ok(redrawn),
+    }
+}
+
+#[test]
+fn redrawn_networks_do_the_same() {
+    let tests = tests_folder().join("run/lad-fbd");
+    for language in [Language::Fbd] {
+        let (mut count, mut failed) = (0, Vec::new());
+        for path in files(&tests, "s7dcl") {
+            match run_redrawn(&path, language) {
+                Ok(blocks) => count += blocks,
+                Err(text) => failed.push(format!("{}: {text}", path.display())),
+            }
+        }
+        assert!(failed.is_empty(), "{} files in {language:?}:\n{}", failed.len(), failed.join("\n\n"));
+        assert!(count > 20, "only {count} blocks in {language:?}");
+    }
+}

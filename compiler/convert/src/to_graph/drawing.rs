@@ -152,6 +152,17 @@ impl Drawing {
         }
     }
 
+    /// A net with the value that an operand has here.
+    pub fn held(&mut self, value: PinValue, negated: bool) -> NetId {
+        let span = self.span;
+        let pins = vec![
+            pin("in1", value, negated, false, span),
+            pin("in2", PinValue::Operand(truth(true, span)), false, false, span),
+        ];
+        let element = self.element("A", pins, None);
+        self.output(element, "out", None)
+    }
+
     /// An element of the table; its index.
     pub fn element(&mut self, name: &str, pins: Vec<Pin>, ty: Option<&str>) -> usize {
         let row = row(name);

@@ -1,11 +1,13 @@
 //! Ladder-shaped statements as networks of LAD and FBD.
 //!
 //! - [`drawing`]: signals as contacts in series and parallel, or as gates.
+//! - [`redraw`]: networks of LAD in FBD and back.
 //! - `statements`: what statements do, network by network.
 //!
 //! Source: LAD/FBD reference, chapter F.3.
 
 pub mod drawing;
+pub mod redraw;
 mod statements;
 
 use plcc_diag::Diagnostic;
@@ -14,13 +16,18 @@ use plcc_syntax::network::ast::{Body, Content, Language, Network};
 
 use crate::to_stl::types::Types;
 
-/// A source whose blocks of STL are in `language`; the others stay as they are. With the reason for each network that cannot be drawn.
+/// A source whose blocks of STL, LAD and FBD are in `language`; the others stay as they are. With the reason for each network that cannot be drawn.
 pub fn unit(unit: &SourceUnit, types: &Types, language: Language) -> (SourceUnit, Vec<Diagnostic>) {
     let mut made = unit.clone();
     let mut messages = Vec::new();
     for block in &mut made.blocks {
         let Block::Code(code) = block else { continue };
-        match self::block(code, types, language) {
+        let made = match &code.code {
+            ast::Code::Stl(_) => self::block(code, types, language),
+            ast::Code::Graphic(_) => redraw::block(code, language),
+            ast::Code::Scl(_) | ast::Code::Chart(_) => continue,
+        };
+        match made {
             Ok(done) => *code = done,
             Err(found) => messages.extend(found),
         }
