@@ -41,7 +41,7 @@ pub enum Signal {
 }
 
 impl Signal {
-    pub fn not(self) -> Signal {
+    pub fn inverted(self) -> Signal {
         match self {
             Signal::Constant(value) => Signal::Constant(!value),
             Signal::Not(inner) => *inner,
@@ -249,8 +249,8 @@ impl Drawing {
             }
             Signal::Xor(list) => match &list[..] {
                 [a @ (Signal::Operand(_) | Signal::Not(_)), b @ (Signal::Operand(_) | Signal::Not(_))] => {
-                    let one = Signal::And(vec![a.clone(), b.clone().not()]);
-                    let other = Signal::And(vec![a.clone().not(), b.clone()]);
+                    let one = Signal::And(vec![a.clone(), b.clone().inverted()]);
+                    let other = Signal::And(vec![a.clone().inverted(), b.clone()]);
                     self.contacts(&Signal::Or(vec![one, other]), from, into)
                 }
                 _ => Err("an exclusive OR of branches".to_string()),

@@ -95,7 +95,7 @@ impl<'g> Redrawer<'g> {
             signal = self.drawn(signal)?;
         }
         for (index, pin) in element.pins.iter().enumerate().filter(|(_, pin)| pin.output) {
-            self.outputs.insert((at, index), if pin.negated { signal.clone().not() } else { signal.clone() });
+            self.outputs.insert((at, index), if pin.negated { signal.clone().inverted() } else { signal.clone() });
         }
         Ok(())
     }
@@ -108,7 +108,7 @@ impl<'g> Redrawer<'g> {
         Ok(match self.drawing.input("in", &signal)? {
             Some(found) => match (found.value, found.negated) {
                 (PinValue::Net(net), false) => Signal::Net(net),
-                (PinValue::Net(net), true) => Signal::Net(net).not(),
+                (PinValue::Net(net), true) => Signal::Net(net).inverted(),
                 // FBD reads an operand where it is used: a gate holds what it was.
                 (value, negated) => Signal::Net(self.drawing.held(value, negated)),
             },
@@ -124,7 +124,7 @@ impl<'g> Redrawer<'g> {
                 let flow = self.input(at, "in")?;
                 Signal::and(vec![flow, self.input(at, "operand")?])
             }
-            Kind::Not => self.input(at, "in")?.not(),
+            Kind::Not => self.input(at, "in")?.inverted(),
             Kind::Gate(gate) => {
                 let mut list = Vec::new();
                 for pin in element.pins.iter().filter(|pin| !pin.output && pin.value != PinValue::Open) {
@@ -153,7 +153,7 @@ impl<'g> Redrawer<'g> {
             PinValue::Operand(value) => Signal::Operand(value.clone()),
             PinValue::Open => Signal::Constant(true),
         };
-        Ok(if pin.negated { signal.not() } else { signal })
+        Ok(if pin.negated { signal.inverted() } else { signal })
     }
 
     fn net(&mut self, net: NetId) -> Result<Signal, Reason> {
@@ -170,7 +170,7 @@ impl<'g> Redrawer<'g> {
                 },
                 Source::Operand { value, negated } => {
                     let signal = Signal::Operand(value.clone());
-                    if *negated { signal.not() } else { signal }
+                    if *negated { signal.inverted() } else { signal }
                 }
                 Source::Net(other) => self.net(*other)?,
             });
@@ -200,7 +200,7 @@ impl<'g> Redrawer<'g> {
                 continue;
             };
             let signal = self.net(net)?;
-            let signal = if old.negated { signal.not() } else { signal };
+            let signal = if old.negated { signal.inverted() } else { signal };
             let new = match &signal {
                 Signal::Net(net) => Some(pin(&old.name, PinValue::Net(*net), false, false, old.span)),
                 signal if flow.as_deref() == Some(old.name.as_str()) => self.drawing.input(&old.name, signal)?,

@@ -181,12 +181,12 @@ impl Reader<'_> {
                 };
                 self.logic = around;
                 self.fresh = false;
-                self.join(join, if negated { value.not() } else { value });
+                self.join(join, if negated { value.inverted() } else { value });
                 Ok(())
             }
             I::Not => {
                 let Some(value) = self.logic.value() else { return Err(named()) };
-                self.logic = Logic { alternatives: Vec::new(), current: Some(value.not()) };
+                self.logic = Logic { alternatives: Vec::new(), current: Some(value.inverted()) };
                 Ok(())
             }
             I::SetRlo | I::ClearRlo => {
@@ -326,7 +326,7 @@ impl Reader<'_> {
             OperandKind::Status(status) => Signal::Flag { element: flag(*status), span: operand.span },
             _ => Signal::Operand(expression(operand)?),
         };
-        self.join(join, if negated { signal.not() } else { signal });
+        self.join(join, if negated { signal.inverted() } else { signal });
         Ok(())
     }
 
@@ -357,8 +357,8 @@ impl Reader<'_> {
         let value = match self.chain.take().filter(|_| again) {
             // Behind a coil of the same flow.
             Some((coil, signal)) if signal == value => Signal::Net(self.drawing.output(coil, "out", None)),
-            Some((coil, signal)) if signal.clone().not() == value => {
-                Signal::Net(self.drawing.output(coil, "out", None)).not()
+            Some((coil, signal)) if signal.clone().inverted() == value => {
+                Signal::Net(self.drawing.output(coil, "out", None)).inverted()
             }
             _ => value,
         };
@@ -368,7 +368,7 @@ impl Reader<'_> {
             signal => match self.drawing.input("in", signal)? {
                 Some(Pin { value: PinValue::Net(net), negated, .. }) => {
                     if negated {
-                        Signal::Net(net).not()
+                        Signal::Net(net).inverted()
                     } else {
                         Signal::Net(net)
                     }
