@@ -10,6 +10,7 @@
 //! | `ir/` | IR that prints as it stands | |
 //! | `opt/` | IR; `; passes: a,b` in its first line | `x.expect` |
 //! | `clif/` | STL or SCL | `x.clif` |
+//! | `xref/`, `xref/*/` | a source, a project | `x.xref`: its reference data |
 //! | `messages/` | STL or SCL | `x.txt`: its messages as drawn |
 //! | `../samples/*/`, `../samples/*/*/` | a project with scenarios | `x.trace.csv`, `x.vcd`, `x.svg` beside `x.toml`, with the signals of its `# trace-signals:` line; `station.txt`: the list of `plcc station` |
 
@@ -62,6 +63,12 @@ fn trials(is_selected: &dyn Fn(&str) -> bool) -> Vec<Trial> {
         trials.push(trial(shown(&project), move || {
             all_passed(&testing::run(&[TestInput::Project(project)], &plan(all_variants())))
         }));
+    }
+    for program in fs::read_dir(tests.join("xref")).into_iter().flatten().flatten().map(|entry| entry.path()) {
+        let is_source = program.extension().is_some_and(|ending| LANGUAGES.iter().any(|language| ending == *language));
+        if is_source || program.is_dir() {
+            trials.push(trial(shown(&program), move || check_xref(&program)));
+        }
     }
     for twins in folders(&tests.join("twins")) {
         trials.push(trial(shown(&twins), move || check_twins(&twins)));
@@ -240,6 +247,14 @@ fn check_messages(path: &Path) -> Result<(), String> {
     read.units.push(read.sources.add(plcc_diag::SourceFile::new(name, text)));
     let bound = pipeline::front(read, &Settings { require_main: false, ..Settings::default() });
     expect_file(&path.with_extension("txt"), &plcc_diag::drawing::draw(&bound.diagnostics, &bound.sources, false))
+}
+
+/// The reference data of a source or a project.
+fn check_xref(path: &Path) -> Result<(), String> {
+    let bound = bind_file(path, &Settings::default())?;
+    let reference = plcc_xref::reference(&bound.program, &bound.sources);
+    let folder = format!("{}/", root().display());
+    expect_file(&path.with_extension("xref"), &plcc_xref::text::document(&reference).replace(&folder, ""))
 }
 
 /// Each sample is a project, or a folder of one for each language: its scenarios pass in all forms, and traces are as they were.

@@ -45,6 +45,7 @@ const SOURCES: &[(Language, &str)] = &[
     (Language::Scl, include_str!("../scl/instances.scl")),
     (Language::Scl, include_str!("../scl/iec.scl")),
     (Language::Scl, include_str!("../scl/drum.scl")),
+    (Language::Scl, include_str!("../scl/converting.scl")),
     (Language::Scl, include_str!("../scl/communication.scl")),
     (Language::Scl, include_str!("../scl/connections.scl")),
     (Language::Scl, include_str!("../scl/hardware.scl")),
@@ -89,6 +90,12 @@ pub fn own_member(instance: Option<(bool, u16)>, name: &str) -> Option<&'static 
         _ if block.starts_with("CTD_") && is("QD") => Some("Q"),
         _ => None,
     }
+}
+
+/// True of an input that a timer has only because all timers share a layout: R belongs to TONR alone.
+pub fn is_shared_input(block: &SystemBlock, name: &str) -> bool {
+    let timer = block.name.trim_end_matches("_LTIME");
+    block.is_tia() && matches!(timer, "TP" | "TON" | "TOF") && name.eq_ignore_ascii_case("R")
 }
 
 /// Where the code of a block is.

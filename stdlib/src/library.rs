@@ -19,14 +19,8 @@ const fn fb(number: u16, name: &'static str) -> LibraryBlock {
     LibraryBlock { fb: true, number, name }
 }
 
-/// TI-S7 converting blocks, communication by CPs. Source: block lists of the standard libraries.
+/// TI-S7 converting blocks. Source: block lists of the standard libraries.
 pub const LIBRARY: &[LibraryBlock] = &[
-    fc(5, "AG_SEND"),
-    fc(6, "AG_RECV"),
-    fc(7, "AG_LOCK"),
-    fc(8, "AG_UNLOCK"),
-    fc(50, "AG_LSEND"),
-    fc(60, "AG_LRECV"),
     fc(80, "TONR"),
     fc(81, "IBLKMOV"),
     fc(82, "RSET"),
@@ -47,9 +41,5 @@ pub const LIBRARY: &[LibraryBlock] = &[
     fc(102, "DEV"),
     fc(103, "CDT"),
     fc(104, "TBL_TBL"),
-    fb(81, "DCAT"),
-    fb(82, "MCAT"),
-    fb(83, "IMC"),
-    fb(84, "SMC"),
     fb(86, "PACK"),
 ];

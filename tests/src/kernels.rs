@@ -103,6 +103,11 @@ pub fn has(program: &str) -> bool {
     Command::new(program).arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok()
 }
 
+/// Where tests look for Python with the packages that they need.
+pub fn python() -> PathBuf {
+    tests_folder().join("../target/python/bin/python")
+}
+
 /// The command that runs so many cycles of a program of plcc.
 pub fn program_run(program: &Path, cycles: u64) -> Command {
     let mut command = Command::new(program);

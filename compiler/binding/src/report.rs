@@ -150,6 +150,15 @@ impl Report {
         });
     }
 
+    /// A call of a data block that nothing defines, by a name that begins with that of the function block `fb`.
+    pub fn missing_instance(&mut self, name: &str, fb: &str, span: Span, help: String) {
+        self.missing(MissingKey::Symbol(fold(name)), span, || {
+            Diagnostic::new(Code::UnknownBlock, span, format!("the instance `{name}` is not defined"))
+                .label(format!("no data block of `{fb}` has this name"))
+                .help(help)
+        });
+    }
+
     /// A block of the program with the name of a library block, but other parameters.
     pub fn missing_own(&mut self, name: &str, span: Span) {
         self.missing(MissingKey::Symbol(fold(name)), span, || {
@@ -278,12 +287,44 @@ fn absent_instruction(name: &str, span: Span) -> Option<Diagnostic> {
         let title = format!("plcc does not have `{name}`");
         return Some(Diagnostic::new(Code::NotShipped, span, title).label(why).help(help));
     }
+    if let Some((_, help)) = INSTEAD.iter().find(|(own, _)| own.eq_ignore_ascii_case(name.trim())) {
+        let title = format!("`{name}` is an instruction of LAD and FBD, and none of text languages");
+        return Some(Diagnostic::new(Code::NotShipped, span, title).label("an element of networks").help(*help));
+    }
     let (group, written) = plcc_stdlib::catalogued(name)?;
     let title = format!("`{written}` is an instruction of {} that plcc does not have", group.tool);
     Some(Diagnostic::new(Code::NotShipped, span, title).label(format!("group: {}", group.name)).help(format!(
         "if `{written}` is a block of your own, add the source that defines it; otherwise write a block with this name that does the same"
     )))
 }
+
+/// Elements of LAD and FBD that people look for in SCL, and what is written there.
+const INSTEAD: &[(&str, &str)] = &[
+    ("P_TRIG", "declare a static variable of type R_TRIG, call it with `CLK := …`, and read its output Q"),
+    ("N_TRIG", "declare a static variable of type F_TRIG, call it with `CLK := …`, and read its output Q"),
+    ("IN_RANGE", "write `low <= value AND value <= high`"),
+    ("OUT_RANGE", "write `value < low OR value > high`"),
+    ("EQ_Type", "write `TypeOf(a) = TypeOf(b)`"),
+    ("NE_Type", "write `TypeOf(a) <> TypeOf(b)`"),
+    ("EQ_ElemType", "write `TypeOfElements(a) = TypeOf(b)`"),
+    ("NE_ElemType", "write `TypeOfElements(a) <> TypeOf(b)`"),
+    ("EQ_TypeOfDB", "write `TypeOfDB(db) = \"type\"`"),
+    ("NE_TypeOfDB", "write `TypeOfDB(db) <> \"type\"`"),
+    ("IS_NULL", "write `variable = NULL`"),
+    ("NOT_NULL", "write `variable <> NULL`"),
+    ("S_COMP", "compare texts with `=`, `<>`, `<`, `<=`, `>`, `>=`"),
+    ("T_COMP", "compare times and dates with `=`, `<>`, `<`, `<=`, `>`, `>=`"),
+    ("CALCULATE", "write the formula itself: `result := a * b + c;`"),
+    ("SR", "write `IF reset THEN q := FALSE; ELSIF set THEN q := TRUE; END_IF;` with the order that you need"),
+    ("RS", "write `IF set THEN q := TRUE; ELSIF reset THEN q := FALSE; END_IF;` with the order that you need"),
+    ("SET_BF", "write a loop that assigns TRUE to each element"),
+    ("RESET_BF", "write a loop that assigns FALSE to each element"),
+    ("INC", "write `n := n + 1;`"),
+    ("DEC", "write `n := n - 1;`"),
+    ("NEG", "write `-n`"),
+    ("INV", "write `NOT n`"),
+    ("MOVE", "write `target := value;`"),
+];
 
 /// The data type of STEP 7 for the name of one in other languages.
 fn foreign_type(name: &str) -> Option<&'static str> {

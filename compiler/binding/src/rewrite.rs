@@ -218,7 +218,10 @@ impl Meaning {
                 let (value, note) = match self {
                     Meaning::Bool(value) => (i128::from(*value), ""),
                     Meaning::Whole(value) => (*value, ""),
-                    Meaning::Real(value) => (value.round() as i128, ""),
+                    Meaning::Real(value) if value.fract() != 0.0 => {
+                        (value.round() as i128, ", which is rounded, or use the type REAL")
+                    }
+                    Meaning::Real(value) => (*value as i128, ""),
                     Meaning::Duration(ns) => (ns / NS_PER_MS, ", the number of milliseconds"),
                     Meaning::Date(..) | Meaning::Text(_) => return None,
                 };

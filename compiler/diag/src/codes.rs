@@ -99,7 +99,7 @@ codes! {
     SectionNotAllowed = "P0410" Error "a declaration section that the block kind cannot have";
     Protected = "P0411" Error "an operand that cannot be written";
     MissingPointer = "P0412" Warning "a parameter that must point somewhere is never supplied";
-    OverlappingTags = "P0413" Warning "tags that share memory but not their kind";
+    OverlappingTags = "P0413" Warning "tags or addresses that share memory but not their kind";
     Nesting = "P0501" Error "parentheses that do not match";
     JumpIntoNesting = "P0502" Error "a jump into or out of parentheses";
     JumpList = "P0503" Error "a jump list that `JL` cannot use";
@@ -113,7 +113,7 @@ codes! {
     UnusedLabel = "P0511" Warning "a label that no jump names";
     TimerWithoutTime = "P0512" Warning "a timer that starts without a time";
     Narrowing = "P0520" Warning "a value that may not fit where it goes";
-    AlwaysSame = "P0521" Warning "a comparison that always has the same result";
+    AlwaysSame = "P0521" Warning "a comparison or division with only one outcome";
     CaseValue = "P0522" Warning "a value of CASE that never matches";
     EndlessLoop = "P0523" Error "a loop that cannot end";
     LoopControl = "P0524" Error "EXIT or CONTINUE outside of a loop";

@@ -3,9 +3,11 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use plcc_diag::{Code, Diagnostic, FileId, Span};
+use plcc_diag::{Diagnostic, FileId};
 use serde::Deserialize;
 use toml::Spanned;
+
+use crate::keys::Reader;
 
 /// Types of axes, and whether each has positions.
 const TYPES: [(&str, bool); 3] = [("TO_PositioningAxis", true), ("TO_SynchronousAxis", true), ("TO_SpeedAxis", false)];
@@ -43,7 +45,7 @@ enum Least {
 
 /// The source in SCL with a data block for each axis, and an OB that moves them at the end of each cycle; empty without axes.
 pub fn source(axes: &BTreeMap<Spanned<String>, AxisKeys>, file: FileId) -> (String, Vec<Diagnostic>) {
-    let mut reader = Reader { file, diagnostics: Vec::new() };
+    let mut reader = Reader::new(file);
     let mut blocks = String::new();
     let mut calls = String::new();
     // In the order of the file, which numbers them.
@@ -73,16 +75,7 @@ pub fn source(axes: &BTreeMap<Spanned<String>, AxisKeys>, file: FileId) -> (Stri
     (blocks, reader.diagnostics)
 }
 
-struct Reader {
-    file: FileId,
-    diagnostics: Vec<Diagnostic>,
-}
-
 impl Reader {
-    fn report<T>(&mut self, key: &Spanned<T>, title: String, help: &str) {
-        self.diagnostics.push(Diagnostic::new(Code::Project, Span::new(self.file, key.span()), title).help(help));
-    }
-
     /// The start values of one axis.
     fn values(&mut self, keys: &AxisKeys, number: usize) -> String {
         let mut text = format!("  S.Number := {number};\n");

@@ -3,11 +3,14 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap_complete::Shell;
 use plcc_opt::Without;
 use plcc_runtime::RunOptions;
+use plcc_services::ServiceOptions;
 use plcc_syntax::CodePage;
 use plcc_syntax::stl::Mnemonics;
 
+use crate::package::fmu::Version;
 use crate::pipeline::Optimization;
 use crate::report::MessageFormat;
 
@@ -29,6 +32,10 @@ pub enum Command {
     Test(TestArgs),
     /// Check sources and report problems, without compiling.
     Check(CheckArgs),
+    /// List what uses what: cross references, assignment of memory, call structure, symbols without use.
+    Xref(XrefArgs),
+    /// Lay out sources in one style.
+    Fmt(FmtArgs),
     /// List the modules of a project's station and their addresses.
     Station {
         /// The folder of the project.
@@ -39,6 +46,20 @@ pub enum Command {
     Convert(ConvertArgs),
     /// Draw a trace as an SVG picture.
     Plot(PlotArgs),
+    /// Draw a program: networks, charts and code.
+    View(ViewArgs),
+    /// Make the hash of a password for plc.toml: reads the password, one line, from standard input.
+    Password,
+    /// Make a project with a small program and its test.
+    New(NewArgs),
+    /// Print the script that completes the command line of plcc in a shell.
+    Completions { shell: Shell },
+    /// Write the manual pages of plcc.
+    Man {
+        /// The folder for the pages.
+        #[arg(value_name = "DIR")]
+        folder: PathBuf,
+    },
     /// Explain a diagnostic code.
     Explain {
         /// The code that a message shows, such as `P0203`.
@@ -138,9 +159,15 @@ pub struct BuildArgs {
     /// Output file [default: named after the project or the first source].
     #[arg(short, value_name = "OUT")]
     pub output: Option<PathBuf>,
-    /// Write an intermediate form instead of an executable.
+    /// Write an intermediate form instead of an executable, a unit of a co-simulation (`fmu`) or a container image (`oci`).
     #[arg(long, value_name = "KIND")]
     pub emit: Option<Emit>,
+    /// With `--emit fmu`: version of the Functional Mock-up Interface.
+    #[arg(long, value_name = "VERSION", default_value = "2")]
+    pub fmi: Version,
+    /// Make an executable that needs no dynamic library.
+    #[arg(long = "static", conflicts_with_all = ["emit", "print_after", "stats"])]
+    pub is_static: bool,
     /// Print the IR after this pass instead of writing an executable.
     #[arg(long, value_name = "PASS", conflicts_with = "emit")]
     pub print_after: Option<String>,
@@ -161,12 +188,15 @@ pub struct BuildArgs {
     /// Link with a C compiler, such as `cc` [default: plcc links].
     #[arg(long, value_name = "CC")]
     pub linker: Option<String>,
+    /// Give the executable servers for clients, and their flags [default: if plc.toml has `[services]`].
+    #[arg(long)]
+    pub services: bool,
     /// Do not print what was written.
     #[arg(long)]
     pub quiet: bool,
 }
 
-/// An intermediate form.
+/// What is written instead of an executable: intermediate forms, and packages of the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Emit {
     Tokens,
@@ -175,6 +205,10 @@ pub enum Emit {
     Clif,
     Asm,
     Obj,
+    /// A unit for simulators with the Functional Mock-up Interface.
+    Fmu,
+    /// A container image with the static executable, a tar file in the OCI layout.
+    Oci,
 }
 
 #[derive(Args, Debug)]
@@ -189,6 +223,8 @@ pub struct RunArgs {
     pub compile: CompileArgs,
     #[command(flatten)]
     pub run: RunOptions,
+    #[command(flatten)]
+    pub services: ServiceOptions,
 }
 
 #[derive(Args, Debug)]
@@ -210,6 +246,15 @@ pub struct TestArgs {
     /// Print the results as JSON.
     #[arg(long)]
     pub json: bool,
+    /// Run only the tests whose paths contain this text.
+    #[arg(long, value_name = "TEXT")]
+    pub filter: Option<String>,
+    /// Write the results to a file in the form of JUnit, for CI services.
+    #[arg(long, value_name = "FILE")]
+    pub junit: Option<PathBuf>,
+    /// Run the tests again whenever a file changes.
+    #[arg(long)]
+    pub watch: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -235,6 +280,45 @@ pub struct CheckArgs {
     pub message_format: MessageFormat,
     #[command(flatten)]
     pub compile: CompileArgs,
+}
+
+#[derive(Args, Debug)]
+pub struct XrefArgs {
+    /// Sources, symbol tables, folders of these, or a project. Together they are one program [default: the project in this
+    /// folder].
+    #[arg(value_name = "FILE|DIR")]
+    pub inputs: Vec<PathBuf>,
+    /// Print all lists as one JSON document.
+    #[arg(long)]
+    pub json: bool,
+    /// Print the cross references as CSV, a row for each use.
+    #[arg(long, conflicts_with = "json")]
+    pub csv: bool,
+    #[command(flatten)]
+    pub compile: CompileArgs,
+}
+
+#[derive(Args, Debug)]
+pub struct NewArgs {
+    /// The folder of the project, which has its name.
+    #[arg(value_name = "NAME")]
+    pub folder: PathBuf,
+    /// CPU, such as `1214C`, `315-2DP` or `224`.
+    #[arg(long, value_name = "NAME", default_value = "1214C")]
+    pub cpu: String,
+}
+
+#[derive(Args, Debug)]
+pub struct FmtArgs {
+    /// Sources, or folders of these [default: the project in this folder].
+    #[arg(value_name = "FILE|DIR")]
+    pub inputs: Vec<PathBuf>,
+    /// Change nothing; print the files that would change, and fail if there are any.
+    #[arg(long)]
+    pub check: bool,
+    /// Code page of sources that are not UTF-8, such as `936` or `gbk` [default: detected for each file].
+    #[arg(long, value_name = "PAGE")]
+    pub code_page: Option<CodePage>,
 }
 
 #[derive(Args, Debug)]
@@ -296,6 +380,18 @@ pub struct PlotArgs {
     /// Title above the picture.
     #[arg(long, value_name = "TEXT")]
     pub title: Option<String>,
+}
+
+#[derive(Args, Debug)]
+pub struct ViewArgs {
+    /// Source files, or the folder of a project.
+    #[arg(value_name = "FILE")]
+    pub inputs: Vec<PathBuf>,
+    /// Folder for SVG files, one for each network and chart.
+    #[arg(short, long = "out", value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    #[command(flatten)]
+    pub compile: CompileArgs,
 }
 
 #[cfg(test)]

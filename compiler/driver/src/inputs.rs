@@ -303,8 +303,8 @@ fn add_texts(read: &mut Read, path: &Path, unit: FileId) {
     }
 }
 
-/// The message of the operating system without its number.
-fn reason(error: &std::io::Error) -> String {
+/// What is wrong with a file, without the number of the error and the name of a temporary file.
+pub fn reason(error: &std::io::Error) -> String {
     let text = error.to_string();
     text.split(" (os error").next().unwrap_or(&text).to_lowercase()
 }
@@ -347,6 +347,7 @@ fn add_project(read: &mut Read, folder: &Path) {
     read.diagnostics.extend(diagnostics);
     read.name = project.name.clone().unwrap_or_else(|| stem(folder));
     match &project.sources {
+        None if project.unread => {}
         None => {
             for path in files_below(folder) {
                 if !path.starts_with(folder.join("tests")) && path.file_name() != Some(project::FILE_NAME.as_ref()) {

@@ -23,15 +23,19 @@ pub mod command;
 pub mod content;
 pub mod emit;
 pub mod inputs;
+mod keys;
 pub mod link;
 mod near;
+pub mod package;
 mod parallel;
 pub mod pipeline;
 pub mod plot;
 pub mod project;
+pub mod remote;
 pub mod report;
 pub mod retain;
 pub mod s7200;
+pub mod services;
 pub mod sheets;
 pub mod station;
 pub mod statistics;
@@ -61,9 +65,16 @@ fn dispatch(cli: &Cli) -> u8 {
         Command::Run(args) => command::run::run(args),
         Command::Test(args) => command::test::test(args),
         Command::Check(args) => command::check::check(args),
+        Command::Xref(args) => command::xref::xref(args),
+        Command::Fmt(args) => command::fmt::fmt(args),
+        Command::New(args) => command::new::new(args),
+        Command::Completions { shell } => command::manual::completions(*shell),
+        Command::Man { folder } => command::manual::pages(folder),
         Command::Station { folder } => command::station::station(folder),
         Command::Convert(args) => command::convert::convert(args),
+        Command::Password => command::password::password(),
         Command::Plot(args) => command::plot::plot(args),
+        Command::View(args) => command::view::view(args),
         Command::Explain { code } => command::explain::explain(code),
     }
 }

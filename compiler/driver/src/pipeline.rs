@@ -317,6 +317,15 @@ pub fn lower(bound: &Bound, optimization: impl Into<Optimization>) -> Compiled {
     Compiled { module: lowered.module, image: lowered.image, optimization: optimization.into() }
 }
 
+/// The IR of a program without errors, with probes that tell what its statements see, and their places.
+pub fn lower_with_probes(
+    bound: &Bound,
+    optimization: impl Into<Optimization>,
+) -> (Compiled, Vec<plcc_lower::probe::Place>) {
+    let lowered = plcc_lower::lower_with_probes(&bound.program, &bound.sources);
+    (Compiled { module: lowered.module, image: lowered.image, optimization: optimization.into() }, lowered.probes)
+}
+
 /// Runs the passes of plcc, at -O2.
 pub fn optimize(mut compiled: Compiled) -> Compiled {
     match compiled.optimization.level {

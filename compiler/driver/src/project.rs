@@ -13,8 +13,10 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use crate::axes;
+use crate::remote;
 use crate::retain::{self, RetainKeys};
 use crate::s7200::{self, S7200Keys};
+use crate::services::{self, ServicesKeys};
 use crate::station::{self, Station, StationKeys};
 use crate::technology;
 
@@ -43,6 +45,8 @@ pub struct Project {
     pub axes: String,
     /// Place of the settings of an S7-200, checked later against the CPU.
     pub s7200: Option<Span>,
+    /// The file could not be read as a whole, so that nothing is known of the project.
+    pub unread: bool,
 }
 
 /// Reads the text of a `plc.toml`. Reports wrong keys as P0601 and ignores them.
@@ -54,7 +58,7 @@ pub fn parse(file: FileId, source: &SourceFile) -> (Project, Vec<Diagnostic>) {
             let range = error.span().unwrap_or(0..0);
             let wrong = toml_words::plain_at(error.message(), &source.text, range.start);
             context.report(range, wrong.title, &wrong.help);
-            Project::default()
+            Project { unread: true, ..Project::default() }
         }
     };
     (project, context.diagnostics)
@@ -97,6 +101,9 @@ struct Keys {
     data: Option<Spanned<String>>,
     s7200: Option<Spanned<S7200Keys>>,
     retain: Option<RetainKeys>,
+    services: Option<ServicesKeys>,
+    #[serde(default)]
+    io: BTreeMap<Spanned<String>, remote::IoKeys>,
 }
 
 #[derive(Deserialize)]
@@ -217,6 +224,11 @@ impl Context {
             config.retain = retain;
             self.diagnostics.extend(messages);
         }
+        if let Some(keys) = &keys.services {
+            let (services, messages) = services::read(keys, self.file);
+            config.services = services;
+            self.diagnostics.extend(messages);
+        }
         if let Some(keys) = &keys.s7200 {
             let (settings, messages) = s7200::read(keys.get_ref(), self.file);
             config.s7200 = settings;
@@ -234,8 +246,10 @@ impl Context {
             let of_station = station.as_ref().map(Station::modules).unwrap_or_default();
             config.modules = Some(self.modules(of_station, &keys.module));
         }
+        self.devices(&keys.io, &mut config);
         config.cpu_order = station.as_ref().map(Station::cpu_order).unwrap_or_default();
         Project {
+            unread: false,
             name: keys.name.map(Spanned::into_inner),
             cpu: station.as_ref().and_then(Station::profile).or(cpu),
             mnemonics: keys.mnemonics.map(|key| match key {
@@ -352,6 +366,25 @@ impl Context {
         modules
     }
 
+    /// Devices on a field bus. Beside modules their addresses are further ones.
+    fn devices(&mut self, keys: &BTreeMap<Spanned<String>, remote::IoKeys>, config: &mut Config) {
+        let (stations, messages) = remote::read(keys, self.file);
+        self.diagnostics.extend(messages);
+        if let Some(modules) = &mut config.modules {
+            let new: Vec<Module> = remote::modules(&stations).collect();
+            for device in &new {
+                if let Some(other) = modules.iter().find(|other| overlap(other, device)) {
+                    let title = format!("`{}` and module `{}` have addresses in common", device.name, other.name);
+                    let name = keys.keys().find(|name| device.name == format!("io {}", name.get_ref()));
+                    let span = name.map_or(0..0, Spanned::span);
+                    self.report(span, title, "give each its own addresses");
+                }
+            }
+            modules.extend(new);
+        }
+        config.remote = stations;
+    }
+
     /// Start byte and number of bytes; both 0 if the module has none.
     fn addresses(&mut self, keys: Option<&AddressKeys>) -> (u32, u32) {
         let Some(keys) = keys else { return (0, 0) };
@@ -377,7 +410,11 @@ impl Context {
         let ms = duration_ms(key.get_ref()).filter(|ms| range.contains(ms));
         if ms.is_none() {
             let title = format!("`{}` is not a time from {} to {} ms", key.get_ref(), range.start(), range.end());
-            self.report(key.span(), title, "write `200ms` or `2s`");
+            let help = match key.get_ref().trim().parse::<u32>() {
+                Ok(number) if range.contains(&number) => format!("write a unit: `{number}ms`"),
+                _ => "write a number with a unit, as in `200ms` or `2s`".to_string(),
+            };
+            self.report(key.span(), title, &help);
         }
         ms
     }

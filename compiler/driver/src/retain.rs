@@ -1,10 +1,11 @@
 //! `[retain]` of plc.toml: what is retentive, and where it is kept.
 
 use plcc_abi::image::{RetainConfig, RetainInterval};
-use plcc_diag::{Code, Diagnostic, FileId, Span};
+use plcc_diag::{Diagnostic, FileId};
 use serde::Deserialize;
 use toml::Spanned;
 
+use crate::keys::Reader;
 use crate::project::{duration_ms, number_within};
 
 /// `[retain]`.
@@ -24,10 +25,12 @@ const EVERY_MS_MAX: u32 = 3_600_000;
 
 /// Reads the table. Reports wrong keys and ignores them.
 pub fn read(keys: &RetainKeys, file: FileId) -> (RetainConfig, Vec<Diagnostic>) {
-    let mut reader = Reader { file, diagnostics: Vec::new() };
+    let mut reader = Reader::new(file);
     let mut number = |key: &Option<Spanned<i64>>, what: &str| {
         let key = key.as_ref()?;
-        number_within::<u32>(key, 0..=65536, what).map_err(|title| reader.report(key, title, "")).ok()
+        number_within::<u32>(key, 0..=65536, what)
+            .map_err(|title| reader.report(key, title, "docs/plc-toml.md lists the keys and their values"))
+            .ok()
     };
     let (bit_memory, timers, counters) = (
         number(&keys.bit_memory, "a number of bytes"),
@@ -35,8 +38,8 @@ pub fn read(keys: &RetainKeys, file: FileId) -> (RetainConfig, Vec<Diagnostic>) 
         number(&keys.counters, "a number of counters"),
     );
     let config = RetainConfig {
-        file: keys.file.as_ref().and_then(|key| reader.file_name(key)),
-        interval: keys.every.as_ref().and_then(|key| reader.interval(key)).unwrap_or_default(),
+        file: keys.file.as_ref().and_then(|key| reader.file_name(key, "file", "plant.retain")),
+        interval: keys.every.as_ref().and_then(|key| reader.retain_interval(key)).unwrap_or_default(),
         bit_memory,
         timers,
         counters,
@@ -45,26 +48,8 @@ pub fn read(keys: &RetainKeys, file: FileId) -> (RetainConfig, Vec<Diagnostic>) 
     (config, reader.diagnostics)
 }
 
-struct Reader {
-    file: FileId,
-    diagnostics: Vec<Diagnostic>,
-}
-
 impl Reader {
-    fn report<T>(&mut self, key: &Spanned<T>, title: String, help: &str) {
-        let help = if help.is_empty() { "docs/plc-toml.md lists the keys and their values" } else { help };
-        self.diagnostics.push(Diagnostic::new(Code::Project, Span::new(self.file, key.span()), title).help(help));
-    }
-
-    fn file_name(&mut self, key: &Spanned<String>) -> Option<String> {
-        if key.get_ref().is_empty() || key.get_ref().contains('\0') {
-            self.report(key, "no name of a file".to_string(), "write `\"plant.retain\"`");
-            return None;
-        }
-        Some(key.get_ref().clone())
-    }
-
-    fn interval(&mut self, key: &Spanned<String>) -> Option<RetainInterval> {
+    fn retain_interval(&mut self, key: &Spanned<String>) -> Option<RetainInterval> {
         if key.get_ref() == "cycle" {
             return Some(RetainInterval::Cycle);
         }

@@ -14,6 +14,7 @@ use plcc_runtime::s7200::socket_address;
 use serde::Deserialize;
 use toml::Spanned;
 
+use crate::keys::Reader;
 use crate::project::{duration_ms, number_within};
 
 /// Highest station address. Source: S7-200 system manual, network.
@@ -134,7 +135,7 @@ static RANGES: [Range; 17] = [
 
 /// Reads the table. Reports wrong keys and ignores them.
 pub fn read(keys: &S7200Keys, file: FileId) -> (S7200Config, Vec<Diagnostic>) {
-    let mut reader = Reader { file, diagnostics: Vec::new() };
+    let mut reader = Reader::new(file);
     let config = reader.config(keys);
     (config, reader.diagnostics)
 }
@@ -146,16 +147,7 @@ pub fn check(place: Option<Span>, profile: &Profile) -> Option<Diagnostic> {
     Some(Diagnostic::new(Code::Project, place, title).help("`[s7200]` is only for CPUs of the S7-200"))
 }
 
-struct Reader {
-    file: FileId,
-    diagnostics: Vec<Diagnostic>,
-}
-
 impl Reader {
-    fn report<T>(&mut self, key: &Spanned<T>, title: String, help: &str) {
-        self.diagnostics.push(Diagnostic::new(Code::Project, Span::new(self.file, key.span()), title).help(help));
-    }
-
     fn number(&mut self, key: &Spanned<i64>, range: RangeInclusive<i64>, what: &str) -> Option<u8> {
         number_within(key, range, what)
             .map_err(|title| self.report(key, title, "docs/plc-toml.md lists the keys and their values"))
@@ -213,14 +205,6 @@ impl Reader {
         config
     }
 
-    fn file_name(&mut self, key: &Spanned<String>) -> Option<String> {
-        if key.get_ref().is_empty() || key.get_ref().contains('\0') {
-            self.report(key, "no name of a device".to_string(), "write `\"/dev/ttyUSB0\"`");
-            return None;
-        }
-        Some(key.get_ref().clone())
-    }
-
     fn watchdog(&mut self, key: &Spanned<String>) -> Option<u16> {
         let ms = duration_ms(key.get_ref()).and_then(|ms| u16::try_from(ms).ok());
         if ms.is_none() {
@@ -242,8 +226,8 @@ impl Reader {
     fn port(&mut self, keys: &PortKeys) -> Option<Port> {
         let number = self.number(&keys.number, 0..=1, "a port")?;
         let links = [
-            keys.device.as_ref().and_then(|key| self.file_name(key)).map(Link::Device),
-            keys.pty.as_ref().and_then(|key| self.file_name(key)).map(Link::PseudoTerminal),
+            keys.device.as_ref().and_then(|key| self.file_name(key, "device", "/dev/ttyUSB0")).map(Link::Device),
+            keys.pty.as_ref().and_then(|key| self.file_name(key, "device", "/dev/ttyUSB0")).map(Link::PseudoTerminal),
             keys.listen.as_ref().and_then(|key| self.address(key)).map(Link::Listen),
             keys.connect.as_ref().and_then(|key| self.address(key)).map(Link::Connect),
         ];

@@ -136,3 +136,22 @@ fn a_running_executable_can_be_built_again() {
     running.kill().expect("it is a child");
     running.wait().expect("it is a child");
 }
+
+#[test]
+fn an_output_that_cannot_be_written_is_named_by_its_folder() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(folder.path().join("program.stl"), PROGRAM).expect("the folder can be written");
+    let told = |output: &str| {
+        let plcc = Command::new(PLCC).current_dir(&folder).args(["build", "program.stl", "-o", output]).output();
+        let plcc = plcc.expect("it starts");
+        assert_eq!(plcc.status.code(), Some(2));
+        String::from_utf8_lossy(&plcc.stderr).into_owned()
+    };
+    let missing = told("none/program");
+    assert!(missing.contains("there is no folder `none`; create it first"), "{missing}");
+    let file = told("program.stl/program");
+    assert!(file.contains("`program.stl` is a file, not a folder"), "{file}");
+    for text in [missing, file] {
+        assert!(!text.contains(".plcc-") && !text.contains("os error"), "{text}");
+    }
+}

@@ -128,6 +128,10 @@ pub struct BlockLowering<'p, 'o> {
     frame_bytes: u32,
     /// Index of the current statement's site.
     pub site: u32,
+    /// Number of the current network, in a block in STL.
+    pub network: u16,
+    /// Place of the probes of its begin and its ends, if it has probes.
+    pub block_place: Option<u32>,
     /// False: the block has no `MCRA`, so the MCR is never off.
     pub uses_mcr: bool,
     pub stop_exit: StopExit,
@@ -172,6 +176,8 @@ impl<'p, 'o> BlockLowering<'p, 'o> {
             temporaries: local_bytes,
             frame_bytes: local_bytes,
             site: 0,
+            network: 0,
+            block_place: None,
             uses_mcr: false,
             stop_exit: StopExit::default(),
             labels: Labels::default(),
@@ -412,6 +418,7 @@ impl<'p, 'o> BlockLowering<'p, 'o> {
 
     /// Returns to the caller with the current registers.
     pub fn return_registers(&mut self) {
+        self.probe_leave();
         let values: Vec<Value> = match self.block.kind {
             BlockKind::Ob => Vec::new(),
             _ => {

@@ -7,6 +7,7 @@
 //! - `s7200` lowers programs of an S7-200, with its own state of a block.
 //! - For all families: `arithmetic`, `stop` has the safepoints and the way out of a function, `labels` the targets of jumps.
 //! - `assertion`: code that assertions of all languages share.
+//! - [`probe`]: what statements see, told to who looks at the program.
 //! - `shapes`: what data blocks look like, for blocks that write them to files.
 //! - `entry` creates the functions that the runtime calls.
 //!
@@ -23,6 +24,7 @@ mod names;
 mod place;
 mod plan;
 mod pointer;
+pub mod probe;
 mod s7200;
 mod scl;
 mod shapes;
@@ -39,18 +41,30 @@ use plcc_model::{Assert, Body, CodeBlock};
 
 use crate::names::Types;
 use crate::plan::Plan;
+use crate::probe::Probes;
 
 /// A lowered program: its code, and data about it for the runtime.
 #[derive(Clone, Debug)]
 pub struct Lowered {
     pub module: Module,
     pub image: ProgramImage,
+    /// Where its probes are; none unless they are asked for.
+    pub probes: Vec<probe::Place>,
 }
 
 /// Lowers a program that was bound without errors.
 pub fn lower(program: &Program, sources: &SourceMap) -> Lowered {
+    lower_program(program, sources, Probes::default())
+}
+
+/// Lowers a program that was bound without errors, with probes that tell what its statements see.
+pub fn lower_with_probes(program: &Program, sources: &SourceMap) -> Lowered {
+    lower_program(program, sources, Probes { places: Some(Vec::new()) })
+}
+
+fn lower_program(program: &Program, sources: &SourceMap, probes: Probes) -> Lowered {
     if let Some(cpu) = program.s7200 {
-        return s7200::lower(program, cpu, sources);
+        return s7200::lower(program, cpu, sources, probes);
     }
     let plan = Plan::new(program);
     let facts = Facts {
@@ -59,7 +73,7 @@ pub fn lower(program: &Program, sources: &SourceMap) -> Lowered {
         error_slots: plan.error_slots(),
         stops_itself: plan.stops_itself,
     };
-    let mut output = Output::new(program, sources, facts);
+    let mut output = Output::new(program, sources, facts, probes);
     let is_large = program.blocks.len() > SMALL_BLOCKS_MAX;
     for (index, block) in program.blocks.iter().enumerate() {
         if is_large {
@@ -125,11 +139,12 @@ pub(crate) struct Facts {
 pub(crate) struct Output<'s> {
     pub module: Module,
     pub image: ProgramImage,
+    pub probes: Probes,
     sources: &'s SourceMap,
 }
 
 impl<'s> Output<'s> {
-    fn new(program: &Program, sources: &'s SourceMap, facts: Facts) -> Output<'s> {
+    fn new(program: &Program, sources: &'s SourceMap, facts: Facts, probes: Probes) -> Output<'s> {
         let files: Vec<String> = sources.files().map(|(_, file)| file.name.clone()).collect();
         let address_of = |number| facts.dbs.iter().find(|db| db.number == number).map_or(facts.db_end, |db| db.address);
         let module = Module { dbs: facts.dbs.clone(), files, ..Module::default() };
@@ -149,6 +164,7 @@ impl<'s> Output<'s> {
                     data: db.data.clone(),
                     read_only: db.read_only,
                     unlinked: db.unlinked,
+                    optimized: db.optimized,
                     kept: db.kept.clone(),
                     ty: (!db.members.is_empty()).then(|| types.of_db(db, program)),
                 })
@@ -168,7 +184,7 @@ impl<'s> Output<'s> {
             notices: program.notices.clone(),
             s7200: None,
         };
-        Output { module, image, sources }
+        Output { module, image, probes, sources }
     }
 
     /// Index of the span's file in the image, and its line there. Blocks of the standard library have the spans of their first calls.
@@ -215,6 +231,6 @@ impl<'s> Output<'s> {
         self.image.used = used::places(&self.module);
         self.image.files = self.module.files.clone();
         self.image.sites = self.module.sites.clone();
-        Lowered { module: self.module, image: self.image }
+        Lowered { module: self.module, image: self.image, probes: self.probes.places.unwrap_or_default() }
     }
 }

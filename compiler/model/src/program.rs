@@ -87,6 +87,8 @@ pub struct CodeBlock {
     pub name: String,
     /// The block's header.
     pub span: Span,
+    /// A block of the standard library: its statements have no source of their own.
+    pub library: bool,
     pub interface: Interface,
     /// Declared TEMP variables, in bytes, even.
     pub temp_bytes: u32,
@@ -199,6 +201,8 @@ pub struct DataBlock {
     pub data_type: String,
     pub read_only: bool,
     pub unlinked: bool,
+    /// Optimised access: clients cannot reach it by addresses.
+    pub optimized: bool,
     /// What of it is retentive.
     pub kept: Kept,
 }

@@ -55,6 +55,7 @@ impl Binder<'_> {
             data_type: String::new(),
             read_only: false,
             unlinked: false,
+            optimized: false,
             kept: Kept::Everything,
         }
     }

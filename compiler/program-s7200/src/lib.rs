@@ -138,6 +138,7 @@ impl<'a> Binder<'a> {
             number,
             name,
             span,
+            library: false,
             interface: Interface::default(),
             temp_bytes: plcc_abi::s7200::LOCAL_BYTES,
             body: Body::S7200(body),

@@ -240,8 +240,8 @@ fn underflow(depth: usize, levels: usize, name: &str, span: Span) -> Diagnostic 
     )
     .label("too few levels")
     .help(match name {
-        "CTU" => "load the count input, then the reset input: `LD I0.0`, `LD I0.1`, `CTU C1, 10`",
-        "CTD" => "load the count input, then the load input: `LD I0.0`, `LD I0.1`, `CTD C1, 10`",
+        "CTU" => "before it load the count input, then the reset input, each with LD",
+        "CTD" => "before it load the count input, then the load input, each with LD",
         "CTUD" => "load the inputs for up, down and reset before it",
         "ALD" | "ULD" | "OLD" => "each of the two groups that it joins begins with a load",
         "LRD" | "LPP" => "LPS must come before it",

@@ -17,6 +17,8 @@ pub mod simatic_ml;
 pub mod symbols;
 pub mod xml;
 
+use std::ops::Range;
+
 use plcc_diag::{Diagnostic, FileId};
 use plcc_syntax::{Language, ParseOptions, ast, s7200, scl, stl};
 
@@ -70,6 +72,40 @@ fn read(file: FileId, text: &str, options: &ReadOptions, reading: Reading) -> (a
                 read(file, &others, options, reading),
                 gr7::parse(file, &language::masked(text, &charts, true), options),
             )
+        }
+    }
+}
+
+/// The parts of a source in the order of its text, each with its language. None for XML.
+pub fn parts(text: &str, hint: Option<Language>) -> Vec<(Range<usize>, Language)> {
+    if xml::kind(text).is_some() {
+        return Vec::new();
+    }
+    let mut parts = vec![(0..text.len(), Language::Stl)];
+    add_parts(text, language::detect(text, hint), &mut parts);
+    parts.retain(|(range, _)| !range.is_empty());
+    parts
+}
+
+/// Gives the last part its language, and cuts out what is in another one.
+fn add_parts(text: &str, reading: Reading, parts: &mut Vec<(Range<usize>, Language)>) {
+    let (ranges, language) = match reading {
+        Reading::Whole(language) => return parts.iter_mut().for_each(|part| part.1 = language),
+        Reading::Mixed(ranges) => (ranges, Language::Scl),
+        Reading::WithCharts(ranges) => {
+            let others = language::masked(text, &ranges, false);
+            add_parts(&others, language::detect_statements(&others, None), parts);
+            (ranges, Language::Graph)
+        }
+    };
+    for cut in ranges {
+        let before = std::mem::take(parts);
+        for (range, own) in before {
+            let (first, last) = (range.start..range.end.min(cut.start), range.start.max(cut.end)..range.end);
+            let inside = range.start <= cut.start && cut.start < range.end;
+            parts.extend((first.start < first.end).then_some((first, own)));
+            parts.extend(inside.then(|| (cut.clone(), language)));
+            parts.extend((last.start < last.end).then_some((last, own)));
         }
     }
 }

@@ -4,7 +4,8 @@ use std::str::FromStr;
 
 use chardetng::{EncodingDetector, Iso2022JpDetection, Utf8Detection};
 use encoding_rs::{
-    BIG5, EUC_KR, Encoding, GBK, SHIFT_JIS, WINDOWS_1250, WINDOWS_1251, WINDOWS_1252, WINDOWS_1254, WINDOWS_1258,
+    BIG5, EUC_KR, Encoding, GBK, SHIFT_JIS, UTF_8, UTF_16BE, UTF_16LE, WINDOWS_1250, WINDOWS_1251, WINDOWS_1252,
+    WINDOWS_1254, WINDOWS_1258,
 };
 
 /// Text of a file: by its byte order mark, else as UTF-8 if it is valid, else in the code page that its letters suggest.
@@ -21,6 +22,62 @@ pub fn decode_as(bytes: &[u8], page: Option<CodePage>) -> String {
     match has_lone_returns(&text) {
         true => lines_of_returns(&text),
         false => text,
+    }
+}
+
+/// How the bytes of a file stand for its text, to write another text in the same way.
+#[derive(Clone, Copy, Debug)]
+pub struct Form {
+    encoding: &'static Encoding,
+    /// Bytes of its byte order mark.
+    mark: &'static [u8],
+    line_end: &'static str,
+}
+
+impl Form {
+    /// The form of a file. `None`: its bytes are not those of its text, so that writing it would change more than the text.
+    pub fn of(bytes: &[u8], page: Option<CodePage>) -> Option<Form> {
+        let (encoding, mark): (_, &[u8]) = match encoding_rs::Encoding::for_bom(bytes) {
+            Some((encoding, 3)) => (encoding, b"\xEF\xBB\xBF"),
+            Some((encoding, _)) if encoding == UTF_16LE => (encoding, b"\xFF\xFE"),
+            Some((encoding, _)) => (encoding, b"\xFE\xFF"),
+            None if std::str::from_utf8(bytes).is_ok() => (UTF_8, b""),
+            None => (page.map_or_else(|| code_page(bytes), |page| page.0), b""),
+        };
+        let text = decode_bytes(bytes, page);
+        let count = |end: &str| text.matches(end).count();
+        let (both, feeds) = (count("\r\n"), count("\n"));
+        let line_end = match (both, feeds) {
+            _ if both * 2 > feeds => "\r\n",
+            (0, 0) if count("\r") > 0 => "\r",
+            _ => "\n",
+        };
+        let form = Form { encoding, mark, line_end };
+        (form.bytes(&text)? == bytes).then_some(form)
+    }
+
+    /// The bytes of a text whose lines end with `\n`. `None`: the code page lacks one of its characters.
+    pub fn write(&self, text: &str) -> Option<Vec<u8>> {
+        match self.line_end {
+            "\n" => self.bytes(text),
+            end => self.bytes(&text.replace('\n', end)),
+        }
+    }
+
+    fn bytes(&self, text: &str) -> Option<Vec<u8>> {
+        let mut out = self.mark.to_vec();
+        if self.encoding == UTF_16LE {
+            out.extend(text.encode_utf16().flat_map(u16::to_le_bytes));
+        } else if self.encoding == UTF_16BE {
+            out.extend(text.encode_utf16().flat_map(u16::to_be_bytes));
+        } else {
+            let (bytes, _, lacking) = self.encoding.encode(text);
+            if lacking {
+                return None;
+            }
+            out.extend_from_slice(&bytes);
+        }
+        Some(out)
     }
 }
 
@@ -102,7 +159,7 @@ fn code_page(bytes: &[u8]) -> &'static Encoding {
 
 #[cfg(test)]
 mod tests {
-    use super::{CodePage, decode, decode_as};
+    use super::{CodePage, Form, decode, decode_as};
 
     #[test]
     fn byte_order_marks_and_utf_8() {
@@ -143,5 +200,22 @@ mod tests {
         assert_eq!(decode_as(b"// \xB6\xA8", Some(page("CP1252"))), "// ¶¨");
         assert_eq!(decode_as("// 泵".as_bytes(), Some(page("windows-1250"))), "// 泵");
         assert!("latin-77".parse::<CodePage>().is_err());
+    }
+
+    #[test]
+    fn a_file_is_written_in_its_own_form() {
+        for bytes in [
+            b"\xEF\xBB\xBFLD I0.0\r\nEU\r\n".as_slice(),
+            b"// \xC6\xF4\xB6\xAF\xCB\xAE\xB1\xC3\nLD I0.0\n",
+            b"// gro\xDF und klein, St\xF6rung\n",
+            b"\xFF\xFEL\0D\0",
+            b"\xFE\xFF\0L\0D",
+            b"LD I0.0\rEU\r",
+        ] {
+            let form = Form::of(bytes, None).expect("its bytes are those of its text");
+            assert_eq!(form.write(&decode(bytes).replace("\r\n", "\n")).as_deref(), Some(bytes));
+        }
+        let western = Form::of(b"// gro\xDF\n", None).expect("its bytes are those of its text");
+        assert_eq!(western.write("// \u{6CF5}\n"), None);
     }
 }

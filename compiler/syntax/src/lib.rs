@@ -30,7 +30,7 @@ pub mod symbols;
 
 pub use ast_text::ast_text;
 pub use elementary::{Class, Elementary};
-pub use encoding::{CodePage, decode, decode_as};
+pub use encoding::{CodePage, Form, decode, decode_as};
 pub use language::Language;
 
 /// How a source is read.

@@ -155,6 +155,20 @@ runtime_functions! {
     /// Lets `ms` milliseconds pass on the clock, due interrupts included. Result as `Safepoint`.
     Sleep = "sleep"(ms: I32) -> I32, All;
 
+    // Probes, which only a program that is made to be looked at contains. `place` is an index into its list of places; nothing
+    // changes by them.
+
+    /// A block begins at `place`; `instance` is the offset of its instance from the memory base, 0 if it has none.
+    ProbeEnter = "probe_enter"(place: I32, instance: I32), All;
+    /// The block that has begun last ends.
+    ProbeLeave = "probe_leave"(place: I32), All;
+    /// The statement at `place` has run: the status word, accumulators, address registers, and DB in the low and DI in the high half of
+    /// `dbs`.
+    ProbeRegisters =
+        "probe_registers"(place: I32, status: I32, accu1: I32, accu2: I32, ar1: I32, ar2: I32, dbs: I32), All;
+    /// A value at `place`, zero-extended: of a variable, a condition or a pin, or the logic stack of an S7-200 with S0 in bit 0.
+    ProbeValue = "probe_value"(place: I32, value: I64), All;
+
     /// Copies the text at offset `from` from the memory base to the one at `to`: at most `limit` characters, with `u32::MAX` as many as the
     /// head at `to` allows. `wide` 1: WSTRING. Result 1: something was cut.
     CopyText = "copy_text"(to: I32, from: I32, limit: I32, wide: I32) -> I32, All;

@@ -7,7 +7,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::names::{NamedType, TypeNumber, UsedPlace};
 use crate::ob::{OB_FREE, ObClass, StartInput};
+use crate::remote::RemoteStation;
 use crate::s7200::{S7200Config, S7200Image};
+use crate::services::ServicesConfig;
 use crate::shape::DbShape;
 use crate::technology::{FastCounter, HardwareEvent, PulseGenerator};
 
@@ -138,6 +140,8 @@ pub struct DbEntry {
     pub read_only: bool,
     /// In load memory only: not accessible to the program.
     pub unlinked: bool,
+    /// It has no addresses that a client could name.
+    pub optimized: bool,
     /// What comes back after the process has ended.
     pub kept: Kept,
     /// A structure with its components; `None` if it has no declared ones.
@@ -298,6 +302,8 @@ pub struct Config {
     pub time_of_day: Vec<TimeOfDay>,
     /// Byte ranges of inputs and outputs that modules cover; `None`: every address exists.
     pub modules: Option<Vec<Module>>,
+    /// Devices on a field bus.
+    pub remote: Vec<RemoteStation>,
     /// First startup OB: 100, 101 or 102.
     pub startup: u16,
     /// Retentive memory.
@@ -306,6 +312,8 @@ pub struct Config {
     pub cpu_order: String,
     /// Folder of the program's files, if the flags of the run say nothing.
     pub data_folder: Option<String>,
+    /// What clients can reach.
+    pub services: ServicesConfig,
     pub s7200: S7200Config,
 }
 
@@ -326,10 +334,12 @@ impl Default for Config {
             priorities: Vec::new(),
             time_of_day: Vec::new(),
             modules: None,
+            remote: Vec::new(),
             startup: 100,
             retain: RetainConfig::default(),
             cpu_order: String::new(),
             data_folder: None,
+            services: ServicesConfig::default(),
             s7200: S7200Config::default(),
         }
     }

@@ -9,6 +9,7 @@
 //! - [`codes`]: error numbers of S7 CPUs that both sides use.
 //! - [`technology`]: fast counters, pulse generators, hardware interrupts.
 //! - [`ob`]: organization blocks, grouped by the events that start them.
+//! - [`remote`]: devices on a field bus; [`services`]: what of a program clients can reach.
 //! - [`shape`]: what data blocks look like, for blocks that write them to files.
 //! - [`s7200`]: definitions of the S7-200 only.
 //!
@@ -22,7 +23,9 @@ pub mod layout;
 pub mod linked;
 pub mod names;
 pub mod ob;
+pub mod remote;
 pub mod s7200;
+pub mod services;
 pub mod shape;
 pub mod technology;
 pub mod text;

@@ -55,6 +55,11 @@ impl Alarms {
         self.log = Some(file);
     }
 
+    /// The alarms of a CPU that starts again: none is active, and the file goes on.
+    pub(crate) fn restarted(self) -> Alarms {
+        Alarms { log: self.log, ..Alarms::default() }
+    }
+
     /// State of an alarm, and whether its last event was acknowledged; `None`: it is not known.
     pub fn state(&self, number: u32) -> Option<(bool, bool)> {
         self.states.get(&(number, 0)).map(|state| (state.signal, !state.open))

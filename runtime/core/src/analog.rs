@@ -117,6 +117,13 @@ pub const RANGES: &[Range] = &[
     temperature("type N", 10, -2700, 13000, -2700, 15500),
 ];
 
+impl Range {
+    /// Words at the ends of the nominal range.
+    pub fn words(&self) -> (i32, i32) {
+        (self.low_word, self.high_word)
+    }
+}
+
 /// Units that can be written, with the quantity they belong to and their size in its base unit (V, mA, Ohm, degree).
 const UNITS: &[(&str, Quantity, f64)] = &[
     ("V", Voltage, 1.0),

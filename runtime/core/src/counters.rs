@@ -12,3 +12,11 @@ pub fn value(memory: &Memory, number: u32) -> u32 {
     let at = layout::C + COUNTER_CELL_BYTES * number + counter_cell::COUNT;
     u32::from(u16::from_ne_bytes(memory.bytes(at)))
 }
+
+/// Gives a counter another count, 0..=999. A counter that does not exist takes none.
+pub fn set_value(memory: &Memory, number: u32, count: u16) {
+    if number < TIMERS_MAX {
+        let at = layout::C + COUNTER_CELL_BYTES * number + counter_cell::COUNT;
+        memory.set_bytes(at, count.min(999).to_ne_bytes());
+    }
+}

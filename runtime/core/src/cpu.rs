@@ -22,10 +22,13 @@ use crate::diagnostics::{Diagnostics, Entry};
 use crate::family::{Family, Step7};
 use crate::io::Driver;
 use crate::memory::Memory;
-use crate::options::CYCLE_TIME_DEFAULT;
+use crate::online::Service;
+use crate::options::{CYCLE_TIME_DEFAULT, Restart};
 use crate::organization::Running;
+use crate::probe::Watcher;
 use crate::records::Records;
 use crate::records::store::Store;
+use crate::restart::Carried;
 use crate::retain::Retention;
 use crate::s7200::{S7200, ScanCycle};
 use crate::schedule::Schedule;
@@ -57,6 +60,8 @@ pub struct Cpu {
     pub(crate) running: Running,
     pub(crate) schedule: Schedule,
     pub(crate) assertions: Assertions,
+    /// Who looks at the probes of the program.
+    pub(crate) watcher: OnceCell<Rc<dyn Watcher>>,
     pub(crate) stop: Cell<Option<Stop>>,
     /// Blocks sorted by kind and number.
     blocks: Vec<BlockEntry>,
@@ -72,6 +77,15 @@ pub struct Cpu {
     pub(crate) retention: OnceCell<Retention>,
     /// The startup OB: that of the configuration unless such a restart is not possible.
     pub(crate) startup: Cell<u16>,
+    /// Answers clients.
+    pub(crate) service: RefCell<Option<Box<dyn Service>>>,
+    pub(crate) is_served: Cell<bool>,
+    /// A client asks for RUN.
+    pub(crate) restart_requested: Cell<Option<Restart>>,
+    /// The CPU goes on in place of one that stopped.
+    pub(crate) is_restarted: bool,
+    /// What that one has left, until startup.
+    pub(crate) carried: RefCell<Option<Carried>>,
     /// Connections of the program.
     pub(crate) communication: RefCell<Communication>,
     /// Data logs, recipes and files.
@@ -126,8 +140,14 @@ impl Cpu {
             family: if image.s7200.is_some() { &ScanCycle } else { &Step7 },
             s7200: image.s7200.as_ref().map(|own| Box::new(S7200::new(own, &image.config.s7200))),
             assertions: Assertions::new(&image.asserts),
+            watcher: OnceCell::new(),
             cycle: Cell::new(0),
             retention: OnceCell::new(),
+            service: RefCell::default(),
+            is_served: Cell::new(false),
+            restart_requested: Cell::new(None),
+            is_restarted: false,
+            carried: RefCell::default(),
             startup: Cell::new(image.config.startup),
             watchdog: Watchdog::new(&memory),
             memory,
@@ -225,7 +245,7 @@ impl Cpu {
     }
 
     /// DB `number` is write-protected.
-    pub(crate) fn is_read_only(&self, number: u16) -> bool {
+    pub fn is_read_only(&self, number: u16) -> bool {
         let word = self.read_only_dbs.get(usize::from(number / 64)).copied().unwrap_or(0);
         word >> (number % 64) & 1 != 0
     }

@@ -51,41 +51,90 @@ impl CycleTimes {
     }
 }
 
+/// A CPU that is past its startup: where it is between two cycles.
+pub struct Course {
+    pace: Pace,
+    times: CycleTimes,
+    /// Number of the last cycle, 0 before the first.
+    cycle: u64,
+    last_start: Option<u64>,
+    /// When the next cycle starts.
+    next: u64,
+}
+
 impl Cpu {
     /// Startup and cycles. Returns the number of OB 1 cycles that were begun.
     pub fn execute(&self, pace: &Pace, observer: &mut dyn Observer) -> u64 {
+        let mut course = self.begin(pace, observer);
+        let has_more = |cycle| pace.cycles.is_none_or(|cycles| cycle < cycles);
+        while !self.is_stopped() && has_more(course.cycle) && !crate::run::end_requested() {
+            self.step(&mut course, observer);
+            if !self.is_stopped() {
+                self.advance(course.next, false);
+            }
+        }
+        self.end();
+        course.cycle
+    }
+
+    /// Startup. After it [`run_until`](Cpu::run_until), and at last [`end`](Cpu::end).
+    pub fn begin(&self, pace: &Pace, observer: &mut dyn Observer) -> Course {
         self.schedule.hang_limit.set(pace.hang_limit);
         if self.clock.is_virtual() {
             self.watchdog.watch_beats(pace.hang_limit);
         }
         self.start_up(observer);
-        let mut times = CycleTimes::default();
-        let mut cycle = 0;
-        let mut last_start = None;
-        while !self.is_stopped() && pace.cycles.is_none_or(|cycles| cycle < cycles) && !crate::run::end_requested() {
-            cycle += 1;
-            let start = self.clock.now();
-            if let Some(last) = last_start.replace(start) {
-                times.add(start.saturating_sub(last));
-            }
-            self.run_cycle(cycle, start, &times, observer);
-            self.communicate();
-            self.records.borrow_mut().work(self);
-            if self.retention.get().is_some() && !self.is_stopped() {
-                self.keep_retentive(false);
-            }
+        Course { pace: *pace, times: CycleTimes::default(), cycle: 0, last_start: None, next: self.clock.now() }
+    }
+
+    /// Under the virtual clock: everything that is due before `end`, and the clock is at `end` then. What is due at `end` itself sees what
+    /// is set until the next call. In between no time passes, however long the host takes.
+    pub fn run_until(&self, course: &mut Course, end: u64, observer: &mut dyn Observer) {
+        self.watchdog.watch_beats(course.pace.hang_limit);
+        while !self.is_stopped() && course.next < end {
+            self.advance(course.next, false);
             if !self.is_stopped() {
-                // Under the real clock this is the time between cycle starts. Virtual time moves by it, in addition to the time
-                // that passed within the cycle.
-                let from = if self.clock.is_virtual() { self.clock.now() } else { start };
-                self.advance(from.saturating_add(pace.cycle_time), false);
+                self.step(course, observer);
             }
         }
+        if !self.is_stopped() && self.clock.now() < end {
+            self.advance(end - 1, false);
+        }
+        if self.is_stopped() {
+            self.stop_outputs();
+        }
+        self.clock.move_to(end);
+        self.watchdog.watch_beats(u64::MAX);
+    }
+
+    /// The end of the run.
+    pub fn end(&self) {
         self.watchdog.set(u64::MAX);
         self.watchdog.watch_beats(u64::MAX);
         self.family.finish(self);
         self.keep_retentive(true);
-        cycle
+    }
+
+    /// A cycle, and what happens at its end.
+    fn step(&self, course: &mut Course, observer: &mut dyn Observer) {
+        course.cycle += 1;
+        let start = self.clock.now();
+        let period = course.last_start.replace(start).map(|last| start.saturating_sub(last));
+        if let Some(period) = period {
+            course.times.add(period);
+        }
+        self.exchange();
+        self.run_cycle(course.cycle, start, &course.times, observer);
+        self.communicate();
+        self.serve_clients(&course.pace, start, period);
+        self.records.borrow_mut().work(self);
+        if self.retention.get().is_some() && !self.is_stopped() {
+            self.keep_retentive(false);
+        }
+        // Under the real clock this is the time between cycle starts. Virtual time moves by it, in addition to the time
+        // that passed within the cycle.
+        let from = if self.clock.is_virtual() { self.clock.now() } else { start };
+        course.next = from.saturating_add(course.pace.cycle_time);
     }
 
     fn start_up(&self, observer: &mut dyn Observer) {
@@ -100,8 +149,8 @@ impl Cpu {
         self.set_configured_times();
         self.start_technology();
         self.family.start_hardware(self);
-        // With retentive memory it is power that comes back: an automatic restart.
-        let automatic = u8::from(self.retention.get().is_some());
+        // With retentive memory it is power that comes back, an automatic restart, unless a client asked for it.
+        let automatic = u8::from(self.retention.get().is_some() && !self.is_restarted);
         let cause = automatic
             + match ob {
                 101 => 0x83,
@@ -179,7 +228,9 @@ impl Cpu {
             communication.close_all();
             return;
         }
-        communication.work(self.clock.now());
+        if communication.is_open() {
+            communication.work(self.clock.now());
+        }
         if communication.take_waiting() && self.clock.is_virtual() {
             std::thread::sleep(crate::communication::PATIENCE);
         }
@@ -193,7 +244,7 @@ impl Cpu {
     }
 
     /// Outputs of the modules in STOP.
-    fn stop_outputs(&self) {
+    pub(crate) fn stop_outputs(&self) {
         self.driver.stop();
         self.family.stop_outputs(self);
     }
@@ -211,7 +262,7 @@ impl Cpu {
     }
 
     /// Something besides the code of the program may change outputs before byte `end` in the process image.
-    pub(crate) fn note_outputs(&self, end: u32) {
+    pub fn note_outputs(&self, end: u32) {
         self.outputs_changed.set(self.outputs_changed.get().max(end));
     }
 
@@ -251,7 +302,7 @@ impl Cpu {
     }
 
     /// Writes a peripheral output, and the process image where it covers the address. True: no module there.
-    pub(crate) fn peripheral_write(&self, address: u32, bytes: u32, value: u32) -> bool {
+    pub fn peripheral_write(&self, address: u32, bytes: u32, value: u32) -> bool {
         if !matches!(bytes, 1 | 2 | 4) || !self.driver.write(address, bytes, self.at_module(address, bytes, value)) {
             return true;
         }

@@ -43,20 +43,30 @@ pub struct Entry {
     pub wall: i64,
 }
 
+/// A synchronous or asynchronous error, or a STOP because of one. Source: event list of the CPUs, event classes.
+fn is_fault(event: u16) -> bool {
+    let came = event & 0x0100 != 0;
+    matches!(event >> 12, 2 | 3) && came || event >> 8 == 0x45 && event != 0x457F
+}
+
 /// The ring.
 pub struct Diagnostics {
     entries: RefCell<Vec<Entry>>,
     next: Cell<usize>,
+    faults: Cell<u64>,
 }
 
 impl Default for Diagnostics {
     fn default() -> Self {
-        Diagnostics { entries: RefCell::new(Vec::with_capacity(CAPACITY)), next: Cell::new(0) }
+        Diagnostics { entries: RefCell::new(Vec::with_capacity(CAPACITY)), next: Cell::new(0), faults: Cell::new(0) }
     }
 }
 
 impl Diagnostics {
     pub fn push(&self, entry: Entry) {
+        if is_fault(entry.event) {
+            self.faults.set(self.faults.get() + 1);
+        }
         let mut entries = self.entries.borrow_mut();
         if entries.len() < CAPACITY {
             entries.push(entry);
@@ -64,6 +74,11 @@ impl Diagnostics {
             entries[self.next.get()] = entry;
         }
         self.next.set((self.next.get() + 1) % CAPACITY);
+    }
+
+    /// Faults that came since the CPU was switched on.
+    pub fn faults(&self) -> u64 {
+        self.faults.get()
     }
 
     /// All entries, newest first.
@@ -103,6 +118,11 @@ pub fn event_text(image: &ProgramImage, entry: &Entry) -> String {
         0x4301 => "startup".to_string(),
         0x4302 => "RUN".to_string(),
         0x4303 => "STOP by request".to_string(),
+        0x4304 => "STOP by a client".to_string(),
+        0x39C4 | 0x39CB => format!("a device does not answer, address {info}"),
+        0x38C4 | 0x38CB => format!("a device answers again, address {info}"),
+        0x3942 => format!("a device refuses a request, address {info}"),
+        0x3842 => format!("a device does not refuse a request any more, address {info}"),
         0x4562 => "STOP: programming error and no OB 121".to_string(),
         0x4563 => "STOP: I/O access error and no OB 122".to_string(),
         0x4568 if info == 2 => "STOP: cycle time exceeded twice in one cycle".to_string(),

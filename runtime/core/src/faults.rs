@@ -16,6 +16,8 @@ pub(crate) const TIME_ERROR_HANG: u32 = 3;
 
 /// STOP from outside.
 pub(crate) const STOP_BY_REQUEST: u16 = 0x4303;
+/// STOP by a programming device, or another client.
+pub(crate) const STOP_BY_CLIENT: u16 = 0x4304;
 
 /// Mask bits of SFC 36-38 for programming errors and access errors that exist.
 pub(crate) const MASKABLE: [u32; 2] = [0xF43F_03FE, 0x0000_0018];
@@ -38,7 +40,7 @@ fn mask_bit(code: u8) -> Option<(usize, u32)> {
 
 /// Whether the program or the user requested the STOP.
 fn is_asked(event: u16) -> bool {
-    matches!(event, stop::SFC_46 | STOP_BY_REQUEST | crate::s7200::STOP_INSTRUCTION)
+    matches!(event, stop::SFC_46 | STOP_BY_REQUEST | STOP_BY_CLIENT | crate::s7200::STOP_INSTRUCTION)
 }
 
 impl Cpu {

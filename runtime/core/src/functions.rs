@@ -7,13 +7,21 @@ use plcc_abi::functions::TimerMode;
 use plcc_abi::text::{BR, Rules, WRITTEN};
 
 use crate::cpu::Cpu;
+use crate::probe::Registers;
 use crate::system::numbers;
+use crate::text::way::{Short, Way};
 use crate::text::{Texts, decimal, join, search};
 use crate::{math, s7200, text, timers};
 
 /// The result of a function of texts: BR.
 fn flag(good: bool) -> u64 {
     if good { BR } else { 0 }
+}
+
+/// What a body gives that may give up by `?`.
+#[inline(always)]
+fn tried(body: impl FnOnce() -> Option<u64>) -> Option<u64> {
+    body()
 }
 
 /// A value as it crosses the border, from and to the bits that an interpreter holds.
@@ -65,8 +73,8 @@ impl Border for () {
     }
 }
 
-/// Runs `body` with text operands, by their places among the operands, in place of their offsets, and with memory as `m`. `others` are
-/// the other values that the body uses.
+/// Runs `body` with text operands, by their places among the operands, in place of their offsets, and with the [`Way`](crate::text::way::Way)
+/// to memory as `m`. `others` are the other values that the body uses. `?` in the body gives the short way up.
 macro_rules! with_texts {
     ($cpu:ident, $known:ident, $m:ident, [$($text:ident $index:literal),*], [$($other:ident),*], $body:expr) => {{
         // The body twice: where all is as declared, the operands need not be looked at again, and no register is saved for that.
@@ -77,15 +85,21 @@ macro_rules! with_texts {
             let texts = Texts::new(&$cpu.memory, $known);
             let $m = texts.bytes();
             $(let $text = texts.other($index, $text);)*
-            $body
+            tried(|| Some($body)).unwrap_or(0)
         }
         let texts = Texts::new(&$cpu.memory, $known);
-        let $m = texts.bytes();
-        let [$($text),*] = match ($(texts.as_declared($index, $text),)*) {
-            ($(Some($text),)*) => [$(Some($text)),*],
-            _ => return look_again($cpu, $known, $($text,)* $($other),*),
-        };
-        $body
+        if $(!texts.is_as_declared($index, $text))||* {
+            return look_again($cpu, $known, $($text,)* $($other),*);
+        }
+        let done = tried(|| {
+            let $m = Short(texts.bytes());
+            $(let $text = Some(texts.as_declared($index, $text));)*
+            Some($body)
+        });
+        match done {
+            Some(done) => done,
+            None => look_again($cpu, $known, $($text,)* $($other),*),
+        }
     }};
 }
 
@@ -192,26 +206,37 @@ functions! {
             let (left, right) = (u64::from(left_high) << 32 | u64::from(left), u64::from(right_high) << 32 | u64::from(right));
             cpu.assertions.check(cpu, id as usize, comparison as usize, left, right);
         }
+        ProbeEnter = plcc_rt_probe_enter(cpu, place, instance) {
+            cpu.tell(|watcher| watcher.enter(cpu, place, instance));
+        }
+        ProbeLeave = plcc_rt_probe_leave(cpu, place) { cpu.tell(|watcher| watcher.leave(cpu, place)); }
+        ProbeRegisters = plcc_rt_probe_registers(cpu, place, status, accu1, accu2, ar1, ar2, dbs) {
+            let registers = Registers { status, accu: [accu1, accu2], ar: [ar1, ar2], db: dbs as u16, di: (dbs >> 16) as u16 };
+            cpu.tell(|watcher| watcher.registers(cpu, place, registers));
+        }
+        ProbeValue = plcc_rt_probe_value(cpu, place, value: u64) {
+            cpu.tell(|watcher| watcher.value(cpu, place, value));
+        }
         CopyText = plcc_rt_copy_text(cpu, to, from, limit, wide) -> u32 {
             text::copy(&cpu.memory, to, from, limit, wide != 0).into()
         }
         TextConcat = plcc_rt_text_concat(cpu, known: u64, in1, in2, out) -> u64 {
-            with_texts!(cpu, known, m, [in1 0, in2 1, out 2], [], flag(join::concat(m, in1, in2, out)))
+            with_texts!(cpu, known, m, [in1 0, in2 1, out 2], [], flag(join::concat(m, in1, in2, out)?))
         }
         TextConcatThree = plcc_rt_text_concat_three(cpu, known: u64, in1, in2, in3, out) -> u64 {
             with_texts!(cpu, known, m, [in1 0, in2 1, in3 2, out 3], [], {
-                let (first, good) = join::concat_three(m, [in1, in2, in3], out);
+                let (first, good) = join::concat_three(m, [in1, in2, in3], out)?;
                 flag(good) | if first { WRITTEN } else { 0 }
             })
         }
         TextCompare = plcc_rt_text_compare(cpu, known: u64, in1, in2, relation) -> u64 {
             with_texts!(cpu, known, m, [in1 0, in2 1], [relation], {
-                search::relation(m, in1, in2, relation).map_or(0, |holds| BR | u64::from(holds))
+                search::relation(m.bytes(), in1, in2, relation).map_or(0, |holds| BR | u64::from(holds))
             })
         }
         TextFind = plcc_rt_text_find(cpu, known: u64, in1, in2, rules) -> u64 {
             with_texts!(cpu, known, m, [in1 0, in2 1], [rules], {
-                let (position, good) = search::find(m, in1, in2, Rules::of(rules as u16));
+                let (position, good) = search::find(m.bytes(), in1, in2, Rules::of(rules as u16));
                 flag(good) | u64::from(position)
             })
         }
@@ -220,58 +245,58 @@ functions! {
         }
         TextReplace = plcc_rt_text_replace(cpu, known: u64, in1, in2, l, p, rules, out) -> u64 {
             with_texts!(cpu, known, m, [in1 0, in2 1, out 2], [l, p, rules], {
-                flag(join::replace(m, in1, in2, [l as i16, p as i16], Rules::of(rules as u16), out))
+                flag(join::replace(m, in1, in2, [l as i16, p as i16], Rules::of(rules as u16), out)?)
             })
         }
         TextLeft = plcc_rt_text_left(cpu, known: u64, text, l, rules, out) -> u64 {
-            with_texts!(cpu, known, m, [text 0, out 1], [l, rules], flag(join::left(m, text, l as i16, Rules::of(rules as u16), out)))
+            with_texts!(cpu, known, m, [text 0, out 1], [l, rules], flag(join::left(m, text, l as i16, Rules::of(rules as u16), out)?))
         }
         TextRight = plcc_rt_text_right(cpu, known: u64, text, l, rules, out) -> u64 {
-            with_texts!(cpu, known, m, [text 0, out 1], [l, rules], flag(join::right(m, text, l as i16, Rules::of(rules as u16), out)))
+            with_texts!(cpu, known, m, [text 0, out 1], [l, rules], flag(join::right(m, text, l as i16, Rules::of(rules as u16), out)?))
         }
         TextMid = plcc_rt_text_mid(cpu, known: u64, text, l, p, out) -> u64 {
-            with_texts!(cpu, known, m, [text 0, out 1], [l, p], flag(join::mid(m, text, l as i16, p as i16, out)))
+            with_texts!(cpu, known, m, [text 0, out 1], [l, p], flag(join::mid(m, text, l as i16, p as i16, out)?))
         }
         TextDelete = plcc_rt_text_delete(cpu, known: u64, text, l, p, rules, out) -> u64 {
             with_texts!(cpu, known, m, [text 0, out 1], [l, p, rules], {
-                flag(join::delete(m, text, l as i16, p as i16, Rules::of(rules as u16), out))
+                flag(join::delete(m, text, l as i16, p as i16, Rules::of(rules as u16), out)?)
             })
         }
         TextInsert = plcc_rt_text_insert(cpu, known: u64, in1, in2, p, rules, out) -> u64 {
             with_texts!(cpu, known, m, [in1 0, in2 1, out 2], [p, rules], {
-                flag(join::insert(m, in1, in2, p as i16, Rules::of(rules as u16), out))
+                flag(join::insert(m, in1, in2, p as i16, Rules::of(rules as u16), out)?)
             })
         }
         TextOfDint = plcc_rt_text_of_dint(cpu, known: u64, value, form, out) -> u64 {
-            with_texts!(cpu, known, m, [out 0], [value, form], flag(decimal::write(m, value as i32, form as u16, out)))
+            with_texts!(cpu, known, m, [out 0], [value, form], flag(decimal::write(m.bytes(), value as i32, form as u16, out)))
         }
         TextOfReal = plcc_rt_text_of_real(cpu, known: u64, value, out) -> u64 {
-            with_texts!(cpu, known, m, [out 0], [value], flag(numbers::write_real(m, f32::from_bits(value), out)))
+            with_texts!(cpu, known, m, [out 0], [value], flag(numbers::write_real(m.bytes(), f32::from_bits(value), out)))
         }
         TextFixedOfReal = plcc_rt_text_fixed_of_real(cpu, known: u64, value, out) -> u64 {
-            with_texts!(cpu, known, m, [out 0], [value], flag(numbers::write_fixed_real(m, f32::from_bits(value), out)))
+            with_texts!(cpu, known, m, [out 0], [value], flag(numbers::write_fixed_real(m.bytes(), f32::from_bits(value), out)))
         }
         TextToDint = plcc_rt_text_to_dint(cpu, known: u64, text, longest, low, high) -> u64 {
             with_texts!(cpu, known, m, [text 0], [longest, low, high], {
-                let read = decimal::read(m, text, longest as u16, low as i32, high as i32);
+                let read = decimal::read(m.bytes(), text, longest as u16, low as i32, high as i32);
                 read.map_or(0, |(value, good)| WRITTEN | flag(good) | u64::from(value as u32))
             })
         }
         TextScan = plcc_rt_text_scan(cpu, known: u64, text, kind) -> u64 {
             with_texts!(cpu, known, m, [text 0], [kind], {
-                let (value, length) = numbers::scan_start(m, text, kind as u16);
+                let (value, length) = numbers::scan_start(&m, text, kind as u16)?;
                 flag(length != 0) | u64::from(value as u32)
             })
         }
         TextToReal = plcc_rt_text_to_real(cpu, known: u64, text) -> u64 {
             with_texts!(cpu, known, m, [text 0], [], {
-                let read = numbers::read_real(m, text);
+                let read = numbers::read_real(m.bytes(), text);
                 read.map_or(0, |(value, good)| WRITTEN | flag(good) | u64::from(value.to_bits()))
             })
         }
         TextScanReal = plcc_rt_text_scan_real(cpu, known: u64, text) -> u64 {
             with_texts!(cpu, known, m, [text 0], [], {
-                let (value, length) = numbers::real_start(m, text);
+                let (value, length) = numbers::real_start(m.bytes(), text);
                 flag(length != 0) | u64::from(value.to_bits())
             })
         }

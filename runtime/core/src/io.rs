@@ -27,6 +27,25 @@ pub trait Driver {
     fn name_input(&self, address: u32, bytes: u32);
     /// Calls `each` with every input byte below `limit` that is copied into the process image, in order, and its value.
     fn named(&self, limit: u32, each: &mut dyn FnMut(u32, u8));
+    /// Takes over what devices have sent. `changed` gets each that went away or came back.
+    fn exchange(&self, _changed: &mut dyn FnMut(Change)) {}
+}
+
+/// A device or a part of it went away or came back.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Change {
+    /// Its number, from 1.
+    pub station: u8,
+    /// The whole device, else a module.
+    pub whole: bool,
+    /// It went away; else it came back.
+    pub fault: bool,
+    /// The first address of the device or the module.
+    pub address: u16,
+    /// It is one of outputs.
+    pub output: bool,
+    /// For who looks at the process.
+    pub text: String,
 }
 
 /// Inputs from a scenario or `--set`; outputs are kept.

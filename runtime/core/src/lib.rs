@@ -11,9 +11,12 @@
 //! - [`records`]: data logs, recipes and files of a program.
 //! - [`alarms`]: alarms of the program.
 //! - `family`: differences between the families of CPUs; [`s7200`]: functions of the S7-200 only.
+//! - [`fmi`]: a CPU as a unit of a co-simulation.
 //! - [`guest`]: code that runs in the process of the compiler.
 //! - [`assertion`]: values of assertions, compared and printed by their types.
+//! - [`probe`]: who looks at a program with probes.
 //! - [`realtime`]: the scheduler for real time, locked memory; [`watchdog`]: what interrupts running code.
+//! - [`remote`]: devices on a field bus.
 //! - [`run`](mod@run), [`testing`]: the two ways to run a program. `executable` holds `main` of a compiled program.
 //!
 //! **Invariant**: the runtime is independent of the source language and never depends on the compiler.
@@ -36,23 +39,30 @@ pub mod datetime;
 pub mod diagnostics;
 pub mod events;
 #[cfg(all(feature = "executable", not(test)))]
-mod executable;
+pub mod executable;
 mod family;
 pub mod faults;
 pub mod files;
+pub mod fmi;
 pub mod functions;
 pub mod guest;
 pub mod io;
+#[cfg(all(feature = "executable", not(test)))]
+mod linked;
 pub mod math;
 pub mod memory;
 pub mod names;
 pub mod ob_set;
+pub mod online;
 pub mod options;
 pub mod organization;
 pub mod plant;
+pub mod probe;
 pub mod realtime;
 pub mod records;
+pub mod remote;
 pub mod report;
+mod restart;
 mod retain;
 pub mod run;
 pub mod s7200;

@@ -229,6 +229,9 @@ pub struct Bytes<'a> {
 }
 
 impl Bytes<'_> {
+    /// What [`Bytes::copy_short`] copies at most.
+    pub const SHORT_MAX: u32 = 64;
+
     /// The little-endian word at `offset`.
     ///
     /// # Safety
@@ -247,6 +250,26 @@ impl Bytes<'_> {
     pub unsafe fn set_byte(self, offset: u32, value: u8) {
         // SAFETY: the caller's promise.
         unsafe { *self.base.add(offset as usize) = value }
+    }
+
+    /// Writes the little-endian word at `offset`.
+    ///
+    /// # Safety
+    /// The two bytes are inside memory, see [`Memory::contains`].
+    #[inline(always)]
+    pub unsafe fn set_word(self, offset: u32, value: u16) {
+        // SAFETY: the caller's promise.
+        unsafe { self.base.add(offset as usize).cast::<[u8; 2]>().write_unaligned(value.to_le_bytes()) }
+    }
+
+    /// As [`Memory::copy`], without a call.
+    ///
+    /// # Safety
+    /// Both ranges are inside memory, see [`Memory::contains`]. There are at most [`Bytes::SHORT_MAX`] bytes.
+    #[inline(always)]
+    pub unsafe fn copy_short(self, from: u32, to: u32, bytes: u32) {
+        // SAFETY: the caller's promise.
+        unsafe { move_short(self.base.add(from as usize), self.base.add(to as usize), bytes as usize) }
     }
 
     /// As [`Memory::copy`].
@@ -280,13 +303,28 @@ impl Bytes<'_> {
     }
 }
 
-/// Copies `bytes` bytes, as if through a buffer. Most copies are of short texts: up to 64 bytes go as two words, which may overlap, and
-/// are read before anything is written.
+/// Copies `bytes` bytes, as if through a buffer. Most copies are of short texts.
 ///
 /// # Safety
 /// Both ranges can be read and written.
 #[inline(always)]
 unsafe fn move_bytes(from: *const u8, to: *mut u8, bytes: usize) {
+    // SAFETY: the caller's promise; `copy` allows overlap.
+    unsafe {
+        if bytes <= Bytes::SHORT_MAX as usize {
+            move_short(from, to, bytes);
+        } else {
+            std::ptr::copy(from, to, bytes);
+        }
+    }
+}
+
+/// Copies up to [`Bytes::SHORT_MAX`] bytes as two words, which may overlap, and are read before anything is written.
+///
+/// # Safety
+/// Both ranges can be read and written, and are not longer.
+#[inline(always)]
+unsafe fn move_short(from: *const u8, to: *mut u8, bytes: usize) {
     /// Moves the first and the last `T` of the range.
     #[inline(always)]
     unsafe fn ends<T: Copy>(from: *const u8, to: *mut u8, bytes: usize) {
@@ -299,22 +337,26 @@ unsafe fn move_bytes(from: *const u8, to: *mut u8, bytes: usize) {
             to.add(last).cast::<T>().write_unaligned(last_part);
         }
     }
-    // SAFETY: the caller's promise; `copy` allows overlap.
+    // SAFETY: the caller's promise.
     unsafe {
-        match bytes {
-            8..=16 => ends::<u64>(from, to, bytes),
-            4..8 => ends::<u32>(from, to, bytes),
-            1..4 => {
-                let (middle, last) = (bytes / 2, bytes - 1);
-                let (one, two, three) = (*from, *from.add(middle), *from.add(last));
-                *to = one;
-                *to.add(middle) = two;
-                *to.add(last) = three;
+        if bytes > 16 {
+            if bytes > 32 {
+                ends::<[u128; 2]>(from, to, bytes);
+            } else {
+                ends::<u128>(from, to, bytes);
             }
-            0 => {}
-            17..=32 => ends::<u128>(from, to, bytes),
-            33..=64 => ends::<[u128; 2]>(from, to, bytes),
-            _ => std::ptr::copy(from, to, bytes),
+        } else if bytes >= 4 {
+            if bytes >= 8 {
+                ends::<u64>(from, to, bytes);
+            } else {
+                ends::<u32>(from, to, bytes);
+            }
+        } else if bytes > 0 {
+            let (middle, last) = (bytes / 2, bytes - 1);
+            let (one, two, three) = (*from, *from.add(middle), *from.add(last));
+            *to = one;
+            *to.add(middle) = two;
+            *to.add(last) = three;
         }
     }
 }

@@ -128,7 +128,7 @@ impl Value {
     }
 
     /// A text without quotes.
-    fn plain_text(&self) -> String {
+    pub fn plain_text(&self) -> String {
         match self {
             Value::Typed(ty, value) => value.plain_text(*ty),
             Value::Bits(..) | Value::Whole(_) | Value::Number(_) => self.text(),
@@ -501,7 +501,7 @@ fn station(image: &ProgramImage) -> Vec<(&Module, &StationModule)> {
 }
 
 /// The analog channel whose word is at `address`.
-fn channel<'a>(address: &Address, image: &'a ProgramImage) -> Option<&'a AnalogChannel> {
+pub(crate) fn channel<'a>(address: &Address, image: &'a ProgramImage) -> Option<&'a AnalogChannel> {
     let at = |start: u32, byte: u32, channels: &'a [AnalogChannel]| {
         byte.checked_sub(start).filter(|offset| offset % 2 == 0).and_then(|offset| channels.get(offset as usize / 2))
     };

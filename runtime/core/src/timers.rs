@@ -132,6 +132,20 @@ pub fn remaining(memory: &Memory, clock: &Clock, number: u32) -> u16 {
     u16::from(cell.base) << 12 | bcd::from_int(cell.value.into(), 3) as u16
 }
 
+/// Gives a timer another remaining time, an S5TIME with digits from 0 to 9; whether it runs and its status stay.
+pub fn set_value(memory: &Memory, clock: &Clock, number: u32, value: u16) {
+    if number >= TIMERS_MAX {
+        return;
+    }
+    let mut cell = Cell::load(memory, clock, number);
+    (cell.value, cell.base) = (bcd::to_int(value.into(), 3) as u16, (value >> 12 & 3) as u8);
+    if cell.deadline.is_some() {
+        cell.deadline = Some(clock.now().saturating_add(u64::from(cell.value) * bcd::s5_base_ns(cell.base)));
+    }
+    cell.settle(clock);
+    cell.store(memory, number);
+}
+
 /// Bytes of a timer in retentive memory.
 pub(crate) const KEPT_BYTES: usize = 8 + 4 + 1;
 

@@ -10,7 +10,10 @@ use crate::bcd;
 /// Parses a value for an address of this width. `Err`: the error as a sentence.
 pub fn parse(text: &str, width: Width) -> Result<Bits, String> {
     let text = text.trim();
-    let (value, signed) = read(text, width).ok_or_else(|| format!("`{text}` is not a value"))?;
+    let (value, signed) = read(text, width).ok_or_else(|| {
+        let example = if width.bits() == 1 { "true, false, 0 or 1" } else { "a number such as 5, -5, 16#1F or 1.5" };
+        format!("`{text}` is not a value; write {example}")
+    })?;
     let bits = width.bits();
     let fits = if signed && value < 0 {
         bits >= 128 || bits > 1 && value >= -(1i128 << (bits - 1))

@@ -2,23 +2,7 @@
 
 /// Number of characters to add, remove, replace or swap with their neighbour to turn one word into the other (optimal string alignment).
 pub fn between(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    let mut above = row.clone();
-    let mut previous = None;
-    for (line, a) in a.chars().enumerate() {
-        let mut next = vec![line + 1; b.len() + 1];
-        for (column, own) in b.iter().enumerate() {
-            let replaced = row[column] + usize::from(a != *own);
-            next[column + 1] = replaced.min(next[column] + 1).min(row[column + 1] + 1);
-            if column > 0 && previous == Some(*own) && b[column - 1] == a {
-                next[column + 1] = next[column + 1].min(above[column - 1] + 1);
-            }
-        }
-        above = std::mem::replace(&mut row, next);
-        previous = Some(a);
-    }
-    row[b.len()]
+    strsim::osa_distance(a, b)
 }
 
 /// The name that differs least from `name`, without regard to letter case and outer blanks, if it only differs by a slip.

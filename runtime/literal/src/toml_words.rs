@@ -28,6 +28,12 @@ pub fn plain_at(message: &str, text: &str, offset: usize) -> Wrong {
 pub fn plain(message: &str, place: &str, line: &str) -> Wrong {
     let message = message.lines().next().unwrap_or_default();
     let wrong = |title: String, help: String| Wrong { title, help };
+    if message.starts_with("unknown field") && line.trim() == "[project]" {
+        return wrong(
+            "the keys of a project have no heading".to_owned(),
+            "remove `[project]`: the keys stand at the top of the file".to_owned(),
+        );
+    }
     if let Some((name, rest)) = quoted_after(message, "unknown field ") {
         return unknown("key here", "keys", name, &all_quoted(rest));
     }
@@ -60,6 +66,13 @@ fn all_quoted(text: &str) -> Vec<&str> {
 }
 
 fn unknown(what: &str, plural: &str, name: &str, known: &[&str]) -> Wrong {
+    // A key may be written with `_`, too.
+    let known: Vec<&str> = known
+        .iter()
+        .copied()
+        .filter(|key| !key.contains('_') || !known.contains(&key.replace('_', "-").as_str()))
+        .collect();
+    let known = known.as_slice();
     let title = format!("`{name}` is not a {what}");
     // `[ob35]` for `[ob.35]`.
     let numbered = known.iter().find(|key| {
@@ -213,6 +226,9 @@ mod tests {
             "`warmm` is not a value here",
             "write `warm`",
         );
+        let (title, help) =
+            ("the keys of a project have no heading", "remove `[project]`: the keys stand at the top of the file");
+        assert_eq!(of(&format!("unknown field `project`, {known}"), "[project]"), (title.to_owned(), help.to_owned()));
         same("missing field `slot`", "", "the key `slot` is missing here", "add `slot = …`");
     }
 

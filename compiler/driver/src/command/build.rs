@@ -7,6 +7,8 @@ use crate::cache::Cache;
 use crate::cli::{BuildArgs, Emit};
 use crate::command::exit;
 use crate::inputs::{self, Read};
+use crate::link::{Form, Runtime};
+use crate::package::{fmu, oci};
 use crate::pipeline::{self, Bound, Compiled, Settings};
 use crate::report::{self, MessageFormat};
 use crate::{emit, link, statistics};
@@ -50,8 +52,10 @@ fn build_read(args: &BuildArgs, read: Read, name: &str) -> Result<(), u8> {
             &emit::ir_after(pipeline::lower(&bound, args.optimization.optimization()), pass),
         );
     }
-    if args.emit.is_none() && !args.stats {
-        return link_executable(bound, args, name);
+    match args.emit {
+        None if !args.stats => return link_executable(bound, args, name),
+        Some(Emit::Oci) => return write_image(bound, args, name),
+        _ => {}
     }
     let compiled = pipeline::back(&bound, args.optimization.optimization());
     let options = compiled.codegen_options();
@@ -65,6 +69,7 @@ fn build_read(args: &BuildArgs, read: Read, name: &str) -> Result<(), u8> {
             write_bytes(&output, &object(&compiled)?)?;
             written(&output, args)
         }
+        Some(Emit::Fmu) => write_unit(&compiled, args, name),
         Some(Emit::Ir) => write_text(args.output.as_deref(), &plcc_ir::print::module_text(&compiled.module)),
         Some(Emit::Clif) => {
             let text = plcc_codegen::clif_text(&compiled.module, &options).map_err(|error| internal(&error))?;
@@ -74,7 +79,7 @@ fn build_read(args: &BuildArgs, read: Read, name: &str) -> Result<(), u8> {
             let text = emit::asm(&compiled, &bound.sources).map_err(|error| internal(&error))?;
             write_text(args.output.as_deref(), &text)
         }
-        None | Some(Emit::Tokens | Emit::Ast) => unreachable!("written before"),
+        None | Some(Emit::Tokens | Emit::Ast | Emit::Oci) => unreachable!("written before"),
     }
 }
 
@@ -104,24 +109,73 @@ pub fn internal(error: &dyn std::error::Error) -> u8 {
 }
 
 fn link_executable(bound: Bound, args: &BuildArgs, name: &str) -> Result<(), u8> {
+    let output = checked_output(args, name, "the executable")?;
+    let runtime = runtime(&bound, args);
+    let object = cached_object(bound, args, &output)?;
+    let form = if args.is_static { Form::Static(runtime) } else { Form::Executable(runtime) };
+    link::link_form(form, &[object], &output, args.linker.as_deref()).map_err(|error| unlinked(&error))?;
+    written(&output, args)
+}
+
+/// With services if the project or a flag asks for them.
+fn runtime(bound: &Bound, args: &BuildArgs) -> Runtime {
+    match args.services || bound.program.config.services.linked {
+        true => Runtime::Services,
+        false => Runtime::Plain,
+    }
+}
+
+/// Where to write, which is neither a folder nor a source.
+fn checked_output(args: &BuildArgs, name: &str, what: &str) -> Result<PathBuf, u8> {
     let output = args.output.clone().unwrap_or_else(|| PathBuf::from(name));
     if output.is_dir() {
-        report::say(&format!("`{}` is a folder; name the executable with -o", output.display()));
+        report::say(&format!("`{}` is a folder; name {what} with -o", output.display()));
         return Err(exit::USAGE);
     }
     if args.inputs.iter().any(|input| is_same_file(input, &output)) {
-        report::say(&format!("`{}` is a source; name the executable with -o", output.display()));
+        report::say(&format!("`{}` is a source; name {what} with -o", output.display()));
         return Err(exit::USAGE);
     }
+    Ok(output)
+}
+
+/// The object file, with the help of the code that the last build kept.
+fn cached_object(bound: Bound, args: &BuildArgs, output: &Path) -> Result<Vec<u8>, u8> {
     let lowered = pipeline::lower(&bound, args.optimization.optimization());
     // A large program takes much memory; what is not needed any more makes room.
     drop(bound);
-    let cache = if args.no_cache { None } else { Cache::of(&output) };
-    let object = pipeline::object(lowered, cache.as_ref()).map_err(|error| internal(&error))?;
-    link::link(&[object], &output, args.linker.as_deref()).map_err(|error| {
-        report::say(&error.to_string());
-        exit::USAGE
-    })?;
+    let cache = if args.no_cache { None } else { Cache::of(output) };
+    pipeline::object(lowered, cache.as_ref()).map_err(|error| internal(&error))
+}
+
+fn unlinked(error: &link::LinkError) -> u8 {
+    report::say(&error.to_string());
+    exit::USAGE
+}
+
+/// A unit of a co-simulation.
+fn write_unit(compiled: &Compiled, args: &BuildArgs, name: &str) -> Result<(), u8> {
+    let output = checked_output(args, &format!("{name}.fmu"), "the unit")?;
+    let library = link::link_bytes(Form::Unit, &[object(compiled)?], args.linker.as_deref());
+    let library = library.map_err(|error| unlinked(&error))?;
+    let (bytes, left_out) = fmu::pack(&compiled.image, &library, args.fmi).map_err(|error| internal(&error))?;
+    if left_out > 0 {
+        report::say(&format!("the unit does not show {left_out} values of data blocks: there are too many"));
+    }
+    write_bytes(&output, &bytes)?;
+    written(&output, args)
+}
+
+/// A container image.
+fn write_image(bound: Bound, args: &BuildArgs, name: &str) -> Result<(), u8> {
+    let output = checked_output(args, &format!("{name}.tar"), "the image")?;
+    let form = Form::Static(runtime(&bound, args));
+    let object = cached_object(bound, args, &output)?;
+    let executable = link::link_bytes(form, &[object], args.linker.as_deref());
+    let bytes = executable
+        .map_err(|error| unlinked(&error))
+        .and_then(|executable| oci::pack(name, &executable).map_err(|error| cannot_write(&output, &error)))?;
+    write_bytes(&output, &bytes)?;
     written(&output, args)
 }
 

@@ -4,10 +4,16 @@ pub mod build;
 pub mod check;
 pub mod convert;
 pub mod explain;
+pub mod fmt;
+pub mod password;
+pub mod manual;
+pub mod new;
 pub mod plot;
 pub mod run;
 pub mod station;
 pub mod test;
+pub mod view;
+pub mod xref;
 
 /// Exit codes. A command that runs a PLC program returns the codes of the runtime, which are the same.
 pub mod exit {

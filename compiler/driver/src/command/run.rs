@@ -18,7 +18,16 @@ pub fn run(args: &RunArgs) -> u8 {
         Ok((image, entries, _code)) => {
             // The code stays where it is until all CPUs have ended.
             let code = || -> Rc<dyn Code> { Rc::new(guest::NativeCode::new(entries.clone(), ())) };
-            plcc_runtime::run::start(image, &code, &args.run)
+            match args.services.open(&image) {
+                Ok((service, opened)) => {
+                    opened.iter().for_each(|line| eprintln!("{line}"));
+                    plcc_runtime::run::start(image, &code, &args.run, service)
+                }
+                Err(message) => {
+                    eprintln!("runtime: {message}");
+                    plcc_runtime::run::EXIT_USAGE
+                }
+            }
         }
         Err(exit) => exit,
     }

@@ -1,6 +1,7 @@
 //! `plcc test`.
 
 use std::fmt::Write;
+use std::path::PathBuf;
 
 use plcc_runtime::AssertFailure;
 use serde_json::json;
@@ -8,11 +9,28 @@ use serde_json::json;
 use crate::cli::{FormArg, TestArgs};
 use crate::command::exit;
 use crate::pipeline::Settings;
-use crate::testing::{self, Form, Outcome, Plan, Variant, find};
+use crate::testing::{self, Form, Outcome, Plan, Variant, find, junit, watch};
 use crate::{inputs, report};
 
-/// Runs all tests and prints what failed, then `N passed, M failed`; or all of it as JSON.
+/// Runs all tests, once or after each change of a source.
 pub fn test(args: &TestArgs) -> u8 {
+    let paths = match inputs::or_here(&args.inputs) {
+        Ok(paths) => paths,
+        Err(code) => return code,
+    };
+    if !args.watch {
+        return once(args, &paths);
+    }
+    loop {
+        let seen = watch::look(&paths);
+        once(args, &paths);
+        report::say("waiting for a change; end with Ctrl+C");
+        watch::wait(&paths, seen);
+    }
+}
+
+/// Runs all tests and prints what failed, then `N passed, M failed`; or all of it as JSON.
+fn once(args: &TestArgs, paths: &[PathBuf]) -> u8 {
     let forms: &[Form] = match args.form {
         FormArg::Interp => &[Form::Interp],
         FormArg::Jit => &[Form::Jit],
@@ -25,15 +43,25 @@ pub fn test(args: &TestArgs) -> u8 {
         variants: forms.iter().map(|&form| Variant { form, optimization }).collect(),
         linker: args.linker.clone(),
     };
-    let paths = match inputs::or_here(&args.inputs) {
-        Ok(paths) => paths,
-        Err(code) => return code,
-    };
-    let tests = find::find_tests(&paths);
-    let outcomes = testing::run(&tests, &plan);
+    let mut tests = find::find_tests(paths);
     let mut text = String::new();
-    for scenario in find::lone_scenarios(&paths, &tests) {
+    for scenario in find::lone_scenarios(paths, &tests) {
         let _ = writeln!(text, "no source next to the scenario: {}", scenario.display());
+    }
+    if let Some(part) = &args.filter {
+        let found = tests.len();
+        tests.retain(|test| testing::name_of(test).contains(part.as_str()));
+        if tests.is_empty() && found > 0 {
+            report::say(&format!("none of the {found} tests has `{part}` in its path"));
+            return exit::USAGE;
+        }
+    }
+    let outcomes = testing::run(&tests, &plan);
+    if let Some(file) = &args.junit
+        && let Err(error) = std::fs::write(file, junit::report(&outcomes))
+    {
+        report::say(&format!("cannot write `{}`: {error}", file.display()));
+        return exit::USAGE;
     }
     if outcomes.is_empty() {
         report::say("no source in the given folders");

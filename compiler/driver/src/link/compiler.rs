@@ -6,13 +6,23 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use super::LinkError;
+use super::{Form, LinkError, Runtime};
 
-/// The runtime as `build.rs` made it.
-static RUNTIME_OBJECT: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/runtime.o"));
+/// The runtimes as `build.rs` made them.
+static PLAIN: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/runtime.o"));
+static SERVICES: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/services.o"));
 
 /// Links `objects` with the runtime to the executable `out`.
-pub fn link(objects: &[impl AsRef<[u8]>], out: &Path, linker: &str) -> Result<(), LinkError> {
+pub fn link(form: Form, objects: &[impl AsRef<[u8]>], out: &Path, linker: &str) -> Result<(), LinkError> {
+    let (runtime, own) = match form {
+        Form::Executable(runtime) => (runtime, "-static-libgcc"),
+        Form::Static(runtime) => (runtime, "-static-pie"),
+        Form::Unit => return Err(LinkError::NotHere(form)),
+    };
+    let runtime = match runtime {
+        Runtime::Plain => PLAIN,
+        Runtime::Services => SERVICES,
+    };
     let folder = tempfile::tempdir().map_err(LinkError::Temporary)?;
     let write = |name: String, bytes: &[u8]| {
         let path = folder.path().join(name);
@@ -23,8 +33,8 @@ pub fn link(objects: &[impl AsRef<[u8]>], out: &Path, linker: &str) -> Result<()
     for (index, object) in objects.iter().enumerate() {
         command.arg(write(format!("program{index}.o"), object.as_ref())?);
     }
-    command.arg(write("plcc-runtime.o".to_string(), RUNTIME_OBJECT)?);
-    command.arg("-o").arg(argument(out)).args(["-lm", "-static-libgcc"]);
+    command.arg(write("plcc-runtime.o".to_string(), runtime)?);
+    command.arg("-o").arg(argument(out)).args(["-lm", own]);
     command.stdin(Stdio::null());
     let output = command.output().map_err(|error| LinkError::Start { linker: linker.to_string(), error })?;
     if output.status.success() {
@@ -54,14 +64,16 @@ mod tests {
 
     #[test]
     fn a_missing_linker_is_named() {
-        let error = link(&NO_OBJECTS, Path::new("out"), "/no/such/linker").expect_err("there is none");
+        let plain = Form::Executable(Runtime::Plain);
+        let error = link(plain, &NO_OBJECTS, Path::new("out"), "/no/such/linker").expect_err("there is none");
         assert!(matches!(error, LinkError::Start { .. }));
         assert!(error.to_string().contains("`/no/such/linker`"), "{error}");
     }
 
     #[test]
     fn a_failing_linker_is_shown_with_its_command() {
-        let error = link(&NO_OBJECTS, Path::new("out"), "false").expect_err("it fails");
+        let plain = Form::Executable(Runtime::Plain);
+        let error = link(plain, &NO_OBJECTS, Path::new("out"), "false").expect_err("it fails");
         assert!(matches!(error, LinkError::Failed { .. }));
         assert!(error.to_string().contains("plcc-runtime.o"), "{error}");
     }

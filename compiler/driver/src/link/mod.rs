@@ -19,6 +19,7 @@ mod template;
 mod write;
 
 use template::Template;
+pub use template::{Form, Runtime};
 
 /// The C compiler that links where plcc cannot.
 const COMPILER: &str = "cc";
@@ -32,6 +33,8 @@ pub enum LinkError {
     Start { linker: String, error: io::Error },
     /// The linker failed: the output cannot be written, or plcc has a bug.
     Failed { command: String, output: String },
+    /// Only plcc itself links this form, and only for x86-64.
+    NotHere(Form),
     /// The executable cannot be written.
     Output { path: PathBuf, error: io::Error },
     /// An object contains what plcc does not link: a bug of plcc, or a program of more than 2 GB.
@@ -52,7 +55,28 @@ impl fmt::Display for LinkError {
                 cause(output),
                 output.trim_end().replace('\n', "\n  ")
             ),
-            LinkError::Output { path, error } => write!(f, "cannot write `{}`: {error}", path.display()),
+            LinkError::NotHere(Form::Unit) => {
+                f.write_str("units of co-simulations are linked by plcc, for x86-64 only; leave out `--linker`")
+            }
+            LinkError::NotHere(_) => write!(
+                f,
+                "this plcc was built without the static C library; install it and build plcc again, or try `--linker {COMPILER}`"
+            ),
+            LinkError::Output { path, error } => match path.parent().filter(|parent| !parent.as_os_str().is_empty()) {
+                Some(folder) if error.kind() == io::ErrorKind::NotFound => {
+                    write!(
+                        f,
+                        "cannot write `{}`: there is no folder `{}`; create it first",
+                        path.display(),
+                        folder.display()
+                    )
+                }
+                Some(folder) if error.kind() == io::ErrorKind::NotADirectory => {
+                    write!(f, "cannot write `{}`: `{}` is a file, not a folder", path.display(), folder.display())
+                }
+                // The error names the temporary file, which is none of the user's.
+                _ => write!(f, "cannot write `{}`: {}", path.display(), crate::inputs::reason(error)),
+            },
             LinkError::Object(message) => {
                 write!(f, "internal fault, please report it: {message}; `--linker {COMPILER}` may help")
             }
@@ -79,10 +103,29 @@ impl std::error::Error for LinkError {}
 
 /// Links `objects` with the runtime to the executable `out`. `linker` is a C compiler; without one plcc links.
 pub fn link(objects: &[impl AsRef<[u8]>], out: &Path, linker: Option<&str>) -> Result<(), LinkError> {
+    link_form(Form::Executable(Runtime::Plain), objects, out, linker)
+}
+
+/// As [`link`], to another form.
+pub fn link_form(form: Form, objects: &[impl AsRef<[u8]>], out: &Path, linker: Option<&str>) -> Result<(), LinkError> {
     match linker {
-        Some(linker) => compiler::link(objects, out, linker),
-        None if Template::is_usable() => write_executable(out, &executable(objects)?),
-        None => compiler::link(objects, out, COMPILER),
+        Some(linker) => compiler::link(form, objects, out, linker),
+        None if Template::is_usable(form) => write_executable(out, &linked(form, objects)?),
+        None if matches!(form, Form::Executable(_)) => compiler::link(form, objects, out, COMPILER),
+        None => Err(LinkError::NotHere(form)),
+    }
+}
+
+/// As [`link_form`], to memory.
+pub fn link_bytes(form: Form, objects: &[impl AsRef<[u8]>], linker: Option<&str>) -> Result<Vec<u8>, LinkError> {
+    match linker {
+        None if Template::is_usable(form) => linked(form, objects),
+        _ => {
+            let folder = tempfile::tempdir().map_err(LinkError::Temporary)?;
+            let path = folder.path().join("linked");
+            link_form(form, objects, &path, linker)?;
+            fs::read(&path).map_err(LinkError::Temporary)
+        }
     }
 }
 
@@ -103,9 +146,9 @@ pub fn output_of(command: &mut Command) -> io::Result<Output> {
     command.output()
 }
 
-/// The bytes of the executable that contains `objects` and the runtime.
-fn executable(objects: &[impl AsRef<[u8]>]) -> Result<Vec<u8>, LinkError> {
-    let template = Template::read()?;
+/// The bytes of the file that contains `objects` and the runtime.
+fn linked(form: Form, objects: &[impl AsRef<[u8]>]) -> Result<Vec<u8>, LinkError> {
+    let template = Template::read(form)?;
     let parsed: Vec<place::ObjectFile<'_>> =
         objects.iter().map(|object| place::parse(object.as_ref())).collect::<Result<_, _>>()?;
     let mut image = place::place(&template, &parsed)?;

@@ -1,6 +1,6 @@
-//! The runtime as an executable with room for a program.
+//! The runtime as an executable or a shared library with room for a program.
 //!
-//! `build.rs` links it like any executable, with two sections of a few bytes at the end: `.plcc.program`, read-only, which
+//! `build.rs` links it like any other, with two sections of a few bytes at the end: `.plcc.program`, read-only, which
 //! begins with the symbol `plcc_program`, and `.plcc.text`, executable. Each has a segment of its own, and nothing that is
 //! loaded comes after them, so they can grow.
 
@@ -11,7 +11,43 @@ use plcc_abi::linked;
 
 use super::LinkError;
 
-static BYTES: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/template"));
+/// Includes what `build.rs` has made.
+macro_rules! built {
+    ($name:literal) => {
+        include_bytes!(concat!(env!("OUT_DIR"), "/", $name))
+    };
+}
+
+/// What is linked with a program besides it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Runtime {
+    Plain,
+    /// With servers for clients, and their flags.
+    Services,
+}
+
+/// What comes out of linking.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    Executable(Runtime),
+    /// An executable that needs no dynamic library.
+    Static(Runtime),
+    /// A shared library: the unit of a co-simulation.
+    Unit,
+}
+
+impl Form {
+    /// The template; empty if plcc was built without it.
+    fn bytes(self) -> &'static [u8] {
+        match self {
+            Form::Executable(Runtime::Plain) => built!("runtime-template"),
+            Form::Executable(Runtime::Services) => built!("services-template"),
+            Form::Static(Runtime::Plain) => built!("runtime-static"),
+            Form::Static(Runtime::Services) => built!("services-static"),
+            Form::Unit => built!("unit"),
+        }
+    }
+}
 
 pub const ENDIAN: LittleEndian = LittleEndian;
 
@@ -42,17 +78,18 @@ pub struct Room {
 
 impl Template {
     /// True if the runtime is for a computer whose executables plcc can write.
-    pub fn is_usable() -> bool {
-        FileHeader64::<LittleEndian>::parse(BYTES).is_ok_and(|header| header.e_machine(ENDIAN) == elf::EM_X86_64)
+    pub fn is_usable(form: Form) -> bool {
+        FileHeader64::<LittleEndian>::parse(form.bytes()).is_ok_and(|header| header.e_machine(ENDIAN) == elf::EM_X86_64)
     }
 
     /// Errors: the linker that built the runtime did not make what it was asked for.
-    pub fn read() -> Result<Template, LinkError> {
+    pub fn read(form: Form) -> Result<Template, LinkError> {
+        let bytes = form.bytes();
         let wrong = |error: object::read::Error| LinkError::Object(format!("the runtime: {error}"));
         let missing = |what: &str| LinkError::Object(format!("the runtime has no {what}"));
-        let header = FileHeader64::<LittleEndian>::parse(BYTES).map_err(wrong)?;
-        let segments = header.program_headers(ENDIAN, BYTES).map_err(wrong)?.to_vec();
-        let table = header.sections(ENDIAN, BYTES).map_err(wrong)?;
+        let header = FileHeader64::<LittleEndian>::parse(bytes).map_err(wrong)?;
+        let segments = header.program_headers(ENDIAN, bytes).map_err(wrong)?.to_vec();
+        let table = header.sections(ENDIAN, bytes).map_err(wrong)?;
         let mut sections = Vec::new();
         for section in table.iter() {
             if section.sh_type(ENDIAN) == elf::SHT_NULL || section.sh_flags(ENDIAN) & u64::from(elf::SHF_ALLOC) != 0 {
@@ -83,7 +120,7 @@ impl Template {
                 end = end.max(section.sh_offset(ENDIAN) + section.sh_size(ENDIAN));
             }
         }
-        let symbols = table.symbols(ENDIAN, BYTES, elf::SHT_SYMTAB).map_err(wrong)?;
+        let symbols = table.symbols(ENDIAN, bytes, elf::SHT_SYMTAB).map_err(wrong)?;
         let mut functions = Vec::new();
         for symbol in symbols.iter() {
             let section = symbol.st_shndx(ENDIAN);
@@ -92,7 +129,7 @@ impl Template {
             }
         }
         functions.sort_by_key(|(_, symbol)| symbol.st_value(ENDIAN));
-        Ok(Template { bytes: BYTES, header: *header, segments, sections, functions, program, code, end })
+        Ok(Template { bytes, header: *header, segments, sections, functions, program, code, end })
     }
 }
 
@@ -102,20 +139,38 @@ mod tests {
     use plcc_abi::RuntimeFn;
     use std::collections::HashSet;
 
+    const FORMS: [Form; 5] = [
+        Form::Executable(Runtime::Plain),
+        Form::Executable(Runtime::Services),
+        Form::Static(Runtime::Plain),
+        Form::Static(Runtime::Services),
+        Form::Unit,
+    ];
+
     #[test]
     fn the_template_has_room_and_all_functions() {
-        let template = Template::read().expect("build.rs made it");
-        assert!(template.program.address < template.code.address);
-        let names: HashSet<&[u8]> = template.functions.iter().map(|(name, _)| *name).collect();
-        let library = linked::LIBRARY_FUNCTIONS.map(|(_, name)| name);
-        for name in RuntimeFn::ALL.iter().map(|function| function.symbol()).chain(library) {
-            assert!(names.contains(name.as_bytes()), "{name}");
+        for form in FORMS {
+            let template = Template::read(form).expect("build.rs made it");
+            assert!(template.program.address < template.code.address);
+            let names: HashSet<&[u8]> = template.functions.iter().map(|(name, _)| *name).collect();
+            let library = linked::LIBRARY_FUNCTIONS.map(|(_, name)| name);
+            for name in RuntimeFn::ALL.iter().map(|function| function.symbol()).chain(library) {
+                assert!(names.contains(name.as_bytes()), "{form:?}: {name}");
+            }
         }
     }
 
     #[test]
+    fn services_are_only_where_they_are_asked_for() {
+        let bytes = |runtime| Template::read(Form::Executable(runtime)).expect("build.rs made it").bytes.len();
+        let (plain, services) = (bytes(Runtime::Plain), bytes(Runtime::Services));
+        assert!(plain < 4_000_000 && plain + 200_000 < services, "{plain} {services}");
+    }
+
+    #[test]
     fn no_segment_is_writable_and_executable() {
-        for segment in Template::read().expect("build.rs made it").segments {
+        let segments = FORMS.map(|form| Template::read(form).expect("build.rs made it").segments);
+        for segment in segments.iter().flatten() {
             let flags = segment.p_flags(ENDIAN);
             assert!(flags & elf::PF_W == 0 || flags & elf::PF_X == 0, "{flags}");
         }

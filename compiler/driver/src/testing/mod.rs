@@ -4,13 +4,17 @@
 //! - [`prepare`]: from one test input to a finished outcome or to programs to run.
 //! - [`carets`]: files that mark their expected messages.
 //! - [`executables`]: many programs in few executables.
+//! - [`junit`]: the results for CI services; [`progress`]: on a terminal; [`watch`]: when a source changes.
 //! - [`judge`]: from the reports of the forms, which must agree, to one outcome.
 
 pub mod carets;
 pub mod executables;
 pub mod find;
 pub mod judge;
+pub mod junit;
 pub mod prepare;
+pub mod progress;
+pub mod watch;
 
 use plcc_runtime::AssertFailure;
 
@@ -18,6 +22,7 @@ use crate::inputs::TestInput;
 use crate::parallel;
 use crate::pipeline::{Optimization, Settings};
 use prepare::Prepared;
+use progress::Progress;
 
 /// How a program runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -88,9 +93,12 @@ impl Outcome {
 
 /// Runs all tests; outcomes are in the order of `inputs`.
 pub fn run(inputs: &[TestInput], plan: &Plan) -> Vec<Outcome> {
+    let progress = Progress::new(inputs.len());
     let mut prepared = parallel::map(inputs, |input| {
-        guarded(&name_of(input), || prepare::prepare(input, plan))
-            .unwrap_or_else(|outcome| Prepared { outcome, programs: Vec::new() })
+        let prepared = guarded(&name_of(input), || prepare::prepare(input, plan))
+            .unwrap_or_else(|outcome| Prepared { outcome, programs: Vec::new() });
+        progress.step(&prepared.outcome.name);
+        prepared
     });
     executables::run(&mut prepared, plan.linker.as_deref());
     prepared.into_iter().map(judge::judge).collect()

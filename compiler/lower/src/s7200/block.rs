@@ -60,6 +60,8 @@ pub struct S7200Lowering<'p, 'o> {
     pub labels: Labels<u32>,
     pub loops: Vec<Loop<'p>>,
     pub step: Option<Step<'p>>,
+    /// Place of the probes of its begin and its ends, if it has probes.
+    pub block_place: Option<u32>,
 }
 
 impl<'p, 'o> S7200Lowering<'p, 'o> {
@@ -89,6 +91,7 @@ impl<'p, 'o> S7200Lowering<'p, 'o> {
             labels: Labels::default(),
             loops: Vec::new(),
             step: None,
+            block_place: None,
         };
         lowering.start();
         lowering
@@ -311,6 +314,7 @@ impl<'p, 'o> S7200Lowering<'p, 'o> {
 
     /// Returns, with the values to copy back.
     pub fn leave(&mut self) {
+        self.probe_leave();
         let copied_back = self.body.parameters.iter().filter(|parameter| parameter.direction != Direction::In);
         let values: Vec<Value> = copied_back
             .map(|parameter| {

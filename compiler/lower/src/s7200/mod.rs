@@ -19,6 +19,7 @@ mod operand;
 mod operations;
 mod plan;
 mod pointer;
+mod probe;
 mod sequence;
 mod shift;
 
@@ -32,14 +33,15 @@ use plcc_model::{Body, CodeBlock};
 
 use self::block::S7200Lowering;
 use self::plan::S7200Plan;
+use crate::probe::Probes;
 use crate::{Facts, Lowered, Output};
 
 /// Lowers a program for the S7-200 that was bound without errors.
-pub(crate) fn lower(program: &Program, cpu: CpuRow, sources: &SourceMap) -> Lowered {
+pub(crate) fn lower(program: &Program, cpu: CpuRow, sources: &SourceMap, probes: Probes) -> Lowered {
     let mut plan = S7200Plan::new(program);
     let facts =
         Facts { dbs: plan.dbs.clone(), db_end: plan.db_end, error_slots: Vec::new(), stops_itself: plan.stops_itself };
-    let mut output = Output::new(program, sources, facts);
+    let mut output = Output::new(program, sources, facts, probes);
     if let Some(db) = plan.dbs.iter().find(|db| db.number == plcc_abi::s7200::CONSTANTS_DB) {
         output.image.dbs.push(DbEntry {
             number: db.number,
@@ -48,6 +50,7 @@ pub(crate) fn lower(program: &Program, cpu: CpuRow, sources: &SourceMap) -> Lowe
             data: plan.texts.bytes.clone(),
             read_only: true,
             unlinked: false,
+            optimized: false,
             kept: Kept::Nothing,
             ty: None,
         });
@@ -92,6 +95,7 @@ fn lower_block<'p>(
 ) -> Function {
     let mut lowering = S7200Lowering::new(plan, output, block, body);
     let mut network = None;
+    lowering.probe_enter();
     for (index, statement) in body.statements.iter().enumerate() {
         lowering.begin_statement(index, statement);
         // Waiting interrupts run between networks, in programs that have any.
@@ -104,6 +108,7 @@ fn lower_block<'p>(
             StatementKind::Assert(assert) => lowering.assert(assert, statement.span),
             StatementKind::Sleep(ms) => lowering.sleep(*ms),
         }
+        lowering.probe_statement(statement);
     }
     lowering.finish()
 }

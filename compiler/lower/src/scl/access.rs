@@ -382,6 +382,7 @@ impl BlockLowering<'_, '_> {
                 None => value,
             };
             self.b.def_var(var, whole);
+            self.probe_write(access, value);
             return;
         }
         let located = self.locate(access);
@@ -389,6 +390,11 @@ impl BlockLowering<'_, '_> {
     }
 
     pub fn write_located(&mut self, access: &Access, located: &Located, value: Value) {
+        self.store_located(access, located, value);
+        self.probe_write(access, value);
+    }
+
+    fn store_located(&mut self, access: &Access, located: &Located, value: Value) {
         let DataType::Elementary(ty) = access.ty else {
             unreachable!("the binder writes elementary variables as values")
         };

@@ -107,6 +107,7 @@ impl BlockLowering<'_, '_> {
             (None, _) => self.call_runtime_function(call, callee, room),
         };
         self.take_pointed_copies(copies_before);
+        self.probe_outputs(call, callee);
         self.after_block();
         let br = self.get(self.regs.br);
         self.note_eno(call, br);

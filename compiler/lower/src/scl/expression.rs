@@ -11,6 +11,12 @@ use crate::block::BlockLowering;
 impl BlockLowering<'_, '_> {
     /// The value of an expression, in the IR type of its type.
     pub fn value(&mut self, expr: &Expr) -> Value {
+        let value = self.value_of(expr);
+        self.probe_expr(expr, value);
+        value
+    }
+
+    fn value_of(&mut self, expr: &Expr) -> Value {
         match &expr.kind {
             ExprKind::Const(bits) => self.constant_of(expr.ty, *bits),
             ExprKind::Load(access) => self.read_access(access),

@@ -71,6 +71,7 @@ pub fn lower_block<'p>(
         .iter()
         .any(|statement| matches!(&statement.kind, StatementKind::Stl(statement) if crate::stl::uses_mcr(statement)));
     lowering.begin_scl(body);
+    lowering.probe_enter();
     for (label, jumps) in count_jumps(body) {
         lowering.declare_label(label, jumps);
     }

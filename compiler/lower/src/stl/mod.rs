@@ -45,9 +45,9 @@ pub fn lower_block<'p>(
     for (label, jumps) in count_jumps(statements) {
         lowering.declare_label(label, jumps);
     }
+    lowering.probe_enter();
     for statement in statements {
-        lowering.set_statement(statement);
-        lowering.lower_statement(statement);
+        lowering.stl_statement(statement);
     }
     lowering.finish()
 }
@@ -86,10 +86,10 @@ pub fn jumps_of(statement: &StlStatement) -> Vec<LabelId> {
 }
 
 impl BlockLowering<'_, '_> {
-    /// A statement of a network in STL between networks of other languages.
+    /// A statement of a block, or of a network in STL between networks of other languages.
     pub fn stl_statement(&mut self, statement: &StlStatement) {
         self.set_statement(statement);
-        self.lower_statement(statement);
+        self.probed_statement(statement, |lowering| lowering.lower_statement(statement));
     }
 
     fn lower_statement(&mut self, statement: &StlStatement) {

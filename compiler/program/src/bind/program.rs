@@ -170,6 +170,7 @@ fn bind_block(program: &mut Declarations, key: BlockKey, fixed_span: Option<Span
         number: key.number,
         name,
         span: fixed_span.unwrap_or(span),
+        library: fixed_span.is_some(),
         interface: bound.interface.clone(),
         temp_bytes: bound.temp_bytes.max(current.local_bytes.next_multiple_of(2)),
         body,

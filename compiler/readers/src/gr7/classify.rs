@@ -244,6 +244,17 @@ impl<'a> Classifier<'a, '_> {
         self.end(opening, end);
     }
 
+    /// What to write for a condition whose line begins with the current token, or with `=`.
+    fn condition_help(&self) -> String {
+        let from = self.raw.get(self.at).filter(|token| token.kind == RawKind::Equal).map_or(self.at, |_| self.at + 1);
+        let line =
+            self.raw.get(from).map_or("", |token| self.text[token.start as usize..].lines().next().unwrap_or(""));
+        match line.trim() {
+            "" => "write `CONDITION := …`".to_string(),
+            line => format!("write `CONDITION := {line}`"),
+        }
+    }
+
     /// `CONDITION := …`, up to the end of its part.
     fn condition(&mut self) {
         let word = self.raw[self.at];
@@ -255,7 +266,7 @@ impl<'a> Classifier<'a, '_> {
             self.report(
                 Diagnostic::new(Code::AssignSign, span, "a condition is written with `:=`")
                     .label("`=` compares")
-                    .help("write `CONDITION := …`"),
+                    .help(self.condition_help()),
             );
             self.at += 1;
         } else if self.peek().is_some_and(|token| token.kind != RawKind::Semicolon)
@@ -264,7 +275,7 @@ impl<'a> Classifier<'a, '_> {
             self.report(
                 Diagnostic::new(Code::Syntax, self.span(word), "`:=` is missing after `CONDITION`")
                     .label("the condition follows without `:=`")
-                    .help("write `CONDITION := …`"),
+                    .help(self.condition_help()),
             );
         }
         let first = self.at;

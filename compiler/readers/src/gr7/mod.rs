@@ -71,6 +71,11 @@ fn misplaced(file: FileId, range: Range<usize>) -> Diagnostic {
         .help("write it after the call of the block, for example in OB 1: `//@ assert DB1.Run.X == 1`")
 }
 
+/// Bytes of the words, signs, constants and comments of a text, in its order.
+pub fn pieces(text: &str) -> Vec<Range<usize>> {
+    lexer::scan(text).pieces()
+}
+
 /// The tokens of the charts as the grammar sees them, one per line, for `--emit tokens`.
 pub fn tokens_text(text: &str) -> String {
     let file = FileId::default();

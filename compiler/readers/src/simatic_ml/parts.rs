@@ -200,6 +200,14 @@ fn part(reader: &mut Reader, node: Node, uid: UId, whose: &str) -> Result<Part, 
             let name = Name { text: name.to_string(), form: NameForm::Bare, span };
             Target::Block { callee: Expr { kind: ExprKind::Name(name), span }, instance: None }
         }
+        None if let Some((group, written)) = plcc_stdlib::catalogued(name) => {
+            let text =
+                format!("{whose} contains `{written}`, an instruction of {} that plcc does not have", group.tool);
+            let help = format!("write a block `{written}` that does the same, and call it here");
+            let label = format!("group: {}", group.name);
+            reader.diagnostics.push(Diagnostic::new(Code::UnknownElement, span, text).label(label).help(help));
+            return Err(Refused);
+        }
         None => {
             let message = Diagnostic::new(
                 Code::UnknownElement,

@@ -127,6 +127,16 @@ where
     out
 }
 
+impl<K, W> RawText<K, W> {
+    /// Bytes of the tokens and comments, in the order of the text.
+    pub fn pieces(&self) -> Vec<Range<usize>> {
+        let tokens = self.tokens.iter().map(RawToken::range);
+        let mut pieces: Vec<Range<usize>> = tokens.chain(self.comments.iter().map(Comment::range)).collect();
+        pieces.sort_by_key(|piece| piece.start);
+        pieces
+    }
+}
+
 /// Shifts positions to where the scanned part of a text begins.
 pub fn shift<K, W>(tokens: &mut [RawToken<K, W>], comments: &mut [Comment], by: u32) {
     for token in tokens {

@@ -131,6 +131,12 @@ fn address_bits(text: &str, address: &str) -> Result<u32, LiteralError> {
     }
     match (byte.parse::<u32>(), bit.parse::<u8>()) {
         (Ok(byte @ 0..=65_535), Ok(bit @ 0..=7)) => Ok(pointer_bits(byte, bit)),
-        _ => Err(LiteralError::range(text, "not an address", "the byte is from 0 to 65535, the bit from 0 to 7")),
+        _ => {
+            let help = match crate::scl::address::with_carried_bit(text) {
+                Some(meant) => format!("the bit is from 0 to 7: is `{meant}` meant?"),
+                None => "the byte is from 0 to 65535, the bit from 0 to 7".to_string(),
+            };
+            Err(LiteralError::range(text, "not an address", help))
+        }
     }
 }

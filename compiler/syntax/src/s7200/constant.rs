@@ -2,6 +2,7 @@
 //!
 //! Source: S7-200 system manual, specifying a constant value.
 
+use plcc_literal::duration::{self, Fraction, Smallest};
 use plcc_literal::number::{self, Fault};
 
 use crate::ast::Width;
@@ -57,10 +58,15 @@ pub fn based(text: &str) -> Result<(u32, Option<Width>), ConstantError> {
         "W" | "WORD" | "INT" => Width::Word,
         "D" | "DW" | "DWORD" | "DINT" => Width::Dword,
         "T" | "TIME" | "S5T" | "S5TIME" => {
-            return Err(malformed(
-                "the S7-200 has no constants of time",
-                "a timer counts steps of 1, 10 or 100 ms: `TON T37, 50` is 5 s",
-            ));
+            let time = duration::nanoseconds(rest, Smallest::Nanosecond, Fraction::Anywhere).ok();
+            let steps = |ns: i128| [1, 10, 100].map(|ms| (ns / (ms * 1_000_000)).to_string());
+            let help = match time.map(steps) {
+                Some([one, ten, hundred]) => format!(
+                    "a timer counts steps of 1, 10 or 100 ms, as its number says: {rest} are {one}, {ten} or {hundred} steps"
+                ),
+                None => "a timer counts steps of 1, 10 or 100 ms, as its number says".to_string(),
+            };
+            return Err(malformed("the S7-200 has no constants of time", help));
         }
         _ => {
             let help = "types of constants are `B#`, `W#`, `DW#`, `BYTE#`, `WORD#` and `DWORD#`";

@@ -30,6 +30,8 @@ mod grammar {
 #[cfg(test)]
 mod tests;
 
+use std::ops::Range;
+
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
 use crate::ParseOptions;
@@ -143,6 +145,11 @@ fn report_mixture(
         diagnostic = diagnostic.also(Span::new(file, start..end), format!("mnemonic of the {set} set"));
     }
     diagnostics.push(diagnostic);
+}
+
+/// Bytes of the words, signs, constants and comments of a text, line by line.
+pub fn pieces(text: &str) -> Vec<Vec<Range<usize>>> {
+    raw::lines(text).iter().map(|line| line.iter().map(raw::RawToken::range).collect()).collect()
 }
 
 /// The tokens of a source as the grammar sees them, one per line, for `--emit tokens`.

@@ -101,6 +101,16 @@ pub fn numbered_block(word: &str) -> Option<(BlockPrefix, u32)> {
 }
 
 /// The operand of an address token: `I0.0`, `%MW10`, `%DB1.DBX1.0`, `%IW4:P`, `DX0.7` after a point.
+/// The address that a bit number above 7 means, `M2.0` for `M1.8`; otherwise none.
+pub fn with_carried_bit(text: &str) -> Option<String> {
+    let (before, bit) = text.rsplit_once('.')?;
+    let bit: u32 = bit.trim().parse().ok().filter(|bit| (8..=999).contains(bit))?;
+    let digits = before.bytes().rev().take_while(u8::is_ascii_digit).count();
+    let (letters, byte) = before.split_at(before.len() - digits);
+    let byte: u32 = byte.parse().ok().filter(|byte| *byte < 65_000)?;
+    Some(format!("{letters}{}.{}", byte + bit / 8, bit % 8))
+}
+
 pub fn token(text: &str, span: Span) -> Option<OperandKind> {
     let text = text.strip_prefix('%').unwrap_or(text);
     let (text, peripheral) = match text.strip_suffix(['P', 'p']).and_then(|text| text.strip_suffix(':')) {

@@ -26,6 +26,8 @@ mod grammar {
     include!(concat!(env!("OUT_DIR"), "/scl/scl.rs"));
 }
 
+use std::ops::Range;
+
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
 use crate::ParseOptions;
@@ -119,6 +121,15 @@ fn report_comments(file: FileId, raw: &raw::RawText, diagnostics: &mut Vec<Diagn
         };
         diagnostics.push(diagnostic);
     }
+}
+
+/// Bytes of the words, signs, constants and comments of a text, in its order. Lines of REGION are not among them.
+pub fn pieces(text: &str) -> Vec<Range<usize>> {
+    let raw = raw::scan(text);
+    let tokens = raw.tokens.iter().map(raw::RawToken::range);
+    let mut pieces: Vec<Range<usize>> = tokens.chain(raw.comments.iter().map(front::Comment::range)).collect();
+    pieces.sort_by_key(|piece| piece.start);
+    pieces
 }
 
 /// The comments of a source, in the order of the text.

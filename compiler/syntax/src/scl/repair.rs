@@ -382,20 +382,10 @@ fn ends_operand(token: RawToken) -> bool {
         RawKind::Word => {
             !token.keyword.is_some_and(|word| word.is_operator() || word.ends_expression() || is_link(word))
         }
-        kind => matches!(
-            kind,
-            RawKind::Quoted
-                | RawKind::Local
-                | RawKind::Number
-                | RawKind::Real
-                | RawKind::Literal
-                | RawKind::Text
-                | RawKind::Absolute
-                | RawKind::Slice
-                | RawKind::RightParen
-                | RawKind::RightBracket
-                | RawKind::Reported
-        ),
+        kind => {
+            is_whole_operand(kind)
+                || matches!(kind, RawKind::RightParen | RawKind::RightBracket | RawKind::Reported | RawKind::Slice)
+        }
     }
 }
 
@@ -405,17 +395,22 @@ fn begins_operand(token: RawToken) -> bool {
         RawKind::Word => token.keyword.is_none_or(|word| {
             word == Keyword::Not || !(word.is_operator() || word.ends_expression() || is_link(word))
         }),
-        kind => matches!(
-            kind,
-            RawKind::Quoted
-                | RawKind::Local
-                | RawKind::Number
-                | RawKind::Real
-                | RawKind::Literal
-                | RawKind::Text
-                | RawKind::Absolute
-        ),
+        kind => is_whole_operand(kind),
     }
+}
+
+/// Whether the token is an operand that no word names.
+fn is_whole_operand(kind: RawKind) -> bool {
+    matches!(
+        kind,
+        RawKind::Quoted
+            | RawKind::Local
+            | RawKind::Number
+            | RawKind::Real
+            | RawKind::Literal
+            | RawKind::Text
+            | RawKind::Absolute
+    )
 }
 
 /// A word between the parts of a head.

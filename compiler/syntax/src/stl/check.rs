@@ -335,13 +335,13 @@ fn mismatch(insn: StlInsn, written: &str, shown: &str, operand: &Operand) -> (St
         (_, Form::Memory(_, Width::Bit))
             if matches!(class, OperandClass::LoadSource | OperandClass::TransferTarget) =>
         {
-            (
-                format!("`{written}` moves bytes, words and double words, but `{shown}` is one bit"),
-                format!(
-                    "name a byte, word or double word, or use `{}` for the bit",
-                    if insn == StlInsn::Load { "A" } else { "=" }
-                ),
-            )
+            (format!("`{written}` moves bytes, words and double words, but `{shown}` is one bit"), {
+                let bit = format!("{} {shown}", if insn == StlInsn::Load { "A" } else { "=" });
+                match wide_addresses(shown) {
+                    Some((byte, word)) => format!("name `{byte}` or `{word}`, or use `{bit}` for the bit"),
+                    None => format!("name a byte, word or double word, or use `{bit}` for the bit"),
+                }
+            })
         }
         (_, Form::Memory(Some(Area::Pi), _)) if class == OperandClass::TransferTarget => (
             format!("`{shown}` is a peripheral input and cannot be written"),
@@ -358,6 +358,10 @@ fn mismatch(insn: StlInsn, written: &str, shown: &str, operand: &Operand) -> (St
         (OperandKind::Literal(Literal::AreaPointer { db, .. }), _) if *db != 0 => (
             format!("`{shown}` does not fit into 32 bits: there is no room for the number of the data block"),
             format!("write the pointer without it, e.g. `P#DBX 0.0`, and open the block with `OPN DB {db}`"),
+        ),
+        (OperandKind::Cell { kind: CellKind::Timer, .. }, _) if insn == StlInsn::Set => (
+            format!("`{shown}` is not an operand of `{written}`"),
+            format!("a timer is started with `SD {shown}`, or SP, SE, SS or SF, after its time is loaded"),
         ),
         _ => (format!("`{shown}` is not an operand of `{written}`"), takes),
     }
@@ -407,4 +411,13 @@ fn describe(kind: &OperandKind) -> String {
             .to_owned(),
         },
     }
+}
+
+/// The byte and the word that contain a bit: `IB 0` and `IW 0` for `I 0.3`.
+fn wide_addresses(bit: &str) -> Option<(String, String)> {
+    let (letters, number) = bit.split_at(bit.find(|c: char| c.is_ascii_digit())?);
+    let byte = number.split_once('.')?.0;
+    let (area, blank) = (letters.trim_end(), &letters[letters.trim_end().len()..]);
+    let is_area = area.len() == 1 && area.bytes().all(|letter| letter.is_ascii_alphabetic());
+    is_area.then(|| (format!("{area}B{blank}{byte}"), format!("{area}W{blank}{byte}")))
 }

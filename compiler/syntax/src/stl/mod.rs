@@ -23,6 +23,8 @@ mod grammar {
     include!(concat!(env!("OUT_DIR"), "/stl/stl.rs"));
 }
 
+use std::ops::Range;
+
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
 use crate::ParseOptions;
@@ -209,6 +211,11 @@ fn report_mixture(
         diagnostic = diagnostic.also(span(own), format!("{set} mnemonic"));
     }
     diagnostics.push(diagnostic);
+}
+
+/// Bytes of the words, signs, constants and comments of a text, in its order.
+pub fn pieces(text: &str) -> Vec<Range<usize>> {
+    raw::scan(text).pieces()
 }
 
 /// The tokens of a source as the grammar sees them, one per line, for `--emit tokens`.

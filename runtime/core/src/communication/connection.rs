@@ -112,6 +112,14 @@ impl Connection {
         matches!(self.state, State::Up { .. })
     }
 
+    /// Ends the connection to the partner, if there is one, and begins to set it up again.
+    pub fn reset(&mut self, now: u64) {
+        if self.is_up() {
+            self.state = State::Resting { until: now };
+            self.state = self.restart(now);
+        }
+    }
+
     /// Moves it on.
     pub fn work(&mut self, now: u64) {
         let state = std::mem::replace(&mut self.state, State::Resting { until: now });

@@ -123,6 +123,12 @@ impl Communication {
         self.connections.iter_mut().find(|connection| connection.description.id == id)
     }
 
+    /// There is something to be moved on.
+    #[inline]
+    pub fn is_open(&self) -> bool {
+        !self.connections.is_empty() || self.iso_listener.is_some()
+    }
+
     /// Moves everything on; `now` is the time of the CPU in nanoseconds.
     pub fn work(&mut self, now: u64) {
         for connection in &mut self.connections {

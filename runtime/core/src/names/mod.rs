@@ -11,6 +11,7 @@ use plcc_abi::ProgramImage;
 use plcc_abi::image::{AssertType, DbEntry, SymbolEntry};
 use plcc_abi::names::{NamedStruct, NamedType, TypeNumber, UsedArea, UsedPlace};
 use plcc_abi::s7200::V_DB;
+use plcc_literal::distance::nearest;
 
 use crate::address::{self, Address, Place, Width, digits};
 use crate::s7200::Part as S7200Part;
@@ -135,15 +136,6 @@ fn usual_type(place: Place) -> Option<ValueType> {
 
 fn same(a: &str, b: &str) -> bool {
     a == b || a.to_lowercase() == b.to_lowercase()
-}
-
-/// The one of `names` that a user may have meant: letters differ in less than a third of them.
-pub fn nearest<'a>(wrong: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    let folded = wrong.to_lowercase();
-    let limit = folded.chars().count().div_ceil(3).min(4);
-    let near = names.filter(|name| name.chars().count().abs_diff(folded.chars().count()) <= limit);
-    let distances = near.map(|name| (strsim::damerau_levenshtein(&folded, &name.to_lowercase()), name));
-    distances.filter(|(distance, _)| *distance <= limit).min_by_key(|(distance, _)| *distance).map(|(_, name)| name)
 }
 
 /// What the first part of a name means.
@@ -471,7 +463,7 @@ impl<'a> Finder<'a> {
     }
 }
 
-fn db_name(db: &DbEntry) -> String {
+pub(crate) fn db_name(db: &DbEntry) -> String {
     if db.name.is_empty() { format!("DB{}", db.number) } else { written(&db.name) }
 }
 

@@ -82,7 +82,14 @@ impl Records {
     }
 
     /// Does all jobs that wait.
+    #[inline]
     pub fn work(&mut self, cpu: &Cpu) {
+        if !self.waiting.is_empty() {
+            self.do_jobs(cpu);
+        }
+    }
+
+    fn do_jobs(&mut self, cpu: &Cpu) {
         while let Some((number, job)) = self.waiting.pop_front() {
             let done = self.perform(cpu, job).unwrap_or_else(|status| Done { status, ..Done::default() });
             if self.done.len() >= JOBS_MAX {

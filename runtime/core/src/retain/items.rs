@@ -81,7 +81,7 @@ struct Item {
 
 /// The retentive memory of a CPU.
 #[derive(Debug)]
-pub(super) struct Items {
+pub(crate) struct Items {
     /// For a hot restart: all memory, not only what is retentive.
     everything: bool,
     items: Vec<Item>,
@@ -89,7 +89,7 @@ pub(super) struct Items {
 
 /// What came back.
 #[derive(Debug, Default, PartialEq, Eq)]
-pub(super) struct Loaded {
+pub(crate) struct Loaded {
     /// Data blocks that begin with their start values, because they are others than those that were kept.
     pub changed: Vec<u16>,
     /// All that is kept came back.
@@ -98,7 +98,7 @@ pub(super) struct Loaded {
 
 /// Why nothing came back.
 #[derive(Debug, PartialEq, Eq)]
-pub(super) enum Refused {
+pub(crate) enum Refused {
     Damaged,
     /// Another program has written it.
     Program(String),
@@ -106,7 +106,7 @@ pub(super) enum Refused {
 
 impl Items {
     /// What is retentive on this CPU; with `everything`, all of its memory.
-    pub(super) fn of(cpu: &Cpu, everything: bool) -> Items {
+    pub(crate) fn of(cpu: &Cpu, everything: bool) -> Items {
         let mut items = Vec::new();
         let mut add = |kind, number, signature, place| items.push(Item { kind, number, signature, place });
         let (m, m_bytes) = cpu.area(Area::BitMemory);
@@ -162,7 +162,7 @@ impl Items {
     }
 
     /// Puts the content of this moment into `content`.
-    pub(super) fn collect(&self, cpu: &Cpu, content: &mut Vec<u8>) {
+    pub(crate) fn collect(&self, cpu: &Cpu, content: &mut Vec<u8>) {
         content.clear();
         content.push(self.everything.into());
         content.extend(cpu.clock.counted().to_le_bytes());
@@ -183,7 +183,7 @@ impl Items {
     }
 
     /// Brings a content back. For a hot restart it must have everything, see [`Loaded::complete`].
-    pub(super) fn load(&self, cpu: &Cpu, content: &[u8]) -> Result<Loaded, Refused> {
+    pub(crate) fn load(&self, cpu: &Cpu, content: &[u8]) -> Result<Loaded, Refused> {
         let (head, rest) = content.split_at_checked(HEAD_BYTES).ok_or(Refused::Damaged)?;
         let name_bytes = usize::from(u16::from_le_bytes([head[9], head[10]]));
         let (name, rest) = rest.split_at_checked(name_bytes).ok_or(Refused::Damaged)?;

@@ -20,7 +20,8 @@ use plcc_abi::image::{Family, RetainInterval};
 use crate::cpu::Cpu;
 use crate::diagnostics::{self, NO_SITE};
 use crate::s7200::errors::INTERNAL_ERROR;
-use items::{Items, Loaded, Refused};
+pub(crate) use items::Items;
+use items::{Loaded, Refused};
 use slots::{Content, Fault, Slots};
 use writer::Writer;
 
@@ -71,7 +72,17 @@ impl Cpu {
 
     /// The CPU is switched on: memory gets what was kept, as the kind of restart says.
     pub(crate) fn power_on_retentive(&self) -> Restored {
-        let Some(path) = self.image.config.retain.file.as_deref().map(Path::new) else { return Restored::NotKept };
+        let carried = self.carried.take();
+        if let Some(carried) = &carried {
+            carried.load_parts(self);
+        }
+        let Some(path) = self.image.config.retain.file.as_deref().map(Path::new) else {
+            if let Some(carried) = &carried {
+                // It is of this program, and whole.
+                let _ = Items::of(self, false).load(self, &carried.retentive);
+            }
+            return Restored::NotKept;
+        };
         let (mut slots, content) = match Slots::open(path) {
             Ok(opened) => opened,
             Err(fault) => {
@@ -89,6 +100,7 @@ impl Cpu {
         let config = &self.image.config.retain;
         let hot = self.startup.get() == HOT && self.image.profile.family == Family::S7400;
         let items = Items::of(self, hot);
+        let content = carried.map_or(content, |carried| Content::Whole(carried.retentive));
         let restored = self.bring_back(path, &items, content);
         // Cycles are not to wait for a file that must be made.
         let mut first = Vec::new();
@@ -117,7 +129,7 @@ impl Cpu {
             self.log(diagnostics::RETAIN_LOST, NO_SITE, 0);
         };
         let restored = match (content, self.startup.get()) {
-            (_, _) if self.image.config.retain.reset => {
+            (_, _) if self.image.config.retain.reset && !self.is_restarted => {
                 self.log(diagnostics::MEMORY_RESET, NO_SITE, 0);
                 Restored::Lost
             }

@@ -15,12 +15,15 @@ use crate::clock::Clock;
 use crate::code::Code;
 use crate::cpu::Cpu;
 use crate::cycle::Pace;
-use crate::faults::STOP_BY_REQUEST;
-use crate::io::Simulated;
+use crate::faults::{STOP_BY_CLIENT, STOP_BY_REQUEST};
+use crate::io::{Driver, Simulated};
+use crate::online::Service;
 use crate::options::{ClockKind, HANG_LIMIT_DEFAULT, RunOptions};
+use crate::probe::Watcher;
 use crate::records::store::{self, Store};
 use crate::signal::Signal;
 use crate::trace::Recorder;
+use crate::remote::{self, Remote};
 use crate::{diagnostics, files, realtime, report};
 use session::{Session, prepare};
 
@@ -34,7 +37,7 @@ pub const EXIT_USAGE: u8 = 2;
 /// Writes a line to standard error; a closed one must not stop a plant.
 macro_rules! say {
     ($($arg:tt)*) => {{
-        let _ = writeln!(std::io::stderr(), $($arg)*);
+        let _ = std::io::Write::write_fmt(&mut std::io::stderr(), format_args!("{}\n", format_args!($($arg)*)));
     }};
 }
 
@@ -60,37 +63,61 @@ fn watch_signals() {
 /// Makes the code of a CPU.
 pub type CodeMaker<'a> = &'a (dyn Fn() -> Rc<dyn Code> + Sync);
 
-/// Runs a program by the runtime flags, on one CPU or on as many as they say. Result: exit code.
-pub fn start(image: ProgramImage, code: CodeMaker, options: &RunOptions) -> u8 {
+/// Runs a program by the runtime flags, on one CPU or on as many as they say. `service` answers clients of one CPU, also in STOP.
+/// Result: exit code.
+pub fn start(image: ProgramImage, code: CodeMaker, options: &RunOptions, service: Option<Box<dyn Service>>) -> u8 {
     match options.instances.is_some() || options.instance_values.is_some() {
+        true if service.is_some() => {
+            say!("runtime: clients are answered by one CPU: leave out --instances");
+            EXIT_USAGE
+        }
         true => instances::run(image, code, options),
-        false => run(image, code(), options),
+        false => run_with(image, code(), options, service, None),
     }
 }
 
 /// Runs a program on one CPU. Values go to standard output, messages to standard error. Result: exit code.
-pub fn run(mut image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions) -> u8 {
+pub fn run(image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions) -> u8 {
+    run_with(image, code, options, None, None)
+}
+
+/// As [`run`], with someone who looks at the probes of the program.
+pub fn run_watched(
+    image: ProgramImage,
+    code: Rc<dyn Code>,
+    options: &RunOptions,
+    watcher: Option<Rc<dyn Watcher>>,
+) -> u8 {
+    run_with(image, code, options, None, watcher)
+}
+
+fn run_with(
+    mut image: ProgramImage,
+    code: Rc<dyn Code>,
+    options: &RunOptions,
+    service: Option<Box<dyn Service>>,
+    watcher: Option<Rc<dyn Watcher>>,
+) -> u8 {
     let clock = match options.clock {
         ClockKind::Real => Clock::real(),
         ClockKind::Virtual => Clock::simulated(),
     };
     image.config.s7200.stop_on_error |= options.stop_on_error;
     options.restart(&mut image.config);
-    let driver = Box::new(Simulated::new(image.config.modules.clone()));
-    let cpu = Cpu::new(image, code, clock, driver);
-    if let Some(port) = options.iso_port {
-        cpu.communication.borrow_mut().set_iso_port(port);
-    }
-    let folder = store::folder(options.data.as_deref(), cpu.image.config.data_folder.as_deref());
-    cpu.set_store(Store::new(folder));
-    if let Some(path) = &options.alarm_log {
-        match files::writable(path).and_then(|()| File::create(path)) {
-            Ok(file) => cpu.alarms.borrow_mut().write_to(file),
-            Err(error) => {
-                say!("runtime: {}: {error}", path.display());
-                return EXIT_USAGE;
-            }
+    let driver = match driver(&image, options) {
+        Ok(driver) => driver,
+        Err(message) => {
+            say!("runtime: {message}");
+            return EXIT_USAGE;
         }
+    };
+    let mut cpu = Cpu::new(image, code, clock, driver);
+    if let Some(watcher) = &watcher {
+        cpu.set_watcher(watcher.clone());
+    }
+    if let Err(message) = furnish(&cpu, options) {
+        say!("runtime: {message}");
+        return EXIT_USAGE;
     }
     let (printed, mut session) = match prepare(&cpu, options, Box::new(std::io::stdout())) {
         Ok(prepared) => prepared,
@@ -105,13 +132,67 @@ pub fn run(mut image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions) ->
         return EXIT_USAGE;
     }
     watch_signals();
-    let pace = pace(&cpu, options);
+    let mut pace = pace(&cpu, options);
     // Also with --quiet: the user must know this to judge the values.
     for notice in &cpu.image.notices {
         say!("{notice}");
     }
-    let cycles = cpu.execute(&pace, &mut session);
+    if let Some(service) = service {
+        cpu.attach(service);
+    }
+    let mut cycles = cpu.execute(&pace, &mut session);
+    // A CPU in STOP answers its clients, and one of them may start it again.
+    while cpu.is_stopped() && cpu.is_served.get() {
+        stop_line(&cpu, options, cycles).iter().for_each(|line| say!("{line}"));
+        let Some(kind) = cpu.serve_in_stop() else { break };
+        cpu = Cpu::restarted(cpu, kind);
+        if let Some(watcher) = &watcher {
+            cpu.set_watcher(watcher.clone());
+        }
+        if let Err(message) = furnish(&cpu, options) {
+            say!("runtime: {message}");
+            return EXIT_USAGE;
+        }
+        if !options.quiet {
+            say!("started again by a client");
+        }
+        pace.cycles = options.cycles.map(|all| all.saturating_sub(cycles));
+        cycles += cpu.execute(&pace, &mut session);
+    }
     finish(&cpu, options, &printed, session, cycles)
+}
+
+/// Gives a CPU what the flags name: ports, folders, files.
+fn furnish(cpu: &Cpu, options: &RunOptions) -> Result<(), String> {
+    if let Some(port) = options.iso_port {
+        cpu.communication.borrow_mut().set_iso_port(port);
+    }
+    let folder = store::folder(options.data.as_deref(), cpu.image.config.data_folder.as_deref());
+    cpu.set_store(Store::new(folder));
+    // After a restart the file goes on.
+    if let (Some(path), false) = (&options.alarm_log, cpu.is_restarted) {
+        let file = files::writable(path).and_then(|()| File::create(path));
+        cpu.alarms.borrow_mut().write_to(file.map_err(|error| format!("{}: {error}", path.display()))?);
+    }
+    Ok(())
+}
+
+/// The driver: devices only under the real clock, for they know no other.
+fn driver(image: &ProgramImage, options: &RunOptions) -> Result<Box<dyn Driver>, String> {
+    let (modules, stations) = (image.config.modules.clone(), &image.config.remote);
+    match (stations.is_empty(), options.clock) {
+        (true, _) => Ok(Box::new(Simulated::new(modules))),
+        (false, ClockKind::Virtual) => {
+            say!("the devices of `[io]` are simulated under the virtual clock");
+            Ok(Box::new(Simulated::new(modules)))
+        }
+        (false, ClockKind::Real) => {
+            if !options.quiet {
+                remote::opened(stations).for_each(|line| say!("{line}"));
+            }
+            Ok(Box::new(Remote::new(modules, stations)?))
+        }
+    }
 }
 
 fn pace(cpu: &Cpu, options: &RunOptions) -> Pace {
@@ -191,20 +272,22 @@ fn verdict(cpu: &Cpu, options: &RunOptions, session: &Session, cycles: u64) -> (
         lines.push(format!("{file}:{line}: expected {text}, but it is {}{place}{beside}", failure.left));
         fault = true;
     }
-    let stop = cpu.stopped();
-    match stop {
-        Some(stop) if !stop.asked => {
-            lines.push(cpu.stop_text(&stop));
-            fault = true;
-        }
-        Some(stop) if stop.entry.event == STOP_BY_REQUEST => {
-            if !options.quiet {
-                lines.push("ended in startup".to_string());
-            }
-        }
-        Some(_) if !options.quiet => lines.push(format!("stopped by the program after {cycles} cycles")),
-        None if !options.quiet => lines.push(format!("ended after {cycles} cycles")),
-        Some(_) | None => {}
+    fault |= cpu.stopped().is_some_and(|stop| !stop.asked);
+    // With clients it was told when the CPU stopped.
+    if !(cpu.is_stopped() && cpu.is_served.get()) {
+        lines.extend(stop_line(cpu, options, cycles));
     }
     (lines, fault)
+}
+
+/// Why the CPU is in STOP, or that it has reached its end.
+fn stop_line(cpu: &Cpu, options: &RunOptions, cycles: u64) -> Option<String> {
+    let line = match cpu.stopped() {
+        Some(stop) if !stop.asked => return Some(cpu.stop_text(&stop)),
+        Some(stop) if stop.entry.event == STOP_BY_REQUEST => "ended in startup".to_string(),
+        Some(stop) if stop.entry.event == STOP_BY_CLIENT => format!("stopped by a client after {cycles} cycles"),
+        Some(_) => format!("stopped by the program after {cycles} cycles"),
+        None => format!("ended after {cycles} cycles"),
+    };
+    (!options.quiet).then_some(line)
 }

@@ -96,6 +96,22 @@ pub(super) fn close(call: &Call) -> Outcome {
     status(call.cpu.communication.borrow_mut().close(id, call.byte(1) & 1 != 0))
 }
 
+/// HANDLE -> RET_VAL: 0, 8086, 80A3.
+pub(super) fn reset(call: &Call) -> Outcome {
+    let id = call.word(0);
+    if !(1..=4095).contains(&id) {
+        return error(ID);
+    }
+    let now = call.cpu.clock.now();
+    match call.cpu.communication.borrow_mut().connection(id) {
+        Some(connection) => {
+            connection.reset(now);
+            status(Ok(()))
+        }
+        None => status(Err(status::NO_SUCH)),
+    }
+}
+
 /// HANDLE, LEN, DATA -> RET_VAL: 0 it begins, 8085, 8086, 8088, 80A1.
 pub(super) fn send(call: &Call) -> Outcome {
     if call.dword(1) == 0 {

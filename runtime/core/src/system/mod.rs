@@ -257,6 +257,7 @@ system_functions! {
     2106 ALARM_EDGE (Dword, Byte, Bool, NextBool) -> (Word)   = alarms::alarm_edge;
     2107 ALARM_NUMBER ()                 -> (Dword)           = alarms::alarm_number;
     2108 RECORD_OF_ID (Dword)            -> (Word)            = module_records::of_id;
+    2109 LINK_RESET (Word)                -> (Word)            = communication::reset;
     2110 JOB_STATE (Dword)               -> (Word, Dword)     = records::job_state;
     2111 JOB_BYTES (Dword)               -> (Word, Dword, Variant) = records::job_bytes;
     2112 LOG_CREATE (Dword, Word, Word, Variant, Variant, Variant) -> (Word, Dword) = records::log_create;

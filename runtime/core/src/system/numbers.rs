@@ -14,6 +14,7 @@ use super::parameters::Call;
 use super::text::{self, Buffer, CUT, INVALID, Text};
 use super::{OK, Outcome, error};
 use crate::memory::Bytes;
+use crate::text::way::Way;
 use crate::text::{decimal, give_whole, real};
 
 /// Value of a LINT, or with UNSIGNED of a ULINT.
@@ -295,17 +296,21 @@ fn scan_integer(text: &[u8], format: u16) -> Option<(i128, usize)> {
 /// The integer of type `kind` (see [`range`]) at the beginning of a text, and how many characters belong to it: 0 if there is none, or it is
 /// outside the range; then the integer is 0. A fraction is dropped.
 #[inline(always)]
-pub(crate) fn scan_start(memory: Bytes, text: Option<Text>, kind: u16) -> (i64, usize) {
+pub(crate) fn scan_start<W: Way>(way: &W, text: Option<Text>, kind: u16) -> Option<(i64, usize)> {
+    let memory = way.bytes();
     if matches!(kind, 1..=4)
         && let Some(text) = text
         && let Some((negative, magnitude, length)) = text.view(memory, decimal::scan)
     {
         let value = if negative { -(magnitude as i64) } else { magnitude as i64 };
         let unused = 64 - (8 << (kind - 1));
-        return if value << unused >> unused == value { (value, length) } else { (0, 0) };
+        return Some(if value << unused >> unused == value { (value, length) } else { (0, 0) });
+    }
+    if W::GIVES_UP {
+        return None;
     }
     let (value, length) = scan_range(memory, text, 0, 1, kind);
-    (value as i64, length)
+    Some((value as i64, length))
 }
 
 /// As [`scan_start`], from position `position` on.
@@ -350,7 +355,7 @@ pub(super) fn int_at_start(call: &Call) -> Outcome {
 }
 
 fn at_start(call: &Call) -> (i64, usize) {
-    scan_start(call.cpu.memory.bytes_at(), text::of(call, 0, Access::Read), call.word(1))
+    scan_start(&call.cpu.memory.bytes_at(), text::of(call, 0, Access::Read), call.word(1)).unwrap_or((0, 0))
 }
 
 /// IN STRING, FORMAT WORD, P INT -> RET_VAL, OUT LREAL, NEXT INT.

@@ -87,6 +87,11 @@ fn output(call: &Call, index: usize) -> Option<Text> {
     of(call, index, Access::Write)
 }
 
+/// The result of a function that writes a text.
+fn written(good: Option<bool>) -> Outcome {
+    Outcome::Flag(good == Some(true))
+}
+
 fn number(call: &Call, index: usize) -> i16 {
     call.word(index) as i16
 }
@@ -97,7 +102,7 @@ fn rules(call: &Call, index: usize) -> Rules {
 
 /// IN1, IN2 -> OUT
 pub(super) fn concat(call: &Call) -> Outcome {
-    Outcome::Flag(join::concat(call.cpu.memory.bytes_at(), input(call, 0), input(call, 1), output(call, 2)))
+    written(join::concat(call.cpu.memory.bytes_at(), input(call, 0), input(call, 1), output(call, 2)))
 }
 
 /// S1, S2, RELATION -> OUT BOOL
@@ -124,50 +129,32 @@ pub(super) fn length(call: &Call) -> Outcome {
 pub(super) fn replace(call: &Call) -> Outcome {
     let place = [number(call, 2), number(call, 3)];
     let (in1, in2) = (input(call, 0), input(call, 1));
-    Outcome::Flag(join::replace(call.cpu.memory.bytes_at(), in1, in2, place, rules(call, 4), output(call, 5)))
+    written(join::replace(call.cpu.memory.bytes_at(), in1, in2, place, rules(call, 4), output(call, 5)))
 }
 
 /// IN, L, RULES -> OUT
 pub(super) fn left(call: &Call) -> Outcome {
-    Outcome::Flag(join::left(
-        call.cpu.memory.bytes_at(),
-        input(call, 0),
-        number(call, 1),
-        rules(call, 2),
-        output(call, 3),
-    ))
+    written(join::left(call.cpu.memory.bytes_at(), input(call, 0), number(call, 1), rules(call, 2), output(call, 3)))
 }
 
 /// IN, L, RULES -> OUT
 pub(super) fn right(call: &Call) -> Outcome {
-    Outcome::Flag(join::right(
-        call.cpu.memory.bytes_at(),
-        input(call, 0),
-        number(call, 1),
-        rules(call, 2),
-        output(call, 3),
-    ))
+    written(join::right(call.cpu.memory.bytes_at(), input(call, 0), number(call, 1), rules(call, 2), output(call, 3)))
 }
 
 /// IN, L, P -> OUT
 pub(super) fn mid(call: &Call) -> Outcome {
-    Outcome::Flag(join::mid(
-        call.cpu.memory.bytes_at(),
-        input(call, 0),
-        number(call, 1),
-        number(call, 2),
-        output(call, 3),
-    ))
+    written(join::mid(call.cpu.memory.bytes_at(), input(call, 0), number(call, 1), number(call, 2), output(call, 3)))
 }
 
 /// IN, L, P, RULES -> OUT
 pub(super) fn delete(call: &Call) -> Outcome {
     let (l, p) = (number(call, 1), number(call, 2));
-    Outcome::Flag(join::delete(call.cpu.memory.bytes_at(), input(call, 0), l, p, rules(call, 3), output(call, 4)))
+    written(join::delete(call.cpu.memory.bytes_at(), input(call, 0), l, p, rules(call, 3), output(call, 4)))
 }
 
 /// IN1, IN2, P, RULES -> OUT
 pub(super) fn insert(call: &Call) -> Outcome {
     let (in1, in2) = (input(call, 0), input(call, 1));
-    Outcome::Flag(join::insert(call.cpu.memory.bytes_at(), in1, in2, number(call, 2), rules(call, 3), output(call, 4)))
+    written(join::insert(call.cpu.memory.bytes_at(), in1, in2, number(call, 2), rules(call, 3), output(call, 4)))
 }

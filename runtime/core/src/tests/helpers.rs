@@ -155,6 +155,7 @@ pub fn s7200_image(blocks: &[(BlockKind, u16)]) -> ProgramImage {
         data: vec![0; 10_240],
         read_only: false,
         unlinked: false,
+        optimized: false,
         kept: Default::default(),
         ty: None,
     }];

@@ -16,4 +16,4 @@ mod s7200_timers;
 mod system;
 mod timers;
 
-pub(crate) use helpers::{cpu_with, image};
+pub(crate) use helpers::{Block, Closures, cpu_with, image};

@@ -10,6 +10,7 @@ use plcc_abi::names::{NamedMember, NamedStruct, NamedType};
 use super::helpers::{Block, cpu_with, run};
 use crate::counters;
 use crate::cpu::Cpu;
+use crate::options::Restart;
 use crate::timers;
 use plcc_abi::functions::TimerMode;
 
@@ -33,6 +34,7 @@ fn db(number: u16, kept: Kept) -> DbEntry {
         data: vec![0, 7, 0, 7],
         read_only: false,
         unlinked: false,
+        optimized: false,
         kept,
         ty: Some(1),
     }
@@ -245,4 +247,58 @@ fn a_file_that_cannot_be_written_does_not_stop_the_cpu() {
         let events: Vec<u16> = cpu.diagnostics.newest_first().iter().map(|entry| entry.event).collect();
         assert!(events.contains(&crate::diagnostics::RETAIN_NOT_WRITTEN), "{}", path.display());
     }
+}
+
+/// A CPU that has run and was stopped by a client.
+fn stopped_by_a_client(path: &Path, change: impl FnOnce(&mut ProgramImage)) -> Rc<Cpu> {
+    let mut obs = nothing();
+    obs[0].1 = Box::new(|cpu, _| {
+        if cpu.memory.word(M + 30) == 0 {
+            fill(cpu);
+            cpu.driver.set_input(4, 1, 9);
+            cpu.stop_by_request();
+        }
+        cpu.memory.set_word(M + 30, 1);
+    });
+    let cpu = with(path, obs, |image| {
+        image.config.retain.bit_memory = Some(4);
+        change(image);
+    });
+    cpu.memory.set_word(M + 30, 0);
+    run(&cpu, 5);
+    assert!(cpu.is_stopped());
+    cpu
+}
+
+#[test]
+fn a_client_starts_a_stopped_cpu_again() {
+    let path = file("again");
+    let without: fn(&mut ProgramImage) = |image| image.config.retain.file = None;
+    let reset: fn(&mut ProgramImage) = |image| image.config.retain.reset = true;
+    for change in [without, |_| {}, reset] {
+        let cpu = stopped_by_a_client(&path, change);
+        let time = cpu.clock.now();
+        let again = Cpu::restarted(cpu, Restart::Warm);
+        // Not retentive memory begins anew, before OB 100.
+        again.memory.set_word(M + 30, 1);
+        run(&again, 1);
+        assert_eq!(words(&again)[..4], [2, 0, 5, 0]);
+        assert_eq!(words(&again)[4..], [100, 7]);
+        assert!(!again.is_stopped() && again.clock.now() > time);
+        assert_eq!(again.driver.read(4, 1), Some(9));
+        let events: Vec<u16> = again.diagnostics.newest_first().iter().map(|entry| entry.event).collect();
+        assert_eq!(events[..4], [0x4302, 0x4301, 0x4304, 0x4302]);
+        let again = Cpu::restarted(again, Restart::Cold);
+        again.memory.set_word(M + 30, 1);
+        run(&again, 1);
+        assert_eq!((words(&again), again.startup.get()), (START, 102));
+        let _ = std::fs::remove_file(&path);
+    }
+}
+
+#[test]
+fn only_some_restarts_can_be_asked_for() {
+    let cpu = with(&file("asked"), nothing(), |_| {});
+    assert!(!cpu.request_restart(Restart::Hot) && !cpu.request_restart(Restart::Reset));
+    assert!(cpu.request_restart(Restart::Cold) && cpu.request_restart(Restart::Warm));
 }

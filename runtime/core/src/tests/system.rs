@@ -27,6 +27,7 @@ fn in_ob1_of(family: Family, body: impl Fn(&Cpu, u32) + 'static) {
             data: (0..20).collect(),
             read_only: false,
             unlinked: false,
+            optimized: false,
             kept: Default::default(),
             ty: None,
         });

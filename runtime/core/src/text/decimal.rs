@@ -2,11 +2,8 @@
 
 use plcc_abi::text::{PLUS, UNSIGNED};
 
-use super::{Text, give_whole};
+use super::Text;
 use crate::memory::Bytes;
-
-/// Digits of a u64, and a sign.
-const DIGITS_MAX: usize = 21;
 
 /// The numbers 0 to 99 with two digits.
 static PAIRS: [[u8; 2]; 100] = {
@@ -22,54 +19,55 @@ static PAIRS: [[u8; 2]; 100] = {
 /// Writes an integer of 64 bits. `form`: [`PLUS`] and [`UNSIGNED`]. False if it does not fit; then nothing is written.
 pub fn write_long(memory: Bytes, bits: u64, form: u16, out: Option<Text>) -> bool {
     let negative = form & UNSIGNED == 0 && (bits as i64) < 0;
-    let mut magnitude = if negative { bits.wrapping_neg() } else { bits };
-    let mut characters = [0; DIGITS_MAX];
-    let mut start = DIGITS_MAX;
-    while magnitude > u64::from(u32::MAX) {
-        start -= 1;
-        characters[start] = b'0' + (magnitude % 10) as u8;
-        magnitude /= 10;
-    }
-    finish(memory, magnitude as u32, negative, form, &mut characters, start, out)
+    let magnitude = if negative { bits.wrapping_neg() } else { bits };
+    let digits = magnitude.checked_ilog10().map_or(1, |power| power + 1);
+    place(memory, magnitude, digits, negative, form, out)
 }
 
 /// Writes a DINT, as [`write_long`].
 #[inline(always)]
 pub fn write(memory: Bytes, value: i32, form: u16, out: Option<Text>) -> bool {
-    let mut characters = [0; DIGITS_MAX];
-    finish(memory, value.unsigned_abs(), value < 0, form, &mut characters, DIGITS_MAX, out)
+    let magnitude = value.unsigned_abs();
+    // The logarithm of 0 is not there, and it has as many digits as 1.
+    place(memory, magnitude.into(), (magnitude | 1).ilog10() + 1, value < 0, form, out)
 }
 
-/// Puts the digits of `rest` and the sign before the `characters` from `start` on, and writes all.
+/// Writes the `digits` of a number where they belong, from the last one on, and the sign before them.
 #[inline(always)]
-fn finish(
-    memory: Bytes,
-    mut rest: u32,
-    negative: bool,
-    form: u16,
-    characters: &mut [u8; DIGITS_MAX],
-    start: usize,
-    out: Option<Text>,
-) -> bool {
-    // No number has more digits; the limits spare checks.
-    let mut start = start.min(DIGITS_MAX);
-    while rest >= 100 && start >= 3 {
-        start -= 2;
-        characters[start..start + 2].copy_from_slice(&PAIRS[(rest % 100) as usize]);
-        rest /= 100;
+fn place(memory: Bytes, magnitude: u64, digits: u32, negative: bool, form: u16, out: Option<Text>) -> bool {
+    let Some(out) = out else { return false };
+    let has_sign = negative || form & PLUS != 0;
+    let count = digits + u32::from(has_sign);
+    if count > out.maximum() {
+        return false;
     }
-    let pair = PAIRS[(rest % 100) as usize];
-    start = start.max(3) - 1;
-    characters[start] = pair[1];
-    if rest >= 10 {
-        start -= 1;
-        characters[start] = pair[0];
+    let start = out.start();
+    let mut end = start + count;
+    let mut rest = magnitude;
+    // SAFETY: there is room for all characters, and `digits` is how many there are.
+    unsafe {
+        while rest > u64::from(u32::MAX) {
+            end -= 1;
+            memory.set_byte(end, b'0' + (rest % 10) as u8);
+            rest /= 10;
+        }
+        let mut rest = rest as u32;
+        while rest >= 100 {
+            end -= 2;
+            memory.set_word(end, u16::from_le_bytes(PAIRS[(rest % 100) as usize]));
+            rest /= 100;
+        }
+        let pair = PAIRS[(rest % 100) as usize];
+        memory.set_byte(end - 1, pair[1]);
+        if rest >= 10 {
+            memory.set_byte(end - 2, pair[0]);
+        }
+        if has_sign {
+            memory.set_byte(start, if negative { b'-' } else { b'+' });
+        }
     }
-    if negative || form & PLUS != 0 {
-        start -= 1;
-        characters[start] = if negative { b'-' } else { b'+' };
-    }
-    give_whole(memory, out, &characters[start..])
+    out.set_length(memory, count);
+    true
 }
 
 /// A sign or none, then digits only, `longest` characters at most. `None`: another form. The value is limited to `low..=high`; the second
@@ -92,6 +90,18 @@ fn parse(characters: &[u8]) -> Option<i64> {
     };
     if digits.is_empty() {
         return None;
+    }
+    // Eighteen digits always fit.
+    if digits.len() <= 18 {
+        let mut value = 0i64;
+        for digit in digits {
+            let digit = digit.wrapping_sub(b'0');
+            if digit > 9 {
+                return None;
+            }
+            value = value * 10 + i64::from(digit);
+        }
+        return Some(if negative { -value } else { value });
     }
     digits.iter().try_fold(0i64, |value, digit| {
         let digit = i64::from(digit.checked_sub(b'0').filter(|&digit| digit < 10)?);

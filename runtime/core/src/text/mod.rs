@@ -7,6 +7,7 @@ pub mod decimal;
 pub mod join;
 pub mod real;
 pub mod search;
+pub mod way;
 
 use plcc_abi::layout::state;
 use plcc_abi::text::{LOCAL, OPERAND_BITS};
@@ -108,16 +109,33 @@ impl<'a> Texts<'a> {
         self.bytes
     }
 
-    /// Text operand `index` of the function, at `offset`, if its head is as declared, which it mostly is: then such a variable exists, and nothing else
-    /// is looked up.
+    /// The declared maximum of text operand `index`; 0 if it is not known.
     #[inline(always)]
-    pub fn as_declared(&self, index: u32, offset: u32) -> Option<Text> {
-        let declared = (self.known >> (index * OPERAND_BITS + OPERAND_BITS / 2)) as u8;
+    fn declared(&self, index: u32) -> u16 {
+        ((self.known >> (index * OPERAND_BITS + OPERAND_BITS / 2)) as u8).into()
+    }
+
+    /// The actual length of text operand `index` of the function, at `offset`, if its maximum is as declared; otherwise more than 255.
+    #[inline(always)]
+    fn length(&self, index: u32, offset: u32) -> u16 {
         // SAFETY: generated code passes on only texts with a head.
         let head = unsafe { self.bytes.word(offset) };
-        let length = (head >> 8) as u8;
-        let same = head as u8 == declared && length <= declared && declared != 0;
-        same.then_some(Text { offset, room: declared.into(), length: length.into() })
+        // The maximum is the low byte; it is 0 then, and becomes the high one.
+        head.wrapping_sub(self.declared(index)).rotate_right(8)
+    }
+
+    /// True if the head of text operand `index`, at `offset`, is as declared, which it mostly is: then such a variable exists, and nothing else is
+    /// looked up.
+    #[inline(always)]
+    pub fn is_as_declared(&self, index: u32, offset: u32) -> bool {
+        let declared = self.declared(index);
+        self.length(index, offset) <= declared && declared != 0
+    }
+
+    /// Text operand `index`, at `offset`, which [is as declared](Texts::is_as_declared).
+    #[inline(always)]
+    pub fn as_declared(&self, index: u32, offset: u32) -> Text {
+        Text { offset, room: self.declared(index).into(), length: self.length(index, offset).into() }
     }
 
     /// Text operand `index`, whatever its head; `None` if it is not valid.

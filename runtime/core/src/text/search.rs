@@ -13,12 +13,17 @@ pub fn find(memory: Bytes, text: Option<Text>, part: Option<Text>, rules: Rules)
     if part.length() == 0 || part.length() > text.length() {
         return (0, rules == Rules::V5);
     }
-    let found = text.view(memory, |text| part.view(memory, |part| position(text, part)));
+    let found = text.view(memory, |text| {
+        part.view(memory, |part| match *part {
+            [character] => first_of(text, character),
+            _ => position(text, part),
+        })
+    });
     (found.map_or(0, |index| index as u32 + 1), true)
 }
 
 /// The first `part` in `text`; `None` if there is none or it is empty.
-#[inline(always)]
+#[inline(never)]
 fn position(text: &[u8], part: &[u8]) -> Option<usize> {
     let (&first, rest) = part.split_first()?;
     let starts = text.get(..=text.len().checked_sub(part.len())?)?;
@@ -37,16 +42,23 @@ fn position(text: &[u8], part: &[u8]) -> Option<usize> {
 fn first_of(text: &[u8], character: u8) -> Option<usize> {
     const ONES: u64 = 0x0101_0101_0101_0101;
     let pattern = ONES * u64::from(character);
-    let (eights, rest) = text.as_chunks::<8>();
-    for (index, eight) in eights.iter().enumerate() {
-        let differences = u64::from_le_bytes(*eight) ^ pattern;
+    let place_in = |eight: [u8; 8]| {
+        let differences = u64::from_le_bytes(eight) ^ pattern;
         // The lowest bit that is set belongs to the first byte that is 0.
         let zeros = differences.wrapping_sub(ONES) & !differences & (ONES << 7);
-        if zeros != 0 {
-            return Some(8 * index + zeros.trailing_zeros() as usize / 8);
+        (zeros != 0).then(|| zeros.trailing_zeros() as usize / 8)
+    };
+    let Some(last) = text.last_chunk::<8>() else {
+        return text.iter().position(|&found| found == character);
+    };
+    let (eights, rest) = text.as_chunks::<8>();
+    for (index, eight) in eights.iter().enumerate() {
+        if let Some(place) = place_in(*eight) {
+            return Some(8 * index + place);
         }
     }
-    rest.iter().position(|&found| found == character).map(|at| text.len() - rest.len() + at)
+    // The last eight begin with some that have been looked at.
+    if rest.is_empty() { None } else { place_in(*last).map(|place| text.len() - 8 + place) }
 }
 
 /// True if the relation holds: bit 0 of `relation`: `one` is less, bit 1: they are equal, bit 2: it is greater, by the codes of the

@@ -51,7 +51,10 @@ impl ChartBinder<'_, '_> {
         self.program.report(
             Diagnostic::new(Code::ConditionType, node.span, format!("`{text}` is {is}, but {what} needs a BOOL"))
                 .label(is)
-                .help("compare it, for example with `> 0`, or name a bit"),
+                .help(match text.contains(char::is_whitespace) {
+                    true => "compare it, for example with `> 0`, or name a bit".to_string(),
+                    false => format!("compare it, as in `{text} <> 0`, or name a bit"),
+                }),
         );
         None
     }

@@ -95,7 +95,9 @@ impl Declarations<'_> {
         bound: &BoundInterface,
         (name, span): (&str, Span),
     ) -> Option<String> {
-        let names = || bound.interface.parameters.iter().map(|parameter| parameter.name.as_str());
+        let block = self.globals.library_block(key);
+        let is_own = |name: &&str| !block.is_some_and(|block| plcc_stdlib::is_shared_input(block, name));
+        let names = || bound.interface.parameters.iter().map(|parameter| parameter.name.as_str()).filter(is_own);
         let message = Diagnostic::new(
             Code::UnknownParameter,
             span,

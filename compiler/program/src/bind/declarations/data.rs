@@ -170,6 +170,18 @@ impl Declarations<'_> {
 
     fn no_content(&mut self, source: &ast::DataBlock, span: Span) {
         let name = self.globals.text(source.name.span());
+        let of = self.globals.text(span);
+        let is_function =
+            |target| matches!(target, SymbolTarget::Block { prefix: BlockPrefix::Fc | BlockPrefix::Sfc, .. });
+        if self.globals.global(of.trim_matches('"')).is_some_and(is_function) {
+            let call = of.trim();
+            self.report(
+                Diagnostic::new(Code::DeclarationSyntax, span, format!("{name} cannot be an instance of {call}"))
+                    .label("a function, which keeps no data")
+                    .help(format!("call `{call}(…)` without a data block, or make it a FUNCTION_BLOCK")),
+            );
+            return;
+        }
         self.report(
             Diagnostic::new(Code::DeclarationSyntax, span, format!("{name} declares no data"))
                 .label("a STRUCT, a UDT, an FB or an SFB is expected")
@@ -251,6 +263,7 @@ impl Declarations<'_> {
             data_type: if instance_of.is_none() { typed.ty.name.clone() } else { String::new() },
             read_only: source.header.read_only,
             unlinked: source.header.unlinked,
+            optimized: self.globals.input.profile.family.is_portal() && blocks::is_optimized(&source.header),
             kept,
         };
         BoundDb { block, ty: typed.ty }
@@ -297,6 +310,7 @@ impl Declarations<'_> {
             instance_of: None,
             read_only: true,
             unlinked: false,
+            optimized: false,
             kept: Kept::Nothing,
         };
         self.data.blocks.insert(number, BoundDb { block, ty: typed.ty });
@@ -355,6 +369,7 @@ impl Declarations<'_> {
                 instance_of: Some(key),
                 read_only: false,
                 unlinked: false,
+                optimized: false,
                 kept,
             };
             self.data.blocks.insert(instance, BoundDb { block, ty: typed.ty });

@@ -192,7 +192,12 @@ impl<'a> Declarations<'a> {
             self.report(
                 Diagnostic::new(Code::SectionNotAllowed, span, format!("{word} is only possible for parameters"))
                     .label("not possible in this declaration")
-                    .help("declare it in VAR_INPUT; POINTER and ANY also in VAR_IN_OUT and as results, ANY also in VAR_TEMP"),
+                    .help(match word {
+                        "VARIANT" => "declare it in VAR_INPUT, VAR_OUTPUT, VAR_IN_OUT or VAR_TEMP",
+                        "ANY" => "declare it in VAR_INPUT, VAR_OUTPUT, VAR_IN_OUT or VAR_TEMP",
+                        "POINTER" => "declare it in VAR_INPUT, VAR_OUTPUT or VAR_IN_OUT",
+                        _ => "declare it in VAR_INPUT",
+                    }),
             );
             return None;
         }

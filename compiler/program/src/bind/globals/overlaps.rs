@@ -1,6 +1,6 @@
 //! Tags that share memory although neither is a part of the other, or is one of another kind.
 
-use plcc_diag::{Code, Diagnostic};
+use plcc_diag::{Code, Diagnostic, Severity};
 use plcc_model::types::{Class, Elementary};
 use plcc_syntax::ast::{Area, Width};
 use plcc_syntax::symbols::SymbolTarget;
@@ -20,6 +20,7 @@ struct Tag<'g> {
 impl Globals<'_> {
     /// Reports tags in the process images and the bit memory whose values cannot both be right.
     pub fn check_overlaps(&mut self) {
+        self.check_widths();
         let mut tags: Vec<Tag<'_>> = self.names.symbols.values().filter_map(tag).collect();
         tags.sort_by(|a, b| {
             (a.area.letters(), a.first, a.after, &a.global.name).cmp(&(
@@ -50,6 +51,38 @@ impl Globals<'_> {
         }
         messages.into_iter().for_each(|message| self.report.push(message));
     }
+}
+
+impl Globals<'_> {
+    /// Reports tags whose type needs more bytes than their address has.
+    fn check_widths(&mut self) {
+        let mut messages: Vec<Diagnostic> = self.names.symbols.values().filter_map(too_narrow).collect();
+        messages.sort_by_key(|message| (message.primary.span.file.0, message.primary.span.start));
+        messages.into_iter().for_each(|message| self.report.push(message));
+    }
+}
+
+/// The message about a tag such as `MW 10` of type REAL.
+fn too_narrow(global: &Global) -> Option<Diagnostic> {
+    let SymbolTarget::Memory { area, width: width @ (Width::Byte | Width::Word | Width::Dword), byte, .. } =
+        global.target
+    else {
+        return None;
+    };
+    let ty = global.ty.filter(|ty| ty.bits() > width.bits())?;
+    let letters = area.letters();
+    let wide = match ty.bits() {
+        16 => format!("`{letters}W {byte}`"),
+        32 => format!("`{letters}D {byte}`"),
+        _ => format!("the address of its first bit, `{letters} {byte}.0`"),
+    };
+    let title =
+        format!("the tag `{}` is of type {}, but its address has {} bits", global.name, ty.name(), width.bits());
+    let mut message = Diagnostic::new(Code::WidthMismatch, global.span, title)
+        .label(format!("{} has {} bits", ty.name(), ty.bits()))
+        .help(format!("write {wide}, or another type"));
+    message.severity = Severity::Warning;
+    Some(message)
 }
 
 fn tag(global: &Global) -> Option<Tag<'_>> {

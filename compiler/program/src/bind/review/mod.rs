@@ -7,12 +7,16 @@
 //! - [`temporary`]: temporary data that is read before it is written.
 //! - [`assigned`]: variables in SCL that are assigned again before anything reads them.
 //! - [`outputs`]: outputs that two blocks assign in one cycle.
+//! - [`overlaps`]: addresses that share a part of their bytes.
+//! - [`timers`]: IEC timers without a time.
 
 mod assigned;
 mod outputs;
+mod overlaps;
 mod region;
 mod stl;
 mod temporary;
+mod timers;
 mod tree;
 
 use plcc_diag::{Code, Diagnostic, Span};
@@ -64,6 +68,8 @@ pub fn review(program: &mut Declarations, blocks: &[CodeBlock], mains: &[BlockKe
     let reported = program.globals.report.diagnostics.iter().chain(&found);
     let told: Vec<Span> = reported.filter(|one| one.code == Code::DoubleCoil).map(|one| one.primary.span).collect();
     outputs::review(&blocks, mains, &told, &mut found);
+    overlaps::review(&blocks, &|span| program.globals.text(span), &mut found);
+    timers::review(program, &blocks, &mut found);
     found
 }
 

@@ -195,6 +195,7 @@ impl SclBinder<'_, '_> {
     }
 
     fn wrong_arrow(&mut self, key: BlockKey, formal: &Parameter, argument: &Given) {
+        let given = argument.value.as_ref().map_or("…".to_string(), |value| self.program.globals.text(value.span));
         self.program.report(
             Diagnostic::new(
                 Code::AssignSign,
@@ -202,7 +203,7 @@ impl SclBinder<'_, '_> {
                 format!("`{}` of {} is an input", formal.name, self.program.globals.shown(key)),
             )
             .label("`=>` is for outputs of the block")
-            .help(format!("write `{} := ...`", formal.name)),
+            .help(format!("write `{} := {given}`", formal.name)),
         );
     }
 

@@ -2,7 +2,7 @@
 
 use plcc_diag::{Code, Span};
 use plcc_syntax::Elementary;
-use plcc_syntax::scl::ast::{AssignOp, BinaryOp as Operator, Expr as Node, ExprKind as NodeKind};
+use plcc_syntax::scl::ast::{AssignOp, BinaryOp as Operator, Expr as Node, ExprKind as NodeKind, NameForm};
 
 use super::coerce::{access_has_call, copied_bytes};
 use super::convert;
@@ -53,6 +53,20 @@ impl SclBinder<'_, '_> {
     ) -> Option<Value> {
         // Anything that can never be a target is reported by the parser.
         if matches!(target.kind, NodeKind::Literal(_) | NodeKind::Unary { .. } | NodeKind::Binary { .. }) {
+            return None;
+        }
+        if let NodeKind::Name(name) = &target.kind
+            && name.form == NameForm::Bare
+            && ["TRUE", "FALSE"].iter().any(|word| name.text.eq_ignore_ascii_case(word))
+        {
+            let title = format!("`{}` cannot be assigned", name.text);
+            self.refuse(
+                Code::OperandKind,
+                name.span,
+                &title,
+                "a constant",
+                "write the variable on the left side of `:=`",
+            );
             return None;
         }
         if self.is_flag(ctx, target) {

@@ -11,7 +11,7 @@ use plcc_syntax::scl::ast::{Argument as Given, Expr as Node, ExprKind as NodeKin
 use super::function::Named;
 use super::value::Value;
 use super::{Intent, Rules};
-use crate::bind::globals::names::code_kind;
+use crate::bind::globals::names::{Global, code_kind};
 use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::fold;
 use plcc_binding::similar;
@@ -248,10 +248,11 @@ impl SclBinder<'_, '_> {
             }
             BlockPrefix::Fb | BlockPrefix::Sfb => {
                 let text = self.program.globals.text(span);
+                let help = self.instance_help(BlockKey { kind: code_kind(prefix)?, number }, &text);
                 self.program.report(
                     Diagnostic::new(Code::MissingOperand, span, format!("the call of `{text}` names no instance"))
                         .label("a function block keeps its data in an instance")
-                        .help("call the instance data block, a static variable of this type, or write `FB1.DB2(...)`"),
+                        .help(help),
                 );
                 None
             }
@@ -279,6 +280,32 @@ impl SclBinder<'_, '_> {
                 }
             }
             BlockPrefix::Ob | BlockPrefix::Udt | BlockPrefix::Vat => self.no_callee(span),
+        }
+    }
+
+    /// How to call a function block that the program calls as `text`, without an instance.
+    fn instance_help(&self, key: BlockKey, text: &str) -> String {
+        let names = &self.program.globals.names;
+        let mut instances: Vec<u16> = self
+            .program
+            .data
+            .blocks
+            .iter()
+            .filter(|(_, db)| db.block.instance_of == Some(key))
+            .map(|(number, _)| *number)
+            .collect();
+        instances.sort_unstable();
+        let word = text.trim_matches('"');
+        let named = !word.eq_ignore_ascii_case(&key.to_string().replace(' ', ""));
+        match instances.first() {
+            Some(number) if named => match names.block_name(BlockPrefix::Db, *number) {
+                name if name.is_empty() => format!("call its instance: `{text}.DB{number}(…)`"),
+                name => format!("call its instance: `\"{name}\"(…)`"),
+            },
+            Some(number) => format!("call its instance: `{text}.DB{number}(…)`"),
+            None => format!(
+                "declare the static variable `inst{word} : {text};` and call `#inst{word}(…)`, or define `DATA_BLOCK \"{word}_DB\" {text}` and call `\"{word}_DB\"(…)`"
+            ),
         }
     }
 
@@ -461,18 +488,22 @@ impl SclBinder<'_, '_> {
         if self.program.globals.missing_instruction(&name.text, name.span) {
             return;
         }
-        let folded = fold(&name.text);
+        let (folded, span) = (fold(&name.text), name.span);
         if plcc_stdlib::LIBRARY.iter().any(|block| fold(block.name) == folded) {
             self.program.globals.unknown_name(&name.text, name.span, std::iter::empty());
             return;
         }
-        let own = self
-            .program
-            .globals
-            .names
-            .symbols
-            .values()
-            .filter(|global| matches!(global.target, SymbolTarget::Block { .. }));
+        let blocks = || self.program.globals.names.symbols.values();
+        let is_fb = |global: &&Global| matches!(global.target, SymbolTarget::Block { prefix: BlockPrefix::Fb, .. });
+        let begins =
+            |global: &&Global| folded.strip_prefix(&fold(&global.name)).is_some_and(|rest| rest.starts_with('_'));
+        if let Some(fb) = blocks().filter(is_fb).filter(begins).max_by_key(|global| global.name.len()) {
+            let (name, fb) = (&name.text, &fb.name);
+            let help = format!("define the instance: `DATA_BLOCK \"{name}\" \"{fb}\" BEGIN END_DATA_BLOCK`");
+            self.program.globals.report.missing_instance(name, fb, span, help);
+            return;
+        }
+        let own = blocks().filter(|global| matches!(global.target, SymbolTarget::Block { .. }));
         let own: Vec<&str> = own.map(|global| global.name.as_str()).collect();
         let shipped = plcc_stdlib::blocks().iter().map(|block| block.name);
         let meant = similar(&name.text, own.into_iter())

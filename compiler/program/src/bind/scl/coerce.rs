@@ -204,12 +204,13 @@ impl SclBinder<'_, '_> {
             }
             (Value::Complex { value, ty: from, .. }, _) => {
                 if !assignable(ctx.scope.rules, ty, &from) {
+                    let difference = first_difference(&from, ty);
                     let (from, wanted) = (layout::type_name(&from), layout::type_name(ty));
                     let help = match from == wanted {
-                        true => "their components or bounds differ",
-                        false => "name a variable of the same type, or assign the parts one by one",
+                        true => difference.unwrap_or_else(|| "their components or bounds differ".to_string()),
+                        false => "name a variable of the same type, or assign the parts one by one".to_string(),
                     };
-                    self.wrong_type(span, &format!("of type {from}"), &wanted, Some(help.to_string()));
+                    self.wrong_type(span, &format!("of type {from}"), &wanted, Some(help));
                     return None;
                 }
                 Some(value)
@@ -387,5 +388,25 @@ struct HasCall(bool);
 impl Visitor for HasCall {
     fn expr(&mut self, expr: &Expr) {
         self.0 |= matches!(expr.kind, ExprKind::Call(_) | ExprKind::Timer(_) | ExprKind::Counter(_));
+    }
+}
+
+/// In which component two structures differ first, for a message.
+fn first_difference(from: &DataType, wanted: &DataType) -> Option<String> {
+    let (DataType::Struct(from), DataType::Struct(wanted)) = (from, wanted) else { return None };
+    let pairs = from.members.iter().zip(&wanted.members);
+    for (own, other) in pairs {
+        if plcc_binding::fold(&own.name) != plcc_binding::fold(&other.name) {
+            return Some(format!("the component `{}` stands where `{}` is expected", own.name, other.name));
+        }
+        let (is, needed) = (layout::type_name(&own.ty), layout::type_name(&other.ty));
+        if is != needed {
+            return Some(format!("the component `{}` is of type {is}, but {needed} is expected", own.name));
+        }
+    }
+    match (from.members.len(), wanted.members.len()) {
+        (has, needs) if has < needs => Some(format!("it has no component `{}`", wanted.members[has].name)),
+        (has, needs) if has > needs => Some(format!("its component `{}` has no place there", from.members[needs].name)),
+        _ => None,
     }
 }

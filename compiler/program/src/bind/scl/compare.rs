@@ -75,11 +75,16 @@ impl SclBinder<'_, '_> {
             _ => {
                 let s5time = |value: &Value| Shape::of(value) == Shape::Of(Elementary::S5Time);
                 let help = if s5time(&left) || s5time(&right) {
-                    "convert S5TIME first: S5TIME_TO_TIME(…)"
+                    "convert S5TIME first: S5TIME_TO_TIME(…)".to_string()
+                } else if let Value::Elementary(Expr { kind: ExprKind::Compare { right: middle, .. }, .. }) = &left {
+                    // `1 < x < 5`
+                    let text = |span| self.program.globals.text(span);
+                    let (first, middle) = (text(left.span()), text(middle.span));
+                    format!("write `{first} AND {middle} {} {}`", text(op_span), text(right.span()))
                 } else {
-                    "both sides must be of one type; convert one of them"
+                    "both sides must be of one type; convert one of them".to_string()
                 };
-                self.operator_types(op_span, &left, &right, help);
+                self.operator_types(op_span, &left, &right, &help);
                 None
             }
         }
@@ -287,7 +292,7 @@ fn is_text(value: &Value) -> bool {
 }
 
 /// A value that is compared with a WSTRING: a WSTRING, or one that converts to it.
-fn is_any_text(value: &Value) -> bool {
+pub(super) fn is_any_text(value: &Value) -> bool {
     match value {
         Value::Constant(Constant::Text { .. }, _) => true,
         Value::Elementary(expr) => expr.ty == Elementary::Wchar,

@@ -4,7 +4,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::scl::ast::{BinaryOp as Operator, Expr as Node, ExprKind as NodeKind, Literal, UnaryOp as Sign};
 use plcc_syntax::{Class, Elementary};
 
-use super::compare::comparison;
+use super::compare::{comparison, is_any_text};
 use super::numeric::{self, Shape};
 use super::value::Value;
 use super::{Intent, Rules, message};
@@ -204,13 +204,29 @@ impl SclBinder<'_, '_> {
         let whole = matches!(op, Operator::DivideInteger | Operator::Modulo);
         let Some(ty) = ty.filter(|ty| !(whole && ty.is_float())) else {
             let help = match (whole && ty.is_some(), op) {
-                (true, Operator::Modulo) => "MOD needs integers; convert with REAL_TO_DINT(…)",
-                (true, _) => "DIV needs integers; for floating-point numbers write `/`",
-                (false, _) => "both sides must be numbers, or dates and times that go together",
+                (true, Operator::Modulo) => "MOD needs integers; convert with REAL_TO_DINT(…)".to_string(),
+                (true, _) => "DIV needs integers; for floating-point numbers write `/`".to_string(),
+                (false, Operator::Add) if is_any_text(&left) && is_any_text(&right) => {
+                    let globals = &self.program.globals;
+                    let (one, two) = (globals.text(left.span()), globals.text(right.span()));
+                    format!("texts are joined with `CONCAT(IN1 := {one}, IN2 := {two})`")
+                }
+                (false, _) => "both sides must be numbers, or dates and times that go together".to_string(),
             };
-            self.operator_types(op_span, &left, &right, help);
+            self.operator_types(op_span, &left, &right, &help);
             return None;
         };
+        let zero = matches!(&right, Value::Constant(Constant::Integer { value: 0, .. }, _));
+        if zero && !ty.is_float() && matches!(op, Operator::Divide | Operator::DivideInteger | Operator::Modulo) {
+            let text = self.program.globals.text(left.span());
+            self.refuse(
+                Code::AlwaysSame,
+                op_span,
+                &format!("`{text}` is always divided by 0"),
+                "the right side is 0",
+                "write another divisor, or a variable that is not 0",
+            );
+        }
         self.combined(ctx, binary_op(op), left, right, ty, span)
     }
 

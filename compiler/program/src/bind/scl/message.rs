@@ -9,6 +9,7 @@ use crate::bind::scl::SclBinder;
 use plcc_binding::constant::Constant;
 use plcc_binding::rewrite;
 use plcc_model::layout;
+use plcc_model::types::Class;
 
 /// Nesting of expressions and statements beyond what anyone can read.
 pub const DEPTH_MAX: u32 = 200;
@@ -37,10 +38,10 @@ impl SclBinder<'_, '_> {
         let text = self.program.globals.text(span);
         let help = match (from, to) {
             _ if let Some(help) = rewrite::of_constant(to, &text, rewrite::Form::Scl) => Some(help),
+            (_, Elementary::Bool) => Some(compared_with_zero(from, &text)),
             _ if convert::explicit(rules, from, to).is_some() => {
                 Some(format!("convert it: {}", conversion(from, to, &text)))
             }
-            (_, Elementary::Bool) => Some("compare it, for example with `<> 0`".to_string()),
             _ => None,
         };
         self.wrong_type(span, &format!("of type {}", from.name()), to.name(), help);
@@ -66,6 +67,22 @@ impl SclBinder<'_, '_> {
     pub(in crate::bind) fn refuse(&mut self, code: Code, span: Span, title: &str, label: &str, help: &str) {
         let message = Diagnostic::new(code, span, title).label(label);
         self.program.report(if help.is_empty() { message } else { message.help(help) });
+    }
+}
+
+/// How to write the condition that a number was meant as: `NOT #i` is `#i = 0`.
+fn compared_with_zero(from: Elementary, text: &str) -> String {
+    let zero = if from.is_float() { "0.0" } else { "0" };
+    if !matches!(from.class(), Class::Signed | Class::Unsigned | Class::Float | Class::Bits) {
+        return "compare it with a value of its type".to_string();
+    }
+    let negated = text.get(..3).is_some_and(|word| word.eq_ignore_ascii_case("NOT"));
+    let rest = text.get(3..).map_or("", str::trim_start);
+    let single = |text: &str| !text.is_empty() && !text.contains(char::is_whitespace);
+    match negated && single(rest) {
+        true => format!("compare it: `{rest} = {zero}`"),
+        false if single(text) => format!("compare it: `{text} <> {zero}`"),
+        false => format!("compare it, for example with `<> {zero}`"),
     }
 }
 

@@ -89,11 +89,15 @@ pub fn absolute(state: &mut State, text: &str, range: Range<usize>) -> Sub {
 fn address_of(state: &mut State, text: &str, span: Span) -> Option<OperandKind> {
     let operand = address::token(&text.replace(' ', ""), span);
     if operand.is_none() {
-        state.report(
-            Diagnostic::new(Code::AddressRange, span, format!("`{text}` is not an address"))
+        let message = Diagnostic::new(Code::AddressRange, span, format!("`{text}` is not an address"));
+        state.report(match address::with_carried_bit(text) {
+            Some(meant) => message
+                .label("a byte has the bits 0 to 7")
+                .help(format!("is `{meant}` meant, the bit after those of the byte, or another bit from 0 to 7?")),
+            None => message
                 .label("no area has this address")
                 .help("write e.g. `MW10`, `I0.7`, `DB1.DBX2.0`; bits go from 0 to 7"),
-        );
+        });
     }
     operand
 }

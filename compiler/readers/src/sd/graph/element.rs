@@ -122,6 +122,14 @@ impl Builder<'_, '_> {
             self.report(diagnostic.label(why).help(help));
             return;
         }
+        if let Some((group, written)) = plcc_stdlib::catalogued(name) {
+            let title = format!("`{written}` is an instruction of {} that plcc does not have", group.tool);
+            let help =
+                format!("write a block `{written}` that does the same, and call it with quotes: `\"{written}\"( … )`");
+            let label = format!("group: {}", group.name);
+            self.report(Diagnostic::new(Code::UnknownElement, target, title).label(label).help(help));
+            return;
+        }
         let help = match elements::nearest_sd(name) {
             Some(known) => {
                 format!("did you mean `{known}`? FCs and instance DBs are called with quotes, `\"{name}\"( … )`")

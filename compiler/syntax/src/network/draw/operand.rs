@@ -9,23 +9,24 @@ const LENGTH_MAX: usize = 28;
 
 /// `#Start`, `"Tank".level[3]`, `%I0.0`, `T#1500ms`, cut to a length that fits a drawing.
 pub fn operand(value: &Expr) -> String {
-    let full = long(value);
+    let full = whole(value);
     if full.chars().count() <= LENGTH_MAX {
         return full;
     }
     full.chars().take(LENGTH_MAX - 3).chain("...".chars()).collect()
 }
 
-fn long(value: &Expr) -> String {
+/// As [`operand`], but not cut.
+pub fn whole(value: &Expr) -> String {
     match &value.kind {
         ExprKind::Name(value) => name(value),
-        ExprKind::Member { base, name: member } => format!("{}.{}", long(base), name(member)),
+        ExprKind::Member { base, name: member } => format!("{}.{}", whole(base), name(member)),
         ExprKind::Index { base, indices } => {
-            format!("{}[{}]", long(base), indices.iter().map(long).collect::<Vec<_>>().join(","))
+            format!("{}[{}]", whole(base), indices.iter().map(whole).collect::<Vec<_>>().join(","))
         }
         ExprKind::Literal(value) => literal(value),
-        ExprKind::Unary { op: UnaryOp::Minus, operand } => format!("-{}", long(operand)),
-        ExprKind::Unary { op: UnaryOp::Not, operand } => format!("NOT {}", long(operand)),
+        ExprKind::Unary { op: UnaryOp::Minus, operand } => format!("-{}", whole(operand)),
+        ExprKind::Unary { op: UnaryOp::Not, operand } => format!("NOT {}", whole(operand)),
         ExprKind::Error => "???".to_string(),
         ExprKind::Absolute(_)
         | ExprKind::MemberAbsolute { .. }

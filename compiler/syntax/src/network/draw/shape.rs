@@ -45,8 +45,8 @@ pub fn net_name(graph: &Graph, id: NetId) -> String {
     }
 }
 
-/// The symbol of elements without a box.
-fn symbol(row: &Row, element: &Element, language: Language) -> Option<String> {
+/// The symbol of elements without a box: `|/|`, `(S)`, in FBD `[=]`.
+pub fn symbol(row: &Row, element: &Element, language: Language) -> Option<String> {
     let negated = element.pin("operand").is_some_and(|pin| pin.negated);
     let coil = |text: &str| {
         let (open, close) = if language == Language::Fbd { ('[', ']') } else { ('(', ')') };

@@ -307,11 +307,16 @@ impl<'a> Classifier<'a, '_> {
             // `%MW(#i)`, `%DB10.DBW(#i)`
             None if address::area_word(bare).is_some() || address::db_area_word(bare).is_some() => Tok::Name(bare),
             None => {
-                self.report(
-                    Diagnostic::new(Code::AddressRange, self.span(token), format!("`{text}` is not an address"))
+                let message =
+                    Diagnostic::new(Code::AddressRange, self.span(token), format!("`{text}` is not an address"));
+                self.report(match address::with_carried_bit(text) {
+                    Some(meant) => message.label("a byte has the bits 0 to 7").help(format!(
+                        "is `{meant}` meant, the bit after those of the byte, or another bit from 0 to 7?"
+                    )),
+                    None => message
                         .label("no area has this address")
                         .help("write e.g. `%MW10`, `%I0.7`, `%DB1.DBX2.0`; bits go from 0 to 7"),
-                );
+                });
                 Tok::Bad
             }
         };

@@ -137,11 +137,16 @@ impl Classifier<'_, '_> {
                 self.bad_statement();
             }
             _ => {
-                self.report(
-                    Diagnostic::new(Code::Syntax, span, format!("`{slice}` cannot begin a statement"))
+                let compares = matches!(slice, ">" | "<" | ">=" | "<=" | "==" | "<>");
+                let message = Diagnostic::new(Code::Syntax, span, format!("`{slice}` cannot begin a statement"));
+                self.report(match compares {
+                    true => message
+                        .label("the type of the values is missing")
+                        .help(format!("write `{slice}I` for INT, `{slice}D` for DINT or `{slice}R` for REAL")),
+                    false => message
                         .label("an instruction is expected here")
                         .help("a statement is a mnemonic and its operand, e.g. `L MW 10`"),
-                );
+                });
                 self.bad_statement();
             }
         }

@@ -384,7 +384,14 @@ impl<'a> Classifier<'a, '_> {
                 let title = format!("`{}` is not an address", &self.text[begin..end]);
                 let diagnostic = Diagnostic::new(Code::AddressRange, self.span_of(begin, end), title);
                 self.report(if byte.is_some() {
-                    diagnostic.label("a byte has the bits 0 to 7").help("write the bit number after the dot, 0 to 7")
+                    let meant = crate::scl::address::with_carried_bit(&self.text[begin..end]);
+                    let help = match meant {
+                        Some(meant) => {
+                            format!("is `{meant}` meant, the bit after those of the byte, or another bit from 0 to 7?")
+                        }
+                        None => "write the bit number after the dot, 0 to 7".to_string(),
+                    };
+                    diagnostic.label("a byte has the bits 0 to 7").help(help)
                 } else {
                     diagnostic.label("the number is too large").help("no area has that many bytes")
                 });

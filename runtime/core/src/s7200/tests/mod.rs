@@ -84,6 +84,7 @@ pub fn changed_cpu(change: impl FnOnce(&mut ProgramImage)) -> Rc<Cpu> {
             data: vec![0; V_BYTES as usize],
             read_only: false,
             unlinked: false,
+            optimized: false,
             kept: Default::default(),
             ty: None,
         });

@@ -144,6 +144,7 @@ fn constants_lie_in_a_block_of_their_own() {
             data,
             read_only: true,
             unlinked: false,
+            optimized: false,
             kept: Default::default(),
             ty: None,
         });

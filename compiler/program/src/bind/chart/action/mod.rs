@@ -206,7 +206,11 @@ impl ChartBinder<'_, '_> {
                 return self.off_delay_row(ctx, rows, moment, operand, value, span);
             }
             (qualifier, body) => {
-                self.program.report(wrong_body(qualifier, body, span));
+                let operand = match body {
+                    ActionBody::Operand(node) => self.program.globals.text(node.span),
+                    _ => String::new(),
+                };
+                self.program.report(wrong_body(qualifier, body, &operand, span));
                 return;
             }
         };
@@ -304,34 +308,36 @@ fn moment(engine: &Engine, step: usize, action: &Action) -> Moment {
     Moment { condition, pulse, zeroed: engine.zeroed(span), leaving }
 }
 
-/// A row whose text does not fit its qualifier.
-fn wrong_body(qualifier: Qualifier, body: &ActionBody, span: Span) -> Diagnostic {
+/// A row whose text does not fit its qualifier. `operand`: as written, of a row that has nothing else.
+fn wrong_body(qualifier: Qualifier, body: &ActionBody, operand: &str, span: Span) -> Diagnostic {
     let name = qualifier.name();
     let alone = matches!(body, ActionBody::Operand(_));
     let (title, label, help) = match (qualifier, body) {
         (_, ActionBody::Call(_) | ActionBody::Statements(_) | ActionBody::Network(_)) => (
             format!("`{name}` cannot have code"),
             "calls and statements are actions of N",
-            "write N; to run it once, use an event: S1 N",
+            "write N; to run it once, use an event: S1 N".to_string(),
         ),
         (Qualifier::On, ActionBody::All { .. }) => {
-            ("ON activates one step".to_string(), "all steps cannot be active", "name the step: `S002`")
+            ("ON activates one step".to_string(), "all steps cannot be active", "name the step: `S002`".to_string())
         }
         (_, ActionBody::All { .. }) => (
             format!("`{name}` is not possible with all steps"),
             "S_ALL is only possible with OFF",
-            "write OFF S_ALL with an event",
+            "write OFF S_ALL with an event".to_string(),
         ),
         (Qualifier::D | Qualifier::L | Qualifier::Tl | Qualifier::Td | Qualifier::Tf, _) if alone => {
-            (format!("`{name}` needs a time"), "only an operand", "write the time after the operand: `Q4.0 := T#5S`")
+            let help = format!("write the time after the operand: `{operand} := T#…  ({name})`");
+            (format!("`{name}` needs a time"), "only an operand", help)
         }
         (Qualifier::Cs, _) if alone => {
-            ("`CS` needs a value".to_string(), "only a counter", "write the value after the counter: `C5 := C#20`")
+            let help = format!("write the value after the counter: `{operand} := C#…  (CS)`");
+            ("`CS` needs a value".to_string(), "only a counter", help)
         }
         _ => (
             format!("`{name}` needs an operand and nothing else"),
             "there is a value after the operand",
-            "an assignment is an action of N",
+            "an assignment is an action of N".to_string(),
         ),
     };
     Diagnostic::new(Code::ActionText, span, title).label(label).help(help)

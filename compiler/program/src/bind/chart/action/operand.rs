@@ -13,6 +13,7 @@ use crate::bind::scl::message::described;
 use crate::bind::scl::numeric::Shape;
 use crate::bind::scl::place::{Spot, Thing};
 use crate::bind::scl::{Intent, SclBlock};
+use plcc_binding::rewrite;
 use plcc_model::layout;
 use plcc_model::scl::Expr;
 
@@ -47,7 +48,11 @@ impl ChartBinder<'_, '_> {
     fn no_bit(&mut self, span: Span, is: &str) {
         let text = self.program.globals.text(span);
         let title = format!("`{text}` is {is}, but this action writes a BOOL");
-        self.scl().refuse(Code::ActionOperand, span, &title, is, "name a bit: `Q4.0`, or a variable of type BOOL");
+        let help = match bit_of(&text) {
+            Some(bit) => format!("name one of its bits, such as `{bit}`"),
+            None => "name a variable of type BOOL".to_string(),
+        };
+        self.scl().refuse(Code::ActionOperand, span, &title, is, &help);
     }
 
     /// The time of D and L, a TIME.
@@ -61,12 +66,24 @@ impl ChartBinder<'_, '_> {
             _ => {
                 let (text, is) = (self.program.globals.text(node.span), described(&value));
                 let title = format!("`{text}` is not a time");
-                let help = "write a time, `T#5S`, or a variable of type TIME; DWORD and DINT hold milliseconds";
-                self.scl().refuse(Code::ActionOperand, node.span, &title, &is, help);
+                let help = match rewrite::of_constant(Elementary::Time, &text, rewrite::Form::Scl) {
+                    Some(help) => help,
+                    None => "write a time such as `T#5S`, or a variable of type TIME; DWORD and DINT hold milliseconds"
+                        .to_string(),
+                };
+                self.scl().refuse(Code::ActionOperand, node.span, &title, &is, &help);
                 None
             }
         }
     }
+}
+
+/// The first bit of an address of a byte, word or double word: `Q1.0` for `QW1`.
+fn bit_of(text: &str) -> Option<String> {
+    let text = text.trim().replace(' ', "").to_ascii_uppercase();
+    let (area, width, byte) = (text.get(..1)?, text.get(1..2)?, text.get(2..)?);
+    let is_wide = matches!(area, "I" | "E" | "Q" | "A" | "M") && matches!(width, "B" | "W" | "D");
+    (is_wide && !byte.is_empty() && byte.bytes().all(|digit| digit.is_ascii_digit())).then(|| format!("{area}{byte}.0"))
 }
 
 /// `5s`, `500ms`: a time without `T#`. Source: GRAPH reference D.8.

@@ -142,12 +142,14 @@ pub fn check_steps(checked: &Checked, messages: &mut Vec<Diagnostic>) -> Start {
             known.extend(net, [step]);
         }
     }
-    for &step in &unreachable {
+    // A transition that leaves no step, which has a message, is why others seem to have no way in or out.
+    let is_whole = chart.broken || chart.transitions.iter().all(|transition| !transition.from.is_empty());
+    for &step in unreachable.iter().filter(|_| is_whole) {
         messages.push(unreachable_step(checked, step, *manual));
     }
 
     let unreachable: FxHashSet<usize> = unreachable.into_iter().collect();
-    for step in 0..net.steps() {
+    for step in (0..net.steps()).filter(|_| is_whole) {
         let is_deactivated = requests.any || requests.off.contains(&step);
         if net.leaving[step].is_empty() && !is_deactivated && !(net.is_alone(step) && unreachable.contains(&step)) {
             let step = &chart.steps[step];

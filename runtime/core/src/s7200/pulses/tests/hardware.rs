@@ -33,6 +33,7 @@ fn cpu_of(row: CpuRow) -> Rc<Cpu> {
             data,
             read_only: false,
             unlinked: false,
+            optimized: false,
             kept: Default::default(),
             ty: None,
         }];

@@ -1,0 +1,428 @@
+//! `[io.NAME]` of plc.toml: devices on a field bus whose data are inputs and outputs.
+
+use std::collections::BTreeMap;
+
+use plcc_abi::image::Module;
+use plcc_abi::remote::{RemoteChannel, RemoteLine, RemoteParity, RemoteScale, RemoteStation, RemoteTable};
+use plcc_diag::{Code, Diagnostic, FileId, Span};
+use plcc_runtime::address::{self, Place, Width};
+use plcc_runtime::{analog, io};
+use serde::Deserialize;
+use toml::Spanned;
+
+use crate::project::{duration_ms, number_within};
+
+/// `[io.NAME]`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct IoKeys {
+    modbus: Option<Spanned<String>>,
+    serial: Option<Spanned<String>>,
+    baud: Option<Spanned<i64>>,
+    parity: Option<Spanned<String>>,
+    unit: Option<Spanned<i64>>,
+    poll: Option<Spanned<String>>,
+    timeout: Option<Spanned<String>>,
+    away: Option<Spanned<String>>,
+    #[serde(default)]
+    data: Vec<DataKeys>,
+}
+
+/// `[[io.NAME.data]]`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DataKeys {
+    at: Spanned<String>,
+    coils: Option<Spanned<i64>>,
+    discrete: Option<Spanned<i64>>,
+    holding: Option<Spanned<i64>>,
+    input: Option<Spanned<i64>>,
+    count: Option<Spanned<i64>>,
+    bytes: Option<Spanned<String>>,
+    words: Option<Spanned<String>>,
+    raw: Option<Spanned<[i64; 2]>>,
+    range: Option<Spanned<String>>,
+    substitute: Option<Spanned<i64>>,
+}
+
+/// Port of Modbus TCP.
+const PORT: u16 = 502;
+/// Speeds of serial lines.
+const BAUD: std::ops::RangeInclusive<i64> = 300..=4_000_000;
+/// Times of exchanges and answers.
+const TIME_MS: std::ops::RangeInclusive<u32> = 1..=3_600_000;
+/// Devices of a program; each has a thread.
+const STATIONS_MAX: usize = 125;
+
+/// Reads the tables. Reports wrong keys and ignores them.
+pub fn read(tables: &BTreeMap<Spanned<String>, IoKeys>, file: FileId) -> (Vec<RemoteStation>, Vec<Diagnostic>) {
+    let mut reader = Reader { file, diagnostics: Vec::new(), taken: Vec::new() };
+    // In the order of the file, which numbers them.
+    let mut tables: Vec<_> = tables.iter().collect();
+    tables.sort_by_key(|(name, _)| name.span().start);
+    if let Some((name, _)) = tables.get(STATIONS_MAX) {
+        reader.report(name, format!("more than {STATIONS_MAX} devices"), "leave some out");
+    }
+    let stations = tables.iter().take(STATIONS_MAX).filter_map(|(name, keys)| reader.station(name, keys)).collect();
+    (stations, reader.diagnostics)
+}
+
+/// The addresses of devices, for a CPU whose modules are described.
+pub fn modules(stations: &[RemoteStation]) -> impl Iterator<Item = Module> {
+    stations.iter().flat_map(|station| {
+        station.channels.iter().map(|channel| {
+            let own = (channel.byte, channel.bytes());
+            let (input, output) = if channel.output { ((0, 0), own) } else { (own, (0, 0)) };
+            Module {
+                name: format!("io {}", station.name),
+                input_start: input.0,
+                input_bytes: input.1,
+                output_start: output.0,
+                output_bytes: output.1,
+                station: None,
+            }
+        })
+    })
+}
+
+struct Reader {
+    file: FileId,
+    diagnostics: Vec<Diagnostic>,
+    /// Bits that channels have: output, first, end, name of the device.
+    taken: Vec<(bool, u32, u32, String)>,
+}
+
+impl Reader {
+    fn report<T>(&mut self, key: &Spanned<T>, title: String, help: &str) {
+        let help = if help.is_empty() { "docs/remote-io.md lists the keys and their values" } else { help };
+        self.diagnostics.push(Diagnostic::new(Code::Project, Span::new(self.file, key.span()), title).help(help));
+    }
+
+    fn number<T: TryFrom<i64>>(
+        &mut self,
+        key: &Option<Spanned<i64>>,
+        range: std::ops::RangeInclusive<i64>,
+        what: &str,
+        usual: T,
+    ) -> Option<T> {
+        match key {
+            None => Some(usual),
+            Some(key) => number_within(key, range, what).map_err(|title| self.report(key, title, "")).ok(),
+        }
+    }
+
+    fn time(&mut self, key: &Option<Spanned<String>>, usual: u32) -> Option<u32> {
+        let Some(key) = key else { return Some(usual) };
+        let ms = duration_ms(key.get_ref()).filter(|ms| TIME_MS.contains(ms));
+        if ms.is_none() {
+            self.report(key, format!("`{}` is not a time from 1 ms to 1 h", key.get_ref()), "write `100ms` or `2s`");
+        }
+        ms
+    }
+
+    /// One of two words; true: the second.
+    fn word(&mut self, key: &Option<Spanned<String>>, words: [&str; 2]) -> Option<bool> {
+        let Some(key) = key else { return Some(false) };
+        let found = words.iter().position(|word| word == key.get_ref());
+        if found.is_none() {
+            let [first, second] = words;
+            self.report(key, format!("`{}` is neither `{first}` nor `{second}`", key.get_ref()), "");
+        }
+        found.map(|index| index == 1)
+    }
+
+    fn station(&mut self, name: &Spanned<String>, keys: &IoKeys) -> Option<RemoteStation> {
+        let line = self.line(name, keys);
+        let unit = self.number(&keys.unit, 0..=255, "an address of a device", 1u8);
+        let poll_ms = self.time(&keys.poll, 100);
+        let timeout_ms = self.time(&keys.timeout, 1000);
+        let substitute = self.word(&keys.away, ["keep", "substitute"]);
+        if keys.data.is_empty() {
+            self.report(name, format!("`{}` has no data", name.get_ref()), "add `[[io.NAME.data]]` with a table and `at`");
+        }
+        let channels: Vec<Option<RemoteChannel>> =
+            keys.data.iter().map(|data| self.channel(name.get_ref(), data)).collect();
+        Some(RemoteStation {
+            name: name.get_ref().clone(),
+            line: line?,
+            unit: unit?,
+            poll_ms: poll_ms?,
+            timeout_ms: timeout_ms?,
+            keep: !substitute?,
+            channels: channels.into_iter().collect::<Option<_>>()?,
+        })
+    }
+
+    fn line(&mut self, name: &Spanned<String>, keys: &IoKeys) -> Option<RemoteLine> {
+        let baud = self.number(&keys.baud, BAUD, "a speed", 19_200u32);
+        let parity = match keys.parity.as_ref().map(|key| (key, key.get_ref().as_str())) {
+            None | Some((_, "even")) => Some(RemoteParity::Even),
+            Some((_, "odd")) => Some(RemoteParity::Odd),
+            Some((_, "none")) => Some(RemoteParity::None),
+            Some((key, other)) => {
+                self.report(key, format!("`{other}` is none of `even`, `odd`, `none`"), "");
+                None
+            }
+        };
+        match (&keys.modbus, &keys.serial) {
+            (Some(address), None) => {
+                let text = address.get_ref().trim();
+                let has_port = text.rsplit_once(':').is_some_and(|(host, port)| {
+                    // The last part of an address of version 6 is no port.
+                    (!host.contains(':') || host.ends_with(']')) && port.parse::<u16>().is_ok_and(|port| port != 0)
+                });
+                if text.is_empty() || text.contains(char::is_whitespace) || (!has_port && text.ends_with(':')) {
+                    self.report(address, format!("`{text}` is not an address"), "write `192.168.0.20:502`");
+                    return None;
+                }
+                let text = if has_port { text.to_string() } else { format!("{text}:{PORT}") };
+                Some(RemoteLine::Tcp(text))
+            }
+            (None, Some(path)) => {
+                if path.get_ref().is_empty() || path.get_ref().contains('\0') {
+                    self.report(path, "no name of a serial device".to_string(), "write `/dev/ttyUSB0`");
+                    return None;
+                }
+                Some(RemoteLine::Serial { path: path.get_ref().clone(), baud: baud?, parity: parity? })
+            }
+            _ => {
+                let title = format!("`{}` needs either `modbus` or `serial`", name.get_ref());
+                self.report(name, title, "write `modbus = \"192.168.0.20:502\"` or `serial = \"/dev/ttyUSB0\"`");
+                None
+            }
+        }
+    }
+
+    fn channel(&mut self, station: &str, keys: &DataKeys) -> Option<RemoteChannel> {
+        let tables = [
+            (RemoteTable::Coils, &keys.coils),
+            (RemoteTable::DiscreteInputs, &keys.discrete),
+            (RemoteTable::HoldingRegisters, &keys.holding),
+            (RemoteTable::InputRegisters, &keys.input),
+        ];
+        let given: Vec<_> = tables.iter().filter(|(_, key)| key.is_some()).collect();
+        let [(table, first)] = given[..] else {
+            let title = "data need one table: `coils`, `discrete`, `holding` or `input`".to_string();
+            self.report(&keys.at, title, "write the number of the first element, from 0: `holding = 0`");
+            return None;
+        };
+        let table = *table;
+        let first: u16 = self.number(first, 0..=0xFFFF, "a number of an element", 0)?;
+        let (output, byte, bit, width) = self.place(&keys.at, table)?;
+        let usual: u16 = match width {
+            Width::Byte => 8,
+            Width::Dword => 2,
+            Width::Bit(_) | Width::Word | Width::Lword => 1,
+        };
+        let most = table.count_max(output);
+        let count = self.number(&keys.count, 1..=most.into(), "a number of elements of one request", usual)?;
+        if u32::from(first) + u32::from(count) > 0x1_0000 {
+            self.report(&keys.at, "the table has elements up to 65535".to_string(), "");
+            return None;
+        }
+        let low_byte_first = self.word(&keys.bytes, ["high first", "low first"])?;
+        let low_word_first = self.word(&keys.words, ["high first", "low first"])?;
+        if let Some(key) = keys.words.as_ref().filter(|_| low_word_first && !count.is_multiple_of(2)) {
+            self.report(key, "the order of words needs pairs of registers".to_string(), "make `count` even");
+            return None;
+        }
+        let registers_only = [keys.bytes.as_ref().map(|key| key.span()), keys.words.as_ref().map(|key| key.span())];
+        if let Some(span) = registers_only.into_iter().flatten().next().filter(|_| table.has_bits()) {
+            let title = "bits have no order of bytes and words".to_string();
+            self.diagnostics.push(Diagnostic::new(Code::Project, Span::new(self.file, span), title).help("leave it out"));
+            return None;
+        }
+        let scale = self.scale(keys, table)?;
+        let limits = if table.has_bits() { 0..=1 } else { -32768..=65535 };
+        let substitute: i64 = self.number(&keys.substitute, limits, "a substitute value", 0)?;
+        let channel = RemoteChannel {
+            table,
+            first,
+            count,
+            output,
+            byte,
+            bit,
+            low_byte_first,
+            low_word_first,
+            scale,
+            substitute: substitute as u16,
+        };
+        self.take(station, keys, &channel).then_some(channel)
+    }
+
+    /// Direction, byte, bit and width of `at`.
+    fn place(&mut self, at: &Spanned<String>, table: RemoteTable) -> Option<(bool, u32, u8, Width)> {
+        let text = at.get_ref();
+        let found = address::parse(text).and_then(|address| match address.place {
+            Place::Input(byte) | Place::PeripheralInput(byte) => Some((false, byte, address.width)),
+            Place::Output(byte) | Place::PeripheralOutput(byte) => Some((true, byte, address.width)),
+            _ => None,
+        });
+        let Some((output, byte, width)) = found else {
+            self.report(at, format!("`{text}` is not an input or output"), "write `I4.0`, `QB4`, `IW256` or `PQW256`");
+            return None;
+        };
+        let bit = match (table.has_bits(), width) {
+            (true, Width::Bit(bit)) => bit,
+            (true, Width::Byte) => 0,
+            (false, Width::Word | Width::Dword) => 0,
+            (true, _) => {
+                self.report(at, format!("`{text}`: elements of this table are bits"), "write `I4.0` or `IB4`");
+                return None;
+            }
+            (false, _) => {
+                self.report(at, format!("`{text}`: elements of this table are words"), "write `IW256` or `PQW256`");
+                return None;
+            }
+        };
+        if output && !table.is_writable() {
+            self.report(at, format!("`{text}`: this table can only be read"), "use `coils` or `holding` for outputs");
+            return None;
+        }
+        Some((output, byte, bit, width))
+    }
+
+    fn scale(&mut self, keys: &DataKeys, table: RemoteTable) -> Option<Option<RemoteScale>> {
+        let Some(raw) = &keys.raw else {
+            if let Some(range) = &keys.range {
+                let title = "a range needs the numbers of the device at its ends".to_string();
+                self.report(range, title, "add `raw = [0, 10000]`");
+                return None;
+            }
+            return Some(None);
+        };
+        let [low, high] = *raw.get_ref();
+        let fits = |value: i64| if low.min(high) < 0 { (-32768..=32767).contains(&value) } else { value <= 65535 };
+        if table.has_bits() || low == high || !fits(low) || !fits(high) {
+            let title = "`raw` is not the two numbers of a register at the ends of its range".to_string();
+            self.report(raw, title, "write `raw = [0, 10000]`, for registers only");
+            return None;
+        }
+        let (word_low, word_high) = match &keys.range {
+            None if low.min(high) < 0 => (-27_648, 27_648),
+            None => (0, 27_648),
+            Some(name) => match analog::range(name.get_ref()) {
+                Some(range) => range.words(),
+                None => {
+                    let names: Vec<&str> = analog::RANGES.iter().map(|range| range.name).collect();
+                    let title = format!("`{}` is not a range of analog modules", name.get_ref());
+                    self.report(name, title, &format!("one of {}", names.join(", ")));
+                    return None;
+                }
+            },
+        };
+        Some(Some(RemoteScale { raw_low: low as i32, raw_high: high as i32, word_low, word_high }))
+    }
+
+    /// Notes the bits of a channel. False: they do not exist, or another one has them.
+    fn take(&mut self, station: &str, keys: &DataKeys, channel: &RemoteChannel) -> bool {
+        let first = 8 * channel.byte + u32::from(channel.bit);
+        let bits = if channel.table.has_bits() { channel.count.into() } else { 16 * u32::from(channel.count) };
+        let end = first + bits;
+        if end > 8 * io::PERIPHERAL_BYTES {
+            let title = format!("`{}` with {} elements ends after the last address", keys.at.get_ref(), channel.count);
+            self.report(&keys.at, title, "use a lower address");
+            return false;
+        }
+        let mut others = self.taken.iter();
+        let other = others.find(|(output, start, stop, _)| *output == channel.output && first < *stop && *start < end);
+        if let Some((.., name)) = other {
+            let title = format!("`{}` has addresses in common with other data of `{name}`", keys.at.get_ref());
+            self.report(&keys.at, title, "give all data their own addresses");
+            return false;
+        }
+        self.taken.push((channel.output, first, end, station.to_string()));
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use plcc_diag::SourceFile;
+
+    use super::*;
+    use crate::project;
+
+    /// Devices and modules of a project, and the messages with their lines.
+    fn read(text: &str) -> (Vec<RemoteStation>, Option<Vec<Module>>, Vec<(u32, String)>) {
+        let source = SourceFile::new("plc.toml", text);
+        let (project, diagnostics) = project::parse(FileId(0), &source);
+        let messages = diagnostics.into_iter().map(|d| (source.line(d.primary.span.start), d.title)).collect();
+        (project.config.remote, project.config.modules, messages)
+    }
+
+    #[test]
+    fn a_device_has_defaults() {
+        let (stations, modules, messages) = read(
+            "[io.tank]\nmodbus = \"10.0.0.1\"\n[[io.tank.data]]\ndiscrete = 3\nat = \"I4.2\"\n\
+             [[io.tank.data]]\nholding = 0\nat = \"PQD300\"\nwords = \"low first\"\nsubstitute = -1\n",
+        );
+        assert_eq!(messages, []);
+        assert_eq!(modules, None, "without a station every address exists");
+        let [station] = &stations[..] else { panic!("{stations:?}") };
+        assert_eq!(station.line, RemoteLine::Tcp("10.0.0.1:502".to_string()));
+        assert_eq!((station.unit, station.poll_ms, station.timeout_ms, station.keep), (1, 100, 1000, true));
+        let places: Vec<_> =
+            station.channels.iter().map(|c| (c.table, c.first, c.count, c.output, c.byte, c.bit)).collect();
+        assert_eq!(
+            places,
+            [(RemoteTable::DiscreteInputs, 3, 1, false, 4, 2), (RemoteTable::HoldingRegisters, 0, 2, true, 300, 0)]
+        );
+        assert_eq!(station.channels[1].substitute, 0xFFFF);
+    }
+
+    #[test]
+    fn a_line_and_a_range_are_read() {
+        let (stations, _, messages) = read(
+            "[io.a]\nserial = \"/dev/ttyS0\"\nbaud = 9600\nparity = \"odd\"\naway = \"substitute\"\n\
+             [[io.a.data]]\ninput = 1\nat = \"IW10\"\nraw = [-500, 500]\nrange = \"+-10 V\"\n",
+        );
+        assert_eq!(messages, []);
+        let line = RemoteLine::Serial { path: "/dev/ttyS0".to_string(), baud: 9600, parity: RemoteParity::Odd };
+        assert_eq!((&stations[0].line, stations[0].keep), (&line, false));
+        let scale = RemoteScale { raw_low: -500, raw_high: 500, word_low: -27_648, word_high: 27_648 };
+        assert_eq!(stations[0].channels[0].scale, Some(scale));
+    }
+
+    #[test]
+    fn what_is_wrong_has_its_line() {
+        let wrong = |line: &str, expected: &str| {
+            let text = format!("[io.a]\nmodbus = \"a\"\n[[io.a.data]]\n{line}\n");
+            let (stations, _, messages) = read(&text);
+            assert!(stations.is_empty(), "{line}");
+            let found = messages.iter().any(|(at, title)| *at >= 4 && title.contains(expected));
+            assert!(found, "{line}: {messages:?}");
+        };
+        wrong("at = \"IW4\"", "one table");
+        wrong("at = \"IW4\"\nholding = 1\ncoils = 1", "one table");
+        wrong("at = \"IW4\"\ncoils = 1", "are bits");
+        wrong("at = \"I4.0\"\nholding = 1", "are words");
+        wrong("at = \"MW4\"\nholding = 1", "not an input or output");
+        wrong("at = \"QW4\"\ninput = 1", "only be read");
+        wrong("at = \"IW4\"\nholding = 70000", "70000 is not");
+        wrong("at = \"IW4\"\nholding = 0\ncount = 126", "126 is not");
+        wrong("at = \"QW4\"\nholding = 0\ncount = 124", "124 is not");
+        wrong("at = \"IW4\"\nholding = 65535\ncount = 2", "up to 65535");
+        wrong("at = \"IW4\"\nholding = 0\nwords = \"low first\"", "pairs");
+        wrong("at = \"I4.0\"\ncoils = 0\nbytes = \"high first\"", "no order");
+        wrong("at = \"IW4\"\nholding = 0\nrange = \"0..10 V\"", "numbers of the device");
+        wrong("at = \"IW4\"\nholding = 0\nraw = [5, 5]", "`raw`");
+        wrong("at = \"IW4\"\nholding = 0\nraw = [0, 10]\nrange = \"12 V\"", "not a range");
+        wrong("at = \"IW65535\"\nholding = 0", "after the last address");
+        wrong("at = \"IW4\"\nholding = 0\n[[io.a.data]]\nat = \"I5.7\"\ncoils = 0", "in common");
+        let (_, _, messages) = read("[io.a]\n[[io.a.data]]\nat = \"IW0\"\nholding = 0\n");
+        assert_eq!(messages, [(1, "`a` needs either `modbus` or `serial`".to_string())]);
+        let (_, _, messages) = read("[io.a]\nmodbus = \"a b\"\ntimeout = \"soon\"\n");
+        assert_eq!(messages.len(), 3, "{messages:?}");
+    }
+
+    #[test]
+    fn addresses_of_devices_and_modules_are_apart() {
+        let module = "[[module]]\nname = \"DI\"\ninputs = { start = 0, bytes = 2 }\n";
+        let device = |at: &str| format!("{module}[io.a]\nmodbus = \"a\"\n[[io.a.data]]\ncoils = 0\nat = \"{at}\"\n");
+        let (_, modules, messages) = read(&device("IB2"));
+        assert_eq!((modules.map(|modules| modules.len()), messages), (Some(2), Vec::new()));
+        let (_, _, messages) = read(&device("I1.7"));
+        assert_eq!(messages, [(4, "`io a` and module `DI` have addresses in common".to_string())]);
+    }
+}

@@ -1,0 +1,221 @@
+//! `[services]` of plc.toml: what clients can reach, and who they may be.
+
+use plcc_abi::services::{Client, Protection, Registers, Right, ServicesConfig};
+use plcc_diag::{Code, Diagnostic, FileId, Span};
+use plcc_services::{options, password, rights};
+use serde::Deserialize;
+use toml::Spanned;
+
+use crate::project::{duration_ms, number_within};
+
+/// `[services]`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ServicesKeys {
+    s7: Option<Spanned<String>>,
+    modbus: Option<Spanned<String>>,
+    metrics: Option<Spanned<String>>,
+    mqtt: Option<Spanned<String>>,
+    access: Option<RightKey>,
+    #[serde(default)]
+    client: Vec<ClientKeys>,
+    protection: Option<ProtectionKey>,
+    password: Option<Spanned<String>>,
+    communication_load: Option<Spanned<i64>>,
+    registers: Option<RegisterKeys>,
+    #[serde(default)]
+    values: Vec<String>,
+    interval: Option<Spanned<String>>,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum RightKey {
+    Read,
+    Write,
+    Control,
+}
+
+impl From<RightKey> for Right {
+    fn from(key: RightKey) -> Right {
+        match key {
+            RightKey::Read => Right::Read,
+            RightKey::Write => Right::Write,
+            RightKey::Control => Right::Control,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum ProtectionKey {
+    None,
+    Write,
+    ReadWrite,
+    Complete,
+}
+
+/// `[[services.client]]`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ClientKeys {
+    address: Spanned<String>,
+    access: RightKey,
+}
+
+/// `[services.registers]`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RegisterKeys {
+    coils: Option<String>,
+    discrete_inputs: Option<String>,
+    input_registers: Option<String>,
+    holding_registers: Option<String>,
+}
+
+/// Percent of a cycle that communication may take. Source: CPU manuals, communication load.
+const LOADS: std::ops::RangeInclusive<i64> = 5..=50;
+/// Longest time between two publications of all values.
+const INTERVAL_MS_MAX: u32 = 3_600_000;
+
+/// Reads the table. Reports wrong keys and ignores them.
+pub fn read(keys: &ServicesKeys, file: FileId) -> (ServicesConfig, Vec<Diagnostic>) {
+    let mut reader = Reader { file, diagnostics: Vec::new() };
+    let password = keys.password.as_ref().and_then(|key| {
+        let help = "`plcc password` makes the hash of a password that it reads";
+        reader.checked(key, help, |text| match password::is_hash(text) {
+            true => Ok(()),
+            // What is wrong here may be the password itself.
+            false => Err("no hash of a password".to_string()),
+        })
+    });
+    let address = |text: &str| options::address(text).map(|_| ());
+    let help = "write a port of this computer, `10102`, or `0.0.0.0:102`";
+    let config = ServicesConfig {
+        linked: true,
+        s7: keys.s7.as_ref().and_then(|key| reader.checked(key, help, address)),
+        modbus: keys.modbus.as_ref().and_then(|key| reader.checked(key, help, address)),
+        metrics: keys.metrics.as_ref().and_then(|key| reader.checked(key, help, address)),
+        mqtt: keys.mqtt.as_ref().and_then(|key| {
+            let check = |text: &str| options::check_broker(text).map_err(|_| "not the URL of a broker".to_string());
+            reader.checked(key, "write `mqtt://HOST:PORT/PREFIX`, with `USER@` before HOST if needed", check)
+        }),
+        access: keys.access.map(Right::from),
+        clients: keys.client.iter().filter_map(|client| reader.client(client)).collect(),
+        protection: match keys.protection {
+            None | Some(ProtectionKey::None) => Protection::None,
+            Some(ProtectionKey::Write) => Protection::Write,
+            Some(ProtectionKey::ReadWrite) => Protection::ReadWrite,
+            Some(ProtectionKey::Complete) => Protection::Complete,
+        },
+        password,
+        communication_load: keys.communication_load.as_ref().and_then(|key| {
+            let number = number_within::<u8>(key, LOADS, "a percentage");
+            number.map_err(|title| reader.report(key, title, "a CPU gives its clients 5 to 50 % of a cycle")).ok()
+        }),
+        registers: keys.registers.as_ref().map(registers).unwrap_or_default(),
+        values: keys.values.clone(),
+        interval_ms: keys.interval.as_ref().and_then(|key| reader.interval(key)),
+    };
+    (config, reader.diagnostics)
+}
+
+fn registers(keys: &RegisterKeys) -> Registers {
+    let usual = Registers::default();
+    Registers {
+        coils: keys.coils.clone().unwrap_or(usual.coils),
+        discrete_inputs: keys.discrete_inputs.clone().unwrap_or(usual.discrete_inputs),
+        input_registers: keys.input_registers.clone().unwrap_or(usual.input_registers),
+        holding_registers: keys.holding_registers.clone().unwrap_or(usual.holding_registers),
+    }
+}
+
+struct Reader {
+    file: FileId,
+    diagnostics: Vec<Diagnostic>,
+}
+
+impl Reader {
+    fn report<T>(&mut self, key: &Spanned<T>, title: String, help: &str) {
+        self.diagnostics.push(Diagnostic::new(Code::Project, Span::new(self.file, key.span()), title).help(help));
+    }
+
+    /// A text that passes a test.
+    fn checked(
+        &mut self,
+        key: &Spanned<String>,
+        help: &str,
+        check: impl Fn(&str) -> Result<(), String>,
+    ) -> Option<String> {
+        match check(key.get_ref()) {
+            Ok(()) => Some(key.get_ref().clone()),
+            Err(title) => {
+                self.report(key, title, help);
+                None
+            }
+        }
+    }
+
+    fn client(&mut self, keys: &ClientKeys) -> Option<Client> {
+        let address = &keys.address;
+        if !rights::is_network(address.get_ref()) {
+            let title = format!("`{}` is neither a computer nor a network", address.get_ref());
+            self.report(address, title, "write `192.168.0.7`, or `192.168.0.0/24`");
+            return None;
+        }
+        Some(Client { address: address.get_ref().clone(), right: keys.access.into() })
+    }
+
+    fn interval(&mut self, key: &Spanned<String>) -> Option<u32> {
+        let ms = duration_ms(key.get_ref()).filter(|ms| (100..=INTERVAL_MS_MAX).contains(ms));
+        if ms.is_none() {
+            self.report(key, format!("`{}` is not a time from 100 ms to 1 h", key.get_ref()), "write `10s`");
+        }
+        ms
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use plcc_diag::SourceFile;
+
+    /// The configuration of a plc.toml, and its messages.
+    fn config(text: &str) -> (ServicesConfig, Vec<String>) {
+        let source = SourceFile::new("plc.toml", text);
+        let (project, messages) = crate::project::parse(FileId(0), &source);
+        (project.config.services, messages.into_iter().map(|message| message.title).collect())
+    }
+
+    #[test]
+    fn all_keys_are_read() {
+        let hash = password::hash("secret").unwrap();
+        let (read, messages) = config(&format!(
+            "[services]\ns7 = \"10102\"\nmodbus = \"0.0.0.0:502\"\naccess = \"read\"\nprotection = \"read-write\"\n\
+             password = \"{hash}\"\ncommunication_load = 30\nvalues = [\"MW2\"]\ninterval = \"5s\"\n\
+             [services.registers]\nholding_registers = \"DB1.DBW0\"\n\
+             [[services.client]]\naddress = \"10.0.0.0/8\"\naccess = \"control\"\n"
+        ));
+        assert_eq!(messages, Vec::<String>::new());
+        assert_eq!(
+            (read.linked, read.s7.as_deref(), read.modbus.as_deref()),
+            (true, Some("10102"), Some("0.0.0.0:502"))
+        );
+        assert_eq!((read.access, read.protection), (Some(Right::Read), Protection::ReadWrite));
+        assert_eq!((read.communication_load, read.interval_ms), (Some(30), Some(5000)));
+        assert_eq!(read.clients, [Client { address: "10.0.0.0/8".to_string(), right: Right::Control }]);
+        assert_eq!((read.registers.coils.as_str(), read.registers.holding_registers.as_str()), ("Q0.0", "DB1.DBW0"));
+        assert!(!config("name = \"a\"\n").0.linked);
+    }
+
+    #[test]
+    fn wrong_values_are_reported_and_passwords_are_not_shown() {
+        let (read, messages) = config(
+            "[services]\ns7 = \"plant:102\"\nmqtt = \"me:secret@b\"\npassword = \"secret\"\ncommunication_load = 90\n\
+             interval = \"1ms\"\n[[services.client]]\naddress = \"plant\"\naccess = \"read\"\n",
+        );
+        assert_eq!(messages.len(), 6, "{messages:?}");
+        assert!(messages.iter().all(|message| !message.contains("secret")), "{messages:?}");
+        assert_eq!(read, ServicesConfig { linked: true, ..ServicesConfig::default() });
+    }
+}

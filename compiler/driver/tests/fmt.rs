@@ -1,0 +1,91 @@
+//! `plcc fmt` on files: what it writes, what it leaves alone, and that the program stays the same.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+const PLCC: &str = env!("CARGO_BIN_EXE_plcc");
+
+fn plcc(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(PLCC).current_dir(folder).args(arguments).output().expect("plcc starts")
+}
+
+#[test]
+fn encoding_and_line_ends_stay() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let ugly = b"FUNCTION FC 1 : VOID\r\nBEGIN\r\n  U E 0.0 ;// gro\xDFe St\xF6rung\r\n\t= A 4.0;\r\nEND_FUNCTION\r\n";
+    let tidy =
+        b"FUNCTION FC 1 : VOID\r\nBEGIN\r\n      U     E 0.0;      // gro\xDFe St\xF6rung\r\n      =     A 4.0;\r\nEND_FUNCTION\r\n";
+    fs::write(folder.join("a.awl"), ugly).expect("the folder can be written");
+    let check = plcc(folder, &["fmt", "--check", "."]);
+    assert_eq!((check.status.code(), String::from_utf8_lossy(&check.stdout).trim()), (Some(1), "./a.awl"));
+    assert_eq!(fs::read(folder.join("a.awl")).expect("it is there"), ugly);
+    assert_eq!(plcc(folder, &["fmt", "a.awl"]).status.code(), Some(0));
+    let made = fs::read(folder.join("a.awl")).expect("it is there");
+    assert_eq!(String::from_utf8_lossy(&made), String::from_utf8_lossy(tidy));
+    assert_eq!(made, tidy);
+    assert_eq!(plcc(folder, &["fmt", "--check", "a.awl"]).status.code(), Some(0));
+}
+
+#[test]
+fn a_source_with_errors_is_left_alone() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let wrong = "FUNCTION FC 1 : VOID\nBEGIN\n A M 0.0 )) ;\nEND_FUNCTION\n";
+    fs::write(folder.join("a.stl"), wrong).expect("the folder can be written");
+    let output = plcc(folder, &["fmt", "a.stl"]);
+    assert_eq!(output.status.code(), Some(3));
+    assert!(String::from_utf8_lossy(&output.stderr).starts_with("error["));
+    assert_eq!(fs::read_to_string(folder.join("a.stl")).expect("it is there"), wrong);
+}
+
+/// Every so many files of tests/run are laid out and compiled.
+const STRIDE: usize = 61;
+
+#[test]
+fn the_program_stays_the_same() {
+    let mut files = Vec::new();
+    files_below(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run"), &mut files);
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (mut compared, mut same) = (0, 0);
+    for (index, path) in files.iter().step_by(STRIDE).enumerate() {
+        let name = format!("{index}.{}", path.extension().expect("sources have one").to_string_lossy());
+        let copy = folder.path().join(&name);
+        fs::copy(path, &copy).expect("the folder can be written");
+        let Some((before, sites)) = ir(folder.path(), &name) else { continue };
+        let tested = plcc(folder.path(), &["test", &name]).stdout;
+        let output = plcc(folder.path(), &["fmt", &name]);
+        assert_eq!(output.status.code(), Some(0), "{}: {}", path.display(), String::from_utf8_lossy(&output.stderr));
+        let (after, new_sites) = ir(folder.path(), &name).expect("it compiles as before");
+        // Statements that shared a line and do so no more have places of their own, which the code hands to the runtime.
+        assert!(sites != new_sites || before == after, "{}", path.display());
+        assert!(tested == plcc(folder.path(), &["test", &name]).stdout, "{}", path.display());
+        compared += 1;
+        same += usize::from(sites == new_sites);
+    }
+    assert!(compared > 10 && same > 5, "only {compared} programs were compared, {same} by their IR");
+}
+
+/// The IR of a program without its lines, and the number of places that its code names.
+fn ir(folder: &Path, name: &str) -> Option<(String, usize)> {
+    let output = plcc(folder, &["build", "--emit", "ir", "-O0", name]);
+    let text = String::from_utf8_lossy(&output.stdout);
+    let is_site = |line: &&str| line.starts_with("site ");
+    let code: Vec<&str> = text.lines().filter(|line| !is_site(line)).collect();
+    output.status.success().then(|| (code.join("\n"), text.lines().filter(is_site).count()))
+}
+
+fn files_below(folder: &Path, out: &mut Vec<PathBuf>) {
+    let mut entries: Vec<PathBuf> =
+        fs::read_dir(folder).expect("the folder is there").flatten().map(|entry| entry.path()).collect();
+    entries.sort();
+    for path in entries {
+        let extension = path.extension().unwrap_or_default().to_string_lossy().into_owned();
+        if path.is_dir() {
+            files_below(&path, out);
+        } else if ["stl", "awl", "scl", "gr7", "s7dcl"].contains(&extension.as_str()) {
+            out.push(path);
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! Projects that `plcc new` makes, the shell scripts and the manual pages, and reports of tests.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+const PLCC: &str = env!("CARGO_BIN_EXE_plcc");
+
+fn plcc(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(PLCC).current_dir(folder).args(arguments).output().expect("plcc starts")
+}
+
+/// Runs plcc, which must succeed; returns standard output.
+fn done(folder: &Path, arguments: &[&str]) -> String {
+    let output = plcc(folder, arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+#[test]
+fn a_new_project_builds_and_passes_its_test() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for cpu in ["1214C", "315-2DP", "224", "s7-1500", "s7-400"] {
+        let name = format!("plant {cpu}");
+        done(folder.path(), &["new", &name, "--cpu", cpu]);
+        let project = folder.path().join(&name);
+        assert!(done(&project, &["test", "--deny", "warnings"]).ends_with("4 passed, 0 failed\n"));
+        assert_eq!(done(&project, &["fmt", "--check"]), "");
+        done(&project, &["build", "--deny", "warnings", "--quiet"]);
+        assert!(project.join(&name).is_file());
+    }
+    // What is there stays.
+    fs::write(folder.path().join("plant 224/main.awl"), "LD I0.0\n").expect("the folder can be written");
+    assert_eq!(plcc(folder.path(), &["new", "plant 224", "--cpu", "224"]).status.code(), Some(2));
+    assert_eq!(fs::read_to_string(folder.path().join("plant 224/main.awl")).expect("it is there"), "LD I0.0\n");
+    assert_eq!(plcc(folder.path(), &["new", "x", "--cpu", "no such"]).status.code(), Some(2));
+    assert!(!folder.path().join("x").exists());
+}
+
+#[test]
+fn completions_and_pages_name_the_commands() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        let script = done(folder.path(), &["completions", shell]);
+        assert!(script.contains("fmt") && script.contains("junit"), "{shell}");
+    }
+    done(folder.path(), &["man", "man"]);
+    for (page, text) in [("plcc.1", "plcc"), ("plcc-test.1", "junit"), ("plcc-fmt.1", "check")] {
+        let page = fs::read_to_string(folder.path().join("man").join(page)).expect("the page is there");
+        assert!(page.contains(text), "{page}");
+    }
+}
+
+#[test]
+fn tests_are_chosen_and_reported() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    fs::write(folder.join("good.stl"), "      L     1\n//@ assert ACCU1 == 1\n").expect("the folder can be written");
+    fs::write(folder.join("bad.stl"), "      L     1\n//@ assert ACCU1 == 2\n").expect("the folder can be written");
+    let output = plcc(folder, &["test", ".", "--junit", "r.xml"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(output.stderr.is_empty(), "a pipe gets no progress: {}", String::from_utf8_lossy(&output.stderr));
+    let report = fs::read_to_string(folder.join("r.xml")).expect("it is written");
+    assert!(report.contains("tests=\"2\" failures=\"1\" errors=\"0\""), "{report}");
+    assert_eq!(done(folder, &["test", ".", "--filter", "good"]), "1 passed, 0 failed\n");
+    let none = plcc(folder, &["test", ".", "--filter", "other"]);
+    assert_eq!(none.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&none.stderr).contains("none of the 2 tests"));
+}
+
+#[test]
+fn a_watched_test_runs_again_after_a_change() {
+    use std::io::{BufRead, BufReader};
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let source = folder.path().join("a.stl");
+    fs::write(&source, "      L     1\n//@ assert ACCU1 == 2\n").expect("the folder can be written");
+    let mut child = Command::new(PLCC)
+        .args(["test", "--watch"])
+        .arg(&source)
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::null())
+        .spawn()
+        .expect("plcc starts");
+    let mut lines = BufReader::new(child.stdout.take().expect("it is a pipe")).lines().map_while(Result::ok);
+    let first = lines.find(|line| line.ends_with("failed"));
+    fs::write(&source, "      L     2\n//@ assert ACCU1 == 2\n//@ assert ACCU1 == 2\n").expect("it can be written");
+    let second = lines.find(|line| line.ends_with("failed"));
+    child.kill().expect("it runs until it is ended");
+    child.wait().expect("it has ended");
+    assert_eq!(first.as_deref(), Some("0 passed, 1 failed"));
+    assert_eq!(second.as_deref(), Some("2 passed, 0 failed"));
+}

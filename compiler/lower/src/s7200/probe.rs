@@ -1,0 +1,88 @@
+//! Probes of a block of an S7-200.
+
+use plcc_ir::{BinaryOp, Type};
+use plcc_model::s7200::{Area, Operand, Statement, StatementKind, Width};
+
+use super::block::S7200Lowering;
+use crate::probe::{self, Place, Probe};
+
+/// Bit of ENO beside the levels of the logic stack.
+const ENO_BIT: i64 = 9;
+
+impl S7200Lowering<'_, '_> {
+    /// The block begins.
+    pub fn probe_enter(&mut self) {
+        let block = self.block;
+        let place = || Place { block: block.key(), span: block.span, network: 0, probe: Probe::Block };
+        self.block_place = self.output.probes.add(place);
+        if let Some(place) = self.block_place {
+            let none = self.b.i32_const(0);
+            probe::enter(&mut self.b, place, none);
+        }
+    }
+
+    /// The block ends here.
+    pub fn probe_leave(&mut self) {
+        if let Some(place) = self.block_place {
+            probe::leave(&mut self.b, place);
+        }
+    }
+
+    /// The logic stack after a statement.
+    pub fn probe_statement(&mut self, statement: &Statement) {
+        let operands: &[Operand] = match &statement.kind {
+            StatementKind::Instruction { operands, .. } => operands,
+            StatementKind::Call { arguments, .. } => arguments,
+            StatementKind::Assert(_) | StatementKind::Sleep(_) => return,
+        };
+        if !self.b.is_reachable() {
+            return;
+        }
+        let (block, names) = (self.block.key(), operands.iter().filter_map(name));
+        let (span, network) = (statement.span, statement.network);
+        let place = || Place { block, span, network, probe: Probe::Stack(names.collect()) };
+        let Some(place) = self.output.probes.add(place) else { return };
+        let mut bits = self.b.i32_const(0);
+        let levels = self.stack.into_iter().zip(0..).chain([(self.eno, ENO_BIT)]);
+        for (var, bit) in levels.collect::<Vec<_>>() {
+            let value = self.get(var);
+            let value = self.b.zext(Type::I32, value);
+            let value = self.b.binary_imm(BinaryOp::Shl, value, bit);
+            bits = self.b.or(bits, value);
+        }
+        probe::value(&mut self.b, place, bits);
+    }
+}
+
+/// The address of an operand whose value can be read at any time.
+fn name(operand: &Operand) -> Option<String> {
+    let area = |area: Area| match area {
+        Area::I => Some("I"),
+        Area::Q => Some("Q"),
+        Area::V => Some("V"),
+        Area::M => Some("M"),
+        Area::Sm => Some("SM"),
+        Area::S => Some("S"),
+        Area::L => None,
+    };
+    Some(match operand {
+        Operand::Memory { area: of, byte, bit, width } => {
+            let area = area(*of)?;
+            match width {
+                Width::Bit => format!("{area}{byte}.{bit}"),
+                Width::Byte => format!("{area}B{byte}"),
+                Width::Word => format!("{area}W{byte}"),
+                Width::Dword | Width::Lword => format!("{area}D{byte}"),
+            }
+        }
+        Operand::Timer { number, .. } => format!("T{number}"),
+        Operand::Counter { number, .. } => format!("C{number}"),
+        Operand::AnalogInput { byte } => format!("AIW{byte}"),
+        Operand::AnalogOutput { byte } => format!("AQW{byte}"),
+        Operand::Const(_)
+        | Operand::Text(_)
+        | Operand::HighSpeedCounter(_)
+        | Operand::Accumulator { .. }
+        | Operand::Indirect { .. } => return None,
+    })
+}

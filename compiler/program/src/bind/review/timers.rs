@@ -1,0 +1,100 @@
+//! IEC timers in SCL whose time nothing sets: T#0S, so that they have run out at once.
+
+use plcc_abi::image::BlockKind;
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_model::scl::{Call, Instance, walk};
+use plcc_model::{BlockKey, Body, CodeBlock};
+use rustc_hash::FxHashSet;
+
+use super::Language;
+use crate::bind::declarations::{Declarations, State};
+use plcc_binding::fold;
+
+/// The input that has the time.
+const TIME: &str = "PT";
+
+/// Reports calls of timers without `PT`, if no call of that instance has it and the program sets no component PT.
+pub fn review(program: &Declarations, blocks: &[(&CodeBlock, Language)], found: &mut Vec<Diagnostic>) {
+    let mut timed: FxHashSet<(Option<BlockKey>, String)> = FxHashSet::default();
+    let mut bare: Vec<(Option<BlockKey>, String, Span)> = Vec::new();
+    for (block, language) in blocks {
+        let Body::Scl(body) = &block.body else { continue };
+        if *language != Language::Scl {
+            continue;
+        }
+        let mut calls = Calls { program, found: Vec::new() };
+        walk::statements(&body.statements, &mut calls);
+        for (instance, has_time, span) in calls.found {
+            // `#t` is another variable in each block.
+            let own = (!instance.starts_with('"') && !instance.starts_with("db")).then(|| block.key());
+            match has_time {
+                true => drop(timed.insert((own, instance))),
+                false => bare.push((own, instance, span)),
+            }
+        }
+    }
+    bare.retain(|(own, instance, _)| !timed.contains(&(*own, instance.clone())));
+    if bare.is_empty() || sets_a_time(program) {
+        return;
+    }
+    let mut told = FxHashSet::default();
+    for (own, instance, span) in bare {
+        let name = program.globals.text(span);
+        let name = name.split('(').next().unwrap_or("").trim().to_string();
+        if told.insert((own, instance)) {
+            found.push(
+                Diagnostic::new(Code::TimerWithoutTime, span, format!("the timer `{name}` has no time"))
+                    .label("without `PT` the time is T#0S: it has run out at once")
+                    .help("give `PT := …` in the call, with the time as `T#…`"),
+            );
+        }
+    }
+}
+
+/// Whether a source names a component PT, as in `#t.PT := #delay` and `t : TON := (PT := T#5S)`, or has PRESET_TIMER.
+fn sets_a_time(program: &Declarations) -> bool {
+    program.globals.input.sources.files().any(|(_, file)| {
+        let upper = file.text.to_ascii_uppercase();
+        let ends = |rest: &str| !rest.starts_with(|c: char| c.is_alphanumeric() || c == '_');
+        upper.contains("PRESET_TIMER")
+            || [".PT", ".\"PT", "(PT", "#PT", "( PT"]
+                .iter()
+                .any(|form| upper.match_indices(form).any(|(at, found)| ends(&upper[at + found.len()..])))
+    })
+}
+
+/// Calls of timers: the instance as written, whether PT is given, the place.
+struct Calls<'p, 'i> {
+    program: &'p Declarations<'i>,
+    found: Vec<(String, bool, Span)>,
+}
+
+impl walk::Visitor for Calls<'_, '_> {
+    fn call(&mut self, call: &Call) {
+        if call.target.kind != BlockKind::Sfb {
+            return;
+        }
+        let Some(block) = self.program.globals.library_block(call.target) else { return };
+        let name = block.name.trim_end_matches("_LTIME");
+        if !["TP", "TON", "TOF", "TONR"].contains(&name) {
+            return;
+        }
+        let instance = match &call.instance {
+            Some(Instance::Db(number)) => format!("db {number}"),
+            // An element of an array may be any of them.
+            Some(Instance::Variable(access)) if access.indices.is_empty() => {
+                fold(&self.program.globals.text(access.span))
+            }
+            Some(Instance::Variable(_)) | None => return,
+        };
+        let Some(State::Done(Some(bound))) = self.program.interfaces.get(&call.target) else { return };
+        let has_time = call.arguments.iter().any(|argument| {
+            bound
+                .interface
+                .parameters
+                .get(argument.parameter)
+                .is_some_and(|formal| formal.name.eq_ignore_ascii_case(TIME))
+        });
+        self.found.push((instance, has_time, call.span));
+    }
+}

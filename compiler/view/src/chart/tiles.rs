@@ -1,0 +1,200 @@
+//! Steps with their actions, and transitions with their conditions.
+
+use plcc_diag::Span;
+use plcc_syntax::chart::ast::{Action, ActionBody, Condition, Step, Transition};
+use plcc_syntax::network::ast::{Content, Language};
+use plcc_syntax::network::draw;
+
+use super::piece::Piece;
+use crate::metrics::{self, LINE};
+use crate::names::{Names, Scope};
+use crate::scene::{Anchor, Area, Frame, Ink, Item, Scene};
+use crate::sheet::{Sheet, expression, network};
+use crate::{diagram, ladder};
+
+/// Width of small networks.
+const NETWORK: i32 = 420;
+/// Height of a step.
+const STEP: i32 = 38;
+
+/// What tiles are made of.
+pub struct Tiles<'a> {
+    /// The source, or its overlay.
+    pub text: &'a str,
+    pub names: &'a Names,
+    pub scope: Scope,
+}
+
+impl Tiles<'_> {
+    /// A step: its box, and a table of its actions beside it.
+    pub fn step(&self, step: &Step) -> Piece {
+        let mut scene = Scene::default();
+        let number = format!("S{}", step.number);
+        let name = if step.name.text == number { String::new() } else { step.name.text.clone() };
+        let width = (metrics::width(&name, Ink::Title.height()) + 24).max(80);
+        let kind = if step.initial { Frame::InitialStep } else { Frame::Step };
+        let key = self.names.key(&format!("#{}.X", step.name.text), self.scope).unwrap_or_default();
+        scene.frame(Area { x: 0, y: 0, w: width, h: STEP }, kind, &key);
+        let middle = width / 2;
+        let y = if name.is_empty() { 23 } else { 17 };
+        scene.text((middle, y), Anchor::Middle, Ink::Title, &number, "");
+        scene.text((middle, 31), Anchor::Middle, Ink::Title, &name, "");
+        let (mut bottom, mut right) = (STEP, width);
+        let left = width + 14;
+        let mut rows: Vec<(String, Vec<String>, Option<Scene>, String)> = Vec::new();
+        for action in &step.actions {
+            let (text, drawing, key) = self.action(action);
+            rows.push((marks(action), text, drawing, key));
+        }
+        for (caption, condition) in [("C", &step.interlock), ("V", &step.supervision)] {
+            if let Some(condition) = condition {
+                let (drawing, text) = self.condition(condition, caption);
+                rows.push((caption.to_string(), text, drawing, String::new()));
+            }
+        }
+        for (caption, time) in [("T_MAX", &step.maximum), ("T_WARN", &step.warning)] {
+            if let Some(time) = time {
+                rows.push((caption.to_string(), vec![draw::whole(time)], None, String::new()));
+            }
+        }
+        let marks_width = rows.iter().map(|(marks, ..)| metrics::width(marks, metrics::TEXT)).max().unwrap_or(0) + 12;
+        let inner = |(_, text, drawing, _): &(String, Vec<String>, Option<Scene>, String)| {
+            let text = text.iter().map(|line| metrics::width(line, metrics::TEXT)).max().unwrap_or(0) + 12;
+            text.max(drawing.as_ref().map_or(0, |scene| scene.width))
+        };
+        let table = rows.iter().map(inner).max().unwrap_or(0);
+        if !rows.is_empty() {
+            scene.items.push(Item::Stroke { points: vec![(width, 12), (left, 12)], ink: Ink::Plain });
+        }
+        let mut top = 0;
+        for (marks, text, drawing, key) in rows {
+            let height = drawing.as_ref().map_or(text.len() as i32 * LINE + 8, |scene| scene.height + text.len() as i32 * LINE);
+            let height = height.max(LINE + 8);
+            scene.frame(Area { x: left, y: top, w: marks_width, h: height }, Frame::Action, "");
+            scene.frame(Area { x: left + marks_width, y: top, w: table, h: height }, Frame::Action, "");
+            scene.text((left + marks_width / 2, top + 15), Anchor::Middle, Ink::Title, &marks, "");
+            for (index, line) in text.iter().enumerate() {
+                let at = (left + marks_width + 6, top + 15 + index as i32 * LINE);
+                scene.text(at, Anchor::Start, Ink::Operand, line, &key);
+            }
+            if let Some(drawing) = drawing {
+                scene.add(drawing, (left + marks_width, top + text.len() as i32 * LINE));
+            }
+            top += height;
+            right = left + marks_width + table;
+        }
+        bottom = bottom.max(top);
+        if bottom > STEP {
+            scene.items.push(Item::Stroke { points: vec![(middle, STEP), (middle, bottom)], ink: Ink::Plain });
+        }
+        for line in step.comment.iter().flat_map(|line| metrics::wrapped(line.trim(), 60)) {
+            let at = (middle + 8, bottom + 12);
+            right = right.max(at.0 + metrics::width(&line, Ink::Note.height()));
+            scene.items.push(Item::Stroke { points: vec![(middle, bottom), (middle, bottom + LINE)], ink: Ink::Plain });
+            scene.text(at, Anchor::Start, Ink::Note, &line, "");
+            bottom += LINE;
+        }
+        Piece { scene, width: right, height: bottom, entry: middle, ends: Vec::new() }
+    }
+
+    /// A transition: its bar, its name and its condition beside it.
+    pub fn transition(&self, transition: &Transition) -> Piece {
+        let mut scene = Scene::default();
+        let entry = 40;
+        let label = super::label(transition);
+        scene.text((entry + 20, 4), Anchor::Start, Ink::Title, &label, "");
+        let mut right = entry + 24 + metrics::width(&label, metrics::TEXT);
+        let mut bottom = 14;
+        if let Some(condition) = &transition.condition {
+            let (drawing, text) = self.condition(condition, "");
+            for line in text {
+                scene.text((entry + 20, bottom + 8), Anchor::Start, Ink::Operand, &line, "");
+                right = right.max(entry + 20 + metrics::width(&line, metrics::TEXT));
+                bottom += LINE;
+            }
+            if let Some(drawing) = drawing {
+                right = right.max(entry + 14 + drawing.width);
+                let height = drawing.height;
+                scene.add(drawing, (entry + 14, bottom - 6));
+                bottom += height - 6;
+            }
+        }
+        for line in transition.comment.iter().flat_map(|line| metrics::wrapped(line.trim(), 60)) {
+            scene.text((entry + 20, bottom + 8), Anchor::Start, Ink::Note, &line, "");
+            right = right.max(entry + 20 + metrics::width(&line, Ink::Note.height()));
+            bottom += LINE;
+        }
+        scene.items.push(Item::Stroke { points: vec![(entry - 14, 0), (entry + 14, 0)], ink: Ink::Plain });
+        scene.items.push(Item::Stroke { points: vec![(entry - 14, 1), (entry + 14, 1)], ink: Ink::Plain });
+        scene.items.push(Item::Stroke { points: vec![(entry, -2), (entry, bottom)], ink: Ink::Plain });
+        Piece { scene, width: right + 6, height: bottom, entry, ends: Vec::new() }
+    }
+
+    /// A condition as a network, or as text.
+    pub fn condition(&self, condition: &Condition, sign: &str) -> (Option<Scene>, Vec<String>) {
+        match condition {
+            Condition::Expression(value) => {
+                let sheet = expression::condition(value, sign, self.names, self.scope);
+                (Some(ladder::draw(&sheet, NETWORK)), Vec::new())
+            }
+            Condition::Network(network) => match &network.content {
+                Content::Graphic(graph) => (Some(self.network(graph, network.language)), Vec::new()),
+                Content::Scl(_) | Content::Stl(_) => (None, self.lines(network.span)),
+            },
+            Condition::Statements(statements) => {
+                (None, statements.iter().flat_map(|statement| self.lines(statement.span)).collect())
+            }
+        }
+    }
+
+    /// A small network.
+    pub fn network(&self, graph: &plcc_syntax::network::ast::Graph, language: Language) -> Scene {
+        let sheet: Sheet = network::sheet(graph, language, self.names, self.scope);
+        match language {
+            Language::Fbd => diagram::draw(&sheet, NETWORK),
+            Language::Lad | Language::Scl | Language::Stl => ladder::draw(&sheet, NETWORK),
+        }
+    }
+
+    fn action(&self, action: &Action) -> (Vec<String>, Option<Scene>, String) {
+        let one = |text: String| (metrics::wrapped(&text, 46), None);
+        let mut key = String::new();
+        let (mut lines, drawing) = match &action.body {
+            ActionBody::Operand(value) => {
+                let label = self.names.label(&draw::whole(value), self.scope);
+                key = label.key;
+                let address = if label.address.is_empty() { String::new() } else { format!(" {}", label.address) };
+                one(label.text + &address)
+            }
+            ActionBody::Value { operand, value } => {
+                let label = self.names.label(&draw::whole(operand), self.scope);
+                key = label.key;
+                one(format!("{} := {}", label.text, plcc_syntax::scl::text::expr(value)))
+            }
+            ActionBody::All { .. } => one("S_ALL".to_string()),
+            ActionBody::Call(call) => (self.lines(call.span), None),
+            ActionBody::Statements(list) => (list.iter().flat_map(|s| self.lines(s.span)).collect(), None),
+            ActionBody::Network(network) => match &network.content {
+                Content::Graphic(graph) => (Vec::new(), Some(self.network(graph, network.language))),
+                Content::Scl(_) | Content::Stl(_) => (self.lines(network.span), None),
+            },
+            ActionBody::Error => (Vec::new(), None),
+        };
+        if let Some(comment) = action.comment.as_deref().filter(|comment| !comment.trim().is_empty()) {
+            lines.extend(metrics::wrapped(&format!("// {}", comment.trim()), 46));
+        }
+        (lines, drawing, key)
+    }
+
+    /// The text of a place, without line breaks.
+    fn lines(&self, span: Span) -> Vec<String> {
+        let text = self.text.get(span.start as usize..span.end as usize).unwrap_or_default();
+        metrics::wrapped(&text.split_whitespace().collect::<Vec<_>>().join(" "), 46)
+    }
+}
+
+/// Event, qualifier and the C of the interlock.
+fn marks(action: &Action) -> String {
+    let event = action.event.map_or(String::new(), |event| format!("{} ", event.name()));
+    format!("{event}{}{}", action.qualifier.name(), if action.interlock { "C" } else { "" })
+}

@@ -1,0 +1,194 @@
+//! Blocks at their places.
+
+use super::measure::{Kind, LEAD, Laid, RAIL};
+use crate::scene::{Anchor, Item, Scene};
+use crate::sheet::Sheet;
+
+/// Height of the short rail at which an inner rung begins, above and below its line.
+const SHORT_RAIL: i32 = 7;
+
+/// Paints a rung whose flow comes from the rail, `RAIL` left of `x`.
+pub fn rung(sheet: &Sheet, laid: &Laid, x: i32, y: i32, width: i32, scene: &mut Scene) {
+    scene.wire((x - RAIL, y), (x, y), Some(sheet.nets.len()));
+    Painter { sheet, scene, rail: Some(x - RAIL) }.block(laid, (x, y), width, Some(sheet.nets.len()), None);
+}
+
+/// Paints a rung that begins at a connector.
+pub fn loose(sheet: &Sheet, laid: &Laid, x: i32, y: i32, width: i32, scene: &mut Scene) {
+    Painter { sheet, scene, rail: Some(x - RAIL) }.block(laid, (x, y), width, None, None);
+}
+
+struct Painter<'a> {
+    sheet: &'a Sheet,
+    scene: &'a mut Scene,
+    /// Where the power rail is.
+    rail: Option<i32>,
+}
+
+impl Painter<'_> {
+    /// Paints a block in a space of `width`, which is at least its own. `before` and `after`: the nets at its ends.
+    fn block(&mut self, laid: &Laid, (x, y): (i32, i32), width: i32, before: Option<usize>, after: Option<usize>) {
+        match &laid.kind {
+            Kind::Part { .. } => self.part(laid, (x, y)),
+            Kind::Series(items) => self.series(laid, items, (x, y), width, before, after),
+            Kind::Lines(lines) => {
+                let end = x + width - LEAD;
+                let rows = laid.rows();
+                for (line, row) in lines.iter().zip(&rows) {
+                    let (first, last) = (*row == rows[0], row == rows.last().unwrap_or(&0));
+                    let space = if last { end - x } else { line.width };
+                    self.block(line, (x, y + row), space, before.filter(|_| first), after.filter(|_| last));
+                }
+                if let (false, Some(last)) = (laid.ends, rows.last()) {
+                    self.scene.wire((end, y + last), (x + width, y + last), after);
+                    self.scene.wire((x + width, y), (x + width, y + last), after);
+                }
+            }
+            Kind::Parallel(branches) => {
+                let (left, right) = (x + LEAD, x + width - LEAD);
+                let rows = laid.rows();
+                for (branch, row) in branches.iter().zip(&rows) {
+                    if !branch.loose {
+                        self.scene.wire((x, y + row), (left, y + row), before);
+                    }
+                    self.block(branch, (left, y + row), right - left, before, after);
+                    if !branch.ends {
+                        self.scene.wire((right, y + row), (x + width, y + row), after);
+                    }
+                }
+                self.spine(branches.iter().zip(&rows).filter(|(b, _)| !b.loose).map(|(_, r)| *r), x, y, before);
+                self.spine(branches.iter().zip(&rows).filter(|(b, _)| !b.ends).map(|(_, r)| *r), x + width, y, after);
+            }
+            Kind::Fork { main, .. } => {
+                let rows = laid.rows();
+                let branches = laid.branches();
+                for (index, (branch, row)) in branches.iter().zip(&rows).enumerate() {
+                    if !branch.loose {
+                        self.scene.wire((x, y + row), (x + LEAD, y + row), before);
+                    }
+                    let after = after.filter(|_| index == 0 && main.is_some());
+                    self.block(branch, (x + LEAD, y + row), width - LEAD, before, after);
+                }
+                self.spine(branches.iter().zip(&rows).filter(|(b, _)| !b.loose).map(|(_, r)| *r), x, y, before);
+            }
+            Kind::Connector { text, ink, goes_on, negated, key } => {
+                if text.is_empty() {
+                    return;
+                }
+                let text_width = laid.width - 18;
+                match goes_on {
+                    true => {
+                        self.scene.text((x, y + 4), Anchor::Start, *ink, text, key);
+                        let from = x + text_width + 4;
+                        if *negated {
+                            self.scene.items.push(Item::Circle { at: (from + 4, y), net: after });
+                        }
+                        self.scene.wire((from + if *negated { 8 } else { 0 }, y), (x + laid.width, y), after);
+                        self.scene.wire((x + laid.width, y), (x + width, y), after);
+                    }
+                    false => {
+                        self.scene.wire((x, y), (x + 14, y), before);
+                        self.scene.text((x + 17, y + 4), Anchor::Start, *ink, text, key);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The line that joins branches at one side.
+    fn spine(&mut self, rows: impl Iterator<Item = i32>, x: i32, y: i32, net: Option<usize>) {
+        // The flow of the block itself is in the first row.
+        let last = rows.max().unwrap_or(0);
+        self.scene.wire((x, y), (x, y + last), net);
+    }
+
+    fn series(
+        &mut self,
+        laid: &Laid,
+        items: &[(Laid, Option<usize>)],
+        (x, y): (i32, i32),
+        width: i32,
+        before: Option<usize>,
+        after: Option<usize>,
+    ) {
+        let mut at = x;
+        let mut net = before;
+        let mut loose = laid.loose;
+        let outer = self.rail;
+        for (index, (item, next)) in items.iter().enumerate() {
+            let is_last = index + 1 == items.len();
+            let next = if is_last { after.or(*next) } else { *next };
+            let free = x + width - at - item.width;
+            let mut space = item.width;
+            if is_last && free > 0 {
+                match (&item.kind, item.ends) {
+                    (Kind::Part { .. }, true) if item.is_coil(self.sheet) => {
+                        self.scene.wire((at, y), (at + free, y), net.filter(|_| !loose));
+                        at += free;
+                    }
+                    (Kind::Part { .. } | Kind::Connector { .. }, _) => {}
+                    (Kind::Series(_) | Kind::Lines(_) | Kind::Parallel(_) | Kind::Fork { .. }, _) => space += free,
+                }
+            }
+            if index > 0 {
+                self.rail = outer.filter(|_| matches!(&item.kind, Kind::Part { railed: true, .. }));
+            }
+            self.block(item, (at, y), space, net, next);
+            self.rail = outer;
+            at += space;
+            net = next;
+            loose = loose && item.width == 0;
+        }
+        if !laid.ends && !loose {
+            self.scene.wire((at, y), (x + width, y), net);
+        }
+    }
+
+    fn part(&mut self, laid: &Laid, (x, y): (i32, i32)) {
+        let Kind::Part { shape, feeds, tails, connectors, railed, .. } = &laid.kind else { return };
+        self.scene.add(shape.scene.clone(), (x, y));
+        let rail_net = Some(self.sheet.nets.len());
+        let place = |pin: &usize| shape.ends.get(pin).map(|end| (x + end.0, y + end.1));
+        for (pin, net, feed) in feeds {
+            let Some(end) = place(pin) else { continue };
+            let rail = self.rail.filter(|_| *railed && !feed.loose);
+            let start = rail.map_or(end.0 - feed.width, |rail| rail + RAIL);
+            self.scene.wire((start + feed.width, end.1), end, Some(*net));
+            if !feed.loose {
+                match rail {
+                    Some(rail) => self.scene.wire((rail, end.1), (start, end.1), rail_net),
+                    None => self
+                        .scene
+                        .items
+                        .push(Item::Rail { from: (start, end.1 - SHORT_RAIL), to: (start, end.1 + SHORT_RAIL) }),
+                }
+            }
+            let outer = self.rail.take();
+            self.block(feed, (start, end.1), feed.width, rail_net, Some(*net));
+            self.rail = outer;
+        }
+        for (pin, net, tail) in tails {
+            let Some(end) = place(pin) else { continue };
+            let outer = self.rail.take();
+            self.block(tail, end, tail.width, Some(*net), None);
+            self.rail = outer;
+        }
+        for (pin, name) in connectors {
+            let Some(end) = place(pin) else { continue };
+            let output =
+                self.sheet.parts.get(part_of(laid)).and_then(|part| part.pins.get(*pin)).is_some_and(|p| p.output);
+            let (text, anchor, dx) = match output {
+                true => (format!("»{name}"), Anchor::Start, 3),
+                false => (format!("{name}»"), Anchor::End, -3),
+            };
+            self.scene.text((end.0 + dx, end.1 + 4), anchor, crate::scene::Ink::Mark, &text, "");
+        }
+    }
+}
+
+fn part_of(laid: &Laid) -> usize {
+    match &laid.kind {
+        Kind::Part { part, .. } => *part,
+        Kind::Series(_) | Kind::Lines(_) | Kind::Parallel(_) | Kind::Fork { .. } | Kind::Connector { .. } => usize::MAX,
+    }
+}

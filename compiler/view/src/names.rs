@@ -1,0 +1,261 @@
+//! Symbols and addresses of a program: what stands above and below a contact, and by which key a value and the uses of an address are found.
+
+use std::collections::HashMap;
+
+use plcc_model::types::{DataType, Member};
+use plcc_model::{BlockKey, DataBlock, Program};
+
+use crate::sheet::Label;
+
+/// Where names lead.
+#[derive(Default)]
+pub struct Names {
+    /// Symbols in lower case, with their addresses.
+    addresses: HashMap<String, String>,
+    /// The symbol of an address.
+    symbols: HashMap<String, String>,
+    dbs: Vec<Db>,
+}
+
+/// A data block.
+struct Db {
+    number: u16,
+    name: String,
+    instance_of: Option<BlockKey>,
+    members: Vec<Member>,
+}
+
+/// The block whose local names are meant.
+#[derive(Clone, Copy, Default)]
+pub struct Scope {
+    /// The instance DB that its static variables are in, if it has only one.
+    pub(crate) instance: Option<usize>,
+    /// Addresses are written in the German set of mnemonics.
+    pub german: bool,
+}
+
+impl Names {
+    /// The names of a bound program.
+    pub fn of(program: &Program) -> Names {
+        let mut names = Names::default();
+        for symbol in &program.symbols {
+            let address = canonical(&symbol.address, false).unwrap_or_else(|| symbol.address.clone());
+            names.symbols.entry(address.clone()).or_insert_with(|| symbol.name.clone());
+            names.addresses.insert(symbol.name.to_lowercase(), address);
+        }
+        names.dbs = program.dbs.iter().map(db).collect();
+        names
+    }
+
+    /// The symbols and their addresses, in order of the addresses.
+    pub fn symbols(&self) -> Vec<(&str, &str)> {
+        let mut list: Vec<(&str, &str)> =
+            self.symbols.iter().map(|(address, name)| (address.as_str(), name.as_str())).collect();
+        list.sort_unstable();
+        list
+    }
+
+    /// The scope of a block.
+    pub fn scope(&self, block: BlockKey, german: bool) -> Scope {
+        let mut instances = self.dbs.iter().enumerate().filter(|(_, db)| db.instance_of == Some(block));
+        let instance = match (instances.next(), instances.next()) {
+            (Some((at, _)), None) => Some(at),
+            _ => None,
+        };
+        Scope { instance, german }
+    }
+
+    /// An operand as it is drawn: `"Start"` with I0.0 below, `#Level`, `I0.0` with the symbol that it has.
+    pub fn label(&self, text: &str, scope: Scope) -> Label {
+        let text = text.trim();
+        let bare = text.strip_prefix('%').unwrap_or(text);
+        if let Some(address) = canonical(bare, scope.german) {
+            return match self.symbols.get(&address) {
+                Some(symbol) => Label { text: format!("\"{symbol}\""), address: bare.to_string(), key: address },
+                None => Label { text: bare.to_string(), address: String::new(), key: address },
+            };
+        }
+        let key = self.key(text, scope).unwrap_or_default();
+        let is_tag = !key.is_empty() && self.symbols.contains_key(&key) && !key.starts_with("DB");
+        let address = if is_tag { key.clone() } else { String::new() };
+        Label { text: text.to_string(), address, key }
+    }
+
+    /// The address of what `text` names; a local variable without a known address is its own key.
+    pub fn key(&self, text: &str, scope: Scope) -> Option<String> {
+        let text = text.trim();
+        if let Some(address) = canonical(text.strip_prefix('%').unwrap_or(text), scope.german) {
+            return Some(address);
+        }
+        let (local, parts) = path(text)?;
+        let (root, rest) = parts.split_first()?;
+        if !local {
+            if let Some(address) = self.addresses.get(&root.to_lowercase()) {
+                let is_db = address.strip_prefix("DB").is_some_and(|rest| rest.bytes().all(|b| b.is_ascii_digit()));
+                if !is_db {
+                    return rest.is_empty().then(|| address.clone());
+                }
+            }
+            let is_root = |db: &&Db| {
+                db.name.eq_ignore_ascii_case(root)
+                    || root.eq_ignore_ascii_case(&format!("DB{}", db.number))
+                    || self.addresses.get(&root.to_lowercase()).is_some_and(|a| *a == format!("DB{}", db.number))
+            };
+            if let Some(db) = self.dbs.iter().find(is_root) {
+                return match rest.is_empty() {
+                    true => Some(format!("DB{}", db.number)),
+                    false => address_in(db, rest),
+                };
+            }
+        }
+        if let Some(db) = scope.instance.and_then(|at| self.dbs.get(at)) {
+            if let Some(address) = address_in(db, &parts) {
+                return Some(address);
+            }
+        }
+        (local).then(|| format!("#{}", parts.join(".")))
+    }
+}
+
+fn db(db: &DataBlock) -> Db {
+    Db { number: db.number, name: db.name.clone(), instance_of: db.instance_of, members: db.members.clone() }
+}
+
+/// The address of a member: `DB10.DBX2.1`.
+fn address_in(db: &Db, path: &[String]) -> Option<String> {
+    let (first, rest) = path.split_first()?;
+    let member = db.members.iter().find(|member| member.name.eq_ignore_ascii_case(first))?;
+    walk(db.number, &member.ty, member.byte, member.bit, rest)
+}
+
+fn walk(number: u16, ty: &DataType, byte: u32, bit: u8, path: &[String]) -> Option<String> {
+    let Some((first, rest)) = path.split_first() else {
+        let DataType::Elementary(elementary) = ty else { return Some(format!("DB{number}.DBB{byte}")) };
+        return Some(match elementary.bits() {
+            1 => format!("DB{number}.DBX{byte}.{bit}"),
+            8 => format!("DB{number}.DBB{byte}"),
+            16 => format!("DB{number}.DBW{byte}"),
+            32 => format!("DB{number}.DBD{byte}"),
+            _ => format!("DB{number}.DBL{byte}"),
+        });
+    };
+    match ty {
+        DataType::Struct(structure) => {
+            let member = structure.members.iter().find(|member| member.name.eq_ignore_ascii_case(first))?;
+            walk(number, &member.ty, byte.checked_add(member.byte)?, member.bit, rest)
+        }
+        DataType::Array(_)
+        | DataType::Elementary(_)
+        | DataType::DateAndTime
+        | DataType::String(_)
+        | DataType::WideString(_)
+        | DataType::Parameter(_)
+        | DataType::OpenArray(_)
+        | DataType::Void => None,
+    }
+}
+
+/// The parts of `#a.b`, `"Db x".c`, and whether it is a local name. None if it is no plain name: indices, constants.
+fn path(text: &str) -> Option<(bool, Vec<String>)> {
+    let local = text.starts_with('#');
+    let mut rest = text.strip_prefix('#').unwrap_or(text);
+    let mut parts = Vec::new();
+    loop {
+        let (part, after) = match rest.strip_prefix('"') {
+            Some(quoted) => quoted.split_once('"')?,
+            None => rest.split_at(rest.find('.').unwrap_or(rest.len())),
+        };
+        let plain = |c: char| c.is_alphanumeric() || c == '_' || c == ' ' || c == '-';
+        if part.is_empty() || !rest.starts_with('"') && !part.chars().all(plain) {
+            return None;
+        }
+        parts.push(part.to_string());
+        if after.is_empty() {
+            break;
+        }
+        rest = after.strip_prefix('.')?;
+    }
+    let is_number = parts[0].starts_with(|c: char| c.is_ascii_digit());
+    (!is_number).then_some((local, parts))
+}
+
+/// Areas with an address of a byte, and with that of a bit only if the width says so.
+const AREAS: &[&str] = &["PI", "PQ", "SM", "AI", "AQ", "I", "Q", "M", "V", "L", "S"];
+/// Areas that the German set calls by other letters.
+const GERMAN: &[(&str, &str)] =
+    &[("PE", "PI"), ("PA", "PQ"), ("AE", "AI"), ("AA", "AQ"), ("E", "I"), ("A", "Q"), ("Z", "C")];
+
+/// An address in one form: `I0.0`, `MW10`, `DB5.DBX2.0`, `T5`. None if it is none.
+pub fn canonical(text: &str, german: bool) -> Option<String> {
+    let text: String = text.chars().filter(|c| !c.is_whitespace()).collect::<String>().to_ascii_uppercase();
+    let digits = |text: &str| !text.is_empty() && text.len() <= 7 && text.bytes().all(|b| b.is_ascii_digit());
+    let bit_address = |text: &str| {
+        text.split_once('.').is_some_and(|(byte, bit)| digits(byte) && bit.len() == 1 && digits(bit) && bit < "8")
+    };
+    if let Some(rest) = text.strip_prefix("DB") {
+        if digits(rest) {
+            return Some(text.clone());
+        }
+        let (number, part) = rest.split_once('.')?;
+        let part = part.strip_prefix('%').unwrap_or(part);
+        let rest = part.strip_prefix("DB").or_else(|| part.strip_prefix('D')).filter(|_| digits(number))?;
+        let (width, place) = rest.split_at_checked(1)?;
+        let good =
+            if width == "X" { bit_address(place) } else { matches!(width, "B" | "W" | "D" | "L") && digits(place) };
+        return good.then(|| format!("DB{number}.DB{width}{place}"));
+    }
+    let text = match german {
+        true => {
+            let found = GERMAN.iter().find_map(|(de, en)| Some((en, text.strip_prefix(de)?)));
+            found.map_or(text.clone(), |(en, rest)| format!("{en}{rest}"))
+        }
+        false => text,
+    };
+    if let Some(rest) = text.strip_prefix("HC").or_else(|| text.strip_prefix(['T', 'C'])) {
+        return digits(rest).then_some(text);
+    }
+    let area = AREAS.iter().find(|area| text.starts_with(**area))?;
+    let rest = &text[area.len()..];
+    let good = match rest.as_bytes().first() {
+        Some(b'X') => return bit_address(&rest[1..]).then(|| format!("{area}{}", &rest[1..])),
+        Some(b'B' | b'W' | b'D' | b'L') => digits(&rest[1..]),
+        _ => bit_address(rest),
+    };
+    good.then_some(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_address_has_one_form() {
+        let cases = [
+            ("I 0.0", false, Some("I0.0")),
+            ("E 0.7", true, Some("I0.7")),
+            ("A4.0", true, Some("Q4.0")),
+            ("PEW 272", true, Some("PIW272")),
+            ("mw10", false, Some("MW10")),
+            ("DB5.DBX 2.0", false, Some("DB5.DBX2.0")),
+            ("DB5.DX2.0", false, Some("DB5.DBX2.0")),
+            ("Z 5", true, Some("C5")),
+            ("M1.8", false, None),
+            ("Motor", false, None),
+            ("DB", false, None),
+            ("T", false, None),
+            ("DBÄ.ä", false, None),
+        ];
+        for (text, german, expected) in cases {
+            assert_eq!(canonical(text, german).as_deref(), expected, "{text}");
+        }
+    }
+
+    #[test]
+    fn names_are_split_at_points() {
+        assert_eq!(path("#a.b"), Some((true, vec!["a".into(), "b".into()])));
+        assert_eq!(path("\"My DB\".x"), Some((false, vec!["My DB".into(), "x".into()])));
+        assert_eq!(path("a[3].b"), None);
+        assert_eq!(path("T#5s"), None);
+        assert_eq!(path("16"), None);
+    }
+}

@@ -1,0 +1,104 @@
+//! Conditions that are written as expressions, as sheets: AND is a series, OR parallel branches, a comparison its contact.
+
+use plcc_syntax::network::draw;
+use plcc_syntax::scl::ast::{BinaryOp, Expr, ExprKind, UnaryOp};
+
+use super::{Label, Link, Look, Meaning, Net, Part, Pin, Place, Sheet, Source};
+use crate::names::{Names, Scope};
+
+/// The rung of a condition, which ends in a coil with `sign`.
+pub fn condition(value: &Expr, sign: &str, names: &Names, scope: Scope) -> Sheet {
+    let mut maker = Maker { sheet: Sheet::default(), names, scope };
+    let rail = maker.net();
+    maker.sheet.nets[rail].sources.push(Source::Rail);
+    let end = maker.net();
+    maker.add(value, false, rail, end);
+    maker.part(Look::Coil { sign: sign.to_string() }, Meaning::Through, Vec::new(), end, None);
+    maker.sheet
+}
+
+struct Maker<'a> {
+    sheet: Sheet,
+    names: &'a Names,
+    scope: Scope,
+}
+
+impl Maker<'_> {
+    fn net(&mut self) -> usize {
+        let name = format!("n{}", self.sheet.nets.len());
+        self.sheet.nets.push(Net { name, sources: Vec::new() });
+        self.sheet.nets.len() - 1
+    }
+
+    /// Adds the contacts of an expression between two nets.
+    fn add(&mut self, value: &Expr, negated: bool, from: usize, to: usize) {
+        match &value.kind {
+            ExprKind::Unary { op: UnaryOp::Not, operand } => self.add(operand, !negated, from, to),
+            ExprKind::Binary { op, left, right, .. } => match (op, negated) {
+                // NOT (a OR b) is NOT a AND NOT b.
+                (BinaryOp::And, false) | (BinaryOp::Or, true) => {
+                    let middle = self.net();
+                    self.add(left, negated, from, middle);
+                    self.add(right, negated, middle, to);
+                }
+                (BinaryOp::Or, false) | (BinaryOp::And, true) => {
+                    self.add(left, negated, from, to);
+                    self.add(right, negated, from, to);
+                }
+                _ => match comparison(*op, negated) {
+                    Some(sign) => {
+                        let pins = vec![self.operand(Place::Above, left), self.operand(Place::Below, right)];
+                        let look = Look::Compare { sign: sign.to_string(), ty: " ".to_string() };
+                        self.part(look, Meaning::Compare(sign.to_string()), pins, from, Some(to));
+                    }
+                    None => self.contact(value, negated, from, to),
+                },
+            },
+            _ => self.contact(value, negated, from, to),
+        }
+    }
+
+    fn contact(&mut self, value: &Expr, negated: bool, from: usize, to: usize) {
+        let pins = vec![self.operand(Place::Above, value)];
+        let sign = if negated { "/" } else { "" }.to_string();
+        self.part(Look::Contact { sign }, Meaning::Contact { negated }, pins, from, Some(to));
+    }
+
+    fn operand(&self, place: Place, value: &Expr) -> Pin {
+        let label: Label = self.names.label(&draw::whole(value), self.scope);
+        Pin { name: String::new(), place, output: false, link: Link::Operand(label), negated: false }
+    }
+
+    fn part(&mut self, look: Look, meaning: Meaning, mut pins: Vec<Pin>, from: usize, to: Option<usize>) {
+        let at = self.sheet.parts.len();
+        let flow = |output: bool, net: usize| Pin {
+            name: String::new(),
+            place: Place::Side,
+            output,
+            link: Link::Net(net),
+            negated: false,
+        };
+        let flow_in = Some(pins.len());
+        pins.push(flow(false, from));
+        let flow_out = to.map(|_| pins.len());
+        if let Some(to) = to {
+            self.sheet.nets[to].sources.push(Source::Pin { part: at, pin: pins.len() });
+            pins.push(flow(true, to));
+        }
+        self.sheet.parts.push(Part { look, meaning, pins, flow_in, flow_out });
+    }
+}
+
+/// The sign of a comparison, or that of its negation.
+fn comparison(op: BinaryOp, negated: bool) -> Option<&'static str> {
+    let (sign, other) = match op {
+        BinaryOp::Equal => ("==", "<>"),
+        BinaryOp::NotEqual => ("<>", "=="),
+        BinaryOp::Less => ("<", ">="),
+        BinaryOp::LessEqual => ("<=", ">"),
+        BinaryOp::Greater => (">", "<="),
+        BinaryOp::GreaterEqual => (">=", "<"),
+        _ => return None,
+    };
+    Some(if negated { other } else { sign })
+}

@@ -1,0 +1,139 @@
+//! A network as it is drawn: parts with pins, and nets between them. All notations of networks become sheets, and the layouts of LAD and FBD
+//! know nothing else.
+
+pub mod expression;
+pub mod network;
+
+/// A network for drawing.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sheet {
+    /// In the order of evaluation.
+    pub parts: Vec<Part>,
+    pub nets: Vec<Net>,
+}
+
+/// A wire.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Net {
+    /// Shown where no line leads to it.
+    pub name: String,
+    pub sources: Vec<Source>,
+}
+
+/// What feeds a net.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Source {
+    Rail,
+    Pin { part: usize, pin: usize },
+    Operand { label: Label, negated: bool },
+    Net(usize),
+}
+
+/// An element.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    pub look: Look,
+    pub meaning: Meaning,
+    pub pins: Vec<Pin>,
+    /// The pins that the flow enters and leaves: indices into `pins`.
+    pub flow_in: Option<usize>,
+    pub flow_out: Option<usize>,
+}
+
+/// What an element looks like.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Look {
+    /// `-| |-` with a sign in the middle.
+    Contact { sign: String },
+    /// `-( )-`.
+    Coil { sign: String },
+    /// A comparison: sign and type between the bars.
+    Compare { sign: String, ty: String },
+    /// A rectangle with its title, a second line below the title, and the instance above.
+    Box { title: String, detail: String, instance: Option<Label> },
+    /// Nothing: its effect is drawn elsewhere.
+    Nothing,
+}
+
+/// What an element does with the flow, as far as drawings of a state need it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Meaning {
+    /// The flow goes on if the operand is 1, or 0 if it is negated.
+    Contact {
+        negated: bool,
+    },
+    Not,
+    And,
+    Or,
+    Xor,
+    /// The flow goes on as it came.
+    Through,
+    /// Compares its first two inputs.
+    Compare(String),
+    /// The flow that leaves is not computed here; it is the member `Q` of the instance, if there is one.
+    Other,
+}
+
+/// A pin.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pin {
+    /// In the form in which boxes show it.
+    pub name: String,
+    pub place: Place,
+    pub output: bool,
+    pub link: Link,
+    pub negated: bool,
+}
+
+/// Where the operand of a pin is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// At the left or the right of a box.
+    Side,
+    Above,
+    Below,
+}
+
+/// What is connected to a pin.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Link {
+    Net(usize),
+    Operand(Label),
+    Open,
+}
+
+/// An operand: its name and its address.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Label {
+    /// The symbol, or the address of an operand without one.
+    pub text: String,
+    /// The address, if `text` is a symbol.
+    pub address: String,
+    /// By which values and uses of it are found: the address, or the name of a local variable; empty for constants.
+    pub key: String,
+}
+
+impl Label {
+    /// A text that is no operand.
+    pub fn plain(text: impl Into<String>) -> Label {
+        Label { text: text.into(), ..Label::default() }
+    }
+}
+
+impl Part {
+    /// The net at a pin.
+    pub fn net(&self, pin: Option<usize>) -> Option<usize> {
+        match self.pins.get(pin?)?.link {
+            Link::Net(net) => Some(net),
+            Link::Operand(_) | Link::Open => None,
+        }
+    }
+
+    /// Pins beside a box, except those of the flow.
+    pub fn side(&self, output: bool) -> impl Iterator<Item = usize> {
+        let flow = [self.flow_in, self.flow_out];
+        let wanted =
+            move |at: &usize, pin: &Pin| pin.place == Place::Side && pin.output == output && !flow.contains(&Some(*at));
+        self.pins.iter().enumerate().filter(move |(at, pin)| wanted(at, pin)).map(|(at, _)| at)
+    }
+}

@@ -1,0 +1,236 @@
+//! Networks of LAD and FBD as sheets.
+
+use plcc_syntax::network::ast::{
+    Element, Graph, Language, PinValue, Source as GraphSource, Storage, Target, TemplateKey,
+};
+use plcc_syntax::network::draw;
+use plcc_syntax::network::elements::{Gate, Kind, Row};
+use plcc_syntax::scl::ast::Expr;
+
+use super::{Label, Link, Look, Meaning, Net, Part, Pin, Place, Sheet, Source};
+use crate::names::{Names, Scope};
+
+/// The sheet of a network.
+pub fn sheet(graph: &Graph, language: Language, names: &Names, scope: Scope) -> Sheet {
+    let label = |value: &Expr| names.label(&draw::whole(value), scope);
+    let mut nets: Vec<Net> = Vec::with_capacity(graph.nets.len());
+    for (at, net) in graph.nets.iter().enumerate() {
+        let name = if net.name.is_empty() { format!("n{at}") } else { net.name.clone() };
+        let sources = net.sources.iter().map(|source| match source {
+            GraphSource::Rail => Source::Rail,
+            GraphSource::Pin { element, pin } => Source::Pin { part: *element, pin: *pin },
+            GraphSource::Operand { value, negated } => Source::Operand { label: label(value), negated: *negated },
+            GraphSource::Net(id) => Source::Net(id.0 as usize),
+        });
+        nets.push(Net { name, sources: sources.collect() });
+    }
+    let parts = graph.elements.iter().map(|element| part(element, language, &label)).collect();
+    let mut sheet = Sheet { parts, nets };
+    if language == Language::Fbd {
+        sheet.negations_at_pins();
+    }
+    sheet
+}
+
+fn part(element: &Element, language: Language, label: &dyn Fn(&Expr) -> Label) -> Part {
+    let (flow_in, flow_out) = match &element.target {
+        Target::Element { row, .. } => row.flow,
+        Target::Block { .. } => ("en", "eno"),
+    };
+    let find = |name: &str, output: bool| {
+        element.pins.iter().position(|pin| pin.output == output && pin.name.eq_ignore_ascii_case(name))
+    };
+    let (flow_in, flow_out) = (find(flow_in, false), find(flow_out, true));
+    let (look, meaning, small) = look(element, language, label);
+    let mut places = 0;
+    let pins = element.pins.iter().enumerate().map(|(at, pin)| {
+        let is_flow = Some(at) == flow_in || Some(at) == flow_out;
+        let place = match (small, is_flow) {
+            (_, true) => Place::Side,
+            (false, false) => box_place(element, &pin.name),
+            (true, false) => {
+                places += 1;
+                if places == 1 { Place::Above } else { Place::Below }
+            }
+        };
+        let link = match &pin.value {
+            PinValue::Net(id) => Link::Net(id.0 as usize),
+            PinValue::Operand(value) => {
+                let mut label = label(value);
+                match pin.storage {
+                    Storage::None => {}
+                    Storage::Set => label.text.push_str(" (S)"),
+                    Storage::Reset => label.text.push_str(" (R)"),
+                }
+                Link::Operand(label)
+            }
+            PinValue::Open => Link::Open,
+        };
+        // The sign of a contact or a coil shows its negation.
+        let negated = pin.negated && !(small && place == Place::Above);
+        let name = if small { String::new() } else { pin_name(element, &pin.name) };
+        Pin { name, place, output: pin.output, link, negated }
+    });
+    Part { look, meaning, pins: pins.collect(), flow_in, flow_out }
+}
+
+/// The look of an element, its meaning, and whether it has no pins at its sides but those of the flow.
+fn look(element: &Element, language: Language, label: &dyn Fn(&Expr) -> Label) -> (Look, Meaning, bool) {
+    let (row, instance) = match &element.target {
+        Target::Element { row, instance } => (*row, instance.as_ref().map(label)),
+        Target::Block { callee, instance } => {
+            let look =
+                Look::Box { title: label(callee).text, detail: String::new(), instance: instance.as_ref().map(label) };
+            return (look, Meaning::Other, false);
+        }
+    };
+    let negated = element.pin("operand").is_some_and(|pin| pin.negated);
+    let meaning = meaning(row, negated);
+    if let (Kind::Compare(sign), Language::Lad) = (row.kind, language) {
+        let sign = if sign == "=" { "==" } else { sign };
+        return (Look::Compare { sign: sign.to_string(), ty: types(element) }, meaning, true);
+    }
+    if let Some(symbol) = draw::symbol(row, element, language) {
+        let sign = symbol.get(1..symbol.len() - 1).unwrap_or_default().trim().to_string();
+        let look = match symbol.as_bytes()[0] {
+            b'|' if language == Language::Lad => Look::Contact { sign },
+            b'(' => Look::Coil { sign },
+            _ => Look::Box { title: sign, detail: String::new(), instance: None },
+        };
+        return (look, meaning, true);
+    }
+    (Look::Box { title: title(row), detail: types(element), instance }, meaning, false)
+}
+
+/// Where a pin of a box is: the operand of a flip-flop, a timer or a counter is above it, the bit of an edge below.
+fn box_place(element: &Element, pin: &str) -> Place {
+    let Target::Element { row, .. } = &element.target else { return Place::Side };
+    match row.kind {
+        Kind::FlipFlop { .. } if pin == "operand" => Place::Above,
+        Kind::S5Timer(_) if pin == "timer" => Place::Above,
+        Kind::S5Counter(_) if pin == "counter" => Place::Above,
+        Kind::EdgeTrigger { .. } if pin == "bit" => Place::Below,
+        _ => Place::Side,
+    }
+}
+
+fn meaning(row: &Row, negated: bool) -> Meaning {
+    match row.kind {
+        Kind::Contact => Meaning::Contact { negated },
+        Kind::Not => Meaning::Not,
+        Kind::Gate(Gate::And) => Meaning::And,
+        Kind::Gate(Gate::Or) => Meaning::Or,
+        Kind::Gate(Gate::Xor) => Meaning::Xor,
+        Kind::Compare(sign) => Meaning::Compare(sign.to_string()),
+        Kind::Coil
+        | Kind::SetCoil
+        | Kind::ResetCoil
+        | Kind::EdgeCoil { .. }
+        | Kind::BitField { .. }
+        | Kind::TimerCoil(_)
+        | Kind::ResetTimer
+        | Kind::PresetTimer
+        | Kind::CounterCoil(_)
+        | Kind::OpenDb { .. }
+        | Kind::Save
+        | Kind::Condition => Meaning::Through,
+        Kind::EdgeContact { .. }
+        | Kind::EdgeTrigger { .. }
+        | Kind::FlipFlop { .. }
+        | Kind::Range { .. }
+        | Kind::Valid { .. }
+        | Kind::Variant(_)
+        | Kind::Instance(_)
+        | Kind::Calculate
+        | Kind::Formula
+        | Kind::Operator(_)
+        | Kind::Step { .. }
+        | Kind::Function(_)
+        | Kind::Procedure(_)
+        | Kind::Move
+        | Kind::Convert
+        | Kind::Round(_)
+        | Kind::Negate
+        | Kind::Invert
+        | Kind::Mux
+        | Kind::Demux
+        | Kind::Jump { .. }
+        | Kind::JumpList
+        | Kind::Switch
+        | Kind::Return(_)
+        | Kind::S5Timer(_)
+        | Kind::S5Counter(_)
+        | Kind::Mcr(_)
+        | Kind::CallCoil
+        | Kind::Flag(_) => Meaning::Other,
+    }
+}
+
+/// The title of a box, as the editors of Siemens write it.
+fn title(row: &Row) -> String {
+    match row.kind {
+        Kind::Gate(Gate::And) => "&".to_string(),
+        Kind::Gate(Gate::Or) => ">=1".to_string(),
+        Kind::Gate(Gate::Xor) => "x".to_string(),
+        Kind::FlipFlop { set_wins: false } => "SR".to_string(),
+        Kind::FlipFlop { set_wins: true } => "RS".to_string(),
+        Kind::Compare(sign) => if sign == "=" { "==" } else { sign }.to_string(),
+        Kind::Convert => "CONV".to_string(),
+        Kind::Function(name) | Kind::Procedure(name) => name.to_string(),
+        Kind::Range { inside } => if inside { "IN_RANGE" } else { "OUT_RANGE" }.to_string(),
+        _ if row.name.contains(' ') => "f(x)".to_string(),
+        _ => row.name.to_uppercase(),
+    }
+}
+
+/// `Int`, `Int to Real`.
+fn types(element: &Element) -> String {
+    let value = |key| element.template(key).map(|template| template.value.trim()).filter(|value| !value.is_empty());
+    match (value(TemplateKey::Source), value(TemplateKey::Destination)) {
+        (Some(source), Some(destination)) if source != destination => format!("{source} to {destination}"),
+        (Some(one), _) | (None, Some(one)) => one.to_string(),
+        (None, None) => value(TemplateKey::Value).or(value(TemplateKey::Time)).unwrap_or_default().to_string(),
+    }
+}
+
+/// A pin's name inside its box: none at gates and at the boxes of a single sign.
+fn pin_name(element: &Element, name: &str) -> String {
+    match &element.target {
+        Target::Element { row, .. } => match row.kind {
+            Kind::Gate(_) | Kind::EdgeTrigger { .. } => String::new(),
+            _ => name.to_uppercase(),
+        },
+        Target::Block { .. } if name.eq_ignore_ascii_case("en") || name.eq_ignore_ascii_case("eno") => {
+            name.to_uppercase()
+        }
+        Target::Block { .. } => name.to_string(),
+    }
+}
+
+impl Sheet {
+    /// FBD has no element for a negation: it is a circle at the pins that the net of a NOT leads to.
+    fn negations_at_pins(&mut self) {
+        for at in 0..self.parts.len() {
+            let part = &self.parts[at];
+            if part.meaning != Meaning::Not {
+                continue;
+            }
+            let (Some(from), Some(to)) = (part.net(part.flow_in), part.net(part.flow_out)) else { continue };
+            let alone = self.nets.get(to).is_some_and(|net| net.sources.len() == 1) && from != to;
+            let sources: usize =
+                self.nets.iter().flat_map(|net| &net.sources).filter(|s| **s == Source::Net(to)).count();
+            if !alone || sources > 0 {
+                continue;
+            }
+            for pin in self.parts.iter_mut().flat_map(|part| &mut part.pins) {
+                if pin.link == Link::Net(to) && !pin.output {
+                    pin.link = Link::Net(from);
+                    pin.negated = !pin.negated;
+                }
+            }
+            self.nets[to].sources.clear();
+            self.parts[at].pins.clear();
+            self.parts[at].look = Look::Nothing;
+        }
+    }
+}

@@ -1,0 +1,194 @@
+//! Drawings as SVG.
+
+use std::fmt::Write;
+
+use crate::metrics;
+use crate::scene::{Anchor, Frame, Glyph, Ink, Item, Scene};
+
+/// The look of drawings. Colours are variables, which a page sets for its dark look and for paper.
+pub const STYLE: &str = "\
+.w{stroke:var(--wire,#222);stroke-width:1.4;fill:none}.d{fill:var(--wire,#222)}.r{stroke:var(--rail,#222);stroke-width:3}\
+.b{fill:var(--box,#f5f7fa);stroke:var(--wire,#222);stroke-width:1.2}.g{stroke:var(--wire,#222);stroke-width:1.8;fill:none}\
+.s{stroke:var(--wire,#222);stroke-width:1.2;fill:none}.n{stroke:var(--wire,#222);stroke-width:1.2;fill:var(--paper,#fff)}\
+.o{fill:var(--symbol,#0b3d91)}.a{fill:var(--address,#666)}.p{fill:var(--text,#222)}.t{fill:var(--text,#222);font-weight:bold}\
+.y{fill:var(--address,#666)}.m{fill:var(--mark,#a33);font-weight:bold}.c{fill:var(--note,#3a7a3a)}.x{fill:var(--text,#222)}\
+.on{stroke:var(--on,#1a9a2f);stroke-width:2.4}.off{stroke:var(--off,#3b6fc4);stroke-dasharray:5 3}.un{stroke:var(--un,#aaa)}\
+.v{fill:var(--value,#b25d00);font-weight:bold}.act{fill:var(--active,#b9f0c0)}";
+
+/// A whole file.
+pub fn file(scene: &Scene) -> String {
+    let (width, height) = (scene.width, scene.height);
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" \
+         font-family=\"{}\">\n<style>{}</style>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n{}</svg>\n",
+        metrics::FONTS,
+        plain_style(),
+        content(scene)
+    )
+}
+
+/// The style sheet with the colours themselves: some programs that read SVG know no variables.
+fn plain_style() -> String {
+    let mut out = String::new();
+    let mut rest = STYLE;
+    while let Some((before, after)) = rest.split_once("var(") {
+        out.push_str(before);
+        let (variable, after) = after.split_once(')').unwrap_or((after, ""));
+        out.push_str(variable.split_once(',').map_or("", |(_, colour)| colour));
+        rest = after;
+    }
+    out + rest
+}
+
+/// A drawing inside a page, which has the style sheet.
+pub fn inline(scene: &Scene) -> String {
+    let (width, height) = (scene.width, scene.height);
+    format!("<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">{}</svg>", content(scene))
+}
+
+/// The items, one on each line.
+fn content(scene: &Scene) -> String {
+    let mut out = String::new();
+    for item in &scene.items {
+        write_item(&mut out, item);
+        out.push('\n');
+    }
+    out
+}
+
+/// Writing to a String cannot fail.
+const WRITES: &str = "a String takes all text";
+
+fn write_item(out: &mut String, item: &Item) {
+    let data = |net: &Option<usize>| net.map_or(String::new(), |net| format!(" data-n=\"{net}\""));
+    match item {
+        Item::Wire { from, to, net } => {
+            let way = match (to.0 - from.0, to.1 - from.1) {
+                (dx, 0) => format!("h{dx}"),
+                (0, dy) => format!("v{dy}"),
+                (dx, dy) => format!("l{dx} {dy}"),
+            };
+            write!(out, "<path class=\"w\"{} d=\"M{} {}{way}\"/>", data(net), from.0, from.1)
+        }
+        Item::Dot { at, net } => {
+            write!(out, "<circle class=\"d\"{} cx=\"{}\" cy=\"{}\" r=\"2.5\"/>", data(net), at.0, at.1)
+        }
+        Item::Rail { from, to } => {
+            write!(out, "<path class=\"r\" d=\"M{} {}V{}\"/>", from.0, from.1, to.1)
+        }
+        Item::Frame { area, kind, key } => {
+            let key = if key.is_empty() { String::new() } else { format!(" data-s=\"{}\"", escaped(key)) };
+            let class = match kind {
+                Frame::Box | Frame::Action => "b",
+                Frame::Step | Frame::InitialStep => "b k",
+            };
+            write!(
+                out,
+                "<rect class=\"{class}\"{key} x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/>",
+                area.x, area.y, area.w, area.h
+            )
+            .expect(WRITES);
+            if *kind == Frame::InitialStep {
+                write!(
+                    out,
+                    "<rect class=\"s\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/>",
+                    area.x + 3,
+                    area.y + 3,
+                    area.w - 6,
+                    area.h - 6
+                )
+                .expect(WRITES);
+            }
+            Ok(())
+        }
+        Item::Glyph { area, kind, sign, part } => {
+            let (left, right, top, bottom) = (area.x, area.x + area.w, area.y, area.y + area.h);
+            let height = area.h;
+            let way = match kind {
+                Glyph::Contact => format!("M{left} {top}V{bottom}M{right} {top}V{bottom}"),
+                Glyph::Coil => {
+                    format!(
+                        "M{} {top}q-10 {} 0 {height}M{} {top}q10 {} 0 {height}",
+                        left + 5,
+                        height / 2,
+                        right - 5,
+                        height / 2
+                    )
+                }
+            };
+            let slash = match sign.as_str() {
+                "/" => format!("M{} {bottom}L{} {top}", left + area.w / 4, right - area.w / 4),
+                _ => String::new(),
+            };
+            write!(out, "<path class=\"g\" data-p=\"{part}\" d=\"{way}{slash}\"/>").expect(WRITES);
+            if sign != "/" && !sign.is_empty() {
+                write!(
+                    out,
+                    "<text class=\"x\" x=\"{}\" y=\"{}\" font-size=\"11\" text-anchor=\"middle\">{}</text>",
+                    left + area.w / 2,
+                    top + height / 2 + 4,
+                    escaped(sign)
+                )
+                .expect(WRITES);
+            }
+            Ok(())
+        }
+        Item::Circle { at, net } => {
+            write!(out, "<circle class=\"n\"{} cx=\"{}\" cy=\"{}\" r=\"3.5\"/>", data(net), at.0, at.1)
+        }
+        Item::Text { at, anchor, text, ink, key } => {
+            let anchor = match anchor {
+                Anchor::Start => "",
+                Anchor::Middle => " text-anchor=\"middle\"",
+                Anchor::End => " text-anchor=\"end\"",
+            };
+            let key = if key.is_empty() { String::new() } else { format!(" data-k=\"{}\"", escaped(key)) };
+            let (class, height) = (class(*ink), ink.height());
+            write!(
+                out,
+                "<text class=\"{class}\"{key} x=\"{}\" y=\"{}\" font-size=\"{height}\"{anchor}>{}</text>",
+                at.0,
+                at.1,
+                escaped(text)
+            )
+        }
+        Item::Stroke { points, .. } => {
+            let mut way = String::new();
+            for (index, point) in points.iter().enumerate() {
+                write!(way, "{}{} {}", if index == 0 { 'M' } else { 'L' }, point.0, point.1).expect(WRITES);
+            }
+            write!(out, "<path class=\"s\" d=\"{way}\"/>")
+        }
+    }
+    .expect(WRITES);
+}
+
+fn class(ink: Ink) -> &'static str {
+    match ink {
+        Ink::Operand => "o",
+        Ink::Address => "a",
+        Ink::Pin => "p",
+        Ink::Title => "t",
+        Ink::Detail => "y",
+        Ink::Mark => "m",
+        Ink::Note => "c",
+        Ink::Plain => "x",
+    }
+}
+
+/// Text inside SVG or HTML. Control characters, which no XML may have, are blanks.
+pub fn escaped(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\t' | '\n' => out.push(c),
+            c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => out.push(' '),
+            c => out.push(c),
+        }
+    }
+    out
+}

@@ -1,0 +1,280 @@
+//! The CPU as clients see it.
+
+use plcc_abi::image::{self, BlockKind};
+use plcc_abi::layout;
+use plcc_abi::s7200::{COUNTERS, TIMERS, V_DB, system};
+use plcc_runtime::cpu::{self, Cpu};
+use plcc_runtime::options;
+use plcc_runtime::{bcd, counters, datetime, timers};
+
+use crate::s7::{Area, BlockInfo, DateAndTime, Event, Family, ItemError, Names, Place, Plc, Restart};
+
+/// See the module comment.
+pub struct Access<'a>(pub &'a Cpu);
+
+/// A part of memory: where it begins and how long it is.
+type Range = (u32, u32);
+
+impl Access<'_> {
+    fn is_s7200(&self) -> bool {
+        self.family() == Family::S7200
+    }
+
+    /// A data block whose components have no addresses.
+    fn is_optimized(&self, number: u16) -> bool {
+        self.0.image.dbs.iter().any(|db| db.number == number && db.optimized)
+    }
+
+    /// Where an area is in PLC memory. Timers, counters and modules are elsewhere.
+    fn range(&self, area: Area) -> Result<Range, ItemError> {
+        let system = |offset, bytes| Ok((layout::SYSTEM + offset, bytes));
+        match area {
+            Area::Inputs => Ok(self.0.area(cpu::Area::Inputs)),
+            Area::Outputs => Ok(self.0.area(cpu::Area::Outputs)),
+            Area::BitMemory => Ok(self.0.area(cpu::Area::BitMemory)),
+            Area::Db(number) => match self.0.memory.db(number) {
+                _ if self.is_s7200() && number != V_DB => Err(ItemError::Missing),
+                (_, 0) => Err(ItemError::Missing),
+                _ if self.is_optimized(number) => Err(ItemError::Missing),
+                found => Ok(found),
+            },
+            Area::SpecialMemory => system(system::SM, system::SM_BYTES),
+            Area::AnalogInputs => system(system::AI, system::ANALOG_BYTES),
+            Area::AnalogOutputs => system(system::AQ, system::ANALOG_BYTES),
+            Area::Peripheral | Area::Timers | Area::Counters | Area::SystemInfo => Err(ItemError::Missing),
+        }
+    }
+
+    /// The place in PLC memory, if all of it exists.
+    fn inside(&self, place: Place) -> Result<u32, ItemError> {
+        let (base, length) = self.range(place.area)?;
+        match place.start.checked_add(place.count) {
+            Some(end) if end <= length => Ok(base + place.start),
+            Some(_) | None => Err(ItemError::OutOfRange),
+        }
+    }
+
+    /// Number of timers or counters.
+    fn cells(&self, area: Area) -> u32 {
+        let profile = &self.0.image.profile;
+        match (area, self.is_s7200()) {
+            (Area::Timers, true) => TIMERS,
+            (_, true) => COUNTERS,
+            (Area::Timers, false) => profile.timers,
+            (_, false) => profile.counters,
+        }
+    }
+
+    /// Where the current values of an S7-200 are.
+    fn s7200_values(area: Area) -> u32 {
+        layout::SYSTEM + if area == Area::Timers { system::TIMER_VALUES } else { system::COUNTER_VALUES }
+    }
+
+    fn cell_numbers(&self, place: Place) -> Result<std::ops::Range<u32>, ItemError> {
+        match place.start.checked_add(place.count) {
+            Some(end) if end <= self.cells(place.area) => Ok(place.start..end),
+            Some(_) | None => Err(ItemError::OutOfRange),
+        }
+    }
+
+    /// Timers as S5TIME, counters as BCD; of an S7-200 current values.
+    fn read_cells(&self, place: Place) -> Result<Vec<u8>, ItemError> {
+        let Cpu { memory, clock, .. } = self.0;
+        let value = |number: u32| match place.area {
+            _ if self.is_s7200() => memory.word(Self::s7200_values(place.area) + 2 * number),
+            Area::Timers => timers::remaining(memory, clock, number),
+            _ => bcd::from_int(counters::value(memory, number), 3) as u16,
+        };
+        Ok(self.cell_numbers(place)?.flat_map(|number| value(number).to_be_bytes()).collect())
+    }
+
+    fn write_cells(&self, place: Place, data: &[u8]) -> Result<(), ItemError> {
+        let Cpu { memory, clock, .. } = self.0;
+        let numbers = self.cell_numbers(place)?;
+        let values: Vec<u16> = data.as_chunks::<2>().0.iter().map(|word| u16::from_be_bytes(*word)).collect();
+        let is_bcd = |value: u16| (0..3).all(|digit| value >> (4 * digit) & 15 <= 9);
+        if !self.is_s7200() && !values.iter().all(|value| is_bcd(*value)) {
+            return Err(ItemError::TypeInconsistent);
+        }
+        for (number, value) in numbers.zip(values) {
+            match place.area {
+                _ if self.is_s7200() => memory.set_word(Self::s7200_values(place.area) + 2 * number, value),
+                Area::Timers => timers::set_value(memory, clock, number, value),
+                _ => counters::set_value(memory, number, bcd::to_int(value.into(), 3) as u16),
+            }
+        }
+        Ok(())
+    }
+
+    fn read_modules(&self, place: Place) -> Result<Vec<u8>, ItemError> {
+        let bytes = place.start..place.start.saturating_add(place.count);
+        bytes.map(|byte| self.0.driver.read(byte, 1).map(|value| value as u8).ok_or(ItemError::Hardware)).collect()
+    }
+
+    fn kind(code: u8) -> Option<BlockKind> {
+        Some(match code {
+            0x08 => BlockKind::Ob,
+            0x0A => BlockKind::Db,
+            0x0C => BlockKind::Fc,
+            0x0E => BlockKind::Fb,
+            _ => return None,
+        })
+    }
+}
+
+impl Plc for Access<'_> {
+    fn family(&self) -> Family {
+        match self.0.image.profile.family {
+            image::Family::S7300 => Family::S7300,
+            image::Family::S7400 => Family::S7400,
+            image::Family::S7200 => Family::S7200,
+            image::Family::S71200 => Family::S71200,
+            image::Family::S71500 => Family::S71500,
+        }
+    }
+
+    fn names(&self) -> Names {
+        let image = &self.0.image;
+        let given = image.config.cpu_order.clone();
+        let (order, module) = match self.family() {
+            Family::S7300 => ("6ES7 315-2AG10-0AB0", "CPU 315-2 DP"),
+            Family::S7400 => ("6ES7 414-2XG04-0AB0", "CPU 414-2"),
+            Family::S7200 => ("6ES7 214-1AD23-0XB0", "CPU 224"),
+            Family::S71200 => ("6ES7 214-1AG40-0XB0", "CPU 1214C DC/DC/DC"),
+            Family::S71500 => ("6ES7 511-1AK01-0AB0", "CPU 1511-1 PN"),
+        };
+        Names {
+            program: image.name.clone(),
+            order: if given.is_empty() { order.to_string() } else { given },
+            module: module.to_string(),
+        }
+    }
+
+    fn read(&self, place: Place) -> Result<Vec<u8>, ItemError> {
+        match place.area {
+            Area::Timers | Area::Counters => self.read_cells(place),
+            Area::Peripheral => {
+                let bytes = self.read_modules(place)?;
+                Ok(match place.bit {
+                    Some(bit) => bytes.iter().map(|byte| byte >> bit & 1).collect(),
+                    None => bytes,
+                })
+            }
+            Area::SystemInfo => {
+                let text = format!("{:<20}", self.names().module);
+                let (start, end) = (place.start as usize, (place.start + place.count) as usize);
+                text.as_bytes().get(start..end).map(<[u8]>::to_vec).ok_or(ItemError::OutOfRange)
+            }
+            _ => {
+                let at = self.inside(place)?;
+                Ok(match place.bit {
+                    Some(bit) => vec![self.0.memory.bit(at, bit).into()],
+                    None => self.0.memory.view(at, place.count, <[u8]>::to_vec),
+                })
+            }
+        }
+    }
+
+    fn write(&self, place: Place, data: &[u8]) -> Result<(), ItemError> {
+        match place.area {
+            Area::Timers | Area::Counters => return self.write_cells(place, data),
+            Area::SystemInfo | Area::AnalogInputs => return Err(ItemError::NotAllowed),
+            Area::Db(number) if self.0.is_read_only(number) => return Err(ItemError::NotAllowed),
+            Area::Peripheral => {
+                if place.bit.is_some() {
+                    return Err(ItemError::OutOfRange);
+                }
+                let missing =
+                    (place.start..).zip(data).any(|(byte, value)| self.0.peripheral_write(byte, 1, u32::from(*value)));
+                return if missing { Err(ItemError::Hardware) } else { Ok(()) };
+            }
+            _ => {}
+        }
+        let at = self.inside(place)?;
+        match place.bit {
+            Some(bit) => self.0.memory.set_bit(at, bit, data.first().is_some_and(|value| value & 1 != 0)),
+            None => self.0.memory.load(at, data),
+        }
+        if place.area == Area::Outputs {
+            self.0.note_outputs(place.start + place.count);
+        }
+        Ok(())
+    }
+
+    fn is_running(&self) -> bool {
+        !self.0.is_stopped()
+    }
+
+    fn stop(&self) {
+        self.0.stop_by_request();
+    }
+
+    fn start(&self, restart: Restart) -> bool {
+        self.0.request_restart(match restart {
+            Restart::Warm => options::Restart::Warm,
+            Restart::Cold => options::Restart::Cold,
+        })
+    }
+
+    fn blocks(&self, kind: u8) -> Vec<u16> {
+        let Some(kind) = Self::kind(kind) else { return Vec::new() };
+        let image = &self.0.image;
+        let mut numbers: Vec<u16> = match kind {
+            BlockKind::Db => image.dbs.iter().map(|db| db.number).collect(),
+            _ => image.blocks.iter().filter(|block| block.kind == kind).map(|block| block.number).collect(),
+        };
+        numbers.sort_unstable();
+        numbers
+    }
+
+    fn block(&self, code: u8, number: u16) -> Option<BlockInfo> {
+        /// Languages of blocks. What a block was written in is not known any more.
+        const UNKNOWN: u8 = 0;
+        const DB: u8 = 5;
+        let kind = Self::kind(code)?;
+        let image = &self.0.image;
+        if kind == BlockKind::Db {
+            let db = image.dbs.iter().find(|db| db.number == number)?;
+            let bytes = db.data.len().min(usize::from(u16::MAX)) as u16;
+            let name = db.name.clone();
+            return Some(BlockInfo { language: DB, number, bytes, local_data: 0, name, read_only: db.read_only });
+        }
+        let block = image.blocks.iter().find(|block| block.kind == kind && block.number == number)?;
+        let local_data = block.frame.min(u32::from(u16::MAX)) as u16;
+        // Machine code of this computer has no length that means something to a client.
+        Some(BlockInfo { language: UNKNOWN, number, bytes: 0, local_data, name: block.name.clone(), read_only: false })
+    }
+
+    fn clock(&self) -> DateAndTime {
+        datetime::encode(self.0.clock.wall())
+    }
+
+    fn set_clock(&self, time: DateAndTime) -> bool {
+        match datetime::decode(time) {
+            Ok(moment) => {
+                self.0.set_wall_clock(moment);
+                true
+            }
+            Err(_) => false,
+        }
+    }
+
+    fn events(&self) -> Vec<Event> {
+        let entries = self.0.diagnostics.newest_first().into_iter();
+        entries
+            .map(|entry| Event {
+                event: entry.event,
+                ob: entry.ob.min(255) as u8,
+                priority: 0,
+                info: entry.info,
+                time: datetime::encode(entry.wall),
+            })
+            .collect()
+    }
+
+    fn sizes(&self) -> [u16; 6] {
+        let profile = &self.0.image.profile;
+        [profile.inputs, profile.outputs, profile.bit_memory, profile.timers, profile.counters, profile.local_data]
+            .map(|size| size.min(u32::from(u16::MAX)) as u16)
+    }
+}

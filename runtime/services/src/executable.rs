@@ -1,0 +1,24 @@
+//! The part of `main` that a program with services has of its own.
+
+use std::ffi::{c_char, c_int};
+
+use plcc_abi::ProgramImage;
+use plcc_runtime::executable::{Opened, Opener, main_of};
+
+use crate::ServiceOptions;
+
+impl Opener for ServiceOptions {
+    fn open(&self, image: &ProgramImage) -> Result<Opened, String> {
+        ServiceOptions::open(self, image)
+    }
+}
+
+/// Entry point of the process.
+///
+/// # Safety
+/// Called by the C runtime only, with its `argc` and `argv`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn plcc_main_with_services(argc: c_int, argv: *const *const c_char) -> c_int {
+    // SAFETY: as the caller promises.
+    unsafe { main_of::<ServiceOptions>(argc, argv) }
+}

@@ -1,0 +1,28 @@
+//! What clients may use up: connections, sizes, times. All limits of all services are here.
+
+use std::time::Duration;
+
+/// Connections of one service at once, and those of one computer among them.
+pub const CONNECTIONS_MAX: usize = 32;
+pub const CONNECTIONS_OF_ONE_MAX: usize = 8;
+
+/// How long an S7 client may take to ask for a connection, and to agree on the length of PDUs.
+pub const CONNECT_TIME: Duration = Duration::from_secs(5);
+pub const SETUP_TIME: Duration = Duration::from_secs(10);
+/// How long any client may take to complete a frame that has begun, and to take an answer.
+pub const FRAME_TIME: Duration = Duration::from_secs(5);
+pub const ANSWER_TIME: Duration = Duration::from_secs(5);
+
+/// Requests that wait for the CPU; who has more waits.
+pub const QUEUE_MAX: usize = 64;
+
+/// Wrong passwords of a computer before it has to wait, and how long.
+pub const WRONG_PASSWORDS_MAX: u32 = 3;
+pub const PASSWORD_PAUSE: Duration = Duration::from_secs(5);
+/// Computers whose wrong passwords are counted.
+pub const GUESSERS_MAX: usize = 1024;
+
+/// The longest head of an HTTP request.
+pub const HTTP_BYTES_MAX: usize = 8192;
+/// How long a CPU may take to tell its state.
+pub const STATE_TIME: Duration = Duration::from_secs(1);

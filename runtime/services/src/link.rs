@@ -1,0 +1,76 @@
+//! The way from servers to the CPU and back.
+//!
+//! Servers run on a thread of their own and never touch PLC memory. They send work, which the CPU does at its cycle control point, between two
+//! cycles. So each piece of work sees one completed cycle. The queue is bounded: who sends more than the CPU can do waits.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+use plcc_runtime::cpu::Cpu;
+use plcc_runtime::online::Service;
+use tokio::sync::{mpsc, oneshot};
+
+use crate::limits::QUEUE_MAX;
+use crate::metrics::CycleTimes;
+
+type Work = Box<dyn FnOnce(&Cpu) + Send>;
+
+/// The end of the servers.
+#[derive(Clone)]
+pub struct Link {
+    queue: mpsc::Sender<Work>,
+    waiting: Arc<AtomicUsize>,
+}
+
+/// The end of the CPU.
+pub struct Desk {
+    queue: mpsc::Receiver<Work>,
+    /// Work in the queue: the cycle looks at it each time, which must cost next to nothing.
+    waiting: Arc<AtomicUsize>,
+    /// Where the times of cycles are counted, if someone wants to know them.
+    times: Option<Arc<CycleTimes>>,
+}
+
+/// Both ends of a new way.
+pub fn link(times: Option<Arc<CycleTimes>>) -> (Link, Desk) {
+    let (send, receive) = mpsc::channel(QUEUE_MAX);
+    let waiting = Arc::<AtomicUsize>::default();
+    (Link { queue: send, waiting: waiting.clone() }, Desk { queue: receive, waiting, times })
+}
+
+impl Link {
+    /// Has the CPU do `work` at its next cycle control point. `None`: the CPU has ended.
+    pub async fn ask<T: Send + 'static>(&self, work: impl FnOnce(&Cpu) -> T + Send + 'static) -> Option<T> {
+        let (send, receive) = oneshot::channel();
+        let boxed: Work = Box::new(move |cpu| {
+            // Who asked may have gone.
+            let _ = send.send(work(cpu));
+        });
+        let place = self.queue.reserve().await.ok()?;
+        self.waiting.fetch_add(1, Ordering::Relaxed);
+        place.send(boxed);
+        receive.await.ok()
+    }
+}
+
+impl Service for Desk {
+    fn look(&self, cpu: &Cpu, start: u64, period: Option<u64>) -> bool {
+        if let Some(times) = &self.times {
+            times.add(period, cpu.clock.now().saturating_sub(start));
+        }
+        self.waiting.load(Ordering::Relaxed) != 0
+    }
+
+    fn serve(&mut self, cpu: &Cpu, share: Duration) {
+        let mut until = None;
+        while let Ok(work) = self.queue.try_recv() {
+            self.waiting.fetch_sub(1, Ordering::Relaxed);
+            work(cpu);
+            let until = *until.get_or_insert_with(|| Instant::now() + share);
+            if Instant::now() >= until {
+                return;
+            }
+        }
+    }
+}

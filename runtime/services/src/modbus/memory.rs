@@ -1,0 +1,113 @@
+//! Where the registers and bits of Modbus are in the CPU.
+
+use plcc_abi::ProgramImage;
+use plcc_abi::services::Registers;
+use plcc_runtime::address::{self, Width};
+use plcc_runtime::signal;
+
+use crate::s7::{Area, ItemError, Place, Plc};
+
+/// The first of each kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Map {
+    pub coils: Start,
+    pub discrete_inputs: Start,
+    pub input_registers: Start,
+    pub holding_registers: Start,
+}
+
+/// A place in memory from which registers or bits are counted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Start {
+    pub area: Area,
+    pub byte: u32,
+    pub bit: u8,
+}
+
+impl Map {
+    /// `Err`: which address is wrong, and why.
+    pub fn new(registers: &Registers, image: &ProgramImage) -> Result<Map, String> {
+        let start = |key: &str, text: &str, bits: bool| {
+            Start::find(text, image)
+                .and_then(|start| match bits || start.bit == 0 {
+                    true => Ok(start),
+                    false => Err(format!("`{text}` is a bit; registers begin at a byte")),
+                })
+                .map_err(|error| format!("{key} in [services.registers]: {error}"))
+        };
+        Ok(Map {
+            coils: start("coils", &registers.coils, true)?,
+            discrete_inputs: start("discrete_inputs", &registers.discrete_inputs, true)?,
+            input_registers: start("input_registers", &registers.input_registers, false)?,
+            holding_registers: start("holding_registers", &registers.holding_registers, false)?,
+        })
+    }
+}
+
+impl Start {
+    fn find(text: &str, image: &ProgramImage) -> Result<Start, String> {
+        let signals = signal::all(text, image, None)?;
+        let found = signals.first().and_then(|signal| signal.source.address());
+        let address = found.ok_or_else(|| format!("`{text}` has no address"))?;
+        let bit = if let Width::Bit(bit) = address.width { bit } else { 0 };
+        let (area, byte) = match address.place {
+            address::Place::Input(byte) => (Area::Inputs, byte),
+            address::Place::Output(byte) => (Area::Outputs, byte),
+            address::Place::BitMemory(byte) => (Area::BitMemory, byte),
+            address::Place::PeripheralInput(byte) | address::Place::PeripheralOutput(byte) => (Area::Peripheral, byte),
+            address::Place::Db(number, byte) => (Area::Db(number), byte),
+            address::Place::Timer(_)
+            | address::Place::Counter(_)
+            | address::Place::TimerValue(_)
+            | address::Place::CounterValue(_)
+            | address::Place::S7200(..) => {
+                return Err(format!("`{text}` is not in I, Q, M, V, a data block or the I/O"));
+            }
+        };
+        Ok(Start { area, byte, bit })
+    }
+
+    /// The bytes of registers.
+    fn registers(self, first: u16, count: u16) -> Place {
+        let start = self.byte + 2 * u32::from(first);
+        Place { area: self.area, start, bit: None, count: 2 * u32::from(count) }
+    }
+
+    /// The byte and the bit in it of one bit.
+    fn bit(self, number: u32) -> (u32, u8) {
+        let bit = u32::from(self.bit) + number;
+        (self.byte + bit / 8, (bit % 8) as u8)
+    }
+
+    pub fn read_registers(self, plc: &dyn Plc, first: u16, count: u16) -> Result<Vec<u8>, ItemError> {
+        plc.read(self.registers(first, count))
+    }
+
+    pub fn write_registers(self, plc: &dyn Plc, first: u16, values: &[u8]) -> Result<(), ItemError> {
+        plc.write(self.registers(first, (values.len() / 2) as u16), values)
+    }
+
+    /// Bits, the first one lowest in the first byte.
+    pub fn read_bits(self, plc: &dyn Plc, first: u16, count: u16) -> Result<Vec<u8>, ItemError> {
+        let (start, shift) = self.bit(first.into());
+        let (end, _) = self.bit(u32::from(first) + u32::from(count) - 1);
+        let bytes = plc.read(Place { area: self.area, start, bit: None, count: end - start + 1 })?;
+        let mut bits = vec![0; usize::from(count).div_ceil(8)];
+        for number in 0..usize::from(count) {
+            let from = usize::from(shift) + number;
+            bits[number / 8] |= (bytes[from / 8] >> (from % 8) & 1) << (number % 8);
+        }
+        Ok(bits)
+    }
+
+    /// All of them are written, or none because one does not exist.
+    pub fn write_bits(self, plc: &dyn Plc, first: u16, count: u16, bits: &[u8]) -> Result<(), ItemError> {
+        self.read_bits(plc, first, count)?;
+        for number in 0..count {
+            let (start, bit) = self.bit(u32::from(first) + u32::from(number));
+            let value = bits[usize::from(number) / 8] >> (number % 8) & 1;
+            plc.write(Place { area: self.area, start, bit: Some(bit), count: 1 }, &[value])?;
+        }
+        Ok(())
+    }
+}

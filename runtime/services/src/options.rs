@@ -1,0 +1,202 @@
+//! The flags of the services, the same for an executable and for `plcc run`, and what they open.
+
+use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::sync::Arc;
+
+use clap::{Args, ValueEnum};
+use plcc_abi::ProgramImage;
+use plcc_abi::services::{Protection, Right};
+use plcc_runtime::online::Service;
+use tokio::runtime::Builder;
+
+use crate::link::{Link, link};
+use crate::listen::{self, Door};
+use crate::metrics::{self, CycleTimes, Pages};
+use crate::modbus::{self, Map};
+use crate::mqtt::{self, Broker, Publisher};
+use crate::password::Guard;
+use crate::rights::Clients;
+use crate::s7;
+
+/// Flags of the services. They have precedence over plc.toml.
+#[derive(Args, Clone, Debug, Default)]
+pub struct ServiceOptions {
+    /// Answer S7 clients, as panels and libraries are: address and port, or a port of this computer alone
+    #[arg(long, value_name = "ADDR:PORT", value_parser = address)]
+    pub s7: Option<SocketAddr>,
+    /// Answer Modbus TCP clients
+    #[arg(long, value_name = "ADDR:PORT", value_parser = address)]
+    pub modbus: Option<SocketAddr>,
+    /// Answer HTTP requests for /metrics (Prometheus) and /health
+    #[arg(long, value_name = "ADDR:PORT", value_parser = address)]
+    pub metrics: Option<SocketAddr>,
+    /// Publish values to an MQTT broker: mqtt://HOST[:PORT]/PREFIX
+    #[arg(long, value_name = "URL", value_parser = Broker::parse)]
+    pub mqtt: Option<Broker>,
+    /// Values to publish [default: `values` in `[services]` of plc.toml]
+    #[arg(long, value_name = "ADDR,...")]
+    pub publish: Vec<String>,
+    /// The most that clients may do [default: what plc.toml says, else write]
+    #[arg(long, value_name = "RIGHT", value_enum)]
+    pub access: Option<Access>,
+}
+
+/// What clients may do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Access {
+    Read,
+    Write,
+    /// Write, stop and start the CPU, and set its clock.
+    Control,
+}
+
+impl From<Access> for Right {
+    fn from(access: Access) -> Right {
+        match access {
+            Access::Read => Right::Read,
+            Access::Write => Right::Write,
+            Access::Control => Right::Control,
+        }
+    }
+}
+
+/// `0.0.0.0:102`, `[::]:102`, or a port alone, which is one of this computer. `Err`: the error.
+pub fn address(text: &str) -> Result<SocketAddr, String> {
+    if let Ok(port) = text.parse::<u16>() {
+        return Ok(SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), port));
+    }
+    text.parse().map_err(|_| format!("`{text}` is not an address with a port; write 127.0.0.1:10102 or 0.0.0.0:102"))
+}
+
+/// Whether a text is the URL of a broker. `Err`: the error.
+pub fn check_broker(text: &str) -> Result<(), String> {
+    Broker::parse(text).map(|_| ())
+}
+
+/// What answers on the side of the CPU, and what was opened, a line each.
+pub type Opened = (Option<Box<dyn Service>>, Vec<String>);
+
+impl ServiceOptions {
+    /// Opens what the flags and plc.toml ask for. `Err`: why not.
+    pub fn open(&self, image: &ProgramImage) -> Result<Opened, String> {
+        let config = &image.config.services;
+        let port = |flag: Option<SocketAddr>, key: &Option<String>| match (flag, key) {
+            (None, Some(text)) => address(text).map(Some),
+            (flag, _) => Ok(flag),
+        };
+        let broker = match (&self.mqtt, &config.mqtt) {
+            (None, Some(text)) => Some(Broker::parse(text)?),
+            (flag, _) => flag.clone(),
+        };
+        let (s7, modbus) = (port(self.s7, &config.s7)?, port(self.modbus, &config.modbus)?);
+        let metrics = port(self.metrics, &config.metrics)?;
+        if s7.is_none() && modbus.is_none() && metrics.is_none() && broker.is_none() {
+            return Ok((None, Vec::new()));
+        }
+        let clients = Clients::new(config, self.access.map(Right::from));
+        let times = metrics.is_some().then(Arc::<CycleTimes>::default);
+        let (link, desk) = link(times.clone());
+        let mut plan = Plan { s7: None, modbus: None, metrics: None, publisher: None };
+        let mut opened = Vec::new();
+        if let Some(address) = s7 {
+            let door = listen::open("s7", address, clients.clone())?;
+            opened.push(line("S7 clients", &door, &clients.text()));
+            let guard = Guard::new(config.password.as_deref());
+            plan.s7 = Some((door, s7::Server { link: link.clone(), guard, protection: config.protection }));
+        }
+        if let Some(address) = modbus {
+            let map = Map::new(&config.registers, image)?;
+            let door = listen::open("modbus", address, clients.clone())?;
+            opened.push(line("Modbus TCP clients", &door, &clients.text()));
+            plan.modbus = Some((door, link.clone(), map));
+        }
+        if let (Some(address), Some(times)) = (metrics, times) {
+            let door = listen::open("metrics", address, clients)?;
+            opened.push(line("HTTP clients", &door, "/metrics and /health"));
+            let services = [plan.s7.as_ref().map(|(door, _)| door), plan.modbus.as_ref().map(|(door, ..)| door)];
+            let services = services.into_iter().flatten().chain([&door]);
+            let services = services.map(|door| (door.service, door.open.clone())).collect();
+            plan.metrics = Some((door, Pages { link: link.clone(), times, services }));
+        }
+        if let Some(broker) = broker {
+            let values = if self.publish.is_empty() { &config.values } else { &self.publish };
+            let publisher = Publisher::new(broker, values, config.interval_ms, image)?;
+            opened.push(publisher.text());
+            plan.publisher = Some((publisher, link));
+        }
+        if config.protection == Protection::Complete && config.password.is_none() && plan.s7.is_some() {
+            opened.push("S7 clients cannot reach anything: complete protection, and no password".to_string());
+        }
+        plan.start()?;
+        Ok((Some(Box::new(desk)), opened))
+    }
+}
+
+/// `S7 clients at 127.0.0.1:10102: clients may read`
+fn line(who: &str, door: &Door, text: &str) -> String {
+    let address = door.listener.local_addr().map_or_else(|_| "?".to_string(), |address| address.to_string());
+    format!("{who} at {address}: {text}")
+}
+
+/// What is to run.
+struct Plan {
+    s7: Option<(Door, s7::Server)>,
+    modbus: Option<(Door, Link, Map)>,
+    metrics: Option<(Door, Pages)>,
+    publisher: Option<(Publisher, Link)>,
+}
+
+impl Plan {
+    /// Starts the thread of the services. `Err`: the system has none.
+    fn start(self) -> Result<(), String> {
+        let failed = |error: std::io::Error| format!("services cannot be started: {error}");
+        let runtime = Builder::new_current_thread().enable_io().enable_time().build().map_err(failed)?;
+        let thread = std::thread::Builder::new().name("services".to_string());
+        thread.spawn(move || runtime.block_on(self.run())).map_err(failed)?;
+        Ok(())
+    }
+
+    async fn run(self) {
+        let s7 = async {
+            if let Some((door, server)) = self.s7 {
+                let reference = std::sync::atomic::AtomicU16::new(0);
+                let serve = |visitor| {
+                    let number = reference.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+                    s7::serve(visitor, server.clone(), number % 0x7FFF + 1)
+                };
+                listen::accept(door, serve).await;
+            }
+        };
+        let modbus = async {
+            if let Some((door, link, map)) = self.modbus {
+                listen::accept(door, |visitor| modbus::serve(visitor, link.clone(), map)).await;
+            }
+        };
+        let metrics = async {
+            if let Some((door, pages)) = self.metrics {
+                listen::accept(door, |visitor| metrics::serve(visitor.stream, pages.clone())).await;
+            }
+        };
+        let publisher = async {
+            if let Some((publisher, link)) = self.publisher {
+                mqtt::run(publisher, link).await;
+            }
+        };
+        tokio::join!(s7, modbus, metrics, publisher);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_port_alone_is_of_this_computer() {
+        assert_eq!(address("10102"), Ok("127.0.0.1:10102".parse().unwrap()));
+        assert_eq!(address("0.0.0.0:102"), Ok("0.0.0.0:102".parse().unwrap()));
+        assert_eq!(address("[::1]:102"), Ok("[::1]:102".parse().unwrap()));
+        for text in ["", "65536", "localhost", "127.0.0.1", ":102"] {
+            assert!(address(text).is_err(), "{text}");
+        }
+    }
+}

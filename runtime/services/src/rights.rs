@@ -1,0 +1,138 @@
+//! Who may do what.
+
+use std::net::IpAddr;
+
+use plcc_abi::services::{Client, Right, ServicesConfig};
+
+/// The connection list.
+#[derive(Clone, Debug)]
+pub struct Clients {
+    list: Vec<(Network, Right)>,
+    /// Of everyone else.
+    others: Option<Right>,
+    /// No one may do more.
+    most: Right,
+}
+
+/// Computers whose addresses begin alike.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Network {
+    address: IpAddr,
+    /// Bits that count.
+    bits: u8,
+}
+
+impl Network {
+    /// `192.168.0.7`, `192.168.0.0/24`.
+    fn parse(text: &str) -> Option<Network> {
+        let (address, bits) = match text.split_once('/') {
+            Some((address, bits)) => (address, Some(bits.parse().ok()?)),
+            None => (text, None),
+        };
+        let address: IpAddr = address.parse().ok()?;
+        let most = if address.is_ipv4() { 32 } else { 128 };
+        let bits = bits.unwrap_or(most);
+        (bits <= most).then_some(Network { address, bits })
+    }
+
+    fn contains(&self, other: IpAddr) -> bool {
+        let same = |own: u128, other: u128, all: u32| {
+            // All bits of an address may count, or none.
+            let shift = all - u32::from(self.bits);
+            own.checked_shr(shift).unwrap_or(0) == other.checked_shr(shift).unwrap_or(0)
+        };
+        match (self.address, other) {
+            (IpAddr::V4(own), IpAddr::V4(other)) => same(own.to_bits().into(), other.to_bits().into(), 32),
+            (IpAddr::V6(own), IpAddr::V6(other)) => same(own.to_bits(), other.to_bits(), 128),
+            (IpAddr::V4(_), IpAddr::V6(_)) | (IpAddr::V6(_), IpAddr::V4(_)) => false,
+        }
+    }
+}
+
+/// Whether a text names a computer or a network, for plc.toml.
+pub fn is_network(text: &str) -> bool {
+    Network::parse(text).is_some()
+}
+
+impl Clients {
+    /// `most`: what the flags allow; they allow no one who is not in a list.
+    pub fn new(config: &ServicesConfig, most: Option<Right>) -> Clients {
+        let entry = |client: &Client| Some((Network::parse(&client.address)?, client.right));
+        let list: Vec<_> = config.clients.iter().filter_map(entry).collect();
+        let default = config.access.unwrap_or(Right::Write);
+        match config.clients.is_empty() {
+            true => Clients { list, others: Some(most.unwrap_or(default)), most: Right::Control },
+            false => Clients { list, others: config.access, most: most.unwrap_or(Right::Control) },
+        }
+    }
+
+    /// What a computer may do; `None`: it may not connect. The entry that names it most exactly counts.
+    pub fn of(&self, address: IpAddr) -> Option<Right> {
+        let address = address.to_canonical();
+        let named = self.list.iter().filter(|(network, _)| network.contains(address));
+        let found = named.max_by_key(|(network, _)| network.bits).map(|(_, right)| *right);
+        found.or(self.others).map(|right| right.min(self.most))
+    }
+
+    /// As a line about what was opened tells it.
+    pub fn text(&self) -> String {
+        let may = |right: Right| match right.min(self.most) {
+            Right::Read => "read",
+            Right::Write => "read and write",
+            Right::Control => "read, write, stop and start the CPU",
+        };
+        match (self.list.len(), self.others) {
+            (0, others) => format!("clients may {}", may(others.unwrap_or(Right::Read))),
+            (_, None) => "clients of the connection list".to_string(),
+            (_, Some(others)) => format!("clients of the connection list; others may {}", may(others)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn client(address: &str, right: Right) -> Client {
+        Client { address: address.to_string(), right }
+    }
+
+    fn of(clients: &Clients, address: &str) -> Option<Right> {
+        clients.of(address.parse().unwrap())
+    }
+
+    #[test]
+    fn without_a_list_everyone_is_a_client() {
+        let clients = Clients::new(&ServicesConfig::default(), None);
+        assert_eq!(of(&clients, "10.0.0.1"), Some(Right::Write));
+        let clients = Clients::new(&ServicesConfig::default(), Some(Right::Read));
+        assert_eq!(of(&clients, "::1"), Some(Right::Read));
+    }
+
+    #[test]
+    fn the_most_exact_entry_counts() {
+        let list = vec![
+            client("192.168.0.0/16", Right::Read),
+            client("192.168.7.9", Right::Control),
+            client("fd00::/8", Right::Write),
+        ];
+        let config = ServicesConfig { clients: list, ..ServicesConfig::default() };
+        let clients = Clients::new(&config, None);
+        assert_eq!(of(&clients, "192.168.7.8"), Some(Right::Read));
+        assert_eq!(of(&clients, "192.168.7.9"), Some(Right::Control));
+        // As a server of IPv6 sees a client of IPv4.
+        assert_eq!(of(&clients, "::ffff:192.168.7.9"), Some(Right::Control));
+        assert_eq!(of(&clients, "fdff::1"), Some(Right::Write));
+        assert_eq!(of(&clients, "10.0.0.1"), None);
+        assert_eq!(of(&Clients::new(&config, Some(Right::Write)), "192.168.7.9"), Some(Right::Write));
+        let all = ServicesConfig { clients: vec![client("0.0.0.0/0", Right::Read)], ..ServicesConfig::default() };
+        assert_eq!(of(&Clients::new(&all, None), "10.0.0.1"), Some(Right::Read));
+    }
+
+    #[test]
+    fn wrong_networks_are_none() {
+        for text in ["", "192.168.0", "192.168.0.0/33", "::/129", "localhost", "10.0.0.0/", "10.0.0.0/-1"] {
+            assert!(!is_network(text), "{text}");
+        }
+    }
+}

@@ -1,0 +1,27 @@
+//! S7 communication: what panels, SCADA systems and libraries speak to a CPU on port 102.
+//!
+//! ```text
+//! stream -> frame (TPKT, COTP) -> session (jobs, userdata) -> plc (the CPU at its cycle control point)
+//! ```
+//!
+//! Everything but the server is a function of bytes and the CPU. Source: ISO 8073, RFC 1006; captures of clients and CPUs.
+
+mod frame;
+mod plc;
+mod server;
+mod session;
+mod status_lists;
+mod userdata;
+mod variables;
+
+#[cfg(test)]
+mod fake;
+#[cfg(test)]
+mod tests;
+
+#[cfg(test)]
+pub(crate) use fake::Fake;
+pub use frame::PORT;
+pub use plc::{Area, BlockInfo, DateAndTime, Event, Family, ItemError, Names, Place, Plc, Restart};
+pub use server::{Server, serve};
+pub use session::{Gate, Session};

@@ -1,0 +1,159 @@
+//! System status lists (SZL): what a CPU says of itself.
+
+use super::plc::Plc;
+use crate::wire::put16;
+
+/// Error words.
+pub const WRONG_REQUEST: u16 = 0xD405;
+const UNKNOWN_LIST: u16 = 0xD401;
+const UNKNOWN_INDEX: u16 = 0xD402;
+
+/// The lists that are answered: list 0000 names them.
+const LISTS: [u16; 18] = [
+    0x0000, 0x0011, 0x0111, 0x0F11, 0x0012, 0x0014, 0x0114, 0x0019, 0x0074, 0x001C, 0x011C, 0x0131, 0x0132, 0x0232,
+    0x0424, 0x0124, 0x00A0, 0x01A0,
+];
+
+/// Entries of the diagnostic buffer in one answer.
+const EVENTS_MAX: usize = 100;
+
+/// Bits of the number of a list: only its head.
+const HEAD_ONLY: u16 = 0x0F00;
+
+/// Records of equal length.
+struct List {
+    length: u16,
+    records: Vec<Vec<u8>>,
+}
+
+/// The list with its head for a client with these protection levels: number, index, length and number of records.
+pub fn read(plc: &dyn Plc, levels: (u16, u16), id: u16, index: u16) -> Result<Vec<u8>, u16> {
+    if !LISTS.contains(&id) {
+        return Err(UNKNOWN_LIST);
+    }
+    let list = list(plc, levels, id, index).ok_or(UNKNOWN_INDEX)?;
+    let mut out = Vec::new();
+    put16(&mut out, id);
+    put16(&mut out, index);
+    put16(&mut out, list.length);
+    put16(&mut out, list.records.len() as u16);
+    if id & HEAD_ONLY != HEAD_ONLY {
+        for mut record in list.records {
+            record.resize(list.length.into(), 0);
+            out.extend(record);
+        }
+    }
+    Ok(out)
+}
+
+/// A record: words, then bytes.
+fn record(words: &[u16], bytes: &[u8]) -> Vec<u8> {
+    let mut record = Vec::new();
+    words.iter().for_each(|word| put16(&mut record, *word));
+    record.extend(bytes);
+    record
+}
+
+fn list(plc: &dyn Plc, levels: (u16, u16), id: u16, index: u16) -> Option<List> {
+    let all = |length, records: Vec<Vec<u8>>| Some(List { length, records });
+    // The record with this index, which is its first word.
+    let one = |length, records: Vec<Vec<u8>>, index: u16| {
+        let found = records.into_iter().find(|record| record.starts_with(&index.to_be_bytes()))?;
+        Some(List { length, records: vec![found] })
+    };
+    match id {
+        0x0000 => all(2, LISTS.iter().map(|id| record(&[*id], &[])).collect()),
+        0x0011 | 0x0F11 => all(28, identification(plc)),
+        0x0111 => one(28, identification(plc), index),
+        // Families of instructions that every CPU has.
+        0x0012 => all(2, vec![record(&[0x0100], &[])]),
+        0x0014 => all(8, areas(plc)),
+        0x0114 => one(8, areas(plc), index),
+        0x0019 | 0x0074 => all(4, leds(plc)),
+        0x001C => all(34, components(plc)),
+        0x011C => one(34, components(plc), index),
+        0x0131 => one(40, communication(plc), index.max(1)),
+        0x0132 | 0x0232 => one(40, vec![protection(levels)], if index == 0 { 4 } else { index }),
+        0x0424 | 0x0124 => all(20, vec![mode(plc)]),
+        0x00A0 => all(20, events(plc, EVENTS_MAX)),
+        0x01A0 => all(20, events(plc, usize::from(index).min(EVENTS_MAX))),
+        _ => None,
+    }
+}
+
+/// Text of so many bytes, filled up with `filler`.
+fn text(text: &str, length: usize, filler: u8) -> Vec<u8> {
+    let mut bytes: Vec<u8> = text.chars().map(|c| u8::try_from(c).unwrap_or(b'?')).take(length).collect();
+    bytes.resize(length, filler);
+    bytes
+}
+
+fn identification(plc: &dyn Plc) -> Vec<Vec<u8>> {
+    let order = plc.names().order;
+    // Module, hardware, firmware 1.0.0.
+    let versions: [(u16, [u16; 3]); 3] = [(1, [0, 1, 0]), (6, [0, 1, 0]), (7, [0, 0x5601, 0x0000])];
+    versions
+        .map(|(index, words)| {
+            let mut one = record(&[index], &text(&order, 20, b' '));
+            words.iter().for_each(|word| put16(&mut one, *word));
+            one
+        })
+        .to_vec()
+}
+
+fn components(plc: &dyn Plc) -> Vec<Vec<u8>> {
+    let names = plc.names();
+    let texts: [(u16, &str); 6] =
+        [(1, &names.program), (2, &names.module), (3, ""), (4, "plcc"), (5, "S plcc"), (7, &names.module)];
+    texts.map(|(index, value)| record(&[index], &text(value, 32, 0))).to_vec()
+}
+
+fn areas(plc: &dyn Plc) -> Vec<Vec<u8>> {
+    let sizes = plc.sizes();
+    (1u16..).zip(sizes).map(|(index, size)| record(&[index, 1, size, 0], &[])).collect()
+}
+
+fn leds(plc: &dyn Plc) -> Vec<Vec<u8>> {
+    let running = plc.is_running();
+    // SF, RUN, STOP, FRCE.
+    let lit = [(1, false), (4, running), (5, !running), (6, false)];
+    lit.map(|(led, on)| record(&[led], &[u8::from(on), 0])).to_vec()
+}
+
+/// PDU length, connections, rates; then which functions of reading and writing there are.
+fn communication(plc: &dyn Plc) -> Vec<Vec<u8>> {
+    let pdu = plc.family().pdu_max();
+    let mut general = record(&[1, pdu, 32], &[]);
+    general.extend(187_500u32.to_be_bytes());
+    general.extend(100_000_000u32.to_be_bytes());
+    // Read and write of variables, no cyclic reading.
+    let data = record(&[3], &[0x80, 0, 0, 0, 0, 222, 0, 32]);
+    vec![general, data]
+}
+
+fn protection((set, valid): (u16, u16)) -> Vec<u8> {
+    // Key switch: level 1; parameters; valid level; selector RUN-P; no start switch.
+    record(&[4, 1, set, valid, 2, 0], &[])
+}
+
+/// The present mode.
+fn mode(plc: &dyn Plc) -> Vec<u8> {
+    let running = plc.is_running();
+    let mut one = record(&[if running { 0x4302 } else { 0x4303 }], &[0xFF, if running { 0x08 } else { 0x04 }]);
+    one.extend([0; 8]);
+    one.extend(plc.clock());
+    one
+}
+
+fn events(plc: &dyn Plc, count: usize) -> Vec<Vec<u8>> {
+    let newest = plc.events().into_iter().take(count);
+    newest
+        .map(|event| {
+            let mut one = record(&[event.event], &[event.priority, event.ob]);
+            one.extend([0, 0, 0, 0]);
+            one.extend(event.info.to_be_bytes());
+            one.extend(event.time);
+            one
+        })
+        .collect()
+}

@@ -1,0 +1,298 @@
+//! Whole PDUs in and out, as clients and CPUs exchange them, and PDUs that nobody should send.
+
+use plcc_abi::services::{Protection, Right};
+use proptest::prelude::*;
+
+use super::Fake;
+use super::frame::{Reader, Received, data};
+use super::plc::Family;
+use super::session::{Gate, Session};
+use super::userdata;
+
+/// Bytes in hexadecimal; white space and what follows `;` does not count.
+fn hex(text: &str) -> Vec<u8> {
+    let digits: String = text.lines().filter_map(|line| line.split(';').next()).collect();
+    let digits: Vec<char> = digits.chars().filter(|c| !c.is_whitespace()).collect();
+    digits.chunks(2).map(|pair| u8::from_str_radix(&pair.iter().collect::<String>(), 16).unwrap()).collect()
+}
+
+const ALL: Gate = Gate { right: Right::Control, protection: Protection::None, has_password: false };
+
+const SETUP: &str = "32 01 0000 0001 0008 0000 F0 00 0001 0001 01E0";
+
+/// A session after its setup.
+fn session(plc: &Fake) -> Session {
+    let mut session = Session::new(ALL);
+    let answer = session.answer(&hex(SETUP), plc).unwrap().unwrap();
+    assert_eq!(answer, hex("32 03 0000 0001 0008 0000 0000 F0 00 0001 0001 00F0"));
+    session
+}
+
+fn exchange(plc: &Fake, session: &mut Session, request: &str, expected: &str) {
+    let answer = session.answer(&hex(request), plc).unwrap().unwrap();
+    assert_eq!(answer, hex(expected), "{request}\nanswered {answer:02X?}");
+}
+
+#[test]
+fn variables_are_read() {
+    let plc = Fake::new();
+    exchange(
+        &plc,
+        &mut session(&plc),
+        "32 01 0000 0002 001A 0000 04 02 12 0A 10 02 0003 000A 84 000020 12 0A 10 01 0001 0000 83 00002B",
+        "32 03 0000 0002 0002 000D 0000 04 02 FF 04 0018 112233 00 FF 03 0001 01",
+    );
+}
+
+#[test]
+fn variables_are_written_one_by_one() {
+    let plc = Fake::new();
+    let mut session = session(&plc);
+    exchange(
+        &plc,
+        &mut session,
+        "32 01 0000 0003 001A 000C 05 02 12 0A 10 01 0001 0000 82 000002 12 0A 10 02 0002 0063 84 000000
+         00 03 0001 01 00 00 04 0010 1234",
+        "32 03 0000 0003 0002 0002 0000 05 02 FF 0A",
+    );
+    exchange(
+        &plc,
+        &mut session,
+        "32 01 0000 0004 000E 0006 05 01 12 0A 10 04 0001 000A 84 000000 00 04 0010 ABCD",
+        "32 03 0000 0004 0002 0001 0000 05 01 FF",
+    );
+    assert_eq!(plc.db.borrow()[..2], [0xAB, 0xCD]);
+}
+
+#[test]
+fn items_have_codes_of_their_own() {
+    let plc = Fake::new();
+    let mut session = session(&plc);
+    for (item, code) in [
+        ("12 0A 10 02 0001 0000 83 000080", 0x05), // beyond the end
+        ("12 0A 10 02 0001 0000 83 000001", 0x05), // a byte at a bit
+        ("12 0A 10 01 0002 0000 83 000000", 0x05), // two bits
+        ("12 0A 10 02 0000 0000 83 000000", 0x05), // nothing
+        ("12 0A 10 06 FFFF 0000 83 000000", 0x05), // the answer would be too long: see below
+        ("12 0A 10 77 0001 0000 83 000000", 0x06), // no such type
+        ("12 0A 10 02 0001 0063 84 000000", 0x0A), // no such DB
+        ("12 0A 10 02 0001 0000 86 000000", 0x03), // local data
+        ("12 0A 10 02 0001 0000 1D 000000", 0x05), // a timer as a byte
+        ("12 0A 13 02 0001 0000 83 000000", 0x05), // another kind of address
+    ] {
+        let answer = session.answer(&hex(&format!("32 01 0000 0002 000E 0000 04 01 {item}")), &plc).unwrap().unwrap();
+        let expected = match item.contains("FFFF") {
+            true => hex("32 02 0000 0002 0000 0000 8500"),
+            false => hex(&format!("32 03 0000 0002 0002 0004 0000 04 01 {code:02X} 00 0000")),
+        };
+        assert_eq!(answer, expected, "{item}");
+    }
+}
+
+#[test]
+fn the_mode_is_told() {
+    let plc = Fake::new();
+    exchange(
+        &plc,
+        &mut session(&plc),
+        "32 07 0000 0004 0008 0008 00 01 12 04 11 44 01 00 FF 09 0004 0424 0000",
+        "32 07 0000 0004 000C 0020 00 01 12 08 12 84 01 01 00 00 0000 FF 09 001C 0424 0000 0014 0001
+         4302 FF 08 00000000 00000000 2611 2219 0530 1231",
+    );
+}
+
+#[test]
+fn the_cpu_is_stopped_and_not_started() {
+    let plc = Fake::new();
+    let mut session = session(&plc);
+    let stop = "32 01 0000 0005 0010 0000 29 00 00 00 00 00 09 50 5F 50 52 4F 47 52 41 4D";
+    let start = "32 01 0000 0006 0014 0000 28 00 00 00 00 00 00 FD 0000 09 50 5F 50 52 4F 47 52 41 4D";
+    exchange(&plc, &mut session, start, "32 03 0000 0006 0002 0000 8402 28 03");
+    exchange(&plc, &mut session, stop, "32 03 0000 0005 0001 0000 0000 29");
+    assert!(!plc.running.get());
+    exchange(&plc, &mut session, stop, "32 03 0000 0005 0002 0000 8402 29 07");
+    exchange(&plc, &mut session, start, "32 03 0000 0006 0001 0000 0000 28");
+    assert!(plc.running.get());
+    exchange(&plc, &mut session, stop, "32 03 0000 0005 0001 0000 0000 29");
+    // A cold restart, which this CPU refuses.
+    let cold = "32 01 0000 0006 0016 0000 28 00 00 00 00 00 00 FD 0002 43 20 09 50 5F 50 52 4F 47 52 41 4D";
+    exchange(&plc, &mut session, cold, "32 03 0000 0006 0002 0000 8402 28 02");
+    let unknown = "32 01 0000 0006 0016 0000 28 00 00 00 00 00 00 FD 0002 43 43 09 50 5F 50 52 4F 47 52 41 4D";
+    exchange(&plc, &mut session, unknown, "32 03 0000 0006 0001 0000 D202 28");
+}
+
+const STOP: &str = "32 01 0000 0005 0010 0000 29 00 00 00 00 00 09 50 5F 50 52 4F 47 52 41 4D";
+const SET_PASSWORD: &str = "32 07 0000 0007 0008 000C 00 01 12 04 11 45 01 00 FF 09 0008 26 30 10 17 20 36 55 43";
+const CLEAR_PASSWORD: &str = "32 07 0000 0008 0008 0004 00 01 12 04 11 45 02 00 0A 00 0000";
+
+#[test]
+fn a_password_lifts_the_protection() {
+    let plc = Fake::new();
+    let gate = Gate { protection: Protection::ReadWrite, has_password: true, ..ALL };
+    let mut session = Session::new(gate);
+    session.answer(&hex(SETUP), &plc).unwrap();
+    let refused = "32 03 0000 0005 0001 0000 D241 29";
+    let answer = |code: &str| format!("32 07 0000 0007 000C 0004 00 01 12 08 12 85 01 01 00 00 {code} 0A 00 0000");
+    exchange(&plc, &mut session, STOP, refused);
+    // Coded bytes of `secret`, and two blanks.
+    assert_eq!(userdata::password(&hex(SET_PASSWORD)).as_deref(), Some(&b"secret"[..]));
+    session.judge(false);
+    exchange(&plc, &mut session, SET_PASSWORD, &answer("D602"));
+    exchange(&plc, &mut session, STOP, refused);
+    session.judge(true);
+    exchange(&plc, &mut session, SET_PASSWORD, &answer("0000").replace("85 01 01", "85 01 02"));
+    exchange(&plc, &mut session, SET_PASSWORD, &answer("D603").replace("85 01 01", "85 01 03"));
+    exchange(&plc, &mut session, STOP, "32 03 0000 0005 0001 0000 0000 29");
+    let cleared = "32 07 0000 0008 000C 0004 00 01 12 08 12 85 02 04 00 00 0000 0A 00 0000";
+    exchange(&plc, &mut session, CLEAR_PASSWORD, cleared);
+    exchange(&plc, &mut session, STOP, refused);
+    exchange(&plc, &mut session, CLEAR_PASSWORD, &cleared.replace("02 04 00 00 0000", "02 05 00 00 D604"));
+}
+
+#[test]
+fn without_a_password_none_is_right() {
+    let plc = Fake::new();
+    let mut session = session(&plc);
+    session.judge(true);
+    let answer = session.answer(&hex(SET_PASSWORD), &plc).unwrap().unwrap();
+    assert_eq!(answer[20..22], [0xD6, 0x05]);
+}
+
+#[test]
+fn complete_protection_hides_everything() {
+    let plc = Fake { family: Family::S71200, ..Fake::new() };
+    let mut session = Session::new(Gate { protection: Protection::Complete, has_password: true, ..ALL });
+    session.answer(&hex(SETUP), &plc).unwrap();
+    let read = "32 01 0000 0002 000E 0000 04 01 12 0A 10 02 0001 0000 83 000000";
+    exchange(&plc, &mut session, read, "32 02 0000 0002 0000 0000 8104");
+    session.judge(true);
+    session.answer(&hex(SET_PASSWORD), &plc).unwrap();
+    exchange(&plc, &mut session, read, "32 03 0000 0002 0002 0005 0000 04 01 FF 04 0008 00");
+}
+
+#[test]
+fn rights_are_kept() {
+    let plc = Fake::new();
+    let mut session = Session::new(Gate { right: Right::Read, ..ALL });
+    session.answer(&hex(SETUP), &plc).unwrap();
+    for (request, expected) in [
+        (
+            "32 01 0000 0004 000E 0006 05 01 12 0A 10 04 0001 000A 84 000000 00 04 0010 ABCD",
+            "32 02 0000 0004 0000 0000 8104",
+        ),
+        (
+            "32 01 0000 0005 0010 0000 29 00 00 00 00 00 09 50 5F 50 52 4F 47 52 41 4D",
+            "32 03 0000 0005 0001 0000 D241 29",
+        ),
+        (
+            "32 07 0000 0004 0008 000E 00 01 12 04 11 47 02 00 FF 09 000A 00 20 26 11 22 19 05 30 12 31",
+            "32 07 0000 0004 000C 0004 00 01 12 08 12 87 02 01 00 00 D241 0A 00 0000",
+        ),
+    ] {
+        exchange(&plc, &mut session, request, expected);
+    }
+    assert!(plc.running.get() && plc.db.borrow()[0] == 0);
+}
+
+#[test]
+fn long_lists_come_in_pieces() {
+    let plc = Fake::new();
+    let mut session = session(&plc);
+    let mut answer =
+        session.answer(&hex("32 07 0000 0001 0008 0008 00 01 12 04 11 44 01 00 FF 09 0004 00A0 0000"), &plc);
+    let mut all: Vec<u8> = Vec::new();
+    loop {
+        let pdu = answer.unwrap().unwrap();
+        assert!(pdu.len() <= 240);
+        let (sequence, more) = (pdu[17], pdu[19]);
+        all.extend(&pdu[26..]);
+        if more == 0 {
+            break;
+        }
+        let next = format!("32 07 0000 0001 000C 0004 00 01 12 08 12 44 01 {sequence:02X} 00 00 0000 0A 00 0000");
+        answer = session.answer(&hex(&next), &plc);
+    }
+    assert_eq!(all.len(), 8 + 30 * 20);
+    // Nothing is left to be asked for.
+    let next = "32 07 0000 0001 000C 0004 00 01 12 08 12 44 01 01 00 00 0000 0A 00 0000";
+    let pdu = session.answer(&hex(next), &plc).unwrap().unwrap();
+    assert_eq!(pdu[20..22], [0xD4, 0x06]);
+}
+
+#[test]
+fn blocks_are_listed() {
+    let plc = Fake::new();
+    let mut session = session(&plc);
+    let info = "32 07 0000 0001 0008 000C 00 01 12 04 11 43 03 00 FF 09 0008 30 41 30 30 30 31 30 41";
+    let pdu = session.answer(&hex(info), &plc).unwrap().unwrap();
+    assert_eq!(pdu.len(), 10 + 12 + 4 + 78);
+    // DB 10 has 100 bytes.
+    assert_eq!((pdu[26 + 12], &pdu[26 + 12..26 + 14]), (0, &[0, 10][..]));
+    assert_eq!(pdu[26 + 40..26 + 42], [0, 100]);
+    let missing = "32 07 0000 0001 0008 000C 00 01 12 04 11 43 03 00 FF 09 0008 30 41 30 30 33 30 30 41";
+    assert_eq!(session.answer(&hex(missing), &plc).unwrap().unwrap()[20..22], [0xD2, 0x09]);
+}
+
+/// Requests that are right, to be changed at random.
+const REQUESTS: [&str; 8] = [
+    SET_PASSWORD,
+    "32 07 0000 0001 0008 0006 00 01 12 04 11 43 02 00 FF 09 0002 30 41",
+    SETUP,
+    "32 01 0000 0002 001A 0000 04 02 12 0A 10 02 0003 000A 84 000020 12 0A 10 01 0001 0000 83 00002B",
+    "32 01 0000 0004 000E 0006 05 01 12 0A 10 04 0001 000A 84 000000 00 04 0010 ABCD",
+    "32 07 0000 0004 0008 0008 00 01 12 04 11 44 01 00 FF 09 0004 0424 0000",
+    "32 07 0000 0001 0008 000C 00 01 12 04 11 43 03 00 FF 09 0008 30 41 30 30 30 31 30 41",
+    "32 01 0000 0006 0014 0000 28 00 00 00 00 00 00 FD 0000 09 50 5F 50 52 4F 47 52 41 4D",
+];
+
+fn survives(pdus: &[Vec<u8>]) {
+    let plc = Fake::new();
+    let mut own = session(&plc);
+    for pdu in pdus {
+        let _ = userdata::password(pdu);
+        match own.answer(pdu, &plc) {
+            Ok(Some(answer)) => {
+                assert!(answer.len() <= own.pdu_max(), "{pdu:02X?}: {} bytes", answer.len());
+                // The reference is that of the request.
+                assert_eq!(answer.get(4..6), pdu.get(4..6));
+            }
+            Ok(None) => {}
+            Err(_) => return,
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 10_000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn random_pdus_do_no_harm(mut pdus in prop::collection::vec(prop::collection::vec(any::<u8>(), 0..80), 1..4)) {
+        pdus.iter_mut().for_each(|pdu| if let Some(first) = pdu.first_mut() { *first = 0x32 });
+        survives(&pdus);
+    }
+
+    #[test]
+    fn changed_pdus_do_no_harm(
+        which in 0..REQUESTS.len(),
+        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
+        cut in any::<prop::sample::Index>(),
+    ) {
+        let mut pdu = hex(REQUESTS[which]);
+        for (index, value) in &changes {
+            let at = index.index(pdu.len());
+            pdu[at] = *value;
+        }
+        survives(&[pdu.clone(), pdu[..=cut.index(pdu.len())].to_vec()]);
+    }
+
+    #[test]
+    fn random_streams_do_no_harm(pieces in prop::collection::vec(prop::collection::vec(any::<u8>(), 0..60), 1..6), frames in any::<bool>()) {
+        let mut reader = Reader::default();
+        for piece in &pieces {
+            reader.feed(&if frames { data(piece, 1021) } else { piece.clone() });
+            while let Ok(Some(received)) = reader.next(240) {
+                prop_assert!(!matches!(received, Received::Pdu(pdu) if pdu.len() > 240));
+            }
+        }
+    }
+}

@@ -1,0 +1,180 @@
+//! Clients that break the rules. The program goes on, its cycles are not longer, and others are served.
+
+use std::io::{Read, Write};
+use std::net::TcpStream;
+use std::time::Duration;
+
+use libtest_mimic::Failed;
+
+use crate::process::{Plc, cycles_took_at_most, free_port};
+
+/// Frames of each kind: random ones, and right ones that were changed.
+const FRAMES: usize = 10_000;
+/// Clients at once: as many as one computer may have, but for one.
+const CLIENTS: usize = 7;
+/// In seconds. On a computer with other work a process may have to wait this long for a processor.
+const LONGEST_CYCLE: &str = "0.1";
+
+/// SplitMix64.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ z >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ z >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ z >> 31
+    }
+
+    fn below(&mut self, end: usize) -> usize {
+        (self.next() % end as u64) as usize
+    }
+
+    fn bytes(&mut self, longest: usize) -> Vec<u8> {
+        (0..self.below(longest)).map(|_| self.next() as u8).collect()
+    }
+
+    /// One of `frames` with a few bytes changed, and sometimes cut.
+    fn changed(&mut self, frames: &[&[u8]]) -> Vec<u8> {
+        let mut frame = frames[self.below(frames.len())].to_vec();
+        for _ in 0..1 + self.below(4) {
+            let at = self.below(frame.len());
+            frame[at] = self.next() as u8;
+        }
+        if self.below(10) == 0 {
+            frame.truncate(1 + self.below(frame.len()));
+        }
+        frame
+    }
+}
+
+const CONNECT: &[u8] = &[3, 0, 0, 22, 17, 0xE0, 0, 0, 0, 1, 0, 0xC1, 2, 1, 0, 0xC2, 2, 1, 2, 0xC0, 1, 10];
+const SETUP: &[u8] = &[3, 0, 0, 25, 2, 0xF0, 0x80, 0x32, 1, 0, 0, 0, 1, 0, 8, 0, 0, 0xF0, 0, 0, 1, 0, 1, 1, 0xE0];
+const READ: &[u8] =
+    &[3, 0, 0, 31, 2, 0xF0, 0x80, 0x32, 1, 0, 0, 0, 2, 0, 14, 0, 0, 4, 1, 0x12, 10, 0x10, 2, 0, 1, 0, 1, 0x84, 0, 0, 0];
+const WRITE: &[u8] = &[
+    3, 0, 0, 37, 2, 0xF0, 0x80, 0x32, 1, 0, 0, 0, 3, 0, 14, 0, 6, 5, 1, 0x12, 10, 0x10, 4, 0, 1, 0, 1, 0x84, 0, 0, 0,
+    0, 4, 0, 16, 1, 2,
+];
+const STATUS_LIST: &[u8] = &[
+    3, 0, 0, 33, 2, 0xF0, 0x80, 0x32, 7, 0, 0, 0, 4, 0, 8, 0, 8, 0, 1, 0x12, 4, 0x11, 0x44, 1, 0, 0xFF, 9, 0, 4, 4,
+    0x24, 0, 0,
+];
+const S7: &[&[u8]] = &[CONNECT, SETUP, READ, WRITE, STATUS_LIST];
+
+const MODBUS: &[&[u8]] = &[
+    &[0, 1, 0, 0, 0, 6, 1, 3, 0, 0, 0, 10],
+    &[0, 2, 0, 0, 0, 6, 1, 1, 0, 0, 0, 10],
+    &[0, 3, 0, 0, 0, 11, 1, 16, 0, 10, 0, 2, 4, 1, 2, 3, 4],
+    &[0, 4, 0, 0, 0, 9, 1, 15, 0, 44, 0, 10, 2, 0xFF, 0x03],
+];
+
+/// Sends frames on connections that begin with `opening`, a new one whenever the program has closed the old one.
+fn attack(port: u16, seed: u64, frames: usize, opening: &[&[u8]], right: &[&[u8]]) {
+    let mut random = Random(seed);
+    let mut stream: Option<TcpStream> = None;
+    let mut buffer = [0; 4096];
+    for index in 0..frames {
+        let frame = match index % 2 {
+            0 => random.bytes(200),
+            _ => random.changed(right),
+        };
+        let open = || {
+            let mut stream = TcpStream::connect(("127.0.0.1", port)).ok()?;
+            // Answers may stay away; what counts is that the program goes on.
+            stream.set_read_timeout(Some(Duration::from_millis(2))).ok()?;
+            stream.set_write_timeout(Some(Duration::from_millis(200))).ok()?;
+            opening.iter().try_for_each(|frame| stream.write_all(frame)).ok()?;
+            Some(stream)
+        };
+        let Some(mut now) = stream.take().or_else(open) else { continue };
+        if now.write_all(&frame).is_ok() {
+            match now.read(&mut buffer) {
+                Ok(0) => {}
+                Ok(_) => stream = Some(now),
+                Err(error) if matches!(error.kind(), std::io::ErrorKind::WouldBlock | std::io::ErrorKind::TimedOut) => {
+                    // A frame that is not complete: the next ones belong to it. Half of the clients begin anew.
+                    stream = (random.below(2) == 0).then_some(now);
+                }
+                Err(_) => {}
+            }
+        }
+    }
+}
+
+fn all_attack(port: u16, opening: &'static [&'static [u8]], right: &'static [&'static [u8]]) {
+    let threads = (0..CLIENTS as u64)
+        .map(|seed| std::thread::spawn(move || attack(port, seed, 2 * FRAMES / CLIENTS + 1, opening, right)));
+    for thread in threads.collect::<Vec<_>>() {
+        let _ = thread.join();
+    }
+}
+
+/// The program answers a frame after another.
+fn asks(port: u16, frames: &[&[u8]]) -> Result<Vec<u8>, Failed> {
+    // Connections of the attackers may be open for a moment.
+    let mut last = Failed::from("no answer");
+    for _ in 0..100 {
+        let mut stream = TcpStream::connect(("127.0.0.1", port))?;
+        stream.set_read_timeout(Some(Duration::from_secs(5)))?;
+        let mut answer = vec![0; 512];
+        let mut count = 0;
+        let done: std::io::Result<()> = frames.iter().try_for_each(|frame| {
+            stream.write_all(frame)?;
+            count = stream.read(&mut answer)?;
+            if count == 0 { Err(std::io::ErrorKind::UnexpectedEof.into()) } else { Ok(()) }
+        });
+        match done {
+            Ok(()) => return Ok(answer[..count].to_vec()),
+            Err(error) => last = error.into(),
+        }
+        std::thread::sleep(Duration::from_millis(100));
+    }
+    Err(last)
+}
+
+pub fn s7() -> Result<(), Failed> {
+    let (port, metrics) = (free_port(), free_port());
+    let plc = Plc::start(&["--metrics", &metrics.to_string(), "--s7", &port.to_string(), "--access", "control"])?;
+    all_attack(port, &[CONNECT, SETUP], S7);
+    let answer = asks(port, &[CONNECT, SETUP, READ])?;
+    if answer.get(7..9) != Some(&[0x32, 3]) || answer.get(21) != Some(&0xFF) {
+        return Err(format!("{answer:02X?}").into());
+    }
+    cycles_took_at_most(metrics, LONGEST_CYCLE)?;
+    plc.end()?;
+    Ok(())
+}
+
+pub fn modbus() -> Result<(), Failed> {
+    let (port, metrics) = (free_port(), free_port());
+    let plc = Plc::start(&["--metrics", &metrics.to_string(), "--modbus", &port.to_string()])?;
+    all_attack(port, &[], MODBUS);
+    let answer = asks(port, &[MODBUS[0]])?;
+    if answer.len() != 9 + 20 || answer[7] != 3 {
+        return Err(format!("{answer:02X?}").into());
+    }
+    cycles_took_at_most(metrics, LONGEST_CYCLE)?;
+    plc.end()?;
+    Ok(())
+}
+
+/// One computer opens all connections that it may have, says nothing or half a frame, and loses them.
+pub fn idle() -> Result<(), Failed> {
+    let port = free_port();
+    let plc = Plc::start(&["--s7", &port.to_string()])?;
+    let silent: Vec<_> = (0..40).map(|_| TcpStream::connect(("127.0.0.1", port))).collect::<Result<_, _>>()?;
+    let mut refused = 0;
+    for mut stream in &silent {
+        stream.set_read_timeout(Some(Duration::from_millis(20)))?;
+        refused += usize::from(matches!(stream.read(&mut [0; 8]), Ok(0)));
+    }
+    if refused != 32 {
+        return Err(format!("{refused} of 40 connections were refused; one computer may have 8").into());
+    }
+    // After five seconds the silent ones are closed.
+    asks(port, &[CONNECT, SETUP, READ])?;
+    plc.end()?;
+    Ok(())
+}

@@ -1,0 +1,144 @@
+//! Programs with services, and their clients: those that plants use, and some that break the rules.
+//!
+//! Clients come from PyPI and npm, into `target/clients`. A test whose client cannot be had is ignored.
+
+mod hostile;
+mod process;
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use libtest_mimic::{Arguments, Failed, Trial};
+use process::{Plc, free_port, get};
+
+fn main() {
+    let trial = |name: &str, missing: Option<String>, run: fn() -> Result<(), Failed>| {
+        if let Some(reason) = &missing {
+            eprintln!("{name} is ignored: {reason}");
+        }
+        Trial::test(name, run).with_ignored_flag(missing.is_some())
+    };
+    let (snap7, modbus) = (python("python-snap7==3.3.0", "snap7"), python("pymodbus==3.16.1", "pymodbus"));
+    let trials = vec![
+        trial("s7_of_python_snap7", snap7.err(), || client(&["--s7", "--access=control"], "snap7_client.py")),
+        trial("s7_of_nodes7", node("nodes7@0.3.18").err(), || client(&["--s7"], "nodes7_client.js")),
+        trial("modbus_of_pymodbus", modbus.err(), || client(&["--modbus"], "modbus_client.py")),
+        trial("values_reach_a_broker", mosquitto(), process::values_reach_a_broker),
+        trial("metrics_tell_the_state", None, metrics),
+        trial("services_are_only_where_they_are_asked_for", None, only_where_asked_for),
+        trial("hostile_s7_clients_do_no_harm", None, hostile::s7),
+        trial("hostile_modbus_clients_do_no_harm", None, hostile::modbus),
+        trial("idle_clients_leave_room_for_others", None, hostile::idle),
+    ];
+    libtest_mimic::run(&Arguments::from_args(), trials).exit();
+}
+
+/// Where clients are installed.
+fn clients() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/clients")
+}
+
+fn here() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("services")
+}
+
+fn runs(command: &mut Command) -> bool {
+    command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok_and(|it| it.success())
+}
+
+fn venv() -> PathBuf {
+    clients().join("venv/bin/python")
+}
+
+/// Installs a package of Python, unless it is there. `Err`: it cannot be had.
+fn python(package: &str, module: &str) -> Result<(), String> {
+    let import = || runs(Command::new(venv()).args(["-c", &format!("import {module}")]));
+    if import() {
+        return Ok(());
+    }
+    let made = venv().exists() || runs(Command::new("python3").args(["-m", "venv"]).arg(clients().join("venv")));
+    let installed = made && runs(Command::new(venv()).args(["-m", "pip", "install", "--quiet", package]));
+    if installed && import() { Ok(()) } else { Err(format!("{package} cannot be installed with Python")) }
+}
+
+/// Installs a package of npm, unless it is there. `Err`: it cannot be had.
+fn node(package: &str) -> Result<(), String> {
+    let folder = clients().join("node");
+    let name = package.split('@').next().unwrap_or(package);
+    let is_there = || folder.join("node_modules").join(name).exists() && runs(Command::new("node").arg("--version"));
+    if is_there() {
+        return Ok(());
+    }
+    let made = std::fs::create_dir_all(&folder).is_ok();
+    let installed = made && runs(Command::new("npm").args(["install", "--prefix"]).arg(&folder).arg(package));
+    if installed && is_there() { Ok(()) } else { Err(format!("{package} cannot be installed with npm")) }
+}
+
+/// Why there is no broker, if there is none.
+fn mosquitto() -> Option<String> {
+    let there = runs(Command::new("mosquitto").arg("-h")) || Command::new("mosquitto").arg("-h").output().is_ok();
+    (!there).then(|| "mosquitto is not installed".to_string())
+}
+
+/// Runs a client against the program of this folder. The first flag of the program is the service.
+fn client(flags: &[&str], script: &str) -> Result<(), Failed> {
+    let port = free_port().to_string();
+    let plc = Plc::start(&[&[flags[0], &port], &flags[1..]].concat())?;
+    let mut command = match script.ends_with(".js") {
+        true => Command::new("node"),
+        false => Command::new(venv()),
+    };
+    command.env("NODE_PATH", clients().join("node/node_modules")).arg(here().join(script)).arg(&port);
+    let output = command.stdin(Stdio::null()).output()?;
+    let said = format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    let ended = plc.end()?;
+    if !output.status.success() || !said.contains("done") {
+        return Err(format!("{script}: {said}\nthe program said: {ended}").into());
+    }
+    Ok(())
+}
+
+fn metrics() -> Result<(), Failed> {
+    let port = free_port();
+    let plc = Plc::start(&["--metrics", &port.to_string()])?;
+    std::thread::sleep(Duration::from_millis(200));
+    let page = get(port, "/metrics")?;
+    for line in ["plc_up 1", "plc_running 1", "plc_info{program=\"line\",cpu=\"s7-300\"} 1", "plc_faults_total 0"] {
+        if !page.lines().any(|found| found == line) {
+            return Err(format!("no {line} in\n{page}").into());
+        }
+    }
+    let count = |name: &str| {
+        let found = page.lines().find_map(|line| line.strip_prefix(name)?.trim().parse::<u64>().ok());
+        found.ok_or_else(|| Failed::from(format!("no {name} in\n{page}")))
+    };
+    let cycles = count("plc_cycle_work_seconds_count")?;
+    if cycles < 10 || cycles != count("plc_cycle_work_seconds_bucket{le=\"+Inf\"}")? {
+        return Err(format!("{cycles} cycles\n{page}").into());
+    }
+    if !get(port, "/health")?.starts_with("HTTP/1.1 200 OK") || !get(port, "/other")?.starts_with("HTTP/1.1 404") {
+        return Err("wrong answers".into());
+    }
+    plc.end()?;
+    Ok(())
+}
+
+/// A program without `[services]` has no flags of services, unless `--services` asks for them.
+fn only_where_asked_for() -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    let source = here().join("line/line.stl");
+    let symbols = here().join("line/symbols.sdf");
+    let built = |name: &str, flags: &[&str]| -> Result<PathBuf, Failed> {
+        let out = folder.path().join(name);
+        process::plcc(&[&["build", "--quiet", "--cpu=s7-300"], flags].concat(), &[&source, &symbols], &out)?;
+        Ok(out)
+    };
+    let (plain, with) = (built("plain", &[])?, built("with", &["--services"])?);
+    let accepts = |program: &Path| runs(Command::new(program).args(["--s7", "0", "--cycles", "3", "--quiet"]));
+    let bytes = |program: &Path| std::fs::metadata(program).map(|found| found.len());
+    if accepts(&plain) || !accepts(&with) || bytes(&plain)? + 200_000 > bytes(&with)? {
+        return Err("services in the wrong program".into());
+    }
+    Ok(())
+}

@@ -1,0 +1,208 @@
+//! The program of this folder as a process, and a broker.
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::OnceLock;
+use std::time::{Duration, Instant};
+
+use libtest_mimic::Failed;
+
+use crate::here;
+
+/// A port that was free a moment ago.
+pub fn free_port() -> u16 {
+    TcpListener::bind("127.0.0.1:0").and_then(|socket| socket.local_addr()).map_or(0, |address| address.port())
+}
+
+/// Runs plcc in this process.
+pub fn plcc(flags: &[&str], inputs: &[&Path], out: &Path) -> Result<(), Failed> {
+    let flags = ["plcc"].iter().chain(flags).map(|flag| flag.into());
+    let inputs = inputs.iter().map(|input| input.as_os_str().to_os_string());
+    let arguments = flags.chain(inputs).chain(["-o".into(), out.into()]);
+    match plcc_driver::main_with(arguments) {
+        0 => Ok(()),
+        code => Err(format!("plcc ended with {code}").into()),
+    }
+}
+
+/// The executable, built once.
+fn program() -> Result<&'static Path, Failed> {
+    static PROGRAM: OnceLock<Result<PathBuf, String>> = OnceLock::new();
+    let build = || {
+        let out = crate::clients().join("line");
+        let _ = std::fs::create_dir_all(crate::clients());
+        plcc(&["build", "--quiet"], &[&here().join("line")], &out).map(|()| out).map_err(|error| format!("{error:?}"))
+    };
+    PROGRAM.get_or_init(build).as_deref().map_err(|error| error.as_str().into())
+}
+
+/// A running program.
+pub struct Plc {
+    child: Child,
+}
+
+impl Plc {
+    /// Runs the program until it has opened its services.
+    pub fn start(flags: &[&str]) -> Result<Plc, Failed> {
+        let mut command = Command::new(program()?);
+        command.args(["--cycle-time", "2ms"]).args(flags).stdin(Stdio::null()).stderr(Stdio::piped());
+        let mut plc = Plc { child: command.spawn()? };
+        let error = plc.child.stderr.as_mut().ok_or("no standard error")?;
+        // The first line says what was opened; the rest is read at the end.
+        let mut line = String::new();
+        let mut one = [0];
+        while !line.ends_with('\n') && error.read(&mut one)? > 0 {
+            line.push(char::from(one[0]));
+        }
+        match line.contains(" at 127.0.0.1:") || line.contains(" to mqtt://") {
+            true => Ok(plc),
+            false => Err(line.into()),
+        }
+    }
+
+    pub fn is_running(&mut self) -> bool {
+        self.child.try_wait().is_ok_and(|ended| ended.is_none())
+    }
+
+    /// Ends it as a user does. Result: what it said.
+    pub fn end(mut self) -> Result<String, Failed> {
+        if !self.is_running() {
+            return Err("the program had ended before".into());
+        }
+        Command::new("kill").arg(self.child.id().to_string()).status()?;
+        let mut said = String::new();
+        if let Some(error) = &mut self.child.stderr {
+            error.read_to_string(&mut said)?;
+        }
+        let status = self.child.wait()?;
+        if status.success() { Ok(said) } else { Err(format!("{status}: {said}").into()) }
+    }
+}
+
+impl Drop for Plc {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// The answer to a request for a page.
+pub fn get(port: u16, path: &str) -> Result<String, Failed> {
+    let mut stream = TcpStream::connect(("127.0.0.1", port))?;
+    stream.set_read_timeout(Some(Duration::from_secs(10)))?;
+    write!(stream, "GET {path} HTTP/1.1\r\nHost: plc\r\n\r\n")?;
+    let mut page = String::new();
+    stream.read_to_string(&mut page)?;
+    Ok(page)
+}
+
+/// Longest cycle so far is at most this many seconds, by the histogram of the metrics.
+pub fn cycles_took_at_most(port: u16, bound: &str) -> Result<(), Failed> {
+    let page = get(port, "/metrics")?;
+    let count = |name: &str| page.lines().find_map(|line| line.strip_prefix(name)?.trim().parse::<u64>().ok());
+    let within = count(&format!("plc_cycle_seconds_bucket{{le=\"{bound}\"}}"));
+    let all = count("plc_cycle_seconds_count");
+    match (within, all) {
+        (Some(within), Some(all)) if all > 50 && within == all => Ok(()),
+        found => Err(format!("{found:?} cycles within {bound} s\n{page}").into()),
+    }
+}
+
+/// A process that ends with its value.
+struct Ended(Child);
+
+impl Drop for Ended {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+fn broker(port: u16) -> Result<Ended, Failed> {
+    let mut command = Command::new("mosquitto");
+    command.arg("-p").arg(port.to_string()).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    let broker = Ended(command.spawn()?);
+    let began = Instant::now();
+    while TcpStream::connect(("127.0.0.1", port)).is_err() {
+        if began.elapsed() > Duration::from_secs(5) {
+            return Err("the broker does not answer".into());
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    Ok(broker)
+}
+
+/// A client of MQTT that only listens: what came until `done`, or for ten seconds. Frames: MQTT 3.1.1, sections 3.1, 3.3, 3.8.
+fn listen(port: u16, done: impl Fn(&str) -> bool) -> Result<String, Failed> {
+    let mut stream = TcpStream::connect(("127.0.0.1", port))?;
+    stream.set_read_timeout(Some(Duration::from_millis(100)))?;
+    let identifier = b"listener";
+    let mut connect = vec![0x10, 12 + identifier.len() as u8, 0, 4];
+    connect.extend(b"MQTT\x04\x02\x00\x3C\x00");
+    connect.push(identifier.len() as u8);
+    connect.extend(identifier);
+    stream.write_all(&connect)?;
+    stream.write_all(b"\x82\x06\x00\x01\x00\x01#\x00")?;
+    let mut all = Vec::new();
+    let began = Instant::now();
+    let mut reader = BufReader::new(stream);
+    while began.elapsed() < Duration::from_secs(10) {
+        match reader.fill_buf() {
+            Ok([]) => break,
+            Ok(bytes) => {
+                all.extend_from_slice(bytes);
+                let count = bytes.len();
+                reader.consume(count);
+            }
+            Err(_) => {}
+        }
+        // Topics and contents are text; what is around them does not matter here.
+        let text = String::from_utf8_lossy(&all).into_owned();
+        if done(&text) {
+            return Ok(text);
+        }
+    }
+    Err(format!("not all came: {}", String::from_utf8_lossy(&all)).into())
+}
+
+/// Values on change, after the broker was away too, and the last will.
+pub fn values_reach_a_broker() -> Result<(), Failed> {
+    let (mqtt, s7) = (free_port(), free_port());
+    let first = broker(mqtt)?;
+    let url = format!("mqtt://127.0.0.1:{mqtt}/plant/line");
+    let modbus = free_port().to_string();
+    let flags = ["--modbus", &modbus, "--s7", &s7.to_string(), "--mqtt", &url, "--publish", "MW10,DB1.DBW0,Values"];
+    let mut plc = Plc::start(&flags)?;
+    let has = |parts: &'static [&'static str]| move |text: &str| parts.iter().all(|part| text.contains(part));
+    listen(
+        mqtt,
+        has(&[
+            "plant/line/stateRUN",
+            "value/MW10{\"value\": 0, \"type\": \"WORD\"",
+            "value/Values.level{\"value\": 1.5",
+        ]),
+    )?;
+    write_register(&modbus, 0x1234)?;
+    listen(mqtt, has(&["value/DB1.DBW0{\"value\": 4660"]))?;
+    drop(first);
+    std::thread::sleep(Duration::from_millis(500));
+    // While the broker is away.
+    write_register(&modbus, 0x1235)?;
+    let _second = broker(mqtt)?;
+    listen(mqtt, has(&["value/DB1.DBW0{\"value\": 4661", "plant/line/stateRUN"]))?;
+    plc.child.kill()?;
+    listen(mqtt, has(&["plant/line/stateoffline"]))?;
+    Ok(())
+}
+
+fn write_register(port: &str, value: u16) -> Result<(), Failed> {
+    let mut stream = TcpStream::connect(format!("127.0.0.1:{port}"))?;
+    stream.set_read_timeout(Some(Duration::from_secs(5)))?;
+    let [high, low] = value.to_be_bytes();
+    stream.write_all(&[0, 1, 0, 0, 0, 6, 1, 6, 0, 0, high, low])?;
+    let mut answer = [0; 12];
+    stream.read_exact(&mut answer)?;
+    if answer[7] == 6 { Ok(()) } else { Err(format!("{answer:?}").into()) }
+}
