@@ -2,8 +2,8 @@
 
 use plcc_diag::Span;
 use plcc_syntax::ast::{
-    Block, BlockName, BlockPrefix, Bound, CodeBlock, CodeKind, Constant, DataBlock, DataContent, Header, InitialKind,
-    InitialValue, Retain, Section, SectionKind, TypeBlock, TypeKind, TypeRef, ValueAssignment, Variable,
+    Block, BlockName, BlockPrefix, Bound, Code, CodeBlock, CodeKind, Constant, DataBlock, DataContent, Header,
+    InitialKind, InitialValue, Retain, Section, SectionKind, TypeBlock, TypeKind, TypeRef, ValueAssignment, Variable,
 };
 
 use crate::operand;
@@ -33,6 +33,9 @@ impl Writer<'_> {
             self.section(section);
         }
         self.constants(&block.constants);
+        if let Code::Scl(body) = &block.code {
+            self.labels(&body.labels);
+        }
         self.out.line("BEGIN");
         body(self);
         self.remarks_before(block.span.end);
@@ -79,7 +82,7 @@ impl Writer<'_> {
     }
 
     /// Sections with and without RETAIN, in the order of the members.
-    fn retained(&mut self, members: &[Variable], retained: &[String]) {
+    pub(crate) fn retained(&mut self, members: &[Variable], retained: &[String]) {
         let is = |member: &Variable| retained.iter().any(|name| name.eq_ignore_ascii_case(&member.name));
         for run in members.chunk_by(|a, b| is(a) == is(b)) {
             self.out.line(if run.first().is_some_and(is) { "VAR RETAIN" } else { "VAR" });
@@ -110,12 +113,12 @@ impl Writer<'_> {
     /// The lines after the name of a block; `start`: where the first declaration is.
     fn header(&mut self, header: &Header, name: Option<&BlockName>, start: Option<u32>) {
         if let Some(title) = &header.title {
-            let quote = if self.notation == Notation::Scl { "'" } else { "" };
+            let quote = if self.notation == Notation::Scl && !title.contains('\'') { "'" } else { "" };
             self.out.line(format!("TITLE = {quote}{title}{quote}"));
         }
         let attributes = header.attributes.iter().filter_map(|(key, value)| match key.as_str() {
             // SIMATIC SD has them as attributes, sources as text.
-            "S7_BlockNumber" | "S7_Version" | "S7_PreferredLanguage" => None,
+            "S7_BlockNumber" | "S7_Version" | "S7_PreferredLanguage" if self.notation == Notation::Stl => None,
             "S7_Optimized" => Some(attribute("S7_Optimized_Access", value)),
             key => Some(attribute(key, value)),
         });
@@ -135,16 +138,7 @@ impl Writer<'_> {
                 self.out.line(format!("{key} : {quote}{value}{quote}"));
             }
         }
-        let flags = [
-            ("KNOW_HOW_PROTECT", header.know_how_protect),
-            ("STANDARD", header.standard),
-            ("CODE_VERSION1", header.code_version1),
-            ("UNLINKED", header.unlinked),
-            ("READ_ONLY", header.read_only),
-            ("NON_RETAIN", header.non_retain),
-            ("RETAIN", header.retain),
-        ];
-        flags.iter().filter(|(_, set)| *set).for_each(|(word, _)| self.out.line(word));
+        self.flags(header);
         if let (Some(number), Some(BlockName::Symbol { span, .. })) = (header.number, name) {
             self.warn(
                 *span,
@@ -161,12 +155,26 @@ impl Writer<'_> {
         self.out.remarks(&remarks);
     }
 
+    /// Words of a header that say something about the block.
+    pub(crate) fn flags(&mut self, header: &Header) {
+        let flags = [
+            ("KNOW_HOW_PROTECT", header.know_how_protect),
+            ("STANDARD", header.standard),
+            ("CODE_VERSION1", header.code_version1),
+            ("UNLINKED", header.unlinked),
+            ("READ_ONLY", header.read_only),
+            ("NON_RETAIN", header.non_retain),
+            ("RETAIN", header.retain),
+        ];
+        flags.iter().filter(|(_, set)| *set).for_each(|(word, _)| self.out.line(word));
+    }
+
     /// Classic SCL quotes nothing, but the names of AUTHOR and FAMILY may contain blanks only in quotes.
     fn quotes_header(&self) -> bool {
         self.notation == Notation::Scl
     }
 
-    fn section(&mut self, section: &Section) {
+    pub(crate) fn section(&mut self, section: &Section) {
         let keyword = match section.kind {
             SectionKind::Input => "VAR_INPUT",
             SectionKind::Output => "VAR_OUTPUT",
@@ -189,7 +197,7 @@ impl Writer<'_> {
         self.out.line("END_VAR");
     }
 
-    fn constants(&mut self, constants: &[Constant]) {
+    pub(crate) fn constants(&mut self, constants: &[Constant]) {
         let Some(first) = constants.first() else { return };
         if self.notation == Notation::Stl {
             return self.refuse(
@@ -210,7 +218,14 @@ impl Writer<'_> {
             };
             let sign = if value.is_empty() { "" } else { " := " };
             let ty = constant.ty.as_ref().map_or(String::new(), |ty| format!(" : {}", self.type_text(ty)));
-            self.out.line(format!("{name}{ty}{sign}{value};"));
+            match constant.ty.as_ref().and_then(structure) {
+                None => self.out.line(format!("{name}{ty}{sign}{value};")),
+                Some(members) => {
+                    self.out.line(format!("{name}{ty}"));
+                    self.variables(members);
+                    self.out.line(format!("END_STRUCT{sign}{value};"));
+                }
+            }
             let end = constant.value.as_ref().map_or(constant.name_span.end, |value| value.span.end);
             self.remarks_on_line(end);
         }
@@ -229,7 +244,10 @@ impl Writer<'_> {
     fn variable(&mut self, variable: &Variable) {
         self.remarks_before(variable.name_span.start);
         let mut head = names::declared(&variable.name);
-        if !variable.attributes.is_empty() {
+        if !variable.attributes.is_empty() && self.notation == Notation::Sd {
+            let list = variable.attributes.iter().map(|(key, value)| format!("{key} := \"{value}\""));
+            head = format!("{{ {} }} {head}", list.collect::<Vec<_>>().join("; "));
+        } else if !variable.attributes.is_empty() {
             let list: Vec<String> = variable.attributes.iter().map(|(key, value)| attribute(key, value)).collect();
             head.push_str(&format!(" {{ {} }}", list.join("; ")));
         }
@@ -262,7 +280,7 @@ impl Writer<'_> {
         self.out.remarks(&remarks);
     }
 
-    fn value(&mut self, value: &ValueAssignment) {
+    pub(crate) fn value(&mut self, value: &ValueAssignment) {
         self.remarks_before(value.span.start);
         let target = operand::value_path(&value.target, self);
         let text = self.initial(&value.value);
@@ -275,7 +293,10 @@ impl Writer<'_> {
     /// `FC 7`, `"Tank"`.
     pub(crate) fn block_name(&self, name: &BlockName) -> String {
         match name {
-            BlockName::Numbered { prefix, number, .. } => format!("{} {number}", prefix.letters()),
+            BlockName::Numbered { prefix, number, .. } => {
+                let blank = if self.notation == Notation::Stl { " " } else { "" };
+                format!("{}{blank}{number}", prefix.letters())
+            }
             BlockName::Symbol { name, .. } => format!("\"{name}\""),
         }
     }

@@ -2,7 +2,9 @@
 //!
 //! - [`stl`]: sources in STL.
 //! - [`scl`]: sources in SCL.
+//! - [`sd`]: documents of SIMATIC SD.
 //! - [`to_stl`]: networks of LAD and FBD as statements.
+//! - [`to_graph`]: statements as networks of LAD and FBD.
 //! - [`literal`]: constants as text.
 //! - [`trivia`]: comments, which trees do not hold.
 //!
@@ -16,7 +18,9 @@ mod names;
 mod operand;
 mod out;
 pub mod scl;
+pub mod sd;
 pub mod stl;
+pub mod to_graph;
 pub mod to_stl;
 pub mod trivia;
 mod writer;

@@ -391,6 +391,14 @@ pub struct ConvertArgs {
 pub enum ConvertTo {
     /// Statement list, as source text for S7-300/400.
     Stl,
+    /// Ladder diagram, as SIMATIC SD.
+    Lad,
+    /// Function block diagram, as SIMATIC SD.
+    Fbd,
+    /// SIMATIC SD, with each network in its language.
+    Sd,
+    /// SCL, as source text.
+    Scl,
 }
 
 impl ConvertTo {
@@ -398,6 +406,8 @@ impl ConvertTo {
     pub const fn extension(self) -> &'static str {
         match self {
             ConvertTo::Stl => "stl",
+            ConvertTo::Lad | ConvertTo::Fbd | ConvertTo::Sd => "s7dcl",
+            ConvertTo::Scl => "scl",
         }
     }
 }

@@ -59,7 +59,13 @@ fn written(value: &Expr, around: u8, writer: &mut Writer) -> String {
         ExprKind::Absolute(kind) => absolute(kind, value.span, writer),
         ExprKind::Member { base, name } => format!("{}.{}", written(base, u8::MAX, writer), member(name)),
         ExprKind::MemberAbsolute { base, width, byte, bit } => {
+            // `.DW4` of classic sources, `.%DBW4`: as the author wrote it.
+            let own = base.span.end as usize..value.span.end as usize;
+            let own = writer.source.and_then(|source| source.get(own)).filter(|text| !text.is_empty());
             let base = written(base, u8::MAX, writer);
+            if let Some(own) = own {
+                return format!("{base}{}", own.split_whitespace().collect::<String>());
+            }
             let bit = if *width == Width::Bit { format!(".{bit}") } else { String::new() };
             format!("{base}.%DB{}{byte}{bit}", width_letter(*width))
         }
@@ -107,7 +113,7 @@ pub(crate) fn argument(argument: &Argument, writer: &mut Writer) -> String {
     match &argument.name {
         Some(name) => {
             let sign = if argument.output { "=>" } else { ":=" };
-            format!("{} {sign} {value}", names::declared(&name.text)).trim_end().to_string()
+            format!("{} {sign} {value}", member(name)).trim_end().to_string()
         }
         None => value,
     }

@@ -1,3 +1,36 @@
-//! Sources in SCL.
+//! Sources in SCL, from trees of blocks whose statements are SCL.
 
 pub mod expression;
+mod statement;
+
+use plcc_diag::Diagnostic;
+use plcc_syntax::ast::{Block, Code, SourceUnit};
+use plcc_syntax::stl::Mnemonics;
+
+use crate::trivia::Trivia;
+use crate::writer::{Notation, Writer};
+
+/// Writes a source in SCL. `source`: the text that spans mean, if its constants are those of SCL.
+pub fn write(unit: &SourceUnit, trivia: Trivia, source: Option<&str>) -> (String, Vec<Diagnostic>) {
+    let mut writer = Writer::new(Notation::Scl, Mnemonics::En, trivia, source);
+    for block in &unit.blocks {
+        writer.out.gap();
+        match block {
+            Block::Code(code) => match &code.code {
+                Code::Scl(body) => writer.code_frame(code, |writer| {
+                    writer.out.indent();
+                    writer.statements(&body.statements);
+                    writer.out.dedent();
+                }),
+                Code::Stl(_) | Code::Graphic(_) | Code::Chart(_) => {
+                    let name = writer.block_name(&code.name);
+                    writer.refuse(code.name.span(), format!("{name} is not in SCL"), "leave it in its language");
+                }
+            },
+            Block::Data(data) => writer.data_block(data),
+            Block::Type(ty) => writer.type_block(ty),
+        }
+    }
+    writer.remarks_before(u32::MAX);
+    (writer.out.into_text(), writer.messages)
+}

@@ -138,7 +138,11 @@ impl Maker<'_> {
             .collect();
         // The type of the target, if a constant is moved.
         let known = element.pins.iter().filter(|pin| pin.name == "in" || outputs.contains(&pin.name));
-        let types: Vec<Elementary> = known.filter_map(|pin| self.type_of(&pin.value)).collect();
+        let mut types: Vec<Elementary> = known.clone().filter_map(|pin| self.type_of(&pin.value)).collect();
+        if types.is_empty() {
+            // Bits, as wide as the addresses.
+            types = known.filter_map(|pin| width_of(&pin.value)).collect();
+        }
         let Some(ty) = types.first().copied() else {
             return self.unknown_type(element);
         };
@@ -699,6 +703,13 @@ impl Maker<'_> {
                 return None;
             }
         })
+    }
+}
+
+fn width_of(value: &PinValue) -> Option<Elementary> {
+    match value {
+        PinValue::Operand(value) => width_type(&super::operand::operand_of(value)?.kind),
+        PinValue::Net(_) | PinValue::Open => None,
     }
 }
 

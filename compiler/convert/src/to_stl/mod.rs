@@ -13,7 +13,7 @@ mod boxes;
 mod elements;
 mod logic;
 mod operand;
-mod plan;
+pub(crate) mod plan;
 pub mod types;
 
 use std::collections::{HashMap, HashSet};

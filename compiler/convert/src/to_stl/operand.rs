@@ -52,7 +52,9 @@ impl Maker<'_> {
         let literal = match (literal, ty) {
             (Literal::Int(number), Elementary::Dint | Elementary::Time) => Literal::Dint(i32::try_from(number).ok()?),
             (Literal::Int(number), Elementary::Real) => Literal::Real(number as f32),
-            (Literal::Int(number), Elementary::Word) => Literal::Word(u16::try_from(number).ok()?),
+            (Literal::Int(number), Elementary::Word) if i16::try_from(number).is_err() => {
+                Literal::Word(u16::try_from(number).ok()?)
+            }
             (Literal::Int(number), Elementary::Byte) => Literal::Byte(u8::try_from(number).ok()?),
             (Literal::Int(number), Elementary::Dword) => Literal::Dword(u32::try_from(number).ok()?),
             (Literal::Bits { value, .. }, Elementary::Dword) => Literal::Dword(value),

@@ -5,17 +5,28 @@ use std::path::{Path, PathBuf};
 use plcc_abi::image::Family;
 use plcc_convert::to_stl::{self, types::Types};
 use plcc_convert::trivia::Trivia;
+use plcc_convert::{sd, to_graph};
 use plcc_diag::{Diagnostic, FileId};
 use plcc_model::profile;
 use plcc_runtime::files::writable;
-use plcc_syntax::ast::SourceUnit;
+use plcc_syntax::ast::{Block, Code, SourceUnit};
+use plcc_syntax::network::ast::Language as Graphic;
 use plcc_syntax::stl::{self, Mnemonics};
-use plcc_syntax::{ParseOptions, ast_text};
+use plcc_syntax::{ParseOptions, ast_text, scl};
 
 use super::exit;
 use crate::cli::{ConvertArgs, ConvertTo};
 use crate::report::MessageFormat;
 use crate::{inputs, pipeline, report};
+
+/// A source in its new notation.
+struct Converted {
+    /// Of the file that it is made of.
+    name: String,
+    text: String,
+    /// Titles and comments that SIMATIC SD has in a file of its own.
+    texts: Option<String>,
+}
 
 /// Writes each source in the notation that the command line names. Returns 3 if one has an error or cannot be converted; then nothing is
 /// written.
@@ -31,19 +42,32 @@ pub fn convert(args: &ConvertArgs) -> u8 {
         let types = Types::new(parsed.units.iter().map(|(_, unit)| unit), &parsed.tables);
         let project = parsed.project.as_ref().and_then(|project| project.cpu.as_ref());
         let cpu = args.cpu.as_deref().or(project.map(|(name, _)| name.as_str()));
-        let keeps_br = cpu
-            .and_then(profile::lookup)
-            .is_some_and(|profile| matches!(profile.family, Family::S7300 | Family::S7400));
+        let profile = cpu.and_then(profile::lookup);
+        let keeps_br = profile.is_some_and(|profile| matches!(profile.family, Family::S7300 | Family::S7400));
         for (file, unit) in &parsed.units {
             let source = parsed.sources.file(*file);
-            let (made, found) = to_stl::unit(unit, &types, keeps_br);
-            messages.extend(found);
-            if messages.iter().any(Diagnostic::is_error) {
+            if let Some(s7200) = &unit.s7200 {
+                let span = s7200.blocks.first().map(|block| block.span).unwrap_or_default();
+                messages.push(
+                    Diagnostic::new(plcc_diag::Code::NotConverted, span, "a source of the S7-200 cannot be converted")
+                        .label("STL of the S7-200")
+                        .help("convert sources of the S7-300/400/1200/1500"),
+                );
                 continue;
             }
-            let (text, found) = written(args, *file, &made, &source.text);
+            let (made, found) = match args.to {
+                ConvertTo::Stl => to_stl::unit(unit, &types, keeps_br),
+                ConvertTo::Lad => to_graph::unit(unit, &types, Graphic::Lad),
+                ConvertTo::Fbd => to_graph::unit(unit, &types, Graphic::Fbd),
+                ConvertTo::Sd | ConvertTo::Scl => (unit.clone(), Vec::new()),
+            };
+            let refused = found.iter().any(Diagnostic::is_error);
             messages.extend(found);
-            files.push((source.name.clone(), text));
+            if !refused {
+                let (file, found) = written(args, *file, unit, &made, &source.text);
+                messages.extend(found);
+                files.push(Converted { name: source.name.clone(), ..file });
+            }
         }
     }
     report::messages(&mut messages, &parsed.sources, MessageFormat::Human);
@@ -60,17 +84,35 @@ pub fn convert(args: &ConvertArgs) -> u8 {
     }
 }
 
-/// The new text of a source.
-fn written(args: &ConvertArgs, file: FileId, unit: &SourceUnit, source: &str) -> (String, Vec<Diagnostic>) {
+/// The new text of a source, whose tree is `made` from `unit`.
+fn written(
+    args: &ConvertArgs,
+    file: FileId,
+    unit: &SourceUnit,
+    made: &SourceUnit,
+    source: &str,
+) -> (Converted, Vec<Diagnostic>) {
     let set = args.mnemonics.map_or(unit.mnemonics, Mnemonics::from);
+    let is_text = plcc_readers::xml::kind(source).is_none();
+    let is_stl =
+        unit.blocks.iter().any(|block| matches!(block, Block::Code(block) if matches!(block.code, Code::Stl(_))));
+    let comments = if is_stl { stl::comments(source) } else { scl::comments(source) };
+    let trivia = |only_lines| if is_text { Trivia::new(source, comments, only_lines) } else { Trivia::none() };
+    let meaning = unit.overlay.as_deref().unwrap_or(source);
+    let name = String::new();
     match args.to {
         ConvertTo::Stl => {
-            let is_text = plcc_readers::xml::kind(source).is_none();
-            let trivia = if is_text { Trivia::new(source, stl::comments(source), true) } else { Trivia::none() };
-            let meaning = unit.overlay.as_deref().unwrap_or(source);
-            let (text, messages) = plcc_convert::stl::write(unit, set, trivia, Some(meaning));
+            let (text, messages) = plcc_convert::stl::write(made, set, trivia(true), is_stl.then_some(meaning));
             warn_of_set(file, &text, set);
-            (text, messages)
+            (Converted { name, text, texts: None }, messages)
+        }
+        ConvertTo::Lad | ConvertTo::Fbd | ConvertTo::Sd => {
+            let sd::Document { text, texts, messages } = sd::write(made, trivia(false), (!is_stl).then_some(meaning));
+            (Converted { name, text, texts }, messages)
+        }
+        ConvertTo::Scl => {
+            let (text, messages) = plcc_convert::scl::write(made, trivia(false), (!is_stl).then_some(meaning));
+            (Converted { name, text, texts: None }, messages)
         }
     }
 }
@@ -88,27 +130,36 @@ fn warn_of_set(file: FileId, text: &str, set: Mnemonics) {
 }
 
 /// Writes the texts to standard output, to a file or into a folder.
-fn store(args: &ConvertArgs, files: &[(String, String)]) -> Result<(), u8> {
-    match (&args.output, files) {
-        (None, _) => files.iter().try_for_each(|(_, text)| report::print(text)),
-        (Some(output), [(_, text)]) if !output.is_dir() => write(output, text),
-        (Some(folder), _) => {
-            if let Err(error) = std::fs::create_dir_all(folder) {
-                report::say(&format!("cannot make the folder `{}`: {error}", folder.display()));
-                return Err(exit::USAGE);
-            }
-            let name_of = |name: &str| {
-                let name = Path::new(name).with_extension(args.to.extension());
-                folder.join(name.file_name().unwrap_or_default())
-            };
-            let paths: Vec<PathBuf> = files.iter().map(|(name, _)| name_of(name)).collect();
-            if let Some(at) = (1..paths.len()).find(|at| paths[..*at].contains(&paths[*at])) {
-                report::say(&format!("two sources would be written to `{}`", paths[at].display()));
-                return Err(exit::USAGE);
-            }
-            paths.iter().zip(files).try_for_each(|(path, (_, text))| write(path, text))
+fn store(args: &ConvertArgs, files: &[Converted]) -> Result<(), u8> {
+    let Some(output) = &args.output else {
+        if files.iter().any(|file| file.texts.is_some()) {
+            report::say("titles and comments are in a file of their own (`.s7res`): name the output with `-o`");
+            return Err(exit::USAGE);
         }
+        return files.iter().try_for_each(|file| report::print(&file.text));
+    };
+    let paths: Vec<PathBuf> = match files {
+        [_] if !output.is_dir() => vec![output.clone()],
+        _ => {
+            if let Err(error) = std::fs::create_dir_all(output) {
+                report::say(&format!("cannot make the folder `{}`: {error}", output.display()));
+                return Err(exit::USAGE);
+            }
+            let name_of = |file: &Converted| {
+                let name = Path::new(&file.name).with_extension(args.to.extension());
+                output.join(name.file_name().unwrap_or_default())
+            };
+            files.iter().map(name_of).collect()
+        }
+    };
+    if let Some(at) = (1..paths.len()).find(|at| paths[..*at].contains(&paths[*at])) {
+        report::say(&format!("two sources would be written to `{}`", paths[at].display()));
+        return Err(exit::USAGE);
     }
+    paths.iter().zip(files).try_for_each(|(path, file)| {
+        write(path, &file.text)?;
+        file.texts.iter().try_for_each(|texts| write(&path.with_extension("s7res"), texts))
+    })
 }
 
 fn write(path: &Path, text: &str) -> Result<(), u8> {

@@ -1,0 +1,523 @@
+//! Documents of SIMATIC SD, from trees of blocks whose networks are LAD and FBD.
+//!
+//! ```text
+//! element ─ net ─ element    a rung as long as each element takes the flow of the one before it
+//!            └─── element    another rung, which begins at the wire of the net
+//! ```
+
+use std::collections::{HashMap, HashSet};
+
+use plcc_diag::Diagnostic;
+use plcc_syntax::ast::{Block, Code, CodeBlock, CodeKind, DataBlock, DataContent, Header, SourceUnit, TypeBlock};
+use plcc_syntax::network::ast::{
+    Comparison, Content, Element, Eno, Graph, Language, NetId, Network, Pin, PinValue, Source, Storage, Target,
+    TemplateKey,
+};
+use plcc_syntax::network::elements::{Kind, Row};
+use plcc_syntax::stl::Mnemonics;
+
+use crate::names;
+use crate::scl::expression;
+use crate::trivia::Trivia;
+use crate::writer::{Notation, Writer};
+
+/// A document, and the texts of its titles (`.s7res`), if it has some.
+pub struct Document {
+    pub text: String,
+    pub texts: Option<String>,
+    pub messages: Vec<Diagnostic>,
+}
+
+/// Writes a document. `source`: the text that spans mean, if its constants are those of SCL.
+pub fn write(unit: &SourceUnit, trivia: Trivia, source: Option<&str>) -> Document {
+    let mut writer = Writer::new(Notation::Sd, Mnemonics::En, trivia, source);
+    let mut texts = Texts::default();
+    for block in &unit.blocks {
+        writer.out.gap();
+        match block {
+            Block::Code(code) => writer.sd_block(code, &mut texts),
+            Block::Data(data) => writer.sd_data(data, &mut texts),
+            Block::Type(ty) => writer.sd_type(ty, &mut texts),
+        }
+    }
+    writer.remarks_before(u32::MAX);
+    Document { text: writer.out.into_text(), texts: texts.into_text(), messages: writer.messages }
+}
+
+/// Titles and comments by their ids.
+#[derive(Default)]
+struct Texts {
+    list: Vec<String>,
+}
+
+impl Texts {
+    /// The attribute for a text.
+    fn attribute(&mut self, key: &str, text: &str) -> String {
+        self.list.push(text.to_string());
+        format!("{key} := \"MLC_{}\"", self.list.len())
+    }
+
+    fn into_text(self) -> Option<String> {
+        if self.list.is_empty() {
+            return None;
+        }
+        let mut out = String::from("MultiLingualTexts:\n");
+        for (at, text) in self.list.iter().enumerate() {
+            out.push_str(&format!("  - id: MLC_{}\n    en-US: |-\n", at + 1));
+            text.lines().for_each(|line| out.push_str(&format!("      {line}\n")));
+        }
+        Some(out)
+    }
+}
+
+impl Writer<'_> {
+    fn sd_block(&mut self, block: &CodeBlock, texts: &mut Texts) {
+        let Code::Graphic(body) = &block.code else {
+            let name = self.block_name(&block.name);
+            return self.refuse(block.name.span(), format!("{name} has no networks"), "convert it to LAD or FBD first");
+        };
+        let (keyword, end) = match block.kind {
+            CodeKind::Ob => ("ORGANIZATION_BLOCK", "END_ORGANIZATION_BLOCK"),
+            CodeKind::Fc | CodeKind::Sfc => ("FUNCTION", "END_FUNCTION"),
+            CodeKind::Fb | CodeKind::Sfb => ("FUNCTION_BLOCK", "END_FUNCTION_BLOCK"),
+        };
+        self.remarks_before(block.span.start);
+        self.sd_header(&block.header, texts);
+        let returns = match (&block.return_type, block.kind) {
+            (Some(ty), _) => format!(" : {}", self.type_text(ty)),
+            (None, CodeKind::Fc | CodeKind::Sfc) => " : VOID".to_string(),
+            (None, CodeKind::Ob | CodeKind::Fb | CodeKind::Sfb) => String::new(),
+        };
+        let name = document_name(&block.name);
+        self.out.line(format!("{keyword} {name}{returns}"));
+        self.flags(&block.header);
+        self.out.indent();
+        block.sections.iter().for_each(|section| self.section(section));
+        self.constants(&block.constants);
+        for network in &body.networks {
+            self.sd_network(network, texts);
+        }
+        self.remarks_before(block.span.end);
+        self.out.dedent();
+        self.out.line(end);
+    }
+
+    fn sd_data(&mut self, block: &DataBlock, texts: &mut Texts) {
+        self.remarks_before(block.span.start);
+        self.sd_header(&block.header, texts);
+        let name = document_name(&block.name);
+        match &block.content {
+            DataContent::OfType(ty) | DataContent::Array(ty, _) => {
+                let ty = self.type_text(ty);
+                self.out.line(format!("DATA_BLOCK {name} : {ty}"));
+                self.flags(&block.header);
+            }
+            DataContent::Struct(members) => {
+                self.out.line(format!("DATA_BLOCK {name}"));
+                self.flags(&block.header);
+                self.retained(members, &block.retained);
+            }
+            DataContent::Empty => {
+                self.out.line(format!("DATA_BLOCK {name}"));
+                self.flags(&block.header);
+            }
+        }
+        if !block.values.is_empty() {
+            self.out.line("BEGIN");
+            block.values.iter().for_each(|value| self.value(value));
+        }
+        self.remarks_before(block.span.end);
+        self.out.line("END_DATA_BLOCK");
+    }
+
+    fn sd_type(&mut self, block: &TypeBlock, texts: &mut Texts) {
+        self.remarks_before(block.span.start);
+        self.sd_header(&block.header, texts);
+        let name = document_name(&block.name);
+        self.out.line("TYPE");
+        self.out.indent();
+        match &block.alias {
+            Some(alias) => {
+                let ty = self.type_text(alias);
+                self.out.line(format!("{name} : {ty};"));
+            }
+            None => {
+                self.out.line(format!("{name} : STRUCT"));
+                self.variables(&block.members);
+                self.out.line("END_STRUCT;");
+            }
+        }
+        self.out.dedent();
+        self.remarks_before(block.span.end);
+        self.out.line("END_TYPE");
+    }
+
+    fn sd_header(&mut self, header: &Header, texts: &mut Texts) {
+        let mut list = Vec::new();
+        let known = |key: &str| header.attributes.iter().any(|(own, _)| own.eq_ignore_ascii_case(key));
+        if let Some(number) = header.number.filter(|_| !known("S7_BlockNumber")) {
+            list.push(format!("S7_BlockNumber := \"{number}\""));
+        }
+        for (key, value) in &header.attributes {
+            let key = if key.eq_ignore_ascii_case("S7_Optimized_Access") { "S7_Optimized" } else { key };
+            list.push(format!("{key} := \"{value}\""));
+        }
+        let words = [
+            ("S7_Author", &header.author),
+            ("S7_Family", &header.family),
+            ("S7_HeaderName", &header.name),
+            ("S7_Version", &header.version),
+        ];
+        for (key, value) in words {
+            if let Some(value) = value.as_ref().filter(|_| !known(key)) {
+                list.push(format!("{key} := \"{value}\""));
+            }
+        }
+        if let Some(title) = header.title.as_ref().filter(|title| !title.is_empty()) {
+            list.push(texts.attribute("S7_BlockTitle", title));
+        }
+        if !header.comment.is_empty() {
+            list.push(texts.attribute("S7_BlockComment", &header.comment.join("\n")));
+        }
+        if !list.is_empty() {
+            self.out.line(format!("{{ {} }}", list.join("; ")));
+        }
+    }
+
+    fn sd_network(&mut self, network: &Network, texts: &mut Texts) {
+        self.remarks_before(network.span.start);
+        let language = match network.language {
+            Language::Lad => "LAD",
+            Language::Fbd => "FBD",
+            Language::Scl => "SCL",
+            Language::Stl => "STL",
+        };
+        let mut list = vec![format!("S7_Language := \"{language}\"")];
+        if let Some(title) = network.title.as_ref().filter(|title| !title.is_empty()) {
+            list.push(texts.attribute("S7_NetworkTitle", title));
+        }
+        if !network.comment.is_empty() {
+            list.push(texts.attribute("S7_NetworkComment", &network.comment.join("\n")));
+        }
+        self.out.line(format!("{{ {} }}", list.join("; ")));
+        self.out.line("NETWORK");
+        self.out.indent();
+        for label in &network.labels {
+            self.out.line(format!("Label( {} )", label.text));
+        }
+        match &network.content {
+            Content::Graphic(graph) => self.rungs(graph, network.language),
+            Content::Scl(list) => self.statements(list),
+            Content::Stl(_) => {
+                self.refuse(network.span, format!("a network in {language} has no rungs"), "write it in LAD or FBD")
+            }
+        }
+        self.out.dedent();
+        self.out.line("END_NETWORK");
+    }
+
+    fn rungs(&mut self, graph: &Graph, language: Language) {
+        let wires = Wires::new(graph);
+        let mut rung: Option<Rung> = None;
+        for (at, element) in graph.elements.iter().enumerate() {
+            let flow = flow_pin(element).map(|pin| (&pin.value, pin.negated));
+            let joined = match (&rung, flow) {
+                (Some(rung), Some((PinValue::Net(net), _))) => {
+                    rung.out == Some(*net) && wires.is_first(graph, *net, at.wrapping_sub(1))
+                }
+                _ => false,
+            };
+            if !joined {
+                if let Some(rung) = rung.take() {
+                    self.end(rung, &wires);
+                }
+                rung = Some(Rung { text: String::from("RUNG"), out: None, fed: true });
+            }
+            let mut current = rung.take().unwrap_or(Rung { text: String::from("RUNG"), out: None, fed: true });
+            match flow {
+                Some((PinValue::Net(net), _)) if joined && wires.is_only(graph, *net) => {}
+                Some((PinValue::Net(net), _)) => current.text.push_str(&format!(" wire#{}", wires.name(*net))),
+                Some((PinValue::Operand(value), _)) => {
+                    let text = expression::text(value, self);
+                    current.text.push_str(&format!(" {text}"));
+                }
+                Some((PinValue::Open, _)) | None if language == Language::Lad => {
+                    current.text.push_str(" wire#powerrail")
+                }
+                Some((PinValue::Open, _)) | None => {}
+            }
+            if flow.is_some_and(|(_, negated)| negated) {
+                current.text.push_str(if language == Language::Lad { " Not()" } else { " NOT" });
+            }
+            if is_not(element) && language == Language::Fbd {
+                current.text.push_str(" NOT");
+            } else {
+                let text = self.sd_element(graph, &wires, at, language);
+                current.text.push_str(&format!("  {text}"));
+            }
+            current.out = out_pin(element).and_then(|(_, pin)| match pin.value {
+                PinValue::Net(net) => Some(net),
+                PinValue::Operand(_) | PinValue::Open => None,
+            });
+            current.fed = current.out.is_none();
+            self.remarks_before(element.span.start);
+            rung = Some(current);
+        }
+        if let Some(rung) = rung.take() {
+            self.end(rung, &wires);
+        }
+        // Nets that operands or other nets feed.
+        for (at, net) in graph.nets.iter().enumerate() {
+            for source in &net.sources {
+                let name = wires.name(NetId(at as u32));
+                match source {
+                    Source::Operand { value, negated } => {
+                        let text = expression::text(value, self);
+                        let not = if *negated { " NOT" } else { "" };
+                        self.out.line(format!("RUNG {text}{not}  A()  END_RUNG wire#{name}"));
+                    }
+                    Source::Net(other) => {
+                        let text = wires.name(*other).to_string();
+                        self.out.line(format!("RUNG wire#{text}  END_RUNG wire#{name}"));
+                    }
+                    Source::Rail if net.sources.len() > 1 => {
+                        self.out.line(format!("RUNG wire#powerrail  END_RUNG wire#{name}"));
+                    }
+                    Source::Rail | Source::Pin { .. } => {}
+                }
+            }
+        }
+    }
+
+    fn end(&mut self, rung: Rung, wires: &Wires) {
+        match rung.out.filter(|_| !rung.fed) {
+            Some(net) => self.out.line(format!("{}  END_RUNG wire#{}", rung.text, wires.name(net))),
+            None => self.out.line(format!("{}  END_RUNG", rung.text)),
+        }
+    }
+
+    fn sd_element(&mut self, graph: &Graph, wires: &Wires, at: usize, language: Language) -> String {
+        let element = &graph.elements[at];
+        let (name, row) = match &element.target {
+            Target::Element { row, instance } => {
+                let name = element_name(row, element, language);
+                let instance = instance.as_ref().map(|instance| expression::text(instance, self));
+                (instance.map_or_else(|| name.to_string(), |instance| format!("{instance}.{name}")), Some(*row))
+            }
+            Target::Block { callee, instance } => (expression::text(instance.as_ref().unwrap_or(callee), self), None),
+        };
+        let flow = flow_pin(element).map(|pin| pin.name.clone());
+        let out = out_pin(element).map(|(index, _)| index);
+        let mut arguments = Vec::new();
+        for (index, pin) in element.pins.iter().enumerate() {
+            let is_flow = !pin.output && flow.as_deref() == Some(pin.name.as_str());
+            let is_out = out == Some(index) && matches!(pin.value, PinValue::Net(_));
+            if is_flow || is_out {
+                continue;
+            }
+            arguments.push(self.sd_argument(wires, row, pin));
+        }
+        let (settings, inline) = self.settings(element);
+        let arguments = match arguments.is_empty() {
+            true => "()".to_string(),
+            false => format!("( {} )", arguments.join(", ")),
+        };
+        format!("{settings}{name}{inline}{arguments}")
+    }
+
+    fn sd_argument(&mut self, wires: &Wires, row: Option<&Row>, pin: &Pin) -> String {
+        if pin.storage != Storage::None {
+            self.refuse(pin.span, "an output that sets or resets its operand", "write a set or reset coil");
+        }
+        let is_negated_name =
+            row.is_some_and(|row| matches!(row.kind, Kind::Contact | Kind::Coil)) && pin.name == "operand";
+        if pin.negated && pin.output && !is_negated_name {
+            self.refuse(pin.span, "an inverted output", "invert the value behind the element");
+        }
+        let not = if pin.negated && !is_negated_name { "NOT " } else { "" };
+        let value = match &pin.value {
+            PinValue::Net(net) => format!("wire#{}", wires.name(*net)),
+            PinValue::Operand(value) => expression::text(value, self),
+            PinValue::Open => String::new(),
+        };
+        let unnamed = row.is_some_and(|row| match row.kind {
+            Kind::Contact | Kind::Coil | Kind::SetCoil | Kind::ResetCoil | Kind::OpenDb { .. } | Kind::CallCoil => {
+                pin.name == "operand"
+            }
+            Kind::EdgeTrigger { .. } => pin.name == "bit",
+            Kind::Jump { .. } => pin.name == "label",
+            _ => false,
+        });
+        if unnamed {
+            return format!("{not}{value}");
+        }
+        let sign = if pin.output { "=>" } else { ":=" };
+        format!("{} {sign} {not}{value}", pin.name).trim_end().to_string()
+    }
+
+    /// The attributes before an element, and those behind its name.
+    fn settings(&mut self, element: &Element) -> (String, String) {
+        let mut list = Vec::new();
+        let mut types = Vec::new();
+        for template in &element.templates {
+            let key = match template.key {
+                TemplateKey::Source => "SrcType",
+                TemplateKey::Destination => "DestType",
+                TemplateKey::Value => "value_type",
+                TemplateKey::Time => "time_type",
+                TemplateKey::Card | TemplateKey::Other => continue,
+            };
+            types.push(format!("{key} := {}", template.value));
+        }
+        let is_box = matches!(&element.target, Target::Element { row, .. } if row.flow.1 == "eno" && !matches!(row.kind, Kind::Instance(_)));
+        // Behind the name, as older versions write them, they leave ENO as it is.
+        let is_inline = is_box && element.eno == Eno::Default && !types.is_empty();
+        match &types[..] {
+            [] => {}
+            types if is_inline => list.extend(types.iter().cloned()),
+            [one] => list.push(format!("S7_Templates := \"{one}\"")),
+            several => list.push(format!("S7_Templates := \"[{}]\"", several.join(", "))),
+        }
+        match element.eno {
+            Eno::Generated => list.push("S7_GenerateENO := \"TRUE\"".to_string()),
+            // A box without the setting has its ENO switched off.
+            Eno::Disabled if is_box => {}
+            Eno::Disabled => list.push("S7_GenerateENO := \"FALSE\"".to_string()),
+            Eno::Default => {}
+        }
+        if let Some(equation) = &element.equation {
+            let text = expression::text(equation, self);
+            list.push(format!("S7_Expression := \"{text}\""));
+        }
+        for (at, case) in element.cases.iter().enumerate() {
+            let sign = match case {
+                Comparison::Equal => "==",
+                Comparison::NotEqual => "<>",
+                Comparison::Less => "<",
+                Comparison::LessEqual => "<=",
+                Comparison::Greater => ">",
+                Comparison::GreaterEqual => ">=",
+            };
+            list.push(format!("CASE{at} := \"{sign}\""));
+        }
+        match (list.is_empty(), is_inline) {
+            (true, _) => (String::new(), String::new()),
+            (false, true) => (String::new(), format!(" {{ {} }}", list.join("; "))),
+            (false, false) => (format!("{{ {} }}  ", list.join("; ")), String::new()),
+        }
+    }
+}
+
+/// A rung that is not finished.
+struct Rung {
+    text: String,
+    /// The net that its last element feeds.
+    out: Option<NetId>,
+    /// Nothing is to be connected at its end.
+    fed: bool,
+}
+
+/// Names of nets.
+struct Wires {
+    names: HashMap<u32, String>,
+    uses: HashMap<u32, usize>,
+}
+
+impl Wires {
+    fn new(graph: &Graph) -> Wires {
+        let mut names = HashMap::new();
+        let mut taken: HashSet<String> = HashSet::new();
+        for (at, net) in graph.nets.iter().enumerate() {
+            let is_rail = matches!(net.sources[..], [Source::Rail]);
+            if is_rail {
+                names.insert(at as u32, "powerrail".to_string());
+            } else if !net.name.is_empty()
+                && !net.name.eq_ignore_ascii_case("powerrail")
+                && taken.insert(net.name.to_lowercase())
+            {
+                names.insert(at as u32, net.name.clone());
+            }
+        }
+        let mut number = 0;
+        for at in 0..graph.nets.len() as u32 {
+            names.entry(at).or_insert_with(|| {
+                loop {
+                    number += 1;
+                    let name = format!("w{number}");
+                    if taken.insert(name.clone()) {
+                        return name;
+                    }
+                }
+            });
+        }
+        let mut uses: HashMap<u32, usize> = HashMap::new();
+        for pin in graph.elements.iter().flat_map(|element| &element.pins).filter(|pin| !pin.output) {
+            if let PinValue::Net(net) = pin.value {
+                *uses.entry(net.0).or_default() += 1;
+            }
+        }
+        for source in graph.nets.iter().flat_map(|net| &net.sources) {
+            if let Source::Net(net) = source {
+                *uses.entry(net.0).or_default() += 2;
+            }
+        }
+        Wires { names, uses }
+    }
+
+    fn name(&self, net: NetId) -> &str {
+        self.names.get(&net.0).map_or("", String::as_str)
+    }
+
+    /// Whether the element is the first that feeds the net: others end their rungs in it.
+    fn is_first(&self, graph: &Graph, net: NetId, element: usize) -> bool {
+        matches!(graph.net(net).sources.first(), Some(Source::Pin { element: first, .. }) if *first == element)
+    }
+
+    /// One element feeds the net, and one reads it: the rung needs no name for it.
+    fn is_only(&self, graph: &Graph, net: NetId) -> bool {
+        graph.net(net).sources.len() == 1 && self.uses.get(&net.0) == Some(&1)
+    }
+}
+
+fn is_not(element: &Element) -> bool {
+    matches!(&element.target, Target::Element { row, .. } if row.kind == Kind::Not)
+}
+
+fn flow_pin(element: &Element) -> Option<&Pin> {
+    match &element.target {
+        Target::Element { row, .. } if row.flow.0.is_empty() => None,
+        Target::Element { row, .. } => element.pin(row.pin(row.flow.0)?.0.name()).filter(|pin| !pin.output),
+        Target::Block { .. } => element.pins.iter().find(|pin| pin.name == "en"),
+    }
+}
+
+/// The pin that the flow leaves by.
+fn out_pin(element: &Element) -> Option<(usize, &Pin)> {
+    let name = match &element.target {
+        Target::Element { row, .. } => row.pin(row.flow.1)?.1,
+        Target::Block { .. } => "eno".to_string(),
+    };
+    element
+        .pins
+        .iter()
+        .enumerate()
+        .find(|(_, pin)| pin.output && pin.name == name && matches!(pin.value, PinValue::Net(_)))
+}
+
+fn element_name(row: &'static Row, element: &Element, language: Language) -> &'static str {
+    let negated = element.pin("operand").is_some_and(|pin| pin.negated);
+    match row.kind {
+        Kind::Contact if negated => "I_Contact",
+        Kind::Coil if negated => "I_Coil",
+        Kind::Compare(_) if language == Language::Lad => row.sd.first().unwrap_or(&row.name),
+        _ => row.name,
+    }
+}
+
+/// A name as it is declared; a block with a number only is named by it.
+fn document_name(name: &plcc_syntax::ast::BlockName) -> String {
+    match name {
+        plcc_syntax::ast::BlockName::Numbered { prefix, number, .. } => format!("{}{number}", prefix.letters()),
+        plcc_syntax::ast::BlockName::Symbol { name, .. } => names::declared(name),
+    }
+}

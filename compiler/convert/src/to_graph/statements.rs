@@ -1,0 +1,660 @@
+//! What the statements of a network do: signals, and what they lead to.
+
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::Elementary;
+use plcc_syntax::ast::{
+    self, BlockName, Bound, CellKind, CodeBlock, Operand, OperandKind, PathPart, PathRoot, Statement, StatementKind,
+    StatusOperand,
+};
+use plcc_syntax::literal::Literal;
+use plcc_syntax::network::ast::{Graph, Language, Pin, PinValue};
+use plcc_syntax::scl::ast::{Expr, ExprKind, Literal as SclLiteral, Name, NameForm, UnaryOp};
+use plcc_syntax::stl::StlInsn;
+
+use crate::to_stl::types::Types;
+
+use super::drawing::{Drawing, Reason, Signal, pin};
+
+/// The labels of a network, and its elements.
+pub fn graph(
+    network: &ast::Network,
+    block: &CodeBlock,
+    types: &Types,
+    language: Language,
+    span: Span,
+) -> Result<(Vec<Name>, Graph), Vec<Diagnostic>> {
+    let mut labels = Vec::new();
+    let mut reader = Reader {
+        drawing: Drawing::new(language, span),
+        logic: Logic::default(),
+        nesting: Vec::new(),
+        loads: Vec::new(),
+        fresh: true,
+        chain: None,
+        types,
+        block,
+    };
+    for (at, statement) in network.statements.iter().enumerate() {
+        reader.drawing.at(statement.span);
+        if let Some(label) = &statement.label {
+            if at > 0 {
+                return Err(vec![refusal(statement.span, "a label inside a network", language)]);
+            }
+            labels.push(Name { text: label.name.clone(), form: NameForm::Bare, span: label.span });
+        }
+        let last = network.statements[at + 1..].iter().all(does_nothing);
+        if let Err(reason) = reader.statement(statement, last) {
+            return Err(vec![refusal(statement.span, &reason, language)]);
+        }
+    }
+    let end = network.statements.last().map_or(span, |statement| statement.span);
+    if !reader.nesting.is_empty() || !reader.fresh && reader.logic.is_open() {
+        return Err(vec![refusal(end, "a result of logic that nothing uses", language)]);
+    }
+    if !reader.loads.is_empty() {
+        return Err(vec![refusal(end, "a value in the accumulator that nothing uses", language)]);
+    }
+    Ok((labels, reader.drawing.graph))
+}
+
+fn refusal(span: Span, reason: &str, language: Language) -> Diagnostic {
+    let name = if language == Language::Fbd { "FBD" } else { "LAD" };
+    Diagnostic::new(Code::NotConverted, span, format!("{name} has no form for {reason}"))
+        .label("cannot be drawn")
+        .help("leave the block in STL, or write the network as contacts, coils and boxes")
+}
+
+/// NOP, BLD, or nothing.
+fn does_nothing(statement: &Statement) -> bool {
+    match &statement.kind {
+        StatementKind::Empty => true,
+        StatementKind::Instruction { insn, .. } => matches!(insn, StlInsn::Nop | StlInsn::Display),
+        StatementKind::Call(_) | StatementKind::Pragma(_) | StatementKind::Error => false,
+    }
+}
+
+/// A level of logic: `A`, `O`, and AND before OR.
+#[derive(Clone, Default)]
+struct Logic {
+    /// Series that `O` without operand has closed.
+    alternatives: Vec<Signal>,
+    /// None: the next scan is the first one.
+    current: Option<Signal>,
+}
+
+impl Logic {
+    fn value(&self) -> Option<Signal> {
+        match (&self.alternatives[..], &self.current) {
+            ([], current) => current.clone(),
+            (alternatives, current) => Some(Signal::or(alternatives.iter().chain(current).cloned().collect())),
+        }
+    }
+
+    fn is_open(&self) -> bool {
+        self.current.is_some() || !self.alternatives.is_empty()
+    }
+
+    fn join(&mut self, join: Join, signal: Signal) {
+        if join != Join::And && !self.alternatives.is_empty() && self.current.is_some() {
+            // Whatever is not a series ends AND before OR.
+            self.current = self.value();
+            self.alternatives.clear();
+        }
+        let Some(before) = self.current.take() else {
+            self.current = Some(signal);
+            return;
+        };
+        self.current = Some(match join {
+            Join::And => Signal::and(vec![before, signal]),
+            Join::Or => Signal::or(vec![before, signal]),
+            Join::Xor => match before {
+                Signal::Xor(mut list) => {
+                    list.push(signal);
+                    Signal::Xor(list)
+                }
+                before => Signal::Xor(vec![before, signal]),
+            },
+        });
+    }
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Join {
+    And,
+    Or,
+    Xor,
+}
+
+struct Reader<'a> {
+    drawing: Drawing,
+    logic: Logic,
+    /// Around open parentheses.
+    nesting: Vec<(Logic, Join, bool)>,
+    /// Values that are loaded.
+    loads: Vec<(Expr, Span, Kind)>,
+    /// The RLO has been used: the next scan begins anew, another coil shares it.
+    fresh: bool,
+    /// The last coil, and its flow.
+    chain: Option<(usize, Signal)>,
+    types: &'a Types<'a>,
+    block: &'a CodeBlock,
+}
+
+impl Reader<'_> {
+    fn statement(&mut self, statement: &Statement, last: bool) -> Result<(), Reason> {
+        match &statement.kind {
+            StatementKind::Empty | StatementKind::Pragma(_) => Ok(()),
+            StatementKind::Error => Err("a statement that was not understood".to_string()),
+            StatementKind::Call(call) => self.call(call),
+            StatementKind::Instruction { insn, operand, .. } => {
+                self.instruction(*insn, operand.as_ref(), statement.span, last)
+            }
+        }
+    }
+
+    fn instruction(&mut self, insn: StlInsn, operand: Option<&Operand>, span: Span, last: bool) -> Result<(), Reason> {
+        use StlInsn as I;
+        let named = || format!("`{}` here", insn.mnemonic(plcc_syntax::stl::Mnemonics::En));
+        match insn {
+            I::Nop | I::Display => Ok(()),
+            I::And => self.scan(Join::And, operand, false),
+            I::AndNot => self.scan(Join::And, operand, true),
+            I::Or if operand.is_none() => {
+                let Some(current) = self.logic.current.take().filter(|_| !self.fresh) else { return Err(named()) };
+                self.logic.alternatives.push(current);
+                Ok(())
+            }
+            I::Or => self.scan(Join::Or, operand, false),
+            I::OrNot => self.scan(Join::Or, operand, true),
+            I::Xor => self.scan(Join::Xor, operand, false),
+            I::XorNot => self.scan(Join::Xor, operand, true),
+            I::AndNest => self.open(Join::And, false),
+            I::AndNotNest => self.open(Join::And, true),
+            I::OrNest => self.open(Join::Or, false),
+            I::OrNotNest => self.open(Join::Or, true),
+            I::XorNest => self.open(Join::Xor, false),
+            I::XorNotNest => self.open(Join::Xor, true),
+            I::CloseNest => {
+                let value = self.logic.value().filter(|_| !self.fresh);
+                let (Some(value), Some((around, join, negated))) = (value, self.nesting.pop()) else {
+                    return Err(named());
+                };
+                self.logic = around;
+                self.fresh = false;
+                self.join(join, if negated { value.inverted() } else { value });
+                Ok(())
+            }
+            I::Not => {
+                let Some(value) = self.logic.value() else { return Err(named()) };
+                self.logic = Logic { alternatives: Vec::new(), current: Some(value.inverted()) };
+                Ok(())
+            }
+            I::SetRlo | I::ClearRlo => {
+                self.unused(span)?;
+                self.logic = Logic { alternatives: Vec::new(), current: Some(Signal::Constant(insn == I::SetRlo)) };
+                self.fresh = true;
+                Ok(())
+            }
+            I::Assign => self.coil("Coil", operand),
+            I::Set => match operand.map(|operand| &operand.kind) {
+                Some(OperandKind::Cell { kind: CellKind::Counter, .. }) => {
+                    self.cell_coil("SC_Coil", "counter", "pv", operand)
+                }
+                _ => self.coil("S_Coil", operand),
+            },
+            I::Reset => self.coil("R_Coil", operand),
+            I::Save => {
+                let flow = self.flow()?;
+                let pins = self.drawing.input("in", &flow)?.into_iter().collect();
+                let element = self.drawing.element("SaveCoil", pins, None);
+                self.chain(element, flow);
+                Ok(())
+            }
+            I::EdgePositive | I::EdgeNegative => {
+                let bit = expression(operand.ok_or_else(named)?)?;
+                let Some(of) = self.logic.value() else { return Err(named()) };
+                let edge = Signal::Edge { of: Box::new(of), bit, rising: insn == I::EdgePositive, span };
+                self.logic = Logic { alternatives: Vec::new(), current: Some(edge) };
+                self.fresh = false;
+                Ok(())
+            }
+            I::Load => {
+                if self.loads.len() == 2 {
+                    return Err("a third value in the accumulators".to_string());
+                }
+                let operand = operand.ok_or_else(named)?;
+                self.loads.push((expression(operand)?, span, self.kind_of(operand)));
+                Ok(())
+            }
+            I::Transfer => self.transfer(operand.ok_or_else(named)?),
+            I::TimerPulse => self.cell_coil("S_PULSE", "timer", "tv", operand),
+            I::TimerExtendedPulse => self.cell_coil("S_PEXT", "timer", "tv", operand),
+            I::TimerOnDelay => self.cell_coil("S_ODT", "timer", "tv", operand),
+            I::TimerRetentiveOnDelay => self.cell_coil("S_ODTS", "timer", "tv", operand),
+            I::TimerOffDelay => self.cell_coil("S_OFFDT", "timer", "tv", operand),
+            I::CountUp => self.cell_coil("CU_Coil", "counter", "", operand),
+            I::CountDown => self.cell_coil("CD_Coil", "counter", "", operand),
+            I::Jump | I::JumpIf | I::JumpIfNot if last && self.nesting.is_empty() => {
+                let Some(OperandKind::Label(label)) = operand.map(|operand| &operand.kind) else { return Err(named()) };
+                let flow = match insn {
+                    I::Jump => {
+                        self.unused(span)?;
+                        Signal::Constant(true)
+                    }
+                    _ => self.flow()?,
+                };
+                let target =
+                    Expr { kind: ExprKind::Name(Name { text: label.clone(), form: NameForm::Bare, span }), span };
+                let mut pins: Vec<Pin> = self.drawing.input("in", &flow)?.into_iter().collect();
+                pins.push(pin("label", PinValue::Operand(target), false, false, span));
+                self.drawing.element(if insn == I::JumpIfNot { "I_JumpCoil" } else { "JumpCoil" }, pins, None);
+                Ok(())
+            }
+            I::OpenDb => {
+                self.unused(span)?;
+                let operand = operand.ok_or_else(named)?;
+                let di = matches!(
+                    &operand.kind,
+                    OperandKind::Block(BlockName::Numbered { prefix: ast::BlockPrefix::Di, .. })
+                );
+                let block = pin("operand", PinValue::Operand(expression(operand)?), false, false, span);
+                let mut pins: Vec<Pin> = self.drawing.input("in", &Signal::Constant(true))?.into_iter().collect();
+                pins.push(block);
+                self.drawing.element(if di { "OpenDICoil" } else { "OpenDBCoil" }, pins, None);
+                Ok(())
+            }
+            I::McrActivate | I::McrDeactivate | I::McrOpen | I::McrClose => {
+                let (name, flow) = match insn {
+                    I::McrActivate => ("McrActivateCoil", Signal::Constant(true)),
+                    I::McrDeactivate => ("McrDeactivateCoil", Signal::Constant(true)),
+                    I::McrClose => ("McrCloseCoil", Signal::Constant(true)),
+                    _ => ("McrOpenCoil", self.flow()?),
+                };
+                if insn != I::McrOpen {
+                    self.unused(span)?;
+                }
+                let pins = self.drawing.input("in", &flow)?.into_iter().collect();
+                self.drawing.element(name, pins, None);
+                Ok(())
+            }
+            I::CallUnconditional | I::CallConditional => {
+                let flow = if insn == I::CallConditional { self.flow()? } else { Signal::Constant(true) };
+                if insn == I::CallUnconditional {
+                    self.unused(span)?;
+                }
+                let block = expression(operand.ok_or_else(named)?)?;
+                let mut pins: Vec<Pin> = self.drawing.input("in", &flow)?.into_iter().collect();
+                pins.push(pin("operand", PinValue::Operand(block), false, false, span));
+                self.drawing.element("CallCoil", pins, None);
+                Ok(())
+            }
+            _ => match compared(insn) {
+                Some((element, ty)) => {
+                    let [(left, ..), (right, ..)] = &self.loads[..] else {
+                        return Err("a comparison without two values before it".to_string());
+                    };
+                    if !self.fresh && self.logic.is_open() {
+                        return Err("a comparison that is not in parentheses".to_string());
+                    }
+                    let (left, right) = (left.clone(), right.clone());
+                    let bits = if ty == "Int" { 16 } else { 32 };
+                    let fits = |kind: &Kind| match kind {
+                        Kind::Bits(own) => *own == bits,
+                        Kind::Type(own) => own.bits() == bits,
+                        Kind::Constant | Kind::Unknown => true,
+                        Kind::Cell => false,
+                    };
+                    if !self.loads.iter().all(|(_, _, kind)| fits(kind)) {
+                        return Err(format!("a comparison as {ty} of operands of another size"));
+                    }
+                    self.loads.clear();
+                    let signal = Signal::Compare { element, ty, left: typed(left, ty), right: typed(right, ty), span };
+                    self.logic = Logic { alternatives: Vec::new(), current: Some(signal) };
+                    self.fresh = false;
+                    Ok(())
+                }
+                None => Err(named()),
+            },
+        }
+    }
+
+    // Logic.
+
+    fn scan(&mut self, join: Join, operand: Option<&Operand>, negated: bool) -> Result<(), Reason> {
+        let operand = operand.ok_or("an instruction without its operand")?;
+        let signal = match &operand.kind {
+            OperandKind::Status(status) => Signal::Flag { element: flag(*status), span: operand.span },
+            _ => Signal::Operand(expression(operand)?),
+        };
+        self.join(join, if negated { signal.inverted() } else { signal });
+        Ok(())
+    }
+
+    fn join(&mut self, join: Join, signal: Signal) {
+        if std::mem::replace(&mut self.fresh, false) {
+            self.logic = Logic::default();
+        }
+        self.logic.join(join, signal);
+    }
+
+    fn open(&mut self, join: Join, negated: bool) -> Result<(), Reason> {
+        if std::mem::replace(&mut self.fresh, false) {
+            self.logic = Logic::default();
+        }
+        self.nesting.push((std::mem::take(&mut self.logic), join, negated));
+        Ok(())
+    }
+
+    /// The flow to a coil; other coils behind it share it.
+    fn flow(&mut self) -> Result<Signal, Reason> {
+        if !self.nesting.is_empty() {
+            return Err("a coil inside parentheses".to_string());
+        }
+        let Some(value) = self.logic.value() else {
+            return Err("an instruction that uses the result of logic of another network".to_string());
+        };
+        let again = std::mem::replace(&mut self.fresh, true);
+        let value = match self.chain.take().filter(|_| again) {
+            // Behind a coil of the same flow.
+            Some((coil, signal)) if signal == value => Signal::Net(self.drawing.output(coil, "out", None)),
+            Some((coil, signal)) if signal.clone().inverted() == value => {
+                Signal::Net(self.drawing.output(coil, "out", None)).inverted()
+            }
+            _ => value,
+        };
+        // What is drawn is evaluated once, whatever the coils behind it write.
+        let value = match &value {
+            Signal::Constant(_) => value,
+            signal => match self.drawing.input("in", signal)? {
+                Some(Pin { value: PinValue::Net(net), negated, .. }) => {
+                    if negated {
+                        Signal::Net(net).inverted()
+                    } else {
+                        Signal::Net(net)
+                    }
+                }
+                _ => value,
+            },
+        };
+        self.logic = Logic { alternatives: Vec::new(), current: Some(value.clone()) };
+        Ok(value)
+    }
+
+    /// Another coil may follow, with the same flow.
+    fn chain(&mut self, element: usize, flow: Signal) {
+        if matches!(&flow, Signal::Operand(_) | Signal::Not(_)) {
+            self.chain = Some((element, flow));
+        }
+    }
+
+    /// An instruction that does not look at the RLO must not follow an open one.
+    fn unused(&self, _span: Span) -> Result<(), Reason> {
+        match self.nesting.is_empty() && (self.fresh || !self.logic.is_open()) {
+            true => Ok(()),
+            false => Err("an unconditional instruction behind contacts".to_string()),
+        }
+    }
+
+    // What a flow leads to.
+
+    fn coil(&mut self, name: &str, operand: Option<&Operand>) -> Result<(), Reason> {
+        let value = expression(operand.ok_or("a coil without operand")?)?;
+        let flow = self.flow()?;
+        let span = value.span;
+        let mut pins: Vec<Pin> = self.connected(&flow)?.into_iter().collect();
+        pins.push(pin("operand", PinValue::Operand(value), false, true, span));
+        let element = self.drawing.element(name, pins, None);
+        self.chain(element, flow);
+        Ok(())
+    }
+
+    /// The flow pin of a coil; a coil must have one.
+    fn connected(&mut self, flow: &Signal) -> Result<Option<Pin>, Reason> {
+        match flow {
+            Signal::Constant(_) => {
+                self.drawing.side_input("in", flow).map(Some).and_then(|side| match self.drawing.input("in", flow)? {
+                    Some(pin) => Ok(Some(pin)),
+                    None => Ok(side),
+                })
+            }
+            flow => self.drawing.input("in", flow),
+        }
+    }
+
+    fn cell_coil(&mut self, name: &str, cell: &str, value: &str, operand: Option<&Operand>) -> Result<(), Reason> {
+        let operand = expression(operand.ok_or("an instruction without its cell")?)?;
+        let span = operand.span;
+        let flow = self.flow()?;
+        let loaded = match (&self.loads[..], value) {
+            ([], "") => None,
+            ([(loaded, ..)], value) if !value.is_empty() => {
+                Some(pin(value, PinValue::Operand(loaded.clone()), false, false, span))
+            }
+            _ => return Err("a timer or counter without exactly its value before it".to_string()),
+        };
+        self.loads.clear();
+        let flow_pin = if name.starts_with("S_") { "s" } else { "in" };
+        let mut pins: Vec<Pin> = self.connected(&flow)?.into_iter().collect();
+        pins.iter_mut().for_each(|pin| pin.name = flow_pin.to_string());
+        pins.push(pin(cell, PinValue::Operand(operand), false, false, span));
+        pins.extend(loaded);
+        let element = self.drawing.element(name, pins, None);
+        self.chain(element, flow);
+        Ok(())
+    }
+
+    /// `L a; T b`.
+    fn transfer(&mut self, operand: &Operand) -> Result<(), Reason> {
+        self.unused(operand.span)?;
+        let [(value, span, from)] = &self.loads[..] else {
+            return Err("a transfer without exactly one value before it".to_string());
+        };
+        let to = self.kind_of(operand);
+        match (from, &to) {
+            (Kind::Constant, Kind::Bits(_) | Kind::Type(_)) => {}
+            (Kind::Constant | Kind::Bits(_) | Kind::Type(_), _) if *from == to => {}
+            (Kind::Cell, _) => return Err("the value of a timer or counter without its box".to_string()),
+            (Kind::Bits(_) | Kind::Type(_), Kind::Bits(_) | Kind::Type(_)) => {
+                return Err("a transfer between operands of different types".to_string());
+            }
+            _ => return Err("a transfer between operands whose types are not in the source".to_string()),
+        }
+        let (value, span) = (value.clone(), *span);
+        self.loads.clear();
+        let mut pins: Vec<Pin> = self.drawing.input("en", &Signal::Constant(true))?.into_iter().collect();
+        pins.push(pin("in", PinValue::Operand(value), false, false, span));
+        pins.push(pin("out1", PinValue::Operand(expression(operand)?), false, true, operand.span));
+        self.drawing.element("Move", pins, None);
+        Ok(())
+    }
+
+    /// What is known of the type of an operand.
+    fn kind_of(&self, operand: &Operand) -> Kind {
+        match &operand.kind {
+            OperandKind::Cell { .. } => Kind::Cell,
+            OperandKind::Literal(_) => Kind::Constant,
+            OperandKind::Absolute { width, .. } | OperandKind::DbAbsolute { width, .. } => Kind::Bits(width.bits()),
+            kind => self.types.of(kind, self.block).map_or(Kind::Unknown, Kind::Type),
+        }
+    }
+
+    fn call(&mut self, call: &ast::Call) -> Result<(), Reason> {
+        self.unused(call.target.span)?;
+        if !call.parameters.is_empty() {
+            return Err("a call with parameters, whose directions are not in the statement".to_string());
+        }
+        if call.instance.is_some() {
+            return Err("a call with an instance data block".to_string());
+        }
+        if !matches!(call.target.kind, OperandKind::Block(_)) {
+            return Err("a call of an instance".to_string());
+        }
+        let block = expression(&call.target)?;
+        let mut pins: Vec<Pin> = self.drawing.input("in", &Signal::Constant(true))?.into_iter().collect();
+        pins.push(pin("operand", PinValue::Operand(block), false, false, call.target.span));
+        self.drawing.element("CallCoil", pins, None);
+        Ok(())
+    }
+}
+
+/// The element and type of a comparison.
+fn compared(insn: StlInsn) -> Option<(&'static str, &'static str)> {
+    use StlInsn as I;
+    Some(match insn {
+        I::CompareEqI => ("EQ", "Int"),
+        I::CompareNeI => ("NE", "Int"),
+        I::CompareGtI => ("GT", "Int"),
+        I::CompareLtI => ("LT", "Int"),
+        I::CompareGeI => ("GE", "Int"),
+        I::CompareLeI => ("LE", "Int"),
+        I::CompareEqD => ("EQ", "DInt"),
+        I::CompareNeD => ("NE", "DInt"),
+        I::CompareGtD => ("GT", "DInt"),
+        I::CompareLtD => ("LT", "DInt"),
+        I::CompareGeD => ("GE", "DInt"),
+        I::CompareLeD => ("LE", "DInt"),
+        I::CompareEqR => ("EQ", "Real"),
+        I::CompareNeR => ("NE", "Real"),
+        I::CompareGtR => ("GT", "Real"),
+        I::CompareLtR => ("LT", "Real"),
+        I::CompareGeR => ("GE", "Real"),
+        I::CompareLeR => ("LE", "Real"),
+        _ => return None,
+    })
+}
+
+/// A constant in the form of the type that it is compared with.
+fn typed(value: Expr, ty: &str) -> Expr {
+    match (&value.kind, ty) {
+        (ExprKind::Literal(SclLiteral::Typed { ty: Elementary::Dint, bits }), "DInt") => {
+            let number = i64::from(*bits as u32 as i32);
+            whole(number, value.span)
+        }
+        _ => value,
+    }
+}
+
+fn flag(status: StatusOperand) -> &'static str {
+    match status {
+        StatusOperand::Br => "BR_FlagContact",
+        StatusOperand::Ov => "OV_FlagContact",
+        StatusOperand::Os => "OS_FlagContact",
+        StatusOperand::Uo => "UO_FlagContact",
+        StatusOperand::Eq0 => "EQ_I_Flags_Contact",
+        StatusOperand::Ne0 => "NE_I_Flags_Contact",
+        StatusOperand::Gt0 => "GT_I_Flags_Contact",
+        StatusOperand::Lt0 => "LT_I_Flags_Contact",
+        StatusOperand::Ge0 => "GE_I_Flags_Contact",
+        StatusOperand::Le0 => "LE_I_Flags_Contact",
+    }
+}
+
+/// What is known of the type of an operand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Constant,
+    /// An absolute address of so many bits.
+    Bits(u32),
+    Type(Elementary),
+    Cell,
+    Unknown,
+}
+
+/// A whole number, with a sign if it is negative.
+fn whole(number: i64, span: Span) -> Expr {
+    let span = Span { end: span.start, ..span };
+    let literal =
+        Expr { kind: ExprKind::Literal(SclLiteral::Integer { value: number.unsigned_abs(), based: false }), span };
+    match number < 0 {
+        true => Expr { kind: ExprKind::Unary { op: UnaryOp::Minus, operand: Box::new(literal) }, span },
+        false => literal,
+    }
+}
+
+/// An operand as networks have it.
+fn expression(operand: &Operand) -> Result<Expr, Reason> {
+    // Without text of its own: the notation of the source is another one.
+    let span = Span { end: operand.span.start, ..operand.span };
+    let name = |text: &str, form: NameForm| ExprKind::Name(Name { text: text.to_string(), form, span });
+    let of = |kind: ExprKind| Expr { kind, span };
+    let kind = match &operand.kind {
+        OperandKind::Absolute { .. } | OperandKind::Cell { .. } => ExprKind::Absolute(operand.kind.clone()),
+        OperandKind::Block(BlockName::Symbol { name: text, .. }) => name(text, NameForm::Quoted),
+        OperandKind::Block(BlockName::Numbered { .. }) => ExprKind::Absolute(operand.kind.clone()),
+        OperandKind::DbAbsolute { db, width, byte, bit } => {
+            let base = match db {
+                BlockName::Symbol { name: text, .. } => name(text, NameForm::Quoted),
+                BlockName::Numbered { .. } => ExprKind::Absolute(OperandKind::Block(db.clone())),
+            };
+            ExprKind::MemberAbsolute { base: Box::new(of(base)), width: *width, byte: *byte, bit: *bit }
+        }
+        OperandKind::Path(path) => {
+            let root = match &path.root {
+                PathRoot::Local { name: text, .. } => name(text, NameForm::Local),
+                PathRoot::Quoted { name: text, .. } => name(text, NameForm::Quoted),
+                PathRoot::Bare { .. } => return Err("a name without `#` or quotes".to_string()),
+                PathRoot::Block(block) => ExprKind::Absolute(OperandKind::Block(block.clone())),
+            };
+            let mut value = of(root);
+            for part in &path.parts {
+                value = of(match part {
+                    PathPart::Member { name: text, .. } => ExprKind::Member {
+                        base: Box::new(value),
+                        name: Name { text: text.clone(), form: NameForm::Bare, span },
+                    },
+                    PathPart::Index { values, .. } => {
+                        let mut indices = Vec::new();
+                        for bound in values {
+                            match bound {
+                                Bound::Number(number, _) => indices.push(whole(*number, span)),
+                                Bound::Name(..) | Bound::Expr(_) => {
+                                    return Err("an index that is a constant".to_string());
+                                }
+                            }
+                        }
+                        ExprKind::Index { base: Box::new(value), indices }
+                    }
+                });
+            }
+            return Ok(value);
+        }
+        OperandKind::Literal(literal) => return constant(literal, span),
+        OperandKind::MemoryIndirect { .. }
+        | OperandKind::CellIndirect { .. }
+        | OperandKind::BlockIndirect { .. }
+        | OperandKind::RegisterIndirect { .. } => return Err("an indirect address".to_string()),
+        OperandKind::Peripheral(_) => return Err("a symbol with `:P`".to_string()),
+        OperandKind::AddressOf(_) => return Err("a pointer to a variable".to_string()),
+        OperandKind::Status(_) | OperandKind::Special(_) | OperandKind::Register(_) => {
+            return Err("a register of the CPU".to_string());
+        }
+        OperandKind::Label(_) | OperandKind::Error => return Err("this operand".to_string()),
+    };
+    Ok(of(kind))
+}
+
+fn constant(literal: &Literal, span: Span) -> Result<Expr, Reason> {
+    let typed = |ty: Elementary, bits: u64| ExprKind::Literal(SclLiteral::Typed { ty, bits });
+    let kind = match literal {
+        Literal::Bool(value) => typed(Elementary::Bool, u64::from(*value)),
+        Literal::Int(number) => return Ok(whole(*number, span)),
+        Literal::Dint(number) => typed(Elementary::Dint, u64::from(*number as u32)),
+        Literal::Byte(value) => typed(Elementary::Byte, u64::from(*value)),
+        Literal::Word(value) | Literal::Counter(value) => typed(Elementary::Word, u64::from(*value)),
+        Literal::Dword(value) => typed(Elementary::Dword, u64::from(*value)),
+        Literal::Bits { value, .. } => ExprKind::Literal(SclLiteral::Integer { value: u64::from(*value), based: true }),
+        Literal::Real(value) => typed(Elementary::Real, u64::from(value.to_bits())),
+        Literal::S5Time(value) => typed(Elementary::S5Time, u64::from(*value)),
+        Literal::Time(ms) => typed(Elementary::Time, u64::from(*ms as u32)),
+        Literal::Date(days) => typed(Elementary::Date, u64::from(*days)),
+        Literal::TimeOfDay(ms) => typed(Elementary::TimeOfDay, u64::from(*ms)),
+        Literal::Text(bytes) => ExprKind::Literal(SclLiteral::Text { bytes: bytes.clone(), typed: false }),
+        Literal::Bytes2(_)
+        | Literal::Bytes4(_)
+        | Literal::DateAndTime(_)
+        | Literal::Pointer(_)
+        | Literal::AreaPointer { .. }
+        | Literal::Any(_) => return Err("this constant".to_string()),
+    };
+    Ok(Expr { kind, span })
+}
