@@ -40,6 +40,8 @@ pub enum Command {
     },
     /// Draw a trace as an SVG picture.
     Plot(PlotArgs),
+    /// Serve an editor: the language server protocol over standard input and output.
+    Lsp,
     /// Make a project with a small program and its test.
     New(NewArgs),
     /// Print the script that completes the command line of plcc in a shell.

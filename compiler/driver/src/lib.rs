@@ -62,6 +62,7 @@ fn dispatch(cli: &Cli) -> u8 {
         Command::Test(args) => command::test::test(args),
         Command::Check(args) => command::check::check(args),
         Command::Fmt(args) => command::fmt::fmt(args),
+        Command::Lsp => command::lsp::lsp(),
         Command::New(args) => command::new::new(args),
         Command::Completions { shell } => command::manual::completions(*shell),
         Command::Man { folder } => command::manual::pages(folder),

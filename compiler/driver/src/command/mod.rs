@@ -4,6 +4,7 @@ pub mod build;
 pub mod check;
 pub mod explain;
 pub mod fmt;
+pub mod lsp;
 pub mod manual;
 pub mod new;
 pub mod plot;
