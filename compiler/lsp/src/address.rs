@@ -77,7 +77,9 @@ pub fn plain(text: &str) -> Option<Address> {
         return Some(Address { area: area.to_owned(), bit: number.parse().ok()?, bits: 1, pieces: 1 });
     }
     let (letters, area) = AREAS.iter().find(|(letters, _)| {
-        text.strip_prefix(letters).is_some_and(|rest| rest.starts_with(['B', 'W', 'D', 'X']) || rest.starts_with(|c: char| c.is_ascii_digit()))
+        text.strip_prefix(letters).is_some_and(|rest| {
+            rest.starts_with(['B', 'W', 'D', 'X']) || rest.starts_with(|c: char| c.is_ascii_digit())
+        })
     })?;
     if *letters == "DB" {
         return None;
@@ -95,7 +97,10 @@ fn place(area: &str, text: &str) -> Option<Address> {
         _ => (1, text),
     };
     let bit = match (bits, rest.split_once('.')) {
-        (1, Some((byte, bit))) => byte.parse::<u64>().ok().filter(|byte| *byte < 1 << 32)? * 8 + bit.parse::<u64>().ok().filter(|bit| *bit < 8)?,
+        (1, Some((byte, bit))) => {
+            byte.parse::<u64>().ok().filter(|byte| *byte < 1 << 32)? * 8
+                + bit.parse::<u64>().ok().filter(|bit| *bit < 8)?
+        }
         (1, None) | (_, Some(_)) => return None,
         (_, None) => rest.parse::<u64>().ok().filter(|byte| *byte < 1 << 32)? * 8,
     };

@@ -14,9 +14,34 @@ use crate::words::{Words, bare, is_name};
 
 /// Words of SCL that begin or join statements.
 const SCL: [&str; 28] = [
-    "IF", "THEN", "ELSIF", "ELSE", "END_IF", "CASE", "OF", "END_CASE", "FOR", "TO", "BY", "DO", "END_FOR", "WHILE",
-    "END_WHILE", "REPEAT", "UNTIL", "END_REPEAT", "EXIT", "CONTINUE", "RETURN", "REGION", "END_REGION", "AND", "OR", "XOR",
-    "NOT", "MOD",
+    "IF",
+    "THEN",
+    "ELSIF",
+    "ELSE",
+    "END_IF",
+    "CASE",
+    "OF",
+    "END_CASE",
+    "FOR",
+    "TO",
+    "BY",
+    "DO",
+    "END_FOR",
+    "WHILE",
+    "END_WHILE",
+    "REPEAT",
+    "UNTIL",
+    "END_REPEAT",
+    "EXIT",
+    "CONTINUE",
+    "RETURN",
+    "REGION",
+    "END_REGION",
+    "AND",
+    "OR",
+    "XOR",
+    "NOT",
+    "MOD",
 ];
 
 /// The items at a byte.
@@ -43,7 +68,10 @@ pub fn complete(index: &Index, words: &Words, file: FileId, byte: usize, set: Mn
     if matches!(before, "(" | ",") || language == Language::Stl && before == "(" {
         items.extend(parameters(index, words, file, first));
     }
-    let begins = first >= words.pieces.len() || words.first_on_line(first) || before == ":" || text_before(words, byte).trim().is_empty();
+    let begins = first >= words.pieces.len()
+        || words.first_on_line(first)
+        || before == ":"
+        || text_before(words, byte).trim().is_empty();
     match language {
         Language::Stl if begins => items.extend(StlInsn::ALL.iter().map(|insn| CompletionItem {
             label: insn.mnemonic(set).to_owned(),
@@ -55,9 +83,9 @@ pub fn complete(index: &Index, words: &Words, file: FileId, byte: usize, set: Mn
             let labels = entry.into_iter().flat_map(|entry| entry.labels());
             items.extend(labels.map(|label| item(&label.name, CompletionItemKind::REFERENCE, "jump label")));
         }
-        Language::S7200 => items.extend(
-            s7200::mnemonics(set).map(|(name, doc)| item(&name, CompletionItemKind::OPERATOR, doc.trim())),
-        ),
+        Language::S7200 => {
+            items.extend(s7200::mnemonics(set).map(|(name, doc)| item(&name, CompletionItemKind::OPERATOR, doc.trim())))
+        }
         Language::Scl => {
             items.extend(SCL.iter().map(|word| item(word, CompletionItemKind::KEYWORD, "")));
             items.extend(variables(entry.map_or(Vec::new(), |entry| entry.variables())));
@@ -127,7 +155,12 @@ fn parameters(index: &Index, words: &Words, file: FileId, at: usize) -> Vec<Comp
             ..item(&name, CompletionItemKind::FIELD, &format!("{ty} {direction}"))
         }
     };
-    callee.parameters(index).into_iter().filter(|(name, ..)| !given.iter().any(|own| same(own, name))).map(row).collect()
+    callee
+        .parameters(index)
+        .into_iter()
+        .filter(|(name, ..)| !given.iter().any(|own| same(own, name)))
+        .map(row)
+        .collect()
 }
 
 /// The parameters of the call around a byte.
@@ -143,7 +176,8 @@ pub fn signature(index: &Index, words: &Words, file: FileId, byte: usize) -> Opt
         Some(name) if !after_comma => rows.iter().position(|(own, ..)| same(own, name)),
         _ => Some((open..at).filter(|&at| words.word(at) == ",").count()),
     };
-    let information = |label: &String| ParameterInformation { label: ParameterLabel::Simple(label.clone()), documentation: None };
+    let information =
+        |label: &String| ParameterInformation { label: ParameterLabel::Simple(label.clone()), documentation: None };
     Some(SignatureHelp {
         signatures: vec![SignatureInformation {
             label: format!("{}({})", callee.name(), texts.join(", ")),

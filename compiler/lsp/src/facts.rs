@@ -1,8 +1,8 @@
 //! What binding found out and an editor shows: types and addresses.
 
 use plcc_model::layout;
-use plcc_model::{Direction, Program};
 use plcc_model::types::{DataType, Member};
+use plcc_model::{Direction, Program};
 
 /// Blocks and data with their addresses.
 #[derive(Clone, Debug, Default)]

@@ -26,7 +26,9 @@ pub fn references(index: &Index, texts: &Texts, file: FileId, at: usize) -> Vec<
             }
             SymbolTarget::Block { .. } => None,
         },
-        Meaning::Variable { .. } | Meaning::Block(_) | Meaning::Library(_) | Meaning::Label(_) | Meaning::Word(_) => None,
+        Meaning::Variable { .. } | Meaning::Block(_) | Meaning::Library(_) | Meaning::Label(_) | Meaning::Word(_) => {
+            None
+        }
     };
     let mut found = match address {
         Some(address) => overlapping(index, texts, &address),
@@ -99,7 +101,10 @@ pub fn rename(index: &Index, texts: &Texts, file: FileId, at: usize, to: &str) -
     if to.is_empty() || to.chars().any(|c| c == '"' || c.is_control()) {
         return Err("a name has neither quotes nor line ends".to_owned());
     }
-    let is_word = |text: &str| text.starts_with(|c: char| c.is_alphabetic() || c == '_') && text.chars().all(|c| c.is_alphanumeric() || c == '_');
+    let is_word = |text: &str| {
+        text.starts_with(|c: char| c.is_alphabetic() || c == '_')
+            && text.chars().all(|c| c.is_alphanumeric() || c == '_')
+    };
     let name = match &wanted {
         Meaning::Variable { declared, .. } => declared.1.name.clone(),
         Meaning::Label(label) => label.name.clone(),

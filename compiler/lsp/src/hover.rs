@@ -118,14 +118,20 @@ fn address_text(index: &Index, words: &Words, at: usize, found: &Address) -> Opt
 fn instruction(language: Language, word: &str) -> Option<String> {
     match language {
         Language::Stl => {
-            let insn = StlInsn::ALL.iter().find(|insn| {
-                [stl::Mnemonics::En, stl::Mnemonics::De].iter().any(|set| insn.mnemonic(*set) == word)
-            })?;
+            let insn = StlInsn::ALL
+                .iter()
+                .find(|insn| [stl::Mnemonics::En, stl::Mnemonics::De].iter().any(|set| insn.mnemonic(*set) == word))?;
             let head = code(&format!("{} / {}", insn.mnemonic(stl::Mnemonics::En), insn.mnemonic(stl::Mnemonics::De)));
             let table = format!("`BR CC1 CC0 OV OS OR STA RLO /FC`\n\n`{}`", insn.status());
-            Some(format!("{head}{}\n\nOperand: {}\n\n{table}\n", insn.doc().trim(), stl::operand_phrase(insn.operand())))
+            Some(format!(
+                "{head}{}\n\nOperand: {}\n\n{table}\n",
+                insn.doc().trim(),
+                stl::operand_phrase(insn.operand())
+            ))
         }
-        Language::S7200 => s7200::described(word).map(|(form, doc)| format!("{}{}\n\n{form}\n", code(word), doc.trim())),
+        Language::S7200 => {
+            s7200::described(word).map(|(form, doc)| format!("{}{}\n\n{form}\n", code(word), doc.trim()))
+        }
         Language::Scl | Language::Sd | Language::Graph => None,
     }
 }

@@ -13,7 +13,11 @@ use crate::words::{Words, bare, is_name};
 /// What a word means.
 pub enum Meaning<'c> {
     /// A variable, a component or a parameter; `path` is how the program gets there, from a local or a block on.
-    Variable { declared: Declared<'c>, path: Vec<String>, owner: Option<Entry<'c>> },
+    Variable {
+        declared: Declared<'c>,
+        path: Vec<String>,
+        owner: Option<Entry<'c>>,
+    },
     Block(Entry<'c>),
     /// A block of the library.
     Library(&'c BlockFacts),
@@ -55,7 +59,7 @@ pub fn meaning<'c>(index: &Index<'c>, words: &Words, file: FileId, at: usize) ->
         return Some(Meaning::Block(entry));
     }
     if !is_name(word) {
-        return Some(Meaning::Word(word.to_owned())).filter(|_| words.language(at) == Language::Stl);
+        return Some(Meaning::Word(mnemonic_at(words, at))).filter(|_| words.language(at) == Language::Stl);
     }
     if let Some(entry) = entry {
         let span = Span::new(file, range.clone());
@@ -127,7 +131,8 @@ fn numbered_block<'c>(index: &Index<'c>, words: &Words, at: usize) -> Option<Ent
     }
     let joined = |first: usize| {
         let letters = words.word(first);
-        let is_prefix = ["OB", "FC", "FB", "SFC", "SFB", "DB", "DI", "UDT"].iter().any(|own| own.eq_ignore_ascii_case(letters));
+        let is_prefix =
+            ["OB", "FC", "FB", "SFC", "SFB", "DB", "DI", "UDT"].iter().any(|own| own.eq_ignore_ascii_case(letters));
         is_prefix.then(|| format!("{letters}{}", words.word(first + 1)))
     };
     let text = joined(at).or_else(|| joined(at.checked_sub(1)?)).unwrap_or_else(|| word.to_owned());
@@ -146,8 +151,9 @@ fn mnemonic_at(words: &Words, at: usize) -> String {
     if words.glued(at) && sign(words.word(at - 1)) {
         text.insert_str(0, words.word(at - 1));
     }
-    if words.word(at + 1) == "(" && words.glued(at + 1) {
-        text.push('(');
+    let next = words.word(at + 1);
+    if words.glued(at + 1) && (next == "(" || sign(&text) && matches!(next, "I" | "D" | "R")) {
+        text.push_str(next);
     }
     text
 }
@@ -176,9 +182,8 @@ impl<'c> Callee<'c> {
     pub fn parameters(&self, index: &Index<'c>) -> Vec<(String, &'static str, String)> {
         match self {
             Callee::Source(_) => {
-                let text = |(direction, variable): Declared| {
-                    (variable.name.clone(), direction, index.type_text(&variable.ty))
-                };
+                let text =
+                    |(direction, variable): Declared| (variable.name.clone(), direction, index.type_text(&variable.ty));
                 self.variables(index).into_iter().map(text).collect()
             }
             Callee::Library(facts) => {
@@ -206,7 +211,7 @@ pub fn open_bracket(words: &Words, at: usize) -> Option<usize> {
             "(" if depth == 0 => return Some(before),
             "(" => depth -= 1,
             ";" => return None,
-            word if word.len() > 4 && word[..4.min(word.len())].eq_ignore_ascii_case("END_") => return None,
+            word if word.get(..4).is_some_and(|start| start.eq_ignore_ascii_case("END_")) => return None,
             _ => {}
         }
     }
@@ -217,7 +222,10 @@ pub fn open_bracket(words: &Words, at: usize) -> Option<usize> {
 pub fn callee_around<'c>(index: &Index<'c>, words: &Words, file: FileId, at: usize) -> Option<Callee<'c>> {
     if words.language(at.min(words.pieces.len().saturating_sub(1))) == Language::Stl {
         // `CALL target, instance (`; the list may have no brackets.
-        let call = (0..at.min(words.pieces.len())).rev().take(600).find(|&before| words.word(before).eq_ignore_ascii_case("CALL"))?;
+        let call = (0..at.min(words.pieces.len()))
+            .rev()
+            .take(600)
+            .find(|&before| words.word(before).eq_ignore_ascii_case("CALL"))?;
         let target = if words.word(call + 1) == "#" { call + 2 } else { call + 1 };
         return callee_at(index, words, file, target);
     }

@@ -73,9 +73,30 @@ fn symbol(
 
 /// Words that open what `END_…` closes.
 const OPENING: [&str; 24] = [
-    "ORGANIZATION_BLOCK", "FUNCTION_BLOCK", "FUNCTION", "DATA_BLOCK", "TYPE", "SUBROUTINE_BLOCK", "INTERRUPT_BLOCK", "VAR",
-    "VAR_INPUT", "VAR_OUTPUT", "VAR_IN_OUT", "VAR_TEMP", "STRUCT", "IF", "CASE", "FOR", "WHILE", "REPEAT", "NETWORK",
-    "STEP", "INITIAL_STEP", "TRANSITION", "INTERLOCK", "SUPERVISION",
+    "ORGANIZATION_BLOCK",
+    "FUNCTION_BLOCK",
+    "FUNCTION",
+    "DATA_BLOCK",
+    "TYPE",
+    "SUBROUTINE_BLOCK",
+    "INTERRUPT_BLOCK",
+    "VAR",
+    "VAR_INPUT",
+    "VAR_OUTPUT",
+    "VAR_IN_OUT",
+    "VAR_TEMP",
+    "STRUCT",
+    "IF",
+    "CASE",
+    "FOR",
+    "WHILE",
+    "REPEAT",
+    "NETWORK",
+    "STEP",
+    "INITIAL_STEP",
+    "TRANSITION",
+    "INTERLOCK",
+    "SUPERVISION",
 ];
 
 /// What folds: blocks, sections, statements with an end, and comments of several lines.
@@ -90,7 +111,9 @@ pub fn folding(words: &Words, lines: &Lines) -> Vec<FoldingRange> {
         }
         let upper = word.to_ascii_uppercase();
         if let Some(what) = upper.strip_prefix("END_") {
-            let closes = |own: &str| own == what || what == "VAR" && own.starts_with("VAR_") || what == "STEP" && own == "INITIAL_STEP";
+            let closes = |own: &str| {
+                own == what || what == "VAR" && own.starts_with("VAR_") || what == "STEP" && own == "INITIAL_STEP"
+            };
             if let Some(found) = open.iter().rposition(|(own, _)| closes(own)) {
                 folds.extend(fold(lines, open[found].1, range.start, None));
                 open.truncate(found);
@@ -178,7 +201,11 @@ fn kind(words: &Words, at: usize, mnemonic: bool) -> Option<u32> {
         '0'..='9' => 2,
         _ if word.contains('#') => 2,
         _ if OPENING.contains(&upper.as_str()) || upper.starts_with("END_") => 3,
-        _ if ["BEGIN", "CALL", "THEN", "ELSE", "ELSIF", "OF", "DO", "TO", "BY", "UNTIL", "RUNG", "ARRAY"].contains(&upper.as_str()) => 3,
+        _ if ["BEGIN", "CALL", "THEN", "ELSE", "ELSIF", "OF", "DO", "TO", "BY", "UNTIL", "RUNG", "ARRAY"]
+            .contains(&upper.as_str()) =>
+        {
+            3
+        }
         _ if words.language(at) == Language::S7200 && words.first_on_line(at) => 5,
         _ => return None,
     })

@@ -185,7 +185,8 @@ fn rename<'c>(view: &impl Fn(&Path) -> Option<View<'c>>, place: TextDocumentPosi
     let failed = |why: String| (ErrorCode::RequestFailed, why);
     let view = view(&path_of(&place.text_document.uri)?).ok_or_else(|| failed("the file is not known".to_owned()))?;
     let words = view.words(view.file);
-    let word = words.at(text::byte(view.text(), place.position)).ok_or_else(|| failed("there is no word".to_owned()))?;
+    let word =
+        words.at(text::byte(view.text(), place.position)).ok_or_else(|| failed("there is no word".to_owned()))?;
     let edits = go::rename(&Index::new(view.checked), &view.texts(), view.file, word, to).map_err(failed)?;
     let mut changes: HashMap<Uri, Vec<TextEdit>> = HashMap::new();
     for (span, text) in edits {
@@ -219,7 +220,9 @@ fn actions(view: &View, params: &CodeActionParams) -> Vec<CodeActionOrCommand> {
         if span.file != view.file || !touches(lines.range(span.range())) {
             continue;
         }
-        let Some(text) = fixes::replacement(message, view.text().get(span.range()).unwrap_or_default()) else { continue };
+        let Some(text) = fixes::replacement(message, view.text().get(span.range()).unwrap_or_default()) else {
+            continue;
+        };
         let edit = TextEdit::new(lines.range(span.range()), text.clone());
         actions.push(CodeActionOrCommand::CodeAction(CodeAction {
             title: format!("Write `{text}`"),

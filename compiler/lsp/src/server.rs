@@ -132,7 +132,8 @@ impl Server {
                 }
             }
             "textDocument/didChange" => {
-                if let Ok(DidChangeTextDocumentParams { text_document, content_changes }) = serde_json::from_value(params)
+                if let Ok(DidChangeTextDocumentParams { text_document, content_changes }) =
+                    serde_json::from_value(params)
                     && let Some(path) = text::path(&text_document.uri)
                     && let Some(text) = self.open.get_mut(&path)
                 {
