@@ -56,6 +56,8 @@ pub enum Command {
         #[arg(long)]
         user: bool,
     },
+    /// Serve an editor: the language server protocol over standard input and output.
+    Lsp,
     /// Make a project with a small program and its test.
     New(NewArgs),
     /// Print the script that completes the command line of plcc in a shell.

@@ -1,5 +1,6 @@
 //! From FILE|DIR arguments to the text of files: the first stage of the pipeline, and the only one that reads.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -35,6 +36,8 @@ pub struct Read {
     pub foreign: Vec<(PathBuf, String)>,
     /// Code page of files that are not UTF-8; `None`: found in each.
     pub code_page: Option<CodePage>,
+    /// Texts of files that an editor has open, which go before those on the disk.
+    pub open: BTreeMap<PathBuf, String>,
 }
 
 impl Read {
@@ -84,7 +87,15 @@ pub fn read(paths: &[PathBuf]) -> Read {
 
 /// Like [`read`], with the code page of files that are not UTF-8.
 pub fn read_as(paths: &[PathBuf], code_page: Option<CodePage>) -> Read {
-    let mut read = Read { code_page, ..Read::default() };
+    read_into(Read { code_page, ..Read::default() }, paths)
+}
+
+/// Like [`read`], with the texts of files that an editor has open.
+pub fn read_open(paths: &[PathBuf], open: BTreeMap<PathBuf, String>) -> Read {
+    read_into(Read { open, ..Read::default() }, paths)
+}
+
+fn read_into(mut read: Read, paths: &[PathBuf]) -> Read {
     for path in paths {
         if !path.is_dir() {
             add_file(&mut read, path, Wanted::Yes);
@@ -217,7 +228,7 @@ fn add_file(read: &mut Read, path: &Path, wanted: Wanted) {
     if sheets::is_workbook(path) {
         return add_workbook(read, path, wanted);
     }
-    let text = match read_text_as(path, read.code_page) {
+    let text = match read.open.get(path).map_or_else(|| read_text_as(path, read.code_page), |text| Ok(text.clone())) {
         Ok(text) => text,
         Err(error) => {
             return read.unreadable(path, &error);

@@ -69,6 +69,7 @@ fn dispatch(cli: &Cli) -> u8 {
         Command::Xref(args) => command::xref::xref(args),
         Command::Status(args) => command::status::status(args),
         Command::Fmt(args) => command::fmt::fmt(args),
+        Command::Lsp => command::lsp::lsp(),
         Command::New(args) => command::new::new(args),
         Command::Completions { shell } => command::manual::completions(*shell),
         Command::Man { folder } => command::manual::pages(folder),

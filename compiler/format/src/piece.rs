@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use plcc_syntax::{Language, s7200, scl, stl};
+use plcc_syntax::Language;
 
 /// What a piece of STL begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,12 +63,7 @@ pub fn read(text: &str, parts: Vec<(Range<usize>, Language)>) -> Vec<Part<'_>> {
         .into_iter()
         .map(|(range, language)| {
             let part = &text[range.clone()];
-            let ranges = match language {
-                Language::Stl => stl::pieces(part),
-                Language::Scl | Language::Sd => scl::pieces(part),
-                Language::Graph => plcc_readers::gr7::pieces(part),
-                Language::S7200 => s7200::pieces(part).into_iter().flatten().collect(),
-            };
+            let ranges = plcc_readers::pieces(part, language);
             let ranges = ranges.into_iter().map(|piece| piece.start + range.start..piece.end + range.start);
             Part { language, pieces: pieces(text, range.clone(), ranges) }
         })

@@ -399,7 +399,7 @@ impl<'t> Layout<'_, 't> {
             || piece.is_any(&MODIFIERS) && self.pieces[start].is_any(&SECTIONS)
             || closes(&piece).is_some()
             || is_end_of_block(&piece)
-            || first && piece.text.len() > 6 && piece.text[..6].eq_ignore_ascii_case("REGION")
+            || first && is_region(&piece)
             || self.stack.last() == Some(&Inside::Rung)
             || self.pieces[start].is_any(&["RUNG", "END_RUNG"]) && self.language == Language::Sd
             || self.language == Language::Graph && self.zone == Zone::Code;

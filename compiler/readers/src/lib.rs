@@ -87,6 +87,16 @@ pub fn parts(text: &str, hint: Option<Language>) -> Vec<(Range<usize>, Language)
     parts
 }
 
+/// Bytes of the words, signs, constants and comments of a part in one language, in the order of its text.
+pub fn pieces(part: &str, language: Language) -> Vec<Range<usize>> {
+    match language {
+        Language::Stl => stl::pieces(part),
+        Language::Scl | Language::Sd => scl::pieces(part),
+        Language::Graph => gr7::pieces(part),
+        Language::S7200 => s7200::pieces(part).into_iter().flatten().collect(),
+    }
+}
+
 /// Gives the last part its language, and cuts out what is in another one.
 fn add_parts(text: &str, reading: Reading, parts: &mut Vec<(Range<usize>, Language)>) {
     let (ranges, language) = match reading {

@@ -5,6 +5,7 @@ pub mod check;
 pub mod convert;
 pub mod explain;
 pub mod fmt;
+pub mod lsp;
 pub mod manual;
 pub mod new;
 pub mod password;

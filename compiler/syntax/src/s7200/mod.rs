@@ -54,6 +54,17 @@ pub fn has_operands(word: &str) -> bool {
     mnemonics::any(&word.to_ascii_uppercase(), Mnemonics::En).is_some_and(|insn| !insn.operands().is_empty())
 }
 
+/// How many operands the instruction of a mnemonic has, and what it does.
+pub fn described(word: &str) -> Option<(String, &'static str)> {
+    let insn = mnemonics::any(&word.to_ascii_uppercase(), Mnemonics::En)?;
+    Some((form(insn, Mnemonics::En), insn.doc()))
+}
+
+/// Each mnemonic of a set, and what its instruction does.
+pub fn mnemonics(set: Mnemonics) -> impl Iterator<Item = (String, &'static str)> {
+    mnemonics::all().map(move |insn| (insn.mnemonic(set).into_owned(), insn.doc()))
+}
+
 /// The direct address that `text` is (`VW100`, `E 0.0` without its blank), in either set.
 pub fn parse_address(text: &str) -> Option<ast::Direct> {
     address::parse(&text.trim().to_ascii_uppercase())?.ok()

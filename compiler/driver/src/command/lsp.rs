@@ -1,0 +1,49 @@
+//! `plcc lsp`.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use lsp_server::Connection;
+use plcc_lsp::{Checked, Facts, Host, Open};
+
+use crate::command::exit;
+use crate::pipeline::{self, Settings};
+use crate::{inputs, project, report};
+
+/// Serves an editor over standard input and output.
+pub fn lsp() -> u8 {
+    let (connection, threads) = Connection::stdio();
+    let served = plcc_lsp::serve(&connection, Arc::new(Files));
+    drop(connection);
+    match served.and_then(|()| threads.join().map_err(|error| error.to_string())) {
+        Ok(()) => exit::OK,
+        Err(error) => {
+            report::say(&error);
+            exit::USAGE
+        }
+    }
+}
+
+/// Programs on the disk.
+pub struct Files;
+
+impl Host for Files {
+    /// The folder of the project around a file; a file without one is a program alone.
+    fn root(&self, path: &Path) -> PathBuf {
+        let folder = path.ancestors().skip(1).find(|folder| folder.join(project::FILE_NAME).is_file());
+        folder.unwrap_or(path).to_path_buf()
+    }
+
+    fn check(&self, root: &Path, open: &Open) -> Checked {
+        let read = inputs::read_open(&[root.to_path_buf()], open.clone());
+        let is_project = read.project.is_some();
+        let settings = Settings::default();
+        let require_main = is_project && !settings.is_partial(read.project.as_ref());
+        let settings = Settings { require_main, pragmas: true, ..settings };
+        let parsed = pipeline::parse(read, &settings);
+        let (units, tables) = (parsed.units.clone(), parsed.tables.clone());
+        let bound = pipeline::bind(parsed, &settings);
+        let facts = Facts::of(&bound.program);
+        Checked { sources: bound.sources, units, tables, facts, diagnostics: bound.diagnostics }
+    }
+}

@@ -1,0 +1,344 @@
+//! A session of an editor with the language server, over a connection in memory and the files in tests/lsp.
+
+use std::collections::HashMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use lsp_server::{Connection, Message, Notification, Request, RequestId};
+use plcc_driver::command::lsp::Files;
+use serde_json::{Value, json};
+
+/// A check of the programs of these tests takes less.
+const LONGEST: Duration = Duration::from_secs(60);
+
+struct Editor {
+    connection: Connection,
+    server: Option<std::thread::JoinHandle<Result<(), String>>>,
+    folder: tempfile::TempDir,
+    next: i32,
+    texts: HashMap<String, String>,
+}
+
+impl Editor {
+    /// An editor with a copy of a folder of tests/lsp.
+    fn new(name: &str) -> Editor {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/lsp").join(name);
+        for file in fs::read_dir(source).into_iter().flatten().flatten() {
+            fs::copy(file.path(), folder.path().join(file.file_name())).expect("the folder can be written");
+        }
+        let (server, connection) = Connection::memory();
+        let server = std::thread::spawn(move || plcc_lsp::serve(&server, Arc::new(Files)));
+        let mut editor = Editor { connection, server: Some(server), folder, next: 0, texts: HashMap::new() };
+        let started = editor.ask("initialize", json!({ "capabilities": {} }));
+        assert!(started["capabilities"]["hoverProvider"].as_bool().expect("hover is offered"));
+        editor.tell("initialized", json!({}));
+        editor
+    }
+
+    fn path(&self, file: &str) -> PathBuf {
+        self.folder.path().join(file)
+    }
+
+    fn uri(&self, file: &str) -> String {
+        format!("file://{}", self.path(file).display())
+    }
+
+    fn tell(&self, method: &str, params: Value) {
+        let note = Notification::new(method.to_owned(), params);
+        self.connection.sender.send(Message::Notification(note)).expect("the server runs");
+    }
+
+    fn ask(&mut self, method: &str, params: Value) -> Value {
+        self.ask_or(method, params).unwrap_or_else(|error| panic!("{method}: {error}"))
+    }
+
+    fn ask_or(&mut self, method: &str, params: Value) -> Result<Value, String> {
+        self.next += 1;
+        let id = RequestId::from(self.next);
+        let request = Request::new(id.clone(), method.to_owned(), params);
+        self.connection.sender.send(Message::Request(request)).expect("the server runs");
+        loop {
+            match self.connection.receiver.recv_timeout(LONGEST).expect("the server answers") {
+                Message::Response(response) if response.id == id => {
+                    let response = serde_json::to_value(&response).expect("a response is JSON");
+                    return match response.get("error") {
+                        Some(error) if !error.is_null() => {
+                            Err(error["message"].as_str().unwrap_or_default().to_owned())
+                        }
+                        _ => Ok(response["result"].clone()),
+                    };
+                }
+                _ => {}
+            }
+        }
+    }
+
+    fn open(&mut self, file: &str) {
+        let text = fs::read_to_string(self.path(file)).expect("the file is there");
+        let document = json!({ "uri": self.uri(file), "languageId": "plc", "version": 1, "text": text });
+        self.tell("textDocument/didOpen", json!({ "textDocument": document }));
+        self.texts.insert(file.to_owned(), text);
+    }
+
+    /// Replaces the first `from` in an open file, as typing does.
+    fn edit(&mut self, file: &str, from: &str, to: &str) {
+        let range = self.range(file, from);
+        let changes = json!([{ "range": range, "text": to }]);
+        let document = json!({ "uri": self.uri(file), "version": 2 });
+        self.tell("textDocument/didChange", json!({ "textDocument": document, "contentChanges": changes }));
+        let text = self.texts.get_mut(file).expect("it is open");
+        *text = text.replacen(from, to, 1);
+    }
+
+    fn place(&self, file: &str, byte: usize) -> Value {
+        let text = &self.texts[file][..byte];
+        let line = text.matches('\n').count();
+        json!({ "line": line, "character": text.rsplit('\n').next().unwrap_or_default().encode_utf16().count() })
+    }
+
+    fn range(&self, file: &str, text: &str) -> Value {
+        let start = self.texts[file].find(text).unwrap_or_else(|| panic!("{text} is in {file}"));
+        json!({ "start": self.place(file, start), "end": self.place(file, start + text.len()) })
+    }
+
+    /// Asks about the `|` in a piece of an open file.
+    fn at(&mut self, method: &str, file: &str, piece: &str) -> Value {
+        let params = self.position(file, piece);
+        self.ask(method, params)
+    }
+
+    fn position(&self, file: &str, piece: &str) -> Value {
+        let before = piece.find('|').expect("a bar marks the place");
+        let piece = piece.replace('|', "");
+        let start = self.texts[file].find(&piece).unwrap_or_else(|| panic!("{piece} is in {file}"));
+        json!({
+            "textDocument": { "uri": self.uri(file) },
+            "position": self.place(file, start + before),
+            "context": { "includeDeclaration": true, "triggerKind": 1, "isRetrigger": false },
+        })
+    }
+
+    /// The next messages about a file, as `CODE line`.
+    fn messages(&mut self, file: &str) -> Vec<String> {
+        let uri = self.uri(file);
+        loop {
+            match self.connection.receiver.recv_timeout(LONGEST).expect("the server publishes") {
+                Message::Notification(note) if note.params["uri"] == json!(uri) => {
+                    let messages = note.params["diagnostics"].as_array().expect("a list").clone();
+                    let text = |message: &Value| {
+                        let line = message["range"]["start"]["line"].as_u64().expect("a line");
+                        format!("{} {}", message["code"].as_str().expect("a code"), line + 1)
+                    };
+                    return messages.iter().map(text).collect();
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// The text that each place covers, and its file.
+    fn covered(&mut self, places: &Value) -> Vec<String> {
+        let mut out = Vec::new();
+        for place in places.as_array().expect("a list") {
+            let uri = place["uri"].as_str().expect("a URI");
+            let path = uri.strip_prefix("file://").expect("a file");
+            let name = Path::new(path).file_name().expect("a name").to_string_lossy().into_owned();
+            let text = self.texts.get(&name).cloned().unwrap_or_else(|| fs::read_to_string(path).expect("it is there"));
+            let line = place["range"]["start"]["line"].as_u64().expect("a line") as usize;
+            let column = |end: &str| place["range"][end]["character"].as_u64().expect("a column") as usize;
+            let text: String = text.lines().nth(line).expect("the line").chars().collect::<Vec<_>>()
+                [column("start")..column("end")]
+                .iter()
+                .collect();
+            out.push(format!("{name}:{} {text}", line + 1));
+        }
+        out
+    }
+}
+
+impl Drop for Editor {
+    fn drop(&mut self) {
+        if !std::thread::panicking() {
+            self.ask("shutdown", Value::Null);
+            self.tell("exit", Value::Null);
+            let server = self.server.take().expect("it runs");
+            server.join().expect("it does not panic").expect("the connection is closed in order");
+        }
+    }
+}
+
+fn labels(items: &Value) -> Vec<&str> {
+    items.as_array().expect("a list").iter().filter_map(|item| item["label"].as_str()).collect()
+}
+
+#[test]
+fn messages_follow_the_text() {
+    let mut editor = Editor::new("plant");
+    editor.open("main.stl");
+    assert_eq!(editor.messages("main.stl"), Vec::<String>::new());
+    // What does not parse is reported at once; what does not bind when the program is bound.
+    editor.edit("main.stl", "T     #rest;", "T     #rest )) ;");
+    let syntax = editor.messages("main.stl");
+    assert!(syntax.iter().all(|message| message.ends_with(" 23")) && !syntax.is_empty(), "{syntax:?}");
+    editor.edit("main.stl", "#rest )) ;", "#rost;");
+    let mut names = editor.messages("main.stl");
+    while names.iter().any(|name| syntax.contains(name)) {
+        names = editor.messages("main.stl");
+    }
+    assert_eq!(names.len(), 1, "{names:?}");
+    // The message says what is meant.
+    let uri = editor.uri("main.stl");
+    let range = editor.range("main.stl", "#rost");
+    let params = json!({ "textDocument": { "uri": uri }, "range": range, "context": { "diagnostics": [] } });
+    let actions = editor.ask("textDocument/codeAction", params);
+    assert_eq!(actions[0]["title"], json!("Write `#rest`"), "{actions}");
+    editor.edit("main.stl", "#rost", "#rest");
+    assert_eq!(editor.messages("main.stl"), Vec::<String>::new());
+}
+
+#[test]
+fn words_are_explained() {
+    let mut editor = Editor::new("plant");
+    editor.open("main.stl");
+    editor.open("motor.scl");
+    editor.messages("motor.scl");
+    let mut hover = |file: &str, piece: &str| {
+        editor.at("textDocument/hover", file, piece)["contents"]["value"].as_str().unwrap_or_default().to_owned()
+    };
+    for (file, piece, texts) in [
+        ("main.stl", "L     #le|vel", &["level : INT", "IN of FUNCTION FC 1", "in mm"][..]),
+        ("main.stl", "      |>I", &[">I"]),
+        ("main.stl", "J|C    full", &["JC / SPB", "Operand"]),
+        ("main.stl", "JC    fu|ll", &["jump label"]),
+        ("main.stl", "CALL  F|C 1", &["FUNCTION FC 1", "Level of a tank", "`limit` IN INT"]),
+        ("main.stl", "start := \"St|art\"", &["`I 0.0`", "start button"]),
+        ("main.stl", "level := M|W 10", &["16 bits of M", "\"Level\""]),
+        ("main.stl", "CALL  \"Mo|tor\"", &["FUNCTION_BLOCK Motor", "`running` OUT BOOL"]),
+        ("motor.scl", "speed.se|t :=", &["speed.set : INT", "byte 4.0 of the instance"]),
+    ] {
+        let found = hover(file, piece);
+        for text in texts {
+            assert!(found.contains(text), "{piece}: {text} is not in {found}");
+        }
+    }
+}
+
+#[test]
+fn declarations_and_uses_are_found() {
+    let mut editor = Editor::new("plant");
+    editor.open("main.stl");
+    editor.open("motor.scl");
+    editor.messages("motor.scl");
+    let found = editor.at("textDocument/definition", "main.stl", "CALL  \"Mo|tor\"");
+    assert_eq!(editor.covered(&json!([found])), ["motor.scl:1 \"Motor\""]);
+    let found = editor.at("textDocument/references", "main.stl", "L     #le|vel");
+    assert_eq!(editor.covered(&found), ["main.stl:10 level", "main.stl:19 level", "main.stl:31 level"]);
+    // A bit of a word: the word is one of its uses.
+    let found = editor.at("textDocument/references", "main.stl", "stop  := M |11.3");
+    assert_eq!(editor.covered(&found), ["main.stl:31 MW 10", "main.stl:35 M 11.3"]);
+    let found = editor.at("textDocument/references", "motor.scl", "  st|art : BOOL");
+    assert_eq!(editor.covered(&found), ["main.stl:34 start", "motor.scl:3 start", "motor.scl:16 start"]);
+    let found = editor.at("textDocument/references", "main.stl", "JC    fu|ll");
+    assert_eq!(editor.covered(&found), ["main.stl:22 full", "main.stl:24 full"]);
+}
+
+#[test]
+fn names_change_everywhere() {
+    let mut editor = Editor::new("plant");
+    editor.open("main.stl");
+    editor.open("motor.scl");
+    editor.messages("motor.scl");
+    let mut rename = |piece: &str, to: &str| {
+        let mut params = editor.position("main.stl", piece);
+        params["newName"] = json!(to);
+        let edits = editor.ask_or("textDocument/rename", params)?;
+        let mut texts = Vec::new();
+        for (uri, edits) in edits["changes"].as_object().expect("changes") {
+            let name = uri.rsplit('/').next().unwrap_or_default();
+            texts.extend(edits.as_array().expect("a list").iter().map(|edit| format!("{name} {}", edit["newText"])));
+        }
+        texts.sort();
+        Ok::<_, String>(texts)
+    };
+    assert_eq!(rename("JC    fu|ll", "over"), Ok(vec!["main.stl \"over\"".to_owned(); 2]));
+    assert_eq!(rename("L     #le|vel", "height").map(|edits| edits.len()), Ok(3));
+    let motor = rename("CALL  \"Mo|tor\"", "Pump").expect("it can change");
+    assert!(motor.contains(&"motor.scl \"\\\"Pump\\\"\"".to_owned()), "{motor:?}");
+    assert!(motor.iter().any(|edit| edit.starts_with("symbols.sdf \"Pump  ")), "{motor:?}");
+    assert!(rename("L     #le|vel", "limit").expect_err("it is taken").contains("already"));
+    assert!(rename("level := M|W 10", "x").is_err());
+}
+
+#[test]
+fn words_and_parameters_are_proposed() {
+    let mut editor = Editor::new("plant");
+    editor.open("main.stl");
+    editor.open("motor.scl");
+    editor.messages("motor.scl");
+    let found = editor.at("textDocument/completion", "motor.scl", "  speed.|set :=");
+    assert_eq!(labels(&found), ["set", "real"]);
+    let found = editor.at("textDocument/completion", "main.stl", "      L     #|level");
+    assert_eq!(labels(&found), ["level", "limit", "rest"]);
+    let found = editor.at("textDocument/completion", "main.stl", "      |>I;");
+    assert!(labels(&found).contains(&"JC") && labels(&found).contains(&">=I"));
+    let found = editor.at("textDocument/completion", "main.stl", "level := MW 10,|");
+    assert!(labels(&found).contains(&"limit"), "{found}");
+    let found = editor.at("textDocument/signatureHelp", "main.stl", "limit := 1|00");
+    assert_eq!(found["signatures"][0]["label"], json!("FC 1(level : INT IN, limit : INT IN)"));
+    assert_eq!(found["activeParameter"], json!(1));
+}
+
+#[test]
+fn a_file_has_an_outline_folds_colours_and_a_layout() {
+    let mut editor = Editor::new("plant");
+    editor.open("main.stl");
+    editor.messages("main.stl");
+    let file = json!({ "textDocument": { "uri": editor.uri("main.stl") } });
+    let symbols = editor.ask("textDocument/documentSymbol", file.clone());
+    let names: Vec<&str> = symbols.as_array().expect("a list").iter().filter_map(|one| one["name"].as_str()).collect();
+    assert_eq!(names, ["DB 10", "FC 1", "OB 1"]);
+    let inner: Vec<&str> =
+        symbols[1]["children"].as_array().expect("a list").iter().filter_map(|one| one["name"].as_str()).collect();
+    assert_eq!(inner, ["level", "limit", "rest", "Network 1"]);
+    let folds = editor.ask("textDocument/foldingRange", file.clone());
+    assert!(
+        folds.as_array().expect("a list").iter().any(|fold| fold["startLine"] == 8 && fold["endLine"] == 11),
+        "{folds}"
+    );
+    let colours = editor.ask("textDocument/semanticTokens/full", file.clone());
+    let data = colours["data"].as_array().expect("a list");
+    assert!(data.len() > 100 && data.len() % 5 == 0);
+    let mut format = file;
+    format["options"] = json!({ "tabSize": 2, "insertSpaces": true });
+    assert_eq!(editor.ask("textDocument/formatting", format.clone()), json!([]));
+    editor.edit("main.stl", "      JC    full;", " JC full;");
+    let edits = editor.ask("textDocument/formatting", format);
+    assert!(edits[0]["newText"].as_str().expect("a text").contains("\n      JC    full;\n"));
+}
+
+#[test]
+fn nonsense_does_not_end_the_server() {
+    let mut editor = Editor::new("plant");
+    assert!(editor.ask_or("textDocument/nothing", json!({})).is_err());
+    assert!(editor.ask_or("textDocument/hover", json!({ "x": 1 })).is_err());
+    editor.tell("textDocument/didChange", json!({ "textDocument": 3 }));
+    let nowhere =
+        json!({ "textDocument": { "uri": "file:///no/such.stl" }, "position": { "line": 9, "character": 9 } });
+    assert_eq!(editor.ask("textDocument/hover", nowhere), Value::Null);
+    let web = json!({ "textDocument": { "uri": "https://example.com/a" }, "position": { "line": 0, "character": 0 } });
+    assert!(editor.ask_or("textDocument/hover", web).is_err());
+    // Every place of a file has an answer, also while it is broken.
+    editor.open("main.stl");
+    editor.edit("main.stl", "BEGIN", "\"é😀 ( [ #");
+    for line in 0..40 {
+        for character in [0, 5, 7, 13, 400] {
+            let place = json!({ "textDocument": { "uri": editor.uri("main.stl") }, "position": { "line": line, "character": character }, "context": { "includeDeclaration": true, "triggerKind": 1, "isRetrigger": false } });
+            for method in ["hover", "definition", "references", "completion", "signatureHelp", "documentHighlight"] {
+                editor.ask(&format!("textDocument/{method}"), place.clone());
+            }
+        }
+    }
+}

@@ -1,0 +1,191 @@
+//! What can be written at a place, and the parameters of the call around it.
+
+use lsp_types::{
+    CompletionItem, CompletionItemKind, ParameterInformation, ParameterLabel, SignatureHelp, SignatureInformation,
+};
+use plcc_diag::FileId;
+use plcc_syntax::stl::{Mnemonics, StlInsn};
+use plcc_syntax::{Language, s7200};
+
+use crate::facts::same;
+use crate::index::{Declared, Index};
+use crate::names::{Meaning, along, callee_around, open_bracket};
+use crate::words::{Words, bare, is_name};
+
+/// Words of SCL that begin or join statements.
+const SCL: [&str; 28] = [
+    "IF",
+    "THEN",
+    "ELSIF",
+    "ELSE",
+    "END_IF",
+    "CASE",
+    "OF",
+    "END_CASE",
+    "FOR",
+    "TO",
+    "BY",
+    "DO",
+    "END_FOR",
+    "WHILE",
+    "END_WHILE",
+    "REPEAT",
+    "UNTIL",
+    "END_REPEAT",
+    "EXIT",
+    "CONTINUE",
+    "RETURN",
+    "REGION",
+    "END_REGION",
+    "AND",
+    "OR",
+    "XOR",
+    "NOT",
+    "MOD",
+];
+
+/// The items at a byte.
+pub fn complete(index: &Index, words: &Words, file: FileId, byte: usize, set: Mnemonics) -> Vec<CompletionItem> {
+    let next = words.before(byte);
+    // The word that is being written.
+    let writing = next.checked_sub(1).filter(|&at| words.range(at).end >= byte && is_name(words.word(at)));
+    let first = writing.unwrap_or(next);
+    let before = first.checked_sub(1).map_or("", |at| words.word(at));
+    let written = writing.map_or("", |at| words.word(at));
+    let entry = index.around(file, byte);
+    let variables = |all: Vec<Declared>| all.into_iter().map(|one| variable(index, one)).collect::<Vec<_>>();
+    if before == "." {
+        return variables(members_before(index, words, file, first - 1));
+    }
+    if before == "#" || written.starts_with('#') || words.word(first) == "#" && words.range(first).end == byte {
+        return variables(entry.map_or(Vec::new(), |entry| entry.variables()));
+    }
+    if written.starts_with('"') || text_before(words, byte).ends_with('"') {
+        return globals(index);
+    }
+    let language = words.language(first.min(words.pieces.len().saturating_sub(1)));
+    let mut items = Vec::new();
+    if matches!(before, "(" | ",") || language == Language::Stl && before == "(" {
+        items.extend(parameters(index, words, file, first));
+    }
+    let begins = first >= words.pieces.len()
+        || words.first_on_line(first)
+        || before == ":"
+        || text_before(words, byte).trim().is_empty();
+    match language {
+        Language::Stl if begins => items.extend(StlInsn::ALL.iter().map(|insn| CompletionItem {
+            label: insn.mnemonic(set).to_owned(),
+            kind: Some(CompletionItemKind::OPERATOR),
+            detail: Some(insn.doc().trim().to_owned()),
+            ..CompletionItem::default()
+        })),
+        Language::Stl => {
+            let labels = entry.into_iter().flat_map(|entry| entry.labels());
+            items.extend(labels.map(|label| item(&label.name, CompletionItemKind::REFERENCE, "jump label")));
+        }
+        Language::S7200 => {
+            items.extend(s7200::mnemonics(set).map(|(name, doc)| item(&name, CompletionItemKind::OPERATOR, doc.trim())))
+        }
+        Language::Scl => {
+            items.extend(SCL.iter().map(|word| item(word, CompletionItemKind::KEYWORD, "")));
+            items.extend(variables(entry.map_or(Vec::new(), |entry| entry.variables())));
+        }
+        Language::Sd | Language::Graph => {}
+    }
+    items
+}
+
+/// The text of the line up to a byte.
+fn text_before<'t>(words: &Words<'t>, byte: usize) -> &'t str {
+    let text = words.text.get(..byte).unwrap_or_default();
+    text.rsplit('\n').next().unwrap_or_default()
+}
+
+fn item(label: &str, kind: CompletionItemKind, detail: &str) -> CompletionItem {
+    let detail = Some(detail.to_owned()).filter(|detail| !detail.is_empty());
+    CompletionItem { label: label.to_owned(), kind: Some(kind), detail, ..CompletionItem::default() }
+}
+
+fn variable(index: &Index, (direction, variable): Declared) -> CompletionItem {
+    let detail = format!("{} {direction}", index.type_text(&variable.ty));
+    CompletionItem {
+        documentation: variable.comment.clone().map(lsp_types::Documentation::String),
+        ..item(&variable.name, CompletionItemKind::FIELD, detail.trim())
+    }
+}
+
+/// Blocks and symbols.
+fn globals(index: &Index) -> Vec<CompletionItem> {
+    let block = |entry: &crate::index::Entry| item(&entry.text(), CompletionItemKind::MODULE, entry.keyword());
+    let mut items: Vec<CompletionItem> = index.blocks.iter().map(block).collect();
+    for symbol in index.checked.tables.iter().flat_map(|table| &table.symbols) {
+        let detail = format!("{} {} {}", crate::hover::target_text(symbol.target), symbol.ty, symbol.comment);
+        items.push(item(&symbol.name, CompletionItemKind::VARIABLE, detail.trim()));
+    }
+    items
+}
+
+/// What can follow the point at a piece.
+fn members_before<'c>(index: &Index<'c>, words: &Words, file: FileId, point: usize) -> Vec<Declared<'c>> {
+    let Some(mut owner) = point.checked_sub(1) else { return Vec::new() };
+    if words.word(owner) == "]" {
+        owner = (0..owner).rev().find(|&at| words.word(at) == "[").unwrap_or(0).saturating_sub(1);
+    }
+    let (first, names) = words.path(owner);
+    let entry = index.around(file, words.range(owner).start);
+    match along(index, entry, &names, words.word(first).starts_with('#')) {
+        Some(Meaning::Variable { declared, .. }) => index.members(&declared.1.ty),
+        Some(Meaning::Block(entry)) => index.inside(entry),
+        _ => Vec::new(),
+    }
+}
+
+/// `name := ` for each parameter that the call does not have yet.
+fn parameters(index: &Index, words: &Words, file: FileId, at: usize) -> Vec<CompletionItem> {
+    let Some(callee) = callee_around(index, words, file, at) else { return Vec::new() };
+    let open = open_bracket(words, at).unwrap_or(at);
+    let given: Vec<&str> =
+        (open..at).filter(|&at| matches!(words.word(at + 1), ":=" | "=>")).map(|at| bare(words.word(at))).collect();
+    let stl = words.language(open.min(words.pieces.len().saturating_sub(1))) == Language::Stl;
+    let row = |(name, direction, ty): (String, &'static str, String)| {
+        let sign = if direction == "OUT" && !stl { "=>" } else { ":=" };
+        CompletionItem {
+            insert_text: Some(format!("{name} {sign} ")),
+            sort_text: Some(format!(" {name}")),
+            ..item(&name, CompletionItemKind::FIELD, &format!("{ty} {direction}"))
+        }
+    };
+    callee
+        .parameters(index)
+        .into_iter()
+        .filter(|(name, ..)| !given.iter().any(|own| same(own, name)))
+        .map(row)
+        .collect()
+}
+
+/// The parameters of the call around a byte.
+pub fn signature(index: &Index, words: &Words, file: FileId, byte: usize) -> Option<SignatureHelp> {
+    let at = words.before(byte);
+    let open = open_bracket(words, at)?;
+    let callee = callee_around(index, words, file, open + 1)?;
+    let rows = callee.parameters(index);
+    let texts: Vec<String> = rows.iter().map(|(name, direction, ty)| format!("{name} : {ty} {direction}")).collect();
+    let named = (open..at).rev().find(|&at| matches!(words.word(at + 1), ":=" | "=>")).map(|at| bare(words.word(at)));
+    let after_comma = at.checked_sub(1).is_some_and(|before| words.word(before) == ",");
+    let active = match named {
+        Some(name) if !after_comma => rows.iter().position(|(own, ..)| same(own, name)),
+        _ => Some((open..at).filter(|&at| words.word(at) == ",").count()),
+    };
+    let information =
+        |label: &String| ParameterInformation { label: ParameterLabel::Simple(label.clone()), documentation: None };
+    Some(SignatureHelp {
+        signatures: vec![SignatureInformation {
+            label: format!("{}({})", callee.name(), texts.join(", ")),
+            documentation: None,
+            parameters: Some(texts.iter().map(information).collect()),
+            active_parameter: None,
+        }],
+        active_signature: Some(0),
+        active_parameter: active.map(|active| active as u32),
+    })
+}

@@ -1,0 +1,136 @@
+//! What binding found out and an editor shows: types and addresses.
+
+use plcc_model::layout;
+use plcc_model::types::{DataType, Member};
+use plcc_model::{Direction, Program};
+
+/// Blocks and data with their addresses.
+#[derive(Clone, Debug, Default)]
+pub struct Facts {
+    pub blocks: Vec<BlockFacts>,
+    pub data: Vec<DataFacts>,
+}
+
+/// The interface of a block.
+#[derive(Clone, Debug)]
+pub struct BlockFacts {
+    /// Empty if it has none.
+    pub name: String,
+    /// `FB 10`
+    pub key: String,
+    pub parameters: Vec<ParameterFacts>,
+    /// Of an FB: where its variables are in the instance.
+    pub instance: Vec<Value>,
+}
+
+/// A parameter of a block.
+#[derive(Clone, Debug)]
+pub struct ParameterFacts {
+    pub name: String,
+    pub direction: &'static str,
+    pub ty: String,
+}
+
+/// A data block.
+#[derive(Clone, Debug)]
+pub struct DataFacts {
+    pub name: String,
+    pub number: u16,
+    pub members: Vec<Value>,
+}
+
+/// A value with its place, seen from the start of what contains it.
+#[derive(Clone, Debug)]
+pub struct Value {
+    pub name: String,
+    pub ty: String,
+    pub byte: u32,
+    pub bit: u8,
+    pub bits: u32,
+    pub members: Vec<Value>,
+}
+
+/// Structures inside structures are shown up to this depth.
+const DEPTH_MAX: usize = 8;
+
+impl Facts {
+    pub fn of(program: &Program) -> Facts {
+        let blocks = program.blocks.iter().map(|block| BlockFacts {
+            name: block.name.clone(),
+            key: block.key().to_string(),
+            parameters: block
+                .interface
+                .parameters
+                .iter()
+                .map(|parameter| ParameterFacts {
+                    name: parameter.name.clone(),
+                    direction: match parameter.direction {
+                        Direction::Input => "IN",
+                        Direction::Output => "OUT",
+                        Direction::InOut => "IN_OUT",
+                    },
+                    ty: layout::type_name(&parameter.ty),
+                })
+                .collect(),
+            instance: values(&block.interface.instance, DEPTH_MAX),
+        });
+        let data = program.dbs.iter().map(|db| DataFacts {
+            name: db.name.clone(),
+            number: db.number,
+            members: values(&db.members, DEPTH_MAX),
+        });
+        Facts { blocks: blocks.collect(), data: data.collect() }
+    }
+
+    /// The block that is called `name`, or has the key `FC 1`.
+    pub fn block(&self, name: &str) -> Option<&BlockFacts> {
+        self.blocks.iter().find(|block| same(&block.name, name) || block.key == name)
+    }
+
+    /// The data block that is called `name` or `DB1`.
+    pub fn db(&self, name: &str) -> Option<&DataFacts> {
+        let number = name.strip_prefix("DB").and_then(|number| number.trim().parse().ok());
+        self.data.iter().find(|db| same(&db.name, name) || Some(db.number) == number)
+    }
+}
+
+/// Whether two names are one: letter case does not count.
+pub fn same(one: &str, other: &str) -> bool {
+    !one.is_empty() && (one == other || one.to_lowercase() == other.to_lowercase())
+}
+
+fn values(members: &[Member], depth: usize) -> Vec<Value> {
+    let value = |member: &Member| Value {
+        name: member.name.clone(),
+        ty: layout::type_name(&member.ty),
+        byte: member.byte,
+        bit: member.bit,
+        bits: layout::used_bits(&member.ty),
+        members: match &member.ty {
+            DataType::Struct(of) if depth > 0 => values(&of.members, depth - 1),
+            _ => Vec::new(),
+        },
+    };
+    members.iter().map(value).collect()
+}
+
+/// The value at the end of a path of names, with its byte in what contains all.
+pub fn find<'v>(values: &'v [Value], path: &[&str]) -> Option<(&'v Value, u32)> {
+    let (first, rest) = path.split_first()?;
+    let value = values.iter().find(|value| same(&value.name, first))?;
+    match rest {
+        [] => Some((value, value.byte)),
+        rest => find(&value.members, rest).map(|(inner, byte)| (inner, byte + value.byte)),
+    }
+}
+
+/// `DB10.DBW4`, for a value of so many bits.
+pub fn db_address(db: u16, byte: u32, value: &Value) -> String {
+    match value.bits {
+        1 => format!("DB{db}.DBX{byte}.{}", value.bit),
+        8 => format!("DB{db}.DBB{byte}"),
+        16 => format!("DB{db}.DBW{byte}"),
+        32 => format!("DB{db}.DBD{byte}"),
+        bits => format!("P#DB{db}.DBX{byte}.0 BYTE {}", bits.div_ceil(8)),
+    }
+}

@@ -1,0 +1,171 @@
+//! From a word to its declaration, to all its uses, and to another name.
+
+use plcc_diag::{FileId, Span};
+use plcc_syntax::symbols::SymbolTarget;
+
+use crate::address;
+use crate::facts::same;
+use crate::hover::target_text;
+use crate::index::Index;
+use crate::names::{Meaning, meaning};
+use crate::words::{Words, bare};
+
+/// A text of each file of the program, which editors show.
+pub type Texts<'t> = Vec<(FileId, Words<'t>)>;
+
+/// Every place that means the same, the declaration included. Absolute addresses: every one that has a bit in common, and symbols
+/// of such addresses.
+pub fn references(index: &Index, texts: &Texts, file: FileId, at: usize) -> Vec<Span> {
+    let Some((_, words)) = texts.iter().find(|(own, _)| *own == file) else { return Vec::new() };
+    let Some(wanted) = meaning(index, words, file, at) else { return Vec::new() };
+    let address = match &wanted {
+        Meaning::Address(address) => Some(address.clone()),
+        Meaning::Symbol(symbol) => match symbol.target {
+            SymbolTarget::Memory { .. } | SymbolTarget::Cell { .. } => {
+                address::plain(&target_text(symbol.target).replace(' ', ""))
+            }
+            SymbolTarget::Block { .. } => None,
+        },
+        Meaning::Variable { .. } | Meaning::Block(_) | Meaning::Library(_) | Meaning::Label(_) | Meaning::Word(_) => {
+            None
+        }
+    };
+    let mut found = match address {
+        Some(address) => overlapping(index, texts, &address),
+        None => same_definition(index, texts, &wanted, bare(words.word(at))),
+    };
+    found.sort_by_key(|span| (span.file, span.start));
+    found.dedup();
+    found
+}
+
+/// The places whose word is declared where this one is.
+fn same_definition(index: &Index, texts: &Texts, wanted: &Meaning, name: &str) -> Vec<Span> {
+    let Some(definition) = wanted.definition() else { return Vec::new() };
+    let mut found = Vec::new();
+    for (file, words) in texts {
+        for at in 0..words.pieces.len() {
+            let word = words.word(at);
+            let may_be = same(bare(word), name) || matches!(wanted, Meaning::Block(_)) && word.len() <= 8;
+            if may_be
+                && let Some(other) = meaning(index, words, *file, at)
+                && other.definition() == Some(definition)
+            {
+                found.push(Span::new(*file, words.range(at)));
+            }
+        }
+    }
+    found
+}
+
+/// The places of addresses that overlap, and of their symbols.
+fn overlapping(index: &Index, texts: &Texts, wanted: &address::Address) -> Vec<Span> {
+    let symbols: Vec<&str> = index
+        .checked
+        .tables
+        .iter()
+        .flat_map(|table| &table.symbols)
+        .filter(|symbol| {
+            let own = target_text(symbol.target).replace(' ', "");
+            address::plain(&own).is_some_and(|own| own.overlaps(wanted))
+        })
+        .map(|symbol| symbol.name.as_str())
+        .collect();
+    let mut found = Vec::new();
+    for (file, words) in texts {
+        let mut at = 0;
+        while at < words.pieces.len() {
+            if let Some(address) = address::at(words, at) {
+                if address.overlaps(wanted) {
+                    let end = words.range(at + address.pieces - 1).end;
+                    found.push(Span::new(*file, words.range(at).start..end));
+                }
+                at += address.pieces;
+                continue;
+            }
+            let word = words.word(at);
+            if word.starts_with('"') && symbols.iter().any(|symbol| same(symbol, bare(word))) {
+                found.push(Span::new(*file, words.range(at)));
+            }
+            at += 1;
+        }
+    }
+    found
+}
+
+/// The edits that give a word another name. `Err`: why it cannot have it.
+pub fn rename(index: &Index, texts: &Texts, file: FileId, at: usize, to: &str) -> Result<Vec<(Span, String)>, String> {
+    let (_, words) = texts.iter().find(|(own, _)| *own == file).ok_or("the file is not part of a program")?;
+    let wanted = meaning(index, words, file, at).ok_or("this has no name")?;
+    let to = bare(to.trim());
+    if to.is_empty() || to.chars().any(|c| c == '"' || c.is_control()) {
+        return Err("a name has neither quotes nor line ends".to_owned());
+    }
+    let is_word = |text: &str| {
+        text.starts_with(|c: char| c.is_alphabetic() || c == '_')
+            && text.chars().all(|c| c.is_alphanumeric() || c == '_')
+    };
+    let name = match &wanted {
+        Meaning::Variable { declared, .. } => declared.1.name.clone(),
+        Meaning::Label(label) => label.name.clone(),
+        Meaning::Symbol(symbol) => symbol.name.clone(),
+        Meaning::Block(entry) => match entry.name() {
+            plcc_syntax::ast::BlockName::Symbol { name, .. } => name.clone(),
+            plcc_syntax::ast::BlockName::Numbered { .. } => return Err("a block number is not a name".to_owned()),
+        },
+        Meaning::Library(_) | Meaning::Address(_) | Meaning::Word(_) => {
+            return Err("only names of blocks, variables, labels and symbols can change".to_owned());
+        }
+    };
+    if matches!(wanted, Meaning::Label(_)) && !is_word(to) {
+        return Err("a label is a word".to_owned());
+    }
+    if taken(index, &wanted, to) && !same(&name, to) {
+        return Err(format!("`{to}` is already the name of something else"));
+    }
+    let mut edits = Vec::new();
+    for span in same_definition(index, texts, &wanted, &name) {
+        let word = index_text(texts, span);
+        let hash = if word.starts_with('#') { "#" } else { "" };
+        let quoted = word.trim_start_matches('#').starts_with('"') || !is_word(to);
+        edits.push((span, if quoted { format!("{hash}\"{to}\"") } else { format!("{hash}{to}") }));
+    }
+    if let Some(symbol) = index.symbol(&name)
+        && matches!(wanted, Meaning::Symbol(_) | Meaning::Block(_))
+    {
+        edits.push(row_edit(index, symbol.span, &name, to)?);
+    }
+    Ok(edits)
+}
+
+fn index_text<'t>(texts: &Texts<'t>, span: Span) -> &'t str {
+    let words = texts.iter().find(|(file, _)| *file == span.file).map(|(_, words)| words.text);
+    words.and_then(|text| text.get(span.range())).unwrap_or_default()
+}
+
+/// Whether something else has a name where `wanted` is known.
+fn taken(index: &Index, wanted: &Meaning, to: &str) -> bool {
+    match wanted {
+        Meaning::Variable { owner: Some(owner), .. } => owner.variables().iter().any(|(_, own)| same(&own.name, to)),
+        Meaning::Label(label) => index
+            .around(label.span.file, label.span.start as usize)
+            .is_some_and(|entry| entry.labels().any(|own| own.name == to)),
+        Meaning::Variable { .. } => false,
+        _ => index.block(to).is_some() || index.symbol(to).is_some(),
+    }
+}
+
+/// The edit of a row of a symbol table: columns stay where they are, if the name has room.
+fn row_edit(index: &Index, row: Span, name: &str, to: &str) -> Result<(Span, String), String> {
+    let text = index.checked.sources.text(row);
+    let start = text.find(name).ok_or("the symbol table writes the name in another way")?;
+    let blanks = text[start + name.len()..].chars().take_while(|c| *c == ' ').count();
+    let room = name.chars().count() + blanks;
+    let length = to.chars().count();
+    if blanks > 0 && length > room {
+        return Err("the column of the symbol table is too narrow for this name".to_owned());
+    }
+    let padded = if blanks > 0 { format!("{to}{}", " ".repeat(room - length)) } else { to.to_owned() };
+    let first = row.start as usize + start;
+    Ok((Span::new(row.file, first..first + name.len() + blanks), padded))
+}

@@ -1,0 +1,137 @@
+//! What an editor shows about the word under the pointer.
+
+use plcc_diag::FileId;
+use plcc_syntax::stl::{self, StlInsn};
+use plcc_syntax::symbols::{Symbol, SymbolTarget};
+use plcc_syntax::{Language, s7200};
+
+use crate::address::{self, Address};
+use crate::facts;
+use crate::index::{Entry, Index};
+use crate::names::{Callee, Meaning, meaning};
+use crate::words::Words;
+
+/// Markdown about a piece.
+pub fn hover(index: &Index, words: &Words, file: FileId, at: usize) -> Option<String> {
+    match meaning(index, words, file, at)? {
+        Meaning::Variable { declared: (direction, variable), path, owner } => {
+            let mut text = code(&format!("{} : {}", path.join("."), index.type_text(&variable.ty)));
+            let inside = owner.map(|owner| format!(" of {} {}", owner.keyword(), owner.text())).unwrap_or_default();
+            if !direction.is_empty() {
+                text.push_str(&format!("{direction}{inside}\n"));
+            }
+            if let Some(place) = owner.and_then(|owner| place(index, owner, &path)) {
+                text.push_str(&format!("\n{place}\n"));
+            }
+            if let Some(comment) = &variable.comment {
+                text.push_str(&format!("\n{comment}\n"));
+            }
+            Some(text)
+        }
+        Meaning::Block(entry) => Some(block(index, entry)),
+        Meaning::Library(found) => {
+            let callee = Callee::Library(found);
+            Some(format!("{}{}\n", code(&callee.name()), parameters(index, &callee)))
+        }
+        Meaning::Symbol(symbol) => Some(symbol_text(symbol)),
+        Meaning::Label(label) => Some(format!("{}jump label\n", code(&label.name))),
+        Meaning::Address(found) => address_text(index, words, at, &found),
+        Meaning::Word(word) => instruction(words.language(at), &word),
+    }
+}
+
+fn code(text: &str) -> String {
+    format!("```plc\n{text}\n```\n")
+}
+
+fn block(index: &Index, entry: Entry) -> String {
+    let mut text = code(&format!("{} {}", entry.keyword(), entry.text()));
+    if let Some(title) = entry.title() {
+        text.push_str(&format!("{title}\n\n"));
+    }
+    text + &parameters(index, &Callee::Source(entry))
+}
+
+fn parameters(index: &Index, callee: &Callee) -> String {
+    let rows = callee.parameters(index);
+    let row = |(name, direction, ty): &(String, &str, String)| format!("- `{name}` {direction} {ty}\n");
+    rows.iter().map(row).collect()
+}
+
+/// The address of a value, as far as it has one.
+fn place(index: &Index, owner: Entry, path: &[String]) -> Option<String> {
+    let names: Vec<&str> = path.iter().map(String::as_str).collect();
+    let facts = &index.checked.facts;
+    let key = owner.text();
+    if owner.keyword() == "DATA_BLOCK" {
+        let db = facts.db(&key.replace(' ', "")).or_else(|| facts.db(&key))?;
+        let inner = facts::find(&db.members, &names).or_else(|| facts::find(&db.members, names.get(1..)?))?;
+        return Some(format!("`{}`", facts::db_address(db.number, inner.1, inner.0)));
+    }
+    let block = facts.block(&key)?;
+    let (value, byte) = facts::find(&block.instance, &names)?;
+    Some(format!("byte {byte}.{} of the instance", value.bit))
+}
+
+/// The address of a symbol in international letters.
+pub fn target_text(target: SymbolTarget) -> String {
+    use plcc_syntax::ast::{CellKind, Width};
+    match target {
+        SymbolTarget::Memory { area, width, byte, bit } => {
+            let area = format!("{area:?}").to_ascii_uppercase();
+            match width {
+                Width::Bit => format!("{area} {byte}.{bit}"),
+                Width::Byte => format!("{area}B {byte}"),
+                Width::Word => format!("{area}W {byte}"),
+                Width::Dword => format!("{area}D {byte}"),
+                Width::Lword => format!("{area}L {byte}"),
+            }
+        }
+        SymbolTarget::Cell { kind: CellKind::Timer, number } => format!("T {number}"),
+        SymbolTarget::Cell { kind: CellKind::Counter, number } => format!("C {number}"),
+        SymbolTarget::Block { prefix, number } => format!("{} {number}", prefix.letters()),
+    }
+}
+
+fn symbol_text(symbol: &Symbol) -> String {
+    let ty = if symbol.ty.is_empty() { String::new() } else { format!(" : {}", symbol.ty) };
+    let text = code(&format!("\"{}\"{ty}", symbol.name));
+    format!("{text}`{}`\n\n{}\n", target_text(symbol.target), symbol.comment)
+}
+
+fn address_text(index: &Index, words: &Words, at: usize, found: &Address) -> Option<String> {
+    let mut text = String::new();
+    for symbol in index.checked.tables.iter().flat_map(|table| &table.symbols) {
+        let own = target_text(symbol.target).replace(' ', "");
+        if address::plain(&own).is_some_and(|own| own.overlaps(found)) {
+            text.push_str(&format!("- `\"{}\"` {own} {} {}\n", symbol.name, symbol.ty, symbol.comment));
+        }
+    }
+    let bits = match found.bits {
+        1 => "one bit".to_owned(),
+        bits => format!("{bits} bits"),
+    };
+    Some(format!("{}{bits} of {}\n\n{text}", code(words.word(at)), found.area))
+}
+
+/// What the table says about a mnemonic.
+fn instruction(language: Language, word: &str) -> Option<String> {
+    match language {
+        Language::Stl => {
+            let insn = StlInsn::ALL
+                .iter()
+                .find(|insn| [stl::Mnemonics::En, stl::Mnemonics::De].iter().any(|set| insn.mnemonic(*set) == word))?;
+            let head = code(&format!("{} / {}", insn.mnemonic(stl::Mnemonics::En), insn.mnemonic(stl::Mnemonics::De)));
+            let table = format!("`BR CC1 CC0 OV OS OR STA RLO /FC`\n\n`{}`", insn.status());
+            Some(format!(
+                "{head}{}\n\nOperand: {}\n\n{table}\n",
+                insn.doc().trim(),
+                stl::operand_phrase(insn.operand())
+            ))
+        }
+        Language::S7200 => {
+            s7200::described(word).map(|(form, doc)| format!("{}{}\n\n{form}\n", code(word), doc.trim()))
+        }
+        Language::Scl | Language::Sd | Language::Graph => None,
+    }
+}

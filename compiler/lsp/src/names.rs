@@ -1,0 +1,284 @@
+//! What a word means where it stands.
+
+use plcc_diag::{FileId, Span};
+use plcc_syntax::Language;
+use plcc_syntax::ast::Label;
+use plcc_syntax::symbols::{Symbol, SymbolTarget};
+
+use crate::address::{self, Address};
+use crate::facts::{BlockFacts, same};
+use crate::index::{Declared, Entry, Index};
+use crate::words::{Words, bare, is_name};
+
+/// What a word means.
+pub enum Meaning<'c> {
+    /// A variable, a component or a parameter; `path` is how the program gets there, from a local or a block on.
+    Variable {
+        declared: Declared<'c>,
+        path: Vec<String>,
+        owner: Option<Entry<'c>>,
+    },
+    Block(Entry<'c>),
+    /// A block of the library.
+    Library(&'c BlockFacts),
+    Symbol(&'c Symbol),
+    Label(&'c Label),
+    Address(Address),
+    /// A mnemonic or another word of the language.
+    Word(String),
+}
+
+impl Meaning<'_> {
+    /// Where it is declared.
+    pub fn definition(&self) -> Option<Span> {
+        match self {
+            Meaning::Variable { declared, .. } => Some(declared.1.name_span),
+            Meaning::Block(entry) => Some(entry.name().span()),
+            Meaning::Symbol(symbol) => Some(symbol.span),
+            Meaning::Label(label) => Some(label.span),
+            Meaning::Library(_) | Meaning::Address(_) | Meaning::Word(_) => None,
+        }
+    }
+}
+
+/// The meaning of a piece of a file.
+pub fn meaning<'c>(index: &Index<'c>, words: &Words, file: FileId, at: usize) -> Option<Meaning<'c>> {
+    let word = words.word(at);
+    let range = words.range(at);
+    let entry = index.around(file, range.start);
+    let named = bare(word);
+    if let Some(label) = entry.and_then(|entry| entry.labels().find(|label| label.name == word))
+        && (label.span.range() == range || is_jump_target(words, at))
+    {
+        return Some(Meaning::Label(label));
+    }
+    if let Some(address) = address_at(words, at) {
+        return Some(Meaning::Address(address));
+    }
+    if let Some(entry) = numbered_block(index, words, at) {
+        return Some(Meaning::Block(entry));
+    }
+    if !is_name(word) {
+        return Some(Meaning::Word(mnemonic_at(words, at))).filter(|_| words.language(at) == Language::Stl);
+    }
+    if let Some(entry) = entry {
+        let span = Span::new(file, range.clone());
+        if entry.name().span().range() == range {
+            return Some(Meaning::Block(entry));
+        }
+        if let Some(declared) = index.declared_at(entry, span) {
+            return Some(Meaning::Variable { declared, path: vec![declared.1.name.clone()], owner: Some(entry) });
+        }
+    }
+    if matches!(words.word(at + 1), ":=" | "=>")
+        && let Some(callee) = callee_around(index, words, file, at)
+        && let Some(declared) = callee.variables(index).into_iter().find(|(_, one)| same(&one.name, named))
+    {
+        return Some(Meaning::Variable { declared, path: vec![named.to_owned()], owner: callee.entry() });
+    }
+    let (first, names) = words.path(at);
+    let local = word.starts_with('#') || first > 0 && words.word(first) == "#";
+    if let Some(found) = along(index, entry, &names, local || words.word(first).starts_with('#')) {
+        return Some(found);
+    }
+    let mnemonic = !word.starts_with(['#', '"']) && names.len() == 1 && !local;
+    mnemonic.then(|| Meaning::Word(mnemonic_at(words, at)))
+}
+
+/// The meaning of a path of names that begins in a block.
+pub fn along<'c>(index: &Index<'c>, entry: Option<Entry<'c>>, names: &[&str], local: bool) -> Option<Meaning<'c>> {
+    let (root, rest) = names.split_first()?;
+    let own = entry.and_then(|entry| {
+        let found = entry.variables().into_iter().find(|(_, variable)| same(&variable.name, bare(root)))?;
+        Some((found, entry))
+    });
+    let own = own.filter(|_| local || !root.starts_with('"'));
+    let path = || names.iter().map(|name| bare(name).to_owned()).collect();
+    let (mut members, owner) = match own {
+        Some((declared, entry)) if rest.is_empty() => {
+            return Some(Meaning::Variable { declared, path: path(), owner: Some(entry) });
+        }
+        Some((declared, entry)) => (index.members(&declared.1.ty), Some(entry)),
+        None if local => return None,
+        None => match (index.block(bare(root)), index.symbol(bare(root))) {
+            (Some(entry), _) if rest.is_empty() => return Some(Meaning::Block(entry)),
+            (None, Some(symbol)) if rest.is_empty() => return Some(Meaning::Symbol(symbol)),
+            (None, None) if rest.is_empty() => return index.checked.facts.block(bare(root)).map(Meaning::Library),
+            (Some(entry), _) => (index.inside(entry), Some(entry)),
+            (None, _) => return None,
+        },
+    };
+    for (at, name) in rest.iter().enumerate() {
+        let declared = members.into_iter().find(|(_, variable)| same(&variable.name, bare(name)))?;
+        if at + 1 == rest.len() {
+            return Some(Meaning::Variable { declared, path: path(), owner });
+        }
+        members = index.members(&declared.1.ty);
+    }
+    None
+}
+
+/// The address that a piece is part of.
+fn address_at(words: &Words, at: usize) -> Option<Address> {
+    (at.saturating_sub(4)..=at).find_map(|first| address::at(words, first).filter(|found| first + found.pieces > at))
+}
+
+/// `FC 1` in two pieces, or `FC1`.
+fn numbered_block<'c>(index: &Index<'c>, words: &Words, at: usize) -> Option<Entry<'c>> {
+    let word = words.word(at);
+    if word.starts_with(['"', '#']) {
+        return None;
+    }
+    let joined = |first: usize| {
+        let letters = words.word(first);
+        let is_prefix =
+            ["OB", "FC", "FB", "SFC", "SFB", "DB", "DI", "UDT"].iter().any(|own| own.eq_ignore_ascii_case(letters));
+        is_prefix.then(|| format!("{letters}{}", words.word(first + 1)))
+    };
+    let text = joined(at).or_else(|| joined(at.checked_sub(1)?)).unwrap_or_else(|| word.to_owned());
+    text.ends_with(|c: char| c.is_ascii_digit()).then(|| index.block(&text))?
+}
+
+/// Whether a label is jumped to at a piece: a mnemonic is before it.
+fn is_jump_target(words: &Words, at: usize) -> bool {
+    at > 0 && !matches!(words.word(at - 1), "." | "#") && !words.first_on_line(at)
+}
+
+/// A mnemonic with its signs: `A(`, `+I`, `==I`.
+fn mnemonic_at(words: &Words, at: usize) -> String {
+    let sign = |word: &str| matches!(word, "+" | "-" | "*" | "/" | "==" | "<>" | ">" | "<" | ">=" | "<=");
+    let mut text = words.word(at).to_ascii_uppercase();
+    if words.glued(at) && sign(words.word(at - 1)) {
+        text.insert_str(0, words.word(at - 1));
+    }
+    let next = words.word(at + 1);
+    if words.glued(at + 1) && (next == "(" || sign(&text) && matches!(next, "I" | "D" | "R")) {
+        text.push_str(next);
+    }
+    text
+}
+
+/// What is called.
+pub enum Callee<'c> {
+    Source(Entry<'c>),
+    Library(&'c BlockFacts),
+}
+
+impl<'c> Callee<'c> {
+    pub fn entry(&self) -> Option<Entry<'c>> {
+        match self {
+            Callee::Source(entry) => Some(*entry),
+            Callee::Library(_) => None,
+        }
+    }
+
+    /// The declared parameters.
+    pub fn variables(&self, index: &Index<'c>) -> Vec<Declared<'c>> {
+        let all = self.entry().map_or(Vec::new(), |entry| index.inside(entry));
+        all.into_iter().filter(|(direction, _)| matches!(*direction, "IN" | "OUT" | "IN_OUT")).collect()
+    }
+
+    /// Name, direction and type of each parameter.
+    pub fn parameters(&self, index: &Index<'c>) -> Vec<(String, &'static str, String)> {
+        match self {
+            Callee::Source(_) => {
+                let text =
+                    |(direction, variable): Declared| (variable.name.clone(), direction, index.type_text(&variable.ty));
+                self.variables(index).into_iter().map(text).collect()
+            }
+            Callee::Library(facts) => {
+                let text = |one: &crate::facts::ParameterFacts| (one.name.clone(), one.direction, one.ty.clone());
+                facts.parameters.iter().map(text).collect()
+            }
+        }
+    }
+
+    pub fn name(&self) -> String {
+        match self {
+            Callee::Source(entry) => entry.text(),
+            Callee::Library(facts) if facts.name.is_empty() => facts.key.clone(),
+            Callee::Library(facts) => facts.name.clone(),
+        }
+    }
+}
+
+/// The bracket around a piece that is not closed before it.
+pub fn open_bracket(words: &Words, at: usize) -> Option<usize> {
+    let mut depth = 0usize;
+    for before in (0..at.min(words.pieces.len())).rev() {
+        match words.word(before) {
+            ")" => depth += 1,
+            "(" if depth == 0 => return Some(before),
+            "(" => depth -= 1,
+            ";" => return None,
+            word if word.get(..4).is_some_and(|start| start.eq_ignore_ascii_case("END_")) => return None,
+            _ => {}
+        }
+    }
+    None
+}
+
+/// The block that is called by the parameters around a piece.
+pub fn callee_around<'c>(index: &Index<'c>, words: &Words, file: FileId, at: usize) -> Option<Callee<'c>> {
+    if words.language(at.min(words.pieces.len().saturating_sub(1))) == Language::Stl {
+        // `CALL target, instance (`; the list may have no brackets.
+        let call = (0..at.min(words.pieces.len()))
+            .rev()
+            .take(600)
+            .find(|&before| words.word(before).eq_ignore_ascii_case("CALL"))?;
+        let target = if words.word(call + 1) == "#" { call + 2 } else { call + 1 };
+        return callee_at(index, words, file, target);
+    }
+    let open = open_bracket(words, at)?;
+    callee_at(index, words, file, open.checked_sub(1)?)
+}
+
+/// The block that a name calls: itself, or that of the instance.
+fn callee_at<'c>(index: &Index<'c>, words: &Words, file: FileId, at: usize) -> Option<Callee<'c>> {
+    if let Some(entry) = numbered_block(index, words, at) {
+        return Some(called(index, entry));
+    }
+    let two = format!("{} {}", words.word(at).to_ascii_uppercase(), words.word(at + 1));
+    if let Some(facts) = index.checked.facts.blocks.iter().find(|block| block.key == two) {
+        return Some(Callee::Library(facts));
+    }
+    let (first, names) = words.path(at);
+    let local = words.word(first).starts_with('#');
+    match along(index, index.around(file, words.range(at).start), &names, local)? {
+        Meaning::Block(entry) => Some(called(index, entry)),
+        Meaning::Library(facts) => Some(Callee::Library(facts)),
+        Meaning::Symbol(symbol) => match symbol.target {
+            SymbolTarget::Block { prefix, number } => {
+                let key = format!("{} {number}", prefix.letters());
+                index.checked.facts.blocks.iter().find(|block| block.key == key).map(Callee::Library)
+            }
+            SymbolTarget::Memory { .. } | SymbolTarget::Cell { .. } => None,
+        },
+        Meaning::Variable { declared, .. } => {
+            let ty = index.type_text(&declared.1.ty);
+            let ty = bare(ty.trim_end_matches(';').trim());
+            match index.block(ty) {
+                Some(entry) => Some(called(index, entry)),
+                None => index.checked.facts.block(ty).map(Callee::Library),
+            }
+        }
+        Meaning::Label(_) | Meaning::Address(_) | Meaning::Word(_) => None,
+    }
+}
+
+/// The block of an instance; otherwise the block itself.
+fn called<'c>(index: &Index<'c>, entry: Entry<'c>) -> Callee<'c> {
+    use plcc_syntax::ast::{Block, DataContent};
+    if let Block::Data(block) = entry.block
+        && let DataContent::OfType(ty) = &block.content
+    {
+        let ty = index.type_text(ty);
+        if let Some(of) = index.block(bare(&ty)) {
+            return Callee::Source(of);
+        }
+        if let Some(facts) = index.checked.facts.block(bare(&ty)) {
+            return Callee::Library(facts);
+        }
+    }
+    Callee::Source(entry)
+}

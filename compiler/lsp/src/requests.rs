@@ -1,0 +1,274 @@
+//! What an editor asks, and the answers.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use lsp_server::{ErrorCode, Request, Response};
+use lsp_types::{
+    CodeAction, CodeActionKind, CodeActionOrCommand, CodeActionParams, CompletionParams, DiagnosticRelatedInformation,
+    DiagnosticSeverity, DocumentFormattingParams, DocumentHighlight, DocumentHighlightParams, DocumentSymbolParams,
+    FoldingRangeParams, GotoDefinitionParams, Hover, HoverContents, HoverParams, Location, MarkupContent, MarkupKind,
+    NumberOrString, Position, ReferenceParams, RenameParams, SemanticTokens, SemanticTokensParams, SignatureHelpParams,
+    TextDocumentPositionParams, TextEdit, Uri, WorkspaceEdit,
+};
+use plcc_diag::{Diagnostic, FileId, Severity, SourceMap, Span};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+
+use crate::index::Index;
+use crate::server::hint;
+use crate::text::{self, Lines};
+use crate::words::Words;
+use crate::{Checked, complete, fixes, go, hover, names, outline};
+
+/// A file of a program.
+pub struct View<'c> {
+    pub checked: &'c Checked,
+    pub file: FileId,
+}
+
+impl<'c> View<'c> {
+    fn text(&self) -> &'c str {
+        &self.checked.sources.file(self.file).text
+    }
+
+    fn words(&self, file: FileId) -> Words<'c> {
+        let source = self.checked.sources.file(file);
+        Words::new(&source.text, hint(Path::new(&source.name)))
+    }
+
+    /// The words of all sources.
+    fn texts(&self) -> go::Texts<'c> {
+        self.checked.units.iter().map(|(file, _)| (*file, self.words(*file))).collect()
+    }
+
+    fn location(&self, span: Span) -> Option<Location> {
+        let source = self.checked.sources.file(span.file);
+        Some(Location::new(text::uri(Path::new(&source.name))?, Lines::new(&source.text).range(span.range())))
+    }
+}
+
+/// Answers a request. `view` finds the file at a path.
+pub fn answer<'c>(request: Request, view: impl Fn(&Path) -> Option<View<'c>>) -> Response {
+    let Request { id, method, params } = request;
+    let made = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| result(&method, params, &view)));
+    match made {
+        Ok(Ok(value)) => Response::new_ok(id, value),
+        Ok(Err((code, message))) => Response::new_err(id, code as i32, message),
+        Err(_) => Response::new_err(id, ErrorCode::InternalError as i32, "internal fault, please report it".to_owned()),
+    }
+}
+
+type Answer = Result<Value, (ErrorCode, String)>;
+
+fn result<'c>(method: &str, params: Value, view: &impl Fn(&Path) -> Option<View<'c>>) -> Answer {
+    match method {
+        "textDocument/hover" => {
+            let HoverParams { text_document_position_params, .. } = read(params)?;
+            at(view, text_document_position_params, |view, words, byte| {
+                let at = words.at(byte)?;
+                let value = hover::hover(&Index::new(view.checked), words, view.file, at)?;
+                let range = Some(Lines::new(view.text()).range(words.range(at)));
+                let contents = HoverContents::Markup(MarkupContent { kind: MarkupKind::Markdown, value });
+                Some(Hover { contents, range })
+            })
+        }
+        "textDocument/definition" => {
+            let GotoDefinitionParams { text_document_position_params, .. } = read(params)?;
+            at(view, text_document_position_params, |view, words, byte| {
+                let meaning = names::meaning(&Index::new(view.checked), words, view.file, words.at(byte)?)?;
+                view.location(meaning.definition()?)
+            })
+        }
+        "textDocument/references" => {
+            let ReferenceParams { text_document_position, .. } = read(params)?;
+            at(view, text_document_position, |view, words, byte| {
+                let found = go::references(&Index::new(view.checked), &view.texts(), view.file, words.at(byte)?);
+                Some(found.into_iter().filter_map(|span| view.location(span)).collect::<Vec<_>>())
+            })
+        }
+        "textDocument/documentHighlight" => {
+            let DocumentHighlightParams { text_document_position_params, .. } = read(params)?;
+            at(view, text_document_position_params, |view, words, byte| {
+                let own = vec![(view.file, view.words(view.file))];
+                let found = go::references(&Index::new(view.checked), &own, view.file, words.at(byte)?);
+                let lines = Lines::new(view.text());
+                let mark = |span: Span| DocumentHighlight { range: lines.range(span.range()), kind: None };
+                Some(found.into_iter().map(mark).collect::<Vec<_>>())
+            })
+        }
+        "textDocument/rename" => {
+            let RenameParams { text_document_position, new_name, .. } = read(params)?;
+            rename(view, text_document_position, &new_name)
+        }
+        "textDocument/completion" => {
+            let CompletionParams { text_document_position, .. } = read(params)?;
+            at(view, text_document_position, |view, words, byte| {
+                let unit = view.checked.units.iter().find(|(file, _)| *file == view.file);
+                let set = unit.map(|(_, unit)| unit.mnemonics).unwrap_or_default();
+                Some(complete::complete(&Index::new(view.checked), words, view.file, byte, set))
+            })
+        }
+        "textDocument/signatureHelp" => {
+            let SignatureHelpParams { text_document_position_params, .. } = read(params)?;
+            at(view, text_document_position_params, |view, words, byte| {
+                complete::signature(&Index::new(view.checked), words, view.file, byte)
+            })
+        }
+        "textDocument/documentSymbol" => {
+            let DocumentSymbolParams { text_document, .. } = read(params)?;
+            whole(view, &text_document.uri, |view| {
+                Some(outline::symbols(&Index::new(view.checked), &Lines::new(view.text()), view.file))
+            })
+        }
+        "textDocument/foldingRange" => {
+            let FoldingRangeParams { text_document, .. } = read(params)?;
+            whole(view, &text_document.uri, |view| {
+                Some(outline::folding(&view.words(view.file), &Lines::new(view.text())))
+            })
+        }
+        "textDocument/semanticTokens/full" => {
+            let SemanticTokensParams { text_document, .. } = read(params)?;
+            whole(view, &text_document.uri, |view| {
+                let (index, words) = (Index::new(view.checked), view.words(view.file));
+                let data = outline::tokens(&index, &words, &Lines::new(view.text()), view.file);
+                Some(SemanticTokens { result_id: None, data })
+            })
+        }
+        "textDocument/formatting" => {
+            let DocumentFormattingParams { text_document, .. } = read(params)?;
+            whole(view, &text_document.uri, formatting)
+        }
+        "textDocument/codeAction" => {
+            let params: CodeActionParams = read(params)?;
+            let uri = params.text_document.uri.clone();
+            whole(view, &uri, |view| Some(actions(view, &params)))
+        }
+        other => Err((ErrorCode::MethodNotFound, format!("`{other}` is not known"))),
+    }
+}
+
+fn read<T: DeserializeOwned>(params: Value) -> Result<T, (ErrorCode, String)> {
+    serde_json::from_value(params).map_err(|error| (ErrorCode::InvalidParams, error.to_string()))
+}
+
+fn write(value: impl Serialize) -> Answer {
+    serde_json::to_value(value).map_err(|error| (ErrorCode::InternalError, error.to_string()))
+}
+
+fn path_of(uri: &Uri) -> Result<PathBuf, (ErrorCode, String)> {
+    text::path(uri).ok_or((ErrorCode::InvalidParams, "only files have answers".to_owned()))
+}
+
+/// An answer about a file; null if there is none.
+fn whole<'c, T: Serialize>(
+    view: &impl Fn(&Path) -> Option<View<'c>>,
+    uri: &Uri,
+    made: impl FnOnce(&View<'c>) -> Option<T>,
+) -> Answer {
+    write(view(&path_of(uri)?).and_then(|view| made(&view)))
+}
+
+/// An answer about a place; null if there is none.
+fn at<'c, T: Serialize>(
+    view: &impl Fn(&Path) -> Option<View<'c>>,
+    place: TextDocumentPositionParams,
+    made: impl FnOnce(&View<'c>, &Words<'c>, usize) -> Option<T>,
+) -> Answer {
+    let made = |view: &View<'c>| made(view, &view.words(view.file), text::byte(view.text(), place.position));
+    whole(view, &place.text_document.uri, made)
+}
+
+#[allow(clippy::mutable_key_type, reason = "the map of a workspace edit has URIs as keys")]
+fn rename<'c>(view: &impl Fn(&Path) -> Option<View<'c>>, place: TextDocumentPositionParams, to: &str) -> Answer {
+    let failed = |why: String| (ErrorCode::RequestFailed, why);
+    let view = view(&path_of(&place.text_document.uri)?).ok_or_else(|| failed("the file is not known".to_owned()))?;
+    let words = view.words(view.file);
+    let word =
+        words.at(text::byte(view.text(), place.position)).ok_or_else(|| failed("there is no word".to_owned()))?;
+    let edits = go::rename(&Index::new(view.checked), &view.texts(), view.file, word, to).map_err(failed)?;
+    let mut changes: HashMap<Uri, Vec<TextEdit>> = HashMap::new();
+    for (span, text) in edits {
+        if let Some(location) = view.location(span) {
+            changes.entry(location.uri).or_default().push(TextEdit::new(location.range, text));
+        }
+    }
+    write(WorkspaceEdit::new(changes))
+}
+
+/// The edit that lays the file out; none if it has errors or is laid out.
+fn formatting(view: &View) -> Option<Vec<TextEdit>> {
+    let text = view.text();
+    let source = view.checked.sources.file(view.file);
+    let made = plcc_format::format(FileId::default(), text, hint(Path::new(&source.name))).ok()?;
+    let made = if text.contains("\r\n") { made.replace('\n', "\r\n") } else { made };
+    if made == text {
+        return Some(Vec::new());
+    }
+    Some(vec![TextEdit::new(Lines::new(text).range(0..text.len()), made)])
+}
+
+/// Repairs of the messages in a range.
+#[allow(clippy::mutable_key_type, reason = "the map of a workspace edit has URIs as keys")]
+fn actions(view: &View, params: &CodeActionParams) -> Vec<CodeActionOrCommand> {
+    let lines = Lines::new(view.text());
+    let touches = |own: lsp_types::Range| own.start <= params.range.end && params.range.start <= own.end;
+    let mut actions = Vec::new();
+    for message in &view.checked.diagnostics {
+        let span = message.primary.span;
+        if span.file != view.file || !touches(lines.range(span.range())) {
+            continue;
+        }
+        let Some(text) = fixes::replacement(message, view.text().get(span.range()).unwrap_or_default()) else {
+            continue;
+        };
+        let edit = TextEdit::new(lines.range(span.range()), text.clone());
+        actions.push(CodeActionOrCommand::CodeAction(CodeAction {
+            title: format!("Write `{text}`"),
+            kind: Some(CodeActionKind::QUICKFIX),
+            edit: Some(WorkspaceEdit::new(HashMap::from([(params.text_document.uri.clone(), vec![edit])]))),
+            diagnostics: Some(diagnostics(&view.checked.sources, view.file, std::slice::from_ref(message))),
+            ..CodeAction::default()
+        }));
+    }
+    actions
+}
+
+/// Messages of a file as editors take them.
+pub fn diagnostics(sources: &SourceMap, file: FileId, messages: &[Diagnostic]) -> Vec<lsp_types::Diagnostic> {
+    let lines = Lines::new(&sources.file(file).text);
+    messages.iter().map(|message| diagnostic(sources, &lines, message)).collect()
+}
+
+fn diagnostic(sources: &SourceMap, lines: &Lines, message: &Diagnostic) -> lsp_types::Diagnostic {
+    let mut text = message.title.clone();
+    if !message.primary.text.is_empty() {
+        text.push_str(&format!(": {}", message.primary.text));
+    }
+    if let Some(help) = &message.help {
+        text.push_str(&format!("\n{help}"));
+    }
+    let related = message.secondary.iter().filter_map(|label| {
+        let source = sources.file(label.span.file);
+        let range = Lines::new(&source.text).range(label.span.range());
+        let location = Location::new(text::uri(Path::new(&source.name))?, range);
+        Some(DiagnosticRelatedInformation { location, message: label.text.clone() })
+    });
+    let mut range = lines.range(message.primary.span.range());
+    if range.start == range.end {
+        range.end = Position::new(range.end.line, range.end.character + 1);
+    }
+    lsp_types::Diagnostic {
+        range,
+        severity: Some(match message.severity {
+            Severity::Error => DiagnosticSeverity::ERROR,
+            Severity::Warning => DiagnosticSeverity::WARNING,
+        }),
+        code: Some(NumberOrString::String(message.code.name().to_owned())),
+        source: Some("plcc".to_owned()),
+        message: text,
+        related_information: Some(related.collect()),
+        ..lsp_types::Diagnostic::default()
+    }
+}

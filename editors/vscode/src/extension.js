@@ -1,0 +1,138 @@
+// The extension: starts the language server, runs plcc, and shows what became of assertions.
+"use strict";
+
+const { execFile } = require("node:child_process");
+const fs = require("node:fs");
+const path = require("node:path");
+const vscode = require("vscode");
+const { LanguageClient } = require("vscode-languageclient/node");
+const { assertions, outcomes, sameFile, commands } = require("./results");
+
+const LANGUAGES = ["plc-stl", "plc-scl", "plc-sd", "plc-graph"];
+const PATTERN = "**/*.{stl,awl,scl,s7dcl,gr7}";
+let client;
+
+function plcc() {
+  return vscode.workspace.getConfiguration("plcc").get("path", "plcc");
+}
+
+/** Runs plcc; resolves to its exit code and what it wrote. */
+function run(args, folder, token) {
+  return new Promise((resolve) => {
+    const done = (error, stdout, stderr) => resolve({ code: error ? (error.code ?? 1) : 0, stdout, stderr });
+    const child = execFile(plcc(), args, { cwd: folder, maxBuffer: 64 << 20 }, done);
+    token?.onCancellationRequested(() => child.kill());
+  });
+}
+
+/** The folder of the project around a file, or the file itself. */
+function programOf(file) {
+  for (let folder = path.dirname(file); ; folder = path.dirname(folder)) {
+    if (fs.existsSync(path.join(folder, "plc.toml"))) return folder;
+    if (folder === path.dirname(folder)) return file;
+  }
+}
+
+async function activate(context) {
+  const documents = LANGUAGES.map((language) => ({ scheme: "file", language }));
+  client = new LanguageClient("plcc", "plcc", { command: plcc(), args: ["lsp"] }, {
+    documentSelector: documents,
+    synchronize: { fileEvents: vscode.workspace.createFileSystemWatcher("**/*.{toml,sdf,asc,xml,xlsx,s7res}") },
+  });
+  await client.start().catch((error) => {
+    vscode.window.showErrorMessage(`plcc does not start; set plcc.path to the command: ${error.message ?? error}`);
+  });
+  const terminal = (words) => {
+    const file = vscode.window.activeTextEditor?.document.uri.fsPath;
+    if (!file) return vscode.window.showInformationMessage("Open a source first.");
+    const program = programOf(file);
+    const execution = new vscode.ProcessExecution(plcc(), [...words, program], { cwd: path.dirname(file) });
+    const task = new vscode.Task({ type: "plcc" }, vscode.TaskScope.Workspace, words[0], "plcc", execution);
+    return vscode.tasks.executeTask(task);
+  };
+  // A command that this plcc does not have says so.
+  const ifPresent = (name, action) => async () => {
+    const help = await run(["--help"], undefined);
+    if (commands(help.stdout).includes(name)) return action();
+    return vscode.window.showInformationMessage(`This plcc has no command \`${name}\`.`);
+  };
+  context.subscriptions.push(
+    vscode.commands.registerCommand("plcc.build", () => terminal(["build"])),
+    vscode.commands.registerCommand("plcc.test", () => terminal(["test"])),
+    vscode.commands.registerCommand("plcc.view", ifPresent("view", () => terminal(["view"]))),
+    vscode.commands.registerCommand("plcc.monitor", ifPresent("monitor", () => terminal(["monitor"]))),
+    explorer(),
+  );
+}
+
+/** The test explorer: each source with assertions, and each assertion in it. */
+function explorer() {
+  const controller = vscode.tests.createTestController("plcc", "PLC assertions");
+  const renew = (uri, text) => {
+    const places = assertions(text);
+    if (places.length === 0) return controller.items.delete(uri.toString());
+    const item = controller.createTestItem(uri.toString(), vscode.workspace.asRelativePath(uri), uri);
+    for (const place of places) {
+      const child = controller.createTestItem(`${uri}#${place.line}`, place.text, uri);
+      child.range = new vscode.Range(place.line, 0, place.line, 1000);
+      item.children.add(child);
+    }
+    controller.items.add(item);
+  };
+  const read = async (uri) => {
+    const bytes = await vscode.workspace.fs.readFile(uri);
+    renew(uri, Buffer.from(bytes).toString("utf8"));
+  };
+  const watcher = vscode.workspace.createFileSystemWatcher(PATTERN);
+  watcher.onDidCreate(read);
+  watcher.onDidChange(read);
+  watcher.onDidDelete((uri) => controller.items.delete(uri.toString()));
+  controller.resolveHandler = async (item) => {
+    if (!item) await Promise.all((await vscode.workspace.findFiles(PATTERN)).map(read));
+  };
+  controller.createRunProfile("Run", vscode.TestRunProfileKind.Run, async (request, token) => {
+    const test = controller.createTestRun(request);
+    const all = request.include ?? [...controller.items].map(([, item]) => item);
+    const files = new Set(all.map((item) => item.parent ?? item));
+    for (const item of files) {
+      if (token.isCancellationRequested) break;
+      item.children.forEach((child) => test.started(child));
+      await runFile(test, item, token);
+    }
+    test.end();
+  }, true);
+  return vscode.Disposable.from(controller, watcher);
+}
+
+async function runFile(test, item, token) {
+  const file = item.uri.fsPath;
+  const folder = path.dirname(file);
+  const result = await run(["test", "--json", programOf(file)], folder, token);
+  let report;
+  try {
+    report = JSON.parse(result.stdout);
+  } catch {
+    item.children.forEach((child) => test.errored(child, new vscode.TestMessage(result.stderr || "plcc did not run")));
+    return;
+  }
+  const places = [];
+  item.children.forEach((child) => places.push({ line: child.range.start.line, child }));
+  for (const one of outcomes(report, places, (name) => sameFile(folder, name, file))) {
+    if (one.state === "passed") {
+      test.passed(one.child);
+      continue;
+    }
+    const message = one.expected === undefined
+      ? new vscode.TestMessage(one.message)
+      : vscode.TestMessage.diff(one.message, one.expected, one.found);
+    message.location = new vscode.Location(item.uri, one.child.range);
+    if (one.state === "errored") test.errored(one.child, message);
+    else test.failed(one.child, message);
+  }
+}
+
+function deactivate() {
+  return client?.stop();
+}
+
+module.exports = { activate, deactivate };
