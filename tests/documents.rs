@@ -371,10 +371,10 @@ fn the_architecture_is_short() {
     }
 }
 
-/// Files that docs/ARCHITECTURE.md and CONTRIBUTING.md name by a path from the root exist.
+/// Files that docs/ARCHITECTURE.md, docs/changing.md and CONTRIBUTING.md name by a path from the root exist.
 #[test]
 fn files_that_contributors_are_sent_to_exist() {
-    for document in ["docs/ARCHITECTURE.md", "CONTRIBUTING.md"] {
+    for document in ["docs/ARCHITECTURE.md", "docs/changing.md", "CONTRIBUTING.md"] {
         let text = fs::read_to_string(root().join(document)).unwrap();
         let words = text.split('`').skip(1).step_by(2);
         let paths = words.filter(|word| {

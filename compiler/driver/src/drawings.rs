@@ -4,8 +4,8 @@ use std::io::Write as _;
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
-use plcc_syntax::ast::SourceUnit;
 use plcc_diag::FileId;
+use plcc_syntax::ast::SourceUnit;
 use plcc_view::names::Names;
 use plcc_view::{book, page};
 

@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
-use plcc_model::{BlockKey, DataBlock, Program};
 use plcc_model::types::{DataType, Member};
+use plcc_model::{BlockKey, DataBlock, Program};
 
 use crate::sheet::Label;
 
@@ -197,7 +197,8 @@ fn path(text: &str) -> Option<(bool, Vec<String>)> {
 /// Areas with an address of a byte, and with that of a bit only if the width says so.
 const AREAS: &[&str] = &["PI", "PQ", "SM", "AI", "AQ", "I", "Q", "M", "V", "L", "S"];
 /// Areas that the German set calls by other letters.
-const GERMAN: &[(&str, &str)] = &[("PE", "PI"), ("PA", "PQ"), ("AE", "AI"), ("AA", "AQ"), ("E", "I"), ("A", "Q"), ("Z", "C")];
+const GERMAN: &[(&str, &str)] =
+    &[("PE", "PI"), ("PA", "PQ"), ("AE", "AI"), ("AA", "AQ"), ("E", "I"), ("A", "Q"), ("Z", "C")];
 
 /// An address in one form: `I0.0`, `MW10`, `DB5.DBX2.0`, `T5`. None if it is none.
 pub fn canonical(text: &str, german: bool) -> Option<String> {
@@ -214,7 +215,8 @@ pub fn canonical(text: &str, german: bool) -> Option<String> {
         let part = part.strip_prefix('%').unwrap_or(part);
         let rest = part.strip_prefix("DB").or_else(|| part.strip_prefix('D')).filter(|_| digits(number))?;
         let (width, place) = rest.split_at_checked(1)?;
-        let good = if width == "X" { bit_address(place) } else { matches!(width, "B" | "W" | "D" | "L") && digits(place) };
+        let good =
+            if width == "X" { bit_address(place) } else { matches!(width, "B" | "W" | "D" | "L") && digits(place) };
         return good.then(|| format!("DB{number}.DB{width}{place}"));
     }
     let text = match german {

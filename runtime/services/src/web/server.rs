@@ -6,7 +6,9 @@ use std::time::Duration;
 use axum::body::Bytes;
 use axum::extract::ws::WebSocketUpgrade;
 use axum::extract::{DefaultBodyLimit, Extension};
-use axum::http::header::{CACHE_CONTROL, CONTENT_ENCODING, CONTENT_SECURITY_POLICY, CONTENT_TYPE, COOKIE, HOST, ORIGIN, SET_COOKIE};
+use axum::http::header::{
+    CACHE_CONTROL, CONTENT_ENCODING, CONTENT_SECURITY_POLICY, CONTENT_TYPE, COOKIE, HOST, ORIGIN, SET_COOKIE,
+};
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
@@ -63,7 +65,13 @@ impl Page {
             .route("/session", post(sign_in).delete(sign_out))
             .route("/live", get(live))
             .layer(DefaultBodyLimit::max(PAGE_MESSAGE_MAX));
-        Page { link, users, places: Arc::new(Semaphore::new(PAGES_MAX)), app, drawings: Bytes::copy_from_slice(drawings) }
+        Page {
+            link,
+            users,
+            places: Arc::new(Semaphore::new(PAGES_MAX)),
+            app,
+            drawings: Bytes::copy_from_slice(drawings),
+        }
     }
 
     fn user(&self, headers: &HeaderMap) -> Result<(String, Role), StatusCode> {
