@@ -489,7 +489,7 @@ fn truth_table(name: &str, text: &str) -> Vec<String> {
         for _ in 0..2 {
             calls.push_str(&format!("L {inputs};\nT IB 0;\nUC FC 1;\nL QB 0;\nL MD 20;\nXOD;\nRLD 3;\nT MD 20;\n"));
         }
-        calls.push_str(&format!("//@ assert MD 20 == DW#16#FFFF_FFFF\n"));
+        calls.push_str("//@ assert MD 20 == DW#16#FFFF_FFFF\n");
     }
     fs::write(
         &main,

@@ -29,7 +29,7 @@ fn check(path: &std::path::Path) -> usize {
     let path = path.to_path_buf();
     let work = move || {
         let settings = Settings { pragmas: true, require_main: true, ..Settings::default() };
-        let bound = pipeline::front(inputs::read(&[path.clone()]), &settings);
+        let bound = pipeline::front(inputs::read(std::slice::from_ref(&path)), &settings);
         if bound.has_errors() {
             return 0;
         }

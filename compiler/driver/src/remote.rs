@@ -362,8 +362,10 @@ mod tests {
     use super::*;
     use crate::project;
 
+    type Found = (Vec<RemoteStation>, Option<Vec<Module>>, Vec<(u32, String)>);
+
     /// Devices and modules of a project, and the messages with their lines.
-    fn read(text: &str) -> (Vec<RemoteStation>, Option<Vec<Module>>, Vec<(u32, String)>) {
+    fn read(text: &str) -> Found {
         let source = SourceFile::new("plc.toml", text);
         let (project, diagnostics) = project::parse(FileId(0), &source);
         let messages = diagnostics.into_iter().map(|d| (source.line(d.primary.span.start), d.title)).collect();

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use lsp_server::{Connection, Message, Notification, Request, RequestId};
 use plcc_driver::command::lsp::Files;
@@ -310,7 +310,7 @@ fn a_file_has_an_outline_folds_colours_and_a_layout() {
     );
     let colours = editor.ask("textDocument/semanticTokens/full", file.clone());
     let data = colours["data"].as_array().expect("a list");
-    assert!(data.len() > 100 && data.len() % 5 == 0);
+    assert!(data.len() > 100 && data.len().is_multiple_of(5));
     let mut format = file;
     format["options"] = json!({ "tabSize": 2, "insertSpaces": true });
     assert_eq!(editor.ask("textDocument/formatting", format.clone()), json!([]));

@@ -123,10 +123,10 @@ impl Names {
                 };
             }
         }
-        if let Some(db) = scope.instance.and_then(|at| self.dbs.get(at)) {
-            if let Some(address) = address_in(db, &parts) {
-                return Some(address);
-            }
+        if let Some(db) = scope.instance.and_then(|at| self.dbs.get(at))
+            && let Some(address) = address_in(db, &parts)
+        {
+            return Some(address);
         }
         (local).then(|| format!("#{}", parts.join(".")))
     }

@@ -77,11 +77,6 @@ impl Cpu {
         self.stop_by(STOP_BY_CLIENT, NO_SITE, 0);
     }
 
-    /// Number of the cycle, 0 in startup.
-    pub fn cycle_number(&self) -> u64 {
-        self.cycle.get()
-    }
-
     /// Sets the clock, as by SFC 0.
     pub fn set_wall_clock(&self, moment: i64) {
         self.clock.set_wall(moment);

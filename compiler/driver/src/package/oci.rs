@@ -98,7 +98,9 @@ fn add(out: &mut Builder<Vec<u8>>, name: &str, kind: EntryType, mode: u32, user:
     let mut header = Header::new_ustar();
     header.set_entry_type(kind);
     header.set_mode(mode);
-    (header.set_uid(user), header.set_gid(user), header.set_mtime(0));
+    header.set_uid(user);
+    header.set_gid(user);
+    header.set_mtime(0);
     header.set_size(bytes.len() as u64);
     out.append_data(&mut header, name, bytes)
 }

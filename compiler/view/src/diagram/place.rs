@@ -266,12 +266,12 @@ impl Band<'_> {
             }
             // Outputs that are joined and lead nowhere.
             way.elsewhere_to |= way.starts.len() > 1 && way.ends.is_empty();
-            if way.elsewhere_to {
-                if let Some(start) = way.starts.iter().copied().max() {
-                    let at = (start + 1).min(count - 1);
-                    things[at].push((Thing::To { net, text: format!("»{name}") }, rank * 4 + 2));
-                    way.ends.push(at);
-                }
+            if way.elsewhere_to
+                && let Some(start) = way.starts.iter().copied().max()
+            {
+                let at = (start + 1).min(count - 1);
+                things[at].push((Thing::To { net, text: format!("»{name}") }, rank * 4 + 2));
+                way.ends.push(at);
             }
             // Columns that the wire passes.
             if let (Some(start), Some(end)) = (way.starts.iter().min(), way.ends.iter().max()) {

@@ -91,7 +91,7 @@ impl Reduction {
     }
 
     /// Reduces to one block from the root to `goal`, beside which nothing is drawn.
-    pub fn to_goal(mut self, sheet: &Sheet, goal: usize) -> Option<Block> {
+    pub fn reduced_to(mut self, sheet: &Sheet, goal: usize) -> Option<Block> {
         if goal == self.root {
             return None;
         }
@@ -263,8 +263,11 @@ fn open_ended(mut items: Vec<(Block, Option<usize>)>) -> Vec<(Block, Option<usiz
     items
 }
 
+/// Blocks in series, each with the net after it.
+type Series = Vec<(Block, Option<usize>)>;
+
 /// What follows at a net with branches: `main` goes on to a net.
-fn fork(mut tails: Vec<Tail>, main: Option<(Vec<(Block, Option<usize>)>, usize)>) -> Vec<(Block, Option<usize>)> {
+fn fork(mut tails: Vec<Tail>, main: Option<(Series, usize)>) -> Series {
     tails.sort_by_key(|tail| tail.order);
     // The end that a rung leads to.
     tails.retain(|tail| tail.block != Block::Series(Vec::new()) || tail.order == usize::MAX);

@@ -173,7 +173,7 @@ impl<'a> Reducer<'a> {
             }
         }
         if let Some(goal) = goal {
-            return graph.to_goal(self.sheet, start(self, goal)).into_iter().collect();
+            return graph.reduced_to(self.sheet, start(self, goal)).into_iter().collect();
         }
         graph.reduce(self.sheet);
         let mut tails = std::mem::take(&mut graph.tails[root_net]);
@@ -197,10 +197,11 @@ impl<'a> Reducer<'a> {
         let mut at = 0;
         while let Some(net) = nets.get(at) {
             for source in &self.sheet.nets[*net].sources {
-                if let Source::Net(from) = source {
-                    if *from < self.sheet.nets.len() && known.insert(*from) {
-                        nets.push(*from);
-                    }
+                if let Source::Net(from) = source
+                    && *from < self.sheet.nets.len()
+                    && known.insert(*from)
+                {
+                    nets.push(*from);
                 }
             }
             at += 1;
@@ -315,10 +316,10 @@ impl<'a> Reducer<'a> {
                         }
                         if found.insert(*part) {
                             for input in source.pins.iter().filter(|pin| !pin.output) {
-                                if let Link::Net(from) = input.link {
-                                    if nets.insert(from) {
-                                        open.push(from);
-                                    }
+                                if let Link::Net(from) = input.link
+                                    && nets.insert(from)
+                                {
+                                    open.push(from);
                                 }
                             }
                         }
@@ -363,10 +364,10 @@ impl<'a> Reducer<'a> {
                     continue;
                 }
                 for pin in self.sheet.parts[*part].pins.iter().filter(|pin| pin.output) {
-                    if let Link::Net(to) = pin.link {
-                        if nets.insert(to) {
-                            open.push(to);
-                        }
+                    if let Link::Net(to) = pin.link
+                        && nets.insert(to)
+                    {
+                        open.push(to);
                     }
                 }
             }

@@ -102,7 +102,7 @@ fn words(text: &str) -> impl Iterator<Item = &str> {
         if c == '"' {
             quoted = !quoted;
         }
-        !quoted && !(c.is_alphanumeric() || matches!(c, '"' | '#' | '%' | '.' | '_'))
+        !(quoted || c.is_alphanumeric() || matches!(c, '"' | '#' | '%' | '.' | '_'))
     })
     .filter(|word| !word.is_empty())
 }

@@ -31,11 +31,11 @@ pub fn sheet(graph: &Graph, language: Language, names: &Names, scope: Scope) -> 
     }
     // A call by its instance shows the block in the box, and the instance above it.
     for part in &mut sheet.parts {
-        if let Look::Box { title, instance: instance @ None, .. } = &mut part.look {
-            if let Some(block) = names.block_of_instance(title) {
-                *instance = Some(names.label(title, scope));
-                *title = block;
-            }
+        if let Look::Box { title, instance: instance @ None, .. } = &mut part.look
+            && let Some(block) = names.block_of_instance(title)
+        {
+            *instance = Some(names.label(title, scope));
+            *title = block;
         }
     }
     sheet

@@ -108,10 +108,10 @@ impl Rungs {
 
     /// Sets the last part's name of the flow input.
     pub fn name_input(&mut self, name: &str) {
-        if let Some(part) = self.parts.last_mut() {
-            if let Some(pin) = part.flow_in {
-                part.pins[pin].name = name.to_string();
-            }
+        if let Some(part) = self.parts.last_mut()
+            && let Some(pin) = part.flow_in
+        {
+            part.pins[pin].name = name.to_string();
         }
     }
 
