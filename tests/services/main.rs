@@ -24,6 +24,9 @@ fn main() {
         trial("s7_of_python_snap7", snap7.err(), || client(&["--s7", "--access=control"], "snap7_client.py")),
         trial("s7_of_nodes7", node("nodes7@0.3.18").err(), || client(&["--s7"], "nodes7_client.js")),
         trial("modbus_of_pymodbus", modbus.err(), || client(&["--modbus"], "modbus_client.py")),
+        trial("page_of_chromium", chromium().err(), || {
+            client(&["--web", "--access=control"], "page_client.js")
+        }),
         trial("values_reach_a_broker", mosquitto(), process::values_reach_a_broker),
         trial("metrics_tell_the_state", None, metrics),
         trial("services_are_only_where_they_are_asked_for", None, only_where_asked_for),
@@ -73,6 +76,14 @@ fn node(package: &str) -> Result<(), String> {
     let made = std::fs::create_dir_all(&folder).is_ok();
     let installed = made && runs(Command::new("npm").args(["install", "--prefix"]).arg(&folder).arg(package));
     if installed && is_there() { Ok(()) } else { Err(format!("{package} cannot be installed with npm")) }
+}
+
+/// The browser, and what lets a test steer it. `Err`: it cannot be had.
+fn chromium() -> Result<(), String> {
+    if !runs(Command::new("chromium").arg("--version")) {
+        return Err("chromium is not installed".to_string());
+    }
+    node("ws@8.18.0")
 }
 
 /// Why there is no broker, if there is none.

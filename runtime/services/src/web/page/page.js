@@ -50,8 +50,11 @@ function watch() {
 function take(news) {
   if (news.hello) hello(news.hello);
   if (news.state) state(news.state);
-  for (const [number, why] of news.wrong ?? []) live.shown.set(live.names[number], { wrong: why });
   const changed = new Set();
+  for (const [number, why] of news.wrong ?? []) {
+    live.shown.set(live.names[number], { wrong: why });
+    changed.add(live.names[number]);
+  }
   for (const [number, shown] of news.values ?? []) {
     live.shown.set(live.names[number], shown);
     changed.add(live.names[number]);
