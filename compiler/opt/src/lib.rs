@@ -133,12 +133,6 @@ pub const ALONE: &[Pass] = &[
     surrounded("forward", forward::forward_memory),
     function("fold", fold::fold),
     function("part-cold-ways", duplicate::part_cold_ways),
-    // Loops that were too large before their checks went; without what nothing uses any more they may be one block.
-    function("unused", unused::remove_unused),
-    function("control-flow", control_flow::simplify_control_flow),
-    function("unroll", unroll::unroll_loops),
-    function("control-flow", control_flow::simplify_control_flow),
-    function("fold", fold::fold),
     function("loop-ranges", ranges::use_ranges_of_loops),
     function("control-flow", control_flow::simplify_control_flow),
     function("values", values::share_values),
