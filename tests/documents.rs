@@ -4,12 +4,15 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use plcc_convert::to_graph;
+use plcc_convert::to_stl::types::Types;
 use plcc_diag::{Code, SourceFile, SourceMap};
 use plcc_driver::cli::Level;
 use plcc_driver::inputs::{self, TestInput};
 use plcc_driver::pipeline::{self, Settings};
 use plcc_driver::testing::{self, Form, Variant};
 use plcc_syntax::ast::{Block, SectionKind, TypeKind, TypeRef};
+use plcc_syntax::network::ast::Language;
 use plcc_syntax::{Elementary, ParseOptions};
 use plcc_tests::{expect_file, files, plan, reference, root, shown, tests_folder};
 
@@ -312,11 +315,21 @@ fn codes_of(code: Code, example: &str) -> Vec<Code> {
         paths = vec![folder.path().to_path_buf()];
     }
     let paths = named.unwrap_or(paths);
-    if code == Code::AssertionNotReached {
-        return codes_of_test(&paths[0]);
+    match code {
+        Code::AssertionNotReached => return codes_of_test(&paths[0]),
+        Code::NotConverted => return codes_of_conversion(&paths),
+        _ => {}
     }
     let settings = Settings { pragmas: true, require_main: code == Code::NoMainBlock, ..Settings::default() };
     pipeline::front(inputs::read(&paths), &settings).diagnostics.iter().map(|d| d.code).collect()
+}
+
+/// Codes in the messages about a conversion to LAD.
+fn codes_of_conversion(paths: &[PathBuf]) -> Vec<Code> {
+    let parsed = pipeline::parse(inputs::read(paths), &Settings::default());
+    let types = Types::new(parsed.units.iter().map(|(_, unit)| unit), &parsed.tables);
+    let messages = parsed.units.iter().flat_map(|(_, unit)| to_graph::unit(unit, &types, Language::Lad).1);
+    messages.map(|d| d.code).collect()
 }
 
 /// Codes in the messages of a test that ran.

@@ -45,7 +45,7 @@ fn wrong_flags_are_usage_errors() {
         (&["--set", "I0.0=2"], "does not fit into a bit"),
         (&["--set", "MW0"], "write ADDR=VALUE"),
         (&["--print", "L0.0"], "`L0.0` is neither an address"),
-        (&["--trace", "trace.txt"], ".vcd or .csv"),
+        (&["--trace", "trace.txt"], ".vcd, .csv or .html"),
         (&["--scenario", "missing.toml"], "missing.toml"),
         (&["--scenario", "pipe.toml"], "pipe.toml: a pipe, a socket or a device"),
         (&["--scenario", "/dev/zero"], "/dev/zero: a pipe, a socket or a device"),
