@@ -3,6 +3,7 @@
 //! A program of each family adds 1 to two words of retentive memory in each cycle, one at the begin and one at the end of a long OB 1. What
 //! comes back must be of one completed cycle: both are the same. With `every = "cycle"` it is not older than what was seen before.
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
@@ -66,7 +67,14 @@ fn start(executable: &Path, cycles: Option<u32>, words: &[&str]) -> Child {
     command.current_dir(executable.parent().unwrap()).args(["--cycle-time", "0", "--quiet"]);
     command.args(cycles.iter().map(|cycles| format!("--cycles={cycles}")));
     command.args(words.iter().map(|word| format!("--print={word}")));
-    command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    loop {
+        match command.spawn() {
+            // A process that another test starts at this moment still has the file open for writing.
+            Err(error) if error.kind() == ErrorKind::ExecutableFileBusy => std::thread::sleep(Duration::from_millis(1)),
+            started => return started.unwrap(),
+        }
+    }
 }
 
 /// The words of a run of one cycle, and what it said.

@@ -56,7 +56,7 @@ impl Plc {
         while !line.ends_with('\n') && error.read(&mut one)? > 0 {
             line.push(char::from(one[0]));
         }
-        match line.contains(" at 127.0.0.1:") || line.contains(" to mqtt://") {
+        match line.contains("127.0.0.1:") || line.contains(" to mqtt://") {
             true => Ok(plc),
             false => Err(line.into()),
         }

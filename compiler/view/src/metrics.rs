@@ -18,22 +18,27 @@ pub fn width(text: &str, height: i32) -> i32 {
     (cells * height * 61 + 99) / 100
 }
 
-/// Breaks a text into lines of at most `cells` characters, after a point, a bracket or an underscore where there is one.
+/// Breaks a text into lines of at most `cells` characters, after a point where there is one, else after a bracket, an underscore or such.
 pub fn wrapped(text: &str, cells: usize) -> Vec<String> {
     let mut lines = Vec::new();
     let mut line = String::new();
-    // Where the line may end, and how many characters it then has.
-    let mut chance: Option<usize> = None;
+    // Where the line may end: after its last point, and after another sign.
+    let mut chances: [Option<usize>; 2] = [None; 2];
     for c in text.chars() {
         let c = if c.is_control() { ' ' } else { c };
         line.push(c);
         if line.as_str().width() > cells && line.chars().count() > 1 {
-            let at = chance.take().unwrap_or(line.len() - c.len_utf8());
+            let [point, sign] = std::mem::take(&mut chances);
+            let at = point.or(sign).unwrap_or(line.len() - c.len_utf8());
             let rest = line.split_off(at);
             lines.push(std::mem::replace(&mut line, rest));
         }
-        if matches!(c, '.' | '_' | '[' | ',' | ' ' | '"' | '-' | '/') && line.as_str().width() > 3 {
-            chance = Some(line.len());
+        if line.as_str().width() > 3 {
+            match c {
+                '.' => chances[0] = Some(line.len()),
+                '_' | '[' | ',' | ' ' | '"' | '-' | '/' => chances[1] = Some(line.len()),
+                _ => {}
+            }
         }
     }
     if !line.is_empty() {
