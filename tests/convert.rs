@@ -86,7 +86,7 @@ fn stl_round_trip(path: &Path, set: Mnemonics) -> Option<Result<(), String>> {
         return Some(Err(format!("{}\n{written}", plcc_tests::difference(&before, &after))));
     }
     let (before, after) = (comments(&text, &all), comments(&written, &stl::comments(&written)));
-    // A comment behind `a, b : INT` belongs to both.
+    // A comment after `a, b : INT` belongs to both.
     let lost: Vec<_> = before.iter().filter(|(key, count)| after.get(*key) < Some(count)).collect();
     let new: Vec<_> = after.keys().filter(|key| !before.contains_key(*key)).collect();
     if !lost.is_empty() || !new.is_empty() {

@@ -273,7 +273,7 @@ impl Writer<'_> {
         let end = variable.initial.as_ref().map_or(variable.ty.span.end, |value| value.span.end);
         let own = variable.comment.as_ref();
         if let Some(comment) = own {
-            self.out.behind(&format!("// {comment}"));
+            self.out.trail(&format!("// {comment}"));
         }
         let mut remarks = self.trivia.on_line(end.max(variable.name_span.end));
         remarks.retain(|remark| own.is_none_or(|own| bare(&remark.text) != *own));

@@ -12,7 +12,7 @@ pub struct Out {
 /// Blanks for each level.
 const INDENT: usize = 4;
 
-/// The column where comments behind statements begin, if the statement is not longer.
+/// The column where comments after statements begin, if the statement is not longer.
 const COMMENT_COLUMN: usize = 32;
 
 impl Out {
@@ -40,13 +40,13 @@ impl Out {
         self.depth = self.depth.saturating_sub(1);
     }
 
-    /// Comments: those with a line of their own on lines, others behind the last line.
+    /// Comments: those with a line of their own on lines, others after the last line.
     pub fn remarks(&mut self, remarks: &[Remark]) {
         for remark in remarks {
             if remark.own_line || self.text.is_empty() || self.ends_in_comment() {
                 self.own_lines(&remark.text);
             } else {
-                self.behind(&remark.text);
+                self.trail(&remark.text);
             }
         }
     }
@@ -61,8 +61,8 @@ impl Out {
         }
     }
 
-    /// Text behind the last line.
-    pub fn behind(&mut self, text: &str) {
+    /// Text after the last line.
+    pub fn trail(&mut self, text: &str) {
         if self.text.ends_with('\n') {
             self.text.pop();
         }

@@ -332,7 +332,7 @@ impl Writer<'_> {
         let is_negated_name =
             row.is_some_and(|row| matches!(row.kind, Kind::Contact | Kind::Coil)) && pin.name == "operand";
         if pin.negated && pin.output && !is_negated_name {
-            self.refuse(pin.span, "an inverted output", "invert the value behind the element");
+            self.refuse(pin.span, "an inverted output", "invert the value after the element");
         }
         let not = if pin.negated && !is_negated_name { "NOT " } else { "" };
         let value = match &pin.value {
@@ -355,7 +355,7 @@ impl Writer<'_> {
         format!("{} {sign} {not}{value}", pin.name).trim_end().to_string()
     }
 
-    /// The attributes before an element, and those behind its name.
+    /// The attributes before an element, and those after its name.
     fn settings(&mut self, element: &Element) -> (String, String) {
         let mut list = Vec::new();
         let mut types = Vec::new();

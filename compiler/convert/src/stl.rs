@@ -9,9 +9,9 @@ use crate::operand;
 use crate::trivia::Trivia;
 use crate::writer::{Notation, Writer};
 
-/// Where the mnemonic begins, behind a label.
+/// Where the mnemonic begins, after a label.
 const LABEL_WIDTH: usize = 6;
-/// Where the operand begins, behind the mnemonic.
+/// Where the operand begins, after the mnemonic.
 const MNEMONIC_WIDTH: usize = 6;
 
 /// Writes a source in STL. `source`: the text that spans mean, if it is STL, too.
@@ -77,7 +77,7 @@ impl Writer<'_> {
         }
     }
 
-    /// A statement with the comments before and behind it.
+    /// A statement with the comments before and after it.
     pub(crate) fn statement(&mut self, statement: &Statement) {
         self.remarks_before(statement.span.start);
         let label = statement.label.as_ref().map_or(String::new(), |label| format!("{}:", label.name));

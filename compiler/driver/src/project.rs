@@ -200,7 +200,7 @@ impl Context {
         }
         if let Some(data) = keys.data {
             if data.get_ref().is_empty() || data.get_ref().contains('\0') {
-                self.report(data.span(), "no name of a folder", "write `\"plc-data\"`");
+                self.report(data.span(), "this is not the name of a folder", "write `\"plc-data\"`");
             } else {
                 config.data_folder = Some(data.into_inner());
             }

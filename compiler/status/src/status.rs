@@ -49,7 +49,7 @@ pub struct PlaceSeen {
     pub end: u32,
     /// What stands there.
     pub text: String,
-    /// LAD and FBD: the power flow behind a contact or a gate.
+    /// LAD and FBD: the power flow after a contact or a gate.
     pub flow: Option<bool>,
     #[serde(flatten)]
     pub kind: Kind,

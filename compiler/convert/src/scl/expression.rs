@@ -91,7 +91,7 @@ fn written(value: &Expr, around: u8, writer: &mut Writer) -> String {
                 UnaryOp::Minus => format!("-{inner}"),
                 UnaryOp::Not => format!("NOT {inner}"),
             };
-            // A sign never stands directly behind an operator.
+            // A sign never stands directly after an operator.
             if around > 0 && (around >= UNARY || *op != UnaryOp::Not) { format!("({text})") } else { text }
         }
         ExprKind::Binary { op, left, right, .. } => {

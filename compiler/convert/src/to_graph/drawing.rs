@@ -216,7 +216,7 @@ impl Drawing {
                 | Signal::Xor(_) => {
                     let rail = self.rail();
                     if from != rail {
-                        return Err("an inverted branch behind contacts".to_string());
+                        return Err("an inverted branch after contacts".to_string());
                     }
                     let net = self.contacts(inner, from, None)?;
                     let element =
@@ -284,12 +284,12 @@ impl Drawing {
                     ];
                     self.element(if *rising { "P_Contact" } else { "N_Contact" }, pins, None)
                 } else {
-                    return Err("the edge of a branch behind contacts".to_string());
+                    return Err("the edge of a branch after contacts".to_string());
                 };
                 Ok(self.output(element, "out", into))
             }
             Signal::Net(net) if self.rail == Some(from) && into.is_none() => Ok(*net),
-            Signal::Net(_) => Err("the result of a box behind contacts".to_string()),
+            Signal::Net(_) => Err("the result of a box after contacts".to_string()),
         }
     }
 

@@ -136,7 +136,7 @@ impl<'g> Redrawer<'g> {
                     Gate::Xor => Signal::Xor(list),
                 }
             }
-            // A comparison or a status bit: an element of both languages, behind what leads to it.
+            // A comparison or a status bit: an element of both languages, after what leads to it.
             _ => {
                 let flow = self.input(at, "pre")?;
                 let own = self.copy(at, Some("pre"))?;

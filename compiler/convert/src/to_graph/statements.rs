@@ -345,7 +345,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// The flow to a coil; other coils behind it share it.
+    /// The flow to a coil; other coils after it share it.
     fn flow(&mut self) -> Result<Signal, Reason> {
         if !self.nesting.is_empty() {
             return Err("a coil inside parentheses".to_string());
@@ -362,7 +362,7 @@ impl Reader<'_> {
             }
             _ => value,
         };
-        // What is drawn is evaluated once, whatever the coils behind it write.
+        // What is drawn is evaluated once, whatever the coils after it write.
         let value = match &value {
             Signal::Constant(_) => value,
             signal => match self.drawing.input("in", signal)? {
@@ -391,7 +391,7 @@ impl Reader<'_> {
     fn unused(&self, _span: Span) -> Result<(), Reason> {
         match self.nesting.is_empty() && (self.fresh || !self.logic.is_open()) {
             true => Ok(()),
-            false => Err("an unconditional instruction behind contacts".to_string()),
+            false => Err("an unconditional instruction after contacts".to_string()),
         }
     }
 

@@ -503,7 +503,7 @@ impl Maker<'_> {
                     bit
                 }
                 PinValue::Net(_) if !pin.negated => continue,
-                _ => return self.refuse(pin.span, "an inverted output", "invert the value behind the box"),
+                _ => return self.refuse(pin.span, "an inverted output", "invert the value after the box"),
             };
             parameters.push(Parameter { name: pin.name.to_uppercase(), name_span: pin.span, actual: Some(actual) });
         }

@@ -234,7 +234,7 @@ impl Maker<'_> {
         }
     }
 
-    /// `=`, `S`, `R` or SAVE, behind the flow or behind another coil of the same flow.
+    /// `=`, `S`, `R` or SAVE, after the flow or after another coil of the same flow.
     fn coil(&mut self, graph: &Graph, plan: &Plan, at: usize, insn: StlInsn) {
         let element = &graph.elements[at];
         let net = flow_pin(element).and_then(|pin| match pin.value {
@@ -263,7 +263,7 @@ impl Maker<'_> {
         self.rlo = net;
     }
 
-    /// The flow of a coil, in a variable if something behind the coil needs it.
+    /// The flow of a coil, in a variable if something after the coil needs it.
     fn passed(&mut self, graph: &Graph, plan: &Plan, at: usize, flow: Logic) -> Logic {
         let element = &graph.elements[at];
         let pins: Vec<usize> = (0..element.pins.len())

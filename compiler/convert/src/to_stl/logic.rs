@@ -185,7 +185,7 @@ impl Maker<'_> {
         }
     }
 
-    /// An expression behind what is before it.
+    /// An expression after what is before it.
     fn joined(&mut self, value: &Logic, join: Join, depth: usize) {
         use StlInsn::{
             And, AndNest, AndNot, AndNotNest, Or, OrNest, OrNot, OrNotNest, Xor, XorNest, XorNot, XorNotNest,

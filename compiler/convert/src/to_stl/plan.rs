@@ -17,7 +17,7 @@ pub struct Plan {
     pub place: Vec<usize>,
     /// Evaluated where its value is used.
     pub inline: Vec<bool>,
-    /// Nets behind coils, with the net before them.
+    /// Nets after coils, with the net before them.
     same: HashMap<NetId, NetId>,
     uses: HashMap<NetId, Uses>,
 }

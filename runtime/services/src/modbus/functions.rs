@@ -149,7 +149,7 @@ fn values(mut request: Bytes<'_>, most: u16, bytes: fn(u16) -> usize) -> Result<
     Ok((first, count, values.ok_or(Exception::Value)?))
 }
 
-/// Bytes behind their number.
+/// Bytes after their number.
 fn counted(bytes: &[u8]) -> Vec<u8> {
     [&[bytes.len() as u8][..], bytes].concat()
 }

@@ -60,7 +60,7 @@ impl<'a> Request<'a> {
     }
 }
 
-/// The password that a PDU sends, without the blanks behind it.
+/// The password that a PDU sends, without the blanks after it.
 pub fn password(pdu: &[u8]) -> Option<Vec<u8>> {
     /// With which each character is mixed.
     const MASK: u8 = 0x55;
