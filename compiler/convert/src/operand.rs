@@ -3,8 +3,7 @@
 use plcc_diag::Span;
 use plcc_syntax::Elementary;
 use plcc_syntax::ast::{
-    AddressRegister, Area, BlockPrefix, CellKind, Operand, OperandKind, Path, PathPart, PathRoot, SpecialRegister,
-    StatusOperand, Width,
+    AddressRegister, Area, BlockPrefix, CellKind, Operand, OperandKind, Path, PathPart, PathRoot, Width,
 };
 use plcc_syntax::literal::Literal;
 use plcc_syntax::scl::ast::{Expr, ExprKind, Literal as SclLiteral, UnaryOp};
@@ -64,8 +63,8 @@ pub(crate) fn text(kind: &OperandKind, span: Span, writer: &mut Writer) -> Strin
         OperandKind::Peripheral(path) => format!("{}:P", path_text(path, writer)),
         OperandKind::AddressOf(path) => format!("P#{}", path_text(path, writer)),
         OperandKind::Literal(value) => writer.slice(span, value),
-        OperandKind::Status(status) => status_name(*status, set).to_string(),
-        OperandKind::Special(special) => special_name(*special).to_string(),
+        OperandKind::Status(status) => status.name(set).to_string(),
+        OperandKind::Special(special) => special.name().to_string(),
         OperandKind::Register(register) => register_name(*register).to_string(),
         OperandKind::Label(name) => name.clone(),
         OperandKind::Error => {
@@ -135,32 +134,6 @@ fn register_name(register: AddressRegister) -> &'static str {
     match register {
         AddressRegister::Ar1 => "AR1",
         AddressRegister::Ar2 => "AR2",
-    }
-}
-
-fn status_name(status: StatusOperand, set: Mnemonics) -> &'static str {
-    match status {
-        StatusOperand::Br if set == Mnemonics::De => "BIE",
-        StatusOperand::Br => "BR",
-        StatusOperand::Ov => "OV",
-        StatusOperand::Os => "OS",
-        StatusOperand::Uo => "UO",
-        StatusOperand::Eq0 => "==0",
-        StatusOperand::Ne0 => "<>0",
-        StatusOperand::Gt0 => ">0",
-        StatusOperand::Lt0 => "<0",
-        StatusOperand::Ge0 => ">=0",
-        StatusOperand::Le0 => "<=0",
-    }
-}
-
-fn special_name(special: SpecialRegister) -> &'static str {
-    match special {
-        SpecialRegister::Stw => "STW",
-        SpecialRegister::DbLength => "DBLG",
-        SpecialRegister::DbNumber => "DBNO",
-        SpecialRegister::DiLength => "DILG",
-        SpecialRegister::DiNumber => "DINO",
     }
 }
 

@@ -370,7 +370,7 @@ impl Writer<'_> {
             types.push(format!("{key} := {}", template.value));
         }
         let is_box = matches!(&element.target, Target::Element { row, .. } if row.flow.1 == "eno" && !matches!(row.kind, Kind::Instance(_)));
-        // Behind the name, as older versions write them, they leave ENO as it is.
+        // After the name, as older versions write them, they leave ENO as it is.
         let is_inline = is_box && element.eno == Eno::Default && !types.is_empty();
         match &types[..] {
             [] => {}

@@ -247,29 +247,12 @@ fn expr(value: &Expr) -> String {
             };
             format!("({sign}{})", expr(operand))
         }
-        ExprKind::Binary { op, left, right, .. } => format!("({} {} {})", expr(left), sign(*op), expr(right)),
+        ExprKind::Binary { op, left, right, .. } => {
+            // GRAPH has a sign of its own for it.
+            let sign = if *op == BinaryOp::Equal { "==" } else { op.sign() };
+            format!("({} {sign} {})", expr(left), expr(right))
+        }
         kind => panic!("not printed: {kind:?}"),
-    }
-}
-
-fn sign(op: BinaryOp) -> &'static str {
-    match op {
-        BinaryOp::Power => "**",
-        BinaryOp::Multiply => "*",
-        BinaryOp::Divide => "/",
-        BinaryOp::DivideInteger => "DIV",
-        BinaryOp::Modulo => "MOD",
-        BinaryOp::Add => "+",
-        BinaryOp::Subtract => "-",
-        BinaryOp::Less => "<",
-        BinaryOp::Greater => ">",
-        BinaryOp::LessEqual => "<=",
-        BinaryOp::GreaterEqual => ">=",
-        BinaryOp::Equal => "==",
-        BinaryOp::NotEqual => "<>",
-        BinaryOp::And => "AND",
-        BinaryOp::Xor => "XOR",
-        BinaryOp::Or => "OR",
     }
 }
 

@@ -506,6 +506,25 @@ pub enum StatusOperand {
     Le0,
 }
 
+impl StatusOperand {
+    /// As statement lists write it.
+    pub const fn name(self, mnemonics: Mnemonics) -> &'static str {
+        match (self, mnemonics) {
+            (StatusOperand::Br, Mnemonics::De) => "BIE",
+            (StatusOperand::Br, Mnemonics::En) => "BR",
+            (StatusOperand::Ov, _) => "OV",
+            (StatusOperand::Os, _) => "OS",
+            (StatusOperand::Uo, _) => "UO",
+            (StatusOperand::Eq0, _) => "==0",
+            (StatusOperand::Ne0, _) => "<>0",
+            (StatusOperand::Gt0, _) => ">0",
+            (StatusOperand::Lt0, _) => "<0",
+            (StatusOperand::Ge0, _) => ">=0",
+            (StatusOperand::Le0, _) => "<=0",
+        }
+    }
+}
+
 /// Registers that `L` and `T` name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SpecialRegister {
@@ -514,6 +533,19 @@ pub enum SpecialRegister {
     DbNumber,
     DiLength,
     DiNumber,
+}
+
+impl SpecialRegister {
+    /// As statement lists write it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            SpecialRegister::Stw => "STW",
+            SpecialRegister::DbLength => "DBLG",
+            SpecialRegister::DbNumber => "DBNO",
+            SpecialRegister::DiLength => "DILG",
+            SpecialRegister::DiNumber => "DINO",
+        }
+    }
 }
 
 /// Forms of operands, before names are settled.

@@ -30,27 +30,6 @@ fn precedence(op: BinaryOp) -> u8 {
 /// Of NOT and signs.
 const UNARY: u8 = 8;
 
-pub(crate) fn sign(op: BinaryOp) -> &'static str {
-    match op {
-        BinaryOp::Power => "**",
-        BinaryOp::Multiply => "*",
-        BinaryOp::Divide => "/",
-        BinaryOp::DivideInteger => "DIV",
-        BinaryOp::Modulo => "MOD",
-        BinaryOp::Add => "+",
-        BinaryOp::Subtract => "-",
-        BinaryOp::Less => "<",
-        BinaryOp::Greater => ">",
-        BinaryOp::LessEqual => "<=",
-        BinaryOp::GreaterEqual => ">=",
-        BinaryOp::Equal => "=",
-        BinaryOp::NotEqual => "<>",
-        BinaryOp::And => "AND",
-        BinaryOp::Xor => "XOR",
-        BinaryOp::Or => "OR",
-    }
-}
-
 /// An expression where something binds with `around`: in parentheses if it binds less.
 fn written(value: &Expr, around: u8, writer: &mut Writer) -> String {
     match &value.kind {
@@ -98,7 +77,7 @@ fn written(value: &Expr, around: u8, writer: &mut Writer) -> String {
             let own = precedence(*op);
             let left = written(left, own, writer);
             let right = written(right, own + 1, writer);
-            let text = format!("{left} {} {right}", sign(*op));
+            let text = format!("{left} {} {right}", op.sign());
             if own < around { format!("({text})") } else { text }
         }
         ExprKind::Error => {

@@ -355,7 +355,7 @@ impl Reader<'_> {
         };
         let again = std::mem::replace(&mut self.fresh, true);
         let value = match self.chain.take().filter(|_| again) {
-            // Behind a coil of the same flow.
+            // After a coil of the same flow.
             Some((coil, signal)) if signal == value => Signal::Net(self.drawing.output(coil, "out", None)),
             Some((coil, signal)) if signal.clone().inverted() == value => {
                 Signal::Net(self.drawing.output(coil, "out", None)).inverted()

@@ -233,6 +233,30 @@ pub enum BinaryOp {
     Or,
 }
 
+impl BinaryOp {
+    /// As SCL writes it.
+    pub const fn sign(self) -> &'static str {
+        match self {
+            BinaryOp::Power => "**",
+            BinaryOp::Multiply => "*",
+            BinaryOp::Divide => "/",
+            BinaryOp::DivideInteger => "DIV",
+            BinaryOp::Modulo => "MOD",
+            BinaryOp::Add => "+",
+            BinaryOp::Subtract => "-",
+            BinaryOp::Less => "<",
+            BinaryOp::Greater => ">",
+            BinaryOp::LessEqual => "<=",
+            BinaryOp::GreaterEqual => ">=",
+            BinaryOp::Equal => "=",
+            BinaryOp::NotEqual => "<>",
+            BinaryOp::And => "AND",
+            BinaryOp::Xor => "XOR",
+            BinaryOp::Or => "OR",
+        }
+    }
+}
+
 /// A constant. Signs are operators and not part of it, except after a type prefix.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Literal {

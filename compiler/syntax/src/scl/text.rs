@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use super::ast::{
-    Argument, AssignOp, BinaryOp, Body, CaseValue, Dialect, Expr, ExprKind, Literal, Name, NameForm, Statement,
-    StatementKind, UnaryOp,
+    Argument, AssignOp, Body, CaseValue, Dialect, Expr, ExprKind, Literal, Name, NameForm, Statement, StatementKind,
+    UnaryOp,
 };
 use crate::ast::{BlockName, OperandKind, Width};
 use crate::ast_text;
@@ -134,27 +134,6 @@ fn assign_op(op: AssignOp) -> &'static str {
     }
 }
 
-fn binary_op(op: BinaryOp) -> &'static str {
-    match op {
-        BinaryOp::Power => "**",
-        BinaryOp::Multiply => "*",
-        BinaryOp::Divide => "/",
-        BinaryOp::DivideInteger => "DIV",
-        BinaryOp::Modulo => "MOD",
-        BinaryOp::Add => "+",
-        BinaryOp::Subtract => "-",
-        BinaryOp::Less => "<",
-        BinaryOp::Greater => ">",
-        BinaryOp::LessEqual => "<=",
-        BinaryOp::GreaterEqual => ">=",
-        BinaryOp::Equal => "=",
-        BinaryOp::NotEqual => "<>",
-        BinaryOp::And => "AND",
-        BinaryOp::Xor => "XOR",
-        BinaryOp::Or => "OR",
-    }
-}
-
 fn case_value(value: &CaseValue) -> String {
     match &value.high {
         Some(high) => format!("{}..{}", expr(&value.low), expr(high)),
@@ -238,7 +217,7 @@ fn write_expr(out: &mut String, value: &Expr) {
         ExprKind::Binary { op, left, right, .. } => {
             out.push('(');
             write_expr(out, left);
-            let _ = write!(out, " {} ", binary_op(*op));
+            let _ = write!(out, " {} ", op.sign());
             write_expr(out, right);
             out.push(')');
         }
