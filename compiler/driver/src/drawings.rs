@@ -4,6 +4,7 @@ use std::io::Write as _;
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
+use plcc_abi::services::ServicesConfig;
 use plcc_diag::FileId;
 use plcc_syntax::ast::SourceUnit;
 use plcc_view::names::Names;
@@ -12,20 +13,16 @@ use plcc_view::{book, page};
 use crate::pipeline::{self, Bound, Parsed, Settings};
 
 /// What is drawn, kept from before binding.
-pub struct Undrawn {
+struct Undrawn {
     name: String,
     units: Vec<(FileId, SourceUnit)>,
 }
 
-/// Keeps what the drawings need, if the program is to have them: its project asks for services, or `wanted`.
-pub fn keep(parsed: &Parsed, wanted: bool) -> Option<Undrawn> {
-    let has_services = parsed.project.as_ref().is_some_and(|project| project.config.services.linked);
-    (wanted || has_services).then(|| Undrawn { name: parsed.name.clone(), units: parsed.units.clone() })
-}
-
-/// Binds a program, and draws it for its page if it has one.
-pub fn bind(parsed: Parsed, settings: &Settings, wanted: bool) -> Bound {
-    let undrawn = keep(&parsed, wanted);
+/// Binds a program, and draws it for its page if that is `wanted`, which the services of its project may decide.
+pub fn bind(parsed: Parsed, settings: &Settings, wanted: impl FnOnce(&ServicesConfig) -> bool) -> Bound {
+    let services = parsed.project.as_ref().map(|project| &project.config.services);
+    let is_wanted = wanted(services.unwrap_or(&ServicesConfig::default()));
+    let undrawn = is_wanted.then(|| Undrawn { name: parsed.name.clone(), units: parsed.units.clone() });
     let mut bound = pipeline::bind(parsed, settings);
     if let Some(undrawn) = undrawn.filter(|_| !bound.has_errors()) {
         bound.program.config.services.drawings = document(&undrawn, &bound);

@@ -1,11 +1,12 @@
 //! `[services]` of plc.toml: what clients can reach, and who they may be.
 
 use plcc_abi::services::{Client, Protection, Registers, Right, Role, ServicesConfig, User};
-use plcc_diag::{Code, Diagnostic, FileId, Span};
+use plcc_diag::{Diagnostic, FileId};
 use plcc_services::{options, password, rights};
 use serde::Deserialize;
 use toml::Spanned;
 
+use crate::keys::Reader;
 use crate::project::{duration_ms, number_within};
 
 /// `[services]`.
@@ -92,7 +93,7 @@ const INTERVAL_MS_MAX: u32 = 3_600_000;
 
 /// Reads the table. Reports wrong keys and ignores them.
 pub fn read(keys: &ServicesKeys, file: FileId) -> (ServicesConfig, Vec<Diagnostic>) {
-    let mut reader = Reader { file, diagnostics: Vec::new() };
+    let mut reader = Reader::new(file);
     let password = keys.password.as_ref().and_then(|key| reader.hash(key, "plcc password"));
     let address = |text: &str| options::address(text).map(|_| ());
     let help = "write a port of this computer, `10102`, or `0.0.0.0:102`";
@@ -138,16 +139,7 @@ fn registers(keys: &RegisterKeys) -> Registers {
     }
 }
 
-struct Reader {
-    file: FileId,
-    diagnostics: Vec<Diagnostic>,
-}
-
 impl Reader {
-    fn report<T>(&mut self, key: &Spanned<T>, title: String, help: &str) {
-        self.diagnostics.push(Diagnostic::new(Code::Project, Span::new(self.file, key.span()), title).help(help));
-    }
-
     /// A text that passes a test.
     fn checked(
         &mut self,

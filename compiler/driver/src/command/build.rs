@@ -45,7 +45,10 @@ fn build_read(args: &BuildArgs, read: Read, name: &str) -> Result<(), u8> {
         write_text(args.output.as_deref(), &text)?;
         return if diagnostics.iter().any(|d| d.is_error()) { Err(exit::COMPILE) } else { Ok(()) };
     }
-    let bound = accepted(drawings::bind(parsed, &settings, args.services), unreadable, &settings)?;
+    // Only what is linked has a page.
+    let links = matches!(args.emit, None | Some(Emit::Oci)) && !args.stats;
+    let bound = drawings::bind(parsed, &settings, |project| links && (args.services || project.linked));
+    let bound = accepted(bound, unreadable, &settings)?;
     if let Some(pass) = &args.print_after {
         return write_text(
             args.output.as_deref(),

@@ -37,11 +37,10 @@ fn compile(args: &RunArgs) -> Result<(ProgramImage, Vec<EntryFunction>, JitProgr
     let read = inputs::read_as(&inputs::or_here(&args.inputs)?, args.compile.code_page);
     let unreadable = read.is_unreadable();
     let settings = pipeline::Settings { require_main: true, ..pipeline::Settings::new(&args.compile) };
-    let bound = accepted(
-        drawings::bind(pipeline::parse(read, &settings), &settings, args.services.web.is_some()),
-        unreadable,
-        &settings,
-    )?;
+    let has_page = args.services.web.is_some();
+    let bound =
+        drawings::bind(pipeline::parse(read, &settings), &settings, |project| has_page || project.web.is_some());
+    let bound = accepted(bound, unreadable, &settings)?;
     let compiled = pipeline::back(&bound, args.optimization.optimization());
     let (entries, code) = code::machine_code(&compiled).map_err(|error| internal(&error))?;
     Ok((compiled.image, entries, code))
