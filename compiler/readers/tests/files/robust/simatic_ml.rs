@@ -3,23 +3,23 @@
 use plcc_readers::xml::{self, XmlKind};
 use proptest::prelude::*;
 
-use crate::input::{Notation, exchanged};
-use crate::reading::{of, read_with};
+use super::input::{Notation, exchanged};
+use super::reading::{of, read_with};
 
 const NOTATION: Notation = Notation {
     sources: &[
-        include_str!("../../../../tests/parse/simatic-ml/seal-in.xml"),
-        include_str!("../../../../tests/parse/simatic-ml/flgnet-v2.xml"),
-        include_str!("../../../../tests/parse/simatic-ml/flgnet-v3.xml"),
-        include_str!("../../../../tests/parse/simatic-ml/flgnet-v4.xml"),
-        include_str!("../../../../tests/parse/simatic-ml/flgnet-v5.xml"),
-        include_str!("../../../../tests/parse/simatic-ml/scl-block.xml"),
-        include_str!("../../../../tests/parse/simatic-ml/stl-block.xml"),
-        include_str!("../../../../tests/parse/simatic-ml/mixed-block.xml"),
-        include_str!("../../../../tests/parse/simatic-ml/data.xml"),
-        include_str!("../../../../tests/parse/simatic-ml/graph-forms.xml"),
-        include_str!("../../../../tests/parse/simatic-ml/star-delta/StarDelta.xml"),
-        include_str!("../../../../tests/parse/simatic-ml/two-doses/TwoDoses_DB.xml"),
+        include_str!("../../../../../tests/parse/simatic-ml/seal-in.xml"),
+        include_str!("../../../../../tests/parse/simatic-ml/flgnet-v2.xml"),
+        include_str!("../../../../../tests/parse/simatic-ml/flgnet-v3.xml"),
+        include_str!("../../../../../tests/parse/simatic-ml/flgnet-v4.xml"),
+        include_str!("../../../../../tests/parse/simatic-ml/flgnet-v5.xml"),
+        include_str!("../../../../../tests/parse/simatic-ml/scl-block.xml"),
+        include_str!("../../../../../tests/parse/simatic-ml/stl-block.xml"),
+        include_str!("../../../../../tests/parse/simatic-ml/mixed-block.xml"),
+        include_str!("../../../../../tests/parse/simatic-ml/data.xml"),
+        include_str!("../../../../../tests/parse/simatic-ml/graph-forms.xml"),
+        include_str!("../../../../../tests/parse/simatic-ml/star-delta/StarDelta.xml"),
+        include_str!("../../../../../tests/parse/simatic-ml/two-doses/TwoDoses_DB.xml"),
     ],
     pieces: WORDS,
     frames: &[],

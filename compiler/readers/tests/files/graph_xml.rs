@@ -9,9 +9,9 @@ use plcc_syntax::network::ast::Content;
 use plcc_syntax::scl::ast::Name;
 use plcc_syntax::scl::text::expr;
 
-const FORMS: &str = include_str!("../../../tests/parse/simatic-ml/graph-forms.xml");
-const STAR_DELTA: &str = include_str!("../../../tests/parse/simatic-ml/star-delta/StarDelta.xml");
-const TWO_DOSES: &str = include_str!("../../../tests/parse/simatic-ml/two-doses/TwoDoses.xml");
+const FORMS: &str = include_str!("../../../../tests/parse/simatic-ml/graph-forms.xml");
+const STAR_DELTA: &str = include_str!("../../../../tests/parse/simatic-ml/star-delta/StarDelta.xml");
+const TWO_DOSES: &str = include_str!("../../../../tests/parse/simatic-ml/two-doses/TwoDoses.xml");
 
 fn read(text: &str) -> (Vec<Block>, Vec<Diagnostic>) {
     let (unit, messages) = parse(FileId(0), text, &ReadOptions::default());
@@ -187,7 +187,7 @@ fn the_interface_is_that_of_the_user() {
 
 #[test]
 fn instances_have_no_values_of_steps() {
-    let (blocks, messages) = read(include_str!("../../../tests/parse/simatic-ml/star-delta/StarDelta_DB.xml"));
+    let (blocks, messages) = read(include_str!("../../../../tests/parse/simatic-ml/star-delta/StarDelta_DB.xml"));
     assert!(messages.is_empty(), "{messages:#?}");
     let [Block::Data(block)] = blocks.as_slice() else { panic!("one data block") };
     assert_eq!(block.values.len(), 1, "{:?}", block.values);

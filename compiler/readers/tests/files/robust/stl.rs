@@ -6,8 +6,8 @@ use std::time::Duration;
 use plcc_diag::FileId;
 use plcc_readers::{ReadOptions, parse};
 
-use crate::input::Notation;
-use crate::reading::{of, read, soon};
+use super::input::Notation;
+use super::reading::{of, read, soon};
 
 const NOTATION: Notation = Notation { sources: &[include_str!("../forms.stl")], pieces: PIECES, frames: &[] };
 

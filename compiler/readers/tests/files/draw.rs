@@ -1,8 +1,6 @@
 //! Drawings of networks.
 
-mod notation;
-
-use notation::network;
+use crate::notation::network;
 use plcc_syntax::network::ast::Language;
 use plcc_syntax::network::draw::draw;
 

@@ -10,16 +10,16 @@ use plcc_syntax::network::ast::{Content, Graph, Network, PinValue, Source};
 use plcc_syntax::network::draw::draw;
 use proptest::prelude::*;
 
-use crate::input::{Notation, exchanged};
-use crate::reading::{of, read_with};
+use super::input::{Notation, exchanged};
+use super::reading::{of, read_with};
 
 const NOTATION: Notation = Notation {
     sources: &[
-        include_str!("../../../../tests/parse/plcopen/ladder.xml"),
-        include_str!("../../../../tests/parse/plcopen/blocks.xml"),
-        include_str!("../../../../tests/parse/plcopen/charts.xml"),
-        include_str!("../../../../tests/parse/plcopen/star_delta.xml"),
-        include_str!("../../../../tests/parse/plcopen/two_doses.xml"),
+        include_str!("../../../../../tests/parse/plcopen/ladder.xml"),
+        include_str!("../../../../../tests/parse/plcopen/blocks.xml"),
+        include_str!("../../../../../tests/parse/plcopen/charts.xml"),
+        include_str!("../../../../../tests/parse/plcopen/star_delta.xml"),
+        include_str!("../../../../../tests/parse/plcopen/two_doses.xml"),
     ],
     pieces: PIECES,
     frames: &[],

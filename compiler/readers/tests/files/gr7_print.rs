@@ -10,9 +10,9 @@ use plcc_syntax::scl::ast::{BinaryOp, Expr, ExprKind, Literal, Name, NameForm, U
 use plcc_syntax::{Elementary, Language, ast_text};
 
 const SOURCES: [&str; 3] = [
-    include_str!("../../../tests/parse/graph/forms.gr7"),
-    include_str!("../../../tests/parse/graph/door.gr7"),
-    include_str!("../../../tests/parse/graph/star_delta.gr7"),
+    include_str!("../../../../tests/parse/graph/forms.gr7"),
+    include_str!("../../../../tests/parse/graph/door.gr7"),
+    include_str!("../../../../tests/parse/graph/star_delta.gr7"),
 ];
 
 fn read(text: &str) -> SourceUnit {
@@ -36,7 +36,7 @@ fn printed_charts_read_the_same() {
 
 #[test]
 fn line_ends_do_not_matter() {
-    let source = include_str!("../../../tests/parse/graph/door.gr7");
+    let source = include_str!("../../../../tests/parse/graph/door.gr7");
     let wanted = ast_text(&read(source));
     for end in ["\r\n", "\r"] {
         assert_eq!(ast_text(&read(&source.replace('\n', end))), wanted, "{end:?}");

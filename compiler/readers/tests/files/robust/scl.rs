@@ -7,13 +7,13 @@ use plcc_diag::FileId;
 use plcc_readers::parse;
 use plcc_syntax::Language;
 
-use crate::input::Notation;
-use crate::reading::{of, read, soon};
+use super::input::Notation;
+use super::reading::{of, read, soon};
 
 const SCL: Option<Language> = Some(Language::Scl);
 
 const NOTATION: Notation = Notation {
-    sources: &[include_str!("../../../../tests/parse/scl/forms.scl")],
+    sources: &[include_str!("../../../../../tests/parse/scl/forms.scl")],
     pieces: PIECES,
     frames: &[
         ("FUNCTION_BLOCK \"f\"\nBEGIN\n", "\nEND_FUNCTION_BLOCK\n"),

@@ -4,9 +4,9 @@ use std::net::{Ipv4Addr, TcpListener};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
-/// Starts a program of `tests/partners`; it ends on its own, or after a minute.
+/// Starts a program of `tests/command/partners`; it ends on its own, or after a minute.
 fn start(source: &str, port: u16) -> Child {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/partners").join(source);
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/command/partners").join(source);
     Command::new(env!("CARGO_BIN_EXE_plcc"))
         .arg("run")
         .arg(file)

@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use plcc_syntax::Language;
 
-use crate::input::Notation;
-use crate::reading::{of, read, soon};
+use super::input::Notation;
+use super::reading::{of, read, soon};
 
 const GRAPH: Option<Language> = Some(Language::Graph);
 
@@ -14,9 +14,9 @@ const LIMIT: Duration = Duration::from_secs(5);
 
 const NOTATION: Notation = Notation {
     sources: &[
-        include_str!("../../../../tests/parse/graph/forms.gr7"),
-        include_str!("../../../../tests/parse/graph/door.gr7"),
-        include_str!("../../../../tests/parse/graph/mixed.gr7"),
+        include_str!("../../../../../tests/parse/graph/forms.gr7"),
+        include_str!("../../../../../tests/parse/graph/door.gr7"),
+        include_str!("../../../../../tests/parse/graph/mixed.gr7"),
     ],
     pieces: PIECES,
     frames: &[("FUNCTION_BLOCK FB1\nINITIAL_STEP S1:\n", "\nEND_STEP\nEND_FUNCTION_BLOCK")],

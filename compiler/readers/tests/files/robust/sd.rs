@@ -7,8 +7,8 @@ use plcc_readers::sd::Texts;
 use plcc_syntax::Language;
 use proptest::prelude::*;
 
-use crate::input::Notation;
-use crate::reading::{of, read, soon};
+use super::input::Notation;
+use super::reading::{of, read, soon};
 
 const SD: Option<Language> = Some(Language::Sd);
 
@@ -17,10 +17,10 @@ const LIMIT: Duration = Duration::from_secs(5);
 
 const NOTATION: Notation = Notation {
     sources: &[
-        include_str!("../../../../tests/parse/sd/lad.s7dcl"),
-        include_str!("../../../../tests/parse/sd/fbd.s7dcl"),
-        include_str!("../../../../tests/parse/sd/data.s7dcl"),
-        include_str!("../../../../tests/parse/sd/dialects.s7dcl"),
+        include_str!("../../../../../tests/parse/sd/lad.s7dcl"),
+        include_str!("../../../../../tests/parse/sd/fbd.s7dcl"),
+        include_str!("../../../../../tests/parse/sd/data.s7dcl"),
+        include_str!("../../../../../tests/parse/sd/dialects.s7dcl"),
     ],
     pieces: PIECES,
     frames: &[("FUNCTION_BLOCK F NETWORK RUNG ", " END_RUNG END_NETWORK END_FUNCTION_BLOCK")],

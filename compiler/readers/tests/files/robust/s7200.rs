@@ -7,13 +7,13 @@ use plcc_diag::FileId;
 use plcc_readers::parse;
 use plcc_syntax::Language;
 
-use crate::input::Notation;
-use crate::reading::{of, read, soon};
+use super::input::Notation;
+use super::reading::{of, read, soon};
 
 const S7200: Option<Language> = Some(Language::S7200);
 
 const NOTATION: Notation =
-    Notation { sources: &[include_str!("../../../../tests/parse/s7200/forms.awl")], pieces: PIECES, frames: &[] };
+    Notation { sources: &[include_str!("../../../../../tests/parse/s7200/forms.awl")], pieces: PIECES, frames: &[] };
 
 /// Pieces that changes put into sources.
 #[rustfmt::skip]

@@ -27,7 +27,7 @@ fn every_mistake_is_told() {
 fn charts_are_known_by_their_content() {
     for language in [None, Some(Language::Stl), Some(Language::Scl)] {
         let options = ReadOptions { language, ..ReadOptions::default() };
-        let text = include_str!("../../../tests/parse/graph/mixed.gr7");
+        let text = include_str!("../../../../tests/parse/graph/mixed.gr7");
         let (unit, diagnostics) = parse(FileId(0), text, &options);
         assert!(diagnostics.is_empty(), "{diagnostics:?}");
         assert_eq!(unit.blocks.len(), 5);
