@@ -2,18 +2,18 @@
 
 use std::fmt::{self, Display, Formatter, Write as _};
 
-use crate::chart::{
+use super::chart::{
     Action, Area, Bit, Chart, Coil, Condition, Event, Input, Interface, Order, Permanent, Row, StepBit, Time,
     TransitionBit,
 };
-use crate::generate::Call;
-use crate::model::{Memory, Model};
+use super::generate::Call;
+use super::model::{Memory, Model};
 
 /// OB 1 calls the block while this byte of bit memory is 0.
 pub const PAUSE: u8 = 196;
 /// A word: the value of S_SEL.
 pub const S_SEL: u8 = 198;
-/// BOOL inputs of the block start at this byte, in the order of [`crate::chart::Input::ALL`].
+/// BOOL inputs of the block start at this byte, in the order of [`super::chart::Input::ALL`].
 pub const PARAMETERS: u8 = 200;
 
 /// Charts use C 0 and this many more.

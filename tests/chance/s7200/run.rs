@@ -17,9 +17,9 @@ use plcc_runtime::cpu::Cpu;
 use plcc_runtime::cycle::{Observer, Pace};
 use plcc_runtime::io::Simulated;
 
-use crate::generate::Case;
-use crate::memory::Memory;
-use crate::model::{Halt, Model};
+use super::generate::Case;
+use super::memory::Memory;
+use super::model::{Halt, Model};
 
 /// Nanoseconds of host time for a cycle.
 const HANG_LIMIT: u64 = 10_000_000_000;

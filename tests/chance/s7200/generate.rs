@@ -1,7 +1,7 @@
 //! Random valid programs and the inputs of their scans, with values, counts and addresses at the limits of the allowed range.
 
-use crate::operands::{self, Local};
-use crate::program::{Area, Block, Data, Direction, NETWORK, Operand, Parameter, Program, Statement, Width};
+use super::operands::{self, Local};
+use super::program::{Area, Block, Data, Direction, NETWORK, Operand, Parameter, Program, Statement, Width};
 use plcc_tests::random::Random;
 
 /// The inputs of a scan.

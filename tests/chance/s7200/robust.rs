@@ -5,7 +5,7 @@ use plcc_driver::cli::Level;
 use plcc_driver::inputs::Read;
 use plcc_driver::pipeline::{self, Settings};
 
-use crate::generate;
+use super::generate;
 use plcc_tests::damage;
 use plcc_tests::random::Random;
 

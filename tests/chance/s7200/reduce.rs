@@ -2,9 +2,9 @@
 
 use plcc_tests::reduce::{self, Best};
 
-use crate::generate::Case;
-use crate::program::Operand;
-use crate::run::{self, FORMS, Failure};
+use super::generate::Case;
+use super::program::Operand;
+use super::run::{self, FORMS, Failure};
 
 /// A small case that fails as `case` does, with its failure.
 pub fn reduce(case: Case, failure: Failure) -> Best<Case> {

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::{Case, Refusal, campaign, refusal};
+use super::{Case, Refusal, campaign, refusal};
 
 /// A type with the values of its parts, and the operation that moves it as a whole.
 struct Kind {

@@ -4,7 +4,7 @@
 
 use std::fmt::Write as _;
 
-use crate::{Case, Refusal, campaign};
+use super::{Case, Refusal, campaign};
 
 /// How a value of a type is read and written.
 #[derive(Clone, Copy, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! Instructions that run when the stack top is 1 and that change memory only.
 
-use crate::memory::{COUNT, Fault, INDEX, Memory, Place, RANGE, Store};
-use crate::program::{Operand, Width};
+use super::memory::{COUNT, Fault, INDEX, Memory, Place, RANGE, Store};
+use super::program::{Operand, Width};
 
 const ZERO: u8 = 0;
 const OVERFLOW: u8 = 1;

@@ -6,12 +6,12 @@ use std::ops::Range;
 
 use plcc_tests::random::Random;
 
-use crate::chart::{
+use super::chart::{
     Action, Area, Bit, Chart, Coil, Condition, Event, Input, Interface, Order, Permanent, Row, Step, StepBit, Time,
     Transition, TransitionBit,
 };
-use crate::model::Inputs;
-use crate::text::{COUNTERS, TIMERS};
+use super::model::Inputs;
+use super::text::{COUNTERS, TIMERS};
 
 /// One cycle of OB 1.
 #[derive(Clone, Debug)]

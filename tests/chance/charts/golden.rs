@@ -1,7 +1,7 @@
 //! The traces of the reference, H.1 and H.2, compared with the model.
 
-use crate::chart::{Action, Area, Bit, Chart, Condition, Order, Row, Step, Time, Transition};
-use crate::model::{Inputs, Memory, Model};
+use super::chart::{Action, Area, Bit, Chart, Condition, Order, Row, Step, Time, Transition};
+use super::model::{Inputs, Memory, Model};
 
 fn bit(area: Area, byte: u8, bit: u8) -> Bit {
     Bit { area, byte, bit }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::{Case, campaign};
+use super::{Case, campaign};
 
 /// A type: its width as letters of addresses have it, the instruction that moves it, the constant.
 struct Kind {

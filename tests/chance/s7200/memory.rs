@@ -1,6 +1,6 @@
 //! Memory of the model and how operands reach it.
 
-use crate::program::{Area, Operand, Width};
+use super::program::{Area, Operand, Width};
 
 /// Why an instruction did not run to its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,7 +4,7 @@
 
 use std::fmt::Write as _;
 
-use crate::{Case, campaign};
+use super::{Case, campaign};
 
 /// A type with its sample, and true if `L` and `T` take it.
 const TYPES: &[(&str, &str, bool)] = &[
@@ -194,7 +194,7 @@ fn cases() -> Vec<Case> {
                                     ending: "scl",
                                     cpu: "s7-1500",
                                     source: Box::new(move || {
-                                        format!("{}{}{}", plan.source(), crate::NEXT_FILE, plan.statements())
+                                        format!("{}{}{}", plan.source(), super::NEXT_FILE, plan.statements())
                                     }),
                                 });
                             }

@@ -2,10 +2,10 @@
 
 use plcc_tests::reduce::{self, Best};
 
-use crate::chart::{Action, Chart, Condition};
-use crate::generate::Case;
-use crate::model::Inputs;
-use crate::run::{self, FORMS, Failure};
+use super::chart::{Action, Chart, Condition};
+use super::generate::Case;
+use super::model::Inputs;
+use super::run::{self, FORMS, Failure};
 
 /// A small case that fails as `case` does, with its failure.
 pub fn reduce(case: Case, failure: Failure) -> Best<Case> {

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::{Case, Refusal, campaign, refusal};
+use super::{Case, Refusal, campaign, refusal};
 
 /// A type, and how a variable of it gets the sample value.
 struct Kind {

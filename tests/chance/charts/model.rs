@@ -2,7 +2,7 @@
 //!
 //! Where the reference leaves a choice, a comment `choice:` says which one is made here.
 
-use crate::chart::{
+use super::chart::{
     Action, Area, Bit, Chart, Coil, Condition, Event, Input, Interface, Permanent, Row, StepBit, Time, Transition,
     TransitionBit,
 };

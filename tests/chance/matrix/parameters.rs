@@ -4,7 +4,7 @@
 
 use std::fmt::Write as _;
 
-use crate::{Case, Refusal, campaign};
+use super::{Case, Refusal, campaign};
 
 /// A block of the chain: how it is called, and the section of its parameter.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

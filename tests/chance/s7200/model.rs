@@ -1,11 +1,11 @@
 //! A model of a program, statement by statement, written only from the manual: logic stack, contacts, timers, counters, flow.
-//! [`boxes`](crate::boxes) has the instructions that only change memory.
+//! [`boxes`](super::boxes) has the instructions that only change memory.
 
 use std::collections::HashMap;
 
-use crate::boxes;
-use crate::memory::{Fault, ILLEGAL_REAL, Memory, RANGE};
-use crate::program::{Block, Direction, NETWORK, Operand, Program, Statement, Width};
+use super::boxes;
+use super::memory::{Fault, ILLEGAL_REAL, Memory, RANGE};
+use super::program::{Block, Direction, NETWORK, Operand, Program, Statement, Width};
 
 /// Statements of a scan; a program that runs longer is of no use.
 const STEPS: u32 = 20_000;

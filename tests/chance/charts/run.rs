@@ -15,10 +15,10 @@ use plcc_runtime::cpu::Cpu;
 use plcc_runtime::cycle::{Observer, Pace};
 use plcc_runtime::io::Simulated;
 
-use crate::chart::Chart;
-use crate::generate::{Call, Case};
-use crate::model::{Memory, Model};
-use crate::text::{self, Watch};
+use super::chart::Chart;
+use super::generate::{Call, Case};
+use super::model::{Memory, Model};
+use super::text::{self, Watch};
 
 /// Nanoseconds of host time for a cycle.
 const HANG_LIMIT: u64 = 10_000_000_000;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::program::{Area, Block, Operand, Width};
+use super::program::{Area, Block, Operand, Width};
 use plcc_tests::random::Random;
 
 pub const NUMBERS: Range<u32> = 0..64;
@@ -51,7 +51,7 @@ pub fn checked(random: &mut Random, kind: char, local: &Local) -> Operand {
     operand
 }
 
-/// An operand by the letter of [`generate`](crate::generate): small letters are read, capital ones written.
+/// An operand by the letter of [`generate`](super::generate): small letters are read, capital ones written.
 pub fn operand(random: &mut Random, kind: char, local: &Local) -> Operand {
     match kind {
         'x' => bit(random, local, true),
