@@ -69,7 +69,10 @@ pub fn address(text: &str) -> Result<SocketAddr, String> {
     if let Ok(port) = text.parse::<u16>() {
         return Ok(SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), port));
     }
-    text.parse().map_err(|_| format!("`{text}` is not an address with a port; write 127.0.0.1:10102 or 0.0.0.0:102"))
+    text.parse().map_err(|_| match text.bytes().all(|digit| digit.is_ascii_digit()) {
+        true => format!("`{text}` is not a port: ports are 1 to 65535"),
+        false => format!("`{text}` is not an address with a port, as in 127.0.0.1:10102"),
+    })
 }
 
 /// Whether a text is the URL of a broker. `Err`: the error.
