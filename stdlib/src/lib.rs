@@ -48,6 +48,8 @@ const SOURCES: &[(Language, &str)] = &[
     (Language::Scl, include_str!("../scl/converting.scl")),
     (Language::Scl, include_str!("../scl/communication.scl")),
     (Language::Scl, include_str!("../scl/connections.scl")),
+    (Language::Scl, include_str!("../scl/udp.scl")),
+    (Language::Scl, include_str!("../scl/classic_connections.scl")),
     (Language::Scl, include_str!("../scl/s7_connections.scl")),
     (Language::Scl, include_str!("../scl/hardware.scl")),
     (Language::Scl, include_str!("../scl/modbus.scl")),

@@ -26,14 +26,16 @@ struct Pair {
 impl Pair {
     fn build() -> Result<Pair, Failed> {
         let pair = Pair { folder: tempfile::tempdir()?, port: free_port() };
+        let partner = format!("partner = \"127.0.0.1:{}\"\n", pair.port);
         let one = format!(
-            "cpu = \"s7-1500\"\n[services]\n[connection.\"16#100\"]\npartner = \"127.0.0.1:{}\"\n\
-             local_tsap = \"10.01\"\nremote_tsap = \"10.02\"\n",
-            pair.port
+            "cpu = \"s7-1500\"\n[services]\n[connection.\"16#100\"]\n{partner}\
+             local_tsap = \"10.01\"\nremote_tsap = \"10.02\"\n"
         );
+        let alone = format!("cpu = \"s7-1200\"\n[connection.1]\n{partner}slot = 1\n");
         let two = "cpu = \"s7-300\"\n[services]\n[connection.1]\npassive = true\npartner = \"127.0.0.1\"\n\
                    local_tsap = \"10.02\"\nremote_tsap = \"10.01\"\n";
-        for (name, source, toml) in [("one", "one.scl", one.as_str()), ("two", "two.stl", two)] {
+        for (name, source, toml) in [("one", "one.scl", one.as_str()), ("two", "two.stl", two), ("alone", "alone.scl", &alone)]
+        {
             let project = pair.folder.path().join(format!("{name}.project"));
             std::fs::create_dir(&project)?;
             std::fs::copy(here().join("partners").join(source), project.join(source))?;
@@ -104,9 +106,9 @@ pub fn snap7_server() -> Result<(), Failed> {
     let mut server = Command::new(venv());
     server.arg(here().join("snap7_server.py")).arg(pair.port.to_string());
     let server = server.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
-    let one = pair.one(&[])?;
+    let alone = Plc::run(&pair.path("alone"), &[])?;
     let output = server.wait_with_output()?;
-    one.end()?;
+    alone.end()?;
     let said = format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     if output.status.success() && said.contains("done") { Ok(()) } else { Err(said.into()) }
 }

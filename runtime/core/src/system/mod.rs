@@ -285,6 +285,8 @@ system_functions! {
     2136 S7_URCV  (Bool, Word, Dword, Dword) -> (Word, Dword, Any, Any, Any, Any) = partners::urcv;
     2137 S7_BSEND (Word, Dword, Any, Word) -> (Word, Dword)    = partners::bsend;
     2138 S7_BRCV  (Bool, Word, Dword, Dword) -> (Word, Dword, Word, Any) = partners::brcv;
+    2139 LINK_SEND_TO (Word, Dword, Any, Any) -> (Word)       = communication::send_to;
+    2140 LINK_RECEIVE_FROM (Word, Dword)  -> (Word, Dword, Any, Any) = communication::receive_from;
 }
 
 /// No row.
