@@ -16,6 +16,10 @@ pub const ANSWER_TIME: Duration = Duration::from_secs(5);
 /// Requests that wait for the CPU; who has more waits.
 pub const QUEUE_MAX: usize = 64;
 
+/// Cyclic jobs of an S7 connection, and variables of one.
+pub const SUBSCRIPTIONS_MAX: usize = 16;
+pub const SUBSCRIBED_ITEMS_MAX: usize = 20;
+
 /// How long a partner of the program may take to answer a job, or to send the next segment of a block.
 pub const PARTNER_TIME: Duration = Duration::from_secs(10);
 /// From one attempt to reach a partner to the next.

@@ -9,6 +9,7 @@
 //!
 //! Everything but the server is a function of bytes and the CPU. Source: ISO 8073, RFC 1006; captures of clients and CPUs.
 
+mod cyclic;
 mod dial;
 mod frame;
 mod partner;

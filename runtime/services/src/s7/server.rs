@@ -174,6 +174,12 @@ impl Line {
                     self.send(&frames).await?;
                 }
             }
+            if self.session.as_ref().and_then(Session::due).is_some_and(|due| due <= std::time::Instant::now()) {
+                for pdu in self.indications().await? {
+                    let frames = frame::data(&pdu, self.piece_bytes);
+                    self.send(&frames).await?;
+                }
+            }
             let patience = match &self.session {
                 _ if self.reader.is_waiting() => Some(FRAME_TIME),
                 None => Some(CONNECT_TIME),
@@ -181,8 +187,9 @@ impl Line {
                 Some(_) => None,
             };
             let end = patience.map(|time| self.heard + time);
-            let look = self.partner.as_ref().and_then(Partner::deadline).map(Instant::from_std);
-            let next = end.into_iter().chain(look).min();
+            let look = self.partner.as_ref().and_then(Partner::deadline);
+            let due = self.session.as_ref().and_then(Session::due);
+            let next = end.into_iter().chain(look.into_iter().chain(due).map(Instant::from_std)).min();
             tokio::select! {
                 count = self.stream.read(&mut buffer) => match count.ok()? {
                     0 => return None,
@@ -251,6 +258,21 @@ impl Line {
             self.join();
         }
         answer.ok()
+    }
+
+    /// What cyclic jobs send now.
+    async fn indications(&mut self) -> Option<Vec<Vec<u8>>> {
+        let mut own = self.session.take()?;
+        let (own, pdus) = self
+            .server
+            .link
+            .ask(move |cpu| {
+                let pdus = own.indications(&Access(cpu), std::time::Instant::now());
+                (own, pdus)
+            })
+            .await?;
+        self.session = Some(own);
+        Some(pdus)
     }
 
     /// The connection of the program that a partner asks for.

@@ -1,7 +1,10 @@
 //! A connection of S7 after it is open: each PDU has at most one answer.
 
+use std::time::Instant;
+
 use plcc_abi::services::{Protection, Right};
 
+use super::cyclic::Subscriptions;
 use super::plc::{Plc, Restart};
 use super::userdata::{self, Pending};
 use super::variables::{self, READ, Refused, WRITE, WRONG_PDU};
@@ -72,6 +75,7 @@ pub struct Session {
     verdict: Option<bool>,
     pub(super) pending: Option<Pending>,
     pub(super) sequence: u8,
+    pub(super) subscriptions: Subscriptions,
     /// Jobs that the other side answers at once.
     pub jobs: u16,
     /// How often the length was agreed on.
@@ -91,6 +95,7 @@ impl Session {
             verdict: None,
             pending: None,
             sequence: 0,
+            subscriptions: Subscriptions::default(),
             jobs: 1,
             setups: 0,
         }
@@ -111,7 +116,7 @@ impl Session {
         self.pdu.map_or(PDU_BEFORE, usize::from)
     }
 
-    fn may_read(&self) -> bool {
+    pub(super) fn may_read(&self) -> bool {
         self.gate.protection != Protection::Complete || self.legitimated
     }
 
@@ -141,6 +146,19 @@ impl Session {
     /// The client wants to be protected from itself again. `Err`: the error word.
     pub(super) fn forget_password(&mut self) -> Result<(), u16> {
         if std::mem::take(&mut self.legitimated) { Ok(()) } else { Err(NOT_LEGITIMATED) }
+    }
+
+    /// When cyclic jobs have values to send.
+    pub fn due(&self) -> Option<Instant> {
+        self.subscriptions.due()
+    }
+
+    /// What cyclic jobs send now.
+    pub fn indications(&mut self, plc: &dyn Plc, now: Instant) -> Vec<Vec<u8>> {
+        match self.pdu {
+            Some(pdu) if self.may_read() => self.subscriptions.indications(plc, pdu, now),
+            _ => Vec::new(),
+        }
     }
 
     /// Protection level: the one that is set, and the one that holds for this client.
@@ -223,6 +241,7 @@ impl Session {
         self.jobs = calling.min(called).clamp(1, PARALLEL_JOBS);
         self.setups = self.setups.wrapping_add(1);
         self.pending = None;
+        self.subscriptions.clear();
         let mut parameter = vec![SETUP, 0];
         for jobs in [calling, called] {
             put16(&mut parameter, jobs.clamp(1, PARALLEL_JOBS));
