@@ -34,7 +34,8 @@ impl Pair {
         let alone = format!("cpu = \"s7-1200\"\n[connection.1]\n{partner}slot = 1\n");
         let two = "cpu = \"s7-300\"\n[services]\n[connection.1]\npassive = true\npartner = \"127.0.0.1\"\n\
                    local_tsap = \"10.02\"\nremote_tsap = \"10.01\"\n";
-        for (name, source, toml) in [("one", "one.scl", one.as_str()), ("two", "two.stl", two), ("alone", "alone.scl", &alone)]
+        for (name, source, toml) in
+            [("one", "one.scl", one.as_str()), ("two", "two.stl", two), ("alone", "alone.scl", &alone)]
         {
             let project = pair.folder.path().join(format!("{name}.project"));
             std::fs::create_dir(&project)?;
@@ -114,8 +115,7 @@ pub fn snap7_server() -> Result<(), Failed> {
 }
 
 const CONFIRM: &[u8] = &[3, 0, 0, 22, 17, 0xD0, 0, 1, 0, 2, 0, 0xC0, 1, 10, 0xC1, 2, 0x10, 1, 0xC2, 2, 0x10, 2];
-const AGREED: &[u8] =
-    &[3, 0, 0, 27, 2, 0xF0, 0x80, 0x32, 3, 0, 0, 0, 0, 0, 8, 0, 0, 0, 0, 0xF0, 0, 0, 8, 0, 8, 0, 240];
+const AGREED: &[u8] = &[3, 0, 0, 27, 2, 0xF0, 0x80, 0x32, 3, 0, 0, 0, 0, 0, 8, 0, 0, 0, 0, 0xF0, 0, 0, 8, 0, 8, 0, 240];
 /// Answers to the first jobs, a message, a segment and its acknowledgement.
 const ANSWERS: &[&[u8]] = &[
     &[3, 0, 0, 23, 2, 0xF0, 0x80, 0x32, 3, 0, 0, 0, 1, 0, 2, 0, 2, 0, 0, 5, 2, 0xFF, 0xFF],
@@ -123,16 +123,16 @@ const ANSWERS: &[&[u8]] = &[
     &[3, 0, 0, 27, 2, 0xF0, 0x80, 0x32, 3, 0, 0, 0, 3, 0, 2, 0, 6, 0, 0, 4, 1, 0xFF, 4, 0, 16, 1, 2],
     &[3, 0, 0, 19, 2, 0xF0, 0x80, 0x32, 2, 0, 0, 0, 3, 0, 0, 0, 0, 0x81, 4],
     &[
-        3, 0, 0, 39, 2, 0xF0, 0x80, 0x32, 7, 0, 0, 0, 8, 0, 10, 0, 12, 0, 1, 0x12, 6, 0x13, 0, 0, 0, 0, 1, 0xFF, 0, 0, 1,
-        0, 9, 0, 4, 1, 2, 3, 4,
+        3, 0, 0, 39, 2, 0xF0, 0x80, 0x32, 7, 0, 0, 0, 8, 0, 10, 0, 12, 0, 1, 0x12, 6, 0x13, 0, 0, 0, 0, 1, 0xFF, 0, 0,
+        1, 0, 9, 0, 4, 1, 2, 3, 4,
     ],
     &[
-        3, 0, 0, 47, 2, 0xF0, 0x80, 0x32, 7, 0, 0, 0, 7, 0, 12, 0, 18, 0, 1, 0x12, 8, 0x12, 0x46, 1, 0, 0, 0, 0, 0, 0xFF,
-        9, 0, 14, 0x12, 6, 0x13, 0, 0, 0, 0, 8, 0, 4, 1, 2, 3, 4,
+        3, 0, 0, 47, 2, 0xF0, 0x80, 0x32, 7, 0, 0, 0, 7, 0, 12, 0, 18, 0, 1, 0x12, 8, 0x12, 0x46, 1, 0, 0, 0, 0, 0,
+        0xFF, 9, 0, 14, 0x12, 6, 0x13, 0, 0, 0, 0, 8, 0, 4, 1, 2, 3, 4,
     ],
     &[
-        3, 0, 0, 33, 2, 0xF0, 0x80, 0x32, 7, 0, 0, 0, 7, 0, 12, 0, 4, 0, 1, 0x12, 8, 0x12, 0x86, 1, 1, 0, 0, 0, 0, 0x0A,
-        0, 0, 0,
+        3, 0, 0, 33, 2, 0xF0, 0x80, 0x32, 7, 0, 0, 0, 7, 0, 12, 0, 4, 0, 1, 0x12, 8, 0x12, 0x86, 1, 1, 0, 0, 0, 0,
+        0x0A, 0, 0, 0,
     ],
 ];
 
@@ -157,7 +157,11 @@ pub fn hostile_partner() -> Result<(), Failed> {
             stream.write_all(AGREED)?;
             let _ = stream.read(&mut buffer);
             for index in 0..500 {
-                let frame = if index % 7 == 6 { random.changed(ANSWERS) } else { ANSWERS[random.below(ANSWERS.len())].to_vec() };
+                let frame = if index % 7 == 6 {
+                    random.changed(ANSWERS)
+                } else {
+                    ANSWERS[random.below(ANSWERS.len())].to_vec()
+                };
                 stream.write_all(&frame)?;
             }
             stream.write_all(&random.bytes(200))

@@ -32,10 +32,7 @@ const CONNECTIONS_MAX: usize = 32;
 const TSAP_BYTES: std::ops::RangeInclusive<usize> = 2..=16;
 
 /// Reads the tables. Reports wrong keys and ignores them.
-pub fn read(
-    tables: &BTreeMap<Spanned<String>, ConnectionKeys>,
-    file: FileId,
-) -> (Vec<S7Connection>, Vec<Diagnostic>) {
+pub fn read(tables: &BTreeMap<Spanned<String>, ConnectionKeys>, file: FileId) -> (Vec<S7Connection>, Vec<Diagnostic>) {
     let mut reader = Reader::new(file);
     let mut tables: Vec<_> = tables.iter().collect();
     tables.sort_by_key(|(name, _)| name.span().start);
@@ -49,7 +46,9 @@ pub fn read(
             reader.report(name, format!("connection {} is there twice", connection.id), "give each its own ID");
         }
         let same = |other: &&S7Connection| {
-            !other.active && !connection.active && other.local_tsap == connection.local_tsap
+            !other.active
+                && !connection.active
+                && other.local_tsap == connection.local_tsap
                 && (other.remote_tsap == connection.remote_tsap
                     || other.remote_tsap.is_empty()
                     || connection.remote_tsap.is_empty())

@@ -5,9 +5,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::connections::S7Connection;
 use crate::names::{NamedType, TypeNumber, UsedPlace};
 use crate::ob::{OB_FREE, ObClass, StartInput};
-use crate::connections::S7Connection;
 use crate::remote::RemoteStation;
 use crate::s7200::{S7200Config, S7200Image};
 use crate::services::ServicesConfig;

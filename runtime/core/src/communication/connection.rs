@@ -14,8 +14,8 @@ use std::net::{Ipv4Addr, SocketAddr, SocketAddrV4, TcpListener};
 
 use socket2::{Domain, Protocol as IpProtocol, Socket, Type};
 
-use super::description::{Description, Protocol};
 use super::datagrams::Datagrams;
+use super::description::{Description, Protocol};
 use super::iso::{self, Offer, Transport};
 use super::link::Link;
 use super::status;

@@ -21,8 +21,8 @@ use std::time::SystemTime;
 
 use plcc_abi::connections::S7Connection;
 
-pub use receivers::{Arrived, Kind, NotTaken, Receive, Slot};
 use receivers::Receivers;
+pub use receivers::{Arrived, Kind, NotTaken, Receive, Slot};
 
 /// STATUS of blocks. Source: System and standard functions, SFB 8 to 15, error information.
 pub mod status {

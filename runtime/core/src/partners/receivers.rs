@@ -41,7 +41,10 @@ pub enum Arrived {
     /// Data is arriving.
     Some,
     /// All areas. `overwritten`: older ones are lost.
-    All { areas: Vec<Vec<u8>>, overwritten: bool },
+    All {
+        areas: Vec<Vec<u8>>,
+        overwritten: bool,
+    },
 }
 
 /// Why a block of BSEND is not taken.

@@ -10,7 +10,9 @@ use plcc_abi::layout::area;
 use super::any::{self, Access, Range};
 use super::parameters::Call;
 use super::{OK, Outcome, error};
-use crate::communication::{DATAGRAM_BYTES_MAX, Description, IP_V4_BYTES, JOB_BYTES_MAX, PARAM_BYTES, Protocol, Receive, status};
+use crate::communication::{
+    DATAGRAM_BYTES_MAX, Description, IP_V4_BYTES, JOB_BYTES_MAX, PARAM_BYTES, Protocol, Receive, status,
+};
 
 /// Sending or receiving is in progress.
 const RUNNING: u16 = 0x7002;
@@ -146,10 +148,11 @@ pub(super) fn send_to(call: &Call) -> Outcome {
     if call.dword(1) == 0 || call.dword(1) > DATAGRAM_BYTES_MAX {
         return error(LENGTH);
     }
-    let (range, partner) = match job(call, 2, Access::Read).and_then(|range| Ok((range, partner(call, 3, Access::Read)?))) {
-        Ok(found) => found,
-        Err(code) => return error(code),
-    };
+    let (range, partner) =
+        match job(call, 2, Access::Read).and_then(|range| Ok((range, partner(call, 3, Access::Read)?))) {
+            Ok(found) => found,
+            Err(code) => return error(code),
+        };
     let bytes = call.cpu.memory.view(range.offset, range.bytes, <[u8]>::to_vec);
     let [a, b, c, d, high, low, ..] = call.cpu.memory.bytes::<{ PARTNER_BYTES as usize }>(partner.offset);
     let to = SocketAddrV4::new(Ipv4Addr::new(a, b, c, d), u16::from_be_bytes([high, low]));

@@ -31,8 +31,7 @@ fn get_as_bytes() {
         1, 0, 0, 0x83, 0, 0, 0x2B,
     ];
     assert_eq!(partner.work(NOW()), Ok(vec![expected.to_vec()]));
-    let answer =
-        [0x32, 3, 0, 0, 0, 1, 0, 2, 0, 13, 0, 0, 4, 2, 0xFF, 4, 0, 24, 0x11, 0x22, 0x33, 0, 0xFF, 3, 0, 1, 1];
+    let answer = [0x32, 3, 0, 0, 0, 1, 0, 2, 0, 13, 0, 0, 4, 2, 0xFF, 4, 0, 24, 0x11, 0x22, 0x33, 0, 0xFF, 3, 0, 1, 1];
     assert_eq!(partner.take(&answer, NOW()), Ok(Taken::Own(Vec::new())));
     assert_eq!(ended(&board, job), State::Ended(Ok(vec![vec![0x11, 0x22, 0x33], vec![1]])));
     // The same answer again is for nobody.
@@ -189,8 +188,7 @@ fn a_block_as_bytes() {
         0, 0, 0, 0, 1, 0, 4, 0xDE, 0xAD, 0xBE, 0xEF,
     ];
     assert_eq!(partner.work(NOW()), Ok(vec![expected.to_vec()]));
-    let answer =
-        [0x32, 7, 0, 0, 0, 7, 0, 12, 0, 4, 0, 1, 0x12, 8, 0x12, 0x86, 1, 1, 0, 0, 0, 0, 0x0A, 0, 0, 0];
+    let answer = [0x32, 7, 0, 0, 0, 7, 0, 12, 0, 4, 0, 1, 0x12, 8, 0x12, 0x86, 1, 1, 0, 0, 0, 0, 0x0A, 0, 0, 0];
     assert_eq!(partner.take(&answer, NOW()), Ok(Taken::Own(Vec::new())));
     assert_eq!(ended(&board, job), State::Ended(Ok(Vec::new())));
 }
@@ -234,8 +232,8 @@ fn random_and_changed_answers_do_no_harm() {
         &[0x32, 2, 0, 0, 0, 1, 0, 0, 0, 0, 0x81, 4],
         &[0x32, 7, 0, 0, 0, 8, 0, 10, 0, 12, 0, 1, 0x12, 6, 0x13, 0, 0, 0, 0, 7, 0xFF, 0, 0, 1, 0, 9, 0, 4, 1, 2, 3, 4],
         &[
-            0x32, 7, 0, 0, 0, 7, 0, 12, 0, 18, 0, 1, 0x12, 8, 0x12, 0x46, 1, 0, 1, 0, 0, 0, 0xFF, 9, 0, 14, 0x12, 6, 0x13,
-            0, 0, 0, 0, 7, 0, 9, 1, 2, 3, 4,
+            0x32, 7, 0, 0, 0, 7, 0, 12, 0, 18, 0, 1, 0x12, 8, 0x12, 0x46, 1, 0, 1, 0, 0, 0, 0xFF, 9, 0, 14, 0x12, 6,
+            0x13, 0, 0, 0, 0, 7, 0, 9, 1, 2, 3, 4,
         ],
         &[0x32, 7, 0, 0, 0, 3, 0, 12, 0, 4, 0, 1, 0x12, 8, 0x12, 0x86, 1, 1, 0, 0, 0, 0, 0x0A, 0, 0, 0],
     ];
