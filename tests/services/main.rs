@@ -2,6 +2,7 @@
 //!
 //! Clients come from PyPI and npm, into `target/clients`. A test whose client cannot be had is ignored.
 
+mod busy;
 mod hostile;
 mod partners;
 mod process;
@@ -34,6 +35,7 @@ fn main() {
         trial("services_are_only_where_they_are_asked_for", None, only_where_asked_for),
         trial("hostile_s7_clients_do_no_harm", None, hostile::s7),
         trial("hostile_modbus_clients_do_no_harm", None, hostile::modbus),
+        trial("busy_clients", busy::seconds().is_none().then(|| "PLCC_LOAD=SECONDS is not set".into()), busy::measure),
         trial("idle_clients_leave_room_for_others", None, hostile::idle),
     ];
     libtest_mimic::run(&Arguments::from_args(), trials).exit();

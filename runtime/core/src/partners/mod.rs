@@ -350,6 +350,11 @@ impl Board {
         self.inner().receivers.begin_block(line, r_id, bytes)
     }
 
+    /// A block that has begun will not be completed.
+    pub fn drop_block(&self, line: usize, r_id: u32) {
+        self.inner().receivers.drop_block(line, r_id);
+    }
+
     /// All bytes of a block are there.
     pub fn end_block(&self, line: usize, r_id: u32, bytes: Vec<u8>) -> Result<(), NotTaken> {
         self.inner().receivers.end_block(line, r_id, bytes)

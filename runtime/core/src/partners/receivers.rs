@@ -165,6 +165,12 @@ impl Receivers {
         Ok(())
     }
 
+    pub fn drop_block(&mut self, line: usize, r_id: u32) {
+        if let Some(receiver) = self.0.get_mut(&(line, Kind::Block, r_id)) {
+            receiver.arriving = false;
+        }
+    }
+
     pub fn end_block(&mut self, line: usize, r_id: u32, bytes: Vec<u8>) -> Result<(), NotTaken> {
         let receiver = self.block(line, r_id)?;
         receiver.arriving = false;

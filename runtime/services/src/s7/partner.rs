@@ -129,7 +129,11 @@ impl Partner {
         if !self.board.is_current(self.line, self.turn) || self.running.iter().any(|job| job.until <= now) {
             return Err(Broken);
         }
-        self.arriving.retain(|_, block| block.until > now);
+        let late: Vec<u32> = self.arriving.iter().filter(|(_, block)| block.until <= now).map(|(id, _)| *id).collect();
+        for r_id in late {
+            self.arriving.remove(&r_id);
+            self.board.drop_block(self.line, r_id);
+        }
         let mut out = Vec::new();
         while self.running.len() < self.jobs_max
             && let Some((number, work)) = self.board.next(self.line, self.turn)
@@ -307,9 +311,18 @@ impl Partner {
         if [a, b, c] != R_ID {
             return Err(wrong);
         }
+        let answer = self.segment_of(r_id, sequence, last, payload, now);
+        if answer.is_err() {
+            self.board.drop_block(self.line, r_id);
+        }
+        answer
+    }
+
+    fn segment_of(&mut self, r_id: u32, sequence: u8, last: bool, mut rest: Bytes, now: Instant) -> Result<u8, u16> {
+        let wrong = WRONG_LENGTH;
         let before = self.arriving.remove(&r_id);
         let mut block = if sequence == 0 {
-            let total = usize::from(payload.u16().ok_or(wrong)?);
+            let total = usize::from(rest.u16().ok_or(wrong)?);
             if self.arriving.len() >= TRANSFERS_MAX {
                 return Err(NOT_READY);
             }
@@ -319,10 +332,10 @@ impl Partner {
         } else {
             before.filter(|block| block.sequence == sequence).ok_or(WRONG_STATE)?
         };
-        if block.bytes.len() + payload.len() > block.total {
+        if block.bytes.len() + rest.len() > block.total {
             return Err(wrong);
         }
-        block.bytes.extend(payload.0);
+        block.bytes.extend(rest.0);
         let sequence = block.sequence;
         if last {
             if block.bytes.len() != block.total {
@@ -404,7 +417,7 @@ fn put_data(out: &mut Vec<u8>, remote: &Remote, bytes: &[u8], fills: bool) {
     out.extend([0, transport]);
     put16(out, length as u16);
     out.extend(bytes);
-    if fills && bytes.len() % 2 != 0 {
+    if fills && !bytes.len().is_multiple_of(2) {
         out.push(0);
     }
 }
@@ -418,7 +431,7 @@ fn message(reference: [u8; 2], r_id: u32, areas: &[Data]) -> Vec<u8> {
         data.extend([0, transport]);
         put16(&mut data, length as u16);
         data.extend(&area.bytes);
-        if area.bytes.len() % 2 != 0 && index + 1 < areas.len() {
+        if !area.bytes.len().is_multiple_of(2) && index + 1 < areas.len() {
             data.push(0);
         }
     }
@@ -438,7 +451,7 @@ fn item<'a>(data: &mut Bytes<'a>) -> Option<(u8, &'a [u8])> {
     let bytes = if matches!(transport, DATA_BIT | WORDS | INTEGER) { length.div_ceil(8) } else { length };
     let value = data.take(bytes)?;
     // The last one need not be filled up.
-    if bytes % 2 != 0 && !data.is_empty() {
+    if !bytes.is_multiple_of(2) && !data.is_empty() {
         data.u8()?;
     }
     Some((code, value))

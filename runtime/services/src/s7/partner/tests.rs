@@ -220,6 +220,23 @@ fn segments_that_do_not_fit_are_refused() {
 }
 
 #[test]
+fn a_block_that_does_not_go_on_is_forgotten() {
+    let ((board, mut one), (far, mut other)) = (setting(240), setting(240));
+    let ready = Receive { enabled: true, room: 1000 };
+    let slot = Slot { kind: Kind::Block, r_id: 7, handle: 0 };
+    let (handle, _) = far.receive(1, slot, &ready);
+    let slot = Slot { handle, ..slot };
+    board.start(1, Work::Block(7, vec![1; 500])).unwrap();
+    let first = one.work(NOW()).unwrap().remove(0);
+    other.take(&first, NOW()).unwrap();
+    assert_eq!(far.receive(1, slot, &ready).1, Ok(Arrived::Some));
+    assert_eq!(other.work(NOW() + PARTNER_TIME), Ok(Vec::new()));
+    assert_eq!(far.receive(1, slot, &ready).1, Ok(Arrived::Nothing));
+    other.take(&first, NOW()).unwrap();
+    assert_eq!(far.receive(1, slot, &ready).1, Ok(Arrived::Some), "another one may begin");
+}
+
+#[test]
 fn random_and_changed_answers_do_no_harm() {
     let mut state = 1u64;
     let mut random = move |below: usize| {
