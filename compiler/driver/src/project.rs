@@ -14,6 +14,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use crate::axes;
+use crate::connections;
 use crate::remote;
 use crate::retain::{self, RetainKeys};
 use crate::s7200::{self, S7200Keys};
@@ -105,6 +106,8 @@ struct Keys {
     services: Option<ServicesKeys>,
     #[serde(default)]
     io: BTreeMap<Spanned<String>, remote::IoKeys>,
+    #[serde(default)]
+    connection: BTreeMap<Spanned<String>, connections::ConnectionKeys>,
 }
 
 #[derive(Deserialize)]
@@ -230,6 +233,11 @@ impl Context {
             config.services = services;
             self.diagnostics.extend(messages);
         }
+        let (connections, messages) = connections::read(&keys.connection, self.file);
+        self.diagnostics.extend(messages);
+        // Services carry their jobs.
+        config.services.linked |= !connections.is_empty();
+        config.connections = connections;
         if let Some(keys) = &keys.s7200 {
             let (settings, messages) = s7200::read(keys.get_ref(), self.file);
             config.s7200 = settings;
