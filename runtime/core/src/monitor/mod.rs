@@ -101,7 +101,7 @@ impl Cpu {
         let compact: String = block.chars().filter(|c| !c.is_whitespace()).take(40).collect();
         let is_named = |block: &&BlockProbes| {
             let address = format!("{}{}", block.kind.prefix(), block.number);
-            address.eq_ignore_ascii_case(&compact) && block.probes.len() > 1
+            address.eq_ignore_ascii_case(&compact)
         };
         let Some(found) = probes.blocks.iter().position(|block| is_named(&block)) else {
             return Err(format!("{compact} has no status"));
