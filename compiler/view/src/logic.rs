@@ -13,6 +13,8 @@ pub struct Logic {
     pub places: Vec<Vec<Option<u32>>>,
     /// Nets whose value is that of a coil, if nothing else is known.
     pub coils: Vec<(usize, String)>,
+    /// Contacts: their parts, where their operands are in the source, and whether they are open at 1.
+    pub contacts: Vec<(usize, u32, bool)>,
 }
 
 /// What feeds a net.
@@ -75,7 +77,10 @@ pub fn logic(sheet: &Sheet) -> Logic {
     }
     // The rail has a number of its own.
     logic.nets.push(vec![Term::Rail]);
-    for part in &sheet.parts {
+    for (at, part) in sheet.parts.iter().enumerate() {
+        if let (Meaning::Contact { negated }, Some(place)) = (&part.meaning, part.place) {
+            logic.contacts.push((at, place, *negated));
+        }
         let plain = matches!(&part.look, Look::Coil { sign } if sign.is_empty())
             || matches!(&part.look, Look::Box { title, .. } if title == "=");
         let target = part.pins.iter().find(|pin| pin.place == Place::Above);
@@ -286,6 +291,7 @@ impl Logic {
         let mut logic = serde_json::json!({ "nets": nets, "coils": self.coils });
         if places {
             logic["places"] = serde_json::json!(self.places);
+            logic["contacts"] = serde_json::json!(self.contacts);
         }
         logic
     }

@@ -162,6 +162,15 @@ impl Scene {
         self.items.push(Item::Frame { area, kind, key: key.to_string() });
     }
 
+    /// Adds `by` to the numbers of all parts.
+    pub fn renumber_parts(&mut self, by: usize) {
+        for item in &mut self.items {
+            if let Item::Glyph { part, .. } = item {
+                *part += by;
+            }
+        }
+    }
+
     /// Adds `by` to the numbers of all nets.
     pub fn renumber(&mut self, by: usize) {
         for item in &mut self.items {

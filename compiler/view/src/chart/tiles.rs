@@ -173,7 +173,9 @@ impl Tiles<'_> {
             Language::Fbd => diagram::draw(&sheet, NETWORK),
             Language::Lad | Language::Scl | Language::Stl => ladder::draw(&sheet, NETWORK),
         };
-        scene.renumber(self.all.borrow_mut().append(sheet));
+        let mut all = self.all.borrow_mut();
+        scene.renumber_parts(all.parts.len());
+        scene.renumber(all.append(sheet));
         scene
     }
 

@@ -391,12 +391,17 @@ function look(d) {
   if (!s.svg) return;
   d.parts ??= {
     wires: [...d.querySelectorAll("path.w")].map((el) => ({ el, net: +el.dataset.n })),
+    contacts: (s.logic?.contacts ?? []).map(([part, place, open]) => ({ el: d.querySelector(`path.g[data-p="${part}"]`), place, open })).filter((c) => c.el),
     texts: [...d.querySelectorAll("text[data-o]")].map((el) => ({ el, place: +el.dataset.o, isValue: el.classList.contains("v") })),
   };
   const known = s.logic ? flowSeen(s.logic) : new Map();
   for (const w of d.parts.wires) {
     const v = known.get(w.net), name = "w " + (v === true ? "on" : v === false ? "off" : "un");
     if (w.last !== name) w.el.setAttribute("class", (w.last = name));
+  }
+  for (const c of d.parts.contacts) {
+    const v = truth(operandAt(c.place)), name = v !== null && v !== c.open ? "g on" : "g";
+    if (c.last !== name) c.el.setAttribute("class", (c.last = name));
   }
   for (const t of d.parts.texts) {
     const v = operandAt(t.place);

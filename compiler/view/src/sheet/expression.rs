@@ -86,7 +86,12 @@ impl Maker<'_> {
             self.sheet.nets[to].sources.push(Source::Pin { part: at, pin: pins.len() });
             pins.push(flow(true, to));
         }
-        self.sheet.parts.push(Part { look, meaning, pins, flow_in, flow_out, place: None });
+        // Only the operand of a contact has a place of its own: an expression begins where its first operand does.
+        let operand = pins.first().and_then(|pin| match (&meaning, &pin.link) {
+            (Meaning::Contact { .. }, Link::Operand(label)) => label.place,
+            _ => None,
+        });
+        self.sheet.parts.push(Part { look, meaning, pins, flow_in, flow_out, place: operand });
     }
 }
 

@@ -14,7 +14,7 @@ pub struct Status {
     /// The calls that have run so far, when there are more of them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub calls: Option<Vec<String>>,
-    /// Index of the call that was seen, and the number of its cycle.
+    /// Index of the call that was seen, and the number of the cycle.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub call: Option<(usize, u64)>,
     /// What has changed: number of the probe, and what it has seen; null if it was not reached.
@@ -53,7 +53,6 @@ fn probes(image: &ProgramImage) -> Option<&Probes> {
 #[derive(Default)]
 pub struct Known {
     calls: usize,
-    call: Option<usize>,
     seen: Vec<Option<Seen>>,
     steps: Vec<StepSeen>,
 }
@@ -87,10 +86,7 @@ impl Known {
         if self.steps != recorded.steps {
             status.steps = Some(recorded.steps.clone());
         }
-        if self.call != Some(recorded.call) || !status.seen.is_empty() || status.steps.is_some() {
-            status.call = Some((recorded.call, recorded.cycle));
-        }
-        self.call = Some(recorded.call);
+        status.call = Some((recorded.call, recorded.cycle));
         self.seen = recorded.seen;
         self.steps = recorded.steps;
     }
