@@ -9,6 +9,7 @@ pub mod recording;
 pub mod steps;
 
 use std::cell::{Cell, RefCell};
+use std::collections::BTreeMap;
 
 use plcc_abi::image::{BlockKind, DbEntry};
 use plcc_abi::monitor::{BlockProbes, Probes};
@@ -29,14 +30,25 @@ pub struct Monitor {
     /// Some watch keeps what the block that runs sees.
     is_keeping: Cell<bool>,
     recordings: RefCell<Vec<recording::Recording>>,
+    /// How often organization blocks ran, by the numbers of their first probes, and those that run now.
+    obs: RefCell<BTreeMap<u32, ObRuns>>,
+    started: RefCell<Vec<u64>>,
+}
+
+/// How often an organization block ran while somebody looked, and how long, in nanoseconds. What interrupts it is part of that.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ObRuns {
+    pub count: u64,
+    pub total: u64,
+    pub longest: u64,
 }
 
 /// Somebody looks at a block.
 struct Watch {
     /// Who looks.
     client: u64,
-    /// Place of the block in the list of all.
-    block: usize,
+    /// Place of the block in the list of all; `None`: only the runs of organization blocks are counted.
+    block: Option<usize>,
     /// The call that is wanted, as [`Looked::calls`] names it; `None`: the first one.
     wanted: Option<String>,
     calls: Vec<Call>,
@@ -107,7 +119,7 @@ impl Cpu {
             return Err(format!("{compact} has no status"));
         };
         let mut watches = self.monitor.watches.borrow_mut();
-        if let Some(watch) = watches.iter_mut().find(|watch| watch.client == client && watch.block == found) {
+        if let Some(watch) = watches.iter_mut().find(|watch| watch.client == client && watch.block == Some(found)) {
             if watch.wanted.as_deref() != call {
                 watch.wanted = call.map(str::to_string);
                 watch.done = None;
@@ -115,9 +127,29 @@ impl Cpu {
             return Ok(());
         }
         watches.retain(|watch| watch.client != client);
-        watches.push(Watch::new(client, found, call));
+        watches.push(Watch::new(client, Some(found), call));
         self.code.watch(true);
         Ok(())
+    }
+
+    /// From now on the runs of organization blocks are counted for `client`, which watches no block. Only between two cycles.
+    pub fn watch_obs(&self, client: u64) {
+        let mut watches = self.monitor.watches.borrow_mut();
+        if !watches.iter().any(|watch| watch.client == client && watch.block.is_none()) && self.probes().is_some() {
+            watches.retain(|watch| watch.client != client);
+            watches.push(Watch::new(client, None, None));
+            self.code.watch(true);
+        }
+    }
+
+    /// The runs of an organization block since somebody looks; `None`: nobody does.
+    pub fn ob_runs(&self, number: u16) -> Option<ObRuns> {
+        if self.monitor.watches.borrow().is_empty() {
+            return None;
+        }
+        let of = |block: &&BlockProbes| block.kind == BlockKind::Ob && block.number == number;
+        let block = self.probes()?.blocks.iter().find(of)?;
+        Some(self.monitor.obs.borrow().get(&block.first).copied().unwrap_or_default())
     }
 
     /// `client` does not look any more. Only between two cycles.
@@ -127,6 +159,8 @@ impl Cpu {
         if watches.is_empty() {
             self.code.watch(false);
             self.monitor.running.borrow_mut().clear();
+            self.monitor.started.borrow_mut().clear();
+            self.monitor.obs.borrow_mut().clear();
         }
     }
 

@@ -10,7 +10,7 @@ use crate::probe::Registers;
 pub const CALLS_MAX: usize = 100;
 
 impl Watch {
-    pub(super) fn new(client: u64, block: usize, call: Option<&str>) -> Watch {
+    pub(super) fn new(client: u64, block: Option<usize>, call: Option<&str>) -> Watch {
         Watch {
             client,
             block,
@@ -81,8 +81,11 @@ impl Monitor {
         let of = &probes.blocks[block];
         let mut running = self.running.borrow_mut();
         running.push((of.first, instance));
+        if is_root(of.kind) {
+            self.started.borrow_mut().push(cpu.clock.now());
+        }
         let mut watches = self.watches.borrow_mut();
-        for watch in watches.iter_mut().filter(|watch| watch.block == block) {
+        for watch in watches.iter_mut().filter(|watch| watch.block == Some(block)) {
             watch.enter(cpu, &running, of.probes.len());
         }
         self.is_keeping.set(watches.iter().any(|watch| watch.depth == running.len()));
@@ -99,12 +102,31 @@ impl Monitor {
             watch.depth = 0;
             let mut recorded = std::mem::take(&mut watch.now);
             let instance = running.last().map_or(0, |(_, instance)| *instance);
-            let block = cpu.probes().and_then(|probes| probes.blocks.get(watch.block));
+            let block = cpu.probes().zip(watch.block).and_then(|(probes, block)| probes.blocks.get(block));
             recorded.steps = block.map_or_else(Vec::new, |block| steps::seen(&block.steps, cpu, instance));
             watch.done = Some(recorded);
         }
-        running.pop();
+        if let Some((first, _)) = running.pop() {
+            self.count(cpu, first);
+        }
         self.is_keeping.set(watches.iter().any(|watch| watch.depth != 0 && watch.depth == running.len()));
+    }
+
+    /// An organization block has run.
+    fn count(&self, cpu: &Cpu, first: u32) {
+        let blocks = cpu.probes().map_or(&[][..], |probes| &probes.blocks);
+        let found = blocks.binary_search_by_key(&first, |block| block.first);
+        if !found.is_ok_and(|at| is_root(blocks[at].kind)) {
+            return;
+        }
+        if let Some(start) = self.started.borrow_mut().pop() {
+            let time = cpu.clock.now().saturating_sub(start);
+            let mut obs = self.obs.borrow_mut();
+            let runs = obs.entry(first).or_default();
+            runs.count += 1;
+            runs.total += time;
+            runs.longest = runs.longest.max(time);
+        }
     }
 
     /// Keeps what a probe tells, for all whose call runs.
@@ -117,7 +139,7 @@ impl Monitor {
         };
         let tells = &probes.blocks[block].probes[at].tells;
         let depth = self.running.borrow().len();
-        for watch in self.watches.borrow_mut().iter_mut().filter(|watch| watch.block == block && watch.depth == depth)
+        for watch in self.watches.borrow_mut().iter_mut().filter(|watch| watch.block == Some(block) && watch.depth == depth)
         {
             if let Some(place) = watch.now.seen.get_mut(at) {
                 *place = Some(seen(tells));

@@ -45,6 +45,8 @@ pub(super) struct Recording {
     pub(super) client: u64,
     plan: Plan,
     last: Vec<f64>,
+    /// The values before the first sample.
+    base: Vec<f64>,
     samples: VecDeque<Sample>,
     /// Number of samples before the trigger; `None`: it has not come.
     triggered: Option<usize>,
@@ -56,6 +58,8 @@ pub struct Progress {
     pub samples: Vec<Sample>,
     /// Number of samples before the trigger; `None`: it has not come.
     pub triggered: Option<usize>,
+    /// The values of the signals before the first sample.
+    pub base: Vec<f64>,
     /// No more samples will come.
     pub is_full: bool,
     /// The last cycle that was looked at, and its time.
@@ -69,7 +73,8 @@ impl Recording {
         plan.before = plan.before.min(plan.samples - 1);
         let triggered = if plan.trigger.is_none() { Some(0) } else { None };
         let last = vec![f64::NAN; plan.signals.len()];
-        Recording { client, plan, last, samples: VecDeque::new(), triggered, cycle: 0 }
+        let base = last.clone();
+        Recording { client, plan, last, base, samples: VecDeque::new(), triggered, cycle: 0 }
     }
 
     /// After a cycle.
@@ -95,8 +100,11 @@ impl Recording {
                 self.triggered = Some(self.samples.len());
             }
             self.samples.push_back(Sample { cycle, time, signal, value });
-            if self.triggered.is_none() && self.samples.len() > self.plan.before {
-                self.samples.pop_front();
+            if self.triggered.is_none()
+                && self.samples.len() > self.plan.before
+                && let Some(gone) = self.samples.pop_front()
+            {
+                self.base[usize::from(gone.signal)] = gone.value;
             }
         }
     }
@@ -108,7 +116,8 @@ impl Recording {
             None => Vec::new(),
         };
         let is_full = self.triggered.is_some() && self.samples.len() >= self.plan.samples;
-        Progress { samples, triggered: self.triggered, is_full, now: (cpu.cycle_number(), cpu.clock.now()) }
+        let (triggered, base) = (self.triggered, self.base.clone());
+        Progress { samples, triggered, base, is_full, now: (cpu.cycle_number(), cpu.clock.now()) }
     }
 }
 
@@ -154,6 +163,13 @@ impl Cpu {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_plan_keeps_room_for_the_event() {
+        let plan = Plan { signals: Vec::new(), trigger: None, samples: 0, before: 9 };
+        let recording = Recording::new(0, plan);
+        assert_eq!((recording.plan.samples, recording.plan.before), (1, 0));
+    }
 
     #[test]
     fn a_trigger_is_a_crossing() {

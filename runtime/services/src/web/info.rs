@@ -34,7 +34,11 @@ fn of_cpu(cpu: &Cpu) -> Value {
     let obs = image.blocks.iter().filter(|block| block.kind == BlockKind::Ob);
     let obs = obs.map(|block| {
         let class = image.config.class_of(block.number).map(|class| format!("{class:?}"));
-        json!({ "ob": block.number, "name": block.name, "class": class, "local_bytes": block.frame })
+        let runs = cpu.ob_runs(block.number).map(|runs| {
+            let us = |ns: u64| ns as f64 / 1e3;
+            json!({ "count": runs.count, "mean_us": us(runs.total) / runs.count.max(1) as f64, "longest_us": us(runs.longest) })
+        });
+        json!({ "ob": block.number, "name": block.name, "class": class, "local_bytes": block.frame, "runs": runs })
     });
     let db_bytes: usize = image.dbs.iter().map(|db| db.data.len()).sum();
     let profile = &image.profile;
@@ -42,7 +46,6 @@ fn of_cpu(cpu: &Cpu) -> Value {
         "cpu": profile.name,
         "order": image.config.cpu_order,
         "program": image.name,
-        "cycle_time_ms": cpu.cycle_time() as f64 / 1e6,
         "cycle_time_max_ms": image.config.cycle_time_max_ms,
         "faults": cpu.diagnostics.faults(),
         "blocks": blocks,

@@ -27,6 +27,8 @@ pub enum Order {
         #[serde(default)]
         call: Option<String>,
     },
+    /// From now on count the runs of organization blocks; no block is watched then.
+    Obs,
     /// Records values in every cycle; without names no more.
     Trace(Wanted),
     Stop,

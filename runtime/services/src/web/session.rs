@@ -41,8 +41,14 @@ struct Seen {
     recording: Option<Progress>,
 }
 
-/// A block and a call of it, which a page watches.
-type Target = Option<(String, Option<String>)>;
+/// What of the running program a page watches: a block and a call of it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Target {
+    Nothing,
+    Block(String, Option<String>),
+    /// The runs of organization blocks.
+    Obs,
+}
 
 /// Tells whether the buffer has changed: number of entries and the newest one.
 type Newest = Option<(usize, diagnostics::Entry)>;
@@ -67,7 +73,7 @@ async fn tell_all(
     recorder: &mut Recorder,
 ) {
     let Some(image) = link.ask(|cpu| cpu.image.clone()).await else { return };
-    let mut target: Target = None;
+    let mut target = Target::Nothing;
     let mut known_status = Known::default();
     let Some(hello) = link.ask(move |cpu| hello(cpu, user, role)).await else { return };
     if tell(&mut socket, &News { hello: Some(hello), ..News::default() }).await.is_none() {
@@ -95,15 +101,17 @@ async fn tell_all(
                         known.clear();
                         News { wrong, ..News::default() }
                     }
-                    Ok(Order::Status { block, call }) => {
-                        if target.as_ref().map(|(block, _)| block) != block.as_ref() {
-                            known_status = Known::default();
-                        }
-                        target = block.map(|block| (block, call));
-                        let wanted = target.clone();
-                        let Some(done) = link.ask(move |cpu| watch_block(cpu, client, &wanted)).await else { return };
+                    Ok(order @ (Order::Status { .. } | Order::Obs)) => {
+                        let wanted = match order {
+                            Order::Status { block: Some(block), call } => Target::Block(block, call),
+                            Order::Obs => Target::Obs,
+                            _ => Target::Nothing,
+                        };
+                        known_status = Known::default();
+                        target = wanted.clone();
+                        let Some(done) = link.ask(move |cpu| watch_program(cpu, client, &wanted)).await else { return };
                         if done.is_err() {
-                            target = None;
+                            target = Target::Nothing;
                         }
                         News { refused: done.err(), ..News::default() }
                     }
@@ -125,7 +133,7 @@ async fn tell_all(
                 let Some(seen) = looked.await else { return };
                 newest = seen.newest;
                 let mut news = News { buffer: seen.buffer, ..News::default() };
-                if let (Some(looked), Some((block, _))) = (seen.looked, &target) {
+                if let (Some(looked), Target::Block(block, _)) = (seen.looked, &target) {
                     news.status = known_status.news(&image, block, looked);
                 }
                 news.trace = recorder.news(seen.recording);
@@ -195,14 +203,11 @@ fn look(
     target: &Target,
     asked: Option<usize>,
 ) -> Seen {
-    let looked = target.as_ref().and_then(|_| {
-        let looked = cpu.look_at_block(client);
-        if looked.is_none() {
-            // The CPU was restarted.
-            let _ = watch_block(cpu, client, target);
-        }
-        looked
-    });
+    let looked = if *target == Target::Nothing { None } else { cpu.look_at_block(client) };
+    if looked.is_none() && *target != Target::Nothing {
+        // The CPU was restarted.
+        let _ = watch_program(cpu, client, target);
+    }
     let recording = asked.and_then(|told| cpu.recorded(client, told, PART_MAX));
 
     let shown = watched.iter().map(|(number, source)| {
@@ -215,15 +220,14 @@ fn look(
     Seen { state: state(cpu), shown: shown.collect(), buffer, newest, looked, recording }
 }
 
-/// Begins or ends to watch a block.
-fn watch_block(cpu: &Cpu, client: u64, target: &Target) -> Result<(), String> {
+/// Begins or ends to watch the running program.
+fn watch_program(cpu: &Cpu, client: u64, target: &Target) -> Result<(), String> {
     match target {
-        Some((block, call)) => cpu.watch_block(client, block, call.as_deref()),
-        None => {
-            cpu.unwatch_block(client);
-            Ok(())
-        }
+        Target::Block(block, call) => return cpu.watch_block(client, block, call.as_deref()),
+        Target::Obs => cpu.watch_obs(client),
+        Target::Nothing => cpu.unwatch_block(client),
     }
+    Ok(())
 }
 
 fn state(cpu: &Cpu) -> State {
@@ -253,7 +257,7 @@ fn milliseconds(wall: i64) -> f64 {
 /// Result: why an order was refused, if it was. `None`: the CPU has ended.
 async fn carry_out(link: &Link, order: Order, role: Role) -> Option<Option<String>> {
     let needed = match order {
-        Order::Watch { .. } | Order::Status { .. } | Order::Trace(_) => Role::Look,
+        Order::Watch { .. } | Order::Status { .. } | Order::Obs | Order::Trace(_) => Role::Look,
         Order::Modify { .. } => Role::Operate,
         Order::Stop | Order::Run { .. } => Role::Change,
     };
@@ -264,7 +268,7 @@ async fn carry_out(link: &Link, order: Order, role: Role) -> Option<Option<Strin
         }));
     }
     let done = link.ask(move |cpu| match order {
-        Order::Watch { .. } | Order::Status { .. } | Order::Trace(_) => Ok(()),
+        Order::Watch { .. } | Order::Status { .. } | Order::Obs | Order::Trace(_) => Ok(()),
         Order::Modify { name, value } => modify(cpu, &name, &value),
         Order::Stop => {
             cpu.stop_by_request();

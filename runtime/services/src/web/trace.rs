@@ -46,6 +46,8 @@ pub struct Part {
     pub now: f64,
     /// Number of samples before the trigger.
     pub before: usize,
+    /// The values of the signals before the first sample.
+    pub base: Vec<Option<f64>>,
 }
 
 /// The recording of a page.
@@ -100,7 +102,7 @@ impl Recorder {
         }
         let Some(progress) = progress else {
             self.state = "lost";
-            return Some(Part { samples: Vec::new(), state: self.state, now: 0.0, before: 0 });
+            return Some(Part { samples: Vec::new(), state: self.state, now: 0.0, before: 0, base: Vec::new() });
         };
         let state = match (progress.triggered, progress.is_full && progress.samples.len() < PART_MAX) {
             (None, _) => "waiting",
@@ -116,7 +118,14 @@ impl Recorder {
             (sample.cycle, ms(sample.time), sample.signal, Some(sample.value).filter(|value| value.is_finite()))
         };
         let samples = progress.samples.iter().map(told).collect();
-        is_news.then(|| Part { samples, state, now: ms(progress.now.1), before: progress.triggered.unwrap_or(0) })
+        let base = progress.base.iter().map(|value| Some(*value).filter(|value| value.is_finite())).collect();
+        is_news.then(|| Part {
+            samples,
+            state,
+            now: ms(progress.now.1),
+            before: progress.triggered.unwrap_or(0),
+            base,
+        })
     }
 }
 

@@ -360,8 +360,8 @@ let view = null;
 function show(name) {
   const VIEWS = { program, variables, table, curves, recording, "cpu-view": cpuInfo, buffer: diagnostics };
   if (!Object.hasOwn(VIEWS, name)) name = live.drawn ? "program" : "variables";
+  if (view !== VIEWS[name]) status.leave();
   view = VIEWS[name];
-  if (view !== program) status.leave();
   for (const section of document.querySelectorAll("main section")) section.hidden = section.id !== name;
   for (const button of document.querySelectorAll("nav button")) {
     if (button.dataset.view === name) button.setAttribute("aria-current", "page");
@@ -398,8 +398,8 @@ $("sign-out").onclick = async () => {
 addEventListener("DOMContentLoaded", () => {
   connect();
   fetch("program", { method: "HEAD" }).then((answer) => {
-  live.drawn = answer.ok;
-  document.querySelector("[data-view=program]").hidden = !answer.ok;
-  show(location.hash.slice(1));
+    live.drawn = answer.ok;
+    document.querySelector("[data-view=program]").hidden = !answer.ok;
+    show(location.hash.slice(1));
   });
 });

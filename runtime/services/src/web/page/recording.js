@@ -5,7 +5,8 @@ const recording = {
   signals: [], // names
   last: [], // samples by signal: [milliseconds, value]
   samples: [], // all: [cycle, milliseconds, signal, value]
-  now: 0, before: 0, lanes: [], timer: null,
+  base: [], // values before the first sample
+  now: 0, before: 0, lanes: [],
   open() {
     const chosen = $("trigger").value;
     $("trigger").replaceChildren(element("option", { value: "", textContent: "at once" }),
@@ -35,6 +36,7 @@ const recording = {
     }
     this.now = Math.max(this.now, part.now);
     this.before = part.before;
+    this.base = part.base;
     const words = { waiting: "waits for the event", running: "records", full: "complete", lost: "ended: the CPU was restarted" };
     $("record-state").textContent = `${words[part.state]}, ${this.samples.length.toLocaleString("en")} samples`;
     if (part.state === "full") this.now = this.samples.at(-1)?.[1] ?? this.now;
@@ -52,7 +54,7 @@ const recording = {
     const dark = matchMedia("(prefers-color-scheme: dark)").matches;
     const event = this.before > 0 ? this.samples[this.before]?.[1] : undefined;
     this.lanes.forEach(({ value, canvas }, signal) => {
-      const list = this.last[signal] ?? [];
+      const list = typeof this.base[signal] === "number" ? [[from, this.base[signal]], ...this.last[signal]] : this.last[signal] ?? [];
       value.textContent = list.length ? String(list.at(-1)[1]) : "";
       const width = (canvas.width = canvas.clientWidth * devicePixelRatio), height = (canvas.height = canvas.clientHeight * devicePixelRatio);
       const pen = canvas.getContext("2d");
@@ -82,7 +84,7 @@ const recording = {
   csv() {
     const quoted = (name) => (/[",;\n]/.test(name) ? `"${name.replace(/"/g, '""')}"` : name);
     const rows = [["cycle", "ms", ...this.signals.map(quoted)].join(",")];
-    const values = this.signals.map(() => "");
+    const values = this.signals.map((_, signal) => this.base[signal] ?? "");
     this.samples.forEach(([cycle, ms, signal, value], i) => {
       values[signal] = value ?? "";
       if (this.samples[i + 1]?.[0] !== cycle) rows.push([cycle, ms, ...values].join(","));
@@ -96,11 +98,14 @@ const recording = {
     const lines = ["$timescale 1us $end", "$scope module plc $end",
       ...this.signals.map((name, i) => `$var ${isBit[i] ? "wire 1" : "real 64"} ${id(i)} ${name.replace(/\s/g, "_")} $end`),
       "$upscope $end", "$enddefinitions $end"];
+    const change = (signal, value) => (isBit[signal] ? `${value === null ? "x" : value}${id(signal)}` : `r${value ?? "nan"} ${id(signal)}`);
     let time = null;
+    if (this.samples.length) lines.push(`#${(time = Math.round(this.samples[0][1] * 1000))}`);
+    this.base.forEach((value, signal) => { if (value !== null) lines.push(change(signal, value)); });
     for (const [, ms, signal, value] of this.samples) {
       const us = Math.round(ms * 1000);
       if (us !== time) lines.push(`#${(time = us)}`);
-      lines.push(isBit[signal] ? `${value === null ? "x" : value}${id(signal)}` : `r${value ?? "nan"} ${id(signal)}`);
+      lines.push(change(signal, value));
     }
     return lines.join("\n") + "\n";
   },

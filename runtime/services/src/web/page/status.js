@@ -28,7 +28,13 @@ const status = {
   ask() { send(this.block ? { do: "status", block: this.block, call: this.call || null } : { do: "status", block: null }); },
   // After the connection was lost.
   again() { if (this.block) { this.block = null; } },
-  leave() { if (this.block) { this.block = null; this.frame?.unwatch(); this.ask(); } },
+  leave() {
+    const was = this.block;
+    this.block = null;
+    if (was) this.frame?.unwatch();
+    // Also ends what the view of the CPU has asked for.
+    if (live.watchable) this.ask();
+  },
   list(calls) {
     this.calls = calls;
     $("status-call").replaceChildren(element("option", { value: "", textContent: "first call in a cycle" }),
@@ -51,12 +57,18 @@ $("status-call").onchange = () => {
 // View: the CPU
 
 const cpuInfo = {
-  async open() {
+  open() {
     watch();
     if (view !== this) return;
+    this.look();
+  },
+  async look() {
+    if (view !== this) return;
+    // Again and again: the connection may be another one.
+    if (live.watchable) send({ do: "obs" });
     const answer = await fetch("info").catch(() => null);
     if (answer?.ok) this.draw(await answer.json());
-    setTimeout(() => view === this && this.open(), 1000);
+    setTimeout(() => this.look(), 1000);
   },
   names: () => [],
   update() {},
@@ -82,13 +94,14 @@ const cpuInfo = {
   draw(it) {
     const { bounds_us: bounds, period, work } = it.cycles;
     $("cpu-info").replaceChildren(
-      this.table("CPU", [["CPU", it.cpu], ["order number", it.order], ["program", it.program], ["cycle time", `${it.cycle_time_ms} ms`],
-        ["monitoring", `${it.cycle_time_max_ms} ms`], ["faults so far", it.faults]].filter(([, value]) => value !== "")),
+      this.table("CPU", [["CPU", it.cpu], ["order number", it.order], ["program", it.program],
+        ["cycle monitoring", `${it.cycle_time_max_ms} ms`], ["faults so far", it.faults]].filter(([, value]) => value !== "")),
       this.times("Work of a cycle", bounds, work),
       this.times("From cycle to cycle", bounds, period),
       this.table("Memory in bytes", Object.entries(it.memory)),
       this.table("Blocks", Object.entries(it.blocks)),
-      this.table("Organization blocks", it.obs.map((ob) => [`OB ${ob.ob}`, ob.name, ob.class, `${ob.local_bytes} bytes of local data`])),
+      this.table("Organization blocks", it.obs.map((ob) => [`OB ${ob.ob} ${ob.name}`, (ob.class ?? "").replace(/\B[A-Z]/g, (c) => ` ${c}`).toLowerCase(),
+        ob.runs ? `${ob.runs.count.toLocaleString("en")} runs` : "", ob.runs?.count ? `${ob.runs.mean_us.toFixed(1)} µs, at most ${ob.runs.longest_us.toFixed(1)} µs` : ""])),
       this.table("Connections", it.connections.map((of) => [of.service, `${of.now} now`, `${of.accepted} accepted`, `${of.refused} refused`])),
     );
   },
