@@ -4,8 +4,8 @@
 
 use std::rc::Rc;
 
-use plcc_driver::cli::Level;
 use plcc_codegen::CodegenError;
+use plcc_driver::cli::Level;
 use plcc_driver::pipeline::{self, Bound, Compiled, Settings};
 use plcc_driver::{code, inputs};
 use plcc_runtime::cpu::Cpu;

@@ -73,6 +73,15 @@ async function look(tab) {
   await tab(`location.hash = "cpu-view"; 0`);
   await until(tab, "times of cycles", `document.querySelectorAll(".bars i").length > 0`);
 
+  // The place of an event leads to its network.
+  await tab(`location.hash = "buffer"; 0`);
+  await until(tab, "the fault with its line", `/^FC 2, network 2, .*words.stl:23$/.test(document.querySelector("#events a")?.textContent ?? "")`);
+  await tab(`document.querySelector("#events a").click()`);
+  await until(tab, "the network of the fault", `/^#FC2\\/1$/.test(${frame}.location.hash)`);
+  // Where a value is used.
+  await tab(`program.uses("M0.0"); 0`);
+  await until(tab, "the uses of a bit", `/OB 1, network 1: writes.*OB 1, network 2: reads/.test(${page}.querySelector("#uses").textContent)`);
+
   // The program ends.
   process.kill(Number(process.argv[3]), "SIGKILL");
   await until(tab, "that the connection is lost", `!document.querySelector("#lost").hidden`);

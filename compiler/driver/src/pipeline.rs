@@ -373,11 +373,7 @@ pub fn object(compiled: Compiled, cache: Option<&Cache>) -> Result<Vec<u8>, Code
 }
 
 /// The objects of a program and of its code with probes, with the directory that leads to both; see [`lower_beside`].
-pub fn objects(
-    plain: Compiled,
-    probed: Compiled,
-    caches: [Option<&Cache>; 2],
-) -> Result<[Vec<u8>; 3], CodegenError> {
+pub fn objects(plain: Compiled, probed: Compiled, caches: [Option<&Cache>; 2]) -> Result<[Vec<u8>; 3], CodegenError> {
     const NAMES: [&str; 2] = ["plcc_plain", "plcc_probed"];
     let (second, image) = object_of(NAMES[1], probed, None, caches[1])?;
     let (first, _) = object_of(NAMES[0], plain, Some(&image), caches[0])?;

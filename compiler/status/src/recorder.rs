@@ -4,13 +4,13 @@ use std::cell::RefCell;
 use std::collections::HashMap;
 use std::rc::Rc;
 
+use plcc_abi::monitor::Step;
 use plcc_lower::probe::{Place, Probe};
 use plcc_model::{CellKind, Program};
-use plcc_abi::monitor::Step;
 use plcc_runtime::cpu::Cpu;
 use plcc_runtime::monitor::steps::{self, StepSeen};
-use plcc_runtime::probe::{Registers, Watcher};
 use plcc_runtime::monitor::text_of;
+use plcc_runtime::probe::{Registers, Watcher};
 
 use crate::choice::Choice;
 use crate::graph;

@@ -10,7 +10,6 @@ use plcc_runtime::monitor::steps::StepSeen;
 use plcc_runtime::signal;
 use serde::Serialize;
 
-
 use crate::recorder::{Recorder, Seen};
 
 /// What a call has seen.

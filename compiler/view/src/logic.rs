@@ -62,7 +62,7 @@ pub fn logic(sheet: &Sheet) -> Logic {
             Source::Net(net) => Term::Same(Input { value: Value::Net(*net), negated: false, place: None }),
             Source::Operand { label, negated } => {
                 Term::Same(Input { value: operand(label), negated: *negated, place: label.place })
-            },
+            }
             Source::Pin { part, pin } => match sheet.parts.get(*part) {
                 Some(of) if of.flow_out == Some(*pin) => term(of),
                 _ => Term::Unknown,

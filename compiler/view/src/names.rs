@@ -84,10 +84,16 @@ impl Names {
         let bare = text.strip_prefix('%').unwrap_or(text);
         if let Some(address) = canonical(bare, scope.german) {
             return match self.symbols.get(&address) {
-                Some(symbol) => {
-                    Label { text: format!("\"{symbol}\""), address: bare.to_string(), key: address, value: None, place: None }
+                Some(symbol) => Label {
+                    text: format!("\"{symbol}\""),
+                    address: bare.to_string(),
+                    key: address,
+                    value: None,
+                    place: None,
+                },
+                None => {
+                    Label { text: bare.to_string(), address: String::new(), key: address, value: None, place: None }
                 }
-                None => Label { text: bare.to_string(), address: String::new(), key: address, value: None, place: None },
             };
         }
         let key = self.key(text, scope).unwrap_or_default();

@@ -77,8 +77,7 @@ pub unsafe fn main_of<O: Opener>(argc: c_int, argv: *const *const c_char) -> c_i
                 Some(_) => linked_program(1).map_or_else(|_| Vec::new(), |(_, entries)| entries),
                 None => Vec::new(),
             };
-            let code =
-                || -> Rc<dyn Code> { Rc::new(LinkedCode(Entries::watched(entries.clone(), probed.clone()))) };
+            let code = || -> Rc<dyn Code> { Rc::new(LinkedCode(Entries::watched(entries.clone(), probed.clone()))) };
             match services.open(&image, run.is_many()) {
                 Ok((service, opened)) => {
                     opened.iter().for_each(|line| crate::run::say!("{line}"));

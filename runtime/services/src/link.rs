@@ -3,8 +3,8 @@
 //! Servers run on a thread of their own and never touch PLC memory. They send work, which the CPU does at its cycle control point, between two
 //! cycles. So each piece of work sees one completed cycle. The queue is bounded: who sends more than the CPU can do waits.
 
-use std::sync::{Arc, OnceLock};
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
 use plcc_runtime::cpu::Cpu;

@@ -188,8 +188,14 @@ impl Tiles<'_> {
             link: Link::Operand(label.clone()),
             negated: false,
         };
-        let part =
-            Part { look: Look::Nothing, meaning: Meaning::Other, pins: vec![pin], flow_in: None, flow_out: None, place: None };
+        let part = Part {
+            look: Look::Nothing,
+            meaning: Meaning::Other,
+            pins: vec![pin],
+            flow_in: None,
+            flow_out: None,
+            place: None,
+        };
         self.all.borrow_mut().parts.push(part);
     }
 

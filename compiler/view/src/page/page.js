@@ -335,6 +335,13 @@ window.live = {
     for (const d of inSight()) if (isWatched(d)) look(d);
   },
   uses,
+  // Opens a block, at a network if it has that: `FC 5`.
+  go(block, network) {
+    const i = byName.get(fold(block));
+    if (i === undefined) return;
+    const k = data.pages[i].secs.findIndex((s) => s.n === network);
+    go(i, network && k >= 0 ? k : undefined);
+  },
 };
 
 // Status of the block in sight: what its statements see in one call.

@@ -12,8 +12,7 @@ use crate::names::{Names, Scope};
 
 /// The sheet of a network.
 pub fn sheet(graph: &Graph, language: Language, names: &Names, scope: Scope) -> Sheet {
-    let label =
-        |value: &Expr| Label { place: Some(value.span.start), ..names.label(&draw::whole(value), scope) };
+    let label = |value: &Expr| Label { place: Some(value.span.start), ..names.label(&draw::whole(value), scope) };
     let mut nets: Vec<Net> = Vec::with_capacity(graph.nets.len());
     for (at, net) in graph.nets.iter().enumerate() {
         let name = if net.name.is_empty() { format!("n{at}") } else { net.name.clone() };

@@ -139,7 +139,8 @@ impl Monitor {
         };
         let tells = &probes.blocks[block].probes[at].tells;
         let depth = self.running.borrow().len();
-        for watch in self.watches.borrow_mut().iter_mut().filter(|watch| watch.block == Some(block) && watch.depth == depth)
+        for watch in
+            self.watches.borrow_mut().iter_mut().filter(|watch| watch.block == Some(block) && watch.depth == depth)
         {
             if let Some(place) = watch.now.seen.get_mut(at) {
                 *place = Some(seen(tells));

@@ -16,9 +16,9 @@ use plcc_runtime::options::Restart;
 use plcc_runtime::signal::Source;
 use tokio::time::{MissedTickBehavior, interval, timeout};
 
+use super::messages::{Entry, Hello, News, Order, Shown, State};
 use super::status::Known;
 use super::trace::{PART_MAX, Recorder};
-use super::messages::{Entry, Hello, News, Order, Shown, State};
 use crate::limits::{ANSWER_TIME, NAME_MAX, WATCHED_MAX};
 use crate::link::Link;
 
@@ -64,14 +64,7 @@ pub async fn serve(socket: WebSocket, link: Link, user: String, role: Role) {
     link.ask(move |cpu| cpu.unwatch_block(client)).await;
 }
 
-async fn tell_all(
-    mut socket: WebSocket,
-    link: &Link,
-    user: String,
-    role: Role,
-    client: u64,
-    recorder: &mut Recorder,
-) {
+async fn tell_all(mut socket: WebSocket, link: &Link, user: String, role: Role, client: u64, recorder: &mut Recorder) {
     let Some(image) = link.ask(|cpu| cpu.image.clone()).await else { return };
     let mut target = Target::Nothing;
     let mut known_status = Known::default();

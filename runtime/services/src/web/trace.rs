@@ -119,13 +119,7 @@ impl Recorder {
         };
         let samples = progress.samples.iter().map(told).collect();
         let base = progress.base.iter().map(|value| Some(*value).filter(|value| value.is_finite())).collect();
-        is_news.then(|| Part {
-            samples,
-            state,
-            now: ms(progress.now.1),
-            before: progress.triggered.unwrap_or(0),
-            base,
-        })
+        is_news.then(|| Part { samples, state, now: ms(progress.now.1), before: progress.triggered.unwrap_or(0), base })
     }
 }
 
@@ -136,9 +130,7 @@ fn plan(cpu: &Cpu, wanted: &Wanted) -> Result<Plan, String> {
         Some(crossing) if crossing.signal >= signals.len() => {
             return Err("the trigger is not one of the signals".to_string());
         }
-        Some(crossing) => {
-            Some(Trigger { signal: crossing.signal, level: crossing.level, rising: crossing.rising })
-        }
+        Some(crossing) => Some(Trigger { signal: crossing.signal, level: crossing.level, rising: crossing.rising }),
     };
     let samples = wanted.samples.unwrap_or(SAMPLES_MAX).clamp(1, SAMPLES_MAX);
     let before = samples * usize::from(wanted.before.min(100)) / 100;

@@ -160,12 +160,13 @@ const program = {
     setTimeout(() => this.look(), 500);
   },
   names() { return this.keys; },
-  // Shows where a value is used.
-  uses(name) {
+  // Does something with the drawings as soon as they are there.
+  show(work) {
     location.hash = "program";
-    const open = () => { const frame = this.frame.contentWindow?.live; if (frame) frame.uses(name); else setTimeout(open, 200); };
+    const open = () => { const frame = this.frame.contentWindow?.live; if (frame) work(frame); else setTimeout(open, 200); };
     open();
   },
+  uses(name) { this.show((frame) => frame.uses(name)); },
   update() {
     const told = this.keys.filter((key) => live.shown.get(key)?.text !== undefined);
     this.frame.contentWindow?.live?.set(told.map((key) => [key, live.shown.get(key).text]));
@@ -346,11 +347,18 @@ function record() {
 
 const diagnostics = { open() { watch(); }, names: () => [], update() {} };
 
+// A place in the source leads to its network.
+function place(text) {
+  const found = /^([A-Z]+ \d+), (?:network (\d+), )?/.exec(text);
+  if (!found || !live.drawn) return text;
+  return element("a", { href: "#program", textContent: text, onclick: () => program.show((frame) => frame.go(found[1], Number(found[2] ?? 0))) });
+}
+
 function buffer(entries) {
   $("events").replaceChildren(...entries.map((it) => element("tr", { className: /^STOP/.test(it.text) ? "fault" : "" },
     element("td", { className: "value", textContent: time(it.clock) }),
     element("td", { className: "value", textContent: `16#${it.event.toString(16).toUpperCase().padStart(4, "0")}` }),
-    element("td", { textContent: it.text }), element("td", { textContent: it.place }))));
+    element("td", { textContent: it.text }), element("td", {}, place(it.place)))));
 }
 
 // Views
