@@ -199,6 +199,13 @@ pub struct BuildArgs {
     /// Give the executable servers for clients, and their flags [default: if plc.toml has `[services]`].
     #[arg(long)]
     pub services: bool,
+    /// Give the executable its code a second time, with probes, so that the page can show what statements see while the program runs.
+    /// It has services then [default: if plc.toml has the page `web`].
+    #[arg(long, conflicts_with = "no_monitor")]
+    pub monitor: bool,
+    /// Leave the code with probes out.
+    #[arg(long)]
+    pub no_monitor: bool,
     /// Do not print what was written.
     #[arg(long)]
     pub quiet: bool,
