@@ -1,10 +1,12 @@
 //! Code that runs in this process: machine code in memory, or the IR in its interpreter.
 
 use std::rc::Rc;
+use std::sync::{Arc, Mutex};
 
 use plcc_codegen::{CodegenError, JitProgram};
 use plcc_ir::interpreter::{Host, Interpreter};
 use plcc_ir::{FuncId, RuntimeFn};
+use plcc_runtime::change::CodeSource;
 use plcc_runtime::code::EntryFunction;
 use plcc_runtime::{Code, functions, guest};
 
@@ -21,6 +23,13 @@ pub fn machine_code(compiled: &Compiled) -> Result<(Vec<EntryFunction>, JitProgr
     let program = JitProgram::compile(&compiled.module, &functions::address, &compiled.codegen_options())?;
     let entries = (0..program.entries() as u32).map(|index| program.entry(index)).collect();
     Ok((entries, program))
+}
+
+/// Makes code of a program as often as asked, for any number of CPUs one after the other.
+pub fn source(compiled: &Compiled) -> Result<CodeSource, CodegenError> {
+    let (entries, program) = machine_code(compiled)?;
+    let owner = Arc::new(Mutex::new(program));
+    Ok(Arc::new(move || Rc::new(guest::NativeCode::new(entries.clone(), Arc::clone(&owner)))))
 }
 
 /// The IR in its interpreter.

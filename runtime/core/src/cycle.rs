@@ -64,31 +64,60 @@ pub struct Course {
     last_start: Option<u64>,
     /// When the next cycle starts.
     next: u64,
+    /// A cycle has ended, and the time until the next one has not passed.
+    pauses: bool,
+}
+
+impl Course {
+    /// Number of the last cycle, 0 before the first.
+    pub fn cycle(&self) -> u64 {
+        self.cycle
+    }
 }
 
 impl Cpu {
     /// Startup and cycles. Returns the number of OB 1 cycles that were begun.
     pub fn execute(&self, pace: &Pace, observer: &mut dyn Observer) -> u64 {
         let mut course = self.begin(pace, observer);
-        let has_more = |cycle| pace.cycles.is_none_or(|cycles| cycle < cycles);
-        while !self.is_stopped() && has_more(course.cycle) && !crate::run::end_requested() {
-            self.step(&mut course, observer);
-            if !self.is_stopped() {
-                self.advance(course.next, false);
-            }
-        }
+        self.go_on(&mut course, observer, &|| false);
         self.end();
         course.cycle
     }
 
-    /// Startup. After it [`run_until`](Cpu::run_until), and at last [`end`](Cpu::end).
+    /// Cycles until the end of the run or STOP, or, between two of them, until `is_wanted` says so. Then it may be called again.
+    pub(crate) fn go_on(&self, course: &mut Course, observer: &mut dyn Observer, is_wanted: &dyn Fn() -> bool) {
+        loop {
+            if course.pauses && !self.is_stopped() {
+                course.pauses = false;
+                self.advance(course.next, false);
+            }
+            let has_more = course.pace.cycles.is_none_or(|cycles| course.cycle < cycles);
+            if self.is_stopped() || !has_more || crate::run::end_requested() {
+                return;
+            }
+            self.step(course, observer);
+            course.pauses = true;
+            if is_wanted() {
+                return;
+            }
+        }
+    }
+
+    /// Startup. After it [`go_on`](Cpu::go_on) or [`run_until`](Cpu::run_until), and at last [`end`](Cpu::end).
     pub fn begin(&self, pace: &Pace, observer: &mut dyn Observer) -> Course {
         self.schedule.hang_limit.set(pace.hang_limit);
         if self.clock.is_virtual() {
             self.watchdog.watch_beats(pace.hang_limit);
         }
         self.start_up(observer);
-        Course { pace: *pace, times: CycleTimes::default(), cycle: 0, last_start: None, next: self.clock.now() }
+        Course {
+            pace: *pace,
+            times: CycleTimes::default(),
+            cycle: 0,
+            last_start: None,
+            next: self.clock.now(),
+            pauses: false,
+        }
     }
 
     /// Under the virtual clock: everything that is due before `end`, and the clock is at `end` then. What is due at `end` itself sees what

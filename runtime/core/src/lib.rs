@@ -30,6 +30,7 @@ pub mod alarms;
 pub mod analog;
 pub mod assertion;
 pub mod bcd;
+pub mod change;
 pub mod clock;
 pub mod code;
 pub mod communication;

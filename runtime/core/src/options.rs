@@ -109,8 +109,9 @@ impl RunOptions {
         self.instances.is_some() || self.instance_values.is_some()
     }
 
-    /// Puts what the flags say about restarts into the configuration.
-    pub(crate) fn restart(&self, config: &mut Config) {
+    /// Puts what the flags say about errors and restarts into the configuration.
+    pub(crate) fn configure(&self, config: &mut Config) {
+        config.s7200.stop_on_error |= self.stop_on_error;
         if let Some(path) = &self.retain {
             config.retain.file = Some(path.display().to_string());
         }
