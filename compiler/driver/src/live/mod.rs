@@ -65,11 +65,8 @@ pub fn run(args: &RunArgs) -> u8 {
 /// A flag that does not go together with changes.
 fn unfit(args: &RunArgs) -> Option<&'static str> {
     let run = &args.run;
-    let flags = [
-        ("--scenario", run.scenario.is_some()),
-        ("--trace", run.trace.is_some()),
-        ("--instances", run.is_many()),
-    ];
+    let flags =
+        [("--scenario", run.scenario.is_some()), ("--trace", run.trace.is_some()), ("--instances", run.is_many())];
     flags.into_iter().find(|(_, given)| *given).map(|(flag, _)| flag)
 }
 
@@ -146,7 +143,8 @@ impl Watch {
             }
             ("", pending) => self.pending = pending,
             (_, pending) => {
-                let words = if pending.is_some() { "y, n or r" } else { "r to restore the program from before a change" };
+                let words =
+                    if pending.is_some() { "y, n or r" } else { "r to restore the program from before a change" };
                 report::say(&format!("`{line}` means nothing here: write {words}"));
                 self.pending = pending;
             }

@@ -91,10 +91,11 @@ impl Pairs<'_> {
             (NamedType::Value(a), NamedType::Value(b)) if a == b => self.take(place, value_bits(*a)),
             (NamedType::Text { .. }, NamedType::Text { .. }) if was == is => self.take(place, text_bits(was)),
             (NamedType::Other { name: a }, NamedType::Other { name: b }) if a == b => self.pointer(a, place),
-            (
-                NamedType::Array { dimensions: a, element: from },
-                NamedType::Array { dimensions: b, element: to },
-            ) if a.len() == b.len() => self.array((a, *from), (b, *to), path, place, depth),
+            (NamedType::Array { dimensions: a, element: from }, NamedType::Array { dimensions: b, element: to })
+                if a.len() == b.len() =>
+            {
+                self.array((a, *from), (b, *to), path, place, depth)
+            }
             (NamedType::Struct(a), NamedType::Struct(b)) if a.name == b.name && a.name.starts_with(REFERENCE) => {
                 self.pointer(&a.name, place);
             }
@@ -152,7 +153,10 @@ impl Pairs<'_> {
         };
         if first_a.low < first_b.low || first_a.high > first_b.high {
             let bounds = |one: &Dimension| format!("[{}..{}]", one.low, one.high);
-            self.item(format!("{path}{} has the bounds {}: elements outside them go", bounds(first_a), bounds(first_b)), true);
+            self.item(
+                format!("{path}{} has the bounds {}: elements outside them go", bounds(first_a), bounds(first_b)),
+                true,
+            );
         }
         let inner = format!("{path}[]");
         for index in first_a.low.max(first_b.low)..=first_a.high.min(first_b.high) {
@@ -249,7 +253,13 @@ pub(super) fn is_same(a: &str, b: &str) -> bool {
 fn value_bits(ty: AssertType) -> u64 {
     match typed::bits(ty) {
         Some(bits) => bits.into(),
-        None => if ty == AssertType::Dtl { 96 } else { 0 },
+        None => {
+            if ty == AssertType::Dtl {
+                96
+            } else {
+                0
+            }
+        }
     }
 }
 

@@ -73,7 +73,8 @@ impl Plan {
 
     /// Interrupts of OBs that come and go.
     fn obs(&mut self, old: &ProgramImage, new: &ProgramImage) {
-        let has = |image: &ProgramImage, ob| image.blocks.iter().any(|one| one.kind == BlockKind::Ob && one.number == ob);
+        let has =
+            |image: &ProgramImage, ob| image.blocks.iter().any(|one| one.kind == BlockKind::Ob && one.number == ob);
         for block in new.blocks.iter().filter(|block| block.kind == BlockKind::Ob && !has(old, block.number)) {
             self.item(format!("OB {} is new", block.number), false);
         }
@@ -122,12 +123,16 @@ impl Plan {
     pub(super) fn check(&self, cpu: &Cpu) -> Result<(), String> {
         let created = cpu.created_dbs.borrow();
         if let Some((number, ..)) = created.iter().find(|(number, ..)| self.new_dbs.contains(number)) {
-            return Err(format!("DB {number} was made by the running program, and the new one has a DB {number} of its own"));
+            return Err(format!(
+                "DB {number} was made by the running program, and the new one has a DB {number} of its own"
+            ));
         }
         let records = cpu.records.borrow();
         let mut used = records.used_dbs();
         match used.find(|number| self.changed_dbs.contains(number)) {
-            Some(number) => Err(format!("a data log or recipe job uses DB {number}, whose layout changes: close the log first")),
+            Some(number) => {
+                Err(format!("a data log or recipe job uses DB {number}, whose layout changes: close the log first"))
+            }
             None => Ok(()),
         }
     }
@@ -162,7 +167,10 @@ fn possible(old: &ProgramImage, new: &ProgramImage) -> Result<(), String> {
     }
     let (was, is) = (fixed(&old.config), fixed(&new.config));
     if was != is {
-        return Err("plc.toml sets the CPU, its modules or its services in another way: stop the program and start the new one".to_string());
+        return Err(
+            "plc.toml sets the CPU, its modules or its services in another way: stop the program and start the new one"
+                .to_string(),
+        );
     }
     Ok(())
 }

@@ -21,7 +21,12 @@ impl Cpu {
     ///
     /// # Panics
     /// If the CPU has another owner.
-    pub(super) fn take_over(cpu: &mut Rc<Cpu>, plan: &Plan, mut image: ProgramImage, code: Rc<dyn Code>) -> Vec<String> {
+    pub(super) fn take_over(
+        cpu: &mut Rc<Cpu>,
+        plan: &Plan,
+        mut image: ProgramImage,
+        code: Rc<dyn Code>,
+    ) -> Vec<String> {
         let renamed = cpu.keep_sites(&mut image);
         // Clock and driver of the old one take the places of these.
         let mut next = Cpu::new(image, code, Clock::simulated(), Box::new(Simulated::new(None)));
@@ -31,7 +36,18 @@ impl Cpu {
             ($($field:ident),*) => { $(std::mem::swap(&mut own.$field, &mut old.$field);)* };
         }
         take!(clock, driver, diagnostics, running, watcher, stop, load_memory, diagnostics_changed, startup, service);
-        take!(is_served, is_restarted, restart_requested, communication, records, alarms, technology, zone, cycle, meters);
+        take!(
+            is_served,
+            is_restarted,
+            restart_requested,
+            communication,
+            records,
+            alarms,
+            technology,
+            zone,
+            cycle,
+            meters
+        );
         own.generation = old.generation + 1;
         own.schedule.take_over(&mut old.schedule, own.clock.now());
         own.diagnostics.rename_sites(&renamed);
@@ -107,7 +123,9 @@ impl Cpu {
     fn take_data(&self, from: &Memory, plan: &Plan) -> Vec<String> {
         for one in &plan.moves {
             if one.from % 8 == 0 && one.to % 8 == 0 && one.bits % 8 == 0 {
-                from.view((one.from / 8) as u32, (one.bits / 8) as u32, |data| self.memory.load((one.to / 8) as u32, data));
+                from.view((one.from / 8) as u32, (one.bits / 8) as u32, |data| {
+                    self.memory.load((one.to / 8) as u32, data)
+                });
             } else {
                 for bit in 0..one.bits {
                     let (source, target) = (one.from + bit, one.to + bit);

@@ -112,12 +112,7 @@ pub fn run_watched(
     run_with(image, code, options, Extras { watcher, ..Extras::default() })
 }
 
-fn run_with(
-    mut image: ProgramImage,
-    code: Rc<dyn Code>,
-    options: &RunOptions,
-    extras: Extras,
-) -> u8 {
+fn run_with(mut image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions, extras: Extras) -> u8 {
     let Extras { service, watcher, changes } = extras;
     let clock = match options.clock {
         ClockKind::Real => Clock::real(),
