@@ -124,7 +124,7 @@ impl ServiceOptions {
             let door = listen::open("web", address, clients.clone())?;
             let who = if users.is_open() { "everyone on this computer may look" } else { "users may sign in" };
             opened.push(line("page at http", &door, who).replacen("http at ", "http://", 1));
-            plan.web = Some((door, Page::new(link.clone(), users, &config.drawings)));
+            plan.web = Some((door, Page::new(link.clone(), users)));
         }
         if let (Some(address), Some(times)) = (metrics, times) {
             let door = listen::open("metrics", address, clients)?;

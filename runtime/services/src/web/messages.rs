@@ -62,6 +62,8 @@ pub struct State {
     /// Why it is in STOP.
     pub reason: String,
     pub cycle: u64,
+    /// How often the program was changed while it ran.
+    pub generation: u64,
     /// Time of day in milliseconds since 1970.
     pub clock: f64,
 }

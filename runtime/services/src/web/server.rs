@@ -36,8 +36,6 @@ pub struct Page {
     /// A permit for each browser that is told values.
     places: Arc<Semaphore>,
     app: Router,
-    /// See [`ServicesConfig::drawings`](plcc_abi::services::ServicesConfig); empty if there are none.
-    drawings: Bytes,
 }
 
 /// What a request asks of.
@@ -49,7 +47,7 @@ struct Asked {
 }
 
 impl Page {
-    pub fn new(link: Link, users: Users, drawings: &[u8]) -> Page {
+    pub fn new(link: Link, users: Users) -> Page {
         let files = [
             ("/", "text/html; charset=utf-8", include_str!("page/index.html")),
             ("/page.css", "text/css; charset=utf-8", include_str!("page/page.css")),
@@ -70,7 +68,6 @@ impl Page {
             users,
             places: Arc::new(Semaphore::new(PAGES_MAX)),
             app,
-            drawings: Bytes::copy_from_slice(drawings),
         }
     }
 
@@ -106,7 +103,10 @@ async fn file(kind: &'static str, text: &'static str) -> Response {
 /// The drawings of the program: one document, packed by plcc, that loads nothing else.
 async fn program(Extension(Asked { page, .. }): Extension<Asked>, headers: HeaderMap) -> Result<Response, StatusCode> {
     page.user(&headers)?;
-    if page.drawings.is_empty() {
+    // Of the program that runs now.
+    let image = page.link.ask(|cpu| Arc::clone(&cpu.image)).await.ok_or(StatusCode::SERVICE_UNAVAILABLE)?;
+    let drawings = &image.config.services.drawings;
+    if drawings.is_empty() {
         return Err(StatusCode::NOT_FOUND);
     }
     let policy = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; frame-ancestors 'self'";
@@ -116,7 +116,7 @@ async fn program(Extension(Asked { page, .. }): Extension<Asked>, headers: Heade
         (CACHE_CONTROL, "no-cache"),
         (CONTENT_SECURITY_POLICY, policy),
     ];
-    Ok((head, page.drawings.clone()).into_response())
+    Ok((head, Bytes::copy_from_slice(drawings)).into_response())
 }
 
 /// The token in the cookie.

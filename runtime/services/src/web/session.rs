@@ -20,13 +20,22 @@ use crate::link::Link;
 /// From one look at the values to the next.
 const PERIOD: Duration = Duration::from_millis(100);
 
-/// What a page watches: number in its list, and where the value is.
-type Watched = Arc<[(usize, Source)]>;
+/// What a page watches.
+#[derive(Clone, Default)]
+struct Watched {
+    names: Arc<[String]>,
+    /// How often the program had changed when the names were looked up.
+    generation: u64,
+    /// Number in the list of names, and where the value is.
+    found: Arc<[(usize, Source)]>,
+}
 
 /// What the CPU said at one cycle control point.
 struct Seen {
     state: State,
     shown: Vec<(usize, Shown)>,
+    /// The names have other places, because the program has changed; and why some mean nothing any more.
+    renewed: Option<(Watched, Vec<(usize, String)>)>,
     /// The diagnostic buffer, if its newest entry is another one.
     buffer: Option<Vec<Entry>>,
     /// Number of events so far, as far as the buffer tells.
@@ -42,7 +51,7 @@ pub async fn serve(mut socket: WebSocket, link: Link, user: String, role: Role) 
     if tell(&mut socket, &News { hello: Some(hello), ..News::default() }).await.is_none() {
         return;
     }
-    let mut watched: Watched = Arc::new([]);
+    let mut watched = Watched::default();
     let mut known = HashMap::new();
     let mut state = State::default();
     let mut newest = None;
@@ -59,7 +68,7 @@ pub async fn serve(mut socket: WebSocket, link: Link, user: String, role: Role) 
                 };
                 let news = match serde_json::from_str(&text) {
                     Ok(Order::Watch { names }) => {
-                        let Some((found, wrong)) = link.ask(move |cpu| resolve(cpu, &names)).await else { return };
+                        let Some((found, wrong)) = link.ask(move |cpu| resolve(cpu, names.into())).await else { return };
                         watched = found;
                         known.clear();
                         News { wrong, ..News::default() }
@@ -79,6 +88,11 @@ pub async fn serve(mut socket: WebSocket, link: Link, user: String, role: Role) 
                 let Some(seen) = link.ask(move |cpu| look(cpu, &list, before)).await else { return };
                 newest = seen.newest;
                 let mut news = News { buffer: seen.buffer, ..News::default() };
+                if let Some((renewed, wrong)) = seen.renewed {
+                    watched = renewed;
+                    news.wrong = wrong;
+                    known.clear();
+                }
                 for (number, shown) in seen.shown {
                     if known.get(&number) != Some(&shown) {
                         known.insert(number, shown.clone());
@@ -89,7 +103,8 @@ pub async fn serve(mut socket: WebSocket, link: Link, user: String, role: Role) 
                     state = seen.state.clone();
                     news.state = Some(seen.state);
                 }
-                let is_news = news.state.is_some() || news.buffer.is_some() || !news.values.is_empty();
+                let is_news =
+                    news.state.is_some() || news.buffer.is_some() || !(news.values.is_empty() && news.wrong.is_empty());
                 if is_news && tell(&mut socket, &news).await.is_none() {
                     return;
                 }
@@ -109,7 +124,7 @@ fn hello(cpu: &Cpu, user: String, role: Role) -> Hello {
 }
 
 /// Finds names: the values, and why others mean nothing.
-fn resolve(cpu: &Cpu, names: &[String]) -> (Watched, Vec<(usize, String)>) {
+fn resolve(cpu: &Cpu, names: Arc<[String]>) -> (Watched, Vec<(usize, String)>) {
     let mut found = Vec::new();
     let mut wrong = Vec::new();
     for (number, name) in names.iter().enumerate() {
@@ -122,7 +137,7 @@ fn resolve(cpu: &Cpu, names: &[String]) -> (Watched, Vec<(usize, String)>) {
             Err(error) => wrong.push((number, error)),
         }
     }
-    (found.into(), wrong)
+    (Watched { names, generation: cpu.generation(), found: found.into() }, wrong)
 }
 
 fn source(cpu: &Cpu, name: &str) -> Result<Source, String> {
@@ -135,15 +150,18 @@ fn source(cpu: &Cpu, name: &str) -> Result<Source, String> {
 }
 
 /// All that a page wants to know, of one cycle.
-fn look(cpu: &Cpu, watched: &[(usize, Source)], before: Newest) -> Seen {
-    let shown = watched.iter().map(|(number, source)| {
+fn look(cpu: &Cpu, watched: &Watched, before: Newest) -> Seen {
+    let renewed = (cpu.generation() != watched.generation).then(|| resolve(cpu, Arc::clone(&watched.names)));
+    let watched = renewed.as_ref().map_or(watched, |(renewed, _)| renewed);
+    let shown = watched.found.iter().map(|(number, source)| {
         let value = source.read(cpu, None);
         (*number, Shown { value: value.json(), text: value.text(), ty: source.ty() })
     });
+    let shown = shown.collect();
     let entries = cpu.diagnostics.newest_first();
     let newest = entries.first().map(|entry| (entries.len(), *entry));
     let buffer = (newest != before).then(|| entries.iter().map(|entry| self::entry(cpu, entry)).collect());
-    Seen { state: state(cpu), shown: shown.collect(), buffer, newest }
+    Seen { state: state(cpu), shown, renewed, buffer, newest }
 }
 
 fn state(cpu: &Cpu) -> State {
@@ -152,6 +170,7 @@ fn state(cpu: &Cpu) -> State {
         running: !cpu.is_stopped(),
         reason: reason.unwrap_or_default(),
         cycle: cpu.cycle_number(),
+        generation: cpu.generation(),
         clock: milliseconds(cpu.clock.wall()),
     }
 }

@@ -82,6 +82,9 @@ function lamp(kind, text) {
 }
 
 function state(it) {
+  // Another program has other networks and names.
+  if (live.generation !== undefined && live.generation !== it.generation) location.reload();
+  live.generation = it.generation;
   lamp(it.running ? "run" : "stop", it.running ? "RUN" : "STOP");
   $("reason").textContent = it.running ? "" : it.reason;
   $("clock").textContent = time(it.clock);
