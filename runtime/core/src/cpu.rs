@@ -21,6 +21,7 @@ use crate::code::Code;
 use crate::communication::Communication;
 use crate::diagnostics::{Diagnostics, Entry};
 use crate::family::{Family, Step7};
+use crate::force::Force;
 use crate::io::Driver;
 use crate::memory::Memory;
 use crate::online::Service;
@@ -117,6 +118,8 @@ pub struct Cpu {
     pub(crate) zone: Cell<Zone>,
     /// Number of the cycle, 0 in startup.
     pub(crate) cycle: Cell<u64>,
+    /// Inputs and outputs with fixed values.
+    pub(crate) force: Force,
     /// How often the program was changed.
     pub(crate) generation: u64,
     /// Run-time meters.
@@ -190,6 +193,7 @@ impl Cpu {
             alarms: RefCell::default(),
             records: RefCell::new(Records::new(Store::temporary())),
             meters: Default::default(),
+            force: Force::default(),
             generation: 0,
             outputs_changed: Cell::new(u32::MAX),
             cycle_obs,

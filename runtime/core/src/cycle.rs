@@ -4,6 +4,7 @@
 //!
 //! Interrupts enter at safepoints of OB 1 and while time passes between cycles.
 
+use plcc_abi::image::Family;
 use plcc_abi::layout;
 use plcc_abi::ob::{OB_FREE, ObClass};
 
@@ -282,6 +283,9 @@ impl Cpu {
         self.show_counters();
         let (base, length) = self.area(Area::Inputs);
         self.driver.named(length, &mut |address, value| self.memory.set_byte(base + address, value));
+        if self.is_forcing() {
+            self.force_inputs();
+        }
     }
 
     /// Outputs of the modules in STOP.
@@ -299,6 +303,9 @@ impl Cpu {
     pub(crate) fn write_output_image(&self) {
         let (base, length) = self.area(Area::Outputs);
         let length = length.min(self.image.outputs_used.max(self.outputs_changed.take()));
+        if self.is_forcing() {
+            return self.write_forced_image(base, length);
+        }
         self.memory.view(base, length, |image| self.driver.write_image(image));
     }
 
@@ -336,7 +343,8 @@ impl Cpu {
             1 | 2 | 4 => {
                 self.family.before_input(self);
                 let counter = self.read_counter(address, bytes);
-                counter.or_else(|| self.driver.read(address, bytes)).map_or(MISSING, u64::from)
+                let value = counter.or_else(|| self.driver.read(address, bytes));
+                value.map_or(MISSING, |value| self.forced_input(address, bytes, value).into())
             }
             _ => MISSING,
         }
@@ -344,9 +352,14 @@ impl Cpu {
 
     /// Writes a peripheral output, and the process image where it covers the address. True: no module there.
     pub fn peripheral_write(&self, address: u32, bytes: u32, value: u32) -> bool {
-        if !matches!(bytes, 1 | 2 | 4) || !self.driver.write(address, bytes, self.at_module(address, bytes, value)) {
+        if !matches!(bytes, 1 | 2 | 4) {
             return true;
         }
+        let forced = self.forced_output(address, bytes, value);
+        if !self.driver.write(address, bytes, self.at_module(address, bytes, forced)) {
+            return true;
+        }
+        let value = if self.image.profile.family == Family::S7400 { forced } else { value };
         self.family.output_written(self, address, bytes, value);
         let (base, length) = self.area(Area::Outputs);
         for index in 0..bytes {
@@ -363,6 +376,7 @@ impl Cpu {
         let mask = 1u8 << (bit & 7);
         let with_bit = |byte: u8| if value { byte | mask } else { byte & !mask };
         let module = u32::from(with_bit(self.driver.output(address, 1) as u8));
+        let module = self.forced_output(address, 1, module);
         if !self.driver.write(address, 1, self.at_module(address, 1, module)) {
             return true;
         }

@@ -29,6 +29,10 @@ pub const MEMORY_RESET: u16 = 0xC025;
 /// The program was changed while it ran; no event of a CPU has this number.
 pub const PROGRAM_CHANGED: u16 = 0xC031;
 
+/// Values are forced, or no longer; no event of a CPU has these numbers.
+pub const FORCE_ACTIVE: u16 = 0xC032;
+pub const FORCE_ENDED: u16 = 0xC033;
+
 /// No place in the program is known.
 pub const NO_SITE: u32 = u32::MAX;
 
@@ -185,6 +189,9 @@ pub fn event_text(image: &ProgramImage, entry: &Entry) -> String {
         RETAIN_NOT_WRITTEN => "retentive memory cannot be written".to_string(),
         RETAIN_WRITTEN => "retentive memory is written again".to_string(),
         MEMORY_RESET => "memory reset".to_string(),
+        FORCE_ACTIVE if info == 1 => "1 value is forced".to_string(),
+        FORCE_ACTIVE => format!("{info} values are forced"),
+        FORCE_ENDED => "no value is forced any more".to_string(),
         PROGRAM_CHANGED => "the program was changed".to_string(),
         event => format!("event of class {}", event >> 12),
     };

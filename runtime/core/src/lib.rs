@@ -46,6 +46,7 @@ mod family;
 pub mod faults;
 pub mod files;
 pub mod fmi;
+pub mod force;
 pub mod functions;
 pub mod guest;
 pub mod io;

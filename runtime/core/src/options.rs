@@ -49,6 +49,9 @@ pub struct RunOptions {
     /// Modify values by a watch table, a TOML file (see docs/debugging.md), and print it after the last cycle
     #[arg(long, value_name = "FILE")]
     pub watch_table: Option<PathBuf>,
+    /// Force inputs and outputs by a table, a TOML file (see docs/debugging.md); what is forced later is kept there
+    #[arg(long, value_name = "FILE")]
+    pub force: Option<PathBuf>,
     /// Shortest time between two records [default: record each cycle]
     #[arg(long, value_name = "TIME", value_parser = parse_duration)]
     pub trace_step: Option<Duration>,

@@ -179,12 +179,7 @@ fn read(cpu: &Cpu, signals: &Signals, generation: u64) -> Values {
         false => "\"value\": null".to_string(),
     });
     let texts = texts.collect();
-    Values {
-        running: !cpu.is_stopped(),
-        texts,
-        time: moment(cpu),
-        renewed,
-    }
+    Values { running: !cpu.is_stopped(), texts, time: moment(cpu), renewed }
 }
 
 /// The wall clock of the CPU.

@@ -46,7 +46,8 @@ impl Cpu {
             technology,
             zone,
             cycle,
-            meters
+            meters,
+            force
         );
         own.generation = old.generation + 1;
         own.schedule.take_over(&mut old.schedule, own.clock.now());

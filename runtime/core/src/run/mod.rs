@@ -5,6 +5,7 @@ mod session;
 
 use std::fs::File;
 use std::io::Write;
+use std::path::Path;
 use std::rc::Rc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -230,6 +231,18 @@ fn wait_in_stop(
 
 /// Gives a CPU what the flags name: ports, folders, files.
 fn furnish(cpu: &Cpu, options: &RunOptions) -> Result<(), String> {
+    // After a restart what is forced stays so.
+    if !cpu.is_restarted {
+        match (&options.force, &cpu.image.config.retain.file) {
+            (Some(path), _) => cpu.force_from(path, false)?,
+            (None, Some(file)) => cpu.force_from(Path::new(&format!("{file}.force")), true)?,
+            (None, None) => {}
+        }
+        if cpu.is_forcing() {
+            let all: Vec<String> = cpu.forced().iter().map(|one| format!("{} = {}", one.name, one.value)).collect();
+            say!("forced: {}", all.join(", "));
+        }
+    }
     if let Some(port) = options.iso_port {
         cpu.communication.borrow_mut().set_iso_port(port);
     }

@@ -17,6 +17,15 @@ pub enum Order {
         name: String,
         value: String,
     },
+    /// Give an input or output a fixed value.
+    Force {
+        name: String,
+        value: String,
+    },
+    /// End the forcing of a value; without a name that of all.
+    Unforce {
+        name: Option<String>,
+    },
     Stop,
     /// A restart by one of the words `warm`, `cold`.
     Run {
@@ -41,6 +50,9 @@ pub struct News {
     /// The diagnostic buffer, newest first, when it has changed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub buffer: Option<Vec<Entry>>,
+    /// The forced values, when they have changed: name and value.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub forced: Option<Vec<(String, String)>>,
     /// Why an order was not carried out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub refused: Option<String>,

@@ -63,12 +63,7 @@ impl Page {
             .route("/session", post(sign_in).delete(sign_out))
             .route("/live", get(live))
             .layer(DefaultBodyLimit::max(PAGE_MESSAGE_MAX));
-        Page {
-            link,
-            users,
-            places: Arc::new(Semaphore::new(PAGES_MAX)),
-            app,
-        }
+        Page { link, users, places: Arc::new(Semaphore::new(PAGES_MAX)), app }
     }
 
     fn user(&self, headers: &HeaderMap) -> Result<(String, Role), StatusCode> {

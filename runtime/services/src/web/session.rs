@@ -38,6 +38,7 @@ struct Seen {
     renewed: Option<(Watched, Vec<(usize, String)>)>,
     /// The diagnostic buffer, if its newest entry is another one.
     buffer: Option<Vec<Entry>>,
+    forced: Vec<(String, String)>,
     /// Number of events so far, as far as the buffer tells.
     newest: Newest,
 }
@@ -54,6 +55,7 @@ pub async fn serve(mut socket: WebSocket, link: Link, user: String, role: Role) 
     let mut watched = Watched::default();
     let mut known = HashMap::new();
     let mut state = State::default();
+    let mut forced = Vec::new();
     let mut newest = None;
     let mut tick = interval(PERIOD);
     // After a pause the page wants the newest values, not all that were missed.
@@ -99,12 +101,16 @@ pub async fn serve(mut socket: WebSocket, link: Link, user: String, role: Role) 
                         news.values.push((number, shown));
                     }
                 }
+                if seen.forced != forced {
+                    forced = seen.forced.clone();
+                    news.forced = Some(seen.forced);
+                }
                 if seen.state != state {
                     state = seen.state.clone();
                     news.state = Some(seen.state);
                 }
                 let is_news =
-                    news.state.is_some() || news.buffer.is_some() || !(news.values.is_empty() && news.wrong.is_empty());
+                    news.state.is_some() || news.buffer.is_some() || news.forced.is_some() || !(news.values.is_empty() && news.wrong.is_empty());
                 if is_news && tell(&mut socket, &news).await.is_none() {
                     return;
                 }
@@ -161,7 +167,11 @@ fn look(cpu: &Cpu, watched: &Watched, before: Newest) -> Seen {
     let entries = cpu.diagnostics.newest_first();
     let newest = entries.first().map(|entry| (entries.len(), *entry));
     let buffer = (newest != before).then(|| entries.iter().map(|entry| self::entry(cpu, entry)).collect());
-    Seen { state: state(cpu), shown, renewed, buffer, newest }
+    let forced = match cpu.is_forcing() {
+        true => cpu.forced().into_iter().map(|one| (one.name, one.value)).collect(),
+        false => Vec::new(),
+    };
+    Seen { state: state(cpu), shown, renewed, buffer, forced, newest }
 }
 
 fn state(cpu: &Cpu) -> State {
@@ -194,7 +204,8 @@ async fn carry_out(link: &Link, order: Order, role: Role) -> Option<Option<Strin
     let needed = match order {
         Order::Watch { .. } => Role::Look,
         Order::Modify { .. } => Role::Operate,
-        Order::Stop | Order::Run { .. } => Role::Change,
+        // It outlasts the connection: a right to write programs, not values. Source: CPU manuals, protection levels.
+        Order::Force { .. } | Order::Unforce { .. } | Order::Stop | Order::Run { .. } => Role::Change,
     };
     if role < needed {
         return Some(Some(match needed {
@@ -205,6 +216,11 @@ async fn carry_out(link: &Link, order: Order, role: Role) -> Option<Option<Strin
     let done = link.ask(move |cpu| match order {
         Order::Watch { .. } => Ok(()),
         Order::Modify { name, value } => modify(cpu, &name, &value),
+        Order::Force { name, value } if name.len() > NAME_MAX || value.len() > NAME_MAX => {
+            Err(format!("a name and a value have at most {NAME_MAX} letters"))
+        }
+        Order::Force { name, value } => cpu.force(&name, &value),
+        Order::Unforce { name } => cpu.unforce(name.as_deref()),
         Order::Stop => {
             cpu.stop_by_request();
             Ok(())

@@ -60,6 +60,7 @@ function take(news) {
     changed.add(live.names[number]);
   }
   if (news.buffer) buffer(news.buffer);
+  if (news.forced) forced(news.forced);
   if (news.refused) refused(news.refused);
   record();
   view?.update(changed);
@@ -89,6 +90,13 @@ function state(it) {
   $("reason").textContent = it.running ? "" : it.reason;
   $("clock").textContent = time(it.clock);
   $("cycle").textContent = `cycle ${it.cycle.toLocaleString("en")}`;
+}
+
+// Inputs and outputs with fixed values are told wherever the page is.
+function forced(list) {
+  $("forced").hidden = list.length === 0;
+  $("forced").textContent = `F ${list.length}`;
+  $("forced").title = list.map(([name, value]) => `${name} = ${value}`).join("\n");
 }
 
 let refusedTimer;
