@@ -1,5 +1,6 @@
 //! Running a program as a CPU does: `plcc run` and executables.
 
+mod debugged;
 mod instances;
 mod session;
 
@@ -25,6 +26,7 @@ use crate::remote::{self, Remote};
 use crate::signal::Signal;
 use crate::trace::Recorder;
 use crate::{diagnostics, files, realtime, report};
+pub use debugged::{Ended, image_for_debugger, run_debugged};
 use session::{Session, prepare};
 
 /// The program stopped because it was asked to.
