@@ -2,10 +2,10 @@
 //!
 //! `MW10 > 5`, `"Motor on" AND #count = 3`, `abs(Level - 2.5) < 0.1`, `DB1.Time >= T#5s`. A BOOL is 0 or 1, a duration is in seconds.
 
+use plcc_abi::image::AssertType;
+use plcc_runtime::assertion;
 use plcc_runtime::plant::Expression;
 use plcc_runtime::typed::{self, ValueType};
-use plcc_runtime::assertion;
-use plcc_abi::image::AssertType;
 
 /// An expression that was parsed.
 pub struct Condition {
@@ -68,16 +68,26 @@ enum Token<'a> {
 
 /// The token at the beginning of a text, and what follows. `Err`: the error.
 fn token(rest: &str, first: char) -> Result<(Token<'_>, &str), String> {
-    for (own, other) in [(":=", None), ("<>", Some("!=")), ("==", Some("==")), ("!=", Some("!=")), ("<=", Some("<=")),
-        (">=", Some(">=")), ("&&", Some("&&")), ("||", Some("||")), ("=", Some("==")), ("&", Some("&&"))]
-    {
+    for (own, other) in [
+        (":=", None),
+        ("<>", Some("!=")),
+        ("==", Some("==")),
+        ("!=", Some("!=")),
+        ("<=", Some("<=")),
+        (">=", Some(">=")),
+        ("&&", Some("&&")),
+        ("||", Some("||")),
+        ("=", Some("==")),
+        ("&", Some("&&")),
+    ] {
         if let Some(after) = rest.strip_prefix(own) {
             let other = other.ok_or("a condition does not assign; write `=` to compare")?;
             return Ok((Token::Text(other.to_string()), after));
         }
     }
     if first.is_ascii_digit() {
-        let end = rest.find(|c: char| !(c.is_ascii_alphanumeric() || matches!(c, '.' | '_' | '#'))).unwrap_or(rest.len());
+        let end =
+            rest.find(|c: char| !(c.is_ascii_alphanumeric() || matches!(c, '.' | '_' | '#'))).unwrap_or(rest.len());
         let (number, after) = rest.split_at(end);
         // The exponent of a float has a sign.
         let (number, after) = match number.ends_with(['e', 'E']) && after.starts_with(['+', '-']) {
@@ -147,7 +157,15 @@ fn literal(text: &str) -> Result<String, String> {
             Err(_) => Err(format!("`{text}` is not a number")),
         };
     }
-    let types = [AssertType::Time, AssertType::Ltime, AssertType::S5Time, AssertType::Unsigned(64), AssertType::Signed(64), AssertType::Lreal, AssertType::Bits(64)];
+    let types = [
+        AssertType::Time,
+        AssertType::Ltime,
+        AssertType::S5Time,
+        AssertType::Unsigned(64),
+        AssertType::Signed(64),
+        AssertType::Lreal,
+        AssertType::Bits(64),
+    ];
     for ty in types {
         if let Ok(value) = typed::parse(text, ValueType::of(ty)) {
             let number = match (value.seconds(ty), value) {

@@ -63,12 +63,13 @@ impl Course {
         }
     }
 
-
     /// What the client is told of a stop.
     pub fn reason(self) -> &'static str {
         match self {
             Course::Cycle(_) | Course::Statement(_) => "goto",
-            Course::Run | Course::Into { .. } | Course::Over { .. } | Course::Out { .. } | Course::Search { .. } => "step",
+            Course::Run | Course::Into { .. } | Course::Over { .. } | Course::Out { .. } | Course::Search { .. } => {
+                "step"
+            }
         }
     }
 }

@@ -97,7 +97,10 @@ pub struct Change {
 pub enum Outcome {
     Quit,
     /// The program starts once more.
-    Again { course: Option<Course>, silent: bool },
+    Again {
+        course: Option<Course>,
+        silent: bool,
+    },
 }
 
 /// Why the program waits.
@@ -199,7 +202,9 @@ impl Debugger {
         let here = self.here_at_top(cpu, &state.stack);
         let block = self.places.place(place).map(|place| place.block);
         let is_here = |breakpoint: &&Breakpoint| match &breakpoint.at {
-            At::Places(places) => places.contains(&place),
+            At::Places(places) => {
+                places.contains(&place) && arrival.before.is_none_or(|before| !places.contains(&before))
+            }
             At::Block(key) => arrival.first && block == Some(*key),
         };
         let mut stop: Option<Stop> = None;

@@ -113,18 +113,22 @@ impl<'a> Here<'a> {
             (member.name.clone(), Found::Data(data))
         };
         match &block.body {
-            Body::S7200(body) => body.parameters.iter().map(|parameter| {
-                let ty = match parameter.width {
-                    plcc_model::s7200::Width::Bit => plcc_model::types::Elementary::Bool,
-                    plcc_model::s7200::Width::Byte => plcc_model::types::Elementary::Byte,
-                    plcc_model::s7200::Width::Word => plcc_model::types::Elementary::Word,
-                    plcc_model::s7200::Width::Dword => plcc_model::types::Elementary::Dword,
-                    plcc_model::s7200::Width::Lword => plcc_model::types::Elementary::Lword,
-                };
-                let ty = DataType::Elementary(ty);
-                let data = Data { offset: frame.local + parameter.byte, bit: parameter.bit, ty };
-                (parameter.name.clone(), Found::Data(data))
-            }).collect(),
+            Body::S7200(body) => body
+                .parameters
+                .iter()
+                .map(|parameter| {
+                    let ty = match parameter.width {
+                        plcc_model::s7200::Width::Bit => plcc_model::types::Elementary::Bool,
+                        plcc_model::s7200::Width::Byte => plcc_model::types::Elementary::Byte,
+                        plcc_model::s7200::Width::Word => plcc_model::types::Elementary::Word,
+                        plcc_model::s7200::Width::Dword => plcc_model::types::Elementary::Dword,
+                        plcc_model::s7200::Width::Lword => plcc_model::types::Elementary::Lword,
+                    };
+                    let ty = DataType::Elementary(ty);
+                    let data = Data { offset: frame.local + parameter.byte, bit: parameter.bit, ty };
+                    (parameter.name.clone(), Found::Data(data))
+                })
+                .collect(),
             Body::Stl(_) | Body::Scl(_) | Body::Runtime => block.interface.temporaries.iter().map(member).collect(),
         }
     }

@@ -61,23 +61,36 @@ impl Places {
         self.paths.iter().position(|own| own == path).map(|index| FileId(index as u32))
     }
 
-    /// The statements at a line, or where there is none, those of the network around it, or the next ones in the block. With their line.
-    pub fn at_line(&self, file: FileId, line: u32, program: &Program) -> Option<(u32, Vec<u32>)> {
+    /// The statements at a line, or where there is none, those of the network or the statement around it, or the next ones. With their line.
+    pub fn at_line(&self, file: FileId, line: u32, program: &Program, sources: &SourceMap) -> Option<(u32, Vec<u32>)> {
         let at = |line: u32| self.lines.get(&(file.0, line)).map(|places| (line, places.clone()));
         if let Some(found) = at(line) {
             return Some(found);
         }
+        if line == 0 || line > sources.file(file).line_count() {
+            return None;
+        }
         let own = || self.spots.iter().zip(&self.list).filter(|(spot, _)| spot.is_statement && spot.file == file);
         let before = own().filter(|(spot, _)| spot.line < line).max_by_key(|(spot, _)| spot.line);
         let after = own().filter(|(spot, _)| spot.line > line).min_by_key(|(spot, _)| spot.line);
-        // A line inside of a network, or of a statement that goes over several lines.
-        if let Some((spot, place)) = before
-            && (spot.end_line >= line || is_drawn(program, place.block))
-            && (spot.end_line >= line || after.is_none_or(|(_, next)| next.block == place.block))
-        {
-            return at(spot.line);
+        let source = sources.file(file);
+        let end = source.line_range(line).end as u32;
+        let network = before.and_then(|(_, place)| network_at(program, place.block, end.saturating_sub(1)));
+        match (before, after) {
+            (Some((spot, place)), _) if network == Some(place.network) => match after {
+                // Below the last network there may be another block.
+                Some((_, next))
+                    if next.block != place.block
+                        && spot.end_line < line
+                        && source.line_text(line).trim().is_empty() =>
+                {
+                    at(after?.0.line)
+                }
+                _ => at(spot.line),
+            },
+            (Some((spot, _)), _) if network.is_none() && spot.end_line >= line => at(spot.line),
+            (_, after) => at(after?.0.line),
         }
-        at(after?.0.line)
     }
 
     /// The lines from `first` to `last` where statements are.
@@ -100,15 +113,20 @@ impl Places {
             (block, None) => (find_block(program, block)?, None),
         };
         let Some(part) = part else { return Ok(Named::Block(block)) };
-        let own = || self.list.iter().enumerate().filter(|(_, p)| matches!(p.probe, Probe::Statement(_)) && p.block == block);
+        let own =
+            || self.list.iter().enumerate().filter(|(_, p)| matches!(p.probe, Probe::Statement(_)) && p.block == block);
         let found: Vec<u32> = match part.parse::<u16>() {
-            Ok(network) => own().filter(|(_, place)| place.network == network).map(|(number, _)| number as u32).collect(),
+            Ok(network) => {
+                own().filter(|(_, place)| place.network == network).map(|(number, _)| number as u32).collect()
+            }
             Err(_) => {
                 let is_it = |place: &Place| {
                     let text = sources.text(place.span);
                     let mut words = text.split(|c: char| c.is_whitespace() || matches!(c, ':' | '(' | ';' | ','));
                     let word = match words.next() {
-                        Some(word) if ["STEP", "INITIAL_STEP", "TRANSITION"].contains(&word.to_uppercase().as_str()) => {
+                        Some(word)
+                            if ["STEP", "INITIAL_STEP", "TRANSITION"].contains(&word.to_uppercase().as_str()) =>
+                        {
                             words.find(|word| !word.is_empty())
                         }
                         word => word,
@@ -118,10 +136,32 @@ impl Places {
                 own().filter(|(_, place)| is_it(place)).map(|(number, _)| number as u32).collect()
             }
         };
+        let found = if found.is_empty() { self.of_step(block, part, program, sources) } else { found };
         match found.first() {
             Some(_) => Ok(Named::Places(found)),
-            None => Err(format!("{block} has no network, step or transition `{part}` where the program could stop")),
+            None => Err(format!("{block} has no network, transition or step with actions `{part}`")),
         }
+    }
+}
+
+impl Places {
+    /// The statements after the line where a step of GRAPH as source text begins, up to its end.
+    fn of_step(&self, block: BlockKey, name: &str, program: &Program, sources: &SourceMap) -> Vec<u32> {
+        let Some(span) = program.block(block).map(|block| block.span) else { return Vec::new() };
+        let file = sources.file(span.file);
+        let words = |line: u32| {
+            file.line_text(line).split(|c: char| c.is_whitespace() || c == ':').filter(|word| !word.is_empty())
+        };
+        let begins = |line: &u32| {
+            let mut words = words(*line);
+            words.next().is_some_and(|word| ["STEP", "INITIAL_STEP"].contains(&word.to_uppercase().as_str()))
+                && words.next().is_some_and(|word| word.trim_matches('"').eq_ignore_ascii_case(name))
+        };
+        let Some(first) = (file.line(span.start)..=file.line_count()).find(begins) else { return Vec::new() };
+        let ends = |line: &u32| words(*line).next().is_some_and(|word| word.to_uppercase().starts_with("END_STEP"));
+        let last = (first..=file.line_count()).find(ends).unwrap_or(first);
+        let lines = self.lines_between(span.file, first, last);
+        lines.iter().filter_map(|line| self.lines.get(&(span.file.0, *line))).flatten().copied().collect()
     }
 }
 
@@ -158,7 +198,10 @@ fn find_block(program: &Program, text: &str) -> Result<BlockKey, String> {
     }
 }
 
-/// Whether a block consists of networks of LAD and FBD.
-fn is_drawn(program: &Program, block: BlockKey) -> bool {
-    matches!(program.block(block).map(|block| &block.body), Some(Body::Scl(body)) if !body.networks.is_empty())
+/// The network of LAD or FBD around a position; `None`: the block does not consist of such.
+fn network_at(program: &Program, block: BlockKey, position: u32) -> Option<u16> {
+    match &program.block(block)?.body {
+        Body::Scl(body) if !body.networks.is_empty() => Some(body.network_at(position)),
+        Body::Scl(_) | Body::Stl(_) | Body::S7200(_) | Body::Runtime => None,
+    }
 }

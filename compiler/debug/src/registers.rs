@@ -121,10 +121,15 @@ impl Register {
     /// Changes it, in the CPU and in what is shown. `Err`: the error.
     pub fn write(self, cpu: &Cpu, probed: &mut Probed, text: &str) -> Result<(), String> {
         let wrong = || format!("`{}` is not a value for {}", text.trim(), self.name);
-        let number = plcc_runtime::typed::parse(text, plcc_runtime::typed::ValueType::of(match self.form {
-            Form::Bit(_) => plcc_abi::image::AssertType::Bool,
-            Form::Hex | Form::Pointer | Form::Low | Form::High | Form::Status => plcc_abi::image::AssertType::Bits(32),
-        }));
+        let number = plcc_runtime::typed::parse(
+            text,
+            plcc_runtime::typed::ValueType::of(match self.form {
+                Form::Bit(_) => plcc_abi::image::AssertType::Bool,
+                Form::Hex | Form::Pointer | Form::Low | Form::High | Form::Status => {
+                    plcc_abi::image::AssertType::Bits(32)
+                }
+            }),
+        );
         let number = match number {
             Ok(plcc_runtime::assertion::Value::Bits(bits)) => bits as u32,
             Ok(_) | Err(_) => match text.trim().parse::<i32>() {

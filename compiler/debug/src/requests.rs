@@ -147,7 +147,9 @@ impl Debugger {
             let place = || -> Result<(u32, Vec<u32>), String> {
                 let file = file.ok_or("the file is no part of the program")?;
                 let line = line.and_then(|line| u32::try_from(line).ok()).ok_or("a breakpoint needs its line")?;
-                self.places.at_line(file, line, &self.program).ok_or_else(|| "no statement is here or further down".to_string())
+                self.places
+                    .at_line(file, line, &self.program, &self.sources)
+                    .ok_or_else(|| "no statement is here or further down".to_string())
             };
             match place().and_then(|place| Ok((place, When::read(given)?))) {
                 Ok(((line, places), when)) => {
@@ -226,7 +228,10 @@ impl Debugger {
             let id = state.next_id;
             let known = given.get("dataId").and_then(Value::as_str).and_then(|text| text.split_once('='));
             let range = known.and_then(|(range, name)| Some((Range::parse(range)?, name)));
-            match range.ok_or_else(|| "this is no value of the program".to_string()).and_then(|range| Ok((range, When::read(given)?))) {
+            match range
+                .ok_or_else(|| "this is no value of the program".to_string())
+                .and_then(|range| Ok((range, When::read(given)?)))
+            {
                 Ok(((range, name), when)) => {
                     let mut watched = Watched::new(id, name.to_string(), range, when);
                     if let Some(cpu) = cpu {
@@ -245,7 +250,8 @@ impl Debugger {
         let frames = state.stack.frames.iter().enumerate().rev();
         let start = request.number("startFrame").unwrap_or(0) as usize;
         let levels = request.number("levels").filter(|levels| *levels > 0).map_or(usize::MAX, |levels| levels as usize);
-        let shown: Vec<Value> = frames.skip(start).take(levels).map(|(index, frame)| self.frame(state, index, frame)).collect();
+        let shown: Vec<Value> =
+            frames.skip(start).take(levels).map(|(index, frame)| self.frame(state, index, frame)).collect();
         json!({ "stackFrames": shown, "totalFrames": state.stack.frames.len() })
     }
 

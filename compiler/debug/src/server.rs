@@ -32,7 +32,8 @@ pub fn serve(
             Ok(Incoming::Request(request)) => match request.command.as_str() {
                 "initialize" => {
                     let is_zero = |name: &str| request.arguments.get(name) == Some(&json!(false));
-                    (state.lines_from_zero, state.columns_from_zero) = (is_zero("linesStartAt1"), is_zero("columnsStartAt1"));
+                    (state.lines_from_zero, state.columns_from_zero) =
+                        (is_zero("linesStartAt1"), is_zero("columnsStartAt1"));
                     wire.answer(&request, Ok(capabilities()));
                 }
                 "launch" => match loaded(&request, &host) {
@@ -46,7 +47,9 @@ pub fn serve(
                     wire.answer(&request, Ok(json!({})));
                     return Ok(());
                 }
-                "attach" => wire.answer(&request, Err("the debugger starts the program itself: use `launch`".to_string())),
+                "attach" => {
+                    wire.answer(&request, Err("the debugger starts the program itself: use `launch`".to_string()))
+                }
                 other => wire.answer(&request, Err(format!("`{other}` comes after `launch`"))),
             },
             Ok(Incoming::Wrong(error)) => wire.say("important", &error),
@@ -73,7 +76,18 @@ fn debugger(
     let places = Places::new(places, &sources, &|path| host.absolute(path));
     let image = run::image_for_debugger(image, &launch.options);
     let absolute = Box::new(move |path: &str| host.absolute(path));
-    Rc::new(Debugger { program, sources, places, image, code, launch, wire, incoming, state: RefCell::new(state), absolute })
+    Rc::new(Debugger {
+        program,
+        sources,
+        places,
+        image,
+        code,
+        launch,
+        wire,
+        incoming,
+        state: RefCell::new(state),
+        absolute,
+    })
 }
 
 /// From the launch to the end.

@@ -35,6 +35,8 @@ pub struct Arrival {
     pub first: bool,
     /// It is at another line than the one before it in the same call, or the line begins again.
     pub new_line: bool,
+    /// The one before it in the same call, unless the code goes back.
+    pub before: Option<u32>,
 }
 
 impl Stack {
@@ -55,11 +57,13 @@ impl Stack {
 
     /// A statement is about to run.
     pub fn statement(&mut self, places: &Places, place: u32, local: u32, probed: Probed) -> Arrival {
-        let Some(frame) = self.frames.last_mut() else { return Arrival { first: true, new_line: true } };
+        let alone = Arrival { first: true, new_line: true, before: None };
+        let Some(frame) = self.frames.last_mut() else { return alone };
         let line = |place: u32| places.spot(place).map(|spot| (spot.file, spot.line));
         let arrival = match frame.place {
-            None => Arrival { first: true, new_line: true },
-            Some(before) => Arrival { first: false, new_line: place <= before || line(place) != line(before) },
+            None => alone,
+            Some(before) if place <= before => Arrival { first: false, ..alone },
+            Some(before) => Arrival { first: false, new_line: line(place) != line(before), before: Some(before) },
         };
         (frame.place, frame.local, frame.probed) = (Some(place), local, probed);
         arrival

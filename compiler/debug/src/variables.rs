@@ -163,7 +163,9 @@ pub fn type_of(found: &Found) -> String {
 /// A row for what a name means.
 pub fn row(name: String, expression: String, found: Found) -> Row {
     let group = match &found {
-        Found::Data(data) if data.value_type().is_none() && matches!(data.ty, DataType::Struct(_) | DataType::Array(_)) => {
+        Found::Data(data)
+            if data.value_type().is_none() && matches!(data.ty, DataType::Struct(_) | DataType::Array(_)) =>
+        {
             Some(Group::Parts(expression.clone(), data.clone()))
         }
         Found::Values(values) => {
@@ -179,7 +181,14 @@ fn value_row(name: String, expression: String, source: Source) -> Row {
 }
 
 fn fixed(name: &str, text: String, ty: &str) -> Row {
-    Row { name: name.to_string(), found: None, text: Some(text), ty: ty.to_string(), expression: String::new(), group: None }
+    Row {
+        name: name.to_string(),
+        found: None,
+        text: Some(text),
+        ty: ty.to_string(),
+        expression: String::new(),
+        group: None,
+    }
 }
 
 fn cpu_rows(here: &Here<'_>) -> Vec<Row> {
@@ -197,7 +206,11 @@ fn cpu_rows(here: &Here<'_>) -> Vec<Row> {
 fn register_rows(here: &Here<'_>) -> Vec<Row> {
     let kept = here.kept();
     let accumulators = u32::from(here.program.profile.accumulators);
-    let is_there = |name: &str| name.strip_prefix("ACCU").and_then(|number| number.parse::<u32>().ok()).is_none_or(|number| number <= accumulators);
+    let is_there = |name: &str| {
+        name.strip_prefix("ACCU")
+            .and_then(|number| number.parse::<u32>().ok())
+            .is_none_or(|number| number <= accumulators)
+    };
     registers::of(kept)
         .iter()
         .filter(|register| kept == Kept::Stack || is_there(register.name))

@@ -167,3 +167,46 @@ impl Wire {
         self.send(message);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn all(bytes: &[u8]) -> Vec<String> {
+        let (send, receive) = channel();
+        read_all(bytes, &send);
+        drop(send);
+        receive
+            .iter()
+            .map(|incoming| match incoming {
+                Incoming::Request(request) => request.command,
+                Incoming::Wrong(error) => format!("wrong: {}", error.split(':').next().unwrap_or("")),
+                Incoming::Closed => "closed".to_string(),
+            })
+            .collect()
+    }
+
+    #[test]
+    fn whatever_comes_has_an_end() {
+        let body = |text: &str| format!("Content-Length: {}\r\n\r\n{text}", text.len());
+        let next = body("{\"seq\":1,\"type\":\"request\",\"command\":\"next\"}");
+        for (text, expected) in [
+            (String::new(), vec!["closed"]),
+            (next.clone() + &next, vec!["next", "next", "closed"]),
+            (body("{}") + &next, vec!["wrong: a message has no type", "next", "closed"]),
+            (body("{") + &next, vec!["wrong: a message is not JSON", "next", "closed"]),
+            (
+                body("{\"type\":\"request\",\"seq\":[]}") + &next,
+                vec!["wrong: a request is not complete", "next", "closed"],
+            ),
+            (body("{\"type\":\"event\"}"), vec!["closed"]),
+            ("Content-Length: 99\r\n\r\n{}".to_string(), vec!["closed"]),
+            ("Content-Length: x\r\n\r\n".to_string(), vec!["wrong: `Content-Length", "closed"]),
+            ("Content-Length: 99999999999\r\n\r\n".to_string(), vec!["wrong: `Content-Length", "closed"]),
+            ("nonsense\r\n\r\n".to_string(), vec!["wrong: `nonsense` is not a line of a head", "closed"]),
+        ] {
+            assert_eq!(all(text.as_bytes()), expected, "{text}");
+        }
+        assert_eq!(all(&[0xFF; 5000]).len(), 2);
+    }
+}

@@ -142,9 +142,7 @@ impl BlockLowering<'_, '_> {
 
     /// Whether code at `span` is source of this block, and is reached.
     fn is_here(&self, span: Span) -> bool {
-        !self.block.library
-            && span.file == self.block.span.file
-            && self.b.is_reachable()
+        !self.block.library && span.file == self.block.span.file && self.b.is_reachable()
     }
 
     /// The block begins.

@@ -47,7 +47,9 @@ impl Host for Files {
     fn compile(&self, program: Option<&Path>) -> Result<Target, String> {
         let paths = match program {
             Some(program) => vec![program.to_path_buf()],
-            None => inputs::or_here(&self.0.inputs).map_err(|_| "there is no program: name one in `program`".to_string())?,
+            None => {
+                inputs::or_here(&self.0.inputs).map_err(|_| "there is no program: name one in `program`".to_string())?
+            }
         };
         let read = inputs::read_as(&paths, self.0.compile.code_page);
         let settings = Settings { require_main: true, ..Settings::new(&self.0.compile) };
