@@ -70,7 +70,6 @@ pub fn transcript(path: &Path) -> Result<String, String> {
     };
     client.request("initialize", &json!({ "adapterID": "plcc" }))?;
     client.request("launch", &launch)?;
-    client.text = format!("{first}\n");
     for line in requests {
         client.text.push_str(line);
         client.text.push('\n');

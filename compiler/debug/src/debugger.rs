@@ -268,6 +268,9 @@ impl Debugger {
 
     /// Changes a value. `Err`: the error as a sentence.
     pub fn put(&self, state: &mut State, cpu: &Cpu, found: &Found, text: &str) -> Result<(), String> {
+        if let Some(tape) = cpu.tape() {
+            tape.set_free();
+        }
         match found {
             Found::Register(register) => {
                 let frame = state.stack.frames.last_mut().ok_or("no block runs")?;

@@ -1,9 +1,11 @@
 //! What a client says when it starts a program.
 
 use std::path::PathBuf;
+use std::rc::Rc;
 
 use plcc_runtime::RunOptions;
 use plcc_runtime::options::{ClockKind, parse_duration};
+use plcc_runtime::tape::Recording;
 use serde::Deserialize;
 use serde_json::Value;
 
@@ -14,6 +16,9 @@ pub struct Launch {
     pub program: Option<PathBuf>,
     pub stop_on_entry: bool,
     pub options: RunOptions,
+    /// The recording that is repeated.
+    pub replay: Option<PathBuf>,
+    pub recording: Option<Rc<Recording>>,
 }
 
 #[derive(Deserialize)]
@@ -30,6 +35,7 @@ struct Arguments {
     watch_table: Option<PathBuf>,
     #[serde(default)]
     stop_on_error: bool,
+    replay: Option<PathBuf>,
 }
 
 impl Launch {
@@ -47,6 +53,7 @@ impl Launch {
             stop_on_error: given.stop_on_error,
             ..RunOptions::default()
         };
-        Ok(Launch { program: given.program, stop_on_entry: given.stop_on_entry, options })
+        let (program, stop_on_entry, replay) = (given.program, given.stop_on_entry, given.replay);
+        Ok(Launch { program, stop_on_entry, options, replay, recording: None })
     }
 }

@@ -29,7 +29,7 @@ mod stack;
 mod variables;
 mod wire;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use plcc_abi::ProgramImage;
@@ -54,6 +54,9 @@ pub struct Target {
 pub trait Host {
     /// `Err`: why there is no program, for the user.
     fn compile(&self, program: Option<&Path>) -> Result<Target, String>;
+
+    /// The recording to repeat, unless the client names one.
+    fn replay(&self) -> Option<PathBuf>;
 
     /// The path of a file from the root on, as each client names the same file.
     fn absolute(&self, path: &str) -> String;

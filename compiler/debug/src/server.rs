@@ -3,10 +3,13 @@
 use std::cell::RefCell;
 use std::io::{Read, Write};
 use std::rc::Rc;
+use std::sync::Arc;
 use std::sync::mpsc::Receiver;
 
+use plcc_abi::ProgramImage;
 use plcc_runtime::probe::Watcher;
 use plcc_runtime::run::{self, Ended};
+use plcc_runtime::tape::Recording;
 use serde_json::json;
 
 use crate::course::Course;
@@ -37,9 +40,9 @@ pub fn serve(
                     wire.answer(&request, Ok(capabilities()));
                 }
                 "launch" => match loaded(&request, &host) {
-                    Ok((launch, target)) => {
+                    Ok((launch, target, image)) => {
                         wire.answer(&request, Ok(json!({})));
-                        return work(debugger(launch, target, wire, incoming, state, host));
+                        return work(debugger(launch, target, image, wire, incoming, state, host));
                     }
                     Err(error) => wire.answer(&request, Err(error)),
                 },
@@ -58,23 +61,28 @@ pub fn serve(
     }
 }
 
-fn loaded(request: &Request, host: &Rc<dyn Host>) -> Result<(Launch, Target), String> {
-    let launch = Launch::read(&request.arguments)?;
+/// The program with what the launch asks for. `Err`: the error.
+fn loaded(request: &Request, host: &Rc<dyn Host>) -> Result<(Launch, Target, Arc<ProgramImage>), String> {
+    let mut launch = Launch::read(&request.arguments)?;
     let target = host.compile(launch.program.as_deref())?;
-    Ok((launch, target))
+    let replay = launch.replay.clone().or_else(|| host.replay());
+    launch.recording = replay.map(|path| Recording::read(&path)).transpose()?.map(Rc::new);
+    let (image, options) = run::for_debugger(target.image.clone(), &launch.options, launch.recording.as_ref())?;
+    launch.options = options;
+    Ok((launch, target, image))
 }
 
 fn debugger(
     launch: Launch,
     target: Target,
+    image: Arc<ProgramImage>,
     wire: Rc<Wire>,
     incoming: Receiver<Incoming>,
     state: State,
     host: Rc<dyn Host>,
 ) -> Rc<Debugger> {
-    let Target { program, sources, places, image, code } = target;
+    let Target { program, sources, places, code, .. } = target;
     let places = Places::new(places, &sources, &|path| host.absolute(path));
-    let image = run::image_for_debugger(image, &launch.options);
     let absolute = Box::new(move |path: &str| host.absolute(path));
     Rc::new(Debugger {
         program,
@@ -103,7 +111,8 @@ fn work(debugger: Rc<Debugger>) -> Result<(), String> {
         let watcher: Rc<dyn Watcher> = Rc::<Debugger>::clone(&debugger);
         let out = Box::new(Printed(Rc::clone(&debugger)));
         let (image, code) = (&debugger.image, Rc::clone(&debugger.code));
-        let ended = run::run_debugged(image, code, &debugger.launch.options, &watcher, out);
+        let launch = &debugger.launch;
+        let ended = run::run_debugged(image, code, &launch.options, &watcher, out, launch.recording.as_ref());
         let outcome = debugger.state.borrow_mut().outcome.take();
         match outcome {
             Some(Outcome::Again { course: next, silent: is_silent }) => (course, silent) = (next, is_silent),

@@ -36,6 +36,8 @@ pub enum Command {
     Xref(XrefArgs),
     /// Show what the statements of a block see in one cycle.
     Status(Box<StatusArgs>),
+    /// Repeat a run that was recorded with `plcc run --record`, and compare memory after each cycle.
+    Replay(Box<ReplayArgs>),
     /// Serve a debugger: the debug adapter protocol over standard input and output.
     Debug(Box<DebugArgs>),
     /// Lay out sources in one style.
@@ -221,7 +223,7 @@ pub enum Emit {
     Oci,
 }
 
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub struct RunArgs {
     /// Sources, symbol tables, folders of these, or a project. Together they are one program [default: the project in this
     /// folder].
@@ -329,6 +331,15 @@ pub struct StatusArgs {
     pub compile: CompileArgs,
 }
 
+#[derive(Args, Debug)]
+pub struct ReplayArgs {
+    /// The recording.
+    #[arg(value_name = "RECORDING")]
+    pub recording: PathBuf,
+    #[command(flatten)]
+    pub run: RunArgs,
+}
+
 #[derive(Args, Clone, Debug)]
 pub struct DebugArgs {
     /// Sources, symbol tables, folders of these, or a project. Together they are one program [default: what the client names in
@@ -338,6 +349,9 @@ pub struct DebugArgs {
     /// Serve one client over TCP instead, such as 127.0.0.1:4711; the line with the address goes to standard error.
     #[arg(long, value_name = "ADDR:PORT")]
     pub listen: Option<std::net::SocketAddr>,
+    /// Repeat a run that was recorded with `plcc run --record`.
+    #[arg(long, value_name = "RECORDING")]
+    pub replay: Option<PathBuf>,
     #[command(flatten)]
     pub compile: CompileArgs,
 }

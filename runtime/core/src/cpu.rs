@@ -34,6 +34,7 @@ use crate::s7200::{S7200, ScanCycle};
 use crate::schedule::Schedule;
 use crate::system::meters::{METERS, Meter};
 use crate::system::zone::Zone;
+use crate::tape::Tape;
 use crate::technology::Technology;
 use crate::watchdog::Watchdog;
 
@@ -62,6 +63,8 @@ pub struct Cpu {
     pub(crate) assertions: Assertions,
     /// Who looks at the probes of the program.
     pub(crate) watcher: OnceCell<Rc<dyn Watcher>>,
+    /// The recording of the run, or the one that it repeats.
+    pub(crate) tape: OnceCell<Rc<Tape>>,
     pub(crate) stop: Cell<Option<Stop>>,
     /// Blocks sorted by kind and number.
     blocks: Vec<BlockEntry>,
@@ -115,6 +118,16 @@ pub struct Cpu {
 pub const CREATED_DBS_MAX: usize = 4096;
 
 impl Cpu {
+    /// Names the recording of the run, before the CPU starts. The first call counts.
+    pub fn set_tape(&self, tape: Rc<Tape>) {
+        let _ = self.tape.set(tape);
+    }
+
+    /// The recording of the run, or the one that it repeats.
+    pub fn tape(&self) -> Option<&Tape> {
+        self.tape.get().map(Rc::as_ref)
+    }
+
     /// Number of the cycle, 0 in startup.
     pub fn cycle_number(&self) -> u64 {
         self.cycle.get()
@@ -146,6 +159,7 @@ impl Cpu {
             s7200: image.s7200.as_ref().map(|own| Box::new(S7200::new(own, &image.config.s7200))),
             assertions: Assertions::new(&image.asserts),
             watcher: OnceCell::new(),
+            tape: OnceCell::new(),
             cycle: Cell::new(0),
             retention: OnceCell::new(),
             service: RefCell::default(),

@@ -73,8 +73,15 @@ impl Cpu {
         let has_more = |cycle| pace.cycles.is_none_or(|cycles| cycle < cycles);
         while !self.is_stopped() && has_more(course.cycle) && !crate::run::end_requested() {
             self.step(&mut course, observer);
+            let next = match self.tape.get() {
+                None => course.next,
+                Some(tape) => match tape.end_cycle(self, course.next) {
+                    Some(next) => next,
+                    None => break,
+                },
+            };
             if !self.is_stopped() {
-                self.advance(course.next, false);
+                self.advance(next, false);
             }
         }
         self.end();

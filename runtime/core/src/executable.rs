@@ -73,7 +73,7 @@ pub unsafe fn main_of<O: Opener>(argc: c_int, argv: *const *const c_char) -> c_i
     match linked_program(0) {
         Ok((image, entries)) => {
             let code = || -> Rc<dyn Code> { Rc::new(LinkedCode(entries.clone())) };
-            match services.open(&image, run.is_many()) {
+            match services.open(&image, run.flags_only()) {
                 Ok((service, opened)) => {
                     opened.iter().for_each(|line| crate::run::say!("{line}"));
                     c_int::from(crate::run::start(image, &code, &run, service))

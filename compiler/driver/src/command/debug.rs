@@ -1,7 +1,7 @@
 //! `plcc debug`.
 
 use std::net::TcpListener;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use plcc_debug::{Host, Target};
@@ -62,6 +62,10 @@ impl Host for Files {
         let code = code::jit(&compiled).map_err(|error| format!("internal fault, please report it: {error}"))?;
         let Bound { program, sources, .. } = bound;
         Ok(Target { program, sources, places, image: compiled.image, code })
+    }
+
+    fn replay(&self) -> Option<PathBuf> {
+        self.0.replay.clone()
     }
 
     fn absolute(&self, path: &str) -> String {

@@ -7,7 +7,7 @@ use plcc_codegen::JitProgram;
 use plcc_runtime::code::EntryFunction;
 use plcc_runtime::{Code, guest};
 
-use crate::cli::RunArgs;
+use crate::cli::{ReplayArgs, RunArgs};
 use crate::code;
 use crate::command::build::{accepted, internal};
 use crate::{drawings, inputs, pipeline};
@@ -18,7 +18,7 @@ pub fn run(args: &RunArgs) -> u8 {
         Ok((image, entries, _code)) => {
             // The code stays where it is until all CPUs have ended.
             let code = || -> Rc<dyn Code> { Rc::new(guest::NativeCode::new(entries.clone(), ())) };
-            match args.services.open(&image, args.run.is_many()) {
+            match args.services.open(&image, args.run.flags_only()) {
                 Ok((service, opened)) => {
                     opened.iter().for_each(|line| eprintln!("{line}"));
                     plcc_runtime::run::start(image, &code, &args.run, service)
@@ -31,6 +31,13 @@ pub fn run(args: &RunArgs) -> u8 {
         }
         Err(exit) => exit,
     }
+}
+
+/// Repeats a recorded run.
+pub fn replay(args: &ReplayArgs) -> u8 {
+    let mut run = args.run.clone();
+    run.run.replay = Some(args.recording.clone());
+    self::run(&run)
 }
 
 fn compile(args: &RunArgs) -> Result<(ProgramImage, Vec<EntryFunction>, JitProgram), u8> {

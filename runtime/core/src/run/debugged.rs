@@ -15,6 +15,7 @@ use crate::cycle::Observer;
 use crate::io::Simulated;
 use crate::options::{Duration, RunOptions};
 use crate::probe::{Phase, Watcher};
+use crate::tape::{Recording, Tape};
 
 /// How a run ended.
 #[derive(Clone, Debug, Default)]
@@ -37,26 +38,42 @@ pub fn run_debugged(
     options: &RunOptions,
     watcher: &Rc<dyn Watcher>,
     out: Box<dyn Write>,
+    recording: Option<&Rc<Recording>>,
 ) -> Result<Ended, String> {
     let options = RunOptions { hang_limit: Some(NO_HANG_LIMIT), quiet: false, ..options.clone() };
     let driver = Box::new(Simulated::new(image.config.modules.clone()));
-    let cpu = Cpu::new(Arc::clone(image), code, Clock::simulated(), driver);
+    let clock = recording.map_or_else(Clock::simulated, |recording| Tape::clock(recording.head.wall));
+    let cpu = Cpu::new(Arc::clone(image), code, clock, driver);
+    if let Some(recording) = recording {
+        cpu.set_tape(Rc::new(Tape::replay(Rc::clone(recording))));
+    }
     cpu.set_watcher(Rc::clone(watcher));
     let (_, session) = prepare(&cpu, &options, out)?;
     let mut told = Told { session, watcher };
     tell_partial(&cpu.image.partial, true);
     let cycles = cpu.execute(&pace(&cpu, &options), &mut told);
     watcher.phase(&cpu, Phase::Over);
-    let (lines, fault) = verdict(&cpu, &options, &told.session, cycles);
+    let (mut lines, mut fault) = verdict(&cpu, &options, &told.session, cycles);
+    if let Some(failure) = cpu.tape().and_then(Tape::failure) {
+        (lines, fault) = ([lines, vec![failure]].concat(), true);
+    }
     Ok(Ended { cycles, lines, fault })
 }
 
-/// The image for [`run_debugged`]: retentive memory is in no file.
-pub fn image_for_debugger(mut image: ProgramImage, options: &RunOptions) -> Arc<ProgramImage> {
+/// The image and the flags for [`run_debugged`]: retentive memory is in no file. `Err`: the recording is one of another program.
+pub fn for_debugger(
+    mut image: ProgramImage,
+    options: &RunOptions,
+    recording: Option<&Rc<Recording>>,
+) -> Result<(Arc<ProgramImage>, RunOptions), String> {
     image.config.s7200.stop_on_error |= options.stop_on_error;
     options.restart(&mut image.config);
     image.config.retain.file = None;
-    Arc::new(image)
+    let options = match recording {
+        Some(recording) => super::recorded::repeated(&mut image, options, recording)?,
+        None => options.clone(),
+    };
+    Ok((Arc::new(image), options))
 }
 
 /// Tells the watcher the phases of the cycle.

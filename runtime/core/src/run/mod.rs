@@ -2,6 +2,7 @@
 
 mod debugged;
 mod instances;
+mod recorded;
 mod session;
 
 use std::fs::File;
@@ -12,7 +13,6 @@ use std::sync::{Arc, OnceLock};
 
 use plcc_abi::ProgramImage;
 
-use crate::clock::Clock;
 use crate::code::Code;
 use crate::cpu::Cpu;
 use crate::cycle::Pace;
@@ -26,7 +26,7 @@ use crate::remote::{self, Remote};
 use crate::signal::Signal;
 use crate::trace::Recorder;
 use crate::{diagnostics, files, realtime, report};
-pub use debugged::{Ended, image_for_debugger, run_debugged};
+pub use debugged::{Ended, for_debugger, run_debugged};
 use session::{Session, prepare};
 
 /// The program stopped because it was asked to.
@@ -100,20 +100,18 @@ fn run_with(
     service: Option<Box<dyn Service>>,
     watcher: Option<Rc<dyn Watcher>>,
 ) -> u8 {
-    let clock = match options.clock {
-        ClockKind::Real => Clock::real(),
-        ClockKind::Virtual => Clock::simulated(),
-    };
-    image.config.s7200.stop_on_error |= options.stop_on_error;
-    options.restart(&mut image.config);
-    let driver = match driver(&image, options) {
-        Ok(driver) => driver,
+    let planned = match recorded::plan(&mut image, options, service.is_some()) {
+        Ok(planned) => planned,
         Err(message) => {
             say!("runtime: {message}");
             return EXIT_USAGE;
         }
     };
-    let mut cpu = Cpu::new(image, code, clock, driver);
+    let options = &planned.options;
+    let mut cpu = Cpu::new(image, code, planned.clock, planned.driver);
+    if let Some(tape) = &planned.tape {
+        cpu.set_tape(Rc::clone(tape));
+    }
     if let Some(watcher) = &watcher {
         cpu.set_watcher(watcher.clone());
     }
@@ -143,6 +141,7 @@ fn run_with(
         cpu.attach(service);
     }
     let mut cycles = cpu.execute(&pace, &mut session);
+    let taped = planned.tape.map(|tape| recorded::end(&tape, options, cycles));
     // A CPU in STOP answers its clients, and one of them may start it again.
     while cpu.is_stopped() && cpu.is_served.get() {
         stop_line(&cpu, options, cycles).iter().for_each(|line| say!("{line}"));
@@ -155,13 +154,16 @@ fn run_with(
             say!("runtime: {message}");
             return EXIT_USAGE;
         }
+        if options.record.is_some() {
+            say!("runtime: the recording ends with the STOP: what comes now is not in it");
+        }
         if !options.quiet {
             say!("started again by a client");
         }
         pace.cycles = options.cycles.map(|all| all.saturating_sub(cycles));
         cycles += cpu.execute(&pace, &mut session);
     }
-    finish(&cpu, options, &printed, session, cycles)
+    finish(&cpu, options, &printed, session, cycles).max(taped.unwrap_or(EXIT_OK))
 }
 
 /// Gives a CPU what the flags name: ports, folders, files.
