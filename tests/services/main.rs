@@ -6,6 +6,7 @@ mod busy;
 mod hostile;
 mod partners;
 mod process;
+mod record;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -34,6 +35,8 @@ fn main() {
         trial("values_reach_a_broker", mosquitto(), process::values_reach_a_broker),
         trial("metrics_tell_the_state", None, metrics),
         trial("services_are_only_where_they_are_asked_for", None, only_where_asked_for),
+        trial("recorded_timers_and_interrupts_are_repeated", None, record::timers_and_interrupts),
+        trial("recorded_writes_of_clients_are_repeated", None, record::client_writes),
         trial("hostile_s7_clients_do_no_harm", None, hostile::s7),
         trial("hostile_modbus_clients_do_no_harm", None, hostile::modbus),
         trial("busy_clients", busy::seconds().is_none().then(|| "PLCC_LOAD=SECONDS is not set".into()), busy::measure),

@@ -362,6 +362,12 @@ pub fn lower_beside(bound: &Bound, plain: &mut Compiled) -> Compiled {
     probed
 }
 
+/// The IR of a program without errors, with a probe before each statement, and their places.
+pub fn lower_for_debugger(bound: &Bound) -> (Compiled, Vec<plcc_lower::probe::Place>) {
+    let lowered = plcc_lower::lower_for_debugger(&bound.program, &bound.sources);
+    (Compiled { module: lowered.module, image: lowered.image, optimization: Level::O0.into() }, lowered.probes)
+}
+
 /// Runs the passes of plcc, at -O2.
 pub fn optimize(mut compiled: Compiled) -> Compiled {
     match compiled.optimization.level {

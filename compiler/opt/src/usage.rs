@@ -92,7 +92,11 @@ impl Usage {
                 // The blocks that they run are code of the program.
                 RuntimeFn::Safepoint | RuntimeFn::SyncError | RuntimeFn::LocalError | RuntimeFn::Stop => 0,
                 RuntimeFn::CallBlock | RuntimeFn::AssertMemory | RuntimeFn::Sleep => 0,
-                RuntimeFn::ProbeEnter | RuntimeFn::ProbeLeave | RuntimeFn::ProbeRegisters | RuntimeFn::ProbeValue => 0,
+                RuntimeFn::ProbeEnter
+                | RuntimeFn::ProbeLeave
+                | RuntimeFn::ProbeStatement
+                | RuntimeFn::ProbeRegisters
+                | RuntimeFn::ProbeValue => 0,
                 // The runtime itself notes which outputs they write.
                 RuntimeFn::SystemFunction => 0,
                 RuntimeFn::CopyText => match args.first() {
