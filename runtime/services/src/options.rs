@@ -14,6 +14,7 @@ use crate::listen::{self, Door};
 use crate::metrics::{self, CycleTimes, Pages};
 use crate::modbus::{self, Map};
 use crate::mqtt::{self, Broker, Publisher};
+use crate::opcua;
 use crate::password::Guard;
 use crate::rights::Clients;
 use crate::s7;
@@ -28,6 +29,9 @@ pub struct ServiceOptions {
     /// Answer Modbus TCP clients
     #[arg(long, value_name = "ADDR:PORT", value_parser = address)]
     pub modbus: Option<SocketAddr>,
+    /// Answer OPC UA clients
+    #[arg(long, value_name = "ADDR:PORT", value_parser = address)]
+    pub opcua: Option<SocketAddr>,
     /// Answer HTTP requests for /metrics (Prometheus) and /health
     #[arg(long, value_name = "ADDR:PORT", value_parser = address)]
     pub metrics: Option<SocketAddr>,
@@ -94,13 +98,14 @@ impl ServiceOptions {
         };
         let (s7, modbus) = (port(self.s7, &config.s7)?, port(self.modbus, &config.modbus)?);
         let (metrics, web) = (port(self.metrics, &config.metrics)?, port(self.web, &config.web)?);
-        if s7.or(modbus).or(metrics).or(web).is_none() && broker.is_none() {
+        let opcua = port(self.opcua, &config.opcua)?;
+        if s7.or(modbus).or(opcua).or(metrics).or(web).is_none() && broker.is_none() {
             return Ok((None, Vec::new()));
         }
         let clients = Clients::new(config, self.access.map(Right::from));
         let times = metrics.is_some().then(Arc::<CycleTimes>::default);
         let (link, desk) = link(times.clone());
-        let mut plan = Plan { s7: None, modbus: None, metrics: None, web: None, publisher: None };
+        let mut plan = Plan { s7: None, modbus: None, opcua: None, metrics: None, web: None, publisher: None };
         let mut opened = Vec::new();
         if let Some(address) = s7 {
             let door = listen::open("s7", address, clients.clone())?;
@@ -113,6 +118,12 @@ impl ServiceOptions {
             let door = listen::open("modbus", address, clients.clone())?;
             opened.push(line("Modbus TCP clients", &door, &clients.text()));
             plan.modbus = Some((door, link.clone(), map));
+        }
+        if let Some(address) = opcua {
+            let server = opcua::Server::new(link.clone(), config, image, address)?;
+            let door = listen::open("opcua", address, clients.clone())?;
+            opened.push(line("OPC UA clients", &door, &server.text(&clients.text())));
+            plan.opcua = Some((door, Arc::new(server)));
         }
         if let Some(address) = web {
             let users = Users::new(&config.users);
@@ -132,6 +143,7 @@ impl ServiceOptions {
             let services = [
                 plan.s7.as_ref().map(|(door, _)| door),
                 plan.modbus.as_ref().map(|(door, ..)| door),
+                plan.opcua.as_ref().map(|(door, _)| door),
                 plan.web.as_ref().map(|(door, _)| door),
             ];
             let services = services.into_iter().flatten().chain([&door]);
@@ -162,6 +174,7 @@ fn line(who: &str, door: &Door, text: &str) -> String {
 struct Plan {
     s7: Option<(Door, s7::Server)>,
     modbus: Option<(Door, Link, Map)>,
+    opcua: Option<(Door, Arc<opcua::Server>)>,
     metrics: Option<(Door, Pages)>,
     web: Option<(Door, Page)>,
     publisher: Option<(Publisher, Link)>,
@@ -193,6 +206,11 @@ impl Plan {
                 listen::accept(door, |visitor| modbus::serve(visitor, link.clone(), map)).await;
             }
         };
+        let opcua = async {
+            if let Some((door, server)) = self.opcua {
+                listen::accept(door, |visitor| opcua::serve(visitor, server.clone())).await;
+            }
+        };
         let metrics = async {
             if let Some((door, pages)) = self.metrics {
                 listen::accept(door, |visitor| metrics::serve(visitor.stream, pages.clone())).await;
@@ -208,7 +226,7 @@ impl Plan {
                 mqtt::run(publisher, link).await;
             }
         };
-        tokio::join!(s7, modbus, metrics, web, publisher);
+        tokio::join!(s7, modbus, opcua, metrics, web, publisher);
     }
 }
 
