@@ -5,7 +5,7 @@ Arguments: `open` or `secure`, the port, the folder of the server's certificate.
 import asyncio
 import datetime
 import math
-import os
+import pathlib
 import sys
 
 from asyncua import Client, ua
@@ -17,7 +17,7 @@ from asyncua.crypto.security_policies import (
 )
 from cryptography.x509.oid import ExtendedKeyUsageOID
 
-what, port, folder = sys.argv[1], int(sys.argv[2]), sys.argv[3]
+what, port, folder = sys.argv[1], int(sys.argv[2]), pathlib.Path(sys.argv[3])
 URL = f"opc.tcp://127.0.0.1:{port}"
 V = ua.VariantType
 
@@ -247,7 +247,7 @@ POLICIES = [SecurityPolicyBasic256Sha256, SecurityPolicyAes128Sha256RsaOaep, Sec
 
 
 async def with_users():
-    key, certificate = os.path.join(folder, "client.pem"), os.path.join(folder, "client.der")
+    key, certificate = folder / "client.pem", folder / "client.der"
     await setup_self_signed_certificate(
         key, certificate, "urn:client", "localhost", [ExtendedKeyUsageOID.CLIENT_AUTH], {"commonName": "client"}
     )
@@ -255,7 +255,7 @@ async def with_users():
         for mode in [ua.MessageSecurityMode.Sign, ua.MessageSecurityMode.SignAndEncrypt]:
             client = Client(URL)
             client.application_uri = "urn:client"
-            await client.set_security(policy, certificate, key, server_certificate=os.path.join(folder, "own.der"), mode=mode)
+            await client.set_security(policy, certificate, key, server_certificate=folder / "own.der", mode=mode)
             client.set_user("anna")
             client.set_password("riverside")
             async with client:
