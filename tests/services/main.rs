@@ -2,7 +2,9 @@
 //!
 //! Clients come from PyPI and npm, into `target/clients`. A test whose client cannot be had is ignored.
 
+mod busy;
 mod hostile;
+mod partners;
 mod process;
 mod ua;
 
@@ -23,6 +25,9 @@ fn main() {
     let (snap7, modbus) = (python("python-snap7==3.3.0", "snap7"), python("pymodbus==3.16.1", "pymodbus"));
     let asyncua = python("asyncua==2.1.0", "asyncua").err();
     let trials = vec![
+        trial("put_and_get_of_python_snap7", snap7.clone().err(), partners::snap7_server),
+        trial("programs_talk_over_s7", None, partners::programs),
+        trial("hostile_partners_do_no_harm", None, partners::hostile_partner),
         trial("s7_of_python_snap7", snap7.err(), || client(&["--s7", "--access=control"], "snap7_client.py")),
         trial("s7_of_nodes7", node("nodes7@0.3.18").err(), || client(&["--s7"], "nodes7_client.js")),
         trial("modbus_of_pymodbus", modbus.err(), || client(&["--modbus"], "modbus_client.py")),
@@ -35,6 +40,7 @@ fn main() {
         trial("hostile_s7_clients_do_no_harm", None, hostile::s7),
         trial("hostile_modbus_clients_do_no_harm", None, hostile::modbus),
         trial("hostile_opcua_clients_do_no_harm", None, hostile::opcua),
+        trial("busy_clients", busy::seconds().is_none().then(|| "PLCC_LOAD=SECONDS is not set".into()), busy::measure),
         trial("idle_clients_leave_room_for_others", None, hostile::idle),
     ];
     libtest_mimic::run(&Arguments::from_args(), trials).exit();
@@ -121,7 +127,7 @@ fn talk(plc: Plc, script: &str, arguments: &[&str]) -> Result<(), Failed> {
 /// The certificate is made in a folder of its own.
 fn opcua(program: Program, what: &str) -> Result<(), Failed> {
     let (folder, port) = (tempfile::tempdir()?, free_port().to_string());
-    let plc = Plc::start_in(folder.path(), program, &["--opcua", &port])?;
+    let plc = Plc::run_in(folder.path(), program.path()?, &["--opcua", &port])?;
     let certificates = folder.path().join("opcua");
     let mode = std::os::unix::fs::PermissionsExt::mode(&std::fs::metadata(certificates.join("own.pem"))?.permissions());
     if mode & 0o077 != 0 {

@@ -37,7 +37,7 @@ pub enum Program {
 
 impl Program {
     /// The executable, built once.
-    fn path(self) -> Result<&'static Path, Failed> {
+    pub fn path(self) -> Result<&'static Path, Failed> {
         static PROGRAMS: [OnceLock<Result<PathBuf, String>>; 2] = [const { OnceLock::new() }; 2];
         let name = match self {
             Program::Line => "line",
@@ -60,18 +60,19 @@ pub struct Plc {
 impl Plc {
     /// Runs the line until it has opened its services.
     pub fn start(flags: &[&str]) -> Result<Plc, Failed> {
-        Plc::start_in(&crate::clients(), Program::Line, flags)
+        Plc::run(Program::Line.path()?, flags)
     }
 
-    /// Runs a program in a folder.
-    pub fn start_in(folder: &Path, program: Program, flags: &[&str]) -> Result<Plc, Failed> {
-        let mut command = Command::new(program.path()?);
-        command
-            .current_dir(folder)
-            .args(["--cycle-time", "2ms"])
-            .args(flags)
-            .stdin(Stdio::null())
-            .stderr(Stdio::piped());
+    /// As [`Plc::start`], of another program.
+    pub fn run(program: &Path, flags: &[&str]) -> Result<Plc, Failed> {
+        Plc::run_in(&crate::clients(), program, flags)
+    }
+
+    /// As [`Plc::run`], in a folder.
+    pub fn run_in(folder: &Path, program: &Path, flags: &[&str]) -> Result<Plc, Failed> {
+        let mut command = Command::new(program);
+        command.current_dir(folder).args(["--cycle-time", "2ms"]).args(flags);
+        command.stdin(Stdio::null()).stderr(Stdio::piped());
         let mut plc = Plc { child: command.spawn()? };
         let error = plc.child.stderr.as_mut().ok_or("no standard error")?;
         // The first line says what was opened; the rest is read at the end.

@@ -401,6 +401,8 @@ pub enum ConvertTo {
     Sd,
     /// SCL, as source text.
     Scl,
+    /// GRAPH, as source text of S7-GRAPH.
+    Gr7,
 }
 
 impl ConvertTo {
@@ -410,6 +412,7 @@ impl ConvertTo {
             ConvertTo::Stl => "stl",
             ConvertTo::Lad | ConvertTo::Fbd | ConvertTo::Sd => "s7dcl",
             ConvertTo::Scl => "scl",
+            ConvertTo::Gr7 => "gr7",
         }
     }
 }

@@ -25,6 +25,7 @@ use crate::memory::Memory;
 use crate::online::Service;
 use crate::options::{CYCLE_TIME_DEFAULT, Restart};
 use crate::organization::Running;
+use crate::partners::Partners;
 use crate::probe::Watcher;
 use crate::records::Records;
 use crate::records::store::Store;
@@ -88,6 +89,8 @@ pub struct Cpu {
     pub(crate) carried: RefCell<Option<Carried>>,
     /// Connections of the program.
     pub(crate) communication: RefCell<Communication>,
+    /// Its S7 connections.
+    pub(crate) partners: Partners,
     /// Data logs, recipes and files.
     pub(crate) records: RefCell<Records>,
     /// Alarms that came and went.
@@ -169,6 +172,7 @@ impl Cpu {
             load_memory: RefCell::default(),
             diagnostics_changed: Cell::new(false),
             communication: RefCell::default(),
+            partners: Partners::default(),
             zone: Cell::default(),
             alarms: RefCell::default(),
             records: RefCell::new(Records::new(Store::temporary())),

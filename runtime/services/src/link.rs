@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 
 use plcc_runtime::cpu::Cpu;
 use plcc_runtime::online::Service;
+use plcc_runtime::partners::Board;
 use tokio::sync::{mpsc, oneshot};
 
 use crate::limits::QUEUE_MAX;
@@ -30,13 +31,15 @@ pub struct Desk {
     waiting: Arc<AtomicUsize>,
     /// Where the times of cycles are counted, if someone wants to know them.
     times: Option<Arc<CycleTimes>>,
+    /// Where blocks of the program leave jobs for partners.
+    board: Option<Arc<Board>>,
 }
 
 /// Both ends of a new way.
-pub fn link(times: Option<Arc<CycleTimes>>) -> (Link, Desk) {
+pub fn link(times: Option<Arc<CycleTimes>>, board: Option<Arc<Board>>) -> (Link, Desk) {
     let (send, receive) = mpsc::channel(QUEUE_MAX);
     let waiting = Arc::<AtomicUsize>::default();
-    (Link { queue: send, waiting: waiting.clone() }, Desk { queue: receive, waiting, times })
+    (Link { queue: send, waiting: waiting.clone() }, Desk { queue: receive, waiting, times, board })
 }
 
 impl Link {
@@ -72,5 +75,9 @@ impl Service for Desk {
                 return;
             }
         }
+    }
+
+    fn board(&self) -> Option<Arc<Board>> {
+        self.board.clone()
     }
 }
