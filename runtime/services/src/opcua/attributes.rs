@@ -10,7 +10,9 @@ use super::space::{Content, CpuValue, DATA, NAMESPACES, Node};
 use super::standard;
 use super::status::{self, Status};
 use super::values::{Part, Variable, type_of};
-use crate::limits::{OPCUA_CONTINUATIONS_MAX, OPCUA_ELEMENTS_MAX, OPCUA_NODES_MAX, OPCUA_READ_MAX, OPCUA_SAMPLING_MIN};
+use crate::limits::{
+    OPCUA_BROWSED_MAX, OPCUA_CONTINUATIONS_MAX, OPCUA_ELEMENTS_MAX, OPCUA_NODES_MAX, OPCUA_READ_MAX, OPCUA_SAMPLING_MIN,
+};
 use crate::link::Link;
 
 /// The attribute with the value.
@@ -67,11 +69,11 @@ pub async fn read(server: &Server, wanted: Vec<Wanted>) -> Option<Vec<DataValue>
     Some(wanted.into_iter().zip(found).map(|(wanted, found)| data_value(server, wanted, found, time)).collect())
 }
 
-fn look(cpu: &Cpu, wanted: &Wanted, room: &mut usize) -> Found {
+fn look(cpu: &Cpu, wanted: &Wanted, room: &mut u32) -> Found {
     match wanted {
         Wanted::Ready(_) | Wanted::Wrong(_) | Wanted::Standard(_) => Found::Ready,
-        Wanted::Memory(variable) => Found::Bytes(variable.bytes().and_then(|bytes| {
-            *room = room.checked_sub(bytes as usize).ok_or(status::RESPONSE_TOO_LARGE)?;
+        Wanted::Memory(variable) => Found::Bytes(variable.cost().and_then(|cost| {
+            *room = room.checked_sub(cost).ok_or(status::RESPONSE_TOO_LARGE)?;
             variable.read(cpu)
         })),
         Wanted::Cpu(CpuValue::State) => {
@@ -185,7 +187,8 @@ fn standard_value(server: &Server, number: u32) -> Result<Variant, Status> {
             2272 => Scalar::Double(OPCUA_SAMPLING_MIN.as_secs_f64() * 1000.0),
             2735 => Scalar::UInt16(OPCUA_CONTINUATIONS_MAX as u16),
             11702 => Scalar::UInt32(OPCUA_ELEMENTS_MAX),
-            11705 | 11707 | 11710 | 11712 | 11714 => Scalar::UInt32(OPCUA_NODES_MAX as u32),
+            11710 => Scalar::UInt32(OPCUA_BROWSED_MAX as u32),
+            11705 | 11707 | 11712 | 11714 => Scalar::UInt32(OPCUA_NODES_MAX as u32),
             _ => return Err(status::ATTRIBUTE_INVALID),
         }),
     })

@@ -65,9 +65,9 @@ pub fn put_endpoints(server: &Server, out: &mut Writer, url: &str) {
         out.i32(mode.number());
         out.text(policy.uri());
         let is_open = server.users.is_open();
-        let tokens: &[(&str, u32)] = match (is_open, server.is_closed) {
-            (true, true) => &[],
-            (true, false) => &[(ANONYMOUS, 0)],
+        let tokens: &[(&str, u32)] = match (is_open, server.anonymous) {
+            (true, None) => &[],
+            (true, Some(_)) => &[(ANONYMOUS, 0)],
             (false, _) => &[(USER, 1)],
         };
         out.list(tokens, |out, (id, kind)| {
@@ -91,8 +91,10 @@ pub async fn sign_in(server: &Arc<Server>, token: (u32, &[u8]), nonce: &[u8], ri
     let mut reader = Reader(token.1);
     match token.0 {
         // No token at all is an anonymous one.
-        0 | ANONYMOUS_TOKEN if server.users.is_open() && !server.is_closed => Ok(right),
-        0 | ANONYMOUS_TOKEN => Err(status::IDENTITY_REJECTED),
+        0 | ANONYMOUS_TOKEN => {
+            let most = server.anonymous.filter(|_| server.users.is_open()).ok_or(status::IDENTITY_REJECTED)?;
+            Ok(right.min(most))
+        }
         USER_TOKEN => {
             let read = || Some((reader.text()?, reader.text()?, reader.bytes()?.to_vec(), reader.text()?));
             let mut read = read;
@@ -101,12 +103,15 @@ pub async fn sign_in(server: &Arc<Server>, token: (u32, &[u8]), nonce: &[u8], ri
                 return Err(status::IDENTITY_INVALID);
             }
             let (own, nonce) = (server.clone(), nonce.to_vec());
-            let _turn = server.one.acquire().await.map_err(|_| status::SHUTDOWN)?;
+            let turn = server.one.acquire().await.map_err(|_| status::SHUTDOWN)?;
             let checked = tokio::task::spawn_blocking(move || {
                 let password = password(&own, &algorithm, &secret, &nonce)?;
                 Some(own.users.check(&name, &password).map(|user| own.users.role(user)))
             });
-            match checked.await.map_err(|_| status::INTERNAL)? {
+            let checked = checked.await.map_err(|_| status::INTERNAL)?;
+            // Others need not wait for who was wrong.
+            drop(turn);
+            match checked {
                 Some(Some(Role::Look)) => Ok(right.min(Right::Read)),
                 Some(Some(Role::Operate)) => Ok(right.min(Right::Write)),
                 Some(Some(Role::Change)) => Ok(right),

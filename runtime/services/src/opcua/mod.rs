@@ -30,7 +30,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use plcc_abi::ProgramImage;
-use plcc_abi::services::{Protection, ServicesConfig};
+use plcc_abi::services::{Protection, Right, ServicesConfig};
 use tokio::sync::Semaphore;
 
 use crate::link::Link;
@@ -56,8 +56,8 @@ pub struct Server {
     address: SocketAddr,
     /// Channels without security may have sessions.
     is_open: bool,
-    /// Who does not sign in reaches nothing.
-    is_closed: bool,
+    /// What somebody may do at most who does not sign in; `None`: nothing.
+    anonymous: Option<Right>,
     /// Since when, 100 ns since 1601.
     started: i64,
     /// Private keys and passwords are used by one client after the other: that takes time.
@@ -88,7 +88,11 @@ impl Server {
             name: image.name.clone(),
             address,
             is_open: address.ip().is_loopback() || config.opcua_unsecured,
-            is_closed: config.protection == Protection::Complete,
+            anonymous: match config.protection {
+                Protection::None | Protection::Write => Some(Right::Control),
+                Protection::ReadWrite => Some(Right::Write),
+                Protection::Complete => None,
+            },
             started: code::now(),
             one: Arc::new(Semaphore::new(1)),
         })
@@ -96,9 +100,9 @@ impl Server {
 
     /// As a line about what was opened tells it.
     pub fn text(&self, clients: &str) -> String {
-        match (self.users.is_open(), self.is_closed) {
-            (true, true) => "nobody can sign in: complete protection, and no users".to_string(),
-            (true, false) => clients.to_string(),
+        match (self.users.is_open(), self.anonymous) {
+            (true, None) => "nobody can sign in: complete protection, and no users".to_string(),
+            (true, Some(_)) => clients.to_string(),
             (false, _) => "users may sign in".to_string(),
         }
     }

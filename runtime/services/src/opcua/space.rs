@@ -13,6 +13,8 @@
 //!           [1]               ns=3;s="Station"."D1"[1]
 //! ```
 
+use std::collections::HashMap;
+
 use plcc_abi::ProgramImage;
 use plcc_abi::image::AssertType;
 use plcc_abi::names::{Dimension, NamedType, TypeNumber};
@@ -141,6 +143,8 @@ pub struct Space {
     /// Symbols and addresses, with their folders.
     tags: Vec<(Folder, Thing)>,
     blocks: Vec<Thing>,
+    /// Those of both that have names, by name.
+    roots: HashMap<String, Thing>,
 }
 
 /// What a declared type is made of.
@@ -159,9 +163,13 @@ impl Space {
         image.asserts.clear();
         image.config.services.drawings.clear();
         image.dbs.iter_mut().for_each(|db| db.data.clear());
-        let mut space = Space { image, tags: Vec::new(), blocks: Vec::new() };
+        let mut space = Space { image, tags: Vec::new(), blocks: Vec::new(), roots: HashMap::new() };
         space.tags = space.find_tags();
         space.blocks = space.image.dbs.iter().filter_map(|db| space.block(db)).collect();
+        let tags = space.tags.iter().map(|(_, thing)| thing);
+        // A block comes before a tag of its name.
+        let named = tags.chain(&space.blocks).filter(|thing| thing.id.starts_with('"'));
+        space.roots = named.map(|thing| (thing.name.clone(), thing.clone())).collect();
         space
     }
 
@@ -271,9 +279,7 @@ impl Space {
             return self.address(address);
         }
         let (root, steps) = steps(text)?;
-        let tags = self.tags.iter().map(|(_, thing)| thing);
-        let mut thing =
-            self.blocks.iter().chain(tags).find(|thing| thing.name == root && thing.id.starts_with('"'))?.clone();
+        let mut thing = self.roots.get(root)?.clone();
         for step in steps {
             thing = match step {
                 Step::Member(name) => {
@@ -451,6 +457,28 @@ impl Space {
             }
             Form::Value(_) | Form::Other => Vec::new(),
         }
+    }
+
+    /// The node of this name below a node. It is looked up, not looked for: there may be many others.
+    pub fn child(&self, node: &Node, name: &str) -> Option<Node> {
+        if name.len() > NAME_MAX {
+            return None;
+        }
+        if node.id.namespace == 0 {
+            return self.children(node).into_iter().map(|(_, child)| child).find(|child| child.name == name);
+        }
+        let Id::Text(id) = &node.id.id else { return None };
+        let ids = [
+            format!("{id}.{}", quoted(name)),
+            format!("{id}{name}"),
+            quoted(name),
+            format!("%{name}"),
+            format!("{id}.{name}"),
+            name.to_string(),
+        ];
+        let found = ids.into_iter().filter_map(|id| self.node(&NodeId::text(DATA, id)));
+        let mut below = found.filter(|child| child.parent.as_ref().is_some_and(|(parent, _)| *parent == node.id));
+        below.find(|child| child.name == name)
     }
 
     pub fn program(&self) -> &str {

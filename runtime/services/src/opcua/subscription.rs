@@ -12,8 +12,8 @@ use super::code::{DataValue, Reader, Scalar, Variant, Writer, now};
 use super::status::{self, Status};
 use super::view::check_count;
 use crate::limits::{
-    OPCUA_ITEMS_MAX, OPCUA_PUBLISHES_MAX, OPCUA_QUEUE_MAX, OPCUA_SAMPLING_MIN, OPCUA_SUBSCRIPTIONS_MAX,
-    OPCUA_UNACKNOWLEDGED_MAX,
+    OPCUA_ITEMS_MAX, OPCUA_KEPT_MAX, OPCUA_NODES_MAX, OPCUA_PUBLISHES_MAX, OPCUA_QUEUE_MAX, OPCUA_SAMPLING_MIN,
+    OPCUA_SUBSCRIPTIONS_MAX, OPCUA_UNACKNOWLEDGED_BYTES_MAX, OPCUA_UNACKNOWLEDGED_MAX,
 };
 
 /// Longest time between two looks or two publications.
@@ -106,6 +106,11 @@ impl Subscriptions {
         self.list.values().map(|subscription| subscription.items.len()).sum()
     }
 
+    /// Elements that wait in all items at most.
+    fn kept(&self) -> u32 {
+        self.list.values().flat_map(|subscription| subscription.items.values()).map(Item::kept).sum()
+    }
+
     /// CreateSubscription.
     pub fn create(&mut self, reader: &mut Reader, out: &mut Writer) -> Result<(), Status> {
         let asked = times(reader).ok_or(status::DECODING)?;
@@ -189,16 +194,19 @@ impl Subscriptions {
         let (id, times, asked) = read(reader).ok_or(status::DECODING)?;
         check_count(asked.len())?;
         check_times(times)?;
-        let mut count = self.items();
+        let (mut count, mut kept) = (self.items(), self.kept());
         let subscription = self.list.get_mut(&id).ok_or(status::SUBSCRIPTION_INVALID)?;
         subscription.lonely = 0;
         out.u32(asked.len() as u32);
         for asked in asked {
-            let made = if count < OPCUA_ITEMS_MAX {
-                asked.item(server, right, times, subscription.interval)
-            } else {
-                Err(status::TOO_MANY_ITEMS)
+            let made = match count < OPCUA_ITEMS_MAX {
+                true => asked.item(server, right, times, subscription.interval),
+                false => Err(status::TOO_MANY_ITEMS),
             };
+            let made = made.and_then(|item| {
+                kept = Some(kept + item.kept()).filter(|kept| *kept <= OPCUA_KEPT_MAX).ok_or(status::TOO_MANY_ITEMS)?;
+                Ok(item)
+            });
             match made {
                 Ok(item) => {
                     count += 1;
@@ -230,12 +238,11 @@ impl Subscriptions {
                 Ok((filter, item)) => {
                     item.handle = parameters.handle;
                     item.interval = parameters.interval(subscription.interval);
-                    item.room = parameters.room();
+                    // An item does not get more room than it has: the room of all is limited.
+                    item.set_room(parameters.room().min(item.room));
                     item.discard_oldest = parameters.discard_oldest;
                     (item.trigger, item.deadband) = filter;
                     item.times = times;
-                    let keep = item.queue.len().min(item.room);
-                    item.queue.drain(..item.queue.len() - keep);
                     out.u32(status::GOOD);
                     put_revised(out, item);
                 }
@@ -300,6 +307,9 @@ impl Subscriptions {
             }
         };
         let results = acknowledged.iter().map(&mut done).collect();
+        if acknowledged.len() > OPCUA_NODES_MAX {
+            return Err(status::TOO_MANY_OPERATIONS);
+        }
         if self.list.is_empty() && self.ended.is_empty() {
             return Err(status::NO_SUBSCRIPTION);
         }
@@ -391,10 +401,8 @@ impl Subscriptions {
             let number = subscription.next;
             subscription.next = number.checked_add(1).unwrap_or(1);
             let message = notification(number, Some((DATA_CHANGE, &changes)));
-            if subscription.sent.len() >= OPCUA_UNACKNOWLEDGED_MAX {
-                subscription.sent.pop_front();
-            }
             subscription.sent.push_back((number, message.clone()));
+            subscription.forget();
             let numbers: Vec<u32> = subscription.sent.iter().map(|(number, _)| *number).collect();
             out.push(answer(waiting, id, &numbers, more, &message));
             if !more {
@@ -453,6 +461,16 @@ fn answer(waiting: Waiting, id: u32, numbers: &[u32], more: bool, message: &[u8]
 }
 
 impl Subscription {
+    /// Messages that are not acknowledged are not kept for ever.
+    fn forget(&mut self) {
+        let bytes = |sent: &VecDeque<(u32, Vec<u8>)>| sent.iter().map(|(_, message)| message.len()).sum::<usize>();
+        while self.sent.len() > OPCUA_UNACKNOWLEDGED_MAX
+            || self.sent.len() > 1 && bytes(&self.sent) > OPCUA_UNACKNOWLEDGED_BYTES_MAX
+        {
+            self.sent.pop_front();
+        }
+    }
+
     /// DataChangeNotification, and whether there is more.
     fn changes(&mut self) -> (Vec<u8>, bool) {
         let mut changes: Vec<(u32, u32, DataValue)> = Vec::new();
@@ -472,6 +490,22 @@ impl Subscription {
 }
 
 impl Item {
+    /// Elements that it keeps at most: what waits, and the last value.
+    fn kept(&self) -> u32 {
+        let cost = if let Wanted::Memory(variable) = &self.wanted { variable.cost().unwrap_or(1) } else { 1 };
+        cost.saturating_mul(self.room as u32 + 1)
+    }
+
+    /// How many values may wait: of long arrays fewer.
+    fn set_room(&mut self, room: usize) {
+        self.room = room;
+        while self.room > 1 && self.kept() > OPCUA_KEPT_MAX / 8 {
+            self.room /= 2;
+        }
+        let surplus = self.queue.len().saturating_sub(self.room);
+        self.queue.drain(..surplus);
+    }
+
     /// A value that was read: it waits to be told if it is a change.
     fn take(&mut self, value: DataValue) {
         let is_same = self.last.as_ref().is_some_and(|last| {
@@ -598,20 +632,22 @@ impl NewItem {
         if self.attribute != VALUE && self.parameters.filter.0 != 0 {
             return Err(status::FILTER_NOT_ALLOWED);
         }
-        Ok(Item {
+        let mut item = Item {
             handle: self.parameters.handle,
             wanted,
             mode: self.mode,
             interval: self.parameters.interval(publishing),
             due: Instant::now(),
             queue: VecDeque::new(),
-            room: self.parameters.room(),
+            room: 1,
             discard_oldest: self.parameters.discard_oldest,
             deadband,
             trigger,
             times,
             last: None,
-        })
+        };
+        item.set_room(self.parameters.room());
+        Ok(item)
     }
 }
 

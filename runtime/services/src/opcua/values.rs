@@ -133,6 +133,12 @@ impl Variable {
         !self.read_only && self.address().check_settable().is_ok()
     }
 
+    /// How much it takes to keep its value: elements, or 32 bytes of a text each.
+    pub fn cost(&self) -> Result<u32, Status> {
+        let bytes = if type_of(self.ty.ty) == 12 { self.bytes()? } else { 0 };
+        Ok(self.count().ok_or(status::NOT_READABLE)?.max(bytes / 32))
+    }
+
     fn address(&self) -> Address {
         Address { place: self.place, width: self.ty.width(self.bit) }
     }

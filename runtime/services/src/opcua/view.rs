@@ -5,7 +5,7 @@ use super::code::{NodeId, Reader, Writer};
 use super::space::Node;
 use super::standard::{self, HAS_TYPE_DEFINITION};
 use super::status::{self, Status};
-use crate::limits::{OPCUA_CONTINUATIONS_MAX, OPCUA_NODES_MAX, OPCUA_REFERENCES_MAX};
+use crate::limits::{OPCUA_BROWSED_MAX, OPCUA_CONTINUATIONS_MAX, OPCUA_NODES_MAX, OPCUA_REFERENCES_MAX};
 
 /// A reference from a node to another.
 #[derive(Clone)]
@@ -62,6 +62,9 @@ pub fn browse(server: &Server, kept: &mut Continuations, reader: &mut Reader, ou
     let (most, questions) = read(reader).ok_or(status::DECODING)?;
     let count = questions.len();
     check_count(count)?;
+    if count > OPCUA_BROWSED_MAX {
+        return Err(status::TOO_MANY_OPERATIONS);
+    }
     let most = if most == 0 { OPCUA_REFERENCES_MAX } else { OPCUA_REFERENCES_MAX.min(most as usize) };
     // All answers together are not longer than one may be.
     let most = most.min((OPCUA_REFERENCES_MAX / count).max(1));
@@ -194,8 +197,8 @@ pub fn translate(server: &Server, reader: &mut Reader, out: &mut Writer) -> Resu
                         parent.and_then(|(id, _)| server.space.node(id)).filter(is_named)
                     }
                     false => {
-                        let children = server.space.children(&node).into_iter();
-                        children.filter(|(own, node)| wanted(*own) && is_named(node)).map(|(_, node)| node).next()
+                        let child = server.space.child(&node, name).filter(is_named);
+                        child.filter(|child| child.parent.as_ref().is_some_and(|(_, own)| wanted(*own)))
                     }
                 };
                 found.ok_or(status::NO_MATCH)
