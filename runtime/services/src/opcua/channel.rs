@@ -209,7 +209,7 @@ impl Channel {
             Mode::Sign | Mode::SignAndEncrypt => {
                 if self.mode == Mode::SignAndEncrypt {
                     let encrypted = &mut frame[SYMMETRIC_BYTES..];
-                    if encrypted.is_empty() || encrypted.len() % BLOCK_BYTES != 0 {
+                    if encrypted.is_empty() || !encrypted.len().is_multiple_of(BLOCK_BYTES) {
                         return Err(status::SECURITY_CHECKS);
                     }
                     keys.decrypt(encrypted).ok_or(status::SECURITY_CHECKS)?;

@@ -109,7 +109,7 @@ impl Policy {
 }
 
 fn decrypt(key: &RsaPrivateKey, data: &[u8], sha256: bool) -> Option<Vec<u8>> {
-    if data.is_empty() || data.len() % key.size() != 0 {
+    if data.is_empty() || !data.len().is_multiple_of(key.size()) {
         return None;
     }
     let mut out = Vec::new();
