@@ -34,6 +34,7 @@ fn main() {
         trial("opcua_of_asyncua", asyncua.clone(), || opcua(Program::Plant, "open")),
         trial("opcua_with_security_of_asyncua", asyncua, || opcua(Program::Line, "secure")),
         trial("page_of_chromium", chromium().err(), || client(&["--web", "--access=control"], "page_client.js")),
+        trial("status_in_chromium", chromium().err(), status),
         trial("values_reach_a_broker", mosquitto(), process::values_reach_a_broker),
         trial("metrics_tell_the_state", None, metrics),
         trial("services_are_only_where_they_are_asked_for", None, only_where_asked_for),
@@ -134,6 +135,23 @@ fn opcua(program: Program, what: &str) -> Result<(), Failed> {
         return Err(format!("others may read the private key: {mode:o}").into());
     }
     talk(plc, "asyncua_client.py", &[what, &port, &certificates.display().to_string()])
+}
+
+/// What the page shows of a program that is watched, until that ends.
+fn status() -> Result<(), Failed> {
+    let port = free_port().to_string();
+    let folder = tempfile::tempdir()?;
+    let out = folder.path().join("watched");
+    process::plcc(&["build", "--quiet"], &[&here().join("status")], &out)?;
+    let mut plc = Plc::run(&out, &["--web", &port, "--set", "I0.0=1"])?;
+    let mut command = Command::new("node");
+    command.env("NODE_PATH", clients().join("node/node_modules")).arg(here().join("status_client.js")).arg(&port);
+    let output = command.arg(plc.id().to_string()).stdin(Stdio::null()).output()?;
+    let said = format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    match output.status.success() && said.contains("done") && !plc.is_running() {
+        true => Ok(()),
+        false => Err(said.into()),
+    }
 }
 
 fn metrics() -> Result<(), Failed> {

@@ -125,6 +125,7 @@ pub fn read(keys: &ServicesKeys, file: FileId) -> (ServicesConfig, Vec<Diagnosti
         },
         password,
         drawings: Vec::new(),
+        probes: None,
         communication_load: keys.communication_load.as_ref().and_then(|key| {
             let number = number_within::<u8>(key, LOADS, "a percentage");
             number.map_err(|title| reader.report(key, title, "a CPU gives its clients 5 to 50 % of a cycle")).ok()

@@ -68,9 +68,10 @@ impl Cpu {
         }
     }
 
-    /// Answers clients of a CPU in STOP until one of them asks for RUN. `None`: the process is to end.
-    pub(crate) fn serve_in_stop(&self) -> Option<Restart> {
-        while self.is_served.get() && !crate::run::end_requested() {
+    /// Answers clients of a CPU in STOP until one of them asks for RUN, or `is_wanted` says that there is something else to do. `None`: that,
+    /// or the process is to end.
+    pub(crate) fn serve_in_stop(&self, is_wanted: &dyn Fn() -> bool) -> Option<Restart> {
+        while self.is_served.get() && !crate::run::end_requested() && !is_wanted() {
             self.serve(STOP_PAUSE);
             if let Some(kind) = self.restart_requested.take() {
                 return Some(kind);

@@ -65,8 +65,8 @@ impl Cpu {
         let carried = (kind == Restart::Warm).then(|| Carried::of(&cpu));
         let stopped = Rc::into_inner(cpu).expect("only the run owns its CPU");
         // The rest ends here, with its threads, files and connections.
-        let Cpu { image, code, clock, driver, diagnostics, service, alarms, .. } = stopped;
-        let mut next = Cpu::new(image, code, clock, driver);
+        let Cpu { image, code, clock, driver, diagnostics, service, alarms, force, generation, .. } = stopped;
+        let mut next = Cpu::new(image, code.into_inner(), clock, driver);
         let own = Rc::get_mut(&mut next).expect("it was just made");
         own.diagnostics = diagnostics;
         own.alarms = RefCell::new(alarms.into_inner().restarted());
@@ -75,6 +75,8 @@ impl Cpu {
         own.service = service;
         own.carried = RefCell::new(carried);
         own.is_restarted = true;
+        own.generation = generation;
+        own.force = force;
         own.startup.set(match kind {
             Restart::Cold => 102,
             Restart::Warm | Restart::Hot | Restart::Reset => 100,

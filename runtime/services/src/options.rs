@@ -159,9 +159,12 @@ impl ServiceOptions {
                 ));
             }
             let door = listen::open("web", address, clients.clone())?;
+            let services =
+                [plan.s7.as_ref().map(|(door, _)| door), plan.modbus.as_ref().map(|(door, ..)| door), Some(&door)];
+            let services = services.into_iter().flatten().map(|door| (door.service, door.open.clone())).collect();
             let who = if users.is_open() { "everyone on this computer may look" } else { "users may sign in" };
             opened.push(line("page at http", &door, who).replacen("http at ", "http://", 1));
-            plan.web = Some((door, Page::new(link.clone(), users, &config.drawings)));
+            plan.web = Some((door, Page::new(link.clone(), users, services)));
         }
         if let (Some(address), Some(times)) = (metrics, times) {
             let door = listen::open("metrics", address, clients)?;

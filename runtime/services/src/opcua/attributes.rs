@@ -13,7 +13,6 @@ use super::values::{Part, Variable, type_of};
 use crate::limits::{
     OPCUA_BROWSED_MAX, OPCUA_CONTINUATIONS_MAX, OPCUA_ELEMENTS_MAX, OPCUA_NODES_MAX, OPCUA_READ_MAX, OPCUA_SAMPLING_MIN,
 };
-use crate::link::Link;
 
 /// The attribute with the value.
 pub const VALUE: u32 = 13;
@@ -53,19 +52,23 @@ pub fn wanted(server: &Server, id: &NodeId, attribute: u32, right: Right) -> Wan
     }
 }
 
-/// Reads all of them in one cycle. `None`: the CPU has ended.
+/// Reads all of them in one cycle. `None`: the CPU has ended, or has another program.
 pub async fn read(server: &Server, wanted: Vec<Wanted>) -> Option<Vec<DataValue>> {
     if !wanted.iter().any(|wanted| matches!(wanted, Wanted::Memory(_) | Wanted::Cpu(_))) {
         return Some(wanted.into_iter().map(|wanted| data_value(server, wanted, Found::Ready, now())).collect());
     }
+    let generation = server.space.generation();
     let (wanted, found, time) = server
         .link
         .ask(move |cpu| {
+            if cpu.generation() != generation {
+                return None;
+            }
             let mut room = OPCUA_READ_MAX;
             let found: Vec<Found> = wanted.iter().map(|wanted| look(cpu, wanted, &mut room)).collect();
-            (wanted, found, time_of(cpu.clock.wall()))
+            Some((wanted, found, time_of(cpu.clock.wall())))
         })
-        .await?;
+        .await??;
     Some(wanted.into_iter().zip(found).map(|(wanted, found)| data_value(server, wanted, found, time)).collect())
 }
 
@@ -248,9 +251,14 @@ pub fn change(server: &Server, id: &NodeId, attribute: u32, value: &Variant, rig
     }
 }
 
-/// Writes all of them between two cycles, in their order. `None`: the CPU has ended.
-pub async fn write(link: &Link, changes: Vec<Change>) -> Option<Vec<Status>> {
-    link.ask(move |cpu| changes.iter().map(|change| apply(cpu, change).err().unwrap_or(status::GOOD)).collect()).await
+/// Writes all of them between two cycles, in their order. `None`: the CPU has ended, or has another program.
+pub async fn write(server: &Server, changes: Vec<Change>) -> Option<Vec<Status>> {
+    let generation = server.space.generation();
+    let written = server.link.ask(move |cpu| {
+        let write = |change: &Change| apply(cpu, change).err().unwrap_or(status::GOOD);
+        (cpu.generation() == generation).then(|| changes.iter().map(write).collect())
+    });
+    written.await?
 }
 
 fn apply(cpu: &Cpu, change: &Change) -> Result<(), Status> {

@@ -23,10 +23,11 @@ const CHUNK_MIN: u32 = 8192;
 const HELLO_MAX: usize = 8192;
 const OPEN_CHANNEL: u32 = 446;
 
-/// Answers one client until it breaks the rules, goes, or the CPU ends.
+/// Answers one client until it breaks the rules, goes, or the CPU ends or gets another program.
 pub async fn serve(visitor: Visitor, server: Arc<Server>) {
+    let Some(server) = server.renewed().await else { return };
     let mut connection = Connection {
-        server,
+        server: Arc::new(server),
         stream: visitor.stream,
         right: visitor.right,
         buffer: Vec::new(),

@@ -6,7 +6,8 @@
 //! - [`standard`], [`space`]: the nodes; [`values`]: PLC values as variants; [`attributes`]: reading and writing; [`view`]: browsing.
 //! - [`subscription`]: values as they change.
 //!
-//! A session belongs to its connection: what a client has is gone when the connection is. So nothing is shared between clients.
+//! A session belongs to its connection: what a client has is gone when the connection is. So nothing is shared between clients. A connection
+//! ends when the program is changed while it runs, as on an S7-1500: its nodes may mean other places.
 
 mod attributes;
 mod certificate;
@@ -27,7 +28,7 @@ mod view;
 
 use std::net::SocketAddr;
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use plcc_abi::ProgramImage;
 use plcc_abi::services::{Protection, Right, ServicesConfig};
@@ -42,13 +43,16 @@ use space::Space;
 /// The folder of certificates, unless plc.toml names another.
 const FOLDER: &str = "opcua";
 
-/// What all connections share.
+/// What a connection needs. Connections share all of it.
+#[derive(Clone)]
 pub struct Server {
     link: Link,
-    space: Space,
+    /// The nodes of the program as it was when the connection began.
+    space: Arc<Space>,
+    newest: Arc<Mutex<Arc<Space>>>,
     users: Users,
-    own: Own,
-    trusted: Option<Trusted>,
+    own: Arc<Own>,
+    trusted: Option<Arc<Trusted>>,
     /// Name of this server in the world.
     uri: String,
     /// Of its name for people.
@@ -78,12 +82,14 @@ impl Server {
         let uri = format!("urn:plcc:{name}");
         let own = Own::load(folder, &uri, &name, address.ip())?;
         let trusted = Trusted::load(folder)?;
+        let space = Arc::new(Space::new(image, 0));
         Ok(Server {
             link,
-            space: Space::new(image),
+            newest: Arc::new(Mutex::new(space.clone())),
+            space,
             users: Users::new(&config.users),
-            own,
-            trusted,
+            own: Arc::new(own),
+            trusted: trusted.map(Arc::new),
             uri,
             name: image.name.clone(),
             address,
@@ -96,6 +102,21 @@ impl Server {
             started: code::now(),
             one: Arc::new(Semaphore::new(1)),
         })
+    }
+
+    /// With the nodes of the program that runs now. `None`: the CPU has ended.
+    async fn renewed(&self) -> Option<Server> {
+        let newest = || self.newest.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = newest().clone();
+        let generation = known.generation();
+        let changed = self
+            .link
+            .ask(move |cpu| (cpu.generation() != generation).then(|| (Arc::clone(&cpu.image), cpu.generation())));
+        let Some((image, generation)) = changed.await? else { return Some(Server { space: known, ..self.clone() }) };
+        let made = tokio::task::spawn_blocking(move || Arc::new(Space::new(&image, generation)));
+        let space = made.await.ok()?;
+        *newest() = space.clone();
+        Some(Server { space, ..self.clone() })
     }
 
     /// As a line about what was opened tells it.

@@ -343,7 +343,7 @@ impl Session {
             },
             WRITE => match changes(server, right, reader) {
                 Ok(changes) => {
-                    out.statuses(&attributes::write(&server.link, changes).await?);
+                    out.statuses(&attributes::write(server, changes).await?);
                     Ok(())
                 }
                 Err(status) => Err(status),

@@ -140,6 +140,7 @@ enum Step<'a> {
 /// All nodes of a program.
 pub struct Space {
     image: ProgramImage,
+    generation: u64,
     /// Symbols and addresses, with their folders.
     tags: Vec<(Folder, Thing)>,
     blocks: Vec<Thing>,
@@ -156,14 +157,15 @@ enum Form<'a> {
 }
 
 impl Space {
-    pub fn new(image: &ProgramImage) -> Space {
+    /// `generation`: how often the program had been changed.
+    pub fn new(image: &ProgramImage, generation: u64) -> Space {
         // Names and types are needed, not what is in the blocks.
         let mut image = image.clone();
         image.blocks.clear();
         image.asserts.clear();
         image.config.services.drawings.clear();
         image.dbs.iter_mut().for_each(|db| db.data.clear());
-        let mut space = Space { image, tags: Vec::new(), blocks: Vec::new(), roots: HashMap::new() };
+        let mut space = Space { image, generation, tags: Vec::new(), blocks: Vec::new(), roots: HashMap::new() };
         space.tags = space.find_tags();
         space.blocks = space.image.dbs.iter().filter_map(|db| space.block(db)).collect();
         let tags = space.tags.iter().map(|(_, thing)| thing);
@@ -479,6 +481,10 @@ impl Space {
         let found = ids.into_iter().filter_map(|id| self.node(&NodeId::text(DATA, id)));
         let mut below = found.filter(|child| child.parent.as_ref().is_some_and(|(parent, _)| *parent == node.id));
         below.find(|child| child.name == name)
+    }
+
+    pub fn generation(&self) -> u64 {
+        self.generation
     }
 
     pub fn program(&self) -> &str {
