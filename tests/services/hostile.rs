@@ -6,7 +6,8 @@ use std::time::Duration;
 
 use libtest_mimic::Failed;
 
-use crate::process::{Plc, cycles_took_at_most, free_port};
+use crate::process::{Plc, Program, cycles_took_at_most, free_port};
+use crate::ua;
 
 /// Frames of each kind: random ones, and right ones that were changed.
 const FRAMES: usize = 10_000;
@@ -155,6 +156,51 @@ pub fn modbus() -> Result<(), Failed> {
     if answer.len() != 9 + 20 || answer[7] != 3 {
         return Err(format!("{answer:02X?}").into());
     }
+    cycles_took_at_most(metrics, LONGEST_CYCLE)?;
+    plc.end()?;
+    Ok(())
+}
+
+/// Sends requests of an OPC UA session, random and changed ones.
+fn attack_session(port: u16, seed: u64, requests: usize) {
+    let mut random = Random(seed);
+    let right = ua::requests();
+    let right: Vec<&[u8]> = right.iter().map(Vec::as_slice).collect();
+    let mut session = None;
+    for index in 0..requests {
+        let Some(mut now) = session.take().or_else(|| ua::Session::open(port)) else { continue };
+        let body = match index % 2 {
+            0 => [right[random.below(right.len())].get(..4).unwrap_or_default(), &random.bytes(100)].concat(),
+            _ => random.changed(&right),
+        };
+        session = now.send(&body).then_some(now);
+    }
+}
+
+pub fn opcua() -> Result<(), Failed> {
+    let (port, metrics) = (free_port(), free_port());
+    let folder = tempfile::tempdir()?;
+    let flags = ["--metrics", &metrics.to_string(), "--opcua", &port.to_string()];
+    let plc = Plc::run_in(folder.path(), Program::Plant.path()?, &flags)?;
+    // Before a session, and within one.
+    let (hello, open) = (ua::hello(), ua::open());
+    let frames = [hello.as_slice(), open.as_slice()];
+    std::thread::scope(|scope| {
+        for seed in 0..CLIENTS as u64 {
+            let opening = if seed % 2 == 0 { &[] } else { &frames[..] };
+            scope.spawn(move || attack(port, seed, FRAMES / CLIENTS, opening, &frames));
+        }
+    });
+    std::thread::scope(|scope| {
+        for seed in 0..CLIENTS as u64 {
+            scope.spawn(move || attack_session(port, seed, 2 * FRAMES / CLIENTS));
+        }
+    });
+    let answer = asks(port, &frames)?;
+    if !answer.starts_with(b"OPNF") {
+        return Err(format!("{answer:02X?}").into());
+    }
+    ua::Session::open(port).ok_or("no session after the attack")?;
     cycles_took_at_most(metrics, LONGEST_CYCLE)?;
     plc.end()?;
     Ok(())

@@ -7,13 +7,14 @@ mod hostile;
 mod partners;
 mod process;
 mod record;
+mod ua;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use libtest_mimic::{Arguments, Failed, Trial};
-use process::{Plc, free_port, get};
+use process::{Plc, Program, free_port, get};
 
 fn main() {
     let trial = |name: &str, missing: Option<String>, run: fn() -> Result<(), Failed>| {
@@ -23,6 +24,7 @@ fn main() {
         Trial::test(name, run).with_ignored_flag(missing.is_some())
     };
     let (snap7, modbus) = (python("python-snap7==3.3.0", "snap7"), python("pymodbus==3.16.1", "pymodbus"));
+    let asyncua = python("asyncua==2.1.0", "asyncua").err();
     let trials = vec![
         trial("put_and_get_of_python_snap7", snap7.clone().err(), partners::snap7_server),
         trial("programs_talk_over_s7", None, partners::programs),
@@ -30,6 +32,8 @@ fn main() {
         trial("s7_of_python_snap7", snap7.err(), || client(&["--s7", "--access=control"], "snap7_client.py")),
         trial("s7_of_nodes7", node("nodes7@0.3.18").err(), || client(&["--s7"], "nodes7_client.js")),
         trial("modbus_of_pymodbus", modbus.err(), || client(&["--modbus"], "modbus_client.py")),
+        trial("opcua_of_asyncua", asyncua.clone(), || opcua(Program::Plant, "open")),
+        trial("opcua_with_security_of_asyncua", asyncua, || opcua(Program::Line, "secure")),
         trial("page_of_chromium", chromium().err(), || client(&["--web", "--access=control"], "page_client.js")),
         trial("status_in_chromium", chromium().err(), status),
         trial("values_reach_a_broker", mosquitto(), process::values_reach_a_broker),
@@ -39,6 +43,7 @@ fn main() {
         trial("recorded_writes_of_clients_are_repeated", None, record::client_writes),
         trial("hostile_s7_clients_do_no_harm", None, hostile::s7),
         trial("hostile_modbus_clients_do_no_harm", None, hostile::modbus),
+        trial("hostile_opcua_clients_do_no_harm", None, hostile::opcua),
         trial("busy_clients", busy::seconds().is_none().then(|| "PLCC_LOAD=SECONDS is not set".into()), busy::measure),
         trial("idle_clients_leave_room_for_others", None, hostile::idle),
     ];
@@ -104,11 +109,16 @@ fn mosquitto() -> Option<String> {
 fn client(flags: &[&str], script: &str) -> Result<(), Failed> {
     let port = free_port().to_string();
     let plc = Plc::start(&[&[flags[0], &port], &flags[1..]].concat())?;
+    talk(plc, script, &[&port])
+}
+
+/// Runs a client until it is done, and ends the program.
+fn talk(plc: Plc, script: &str, arguments: &[&str]) -> Result<(), Failed> {
     let mut command = match script.ends_with(".js") {
         true => Command::new("node"),
         false => Command::new(venv()),
     };
-    command.env("NODE_PATH", clients().join("node/node_modules")).arg(here().join(script)).arg(&port);
+    command.env("NODE_PATH", clients().join("node/node_modules")).arg(here().join(script)).args(arguments);
     let output = command.stdin(Stdio::null()).output()?;
     let said = format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     let ended = plc.end()?;
@@ -116,6 +126,18 @@ fn client(flags: &[&str], script: &str) -> Result<(), Failed> {
         return Err(format!("{script}: {said}\nthe program said: {ended}").into());
     }
     Ok(())
+}
+
+/// The certificate is made in a folder of its own.
+fn opcua(program: Program, what: &str) -> Result<(), Failed> {
+    let (folder, port) = (tempfile::tempdir()?, free_port().to_string());
+    let plc = Plc::run_in(folder.path(), program.path()?, &["--opcua", &port])?;
+    let certificates = folder.path().join("opcua");
+    let mode = std::os::unix::fs::PermissionsExt::mode(&std::fs::metadata(certificates.join("own.pem"))?.permissions());
+    if mode & 0o077 != 0 {
+        return Err(format!("others may read the private key: {mode:o}").into());
+    }
+    talk(plc, "asyncua_client.py", &[what, &port, &certificates.display().to_string()])
 }
 
 /// What the page shows of a program that is watched, until that ends.

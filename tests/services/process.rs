@@ -27,15 +27,29 @@ pub fn plcc(flags: &[&str], inputs: &[&Path], out: &Path) -> Result<(), Failed> 
     }
 }
 
-/// The executable, built once.
-pub fn program() -> Result<&'static Path, Failed> {
-    static PROGRAM: OnceLock<Result<PathBuf, String>> = OnceLock::new();
-    let build = || {
-        let out = crate::clients().join("line");
-        let _ = std::fs::create_dir_all(crate::clients());
-        plcc(&["build", "--quiet"], &[&here().join("line")], &out).map(|()| out).map_err(|error| format!("{error:?}"))
-    };
-    PROGRAM.get_or_init(build).as_deref().map_err(|error| error.as_str().into())
+/// The programs of this folder.
+#[derive(Clone, Copy)]
+pub enum Program {
+    Line,
+    /// Has values of all types.
+    Plant,
+}
+
+impl Program {
+    /// The executable, built once.
+    pub fn path(self) -> Result<&'static Path, Failed> {
+        static PROGRAMS: [OnceLock<Result<PathBuf, String>>; 2] = [const { OnceLock::new() }; 2];
+        let name = match self {
+            Program::Line => "line",
+            Program::Plant => "plant",
+        };
+        let build = || {
+            let out = crate::clients().join(name);
+            let _ = std::fs::create_dir_all(crate::clients());
+            plcc(&["build", "--quiet"], &[&here().join(name)], &out).map(|()| out).map_err(|error| format!("{error:?}"))
+        };
+        PROGRAMS[self as usize].get_or_init(build).as_deref().map_err(|error| error.as_str().into())
+    }
 }
 
 /// A running program.
@@ -44,15 +58,21 @@ pub struct Plc {
 }
 
 impl Plc {
-    /// Runs the program until it has opened its services.
+    /// Runs the line until it has opened its services.
     pub fn start(flags: &[&str]) -> Result<Plc, Failed> {
-        Plc::run(program()?, flags)
+        Plc::run(Program::Line.path()?, flags)
     }
 
     /// As [`Plc::start`], of another program.
     pub fn run(program: &Path, flags: &[&str]) -> Result<Plc, Failed> {
+        Plc::run_in(&crate::clients(), program, flags)
+    }
+
+    /// As [`Plc::run`], in a folder.
+    pub fn run_in(folder: &Path, program: &Path, flags: &[&str]) -> Result<Plc, Failed> {
         let mut command = Command::new(program);
-        command.args(["--cycle-time", "2ms"]).args(flags).stdin(Stdio::null()).stderr(Stdio::piped());
+        command.current_dir(folder).args(["--cycle-time", "2ms"]).args(flags);
+        command.stdin(Stdio::null()).stderr(Stdio::piped());
         let mut plc = Plc { child: command.spawn()? };
         let error = plc.child.stderr.as_mut().ok_or("no standard error")?;
         // The first line says what was opened; the rest is read at the end.

@@ -138,12 +138,12 @@ pub fn client_writes() -> Result<(), Failed> {
     }
     std::thread::sleep(Duration::from_millis(30));
     plc.end()?;
-    let repeated = run(process::program()?, &["--replay", &file, "--print=DB1.DBW0"])?;
+    let repeated = run(process::Program::Line.path()?, &["--replay", &file, "--print=DB1.DBW0"])?;
     let printed = said(&repeated, 0, "memory was as recorded")?;
     if !printed.contains("3333") {
         return Err(format!("the last value is not there: {printed}").into());
     }
-    said(&run(process::program()?, &["--replay", &file, "--modbus", &port])?, 2, "those of the recording")?;
+    said(&run(process::Program::Line.path()?, &["--replay", &file, "--modbus", &port])?, 2, "those of the recording")?;
     // The same in memory, of the project, whose services stay closed.
     let arguments = ["plcc", "replay", &file].map(std::ffi::OsString::from);
     match plcc_driver::main_with(arguments.into_iter().chain([here().join("line").into_os_string()])) {

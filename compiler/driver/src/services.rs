@@ -15,6 +15,10 @@ use crate::project::{duration_ms, number_within};
 pub struct ServicesKeys {
     s7: Option<Spanned<String>>,
     modbus: Option<Spanned<String>>,
+    opcua: Option<Spanned<String>>,
+    opcua_folder: Option<String>,
+    #[serde(default)]
+    opcua_unsecured: bool,
     metrics: Option<Spanned<String>>,
     web: Option<Spanned<String>>,
     #[serde(default)]
@@ -101,6 +105,9 @@ pub fn read(keys: &ServicesKeys, file: FileId) -> (ServicesConfig, Vec<Diagnosti
         linked: true,
         s7: keys.s7.as_ref().and_then(|key| reader.checked(key, help, address)),
         modbus: keys.modbus.as_ref().and_then(|key| reader.checked(key, help, address)),
+        opcua: keys.opcua.as_ref().and_then(|key| reader.checked(key, help, address)),
+        opcua_folder: keys.opcua_folder.clone(),
+        opcua_unsecured: keys.opcua_unsecured,
         metrics: keys.metrics.as_ref().and_then(|key| reader.checked(key, help, address)),
         web: keys.web.as_ref().and_then(|key| reader.checked(key, help, address)),
         users: reader.users(&keys.user),

@@ -13,6 +13,11 @@ pub struct ServicesConfig {
     pub linked: bool,
     pub s7: Option<String>,
     pub modbus: Option<String>,
+    pub opcua: Option<String>,
+    /// Where the certificate and the key of the OPC UA server are, seen from where the program runs.
+    pub opcua_folder: Option<String>,
+    /// OPC UA clients of other computers may come in without security.
+    pub opcua_unsecured: bool,
     pub metrics: Option<String>,
     /// Of the page.
     pub web: Option<String>,

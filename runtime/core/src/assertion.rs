@@ -389,7 +389,7 @@ fn dtl(bytes: &[u8; 12]) -> Option<i128> {
 }
 
 /// The byte of a character in Windows-1252.
-pub(crate) fn byte_of(character: u16) -> Option<u8> {
+pub fn byte_of(character: u16) -> Option<u8> {
     (0..=255u8).find(|&byte| windows_1252(byte.into()) == character)
 }
 

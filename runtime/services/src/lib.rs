@@ -1,6 +1,7 @@
 //! What speaks to the outside: servers for clients of the CPU.
 //!
-//! - [`s7`]: S7 communication; [`modbus`]: Modbus TCP; [`metrics`]: Prometheus and health; [`mqtt`]: values to a broker; [`web`]: a page.
+//! - [`s7`]: S7 communication; [`modbus`]: Modbus TCP; [`metrics`]: Prometheus and health; [`mqtt`]: values to a broker;
+//!   [`opcua`]: OPC UA; [`web`]: a page.
 //! - [`link`]: the way to the CPU; [`access`]: the CPU as clients see it.
 //! - [`listen`], [`rights`], [`password`], [`limits`]: who may come in, and what they may use up.
 //! - [`options`]: the flags, and what they open. `executable` has `main` of a program with services.
@@ -20,6 +21,7 @@ mod listen;
 mod metrics;
 mod modbus;
 mod mqtt;
+mod opcua;
 pub mod options;
 pub mod password;
 pub mod rights;

@@ -50,3 +50,35 @@ pub const PAGE_MESSAGE_MAX: usize = 256 * 1024;
 /// Values that one page may watch, and letters of a name.
 pub const WATCHED_MAX: usize = 2_000;
 pub const NAME_MAX: usize = 500;
+
+/// Of OPC UA: bytes of a request and of a response, chunks of a request, and bytes of a chunk.
+pub const OPCUA_REQUEST_MAX: usize = 1024 * 1024;
+pub const OPCUA_RESPONSE_MAX: usize = 4 * 1024 * 1024;
+pub const OPCUA_CHUNKS_MAX: usize = 64;
+pub const OPCUA_CHUNK_MAX: usize = 65_536;
+/// The longest message that opens a channel: it is decrypted, which takes time.
+pub const OPCUA_OPEN_MAX: usize = 8192;
+/// Nodes of one request, those that it may browse, and what it may read: elements, or 32 bytes of a text each.
+pub const OPCUA_NODES_MAX: usize = 1_000;
+pub const OPCUA_BROWSED_MAX: usize = 100;
+pub const OPCUA_READ_MAX: u32 = 512 * 1024;
+/// Elements of an array that is one value, and elements that a browser is told of.
+pub const OPCUA_ELEMENTS_MAX: u32 = 65_536;
+pub const OPCUA_LISTED_MAX: usize = 1_000;
+/// References in one response; the rest is asked for with a continuation point.
+pub const OPCUA_REFERENCES_MAX: usize = 5_000;
+pub const OPCUA_CONTINUATIONS_MAX: usize = 10;
+/// Of a session: subscriptions, monitored items, values that wait in an item and elements that wait in all of them, publish requests;
+/// of a subscription: messages that wait to be acknowledged, and their bytes.
+pub const OPCUA_SUBSCRIPTIONS_MAX: usize = 10;
+pub const OPCUA_ITEMS_MAX: usize = 2_000;
+pub const OPCUA_QUEUE_MAX: usize = 100;
+pub const OPCUA_KEPT_MAX: u32 = 256 * 1024;
+pub const OPCUA_PUBLISHES_MAX: usize = 20;
+pub const OPCUA_UNACKNOWLEDGED_MAX: usize = 20;
+pub const OPCUA_UNACKNOWLEDGED_BYTES_MAX: usize = 1024 * 1024;
+/// The shortest time from one look at a value to the next.
+pub const OPCUA_SAMPLING_MIN: Duration = Duration::from_millis(50);
+/// How long a session lasts without a request, and a channel until its keys are renewed.
+pub const OPCUA_SESSION_TIME: std::ops::RangeInclusive<Duration> = Duration::from_secs(10)..=Duration::from_secs(3600);
+pub const OPCUA_CHANNEL_TIME: std::ops::RangeInclusive<Duration> = Duration::from_secs(10)..=Duration::from_secs(3600);

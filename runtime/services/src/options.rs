@@ -16,6 +16,7 @@ use crate::listen::{self, Door};
 use crate::metrics::{self, CycleTimes, Pages};
 use crate::modbus::{self, Map};
 use crate::mqtt::{self, Broker, Publisher};
+use crate::opcua;
 use crate::password::Guard;
 use crate::rights::Clients;
 use crate::s7;
@@ -30,6 +31,9 @@ pub struct ServiceOptions {
     /// Answer Modbus TCP clients
     #[arg(long, value_name = "ADDR:PORT", value_parser = address)]
     pub modbus: Option<SocketAddr>,
+    /// Answer OPC UA clients
+    #[arg(long, value_name = "ADDR:PORT", value_parser = address)]
+    pub opcua: Option<SocketAddr>,
     /// Answer HTTP requests for /metrics (Prometheus) and /health
     #[arg(long, value_name = "ADDR:PORT", value_parser = address)]
     pub metrics: Option<SocketAddr>,
@@ -99,16 +103,26 @@ impl ServiceOptions {
         };
         let (s7, modbus) = (port(self.s7, &config.s7)?, port(self.modbus, &config.modbus)?);
         let (metrics, web) = (port(self.metrics, &config.metrics)?, port(self.web, &config.web)?);
+        let opcua = port(self.opcua, &config.opcua)?;
         // Several CPUs of one program cannot be the same partner.
         let connections = if flags_only { Vec::new() } else { image.config.connections.clone() };
         let board = (!connections.is_empty()).then(|| Arc::new(Board::new(connections)));
-        if s7.or(modbus).or(metrics).or(web).is_none() && broker.is_none() && board.is_none() {
+        let is_open = s7.or(modbus).or(opcua).or(metrics).or(web).is_some();
+        if !is_open && broker.is_none() && board.is_none() {
             return Ok((None, Vec::new()));
         }
         let clients = Clients::new(config, self.access.map(Right::from));
         let times = metrics.is_some().then(Arc::<CycleTimes>::default);
         let (link, desk) = link(times.clone(), board.clone());
-        let mut plan = Plan { s7: None, partners: Vec::new(), modbus: None, metrics: None, web: None, publisher: None };
+        let mut plan = Plan {
+            s7: None,
+            partners: Vec::new(),
+            modbus: None,
+            opcua: None,
+            metrics: None,
+            web: None,
+            publisher: None,
+        };
         let mut opened = Vec::new();
         let guard = Guard::new(config.password.as_deref());
         let server = s7::Server { link: link.clone(), guard, protection: config.protection, board: board.clone() };
@@ -131,6 +145,12 @@ impl ServiceOptions {
             opened.push(line("Modbus TCP clients", &door, &clients.text()));
             plan.modbus = Some((door, link.clone(), map));
         }
+        if let Some(address) = opcua {
+            let server = opcua::Server::new(link.clone(), config, image, address)?;
+            let door = listen::open("opcua", address, clients.clone())?;
+            opened.push(line("OPC UA clients", &door, &server.text(&clients.text())));
+            plan.opcua = Some((door, Arc::new(server)));
+        }
         if let Some(address) = web {
             let users = Users::new(&config.users);
             if users.is_open() && !address.ip().is_loopback() {
@@ -152,6 +172,7 @@ impl ServiceOptions {
             let services = [
                 plan.s7.as_ref().map(|(door, _)| door),
                 plan.modbus.as_ref().map(|(door, ..)| door),
+                plan.opcua.as_ref().map(|(door, _)| door),
                 plan.web.as_ref().map(|(door, _)| door),
             ];
             let services = services.into_iter().flatten().chain([&door]);
@@ -194,6 +215,7 @@ struct Plan {
     /// Connections to partners, by number, and who of them may do what here.
     partners: Vec<(s7::Server, usize, Option<Clients>)>,
     modbus: Option<(Door, Link, Map)>,
+    opcua: Option<(Door, Arc<opcua::Server>)>,
     metrics: Option<(Door, Pages)>,
     web: Option<(Door, Page)>,
     publisher: Option<(Publisher, Link)>,
@@ -225,6 +247,11 @@ impl Plan {
                 listen::accept(door, |visitor| modbus::serve(visitor, link.clone(), map)).await;
             }
         };
+        let opcua = async {
+            if let Some((door, server)) = self.opcua {
+                listen::accept(door, |visitor| opcua::serve(visitor, server.clone())).await;
+            }
+        };
         let metrics = async {
             if let Some((door, pages)) = self.metrics {
                 listen::accept(door, |visitor| metrics::serve(visitor.stream, pages.clone())).await;
@@ -243,7 +270,7 @@ impl Plan {
         for (server, number, rights) in self.partners {
             tokio::spawn(s7::call(server, number, rights));
         }
-        tokio::join!(s7, modbus, metrics, web, publisher);
+        tokio::join!(s7, modbus, opcua, metrics, web, publisher);
         // Partners of the program do not end.
         std::future::pending().await
     }

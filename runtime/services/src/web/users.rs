@@ -34,13 +34,23 @@ impl Users {
         self.users.is_empty()
     }
 
-    /// Checks a password, which takes some ten milliseconds. Result: the token of a new session.
-    pub fn sign_in(&self, name: &str, password: &str) -> Option<String> {
+    /// Checks a password, which takes some ten milliseconds. Result: the number of the user.
+    pub fn check(&self, name: &str, password: &str) -> Option<usize> {
         let user = self.users.iter().position(|user| user.name == name);
         // A name that does not exist takes as long as a wrong password.
         let hash = user.map_or(NOBODY, |user| &self.users[user].password);
         let is_right = password::is_right(password.as_bytes(), hash);
-        let user = user.filter(|_| is_right)?;
+        user.filter(|_| is_right)
+    }
+
+    /// The role of the user with a number.
+    pub fn role(&self, user: usize) -> Role {
+        self.users[user].role
+    }
+
+    /// Checks a password as [`check`](Users::check). Result: the token of a new session.
+    pub fn sign_in(&self, name: &str, password: &str) -> Option<String> {
+        let user = self.check(name, password)?;
         let mut bytes = [0; 24];
         getrandom::fill(&mut bytes).ok()?;
         let token: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();

@@ -1,0 +1,570 @@
+//! The address space: what there is, found by name when a client asks. Nothing is kept for a node that nobody asks for.
+//!
+//! ```text
+//! Objects
+//!   PLC                       ns=3;s=PLC
+//!     State, Clock, Cycle, Type
+//!     Inputs, Outputs, Memory, Timers, Counters
+//!       Motor                 ns=3;s="Motor"
+//!       MW10                  ns=3;s=%MW10
+//!     DataBlocks
+//!       Station               ns=3;s="Station"
+//!         D1                  ns=3;s="Station"."D1"
+//!           [1]               ns=3;s="Station"."D1"[1]
+//! ```
+
+use std::collections::HashMap;
+
+use plcc_abi::ProgramImage;
+use plcc_abi::image::AssertType;
+use plcc_abi::names::{Dimension, NamedType, TypeNumber};
+use plcc_runtime::address::{self, Address, Place, Width};
+use plcc_runtime::names;
+use plcc_runtime::typed::{self, ValueType};
+
+use super::code::{Id, NodeId};
+use super::standard::{
+    self, BASE_OBJECT_TYPE, DATA_VARIABLE_TYPE, FOLDER_TYPE, HAS_COMPONENT, OBJECT, OBJECTS, ORGANIZES, VARIABLE,
+};
+use super::values::{Variable, unit};
+use crate::limits::{NAME_MAX, OPCUA_LISTED_MAX};
+
+/// Namespace of the data, as on an S7-1500; 1 is that of this server, 2 is not used.
+pub const DATA: u16 = 3;
+/// Names of the namespaces from 2 on.
+pub const NAMESPACES: [&str; 2] = ["urn:plcc:unused", "http://www.siemens.com/simatic-s7-opcua"];
+
+/// A node.
+#[derive(Clone, Debug)]
+pub struct Node {
+    pub id: NodeId,
+    pub class: u32,
+    pub name: String,
+    pub description: String,
+    /// Number of its type definition; 0: none.
+    pub definition: u32,
+    /// The node above it, and the reference from there.
+    pub parent: Option<(NodeId, u32)>,
+    pub content: Content,
+}
+
+/// Where its value comes from.
+#[derive(Clone, Debug)]
+pub enum Content {
+    None,
+    /// A variable of the standard, by its number.
+    Standard(u32),
+    Cpu(CpuValue),
+    Memory(Variable),
+}
+
+/// What the CPU tells of itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CpuValue {
+    State,
+    Clock,
+    Cycle,
+    Type,
+}
+
+impl CpuValue {
+    const ALL: [(CpuValue, &str, &str); 4] = [
+        (CpuValue::State, "State", "RUN or STOP; who may control the CPU writes it"),
+        (CpuValue::Clock, "Clock", "time of day of the CPU; who may control the CPU sets it"),
+        (CpuValue::Cycle, "Cycle", "cycles since the start"),
+        (CpuValue::Type, "Type", "the CPU of the program"),
+    ];
+}
+
+/// Folders of the CPU.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Folder {
+    Inputs,
+    Outputs,
+    Memory,
+    Timers,
+    Counters,
+    DataBlocks,
+}
+
+impl Folder {
+    const ALL: [(Folder, &str); 6] = [
+        (Folder::Inputs, "Inputs"),
+        (Folder::Outputs, "Outputs"),
+        (Folder::Memory, "Memory"),
+        (Folder::Timers, "Timers"),
+        (Folder::Counters, "Counters"),
+        (Folder::DataBlocks, "DataBlocks"),
+    ];
+
+    fn name(self) -> &'static str {
+        Folder::ALL.iter().find(|(folder, _)| *folder == self).map_or("", |(_, name)| name)
+    }
+
+    fn of(place: Place) -> Folder {
+        match place {
+            Place::Input(_) | Place::PeripheralInput(_) => Folder::Inputs,
+            Place::Output(_) | Place::PeripheralOutput(_) => Folder::Outputs,
+            Place::BitMemory(_) | Place::Db(..) | Place::S7200(..) => Folder::Memory,
+            Place::Timer(_) | Place::TimerValue(_) => Folder::Timers,
+            Place::Counter(_) | Place::CounterValue(_) => Folder::Counters,
+        }
+    }
+}
+
+/// What has the value, or consists of others.
+#[derive(Clone, Debug)]
+struct Thing {
+    /// As in its node id.
+    id: String,
+    name: String,
+    parent: String,
+    place: Place,
+    bit: u8,
+    ty: Ty,
+    read_only: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Ty {
+    Declared(TypeNumber),
+    Plain(ValueType),
+}
+
+/// A step from a thing to a part of it.
+enum Step<'a> {
+    Member(&'a str),
+    Index(Vec<i64>),
+}
+
+/// All nodes of a program.
+pub struct Space {
+    image: ProgramImage,
+    generation: u64,
+    /// Symbols and addresses, with their folders.
+    tags: Vec<(Folder, Thing)>,
+    blocks: Vec<Thing>,
+    /// Those of both that have names, by name.
+    roots: HashMap<String, Thing>,
+}
+
+/// What a declared type is made of.
+enum Form<'a> {
+    Value(ValueType),
+    Array(&'a [Dimension], TypeNumber),
+    Struct(&'a plcc_abi::names::NamedStruct),
+    Other,
+}
+
+impl Space {
+    /// `generation`: how often the program had been changed.
+    pub fn new(image: &ProgramImage, generation: u64) -> Space {
+        // Names and types are needed, not what is in the blocks.
+        let mut image = image.clone();
+        image.blocks.clear();
+        image.asserts.clear();
+        image.config.services.drawings.clear();
+        image.dbs.iter_mut().for_each(|db| db.data.clear());
+        let mut space = Space { image, generation, tags: Vec::new(), blocks: Vec::new(), roots: HashMap::new() };
+        space.tags = space.find_tags();
+        space.blocks = space.image.dbs.iter().filter_map(|db| space.block(db)).collect();
+        let tags = space.tags.iter().map(|(_, thing)| thing);
+        // A block comes before a tag of its name.
+        let named = tags.chain(&space.blocks).filter(|thing| thing.id.starts_with('"'));
+        space.roots = named.map(|thing| (thing.name.clone(), thing.clone())).collect();
+        space
+    }
+
+    fn block(&self, db: &plcc_abi::image::DbEntry) -> Option<Thing> {
+        let absolute = format!("DB{}", db.number);
+        let symbol =
+            || self.image.symbols.iter().find(|symbol| symbol.address == absolute).map(|symbol| symbol.name.clone());
+        let name = Some(db.name.clone()).filter(|name| !name.is_empty()).or_else(symbol).unwrap_or(absolute);
+        Some(Thing {
+            id: quoted(&name),
+            name,
+            parent: Folder::DataBlocks.name().to_string(),
+            place: Place::Db(db.number, 0),
+            bit: 0,
+            ty: Ty::Declared(db.ty?),
+            read_only: db.read_only,
+        })
+    }
+
+    fn find_tags(&self) -> Vec<(Folder, Thing)> {
+        let mut tags: Vec<(Folder, Thing)> = Vec::new();
+        for symbol in &self.image.symbols {
+            let Some(address) = address::parse_for(&symbol.address, &self.image) else { continue };
+            let named = names::find(&symbol.name, &self.image).ok().and_then(|named| named.ty);
+            let ty = match (symbol.ty, named) {
+                (Some(ty), _) if !matches!(self.form(ty), Form::Value(_) | Form::Other) => Ty::Declared(ty),
+                (_, named) => Ty::Plain(named.unwrap_or(plain(address.width))),
+            };
+            tags.push(self.tag(quoted(&symbol.name), &symbol.name, address, ty));
+        }
+        for (name, named) in names::used(&self.image) {
+            let is_address = address::parse_for(&name, &self.image) == Some(named.address);
+            if is_address && !matches!(named.address.place, Place::Db(..)) {
+                tags.push(self.tag(format!("%{name}"), &name, named.address, Ty::Plain(plain(named.address.width))));
+            }
+        }
+        tags
+    }
+
+    fn tag(&self, id: String, name: &str, address: Address, ty: Ty) -> (Folder, Thing) {
+        // Clients want to know how long a timer runs; that it runs, they see by that.
+        let (place, ty) = match address.place {
+            Place::Timer(number) | Place::TimerValue(number) => {
+                (Place::TimerValue(number), Ty::Plain(ValueType::of(AssertType::S5Time)))
+            }
+            Place::Counter(number) | Place::CounterValue(number) => {
+                (Place::CounterValue(number), Ty::Plain(ValueType::of(AssertType::Signed(16))))
+            }
+            place => (place, ty),
+        };
+        let bit = if let Width::Bit(bit) = address.width { bit } else { 0 };
+        let folder = Folder::of(place);
+        let parent = folder.name().to_string();
+        (folder, Thing { id, name: name.to_string(), parent, place, bit, ty, read_only: false })
+    }
+
+    fn form(&self, ty: TypeNumber) -> Form<'_> {
+        match self.image.types.get(ty as usize) {
+            Some(NamedType::Value(ty)) => Form::Value(ValueType::of(*ty)),
+            Some(NamedType::Text { wide, length }) => {
+                let ty = if *wide { AssertType::WideText } else { AssertType::Text };
+                Form::Value(ValueType { ty, length: *length })
+            }
+            Some(NamedType::Struct(structure)) if structure.is_dtl => Form::Value(ValueType::of(AssertType::Dtl)),
+            Some(NamedType::Struct(structure)) => Form::Struct(structure),
+            Some(NamedType::Array { dimensions, element }) => Form::Array(dimensions, *element),
+            Some(NamedType::Other { .. }) | None => Form::Other,
+        }
+    }
+
+    /// The node with an id.
+    pub fn node(&self, id: &NodeId) -> Option<Node> {
+        match (id.namespace, &id.id) {
+            (0, Id::Number(number)) => standard_node(*number),
+            (DATA, Id::Text(text)) if text.len() <= NAME_MAX => self.data(text),
+            _ => None,
+        }
+    }
+
+    fn data(&self, text: &str) -> Option<Node> {
+        if text == PLC {
+            return Some(self.plc());
+        }
+        if let Some(value) = text.strip_prefix("PLC.") {
+            return CpuValue::ALL.iter().find(|(_, name, _)| *name == value).map(cpu_node);
+        }
+        if let Some((folder, _)) = Folder::ALL.iter().find(|(_, name)| *name == text) {
+            return Some(folder_node(*folder));
+        }
+        self.thing(text).map(|thing| self.thing_node(thing))
+    }
+
+    fn plc(&self) -> Node {
+        Node {
+            id: NodeId::text(DATA, PLC),
+            class: OBJECT,
+            name: PLC.to_string(),
+            description: format!("{} on {}", self.image.name, self.image.profile.name),
+            definition: BASE_OBJECT_TYPE,
+            parent: Some((NodeId::number(0, OBJECTS), ORGANIZES)),
+            content: Content::None,
+        }
+    }
+
+    fn thing(&self, text: &str) -> Option<Thing> {
+        if let Some(address) = text.strip_prefix('%') {
+            return self.address(address);
+        }
+        let (root, steps) = steps(text)?;
+        let mut thing = self.roots.get(root)?.clone();
+        for step in steps {
+            thing = match step {
+                Step::Member(name) => {
+                    let Ty::Declared(ty) = thing.ty else { return None };
+                    let Form::Struct(structure) = self.form(ty) else { return None };
+                    let member = structure.members.iter().find(|member| member.name == name)?;
+                    self.member(&thing, member)
+                }
+                Step::Index(indices) => self.element(&thing, &indices)?,
+            };
+        }
+        // A node has one name only.
+        (thing.id == text).then_some(thing)
+    }
+
+    /// A value by its address, which need not be one that the program names.
+    fn address(&self, text: &str) -> Option<Thing> {
+        let is_plain = !text.is_empty()
+            && text.bytes().all(|byte| byte.is_ascii_uppercase() || byte.is_ascii_digit() || byte == b'.');
+        let address = address::parse_for(text, &self.image).filter(|_| is_plain)?;
+        let read_only = match address.place {
+            Place::Db(number, _) => {
+                let db = self.image.dbs.iter().find(|db| db.number == number).filter(|db| !db.optimized)?;
+                db.read_only
+            }
+            _ => false,
+        };
+        let (_, mut thing) = self.tag(format!("%{text}"), text, address, Ty::Plain(plain(address.width)));
+        thing.read_only = read_only;
+        Some(thing)
+    }
+
+    fn member(&self, thing: &Thing, member: &plcc_abi::names::NamedMember) -> Thing {
+        Thing {
+            id: format!("{}.{}", thing.id, quoted(&member.name)),
+            name: member.name.clone(),
+            parent: thing.id.clone(),
+            place: thing.place.offset(member.byte),
+            bit: member.bit,
+            ty: Ty::Declared(member.ty),
+            read_only: thing.read_only,
+        }
+    }
+
+    fn element(&self, thing: &Thing, indices: &[i64]) -> Option<Thing> {
+        let Ty::Declared(ty) = thing.ty else { return None };
+        let Form::Array(dimensions, element) = self.form(ty) else { return None };
+        if indices.len() != dimensions.len() {
+            return None;
+        }
+        let mut bits = u64::from(thing.bit);
+        for (index, dimension) in indices.iter().zip(dimensions) {
+            let (low, high) = (i64::from(dimension.low), i64::from(dimension.high));
+            if !(low..=high).contains(index) {
+                return None;
+            }
+            bits += (index - low) as u64 * u64::from(dimension.distance);
+        }
+        let texts: Vec<String> = indices.iter().map(ToString::to_string).collect();
+        let name = format!("[{}]", texts.join(","));
+        Some(Thing {
+            id: format!("{}{name}", thing.id),
+            name,
+            parent: thing.id.clone(),
+            place: thing.place.offset(u32::try_from(bits / 8).ok()?),
+            bit: (bits % 8) as u8,
+            ty: Ty::Declared(element),
+            read_only: thing.read_only,
+        })
+    }
+
+    fn thing_node(&self, thing: Thing) -> Node {
+        let variable = |ty: ValueType, dimensions: &[Dimension]| Variable {
+            place: thing.place,
+            bit: thing.bit,
+            ty,
+            dimensions: dimensions.to_vec(),
+            read_only: thing.read_only,
+        };
+        let found = match thing.ty {
+            Ty::Plain(ty) => Some(variable(ty, &[])),
+            Ty::Declared(ty) => match self.form(ty) {
+                Form::Value(ty) => Some(variable(ty, &[])),
+                Form::Array(dimensions, element) => match self.form(element) {
+                    Form::Value(ty) => Some(variable(ty, dimensions)),
+                    Form::Array(..) | Form::Struct(_) | Form::Other => None,
+                },
+                Form::Struct(_) | Form::Other => None,
+            },
+        };
+        let description = match thing.ty {
+            Ty::Plain(ty) => value_text(ty),
+            Ty::Declared(ty) => self.text(ty),
+        };
+        Node {
+            parent: Some((NodeId::text(DATA, thing.parent), HAS_COMPONENT)),
+            id: NodeId::text(DATA, thing.id),
+            class: if found.is_some() { VARIABLE } else { OBJECT },
+            name: thing.name,
+            description,
+            definition: if found.is_some() { DATA_VARIABLE_TYPE } else { BASE_OBJECT_TYPE },
+            content: found.map_or(Content::None, Content::Memory),
+        }
+    }
+
+    /// A type as it is declared.
+    fn text(&self, ty: TypeNumber) -> String {
+        match self.form(ty) {
+            Form::Value(ty) => value_text(ty),
+            Form::Array(dimensions, element) => {
+                let bounds: Vec<String> =
+                    dimensions.iter().map(|dimension| format!("{}..{}", dimension.low, dimension.high)).collect();
+                format!("ARRAY[{}] OF {}", bounds.join(", "), self.text(element))
+            }
+            Form::Struct(structure) => match (structure.name.as_str(), structure.data_type.as_str()) {
+                ("", "") => "STRUCT".to_string(),
+                ("", name) | (name, _) => name.to_string(),
+            },
+            Form::Other => String::new(),
+        }
+    }
+
+    /// The nodes below a node, with their references.
+    pub fn children(&self, node: &Node) -> Vec<(u32, Node)> {
+        if let Some(number) = node.id.standard() {
+            let rows = standard::ROWS.iter().filter(|row| row.parent == number && row.reference != 0);
+            let mut children: Vec<_> = rows.filter_map(|row| Some((row.reference, standard_node(row.id)?))).collect();
+            if number == OBJECTS {
+                children.push((ORGANIZES, self.plc()));
+            }
+            return children;
+        }
+        let Id::Text(text) = &node.id.id else { return Vec::new() };
+        if text == PLC {
+            let values = CpuValue::ALL.iter().map(cpu_node);
+            return values
+                .chain(Folder::ALL.iter().map(|(folder, _)| folder_node(*folder)))
+                .map(|node| (HAS_COMPONENT, node))
+                .collect();
+        }
+        let things: Vec<Thing> = match Folder::ALL.iter().find(|(_, name)| name == text) {
+            Some((Folder::DataBlocks, _)) => self.blocks.clone(),
+            Some((folder, _)) => {
+                self.tags.iter().filter(|(own, _)| own == folder).map(|(_, thing)| thing.clone()).collect()
+            }
+            None => self.thing(text).map(|thing| self.parts(&thing)).unwrap_or_default(),
+        };
+        things.into_iter().map(|thing| (HAS_COMPONENT, self.thing_node(thing))).collect()
+    }
+
+    fn parts(&self, thing: &Thing) -> Vec<Thing> {
+        let Ty::Declared(ty) = thing.ty else { return Vec::new() };
+        match self.form(ty) {
+            Form::Struct(structure) => {
+                let members = structure.members.iter();
+                let known = members.filter(|member| !matches!(self.form(member.ty), Form::Other));
+                known.map(|member| self.member(thing, member)).collect()
+            }
+            Form::Array(dimensions, _) => {
+                let mut indices: Vec<i64> = dimensions.iter().map(|dimension| dimension.low.into()).collect();
+                let mut found = Vec::new();
+                while found.len() < OPCUA_LISTED_MAX
+                    && let Some(element) = self.element(thing, &indices)
+                {
+                    found.push(element);
+                    // The last index runs fastest.
+                    let next = (0..indices.len()).rev().find(|&at| indices[at] < i64::from(dimensions[at].high));
+                    let Some(next) = next else { break };
+                    indices[next] += 1;
+                    for at in next + 1..indices.len() {
+                        indices[at] = dimensions[at].low.into();
+                    }
+                }
+                found
+            }
+            Form::Value(_) | Form::Other => Vec::new(),
+        }
+    }
+
+    /// The node of this name below a node. It is looked up, not looked for: there may be many others.
+    pub fn child(&self, node: &Node, name: &str) -> Option<Node> {
+        if name.len() > NAME_MAX {
+            return None;
+        }
+        if node.id.namespace == 0 {
+            return self.children(node).into_iter().map(|(_, child)| child).find(|child| child.name == name);
+        }
+        let Id::Text(id) = &node.id.id else { return None };
+        let ids = [
+            format!("{id}.{}", quoted(name)),
+            format!("{id}{name}"),
+            quoted(name),
+            format!("%{name}"),
+            format!("{id}.{name}"),
+            name.to_string(),
+        ];
+        let found = ids.into_iter().filter_map(|id| self.node(&NodeId::text(DATA, id)));
+        let mut below = found.filter(|child| child.parent.as_ref().is_some_and(|(parent, _)| *parent == node.id));
+        below.find(|child| child.name == name)
+    }
+
+    pub fn generation(&self) -> u64 {
+        self.generation
+    }
+
+    pub fn program(&self) -> &str {
+        &self.image.name
+    }
+}
+
+const PLC: &str = "PLC";
+
+/// Bits of a width.
+fn plain(width: Width) -> ValueType {
+    ValueType::of(match width {
+        Width::Bit(_) => AssertType::Bool,
+        width => AssertType::Bits(width.bits() as u8),
+    })
+}
+
+fn value_text(ty: ValueType) -> String {
+    let length = match ty.ty {
+        AssertType::Text | AssertType::WideText => format!("[{}]", ty.length),
+        _ => String::new(),
+    };
+    format!("{}{length}{}", typed::name(ty.ty), unit(ty.ty))
+}
+
+fn quoted(name: &str) -> String {
+    format!("\"{name}\"")
+}
+
+/// Splits `"a"."b"[1,2]` into its root and the way from there.
+fn steps(text: &str) -> Option<(&str, Vec<Step<'_>>)> {
+    let (root, mut rest) = text.strip_prefix('"')?.split_once('"')?;
+    let mut steps = Vec::new();
+    while !rest.is_empty() {
+        if let Some(member) = rest.strip_prefix(".\"") {
+            let (name, after) = member.split_once('"')?;
+            steps.push(Step::Member(name));
+            rest = after;
+        } else {
+            let (list, after) = rest.strip_prefix('[')?.split_once(']')?;
+            steps.push(Step::Index(list.split(',').map(|index| index.parse().ok()).collect::<Option<_>>()?));
+            rest = after;
+        }
+    }
+    Some((root, steps))
+}
+
+fn standard_node(number: u32) -> Option<Node> {
+    let row = standard::row(number)?;
+    Some(Node {
+        id: NodeId::number(0, number),
+        class: row.class,
+        name: row.name.to_string(),
+        description: String::new(),
+        definition: row.definition,
+        parent: (row.reference != 0).then(|| (NodeId::number(0, row.parent), row.reference)),
+        content: if row.class == VARIABLE { Content::Standard(number) } else { Content::None },
+    })
+}
+
+fn cpu_node((value, name, description): &(CpuValue, &str, &str)) -> Node {
+    Node {
+        id: NodeId::text(DATA, format!("{PLC}.{name}")),
+        class: VARIABLE,
+        name: (*name).to_string(),
+        description: (*description).to_string(),
+        definition: DATA_VARIABLE_TYPE,
+        parent: Some((NodeId::text(DATA, PLC), HAS_COMPONENT)),
+        content: Content::Cpu(*value),
+    }
+}
+
+fn folder_node(folder: Folder) -> Node {
+    Node {
+        id: NodeId::text(DATA, folder.name()),
+        class: OBJECT,
+        name: folder.name().to_string(),
+        description: String::new(),
+        definition: FOLDER_TYPE,
+        parent: Some((NodeId::text(DATA, PLC), HAS_COMPONENT)),
+        content: Content::None,
+    }
+}

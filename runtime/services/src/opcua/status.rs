@@ -1,0 +1,60 @@
+//! Status codes. Source: OPC 10000-6, annex A.2.
+
+/// The two highest bits say whether it is good, uncertain or bad.
+pub type Status = u32;
+
+pub const GOOD: Status = 0;
+/// Values were lost because a queue was full: info type DataValue, overflow.
+pub const OVERFLOW: Status = 0x0000_0480;
+pub const INTERNAL: Status = 0x8002_0000;
+pub const DECODING: Status = 0x8007_0000;
+pub const TIMEOUT: Status = 0x800A_0000;
+pub const SERVICE_UNSUPPORTED: Status = 0x800B_0000;
+pub const SHUTDOWN: Status = 0x800C_0000;
+pub const NOTHING_TO_DO: Status = 0x800F_0000;
+pub const TOO_MANY_OPERATIONS: Status = 0x8010_0000;
+pub const CERTIFICATE_INVALID: Status = 0x8012_0000;
+pub const SECURITY_CHECKS: Status = 0x8013_0000;
+pub const CERTIFICATE_UNTRUSTED: Status = 0x801A_0000;
+pub const USER_ACCESS_DENIED: Status = 0x801F_0000;
+pub const IDENTITY_INVALID: Status = 0x8020_0000;
+pub const IDENTITY_REJECTED: Status = 0x8021_0000;
+pub const CHANNEL_INVALID: Status = 0x8022_0000;
+pub const NONCE_INVALID: Status = 0x8024_0000;
+pub const SESSION_INVALID: Status = 0x8025_0000;
+pub const SESSION_NOT_ACTIVATED: Status = 0x8027_0000;
+pub const SUBSCRIPTION_INVALID: Status = 0x8028_0000;
+pub const TIMESTAMPS_INVALID: Status = 0x802B_0000;
+pub const NODE_UNKNOWN: Status = 0x8034_0000;
+pub const ATTRIBUTE_INVALID: Status = 0x8035_0000;
+pub const INDEX_RANGE_INVALID: Status = 0x8036_0000;
+pub const ENCODING_INVALID: Status = 0x8038_0000;
+pub const NOT_READABLE: Status = 0x803A_0000;
+pub const NOT_WRITABLE: Status = 0x803B_0000;
+pub const OUT_OF_RANGE: Status = 0x803C_0000;
+pub const NOT_FOUND: Status = 0x803E_0000;
+pub const MODE_INVALID: Status = 0x8041_0000;
+pub const ITEM_INVALID: Status = 0x8042_0000;
+pub const FILTER_UNSUPPORTED: Status = 0x8044_0000;
+pub const FILTER_NOT_ALLOWED: Status = 0x8045_0000;
+pub const CONTINUATION_INVALID: Status = 0x804A_0000;
+pub const NO_CONTINUATION: Status = 0x804B_0000;
+pub const DIRECTION_INVALID: Status = 0x804D_0000;
+pub const MODE_REJECTED: Status = 0x8054_0000;
+pub const POLICY_REJECTED: Status = 0x8055_0000;
+pub const TOO_MANY_SESSIONS: Status = 0x8056_0000;
+pub const SIGNATURE_INVALID: Status = 0x8058_0000;
+pub const NO_MATCH: Status = 0x806F_0000;
+pub const WRITE_NOT_SUPPORTED: Status = 0x8073_0000;
+pub const TYPE_MISMATCH: Status = 0x8074_0000;
+pub const TOO_MANY_SUBSCRIPTIONS: Status = 0x8077_0000;
+pub const TOO_MANY_PUBLISHES: Status = 0x8078_0000;
+pub const NO_SUBSCRIPTION: Status = 0x8079_0000;
+pub const SEQUENCE_UNKNOWN: Status = 0x807A_0000;
+pub const MESSAGE_NOT_AVAILABLE: Status = 0x807B_0000;
+pub const MESSAGE_TYPE_INVALID: Status = 0x807E_0000;
+pub const MESSAGE_TOO_LARGE: Status = 0x8080_0000;
+pub const SEQUENCE_INVALID: Status = 0x8088_0000;
+pub const DEADBAND_INVALID: Status = 0x808E_0000;
+pub const RESPONSE_TOO_LARGE: Status = 0x80B9_0000;
+pub const TOO_MANY_ITEMS: Status = 0x80DB_0000;

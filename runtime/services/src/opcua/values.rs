@@ -1,0 +1,444 @@
+//! Values of PLC types in memory, and the variants that clients see. Source: the mapping of an S7-1500; DATE_AND_TIME and DTL are
+//! DateTime here.
+//!
+//! At the cycle control point only bytes are copied; what they mean is found out on the thread of the services.
+
+use jiff::civil;
+use plcc_abi::image::AssertType;
+use plcc_abi::names::Dimension;
+use plcc_runtime::address::{Address, Place, Width};
+use plcc_runtime::assertion::{Value as TypedValue, byte_of};
+use plcc_runtime::cpu::{Area, Cpu};
+use plcc_runtime::signal;
+use plcc_runtime::typed::{self, ValueType};
+use plcc_runtime::{bcd, datetime};
+
+use super::code::{Scalar, Variant, moment_of, time_of};
+use super::status::{self, Status};
+use crate::limits::OPCUA_ELEMENTS_MAX;
+
+/// A variable with a value: elementary, or an array of such.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Variable {
+    pub place: Place,
+    pub bit: u8,
+    pub ty: ValueType,
+    /// Empty: no array.
+    pub dimensions: Vec<Dimension>,
+    pub read_only: bool,
+}
+
+/// A value on its way into memory: bits from the start of the variable, and what comes there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    at: u32,
+    data: Data,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Data {
+    Bit(bool),
+    Bytes(Vec<u8>),
+    /// Characters of a STRING or WSTRING.
+    Text(Vec<u16>),
+}
+
+/// The type of a value, which is also the number of its node.
+pub fn type_of(ty: AssertType) -> u8 {
+    match ty {
+        AssertType::Bool => 1,
+        AssertType::Signed(8) => 2,
+        AssertType::Bits(8) | AssertType::Unsigned(8) | AssertType::Char => 3,
+        AssertType::Signed(16) => 4,
+        AssertType::Bits(16) | AssertType::Unsigned(16) | AssertType::Wchar | AssertType::S5Time | AssertType::Date => {
+            5
+        }
+        AssertType::Signed(32) | AssertType::Time => 6,
+        AssertType::Bits(32) | AssertType::Unsigned(32) | AssertType::TimeOfDay => 7,
+        AssertType::Signed(_) | AssertType::Ltime => 8,
+        AssertType::Bits(_) | AssertType::Unsigned(_) | AssertType::Ltod => 9,
+        AssertType::Real => 10,
+        AssertType::Lreal => 11,
+        AssertType::Text | AssertType::WideText => 12,
+        AssertType::Ldt | AssertType::DateAndTime | AssertType::Dtl => 13,
+    }
+}
+
+/// What a number of this type counts, for the description.
+pub fn unit(ty: AssertType) -> &'static str {
+    match ty {
+        AssertType::Time => " in ms",
+        AssertType::Ltime => " in ns",
+        AssertType::Date => " in days since 1990-01-01",
+        AssertType::TimeOfDay => " in ms since midnight",
+        AssertType::Ltod => " in ns since midnight",
+        AssertType::S5Time => " as on the CPU: time base and BCD",
+        _ => "",
+    }
+}
+
+/// Bits in memory.
+fn bits(ty: ValueType) -> u32 {
+    match ty.ty {
+        AssertType::Dtl => 96,
+        AssertType::Text => 8 * (2 + u32::from(ty.length)),
+        AssertType::WideText => 8 * (4 + 2 * u32::from(ty.length)),
+        other => typed::bits(other).unwrap_or(8),
+    }
+}
+
+impl Variable {
+    /// Elements of each dimension.
+    pub fn lengths(&self) -> Vec<u32> {
+        self.dimensions
+            .iter()
+            .map(|dimension| {
+                (i64::from(dimension.high) - i64::from(dimension.low) + 1).clamp(0, u32::MAX.into()) as u32
+            })
+            .collect()
+    }
+
+    /// `None`: there are too many to be one value.
+    fn count(&self) -> Option<u32> {
+        let count = self.lengths().iter().try_fold(1u32, |count, length| count.checked_mul(*length))?;
+        (count <= OPCUA_ELEMENTS_MAX).then_some(count)
+    }
+
+    /// Where the elements are, in bits from the byte where the variable begins; the last index runs fastest.
+    fn offsets(&self) -> Result<Vec<u32>, Status> {
+        self.count().ok_or(status::NOT_READABLE)?;
+        let mut all = vec![u32::from(self.bit)];
+        for (dimension, length) in self.dimensions.iter().zip(self.lengths()) {
+            all = all
+                .iter()
+                .flat_map(|start| {
+                    (0..length).map(move |index| start.saturating_add(index.saturating_mul(dimension.distance)))
+                })
+                .collect();
+        }
+        Ok(all)
+    }
+
+    /// Bytes from the first to the last.
+    pub fn bytes(&self) -> Result<u32, Status> {
+        self.count().ok_or(status::NOT_READABLE)?;
+        let last = self.dimensions.iter().zip(self.lengths()).fold(u32::from(self.bit), |at, (dimension, length)| {
+            at.saturating_add(length.saturating_sub(1).saturating_mul(dimension.distance))
+        });
+        Ok(last.saturating_add(bits(self.ty)).div_ceil(8))
+    }
+
+    /// Whether anyone may change it.
+    pub fn is_writable(&self) -> bool {
+        !self.read_only && self.address().check_settable().is_ok()
+    }
+
+    /// How much it takes to keep its value: elements, or 32 bytes of a text each.
+    pub fn cost(&self) -> Result<u32, Status> {
+        let bytes = if type_of(self.ty.ty) == 12 { self.bytes()? } else { 0 };
+        Ok(self.count().ok_or(status::NOT_READABLE)?.max(bytes / 32))
+    }
+
+    fn address(&self) -> Address {
+        Address { place: self.place, width: self.ty.width(self.bit) }
+    }
+
+    /// Where it is in memory; `None`: it is not there, but a value of its own.
+    fn span(&self, cpu: &Cpu) -> Result<Option<u32>, Status> {
+        let ((base, length), start) = match self.place {
+            Place::Input(byte) => (cpu.area(Area::Inputs), byte),
+            Place::Output(byte) => (cpu.area(Area::Outputs), byte),
+            Place::BitMemory(byte) => (cpu.area(Area::BitMemory), byte),
+            Place::Db(number, byte) => match cpu.memory.db(number) {
+                (_, 0) => return Err(status::NOT_FOUND),
+                found => (found, byte),
+            },
+            Place::PeripheralInput(_)
+            | Place::PeripheralOutput(_)
+            | Place::Timer(_)
+            | Place::Counter(_)
+            | Place::TimerValue(_)
+            | Place::CounterValue(_)
+            | Place::S7200(..) => return Ok(None),
+        };
+        let fits = start.checked_add(self.bytes()?).is_some_and(|end| end <= length);
+        if fits { Ok(Some(base + start)) } else { Err(status::NOT_FOUND) }
+    }
+
+    /// Copies its bytes, at the cycle control point.
+    pub fn read(&self, cpu: &Cpu) -> Result<Vec<u8>, Status> {
+        if let Some(at) = self.span(cpu)? {
+            return Ok(cpu.memory.view(at, self.bytes()?, <[u8]>::to_vec));
+        }
+        let address = self.address();
+        cpu.check_address(&address).map_err(|_| status::NOT_FOUND)?;
+        let value = cpu.read(&address);
+        Ok(match address.width {
+            Width::Bit(bit) => vec![(value as u8 & 1) << bit],
+            width => value.to_be_bytes()[8 - width.bytes() as usize..].to_vec(),
+        })
+    }
+
+    /// What the bytes mean.
+    pub fn value(&self, bytes: &[u8]) -> Result<Variant, Status> {
+        let offsets = self.offsets()?;
+        let one = |at: &u32| {
+            let rest = bytes.get(*at as usize / 8..).unwrap_or_default();
+            decode(self.ty, rest, (at % 8) as u8)
+        };
+        if self.dimensions.is_empty() {
+            return one(&self.bit.into()).map(Variant::One);
+        }
+        let values = offsets.iter().map(one).collect::<Result<_, _>>()?;
+        Ok(Variant::Many { ty: type_of(self.ty.ty), values, dimensions: self.lengths() })
+    }
+
+    /// A value of a client as it comes into memory. Wrong types and values that the type does not have are refused.
+    pub fn parts(&self, value: &Variant) -> Result<Vec<Part>, Status> {
+        let values = match value {
+            Variant::One(value) if self.dimensions.is_empty() => std::slice::from_ref(value),
+            Variant::Many { values, dimensions, .. } if !self.dimensions.is_empty() => {
+                let lengths = self.lengths();
+                if *dimensions != lengths && !(dimensions.len() < 2 && lengths.len() == 1) {
+                    return Err(status::TYPE_MISMATCH);
+                }
+                values
+            }
+            Variant::Empty | Variant::One(_) | Variant::Many { .. } => return Err(status::TYPE_MISMATCH),
+        };
+        let offsets = self.offsets()?;
+        if offsets.len() != values.len() {
+            return Err(status::TYPE_MISMATCH);
+        }
+        let mut parts: Vec<Part> = Vec::new();
+        for (at, value) in offsets.into_iter().zip(values) {
+            let data = encode(self.ty, value)?;
+            // Elements that follow each other are one piece.
+            if let (Data::Bytes(new), Some(Part { at: start, data: Data::Bytes(bytes) })) = (&data, parts.last_mut())
+                && *start + 8 * bytes.len() as u32 == at
+            {
+                bytes.extend(new);
+                continue;
+            }
+            parts.push(Part { at, data });
+        }
+        Ok(parts)
+    }
+
+    /// Writes, at the cycle control point: all parts, or nothing.
+    pub fn write(&self, cpu: &Cpu, parts: &[Part]) -> Result<(), Status> {
+        let is_fixed = matches!(self.place, Place::Db(number, _) if cpu.is_read_only(number));
+        if is_fixed || !self.is_writable() {
+            return Err(status::NOT_WRITABLE);
+        }
+        let Some(start) = self.span(cpu)? else {
+            let [Part { data, .. }] = parts else { return Err(status::NOT_WRITABLE) };
+            return write_at(cpu, self.address(), data);
+        };
+        // The room of a text is in its head.
+        let room = |at: u32| match (self.ty.ty, cpu.memory.word(start + at / 8)) {
+            (AssertType::WideText, room) => room,
+            (_, word) => word >> 8,
+        };
+        let texts = parts.iter().map(|part| match &part.data {
+            Data::Text(text) => {
+                let room = if room(part.at) == 0 { self.ty.length } else { room(part.at).min(self.ty.length) };
+                if text.len() <= usize::from(room) {
+                    Ok(head_and(text, room, self.ty.ty))
+                } else {
+                    Err(status::OUT_OF_RANGE)
+                }
+            }
+            Data::Bit(_) | Data::Bytes(_) => Ok(Vec::new()),
+        });
+        let texts: Vec<Vec<u8>> = texts.collect::<Result<_, _>>()?;
+        for (part, text) in parts.iter().zip(&texts) {
+            let byte = part.at / 8;
+            let bit = (part.at % 8) as u8;
+            if let Place::Input(_) = self.place {
+                let width = match &part.data {
+                    Data::Bit(_) => Width::Bit(bit),
+                    Data::Bytes(_) | Data::Text(_) => self.ty.width(0),
+                };
+                let address = Address { place: self.place.offset(byte), width };
+                match &part.data {
+                    Data::Text(_) => cpu.write_bytes(&address, text).map_err(|_| status::NOT_WRITABLE)?,
+                    data => write_at(cpu, address, data)?,
+                }
+                continue;
+            }
+            match &part.data {
+                Data::Bit(value) => cpu.memory.set_bit(start + byte, bit, *value),
+                Data::Bytes(bytes) => cpu.memory.load(start + byte, bytes),
+                Data::Text(_) => cpu.memory.load(start + byte, text),
+            }
+        }
+        if let Place::Output(byte) = self.place {
+            cpu.note_outputs(byte.saturating_add(self.bytes()?));
+        }
+        Ok(())
+    }
+}
+
+/// Through the access of the CPU, for what is not plain memory.
+fn write_at(cpu: &Cpu, address: Address, data: &Data) -> Result<(), Status> {
+    let done = match data {
+        Data::Bit(value) => cpu.write(&address, u64::from(*value)),
+        Data::Bytes(bytes) if bytes.len() == address.width.bytes() as usize => {
+            let value = bytes.iter().fold(0u64, |value, byte| value << 8 | u64::from(*byte));
+            cpu.write(&address, value)
+        }
+        Data::Bytes(bytes) => cpu.write_bytes(&address, bytes),
+        Data::Text(_) => return Err(status::NOT_WRITABLE),
+    };
+    done.map_err(|_| status::NOT_WRITABLE)
+}
+
+/// The bytes of a text with its head.
+fn head_and(text: &[u16], room: u16, ty: AssertType) -> Vec<u8> {
+    let units = [room, text.len() as u16].into_iter().chain(text.iter().copied());
+    match ty {
+        AssertType::WideText => units.flat_map(u16::to_be_bytes).collect(),
+        _ => units.map(|unit| unit as u8).collect(),
+    }
+}
+
+fn decode(ty: ValueType, bytes: &[u8], bit: u8) -> Result<Scalar, Status> {
+    fn first<const N: usize>(bytes: &[u8]) -> Result<[u8; N], Status> {
+        bytes.first_chunk::<N>().copied().ok_or(status::NOT_FOUND)
+    }
+    let word = || first(bytes).map(u16::from_be_bytes);
+    let double = || first(bytes).map(u32::from_be_bytes);
+    let long = || first(bytes).map(u64::from_be_bytes);
+    let byte = || first(bytes).map(|[byte]| byte);
+    Ok(match type_of(ty.ty) {
+        1 => Scalar::Bool(byte()? >> bit & 1 != 0),
+        2 => Scalar::SByte(byte()? as i8),
+        3 => Scalar::Byte(byte()?),
+        4 => Scalar::Int16(word()? as i16),
+        5 => Scalar::UInt16(word()?),
+        6 => Scalar::Int32(double()? as i32),
+        7 => Scalar::UInt32(double()?),
+        8 => Scalar::Int64(long()? as i64),
+        9 => Scalar::UInt64(long()?),
+        10 => Scalar::Float(f32::from_bits(double()?)),
+        11 => Scalar::Double(f64::from_bits(long()?)),
+        12 => {
+            let wide = ty.ty == AssertType::WideText;
+            let (head, size) = if wide { (4, 2) } else { (2, 1) };
+            let field = |at: usize| {
+                bytes
+                    .get(at..at + size)
+                    .map_or(0, |field| field.iter().fold(0, |sum, byte| sum << 8 | usize::from(*byte)))
+            };
+            let length = field(0).min(field(size)).min(ty.length.into());
+            let text = bytes.get(..head + size * length).ok_or(status::NOT_FOUND)?;
+            Scalar::Text(signal::Value::Typed(ty.ty, TypedValue::of_bytes(ty.ty, text)).plain_text())
+        }
+        _ => Scalar::Time(time_of(match ty.ty {
+            AssertType::Ldt => long()? as i64,
+            AssertType::Dtl => dtl(first(bytes)?).ok_or(status::OUT_OF_RANGE)?,
+            _ => datetime::decode(first(bytes)?).map_err(|_| status::OUT_OF_RANGE)?,
+        })),
+    })
+}
+
+/// Source: S7-1200 manual, DTL.
+fn dtl(bytes: [u8; 12]) -> Option<i64> {
+    let [y0, y1, month, day, _, hour, minute, second, nanos @ ..] = bytes;
+    let small = |byte: u8| i8::try_from(byte).ok();
+    let nanos = i32::try_from(u32::from_be_bytes(nanos)).ok()?;
+    let year = i16::try_from(u16::from_be_bytes([y0, y1])).ok().filter(|year| (1970..=2261).contains(year))?;
+    let moment =
+        civil::DateTime::new(year, small(month)?, small(day)?, small(hour)?, small(minute)?, small(second)?, nanos);
+    moment.ok().map(datetime::moment)
+}
+
+fn dtl_bytes(moment: i64) -> Option<[u8; 12]> {
+    let at = datetime::civil(moment);
+    let year = u16::try_from(at.year()).ok().filter(|year| (1970..=2261).contains(year))?;
+    let small = |field: i8| field.unsigned_abs();
+    let ([y0, y1], [n0, n1, n2, n3]) = (year.to_be_bytes(), at.subsec_nanosecond().unsigned_abs().to_be_bytes());
+    let weekday = small(at.date().weekday().to_sunday_one_offset());
+    Some([
+        y0,
+        y1,
+        small(at.month()),
+        small(at.day()),
+        weekday,
+        small(at.hour()),
+        small(at.minute()),
+        small(at.second()),
+        n0,
+        n1,
+        n2,
+        n3,
+    ])
+}
+
+fn encode(ty: ValueType, value: &Scalar) -> Result<Data, Status> {
+    if value.ty() != type_of(ty.ty) {
+        return Err(status::TYPE_MISMATCH);
+    }
+    /// Of a day.
+    const MS: u32 = 86_400_000;
+    /// 2168-12-31.
+    const DATE_MAX: u16 = 65_378;
+    let is_in_range = match (ty.ty, value) {
+        (AssertType::TimeOfDay, Scalar::UInt32(ms)) => *ms < MS,
+        (AssertType::Ltod, Scalar::UInt64(ns)) => *ns < u64::from(MS) * 1_000_000,
+        (AssertType::Date, Scalar::UInt16(days)) => *days <= DATE_MAX,
+        (AssertType::S5Time, Scalar::UInt16(time)) => {
+            time >> 14 == 0
+                && bcd::to_int((time & 0xFFF).into(), 3) <= 999
+                && (0..3).all(|digit| time >> (4 * digit) & 15 <= 9)
+        }
+        _ => true,
+    };
+    if !is_in_range {
+        return Err(status::OUT_OF_RANGE);
+    }
+    Ok(Data::Bytes(match value {
+        Scalar::Bool(value) => return Ok(Data::Bit(*value)),
+        Scalar::SByte(value) => value.to_be_bytes().to_vec(),
+        Scalar::Byte(value) => vec![*value],
+        Scalar::Int16(value) => value.to_be_bytes().to_vec(),
+        Scalar::UInt16(value) => value.to_be_bytes().to_vec(),
+        Scalar::Int32(value) => value.to_be_bytes().to_vec(),
+        Scalar::UInt32(value) => value.to_be_bytes().to_vec(),
+        Scalar::Int64(value) => value.to_be_bytes().to_vec(),
+        Scalar::UInt64(value) => value.to_be_bytes().to_vec(),
+        Scalar::Float(value) => value.to_be_bytes().to_vec(),
+        Scalar::Double(value) => value.to_be_bytes().to_vec(),
+        Scalar::Text(text) => {
+            let units: Vec<u16> = text.encode_utf16().collect();
+            let units: Option<Vec<u16>> = match ty.ty {
+                AssertType::WideText => Some(units),
+                _ => units.into_iter().map(|unit| byte_of(unit).map(u16::from)).collect(),
+            };
+            return units
+                .filter(|units| units.len() <= usize::from(ty.length))
+                .map(Data::Text)
+                .ok_or(status::OUT_OF_RANGE);
+        }
+        Scalar::Time(time) => {
+            let moment = moment_of(*time).ok_or(status::OUT_OF_RANGE)?;
+            match ty.ty {
+                AssertType::Ldt if moment >= 0 => moment.to_be_bytes().to_vec(),
+                AssertType::Dtl => dtl_bytes(moment).ok_or(status::OUT_OF_RANGE)?.to_vec(),
+                AssertType::DateAndTime if (1990..=2089).contains(&datetime::civil(moment).year()) => {
+                    datetime::encode(moment).to_vec()
+                }
+                _ => return Err(status::OUT_OF_RANGE),
+            }
+        }
+        Scalar::Bytes(_)
+        | Scalar::Node(_)
+        | Scalar::Status(_)
+        | Scalar::Name(..)
+        | Scalar::Localized(_)
+        | Scalar::Object(..) => {
+            return Err(status::TYPE_MISMATCH);
+        }
+    }))
+}
