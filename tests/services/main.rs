@@ -30,6 +30,7 @@ fn main() {
         trial("s7_of_nodes7", node("nodes7@0.3.18").err(), || client(&["--s7"], "nodes7_client.js")),
         trial("modbus_of_pymodbus", modbus.err(), || client(&["--modbus"], "modbus_client.py")),
         trial("page_of_chromium", chromium().err(), || client(&["--web", "--access=control"], "page_client.js")),
+        trial("status_in_chromium", chromium().err(), status),
         trial("values_reach_a_broker", mosquitto(), process::values_reach_a_broker),
         trial("metrics_tell_the_state", None, metrics),
         trial("services_are_only_where_they_are_asked_for", None, only_where_asked_for),
@@ -112,6 +113,23 @@ fn client(flags: &[&str], script: &str) -> Result<(), Failed> {
         return Err(format!("{script}: {said}\nthe program said: {ended}").into());
     }
     Ok(())
+}
+
+/// What the page shows of a program that is watched, until that ends.
+fn status() -> Result<(), Failed> {
+    let port = free_port().to_string();
+    let folder = tempfile::tempdir()?;
+    let out = folder.path().join("watched");
+    process::plcc(&["build", "--quiet"], &[&here().join("status")], &out)?;
+    let mut plc = Plc::run(&out, &["--web", &port, "--set", "I0.0=1"])?;
+    let mut command = Command::new("node");
+    command.env("NODE_PATH", clients().join("node/node_modules")).arg(here().join("status_client.js")).arg(&port);
+    let output = command.arg(plc.id().to_string()).stdin(Stdio::null()).output()?;
+    let said = format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    match output.status.success() && said.contains("done") && !plc.is_running() {
+        true => Ok(()),
+        false => Err(said.into()),
+    }
 }
 
 fn metrics() -> Result<(), Failed> {

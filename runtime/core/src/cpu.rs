@@ -22,6 +22,7 @@ use crate::diagnostics::{Diagnostics, Entry};
 use crate::family::{Family, Step7};
 use crate::io::Driver;
 use crate::memory::Memory;
+use crate::monitor::Monitor;
 use crate::online::Service;
 use crate::options::{CYCLE_TIME_DEFAULT, Restart};
 use crate::organization::Running;
@@ -63,6 +64,8 @@ pub struct Cpu {
     pub(crate) assertions: Assertions,
     /// Who looks at the probes of the program.
     pub(crate) watcher: OnceCell<Rc<dyn Watcher>>,
+    /// Clients that look at blocks.
+    pub(crate) monitor: Monitor,
     pub(crate) stop: Cell<Option<Stop>>,
     /// Blocks sorted by kind and number.
     blocks: Vec<BlockEntry>,
@@ -149,6 +152,7 @@ impl Cpu {
             s7200: image.s7200.as_ref().map(|own| Box::new(S7200::new(own, &image.config.s7200))),
             assertions: Assertions::new(&image.asserts),
             watcher: OnceCell::new(),
+            monitor: Monitor::default(),
             cycle: Cell::new(0),
             retention: OnceCell::new(),
             service: RefCell::default(),
@@ -180,6 +184,8 @@ impl Cpu {
             outputs_changed: Cell::new(u32::MAX),
             cycle_obs,
         });
+        // Who watched the CPU before it was restarted comes again.
+        cpu.code.watch(false);
         cpu.memory.set_host64(state::CPU, Rc::as_ptr(&cpu) as u64);
         cpu.load_dbs();
         cpu

@@ -52,6 +52,7 @@ pub mod io;
 mod linked;
 pub mod math;
 pub mod memory;
+pub mod monitor;
 pub mod names;
 pub mod ob_set;
 pub mod online;

@@ -71,7 +71,10 @@ pub fn address(text: &str) -> Result<SocketAddr, String> {
     if let Ok(port) = text.parse::<u16>() {
         return Ok(SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), port));
     }
-    text.parse().map_err(|_| format!("`{text}` is not an address with a port; write 127.0.0.1:10102 or 0.0.0.0:102"))
+    text.parse().map_err(|_| match text.bytes().all(|digit| digit.is_ascii_digit()) {
+        true => format!("`{text}` is not a port: ports are 1 to 65535"),
+        false => format!("`{text}` is not an address with a port, as in 127.0.0.1:10102"),
+    })
 }
 
 /// Whether a text is the URL of a broker. `Err`: the error.
@@ -136,9 +139,12 @@ impl ServiceOptions {
                 ));
             }
             let door = listen::open("web", address, clients.clone())?;
+            let services =
+                [plan.s7.as_ref().map(|(door, _)| door), plan.modbus.as_ref().map(|(door, ..)| door), Some(&door)];
+            let services = services.into_iter().flatten().map(|door| (door.service, door.open.clone())).collect();
             let who = if users.is_open() { "everyone on this computer may look" } else { "users may sign in" };
             opened.push(line("page at http", &door, who).replacen("http at ", "http://", 1));
-            plan.web = Some((door, Page::new(link.clone(), users, &config.drawings)));
+            plan.web = Some((door, Page::new(link.clone(), users, services, &config.drawings)));
         }
         if let (Some(address), Some(times)) = (metrics, times) {
             let door = listen::open("metrics", address, clients)?;
