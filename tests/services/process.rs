@@ -46,11 +46,11 @@ pub struct Plc {
 impl Plc {
     /// Runs the program until it has opened its services.
     pub fn start(flags: &[&str]) -> Result<Plc, Failed> {
-        Plc::start_program(program()?, flags)
+        Plc::run(program()?, flags)
     }
 
-    /// As `start`, of another program.
-    pub fn start_program(program: &Path, flags: &[&str]) -> Result<Plc, Failed> {
+    /// As [`Plc::start`], of another program.
+    pub fn run(program: &Path, flags: &[&str]) -> Result<Plc, Failed> {
         let mut command = Command::new(program);
         command.args(["--cycle-time", "2ms"]).args(flags).stdin(Stdio::null()).stderr(Stdio::piped());
         let mut plc = Plc { child: command.spawn()? };

@@ -226,7 +226,7 @@ pub enum Emit {
     Oci,
 }
 
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub struct RunArgs {
     /// Sources, symbol tables, folders of these, or a project. Together they are one program [default: the project in this
     /// folder].
@@ -240,6 +240,23 @@ pub struct RunArgs {
     pub run: RunOptions,
     #[command(flatten)]
     pub services: ServiceOptions,
+    /// Change the running program whenever a source is saved; `r` and Enter restores the one before (see docs/changing-a-program.md).
+    #[arg(long)]
+    pub watch: bool,
+    /// With `--watch`: what to do if values of the running program would go.
+    #[arg(long, value_name = "ANSWER", default_value = "ask", requires = "watch")]
+    pub lose: Lose,
+}
+
+/// What becomes of a change by which values of the running program go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Lose {
+    /// `y` or `n` and Enter on standard input.
+    Ask,
+    /// The program is changed.
+    Allow,
+    /// The old program goes on.
+    Refuse,
 }
 
 #[derive(Args, Debug)]
@@ -408,6 +425,8 @@ pub enum ConvertTo {
     Sd,
     /// SCL, as source text.
     Scl,
+    /// GRAPH, as source text of S7-GRAPH.
+    Gr7,
 }
 
 impl ConvertTo {
@@ -417,6 +436,7 @@ impl ConvertTo {
             ConvertTo::Stl => "stl",
             ConvertTo::Lad | ConvertTo::Fbd | ConvertTo::Sd => "s7dcl",
             ConvertTo::Scl => "scl",
+            ConvertTo::Gr7 => "gr7",
         }
     }
 }

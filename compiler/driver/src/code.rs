@@ -2,10 +2,12 @@
 
 use std::cell::Cell;
 use std::rc::Rc;
+use std::sync::{Arc, Mutex};
 
 use plcc_codegen::{CodegenError, JitProgram};
 use plcc_ir::interpreter::{Host, Interpreter};
 use plcc_ir::{FuncId, RuntimeFn};
+use plcc_runtime::change::CodeSource;
 use plcc_runtime::code::{Entries, EntryFunction};
 use plcc_runtime::{Code, functions, guest};
 
@@ -28,6 +30,18 @@ pub fn machine_code(compiled: &Compiled) -> Result<(Vec<EntryFunction>, JitProgr
     let program = JitProgram::compile(&compiled.module, &functions::address, &compiled.codegen_options())?;
     let entries = (0..program.entries() as u32).map(|index| program.entry(index)).collect();
     Ok((entries, program))
+}
+
+/// Makes code of a program as often as asked, for any number of CPUs. `probed`: the same program with probes, if someone may watch.
+pub fn source(plain: &Compiled, probed: Option<&Compiled>) -> Result<CodeSource, CodegenError> {
+    let (entries, program) = machine_code(plain)?;
+    let (others, other) = probed.map(machine_code).transpose()?.unzip();
+    let others = others.unwrap_or_default();
+    // It keeps the code where it is until all CPUs have ended.
+    let owner = Arc::new(Mutex::new((program, other)));
+    Ok(Arc::new(move || {
+        Rc::new(guest::NativeCode::new(Entries::watched(entries.clone(), others.clone()), Arc::clone(&owner)))
+    }))
 }
 
 /// The IR in its interpreter.

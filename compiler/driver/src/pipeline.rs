@@ -19,6 +19,7 @@ use plcc_syntax::Language;
 use plcc_syntax::ast::SourceUnit;
 use plcc_syntax::stl::Mnemonics;
 use plcc_syntax::symbols::SymbolTable;
+use rustc_hash::FxHashSet;
 
 use crate::cache::{Cache, Keys};
 use crate::cli::{CompileArgs, CpuFeatures, Deny, Level};
@@ -236,6 +237,13 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
     if has_station {
         diagnostics.extend(plcc_program::check_modules(&program));
     }
+    // A use of a symbol shows the row that cannot be read.
+    let shown: FxHashSet<Span> = diagnostics
+        .iter()
+        .filter(|message| message.code == Code::UnknownSymbol)
+        .flat_map(|message| message.secondary.iter().map(|label| label.span))
+        .collect();
+    diagnostics.retain(|message| message.code != Code::SymbolTable || !shown.contains(&message.primary.span));
     plcc_diag::sort(&mut diagnostics);
     // Two stages may find the same fault; report it once.
     diagnostics.dedup_by_key(|d| (d.code, d.primary.span));

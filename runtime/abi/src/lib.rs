@@ -18,6 +18,7 @@
 
 pub mod any;
 pub mod codes;
+pub mod connections;
 pub mod functions;
 pub mod image;
 pub mod layout;

@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 
 use plcc_runtime::cpu::Cpu;
 use plcc_runtime::online::Service;
+use plcc_runtime::partners::Board;
 use tokio::sync::{mpsc, oneshot};
 
 use crate::limits::QUEUE_MAX;
@@ -31,17 +32,19 @@ pub struct Desk {
     waiting: Arc<AtomicUsize>,
     /// Where the times of cycles are counted, if someone wants to know them.
     times: Option<Arc<CycleTimes>>,
+    /// Where blocks of the program leave jobs for partners.
+    board: Option<Arc<Board>>,
     /// The same for the servers, one of which may want to know them later.
     wanted_times: Arc<OnceLock<Arc<CycleTimes>>>,
 }
 
 /// Both ends of a new way.
-pub fn link(times: Option<Arc<CycleTimes>>) -> (Link, Desk) {
+pub fn link(times: Option<Arc<CycleTimes>>, board: Option<Arc<Board>>) -> (Link, Desk) {
     let (send, receive) = mpsc::channel(QUEUE_MAX);
     let waiting = Arc::<AtomicUsize>::default();
     let wanted_times = Arc::new(times.iter().cloned().map(OnceLock::from).next().unwrap_or_default());
     let link = Link { queue: send, waiting: waiting.clone(), times: wanted_times.clone() };
-    (link, Desk { queue: receive, waiting, times, wanted_times })
+    (link, Desk { queue: receive, waiting, times, board, wanted_times })
 }
 
 impl Link {
@@ -96,5 +99,9 @@ impl Service for Desk {
                 return;
             }
         }
+    }
+
+    fn board(&self) -> Option<Arc<Board>> {
+        self.board.clone()
     }
 }

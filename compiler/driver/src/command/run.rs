@@ -1,52 +1,36 @@
 //! `plcc run`.
 
-use std::rc::Rc;
-
 use plcc_abi::ProgramImage;
 use plcc_abi::services::ServicesConfig;
-use plcc_codegen::JitProgram;
-use plcc_runtime::code::{Entries, EntryFunction};
-use plcc_runtime::{Code, guest};
+use plcc_runtime::change::CodeSource;
 
 use crate::cli::RunArgs;
 use crate::code;
 use crate::command::build::{accepted, internal};
-use crate::{drawings, inputs, pipeline};
+use crate::{drawings, inputs, live, pipeline};
 
 /// Compiles in memory and runs; the exit code is that of the program.
 pub fn run(args: &RunArgs) -> u8 {
+    if args.watch {
+        return live::run(args);
+    }
     match compile(args) {
-        Ok(Made { image, entries, probed, .. }) => {
-            // The code stays where it is until all CPUs have ended.
-            let code = || -> Rc<dyn Code> {
-                Rc::new(guest::NativeCode::new(Entries::watched(entries.clone(), probed.clone()), ()))
-            };
-            match args.services.open(&image, args.run.is_many()) {
-                Ok((service, opened)) => {
-                    opened.iter().for_each(|line| eprintln!("{line}"));
-                    plcc_runtime::run::start(image, &code, &args.run, service)
-                }
-                Err(message) => {
-                    eprintln!("runtime: {message}");
-                    plcc_runtime::run::EXIT_USAGE
-                }
+        Ok((image, code)) => match args.services.open(&image, args.run.is_many()) {
+            Ok((service, opened)) => {
+                opened.iter().for_each(|line| eprintln!("{line}"));
+                plcc_runtime::run::start(image, &*code, &args.run, service)
             }
-        }
+            Err(message) => {
+                eprintln!("runtime: {message}");
+                plcc_runtime::run::EXIT_USAGE
+            }
+        },
         Err(exit) => exit,
     }
 }
 
-/// A program in memory.
-struct Made {
-    image: ProgramImage,
-    entries: Vec<EntryFunction>,
-    /// Of the code with probes; empty if nobody can watch.
-    probed: Vec<EntryFunction>,
-    /// What keeps the code in memory.
-    _code: Vec<JitProgram>,
-}
-
-fn compile(args: &RunArgs) -> Result<Made, u8> {
+/// Compiles the program, also with probes if a page may watch it. `Err`: the exit code, after messages.
+pub fn compile(args: &RunArgs) -> Result<(ProgramImage, CodeSource), u8> {
     let read = inputs::read_as(&inputs::or_here(&args.inputs)?, args.compile.code_page);
     let unreadable = read.is_unreadable();
     let settings = pipeline::Settings { require_main: true, ..pipeline::Settings::new(&args.compile) };
@@ -60,12 +44,6 @@ fn compile(args: &RunArgs) -> Result<Made, u8> {
     if let Some(probed) = &probed {
         plain.share_image(&probed.image);
     }
-    let (entries, code) = code::machine_code(&plain).map_err(|error| internal(&error))?;
-    let mut made = Made { image: plain.image, entries, probed: Vec::new(), _code: vec![code] };
-    if let Some(probed) = &probed {
-        let (entries, code) = code::machine_code(probed).map_err(|error| internal(&error))?;
-        made.probed = entries;
-        made._code.push(code);
-    }
-    Ok(made)
+    let code = code::source(&plain, probed.as_ref()).map_err(|error| internal(&error))?;
+    Ok((plain.image, code))
 }

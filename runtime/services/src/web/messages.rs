@@ -31,6 +31,15 @@ pub enum Order {
     Obs,
     /// Records values in every cycle; without names no more.
     Trace(Wanted),
+    /// Give an input or output a fixed value.
+    Force {
+        name: String,
+        value: String,
+    },
+    /// End the forcing of a value; without a name that of all.
+    Unforce {
+        name: Option<String>,
+    },
     Stop,
     /// A restart by one of the words `warm`, `cold`.
     Run {
@@ -61,6 +70,9 @@ pub struct News {
     /// What the recording has that was not told yet.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub trace: Option<Part>,
+    /// The forced values, when they have changed: name and value.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub forced: Option<Vec<(String, String)>>,
     /// Why an order was not carried out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub refused: Option<String>,
@@ -84,6 +96,8 @@ pub struct State {
     /// Why it is in STOP.
     pub reason: String,
     pub cycle: u64,
+    /// How often the program was changed while it ran.
+    pub generation: u64,
     /// Time of day in milliseconds since 1970.
     pub clock: f64,
 }

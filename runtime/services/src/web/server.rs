@@ -38,8 +38,6 @@ pub struct Page {
     app: Router,
     /// Connections of each service.
     services: Arc<[(&'static str, Open)]>,
-    /// See [`ServicesConfig::drawings`](plcc_abi::services::ServicesConfig); empty if there are none.
-    drawings: Bytes,
 }
 
 /// What a request asks of.
@@ -51,7 +49,7 @@ struct Asked {
 }
 
 impl Page {
-    pub fn new(link: Link, users: Users, services: Vec<(&'static str, Open)>, drawings: &[u8]) -> Page {
+    pub fn new(link: Link, users: Users, services: Vec<(&'static str, Open)>) -> Page {
         let files = [
             ("/", "text/html; charset=utf-8", include_str!("page/index.html")),
             ("/page.css", "text/css; charset=utf-8", include_str!("page/page.css")),
@@ -71,14 +69,7 @@ impl Page {
             .route("/session", post(sign_in).delete(sign_out))
             .route("/live", get(live))
             .layer(DefaultBodyLimit::max(PAGE_MESSAGE_MAX));
-        Page {
-            link,
-            users,
-            places: Arc::new(Semaphore::new(PAGES_MAX)),
-            app,
-            services: services.into(),
-            drawings: Bytes::copy_from_slice(drawings),
-        }
+        Page { link, users, places: Arc::new(Semaphore::new(PAGES_MAX)), app, services: services.into() }
     }
 
     fn user(&self, headers: &HeaderMap) -> Result<(String, Role), StatusCode> {
@@ -113,7 +104,10 @@ async fn file(kind: &'static str, text: &'static str) -> Response {
 /// The drawings of the program: one document, packed by plcc, that loads nothing else.
 async fn program(Extension(Asked { page, .. }): Extension<Asked>, headers: HeaderMap) -> Result<Response, StatusCode> {
     page.user(&headers)?;
-    if page.drawings.is_empty() {
+    // Of the program that runs now.
+    let image = page.link.ask(|cpu| Arc::clone(&cpu.image)).await.ok_or(StatusCode::SERVICE_UNAVAILABLE)?;
+    let drawings = &image.config.services.drawings;
+    if drawings.is_empty() {
         return Err(StatusCode::NOT_FOUND);
     }
     let policy = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; frame-ancestors 'self'";
@@ -123,7 +117,7 @@ async fn program(Extension(Asked { page, .. }): Extension<Asked>, headers: Heade
         (CACHE_CONTROL, "no-cache"),
         (CONTENT_SECURITY_POLICY, policy),
     ];
-    Ok((head, page.drawings.clone()).into_response())
+    Ok((head, Bytes::copy_from_slice(drawings)).into_response())
 }
 
 /// The token in the cookie.

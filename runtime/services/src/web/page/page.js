@@ -62,6 +62,7 @@ function take(news) {
   if (news.status) status.take(news.status);
   if (news.trace) recording.take(news.trace);
   if (news.buffer) buffer(news.buffer);
+  if (news.forced) forced(news.forced);
   if (news.refused) refused(news.refused);
   record();
   view?.update(changed);
@@ -85,10 +86,20 @@ function lamp(kind, text) {
 }
 
 function state(it) {
+  // Another program has other networks and names.
+  if (live.generation !== undefined && live.generation !== it.generation) location.reload();
+  live.generation = it.generation;
   lamp(it.running ? "run" : "stop", it.running ? "RUN" : "STOP");
   $("reason").textContent = it.running ? "" : it.reason;
   $("clock").textContent = time(it.clock);
   $("cycle").textContent = `cycle ${it.cycle.toLocaleString("en")}`;
+}
+
+// Inputs and outputs with fixed values are told wherever the page is.
+function forced(list) {
+  $("forced").hidden = list.length === 0;
+  $("forced").textContent = `F ${list.length}`;
+  $("forced").title = list.map(([name, value]) => `${name} = ${value}`).join("\n");
 }
 
 let refusedTimer;
