@@ -146,7 +146,10 @@ fn status() -> Result<(), Failed> {
     let folder = tempfile::tempdir()?;
     let out = folder.path().join("watched");
     process::plcc(&["build", "--quiet"], &[&here().join("status")], &out)?;
-    let mut plc = Plc::run(&out, &["--web", &port, "--set", "I0.0=1"])?;
+    let forces = folder.path().join("forces.toml");
+    std::fs::write(&forces, "[[force]]\naddress = \"I0.7\"\nvalue = \"0\"\n")?;
+    let forces = forces.to_string_lossy();
+    let mut plc = Plc::run(&out, &["--web", &port, "--set", "I0.0=1", "--force", &forces])?;
     let mut command = Command::new("node");
     command.env("NODE_PATH", clients().join("node/node_modules")).arg(here().join("status_client.js")).arg(&port);
     let output = command.arg(plc.id().to_string()).stdin(Stdio::null()).output()?;
