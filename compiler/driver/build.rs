@@ -38,7 +38,7 @@ const FOREIGN_VARIABLES: [&str; 6] = [
     "RUSTFLAGS",
 ];
 
-/// Profile of the inner build.
+/// Profile of the inner build. In a debug build of plcc the crates of the project are compiled for a short wait instead.
 const PROFILE: [(&str, &str); 6] = [
     ("CARGO_PROFILE_RELEASE_PANIC", "abort"),
     ("CARGO_PROFILE_RELEASE_OPT_LEVEL", "2"),
@@ -100,6 +100,14 @@ fn build_archive(root: &Path, target_dir: &Path) -> PathBuf {
             cargo.env_remove(name);
         }
         cargo.envs(PROFILE);
+        if env::var("PROFILE").is_ok_and(|profile| profile == "debug") {
+            cargo.env("CARGO_PROFILE_RELEASE_INCREMENTAL", "true");
+            for name in ["plcc-abi", "plcc-literal", "plcc-runtime", "plcc-services"] {
+                for setting in ["opt-level=1", "codegen-units=64"] {
+                    cargo.arg("--config").arg(format!("profile.release.package.{name}.{setting}"));
+                }
+            }
+        }
         cargo
     };
     // The outer build contains the runtime, so it has already fetched everything.

@@ -199,6 +199,13 @@ pub struct BuildArgs {
     /// Give the executable servers for clients, and their flags [default: if plc.toml has `[services]`].
     #[arg(long)]
     pub services: bool,
+    /// Give the executable its code a second time, with probes, so that the page can show what statements see while the program runs.
+    /// It has services then [default: if plc.toml has the page `web`].
+    #[arg(long, conflicts_with = "no_monitor")]
+    pub monitor: bool,
+    /// Leave the code with probes out.
+    #[arg(long)]
+    pub no_monitor: bool,
     /// Do not print what was written.
     #[arg(long)]
     pub quiet: bool,
@@ -219,7 +226,7 @@ pub enum Emit {
     Oci,
 }
 
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub struct RunArgs {
     /// Sources, symbol tables, folders of these, or a project. Together they are one program [default: the project in this
     /// folder].
@@ -233,6 +240,23 @@ pub struct RunArgs {
     pub run: RunOptions,
     #[command(flatten)]
     pub services: ServiceOptions,
+    /// Change the running program whenever a source is saved; `r` and Enter restores the one before (see docs/changing-a-program.md).
+    #[arg(long)]
+    pub watch: bool,
+    /// With `--watch`: what to do if values of the running program would go.
+    #[arg(long, value_name = "ANSWER", default_value = "ask", requires = "watch")]
+    pub lose: Lose,
+}
+
+/// What becomes of a change by which values of the running program go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Lose {
+    /// `y` or `n` and Enter on standard input.
+    Ask,
+    /// The program is changed.
+    Allow,
+    /// The old program goes on.
+    Refuse,
 }
 
 #[derive(Args, Debug)]

@@ -26,7 +26,7 @@ mod stl;
 mod trees;
 
 #[cfg(test)]
-#[path = "../../../readers/tests/notation/mod.rs"]
+#[path = "../../../readers/tests/files/notation/mod.rs"]
 mod notation;
 #[cfg(test)]
 mod tests;

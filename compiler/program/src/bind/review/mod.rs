@@ -45,7 +45,7 @@ pub fn review(program: &mut Declarations, blocks: &[CodeBlock], mains: &[BlockKe
             Body::Stl(statements) => {
                 stl::labels(statements, sources, &mut found);
                 stl::unreachable(statements, &mut found);
-                stl::values(statements, &mut found);
+                stl::values(statements, sources, &mut found);
             }
             Body::Scl(body) if *language != Language::Chart => {
                 tree::labels(body, sources, &mut found);

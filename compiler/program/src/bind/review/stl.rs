@@ -3,8 +3,10 @@
 
 use std::collections::HashMap;
 
+use plcc_binding::rewrite::{self, Form};
 use plcc_diag::{Code, Diagnostic, SourceMap, Span};
 use plcc_model::{LabelId, Operand, Place, StlStatement, StlStatementKind};
+use plcc_syntax::Elementary;
 use plcc_syntax::stl::{OperandClass, StlInsn};
 use rustc_hash::FxHashSet;
 
@@ -84,15 +86,23 @@ pub fn unreachable(statements: &[StlStatement], found: &mut Vec<Diagnostic>) {
 }
 
 /// Reports timers without a time, and outputs that are assigned twice.
-pub fn values(statements: &[StlStatement], found: &mut Vec<Diagnostic>) {
+pub fn values(statements: &[StlStatement], sources: &SourceMap, found: &mut Vec<Diagnostic>) {
     let mut accu_is_loaded = false;
+    // The constant in ACCU1, if the statements before say so.
+    let mut constant: Option<&StlStatement> = None;
     let mut assigned: HashMap<(u32, u8), Span> = HashMap::new();
     for statement in statements {
         let StlStatementKind::Instruction { insn, operand } = &statement.kind else {
             accu_is_loaded = true;
+            constant = None;
             assigned.clear();
             continue;
         };
+        if let Some(load) = constant
+            && is_timer_start(*insn)
+        {
+            found.extend(not_a_time(load, statement.span, sources));
+        }
         if is_timer_start(*insn) && !accu_is_loaded {
             let message = Diagnostic::new(Code::TimerWithoutTime, statement.span, "this timer starts without a time");
             found.push(
@@ -114,6 +124,9 @@ pub fn values(statements: &[StlStatement], found: &mut Vec<Diagnostic>) {
                     | OperandClass::Timer
             );
         accu_is_loaded |= !keeps_accu;
+        if !keeps_accu {
+            constant = matches!((insn, operand), (StlInsn::Load, Operand::Const { .. })).then_some(statement);
+        }
         match (insn, operand) {
             (StlInsn::Assign, Operand::Memory { place: Place::Q { byte, bit }, .. }) => {
                 if let Some(first) = assigned.insert((*byte, *bit), statement.span) {
@@ -138,6 +151,24 @@ pub fn values(statements: &[StlStatement], found: &mut Vec<Diagnostic>) {
             _ => assigned.clear(),
         }
     }
+}
+
+/// What is wrong if a timer starts with the constant of `load`, which is not an S5TIME.
+fn not_a_time(load: &StlStatement, timer: Span, sources: &SourceMap) -> Option<Diagnostic> {
+    let StlStatementKind::Instruction { operand: Operand::Const { value, wide }, .. } = load.kind else { return None };
+    let text = sources.file(load.span.file).text.get(load.span.start as usize..load.span.end as usize)?;
+    let text = text.split_whitespace().next_back()?.trim_end_matches(';');
+    let is_decimal = text.bytes().all(|byte| byte.is_ascii_digit()) && value != 0;
+    if !wide && !is_decimal && (0..3).all(|digit| value >> (4 * digit) & 0xF <= 9) {
+        return None;
+    }
+    let message = Diagnostic::new(Code::TimerWithoutTime, timer, format!("`{text}` is not an S5TIME"));
+    Some(
+        message
+            .label("takes the bits of ACCU1 as time base and three BCD digits")
+            .also(load.span, "loaded here")
+            .help(rewrite::help(Elementary::S5Time, text, Form::Stl)),
+    )
 }
 
 const fn is_timer_start(insn: StlInsn) -> bool {

@@ -1,0 +1,12 @@
+//! What plcc and its executables do as commands. One program for all, since each costs as much to link.
+
+mod executable;
+mod flags;
+mod fmt;
+mod linking;
+mod lsp;
+mod mistakes;
+mod new;
+mod partial;
+mod partners;
+mod stations;
