@@ -456,6 +456,8 @@ pub enum ConvertTo {
     Scl,
     /// GRAPH, as source text of S7-GRAPH.
     Gr7,
+    /// XML of the TIA Portal (SimaticML).
+    Xml,
 }
 
 impl ConvertTo {
@@ -466,6 +468,7 @@ impl ConvertTo {
             ConvertTo::Lad | ConvertTo::Fbd | ConvertTo::Sd => "s7dcl",
             ConvertTo::Scl => "scl",
             ConvertTo::Gr7 => "gr7",
+            ConvertTo::Xml => "xml",
         }
     }
 }
