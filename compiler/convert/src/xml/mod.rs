@@ -110,6 +110,12 @@ pub(super) fn referred(name: &BlockName, library: &Library, writer: &mut Writer)
     found
 }
 
+/// The text of a comment. Only `//@` is an assertion; another comment that begins with `@` keeps its brackets.
+pub(super) fn comment_text(comment: &str) -> String {
+    let text = bare(comment);
+    if text.starts_with('@') && !comment.starts_with("//@") { format!("* {comment}") } else { text }
+}
+
 /// Numbers of the elements of a network.
 pub(super) struct Uids(u32);
 

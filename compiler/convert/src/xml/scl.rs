@@ -8,8 +8,7 @@ use plcc_syntax::scl::{self, address};
 
 use super::access::{self, Whose};
 use super::node::Node;
-use super::{Library, Uids, name_of};
-use crate::frames::bare;
+use super::{Library, Uids, comment_text, name_of};
 use crate::writer::Writer;
 
 /// How deep indices and calls may be nested; what is deeper is written as tokens.
@@ -90,7 +89,7 @@ impl<'a> Maker<'a> {
         }
         if piece.starts_with("//") || piece.starts_with("(*") || piece.starts_with("/*") || piece.starts_with("(/*") {
             self.at += 1;
-            let text = Node::of("Text", bare(piece)).with("UId", self.uids.next());
+            let text = Node::of("Text", comment_text(piece)).with("UId", self.uids.next());
             return list.push(self.numbered("LineComment").child(text));
         }
         let is_call = self.peek(1) == "(" && self.depth < DEPTH_MAX;

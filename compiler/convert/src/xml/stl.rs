@@ -8,8 +8,7 @@ use plcc_syntax::stl::{Mnemonics, StlInsn};
 
 use super::access::{address, area_name};
 use super::node::Node;
-use super::{Library, Uids, name_of, referred};
-use crate::frames::bare;
+use super::{Library, Uids, comment_text, name_of, referred};
 use crate::operand;
 use crate::trivia::Remark;
 use crate::writer::{Notation, Writer};
@@ -124,7 +123,7 @@ impl Maker<'_, '_, '_> {
     }
 
     fn comment(&mut self, text: &str) -> Node {
-        let text = Node::of("Text", bare(text)).with("UId", self.uids.next());
+        let text = Node::of("Text", comment_text(text)).with("UId", self.uids.next());
         self.numbered("LineComment").child(text)
     }
 
