@@ -12,6 +12,7 @@
 //! | `clif/` | STL or SCL | `x.clif` |
 //! | `xref/`, `xref/*/` | a source, a project | `x.xref`: its reference data |
 //! | `status/` | `x.status`: a command `plcc status`, and what it prints | |
+//! | `debug/` | `x.debug`: a session with `plcc debug`, each line with `>` a request, and what comes back | |
 //! | `messages/` | STL or SCL | `x.txt`: its messages as drawn |
 //! | `view/` | any source | `x.svg`: its drawings, with the state at the end of `x.trace.csv` if that is there |
 //! | `../samples/*/`, `../samples/*/*/` | a project with scenarios | `x.trace.csv`, `x.vcd`, `x.svg` beside `x.toml`, with the signals of its `# trace-signals:` line; `station.txt`: the list of `plcc station` |
@@ -30,8 +31,8 @@ use plcc_driver::inputs::{self, TestInput};
 use plcc_driver::pipeline::{self, Settings};
 use plcc_driver::testing::{self, Form, Outcome, Variant, carets, prepare};
 use plcc_tests::{
-    all_variants, bind_file, difference, expect_file, files, folders, plan, projects, root, shown, tests_folder, twins,
-    updating,
+    all_variants, bind_file, debug, difference, expect_file, files, folders, plan, projects, root, shown, tests_folder,
+    twins, updating,
 };
 
 use plcc_view::book::{Body, Options};
@@ -80,6 +81,7 @@ fn trials(is_selected: &dyn Fn(&str) -> bool) -> Vec<Trial> {
         }
     }
     file_trials("status", "status", check_status, &mut trials);
+    file_trials("debug", "debug", |path| expect_file(path, &debug::transcript(path)?), &mut trials);
     for twins in folders(&tests.join("twins")) {
         trials.push(trial(shown(&twins), move || check_twins(&twins)));
     }

@@ -1,4 +1,5 @@
-//! A program does the same with probes as without, and if its code changes in every cycle: the report of its test is the same.
+//! A program does the same with probes as without, those of the status of a block and those of a debugger, and if its code changes in every
+//! cycle: the report of its test is the same.
 //!
 //! One in twenty-five run tests; `PLCC_PROBES=all` takes all of them.
 
@@ -87,7 +88,11 @@ fn check(path: &std::path::Path) -> usize {
         assert_eq!(before, in_turn(&bound, &options, code::jit_watched), "{}: in turn", shown(&path));
         let interpreted = |plain: &Compiled, probed: &Compiled| Ok(code::interpreter_watched(plain, probed));
         assert_eq!(before, in_turn(&bound, &options, interpreted), "{}: in turn, interpreted", shown(&path));
-        places.len()
+        let (stepped, statements) = pipeline::lower_for_debugger(&bound);
+        let verified = plcc_ir::verify::verify(&stepped.module);
+        assert!(verified.is_ok(), "{}: {verified:?}", shown(&path));
+        assert_eq!(before, run(&pipeline::optimize(stepped)), "{}: for a debugger", shown(&path));
+        places.len() + statements.len()
     };
     plcc_driver::on_large_stack(work).unwrap_or_else(|fault| panic!("{fault}"))
 }

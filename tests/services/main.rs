@@ -6,6 +6,7 @@ mod busy;
 mod hostile;
 mod partners;
 mod process;
+mod record;
 mod ua;
 
 use std::path::{Path, PathBuf};
@@ -38,6 +39,8 @@ fn main() {
         trial("values_reach_a_broker", mosquitto(), process::values_reach_a_broker),
         trial("metrics_tell_the_state", None, metrics),
         trial("services_are_only_where_they_are_asked_for", None, only_where_asked_for),
+        trial("recorded_timers_and_interrupts_are_repeated", None, record::timers_and_interrupts),
+        trial("recorded_writes_of_clients_are_repeated", None, record::client_writes),
         trial("hostile_s7_clients_do_no_harm", None, hostile::s7),
         trial("hostile_modbus_clients_do_no_harm", None, hostile::modbus),
         trial("hostile_opcua_clients_do_no_harm", None, hostile::opcua),
@@ -143,7 +146,10 @@ fn status() -> Result<(), Failed> {
     let folder = tempfile::tempdir()?;
     let out = folder.path().join("watched");
     process::plcc(&["build", "--quiet"], &[&here().join("status")], &out)?;
-    let mut plc = Plc::run(&out, &["--web", &port, "--set", "I0.0=1"])?;
+    let forces = folder.path().join("forces.toml");
+    std::fs::write(&forces, "[[force]]\naddress = \"I0.7\"\nvalue = \"0\"\n")?;
+    let forces = forces.to_string_lossy();
+    let mut plc = Plc::run(&out, &["--web", &port, "--set", "I0.0=1", "--force", &forces])?;
     let mut command = Command::new("node");
     command.env("NODE_PATH", clients().join("node/node_modules")).arg(here().join("status_client.js")).arg(&port);
     let output = command.arg(plc.id().to_string()).stdin(Stdio::null()).output()?;

@@ -227,7 +227,8 @@ pub fn values_reach_a_broker() -> Result<(), Failed> {
     Ok(())
 }
 
-fn write_register(port: &str, value: u16) -> Result<(), Failed> {
+/// Writes the first holding register, as a Modbus client.
+pub fn write_register(port: &str, value: u16) -> Result<(), Failed> {
     let mut stream = TcpStream::connect(format!("127.0.0.1:{port}"))?;
     stream.set_read_timeout(Some(Duration::from_secs(5)))?;
     let [high, low] = value.to_be_bytes();

@@ -3,6 +3,7 @@
 pub mod charts;
 pub mod costs;
 pub mod damage;
+pub mod debug;
 pub mod kernels;
 pub mod plants;
 pub mod random;

@@ -4,6 +4,7 @@
 //! - [`scl`]: sources in SCL.
 //! - [`gr7`]: sources of GRAPH.
 //! - [`sd`]: documents of SIMATIC SD.
+//! - [`xml`]: SimaticML of the TIA Portal.
 //! - [`to_stl`]: networks of LAD and FBD as statements.
 //! - [`to_graph`]: statements as networks of LAD and FBD.
 //! - [`literal`]: constants as text.
@@ -26,5 +27,6 @@ pub mod to_graph;
 pub mod to_stl;
 pub mod trivia;
 mod writer;
+pub mod xml;
 
 pub use writer::Notation;

@@ -36,6 +36,10 @@ pub enum Command {
     Xref(XrefArgs),
     /// Show what the statements of a block see in one cycle.
     Status(Box<StatusArgs>),
+    /// Repeat a run that was recorded with `plcc run --record`, and compare memory after each cycle.
+    Replay(Box<ReplayArgs>),
+    /// Serve a debugger: the debug adapter protocol over standard input and output.
+    Debug(Box<DebugArgs>),
     /// Lay out sources in one style.
     Fmt(FmtArgs),
     /// List the modules of a project's station and their addresses.
@@ -352,6 +356,31 @@ pub struct StatusArgs {
 }
 
 #[derive(Args, Debug)]
+pub struct ReplayArgs {
+    /// The recording.
+    #[arg(value_name = "RECORDING")]
+    pub recording: PathBuf,
+    #[command(flatten)]
+    pub run: RunArgs,
+}
+
+#[derive(Args, Clone, Debug)]
+pub struct DebugArgs {
+    /// Sources, symbol tables, folders of these, or a project. Together they are one program [default: what the client names in
+    /// `program`, else the project in this folder].
+    #[arg(value_name = "FILE|DIR")]
+    pub inputs: Vec<PathBuf>,
+    /// Serve one client over TCP instead, such as 127.0.0.1:4711; the line with the address goes to standard error.
+    #[arg(long, value_name = "ADDR:PORT")]
+    pub listen: Option<std::net::SocketAddr>,
+    /// Repeat a run that was recorded with `plcc run --record`.
+    #[arg(long, value_name = "RECORDING")]
+    pub replay: Option<PathBuf>,
+    #[command(flatten)]
+    pub compile: CompileArgs,
+}
+
+#[derive(Args, Debug)]
 pub struct XrefArgs {
     /// Sources, symbol tables, folders of these, or a project. Together they are one program [default: the project in this
     /// folder].
@@ -427,6 +456,8 @@ pub enum ConvertTo {
     Scl,
     /// GRAPH, as source text of S7-GRAPH.
     Gr7,
+    /// XML of the TIA Portal (SimaticML).
+    Xml,
 }
 
 impl ConvertTo {
@@ -437,6 +468,7 @@ impl ConvertTo {
             ConvertTo::Lad | ConvertTo::Fbd | ConvertTo::Sd => "s7dcl",
             ConvertTo::Scl => "scl",
             ConvertTo::Gr7 => "gr7",
+            ConvertTo::Xml => "xml",
         }
     }
 }

@@ -69,6 +69,8 @@ fn dispatch(cli: &Cli) -> u8 {
         Command::Test(args) => command::test::test(args),
         Command::Check(args) => command::check::check(args),
         Command::Xref(args) => command::xref::xref(args),
+        Command::Replay(args) => command::run::replay(args),
+        Command::Debug(args) => command::debug::debug(args),
         Command::Status(args) => command::status::status(args),
         Command::Fmt(args) => command::fmt::fmt(args),
         Command::Lsp => command::lsp::lsp(),

@@ -362,6 +362,12 @@ pub fn lower_beside(bound: &Bound, plain: &mut Compiled) -> Compiled {
     probed
 }
 
+/// The IR of a program without errors, with a probe before each statement, and their places.
+pub fn lower_for_debugger(bound: &Bound) -> (Compiled, Vec<plcc_lower::probe::Place>) {
+    let lowered = plcc_lower::lower_for_debugger(&bound.program, &bound.sources);
+    (Compiled { module: lowered.module, image: lowered.image, optimization: Level::O0.into() }, lowered.probes)
+}
+
 /// Runs the passes of plcc, at -O2.
 pub fn optimize(mut compiled: Compiled) -> Compiled {
     match compiled.optimization.level {
@@ -431,14 +437,19 @@ fn object_of(
     Ok((object, compiled.image))
 }
 
-/// What a function uses, in one number.
+/// What a function uses, in one number. Frames are shorter than what a number has room for.
 fn usage_as_note(usage: Usage) -> u64 {
-    u64::from(usage.outputs) | u64::from(usage.logic_only) << 32 | u64::from(usage.local_data) << 33
+    let local_data = usage.local_data.min(NO_LOCAL_DATA);
+    u64::from(usage.outputs) | u64::from(usage.logic_only) << 32 | u64::from(local_data) << 33
 }
 
 fn usage_of_note(note: u64) -> Usage {
-    Usage { outputs: note as u32, logic_only: note >> 32 & 1 != 0, local_data: note >> 33 & 1 != 0 }
+    let local_data = Some((note >> 33) as u32).filter(|&first| first != NO_LOCAL_DATA).unwrap_or(u32::MAX);
+    Usage { outputs: note as u32, logic_only: note >> 32 & 1 != 0, local_data }
 }
+
+/// In a note: no local data are read.
+const NO_LOCAL_DATA: u32 = u32::MAX >> 1;
 
 /// Lowers and optimises.
 pub fn back(bound: &Bound, optimization: impl Into<Optimization>) -> Compiled {
@@ -463,7 +474,11 @@ impl Compiled {
         self.image.outputs_used = usage.outputs;
         for block in &mut self.image.blocks {
             let entry = self.module.entries.get(block.entry as usize);
-            block.local_data_used = entry.is_none_or(|entry| functions[entry.index()].local_data);
+            let first = entry.map_or(0, |entry| functions[entry.index()].local_data);
+            // The code itself clears what is after the start information and the inputs.
+            let is_only_information = self.image.s7200.is_none() && block.start_inputs.is_empty();
+            let end = if is_only_information { plcc_runtime::events::START_INFO_BYTES as u32 } else { u32::MAX };
+            block.local_data_used = first < end;
         }
         if let Some(own) = &mut self.image.s7200 {
             own.logic_only = usage.logic_only;

@@ -41,7 +41,7 @@ use plcc_model::{Assert, Body, CodeBlock};
 
 use crate::names::Types;
 use crate::plan::Plan;
-use crate::probe::Probes;
+use crate::probe::{Asked, Probes};
 
 /// A lowered program: its code, and data about it for the runtime.
 #[derive(Clone, Debug)]
@@ -59,13 +59,18 @@ pub fn lower(program: &Program, sources: &SourceMap) -> Lowered {
 
 /// Lowers a program that was bound without errors, with probes that tell what its statements see.
 pub fn lower_with_probes(program: &Program, sources: &SourceMap) -> Lowered {
-    lower_program(program, sources, Probes { places: Some(Vec::new()), sites: Vec::new() })
+    lower_program(program, sources, Probes::new(Asked::Values))
 }
 
 /// As [`lower_with_probes`], for code that runs in turn with `plain`: the numbers of its sites go on after those of `plain`, so that one
 /// image serves both.
 pub fn lower_beside(program: &Program, sources: &SourceMap, plain: &Module) -> Lowered {
-    lower_program(program, sources, Probes { places: Some(Vec::new()), sites: plain.sites.clone() })
+    lower_program(program, sources, Probes { sites: plain.sites.clone(), ..Probes::new(Asked::Values) })
+}
+
+/// Lowers a program that was bound without errors, with a probe before each statement, and variables in memory.
+pub fn lower_for_debugger(program: &Program, sources: &SourceMap) -> Lowered {
+    lower_program(program, sources, Probes::new(Asked::Statements))
 }
 
 fn lower_program(program: &Program, sources: &SourceMap, probes: Probes) -> Lowered {

@@ -1,17 +1,24 @@
 //! Probes: calls that tell who looks at the program what its statements see. They are in the code only if
-//! [`lower_with_probes`](crate::lower_with_probes) makes it.
+//! [`lower_with_probes`](crate::lower_with_probes) or [`lower_for_debugger`](crate::lower_for_debugger) makes it.
+//!
+//! For a debugger there is one before each statement of STL, SCL and S7-200, each network of LAD and FBD, each action, step and transition of
+//! GRAPH, and no other but those where blocks begin and end. It has the registers of the statement in memory, where they can be changed.
+//! Variables are in memory as well. For the status of a block:
 //!
 //! A probe has a place, its index in the list that comes with the code. STL has a probe of the registers after each statement; SCL, LAD,
 //! FBD and GRAPH have one for each value that is read, computed or written at a place of the source; the STL of an S7-200 has one of the
 //! logic stack after each statement. Each block tells when it begins and ends. Blocks of the library have no other probes.
 
 use plcc_abi::image::Site;
+use plcc_abi::layout::state;
 use plcc_abi::{RuntimeFn, Type};
 use plcc_diag::Span;
-use plcc_ir::{BinaryOp, FunctionBuilder, Value};
-use plcc_model::scl::{Access, Actual, Call, Expr, ExprKind};
+use plcc_ir::{Address, BinaryOp, FunctionBuilder, Region, Value};
+use plcc_model::scl::{Access, Actual, Call, Expr, ExprKind, Statement, StatementKind};
 use plcc_model::types::Elementary;
-use plcc_model::{BlockKey, Body, CellKind, CodeBlock, Direction, Number, Operand, StlStatement, StlStatementKind};
+use plcc_model::{
+    BlockKey, Body, CellKind, CodeBlock, Direction, Number, Operand, Passing, StlStatement, StlStatementKind,
+};
 
 use crate::block::BlockLowering;
 
@@ -40,11 +47,38 @@ pub enum Probe {
     Written(Elementary),
     /// The logic stack of an S7-200 after a statement: S0 is bit 0, ENO bit 9. The operands of the statement that have addresses.
     Stack(Vec<String>),
+    /// A statement or network is about to run.
+    Statement(Kept),
+    /// What an FC has got for its formal with this index, where it begins: for a BOOL eight times the offset from the memory base plus the
+    /// bit, for another value or a structure the offset, for a timer, counter or block the number.
+    Formal(usize),
+}
+
+/// What a statement has in registers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kept {
+    Nothing,
+    /// The registers of an S7-300/400.
+    Registers,
+    /// The logic stack and ENO of an S7-200.
+    Stack,
+}
+
+/// Which probes are asked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Asked {
+    #[default]
+    Nothing,
+    /// What statements have seen.
+    Values,
+    /// That statements are about to run.
+    Statements,
 }
 
 /// The list of places, while code is made.
 #[derive(Default)]
 pub(crate) struct Probes {
+    pub asked: Asked,
     /// `None`: no probes.
     pub places: Option<Vec<Place>>,
     /// Sites of other code of the same program.
@@ -52,6 +86,10 @@ pub(crate) struct Probes {
 }
 
 impl Probes {
+    pub fn new(asked: Asked) -> Probes {
+        Probes { asked, places: (asked != Asked::Nothing).then(Vec::new), sites: Vec::new() }
+    }
+
     /// A new place; `None` without probes.
     pub fn add(&mut self, place: impl FnOnce() -> Place) -> Option<u32> {
         let places = self.places.as_mut()?;
@@ -65,6 +103,12 @@ pub(crate) fn value(b: &mut FunctionBuilder, place: u32, value: Value) {
     let long = if b.ty(value) == Type::I64 { value } else { b.zext(Type::I64, value) };
     let place = b.i32_const(place);
     b.call_runtime(RuntimeFn::ProbeValue, &[place, long]);
+}
+
+/// The call of a probe before a statement whose frame is at `local`.
+pub(crate) fn statement(b: &mut FunctionBuilder, place: u32, local: Value) {
+    let place = b.i32_const(place);
+    b.call_runtime(RuntimeFn::ProbeStatement, &[place, local]);
 }
 
 /// The call of a probe where a block begins.
@@ -89,12 +133,19 @@ impl BlockLowering<'_, '_> {
         self.output.probes.add(|| Place { block: block.key(), span, network, probe })
     }
 
-    /// Whether code at `span` is looked at.
+    /// Whether the values of code at `span` are looked at.
     fn is_probed(&self, span: Span) -> bool {
-        self.output.probes.places.is_some()
-            && !self.block.library
-            && span.file == self.block.span.file
-            && self.b.is_reachable()
+        self.output.probes.asked == Asked::Values && self.is_here(span)
+    }
+
+    /// Whether statements at `span` are looked at.
+    fn is_stepped(&self, span: Span) -> bool {
+        self.output.probes.asked == Asked::Statements && self.is_here(span)
+    }
+
+    /// Whether code at `span` is source of this block, and is reached.
+    fn is_here(&self, span: Span) -> bool {
+        !self.block.library && span.file == self.block.span.file && self.b.is_reachable()
     }
 
     /// The block begins.
@@ -103,6 +154,90 @@ impl BlockLowering<'_, '_> {
         self.block_place = Some(place);
         let instance = self.instance.unwrap_or_else(|| self.b.i32_const(0));
         enter(&mut self.b, place, instance);
+        if self.output.probes.asked == Asked::Statements && !self.block.library {
+            self.probe_formals();
+        }
+    }
+
+    /// What an FC has got for its formals.
+    fn probe_formals(&mut self) {
+        for index in 0..self.parameters.len() {
+            let got = match self.passing(index) {
+                Passing::Elementary(_) | Passing::Number => self.parameters[index].first(),
+                Passing::Complex { .. } | Passing::OpenArray { .. } => self.parameters[index].get(1),
+                Passing::Pointer | Passing::Any | Passing::Variant => None,
+            };
+            let Some(&got) = got else { continue };
+            if let Some(place) = self.probe_place(self.block.span, Probe::Formal(index)) {
+                value(&mut self.b, place, got);
+            }
+        }
+    }
+
+    /// A statement of SCL, or a network, is about to run.
+    pub fn step_before(&mut self, statement: &Statement) {
+        if self.output.probes.asked != Asked::Statements {
+            return;
+        }
+        let Body::Scl(body) = &self.block.body else { return };
+        if let StatementKind::Label(_) = statement.kind {
+            // Code goes on here from elsewhere.
+            self.scl.told_network = 0;
+            return;
+        }
+        if body.networks.is_empty() {
+            return self.step_at(statement.span);
+        }
+        let network = body.network_at(statement.span.start);
+        if network != self.scl.told_network && self.is_stepped(statement.span) {
+            self.scl.told_network = network;
+            self.step_at(statement.span);
+        }
+    }
+
+    /// A condition of SCL after the first, or the next pass of a loop.
+    pub fn step_between(&mut self, span: Span) {
+        if matches!(&self.block.body, Body::Scl(body) if body.networks.is_empty()) {
+            self.step_at(span);
+        }
+    }
+
+    /// Code at `span` is about to run. What has no place in the source of its own has that of the block.
+    fn step_at(&mut self, span: Span) {
+        if self.is_stepped(span) && span != self.block.span {
+            self.probe_step(span, Kept::Nothing);
+        }
+    }
+
+    fn probe_step(&mut self, span: Span, kept: Kept) {
+        let Some(place) = self.probe_place(span, Probe::Statement(kept)) else { return };
+        let local = match self.local_bytes {
+            0 => self.b.i32_const(0),
+            _ => self.b.address_of(Address::direct(Region::L, 0)),
+        };
+        statement(&mut self.b, place, local);
+    }
+
+    /// Before a statement of STL: its registers go to memory, and those that can be changed come back.
+    fn probe_registers_before(&mut self, span: Span) {
+        let status = self.status_word(true);
+        let regs = &self.regs;
+        let [a1, a2, a3, a4] = regs.accu;
+        let vars = [a1, a2, a3, a4, regs.ar[0], regs.ar[1], regs.db, regs.di];
+        let [accu1, accu2, accu3, accu4, ar1, ar2, db, di] = vars.map(|var| self.get(var));
+        let db = self.b.binary_imm(BinaryOp::And, db, 0xFFFF);
+        let di = self.b.binary_imm(BinaryOp::Shl, di, 16);
+        let dbs = self.b.or(db, di);
+        for (number, value) in (0..).zip([accu1, accu2, accu3, accu4, ar1, ar2, status, dbs]) {
+            self.b.store_state(state::PROBED + 4 * number, value);
+        }
+        self.probe_step(span, Kept::Registers);
+        for (number, var) in (0..).zip([a1, a2, a3, a4, vars[4]]) {
+            let value = self.b.load_state(state::PROBED + 4 * number);
+            self.set(var, value);
+        }
+        let status = self.b.load_state(state::PROBED + 4 * 6);
+        self.set_status_word(status, true);
     }
 
     /// The block ends here.
@@ -118,6 +253,11 @@ impl BlockLowering<'_, '_> {
             statement.kind,
             StlStatementKind::Instruction { .. } | StlStatementKind::Call(_) | StlStatementKind::JumpList { .. }
         );
+        if is_code && self.is_stepped(statement.span) {
+            self.network = statement.network;
+            self.probe_registers_before(statement.span);
+            return lower(self);
+        }
         if !is_code || !self.is_probed(statement.span) {
             return lower(self);
         }
@@ -176,7 +316,7 @@ impl BlockLowering<'_, '_> {
 
     /// The outputs that a function has written into variables of this block.
     pub fn probe_outputs(&mut self, call: &Call, callee: &CodeBlock) {
-        if call.instance.is_some() || self.output.probes.places.is_none() {
+        if call.instance.is_some() || self.output.probes.asked != Asked::Values {
             return;
         }
         for argument in &call.arguments {

@@ -118,6 +118,8 @@ pub struct Interface {
     pub start_inputs: Vec<StartInput>,
     /// FB: `CODE_VERSION1`, no multi-instance is possible.
     pub code_version1: bool,
+    /// TEMP variables with their addresses in the local data, in the order of these.
+    pub temporaries: Vec<Member>,
 }
 
 /// Direction of a parameter.

@@ -4,6 +4,7 @@ use plcc_abi::functions::Effect;
 use plcc_abi::layout;
 use plcc_ir::entities::Entity;
 use plcc_ir::{Address, BinaryOp, FuncId, Function, InstData, Module, Region, RuntimeFn, Value};
+use rustc_hash::FxHashMap;
 
 use crate::surroundings::Surroundings;
 
@@ -18,8 +19,9 @@ pub struct Usage {
     pub outputs: u32,
     /// Code of an S7-200 touches neither interrupts nor counters, pulse outputs, ports or network, nor anything through pointers.
     pub logic_only: bool,
-    /// A function reads its local data, or lets others do so: only then an organization block needs the start information and zeros.
-    pub local_data: bool,
+    /// The first byte of its local data that a function reads or lets others read; `u32::MAX` if there is none. An organization block
+    /// needs the start information only if that is there.
+    pub local_data: u32,
 }
 
 /// Looks at the code of each function of the module.
@@ -52,7 +54,7 @@ pub fn reached(module: &Module, roots: impl IntoIterator<Item = FuncId>) -> Vec<
 
 /// Looks at the code of a function.
 pub fn usage_of(function: &Function, surroundings: &Surroundings) -> Usage {
-    let mut usage = Usage { local_data: reads_local_data(function, surroundings), ..Usage::NOTHING };
+    let mut usage = Usage { local_data: local_data_read(function, surroundings), ..Usage::NOTHING };
     for &block in &function.layout {
         for &inst in &function.blocks[block].insts {
             usage.add(function, &function.insts[inst]);
@@ -63,14 +65,14 @@ pub fn usage_of(function: &Function, surroundings: &Surroundings) -> Usage {
 
 impl Usage {
     /// What a program without code uses.
-    pub const NOTHING: Usage = Usage { outputs: 0, logic_only: true, local_data: false };
+    pub const NOTHING: Usage = Usage { outputs: 0, logic_only: true, local_data: u32::MAX };
 
     /// What two parts of a program use.
     pub fn and(self, other: Usage) -> Usage {
         Usage {
             outputs: self.outputs.max(other.outputs),
             logic_only: self.logic_only && other.logic_only,
-            local_data: self.local_data || other.local_data,
+            local_data: self.local_data.min(other.local_data),
         }
     }
 
@@ -92,7 +94,11 @@ impl Usage {
                 // The blocks that they run are code of the program.
                 RuntimeFn::Safepoint | RuntimeFn::SyncError | RuntimeFn::LocalError | RuntimeFn::Stop => 0,
                 RuntimeFn::CallBlock | RuntimeFn::AssertMemory | RuntimeFn::Sleep => 0,
-                RuntimeFn::ProbeEnter | RuntimeFn::ProbeLeave | RuntimeFn::ProbeRegisters | RuntimeFn::ProbeValue => 0,
+                RuntimeFn::ProbeEnter
+                | RuntimeFn::ProbeLeave
+                | RuntimeFn::ProbeStatement
+                | RuntimeFn::ProbeRegisters
+                | RuntimeFn::ProbeValue => 0,
                 // The runtime itself notes which outputs they write.
                 RuntimeFn::SystemFunction => 0,
                 RuntimeFn::CopyText => match args.first() {
@@ -145,21 +151,74 @@ fn is_elsewhere(function: &Function, address: Value) -> bool {
     }
 }
 
-/// True if anybody may read the local data of the function.
-fn reads_local_data(function: &Function, surroundings: &Surroundings) -> bool {
+/// The first byte of the local data of the function that anybody may read.
+fn local_data_read(function: &Function, surroundings: &Surroundings) -> u32 {
     let frames = surroundings.frames(function);
-    let insts = function.layout.iter().flat_map(|&block| &function.blocks[block].insts);
-    insts.into_iter().any(|&inst| match &function.insts[inst] {
-        InstData::Load { addr } | InstData::LoadBit { addr, .. } | InstData::AddressOf { addr } => {
-            addr.region == Region::L
-        }
-        // To write a bit is to read the others.
-        InstData::StoreBit { addr, .. } => addr.region == Region::L,
-        InstData::Copy { from, .. } => from.region == Region::L,
-        InstData::FrameBase { .. } => true,
-        InstData::Call { callee, .. } => frames.call_touches(*callee),
-        _ => false,
-    })
+    let insts = || function.layout.iter().flat_map(|&block| &function.blocks[block].insts);
+    let read = |addr: &Address| match (addr.region, addr.base) {
+        (Region::L, None) => addr.offset,
+        (Region::L, Some(_)) => 0,
+        _ => u32::MAX,
+    };
+    let mut first = u32::MAX;
+    // Addresses, with the bytes that they are of.
+    let mut given: FxHashMap<Value, u32> = FxHashMap::default();
+    for &inst in insts() {
+        let from = match &function.insts[inst] {
+            InstData::Load { addr } | InstData::LoadBit { addr, .. } => read(addr),
+            InstData::AddressOf { addr } if addr.region == Region::L && addr.base.is_none() => {
+                given.insert(function.result(inst), addr.offset);
+                u32::MAX
+            }
+            InstData::AddressOf { addr } => read(addr),
+            // To write a bit is to read the others.
+            InstData::StoreBit { addr, .. } => read(addr),
+            InstData::Copy { from, .. } => read(from),
+            InstData::FrameBase { .. } => 0,
+            InstData::Call { callee, .. } if frames.call_touches(*callee) => 0,
+            _ => u32::MAX,
+        };
+        first = first.min(from);
+    }
+    if given.is_empty() {
+        return first;
+    }
+    for &inst in insts() {
+        let data = &function.insts[inst];
+        let is_of_text = matches!(data, InstData::CallRuntime { function, .. } if reads_upward(*function));
+        data.for_each_use(|value| {
+            if let Some(&offset) = given.get(&function.resolve(value)) {
+                first = first.min(if is_of_text { offset } else { 0 });
+            }
+        });
+    }
+    first
+}
+
+/// True of functions of texts: they read nothing before an address that they get.
+fn reads_upward(called: RuntimeFn) -> bool {
+    matches!(
+        called,
+        RuntimeFn::CopyText
+            | RuntimeFn::TextConcat
+            | RuntimeFn::TextConcatThree
+            | RuntimeFn::TextCompare
+            | RuntimeFn::TextFind
+            | RuntimeFn::TextLength
+            | RuntimeFn::TextReplace
+            | RuntimeFn::TextLeft
+            | RuntimeFn::TextRight
+            | RuntimeFn::TextMid
+            | RuntimeFn::TextDelete
+            | RuntimeFn::TextInsert
+            | RuntimeFn::TextOfDint
+            | RuntimeFn::TextOfReal
+            | RuntimeFn::TextFixedOfReal
+            | RuntimeFn::TextToDint
+            | RuntimeFn::TextToReal
+            | RuntimeFn::TextScanReal
+            | RuntimeFn::TextScan
+    )
 }
 
 /// The first output byte after those that a write to `addr` touches.
@@ -189,8 +248,16 @@ mod tests {
             );
             usage(&plcc_ir::parse::parse_module(&text).expect("text is well formed"))[0].local_data
         };
-        assert!(!reads("") && !reads(" store.i32 L 20, v0\n") && !reads(" call @G()\n"));
-        assert!(reads(" v1 = load.i8 L 6\n") && reads(" v1 = address L 0\n") && reads(" call @H()\n"));
+        assert_eq!([reads(""), reads(" store.i32 L 20, v0\n"), reads(" call @G()\n")], [u32::MAX; 3]);
+        assert_eq!([reads(" v1 = load.i8 L 6\n"), reads(" v1 = load.i8 L[v0]+6\n")], [6, 0]);
+        assert_eq!([reads(" copy M 0, L 20, 2\n"), reads(" v1 = address L 20\n store.i32 M 0, v1\n")], [20, 0]);
+        assert_eq!(reads(" call @H()\n"), 0);
+        let text = |address: &str| {
+            reads(&format!(
+                " v1 = const.i64 0\n v2 = address L 20\n v3 = {address}\n v4 = rt @text_find(v1, v2, v3, v0)\n"
+            ))
+        };
+        assert_eq!([text("address L 22"), text("address L 18"), text("iadd v2, v0")], [20, 18, 0]);
     }
 
     #[test]

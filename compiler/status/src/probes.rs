@@ -43,7 +43,8 @@ pub fn of(program: &Program, places: &[Place]) -> monitor::Probes {
 
 fn tells(probe: &Probe) -> Tells {
     match probe {
-        Probe::Block => Tells::Block,
+        // The last two are in code for a debugger alone.
+        Probe::Block | Probe::Statement(_) | Probe::Formal(_) => Tells::Block,
         Probe::Registers(None) => Tells::Registers,
         Probe::Registers(Some((CellKind::Timer, number))) => Tells::Timer(*number),
         Probe::Registers(Some((CellKind::Counter, number))) => Tells::Counter(*number),

@@ -15,7 +15,7 @@ fn pin(name: &str, place: Place, output: bool, link: Link) -> Pin {
 fn operand(number: usize) -> Link {
     let text = ["#Start", "\"Tank\".Valves[3].IsOpen", "I0.0", "a", "\"PumpRunningFeedback\""][number % 5].to_string();
     let address = if number.is_multiple_of(3) { "DB10.DBX2.0".to_string() } else { String::new() };
-    Link::Operand(Label { key: text.clone(), text, address, value: None })
+    Link::Operand(Label { key: text.clone(), text, address, value: None, place: None })
 }
 
 /// A contact, a coil (without `to`) or a box between nets.
@@ -53,7 +53,7 @@ fn part(kind: usize, from: usize, to: Option<usize>, reset: Option<usize>, furth
             Look::Box { title: "CTUD".to_string(), detail: "Int".to_string(), instance }
         }
     };
-    Part { look, meaning: Meaning::Other, pins, flow_in: Some(0), flow_out }
+    Part { look, meaning: Meaning::Other, pins, flow_in: Some(0), flow_out, place: None }
 }
 
 /// Fills in the sources of nets.

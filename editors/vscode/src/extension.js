@@ -62,7 +62,28 @@ async function activate(context) {
     vscode.commands.registerCommand("plcc.view", ifPresent("view", () => terminal(["view"]))),
     vscode.commands.registerCommand("plcc.monitor", ifPresent("monitor", () => terminal(["monitor"]))),
     explorer(),
+    ...debuggers(),
   );
+}
+
+/** The debugger is `plcc debug`; two commands are for cycles, which other programs do not have. */
+function debuggers() {
+  const ask = (request, values) => vscode.debug.activeDebugSession?.customRequest(request, values);
+  const gotoCycle = async () => {
+    const text = await vscode.window.showInputBox({ prompt: "The cycle, 0 for startup; earlier ones as well" });
+    if (text && /^\d+$/.test(text.trim())) return ask("plcc/gotoCycle", { cycle: Number(text) });
+  };
+  const configuration = (folder, given) =>
+    given.type ? given : { type: "plcc", request: "launch", name: "PLC program", program: folder?.uri.fsPath, stopOnEntry: true };
+  return [
+    vscode.debug.registerDebugAdapterDescriptorFactory("plcc", {
+      createDebugAdapterDescriptor: (session) =>
+        new vscode.DebugAdapterExecutable(plcc(), ["debug"], { cwd: session.workspaceFolder?.uri.fsPath }),
+    }),
+    vscode.debug.registerDebugConfigurationProvider("plcc", { resolveDebugConfiguration: configuration }),
+    vscode.commands.registerCommand("plcc.cycle", () => ask("plcc/cycle")),
+    vscode.commands.registerCommand("plcc.gotoCycle", gotoCycle),
+  ];
 }
 
 /** The test explorer: each source with assertions, and each assertion in it. */

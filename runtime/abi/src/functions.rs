@@ -162,6 +162,9 @@ runtime_functions! {
     ProbeEnter = "probe_enter"(place: I32, instance: I32), All;
     /// The block that has begun last ends.
     ProbeLeave = "probe_leave"(place: I32), All;
+    /// The statement at `place` is about to run in the frame at `local` from the memory base. What it has in registers is in the CPU
+    /// state from [`PROBED`](crate::layout::state::PROBED) on, and comes from there afterwards.
+    ProbeStatement = "probe_statement"(place: I32, local: I32), All;
     /// The statement at `place` has run: the status word, accumulators, address registers, and DB in the low and DI in the high half of
     /// `dbs`.
     ProbeRegisters =

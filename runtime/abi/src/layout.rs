@@ -80,6 +80,9 @@ pub mod state {
     /// CPU registers at the border between generated code and the runtime, one `u32` each, in the order of
     /// [`CpuRegister`](super::CpuRegister).
     pub const REGISTERS: u32 = 0x40;
+    /// What the probe before a statement shows and may change, one `u32` each: ACCU1-4, AR1, AR2, the status word, the open DB in the low
+    /// and DI in the high half; of an S7-200 the logic stack with S0 in bit 0 and ENO in bit 9.
+    pub const PROBED: u32 = 0x80;
     /// Further return values of block functions that do not fit machine registers, one `u64` each.
     pub const RETURN_VALUES: u32 = 0x100;
 }

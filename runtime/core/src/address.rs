@@ -222,7 +222,8 @@ impl Cpu {
         }
     }
 
-    fn offset_of(&self, place: Place) -> Option<u32> {
+    /// Where a place is in memory; `None`: it is elsewhere.
+    pub fn offset_of(&self, place: Place) -> Option<u32> {
         match place {
             Place::Input(byte) => Some(layout::I + byte),
             Place::Output(byte) => Some(layout::Q + byte),

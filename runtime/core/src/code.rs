@@ -40,14 +40,15 @@ impl Entries {
         Entries { plain, probed, now }
     }
 
-    /// The entry function with this number.
+    /// See [`Code::call`].
     #[inline]
-    pub fn get(&self, entry: u32) -> Option<EntryFunction> {
-        if entry as usize >= self.plain.len() {
-            return None;
+    #[allow(clippy::not_unsafe_ptr_arg_deref)] // The runtime passes its own memory.
+    pub fn call(&self, entry: u32, mem: *mut u8, lbase: u32, vbase: u32) {
+        if (entry as usize) < self.plain.len() {
+            // SAFETY: `now` points to the elements of `plain` or to those of `probed`, which are as many; neither vector changes. Who
+            // made the functions made them for the layout of `plcc_abi`, and the other arguments come from the runtime.
+            unsafe { (*self.now.get().add(entry as usize))(mem, lbase, vbase) }
         }
-        // SAFETY: `now` points to the elements of `plain` or to those of `probed`, which are as many; neither vector changes.
-        Some(unsafe { *self.now.get().add(entry as usize) })
     }
 
     /// See [`Code::watch`].

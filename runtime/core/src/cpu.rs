@@ -38,6 +38,7 @@ use crate::s7200::{S7200, ScanCycle};
 use crate::schedule::Schedule;
 use crate::system::meters::{METERS, Meter};
 use crate::system::zone::Zone;
+use crate::tape::Tape;
 use crate::technology::Technology;
 use crate::watchdog::Watchdog;
 
@@ -77,6 +78,8 @@ pub struct Cpu {
     pub(crate) watcher: OnceCell<Rc<dyn Watcher>>,
     /// Clients that look at blocks.
     pub(crate) monitor: Monitor,
+    /// The recording of the run, or the one that it repeats.
+    pub(crate) tape: OnceCell<Rc<Tape>>,
     pub(crate) stop: Cell<Option<Stop>>,
     /// Blocks sorted by kind and number.
     blocks: Vec<BlockEntry>,
@@ -141,6 +144,16 @@ impl Cpu {
         self.generation
     }
 
+    /// Names the recording of the run, before the CPU starts. The first call counts.
+    pub fn set_tape(&self, tape: Rc<Tape>) {
+        let _ = self.tape.set(tape);
+    }
+
+    /// The recording of the run, or the one that it repeats.
+    pub fn tape(&self) -> Option<&Tape> {
+        self.tape.get().map(Rc::as_ref)
+    }
+
     /// Number of the cycle, 0 in startup.
     pub fn cycle_number(&self) -> u64 {
         self.cycle.get()
@@ -173,6 +186,7 @@ impl Cpu {
             assertions: Assertions::new(&image.asserts),
             watcher: OnceCell::new(),
             monitor: Monitor::default(),
+            tape: OnceCell::new(),
             cycle: Cell::new(0),
             retention: OnceCell::new(),
             service: RefCell::default(),

@@ -59,7 +59,7 @@ impl Entry {
 }
 
 /// A synchronous or asynchronous error, or a STOP because of one. Source: event list of the CPUs, event classes.
-fn is_fault(event: u16) -> bool {
+pub fn is_fault(event: u16) -> bool {
     let came = event & 0x0100 != 0;
     matches!(event >> 12, 2 | 3) && came || event >> 8 == 0x45 && event != 0x457F
 }

@@ -78,7 +78,7 @@ pub unsafe fn main_of<O: Opener>(argc: c_int, argv: *const *const c_char) -> c_i
                 None => Vec::new(),
             };
             let code = || -> Rc<dyn Code> { Rc::new(LinkedCode(Entries::watched(entries.clone(), probed.clone()))) };
-            match services.open(&image, run.is_many()) {
+            match services.open(&image, run.flags_only()) {
                 Ok((service, opened)) => {
                     opened.iter().for_each(|line| crate::run::say!("{line}"));
                     c_int::from(crate::run::start(image, &code, &run, service))

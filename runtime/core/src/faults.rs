@@ -53,6 +53,9 @@ impl Cpu {
     fn log_access(&self, event: u16, site: u32, info: u32, access: u32) -> Entry {
         let entry = Entry { event, info, access, site, ob: self.running.ob.get(), wall: self.clock.wall() };
         self.diagnostics.push(entry);
+        if diagnostics::is_fault(event) {
+            self.tell(|watcher| watcher.fault(self, &entry));
+        }
         entry
     }
 

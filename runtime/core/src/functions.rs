@@ -214,6 +214,9 @@ functions! {
             cpu.tell(|watcher| watcher.leave(cpu, place));
             cpu.monitor.leave(cpu);
         }
+        ProbeStatement = plcc_rt_probe_statement(cpu, place, local) {
+            cpu.tell(|watcher| watcher.statement(cpu, place, local));
+        }
         ProbeRegisters = plcc_rt_probe_registers(cpu, place, status, accu1, accu2, ar1, ar2, dbs) {
             let registers = Registers { status, accu: [accu1, accu2], ar: [ar1, ar2], db: dbs as u16, di: (dbs >> 16) as u16 };
             cpu.tell(|watcher| watcher.registers(cpu, place, registers));

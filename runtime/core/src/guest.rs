@@ -21,11 +21,7 @@ impl<O> NativeCode<O> {
 
 impl<O> Code for NativeCode<O> {
     fn call(&self, entry: u32, mem: *mut u8, lbase: u32, vbase: u32) {
-        if let Some(function) = self.entries.get(entry) {
-            // SAFETY: the function was made for the layout of `plcc_abi` and lives as long as its owner; the arguments come
-            // from the runtime.
-            unsafe { function(mem, lbase, vbase) }
-        }
+        self.entries.call(entry, mem, lbase, vbase);
     }
 
     fn watch(&self, is_watched: bool) {

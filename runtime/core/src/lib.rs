@@ -76,6 +76,7 @@ pub mod schedule;
 pub mod signal;
 mod start_values;
 pub mod system;
+pub mod tape;
 pub mod technology;
 pub mod testing;
 pub mod text;

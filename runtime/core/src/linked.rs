@@ -17,11 +17,7 @@ pub struct LinkedCode(pub Entries);
 
 impl Code for LinkedCode {
     fn call(&self, entry: u32, mem: *mut u8, lbase: u32, vbase: u32) {
-        if let Some(function) = self.0.get(entry) {
-            // SAFETY: the object file that defines the table also defines the function, by the contract of `plcc_abi`;
-            // `mem`, `lbase` and `vbase` come from the runtime.
-            unsafe { function(mem, lbase, vbase) }
-        }
+        self.0.call(entry, mem, lbase, vbase);
     }
 
     fn watch(&self, is_watched: bool) {

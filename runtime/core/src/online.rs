@@ -53,7 +53,11 @@ impl Cpu {
         }
         let was_stopped = self.is_stopped();
         let load = self.image.config.services.communication_load.unwrap_or(COMMUNICATION_LOAD);
-        self.serve(Duration::from_nanos(pace.cycle_time / 100 * u64::from(load)).max(SHARE_MIN));
+        let share = Duration::from_nanos(pace.cycle_time / 100 * u64::from(load)).max(SHARE_MIN);
+        match self.tape.get() {
+            Some(tape) => tape.served(self, || self.serve(share)),
+            None => self.serve(share),
+        }
         if self.is_stopped() && !was_stopped {
             self.stop_outputs();
         }

@@ -85,6 +85,12 @@ pub struct RunOptions {
     /// Longest host time of a cycle under the virtual clock [default: 10s]
     #[arg(long, value_name = "TIME", value_parser = parse_duration)]
     pub hang_limit: Option<Duration>,
+    /// Record the run in a file, for --replay: the time of each cycle and what clients change; the clock stands still within a cycle
+    #[arg(long, value_name = "FILE", conflicts_with = "replay")]
+    pub record: Option<PathBuf>,
+    /// Repeat a recorded run, and compare memory after each cycle
+    #[arg(long, value_name = "FILE")]
+    pub replay: Option<PathBuf>,
     /// Run before all ordinary processes (SCHED_FIFO) with memory locked; needs CAP_SYS_NICE and CAP_IPC_LOCK
     #[arg(long)]
     pub realtime: bool,
@@ -110,6 +116,11 @@ impl RunOptions {
     /// Many CPUs run: none of them is the one that clients could reach.
     pub fn is_many(&self) -> bool {
         self.instances.is_some() || self.instance_values.is_some()
+    }
+
+    /// Services that plc.toml names are not opened, only those of flags.
+    pub fn flags_only(&self) -> bool {
+        self.is_many() || self.replay.is_some()
     }
 
     /// Puts what the flags say about errors and restarts into the configuration.

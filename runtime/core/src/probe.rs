@@ -6,6 +6,7 @@
 use std::rc::Rc;
 
 use crate::cpu::Cpu;
+use crate::diagnostics::Entry;
 
 /// The registers of an S7-300/400 after a statement.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -30,9 +31,29 @@ pub trait Watcher {
     /// The block that began last ends. A block that is left because the CPU goes to STOP does not say so.
     fn leave(&self, cpu: &Cpu, place: u32);
     /// A statement has run.
-    fn registers(&self, cpu: &Cpu, place: u32, registers: Registers);
+    fn registers(&self, _cpu: &Cpu, _place: u32, _registers: Registers) {}
     /// A value, zero-extended.
     fn value(&self, cpu: &Cpu, place: u32, value: u64);
+    /// A statement is about to run, in the frame of local data at this offset in memory. Its registers are in the CPU state, see
+    /// [`PROBED`](plcc_abi::layout::state::PROBED).
+    fn statement(&self, _cpu: &Cpu, _place: u32, _local: u32) {}
+    /// The cycle is at this point.
+    fn phase(&self, _cpu: &Cpu, _phase: Phase) {}
+    /// A fault was entered in the diagnostic buffer; its OB runs after this, or the CPU goes to STOP.
+    fn fault(&self, _cpu: &Cpu, _entry: &Entry) {}
+}
+
+/// A point of the cycle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// Nothing of the cycle has happened. Cycle 0 is startup.
+    Before,
+    /// Scenario and modules have set the inputs; the program has not begun.
+    Begin,
+    /// All of the cycle is over.
+    After,
+    /// The run is over.
+    Over,
 }
 
 impl Cpu {

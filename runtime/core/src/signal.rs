@@ -19,6 +19,7 @@ use crate::address::{Address, Bits, Place, Width};
 use crate::analog::{self, Scale};
 use crate::assertion::Value as TypedValue;
 use crate::cpu::Cpu;
+use crate::memory::Memory;
 use crate::names::{self, Named};
 use crate::plant::Plant;
 use crate::s7200::{self, Part};
@@ -87,6 +88,41 @@ impl Value {
     /// The value of an elementary type with these bits, zero-extended.
     pub fn of_type(ty: AssertType, bits: u64) -> Value {
         Value::typed(ty, TypedValue::Bits(bits), ValueType::of(ty).width(0))
+    }
+
+    /// The value of a type at an offset in memory; of a BOOL the bit.
+    pub fn at(memory: &Memory, offset: u32, bit: u8, ty: ValueType) -> Value {
+        let given = match typed::bits(ty.ty) {
+            Some(1) => u64::from(memory.bit(offset, bit)),
+            Some(8) => u64::from(memory.byte(offset)),
+            Some(16) => u64::from(memory.word(offset)),
+            Some(32) => u64::from(memory.dword(offset)),
+            Some(_) => u64::from_be_bytes(memory.bytes(offset)),
+            None => u64::from(offset),
+        };
+        Value::typed(ty.ty, TypedValue::read(ty.ty, given, memory), ty.width(bit))
+    }
+
+    /// Writes the text of a value of a type to an offset in memory. `Err`: the error as a sentence.
+    pub fn put(memory: &Memory, offset: u32, bit: u8, ty: ValueType, text: &str) -> Result<(), String> {
+        match (typed::parse(text, ty)?, typed::bits(ty.ty)) {
+            (TypedValue::Bits(bits), Some(1)) => memory.set_bit(offset, bit, bits != 0),
+            (TypedValue::Bits(bits), Some(8)) => memory.set_byte(offset, bits as u8),
+            (TypedValue::Bits(bits), Some(16)) => memory.set_word(offset, bits as u16),
+            (TypedValue::Bits(bits), Some(32)) => memory.set_dword(offset, bits as u32),
+            (TypedValue::Bits(bits), _) => memory.set_bytes(offset, bits.to_be_bytes()),
+            (TypedValue::Bytes(bytes), _) => memory.load(offset, &bytes),
+            // The head has the declared length, then the one of the value.
+            (TypedValue::Text(text), _) if ty.ty == AssertType::WideText => {
+                memory.set_word(offset + 2, text.len() as u16);
+                (0u32..).zip(&text).for_each(|(number, unit)| memory.set_word(offset + 4 + 2 * number, *unit));
+            }
+            (TypedValue::Text(text), _) => {
+                memory.set_byte(offset + 1, text.len() as u8);
+                (0u32..).zip(&text).for_each(|(number, unit)| memory.set_byte(offset + 2 + number, *unit as u8));
+            }
+        }
+        Ok(())
     }
 
     /// As `--print` writes it.

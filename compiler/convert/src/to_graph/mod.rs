@@ -12,6 +12,8 @@ mod operand;
 pub mod redraw;
 mod statements;
 
+pub(crate) use operand::constant;
+
 use plcc_diag::Diagnostic;
 use plcc_syntax::ast::{self, Block, CodeBlock, SourceUnit};
 use plcc_syntax::network::ast::{Body, Content, Language, Network};

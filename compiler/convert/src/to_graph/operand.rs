@@ -145,7 +145,7 @@ pub fn expression(operand: &Operand) -> Result<Expr, Reason> {
     Ok(of(kind))
 }
 
-fn constant(literal: &Literal, span: Span) -> Result<Expr, Reason> {
+pub fn constant(literal: &Literal, span: Span) -> Result<Expr, Reason> {
     let typed = |ty: Elementary, bits: u64| ExprKind::Literal(SclLiteral::Typed { ty, bits });
     let kind = match literal {
         Literal::Bool(value) => typed(Elementary::Bool, u64::from(*value)),

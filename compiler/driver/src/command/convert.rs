@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use plcc_abi::image::Family;
 use plcc_convert::to_stl::{self, types::Types};
 use plcc_convert::trivia::Trivia;
-use plcc_convert::{sd, to_graph};
+use plcc_convert::{sd, to_graph, xml};
 use plcc_diag::{Diagnostic, FileId};
 use plcc_model::profile;
 use plcc_runtime::files::writable;
@@ -40,6 +40,7 @@ pub fn convert(args: &ConvertArgs) -> u8 {
     let mut files = Vec::new();
     if messages.is_empty() {
         let types = Types::new(parsed.units.iter().map(|(_, unit)| unit), &parsed.tables);
+        let library = xml::Library::new(parsed.units.iter().map(|(_, unit)| unit));
         let project = parsed.project.as_ref().and_then(|project| project.cpu.as_ref());
         let cpu = args.cpu.as_deref().or(project.map(|(name, _)| name.as_str()));
         let profile = cpu.and_then(profile::lookup);
@@ -59,12 +60,12 @@ pub fn convert(args: &ConvertArgs) -> u8 {
                 ConvertTo::Stl => to_stl::unit(unit, &types, keeps_br),
                 ConvertTo::Lad => to_graph::unit(unit, &types, Graphic::Lad),
                 ConvertTo::Fbd => to_graph::unit(unit, &types, Graphic::Fbd),
-                ConvertTo::Sd | ConvertTo::Scl | ConvertTo::Gr7 => (unit.clone(), Vec::new()),
+                ConvertTo::Sd | ConvertTo::Scl | ConvertTo::Gr7 | ConvertTo::Xml => (unit.clone(), Vec::new()),
             };
             let refused = found.iter().any(Diagnostic::is_error);
             messages.extend(found);
             if !refused {
-                let (file, found) = written(args, *file, unit, &made, &source.text);
+                let (file, found) = written(args, *file, (unit, &made), &library, &source.text);
                 messages.extend(found);
                 files.push(Converted { name: source.name.clone(), ..file });
             }
@@ -88,8 +89,8 @@ pub fn convert(args: &ConvertArgs) -> u8 {
 fn written(
     args: &ConvertArgs,
     file: FileId,
-    unit: &SourceUnit,
-    made: &SourceUnit,
+    (unit, made): (&SourceUnit, &SourceUnit),
+    library: &xml::Library,
     source: &str,
 ) -> (Converted, Vec<Diagnostic>) {
     let set = args.mnemonics.map_or(unit.mnemonics, Mnemonics::from);
@@ -117,6 +118,11 @@ fn written(
         }
         ConvertTo::Gr7 => {
             let (text, messages) = plcc_convert::gr7::write(made, trivia(is_stl), Some(meaning));
+            (Converted { name, text, texts: None }, messages)
+        }
+        ConvertTo::Xml => {
+            let (text, messages) =
+                plcc_convert::xml::write(made, library, trivia(is_stl), (!is_stl).then_some(meaning));
             (Converted { name, text, texts: None }, messages)
         }
         ConvertTo::Scl => {

@@ -3,6 +3,7 @@
 pub mod build;
 pub mod check;
 pub mod convert;
+pub mod debug;
 pub mod explain;
 pub mod fmt;
 pub mod lsp;

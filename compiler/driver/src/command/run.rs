@@ -4,7 +4,7 @@ use plcc_abi::ProgramImage;
 use plcc_abi::services::ServicesConfig;
 use plcc_runtime::change::CodeSource;
 
-use crate::cli::RunArgs;
+use crate::cli::{ReplayArgs, RunArgs};
 use crate::code;
 use crate::command::build::{accepted, internal};
 use crate::{drawings, inputs, live, pipeline};
@@ -15,7 +15,7 @@ pub fn run(args: &RunArgs) -> u8 {
         return live::run(args);
     }
     match compile(args) {
-        Ok((image, code)) => match args.services.open(&image, args.run.is_many()) {
+        Ok((image, code)) => match args.services.open(&image, args.run.flags_only()) {
             Ok((service, opened)) => {
                 opened.iter().for_each(|line| eprintln!("{line}"));
                 plcc_runtime::run::start(image, &*code, &args.run, service)
@@ -27,6 +27,13 @@ pub fn run(args: &RunArgs) -> u8 {
         },
         Err(exit) => exit,
     }
+}
+
+/// Repeats a recorded run.
+pub fn replay(args: &ReplayArgs) -> u8 {
+    let mut run = args.run.clone();
+    run.run.replay = Some(args.recording.clone());
+    self::run(&run)
 }
 
 /// Compiles the program, also with probes if a page may watch it. `Err`: the exit code, after messages.

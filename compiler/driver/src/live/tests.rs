@@ -34,7 +34,7 @@ fn compiled_all(files: &[(&str, &str)]) -> (ProgramImage, CodeSource) {
     let errors: Vec<&str> = bound.diagnostics.iter().filter(|d| d.is_error()).map(|d| d.title.as_str()).collect();
     assert!(errors.is_empty(), "{errors:?}");
     let compiled = pipeline::back(&bound, Level::O2);
-    let code = code::source(&compiled).expect("what is lowered becomes code");
+    let code = code::source(&compiled, None).expect("what is lowered becomes code");
     (compiled.image, code)
 }
 

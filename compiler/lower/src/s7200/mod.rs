@@ -102,6 +102,7 @@ fn lower_block<'p>(
         if network.replace(statement.network) != Some(statement.network) && network.is_some() {
             lowering.network_safepoint();
         }
+        lowering.step_before(statement);
         match &statement.kind {
             StatementKind::Instruction { insn, operands } => lowering.instruction(*insn, operands),
             StatementKind::Call { number, arguments } => lowering.call(*number, arguments),

@@ -1,10 +1,11 @@
 //! Probes of a block of an S7-200.
 
-use plcc_ir::{BinaryOp, Type};
+use plcc_abi::layout::state;
+use plcc_ir::{Address, BinaryOp, Region, Type, Value, Var};
 use plcc_model::s7200::{Area, Operand, Statement, StatementKind, Width};
 
 use super::block::S7200Lowering;
-use crate::probe::{self, Place, Probe};
+use crate::probe::{self, Asked, Kept, Place, Probe};
 
 /// Bit of ENO beside the levels of the logic stack.
 const ENO_BIT: i64 = 9;
@@ -35,22 +36,52 @@ impl S7200Lowering<'_, '_> {
             StatementKind::Call { arguments, .. } => arguments,
             StatementKind::Assert(_) | StatementKind::Sleep(_) => return,
         };
-        if !self.b.is_reachable() {
+        if !self.b.is_reachable() || self.output.probes.asked != Asked::Values {
             return;
         }
         let (block, names) = (self.block.key(), operands.iter().filter_map(name));
         let (span, network) = (statement.span, statement.network);
         let place = || Place { block, span, network, probe: Probe::Stack(names.collect()) };
         let Some(place) = self.output.probes.add(place) else { return };
+        let bits = self.stack_bits();
+        probe::value(&mut self.b, place, bits);
+    }
+
+    /// For a debugger: a statement is about to run. The logic stack is in memory and can be changed.
+    pub fn step_before(&mut self, statement: &Statement) {
+        let is_code = matches!(statement.kind, StatementKind::Instruction { .. } | StatementKind::Call { .. });
+        if !is_code || !self.b.is_reachable() || self.output.probes.asked != Asked::Statements {
+            return;
+        }
+        let (block, span, network) = (self.block.key(), statement.span, statement.network);
+        let place = || Place { block, span, network, probe: Probe::Statement(Kept::Stack) };
+        let Some(place) = self.output.probes.add(place) else { return };
+        let bits = self.stack_bits();
+        self.b.store_state(state::PROBED, bits);
+        let local = self.b.address_of(Address::direct(Region::L, 0));
+        probe::statement(&mut self.b, place, local);
+        let bits = self.b.load_state(state::PROBED);
+        for (var, bit) in self.levels() {
+            let value = self.b.binary_imm(BinaryOp::Lshr, bits, bit);
+            let value = self.b.trunc(Type::I1, value);
+            self.b.def_var(var, value);
+        }
+    }
+
+    /// The logic stack and ENO, with their bits in what a probe tells.
+    fn levels(&self) -> Vec<(Var, i64)> {
+        self.stack.into_iter().zip(0..).chain([(self.eno, ENO_BIT)]).collect()
+    }
+
+    fn stack_bits(&mut self) -> Value {
         let mut bits = self.b.i32_const(0);
-        let levels = self.stack.into_iter().zip(0..).chain([(self.eno, ENO_BIT)]);
-        for (var, bit) in levels.collect::<Vec<_>>() {
+        for (var, bit) in self.levels() {
             let value = self.get(var);
             let value = self.b.zext(Type::I32, value);
             let value = self.b.binary_imm(BinaryOp::Shl, value, bit);
             bits = self.b.or(bits, value);
         }
-        probe::value(&mut self.b, place, bits);
+        bits
     }
 }
 

@@ -28,6 +28,7 @@ use crate::Output;
 use crate::block::BlockLowering;
 use crate::place::{BitNumber, Target};
 use crate::plan::Plan;
+use crate::probe::Asked;
 
 pub use self::call::result;
 use self::promote::Slot;
@@ -47,6 +48,8 @@ pub struct SclState {
     loops: Vec<Loop>,
     /// Elementary formals whose pointers are passed on, and the copies in the frame that these point at.
     pointed_copies: Vec<(Access, Address)>,
+    /// The network whose beginning a debugger is told last; 0: none.
+    pub told_network: u16,
     /// The promoted result, written when the block ends.
     result: Option<(usize, Elementary, Var)>,
 }
@@ -96,7 +99,12 @@ impl BlockLowering<'_, '_> {
         }
         self.prepare_texts(body);
         let block = self.block;
-        for (slot, ty) in promote::promotable(block, &body.statements) {
+        // A debugger reads and changes variables.
+        let promoted = match self.output.probes.asked {
+            Asked::Statements => Vec::new(),
+            Asked::Nothing | Asked::Values => promote::promotable(block, &body.statements),
+        };
+        for (slot, ty) in promoted {
             let var = self.b.declare_var(value_type(ty));
             let start = match slot {
                 Slot::Parameter(index) if block.interface.parameters[index].direction == Direction::Input => {

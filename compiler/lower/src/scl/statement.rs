@@ -26,6 +26,7 @@ impl BlockLowering<'_, '_> {
         for statement in statements {
             self.reachable();
             self.place_statement(statement.span);
+            self.step_before(statement);
             self.statement(statement);
         }
     }
@@ -145,8 +146,11 @@ impl BlockLowering<'_, '_> {
 
     fn if_statement(&mut self, branches: &[(Expr, Vec<Statement>)], otherwise: &[Statement]) {
         let end = self.b.create_block();
-        for (condition, body) in branches {
+        for (number, (condition, body)) in branches.iter().enumerate() {
             self.place_statement(condition.span);
+            if number > 0 {
+                self.step_between(condition.span);
+            }
             let condition = self.value(condition);
             let (then, other) = (self.b.create_block(), self.b.create_block());
             self.b.branch(condition, then, other);
@@ -272,6 +276,7 @@ impl BlockLowering<'_, '_> {
         self.scl.loops.pop();
         self.b.seal_block(next);
         self.b.switch_to(next);
+        self.step_between(variable.span);
         let now = match &located {
             Some(located) => self.read_located(variable, located),
             None => self.read_access(variable),
@@ -290,13 +295,14 @@ impl BlockLowering<'_, '_> {
             (self.b.create_block(), self.b.create_block(), self.b.create_block(), self.b.create_block());
         self.b.jump(head, &[]);
         self.b.switch_to(head);
-        let condition = self.value(condition);
-        self.b.branch(condition, run, exit);
+        let goes_on = self.value(condition);
+        self.b.branch(goes_on, run, exit);
         self.scl.loops.push(Loop { exit, next });
         self.body(run, body, next);
         self.scl.loops.pop();
         self.b.seal_block(next);
         self.b.switch_to(next);
+        self.step_between(condition.span);
         self.safepoint();
         self.b.jump(head, &[]);
         self.b.seal_block(head);
@@ -318,6 +324,7 @@ impl BlockLowering<'_, '_> {
         self.b.seal_block(next);
         self.b.switch_to(next);
         self.place_statement(until.span);
+        self.step_between(until.span);
         let done = self.value(until);
         self.b.branch(done, exit, again);
         self.b.seal_block(again);

@@ -107,6 +107,17 @@ impl BlockLowering<'_, '_> {
         word
     }
 
+    /// The bits of an i32 become status bits; OR, STA and /FC only with `all`.
+    pub fn set_status_word(&mut self, word: Value, all: bool) {
+        for (var, bit) in self.status_bits() {
+            if all || !Self::is_hidden(bit) {
+                let bit = self.b.binary_imm(BinaryOp::Lshr, word, i64::from(bit));
+                let bit = self.b.trunc(Type::I1, bit);
+                self.set(var, bit);
+            }
+        }
+    }
+
     /// `T`.
     pub fn transfer(&mut self, operand: &Operand) {
         let accu1 = self.accu1();
@@ -117,13 +128,7 @@ impl BlockLowering<'_, '_> {
             Operand::Memory { place, width } => self.write(place, *width, value),
             Operand::Special(SpecialRegister::Stw) => {
                 let all = self.has_four_accumulators();
-                for (var, bit) in self.status_bits() {
-                    if all || !Self::is_hidden(bit) {
-                        let bit = self.b.binary_imm(BinaryOp::Lshr, value, i64::from(bit));
-                        let bit = self.b.trunc(Type::I1, bit);
-                        self.set(var, bit);
-                    }
-                }
+                self.set_status_word(value, all);
             }
             Operand::None
             | Operand::Const { .. }

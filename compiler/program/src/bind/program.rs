@@ -11,6 +11,8 @@ use plcc_syntax::ast;
 use super::chart::ChartBinder;
 use super::declarations::Declarations;
 use super::declarations::block::CurrentBlock;
+use super::declarations::path::Base;
+use super::declarations::typed::BoundInterface;
 use super::globals::names::kind_prefix;
 use super::globals::sources::CodeSource;
 use super::network::NetworkBinder;
@@ -21,6 +23,7 @@ use crate::bind::review::review;
 use crate::bind::trees::blocks;
 use plcc_binding::pragma::is_asserted;
 use plcc_binding::{BindInput, Bound};
+use plcc_model::types::Member;
 use plcc_model::{BlockKey, Body, CodeBlock, Interface, Program, profile};
 
 /// Binds a program. The program is complete if no message is an error and, with `partial`, nothing is undefined.
@@ -165,16 +168,27 @@ fn bind_block(program: &mut Declarations, key: BlockKey, fixed_span: Option<Span
         },
         name => name,
     };
+    let temporaries = if fixed_span.is_some() { Vec::new() } else { temporaries(&bound) };
     Some(CodeBlock {
         kind: key.kind,
         number: key.number,
         name,
         span: fixed_span.unwrap_or(span),
         library: fixed_span.is_some(),
-        interface: bound.interface.clone(),
+        interface: Interface { temporaries, ..bound.interface.clone() },
         temp_bytes: bound.temp_bytes.max(current.local_bytes.next_multiple_of(2)),
         body,
     })
+}
+
+/// The TEMP variables of a block, views of them included, in the order of their addresses.
+fn temporaries(bound: &BoundInterface) -> Vec<Member> {
+    let locals = bound.locals.values().filter(|local| matches!(local.base, Base::L));
+    let mut members: Vec<Member> = locals
+        .map(|local| Member { name: local.name.clone(), ty: local.ty.clone(), byte: local.byte, bit: local.bit })
+        .collect();
+    members.sort_by(|a, b| (a.byte, a.bit, &a.name).cmp(&(b.byte, b.bit, &b.name)));
+    members
 }
 
 /// Each language binds its own blocks.

@@ -144,6 +144,8 @@ fn header(object: Node) -> Header {
     attributes.extend(text("SecondaryType").map(|ty| ("SecondaryType".to_string(), ty)));
     let language = text("ProgrammingLanguage").filter(|language| language.starts_with(SAFETY));
     attributes.extend(language.map(|language| ("ProgrammingLanguage".to_string(), language)));
+    let sets_eno = text("SetENOAutomatically").filter(|value| value == "true");
+    attributes.extend(sets_eno.map(|_| ("S7_SetENOAutomatically".to_string(), "TRUE".to_string())));
     let comment = multilingual(object, "Comment").map(|text| text.lines().map(str::to_string).collect());
     Header {
         title: multilingual(object, "Title"),

@@ -45,6 +45,7 @@ function fill(div) {
   else div.innerHTML = `<pre>${coloured(s.text, s.kind)}</pre>`;
   div.style.minHeight = "";
   link(div);
+  if (forced.length) markForced(div);
   if (isWatched(div)) look(div);
   else if (shown) paint(div, s);
   marked(div);
@@ -335,6 +336,8 @@ window.live = {
     for (const d of inSight()) if (isWatched(d)) look(d);
   },
   uses,
+  // These addresses are forced: operands that overlap them are marked.
+  force(names) { forced = names.map((name) => range(name)).filter((r) => r); markForced(main); },
   // Opens a block, at a network if it has that: `FC 5`.
   go(block, network) {
     const i = byName.get(fold(block));
@@ -343,6 +346,14 @@ window.live = {
     go(i, network && k >= 0 ? k : undefined);
   },
 };
+
+let forced = [];
+function markForced(root) {
+  for (const t of root.querySelectorAll("text.o")) {
+    const r = range(t.dataset.k ?? "");
+    t.classList.toggle("forced", !!r && forced.some((f) => f[0] === r[0] && f[1] < r[2] && r[1] < f[2]));
+  }
+}
 
 // Status of the block in sight: what its statements see in one call.
 const status = { block: null, places: [], seen: [], steps: [], at: new Map() };

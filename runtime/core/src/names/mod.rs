@@ -3,7 +3,7 @@
 //! A name begins with a symbol or a DB, and goes on with members, indices and at last a slice of a bit string. Quotes may be
 //! left out, and letters of both cases are the same where no other name has the exact letters.
 
-mod path;
+pub mod path;
 
 use std::collections::{HashMap, HashSet};
 

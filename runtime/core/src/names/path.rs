@@ -4,7 +4,7 @@ use crate::address::digits;
 
 /// A part of a name.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Part {
+pub enum Part {
     /// Without its quotes.
     Name(String),
     Index(Vec<i64>),
@@ -13,7 +13,7 @@ pub(super) enum Part {
 }
 
 /// Splits a name at points and brackets outside of quotes. `None`: it is not a name.
-pub(super) fn parts(text: &str) -> Option<Vec<Part>> {
+pub fn parts(text: &str) -> Option<Vec<Part>> {
     let mut parts = Vec::new();
     let mut rest = text.trim();
     loop {

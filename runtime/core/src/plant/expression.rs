@@ -47,7 +47,7 @@ fn marked(text: &str) -> String {
 }
 
 /// An expression that was parsed.
-pub(super) struct Expression {
+pub struct Expression {
     slab: Slab,
     root: ExpressionI,
 }
@@ -81,8 +81,13 @@ impl Expression {
         }
     }
 
+    /// The value, with `of` as the values of names. `Err`: the error as a sentence.
+    pub fn value(&self, of: &dyn Fn(&str) -> f64) -> Result<f64, String> {
+        self.evaluate(of).map_err(|error| wrong("the expression", &error))
+    }
+
     /// The value, with `of` as the values of names.
-    pub fn evaluate(&self, of: &dyn Fn(&str) -> f64) -> Result<f64, Error> {
+    pub(super) fn evaluate(&self, of: &dyn Fn(&str) -> f64) -> Result<f64, Error> {
         let mut names = |name: &str, arguments: Vec<f64>| match (name, arguments.as_slice()) {
             ("if", &[condition, yes, no]) => Some(if condition != 0.0 { yes } else { no }),
             // Not f64::clamp, which panics if the limits are crossed.

@@ -14,7 +14,7 @@ use crate::address::{Place, Width};
 use crate::clock::NS_PER_MS;
 use crate::cpu::Cpu;
 use crate::signal::{Source, Value};
-use expression::Expression;
+pub use expression::Expression;
 
 pub(crate) use read::PlantText;
 

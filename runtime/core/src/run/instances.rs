@@ -137,6 +137,8 @@ fn check(options: &RunOptions) -> Result<(usize, Option<Table>), String> {
         ("--retain", options.retain.is_some()),
         ("--data", options.data.is_some()),
         ("--diag", options.diag),
+        ("--record", options.record.is_some()),
+        ("--replay", options.replay.is_some()),
         ("--realtime", options.realtime),
     ];
     match single.iter().find(|(_, given)| *given) {

@@ -1,6 +1,8 @@
 //! Running a program as a CPU does: `plcc run` and executables.
 
+mod debugged;
 mod instances;
+mod recorded;
 mod session;
 
 use std::fs::File;
@@ -13,7 +15,6 @@ use std::sync::{Arc, OnceLock};
 use plcc_abi::ProgramImage;
 
 use crate::change::{CodeSource, Inbox};
-use crate::clock::Clock;
 use crate::code::Code;
 use crate::cpu::Cpu;
 use crate::cycle::Pace;
@@ -26,6 +27,7 @@ use crate::records::store::{self, Store};
 use crate::remote::{self, Remote};
 use crate::trace::Recorder;
 use crate::{diagnostics, files, realtime, report};
+pub use debugged::{Ended, for_debugger, run_debugged};
 use session::{Session, prepare};
 
 /// The program stopped because it was asked to.
@@ -115,19 +117,18 @@ pub fn run_watched(
 
 fn run_with(mut image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions, extras: Extras) -> u8 {
     let Extras { service, watcher, changes } = extras;
-    let clock = match options.clock {
-        ClockKind::Real => Clock::real(),
-        ClockKind::Virtual => Clock::simulated(),
-    };
-    options.configure(&mut image.config);
-    let driver = match driver(&image, options) {
-        Ok(driver) => driver,
+    let planned = match recorded::plan(&mut image, options, service.is_some()) {
+        Ok(planned) => planned,
         Err(message) => {
             say!("runtime: {message}");
             return EXIT_USAGE;
         }
     };
-    let mut cpu = Cpu::new(image, code, clock, driver);
+    let options = &planned.options;
+    let mut cpu = Cpu::new(image, code, planned.clock, planned.driver);
+    if let Some(tape) = &planned.tape {
+        cpu.set_tape(Rc::clone(tape));
+    }
     if let Some(watcher) = &watcher {
         cpu.set_watcher(watcher.clone());
     }
@@ -162,6 +163,7 @@ fn run_with(mut image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions, e
     }
     let mut cycles = 0;
     drive(&mut cpu, &pace, &mut session, options, inbox, &mut cycles);
+    let taped = planned.tape.map(|tape| recorded::end(&tape, options, cycles));
     // A CPU in STOP answers its clients, and one of them may start it again.
     while cpu.is_stopped() && cpu.is_served.get() {
         stop_line(&cpu, options, cycles).iter().for_each(|line| say!("{line}"));
@@ -174,13 +176,16 @@ fn run_with(mut image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions, e
             say!("runtime: {message}");
             return EXIT_USAGE;
         }
+        if options.record.is_some() {
+            say!("runtime: the recording ends with the STOP: what comes now is not in it");
+        }
         if !options.quiet {
             say!("started again by a client");
         }
         pace.cycles = options.cycles.map(|all| all.saturating_sub(cycles));
         drive(&mut cpu, &pace, &mut session, options, inbox, &mut cycles);
     }
-    finish(&cpu, options, session, cycles)
+    finish(&cpu, options, session, cycles).max(taped.unwrap_or(EXIT_OK))
 }
 
 /// Startup and cycles, also of programs that take the place of the first one, until STOP or the end of the run.

@@ -156,15 +156,15 @@ pub(super) fn send_to(call: &Call) -> Outcome {
     let bytes = call.cpu.memory.view(range.offset, range.bytes, <[u8]>::to_vec);
     let [a, b, c, d, high, low, ..] = call.cpu.memory.bytes::<{ PARTNER_BYTES as usize }>(partner.offset);
     let to = SocketAddrV4::new(Ipv4Addr::new(a, b, c, d), u16::from_be_bytes([high, low]));
+    let mut communication = call.cpu.communication.borrow_mut();
+    let Some(connection) = communication.connection(call.word(0)) else { return error(status::NOT_CONNECTED) };
     if to.ip().is_unspecified() || to.port() == 0 {
         return error(PARTNER_ADDRESS);
     }
-    let mut communication = call.cpu.communication.borrow_mut();
-    match communication.connection(call.word(0)).map(|connection| connection.send_to(&bytes, to)) {
-        Some(Some(true)) => OK,
-        Some(Some(false)) => error(status::TEMPORARY),
-        Some(None) => error(status::INCONSISTENT),
-        None => error(status::NOT_CONNECTED),
+    match connection.send_to(&bytes, to) {
+        Some(true) => OK,
+        Some(false) => error(status::TEMPORARY),
+        None => error(status::INCONSISTENT),
     }
 }
 

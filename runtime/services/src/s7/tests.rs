@@ -322,7 +322,7 @@ fn subscribed_variables_come_again() {
     assert_eq!(session.indications(&plc, ms(50)), Vec::<Vec<u8>>::new());
     plc.db.borrow_mut()[4] = 0x44;
     let cyclic = hex("32 07 0000 0000 000C 000D 00 01 12 08 12 02 01 01 00 00 0000 FF 09 0009 00 01 FF 04 0018 442233");
-    assert_eq!(session.indications(&plc, ms(1000)), [cyclic.clone()], "M5.3 has not changed");
+    assert_eq!(session.indications(&plc, ms(1000)), std::slice::from_ref(&cyclic), "M5.3 has not changed");
     plc.memory.borrow_mut()[5] = 0;
     let changed = hex("32 07 0000 0000 000C 000B 00 01 12 08 12 02 05 02 00 00 0000 FF 09 0007 00 01 FF 03 0001 00");
     assert_eq!(session.indications(&plc, ms(1150)), [changed]);

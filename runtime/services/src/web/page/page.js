@@ -10,6 +10,7 @@ const live = {
   names: [], // what the server tells, in its order
   shown: new Map(), // name -> { value, text, type } or { wrong }
   role: "look",
+  forced: [], // addresses
   drawn: false, // the program has drawings
 };
 
@@ -97,6 +98,9 @@ function state(it) {
 
 // Inputs and outputs with fixed values are told wherever the page is.
 function forced(list) {
+  live.forced = list.map(([name]) => name);
+  program.frame.contentWindow?.live?.force(live.forced);
+  if (view === table) table.update(table.rows.keys());
   $("forced").hidden = list.length === 0;
   $("forced").textContent = `F ${list.length}`;
   $("forced").title = list.map(([name, value]) => `${name} = ${value}`).join("\n");
@@ -268,6 +272,7 @@ const table = {
       if (!row) continue;
       row.type.textContent = shown?.type ?? "";
       showValue(row.value, shown, row.format.value);
+      row.value.classList.toggle("forced", live.forced.includes(name));
     }
   },
 };

@@ -6,13 +6,15 @@ const status = {
   frame: null,
   calls: [],
   call: "",
+  places: [],
   // Asks for the block that the drawings show now.
   async follow(frame) {
+    if (frame && frame !== this.frame) frame.force(live.forced);
+    this.frame = frame;
     $("status-bar").hidden = !live.watchable;
     const block = live.watchable && $("status-on").checked ? frame?.block() ?? null : null;
     if (block === this.block || !frame) return;
     this.block = block;
-    this.frame = frame;
     this.call = "";
     this.list([]);
     $("status-block").textContent = block ?? frame.block() ?? "";
@@ -21,7 +23,8 @@ const status = {
     const answer = await fetch(`places/${block}`);
     if (this.block !== block) return;
     if (!answer.ok) { $("status-seen").textContent = "this block has no status"; return; }
-    frame.watch(block, await answer.json());
+    this.places = await answer.json();
+    frame.watch(block, this.places);
     $("status-seen").textContent = "not called so far";
     this.ask();
   },
@@ -51,6 +54,8 @@ $("status-on").onchange = () => program.look();
 $("status-call").onchange = () => {
   status.call = $("status-call").value;
   $("status-seen").textContent = "not called since then";
+  // Nothing of the call until now remains.
+  if (status.block) status.frame?.watch(status.block, status.places);
   status.ask();
 };
 

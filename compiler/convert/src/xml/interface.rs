@@ -1,0 +1,385 @@
+//! Declarations: sections, members and their start values.
+
+use plcc_syntax::Elementary;
+use plcc_syntax::ast::{
+    Bound, CodeBlock, CodeKind, InitialKind, InitialValue, PathPart, PathRoot, Retain, Section, SectionKind, TypeKind,
+    TypeRef, ValueAssignment, Variable,
+};
+
+use super::node::Node;
+use super::{Library, referred};
+use crate::frames::bare;
+use crate::scl::expression;
+use crate::writer::Writer;
+
+/// No array has more start values than this.
+const VALUES_MAX: i64 = 100_000;
+
+/// The interface of a block with code.
+pub fn of_code(block: &CodeBlock, library: &Library, writer: &mut Writer) -> Node {
+    let mut sections = sections();
+    let is_fb = matches!(block.kind, CodeKind::Fb | CodeKind::Sfb);
+    let kinds: &[(SectionKind, &str)] = match block.kind {
+        CodeKind::Ob => &[(SectionKind::Input, "Input"), (SectionKind::Temp, "Temp")],
+        CodeKind::Fc | CodeKind::Sfc | CodeKind::Fb | CodeKind::Sfb => &[
+            (SectionKind::Input, "Input"),
+            (SectionKind::Output, "Output"),
+            (SectionKind::InOut, "InOut"),
+            (SectionKind::Static, "Static"),
+            (SectionKind::Temp, "Temp"),
+        ],
+    };
+    for (kind, name) in kinds {
+        let own: Vec<&Section> = block.sections.iter().filter(|section| section.kind == *kind).collect();
+        if *kind == SectionKind::Static && !is_fb && own.is_empty() {
+            continue;
+        }
+        let mut node = Node::new("Section").with("Name", name);
+        for section in own {
+            for variable in &section.variables {
+                let mut member = member(variable, library, writer);
+                match section.retain {
+                    Retain::Retain => member.attributes.push(("Remanence", "Retain".to_string())),
+                    Retain::DbSpecific => member.attributes.push(("Remanence", "SetInIDB".to_string())),
+                    Retain::NonRetain | Retain::Unsaid => {}
+                }
+                node.push(member);
+            }
+        }
+        sections.push(node);
+    }
+    let mut constants = Node::new("Section").with("Name", "Constant");
+    for constant in &block.constants {
+        let Some(ty) = &constant.ty else {
+            let title = format!("SimaticML has no constant without a type: `{}`", constant.name);
+            writer.refuse(constant.name_span, title, "declare it in VAR CONSTANT, with its type");
+            continue;
+        };
+        let mut node = typed(&constant.name, ty, library, writer);
+        if let Some(value) = &constant.value {
+            node.push(Node::of("StartValue", expression::text(value, writer)));
+        } else if let Some(value) = &constant.initial {
+            start_values(value, ty, &mut node, library, writer);
+        }
+        constants.push(node);
+    }
+    sections.push(constants);
+    if matches!(block.kind, CodeKind::Fc | CodeKind::Sfc) {
+        let member = match &block.return_type {
+            Some(ty) => typed("Ret_Val", ty, library, writer),
+            None => Node::new("Member").with("Name", "Ret_Val").with("Datatype", "Void"),
+        };
+        sections.push(Node::new("Section").with("Name", "Return").child(member));
+    }
+    Node::new("Interface").child(sections)
+}
+
+fn sections() -> Node {
+    Node::new("Sections").with("xmlns", "http://www.siemens.com/automation/Openness/SW/Interface/v5")
+}
+
+/// The interface of a data block or a data type.
+pub fn of_members(
+    section: &str,
+    members: &[Variable],
+    retained: &[String],
+    library: &Library,
+    writer: &mut Writer,
+) -> Node {
+    let mut node = Node::new("Section").with("Name", section);
+    for variable in members {
+        let mut member = member(variable, library, writer);
+        if retained.iter().any(|name| name.eq_ignore_ascii_case(&variable.name)) {
+            member.attributes.push(("Remanence", "Retain".to_string()));
+        }
+        node.push(member);
+    }
+    Node::new("Interface").child(sections().child(node))
+}
+
+fn member(variable: &Variable, library: &Library, writer: &mut Writer) -> Node {
+    let mut node = typed(&variable.name, &variable.ty, library, writer);
+    if let Some((at, _)) = &variable.at {
+        let attribute = Node::of("StringAttribute", at.as_str()).with("Name", "At").with("SystemDefined", "true");
+        node.children.insert(0, Node::new("AttributeList").child(attribute));
+    }
+    for (key, _) in &variable.attributes {
+        let title = format!("the attribute `{key}` of `{}` is not in the file", variable.name);
+        writer.warn(variable.name_span, title, "set it in the editor again");
+    }
+    let end = variable.initial.as_ref().map_or(variable.ty.span.end, |value| value.span.end);
+    let mut remarks = writer.trivia.before(variable.name_span.start);
+    remarks.extend(writer.trivia.on_line(end.max(variable.name_span.end)));
+    let mut comments: Vec<String> = variable.comment.iter().cloned().collect();
+    for remark in &remarks {
+        let text = bare(&remark.text);
+        if !comments.contains(&text) {
+            comments.push(text);
+        }
+    }
+    if !comments.is_empty() {
+        let text = Node::of("MultiLanguageText", comments.join("\n")).with("Lang", "en-US");
+        node.push(Node::new("Comment").child(text));
+    }
+    if let Some(value) = &variable.initial {
+        start_values(value, &variable.ty, &mut node, library, writer);
+    }
+    node
+}
+
+/// A member with its type, and the members of its structure.
+fn typed(name: &str, ty: &TypeRef, library: &Library, writer: &mut Writer) -> Node {
+    let mut node = Node::new("Member").with("Name", name).with("Datatype", type_text(ty, library, writer));
+    if let Some(members) = structure(ty) {
+        node.children.extend(members.iter().map(|one| member(one, library, writer)));
+    }
+    node
+}
+
+fn structure(ty: &TypeRef) -> Option<&[Variable]> {
+    match &ty.kind {
+        TypeKind::Struct(members) => Some(members),
+        TypeKind::Array { element, .. } | TypeKind::OpenArray { element, .. } => structure(element),
+        _ => None,
+    }
+}
+
+/// A type as the export writes it.
+pub fn type_text(ty: &TypeRef, library: &Library, writer: &mut Writer) -> String {
+    match &ty.kind {
+        TypeKind::Named(name) => cased(name),
+        TypeKind::String(length) => sized("String", length.as_ref(), writer),
+        TypeKind::WideString(length) => sized("WString", length.as_ref(), writer),
+        TypeKind::Array { bounds, element } => {
+            let list: Vec<String> =
+                bounds.iter().map(|(low, high)| format!("{}..{}", bound(low, writer), bound(high, writer))).collect();
+            format!("Array[{}] of {}", list.join(", "), type_text(element, library, writer))
+        }
+        TypeKind::OpenArray { dimensions, element } => {
+            let stars = vec!["*"; usize::from(*dimensions)].join(", ");
+            format!("Array[{stars}] of {}", type_text(element, library, writer))
+        }
+        TypeKind::Reference(target) => format!("REF_TO {}", type_text(target, library, writer)),
+        TypeKind::Struct(_) => "Struct".to_string(),
+        TypeKind::Block(name) => format!("\"{}\"", referred(name, library, writer)),
+        TypeKind::Error => {
+            writer.refuse(ty.span, "a type that was not understood", "repair the source first");
+            String::new()
+        }
+    }
+}
+
+fn sized(name: &str, length: Option<&Bound>, writer: &mut Writer) -> String {
+    length.map_or_else(|| name.to_string(), |length| format!("{name}[{}]", bound(length, writer)))
+}
+
+fn bound(bound: &Bound, writer: &mut Writer) -> String {
+    match bound {
+        Bound::Number(number, _) => number.to_string(),
+        Bound::Name(name, _) => format!("\"{name}\""),
+        Bound::Expr(value) => expression::text(value, writer),
+    }
+}
+
+/// `INT` as the editor writes it: `Int`.
+pub fn cased(name: &str) -> String {
+    const WORDS: [&str; 22] = [
+        "Bool", "Byte", "Word", "DWord", "LWord", "SInt", "USInt", "Int", "UInt", "DInt", "UDInt", "LInt", "ULInt",
+        "Real", "LReal", "Char", "WChar", "Time", "LTime", "Date", "Variant", "S5Time",
+    ];
+    let known = WORDS.iter().find(|word| word.eq_ignore_ascii_case(name));
+    let elementary = || Elementary::ALL.iter().find(|ty| ty.name().eq_ignore_ascii_case(name));
+    match known {
+        Some(word) => (*word).to_string(),
+        None => elementary().map_or_else(|| name.to_string(), |ty| ty.name().to_string()),
+    }
+}
+
+// Start values.
+
+/// Gives a member its start value, its elements or its components theirs.
+fn start_values(value: &InitialValue, ty: &TypeRef, node: &mut Node, library: &Library, writer: &mut Writer) {
+    values_at(&[], value, ty, node, library, writer);
+}
+
+/// The same, of the elements of all arrays around with these indices.
+fn values_at(
+    around: &[i64],
+    value: &InitialValue,
+    ty: &TypeRef,
+    node: &mut Node,
+    library: &Library,
+    writer: &mut Writer,
+) {
+    match (&value.kind, &ty.kind) {
+        (InitialKind::Elements(elements), _) => {
+            let of = match &ty.kind {
+                TypeKind::Array { element, .. } | TypeKind::OpenArray { element, .. } => element,
+                _ => ty,
+            };
+            for (index, value) in elements {
+                values_at(&[around, index].concat(), value, of, node, library, writer);
+            }
+        }
+        (InitialKind::List(_) | InitialKind::Repeat { .. }, TypeKind::Array { bounds, element }) => {
+            let mut flat = Vec::new();
+            if !flatten(value, &mut flat) {
+                return refuse(value, writer);
+            }
+            let mut limits = Vec::new();
+            for (low, high) in bounds {
+                let (Bound::Number(low, _), Bound::Number(high, _)) = (low, high) else {
+                    return refuse(value, writer);
+                };
+                limits.push((*low, *high));
+            }
+            let mut index: Vec<i64> = limits.iter().map(|(low, _)| *low).collect();
+            for value in flat {
+                values_at(&[around, &index].concat(), value, element, node, library, writer);
+                // The last index counts first.
+                for (at, (low, high)) in limits.iter().enumerate().rev() {
+                    index[at] += 1;
+                    if index[at] <= *high {
+                        break;
+                    }
+                    index[at] = *low;
+                }
+            }
+        }
+        (InitialKind::Fields(fields), _) => {
+            let Some(members) = library.members(ty) else { return refuse(value, writer) };
+            for (at, (name, value)) in fields.iter().enumerate() {
+                let known = match name {
+                    Some(name) => members.iter().find(|member| member.name.eq_ignore_ascii_case(&name.text)),
+                    None => members.get(at),
+                };
+                let Some(known) = known else { return refuse(value, writer) };
+                let part = component(node, known, ty, library, writer);
+                values_at(around, value, &known.ty, part, library, writer);
+            }
+        }
+        (InitialKind::Default, _) => {}
+        _ => match text(value, writer) {
+            Some(text) if around.is_empty() => node.push(Node::of("StartValue", text)),
+            Some(text) => {
+                let path: Vec<String> = around.iter().map(i64::to_string).collect();
+                let start = Node::of("StartValue", text);
+                node.push(Node::new("Subelement").with("Path", path.join(",")).child(start));
+            }
+            None => refuse(value, writer),
+        },
+    }
+}
+
+/// The component of a member: that of its declaration, or one below its data type.
+fn component<'n>(
+    node: &'n mut Node,
+    known: &Variable,
+    ty: &TypeRef,
+    library: &Library,
+    writer: &mut Writer,
+) -> &'n mut Node {
+    let is = |child: &Node| {
+        child.name == "Member" && child.attributes.iter().any(|(key, own)| *key == "Name" && *own == known.name)
+    };
+    if let Some(at) = node.children.iter().position(is) {
+        return &mut node.children[at];
+    }
+    let sections = match node.children.iter().position(|child| child.name == "Sections") {
+        Some(at) => at,
+        None => {
+            let section = Node::new("Section").with("Name", "None");
+            node.push(Node::new("Sections").with("Datatype", type_text(ty, library, writer)).child(section));
+            node.children.len() - 1
+        }
+    };
+    let section = &mut node.children[sections].children[0];
+    let at = section.children.iter().position(is).unwrap_or_else(|| {
+        let member = Node::new("Member").with("Name", &known.name);
+        section.children.push(member.with("Datatype", type_text(&known.ty, library, writer)));
+        section.children.len() - 1
+    });
+    &mut section.children[at]
+}
+
+fn refuse(value: &InitialValue, writer: &mut Writer) {
+    let help = "give the source of its data type, too, or assign the value in the program";
+    writer.refuse(value.span, "SimaticML has no form for this start value", help);
+}
+
+/// The values of a list, with those that are repeated.
+fn flatten<'a>(value: &'a InitialValue, flat: &mut Vec<&'a InitialValue>) -> bool {
+    match &value.kind {
+        InitialKind::List(values) => values.iter().all(|value| flatten(value, flat)),
+        InitialKind::Repeat { count: Bound::Number(count, _), values } => {
+            (0..*count).all(|_| flat.len() < VALUES_MAX as usize && values.iter().all(|value| flatten(value, flat)))
+        }
+        InitialKind::Repeat { .. } => false,
+        _ => {
+            flat.push(value);
+            true
+        }
+    }
+}
+
+/// A simple value as text.
+pub fn text(value: &InitialValue, writer: &mut Writer) -> Option<String> {
+    match &value.kind {
+        InitialKind::Expr(value) => Some(expression::text(value, writer)),
+        InitialKind::Literal(literal) => {
+            let value = crate::to_graph::constant(literal, value.span).ok()?;
+            Some(expression::text(&value, writer))
+        }
+        _ => None,
+    }
+}
+
+/// Members of an instance with the values that differ from those of its block.
+pub fn of_values(values: &[ValueAssignment], ty: &TypeRef, library: &Library, writer: &mut Writer) -> Node {
+    let mut section = Node::new("Section").with("Name", "Static");
+    for value in values {
+        let first = match &value.target.root {
+            PathRoot::Local { name, .. } | PathRoot::Bare { name, .. } | PathRoot::Quoted { name, .. } => Some(name),
+            PathRoot::Block(_) => None,
+        };
+        let placed = first.is_some_and(|first| place_value(&mut section, first, value, ty, library, writer));
+        if !placed {
+            let help = "give the source of its function block, too, or assign the value in the program";
+            writer.refuse(value.span, "SimaticML has no form for this value of an instance", help);
+        }
+    }
+    Node::new("Interface").child(sections().child(section))
+}
+
+fn place_value(
+    section: &mut Node,
+    first: &str,
+    value: &ValueAssignment,
+    ty: &TypeRef,
+    library: &Library,
+    writer: &mut Writer,
+) -> bool {
+    let mut names = vec![first];
+    for part in &value.target.parts {
+        match part {
+            PathPart::Member { name, .. } => names.push(name),
+            PathPart::Index { .. } => return false,
+        }
+    }
+    let mut node = section;
+    let mut ty = ty;
+    for name in names {
+        let Some(members) = structure(ty).or_else(|| library.members(ty)) else { return false };
+        let Some(known) = members.iter().find(|member| member.name.eq_ignore_ascii_case(name)) else { return false };
+        let at = node.children.iter().position(|child| child.attributes.iter().any(|(_, own)| own == &known.name));
+        let at = at.unwrap_or_else(|| {
+            let member = Node::new("Member").with("Name", &known.name);
+            node.children.push(member.with("Datatype", type_text(&known.ty, library, writer)));
+            node.children.len() - 1
+        });
+        node = &mut node.children[at];
+        ty = &known.ty;
+    }
+    start_values(&value.value, ty, node, library, writer);
+    true
+}

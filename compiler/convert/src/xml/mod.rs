@@ -1,0 +1,471 @@
+//! SimaticML: the XML of the TIA Portal (Openness), from blocks of all languages but GRAPH.
+//!
+//! - `node`: elements of XML, and their text.
+//! - `interface`: declarations with their start values.
+//! - `access`: operands.
+//! - `flgnet`, `wires`: networks of LAD and FBD; `order`: the order in which a reader finds their elements.
+//! - `scl`, `stl`: statements as tokens.
+//!
+//! Source: LAD/FBD reference A2.
+
+mod access;
+mod flgnet;
+mod interface;
+mod node;
+mod order;
+mod scl;
+mod stl;
+mod wires;
+
+use std::collections::HashMap;
+
+use plcc_diag::Diagnostic;
+use plcc_syntax::ast::{
+    Block, BlockName, Bound, Code, CodeBlock, CodeKind, DataBlock, DataContent, Header, PathPart, PathRoot, Section,
+    SourceUnit, TypeBlock, TypeKind, TypeRef, ValueAssignment, Variable,
+};
+use plcc_syntax::network::ast::{Content, Language, Network};
+use plcc_syntax::scl::ast::Dialect;
+use plcc_syntax::stl::Mnemonics;
+
+use crate::frames::bare;
+use crate::trivia::Trivia;
+use crate::writer::{Notation, Writer};
+use node::Node;
+
+/// What the sources of a program declare: blocks for calls, structures for start values.
+#[derive(Default)]
+pub struct Library {
+    /// Declarations of function blocks and functions, by folded names.
+    blocks: HashMap<String, (CodeKind, Vec<Section>, Option<TypeRef>)>,
+    /// Members of data types and function blocks.
+    members: HashMap<String, Vec<Variable>>,
+    /// Data types.
+    types: Vec<String>,
+    /// Data blocks.
+    data: Vec<String>,
+    /// Blocks of instance data blocks.
+    instances: HashMap<String, String>,
+}
+
+impl Library {
+    pub fn new<'a>(units: impl Iterator<Item = &'a SourceUnit>) -> Library {
+        let mut library = Library::default();
+        for block in units.flat_map(|unit| &unit.blocks) {
+            match block {
+                Block::Code(block) => {
+                    let members = block.sections.iter().flat_map(|section| section.variables.clone()).collect();
+                    let name = folded(&block.name);
+                    library.members.insert(name.clone(), members);
+                    library.blocks.insert(name, (block.kind, block.sections.clone(), block.return_type.clone()));
+                }
+                Block::Type(block) => {
+                    library.types.push(folded(&block.name));
+                    library.members.insert(folded(&block.name), block.members.clone());
+                }
+                Block::Data(block) => {
+                    library.data.push(folded(&block.name));
+                    if let DataContent::OfType(TypeRef { kind: TypeKind::Block(of), .. }) = &block.content {
+                        library.instances.insert(folded(&block.name), name_of(of));
+                    }
+                }
+            }
+        }
+        library
+    }
+
+    /// The members of a data type or function block.
+    fn members<'s>(&'s self, ty: &'s TypeRef) -> Option<&'s [Variable]> {
+        match &ty.kind {
+            TypeKind::Block(name) => self.members.get(&folded(name)).map(Vec::as_slice),
+            TypeKind::Named(name) => self.members.get(&name.to_lowercase()).map(Vec::as_slice),
+            TypeKind::Struct(members) => Some(members),
+            _ => None,
+        }
+    }
+}
+
+fn folded(name: &BlockName) -> String {
+    name_of(name).to_lowercase()
+}
+
+/// The name of a block; one with only a number gets a name of it.
+pub(super) fn name_of(name: &BlockName) -> String {
+    match name {
+        BlockName::Symbol { name, .. } => name.clone(),
+        BlockName::Numbered { prefix, number, .. } => format!("{}_{number}", prefix.letters()),
+    }
+}
+
+/// The name of a block that is called or named as a type. One that only a number names must be in the sources, which give it its name.
+pub(super) fn referred(name: &BlockName, library: &Library, writer: &mut Writer) -> String {
+    let found = name_of(name);
+    if let BlockName::Numbered { span, .. } = name
+        && !library.members.contains_key(&found.to_lowercase())
+        && !library.data.contains(&found.to_lowercase())
+    {
+        let title = format!("{} has no name, and SimaticML names blocks", writer.block_name(name));
+        writer.refuse(*span, title, "give the source of the block, too, or name it by its symbol");
+    }
+    found
+}
+
+/// Numbers of the elements of a network.
+pub(super) struct Uids(u32);
+
+impl Uids {
+    fn new() -> Uids {
+        Uids(20)
+    }
+
+    fn next(&mut self) -> u32 {
+        self.0 += 1;
+        self.0
+    }
+}
+
+/// Writes a document. `source`: the text that spans mean, if its constants are those of SCL.
+pub fn write(unit: &SourceUnit, library: &Library, trivia: Trivia, source: Option<&str>) -> (String, Vec<Diagnostic>) {
+    let mut writer = Writer::new(Notation::Scl, Mnemonics::En, trivia, source);
+    let mut root = Node::new("Document").child(Node::new("Engineering").with("version", "V17"));
+    let mut ids = Ids(0);
+    for block in &unit.blocks {
+        let before = writer.lines_before(block.span().start);
+        let object = match block {
+            Block::Code(block) => code(block, before, library, &mut ids, &mut writer),
+            Block::Data(block) => data(block, before, library, &mut ids, &mut writer),
+            Block::Type(block) => data_type(block, before, library, &mut ids, &mut writer),
+        };
+        root.children.extend(object);
+    }
+    (node::document(&root), writer.messages)
+}
+
+/// Numbers of objects.
+struct Ids(u32);
+
+impl Ids {
+    fn next(&mut self) -> String {
+        self.0 += 1;
+        format!("{:X}", self.0 - 1)
+    }
+}
+
+impl Writer<'_> {
+    /// The comments before byte `at`, without their brackets.
+    fn lines_before(&mut self, at: u32) -> Vec<String> {
+        let remarks = self.trivia.before(at);
+        remarks.iter().flat_map(|remark| remark.text.lines().map(bare).collect::<Vec<_>>()).collect()
+    }
+}
+
+// Objects.
+
+/// A setting of an object.
+fn set(list: &mut Node, name: &'static str, value: impl Into<String>) {
+    list.push(Node::of(name, value));
+}
+
+/// The attributes that all objects have.
+fn attributes(name: &BlockName, header: &Header, interface: Option<Node>, language: &str) -> Node {
+    let mut list = Node::new("AttributeList");
+    let attribute = |names: &[&str]| {
+        let named = |(key, _): &&(String, String)| names.iter().any(|name| name.eq_ignore_ascii_case(key));
+        header.attributes.iter().find(named).map(|(_, value)| value.as_str())
+    };
+    let number = match name {
+        BlockName::Numbered { number, .. } => Some(*number),
+        BlockName::Symbol { .. } => {
+            header.number.or_else(|| attribute(&["S7_BlockNumber"]).and_then(|number| number.trim().parse().ok()))
+        }
+    };
+    set(&mut list, "AutoNumber", if number.is_none() || header.auto_number { "true" } else { "false" });
+    for (key, value) in
+        [("HeaderAuthor", &header.author), ("HeaderFamily", &header.family), ("HeaderName", &header.name)]
+    {
+        if let Some(value) = value {
+            set(&mut list, key, value.as_str());
+        }
+    }
+    if let Some(version) = &header.version {
+        set(&mut list, "HeaderVersion", version.as_str());
+    }
+    list.children.extend(interface);
+    let safety = attribute(&["ProgrammingLanguage", "S7_PreferredLanguage", "S7_Language"]);
+    let safety = safety.filter(|language| language.starts_with("F_"));
+    if let Some(optimized) = attribute(&["S7_Optimized_Access", "S7_Optimized"]) {
+        set(&mut list, "MemoryLayout", if optimized.eq_ignore_ascii_case("TRUE") { "Optimized" } else { "Standard" });
+    }
+    set(&mut list, "Name", name_of(name));
+    if let Some(number) = number {
+        set(&mut list, "Number", number.to_string());
+    }
+    set(&mut list, "ProgrammingLanguage", safety.unwrap_or(language));
+    if let Some(ty) = attribute(&["SecondaryType", "S7_EventClass"]) {
+        set(&mut list, "SecondaryType", ty);
+    }
+    if attribute(&["S7_SetENOAutomatically", "SetENOAutomatically"])
+        .is_some_and(|value| value.eq_ignore_ascii_case("TRUE"))
+    {
+        set(&mut list, "SetENOAutomatically", "true");
+    }
+    list
+}
+
+/// Reports what a header says and the file does not.
+fn check_header(name: &BlockName, header: &Header, writer: &mut Writer) {
+    const KNOWN: [&str; 11] = [
+        "S7_SetENOAutomatically",
+        "SetENOAutomatically",
+        "S7_Optimized_Access",
+        "S7_Optimized",
+        "S7_BlockNumber",
+        "S7_Version",
+        "S7_PreferredLanguage",
+        "S7_PreferredLang",
+        "ProgrammingLanguage",
+        "SecondaryType",
+        "S7_EventClass",
+    ];
+    for (key, _) in &header.attributes {
+        if !KNOWN.iter().any(|known| known.eq_ignore_ascii_case(key)) {
+            let title = format!("the attribute `{key}` of `{}` is not in the file", name_of(name));
+            writer.warn(name.span(), title, "set it in the editor again");
+        }
+    }
+    if header.know_how_protect {
+        let title = "the protection of the block is not in the file";
+        writer.warn(name.span(), title, "protect the block again in the editor");
+    }
+}
+
+/// A title or comment of an object.
+fn multilingual(name: &str, text: &str, ids: &mut Ids) -> Node {
+    let item = Node::new("MultilingualTextItem")
+        .with("ID", ids.next())
+        .with("CompositionName", "Items")
+        .child(Node::new("AttributeList").child(Node::of("Culture", "en-US")).child(Node::of("Text", text)));
+    Node::new("MultilingualText")
+        .with("ID", ids.next())
+        .with("CompositionName", name)
+        .child(Node::new("ObjectList").child(item))
+}
+
+fn texts(header: &Header, before: Vec<String>, ids: &mut Ids) -> Vec<Node> {
+    let comment: Vec<String> = before.into_iter().chain(header.comment.iter().cloned()).collect();
+    let mut found = vec![multilingual("Comment", &comment.join("\n"), ids)];
+    if let Some(title) = &header.title {
+        found.push(multilingual("Title", title, ids));
+    }
+    found
+}
+
+fn code(block: &CodeBlock, before: Vec<String>, library: &Library, ids: &mut Ids, writer: &mut Writer) -> Option<Node> {
+    check_header(&block.name, &block.header, writer);
+    let kind = match block.kind {
+        CodeKind::Ob => "SW.Blocks.OB",
+        CodeKind::Fc | CodeKind::Sfc => "SW.Blocks.FC",
+        CodeKind::Fb | CodeKind::Sfb => "SW.Blocks.FB",
+    };
+    let interface = interface::of_code(block, library, writer);
+    let mut units = Vec::new();
+    let language = match &block.code {
+        Code::Scl(body) if body.dialect == Dialect::Classic => {
+            let title = format!(
+                "`{}` is SCL of STEP 7 V5, which has other rules than that of the TIA Portal",
+                name_of(&block.name)
+            );
+            writer.refuse(
+                block.name.span(),
+                title,
+                "write it as SCL of the TIA Portal first: names with `#` and quotes",
+            );
+            return None;
+        }
+        Code::Scl(body) => {
+            let source = scl::statements(&body.statements, block, library, block.span.end, writer);
+            units.push(unit("SCL", Some(source), None, &[], ids));
+            "SCL"
+        }
+        Code::Stl(networks) => {
+            for network in networks {
+                let source = stl::statements(&network.statements, block, library, writer);
+                units.push(unit("STL", Some(source), network.title.as_deref(), &network.comment, ids));
+            }
+            "STL"
+        }
+        Code::Graphic(body) => {
+            for (at, network) in body.networks.iter().enumerate() {
+                let end = body.networks.get(at + 1).map_or(block.span.end, |next| next.span.start);
+                units.push(network_unit(network, block, library, end, ids, writer));
+            }
+            body.networks.first().map_or("LAD", |network| language_name(network.language))
+        }
+        Code::Chart(_) => {
+            let title = format!("`{}` is a chart, which plcc does not write as XML", name_of(&block.name));
+            writer.refuse(block.name.span(), title, "convert it with `--to gr7`");
+            return None;
+        }
+    };
+    let mut list = Node::new("ObjectList").children(units);
+    list.children.extend(texts(&block.header, before, ids));
+    let attributes = attributes(&block.name, &block.header, Some(interface), language);
+    Some(Node::new(kind).with("ID", ids.next()).child(attributes).child(list))
+}
+
+fn language_name(language: Language) -> &'static str {
+    match language {
+        Language::Lad => "LAD",
+        Language::Fbd => "FBD",
+        Language::Scl => "SCL",
+        Language::Stl => "STL",
+    }
+}
+
+fn network_unit(
+    network: &Network,
+    block: &CodeBlock,
+    library: &Library,
+    end: u32,
+    ids: &mut Ids,
+    writer: &mut Writer,
+) -> Node {
+    let source = match &network.content {
+        Content::Graphic(graph) if graph.elements.is_empty() && network.labels.is_empty() => None,
+        Content::Graphic(graph) => flgnet::network(graph, network, block, library, writer),
+        Content::Scl(list) => Some(scl::statements(list, block, library, end, writer)),
+        Content::Stl(list) => Some(stl::statements(list, block, library, writer)),
+    };
+    // Networks have no place for comments between their elements.
+    let mut comment = network.comment.clone();
+    comment.extend(writer.lines_before(end));
+    unit(language_name(network.language), source, network.title.as_deref(), &comment, ids)
+}
+
+fn unit(language: &str, source: Option<Node>, title: Option<&str>, comment: &[String], ids: &mut Ids) -> Node {
+    let list = Node::new("AttributeList")
+        .child(Node::new("NetworkSource").children(source))
+        .child(Node::of("ProgrammingLanguage", language));
+    let mut texts = vec![multilingual("Comment", &comment.join("\n"), ids)];
+    texts.push(multilingual("Title", title.unwrap_or_default(), ids));
+    Node::new("SW.Blocks.CompileUnit")
+        .with("ID", ids.next())
+        .with("CompositionName", "CompileUnits")
+        .child(list)
+        .child(Node::new("ObjectList").children(texts))
+}
+
+fn data_type(
+    block: &TypeBlock,
+    before: Vec<String>,
+    library: &Library,
+    ids: &mut Ids,
+    writer: &mut Writer,
+) -> Option<Node> {
+    if let Some(alias) = &block.alias {
+        let title = format!("`{}` is no structure, and SimaticML has only these", name_of(&block.name));
+        writer.refuse(alias.span, title, "write the type where it is used");
+        return None;
+    }
+    let interface = interface::of_members("None", &block.members, &[], library, writer);
+    check_header(&block.name, &block.header, writer);
+    let mut list = attributes(&block.name, &block.header, Some(interface), "");
+    list.children.retain(|child| !matches!(child.name, "AutoNumber" | "ProgrammingLanguage"));
+    let texts = Node::new("ObjectList").children(texts(&block.header, before, ids));
+    Some(Node::new("SW.Types.PlcStruct").with("ID", ids.next()).child(list).child(texts))
+}
+
+fn data(block: &DataBlock, before: Vec<String>, library: &Library, ids: &mut Ids, writer: &mut Writer) -> Option<Node> {
+    check_header(&block.name, &block.header, writer);
+    let (kind, interface, mut more) = match &block.content {
+        DataContent::Struct(members) => {
+            let mut interface = interface::of_members("Static", members, &block.retained, library, writer);
+            for value in &block.values {
+                if !replace_value(&mut interface, value, writer) {
+                    let help = "write the value in the declaration of the component";
+                    writer.refuse(value.span, "SimaticML has no form for this value of a component", help);
+                }
+            }
+            ("SW.Blocks.GlobalDB", interface, Vec::new())
+        }
+        DataContent::Empty => {
+            ("SW.Blocks.GlobalDB", interface::of_members("Static", &[], &[], library, writer), Vec::new())
+        }
+        DataContent::OfType(ty) => {
+            let more = match &ty.kind {
+                TypeKind::Block(of) => {
+                    let is_type = library.types.contains(&folded(of));
+                    let kind = if is_type { "UDT" } else { "FB" };
+                    vec![Node::of("InstanceOfName", referred(of, library, writer)), Node::of("InstanceOfType", kind)]
+                }
+                _ => vec![Node::of("OfSystemLibElement", interface::type_text(ty, library, writer))],
+            };
+            ("SW.Blocks.InstanceDB", interface::of_values(&block.values, ty, library, writer), more)
+        }
+        DataContent::Array(ty, initial) => {
+            let TypeKind::Array { bounds, element } = &ty.kind else { return None };
+            let (&[(Bound::Number(0, _), Bound::Number(high, _))], None, true) =
+                (&bounds[..], initial, block.values.is_empty())
+            else {
+                let title = "SimaticML has data blocks that are arrays only from 0 to a number, without values";
+                writer.refuse(ty.span, title, "declare the array in a data block");
+                return None;
+            };
+            let element = interface::type_text(element, library, writer);
+            let more = vec![Node::of("ArrayDataType", element), Node::of("ArrayLimitUpperBound", high.to_string())];
+            ("SW.Blocks.ArrayDB", interface::of_members("Static", &[], &[], library, writer), more)
+        }
+    };
+    let mut list = attributes(&block.name, &block.header, Some(interface), "DB");
+    list.children.append(&mut more);
+    let texts = Node::new("ObjectList").children(texts(&block.header, before, ids));
+    Some(Node::new(kind).with("ID", ids.next()).child(list).child(texts))
+}
+
+/// Gives a component of a data block another start value than its declaration.
+fn replace_value(interface: &mut Node, value: &ValueAssignment, writer: &mut Writer) -> bool {
+    let first = match &value.target.root {
+        PathRoot::Local { name, .. } | PathRoot::Bare { name, .. } | PathRoot::Quoted { name, .. } => name,
+        PathRoot::Block(_) => return false,
+    };
+    let mut names = vec![first];
+    let mut index = None;
+    for part in &value.target.parts {
+        match part {
+            PathPart::Member { name, .. } if index.is_none() => names.push(name),
+            PathPart::Index { values, .. } if index.is_none() => index = Some(values),
+            PathPart::Member { .. } | PathPart::Index { .. } => return false,
+        }
+    }
+    let Some(mut node) = interface.children.first_mut().and_then(|sections| sections.children.first_mut()) else {
+        return false;
+    };
+    for name in names {
+        let is = |child: &&mut Node| {
+            child.attributes.iter().any(|(key, own)| *key == "Name" && own.eq_ignore_ascii_case(name))
+        };
+        match node.children.iter_mut().find(is) {
+            Some(found) => node = found,
+            None => return false,
+        }
+    }
+    let Some(text) = interface::text(&value.value, writer) else { return false };
+    let start = Node::of("StartValue", text);
+    match index {
+        None => {
+            node.children.retain(|child| !matches!(child.name, "StartValue" | "Subelement"));
+            node.push(start);
+        }
+        Some(values) => {
+            let mut path = Vec::new();
+            for value in values {
+                let Bound::Number(number, _) = value else { return false };
+                path.push(number.to_string());
+            }
+            let path = path.join(",");
+            node.children.retain(|child| !child.attributes.iter().any(|(key, own)| *key == "Path" && *own == path));
+            node.push(Node::new("Subelement").with("Path", path).child(start));
+        }
+    }
+    true
+}

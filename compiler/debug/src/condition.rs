@@ -1,0 +1,231 @@
+//! Conditions of breakpoints: the expressions of a plant, over names of PLC values, with the operators of PLC languages as well.
+//!
+//! `MW10 > 5`, `"Motor on" AND #count = 3`, `abs(Level - 2.5) < 0.1`, `DB1.Time >= T#5s`. A BOOL is 0 or 1, a duration is in seconds.
+
+use plcc_abi::image::AssertType;
+use plcc_runtime::assertion;
+use plcc_runtime::plant::Expression;
+use plcc_runtime::typed::{self, ValueType};
+
+/// An expression that was parsed.
+pub struct Condition {
+    expression: Expression,
+    /// Names of values, by their numbers in the expression.
+    names: Vec<String>,
+    pub text: String,
+}
+
+impl Condition {
+    /// `Err`: the error as a sentence.
+    pub fn parse(text: &str) -> Result<Condition, String> {
+        let mut names: Vec<String> = Vec::new();
+        let mut plain = String::new();
+        let mut rest = text.trim();
+        while let Some(first) = rest.chars().next() {
+            let (token, after) = token(rest, first)?;
+            plain.push(' ');
+            match token {
+                Token::Name(name) => {
+                    let number = names.iter().position(|own| own == name).unwrap_or_else(|| {
+                        names.push(name.to_string());
+                        names.len() - 1
+                    });
+                    plain.push_str(&format!("n{number}"));
+                }
+                Token::Text(text) => plain.push_str(&text),
+            }
+            rest = after.trim_start();
+        }
+        let is_known = |name: &str| {
+            name.strip_prefix('n').and_then(|number| number.parse::<usize>().ok()).is_some_and(|at| at < names.len())
+        };
+        let expression =
+            Expression::parse(&plain, is_known).map_err(|_| format!("`{text}` is not a condition; write MW10 > 5"))?;
+        Ok(Condition { expression, names, text: text.to_string() })
+    }
+
+    /// Its value with `of` as the values of names. `Err`: the error.
+    pub fn value(&self, of: &dyn Fn(&str) -> Result<f64, String>) -> Result<f64, String> {
+        let values = self.names.iter().map(|name| of(name)).collect::<Result<Vec<f64>, String>>()?;
+        let at = |name: &str| {
+            let number = name.strip_prefix('n').and_then(|number| number.parse::<usize>().ok());
+            number.and_then(|number| values.get(number)).copied().unwrap_or(0.0)
+        };
+        self.expression.value(&at)
+    }
+
+    /// A name alone.
+    pub fn is_name(&self) -> bool {
+        matches!(&self.names[..], [name] if name.trim() == self.text.trim())
+    }
+}
+
+enum Token<'a> {
+    Name(&'a str),
+    /// As the expression has it.
+    Text(String),
+}
+
+/// The token at the beginning of a text, and what follows. `Err`: the error.
+fn token(rest: &str, first: char) -> Result<(Token<'_>, &str), String> {
+    for (own, other) in [
+        (":=", None),
+        ("<>", Some("!=")),
+        ("==", Some("==")),
+        ("!=", Some("!=")),
+        ("<=", Some("<=")),
+        (">=", Some(">=")),
+        ("&&", Some("&&")),
+        ("||", Some("||")),
+        ("=", Some("==")),
+        ("&", Some("&&")),
+    ] {
+        if let Some(after) = rest.strip_prefix(own) {
+            let other = other.ok_or("a condition does not assign; write `=` to compare")?;
+            return Ok((Token::Text(other.to_string()), after));
+        }
+    }
+    if first.is_ascii_digit() {
+        let end =
+            rest.find(|c: char| !(c.is_ascii_alphanumeric() || matches!(c, '.' | '_' | '#'))).unwrap_or(rest.len());
+        let (number, after) = rest.split_at(end);
+        // The exponent of a float has a sign.
+        let (number, after) = match number.ends_with(['e', 'E']) && after.starts_with(['+', '-']) {
+            true => {
+                let digits = after[1..].find(|c: char| !c.is_ascii_digit()).map_or(after.len(), |at| at + 1);
+                rest.split_at(end + digits)
+            }
+            false => (number, after),
+        };
+        return Ok((Token::Text(literal(number)?), after));
+    }
+    if first.is_alphabetic() || matches!(first, '_' | '#' | '"' | '%') {
+        let (name, after) = name(rest)?;
+        return Ok((word(name, after)?, after));
+    }
+    let (own, after) = rest.split_at(first.len_utf8());
+    Ok((Token::Text(own.to_string()), after))
+}
+
+/// A word: an operator, a constant, a function, a name.
+fn word<'a>(name: &'a str, after: &str) -> Result<Token<'a>, String> {
+    let text = |text: &str| Ok(Token::Text(text.to_string()));
+    match name.to_ascii_uppercase().as_str() {
+        "AND" => return text("&&"),
+        "OR" => return text("||"),
+        "NOT" => return text("!"),
+        "TRUE" => return text("1"),
+        "FALSE" => return text("0"),
+        _ => {}
+    }
+    if after.trim_start().starts_with('(') {
+        return text(&name.to_ascii_lowercase());
+    }
+    // `T#5s`, `W#16#FF`, but not `#x`.
+    if name.find('#').is_some_and(|at| at > 0) {
+        return Ok(Token::Text(literal(name)?));
+    }
+    Ok(Token::Name(name))
+}
+
+/// A name with its members and indices, at the beginning of a text. `Err`: the error.
+fn name(text: &str) -> Result<(&str, &str), String> {
+    let mut end = 0;
+    let mut letters = text.char_indices();
+    while let Some((at, c)) = letters.next() {
+        let closing = match c {
+            '"' => '"',
+            '[' => ']',
+            c if c.is_alphanumeric() || matches!(c, '_' | '.' | '#' | '%') => {
+                end = at + c.len_utf8();
+                continue;
+            }
+            _ => break,
+        };
+        let (at, _) = letters.find(|(_, c)| *c == closing).ok_or_else(|| format!("`{text}` has no `{closing}`"))?;
+        end = at + 1;
+    }
+    Ok(text.split_at(end))
+}
+
+/// A number as the expression has it. `Err`: the error.
+fn literal(text: &str) -> Result<String, String> {
+    let number = text.replace('_', "");
+    if !text.contains('#') {
+        return match number.parse::<f64>() {
+            Ok(_) => Ok(number),
+            Err(_) => Err(format!("`{text}` is not a number")),
+        };
+    }
+    let types = [
+        AssertType::Time,
+        AssertType::Ltime,
+        AssertType::S5Time,
+        AssertType::Unsigned(64),
+        AssertType::Signed(64),
+        AssertType::Lreal,
+        AssertType::Bits(64),
+    ];
+    for ty in types {
+        if let Ok(value) = typed::parse(text, ValueType::of(ty)) {
+            let number = match (value.seconds(ty), value) {
+                (Some(seconds), _) => seconds,
+                (None, assertion::Value::Bits(bits)) if ty == AssertType::Lreal => f64::from_bits(bits),
+                (None, assertion::Value::Bits(bits)) if ty == AssertType::Signed(64) => bits.cast_signed() as f64,
+                (None, assertion::Value::Bits(bits)) => bits as f64,
+                (None, _) => continue,
+            };
+            return Ok(format!("{number}"));
+        }
+    }
+    Err(format!("`{text}` is not a value that can be compared here"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn value(text: &str) -> Result<f64, String> {
+        Condition::parse(text)?.value(&|name| match name {
+            "MW10" => Ok(7.0),
+            "\"Motor on\"" | "#x.y[1, 2]" => Ok(1.0),
+            "DB1.t" => Ok(5.0),
+            _ => Err(format!("no {name}")),
+        })
+    }
+
+    #[test]
+    fn values() {
+        for (text, expected) in [
+            ("MW10 > 5", 1.0),
+            ("MW10=7 AND \"Motor on\"", 1.0),
+            ("NOT \"Motor on\" OR MW10 <> 7", 0.0),
+            ("#x.y[1, 2] + MW10 * 2", 15.0),
+            ("DB1.t >= T#5s && DB1.t < T#5s1ms", 1.0),
+            ("MW10 = 16#7 & MW10 = W#16#7", 1.0),
+            ("abs(0 - MW10) == 7.0e0", 1.0),
+            ("max(MW10, 1e+2)", 100.0),
+            ("TRUE", 1.0),
+        ] {
+            assert_eq!(value(text), Ok(expected), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_is_told() {
+        for (text, part) in [
+            ("MW10 :=", "does not assign"),
+            ("MW10 >", "not a condition"),
+            ("", "not a condition"),
+            ("\"Motor", "has no `\"`"),
+            ("Nowhere > 1", "no Nowhere"),
+            ("T#x", "not a value"),
+            ("1x", "not a number"),
+            (&"(".repeat(3000), "not a condition"),
+            ("é§", "not a condition"),
+        ] {
+            let message = value(text).unwrap_err();
+            assert!(message.contains(part), "{text}: {message}");
+        }
+    }
+}

@@ -1,0 +1,269 @@
+//! What a name means where the program stands: a register, a variable of the block, a value of the program.
+
+use plcc_abi::layout;
+use plcc_lower::probe::{Kept, Probe};
+use plcc_model::types::{DTL, DataType, Member, value_type};
+use plcc_model::{Body, CodeBlock, Passing, Program, Width};
+use plcc_runtime::cpu::Cpu;
+use plcc_runtime::names::path::{Part, parts};
+use plcc_runtime::signal::{self, Signal, Source, Value};
+use plcc_runtime::typed::ValueType;
+
+use crate::data::{BYTES_MAX, Range};
+use crate::places::Places;
+use crate::registers::{self, Register};
+use crate::stack::Frame;
+
+/// A variable in memory.
+#[derive(Clone, Debug)]
+pub struct Data {
+    pub offset: u32,
+    pub bit: u8,
+    pub ty: DataType,
+}
+
+/// What a name means.
+#[derive(Clone, Debug)]
+pub enum Found {
+    Register(Register),
+    Data(Data),
+    /// A formal that is a number: of a timer, counter or block.
+    Number(u64, String),
+    Value(Source),
+    /// All values of a structure or data block.
+    Values(Vec<Signal>),
+}
+
+/// Where names are looked up.
+pub struct Here<'a> {
+    pub program: &'a Program,
+    pub places: &'a Places,
+    pub cpu: &'a Cpu,
+    /// The block; none between two cycles.
+    pub frame: Option<&'a Frame>,
+}
+
+impl<'a> Here<'a> {
+    pub fn block(&self) -> Option<&'a CodeBlock> {
+        let place = self.places.place(self.frame?.block)?;
+        self.program.block(place.block)
+    }
+
+    /// What the statement has in registers.
+    pub fn kept(&self) -> Kept {
+        let place = self.frame.and_then(|frame| frame.place).and_then(|place| self.places.place(place));
+        match place.map(|place| &place.probe) {
+            Some(Probe::Statement(kept)) => *kept,
+            _ => Kept::Nothing,
+        }
+    }
+
+    /// Finds what a text names. `Err`: the error as a sentence.
+    pub fn find(&self, text: &str) -> Result<Found, String> {
+        let text = text.trim();
+        let (local, only_local) = match text.strip_prefix('#') {
+            Some(local) => (local, true),
+            None => (text, false),
+        };
+        if !only_local && let Some(register) = registers::find(self.kept(), text) {
+            return Ok(Found::Register(register));
+        }
+        if let Some(path) = parts(local)
+            && let [Part::Name(root), rest @ ..] = &path[..]
+            && let Some(found) = self.local(root, only_local)
+        {
+            return match (found, rest) {
+                (found, []) => Ok(found),
+                (Found::Data(data), rest) => walk(data, rest, root).map(Found::Data),
+                (_, _) => Err(format!("`{root}` is a value without members")),
+            };
+        }
+        if only_local {
+            return Err(format!("`#{local}` is not a variable of the block that runs"));
+        }
+        match Source::find(text, &self.cpu.image, None) {
+            Ok(source) => source.check(self.cpu).map(|()| Found::Value(source)),
+            Err(wrong) => match signal::all(text, &self.cpu.image, None) {
+                Ok(values) => Ok(Found::Values(values)),
+                Err(_) => Err(wrong),
+            },
+        }
+    }
+
+    /// A variable of the block. Without `#` a name of the program in quotes is not one.
+    fn local(&self, name: &str, exact: bool) -> Option<Found> {
+        let rules: [fn(&str, &str) -> bool; 2] = [|a, b| a == b, |a, b| a.to_lowercase() == b.to_lowercase()];
+        let names: Vec<(String, Found)> = self.locals();
+        let _ = exact;
+        rules.iter().find_map(|is_it| names.iter().find(|(own, _)| is_it(own, name)).map(|(_, found)| found.clone()))
+    }
+
+    /// All variables of the block.
+    fn locals(&self) -> Vec<(String, Found)> {
+        [self.temporaries(), self.formals(), self.instance()].concat()
+    }
+
+    /// TEMP; of an S7-200 its parameters.
+    pub fn temporaries(&self) -> Vec<(String, Found)> {
+        let (Some(frame), Some(block)) = (self.frame.filter(|frame| frame.local != 0), self.block()) else {
+            return Vec::new();
+        };
+        let member = |member: &Member| {
+            let data = Data { offset: frame.local + member.byte, bit: member.bit, ty: member.ty.clone() };
+            (member.name.clone(), Found::Data(data))
+        };
+        match &block.body {
+            Body::S7200(body) => body
+                .parameters
+                .iter()
+                .map(|parameter| {
+                    let ty = match parameter.width {
+                        plcc_model::s7200::Width::Bit => plcc_model::types::Elementary::Bool,
+                        plcc_model::s7200::Width::Byte => plcc_model::types::Elementary::Byte,
+                        plcc_model::s7200::Width::Word => plcc_model::types::Elementary::Word,
+                        plcc_model::s7200::Width::Dword => plcc_model::types::Elementary::Dword,
+                        plcc_model::s7200::Width::Lword => plcc_model::types::Elementary::Lword,
+                    };
+                    let ty = DataType::Elementary(ty);
+                    let data = Data { offset: frame.local + parameter.byte, bit: parameter.bit, ty };
+                    (parameter.name.clone(), Found::Data(data))
+                })
+                .collect(),
+            Body::Stl(_) | Body::Scl(_) | Body::Runtime => block.interface.temporaries.iter().map(member).collect(),
+        }
+    }
+
+    /// Formals of an FC.
+    pub fn formals(&self) -> Vec<(String, Found)> {
+        let (Some(frame), Some(block)) = (self.frame, self.block()) else { return Vec::new() };
+        let one = |&(index, got): &(usize, u64)| {
+            let parameter = block.interface.parameters.get(index)?;
+            let offset = got as u32;
+            let data = |offset: u32, bit: u8| Found::Data(Data { offset, bit, ty: parameter.ty.clone() });
+            let found = match parameter.passing {
+                Passing::Elementary(Width::Bit) => data(offset >> 3, (offset & 7) as u8),
+                Passing::Elementary(_) | Passing::Complex { .. } => data(offset, 0),
+                Passing::Number => Found::Number(got, plcc_model::layout::type_name(&parameter.ty)),
+                Passing::Pointer | Passing::Any | Passing::Variant | Passing::OpenArray { .. } => return None,
+            };
+            Some((parameter.name.clone(), found))
+        };
+        frame.formals.iter().filter_map(one).collect()
+    }
+
+    /// Parameters and static data of an FB.
+    pub fn instance(&self) -> Vec<(String, Found)> {
+        let (Some(frame), Some(block)) = (self.frame.filter(|frame| frame.instance != 0), self.block()) else {
+            return Vec::new();
+        };
+        let member = |member: &Member| {
+            let data = Data { offset: frame.instance + member.byte, bit: member.bit, ty: member.ty.clone() };
+            (member.name.clone(), Found::Data(data))
+        };
+        block.interface.instance.iter().map(member).collect()
+    }
+
+    /// The value, if it is one.
+    pub fn value(&self, found: &Found) -> Option<Value> {
+        match found {
+            Found::Data(data) => {
+                let ty = data.value_type()?;
+                Some(Value::at(&self.cpu.memory, data.offset, data.bit, ty))
+            }
+            Found::Value(source) => Some(source.read(self.cpu, None)),
+            Found::Register(_) | Found::Number(..) | Found::Values(_) => None,
+        }
+    }
+
+    /// As a number, for conditions. `Err`: the error as a sentence.
+    pub fn number(&self, text: &str) -> Result<f64, String> {
+        match self.find(text)? {
+            Found::Register(register) => Ok(self.frame.map_or(0.0, |frame| register.number(&frame.probed).into())),
+            Found::Number(number, _) => Ok(number as f64),
+            found => {
+                let value = self.value(&found).and_then(|value| value.number());
+                value.ok_or_else(|| format!("`{text}` is not a number"))
+            }
+        }
+    }
+
+    /// Where a value is in memory that lasts from call to call.
+    pub fn range(&self, found: &Found) -> Option<Range> {
+        let range = match found {
+            Found::Data(data) => {
+                let is_bit = data.value_type().is_some_and(|ty| plcc_runtime::typed::bits(ty.ty) == Some(1));
+                let bytes = plcc_model::layout::bytes(&data.ty).clamp(1, BYTES_MAX);
+                Range { offset: data.offset, bytes, bit: is_bit.then_some(data.bit) }
+            }
+            Found::Value(source) => {
+                let address = source.address()?;
+                let offset = self.cpu.offset_of(address.place)?;
+                let bit = match address.width {
+                    plcc_runtime::address::Width::Bit(bit) => Some(bit),
+                    _ => None,
+                };
+                Range { offset, bytes: address.width.bytes(), bit }
+            }
+            Found::Register(_) | Found::Number(..) | Found::Values(_) => return None,
+        };
+        let is_local = (layout::L..layout::DB_TABLE).contains(&range.offset);
+        (!is_local && self.cpu.memory.contains(range.offset, range.bytes)).then_some(range)
+    }
+}
+
+/// Follows members and indices. `Err`: the error as a sentence.
+fn walk(mut data: Data, path: &[Part], root: &str) -> Result<Data, String> {
+    for part in path {
+        let no = |what: &str| format!("`{root}` has no {what} there");
+        let next = match (part, &data.ty) {
+            (Part::Name(name), DataType::Struct(structure)) => {
+                let found = structure.members.iter().find(|member| member.name.eq_ignore_ascii_case(name));
+                let member = found.ok_or_else(|| no(&format!("`{name}`")))?;
+                Data { offset: data.offset + member.byte, bit: member.bit, ty: member.ty.clone() }
+            }
+            (Part::Index(indices), DataType::Array(array)) if indices.len() == array.bounds.len() => {
+                let mut number = 0u64;
+                for (&index, &(low, high)) in indices.iter().zip(&array.bounds) {
+                    if !(i64::from(low)..=i64::from(high)).contains(&index) {
+                        return Err(format!("the index {index} of `{root}` is not from {low} to {high}"));
+                    }
+                    number = number * (i64::from(high) - i64::from(low) + 1) as u64 + (index - i64::from(low)) as u64;
+                }
+                data.element(number).ok_or_else(|| no("such element"))?
+            }
+            (Part::Name(name), _) => return Err(no(&format!("`{name}`"))),
+            (Part::Index(_), _) => return Err(no("such index")),
+            (Part::Slice(..), _) => return Err(no("slice; a slice of a local variable is not shown")),
+        };
+        data = next;
+    }
+    Ok(data)
+}
+
+impl Data {
+    /// The type of its value; `None`: it consists of others, or has none.
+    pub fn value_type(&self) -> Option<ValueType> {
+        use plcc_abi::image::AssertType;
+        match &self.ty {
+            DataType::Elementary(ty) => Some(ValueType::of(value_type(*ty))),
+            DataType::DateAndTime => Some(ValueType::of(AssertType::DateAndTime)),
+            DataType::String(length) => Some(ValueType { ty: AssertType::Text, length: u16::from(*length) }),
+            DataType::WideString(length) => Some(ValueType { ty: AssertType::WideText, length: *length }),
+            DataType::Struct(structure) if structure.name == DTL && structure.instance_of.is_none() => {
+                Some(ValueType::of(AssertType::Dtl))
+            }
+            DataType::Struct(_)
+            | DataType::Array(_)
+            | DataType::Parameter(_)
+            | DataType::OpenArray(_)
+            | DataType::Void => None,
+        }
+    }
+
+    /// An element of an array by its number, 0 for the first.
+    pub fn element(&self, number: u64) -> Option<Data> {
+        let DataType::Array(array) = &self.ty else { return None };
+        let (byte, bit) = plcc_model::layout::element_place(array, number);
+        Some(Data { offset: self.offset.checked_add(byte)?, bit, ty: array.element.clone() })
+    }
+}
