@@ -203,6 +203,13 @@ pub struct BuildArgs {
     /// Give the executable servers for clients, and their flags [default: if plc.toml has `[services]`].
     #[arg(long)]
     pub services: bool,
+    /// Give the executable its code a second time, with probes, so that the page can show what statements see while the program runs.
+    /// It has services then [default: if plc.toml has the page `web`].
+    #[arg(long, conflicts_with = "no_monitor")]
+    pub monitor: bool,
+    /// Leave the code with probes out.
+    #[arg(long)]
+    pub no_monitor: bool,
     /// Do not print what was written.
     #[arg(long)]
     pub quiet: bool,
@@ -237,6 +244,23 @@ pub struct RunArgs {
     pub run: RunOptions,
     #[command(flatten)]
     pub services: ServiceOptions,
+    /// Change the running program whenever a source is saved; `r` and Enter restores the one before (see docs/changing-a-program.md).
+    #[arg(long)]
+    pub watch: bool,
+    /// With `--watch`: what to do if values of the running program would go.
+    #[arg(long, value_name = "ANSWER", default_value = "ask", requires = "watch")]
+    pub lose: Lose,
+}
+
+/// What becomes of a change by which values of the running program go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Lose {
+    /// `y` or `n` and Enter on standard input.
+    Ask,
+    /// The program is changed.
+    Allow,
+    /// The old program goes on.
+    Refuse,
 }
 
 #[derive(Args, Debug)]
@@ -430,6 +454,8 @@ pub enum ConvertTo {
     Sd,
     /// SCL, as source text.
     Scl,
+    /// GRAPH, as source text of S7-GRAPH.
+    Gr7,
 }
 
 impl ConvertTo {
@@ -439,6 +465,7 @@ impl ConvertTo {
             ConvertTo::Stl => "stl",
             ConvertTo::Lad | ConvertTo::Fbd | ConvertTo::Sd => "s7dcl",
             ConvertTo::Scl => "scl",
+            ConvertTo::Gr7 => "gr7",
         }
     }
 }

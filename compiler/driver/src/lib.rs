@@ -6,7 +6,7 @@
 //!   [`link`]: executables; [`cache`]: code of earlier builds.
 //! - [`station`]: the modules of a project; [`plot`]: pictures of traces.
 //! - `parallel`: work for all processors.
-//! - [`code`]: code that runs in this process; [`testing`]: `plcc test`.
+//! - [`code`]: code that runs in this process; `live`: programs that are changed while they run; [`testing`]: `plcc test`.
 //! - [`report`] writes messages.
 //!
 //! **Invariant**: the only compiler crate that does I/O.
@@ -20,12 +20,14 @@ pub mod cache;
 pub mod cli;
 pub mod code;
 pub mod command;
+pub mod connections;
 pub mod content;
 mod drawings;
 pub mod emit;
 pub mod inputs;
 mod keys;
 pub mod link;
+mod live;
 mod near;
 pub mod package;
 mod parallel;

@@ -67,6 +67,12 @@ pub fn lower_for_debugger(program: &Program, sources: &SourceMap) -> Lowered {
     lower_program(program, sources, Probes::new(Asked::Statements))
 }
 
+/// As [`lower_with_probes`], for code that runs in turn with `plain`: the numbers of its sites go on after those of `plain`, so that one
+/// image serves both.
+pub fn lower_beside(program: &Program, sources: &SourceMap, plain: &Module) -> Lowered {
+    lower_program(program, sources, Probes { sites: plain.sites.clone(), ..Probes::new(Asked::Values) })
+}
+
 fn lower_program(program: &Program, sources: &SourceMap, probes: Probes) -> Lowered {
     if let Some(cpu) = program.s7200 {
         return s7200::lower(program, cpu, sources, probes);
@@ -155,7 +161,8 @@ impl<'s> Output<'s> {
     fn new(program: &Program, sources: &'s SourceMap, facts: Facts, probes: Probes) -> Output<'s> {
         let files: Vec<String> = sources.files().map(|(_, file)| file.name.clone()).collect();
         let address_of = |number| facts.dbs.iter().find(|db| db.number == number).map_or(facts.db_end, |db| db.address);
-        let module = Module { dbs: facts.dbs.clone(), files, ..Module::default() };
+        let sites = probes.sites.clone();
+        let module = Module { dbs: facts.dbs.clone(), files, sites, ..Module::default() };
         let mut types = Types::default();
         let image = ProgramImage {
             name: program.name.clone(),

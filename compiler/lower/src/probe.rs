@@ -9,6 +9,7 @@
 //! FBD and GRAPH have one for each value that is read, computed or written at a place of the source; the STL of an S7-200 has one of the
 //! logic stack after each statement. Each block tells when it begins and ends. Blocks of the library have no other probes.
 
+use plcc_abi::image::Site;
 use plcc_abi::layout::state;
 use plcc_abi::{RuntimeFn, Type};
 use plcc_diag::Span;
@@ -80,11 +81,13 @@ pub(crate) struct Probes {
     pub asked: Asked,
     /// `None`: no probes.
     pub places: Option<Vec<Place>>,
+    /// Sites of other code of the same program.
+    pub sites: Vec<Site>,
 }
 
 impl Probes {
     pub fn new(asked: Asked) -> Probes {
-        Probes { asked, places: (asked != Asked::Nothing).then(Vec::new) }
+        Probes { asked, places: (asked != Asked::Nothing).then(Vec::new), sites: Vec::new() }
     }
 
     /// A new place; `None` without probes.

@@ -1,7 +1,8 @@
 //! The CPU: PLC memory, the program and everything that runs it.
 //!
 //! Generated code calls the runtime and the runtime calls generated code, nested to any depth, so a `Cpu` is only ever
-//! shared: all its state is in cells, and no borrow of a `RefCell` lasts across a call into code.
+//! shared: all its state is in cells, and no borrow of a `RefCell` lasts across a call into code, except that of the code
+//! itself: what runs is not exchanged.
 
 use std::cell::{Cell, OnceCell, RefCell};
 use std::collections::BTreeMap;
@@ -20,11 +21,14 @@ use crate::code::Code;
 use crate::communication::Communication;
 use crate::diagnostics::{Diagnostics, Entry};
 use crate::family::{Family, Step7};
+use crate::force::Force;
 use crate::io::Driver;
 use crate::memory::Memory;
+use crate::monitor::Monitor;
 use crate::online::Service;
 use crate::options::{CYCLE_TIME_DEFAULT, Restart};
 use crate::organization::Running;
+use crate::partners::Partners;
 use crate::probe::Watcher;
 use crate::records::Records;
 use crate::records::store::Store;
@@ -48,13 +52,22 @@ pub struct Stop {
     pub asked: bool,
 }
 
+impl Stop {
+    /// As in a changed program, see [`Diagnostics::rename_sites`].
+    pub(crate) fn with_sites(mut self, renamed: &[(u32, u32)]) -> Stop {
+        self.entry.rename_site(renamed);
+        self.cause.iter_mut().for_each(|cause| cause.rename_site(renamed));
+        self
+    }
+}
+
 /// See the module comment.
 pub struct Cpu {
     /// Before `memory`: its thread must end before the memory goes.
     pub(crate) watchdog: Watchdog,
     pub memory: Memory,
     pub image: Arc<ProgramImage>,
-    pub(crate) code: Rc<dyn Code>,
+    pub(crate) code: RefCell<Rc<dyn Code>>,
     pub clock: Clock,
     pub driver: Box<dyn Driver>,
     pub diagnostics: Diagnostics,
@@ -65,6 +78,8 @@ pub struct Cpu {
     pub(crate) watcher: OnceCell<Rc<dyn Watcher>>,
     /// The recording of the run, or the one that it repeats.
     pub(crate) tape: OnceCell<Rc<Tape>>,
+    /// Clients that look at blocks.
+    pub(crate) monitor: Monitor,
     pub(crate) stop: Cell<Option<Stop>>,
     /// Blocks sorted by kind and number.
     blocks: Vec<BlockEntry>,
@@ -73,7 +88,7 @@ pub struct Cpu {
     /// DBs made at run time: number, address, bytes. Sorted by address.
     pub(crate) created_dbs: RefCell<Vec<(u16, u32, u32)>>,
     /// Load memory of DBs where the program has changed it.
-    load_memory: RefCell<BTreeMap<u16, Vec<u8>>>,
+    pub(crate) load_memory: RefCell<BTreeMap<u16, Vec<u8>>>,
     /// An event of the diagnostics came since the last cycle began, for the system memory byte.
     pub(crate) diagnostics_changed: Cell<bool>,
     /// Memory that outlives the process, if there is a file for it.
@@ -91,6 +106,8 @@ pub struct Cpu {
     pub(crate) carried: RefCell<Option<Carried>>,
     /// Connections of the program.
     pub(crate) communication: RefCell<Communication>,
+    /// Its S7 connections.
+    pub(crate) partners: Partners,
     /// Data logs, recipes and files.
     pub(crate) records: RefCell<Records>,
     /// Alarms that came and went.
@@ -110,6 +127,10 @@ pub struct Cpu {
     pub(crate) zone: Cell<Zone>,
     /// Number of the cycle, 0 in startup.
     pub(crate) cycle: Cell<u64>,
+    /// Inputs and outputs with fixed values.
+    pub(crate) force: Force,
+    /// How often the program was changed.
+    pub(crate) generation: u64,
     /// Run-time meters.
     pub(crate) meters: [Meter; METERS],
 }
@@ -126,6 +147,11 @@ impl Cpu {
     /// The recording of the run, or the one that it repeats.
     pub fn tape(&self) -> Option<&Tape> {
         self.tape.get().map(Rc::as_ref)
+    }
+
+    /// How often the program was changed while it ran: whoever has found a place by its name looks again when this is another number.
+    pub fn generation(&self) -> u64 {
+        self.generation
     }
 
     /// Number of the cycle, 0 in startup.
@@ -160,6 +186,7 @@ impl Cpu {
             assertions: Assertions::new(&image.asserts),
             watcher: OnceCell::new(),
             tape: OnceCell::new(),
+            monitor: Monitor::default(),
             cycle: Cell::new(0),
             retention: OnceCell::new(),
             service: RefCell::default(),
@@ -171,7 +198,7 @@ impl Cpu {
             watchdog: Watchdog::new(&memory),
             memory,
             image,
-            code,
+            code: RefCell::new(code),
             clock,
             driver,
             diagnostics: Diagnostics::default(),
@@ -183,13 +210,18 @@ impl Cpu {
             load_memory: RefCell::default(),
             diagnostics_changed: Cell::new(false),
             communication: RefCell::default(),
+            partners: Partners::default(),
             zone: Cell::default(),
             alarms: RefCell::default(),
             records: RefCell::new(Records::new(Store::temporary())),
             meters: Default::default(),
+            force: Force::default(),
+            generation: 0,
             outputs_changed: Cell::new(u32::MAX),
             cycle_obs,
         });
+        // Who watched the CPU before it was restarted comes again.
+        cpu.code.borrow().watch(false);
         cpu.memory.set_host64(state::CPU, Rc::as_ptr(&cpu) as u64);
         cpu.load_dbs();
         cpu
@@ -202,6 +234,15 @@ impl Cpu {
     pub unsafe fn of<'a>(mem: *mut u8) -> &'a Cpu {
         // SAFETY: `new` stored the address of the `Cpu` there, and it lives as long as its memory.
         unsafe { &*(mem.add(state::CPU as usize).cast::<u64>().read() as *const Cpu) }
+    }
+
+    /// Exchanges the code of the program, which must have the same entry functions: the next block that begins is of the new one. Result: the
+    /// code until now, which nobody runs any more. `Err`: a block is running; at the cycle control point, where clients are served, none is.
+    pub fn exchange_code(&self, code: Rc<dyn Code>) -> Result<Rc<dyn Code>, Rc<dyn Code>> {
+        match self.code.try_borrow_mut() {
+            Ok(mut current) => Ok(std::mem::replace(&mut *current, code)),
+            Err(_) => Err(code),
+        }
     }
 
     fn load_dbs(&self) {

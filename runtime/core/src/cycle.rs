@@ -4,6 +4,7 @@
 //!
 //! Interrupts enter at safepoints of OB 1 and while time passes between cycles.
 
+use plcc_abi::image::Family;
 use plcc_abi::layout;
 use plcc_abi::ob::{OB_FREE, ObClass};
 
@@ -64,38 +65,66 @@ pub struct Course {
     last_start: Option<u64>,
     /// When the next cycle starts.
     next: u64,
+    /// A cycle has ended, and the time until the next one has not passed.
+    pauses: bool,
+}
+
+impl Course {
+    /// Number of the last cycle, 0 before the first.
+    pub fn cycle(&self) -> u64 {
+        self.cycle
+    }
 }
 
 impl Cpu {
     /// Startup and cycles. Returns the number of OB 1 cycles that were begun.
     pub fn execute(&self, pace: &Pace, observer: &mut dyn Observer) -> u64 {
         let mut course = self.begin(pace, observer);
-        let has_more = |cycle| pace.cycles.is_none_or(|cycles| cycle < cycles);
-        while !self.is_stopped() && has_more(course.cycle) && !crate::run::end_requested() {
-            self.step(&mut course, observer);
-            let next = match self.tape.get() {
-                None => course.next,
-                Some(tape) => match tape.end_cycle(self, course.next) {
-                    Some(next) => next,
-                    None => break,
-                },
-            };
-            if !self.is_stopped() {
-                self.advance(next, false);
-            }
-        }
+        self.go_on(&mut course, observer, &|| false);
         self.end();
         course.cycle
     }
 
-    /// Startup. After it [`run_until`](Cpu::run_until), and at last [`end`](Cpu::end).
+    /// Cycles until the end of the run or STOP, or, between two of them, until `is_wanted` says so. Then it may be called again.
+    pub(crate) fn go_on(&self, course: &mut Course, observer: &mut dyn Observer, is_wanted: &dyn Fn() -> bool) {
+        loop {
+            if course.pauses && !self.is_stopped() {
+                course.pauses = false;
+                self.advance(course.next, false);
+            }
+            let has_more = course.pace.cycles.is_none_or(|cycles| course.cycle < cycles);
+            if self.is_stopped() || !has_more || crate::run::end_requested() {
+                return;
+            }
+            self.step(course, observer);
+            course.pauses = true;
+            if let Some(tape) = self.tape.get() {
+                match tape.end_cycle(self, course.next) {
+                    Some(next) => course.next = next,
+                    None => return,
+                }
+            }
+            if is_wanted() {
+                return;
+            }
+        }
+    }
+
+    /// Startup. After it [`go_on`](Cpu::go_on) or [`run_until`](Cpu::run_until), and at last [`end`](Cpu::end).
     pub fn begin(&self, pace: &Pace, observer: &mut dyn Observer) -> Course {
         self.schedule.hang_limit.set(pace.hang_limit);
         if self.clock.is_virtual() {
             self.watchdog.watch_beats(pace.hang_limit);
         }
         self.start_up(observer);
-        Course { pace: *pace, times: CycleTimes::default(), cycle: 0, last_start: None, next: self.clock.now() }
+        Course {
+            pace: *pace,
+            times: CycleTimes::default(),
+            cycle: 0,
+            last_start: None,
+            next: self.clock.now(),
+            pauses: false,
+        }
     }
 
     /// Under the virtual clock: everything that is due before `end`, and the clock is at `end` then. What is due at `end` itself sees what
@@ -122,6 +151,7 @@ impl Cpu {
 
     /// The end of the run.
     pub fn end(&self) {
+        self.partners.exchange(true);
         self.watchdog.set(u64::MAX);
         self.watchdog.watch_beats(u64::MAX);
         if self.is_stopped() {
@@ -242,6 +272,7 @@ impl Cpu {
 
     /// Moves connections on, or ends them in STOP. Without a real clock the partner gets some time here if a block waits for it.
     fn communicate(&self) {
+        self.partners.exchange(self.is_stopped());
         let mut communication = self.communication.borrow_mut();
         if self.is_stopped() {
             communication.close_all();
@@ -260,6 +291,9 @@ impl Cpu {
         self.show_counters();
         let (base, length) = self.area(Area::Inputs);
         self.driver.named(length, &mut |address, value| self.memory.set_byte(base + address, value));
+        if self.is_forcing() {
+            self.force_inputs();
+        }
     }
 
     /// Outputs of the modules in STOP.
@@ -277,6 +311,9 @@ impl Cpu {
     pub(crate) fn write_output_image(&self) {
         let (base, length) = self.area(Area::Outputs);
         let length = length.min(self.image.outputs_used.max(self.outputs_changed.take()));
+        if self.is_forcing() {
+            return self.write_forced_image(base, length);
+        }
         self.memory.view(base, length, |image| self.driver.write_image(image));
     }
 
@@ -314,7 +351,8 @@ impl Cpu {
             1 | 2 | 4 => {
                 self.family.before_input(self);
                 let counter = self.read_counter(address, bytes);
-                counter.or_else(|| self.driver.read(address, bytes)).map_or(MISSING, u64::from)
+                let value = counter.or_else(|| self.driver.read(address, bytes));
+                value.map_or(MISSING, |value| self.forced_input(address, bytes, value).into())
             }
             _ => MISSING,
         }
@@ -322,9 +360,14 @@ impl Cpu {
 
     /// Writes a peripheral output, and the process image where it covers the address. True: no module there.
     pub fn peripheral_write(&self, address: u32, bytes: u32, value: u32) -> bool {
-        if !matches!(bytes, 1 | 2 | 4) || !self.driver.write(address, bytes, self.at_module(address, bytes, value)) {
+        if !matches!(bytes, 1 | 2 | 4) {
             return true;
         }
+        let forced = self.forced_output(address, bytes, value);
+        if !self.driver.write(address, bytes, self.at_module(address, bytes, forced)) {
+            return true;
+        }
+        let value = if self.image.profile.family == Family::S7400 { forced } else { value };
         self.family.output_written(self, address, bytes, value);
         let (base, length) = self.area(Area::Outputs);
         for index in 0..bytes {
@@ -341,6 +384,7 @@ impl Cpu {
         let mask = 1u8 << (bit & 7);
         let with_bit = |byte: u8| if value { byte | mask } else { byte & !mask };
         let module = u32::from(with_bit(self.driver.output(address, 1) as u8));
+        let module = self.forced_output(address, 1, module);
         if !self.driver.write(address, 1, self.at_module(address, 1, module)) {
             return true;
         }

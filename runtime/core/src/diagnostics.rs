@@ -26,6 +26,13 @@ pub const RETAIN_NOT_WRITTEN: u16 = 0xC023;
 pub const RETAIN_WRITTEN: u16 = 0xC024;
 pub const MEMORY_RESET: u16 = 0xC025;
 
+/// The program was changed while it ran; no event of a CPU has this number.
+pub const PROGRAM_CHANGED: u16 = 0xC031;
+
+/// Values are forced, or no longer; no event of a CPU has these numbers.
+pub const FORCE_ACTIVE: u16 = 0xC032;
+pub const FORCE_ENDED: u16 = 0xC033;
+
 /// No place in the program is known.
 pub const NO_SITE: u32 = u32::MAX;
 
@@ -41,6 +48,14 @@ pub struct Entry {
     /// OB that was running, 0: none.
     pub ob: u16,
     pub wall: i64,
+}
+
+impl Entry {
+    /// See [`Diagnostics::rename_sites`].
+    pub(crate) fn rename_site(&mut self, renamed: &[(u32, u32)]) {
+        let found = renamed.iter().find(|(before, _)| *before == self.site);
+        self.site = found.map_or(NO_SITE, |(_, now)| *now);
+    }
 }
 
 /// A synchronous or asynchronous error, or a STOP because of one. Source: event list of the CPUs, event classes.
@@ -79,6 +94,11 @@ impl Diagnostics {
     /// Faults that came since the CPU was switched on.
     pub fn faults(&self) -> u64 {
         self.faults.get()
+    }
+
+    /// Places have other numbers in a changed program: those of before, and those of now.
+    pub(crate) fn rename_sites(&self, renamed: &[(u32, u32)]) {
+        self.entries.borrow_mut().iter_mut().for_each(|entry| entry.rename_site(renamed));
     }
 
     /// All entries, newest first.
@@ -169,6 +189,10 @@ pub fn event_text(image: &ProgramImage, entry: &Entry) -> String {
         RETAIN_NOT_WRITTEN => "retentive memory cannot be written".to_string(),
         RETAIN_WRITTEN => "retentive memory is written again".to_string(),
         MEMORY_RESET => "memory reset".to_string(),
+        FORCE_ACTIVE if info == 1 => "1 value is forced".to_string(),
+        FORCE_ACTIVE => format!("{info} values are forced"),
+        FORCE_ENDED => "no value is forced any more".to_string(),
+        PROGRAM_CHANGED => "the program was changed".to_string(),
         event => format!("event of class {}", event >> 12),
     };
     format!("16#{:04X} {words}", entry.event)

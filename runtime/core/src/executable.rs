@@ -8,7 +8,7 @@ use std::rc::Rc;
 use clap::{Args, Parser};
 use plcc_abi::ProgramImage;
 
-use crate::code::Code;
+use crate::code::{Code, Entries};
 use crate::linked::{LinkedCode, linked_program};
 use crate::online::Service;
 use crate::options::RunOptions;
@@ -72,7 +72,12 @@ pub unsafe fn main_of<O: Opener>(argc: c_int, argv: *const *const c_char) -> c_i
     };
     match linked_program(0) {
         Ok((image, entries)) => {
-            let code = || -> Rc<dyn Code> { Rc::new(LinkedCode(entries.clone())) };
+            // The code with probes is another program, beside the first.
+            let probed = match image.config.services.probes {
+                Some(_) => linked_program(1).map_or_else(|_| Vec::new(), |(_, entries)| entries),
+                None => Vec::new(),
+            };
+            let code = || -> Rc<dyn Code> { Rc::new(LinkedCode(Entries::watched(entries.clone(), probed.clone()))) };
             match services.open(&image, run.flags_only()) {
                 Ok((service, opened)) => {
                     opened.iter().for_each(|line| crate::run::say!("{line}"));
@@ -122,7 +127,7 @@ fn damaged(error: &str) -> c_int {
 fn test(job: &str) -> c_int {
     let report = serde_json::from_str::<TestJob>(job).map_err(|error| error.to_string()).and_then(|job| {
         let (image, entries) = linked_program(job.program)?;
-        let code: Rc<dyn Code> = Rc::new(LinkedCode(entries));
+        let code: Rc<dyn Code> = Rc::new(LinkedCode(Entries::new(entries)));
         let report = crate::testing::test(image, code, &job.options);
         serde_json::to_string(&report).map_err(|error| error.to_string())
     });

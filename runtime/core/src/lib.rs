@@ -7,7 +7,7 @@
 //! - [`system`]: system functions (SFC), one file per family.
 //! - [`io`]: the driver; [`analog`]: words of analog channels; [`plant`]: the process at the I/O.
 //! - [`address`], [`names`], [`value`], [`typed`], [`signal`], [`scenario`], [`trace`], [`options`]: what a user writes and sees.
-//! - [`communication`]: TCP and ISO-on-TCP connections of the program.
+//! - [`communication`]: TCP and ISO-on-TCP connections of the program; [`partners`]: its S7 connections.
 //! - [`records`]: data logs, recipes and files of a program.
 //! - [`alarms`]: alarms of the program.
 //! - `family`: differences between the families of CPUs; [`s7200`]: functions of the S7-200 only.
@@ -30,6 +30,7 @@ pub mod alarms;
 pub mod analog;
 pub mod assertion;
 pub mod bcd;
+pub mod change;
 pub mod clock;
 pub mod code;
 pub mod communication;
@@ -45,6 +46,7 @@ mod family;
 pub mod faults;
 pub mod files;
 pub mod fmi;
+pub mod force;
 pub mod functions;
 pub mod guest;
 pub mod io;
@@ -52,11 +54,13 @@ pub mod io;
 mod linked;
 pub mod math;
 pub mod memory;
+pub mod monitor;
 pub mod names;
 pub mod ob_set;
 pub mod online;
 pub mod options;
 pub mod organization;
+pub mod partners;
 pub mod plant;
 pub mod probe;
 pub mod realtime;

@@ -49,6 +49,9 @@ pub struct RunOptions {
     /// Modify values by a watch table, a TOML file (see docs/debugging.md), and print it after the last cycle
     #[arg(long, value_name = "FILE")]
     pub watch_table: Option<PathBuf>,
+    /// Force inputs and outputs by a table, a TOML file (see docs/debugging.md); what is forced later is kept there
+    #[arg(long, value_name = "FILE")]
+    pub force: Option<PathBuf>,
     /// Shortest time between two records [default: record each cycle]
     #[arg(long, value_name = "TIME", value_parser = parse_duration)]
     pub trace_step: Option<Duration>,
@@ -120,8 +123,9 @@ impl RunOptions {
         self.is_many() || self.replay.is_some()
     }
 
-    /// Puts what the flags say about restarts into the configuration.
-    pub(crate) fn restart(&self, config: &mut Config) {
+    /// Puts what the flags say about errors and restarts into the configuration.
+    pub(crate) fn configure(&self, config: &mut Config) {
+        config.s7200.stop_on_error |= self.stop_on_error;
         if let Some(path) = &self.retain {
             config.retain.file = Some(path.display().to_string());
         }
@@ -147,7 +151,10 @@ pub const HANG_LIMIT_DEFAULT: Duration = Duration(10_000_000_000);
 
 /// Parses `10ms`, `1.5s`, `500us`, `2m`, `0`. `Err`: the error.
 pub fn parse_duration(text: &str) -> Result<Duration, String> {
-    let wrong = || format!("`{text}` is not a time; write 10ms, 1.5s, 500us or 2m");
+    let wrong = || match duration::meant_span(text) {
+        Some(meant) => format!("`{text}` is not a time; write {meant}"),
+        None => format!("`{text}` is not a time; write a number with the unit us, ms, s, m or h, as in 1.5s"),
+    };
     duration::span(text).map(Duration).ok_or_else(wrong)
 }
 

@@ -65,15 +65,18 @@ impl Cpu {
         let carried = (kind == Restart::Warm).then(|| Carried::of(&cpu));
         let stopped = Rc::into_inner(cpu).expect("only the run owns its CPU");
         // The rest ends here, with its threads, files and connections.
-        let Cpu { image, code, clock, driver, diagnostics, service, alarms, .. } = stopped;
-        let mut next = Cpu::new(image, code, clock, driver);
+        let Cpu { image, code, clock, driver, diagnostics, service, alarms, force, generation, .. } = stopped;
+        let mut next = Cpu::new(image, code.into_inner(), clock, driver);
         let own = Rc::get_mut(&mut next).expect("it was just made");
         own.diagnostics = diagnostics;
         own.alarms = RefCell::new(alarms.into_inner().restarted());
         own.is_served.set(service.borrow().is_some());
+        own.partners.attach(service.borrow().as_ref().and_then(|service| service.board()));
         own.service = service;
         own.carried = RefCell::new(carried);
         own.is_restarted = true;
+        own.generation = generation;
+        own.force = force;
         own.startup.set(match kind {
             Restart::Cold => 102,
             Restart::Warm | Restart::Hot | Restart::Reset => 100,

@@ -227,6 +227,31 @@ impl Schedule {
         self.queue.borrow().is_empty()
     }
 
+    /// Goes on where another schedule of a changed program is: interrupts that both have keep their times, new ones begin `now`.
+    pub(crate) fn take_over(&mut self, before: &mut Schedule, now: u64) {
+        let in_run = before.in_run.get();
+        for own in &mut self.cyclic {
+            match before.cyclic.iter_mut().find(|other| other.ob == own.ob) {
+                Some(other) => std::mem::swap(own, other),
+                None if in_run => own.start(now),
+                None => {}
+            }
+        }
+        for own in &mut self.delays {
+            let other = before.delays.iter_mut().find(|other| other.ob == own.ob);
+            other.into_iter().for_each(|other| std::mem::swap(own, other));
+        }
+        for own in &mut self.times_of_day {
+            let other = before.times_of_day.iter_mut().find(|other| other.ob == own.ob);
+            other.into_iter().for_each(|other| std::mem::swap(own, other));
+        }
+        std::mem::swap(&mut self.queue, &mut before.queue);
+        std::mem::swap(&mut self.monitor, &mut before.monitor);
+        std::mem::swap(&mut self.disabled, &mut before.disabled);
+        std::mem::swap(&mut self.hang_limit, &mut before.hang_limit);
+        self.in_run.set(in_run);
+    }
+
     fn is_waiting(&self, ob: u16) -> bool {
         self.queue.borrow().iter().any(|event| event.ob == ob)
     }

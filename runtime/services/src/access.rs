@@ -108,7 +108,7 @@ impl Access<'_> {
 
     fn read_modules(&self, place: Place) -> Result<Vec<u8>, ItemError> {
         let bytes = place.start..place.start.saturating_add(place.count);
-        bytes.map(|byte| self.0.driver.read(byte, 1).map(|value| value as u8).ok_or(ItemError::Hardware)).collect()
+        bytes.map(|byte| self.0.module_input(byte).map(|value| value as u8).ok_or(ItemError::Hardware)).collect()
     }
 
     fn kind(code: u8) -> Option<BlockKind> {
@@ -201,6 +201,10 @@ impl Plc for Access<'_> {
             self.0.note_outputs(place.start + place.count);
         }
         Ok(())
+    }
+
+    fn is_forcing(&self) -> bool {
+        self.0.is_forcing()
     }
 
     fn is_running(&self) -> bool {

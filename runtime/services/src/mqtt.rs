@@ -146,21 +146,40 @@ fn topic(name: &str) -> String {
 
 /// The values of one cycle: content without the time, in the order of the signals.
 struct Values {
+    /// The program has changed: how often, and where its values are.
+    renewed: Option<(u64, Signals)>,
     running: bool,
     texts: Vec<String>,
     time: String,
 }
 
-fn read(cpu: &Cpu, signals: &[(String, Signal)]) -> Values {
+/// Values with the last part of their topics, and whether the program has them, which may be a changed one.
+type Signals = std::sync::Arc<[(String, Signal, bool)]>;
+
+fn renew(cpu: &Cpu, signals: &Signals) -> Signals {
+    let found = signals.iter().map(|(topic, signal, _)| {
+        let name = signal.name.clone();
+        match signal::Source::find(&name, &cpu.image, None) {
+            Ok(source) => (topic.clone(), Signal { name, source }, true),
+            Err(_) => (topic.clone(), signal.clone(), false),
+        }
+    });
+    found.collect()
+}
+
+fn read(cpu: &Cpu, signals: &Signals, generation: u64) -> Values {
+    let renewed = (cpu.generation() != generation).then(|| (cpu.generation(), renew(cpu, signals)));
+    let signals = renewed.as_ref().map_or(signals, |(_, signals)| signals);
     let one = |signal: &Signal| {
         let value = signal.source.read(cpu, None).json();
         format!("\"value\": {value}, \"type\": \"{}\"", signal.source.ty())
     };
-    Values {
-        running: !cpu.is_stopped(),
-        texts: signals.iter().map(|(_, signal)| one(signal)).collect(),
-        time: moment(cpu),
-    }
+    let texts = signals.iter().map(|(_, signal, exists)| match exists {
+        true => one(signal),
+        false => "\"value\": null".to_string(),
+    });
+    let texts = texts.collect();
+    Values { running: !cpu.is_stopped(), texts, time: moment(cpu), renewed }
 }
 
 /// The wall clock of the CPU.
@@ -172,7 +191,8 @@ fn moment(cpu: &Cpu) -> String {
 /// Publishes until the CPU ends.
 pub async fn run(publisher: Publisher, link: Link) {
     let Publisher { broker, signals, interval: every } = publisher;
-    let signals: std::sync::Arc<[(String, Signal)]> = signals.into();
+    let mut signals: Signals = signals.into_iter().map(|(topic, signal)| (topic, signal, true)).collect();
+    let mut generation = 0;
     // As many as all values and the state take.
     let (client, events) = AsyncClient::new(broker.options(), signals.len() + 16);
     let (send, mut connected) = tokio::sync::watch::channel(0);
@@ -191,7 +211,10 @@ pub async fn run(publisher: Publisher, link: Link) {
             continue;
         }
         let own = signals.clone();
-        let Some(values) = link.ask(move |cpu| read(cpu, &own)).await else { return };
+        let Some(values) = link.ask(move |cpu| read(cpu, &own, generation)).await else { return };
+        if let Some(renewed) = values.renewed {
+            (generation, signals) = renewed;
+        }
         let all = connection != now || last.elapsed() >= every;
         connection = now;
         let say = if values.running { "RUN" } else { "STOP" };
@@ -202,7 +225,7 @@ pub async fn run(publisher: Publisher, link: Link) {
             }
             state = Some(say);
         }
-        for (index, ((topic, _), text)) in signals.iter().zip(&values.texts).enumerate() {
+        for (index, ((topic, ..), text)) in signals.iter().zip(&values.texts).enumerate() {
             if !all && sent.get(index) == Some(text) {
                 continue;
             }

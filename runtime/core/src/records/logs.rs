@@ -116,6 +116,11 @@ fn description(name: &str) -> String {
 }
 
 impl Logs {
+    /// Numbers of the data blocks whose values the open logs take.
+    pub(crate) fn used_dbs(&self) -> impl Iterator<Item = u16> {
+        self.logs.iter().filter(|log| log.open).map(|log| log.definition.db)
+    }
+
     pub fn find(&mut self, id: u32) -> Option<&mut Log> {
         self.logs.iter_mut().find(|log| log.id == id)
     }

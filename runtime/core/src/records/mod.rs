@@ -71,6 +71,16 @@ impl Records {
         Some(self.last)
     }
 
+    /// Numbers of the data blocks that open logs and waiting jobs use.
+    pub(crate) fn used_dbs(&self) -> impl Iterator<Item = u16> {
+        let jobs = self.waiting.iter().filter_map(|(_, job)| match job {
+            Job::CreateLog { definition, .. } => Some(definition.db),
+            Job::ExportRecipes(place) | Job::ImportRecipes(place) => Some(place.db),
+            _ => None,
+        });
+        self.logs.used_dbs().chain(jobs)
+    }
+
     pub fn waits(&self, job: u32) -> bool {
         self.waiting.iter().any(|(other, _)| *other == job)
     }

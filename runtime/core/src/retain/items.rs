@@ -161,6 +161,11 @@ impl Items {
         Items { everything, items }
     }
 
+    /// All memory is kept, for a hot restart.
+    pub(crate) fn is_everything(&self) -> bool {
+        self.everything
+    }
+
     /// Puts the content of this moment into `content`.
     pub(crate) fn collect(&self, cpu: &Cpu, content: &mut Vec<u8>) {
         content.clear();

@@ -195,6 +195,14 @@ impl Cpu {
 }
 
 impl Retention {
+    /// Keeps the memory of a CPU with a changed program in the same file.
+    pub(crate) fn with_items_of(mut self, cpu: &Cpu) -> Retention {
+        self.items = Items::of(cpu, self.items.is_everything());
+        // The next copy is written, whatever it is.
+        self.written.get_mut().clear();
+        self
+    }
+
     fn keep(&self, cpu: &Cpu, finally: bool) {
         // What a fault of plcc itself has left is not to come back.
         let damaged = cpu.stopped().is_some_and(|stop| stop.entry.event == INTERNAL_ERROR);

@@ -48,7 +48,7 @@ pub fn run_debugged(
         cpu.set_tape(Rc::new(Tape::replay(Rc::clone(recording))));
     }
     cpu.set_watcher(Rc::clone(watcher));
-    let (_, session) = prepare(&cpu, &options, out)?;
+    let session = prepare(&cpu, &options, out)?;
     let mut told = Told { session, watcher };
     tell_partial(&cpu.image.partial, true);
     let cycles = cpu.execute(&pace(&cpu, &options), &mut told);
@@ -66,8 +66,7 @@ pub fn for_debugger(
     options: &RunOptions,
     recording: Option<&Rc<Recording>>,
 ) -> Result<(Arc<ProgramImage>, RunOptions), String> {
-    image.config.s7200.stop_on_error |= options.stop_on_error;
-    options.restart(&mut image.config);
+    options.configure(&mut image.config);
     image.config.retain.file = None;
     let options = match recording {
         Some(recording) => super::recorded::repeated(&mut image, options, recording)?,

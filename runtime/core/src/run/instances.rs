@@ -79,8 +79,7 @@ pub(super) fn run(image: ProgramImage, code: CodeMaker, options: &RunOptions) ->
     image.notices.iter().for_each(|notice| say!("{notice}"));
     watch_signals();
     let mut image = image;
-    image.config.s7200.stop_on_error |= options.stop_on_error;
-    options.restart(&mut image.config);
+    options.configure(&mut image.config);
     // Instances would write to one file.
     image.config.retain.file = None;
     let image = Arc::new(image);
@@ -176,7 +175,7 @@ fn one(
     let driver = Box::new(Simulated::new(image.config.modules.clone()));
     let cpu = Cpu::new(Arc::clone(image), code(), Clock::simulated(), driver);
     let buffer = Buffer::default();
-    let (printed, mut session) = match prepare(&cpu, options, Box::new(buffer.clone())) {
+    let mut session = match prepare(&cpu, options, Box::new(buffer.clone())) {
         Ok(prepared) => prepared,
         Err(message) => return failed(message),
     };
@@ -191,10 +190,10 @@ fn one(
     }
     let cycles = cpu.execute(&pace(&cpu, options), &mut session);
     let mut out = buffer.0.take();
-    if !printed.is_empty() {
+    if !session.printed.is_empty() {
         let json = options.json.then_some((cycles, session.last));
         // A vector takes everything.
-        let _ = report::write_values(&cpu, session.player.plant(), &printed, json, &mut out);
+        let _ = report::write_values(&cpu, session.player.plant(), &session.printed, json, &mut out);
     }
     let (lines, fault) = verdict(&cpu, &RunOptions { quiet: true, ..options.clone() }, &session, cycles);
     Outcome { out, lines, exit: if fault { EXIT_FAULT } else { EXIT_OK } }

@@ -7,23 +7,24 @@ mod session;
 
 use std::fs::File;
 use std::io::Write;
+use std::path::Path;
 use std::rc::Rc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
 use plcc_abi::ProgramImage;
 
+use crate::change::{CodeSource, Inbox};
 use crate::code::Code;
 use crate::cpu::Cpu;
 use crate::cycle::Pace;
 use crate::faults::{STOP_BY_CLIENT, STOP_BY_REQUEST};
 use crate::io::{Driver, Simulated};
 use crate::online::Service;
-use crate::options::{ClockKind, HANG_LIMIT_DEFAULT, RunOptions};
+use crate::options::{ClockKind, HANG_LIMIT_DEFAULT, Restart, RunOptions};
 use crate::probe::Watcher;
 use crate::records::store::{self, Store};
 use crate::remote::{self, Remote};
-use crate::signal::Signal;
 use crate::trace::Recorder;
 use crate::{diagnostics, files, realtime, report};
 pub use debugged::{Ended, for_debugger, run_debugged};
@@ -74,13 +75,34 @@ pub fn start(image: ProgramImage, code: CodeMaker, options: &RunOptions, service
             EXIT_USAGE
         }
         true => instances::run(image, code, options),
-        false => run_with(image, code(), options, service, None),
+        false => run_with(image, code(), options, Extras { service, ..Extras::default() }),
     }
+}
+
+/// As [`start`] for one CPU, whose program can be changed while it runs.
+pub fn start_changeable(
+    image: ProgramImage,
+    code: CodeSource,
+    options: &RunOptions,
+    service: Option<Box<dyn Service>>,
+    inbox: Inbox,
+) -> u8 {
+    let first = code();
+    run_with(image, first, options, Extras { service, changes: Some((inbox, code)), watcher: None })
+}
+
+/// What a run may have besides its program and flags.
+#[derive(Default)]
+struct Extras {
+    service: Option<Box<dyn Service>>,
+    watcher: Option<Rc<dyn Watcher>>,
+    /// Where changes of the program come from, and what makes the code of the first one.
+    changes: Option<(Inbox, CodeSource)>,
 }
 
 /// Runs a program on one CPU. Values go to standard output, messages to standard error. Result: exit code.
 pub fn run(image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions) -> u8 {
-    run_with(image, code, options, None, None)
+    run_with(image, code, options, Extras::default())
 }
 
 /// As [`run`], with someone who looks at the probes of the program.
@@ -90,17 +112,12 @@ pub fn run_watched(
     options: &RunOptions,
     watcher: Option<Rc<dyn Watcher>>,
 ) -> u8 {
-    run_with(image, code, options, None, watcher)
+    run_with(image, code, options, Extras { watcher, ..Extras::default() })
 }
 
-fn run_with(
-    mut image: ProgramImage,
-    code: Rc<dyn Code>,
-    options: &RunOptions,
-    service: Option<Box<dyn Service>>,
-    watcher: Option<Rc<dyn Watcher>>,
-) -> u8 {
-    let planned = match recorded::plan(&mut image, options, service.is_some()) {
+fn run_with(mut image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions, extras: Extras) -> u8 {
+    let Extras { service, watcher, changes } = extras;
+    let planned = match recorded::plan(&mut image, options, service.is_some(), changes.is_some()) {
         Ok(planned) => planned,
         Err(message) => {
             say!("runtime: {message}");
@@ -119,13 +136,17 @@ fn run_with(
         say!("runtime: {message}");
         return EXIT_USAGE;
     }
-    let (printed, mut session) = match prepare(&cpu, options, Box::new(std::io::stdout())) {
+    let mut session = match prepare(&cpu, options, Box::new(std::io::stdout())) {
         Ok(prepared) => prepared,
         Err(message) => {
             say!("runtime: {message}");
             return EXIT_USAGE;
         }
     };
+    if let Some((inbox, code)) = &changes {
+        inbox.begin(&cpu, code.clone());
+    }
+    let inbox = changes.as_ref().map(|(inbox, _)| inbox);
     tell_partial(&cpu.image.partial, options.quiet);
     if let Err(message) = realtime(options) {
         say!("runtime: --realtime: {message}");
@@ -140,12 +161,13 @@ fn run_with(
     if let Some(service) = service {
         cpu.attach(service);
     }
-    let mut cycles = cpu.execute(&pace, &mut session);
+    let mut cycles = 0;
+    drive(&mut cpu, &pace, &mut session, options, inbox, &mut cycles);
     let taped = planned.tape.map(|tape| recorded::end(&tape, options, cycles));
     // A CPU in STOP answers its clients, and one of them may start it again.
     while cpu.is_stopped() && cpu.is_served.get() {
         stop_line(&cpu, options, cycles).iter().for_each(|line| say!("{line}"));
-        let Some(kind) = cpu.serve_in_stop() else { break };
+        let Some(kind) = wait_in_stop(&mut cpu, &mut session, options, inbox) else { break };
         cpu = Cpu::restarted(cpu, kind);
         if let Some(watcher) = &watcher {
             cpu.set_watcher(watcher.clone());
@@ -161,13 +183,71 @@ fn run_with(
             say!("started again by a client");
         }
         pace.cycles = options.cycles.map(|all| all.saturating_sub(cycles));
-        cycles += cpu.execute(&pace, &mut session);
+        drive(&mut cpu, &pace, &mut session, options, inbox, &mut cycles);
     }
-    finish(&cpu, options, &printed, session, cycles).max(taped.unwrap_or(EXIT_OK))
+    finish(&cpu, options, session, cycles).max(taped.unwrap_or(EXIT_OK))
+}
+
+/// Startup and cycles, also of programs that take the place of the first one, until STOP or the end of the run.
+fn drive(
+    cpu: &mut Rc<Cpu>,
+    pace: &Pace,
+    session: &mut Session,
+    options: &RunOptions,
+    inbox: Option<&Inbox>,
+    cycles: &mut u64,
+) {
+    let is_wanted = || inbox.is_some_and(Inbox::waits);
+    let mut course = cpu.begin(pace, session);
+    loop {
+        cpu.go_on(&mut course, session, &is_wanted);
+        if !(is_wanted() && change(cpu, session, options, inbox)) {
+            break;
+        }
+    }
+    cpu.end();
+    *cycles += course.cycle();
+}
+
+/// Has a change of the program carried out. False: nothing waits.
+fn change(cpu: &mut Rc<Cpu>, session: &mut Session, options: &RunOptions, inbox: Option<&Inbox>) -> bool {
+    let Some(inbox) = inbox else { return false };
+    let (waits, changed) = inbox.carry_out(cpu);
+    if changed {
+        session.renew(cpu, options);
+    }
+    waits
+}
+
+/// As [`Cpu::serve_in_stop`]; the program may be changed meanwhile.
+fn wait_in_stop(
+    cpu: &mut Rc<Cpu>,
+    session: &mut Session,
+    options: &RunOptions,
+    inbox: Option<&Inbox>,
+) -> Option<Restart> {
+    loop {
+        let kind = cpu.serve_in_stop(&|| inbox.is_some_and(Inbox::waits));
+        if kind.is_some() || !change(cpu, session, options, inbox) {
+            return kind;
+        }
+    }
 }
 
 /// Gives a CPU what the flags name: ports, folders, files.
 fn furnish(cpu: &Cpu, options: &RunOptions) -> Result<(), String> {
+    // After a restart what is forced stays so.
+    if !cpu.is_restarted {
+        match (&options.force, &cpu.image.config.retain.file) {
+            (Some(path), _) => cpu.force_from(path, false)?,
+            (None, Some(file)) => cpu.force_from(Path::new(&format!("{file}.force")), true)?,
+            (None, None) => {}
+        }
+        if cpu.is_forcing() {
+            let all: Vec<String> = cpu.forced().iter().map(|one| format!("{} = {}", one.name, one.value)).collect();
+            say!("forced: {}", all.join(", "));
+        }
+    }
     if let Some(port) = options.iso_port {
         cpu.communication.borrow_mut().set_iso_port(port);
     }
@@ -231,8 +311,9 @@ fn tell_partial(items: &[String], quiet: bool) {
     }
 }
 
-fn finish(cpu: &Cpu, options: &RunOptions, printed: &[Signal], session: Session, cycles: u64) -> u8 {
+fn finish(cpu: &Cpu, options: &RunOptions, session: Session, cycles: u64) -> u8 {
     let mut exit = EXIT_OK;
+    let printed = &session.printed;
     if !printed.is_empty() {
         let mut out = std::io::stdout().lock();
         let plant = session.player.plant();

@@ -18,6 +18,8 @@ pub(super) struct Session {
     pub last: u64,
     pub player: Player,
     pub recorder: Option<Recorder>,
+    /// The values that are printed at the end.
+    pub printed: Vec<Signal>,
     /// The watch table.
     pub watch: Option<Table>,
 }
@@ -57,6 +59,26 @@ impl Session {
         self.set.extend(values);
     }
 
+    /// The program has changed: names mean places of the new one. What it does not have is told and left out.
+    pub fn renew(&mut self, cpu: &Cpu, options: &RunOptions) {
+        self.printed.clear();
+        for name in split_list(&options.print) {
+            match signals(cpu, self.player.plant(), std::slice::from_ref(&name)) {
+                Ok(found) => self.printed.extend(found),
+                Err(message) => super::say!("runtime: --print {message}"),
+            }
+        }
+        if let Some(path) = options.watch_table.as_deref().filter(|_| self.watch.is_some()) {
+            match Table::read(path, cpu) {
+                Ok(table) => self.watch = Some(table),
+                Err(message) => {
+                    super::say!("runtime: the watch table is left out: {message}");
+                    self.watch = None;
+                }
+            }
+        }
+    }
+
     /// The values of `--set`.
     #[cold]
     fn set_values(&self, cpu: &Cpu) {
@@ -75,8 +97,8 @@ impl Session {
     }
 }
 
-/// The values that are printed at the end, and everything else that the flags name. What a scenario prints goes to `out`.
-pub(super) fn prepare(cpu: &Cpu, options: &RunOptions, out: Box<dyn Write>) -> Result<(Vec<Signal>, Session), String> {
+/// Everything that the flags name. What a scenario prints goes to `out`.
+pub(super) fn prepare(cpu: &Cpu, options: &RunOptions, out: Box<dyn Write>) -> Result<Session, String> {
     cpu.check_retentive_file()?;
     let scenario = options.scenario.as_deref().map(|path| Scenario::read(path, &cpu.image)).transpose()?;
     let player = Player::new(scenario.unwrap_or_default(), cpu)?.print_to(out, options.json);
@@ -97,7 +119,7 @@ pub(super) fn prepare(cpu: &Cpu, options: &RunOptions, out: Box<dyn Write>) -> R
         }
         None => None,
     };
-    Ok((printed, Session { set, last: 0, player, recorder, watch }))
+    Ok(Session { set, last: 0, player, recorder, printed, watch })
 }
 
 /// The signals of a list flag.

@@ -37,7 +37,7 @@ pub(super) fn dprd_dat(call: &Call) -> Outcome {
         return error(0x80B1);
     }
     for index in 0..range.bytes {
-        memory.set_byte(range.offset + index, driver.read(address + index, 1).unwrap_or(0) as u8);
+        memory.set_byte(range.offset + index, call.cpu.module_input(address + index).unwrap_or(0) as u8);
     }
     OK
 }

@@ -144,6 +144,8 @@ pub(super) fn led(call: &Call) -> Outcome {
     match light {
         // RUN/STOP: who asks is in RUN.
         1 => Outcome::RetVal(FIRST_COLOR),
+        // MAINT.
+        3 if call.cpu.is_forcing() => Outcome::RetVal(FIRST_COLOR),
         // ERROR, MAINT.
         2 | 3 => Outcome::RetVal(OFF),
         _ => error(LED_NUMBER),
@@ -227,7 +229,7 @@ pub(super) fn read_io(call: &Call) -> Outcome {
         return error(NO_ADDRESS);
     }
     for index in 0..range.bytes {
-        call.cpu.memory.set_byte(range.offset + index, driver.read(address + index, 1).unwrap_or(0) as u8);
+        call.cpu.memory.set_byte(range.offset + index, call.cpu.module_input(address + index).unwrap_or(0) as u8);
     }
     call.set_word(4, range.bytes as u16);
     OK

@@ -2,15 +2,20 @@
 
 use std::cell::RefCell;
 use std::rc::Rc;
+use std::time::Duration;
 
 use plcc_abi::codes::stop;
-use plcc_abi::image::Module;
+use plcc_abi::image::{BlockKind, Module};
 use plcc_abi::layout;
 
-use super::helpers::{Block, cpu, cpu_with, run, run_observed};
+use super::helpers::{Block, cpu, cpu_with, image, run, run_observed};
 use crate::address::{self, Address};
+use crate::clock::Clock;
+use crate::code::Code;
 use crate::cpu::Cpu;
 use crate::cycle::Observer;
+use crate::io::Simulated;
+use crate::online::Service;
 
 fn at(text: &str) -> Address {
     address::parse(text).unwrap()
@@ -136,4 +141,44 @@ fn observer_sees_the_phases() {
     run_observed(&cpu(Vec::new()), 2, &mut phases);
     let ms10 = 10_000_000;
     assert_eq!(phases.0, [('<', 0, 0), ('>', 0, 0), ('<', 1, 0), ('>', 1, 0), ('<', 2, ms10), ('>', 2, ms10)]);
+}
+
+/// Code with one block, which tells who it is.
+struct Teller {
+    name: &'static str,
+    entries: Rc<RefCell<Vec<String>>>,
+}
+
+impl Code for Teller {
+    fn call(&self, _: u32, mem: *mut u8, _: u32, _: u32) {
+        self.entries.borrow_mut().push(self.name.to_string());
+        // SAFETY: the runtime passes the base of its own memory.
+        let cpu = unsafe { Cpu::of(mem) };
+        let other = Rc::new(Teller { name: "never", entries: self.entries.clone() });
+        assert!(cpu.exchange_code(other).is_err(), "code that runs is not exchanged");
+    }
+}
+
+/// Exchanges the code at the second cycle control point.
+struct Exchanger(Rc<dyn Code>);
+
+impl Service for Exchanger {
+    fn look(&self, cpu: &Cpu, _: u64, _: Option<u64>) -> bool {
+        cpu.cycle_number() == 2
+    }
+
+    fn serve(&mut self, cpu: &Cpu, _: Duration) {
+        assert!(cpu.exchange_code(self.0.clone()).is_ok());
+    }
+}
+
+#[test]
+fn code_is_exchanged_between_two_cycles() {
+    let entries = Rc::<RefCell<Vec<String>>>::default();
+    let teller = |name| Rc::new(Teller { name, entries: entries.clone() });
+    let image = image(&[(BlockKind::Ob, 1)]);
+    let cpu = Cpu::new(image, teller("old"), Clock::simulated(), Box::new(Simulated::new(None)));
+    cpu.attach(Box::new(Exchanger(teller("new"))));
+    run(&cpu, 4);
+    assert_eq!(*entries.borrow(), ["old", "old", "new", "new"]);
 }

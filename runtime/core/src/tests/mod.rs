@@ -3,6 +3,7 @@
 mod communication;
 mod cycle;
 mod faults;
+mod force;
 mod helpers;
 mod interrupts;
 mod plant;

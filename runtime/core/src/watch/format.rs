@@ -1,14 +1,14 @@
 //! Display formats of watch tables. Source: Programming with STEP 7, display formats of the variable table.
 
 use plcc_abi::image::AssertType;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use crate::address::{Bits, Width};
 use crate::signal::Value;
 use crate::{bcd, value};
 
 /// How a value is shown, and how one without a prefix is read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Format {
     Bool,

@@ -163,6 +163,29 @@ impl Table {
     }
 }
 
+/// A value for an address, both checked.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Settled {
+    pub address: Address,
+    pub bits: u64,
+}
+
+/// Finds a place by name, and reads a value for it as in a row of a table. `Err`: the error.
+pub(crate) fn settle(name: &str, value: &str, format: Option<Format>, cpu: &Cpu) -> Result<Settled, String> {
+    let row = RowText {
+        address: toml::Spanned::new(0..0, name.to_string()),
+        format,
+        comment: String::new(),
+        modify: Some(value.to_string()),
+        trigger: Trigger::Begin,
+        every_cycle: true,
+        cycle: 1,
+    };
+    let row = Row::new(row, &cpu.image, cpu)?;
+    let bits = row.modify.map_or(0, |modify| modify.bits);
+    Ok(Settled { address: row.address, bits })
+}
+
 /// A row as it is shown.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Shown {

@@ -55,6 +55,11 @@ pub fn answer(request: &[u8], map: &Map, may_write: bool, plc: &dyn Plc) -> Vec<
     }
 }
 
+/// The answer if the program has none of the registers.
+pub fn refuse(request: &[u8]) -> Vec<u8> {
+    vec![request.first().copied().unwrap_or(0) | EXCEPTION, Exception::Address as u8]
+}
+
 /// The answer after its function.
 fn data(function: u8, request: Bytes, map: &Map, may_write: bool, plc: &dyn Plc) -> Result<Vec<u8>, Exception> {
     let writes = matches!(

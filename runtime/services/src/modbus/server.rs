@@ -5,7 +5,7 @@ use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::time::timeout;
 
 use super::Map;
-use super::functions::{answer, frame};
+use super::functions::{answer, frame, refuse};
 use crate::access::Access;
 use crate::limits::{ANSWER_TIME, FRAME_TIME};
 use crate::link::Link;
@@ -37,7 +37,19 @@ async fn connection(mut visitor: Visitor, link: Link, map: Map) -> Option<()> {
         let mut body = vec![0; length];
         timeout(FRAME_TIME, stream.read_exact(&mut body)).await.ok()?.ok()?;
         let unit = body[0];
-        let answered = link.ask(move |cpu| answer(&body[1..], &map, may_write, &Access(cpu))).await?;
+        let answered = link
+            .ask(move |cpu| {
+                // In a changed program names mean other places; what it does not have is not there.
+                let now = match cpu.generation() {
+                    0 => Some(map),
+                    _ => Map::new(&cpu.image.config.services.registers, &cpu.image).ok(),
+                };
+                match now {
+                    Some(map) => answer(&body[1..], &map, may_write, &Access(cpu)),
+                    None => refuse(&body[1..]),
+                }
+            })
+            .await?;
         timeout(ANSWER_TIME, stream.write_all(&frame([t0, t1], unit, &answered))).await.ok()?.ok()?;
     }
 }

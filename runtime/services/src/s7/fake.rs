@@ -65,6 +65,10 @@ impl Plc for Fake {
         Ok(())
     }
 
+    fn is_forcing(&self) -> bool {
+        false
+    }
+
     fn is_running(&self) -> bool {
         self.running.get()
     }

@@ -117,6 +117,8 @@ pub trait Plc {
     fn write(&self, place: Place, data: &[u8]) -> Result<(), ItemError>;
 
     fn is_running(&self) -> bool;
+    /// Values are forced.
+    fn is_forcing(&self) -> bool;
 
     /// Puts the CPU into STOP.
     fn stop(&self);

@@ -116,7 +116,7 @@ fn areas(plc: &dyn Plc) -> Vec<Vec<u8>> {
 fn leds(plc: &dyn Plc) -> Vec<Vec<u8>> {
     let running = plc.is_running();
     // SF, RUN, STOP, FRCE.
-    let lit = [(1, false), (4, running), (5, !running), (6, false)];
+    let lit = [(1, false), (4, running), (5, !running), (6, plc.is_forcing())];
     lit.map(|(led, on)| record(&[led], &[u8::from(on), 0])).to_vec()
 }
 

@@ -4,6 +4,9 @@ use plcc_abi::services::Role;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use super::status::Status;
+use super::trace::{Part, Wanted};
+
 /// An order of the page.
 #[derive(Debug, Deserialize)]
 #[serde(tag = "do", rename_all = "lowercase", deny_unknown_fields)]
@@ -16,6 +19,26 @@ pub enum Order {
     Modify {
         name: String,
         value: String,
+    },
+    /// From now on tell what the statements of this block see, and of no other; `None`: of none.
+    Status {
+        block: Option<String>,
+        /// One of the calls that were told; `None`: the first one in a cycle.
+        #[serde(default)]
+        call: Option<String>,
+    },
+    /// From now on count the runs of organization blocks; no block is watched then.
+    Obs,
+    /// Records values in every cycle; without names no more.
+    Trace(Wanted),
+    /// Give an input or output a fixed value.
+    Force {
+        name: String,
+        value: String,
+    },
+    /// End the forcing of a value; without a name that of all.
+    Unforce {
+        name: Option<String>,
     },
     Stop,
     /// A restart by one of the words `warm`, `cold`.
@@ -41,6 +64,15 @@ pub struct News {
     /// The diagnostic buffer, newest first, when it has changed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub buffer: Option<Vec<Entry>>,
+    /// What a block sees, when something of it is new.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub status: Option<Status>,
+    /// What the recording has that was not told yet.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub trace: Option<Part>,
+    /// The forced values, when they have changed: name and value.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub forced: Option<Vec<(String, String)>>,
     /// Why an order was not carried out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub refused: Option<String>,
@@ -53,6 +85,8 @@ pub struct Hello {
     pub cpu: String,
     pub user: String,
     pub role: Role,
+    /// The program has code with probes.
+    pub watchable: bool,
 }
 
 /// State of the CPU.
@@ -62,6 +96,8 @@ pub struct State {
     /// Why it is in STOP.
     pub reason: String,
     pub cycle: u64,
+    /// How often the program was changed while it ran.
+    pub generation: u64,
     /// Time of day in milliseconds since 1970.
     pub clock: f64,
 }

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use axum::body::Bytes;
 use axum::extract::ws::WebSocketUpgrade;
-use axum::extract::{DefaultBodyLimit, Extension};
+use axum::extract::{DefaultBodyLimit, Extension, Path};
 use axum::http::header::{
     CACHE_CONTROL, CONTENT_ENCODING, CONTENT_SECURITY_POLICY, CONTENT_TYPE, COOKIE, HOST, ORIGIN, SET_COOKIE,
 };
@@ -20,10 +20,10 @@ use serde::Deserialize;
 use tokio::sync::Semaphore;
 
 use super::users::Users;
-use super::{names, session};
+use super::{info, names, session, status};
 use crate::limits::{FRAME_TIME, HTTP_BYTES_MAX, PAGE_MESSAGE_MAX, PAGES_MAX};
 use crate::link::Link;
-use crate::listen::Visitor;
+use crate::listen::{Open, Visitor};
 
 /// Pause after a wrong password.
 const WRONG_PASSWORD_PAUSE: Duration = Duration::from_secs(1);
@@ -36,8 +36,8 @@ pub struct Page {
     /// A permit for each browser that is told values.
     places: Arc<Semaphore>,
     app: Router,
-    /// See [`ServicesConfig::drawings`](plcc_abi::services::ServicesConfig); empty if there are none.
-    drawings: Bytes,
+    /// Connections of each service.
+    services: Arc<[(&'static str, Open)]>,
 }
 
 /// What a request asks of.
@@ -49,11 +49,13 @@ struct Asked {
 }
 
 impl Page {
-    pub fn new(link: Link, users: Users, drawings: &[u8]) -> Page {
+    pub fn new(link: Link, users: Users, services: Vec<(&'static str, Open)>) -> Page {
         let files = [
             ("/", "text/html; charset=utf-8", include_str!("page/index.html")),
             ("/page.css", "text/css; charset=utf-8", include_str!("page/page.css")),
             ("/page.js", "text/javascript; charset=utf-8", include_str!("page/page.js")),
+            ("/status.js", "text/javascript; charset=utf-8", include_str!("page/status.js")),
+            ("/recording.js", "text/javascript; charset=utf-8", include_str!("page/recording.js")),
         ];
         let mut app = Router::new();
         for (path, kind, text) in files {
@@ -62,16 +64,12 @@ impl Page {
         let app = app
             .route("/program", get(program))
             .route("/names", get(listed))
+            .route("/places/{block}", get(places))
+            .route("/info", get(about))
             .route("/session", post(sign_in).delete(sign_out))
             .route("/live", get(live))
             .layer(DefaultBodyLimit::max(PAGE_MESSAGE_MAX));
-        Page {
-            link,
-            users,
-            places: Arc::new(Semaphore::new(PAGES_MAX)),
-            app,
-            drawings: Bytes::copy_from_slice(drawings),
-        }
+        Page { link, users, places: Arc::new(Semaphore::new(PAGES_MAX)), app, services: services.into() }
     }
 
     fn user(&self, headers: &HeaderMap) -> Result<(String, Role), StatusCode> {
@@ -106,7 +104,10 @@ async fn file(kind: &'static str, text: &'static str) -> Response {
 /// The drawings of the program: one document, packed by plcc, that loads nothing else.
 async fn program(Extension(Asked { page, .. }): Extension<Asked>, headers: HeaderMap) -> Result<Response, StatusCode> {
     page.user(&headers)?;
-    if page.drawings.is_empty() {
+    // Of the program that runs now.
+    let image = page.link.ask(|cpu| Arc::clone(&cpu.image)).await.ok_or(StatusCode::SERVICE_UNAVAILABLE)?;
+    let drawings = &image.config.services.drawings;
+    if drawings.is_empty() {
         return Err(StatusCode::NOT_FOUND);
     }
     let policy = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; frame-ancestors 'self'";
@@ -116,7 +117,7 @@ async fn program(Extension(Asked { page, .. }): Extension<Asked>, headers: Heade
         (CACHE_CONTROL, "no-cache"),
         (CONTENT_SECURITY_POLICY, policy),
     ];
-    Ok((head, page.drawings.clone()).into_response())
+    Ok((head, Bytes::copy_from_slice(drawings)).into_response())
 }
 
 /// The token in the cookie.
@@ -178,6 +179,24 @@ async fn listed(Extension(Asked { page, .. }): Extension<Asked>, headers: Header
     page.user(&headers)?;
     let names = page.link.ask(|cpu| names::list(&cpu.image)).await.ok_or(StatusCode::SERVICE_UNAVAILABLE)?;
     Ok(Json(names).into_response())
+}
+
+/// The places of the probes of a block: `FB1`.
+async fn places(
+    Extension(Asked { page, .. }): Extension<Asked>,
+    headers: HeaderMap,
+    Path(block): Path<String>,
+) -> Result<Response, StatusCode> {
+    page.user(&headers)?;
+    let image = page.link.ask(|cpu| cpu.image.clone()).await.ok_or(StatusCode::SERVICE_UNAVAILABLE)?;
+    let places = status::places(&image, &block).ok_or(StatusCode::NOT_FOUND)?;
+    Ok(Json(places).into_response())
+}
+
+async fn about(Extension(Asked { page, .. }): Extension<Asked>, headers: HeaderMap) -> Result<Response, StatusCode> {
+    page.user(&headers)?;
+    let info = info::info(&page.link, &page.services).await.ok_or(StatusCode::SERVICE_UNAVAILABLE)?;
+    Ok(Json(info).into_response())
 }
 
 async fn live(

@@ -1,0 +1,322 @@
+//! Programs that are changed while they run, under the virtual clock.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+use std::time::Duration;
+
+use plcc_abi::ProgramImage;
+use plcc_diag::SourceFile;
+use plcc_runtime::RunOptions;
+use plcc_runtime::change::{self, CodeSource, Loader};
+use plcc_runtime::cpu::Cpu;
+use plcc_runtime::online::Service;
+use plcc_runtime::options::ClockKind;
+use plcc_runtime::run::start_changeable;
+use plcc_runtime::signal::Source;
+
+use crate::cli::Level;
+use crate::inputs::Read;
+use crate::{code, pipeline};
+
+/// Compiles a source in the language of its file name.
+fn compiled(file: &str, text: &str) -> (ProgramImage, CodeSource) {
+    compiled_all(&[(file, text)])
+}
+
+fn compiled_all(files: &[(&str, &str)]) -> (ProgramImage, CodeSource) {
+    let mut read = Read { name: "line".to_string(), ..Read::default() };
+    for (file, text) in files {
+        let unit = read.sources.add(SourceFile::new(*file, *text));
+        read.units.push(unit);
+    }
+    let settings = pipeline::Settings { require_main: true, ..pipeline::Settings::default() };
+    let bound = pipeline::front(read, &settings);
+    let errors: Vec<&str> = bound.diagnostics.iter().filter(|d| d.is_error()).map(|d| d.title.as_str()).collect();
+    assert!(errors.is_empty(), "{errors:?}");
+    let compiled = pipeline::back(&bound, Level::O2);
+    let code = code::source(&compiled).expect("what is lowered becomes code");
+    (compiled.image, code)
+}
+
+/// Looks at values at the end of each cycle, and changes the program there.
+struct Hand {
+    loader: Loader,
+    names: Vec<&'static str>,
+    /// Programs that are loaded after a cycle; `None`: the one before.
+    loads: Vec<(u64, Option<(ProgramImage, CodeSource)>)>,
+    seen: Rc<RefCell<Seen>>,
+}
+
+#[derive(Default, Debug)]
+struct Seen {
+    /// The values of each cycle.
+    values: Vec<String>,
+    /// What the changes said before they were made, and why others were not.
+    items: Vec<String>,
+    refused: Vec<String>,
+}
+
+impl Service for Hand {
+    fn look(&self, _: &Cpu, _: u64, _: Option<u64>) -> bool {
+        true
+    }
+
+    fn serve(&mut self, cpu: &Cpu, _: Duration) {
+        let value = |name: &&str| match Source::find(name, &cpu.image, None) {
+            Ok(source) => source.read(cpu, None).text(),
+            Err(_) => "-".to_string(),
+        };
+        let mut seen = self.seen.borrow_mut();
+        seen.values.push(self.names.iter().map(value).collect::<Vec<_>>().join(" "));
+        let Some(at) = self.loads.iter().position(|(cycle, _)| *cycle == cpu.cycle_number()) else { return };
+        let (_, program) = self.loads.remove(at);
+        let prepared = match program {
+            Some((image, code)) => self.loader.prepare(image, code),
+            None => self.loader.previous(),
+        };
+        match prepared {
+            Ok(prepared) => {
+                seen.items.extend(prepared.items().iter().map(|item| item.text.clone()));
+                drop(self.loader.order(prepared).expect("no other order waits"));
+            }
+            Err(why) => seen.refused.push(why),
+        }
+    }
+}
+
+/// Runs a program for so many cycles of 10 ms.
+fn run(
+    first: (ProgramImage, CodeSource),
+    loads: Vec<(u64, Option<(ProgramImage, CodeSource)>)>,
+    names: &[&'static str],
+    cycles: u64,
+) -> Seen {
+    let options = RunOptions { clock: ClockKind::Virtual, cycles: Some(cycles), quiet: true, ..RunOptions::default() };
+    let (loader, inbox) = change::loader(&options);
+    let seen = Rc::<RefCell<Seen>>::default();
+    let hand = Hand { loader, names: names.to_vec(), loads, seen: Rc::clone(&seen) };
+    let exit = start_changeable(first.0, first.1, &options, Some(Box::new(hand)), inbox);
+    assert_eq!(exit, 0);
+    Rc::into_inner(seen).expect("the run has ended").into_inner()
+}
+
+/// Counters, S5 timers, IEC timers, edges, instances in instances and a delay interrupt: all of them hold state from cycle to cycle. `extra`
+/// goes into declarations, `body` into the program.
+fn chain(extra: &str, body: &str) -> String {
+    format!(
+        r#"
+FUNCTION_BLOCK "Stage"
+VAR_INPUT
+  pulse : BOOL;
+END_VAR
+VAR
+  {extra}
+  edge : R_TRIG;
+  count : INT;
+  up : CTU_INT;
+  delay : TON_TIME;
+  last : ARRAY[0..3] OF INT;
+  name : STRING[8] := 'stage';
+END_VAR
+BEGIN
+  #edge(CLK := #pulse);
+  IF #edge.Q THEN
+    #count := #count + 1;
+    #last[#count MOD 4] := #count;
+  END_IF;
+  #up(CU := #pulse, R := #up.CV >= 7, PV := 7);
+  #delay(IN := NOT #delay.Q, PT := T#35ms);
+  {body}
+END_FUNCTION_BLOCK
+FUNCTION_BLOCK "Line"
+VAR
+  beat : BOOL;
+  a : "Stage";
+  {extra}
+  b : "Stage";
+END_VAR
+BEGIN
+  #beat := NOT #beat;
+  #a(pulse := #beat);
+  #b(pulse := #a.delay.Q);
+END_FUNCTION_BLOCK
+DATA_BLOCK "LineDb"
+"Line"
+BEGIN
+END_DATA_BLOCK
+ORGANIZATION_BLOCK "Main"
+BEGIN
+  "LineDb"();
+  %MW10 := %MW10 + 1;
+END_ORGANIZATION_BLOCK
+ORGANIZATION_BLOCK OB30
+BEGIN
+  %MW12 := %MW12 + 1;
+END_ORGANIZATION_BLOCK
+"#
+    )
+}
+
+const CHAIN: [&str; 9] = [
+    "MW10",
+    "MW12",
+    "LineDb.beat",
+    "LineDb.a.count",
+    "LineDb.a.up.CV",
+    "LineDb.a.delay.ET",
+    "LineDb.a.last[2]",
+    "LineDb.b.count",
+    "LineDb.b.name",
+];
+
+#[test]
+fn a_hundred_changes_miss_no_beat() {
+    let often = |(mut image, code): (ProgramImage, CodeSource)| {
+        image.config.cyclic_period_ms = vec![(30, 70)];
+        (image, code)
+    };
+    let plain = || often(compiled("line.scl", &chain("", "")));
+    // Members that come, go and move all others.
+    let extras = ["x : INT := 3;", "", "y : BOOL; z : LREAL;", "text : STRING[20]; x : INT;"];
+    let programs: Vec<_> =
+        extras.iter().map(|extra| often(compiled("line.scl", &chain(extra, "%MW20 := %MW20 + 1;")))).collect();
+    let loads = (0..100).map(|number| (5 + 3 * number, Some(programs[number as usize % 4].clone()))).collect();
+    let unchanged = run(plain(), Vec::new(), &CHAIN, 400);
+    let changed = run(plain(), loads, &CHAIN, 400);
+    assert_eq!(changed.refused, Vec::<String>::new());
+    assert!(changed.items.len() > 100, "{:?}", changed.items.len());
+    for (cycle, (one, other)) in unchanged.values.iter().zip(&changed.values).enumerate() {
+        assert_eq!(one, other, "cycle {}", cycle + 1);
+    }
+    assert_eq!(unchanged.values.last().map(String::as_str), Some("16#0190 16#0039 0 200 4 T#30ms 198 66 'stage'"));
+}
+
+/// Timers and counters of the CPU, edges in bit memory, and a data block with absolute addresses.
+#[test]
+fn areas_of_a_300_stay() {
+    let program = |declared: &str, body: &str| {
+        compiled(
+            "line.stl",
+            &format!(
+                "DATA_BLOCK DB 5\nSTRUCT\n{declared} n : INT := 2;\n on : BOOL;\n off : BOOL;\nEND_STRUCT\nBEGIN\nEND_DATA_BLOCK\n\
+                 ORGANIZATION_BLOCK OB 1\nBEGIN\n\
+                 NETWORK\nAN M 0.0\n= M 0.0\nA M 0.0\nFP M 0.1\nCU C 1\n\
+                 NETWORK\nAN T 1\nL S5T#70MS\nSD T 1\nA T 1\nCU C 2\n\
+                 NETWORK\nL C 1\nT DB5.DBW 2\nAN M 0.0\n= DB5.DBX 4.1\n{body}\nEND_ORGANIZATION_BLOCK\n"
+            ),
+        )
+    };
+    let names = ["C1", "C2", "M0.1", "DB5.DBX4.1", "T1"];
+    let plain = || program("a : WORD;", "");
+    let unchanged = run(plain(), Vec::new(), &names, 60);
+    let loads = vec![
+        (7, Some(program("a : WORD;", "NETWORK\nL 1\nT MW 30\n"))),
+        (20, None),
+        (33, Some(program("a : WORD;", "NETWORK\nL 2\nT MW 30\n"))),
+    ];
+    let changed = run(plain(), loads, &names, 60);
+    assert_eq!(changed.refused, Vec::<String>::new());
+    assert_eq!(changed.items, Vec::<String>::new());
+    assert_eq!(unchanged.values, changed.values);
+}
+
+#[test]
+fn what_goes_and_comes_is_told() {
+    let program = |members: &str| {
+        compiled(
+            "line.scl",
+            &format!(
+                "TYPE \"Part\"\nSTRUCT\n{members}\nEND_STRUCT\nEND_TYPE\nDATA_BLOCK \"Data\"\nVAR\nparts : ARRAY[1..3] OF \"Part\";\n\
+                 END_VAR\nBEGIN\nEND_DATA_BLOCK\nORGANIZATION_BLOCK \"Main\"\nBEGIN\n\"Data\".parts[2].n := 7;\n\
+                 \"Data\".parts[3].on := TRUE;\nEND_ORGANIZATION_BLOCK\n"
+            ),
+        )
+    };
+    let loads = vec![
+        (2, Some(program("n : INT; on : BOOL; speed : REAL := 1.5;"))),
+        (4, Some(program("speed : LREAL; on : BOOL; n : INT;"))),
+        (6, None),
+    ];
+    let names = ["Data.parts[2].n", "Data.parts[3].on", "Data.parts[1].speed"];
+    let seen = run(program("n : INT; on : BOOL;"), loads, &names, 7);
+    assert_eq!(
+        seen.items,
+        [
+            "DB 1 \"Data\".parts[].speed is new: it gets its initial value",
+            "DB 1 \"Data\".parts[].speed is LREAL instead of REAL: it gets its initial value",
+            "DB 1 \"Data\".parts[].speed is REAL instead of LREAL: it gets its initial value",
+        ]
+    );
+    assert_eq!(seen.values[1], "7 1 -");
+    assert_eq!(seen.values[2], "7 1 1.5");
+    assert_eq!(seen.values[4], "7 1 0");
+    assert_eq!(seen.values[6], "7 1 1.5");
+}
+
+#[test]
+fn what_cannot_be_changed_is_refused_and_the_old_program_goes_on() {
+    let text = "ORGANIZATION_BLOCK \"Main\"\nBEGIN\n%MW10 := %MW10 + 1;\nEND_ORGANIZATION_BLOCK\n";
+    let with = |change: &dyn Fn(&mut ProgramImage)| {
+        let (mut image, code) = compiled("line.scl", text);
+        change(&mut image);
+        Some((image, code))
+    };
+    let loads = vec![
+        (1, with(&|image| image.name = "other".to_string())),
+        (2, with(&|image| image.profile.bit_memory = 1024)),
+        (3, with(&|image| image.config.clock_memory_byte = Some(9))),
+        (4, None),
+    ];
+    let seen = run(compiled("line.scl", text), loads, &["MW10"], 6);
+    let begins = [
+        "the running program is `line`, this one is `other`",
+        "the CPU is another one",
+        "plc.toml sets",
+        "there is no",
+    ];
+    assert_eq!(seen.refused.len(), begins.len());
+    for (refused, begin) in seen.refused.iter().zip(begins) {
+        assert!(refused.starts_with(begin), "{refused}");
+    }
+    assert_eq!(seen.values, ["16#0001", "16#0002", "16#0003", "16#0004", "16#0005", "16#0006"]);
+}
+
+/// A chart with two steps; `further` is one between them.
+fn chart(further: &str) -> String {
+    let (step, to) = match further {
+        "" => (String::new(), "Fill"),
+        name => (
+            format!(
+                "STEP {name} (*$_NUM 3*):\nEND_STEP\nTRANSITION On (*$_NUM 3*)\n  FROM {name}\n  TO Fill\nCONDITION := #Start\nEND_TRANSITION\n"
+            ),
+            name,
+        ),
+    };
+    format!(
+        "FUNCTION_BLOCK \"Filling\"\nVAR_INPUT\n  Start : BOOL;\n  Full : BOOL;\nEND_VAR\nVAR_OUTPUT\n  Valve : BOOL;\nEND_VAR\n\
+         INITIAL_STEP Idle (*$_NUM 1*):\nEND_STEP\nSTEP Fill (*$_NUM 2*):\n#Valve   (N)\nEND_STEP\n{step}\
+         TRANSITION Done (*$_NUM 2*)\n  FROM Fill\n  TO Idle (*$_JUMP*)\nCONDITION := #Full\nEND_TRANSITION\n\
+         TRANSITION Go (*$_NUM 1*)\n  FROM Idle\n  TO {to}\nCONDITION := #Start\nEND_TRANSITION\nEND_FUNCTION_BLOCK\n"
+    )
+}
+
+/// A chart goes on at its step; with other steps it begins again, and that is told.
+#[test]
+fn charts_go_on_at_their_step() {
+    let program = |step: &str, body: &str| {
+        let main = format!(
+            "DATA_BLOCK \"F\"\n\"Filling\"\nBEGIN\nEND_DATA_BLOCK\nORGANIZATION_BLOCK OB 1\nVAR_TEMP\ninfo : ARRAY[0..19] OF BYTE;\n\
+             END_VAR\nBEGIN\nMW20 := INT_TO_WORD(WORD_TO_INT(MW20) + 1);\n\"F\"(Start := WORD_TO_INT(MW20) MOD 7 = 0, \
+             Full := WORD_TO_INT(MW20) MOD 5 = 0);\n{body}END_ORGANIZATION_BLOCK\n"
+        );
+        compiled_all(&[("filling.gr7", &chart(step)), ("main.scl", &main)])
+    };
+    let names = ["F.Idle.X", "F.Fill.X", "F.Fill.T", "F.Valve", "MW20"];
+    let unchanged = run(program("", ""), Vec::new(), &names, 30);
+    let loads = vec![(4, Some(program("", "MW30 := 1;\n"))), (17, Some(program("", "")))];
+    let changed = run(program("", ""), loads, &names, 30);
+    assert_eq!((changed.refused, changed.items), (Vec::new(), Vec::new()));
+    assert_eq!(unchanged.values, changed.values);
+    let more = run(program("", ""), vec![(4, Some(program("more", "")))], &names, 6);
+    assert_eq!(more.items, ["DB 1 \"F\": the chart has other steps or transitions; it begins at its initial step"]);
+}

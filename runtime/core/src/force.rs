@@ -1,0 +1,361 @@
+//! Forcing: inputs and outputs that have a fixed value, whatever modules and program say.
+//!
+//! | Family | Inputs | Outputs |
+//! | --- | --- | --- |
+//! | S7-300 | in the process image, after it was read | in the process image, before it is written; `T PQW` goes to the module |
+//! | S7-400 | also direct reading | also direct writing, which changes nothing |
+//! | S7-1200/1500 | at the module: image and `:P` | at the module: image and `:P`; the image keeps the value of the program |
+//!
+//! Forced values stay until they are ended: through STOP, restarts and changes of the program, and with a file also through the end of the
+//! process. A table is a TOML file:
+//!
+//! ```toml
+//! [[force]]
+//! address = "I0.0"     # or a name
+//! value = "1"          # in the format, or with a prefix
+//! format = "bool"      # default: as in a watch table
+//! comment = "gate"
+//! ```
+//!
+//! Source: CPU manuals, test functions; Programming with STEP 7, 20.8.
+
+use std::cell::{Cell, RefCell};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use plcc_abi::image::Family;
+use plcc_abi::layout;
+use plcc_literal::toml_words;
+use serde::{Deserialize, Serialize};
+
+use crate::address::{Address, Place, Width};
+use crate::cpu::Cpu;
+use crate::diagnostics::{self, NO_SITE};
+use crate::files;
+use crate::watch::format::Format;
+use crate::watch::{self, Settled};
+
+/// A forced value as a user sees it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Forced {
+    pub name: String,
+    /// As the user wrote it.
+    pub value: String,
+    pub comment: String,
+    format: Option<Format>,
+    address: Address,
+    bits: u64,
+}
+
+/// Which bits of a byte are forced, and their values.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Mask {
+    bits: u8,
+    value: u8,
+}
+
+impl Mask {
+    fn over(self, byte: u8) -> u8 {
+        byte & !self.bits | self.value
+    }
+}
+
+/// All forced values of a CPU.
+#[derive(Default)]
+pub(crate) struct Force {
+    /// A value is forced: the cycle looks at nothing else.
+    active: Cell<bool>,
+    table: RefCell<Vec<Forced>>,
+    inputs: RefCell<BTreeMap<u32, Mask>>,
+    outputs: RefCell<BTreeMap<u32, Mask>>,
+    /// Where the table is kept.
+    file: RefCell<Option<PathBuf>>,
+}
+
+#[derive(Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+struct FileText {
+    #[serde(default)]
+    force: Vec<RowText>,
+}
+
+#[derive(Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+struct RowText {
+    address: toml::Spanned<String>,
+    value: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    format: Option<Format>,
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    comment: String,
+}
+
+/// Values that can be forced. Source: technical data of the CPUs.
+const fn count_max(family: Family) -> usize {
+    match family {
+        Family::S7300 => 10,
+        Family::S7400 => 256,
+        Family::S71500 => 200,
+        Family::S71200 => 1024,
+        Family::S7200 => 0,
+    }
+}
+
+impl Force {
+    fn renew(&self) {
+        let (mut inputs, mut outputs) = (BTreeMap::<u32, Mask>::new(), BTreeMap::<u32, Mask>::new());
+        let table = self.table.borrow();
+        for one in table.iter() {
+            let (masks, first) = match place(&one.address) {
+                Some((true, byte)) => (&mut outputs, byte),
+                Some((false, byte)) => (&mut inputs, byte),
+                None => continue,
+            };
+            for (byte, mask) in bytes(first, one.address.width, one.bits) {
+                let known = masks.entry(byte).or_default();
+                known.bits |= mask.bits;
+                known.value |= mask.value;
+            }
+        }
+        self.active.set(!table.is_empty());
+        self.inputs.replace(inputs);
+        self.outputs.replace(outputs);
+    }
+}
+
+/// Whether it is an output, and its first byte; `None`: it cannot be forced.
+fn place(address: &Address) -> Option<(bool, u32)> {
+    match address.place {
+        Place::Input(byte) | Place::PeripheralInput(byte) => Some((false, byte)),
+        Place::Output(byte) | Place::PeripheralOutput(byte) => Some((true, byte)),
+        _ => None,
+    }
+}
+
+/// The bytes of a value, the first one highest.
+fn bytes(first: u32, width: Width, bits: u64) -> impl Iterator<Item = (u32, Mask)> {
+    let count = width.bytes();
+    (0..count).map(move |index| {
+        let mask = match width {
+            Width::Bit(bit) => Mask { bits: 1 << (bit & 7), value: ((bits & 1) as u8) << (bit & 7) },
+            _ => Mask { bits: 0xFF, value: (bits >> (8 * (count - 1 - index))) as u8 },
+        };
+        (first + index, mask)
+    })
+}
+
+/// `value` of so many bytes with the forced bits.
+fn over(masks: &BTreeMap<u32, Mask>, address: u32, bytes: u32, value: u32) -> u32 {
+    (0..bytes).fold(value, |value, index| {
+        let shift = 8 * (bytes - 1 - index);
+        match masks.get(&address.saturating_add(index)) {
+            Some(mask) => value & !(0xFF << shift) | u32::from(mask.over((value >> shift) as u8)) << shift,
+            None => value,
+        }
+    })
+}
+
+impl Cpu {
+    /// Values are forced.
+    #[inline(always)]
+    pub fn is_forcing(&self) -> bool {
+        self.force.active.get()
+    }
+
+    /// The forced values.
+    pub fn forced(&self) -> Vec<Forced> {
+        self.force.table.borrow().clone()
+    }
+
+    /// Forces a value, or changes a forced one. `Err`: why not.
+    pub fn force(&self, name: &str, value: &str) -> Result<(), String> {
+        self.force_row(name, value, None, "")?;
+        self.force_changed();
+        Ok(())
+    }
+
+    fn force_row(&self, name: &str, value: &str, format: Option<Format>, comment: &str) -> Result<(), String> {
+        let family = self.image.profile.family;
+        if family == Family::S7200 {
+            return Err("values of an S7-200 are not forced here: modify them with `every-cycle`".to_string());
+        }
+        // As STEP 7 writes the module behind an address.
+        let plain = name.trim().strip_suffix(":P").or_else(|| name.trim().strip_suffix(":p")).unwrap_or(name.trim());
+        let Settled { address, bits } = watch::settle(plain, value, format, self)?;
+        let Some((is_output, first)) = place(&address) else {
+            return Err(format!("{name} is neither an input nor an output: only these are forced"));
+        };
+        let is_module = matches!(address.place, Place::PeripheralInput(_) | Place::PeripheralOutput(_));
+        if family == Family::S7300 && is_module {
+            return Err(format!("an S7-300 forces I and Q of the process image, not {name}"));
+        }
+        let mut table = self.force.table.borrow_mut();
+        let known = table.iter().position(|one| one.name == name);
+        let is_same_bit = |other: &Forced| {
+            place(&other.address).is_some_and(|(output, from)| {
+                output == is_output
+                    && bytes(first, address.width, bits).any(|(byte, mask)| {
+                        bytes(from, other.address.width, other.bits)
+                            .any(|(also, theirs)| also == byte && theirs.bits & mask.bits != 0)
+                    })
+            })
+        };
+        let mut others = table.iter().enumerate().filter(|(index, _)| Some(*index) != known).map(|(_, other)| other);
+        if let Some(other) = others.find(|other| is_same_bit(other)) {
+            return Err(format!("{name} overlaps {}, which is forced: end that first", other.name));
+        }
+        if known.is_none() && table.len() >= count_max(family) {
+            return Err(format!("this CPU forces {} values at most", count_max(family)));
+        }
+        // When it is no longer forced, the value of the module comes back.
+        self.name_input(&address);
+        let row = Forced {
+            name: name.to_string(),
+            value: value.to_string(),
+            comment: comment.to_string(),
+            format,
+            address,
+            bits,
+        };
+        match known {
+            Some(index) => table[index] = row,
+            None => table.push(row),
+        }
+        Ok(())
+    }
+
+    /// Ends the forcing of a value, or of all.  `Err`: it is not forced.
+    pub fn unforce(&self, name: Option<&str>) -> Result<(), String> {
+        {
+            let mut table = self.force.table.borrow_mut();
+            match name {
+                None => table.clear(),
+                Some(name) => {
+                    let at = table.iter().position(|one| one.name == name);
+                    table.remove(at.ok_or_else(|| format!("{name} is not forced"))?);
+                }
+            }
+        }
+        self.force_changed();
+        Ok(())
+    }
+
+    fn force_changed(&self) {
+        self.force.renew();
+        // Outputs fall to what the image says, also those that no code writes.
+        self.note_outputs(u32::MAX);
+        let count = self.force.table.borrow().len() as u32;
+        self.log(if count > 0 { diagnostics::FORCE_ACTIVE } else { diagnostics::FORCE_ENDED }, NO_SITE, count);
+        if let Some(path) = &*self.force.file.borrow()
+            && let Err(error) = self.write_force(path)
+        {
+            crate::run::say!("runtime: cannot write forced values to {}: {error}", path.display());
+        }
+    }
+
+    fn write_force(&self, path: &Path) -> Result<(), String> {
+        let row = |one: &Forced| RowText {
+            address: toml::Spanned::new(0..0, one.name.clone()),
+            value: one.value.clone(),
+            format: one.format,
+            comment: one.comment.clone(),
+        };
+        let all = FileText { force: self.force.table.borrow().iter().map(row).collect() };
+        let text = toml::to_string(&all).map_err(|error| error.to_string())?;
+        // Whole or not at all.
+        let new = path.with_extension("new");
+        std::fs::write(&new, text).and_then(|()| std::fs::rename(&new, path)).map_err(|error| error.to_string())
+    }
+
+    /// Forces what a file says, and keeps there what is forced from now on. With `may_be_missing` the file need not exist. `Err`: the error with
+    /// its place.
+    pub(crate) fn force_from(&self, path: &Path, may_be_missing: bool) -> Result<(), String> {
+        let shown = path.display();
+        if !(may_be_missing && !path.exists()) {
+            let text = files::regular(path)
+                .and_then(|()| std::fs::read_to_string(path))
+                .map_err(|error| format!("{shown}: {error}"))?;
+            self.force_text(&text).map_err(|(offset, message)| {
+                let line = text.get(..offset).map_or(1, |before| before.matches('\n').count() + 1);
+                format!("{shown}:{line}: {message}")
+            })?;
+            self.force.renew();
+        }
+        if self.is_forcing() {
+            self.log(diagnostics::FORCE_ACTIVE, NO_SITE, self.force.table.borrow().len() as u32);
+        }
+        self.force.file.replace(Some(path.to_path_buf()));
+        Ok(())
+    }
+
+    /// `Err`: the offset and the error.
+    fn force_text(&self, text: &str) -> Result<(), (usize, String)> {
+        let file: FileText = toml::from_str(text).map_err(|error| {
+            let offset = error.span().map_or(0, |span| span.start);
+            let wrong = toml_words::plain_at(error.message(), text, offset);
+            (offset, format!("{}; {}", wrong.title, wrong.help))
+        })?;
+        for row in &file.force {
+            self.force_row(row.address.get_ref(), &row.value, row.format, &row.comment)
+                .map_err(|message| (row.address.span().start, message))?;
+        }
+        Ok(())
+    }
+
+    /// The inputs were read.
+    #[cold]
+    pub(crate) fn force_inputs(&self) {
+        for (&byte, mask) in &*self.force.inputs.borrow() {
+            if byte < self.area(crate::cpu::Area::Inputs).1 {
+                self.memory.set_byte(layout::I + byte, mask.over(self.memory.byte(layout::I + byte)));
+            }
+        }
+    }
+
+    /// Copies the process image of outputs with the forced ones to the modules.
+    #[cold]
+    pub(crate) fn write_forced_image(&self, base: u32, length: u32) {
+        let outputs = self.force.outputs.borrow();
+        let (_, all) = self.area(crate::cpu::Area::Outputs);
+        let end = outputs.last_key_value().map_or(0, |(byte, _)| byte + 1).min(all);
+        let mut image = self.memory.view(base, length.max(end), <[u8]>::to_vec);
+        for (&byte, mask) in outputs.range(..all) {
+            if let Some(value) = image.get_mut(byte as usize) {
+                *value = mask.over(*value);
+            }
+        }
+        if !self.image.profile.family.is_portal() {
+            self.memory.load(base, &image);
+        }
+        self.driver.write_image(&image);
+        for (&byte, mask) in outputs.range(all..) {
+            self.driver.write(byte, 1, u32::from(mask.over(self.driver.output(byte, 1) as u8)));
+        }
+    }
+
+    /// What the program reads from a module.
+    pub(crate) fn forced_input(&self, address: u32, bytes: u32, value: u32) -> u32 {
+        match self.forces_modules() {
+            true => over(&self.force.inputs.borrow(), address, bytes, value),
+            false => value,
+        }
+    }
+
+    /// What goes to a module when the program writes it directly.
+    pub(crate) fn forced_output(&self, address: u32, bytes: u32, value: u32) -> u32 {
+        match self.forces_modules() {
+            true => over(&self.force.outputs.borrow(), address, bytes, value),
+            false => value,
+        }
+    }
+
+    fn forces_modules(&self) -> bool {
+        self.is_forcing() && self.image.profile.family != Family::S7300
+    }
+
+    /// An input byte as programs and clients read it from its module; `None`: there is no module.
+    pub fn module_input(&self, address: u32) -> Option<u32> {
+        let value = self.driver.read(address, 1)?;
+        Some(self.forced_input(address, 1, value))
+    }
+}

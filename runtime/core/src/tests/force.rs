@@ -1,0 +1,142 @@
+//! Forced inputs and outputs, by family.
+
+use std::rc::Rc;
+
+use plcc_abi::image::Family;
+use plcc_abi::layout;
+
+use super::helpers::{Block, cpu_with, run};
+use crate::cpu::Cpu;
+
+/// OB 1 copies IB 0 to MB 0 and PIB 0 to MB 1, reads back QB 0 to MB 2, writes 16#0F to QB 0, and 16#AA to PQB 4.
+fn cpu(family: Family) -> Rc<Cpu> {
+    let ob1: Block = Box::new(|cpu, _| {
+        let memory = &cpu.memory;
+        memory.set_byte(layout::M, memory.byte(layout::I));
+        memory.set_byte(layout::M + 1, cpu.peripheral_read(0, 1) as u8);
+        memory.set_byte(layout::M + 2, memory.byte(layout::Q));
+        memory.set_byte(layout::Q, 0x0F);
+        assert!(!cpu.peripheral_write(4, 1, 0xAA));
+    });
+    let cpu = cpu_with(vec![(1, ob1)], |image| {
+        image.profile.family = family;
+        image.outputs_used = 1;
+    });
+    cpu.driver.set_input(0, 1, 0b0000_0011);
+    cpu
+}
+
+/// IB 0 and PIB 0 as the program sees them, QB 0 as it reads it back and in the image, modules QB 0, PQB 4 and QB 9.
+fn seen(cpu: &Cpu) -> [u32; 7] {
+    let memory = &cpu.memory;
+    let byte = |offset: u32| u32::from(memory.byte(offset));
+    [
+        byte(layout::M),
+        byte(layout::M + 1),
+        byte(layout::M + 2),
+        byte(layout::Q),
+        cpu.driver.output(0, 1),
+        cpu.driver.output(4, 1),
+        cpu.driver.output(9, 1),
+    ]
+}
+
+fn forced(family: Family) -> Rc<Cpu> {
+    let cpu = cpu(family);
+    for (name, value) in
+        [("I0.0", "0"), ("I0.7", "1"), ("Q0.7", "1"), ("Q0.1", "false"), ("QB4", "16#55"), ("QB9", "16#77")]
+    {
+        assert_eq!(cpu.force(name, value), Ok(()), "{name}");
+    }
+    run(&cpu, 3);
+    cpu
+}
+
+#[test]
+fn without_forced_values_modules_and_program_decide() {
+    let cpu = cpu(Family::S71500);
+    run(&cpu, 3);
+    assert_eq!(seen(&cpu), [0x03, 0x03, 0x0F, 0x0F, 0x0F, 0xAA, 0]);
+}
+
+/// Direct access is to the module.
+#[test]
+fn a_300_forces_the_process_image() {
+    assert_eq!(seen(&forced(Family::S7300)), [0x82, 0x03, 0x8D, 0x8D, 0x8D, 0x55, 0x77]);
+    let cpu = cpu(Family::S7300);
+    let message = cpu.force("PIB0", "1").unwrap_err();
+    assert!(message.contains("of the process image"), "{message}");
+}
+
+#[test]
+fn a_400_forces_direct_access_too() {
+    assert_eq!(seen(&forced(Family::S7400)), [0x82, 0x82, 0x8D, 0x8D, 0x8D, 0x55, 0x77]);
+}
+
+/// The image of outputs keeps what the program has written.
+#[test]
+fn a_1500_forces_at_the_module() {
+    assert_eq!(seen(&forced(Family::S71500)), [0x82, 0x82, 0x0F, 0x0F, 0x8D, 0x55, 0x77]);
+    assert_eq!(seen(&forced(Family::S71200)), [0x82, 0x82, 0x0F, 0x0F, 0x8D, 0x55, 0x77]);
+}
+
+/// What is no longer forced has the value of its module and of the program.
+#[test]
+fn forcing_ends() {
+    let cpu = forced(Family::S71500);
+    assert_eq!(cpu.unforce(Some("I0.0")), Ok(()));
+    assert_eq!(cpu.unforce(Some("I0.0")), Err("I0.0 is not forced".to_string()));
+    run(&cpu, 1);
+    assert_eq!(seen(&cpu)[..2], [0x83, 0x83]);
+    assert_eq!(cpu.unforce(None), Ok(()));
+    assert!(!cpu.is_forcing());
+    run(&cpu, 1);
+    assert_eq!(seen(&cpu), [0x03, 0x03, 0x0F, 0x0F, 0x0F, 0xAA, 0]);
+    let entries: Vec<(u16, u32)> =
+        cpu.diagnostics.newest_first().iter().map(|entry| (entry.event, entry.info)).collect();
+    assert!(entries.contains(&(0xC032, 6)) && entries.contains(&(0xC033, 0)), "{entries:x?}");
+}
+
+#[test]
+fn what_cannot_be_forced_is_refused() {
+    let cpu = cpu(Family::S7300);
+    let refused = |name: &str, value: &str| cpu.force(name, value).unwrap_err();
+    assert!(refused("MB0", "1").contains("neither an input nor an output"));
+    assert_eq!(cpu.force("IW0", "16#1234"), Ok(()));
+    assert!(refused("I1.0", "1").contains("overlaps IW0"));
+    assert_eq!(cpu.force("QB1", "1"), Ok(()), "another area");
+    assert!(refused("I9999.0", "1").contains("9999"));
+    assert!(!refused("I5.0", "7").is_empty());
+    for number in 2..10 {
+        assert_eq!(cpu.force(&format!("QB{number}"), "1"), Ok(()));
+    }
+    assert!(refused("QB11", "1").contains("10 values"));
+    assert_eq!(cpu.force("QB9", "16#22"), Ok(()), "a new value for what is forced");
+    let cpu = super::helpers::cpu_with(Vec::new(), |image| image.profile.family = Family::S7200);
+    assert!(cpu.force("I0.0", "1").is_err());
+}
+
+/// The table is kept in its file, and read again with the next start.
+#[test]
+fn a_file_keeps_what_is_forced() {
+    let path = std::env::temp_dir().join(format!("plcc-force-{}-gate.toml", std::process::id()));
+    let _ = std::fs::remove_file(&path);
+    let before = cpu(Family::S71500);
+    assert!(before.force_from(&path, false).is_err());
+    assert_eq!(before.force_from(&path, true), Ok(()));
+    assert_eq!(before.force("I0.3:P", "1"), Ok(()));
+    assert_eq!(before.force("QW6", "16#0102"), Ok(()));
+    let after = cpu(Family::S71500);
+    assert_eq!(after.force_from(&path, false), Ok(()));
+    assert_eq!(after.forced(), before.forced());
+    run(&after, 1);
+    assert_eq!((seen(&after)[0], after.driver.output(6, 2)), (0x0B, 0x0102));
+    std::fs::write(
+        &path,
+        "[[force]]\naddress = \"I0.0\"\nvalue = \"1\"\n[[force]]\naddress = \"M0.0\"\nvalue = \"1\"\n",
+    )
+    .unwrap();
+    let message = cpu(Family::S71500).force_from(&path, false).unwrap_err();
+    let _ = std::fs::remove_file(&path);
+    assert!(message.contains("gate.toml:5: M0.0 is neither"), "{message}");
+}
