@@ -97,14 +97,13 @@ impl Cpu {
                 return;
             }
             self.step(course, observer);
-            course.next = match self.tape.get() {
-                None => course.next,
-                Some(tape) => match tape.end_cycle(self, course.next) {
-                    Some(next) => next,
-                    None => return,
-                },
-            };
             course.pauses = true;
+            if let Some(tape) = self.tape.get() {
+                match tape.end_cycle(self, course.next) {
+                    Some(next) => course.next = next,
+                    None => return,
+                }
+            }
             if is_wanted() {
                 return;
             }

@@ -65,13 +65,8 @@ pub fn run(args: &RunArgs) -> u8 {
 /// A flag that does not go together with changes.
 fn unfit(args: &RunArgs) -> Option<&'static str> {
     let run = &args.run;
-    let flags = [
-        ("--scenario", run.scenario.is_some()),
-        ("--trace", run.trace.is_some()),
-        ("--instances", run.is_many()),
-        ("--record", run.record.is_some()),
-        ("--replay", run.replay.is_some()),
-    ];
+    let flags =
+        [("--scenario", run.scenario.is_some()), ("--trace", run.trace.is_some()), ("--instances", run.is_many())];
     flags.into_iter().find(|(_, given)| *given).map(|(flag, _)| flag)
 }
 

@@ -117,7 +117,7 @@ pub fn run_watched(
 
 fn run_with(mut image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions, extras: Extras) -> u8 {
     let Extras { service, watcher, changes } = extras;
-    let planned = match recorded::plan(&mut image, options, service.is_some()) {
+    let planned = match recorded::plan(&mut image, options, service.is_some(), changes.is_some()) {
         Ok(planned) => planned,
         Err(message) => {
             say!("runtime: {message}");

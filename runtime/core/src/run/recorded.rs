@@ -20,8 +20,18 @@ pub(super) struct Planned {
 }
 
 /// Settles what a run needs. `Err`: what cannot be recorded or repeated, and other wrong flags.
-pub(super) fn plan(image: &mut ProgramImage, options: &RunOptions, has_clients: bool) -> Result<Planned, String> {
+pub(super) fn plan(
+    image: &mut ProgramImage,
+    options: &RunOptions,
+    has_clients: bool,
+    is_changeable: bool,
+) -> Result<Planned, String> {
     options.configure(&mut image.config);
+    if is_changeable && (options.record.is_some() || options.replay.is_some()) {
+        return Err(
+            "--record, --replay: not for a program that is changed while it runs; leave out --watch".to_string()
+        );
+    }
     match (&options.record, &options.replay) {
         (Some(path), _) => record(image, options, path).map_err(|error| format!("--record: {error}")),
         (None, Some(_)) if has_clients => {
@@ -45,6 +55,7 @@ fn record(image: &ProgramImage, options: &RunOptions, path: &Path) -> Result<Pla
     refuse(&[
         (options.clock == ClockKind::Virtual, "a run on the virtual clock can be repeated without a recording"),
         (!image.config.remote.is_empty(), "the inputs of the devices of `[io]` are not recorded; leave out `[io]`"),
+        (options.force.is_some(), "forced values are not recorded; leave out --force"),
         (image.config.retain.file.is_some(), "a recording begins without retentive memory; leave out the file for it"),
     ])?;
     let wall = Clock::real().wall();
@@ -90,6 +101,7 @@ pub(super) fn repeated(
         (options.watch_table.is_some(), "--watch-table is in the recording"),
         (options.cycle_time.is_some(), "--cycle-time is in the recording"),
         (options.restart.is_some(), "--restart is in the recording"),
+        (options.force.is_some(), "--force: a recording has no forced values"),
         (options.retain.is_some(), "--retain: a recording begins without retentive memory"),
         (options.realtime, "--realtime: a repeated run does not wait for the clock"),
     ])?;

@@ -99,9 +99,11 @@ impl Tape {
                 let frame =
                     Frame { advance: target.saturating_sub(now), client: self.client.take(), check: checksum(cpu) };
                 let mut slot = writer.borrow_mut();
-                if cpu.communication.borrow().is_open() {
+                if let Some(why) = unrecorded(cpu)
+                    && slot.is_some()
+                {
                     *slot = None;
-                    self.fail("the program talks to partners over connections, which a recording does not have".into());
+                    self.fail(format!("the recording ends before cycle {}: {why}", cpu.cycle_number()));
                 }
                 if let Some(Err(error)) = slot.as_mut().map(|writer| writer.write(&frame)) {
                     *slot = None;
@@ -153,6 +155,16 @@ fn wait(begin: Instant, next: u64) -> u64 {
             return now;
         }
         std::thread::sleep(Duration::from_nanos((next - now).min(SLICE)));
+    }
+}
+
+/// What comes from outside and is not in a recording.
+fn unrecorded(cpu: &Cpu) -> Option<&'static str> {
+    match () {
+        () if cpu.communication.borrow().is_open() => Some("the program talks to partners over connections"),
+        () if cpu.partners.is_attached() => Some("the program exchanges jobs with S7 partners"),
+        () if cpu.is_forcing() => Some("values are forced"),
+        () => None,
     }
 }
 
