@@ -21,6 +21,7 @@ pub mod functions;
 pub mod image;
 pub mod layout;
 pub mod linked;
+pub mod loadable;
 pub mod names;
 pub mod ob;
 pub mod remote;

@@ -17,12 +17,15 @@ pub fn run(args: &RunArgs) -> u8 {
     if args.watch {
         return live::run(args);
     }
+    if args.services.allow_load && !args.run.is_many() {
+        return live::run(args);
+    }
     let machine_code = |compiled: &Compiled| code::machine_code(compiled);
     match compile(args, machine_code) {
         Ok((image, (entries, _code))) => {
             // The code stays where it is until all CPUs have ended.
             let code = || -> Rc<dyn Code> { Rc::new(guest::NativeCode::new(entries.clone(), ())) };
-            match args.services.open(&image, args.run.is_many()) {
+            match args.services.open(&image, args.run.is_many(), None) {
                 Ok((service, opened)) => {
                     opened.iter().for_each(|line| eprintln!("{line}"));
                     plcc_runtime::run::start(image, &code, &args.run, service)

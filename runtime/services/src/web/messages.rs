@@ -1,11 +1,15 @@
 //! What the page and the server tell each other, as JSON.
 
+use std::borrow::Cow;
+
 use plcc_abi::services::Role;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+pub use super::names::Listed;
+
 /// An order of the page.
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(tag = "do", rename_all = "lowercase", deny_unknown_fields)]
 pub enum Order {
     /// From now on tell these values, and no others.
@@ -34,7 +38,8 @@ pub enum Order {
 }
 
 /// What the server tells. Fields without news are left out.
-#[derive(Debug, Default, Serialize)]
+#[derive(Debug, Default, Deserialize, Serialize)]
+#[serde(default)]
 pub struct News {
     /// Once, at first.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -59,7 +64,7 @@ pub struct News {
 }
 
 /// Who speaks.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct Hello {
     pub program: String,
     pub cpu: String,
@@ -68,7 +73,7 @@ pub struct Hello {
 }
 
 /// State of the CPU.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub struct State {
     pub running: bool,
     /// Why it is in STOP.
@@ -81,16 +86,16 @@ pub struct State {
 }
 
 /// A value as JSON, as text, and its type.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Shown {
     pub value: Value,
     pub text: String,
     #[serde(rename = "type")]
-    pub ty: &'static str,
+    pub ty: Cow<'static, str>,
 }
 
 /// An event of the diagnostic buffer.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Entry {
     pub clock: f64,
     pub event: u16,

@@ -7,7 +7,7 @@
 //!
 //! The page itself is three files in `page/`, which are part of the program: it works without any other computer.
 
-mod messages;
+pub mod messages;
 mod names;
 mod server;
 mod session;

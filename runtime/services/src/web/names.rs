@@ -1,16 +1,18 @@
 //! The values that can be watched.
 
+use std::borrow::Cow;
+
 use plcc_abi::ProgramImage;
 use plcc_runtime::names::{self, Named};
 use plcc_runtime::signal::Source;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A value with its name.
-#[derive(Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct Listed {
     pub name: String,
     #[serde(rename = "type")]
-    pub ty: &'static str,
+    pub ty: Cow<'static, str>,
 }
 
 /// Names that are listed at most; others can be typed.
@@ -19,5 +21,5 @@ const LISTED_MAX: usize = 20_000;
 /// All values that the program uses, in order.
 pub fn list(image: &ProgramImage) -> Vec<Listed> {
     let all = names::used(image).into_iter().take(LISTED_MAX);
-    all.map(|(name, named): (String, Named)| Listed { name, ty: Source::of(named).ty() }).collect()
+    all.map(|(name, named): (String, Named)| Listed { name, ty: Source::of(named).ty().into() }).collect()
 }

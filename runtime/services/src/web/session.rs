@@ -161,7 +161,7 @@ fn look(cpu: &Cpu, watched: &Watched, before: Newest) -> Seen {
     let watched = renewed.as_ref().map_or(watched, |(renewed, _)| renewed);
     let shown = watched.found.iter().map(|(number, source)| {
         let value = source.read(cpu, None);
-        (*number, Shown { value: value.json(), text: value.text(), ty: source.ty() })
+        (*number, Shown { value: value.json(), text: value.text(), ty: source.ty().into() })
     });
     let shown = shown.collect();
     let entries = cpu.diagnostics.newest_first();
