@@ -113,6 +113,9 @@ fn stl_reads_back_as_it_was() {
     assert!(count > 1000, "only {count} sources");
 }
 
+/// The comments of a source in its language.
+type CommentsOf = fn(&str) -> Vec<plcc_syntax::front::Comment>;
+
 /// The texts of comments, the tree as it is read, and messages.
 struct Written {
     text: String,
@@ -121,7 +124,11 @@ struct Written {
 }
 
 /// What is different after a round trip of a source in SCL or SIMATIC SD, or nothing; `None`: the source is not one that can be written.
-fn round_trip(path: &Path, write: impl Fn(&SourceUnit, &str) -> Written) -> Option<Result<(), String>> {
+fn round_trip(
+    path: &Path,
+    comments_of: CommentsOf,
+    write: impl Fn(&SourceUnit, &str) -> Written,
+) -> Option<Result<(), String>> {
     let text = plcc_syntax::decode_as(&fs::read(path).expect("a test file"), None);
     let language = plcc_driver::pipeline::language_of(&path.to_string_lossy());
     let texts_beside = fs::read_to_string(path.with_extension("s7res")).ok();
@@ -146,8 +153,7 @@ fn round_trip(path: &Path, write: impl Fn(&SourceUnit, &str) -> Written) -> Opti
     if before != after {
         return Some(Err(format!("{}\n{}", plcc_tests::difference(&before, &after), written.text)));
     }
-    let (before, after) =
-        (comments(&text, &scl::comments(&text)), comments(&written.text, &scl::comments(&written.text)));
+    let (before, after) = (comments(&text, &comments_of(&text)), comments(&written.text, &comments_of(&written.text)));
     let lost: Vec<_> = before.iter().filter(|(key, count)| after.get(*key) < Some(count)).collect();
     if !lost.is_empty() {
         return Some(Err(format!("comments: {lost:?} are lost")));
@@ -155,10 +161,15 @@ fn round_trip(path: &Path, write: impl Fn(&SourceUnit, &str) -> Written) -> Opti
     Some(Ok(()))
 }
 
-fn all_come_back(paths: Vec<PathBuf>, least: usize, write: impl Fn(&SourceUnit, &str) -> Written) {
+fn all_come_back(
+    paths: Vec<PathBuf>,
+    least: usize,
+    comments_of: CommentsOf,
+    write: impl Fn(&SourceUnit, &str) -> Written,
+) {
     let (mut count, mut failed) = (0, Vec::new());
     for path in paths {
-        match round_trip(&path, &write) {
+        match round_trip(&path, comments_of, &write) {
             None => {}
             Some(Ok(())) => count += 1,
             Some(Err(text)) => failed.push(format!("{}: {text}", path.display())),
@@ -175,7 +186,7 @@ fn scl_reads_back_as_it_was() {
     let has_networks =
         |path: &PathBuf| fs::read(path).is_ok_and(|bytes| String::from_utf8_lossy(&bytes).contains("NETWORK"));
     paths.retain(|path| !has_networks(path) && !path.ends_with("variants_from_stl.scl"));
-    all_come_back(paths, 180, |unit, text| {
+    all_come_back(paths, 180, scl::comments, |unit, text| {
         let trivia = Trivia::new(text, scl::comments(text), false);
         let (text, messages) = plcc_convert::scl::write(unit, trivia, Some(text));
         Written { text, texts: None, messages }
@@ -184,11 +195,76 @@ fn scl_reads_back_as_it_was() {
 
 #[test]
 fn simatic_sd_reads_back_as_it_was() {
-    all_come_back(sources("s7dcl"), 60, |unit, text| {
+    all_come_back(sources("s7dcl"), 60, scl::comments, |unit, text| {
         let trivia = Trivia::new(text, scl::comments(text), false);
         let document = plcc_convert::sd::write(unit, trivia, Some(text));
         Written { text: document.text, texts: document.texts, messages: document.messages }
     });
+}
+
+#[test]
+fn graph_reads_back_as_it_was() {
+    let mut paths = sources("gr7");
+    // It also has blocks in other languages.
+    paths.retain(|path| !path.ends_with("mixed.gr7"));
+    all_come_back(paths, 60, plcc_readers::gr7::comments, |unit, text| {
+        let trivia = Trivia::new(text, plcc_readers::gr7::comments(text), true);
+        let (text, messages) = plcc_convert::gr7::write(unit, trivia, Some(text));
+        Written { text, texts: None, messages }
+    });
+}
+
+/// Runs a project with its charts of SimaticML or PLCopen XML as sources of GRAPH: how many blocks these are.
+fn run_as_graph(path: &Path) -> Result<usize, String> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut count, mut shown) = (0, String::new());
+    for from in everything(path) {
+        let to = folder.path().join(from.strip_prefix(path).expect("a file of the project"));
+        fs::create_dir_all(to.parent().expect("a folder")).expect("a folder");
+        let is_xml = from.extension().is_some_and(|ending| ending == "xml");
+        let text = plcc_syntax::decode_as(&fs::read(&from).expect("a file"), None);
+        let (unit, _) = plcc_readers::parse(FileId::default(), &text, &ReadOptions::default());
+        let is_chart = |block: &Block| matches!(block, Block::Code(code) if matches!(code.code, Code::Chart(_)));
+        if !is_xml || !unit.blocks.iter().any(is_chart) {
+            match from.extension().is_some_and(|ending| ending == "scl") {
+                // A chart of S7-GRAPH has its data without a structure around them.
+                true => fs::write(&to, text.replace(".RT_DATA.", ".")).expect("a file"),
+                false => drop(fs::copy(&from, &to).expect("a copy")),
+            }
+            continue;
+        }
+        let (written, messages) = plcc_convert::gr7::write(&unit, Trivia::none(), unit.overlay.as_deref());
+        if has_errors(&messages) {
+            return Err(format!("{messages:#?}"));
+        }
+        count += unit.blocks.iter().filter(|block| is_chart(block)).count();
+        fs::write(to.with_extension("gr7"), &written).expect("a file");
+        shown.push_str(&written);
+        // Numbers of blocks are in symbol tables.
+        for block in &unit.blocks {
+            if let Block::Code(block) = block
+                && let (BlockName::Symbol { name, .. }, Some(number)) = (&block.name, block.header.number)
+            {
+                let line = format!("\"{name}\",\"FB {number}\",\"FB {number}\",\"\"\n");
+                fs::write(to.with_extension("sym.txt"), line).expect("a file");
+            }
+        }
+    }
+    let variant = Variant { form: Form::Jit, optimization: Level::O0.into() };
+    let outcomes = testing::run(&[TestInput::Project(folder.path().to_path_buf())], &plan(vec![variant]));
+    match outcomes.iter().find(|one| one.failed > 0 || one.rejected || one.unreadable) {
+        Some(one) => Err(format!("{}{}\n{shown}", one.messages, one.failures)),
+        None if outcomes.iter().all(|one| one.passed == 0) => Err("nothing was tested".to_string()),
+        None => Ok(count),
+    }
+}
+
+#[test]
+fn charts_of_xml_as_sources_do_the_same() {
+    for project in ["star-delta-1500", "two-doses-1500"] {
+        let result = run_as_graph(&tests_folder().join("run/graph").join(project));
+        assert_eq!(result, Ok(1), "{project}: {}", result.as_ref().err().map_or("", String::as_str));
+    }
 }
 
 /// A document without the blocks at these places, with their attributes.

@@ -1,11 +1,15 @@
-//! A program does the same with probes as without: the report of its test is the same.
+//! A program does the same with probes as without, and if its code changes in every cycle: the report of its test is the same.
 //!
 //! One in twenty-five run tests; `PLCC_PROBES=all` takes all of them.
 
+use std::rc::Rc;
+
+use plcc_codegen::CodegenError;
 use plcc_driver::cli::Level;
-use plcc_driver::pipeline::{self, Compiled, Settings};
+use plcc_driver::pipeline::{self, Bound, Compiled, Settings};
 use plcc_driver::{code, inputs};
-use plcc_runtime::{TestOptions, TestReport};
+use plcc_runtime::cpu::Cpu;
+use plcc_runtime::{Code, TestOptions, TestReport};
 use plcc_tests::{files, shown, tests_folder};
 
 /// One in so many run tests.
@@ -22,6 +26,33 @@ fn probes_change_nothing() {
         probes += check(path);
     }
     assert!(probes > 500, "only {probes} probes");
+}
+
+/// Code that runs with probes in every other cycle.
+struct InTurn(Rc<dyn Code>);
+
+impl Code for InTurn {
+    #[allow(unsafe_code, reason = "the memory says which CPU runs")]
+    fn call(&self, entry: u32, mem: *mut u8, lbase: u32, vbase: u32) {
+        // SAFETY: the CPU calls this with its memory.
+        let cycle = unsafe { Cpu::of(mem) }.cycle_number();
+        self.0.watch(cycle % 2 == 1);
+        self.0.call(entry, mem, lbase, vbase);
+    }
+}
+
+/// The report of a program whose code changes from cycle to cycle.
+fn in_turn(
+    bound: &Bound,
+    options: &TestOptions,
+    code: impl Fn(&Compiled, &Compiled) -> Result<Rc<dyn Code>, CodegenError>,
+) -> TestReport {
+    let mut plain = pipeline::lower(bound, Level::O2);
+    let probed = pipeline::optimize(pipeline::lower_beside(bound, &mut plain));
+    let mut plain = pipeline::optimize(plain);
+    plain.share_image(&probed.image);
+    let code = code(&plain, &probed).expect("what is lowered becomes code");
+    plcc_runtime::test(plain.image, Rc::new(InTurn(code)), options)
 }
 
 /// Number of probes.
@@ -53,6 +84,9 @@ fn check(path: &std::path::Path) -> usize {
         assert!(verified.is_ok(), "{}: {verified:?}", shown(&path));
         let (before, after) = (run(&plain), run(&pipeline::optimize(probed)));
         assert_eq!(before, after, "{}", shown(&path));
+        assert_eq!(before, in_turn(&bound, &options, code::jit_watched), "{}: in turn", shown(&path));
+        let interpreted = |plain: &Compiled, probed: &Compiled| Ok(code::interpreter_watched(plain, probed));
+        assert_eq!(before, in_turn(&bound, &options, interpreted), "{}: in turn, interpreted", shown(&path));
         places.len()
     };
     plcc_driver::on_large_stack(work).unwrap_or_else(|fault| panic!("{fault}"))

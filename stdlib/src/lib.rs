@@ -48,6 +48,9 @@ const SOURCES: &[(Language, &str)] = &[
     (Language::Scl, include_str!("../scl/converting.scl")),
     (Language::Scl, include_str!("../scl/communication.scl")),
     (Language::Scl, include_str!("../scl/connections.scl")),
+    (Language::Scl, include_str!("../scl/udp.scl")),
+    (Language::Scl, include_str!("../scl/classic_connections.scl")),
+    (Language::Scl, include_str!("../scl/s7_connections.scl")),
     (Language::Scl, include_str!("../scl/hardware.scl")),
     (Language::Scl, include_str!("../scl/modbus.scl")),
     (Language::Scl, include_str!("../scl/modbus_serial.scl")),
@@ -96,6 +99,11 @@ pub fn own_member(instance: Option<(bool, u16)>, name: &str) -> Option<&'static 
 pub fn is_shared_input(block: &SystemBlock, name: &str) -> bool {
     let timer = block.name.trim_end_matches("_LTIME");
     block.is_tia() && matches!(timer, "TP" | "TON" | "TOF") && name.eq_ignore_ascii_case("R")
+}
+
+/// True of a parameter whose pointer names an area of a partner, which need not exist here.
+pub fn is_of_partner(block: &SystemBlock, parameter: &str) -> bool {
+    matches!(block.name, "GET" | "PUT" | "GET_E" | "PUT_E") && parameter.to_ascii_uppercase().starts_with("ADDR_")
 }
 
 /// Where the code of a block is.

@@ -13,10 +13,10 @@ const FRAMES: usize = 10_000;
 /// Clients at once: as many as one computer may have, but for one.
 const CLIENTS: usize = 7;
 /// In seconds. On a computer with other work a process may have to wait this long for a processor.
-const LONGEST_CYCLE: &str = "0.1";
+pub const LONGEST_CYCLE: &str = "0.1";
 
 /// SplitMix64.
-struct Random(u64);
+pub struct Random(pub u64);
 
 impl Random {
     fn next(&mut self) -> u64 {
@@ -27,16 +27,16 @@ impl Random {
         z ^ z >> 31
     }
 
-    fn below(&mut self, end: usize) -> usize {
+    pub fn below(&mut self, end: usize) -> usize {
         (self.next() % end as u64) as usize
     }
 
-    fn bytes(&mut self, longest: usize) -> Vec<u8> {
+    pub fn bytes(&mut self, longest: usize) -> Vec<u8> {
         (0..self.below(longest)).map(|_| self.next() as u8).collect()
     }
 
     /// One of `frames` with a few bytes changed, and sometimes cut.
-    fn changed(&mut self, frames: &[&[u8]]) -> Vec<u8> {
+    pub fn changed(&mut self, frames: &[&[u8]]) -> Vec<u8> {
         let mut frame = frames[self.below(frames.len())].to_vec();
         for _ in 0..1 + self.below(4) {
             let at = self.below(frame.len());
@@ -49,8 +49,8 @@ impl Random {
     }
 }
 
-const CONNECT: &[u8] = &[3, 0, 0, 22, 17, 0xE0, 0, 0, 0, 1, 0, 0xC1, 2, 1, 0, 0xC2, 2, 1, 2, 0xC0, 1, 10];
-const SETUP: &[u8] = &[3, 0, 0, 25, 2, 0xF0, 0x80, 0x32, 1, 0, 0, 0, 1, 0, 8, 0, 0, 0xF0, 0, 0, 1, 0, 1, 1, 0xE0];
+pub const CONNECT: &[u8] = &[3, 0, 0, 22, 17, 0xE0, 0, 0, 0, 1, 0, 0xC1, 2, 1, 0, 0xC2, 2, 1, 2, 0xC0, 1, 10];
+pub const SETUP: &[u8] = &[3, 0, 0, 25, 2, 0xF0, 0x80, 0x32, 1, 0, 0, 0, 1, 0, 8, 0, 0, 0xF0, 0, 0, 1, 0, 1, 1, 0xE0];
 const READ: &[u8] =
     &[3, 0, 0, 31, 2, 0xF0, 0x80, 0x32, 1, 0, 0, 0, 2, 0, 14, 0, 0, 4, 1, 0x12, 10, 0x10, 2, 0, 1, 0, 1, 0x84, 0, 0, 0];
 const WRITE: &[u8] = &[
@@ -112,7 +112,7 @@ fn all_attack(port: u16, opening: &'static [&'static [u8]], right: &'static [&'s
 }
 
 /// The program answers a frame after another.
-fn asks(port: u16, frames: &[&[u8]]) -> Result<Vec<u8>, Failed> {
+pub fn asks(port: u16, frames: &[&[u8]]) -> Result<Vec<u8>, Failed> {
     // Connections of the attackers may be open for a moment.
     let mut last = Failed::from("no answer");
     for _ in 0..100 {

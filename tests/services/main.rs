@@ -2,7 +2,9 @@
 //!
 //! Clients come from PyPI and npm, into `target/clients`. A test whose client cannot be had is ignored.
 
+mod busy;
 mod hostile;
+mod partners;
 mod process;
 
 use std::path::{Path, PathBuf};
@@ -21,15 +23,20 @@ fn main() {
     };
     let (snap7, modbus) = (python("python-snap7==3.3.0", "snap7"), python("pymodbus==3.16.1", "pymodbus"));
     let trials = vec![
+        trial("put_and_get_of_python_snap7", snap7.clone().err(), partners::snap7_server),
+        trial("programs_talk_over_s7", None, partners::programs),
+        trial("hostile_partners_do_no_harm", None, partners::hostile_partner),
         trial("s7_of_python_snap7", snap7.err(), || client(&["--s7", "--access=control"], "snap7_client.py")),
         trial("s7_of_nodes7", node("nodes7@0.3.18").err(), || client(&["--s7"], "nodes7_client.js")),
         trial("modbus_of_pymodbus", modbus.err(), || client(&["--modbus"], "modbus_client.py")),
         trial("page_of_chromium", chromium().err(), || client(&["--web", "--access=control"], "page_client.js")),
+        trial("status_in_chromium", chromium().err(), status),
         trial("values_reach_a_broker", mosquitto(), process::values_reach_a_broker),
         trial("metrics_tell_the_state", None, metrics),
         trial("services_are_only_where_they_are_asked_for", None, only_where_asked_for),
         trial("hostile_s7_clients_do_no_harm", None, hostile::s7),
         trial("hostile_modbus_clients_do_no_harm", None, hostile::modbus),
+        trial("busy_clients", busy::seconds().is_none().then(|| "PLCC_LOAD=SECONDS is not set".into()), busy::measure),
         trial("idle_clients_leave_room_for_others", None, hostile::idle),
     ];
     libtest_mimic::run(&Arguments::from_args(), trials).exit();
@@ -106,6 +113,23 @@ fn client(flags: &[&str], script: &str) -> Result<(), Failed> {
         return Err(format!("{script}: {said}\nthe program said: {ended}").into());
     }
     Ok(())
+}
+
+/// What the page shows of a program that is watched, until that ends.
+fn status() -> Result<(), Failed> {
+    let port = free_port().to_string();
+    let folder = tempfile::tempdir()?;
+    let out = folder.path().join("watched");
+    process::plcc(&["build", "--quiet"], &[&here().join("status")], &out)?;
+    let mut plc = Plc::run(&out, &["--web", &port, "--set", "I0.0=1"])?;
+    let mut command = Command::new("node");
+    command.env("NODE_PATH", clients().join("node/node_modules")).arg(here().join("status_client.js")).arg(&port);
+    let output = command.arg(plc.id().to_string()).stdin(Stdio::null()).output()?;
+    let said = format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    match output.status.success() && said.contains("done") && !plc.is_running() {
+        true => Ok(()),
+        false => Err(said.into()),
+    }
 }
 
 fn metrics() -> Result<(), Failed> {

@@ -46,7 +46,12 @@ pub struct Plc {
 impl Plc {
     /// Runs the program until it has opened its services.
     pub fn start(flags: &[&str]) -> Result<Plc, Failed> {
-        let mut command = Command::new(program()?);
+        Plc::run(program()?, flags)
+    }
+
+    /// As [`Plc::start`], of another program.
+    pub fn run(program: &Path, flags: &[&str]) -> Result<Plc, Failed> {
+        let mut command = Command::new(program);
         command.args(["--cycle-time", "2ms"]).args(flags).stdin(Stdio::null()).stderr(Stdio::piped());
         let mut plc = Plc { child: command.spawn()? };
         let error = plc.child.stderr.as_mut().ok_or("no standard error")?;
@@ -60,6 +65,11 @@ impl Plc {
             true => Ok(plc),
             false => Err(line.into()),
         }
+    }
+
+    /// Number of the process.
+    pub fn id(&self) -> u32 {
+        self.child.id()
     }
 
     pub fn is_running(&mut self) -> bool {

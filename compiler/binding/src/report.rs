@@ -2,6 +2,7 @@
 
 use plcc_diag::{Code, Diagnostic, Severity, Span};
 use plcc_syntax::ast::BlockPrefix;
+use plcc_syntax::symbols::UnreadableRow;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::{fold, similar};
@@ -114,6 +115,16 @@ impl Report {
                     "declare it in the block, add the symbol table of the project to the sources, or define the block",
                 ),
             }
+        });
+    }
+
+    /// A symbol whose row in the symbol table has no address.
+    pub fn unreadable_symbol(&mut self, name: &str, span: Span, row: &UnreadableRow) {
+        self.missing(MissingKey::Symbol(fold(name)), span, || {
+            Diagnostic::new(Code::UnknownSymbol, span, format!("the symbol `{name}` has no address"))
+                .label("its row in the symbol table cannot be read")
+                .also(row.span, row.reason.clone())
+                .help("write an address such as `I 0.0`, `MW 10` or `FC 105` into that row")
         });
     }
 

@@ -115,7 +115,12 @@ pub fn finish<'m>(
 impl Finished<'_> {
     /// Object file, to be linked with the runtime. `image` is the encoded `ProgramImage`.
     pub fn object(&self, image: &[u8]) -> Result<Vec<u8>, CodegenError> {
-        object_of(linked::SYMBOL, &self.compiler, &self.functions, image)
+        self.object_as(linked::SYMBOL, image)
+    }
+
+    /// As [`object`](Finished::object), for one of several programs, which exports `name`.
+    pub fn object_as(&self, name: &str, image: &[u8]) -> Result<Vec<u8>, CodegenError> {
+        object_of(name, &self.compiler, &self.functions, image)
     }
 }
 

@@ -273,7 +273,10 @@ impl Writer<'_> {
         let end = variable.initial.as_ref().map_or(variable.ty.span.end, |value| value.span.end);
         let own = variable.comment.as_ref();
         if let Some(comment) = own {
-            self.out.trail(&format!("// {comment}"));
+            self.out.trail(&match self.notation {
+                Notation::Gr7 => format!("(* {} *)", comment.replace("*)", "* )")),
+                Notation::Stl | Notation::Scl | Notation::Sd => format!("// {comment}"),
+            });
         }
         let mut remarks = self.trivia.on_line(end.max(variable.name_span.end));
         remarks.retain(|remark| own.is_none_or(|own| bare(&remark.text) != *own));
@@ -358,7 +361,7 @@ impl Writer<'_> {
                     self.needs_scl(value.span, "an expression as an initial value");
                     String::new()
                 }
-                (Notation::Scl | Notation::Sd, _) => expression::text(constant, self),
+                (Notation::Scl | Notation::Sd | Notation::Gr7, _) => expression::text(constant, self),
             },
             InitialKind::Elements(elements) => {
                 self.needs_scl(value.span, "initial values of single elements");
@@ -444,9 +447,10 @@ fn attribute(key: &str, value: &str) -> String {
     format!("{key} := '{value}'")
 }
 
-/// A comment without `//`.
+/// A comment without `//` or its brackets.
 pub(crate) fn bare(text: &str) -> String {
-    text.strip_prefix("//").unwrap_or(text).trim().to_string()
+    let inner = text.strip_prefix("//").or_else(|| text.strip_prefix("(*")?.strip_suffix("*)"));
+    inner.unwrap_or(text).trim().to_string()
 }
 
 /// Whether a block is the OB 1 that statements without a header form.

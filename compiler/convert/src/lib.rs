@@ -2,6 +2,7 @@
 //!
 //! - [`stl`]: sources in STL.
 //! - [`scl`]: sources in SCL.
+//! - [`gr7`]: sources of GRAPH.
 //! - [`sd`]: documents of SIMATIC SD.
 //! - [`to_stl`]: networks of LAD and FBD as statements.
 //! - [`to_graph`]: statements as networks of LAD and FBD.
@@ -13,6 +14,7 @@
 //! **Invariant**: no symbols, no types, no files: a tree becomes a tree or a text.
 
 mod frames;
+pub mod gr7;
 pub mod literal;
 mod names;
 mod operand;

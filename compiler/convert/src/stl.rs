@@ -39,7 +39,7 @@ pub fn write(unit: &SourceUnit, set: Mnemonics, trivia: Trivia, source: Option<&
 }
 
 impl Writer<'_> {
-    fn stl_block(&mut self, block: &CodeBlock, networks: &[Network]) {
+    pub(crate) fn stl_block(&mut self, block: &CodeBlock, networks: &[Network]) {
         self.code_frame(block, |writer| writer.networks(networks, block.span.end));
     }
 

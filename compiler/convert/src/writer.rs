@@ -15,6 +15,8 @@ pub enum Notation {
     Scl,
     /// SIMATIC SD.
     Sd,
+    /// GRAPH as source text.
+    Gr7,
 }
 
 /// A source that grows.

@@ -77,7 +77,7 @@ codes! {
     UnknownMember = "P0307" Error "a component that the structure does not have";
     UnknownLabel = "P0308" Error "a jump to a label that the block does not have";
     DuplicateLabel = "P0309" Error "a label that occurs twice in a block";
-    SymbolTable = "P0310" Warning "a line of a symbol table that cannot be read";
+    SymbolTable = "P0310" Warning "a row of a symbol table that is wrong";
     UnknownParameter = "P0311" Error "a parameter that the block does not have";
     MissingParameter = "P0312" Error "a parameter that the call leaves out";
     DuplicateParameter = "P0313" Error "a parameter that the call supplies twice";

@@ -203,6 +203,13 @@ pub struct BuildArgs {
     /// Give the executable servers for clients, and their flags [default: if plc.toml has `[services]`].
     #[arg(long)]
     pub services: bool,
+    /// Give the executable its code a second time, with probes, so that the page can show what statements see while the program runs.
+    /// It has services then [default: if plc.toml has the page `web`].
+    #[arg(long, conflicts_with = "no_monitor")]
+    pub monitor: bool,
+    /// Leave the code with probes out.
+    #[arg(long)]
+    pub no_monitor: bool,
     /// Do not print what was written.
     #[arg(long)]
     pub quiet: bool,
@@ -459,6 +466,8 @@ pub enum ConvertTo {
     Sd,
     /// SCL, as source text.
     Scl,
+    /// GRAPH, as source text of S7-GRAPH.
+    Gr7,
 }
 
 impl ConvertTo {
@@ -468,6 +477,7 @@ impl ConvertTo {
             ConvertTo::Stl => "stl",
             ConvertTo::Lad | ConvertTo::Fbd | ConvertTo::Sd => "s7dcl",
             ConvertTo::Scl => "scl",
+            ConvertTo::Gr7 => "gr7",
         }
     }
 }

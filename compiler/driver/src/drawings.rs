@@ -35,7 +35,8 @@ fn document(undrawn: &Undrawn, bound: &Bound) -> Vec<u8> {
     let names = Names::of(&bound.program);
     let texts: Vec<_> =
         undrawn.units.iter().map(|(file, unit)| (bound.sources.file(*file).text.as_str(), unit)).collect();
-    let book = book::book(&undrawn.name, &texts, &bound.program, book::Options::default());
+    let book =
+        book::book(&undrawn.name, &texts, &bound.program, book::Options { is_live: true, ..book::Options::default() });
     let html = page::document(&book, &names, None);
     let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
     encoder.write_all(html.as_bytes()).and_then(|()| encoder.finish()).expect("memory can be written")

@@ -20,6 +20,7 @@ pub mod cache;
 pub mod cli;
 pub mod code;
 pub mod command;
+pub mod connections;
 pub mod content;
 mod drawings;
 pub mod emit;

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use plcc_abi::image::{BlockKind, Family, Profile, ProgramImage};
+use plcc_abi::image::{BlockKind, Config, Family, Profile, ProgramImage};
+use plcc_abi::linked;
 use plcc_binding::BindInput;
 use plcc_codegen::{CodegenError, CodegenOptions, Finishing};
 use plcc_diag::{Code, Diagnostic, FileId, Severity, SourceFile, SourceMap, Span};
@@ -18,6 +19,7 @@ use plcc_syntax::Language;
 use plcc_syntax::ast::SourceUnit;
 use plcc_syntax::stl::Mnemonics;
 use plcc_syntax::symbols::SymbolTable;
+use rustc_hash::FxHashSet;
 
 use crate::cache::{Cache, Keys};
 use crate::cli::{CompileArgs, CpuFeatures, Deny, Level};
@@ -235,6 +237,13 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
     if has_station {
         diagnostics.extend(plcc_program::check_modules(&program));
     }
+    // A use of a symbol shows the row that cannot be read.
+    let shown: FxHashSet<Span> = diagnostics
+        .iter()
+        .filter(|message| message.code == Code::UnknownSymbol)
+        .flat_map(|message| message.secondary.iter().map(|label| label.span))
+        .collect();
+    diagnostics.retain(|message| message.code != Code::SymbolTable || !shown.contains(&message.primary.span));
     plcc_diag::sort(&mut diagnostics);
     // Two stages may find the same fault; report it once.
     diagnostics.dedup_by_key(|d| (d.code, d.primary.span));
@@ -326,6 +335,33 @@ pub fn lower_with_probes(
     (Compiled { module: lowered.module, image: lowered.image, optimization: optimization.into() }, lowered.probes)
 }
 
+/// The IR of the same program with probes, which shares the image of `plain` and runs in turn with it. The image then has the places of the
+/// probes.
+pub fn lower_beside(bound: &Bound, plain: &mut Compiled) -> Compiled {
+    let lowered = plcc_lower::lower_beside(&bound.program, &bound.sources, &plain.module);
+    let mut probed = Compiled { module: lowered.module, image: lowered.image, optimization: plain.optimization };
+    plain.image.config.services.probes = Some(plcc_status::probes::of(&bound.program, &lowered.probes));
+    // What is not about the code itself is in the image of the other one.
+    let image = &mut probed.image;
+    plain.image.sites = std::mem::take(&mut image.sites);
+    *image = ProgramImage {
+        config: Config::default(),
+        dbs: Vec::new(),
+        error_slots: Vec::new(),
+        files: Vec::new(),
+        asserts: Vec::new(),
+        symbols: Vec::new(),
+        types: Vec::new(),
+        used: Vec::new(),
+        partial: Vec::new(),
+        shapes: Vec::new(),
+        notices: Vec::new(),
+        inner_blocks: Vec::new(),
+        ..std::mem::replace(image, plain.image.clone())
+    };
+    probed
+}
+
 /// Runs the passes of plcc, at -O2.
 pub fn optimize(mut compiled: Compiled) -> Compiled {
     match compiled.optimization.level {
@@ -339,7 +375,26 @@ pub fn optimize(mut compiled: Compiled) -> Compiled {
 
 /// The object file of a program that is lowered, not optimised. At -O2 the code of unchanged functions comes from `cache`, which keeps
 /// the code that it did not have.
-pub fn object(mut compiled: Compiled, cache: Option<&Cache>) -> Result<Vec<u8>, CodegenError> {
+pub fn object(compiled: Compiled, cache: Option<&Cache>) -> Result<Vec<u8>, CodegenError> {
+    let (finished, _) = object_of(linked::SYMBOL, compiled, None, cache)?;
+    Ok(finished)
+}
+
+/// The objects of a program and of its code with probes, with the directory that leads to both; see [`lower_beside`].
+pub fn objects(plain: Compiled, probed: Compiled, caches: [Option<&Cache>; 2]) -> Result<[Vec<u8>; 3], CodegenError> {
+    const NAMES: [&str; 2] = ["plcc_plain", "plcc_probed"];
+    let (second, image) = object_of(NAMES[1], probed, None, caches[1])?;
+    let (first, _) = object_of(NAMES[0], plain, Some(&image), caches[0])?;
+    Ok([first, second, plcc_codegen::directory_object(&NAMES)?])
+}
+
+/// An object file that exports `name`, and the image of its program, which also serves the code with the image `beside`.
+fn object_of(
+    name: &str,
+    mut compiled: Compiled,
+    beside: Option<&ProgramImage>,
+    cache: Option<&Cache>,
+) -> Result<(Vec<u8>, ProgramImage), CodegenError> {
     let Optimization { level, without, cpu_features } = compiled.optimization;
     if level == Level::O2 {
         plcc_opt::optimize_together(&mut compiled.module, without);
@@ -365,12 +420,15 @@ pub fn object(mut compiled: Compiled, cache: Option<&Cache>) -> Result<Vec<u8>, 
     let finished = plcc_codegen::finish(&mut module, &options, &finishing)?;
     let usage: Vec<Usage> = finished.notes.iter().copied().map(usage_of_note).collect();
     let entries = Module { entries, ..Module::default() };
-    let image = Compiled { module: entries, image, optimization }.with_usage(&usage, &reached);
-    let object = finished.object(&image.image_bytes())?;
+    let mut compiled = Compiled { module: entries, image, optimization }.with_usage(&usage, &reached);
+    if let Some(probed) = beside {
+        compiled.share_image(probed);
+    }
+    let object = finished.object_as(name, &compiled.image_bytes())?;
     if let (Some(cache), Some(old), Some(keys)) = (cache, &old, &keys) {
         cache.write(old, keys, &finished.made);
     }
-    Ok(object)
+    Ok((object, compiled.image))
 }
 
 /// What a function uses, in one number.
@@ -411,6 +469,20 @@ impl Compiled {
             own.logic_only = usage.logic_only;
         }
         self
+    }
+
+    /// Makes the image serve other code of the same program too, whose image is `other`; see [`lower_beside`].
+    pub fn share_image(&mut self, other: &ProgramImage) {
+        let image = &mut self.image;
+        image.outputs_used = image.outputs_used.max(other.outputs_used);
+        for (block, same) in image.blocks.iter_mut().zip(&other.blocks) {
+            debug_assert_eq!((block.kind, block.number, block.entry), (same.kind, same.number, same.entry));
+            block.frame = block.frame.max(same.frame);
+            block.local_data_used |= same.local_data_used;
+        }
+        if let (Some(own), Some(other)) = (&mut image.s7200, &other.s7200) {
+            own.logic_only &= other.logic_only;
+        }
     }
 
     pub fn codegen_options(&self) -> CodegenOptions {

@@ -6,6 +6,7 @@ use std::ops::Range;
 use plcc_abi::image::{Config, Module, TimeOfDay};
 use plcc_abi::ob::{OB_CLASSES, OB_FREE, OB_NUMBER_MAX, ObClass};
 use plcc_diag::{Code, Diagnostic, FileId, SourceFile, Span};
+use plcc_literal::duration::meant_span;
 use plcc_literal::toml_words;
 use plcc_runtime::options::parse_duration;
 use plcc_syntax::stl::Mnemonics;
@@ -13,6 +14,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use crate::axes;
+use crate::connections;
 use crate::remote;
 use crate::retain::{self, RetainKeys};
 use crate::s7200::{self, S7200Keys};
@@ -104,6 +106,8 @@ struct Keys {
     services: Option<ServicesKeys>,
     #[serde(default)]
     io: BTreeMap<Spanned<String>, remote::IoKeys>,
+    #[serde(default)]
+    connection: BTreeMap<Spanned<String>, connections::ConnectionKeys>,
 }
 
 #[derive(Deserialize)]
@@ -229,6 +233,11 @@ impl Context {
             config.services = services;
             self.diagnostics.extend(messages);
         }
+        let (connections, messages) = connections::read(&keys.connection, self.file);
+        self.diagnostics.extend(messages);
+        // Services carry their jobs.
+        config.services.linked |= !connections.is_empty();
+        config.connections = connections;
         if let Some(keys) = &keys.s7200 {
             let (settings, messages) = s7200::read(keys.get_ref(), self.file);
             config.s7200 = settings;
@@ -410,9 +419,10 @@ impl Context {
         let ms = duration_ms(key.get_ref()).filter(|ms| range.contains(ms));
         if ms.is_none() {
             let title = format!("`{}` is not a time from {} to {} ms", key.get_ref(), range.start(), range.end());
-            let help = match key.get_ref().trim().parse::<u32>() {
-                Ok(number) if range.contains(&number) => format!("write a unit: `{number}ms`"),
-                _ => "write a number with a unit, as in `200ms` or `2s`".to_string(),
+            let meant = meant_span(key.get_ref());
+            let help = match meant.filter(|meant| duration_ms(meant).is_some_and(|ms| range.contains(&ms))) {
+                Some(meant) => format!("write `{meant}`"),
+                None => "write a number with a unit, as in `200ms` or `2s`".to_string(),
             };
             self.report(key.span(), title, &help);
         }

@@ -96,7 +96,7 @@ pub fn read(keys: &ServicesKeys, file: FileId) -> (ServicesConfig, Vec<Diagnosti
     let mut reader = Reader::new(file);
     let password = keys.password.as_ref().and_then(|key| reader.hash(key, "plcc password"));
     let address = |text: &str| options::address(text).map(|_| ());
-    let help = "write a port of this computer, `10102`, or `0.0.0.0:102`";
+    let help = "write a port for clients on this computer, as in `\"10102\"`, or an address with a port, as in `\"0.0.0.0:10102\"`";
     let config = ServicesConfig {
         linked: true,
         s7: keys.s7.as_ref().and_then(|key| reader.checked(key, help, address)),
@@ -118,6 +118,7 @@ pub fn read(keys: &ServicesKeys, file: FileId) -> (ServicesConfig, Vec<Diagnosti
         },
         password,
         drawings: Vec::new(),
+        probes: None,
         communication_load: keys.communication_load.as_ref().and_then(|key| {
             let number = number_within::<u8>(key, LOADS, "a percentage");
             number.map_err(|title| reader.report(key, title, "a CPU gives its clients 5 to 50 % of a cycle")).ok()

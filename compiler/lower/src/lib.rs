@@ -59,7 +59,13 @@ pub fn lower(program: &Program, sources: &SourceMap) -> Lowered {
 
 /// Lowers a program that was bound without errors, with probes that tell what its statements see.
 pub fn lower_with_probes(program: &Program, sources: &SourceMap) -> Lowered {
-    lower_program(program, sources, Probes { places: Some(Vec::new()) })
+    lower_program(program, sources, Probes { places: Some(Vec::new()), sites: Vec::new() })
+}
+
+/// As [`lower_with_probes`], for code that runs in turn with `plain`: the numbers of its sites go on after those of `plain`, so that one
+/// image serves both.
+pub fn lower_beside(program: &Program, sources: &SourceMap, plain: &Module) -> Lowered {
+    lower_program(program, sources, Probes { places: Some(Vec::new()), sites: plain.sites.clone() })
 }
 
 fn lower_program(program: &Program, sources: &SourceMap, probes: Probes) -> Lowered {
@@ -150,7 +156,8 @@ impl<'s> Output<'s> {
     fn new(program: &Program, sources: &'s SourceMap, facts: Facts, probes: Probes) -> Output<'s> {
         let files: Vec<String> = sources.files().map(|(_, file)| file.name.clone()).collect();
         let address_of = |number| facts.dbs.iter().find(|db| db.number == number).map_or(facts.db_end, |db| db.address);
-        let module = Module { dbs: facts.dbs.clone(), files, ..Module::default() };
+        let sites = probes.sites.clone();
+        let module = Module { dbs: facts.dbs.clone(), files, sites, ..Module::default() };
         let mut types = Types::default();
         let image = ProgramImage {
             name: program.name.clone(),

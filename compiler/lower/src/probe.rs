@@ -5,6 +5,7 @@
 //! FBD and GRAPH have one for each value that is read, computed or written at a place of the source; the STL of an S7-200 has one of the
 //! logic stack after each statement. Each block tells when it begins and ends. Blocks of the library have no other probes.
 
+use plcc_abi::image::Site;
 use plcc_abi::{RuntimeFn, Type};
 use plcc_diag::Span;
 use plcc_ir::{BinaryOp, FunctionBuilder, Value};
@@ -46,6 +47,8 @@ pub enum Probe {
 pub(crate) struct Probes {
     /// `None`: no probes.
     pub places: Option<Vec<Place>>,
+    /// Sites of other code of the same program.
+    pub sites: Vec<Site>,
 }
 
 impl Probes {

@@ -4,8 +4,8 @@ use std::net::{SocketAddr, TcpStream};
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::time::Duration;
 
+use crate::messages::{Listed, News, Order};
 use plcc_services::client;
-use plcc_services::messages::{Listed, News, Order};
 use tungstenite::client::IntoClientRequest;
 use tungstenite::http::HeaderValue;
 use tungstenite::http::header::COOKIE;

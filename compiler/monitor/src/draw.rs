@@ -106,7 +106,7 @@ fn watch(model: &Model, frame: &mut Frame, area: Rect) {
 }
 
 fn diagnostics(model: &Model, frame: &mut Frame, area: Rect) {
-    let item = |entry: &plcc_services::messages::Entry| {
+    let item = |entry: &crate::messages::Entry| {
         ListItem::new(format!("{}  {:04X}  {}  {}", time(entry.clock), entry.event, entry.text, entry.place))
     };
     let list = List::new(model.buffer.iter().map(item))

@@ -2,12 +2,14 @@
 //!
 //! - [`model`]: what is known and shown, and what keys do.
 //! - [`draw`]: the picture of it.
+//! - [`messages`]: what the connection tells, as JSON.
 //! - [`connection`]: the thread that speaks with the CPU, and begins anew when the connection is lost.
 //!
 //! **Invariant**: the model knows neither terminal nor network.
 
 pub mod connection;
 pub mod draw;
+pub mod messages;
 pub mod model;
 
 #[cfg(test)]

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use crate::messages::{Entry, Hello, News, Order, Shown, State};
 use plcc_abi::services::Role;
-use plcc_services::messages::{Entry, Hello, News, Order, Shown, State};
 use ratatui::crossterm::event::KeyCode;
 
 use crate::connection::Incoming;
@@ -118,7 +118,7 @@ impl Model {
         match incoming {
             Incoming::Connected(names) => {
                 self.lost = None;
-                self.names = names.into_iter().map(|one| (one.name, one.ty.into_owned())).collect();
+                self.names = names.into_iter().map(|one| (one.name, one.ty)).collect();
                 self.grow();
                 self.watch();
             }

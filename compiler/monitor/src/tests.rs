@@ -1,6 +1,6 @@
 //! Pictures of models, and what keys order. `UPDATE_EXPECT=1` renews the pictures.
 
-use plcc_services::messages::{Entry, Hello, Listed, News, Order, Shown, State};
+use crate::messages::{Entry, Hello, Listed, News, Order, Shown, State};
 use ratatui::Terminal;
 use ratatui::backend::TestBackend;
 use ratatui::crossterm::event::KeyCode;
@@ -56,7 +56,7 @@ fn model(role: &str) -> Model {
     let mut model = Model::new("127.0.0.1:8080", vec!["MW10".to_string(), "I0.0".to_string(), "Nobody".to_string()]);
     model.take(listed());
     model.take(Incoming::News(Box::new(news(role))));
-    let shown = |text: &str, ty: &'static str| Shown { value: text.into(), text: text.to_string(), ty: ty.into() };
+    let shown = |text: &str, ty: &'static str| Shown { text: text.to_string(), ty: ty.to_string() };
     model.take(Incoming::News(Box::new(News {
         values: vec![(0, shown("16#002A", "WORD")), (1, shown("1", "BOOL"))],
         wrong: vec![(2, "`Nobody` is not a name".to_string())],
@@ -139,8 +139,7 @@ fn a_lost_connection_is_told_and_begins_anew() {
 fn no_key_and_no_news_do_harm() {
     let mut model = Model::new("", Vec::new());
     let entry = Entry { clock: f64::NAN, event: 0, text: String::new(), place: String::new() };
-    let hello =
-        Hello { program: String::new(), cpu: String::new(), user: String::new(), role: plcc_abi::services::Role::Look };
+    let hello = Hello { program: String::new(), cpu: String::new(), role: plcc_abi::services::Role::Look };
     for round in 0..3 {
         keys(&mut model, "\n↓↑\tmfud\n↑↓\t\n/x\n\ta\n");
         let _ = picture(&model);

@@ -133,6 +133,23 @@ pub const ALONE: &[Pass] = &[
     surrounded("forward", forward::forward_memory),
     function("fold", fold::fold),
     function("part-cold-ways", duplicate::part_cold_ways),
+    // Loops that were too large before their checks went; without what nothing uses any more they may be one block.
+    function("unused", unused::remove_unused),
+    function("control-flow", control_flow::simplify_control_flow),
+    // Pointers that were in memory have their ranges now, and reach less of it. Counters that were in memory are values then, with ranges
+    // that say how often a loop runs, and so how far its pointers get.
+    surrounded("loop-memory", loop_memory::carry_memory),
+    surrounded("forward", forward::forward_memory),
+    function("fold", fold::fold),
+    function("loop-ranges", ranges::use_ranges_of_loops),
+    function("fold", fold::fold),
+    function("control-flow", control_flow::simplify_control_flow),
+    function("loop-ranges", ranges::use_ranges_of_loops),
+    function("fold", fold::fold),
+    function("control-flow", control_flow::simplify_control_flow),
+    function("unroll", unroll::unroll_loops),
+    function("control-flow", control_flow::simplify_control_flow),
+    function("fold", fold::fold),
     function("loop-ranges", ranges::use_ranges_of_loops),
     function("control-flow", control_flow::simplify_control_flow),
     function("values", values::share_values),

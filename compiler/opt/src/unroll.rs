@@ -16,11 +16,13 @@
 //! jump leads there.
 //!
 //! A loop with more passes gets as many copies inside as divide their number, which test nothing: 128 passes become 16 of eight. The
-//! address in the second copy is that in the first and a constant, and eight bits of an array are in one byte.
+//! address in the second copy is that in the first and a constant, and eight bits of an array are in one byte. A loop that ends where its
+//! counter is equal to something, as those of LOOP do, gets a new counter of its passes: from the old one, with steps of five, no range shows how
+//! far the pointers of the loop get.
 
 use plcc_ir::analysis::{ControlFlow, Dominators};
 use plcc_ir::function::ValueDef;
-use plcc_ir::{Block, Function, Inst, InstData, Region, Value, eval};
+use plcc_ir::{BinaryOp, Block, Function, Inst, InstData, IntCc, Loc, Region, Type, Value, eval};
 use rustc_hash::FxHashSet;
 
 use crate::loops::{Loop, Loops};
@@ -246,7 +248,7 @@ fn copy_inside(
     (passes, count): (Passes, usize),
     versions: &mut Versions,
 ) {
-    let (_, back) = ways(cfg, passes.header, order);
+    let (enter, back) = ways(cfg, passes.header, order);
     let place = function.layout.iter().rposition(|block| order.contains(block)).map_or(0, |last| last + 1);
     let first = function.layout.len();
     let copies: Vec<_> = (1..count).map(|_| copy_blocks(function, order, versions)).collect();
@@ -264,7 +266,10 @@ fn copy_inside(
     }
     redirect(function, &ways, to, passes.header);
     // The test that stays is before the first pass or after the last one.
-    tests.remove(if passes.tests_first { 0 } else { count - 1 });
+    let (test, _) = tests.remove(if passes.tests_first { 0 } else { count - 1 });
+    if !passes.tests_first {
+        count_passes(function, passes.header, &enter, (test, passes.count / count));
+    }
     for (test, stays) in tests {
         let last = function.terminator(test).expect("it ends with a branch");
         let target = function.insts[last].targets().into_iter().find(|call| call.block == stays).cloned();
@@ -274,9 +279,82 @@ fn copy_inside(
     function.layout.splice(place..place, made);
 }
 
+/// Gives a loop that tests at its end whether its counter is equal to something a counter of its `passes`, which ends at 0.
+fn count_passes(function: &mut Function, header: Block, enter: &[Block], (test, passes): (Block, usize)) {
+    let Some(last) = function.terminator(test) else { return };
+    let InstData::Branch { cond, then_to, else_to } = &function.insts[last] else { return };
+    let is_equality = matches!(function.defining(*cond), Some(InstData::IntCompare { cc: IntCc::Eq | IntCc::Ne, .. }));
+    let stays_if = then_to.block == header;
+    if !is_equality || stays_if == (else_to.block == header) {
+        return;
+    }
+    let constant = |function: &mut Function, bits: u64| {
+        function.make_inst(InstData::Const { bits: eval::mask(Type::I32, bits) }, &[Type::I32], Loc(0))
+    };
+    let loc = function.locs[last];
+    let [one_less, zero] = [u64::MAX, 0].map(|bits| constant(function, bits));
+    let counter = function.add_param(header, Type::I32);
+    let args = [counter, function.result(one_less)];
+    let rest = function.make_inst(InstData::Binary { op: BinaryOp::Iadd, args }, &[Type::I32], loc);
+    let cc = if stays_if { IntCc::Ne } else { IntCc::Eq };
+    let args = [function.result(rest), function.result(zero)];
+    let compared = function.make_inst(InstData::IntCompare { cc, args }, &[Type::I1], loc);
+    let insts = &mut function.blocks[test].insts;
+    insts.truncate(insts.len() - 1);
+    insts.extend([one_less, rest, zero, compared, last]);
+    let (rest, compared) = (function.result(rest), function.result(compared));
+    if let InstData::Branch { cond, .. } = &mut function.insts[last] {
+        *cond = compared;
+    }
+    bring(function, last, header, rest);
+    for &way in enter {
+        let Some(last) = function.terminator(way) else { continue };
+        let first = constant(function, passes as u64);
+        let insts = &mut function.blocks[way].insts;
+        insts.insert(insts.len() - 1, first);
+        let first = function.result(first);
+        bring(function, last, header, first);
+    }
+}
+
+/// The jump of `last` to `header` brings one more value.
+fn bring(function: &mut Function, last: Inst, header: Block, value: Value) {
+    function.insts[last].for_each_target_mut(|call| {
+        if call.block == header {
+            call.args.push(value);
+        }
+    });
+}
+
 #[cfg(test)]
 mod tests {
     use crate::tests::check_pass;
+
+    #[test]
+    fn a_loop_that_ends_at_a_number_counts_its_passes() {
+        let text = "; passes: unroll, control-flow, fold, unused
+            func @F -> i32 {
+            b0(v0: i32):
+            v1 = const.i16 20
+            v2 = const.i16 65535
+            v3 = const.i16 1
+            v4 = const.i32 4
+            jump b1(v1, v0)
+            b1(v5: i16, v6: i32):
+            v7 = load.i32 M[v6]+0
+            store.i32 M 0, v7
+            v8 = iadd v6, v4
+            v9 = iadd v5, v2
+            v10 = ne v5, v3
+            branch v10, b1(v9, v8), b2
+            b2:
+            ret v6
+            }";
+        let result = crate::run_listed_passes(text).expect("text is well formed");
+        assert_eq!(result.matches("load").count(), 5, "{result}");
+        // Four passes of five, of which only the new counter decides.
+        assert!(result.contains("const.i32 4\n") && result.contains("ne v") && !result.contains("i16"), "{result}");
+    }
 
     #[test]
     fn a_loop_of_two_passes_is_straight() {

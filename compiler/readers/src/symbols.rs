@@ -11,7 +11,9 @@ mod tag_table;
 pub use sheets::is_of_tags as is_workbook_of_tags;
 
 use plcc_diag::{Code, Diagnostic, FileId, SourceFile, Span};
-use plcc_syntax::symbols::{GlobalConstant, S7200Symbol, Symbol, SymbolTable, SymbolTarget, parse_address};
+use plcc_syntax::symbols::{
+    GlobalConstant, S7200Symbol, Symbol, SymbolTable, SymbolTarget, UnreadableRow, address_fault, parse_address,
+};
 
 /// The formats of tables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -150,7 +152,9 @@ impl Reader<'_> {
         }
         let of_s7200 = self.keep_s7200(start, line, name, address, comment.trim());
         let Some(target) = parse_address(address) else {
-            let why = format!("`{address}` is not an address");
+            let why = address_fault(address);
+            let span = self.span(start, line);
+            self.table.unreadable.push(UnreadableRow { name: name.to_string(), reason: why.clone(), span });
             if of_s7200 {
                 let message = self.message(start, line, &why);
                 return self.only_s7200.push(message);

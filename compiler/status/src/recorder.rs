@@ -4,14 +4,16 @@ use std::cell::RefCell;
 use std::collections::HashMap;
 use std::rc::Rc;
 
+use plcc_abi::monitor::Step;
 use plcc_lower::probe::{Place, Probe};
 use plcc_model::{CellKind, Program};
 use plcc_runtime::cpu::Cpu;
+use plcc_runtime::monitor::steps::{self, StepSeen};
+use plcc_runtime::monitor::text_of;
 use plcc_runtime::probe::{Registers, Watcher};
-use plcc_runtime::signal::Source;
 
 use crate::choice::Choice;
-use crate::graph::{self, StepSeen, Steps};
+use crate::graph;
 
 /// What a probe has told last.
 #[derive(Clone, Debug)]
@@ -43,7 +45,7 @@ pub struct Recorded {
 pub struct Recorder {
     places: Rc<[Place]>,
     choice: Choice,
-    steps: Steps,
+    steps: Vec<Step>,
     state: RefCell<State>,
 }
 
@@ -60,7 +62,7 @@ struct State {
 
 impl Recorder {
     pub fn new(program: &Program, places: Rc<[Place]>, choice: Choice) -> Recorder {
-        let steps = Steps::of(program, choice.block);
+        let steps = graph::steps(program, choice.block);
         Recorder { places, choice, steps, state: RefCell::default() }
     }
 
@@ -101,19 +103,6 @@ impl Recorder {
     }
 }
 
-/// The DB with this offset in memory.
-pub(crate) fn db_at(cpu: &Cpu, offset: u32) -> Option<u16> {
-    let inside = |db: &&plcc_abi::image::DbEntry| {
-        db.address <= offset && offset - db.address < u32::try_from(db.data.len()).unwrap_or(u32::MAX)
-    };
-    cpu.image.dbs.iter().find(inside).map(|db| db.number).filter(|_| offset != 0)
-}
-
-/// The value of a named address as a text.
-fn text_of(cpu: &Cpu, name: &str) -> Option<String> {
-    Source::find(name, &cpu.image, None).ok().map(|source| source.read(cpu, None).text())
-}
-
 impl Watcher for Recorder {
     fn enter(&self, cpu: &Cpu, place: u32, instance: u32) {
         let mut state = self.state.borrow_mut();
@@ -121,7 +110,7 @@ impl Watcher for Recorder {
         if cpu.cycle_number() != self.choice.cycle || state.recorded.is_some() {
             return;
         }
-        let db = db_at(cpu, instance);
+        let db = cpu.db_at(instance).map(|(db, _)| db.number);
         if !self.fits(&state.running, db) {
             return;
         }
@@ -139,7 +128,7 @@ impl Watcher for Recorder {
             state.depth = None;
             let instance = state.running.last().map_or(0, |(_, instance)| *instance);
             if let Some(recorded) = &mut state.recorded {
-                recorded.steps = graph::seen(&self.steps, cpu, instance);
+                recorded.steps = steps::seen(&self.steps, cpu, instance);
             }
         }
         state.running.pop();

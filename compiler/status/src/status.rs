@@ -6,10 +6,10 @@ use plcc_diag::SourceMap;
 use plcc_lower::probe::{Place, Probe};
 use plcc_model::types::{Elementary, value_type};
 use plcc_model::{BlockKey, Body, CodeBlock, Program};
+use plcc_runtime::monitor::steps::StepSeen;
 use plcc_runtime::signal;
 use serde::Serialize;
 
-use crate::graph::StepSeen;
 use crate::recorder::{Recorder, Seen};
 
 /// What a call has seen.

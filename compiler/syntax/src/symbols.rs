@@ -13,6 +13,18 @@ pub struct SymbolTable {
     pub constants: Vec<GlobalConstant>,
     /// Rows as a program for the S7-200 reads them. A row such as `I0.0` is in both lists.
     pub s7200: Vec<S7200Symbol>,
+    /// Rows with a name and something else than an address.
+    pub unreadable: Vec<UnreadableRow>,
+}
+
+/// A row whose address nobody understands.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UnreadableRow {
+    pub name: String,
+    /// What is wrong with the address, as a sentence without its point.
+    pub reason: String,
+    /// The row.
+    pub span: Span,
 }
 
 /// A constant that every block can use by its name.
@@ -95,6 +107,53 @@ pub fn parse_address(text: &str) -> Option<SymbolTarget> {
             u16::try_from(number).ok()?;
             Some(SymbolTarget::Block { prefix, number })
         }
+    }
+}
+
+/// Why `text`, which [`parse_address`] does not understand, is not an address.
+pub fn address_fault(text: &str) -> String {
+    let text = text.trim();
+    let bare = text.strip_prefix('%').unwrap_or(text);
+    let (letters, number) =
+        bare.split_at(bare.find(|letter: char| !letter.is_ascii_alphabetic()).unwrap_or(bare.len()));
+    let number: String = number.chars().filter(|letter| !letter.is_whitespace()).collect();
+    let upper = letters.to_ascii_uppercase();
+    let (whole, bit) = number.split_once('.').map_or((number.as_str(), None), |(whole, bit)| (whole, Some(bit)));
+    let is_number = |text: &str| !text.is_empty() && text.bytes().all(|digit| digit.is_ascii_digit());
+    if is_number(whole) && bit.is_none_or(is_number) {
+        match (MEMORY.iter().find(|row| row.0 == upper), bit) {
+            (Some((_, _, Width::Bit)), None) => {
+                return format!("`{text}` is a bit without its number: `{letters} {whole}.0` to `{letters} {whole}.7`");
+            }
+            (Some((_, _, Width::Bit)), Some(bit)) if parse_address(&format!("{letters}{whole}.0")).is_some() => {
+                return format!("a byte has the bits 0 to 7, not {bit}");
+            }
+            (Some((_, _, width)), Some(_)) if *width != Width::Bit => {
+                return format!(
+                    "`{letters}` is an access of {} bits, so it has no bit number: `{letters} {whole}`",
+                    width.bits()
+                );
+            }
+            (None, Some(_)) if matches!(upper.as_str(), "T" | "C" | "Z") => {
+                return format!("timers and counters have a number alone: `{letters} {whole}`");
+            }
+            (None, _) if upper.starts_with("DB") && upper.len() == 3 => {
+                return "a symbol table has no addresses in data blocks: their components have names".to_owned();
+            }
+            _ => {}
+        }
+    }
+    match () {
+        () if upper.is_empty() => format!("`{text}` is not an address: its letters are missing"),
+        () if number.is_empty() => format!("`{text}` is not an address: its number is missing"),
+        () if MEMORY.iter().all(|row| row.0 != upper)
+            && BLOCKS.iter().all(|row| row.0 != upper)
+            && upper != "T"
+            && upper != "C" =>
+        {
+            format!("there are no addresses with `{letters}`")
+        }
+        () => format!("`{text}` is not an address"),
     }
 }
 

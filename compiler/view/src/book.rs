@@ -29,6 +29,8 @@ use crate::{diagram, ladder, sheet};
 pub struct Book {
     pub title: String,
     pub pages: Vec<Page>,
+    /// See [`Options::is_live`].
+    pub is_live: bool,
 }
 
 /// A block.
@@ -74,6 +76,8 @@ pub struct Section {
     /// Why it is text, although the block is drawn.
     pub reason: String,
     pub content: Body,
+    /// What is drawn, as text, if the drawing is live.
+    pub code: Option<Listing>,
 }
 
 /// What a section shows.
@@ -96,11 +100,13 @@ pub struct Options<'a> {
     pub width: i32,
     /// Values of operands by their keys, which are drawn beside them.
     pub values: Option<&'a HashMap<String, String>>,
+    /// The drawings will show what the program does while it runs: they have room for values, and the code of all that they show.
+    pub is_live: bool,
 }
 
 impl Default for Options<'_> {
     fn default() -> Self {
-        Options { width: 1100, values: None }
+        Options { width: 1100, values: None, is_live: false }
     }
 }
 
@@ -117,7 +123,7 @@ pub fn book_with(
     program: Option<&Program>,
     options: Options<'_>,
 ) -> Book {
-    let mut book = Book { title: title.to_string(), pages: Vec::new() };
+    let mut book = Book { title: title.to_string(), pages: Vec::new(), is_live: options.is_live };
     for (text, unit) in units {
         let text = unit.overlay.as_deref().unwrap_or(text);
         let maker = Maker { text, unit, names, program, options };
@@ -240,7 +246,7 @@ impl Maker<'_> {
             Code::Scl(body) => {
                 page.language = "SCL";
                 let spans = body.statements.iter().map(|statement| statement.span);
-                let text = listing::of_spans(self.text, spans, self.unit.overlay.is_some(), listing::Kind::Scl);
+                let text = self.listing(spans, listing::Kind::Scl);
                 page.sections = vec![Section { content: Body::Text(text), ..Section::default() }];
             }
             Code::Chart(body) => {
@@ -250,6 +256,7 @@ impl Maker<'_> {
                     names: self.names,
                     scope,
                     values: self.options.values,
+                    is_live: self.options.is_live,
                     all: Default::default(),
                 };
                 page.sections = self.chart(body, &tiles);
@@ -266,7 +273,7 @@ impl Maker<'_> {
                     PermanentKind::Network(network) => return self.network(0, network, tiles.scope),
                     PermanentKind::Coil { .. } | PermanentKind::Call(_) => {
                         let spans = std::iter::once(permanent.span);
-                        Body::Text(listing::of_spans(self.text, spans, self.unit.overlay.is_some(), listing::Kind::Scl))
+                        Body::Text(self.listing(spans, listing::Kind::Scl))
                     }
                 };
                 Section { title: title.to_string(), content, ..Section::default() }
@@ -279,6 +286,10 @@ impl Maker<'_> {
         sections.push(Section { content: Body::Drawing { scene, sheet }, ..Section::default() });
         sections.extend(permanent(&body.after, "Permanent instructions after the sequence"));
         sections
+    }
+
+    fn listing(&self, spans: impl Iterator<Item = Span>, kind: listing::Kind) -> Listing {
+        listing::of_spans(self.text, spans, self.unit.overlay.is_some(), kind, self.options.is_live)
     }
 
     /// A page without contents.
@@ -374,10 +385,11 @@ impl Maker<'_> {
                     sheet.show(&|key| values.get(key).cloned());
                 }
                 let scene = ladder::draw(&sheet, self.options.width);
-                Section { content: Body::Drawing { scene, sheet }, ..Section::default() }
+                let code = self.options.is_live.then(|| self.listing(spans, listing::Kind::Stl));
+                Section { content: Body::Drawing { scene, sheet }, code, ..Section::default() }
             }
             Err(reason) => {
-                let text = listing::of_spans(self.text, spans, self.unit.overlay.is_some(), listing::Kind::Stl);
+                let text = self.listing(spans, listing::Kind::Stl);
                 let reason = if reason.is_empty() { reason } else { format!("Not shown as LAD: {reason}.") };
                 Section { reason, content: Body::Text(text), ..Section::default() }
             }
@@ -463,6 +475,9 @@ impl Maker<'_> {
                 if let Some(values) = self.options.values {
                     sheet.show(&|key| values.get(key).cloned());
                 }
+                if self.options.is_live {
+                    sheet.leave_room();
+                }
                 let scene = match network.language {
                     Language::Fbd => diagram::draw(&sheet, self.options.width),
                     Language::Lad | Language::Scl | Language::Stl => ladder::draw(&sheet, self.options.width),
@@ -471,11 +486,11 @@ impl Maker<'_> {
             }
             Content::Scl(statements) => {
                 let spans = statements.iter().map(|statement| statement.span);
-                Body::Text(listing::of_spans(self.text, spans, self.unit.overlay.is_some(), listing::Kind::Scl))
+                Body::Text(self.listing(spans, listing::Kind::Scl))
             }
             Content::Stl(statements) => {
                 let spans = statements.iter().map(|statement| statement.span);
-                Body::Text(listing::of_spans(self.text, spans, self.unit.overlay.is_some(), listing::Kind::Stl))
+                Body::Text(self.listing(spans, listing::Kind::Stl))
             }
         };
         Section {
@@ -485,6 +500,7 @@ impl Maker<'_> {
             labels: network.labels.iter().map(|label| label.text.clone()).collect(),
             reason: String::new(),
             content,
+            code: None,
         }
     }
 }

@@ -7,6 +7,8 @@ use plcc_diag::Span;
 pub struct Listing {
     pub kind: Kind,
     pub lines: Vec<String>,
+    /// The first byte of each line in the source.
+    pub starts: Vec<u32>,
 }
 
 /// The language, which decides the colours.
@@ -18,15 +20,16 @@ pub enum Kind {
 }
 
 /// The text of statements with all that stands between them. `overlay`: the text is that of a file with its own notation, whose blanks mean nothing.
-pub fn of_spans(text: &str, spans: impl Iterator<Item = Span>, overlay: bool, kind: Kind) -> Listing {
+/// `exact`: lines are those of the source, with all their blanks.
+pub fn of_spans(text: &str, spans: impl Iterator<Item = Span>, overlay: bool, kind: Kind, exact: bool) -> Listing {
     let spans: Vec<Span> = spans.collect();
     let slice = |start: usize, end: usize| text.get(start..end).unwrap_or_default();
-    let lines = match overlay {
+    let (lines, starts) = match overlay {
         true => {
             let words = |span: &Span| {
                 slice(span.start as usize, span.end as usize).split_whitespace().collect::<Vec<_>>().join(" ")
             };
-            spans.iter().map(words).filter(|line| !line.is_empty()).collect()
+            spans.iter().map(|span| (words(span), span.start)).filter(|(line, _)| !line.is_empty()).unzip()
         }
         false => {
             let start = spans.iter().map(|span| span.start as usize).min().unwrap_or(0);
@@ -34,10 +37,26 @@ pub fn of_spans(text: &str, spans: impl Iterator<Item = Span>, overlay: bool, ki
             // Whole lines, with the comments after the statements.
             let start = text.get(..start).and_then(|before| before.rfind('\n')).map_or(0, |at| at + 1);
             let end = text.get(end..).and_then(|rest| rest.find('\n')).map_or(text.len(), |at| end + at);
-            if spans.is_empty() { Vec::new() } else { undented(slice(start, end)) }
+            let cut = slice(start, end);
+            let first = cut.lines().take_while(|line| line.trim().is_empty()).count();
+            let lines = match (spans.is_empty(), exact) {
+                (true, _) => Vec::new(),
+                (false, true) => trimmed(cut.lines().map(|line| line.trim_end().to_string()).collect()),
+                (false, false) => undented(cut),
+            };
+            let start_of = |line: &str| (start + line.as_ptr().addr() - cut.as_ptr().addr()) as u32;
+            let starts = cut.lines().skip(first).take(lines.len()).map(start_of).collect();
+            (lines, starts)
         }
     };
-    Listing { kind, lines }
+    Listing { kind, lines, starts }
+}
+
+/// Lines without the blank ones at both ends.
+fn trimmed(lines: Vec<String>) -> Vec<String> {
+    let first = lines.iter().position(|line| !line.is_empty()).unwrap_or(0);
+    let last = lines.iter().rposition(|line| !line.is_empty()).map_or(first, |at| at + 1);
+    lines[first..last].to_vec()
 }
 
 /// The lines of a text without their common blanks at the left, and without blank lines at both ends.

@@ -9,8 +9,12 @@ use crate::sheet::{Label, Link, Look, Meaning, Part, Pin, Place, Sheet, Source};
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Logic {
     pub nets: Vec<Vec<Term>>,
+    /// For each term of each net the place of its element in the source, if it has one.
+    pub places: Vec<Vec<Option<u32>>>,
     /// Nets whose value is that of a coil, if nothing else is known.
     pub coils: Vec<(usize, String)>,
+    /// Contacts: their parts, where their operands are in the source, and whether they are open at 1.
+    pub contacts: Vec<(usize, u32, bool)>,
 }
 
 /// What feeds a net.
@@ -38,6 +42,8 @@ pub enum Term {
 pub struct Input {
     pub value: Value,
     pub negated: bool,
+    /// Of an operand: where it is in the source.
+    pub place: Option<u32>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -53,18 +59,28 @@ pub fn logic(sheet: &Sheet) -> Logic {
     for net in &sheet.nets {
         let terms = net.sources.iter().map(|source| match source {
             Source::Rail => Term::Rail,
-            Source::Net(net) => Term::Same(Input { value: Value::Net(*net), negated: false }),
-            Source::Operand { label, negated } => Term::Same(Input { value: operand(label), negated: *negated }),
+            Source::Net(net) => Term::Same(Input { value: Value::Net(*net), negated: false, place: None }),
+            Source::Operand { label, negated } => {
+                Term::Same(Input { value: operand(label), negated: *negated, place: label.place })
+            }
             Source::Pin { part, pin } => match sheet.parts.get(*part) {
                 Some(of) if of.flow_out == Some(*pin) => term(of),
                 _ => Term::Unknown,
             },
         });
+        let places = net.sources.iter().map(|source| match source {
+            Source::Pin { part, .. } => sheet.parts.get(*part).and_then(|part| part.place),
+            Source::Rail | Source::Net(_) | Source::Operand { .. } => None,
+        });
+        logic.places.push(places.collect());
         logic.nets.push(terms.collect());
     }
     // The rail has a number of its own.
     logic.nets.push(vec![Term::Rail]);
-    for part in &sheet.parts {
+    for (at, part) in sheet.parts.iter().enumerate() {
+        if let (Meaning::Contact { negated }, Some(place)) = (&part.meaning, part.place) {
+            logic.contacts.push((at, place, *negated));
+        }
         let plain = matches!(&part.look, Look::Coil { sign } if sign.is_empty())
             || matches!(&part.look, Look::Box { title, .. } if title == "=");
         let target = part.pins.iter().find(|pin| pin.place == Place::Above);
@@ -82,12 +98,12 @@ fn operand(label: &Label) -> Value {
 }
 
 fn input(pin: &Pin) -> Option<Input> {
-    let value = match &pin.link {
-        Link::Net(net) => Value::Net(*net),
-        Link::Operand(label) => operand(label),
+    let (value, place) = match &pin.link {
+        Link::Net(net) => (Value::Net(*net), None),
+        Link::Operand(label) => (operand(label), label.place),
         Link::Open => return None,
     };
-    Some(Input { value, negated: pin.negated })
+    Some(Input { value, negated: pin.negated, place })
 }
 
 fn term(part: &Part) -> Term {
@@ -232,11 +248,12 @@ impl Term {
     }
 
     /// As the script of a page reads it.
-    fn json(&self) -> serde_json::Value {
+    fn json(&self, places: bool) -> serde_json::Value {
         use serde_json::json;
-        let input = |input: &Input| match &input.value {
-            Value::Net(net) => json!([net, input.negated]),
-            Value::Operand(key) => json!([key, input.negated]),
+        let input = |input: &Input| match (&input.value, input.place.filter(|_| places)) {
+            (Value::Net(net), _) => json!([net, input.negated]),
+            (Value::Operand(key), None) => json!([key, input.negated]),
+            (Value::Operand(key), Some(place)) => json!([key, input.negated, place]),
         };
         let list = |inputs: &[Input]| inputs.iter().map(input).collect::<Vec<_>>();
         match self {
@@ -268,9 +285,14 @@ fn number(text: &str) -> Option<f64> {
 
 impl Logic {
     /// As the script of a page reads it.
-    pub fn json(&self) -> serde_json::Value {
+    pub fn json(&self, places: bool) -> serde_json::Value {
         let nets: Vec<Vec<serde_json::Value>> =
-            self.nets.iter().map(|terms| terms.iter().map(Term::json).collect()).collect();
-        serde_json::json!({ "nets": nets, "coils": self.coils })
+            self.nets.iter().map(|terms| terms.iter().map(|term| term.json(places)).collect()).collect();
+        let mut logic = serde_json::json!({ "nets": nets, "coils": self.coils });
+        if places {
+            logic["places"] = serde_json::json!(self.places);
+            logic["contacts"] = serde_json::json!(self.contacts);
+        }
+        logic
     }
 }

@@ -84,16 +84,22 @@ impl Names {
         let bare = text.strip_prefix('%').unwrap_or(text);
         if let Some(address) = canonical(bare, scope.german) {
             return match self.symbols.get(&address) {
-                Some(symbol) => {
-                    Label { text: format!("\"{symbol}\""), address: bare.to_string(), key: address, value: None }
+                Some(symbol) => Label {
+                    text: format!("\"{symbol}\""),
+                    address: bare.to_string(),
+                    key: address,
+                    value: None,
+                    place: None,
+                },
+                None => {
+                    Label { text: bare.to_string(), address: String::new(), key: address, value: None, place: None }
                 }
-                None => Label { text: bare.to_string(), address: String::new(), key: address, value: None },
             };
         }
         let key = self.key(text, scope).unwrap_or_default();
         let is_tag = !key.is_empty() && self.symbols.contains_key(&key) && !key.starts_with("DB");
         let address = if is_tag { key.clone() } else { String::new() };
-        Label { text: text.to_string(), address, key, value: None }
+        Label { text: text.to_string(), address, key, value: None, place: None }
     }
 
     /// The address of what `text` names; a local variable without a known address is its own key.

@@ -29,7 +29,8 @@ pub enum Item {
     /// The circle of a negated pin.
     Circle { at: Point, net: Option<usize> },
     /// A text. `at` is the left, middle or right of its base line.
-    Text { at: Point, anchor: Anchor, text: String, ink: Ink, key: String },
+    /// `place` is where an operand is in the source.
+    Text { at: Point, anchor: Anchor, text: String, ink: Ink, key: String, place: Option<u32> },
     /// A line that is not a wire.
     Stroke { points: Vec<Point>, ink: Ink },
 }
@@ -147,13 +148,27 @@ impl Scene {
     }
 
     pub fn text(&mut self, at: Point, anchor: Anchor, ink: Ink, text: &str, key: &str) {
+        self.operand(at, anchor, ink, text, key, None);
+    }
+
+    /// A text of an operand that is at `place` of the source.
+    pub fn operand(&mut self, at: Point, anchor: Anchor, ink: Ink, text: &str, key: &str, place: Option<u32>) {
         if !text.is_empty() {
-            self.items.push(Item::Text { at, anchor, text: text.to_string(), ink, key: key.to_string() });
+            self.items.push(Item::Text { at, anchor, text: text.to_string(), ink, key: key.to_string(), place });
         }
     }
 
     pub fn frame(&mut self, area: Area, kind: Frame, key: &str) {
         self.items.push(Item::Frame { area, kind, key: key.to_string() });
+    }
+
+    /// Adds `by` to the numbers of all parts.
+    pub fn renumber_parts(&mut self, by: usize) {
+        for item in &mut self.items {
+            if let Item::Glyph { part, .. } = item {
+                *part += by;
+            }
+        }
     }
 
     /// Adds `by` to the numbers of all nets.
@@ -183,7 +198,9 @@ impl Scene {
             Item::Frame { area: a, kind, key } => Item::Frame { area: area(a), kind, key },
             Item::Glyph { area: a, kind, sign, part } => Item::Glyph { area: area(a), kind, sign, part },
             Item::Circle { at, net } => Item::Circle { at: moved(at), net },
-            Item::Text { at, anchor, text, ink, key } => Item::Text { at: moved(at), anchor, text, ink, key },
+            Item::Text { at, anchor, text, ink, key, place } => {
+                Item::Text { at: moved(at), anchor, text, ink, key, place }
+            }
             Item::Stroke { points, ink } => Item::Stroke { points: points.into_iter().map(moved).collect(), ink },
         }));
     }

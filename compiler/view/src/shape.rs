@@ -47,7 +47,7 @@ pub fn shape(part: usize, of: &Part, rooms: &HashMap<usize, Room>) -> Shape {
 }
 
 /// The lines of an operand.
-struct Lines(Vec<(String, Ink)>, String);
+struct Lines(Vec<(String, Ink)>, String, Option<u32>);
 
 impl Lines {
     /// The name, and the address in a line of its own.
@@ -62,7 +62,7 @@ impl Lines {
     fn name(label: &Label) -> Lines {
         let lines = metrics::wrapped(&label.text, CELLS).into_iter().map(|line| (line, Ink::Operand));
         let value = label.value.iter().map(|value| (format!("{value:^VALUE$}"), Ink::Value));
-        Lines(lines.chain(value).collect(), label.key.clone())
+        Lines(lines.chain(value).collect(), label.key.clone(), label.place)
     }
 
     fn width(&self) -> i32 {
@@ -76,7 +76,7 @@ impl Lines {
     /// Draws the lines below each other; `top` is the upper edge of the first.
     fn draw(&self, scene: &mut Scene, x: i32, top: i32, anchor: Anchor) {
         for (index, (line, ink)) in self.0.iter().enumerate() {
-            scene.text((x, top + index as i32 * LINE + 10), anchor, *ink, line, &self.1);
+            scene.operand((x, top + index as i32 * LINE + 10), anchor, *ink, line, &self.1, self.2);
         }
     }
 }
@@ -100,7 +100,7 @@ fn small(part: usize, of: &Part, sign: &str, ty: &str, kind: Glyph) -> Shape {
     let mut lower: Vec<Lines> = Vec::new();
     if below.is_empty() {
         let addresses = place(Place::Above).filter(|label| !label.address.is_empty());
-        lower.extend(addresses.map(|label| Lines(vec![(label.address, Ink::Address)], label.key)));
+        lower.extend(addresses.map(|label| Lines(vec![(label.address, Ink::Address)], label.key, None)));
     }
     lower.extend(below.iter().map(Lines::all));
     let inner = metrics::width(sign, 11).max(metrics::width(ty, metrics::SMALL));

@@ -24,7 +24,7 @@ pub fn file(scene: &Scene, state: Option<&Shown>) -> String {
          font-family=\"{}\">\n<style>{}</style>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n{}</svg>\n",
         metrics::FONTS,
         plain_style(),
-        content(scene, state)
+        content(scene, state, false)
     )
 }
 
@@ -41,20 +41,20 @@ fn plain_style() -> String {
     out + rest
 }
 
-/// A drawing inside a page, which has the style sheet.
-pub fn inline(scene: &Scene) -> String {
+/// A drawing inside a page, which has the style sheet; with the places of operands in the source if it will show what they are there.
+pub fn inline(scene: &Scene, places: bool) -> String {
     let (width, height) = (scene.width, scene.height);
     format!(
         "<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">{}</svg>",
-        content(scene, None)
+        content(scene, None, places)
     )
 }
 
 /// The items, one on each line.
-fn content(scene: &Scene, state: Option<&Shown>) -> String {
+fn content(scene: &Scene, state: Option<&Shown>, places: bool) -> String {
     let mut out = String::new();
     for item in &scene.items {
-        write_item(&mut out, item, state);
+        write_item(&mut out, item, state, places);
         out.push('\n');
     }
     out
@@ -63,7 +63,7 @@ fn content(scene: &Scene, state: Option<&Shown>) -> String {
 /// Writing to a String cannot fail.
 const WRITES: &str = "a String takes all text";
 
-fn write_item(out: &mut String, item: &Item, state: Option<&Shown>) {
+fn write_item(out: &mut String, item: &Item, state: Option<&Shown>, places: bool) {
     let data = |net: &Option<usize>| net.map_or(String::new(), |net| format!(" data-n=\"{net}\""));
     match item {
         Item::Wire { from, to, net } => {
@@ -142,13 +142,16 @@ fn write_item(out: &mut String, item: &Item, state: Option<&Shown>) {
         Item::Circle { at, net } => {
             write!(out, "<circle class=\"n\"{} cx=\"{}\" cy=\"{}\" r=\"3.5\"/>", data(net), at.0, at.1)
         }
-        Item::Text { at, anchor, text, ink, key } => {
+        Item::Text { at, anchor, text, ink, key, place } => {
             let anchor = match anchor {
                 Anchor::Start => "",
                 Anchor::Middle => " text-anchor=\"middle\"",
                 Anchor::End => " text-anchor=\"end\"",
             };
-            let key = if key.is_empty() { String::new() } else { format!(" data-k=\"{}\"", escaped(key)) };
+            let mut key = if key.is_empty() { String::new() } else { format!(" data-k=\"{}\"", escaped(key)) };
+            if let Some(place) = place.filter(|_| places) {
+                key.push_str(&format!(" data-o=\"{place}\""));
+            }
             let (class, height) = (class(*ink), ink.height());
             write!(
                 out,

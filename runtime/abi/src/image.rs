@@ -5,6 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::connections::S7Connection;
 use crate::names::{NamedType, TypeNumber, UsedPlace};
 use crate::ob::{OB_FREE, ObClass, StartInput};
 use crate::remote::RemoteStation;
@@ -304,6 +305,8 @@ pub struct Config {
     pub modules: Option<Vec<Module>>,
     /// Devices on a field bus.
     pub remote: Vec<RemoteStation>,
+    /// Partners of PUT, GET, BSEND and so on.
+    pub connections: Vec<S7Connection>,
     /// First startup OB: 100, 101 or 102.
     pub startup: u16,
     /// Retentive memory.
@@ -335,6 +338,7 @@ impl Default for Config {
             time_of_day: Vec::new(),
             modules: None,
             remote: Vec::new(),
+            connections: Vec::new(),
             startup: 100,
             retain: RetainConfig::default(),
             cpu_order: String::new(),

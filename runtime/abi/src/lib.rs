@@ -5,6 +5,7 @@
 //! - [`functions`]: the table of runtime functions that generated code may call.
 //! - [`image`]: the description of a program for the runtime.
 //! - [`names`]: types of the values that flags and scenarios name.
+//! - [`monitor`]: what code with probes tells.
 //! - [`linked`]: how the runtime of an executable finds its program.
 //! - [`codes`]: error numbers of S7 CPUs that both sides use.
 //! - [`technology`]: fast counters, pulse generators, hardware interrupts.
@@ -17,11 +18,13 @@
 
 pub mod any;
 pub mod codes;
+pub mod connections;
 pub mod functions;
 pub mod image;
 pub mod layout;
 pub mod linked;
 pub mod loadable;
+pub mod monitor;
 pub mod names;
 pub mod ob;
 pub mod remote;

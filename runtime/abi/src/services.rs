@@ -4,6 +4,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::monitor::Probes;
+
 /// See the module comment.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ServicesConfig {
@@ -18,6 +20,8 @@ pub struct ServicesConfig {
     pub users: Vec<User>,
     /// The program as an HTML document, compressed by gzip, for the page.
     pub drawings: Vec<u8>,
+    /// What the second code of the program tells, which has probes; `None`: there is no such code.
+    pub probes: Option<Probes>,
     /// URL of a broker.
     pub mqtt: Option<String>,
     /// What clients may do that no entry of `clients` names.

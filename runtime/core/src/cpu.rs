@@ -24,9 +24,11 @@ use crate::family::{Family, Step7};
 use crate::force::Force;
 use crate::io::Driver;
 use crate::memory::Memory;
+use crate::monitor::Monitor;
 use crate::online::Service;
 use crate::options::{CYCLE_TIME_DEFAULT, Restart};
 use crate::organization::Running;
+use crate::partners::Partners;
 use crate::probe::Watcher;
 use crate::records::Records;
 use crate::records::store::Store;
@@ -73,6 +75,8 @@ pub struct Cpu {
     pub(crate) assertions: Assertions,
     /// Who looks at the probes of the program.
     pub(crate) watcher: OnceCell<Rc<dyn Watcher>>,
+    /// Clients that look at blocks.
+    pub(crate) monitor: Monitor,
     pub(crate) stop: Cell<Option<Stop>>,
     /// Blocks sorted by kind and number.
     blocks: Vec<BlockEntry>,
@@ -99,6 +103,8 @@ pub struct Cpu {
     pub(crate) carried: RefCell<Option<Carried>>,
     /// Connections of the program.
     pub(crate) communication: RefCell<Communication>,
+    /// Its S7 connections.
+    pub(crate) partners: Partners,
     /// Data logs, recipes and files.
     pub(crate) records: RefCell<Records>,
     /// Alarms that came and went.
@@ -166,6 +172,7 @@ impl Cpu {
             s7200: image.s7200.as_ref().map(|own| Box::new(S7200::new(own, &image.config.s7200))),
             assertions: Assertions::new(&image.asserts),
             watcher: OnceCell::new(),
+            monitor: Monitor::default(),
             cycle: Cell::new(0),
             retention: OnceCell::new(),
             service: RefCell::default(),
@@ -189,6 +196,7 @@ impl Cpu {
             load_memory: RefCell::default(),
             diagnostics_changed: Cell::new(false),
             communication: RefCell::default(),
+            partners: Partners::default(),
             zone: Cell::default(),
             alarms: RefCell::default(),
             records: RefCell::new(Records::new(Store::temporary())),
@@ -198,6 +206,8 @@ impl Cpu {
             outputs_changed: Cell::new(u32::MAX),
             cycle_obs,
         });
+        // Who watched the CPU before it was restarted comes again.
+        cpu.code.borrow().watch(false);
         cpu.memory.set_host64(state::CPU, Rc::as_ptr(&cpu) as u64);
         cpu.load_dbs();
         cpu

@@ -145,6 +145,7 @@ impl Cpu {
 
     /// The end of the run.
     pub fn end(&self) {
+        self.partners.exchange(true);
         self.watchdog.set(u64::MAX);
         self.watchdog.watch_beats(u64::MAX);
         if self.is_stopped() {
@@ -265,6 +266,7 @@ impl Cpu {
 
     /// Moves connections on, or ends them in STOP. Without a real clock the partner gets some time here if a block waits for it.
     fn communicate(&self) {
+        self.partners.exchange(self.is_stopped());
         let mut communication = self.communication.borrow_mut();
         if self.is_stopped() {
             communication.close_all();

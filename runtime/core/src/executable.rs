@@ -10,7 +10,7 @@ use clap::{Args, Parser};
 use plcc_abi::ProgramImage;
 
 use crate::change::{self, Loader};
-use crate::code::Code;
+use crate::code::{Code, Entries};
 use crate::linked::{LinkedCode, linked_program};
 use crate::online::Service;
 use crate::options::RunOptions;
@@ -82,6 +82,13 @@ pub unsafe fn main_of<O: Opener>(argc: c_int, argv: *const *const c_char) -> c_i
     };
     match linked_program(0) {
         Ok((image, entries)) => {
+            // The code with probes is another program, beside the first.
+            let probed = match image.config.services.probes {
+                Some(_) => linked_program(1).map_or_else(|_| Vec::new(), |(_, entries)| entries),
+                None => Vec::new(),
+            };
+            let code =
+                move || -> Rc<dyn Code> { Rc::new(LinkedCode(Entries::watched(entries.clone(), probed.clone()))) };
             let (loader, inbox) = match services.allows_load() && !run.is_many() {
                 true => Some(change::loader(&run)).unzip(),
                 false => (None, None),
@@ -90,14 +97,8 @@ pub unsafe fn main_of<O: Opener>(argc: c_int, argv: *const *const c_char) -> c_i
                 Ok((service, opened)) => {
                     opened.iter().for_each(|line| crate::run::say!("{line}"));
                     c_int::from(match inbox {
-                        Some(inbox) => {
-                            let code = Arc::new(move || -> Rc<dyn Code> { Rc::new(LinkedCode(entries.clone())) });
-                            crate::run::start_changeable(image, code, &run, service, inbox)
-                        }
-                        None => {
-                            let code = || -> Rc<dyn Code> { Rc::new(LinkedCode(entries.clone())) };
-                            crate::run::start(image, &code, &run, service)
-                        }
+                        Some(inbox) => crate::run::start_changeable(image, Arc::new(code), &run, service, inbox),
+                        None => crate::run::start(image, &code, &run, service),
                     })
                 }
                 Err(message) => {
@@ -144,7 +145,7 @@ fn damaged(error: &str) -> c_int {
 fn test(job: &str) -> c_int {
     let report = serde_json::from_str::<TestJob>(job).map_err(|error| error.to_string()).and_then(|job| {
         let (image, entries) = linked_program(job.program)?;
-        let code: Rc<dyn Code> = Rc::new(LinkedCode(entries));
+        let code: Rc<dyn Code> = Rc::new(LinkedCode(Entries::new(entries)));
         let report = crate::testing::test(image, code, &job.options);
         serde_json::to_string(&report).map_err(|error| error.to_string())
     });

@@ -208,14 +208,20 @@ functions! {
         }
         ProbeEnter = plcc_rt_probe_enter(cpu, place, instance) {
             cpu.tell(|watcher| watcher.enter(cpu, place, instance));
+            cpu.monitor.enter(cpu, place, instance);
         }
-        ProbeLeave = plcc_rt_probe_leave(cpu, place) { cpu.tell(|watcher| watcher.leave(cpu, place)); }
+        ProbeLeave = plcc_rt_probe_leave(cpu, place) {
+            cpu.tell(|watcher| watcher.leave(cpu, place));
+            cpu.monitor.leave(cpu);
+        }
         ProbeRegisters = plcc_rt_probe_registers(cpu, place, status, accu1, accu2, ar1, ar2, dbs) {
             let registers = Registers { status, accu: [accu1, accu2], ar: [ar1, ar2], db: dbs as u16, di: (dbs >> 16) as u16 };
             cpu.tell(|watcher| watcher.registers(cpu, place, registers));
+            cpu.monitor.registers(cpu, place, registers);
         }
         ProbeValue = plcc_rt_probe_value(cpu, place, value: u64) {
             cpu.tell(|watcher| watcher.value(cpu, place, value));
+            cpu.monitor.value(cpu, place, value);
         }
         CopyText = plcc_rt_copy_text(cpu, to, from, limit, wide) -> u32 {
             text::copy(&cpu.memory, to, from, limit, wide != 0).into()

@@ -2,30 +2,34 @@
 //!
 //! Everything here takes the memory base that [`Code::call`] was given.
 
-use crate::code::{Code, EntryFunction};
+use crate::code::{Code, Entries};
 use crate::cpu::Cpu;
 
 /// Machine code made in memory.
 pub struct NativeCode<O> {
-    entries: Vec<EntryFunction>,
+    entries: Entries,
     /// Keeps the code where it is.
     _owner: O,
 }
 
 impl<O> NativeCode<O> {
     /// `entries` are the entry functions of code that lives as long as `owner`.
-    pub fn new(entries: Vec<EntryFunction>, owner: O) -> NativeCode<O> {
+    pub fn new(entries: Entries, owner: O) -> NativeCode<O> {
         NativeCode { entries, _owner: owner }
     }
 }
 
 impl<O> Code for NativeCode<O> {
     fn call(&self, entry: u32, mem: *mut u8, lbase: u32, vbase: u32) {
-        if let Some(function) = self.entries.get(entry as usize) {
+        if let Some(function) = self.entries.get(entry) {
             // SAFETY: the function was made for the layout of `plcc_abi` and lives as long as its owner; the arguments come
             // from the runtime.
             unsafe { function(mem, lbase, vbase) }
         }
+    }
+
+    fn watch(&self, is_watched: bool) {
+        self.entries.watch(is_watched);
     }
 }
 

@@ -7,7 +7,7 @@
 //! - [`system`]: system functions (SFC), one file per family.
 //! - [`io`]: the driver; [`analog`]: words of analog channels; [`plant`]: the process at the I/O.
 //! - [`address`], [`names`], [`value`], [`typed`], [`signal`], [`scenario`], [`trace`], [`options`]: what a user writes and sees.
-//! - [`communication`]: TCP and ISO-on-TCP connections of the program.
+//! - [`communication`]: TCP and ISO-on-TCP connections of the program; [`partners`]: its S7 connections.
 //! - [`records`]: data logs, recipes and files of a program.
 //! - [`alarms`]: alarms of the program.
 //! - `family`: differences between the families of CPUs; [`s7200`]: functions of the S7-200 only.
@@ -55,11 +55,13 @@ mod linked;
 pub mod loaded;
 pub mod math;
 pub mod memory;
+pub mod monitor;
 pub mod names;
 pub mod ob_set;
 pub mod online;
 pub mod options;
 pub mod organization;
+pub mod partners;
 pub mod plant;
 pub mod probe;
 pub mod realtime;

@@ -5,7 +5,7 @@ use std::ffi::{c_int, c_void};
 use plcc_abi::ProgramImage;
 use plcc_abi::linked::LinkedProgram;
 
-use crate::code::{Code, EntryFunction};
+use crate::code::{Code, Entries, EntryFunction};
 
 unsafe extern "C" {
     /// Defined by the object file of the program.
@@ -13,16 +13,19 @@ unsafe extern "C" {
 }
 
 /// The entry functions of the linked program.
-#[derive(Clone)]
-pub struct LinkedCode(pub Vec<EntryFunction>);
+pub struct LinkedCode(pub Entries);
 
 impl Code for LinkedCode {
     fn call(&self, entry: u32, mem: *mut u8, lbase: u32, vbase: u32) {
-        if let Some(function) = self.0.get(entry as usize) {
+        if let Some(function) = self.0.get(entry) {
             // SAFETY: the object file that defines the table also defines the function, by the contract of `plcc_abi`;
             // `mem`, `lbase` and `vbase` come from the runtime.
             unsafe { function(mem, lbase, vbase) }
         }
+    }
+
+    fn watch(&self, is_watched: bool) {
+        self.0.watch(is_watched);
     }
 }
 

@@ -11,7 +11,7 @@ use plcc_abi::loadable::{Head, SLOT_BYTES, fingerprint};
 use plcc_abi::{ProgramImage, RuntimeFn};
 
 use crate::change::CodeSource;
-use crate::code::EntryFunction;
+use crate::code::{Entries, EntryFunction};
 use crate::{functions, guest};
 
 /// Memory with code. It goes when nobody has an entry function of it any more.
@@ -83,7 +83,7 @@ pub fn load(bytes: &[u8]) -> Result<(ProgramImage, CodeSource), String> {
     };
     let entries: Vec<EntryFunction> = entries.iter().map(function).collect();
     let mapping = Arc::new(mapping);
-    Ok((image, Arc::new(move || Rc::new(guest::NativeCode::new(entries.clone(), Arc::clone(&mapping))))))
+    Ok((image, Arc::new(move || Rc::new(guest::NativeCode::new(Entries::new(entries.clone()), Arc::clone(&mapping))))))
 }
 
 /// The encoded image, and where the entry functions are, all of them inside.

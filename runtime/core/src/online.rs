@@ -1,5 +1,6 @@
 //! What clients of the CPU may do, and when: at the cycle control point, between two cycles.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use crate::cpu::Cpu;
@@ -7,6 +8,7 @@ use crate::cycle::Pace;
 use crate::diagnostics::NO_SITE;
 use crate::faults::STOP_BY_CLIENT;
 use crate::options::Restart;
+use crate::partners::Board;
 
 /// Answers clients. It is called on the thread of the CPU and may read and change all of its memory.
 pub trait Service {
@@ -15,6 +17,11 @@ pub trait Service {
 
     /// Does what waits. After `share` of the time no further work is begun.
     fn serve(&mut self, cpu: &Cpu, share: Duration);
+
+    /// Where blocks of the program leave jobs for partners.
+    fn board(&self) -> Option<Arc<Board>> {
+        None
+    }
 }
 
 /// The part of a cycle that communication may take, in percent, if plc.toml says nothing. Source: CPU manuals, communication load.
@@ -27,6 +34,7 @@ const STOP_PAUSE: Duration = Duration::from_millis(1);
 impl Cpu {
     /// From now on clients are answered.
     pub fn attach(&self, service: Box<dyn Service>) {
+        self.partners.attach(service.board());
         self.service.replace(Some(service));
         self.is_served.set(true);
     }

@@ -140,7 +140,10 @@ pub const HANG_LIMIT_DEFAULT: Duration = Duration(10_000_000_000);
 
 /// Parses `10ms`, `1.5s`, `500us`, `2m`, `0`. `Err`: the error.
 pub fn parse_duration(text: &str) -> Result<Duration, String> {
-    let wrong = || format!("`{text}` is not a time; write 10ms, 1.5s, 500us or 2m");
+    let wrong = || match duration::meant_span(text) {
+        Some(meant) => format!("`{text}` is not a time; write {meant}"),
+        None => format!("`{text}` is not a time; write a number with the unit us, ms, s, m or h, as in 1.5s"),
+    };
     duration::span(text).map(Duration).ok_or_else(wrong)
 }
 

@@ -71,6 +71,7 @@ impl Cpu {
         own.diagnostics = diagnostics;
         own.alarms = RefCell::new(alarms.into_inner().restarted());
         own.is_served.set(service.borrow().is_some());
+        own.partners.attach(service.borrow().as_ref().and_then(|service| service.board()));
         own.service = service;
         own.carried = RefCell::new(carried);
         own.is_restarted = true;

@@ -97,6 +97,24 @@ pub fn span(text: &str) -> Option<u64> {
     u64::try_from(ns).ok().filter(|_| ns <= YEAR_NS)
 }
 
+/// How [`span`] wants what the author of `text` meant: `5s` for `5 sec`, `T#5S` or `5,0 s`, `300ms` for `300`. `None`: no idea.
+pub fn meant_span(text: &str) -> Option<String> {
+    let lower = text.trim().to_ascii_lowercase();
+    let bare = ["s5t#", "s5time#", "lt#", "t#", "time#"].iter().find_map(|prefix| lower.strip_prefix(prefix));
+    let bare = bare.unwrap_or(&lower).replace(',', ".");
+    let (number, unit) = bare.split_at(bare.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(bare.len()));
+    let unit = match unit.trim().trim_end_matches('.') {
+        "" | "ms" | "msec" | "msecs" | "millis" | "millisecond" | "milliseconds" => "ms",
+        "us" | "µs" | "usec" | "usecs" | "microsecond" | "microseconds" => "us",
+        "s" | "sec" | "secs" | "second" | "seconds" => "s",
+        "m" | "min" | "mins" | "minute" | "minutes" => "m",
+        "h" | "hr" | "hrs" | "hour" | "hours" => "h",
+        _ => return None,
+    };
+    let number = number.strip_suffix(".0").unwrap_or(number);
+    Some(format!("{number}{unit}")).filter(|meant| span(meant).is_some() && meant != text)
+}
+
 /// Reads the interval of a task in PLCopen XML: `T#1s500ms`, `PT0.02S`, `P0DT0H0M0.01S`, `20ms`. In nanoseconds, a part of one rounded
 /// up; `None`: not a duration.
 pub fn interval(text: &str) -> Option<u64> {
@@ -149,6 +167,16 @@ impl Scaled {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn slips_in_spans() {
+        let meant = |text: &str| meant_span(text).unwrap_or_default();
+        assert_eq!(
+            ["10 msec", "5 sec", "T#2S", "1,5 s", "5,0s", "300", "2 hours"].map(meant),
+            ["10ms", "5s", "2s", "1.5s", "5s", "300ms", "2h"]
+        );
+        assert_eq!(["soon", "5 weeks", "10ms", "", "1..5s", "-5 sec"].map(meant), [""; 6]);
+    }
 
     #[test]
     fn durations_of_languages() {

@@ -197,6 +197,12 @@ fn syntax(message: &str, place: &str, line: &str) -> Wrong {
     if message.contains("missing value") || message.contains("missing assignment value") {
         return wrong("the value is missing", format!("write `{key} = …`"));
     }
+    let words = ["true", "false"].map(|word| line.to_ascii_lowercase().contains(word).then_some(word));
+    if message.contains("invalid boolean")
+        && let Some(word) = words.into_iter().flatten().next()
+    {
+        return wrong("true and false are written in small letters here", format!("write `{word}`"));
+    }
     let told = message.split(", expected").next().unwrap_or(message);
     wrong(&format!("this is not TOML: {told}"), "write `key = value`, with texts in quotation marks".to_owned())
 }

@@ -29,7 +29,6 @@ mod web;
 mod wire;
 
 pub use options::ServiceOptions;
-pub use web::messages;
 
 /// A message to the user; a closed standard error changes nothing.
 fn say(text: &str) {

@@ -16,6 +16,18 @@ pub const ANSWER_TIME: Duration = Duration::from_secs(5);
 /// Requests that wait for the CPU; who has more waits.
 pub const QUEUE_MAX: usize = 64;
 
+/// Cyclic jobs of an S7 connection, and variables of one.
+pub const SUBSCRIPTIONS_MAX: usize = 16;
+pub const SUBSCRIBED_ITEMS_MAX: usize = 20;
+
+/// How long a partner of the program may take to answer a job, or to send the next segment of a block.
+pub const PARTNER_TIME: Duration = Duration::from_secs(10);
+/// From one attempt to reach a partner to the next.
+pub const PARTNER_PAUSE: Duration = Duration::from_secs(1);
+/// Jobs whose answers a partner owes, and blocks that it sends at once.
+pub const PARTNER_JOBS_MAX: usize = 8;
+pub const TRANSFERS_MAX: usize = 16;
+
 /// Wrong passwords of a computer before it has to wait, and how long.
 pub const WRONG_PASSWORDS_MAX: u32 = 3;
 pub const PASSWORD_PAUSE: Duration = Duration::from_secs(5);

@@ -57,6 +57,12 @@ pub struct CycleTimes {
 }
 
 impl CycleTimes {
+    /// Upper ends of the parts in microseconds, and how many periods and cycles are in each; the last part has no end.
+    pub fn parts(&self) -> ([u64; 16], Vec<u64>, Vec<u64>) {
+        let counts = |times: &Histogram| times.parts.iter().map(|part| part.load(Ordering::Relaxed)).collect();
+        (BOUNDS_US, counts(&self.period), counts(&self.work))
+    }
+
     /// A cycle has ended.
     pub fn add(&self, period: Option<u64>, work: u64) {
         if let Some(period) = period {

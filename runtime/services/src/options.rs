@@ -5,9 +5,11 @@ use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
 use plcc_abi::ProgramImage;
+use plcc_abi::connections::S7Connection;
 use plcc_abi::services::{Protection, Right};
 use plcc_runtime::change::Loader;
 use plcc_runtime::online::Service;
+use plcc_runtime::partners::Board;
 use tokio::runtime::Builder;
 
 use crate::link::{Link, link};
@@ -73,7 +75,10 @@ pub fn address(text: &str) -> Result<SocketAddr, String> {
     if let Ok(port) = text.parse::<u16>() {
         return Ok(SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), port));
     }
-    text.parse().map_err(|_| format!("`{text}` is not an address with a port; write 127.0.0.1:10102 or 0.0.0.0:102"))
+    text.parse().map_err(|_| match text.bytes().all(|digit| digit.is_ascii_digit()) {
+        true => format!("`{text}` is not a port: ports are 1 to 65535"),
+        false => format!("`{text}` is not an address with a port, as in 127.0.0.1:10102"),
+    })
 }
 
 /// Whether a text is the URL of a broker. `Err`: the error.
@@ -103,19 +108,31 @@ impl ServiceOptions {
         if self.allow_load && web.is_none() {
             return Err("--allow-load: programs are loaded through the page: add --web ADDR:PORT".to_string());
         }
-        if s7.or(modbus).or(metrics).or(web).is_none() && broker.is_none() {
+        // Several CPUs of one program cannot be the same partner.
+        let connections = if flags_only { Vec::new() } else { image.config.connections.clone() };
+        let board = (!connections.is_empty()).then(|| Arc::new(Board::new(connections)));
+        if s7.or(modbus).or(metrics).or(web).is_none() && broker.is_none() && board.is_none() {
             return Ok((None, Vec::new()));
         }
         let clients = Clients::new(config, self.access.map(Right::from));
         let times = metrics.is_some().then(Arc::<CycleTimes>::default);
-        let (link, desk) = link(times.clone());
-        let mut plan = Plan { s7: None, modbus: None, metrics: None, web: None, publisher: None };
+        let (link, desk) = link(times.clone(), board.clone());
+        let mut plan = Plan { s7: None, partners: Vec::new(), modbus: None, metrics: None, web: None, publisher: None };
         let mut opened = Vec::new();
+        let guard = Guard::new(config.password.as_deref());
+        let server = s7::Server { link: link.clone(), guard, protection: config.protection, board: board.clone() };
         if let Some(address) = s7 {
             let door = listen::open("s7", address, clients.clone())?;
             opened.push(line("S7 clients", &door, &clients.text()));
-            let guard = Guard::new(config.password.as_deref());
-            plan.s7 = Some((door, s7::Server { link: link.clone(), guard, protection: config.protection }));
+            plan.s7 = Some((door, server.clone()));
+        }
+        for (number, connection) in board.iter().flat_map(|board| board.connections().iter().enumerate()) {
+            opened.push(partner(connection, s7.is_some()));
+            if connection.active {
+                // A partner reaches nothing here unless clients do.
+                let rights = s7.map(|_| clients.clone());
+                plan.partners.push((server.clone(), number, rights));
+            }
         }
         if let Some(address) = modbus {
             let map = Map::new(&config.registers, image)?;
@@ -131,13 +148,16 @@ impl ServiceOptions {
                 ));
             }
             let door = listen::open("web", address, clients.clone())?;
+            let services =
+                [plan.s7.as_ref().map(|(door, _)| door), plan.modbus.as_ref().map(|(door, ..)| door), Some(&door)];
+            let services = services.into_iter().flatten().map(|door| (door.service, door.open.clone())).collect();
             let who = match (users.is_open(), self.allow_load) {
                 (true, false) => "everyone on this computer may look",
                 (true, true) => "everyone on this computer may look and load programs",
                 (false, _) => "users may sign in",
             };
             opened.push(line("page at http", &door, who).replacen("http at ", "http://", 1));
-            plan.web = Some((door, Page::new(link.clone(), users, loader.filter(|_| self.allow_load))));
+            plan.web = Some((door, Page::new(link.clone(), users, services, loader.filter(|_| self.allow_load))));
         }
         if let (Some(address), Some(times)) = (metrics, times) {
             let door = listen::open("metrics", address, clients)?;
@@ -171,9 +191,21 @@ fn line(who: &str, door: &Door, text: &str) -> String {
     format!("{who} at {address}: {text}")
 }
 
+/// `connection 1: to 192.168.0.7:102`
+fn partner(connection: &S7Connection, has_port: bool) -> String {
+    let id = connection.id;
+    match (connection.active, &connection.partner) {
+        (true, partner) => format!("connection {id}: to {}", partner.as_deref().unwrap_or("nobody")),
+        (false, _) if !has_port => format!("connection {id}: its partner cannot connect without an S7 port; add --s7"),
+        (false, _) => format!("connection {id}: waits for its partner"),
+    }
+}
+
 /// What is to run.
 struct Plan {
     s7: Option<(Door, s7::Server)>,
+    /// Connections to partners, by number, and who of them may do what here.
+    partners: Vec<(s7::Server, usize, Option<Clients>)>,
     modbus: Option<(Door, Link, Map)>,
     metrics: Option<(Door, Pages)>,
     web: Option<(Door, Page)>,
@@ -221,7 +253,12 @@ impl Plan {
                 mqtt::run(publisher, link).await;
             }
         };
+        for (server, number, rights) in self.partners {
+            tokio::spawn(s7::call(server, number, rights));
+        }
         tokio::join!(s7, modbus, metrics, web, publisher);
+        // Partners of the program do not end.
+        std::future::pending().await
     }
 }
 

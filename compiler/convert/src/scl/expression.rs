@@ -5,7 +5,7 @@ use plcc_syntax::ast::{BlockName, OperandKind, Width};
 use plcc_syntax::scl::ast::{Argument, BinaryOp, Expr, ExprKind, Literal, Name, NameForm, UnaryOp};
 use plcc_syntax::stl::Mnemonics;
 
-use crate::writer::Writer;
+use crate::writer::{Notation, Writer};
 use crate::{literal, names, operand};
 
 /// An expression.
@@ -30,10 +30,14 @@ fn precedence(op: BinaryOp) -> u8 {
 /// Of NOT and signs.
 const UNARY: u8 = 8;
 
+/// Of NOT in charts.
+const GRAPH_NOT: u8 = 4;
+
 /// An expression where something binds with `around`: in parentheses if it binds less.
 fn written(value: &Expr, around: u8, writer: &mut Writer) -> String {
     match &value.kind {
         ExprKind::Literal(constant) => constant_text(constant, value.span, writer),
+        ExprKind::Name(name) if writer.notation == Notation::Gr7 && name.form == NameForm::Bare => name.text.clone(),
         ExprKind::Name(name) => name_text(name),
         ExprKind::Absolute(kind) => absolute(kind, value.span, writer),
         ExprKind::Member { base, name } => format!("{}.{}", written(base, u8::MAX, writer), member(name)),
@@ -42,11 +46,19 @@ fn written(value: &Expr, around: u8, writer: &mut Writer) -> String {
             let own = base.span.end as usize..value.span.end as usize;
             let own = writer.source.and_then(|source| source.get(own)).filter(|text| !text.is_empty());
             let base = written(base, u8::MAX, writer);
-            if let Some(own) = own {
+            if let Some(own) = own.filter(|own| writer.notation != Notation::Gr7 || !own.contains('%')) {
                 return format!("{base}{}", own.split_whitespace().collect::<String>());
             }
             let bit = if *width == Width::Bit { format!(".{bit}") } else { String::new() };
-            format!("{base}.%DB{}{byte}{bit}", width_letter(*width))
+            let sign = if writer.notation == Notation::Gr7 { "" } else { "%" };
+            format!("{base}.{sign}DB{}{byte}{bit}", width_letter(*width))
+        }
+        ExprKind::Slice { .. } | ExprKind::Dereference(_) | ExprKind::Reference(_)
+            if writer.notation == Notation::Gr7 =>
+        {
+            let help = "read the value in a block of another language";
+            writer.refuse(value.span, "GRAPH sources have no slices and no references", help);
+            String::new()
         }
         ExprKind::Slice { base, width, index } => {
             format!("{}.%{}{index}", written(base, u8::MAX, writer), width_letter(*width))
@@ -70,6 +82,10 @@ fn written(value: &Expr, around: u8, writer: &mut Writer) -> String {
                 UnaryOp::Minus => format!("-{inner}"),
                 UnaryOp::Not => format!("NOT {inner}"),
             };
+            // Of GRAPH, it inverts the comparison after it.
+            if *op == UnaryOp::Not && writer.notation == Notation::Gr7 {
+                return if around > GRAPH_NOT { format!("({text})") } else { text };
+            }
             // A sign never stands directly after an operator.
             if around > 0 && (around >= UNARY || *op != UnaryOp::Not) { format!("({text})") } else { text }
         }
@@ -125,7 +141,10 @@ fn width_letter(width: Width) -> &'static str {
 
 /// `%MW10`, as the author wrote it where the notation is the same.
 fn absolute(kind: &OperandKind, span: Span, writer: &mut Writer) -> String {
-    if let Some(text) = writer.source.and_then(|source| source.get(span.range())).filter(|text| !text.is_empty()) {
+    // S7-GRAPH writes addresses without `%`.
+    let is_foreign = |text: &&str| writer.notation == Notation::Gr7 && text.starts_with('%');
+    let own = writer.source.and_then(|source| source.get(span.range())).filter(|text| !text.is_empty());
+    if let Some(text) = own.filter(|text| !is_foreign(text)) {
         return text.split_whitespace().collect();
     }
     let set = writer.mnemonics;
@@ -137,7 +156,7 @@ fn absolute(kind: &OperandKind, span: Span, writer: &mut Writer) -> String {
         kind => operand::text(kind, span, writer).replace(' ', ""),
     };
     writer.mnemonics = set;
-    format!("%{text}")
+    if writer.notation == Notation::Gr7 { text } else { format!("%{text}") }
 }
 
 fn constant_text(value: &Literal, span: Span, writer: &mut Writer) -> String {

@@ -4,7 +4,8 @@ pub mod expression;
 mod statement;
 
 use plcc_diag::Diagnostic;
-use plcc_syntax::ast::{Block, Code, SourceUnit};
+use plcc_syntax::ast::{Block, Code, CodeBlock, SourceUnit};
+use plcc_syntax::scl::ast::Body;
 use plcc_syntax::stl::Mnemonics;
 
 use crate::trivia::Trivia;
@@ -17,11 +18,7 @@ pub fn write(unit: &SourceUnit, trivia: Trivia, source: Option<&str>) -> (String
         writer.out.gap();
         match block {
             Block::Code(code) => match &code.code {
-                Code::Scl(body) => writer.code_frame(code, |writer| {
-                    writer.out.indent();
-                    writer.statements(&body.statements);
-                    writer.out.dedent();
-                }),
+                Code::Scl(body) => writer.scl_block(code, body),
                 Code::Stl(_) | Code::Graphic(_) | Code::Chart(_) => {
                     let name = writer.block_name(&code.name);
                     writer.refuse(code.name.span(), format!("{name} is not in SCL"), "leave it in its language");
@@ -33,4 +30,14 @@ pub fn write(unit: &SourceUnit, trivia: Trivia, source: Option<&str>) -> (String
     }
     writer.remarks_before(u32::MAX);
     (writer.out.into_text(), writer.messages)
+}
+
+impl Writer<'_> {
+    pub(crate) fn scl_block(&mut self, block: &CodeBlock, body: &Body) {
+        self.code_frame(block, |writer| {
+            writer.out.indent();
+            writer.statements(&body.statements);
+            writer.out.dedent();
+        });
+    }
 }

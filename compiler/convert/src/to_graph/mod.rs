@@ -2,11 +2,13 @@
 //!
 //! - [`drawing`]: signals as contacts in series and parallel, or as gates.
 //! - [`redraw`]: networks of LAD in FBD and back.
-//! - `statements`: what statements do, network by network.
+//! - `statements`: what statements do, network by network; `logic` and `operand` are their parts.
 //!
 //! Source: LAD/FBD reference, chapter F.3.
 
 pub mod drawing;
+mod logic;
+mod operand;
 pub mod redraw;
 mod statements;
 

@@ -1,19 +1,16 @@
 //! What the statements of a network do: signals, and what they lead to.
 
 use plcc_diag::{Code, Diagnostic, Span};
-use plcc_syntax::Elementary;
-use plcc_syntax::ast::{
-    self, BlockName, Bound, CellKind, CodeBlock, Operand, OperandKind, PathPart, PathRoot, Statement, StatementKind,
-    StatusOperand,
-};
-use plcc_syntax::literal::Literal;
+use plcc_syntax::ast::{self, BlockName, CellKind, CodeBlock, Operand, OperandKind, Statement, StatementKind};
 use plcc_syntax::network::ast::{Graph, Language, Pin, PinValue};
-use plcc_syntax::scl::ast::{Expr, ExprKind, Literal as SclLiteral, Name, NameForm, UnaryOp};
+use plcc_syntax::scl::ast::{Expr, ExprKind, Name, NameForm};
 use plcc_syntax::stl::StlInsn;
 
 use crate::to_stl::types::Types;
 
 use super::drawing::{Drawing, Reason, Signal, pin};
+use super::logic::{Join, Logic};
+use super::operand::{Kind, compared, expression, flag, typed};
 
 /// The labels of a network, and its elements.
 pub fn graph(
@@ -71,58 +68,6 @@ fn does_nothing(statement: &Statement) -> bool {
         StatementKind::Instruction { insn, .. } => matches!(insn, StlInsn::Nop | StlInsn::Display),
         StatementKind::Call(_) | StatementKind::Pragma(_) | StatementKind::Error => false,
     }
-}
-
-/// A level of logic: `A`, `O`, and AND before OR.
-#[derive(Clone, Default)]
-struct Logic {
-    /// Series that `O` without operand has closed.
-    alternatives: Vec<Signal>,
-    /// None: the next scan is the first one.
-    current: Option<Signal>,
-}
-
-impl Logic {
-    fn value(&self) -> Option<Signal> {
-        match (&self.alternatives[..], &self.current) {
-            ([], current) => current.clone(),
-            (alternatives, current) => Some(Signal::or(alternatives.iter().chain(current).cloned().collect())),
-        }
-    }
-
-    fn is_open(&self) -> bool {
-        self.current.is_some() || !self.alternatives.is_empty()
-    }
-
-    fn join(&mut self, join: Join, signal: Signal) {
-        if join != Join::And && !self.alternatives.is_empty() && self.current.is_some() {
-            // Whatever is not a series ends AND before OR.
-            self.current = self.value();
-            self.alternatives.clear();
-        }
-        let Some(before) = self.current.take() else {
-            self.current = Some(signal);
-            return;
-        };
-        self.current = Some(match join {
-            Join::And => Signal::and(vec![before, signal]),
-            Join::Or => Signal::or(vec![before, signal]),
-            Join::Xor => match before {
-                Signal::Xor(mut list) => {
-                    list.push(signal);
-                    Signal::Xor(list)
-                }
-                before => Signal::Xor(vec![before, signal]),
-            },
-        });
-    }
-}
-
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Join {
-    And,
-    Or,
-    Xor,
 }
 
 struct Reader<'a> {
@@ -495,166 +440,4 @@ impl Reader<'_> {
         self.drawing.element("CallCoil", pins, None);
         Ok(())
     }
-}
-
-/// The element and type of a comparison.
-fn compared(insn: StlInsn) -> Option<(&'static str, &'static str)> {
-    use StlInsn as I;
-    Some(match insn {
-        I::CompareEqI => ("EQ", "Int"),
-        I::CompareNeI => ("NE", "Int"),
-        I::CompareGtI => ("GT", "Int"),
-        I::CompareLtI => ("LT", "Int"),
-        I::CompareGeI => ("GE", "Int"),
-        I::CompareLeI => ("LE", "Int"),
-        I::CompareEqD => ("EQ", "DInt"),
-        I::CompareNeD => ("NE", "DInt"),
-        I::CompareGtD => ("GT", "DInt"),
-        I::CompareLtD => ("LT", "DInt"),
-        I::CompareGeD => ("GE", "DInt"),
-        I::CompareLeD => ("LE", "DInt"),
-        I::CompareEqR => ("EQ", "Real"),
-        I::CompareNeR => ("NE", "Real"),
-        I::CompareGtR => ("GT", "Real"),
-        I::CompareLtR => ("LT", "Real"),
-        I::CompareGeR => ("GE", "Real"),
-        I::CompareLeR => ("LE", "Real"),
-        _ => return None,
-    })
-}
-
-/// A constant in the form of the type that it is compared with.
-fn typed(value: Expr, ty: &str) -> Expr {
-    match (&value.kind, ty) {
-        (ExprKind::Literal(SclLiteral::Typed { ty: Elementary::Dint, bits }), "DInt") => {
-            let number = i64::from(*bits as u32 as i32);
-            whole(number, value.span)
-        }
-        _ => value,
-    }
-}
-
-fn flag(status: StatusOperand) -> &'static str {
-    match status {
-        StatusOperand::Br => "BR_FlagContact",
-        StatusOperand::Ov => "OV_FlagContact",
-        StatusOperand::Os => "OS_FlagContact",
-        StatusOperand::Uo => "UO_FlagContact",
-        StatusOperand::Eq0 => "EQ_I_Flags_Contact",
-        StatusOperand::Ne0 => "NE_I_Flags_Contact",
-        StatusOperand::Gt0 => "GT_I_Flags_Contact",
-        StatusOperand::Lt0 => "LT_I_Flags_Contact",
-        StatusOperand::Ge0 => "GE_I_Flags_Contact",
-        StatusOperand::Le0 => "LE_I_Flags_Contact",
-    }
-}
-
-/// What is known of the type of an operand.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
-    Constant,
-    /// An absolute address of so many bits.
-    Bits(u32),
-    Type(Elementary),
-    Cell,
-    Unknown,
-}
-
-/// A whole number, with a sign if it is negative.
-fn whole(number: i64, span: Span) -> Expr {
-    let span = Span { end: span.start, ..span };
-    let literal =
-        Expr { kind: ExprKind::Literal(SclLiteral::Integer { value: number.unsigned_abs(), based: false }), span };
-    match number < 0 {
-        true => Expr { kind: ExprKind::Unary { op: UnaryOp::Minus, operand: Box::new(literal) }, span },
-        false => literal,
-    }
-}
-
-/// An operand as networks have it.
-fn expression(operand: &Operand) -> Result<Expr, Reason> {
-    // Without text of its own: the notation of the source is another one.
-    let span = Span { end: operand.span.start, ..operand.span };
-    let name = |text: &str, form: NameForm| ExprKind::Name(Name { text: text.to_string(), form, span });
-    let of = |kind: ExprKind| Expr { kind, span };
-    let kind = match &operand.kind {
-        OperandKind::Absolute { .. } | OperandKind::Cell { .. } => ExprKind::Absolute(operand.kind.clone()),
-        OperandKind::Block(BlockName::Symbol { name: text, .. }) => name(text, NameForm::Quoted),
-        OperandKind::Block(BlockName::Numbered { .. }) => ExprKind::Absolute(operand.kind.clone()),
-        OperandKind::DbAbsolute { db, width, byte, bit } => {
-            let base = match db {
-                BlockName::Symbol { name: text, .. } => name(text, NameForm::Quoted),
-                BlockName::Numbered { .. } => ExprKind::Absolute(OperandKind::Block(db.clone())),
-            };
-            ExprKind::MemberAbsolute { base: Box::new(of(base)), width: *width, byte: *byte, bit: *bit }
-        }
-        OperandKind::Path(path) => {
-            let root = match &path.root {
-                PathRoot::Local { name: text, .. } => name(text, NameForm::Local),
-                PathRoot::Quoted { name: text, .. } => name(text, NameForm::Quoted),
-                PathRoot::Bare { .. } => return Err("a name without `#` or quotes".to_string()),
-                PathRoot::Block(block) => ExprKind::Absolute(OperandKind::Block(block.clone())),
-            };
-            let mut value = of(root);
-            for part in &path.parts {
-                value = of(match part {
-                    PathPart::Member { name: text, .. } => ExprKind::Member {
-                        base: Box::new(value),
-                        name: Name { text: text.clone(), form: NameForm::Bare, span },
-                    },
-                    PathPart::Index { values, .. } => {
-                        let mut indices = Vec::new();
-                        for bound in values {
-                            match bound {
-                                Bound::Number(number, _) => indices.push(whole(*number, span)),
-                                Bound::Name(..) | Bound::Expr(_) => {
-                                    return Err("an index that is a constant".to_string());
-                                }
-                            }
-                        }
-                        ExprKind::Index { base: Box::new(value), indices }
-                    }
-                });
-            }
-            return Ok(value);
-        }
-        OperandKind::Literal(literal) => return constant(literal, span),
-        OperandKind::MemoryIndirect { .. }
-        | OperandKind::CellIndirect { .. }
-        | OperandKind::BlockIndirect { .. }
-        | OperandKind::RegisterIndirect { .. } => return Err("an indirect address".to_string()),
-        OperandKind::Peripheral(_) => return Err("a symbol with `:P`".to_string()),
-        OperandKind::AddressOf(_) => return Err("a pointer to a variable".to_string()),
-        OperandKind::Status(_) | OperandKind::Special(_) | OperandKind::Register(_) => {
-            return Err("a register of the CPU".to_string());
-        }
-        OperandKind::Label(_) | OperandKind::Error => return Err("this operand".to_string()),
-    };
-    Ok(of(kind))
-}
-
-fn constant(literal: &Literal, span: Span) -> Result<Expr, Reason> {
-    let typed = |ty: Elementary, bits: u64| ExprKind::Literal(SclLiteral::Typed { ty, bits });
-    let kind = match literal {
-        Literal::Bool(value) => typed(Elementary::Bool, u64::from(*value)),
-        Literal::Int(number) => return Ok(whole(*number, span)),
-        Literal::Dint(number) => typed(Elementary::Dint, u64::from(*number as u32)),
-        Literal::Byte(value) => typed(Elementary::Byte, u64::from(*value)),
-        Literal::Word(value) | Literal::Counter(value) => typed(Elementary::Word, u64::from(*value)),
-        Literal::Dword(value) => typed(Elementary::Dword, u64::from(*value)),
-        Literal::Bits { value, .. } => ExprKind::Literal(SclLiteral::Integer { value: u64::from(*value), based: true }),
-        Literal::Real(value) => typed(Elementary::Real, u64::from(value.to_bits())),
-        Literal::S5Time(value) => typed(Elementary::S5Time, u64::from(*value)),
-        Literal::Time(ms) => typed(Elementary::Time, u64::from(*ms as u32)),
-        Literal::Date(days) => typed(Elementary::Date, u64::from(*days)),
-        Literal::TimeOfDay(ms) => typed(Elementary::TimeOfDay, u64::from(*ms)),
-        Literal::Text(bytes) => ExprKind::Literal(SclLiteral::Text { bytes: bytes.clone(), typed: false }),
-        Literal::Bytes2(_)
-        | Literal::Bytes4(_)
-        | Literal::DateAndTime(_)
-        | Literal::Pointer(_)
-        | Literal::AreaPointer { .. }
-        | Literal::Any(_) => return Err("this constant".to_string()),
-    };
-    Ok(Expr { kind, span })
 }

@@ -3,18 +3,21 @@
 //! - `plan`: which values stay in the RLO, and which need a bit of their own.
 //! - `logic`: Boolean expressions as `A`, `O`, `A(`.
 //! - `elements`: contacts, coils, edges, timers, counters, jumps.
-//! - `boxes`: boxes with EN and ENO, calls.
+//! - `boxes`: boxes with EN and ENO; `values`: their types, how inputs are loaded and outputs stored.
+//! - `calls`: calls of blocks and instances.
 //! - `operand`: operands of networks as operands of STL.
 //! - [`types`]: types of operands, where a box does not name its own.
 //!
 //! Source: LAD/FBD reference, chapter F.
 
 mod boxes;
+mod calls;
 mod elements;
 mod logic;
 mod operand;
 pub(crate) mod plan;
 pub mod types;
+mod values;
 
 use std::collections::{HashMap, HashSet};
 

@@ -47,7 +47,7 @@ fn build_read(args: &BuildArgs, read: Read, name: &str) -> Result<(), u8> {
     }
     // Only what is linked has a page.
     let links = matches!(args.emit, None | Some(Emit::Oci)) && !args.stats;
-    let bound = drawings::bind(parsed, &settings, |project| links && (args.services || project.linked));
+    let bound = drawings::bind(parsed, &settings, |project| links && (args.services || args.monitor || project.linked));
     let bound = accepted(bound, unreadable, &settings)?;
     if let Some(pass) = &args.print_after {
         return write_text(
@@ -115,15 +115,15 @@ pub fn internal(error: &dyn std::error::Error) -> u8 {
 fn link_executable(bound: Bound, args: &BuildArgs, name: &str) -> Result<(), u8> {
     let output = checked_output(args, name, "the executable")?;
     let runtime = runtime(&bound, args);
-    let object = cached_object(bound, args, &output)?;
+    let objects = cached_objects(bound, args, &output)?;
     let form = if args.is_static { Form::Static(runtime) } else { Form::Executable(runtime) };
-    link::link_form(form, &[object], &output, args.linker.as_deref()).map_err(|error| unlinked(&error))?;
+    link::link_form(form, &objects, &output, args.linker.as_deref()).map_err(|error| unlinked(&error))?;
     written(&output, args)
 }
 
 /// With services if the project or a flag asks for them.
 fn runtime(bound: &Bound, args: &BuildArgs) -> Runtime {
-    match args.services || bound.program.config.services.linked {
+    match args.services || args.monitor || bound.program.config.services.linked {
         true => Runtime::Services,
         false => Runtime::Plain,
     }
@@ -143,13 +143,23 @@ fn checked_output(args: &BuildArgs, name: &str, what: &str) -> Result<PathBuf, u
     Ok(output)
 }
 
-/// The object file, with the help of the code that the last build kept.
-fn cached_object(bound: Bound, args: &BuildArgs, output: &Path) -> Result<Vec<u8>, u8> {
-    let lowered = pipeline::lower(&bound, args.optimization.optimization());
+/// The object files, with the help of the code that the last build kept: one, or three if the program can be watched while it runs.
+fn cached_objects(bound: Bound, args: &BuildArgs, output: &Path) -> Result<Vec<Vec<u8>>, u8> {
+    let mut lowered = pipeline::lower(&bound, args.optimization.optimization());
+    let is_monitored = args.monitor || bound.program.config.services.web.is_some() && !args.no_monitor;
+    let probed = is_monitored.then(|| pipeline::lower_beside(&bound, &mut lowered));
     // A large program takes much memory; what is not needed any more makes room.
     drop(bound);
-    let cache = if args.no_cache { None } else { Cache::of(output) };
-    pipeline::object(lowered, cache.as_ref()).map_err(|error| internal(&error))
+    let cache = |output: &Path| if args.no_cache { None } else { Cache::of(output) };
+    let own = cache(output);
+    let objects = match probed {
+        None => pipeline::object(lowered, own.as_ref()).map(|object| vec![object]),
+        Some(probed) => {
+            let other = cache(&output.with_added_extension("probes"));
+            pipeline::objects(lowered, probed, [own.as_ref(), other.as_ref()]).map(Vec::from)
+        }
+    };
+    objects.map_err(|error| internal(&error))
 }
 
 fn unlinked(error: &link::LinkError) -> u8 {
@@ -174,8 +184,8 @@ fn write_unit(compiled: &Compiled, args: &BuildArgs, name: &str) -> Result<(), u
 fn write_image(bound: Bound, args: &BuildArgs, name: &str) -> Result<(), u8> {
     let output = checked_output(args, &format!("{name}.tar"), "the image")?;
     let form = Form::Static(runtime(&bound, args));
-    let object = cached_object(bound, args, &output)?;
-    let executable = link::link_bytes(form, &[object], args.linker.as_deref());
+    let objects = cached_objects(bound, args, &output)?;
+    let executable = link::link_bytes(form, &objects, args.linker.as_deref());
     let bytes = executable
         .map_err(|error| unlinked(&error))
         .and_then(|executable| oci::pack(name, &executable).map_err(|error| cannot_write(&output, &error)))?;

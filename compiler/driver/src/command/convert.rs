@@ -59,7 +59,7 @@ pub fn convert(args: &ConvertArgs) -> u8 {
                 ConvertTo::Stl => to_stl::unit(unit, &types, keeps_br),
                 ConvertTo::Lad => to_graph::unit(unit, &types, Graphic::Lad),
                 ConvertTo::Fbd => to_graph::unit(unit, &types, Graphic::Fbd),
-                ConvertTo::Sd | ConvertTo::Scl => (unit.clone(), Vec::new()),
+                ConvertTo::Sd | ConvertTo::Scl | ConvertTo::Gr7 => (unit.clone(), Vec::new()),
             };
             let refused = found.iter().any(Diagnostic::is_error);
             messages.extend(found);
@@ -96,7 +96,12 @@ fn written(
     let is_text = plcc_readers::xml::kind(source).is_none();
     let is_stl =
         unit.blocks.iter().any(|block| matches!(block, Block::Code(block) if matches!(block.code, Code::Stl(_))));
-    let comments = if is_stl { stl::comments(source) } else { scl::comments(source) };
+    let is_chart = |block: &Block| matches!(block, Block::Code(block) if matches!(block.code, Code::Chart(_)));
+    let comments = match unit.blocks.iter().any(is_chart) {
+        true => plcc_readers::gr7::comments(source),
+        false if is_stl => stl::comments(source),
+        false => scl::comments(source),
+    };
     let trivia = |only_lines| if is_text { Trivia::new(source, comments, only_lines) } else { Trivia::none() };
     let meaning = unit.overlay.as_deref().unwrap_or(source);
     let name = String::new();
@@ -109,6 +114,10 @@ fn written(
         ConvertTo::Lad | ConvertTo::Fbd | ConvertTo::Sd => {
             let sd::Document { text, texts, messages } = sd::write(made, trivia(false), (!is_stl).then_some(meaning));
             (Converted { name, text, texts }, messages)
+        }
+        ConvertTo::Gr7 => {
+            let (text, messages) = plcc_convert::gr7::write(made, trivia(is_stl), Some(meaning));
+            (Converted { name, text, texts: None }, messages)
         }
         ConvertTo::Scl => {
             let (text, messages) = plcc_convert::scl::write(made, trivia(false), (!is_stl).then_some(meaning));

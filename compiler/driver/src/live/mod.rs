@@ -16,7 +16,7 @@ use plcc_runtime::run::EXIT_USAGE;
 use crate::cli::{Lose, RunArgs};
 use crate::command::run::compile;
 use crate::testing::watch;
-use crate::{code, inputs, on_large_stack, report};
+use crate::{inputs, on_large_stack, report};
 
 /// What the watching thread waits for.
 enum Event {
@@ -42,7 +42,7 @@ pub fn run(args: &RunArgs) -> u8 {
     };
     // What is saved while the program is compiled counts.
     let seen = watch::look(&paths);
-    let (image, code) = match compile(args, code::source) {
+    let (image, code) = match compile(args) {
         Ok(compiled) => compiled,
         Err(exit) => return exit,
     };
@@ -127,7 +127,7 @@ impl Watch {
         // What waits for an answer is out of date.
         self.pending = None;
         let args = self.args.clone();
-        match on_large_stack(move || compile(&args, code::source)) {
+        match on_large_stack(move || compile(&args)) {
             Ok(Ok((image, code))) => {
                 let prepared = self.loader.prepare(image, code);
                 self.decide(prepared);

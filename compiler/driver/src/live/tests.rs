@@ -28,7 +28,7 @@ fn compiled(file: &str, text: &str) -> (ProgramImage, CodeSource) {
 
 fn compiled_all(files: &[(&str, &str)]) -> (ProgramImage, CodeSource) {
     let compiled = pipeline::back(&bound(files), Level::O2);
-    let code = code::source(&compiled).expect("what is lowered becomes code");
+    let code = code::source(&compiled, None).expect("what is lowered becomes code");
     (compiled.image, code)
 }
 

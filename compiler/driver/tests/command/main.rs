@@ -5,6 +5,7 @@ mod flags;
 mod fmt;
 mod linking;
 mod lsp;
+mod mistakes;
 mod new;
 mod partial;
 mod partners;

@@ -108,6 +108,9 @@ impl S7200Lowering<'_, '_> {
             return self.pid(operands);
         }
         let Some(row) = row_of(insn) else { return };
+        if let Some(known) = self.known_move(insn, operands) {
+            return self.boxed(|lowering| lowering.move_in_place(known, operands));
+        }
         let body = |lowering: &mut Self| {
             let given: Vec<Value> = row.give.iter().map(|give| lowering.given(*give, operands)).collect();
             match row.takes {

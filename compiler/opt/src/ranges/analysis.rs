@@ -50,6 +50,9 @@ pub struct Ranges<'f> {
     passes: FxHashMap<Block, i64>,
     /// Values that are a conversion of another one, or its sum with a constant: what is learnt of that one says something of them.
     derived: FxHashMap<Value, Vec<Value>>,
+    /// The sweep in which each value was computed last, and the number of this one.
+    computed: Vec<u32>,
+    sweeps: u32,
     /// How many steps from the value that was learnt of; chains of sums can be as long as the program.
     deriving: u32,
     phase: Phase,
@@ -79,6 +82,8 @@ impl<'f> Ranges<'f> {
             limits: FxHashMap::default(),
             passes: FxHashMap::default(),
             derived: derived(function, cfg),
+            computed: vec![0; function.values.len()],
+            sweeps: 0,
             deriving: 0,
             phase: Phase::Growing(0),
         };
@@ -124,6 +129,7 @@ impl<'f> Ranges<'f> {
 
     /// A sweep begins.
     pub fn begin(&mut self) {
+        self.sweeps += 1;
         self.here.clear();
         self.undo.clear();
         self.path.clear();
@@ -261,6 +267,7 @@ impl<'f> Ranges<'f> {
     /// Computes the results of an instruction.
     pub fn compute(&mut self, inst: Inst) {
         for &result in &self.function.results[inst] {
+            self.computed[result.index()] = self.sweeps;
             let ty = self.function.ty(result);
             let range =
                 if ty.is_int() || ty == Type::I1 { self.result(inst, ty) } else { Some(Interval::full(Type::I64)) };
@@ -421,12 +428,13 @@ impl<'f> Ranges<'f> {
         }
     }
 
-    /// Something new is known of `value`: computes again what was made of it before.
+    /// Something new is known of `value`: computes again what was made of it before. What this sweep has not come to yet has the range of
+    /// the sweep before, which may be too small, and is computed from what is known here anyway.
     fn derive(&mut self, value: Value) {
         let Some(derived) = self.derived.get(&value) else { return };
         for result in derived.clone() {
             let ValueDef::Result(inst, _) = self.function.values[result].def else { continue };
-            if self.values[result.index()].is_some()
+            if self.computed[result.index()] == self.sweeps
                 && let Some(range) = self.result(inst, self.function.ty(result))
             {
                 self.note(result, range);

@@ -80,6 +80,8 @@ enum Change {
     ShiftAndAdd(Part, u64),
     /// It is the sum of two shifted values.
     SumOfShifts([Part; 2]),
+    /// It is a masked value, and a constant added.
+    MaskAndAdd(Value, u64, u64),
     /// It is an extended value, and a constant added.
     ExtendAndAdd(ConvertOp, Value, u64),
     /// The base of its address is that value, and its offset grows.
@@ -134,7 +136,8 @@ fn use_once(function: &mut Function) -> bool {
     if !passes.is_empty() {
         polls::remove(function, &cfg, &Loops::new(function, &cfg, &dominators), &passes);
     }
-    let has_sums = changes.iter().any(|(_, _, change)| matches!(change, Change::ExtendAndAdd(..)));
+    let has_sums =
+        changes.iter().any(|(_, _, change)| matches!(change, Change::ExtendAndAdd(..) | Change::MaskAndAdd(..)));
     apply(function, changes);
     has_sums
 }
@@ -224,6 +227,13 @@ fn binary(
             Some((x, by)) if ranges.get(x)?.zeros >= constant.trailing_ones() => {
                 Some(Change::Constant((by & constant) as u64))
             }
+            // The address in a pointer that stays within its area: the constant goes into the address.
+            Some((x, by))
+                if let Some(of_x) = ranges.get(x)
+                    && is_within_area(of_x, by, constant) =>
+            {
+                mask(a, of_a, constant).or(Some(Change::MaskAndAdd(x, constant as u64, by as u64)))
+            }
             _ => mask(a, of_a, constant),
         },
         BinaryOp::And => mask(a, of_a, constant),
@@ -283,6 +293,13 @@ fn binary(
         }
         _ => None,
     }
+}
+
+/// True if the bits of `mask`, the low ones, do not overflow when `by` is added: all numbers have the same bits above them, before and after.
+fn is_within_area(range: Interval, by: i64, mask: i64) -> bool {
+    let (Some(lo), Some(hi)) = (range.lo.checked_add(by), range.hi.checked_add(by)) else { return false };
+    let above = |number: i64| number & !mask;
+    [range.hi, lo, hi].into_iter().all(|end| above(end) == above(range.lo))
 }
 
 /// A mask that keeps all bits that can be set changes nothing.
@@ -392,6 +409,15 @@ fn apply(function: &mut Function, changes: Vec<(Block, Inst, Change)>) {
                 Change::ShiftAndAdd(part, added) => {
                     let shifted = shifted(function, &mut out, loc, part);
                     add(function, &mut out, inst, shifted, added);
+                }
+                Change::MaskAndAdd(arg, mask, added) => {
+                    let ty = function.ty(result);
+                    let mask = function.make_inst(InstData::Const { bits: eval::mask(ty, mask) }, &[ty], loc);
+                    let args = [arg, function.result(mask)];
+                    let masked = function.make_inst(InstData::Binary { op: BinaryOp::And, args }, &[ty], loc);
+                    out.extend([mask, masked]);
+                    let masked = function.result(masked);
+                    add(function, &mut out, inst, masked, added);
                 }
                 Change::ExtendAndAdd(op, arg, added) => {
                     let wide = function.make_inst(InstData::Convert { op, arg }, &[function.ty(result)], loc);

@@ -421,7 +421,9 @@ fn an_address_register_keeps_its_area() {
         )
     };
     let before = text("v13 = ule v11, v12", "v16 = and v15, v6", "v18 = or v16, v1");
-    let after = text("v13 = const.i1 1", "v16 = and v15, v6", "").replace("v18)", "v15)");
+    // The address and the step: what an access with it has in its offset.
+    let and = "v25 = const.i32 16777215\nv26 = and v4, v25\nv27 = const.i32 8\nv16 = iadd v26, v27";
+    let after = text("v13 = const.i1 1", and, "").replace("v18)", "v15)");
     // So does the counter, which needs no word.
     let after = after.replace("v21 = zext.i32 v20", "v24 = const.i32 4294967295\nv21 = iadd v3, v24");
     check_pass("ranges", &before, &after);
@@ -451,4 +453,32 @@ fn the_constant_of_an_index_is_in_the_offset() {
     // The sum may wrap.
     let before = text(&wraps(32760), "v7]+0");
     check_pass("ranges", &before, &before);
+}
+
+/// The pointer stays within its area, so that what is added to it is added to the address.
+#[test]
+fn what_is_added_to_a_pointer_comes_after_its_mask() {
+    let text = |added: u32| {
+        format!(
+            "; passes: ranges
+            func @F -> i32 {{
+            b0(v0: i32):
+            v1 = const.i32 63
+            v2 = const.i32 16777215
+            v3 = const.i32 2214592512
+            v4 = const.i32 {added}
+            v5 = and v0, v1
+            v6 = or v5, v3
+            v7 = iadd v6, v4
+            v8 = and v7, v2
+            ret v8
+            }}"
+        )
+    };
+    let result = |added: u32| crate::run_listed_passes(&text(added)).expect("text is well formed");
+    assert!(result(8).contains("v9 = and v6, v8\n    v10 = const.i32 8\n    v11 = iadd v9, v10"), "{}", result(8));
+    // It may leave its area, at the end or at the begin.
+    for added in [0x00FF_FFC1, u32::MAX] {
+        assert!(result(added).contains("v8 = and v7, v2"), "{}", result(added));
+    }
 }

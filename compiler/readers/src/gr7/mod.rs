@@ -71,6 +71,11 @@ fn misplaced(file: FileId, range: Range<usize>) -> Diagnostic {
         .help("write it after the call of the block, for example in OB 1: `//@ assert DB1.Run.X == 1`")
 }
 
+/// Comments without a meaning, in the order of the text.
+pub fn comments(text: &str) -> Vec<front::Comment> {
+    lexer::scan(text).comments
+}
+
 /// Bytes of the words, signs, constants and comments of a text, in its order.
 pub fn pieces(text: &str) -> Vec<Range<usize>> {
     lexer::scan(text).pieces()

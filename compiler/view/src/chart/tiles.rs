@@ -28,6 +28,8 @@ pub struct Tiles<'a> {
     pub scope: Scope,
     /// Values of operands by their keys.
     pub values: Option<&'a HashMap<String, String>>,
+    /// Leave room for values.
+    pub is_live: bool,
     /// All networks of the chart, with the numbers that their nets have in its drawing.
     pub all: RefCell<Sheet>,
 }
@@ -164,11 +166,16 @@ impl Tiles<'_> {
         if let Some(values) = self.values {
             sheet.show(&|key| values.get(key).cloned());
         }
+        if self.is_live {
+            sheet.leave_room();
+        }
         let mut scene = match language {
             Language::Fbd => diagram::draw(&sheet, NETWORK),
             Language::Lad | Language::Scl | Language::Stl => ladder::draw(&sheet, NETWORK),
         };
-        scene.renumber(self.all.borrow_mut().append(sheet));
+        let mut all = self.all.borrow_mut();
+        scene.renumber_parts(all.parts.len());
+        scene.renumber(all.append(sheet));
         scene
     }
 
@@ -181,8 +188,14 @@ impl Tiles<'_> {
             link: Link::Operand(label.clone()),
             negated: false,
         };
-        let part =
-            Part { look: Look::Nothing, meaning: Meaning::Other, pins: vec![pin], flow_in: None, flow_out: None };
+        let part = Part {
+            look: Look::Nothing,
+            meaning: Meaning::Other,
+            pins: vec![pin],
+            flow_in: None,
+            flow_out: None,
+            place: None,
+        };
         self.all.borrow_mut().parts.push(part);
     }
 

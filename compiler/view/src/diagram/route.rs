@@ -73,7 +73,7 @@ fn things(sheet: &Sheet, grid: &Grid, column: usize, x: i32, width: i32, scene: 
             Thing::Operand { net, label, negated } => {
                 let end = x + width;
                 let text_end = end - 16 - if *negated { 8 } else { 0 };
-                scene.text((text_end, y + 4), Anchor::End, Ink::Operand, &label.text, &label.key);
+                scene.operand((text_end, y + 4), Anchor::End, Ink::Operand, &label.text, &label.key, label.place);
                 let from = text_end + if *negated { 11 } else { 4 };
                 if *negated {
                     scene.items.push(Item::Circle { at: (text_end + 7, y), net: Some(*net) });

@@ -18,7 +18,7 @@ const SCRIPT: &str = include_str!("page.js");
 
 /// The document of a program. `state`: a trace, and the time in milliseconds at which the document begins; without it the last.
 pub fn document(book: &Book, names: &Names, state: Option<(&Trace, Option<f64>)>) -> String {
-    let pages: Vec<Value> = book.pages.iter().map(page).collect();
+    let pages: Vec<Value> = book.pages.iter().map(|of| page(of, book.is_live)).collect();
     let symbols: Vec<Value> = names.symbols().into_iter().map(|(address, name)| json!([address, name])).collect();
     let data = json!({
         "title": book.title,
@@ -57,7 +57,7 @@ fn signals(trace: &Trace) -> Value {
     json!({ "columns": trace.columns, "units": trace.units, "rows": rows })
 }
 
-fn page(page: &Page) -> Value {
+fn page(page: &Page, is_live: bool) -> Value {
     let rows: Vec<Value> = page
         .declarations
         .iter()
@@ -70,11 +70,11 @@ fn page(page: &Page) -> Value {
         "title": page.title,
         "comment": page.comment.join("\n"),
         "rows": rows,
-        "secs": page.sections.iter().map(section).collect::<Vec<_>>(),
+        "secs": page.sections.iter().map(|part| section(part, is_live)).collect::<Vec<_>>(),
     })
 }
 
-fn section(section: &Section) -> Value {
+fn section(section: &Section, is_live: bool) -> Value {
     let mut value = json!({
         "n": section.number,
         "title": section.title,
@@ -84,17 +84,23 @@ fn section(section: &Section) -> Value {
     });
     match &section.content {
         Body::Drawing { scene, sheet } => {
-            value["svg"] = json!(svg::inline(scene));
+            value["svg"] = json!(svg::inline(scene, is_live));
             value["h"] = json!(scene.height);
-            value["logic"] = logic::logic(sheet).json();
+            value["logic"] = logic::logic(sheet).json(is_live);
         }
         Body::Text(listing) => {
             value["text"] = json!(listing.lines.join("\n"));
+            if is_live {
+                value["starts"] = json!(listing.starts);
+            }
             value["kind"] = json!(match listing.kind {
                 Kind::Stl => "stl",
                 Kind::Scl => "scl",
             });
         }
+    }
+    if let Some(code) = &section.code {
+        value["code"] = json!({ "text": code.lines.join("\n"), "starts": code.starts });
     }
     value
 }

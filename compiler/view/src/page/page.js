@@ -39,11 +39,14 @@ function fill(div) {
   if (div.done) return;
   div.done = true;
   const s = data.pages[div.dataset.page].secs[div.dataset.sec];
-  if (s.svg !== undefined) div.innerHTML = s.svg;
+  div.parts = div.steps = div.rows = null;
+  if (isWatched(div) && (s.svg === undefined || s.code)) fillLines(div, s);
+  else if (s.svg !== undefined) div.innerHTML = s.svg;
   else div.innerHTML = `<pre>${coloured(s.text, s.kind)}</pre>`;
   div.style.minHeight = "";
   link(div);
-  if (shown) paint(div, s);
+  if (isWatched(div)) look(div);
+  else if (shown) paint(div, s);
   marked(div);
 }
 function link(div) {
@@ -300,8 +303,9 @@ window.live = {
   keys() {
     const found = new Set(), input = (i) => typeof i[0] === "string" && found.add(i[0]);
     for (const d of inSight()) {
-      for (const t of d.querySelectorAll("text.v,text.o")) found.add(t.dataset.k);
       for (const r of d.querySelectorAll("rect[data-s]")) found.add(r.dataset.s);
+      if (isWatched(d)) continue;
+      for (const t of d.querySelectorAll("text.v,text.o")) found.add(t.dataset.k);
       const logic = sectionOf(d).logic;
       for (const t of logic?.nets.flat() ?? []) if (t[0] === "?") t.slice(3).forEach((k) => found.add(k)); else t.slice(1).forEach((i) => Array.isArray(i) && input(i));
       for (const [, k] of logic?.coils ?? []) found.add(k);
@@ -310,9 +314,187 @@ window.live = {
   },
   set(values) {
     shown = new Map(values);
-    for (const d of inSight()) paint(d, sectionOf(d));
+    for (const d of inSight()) if (isWatched(d)) lightSteps(d); else paint(d, sectionOf(d));
+  },
+  // The block in sight, if it has code: `FB1`.
+  block: () => (here >= 0 && data.pages[here].lang ? data.pages[here].id.replace(/ /g, "") : null),
+  // From now on `see` tells what the probes of this block see; each has a first and a last byte in the source, and what it tells.
+  watch(block, places) {
+    status.block = block;
+    status.places = places;
+    status.seen = [];
+    status.steps = [];
+    status.at = new Map();
+    places.forEach(([from], i) => status.at.has(from) ? status.at.get(from).push(i) : status.at.set(from, [i]));
+    redraw();
+  },
+  unwatch() { if (status.block) { status.block = null; redraw(); } },
+  see(changes, steps) {
+    for (const [i, v] of changes) status.seen[i] = v;
+    if (steps) { status.steps = steps; listSteps(); }
+    for (const d of inSight()) if (isWatched(d)) look(d);
+  },
+  uses,
+  // Opens a block, at a network if it has that: `FC 5`.
+  go(block, network) {
+    const i = byName.get(fold(block));
+    if (i === undefined) return;
+    const k = data.pages[i].secs.findIndex((s) => s.n === network);
+    go(i, network && k >= 0 ? k : undefined);
   },
 };
+
+// Status of the block in sight: what its statements see in one call.
+const status = { block: null, places: [], seen: [], steps: [], at: new Map() };
+const isWatched = (d) => status.block !== null && data.pages[d.dataset.page].id.replace(/ /g, "") === status.block;
+function redraw() {
+  for (const d of main.querySelectorAll(".draw")) if (d.done) { d.done = false; fill(d); }
+  listSteps();
+}
+// What is seen at a place of the source: of several probes that begin there the one with the fewest bytes, and of those one that was reached.
+function seenAt(from, ...kinds) {
+  let best;
+  for (const i of status.at.get(from) ?? []) {
+    const [, to, tells] = status.places[i];
+    const rank = kinds.indexOf(tells);
+    if (rank < 0) continue;
+    const order = [status.seen[i] == null ? 1 : 0, rank, to];
+    const before = best?.order;
+    if (!before || order[0] < before[0] || order[0] === before[0] && (order[1] < before[1] || order[1] === before[1] && order[2] < before[2])) best = { order, value: status.seen[i] };
+  }
+  return best?.value;
+}
+const truth = (v) => (typeof v === "boolean" ? v : null);
+const operandAt = (from) => seenAt(from, "variable", "written", "value");
+// The power flow: the program tells it after each contact and gate; what it does not tell follows from the operands at their places.
+function flowSeen(logic) {
+  const known = new Map();
+  const operand = ([k, , place]) => (/^TRUE$/i.test(k) ? true : /^FALSE$/i.test(k) ? false : place === undefined ? null : truth(operandAt(place)));
+  const input = (i) => { const x = typeof i[0] === "number" ? known.get(i[0]) ?? null : operand(i); return x === null ? null : x !== i[1]; };
+  const term = (t, place) => {
+    const told = place === null || place === undefined ? null : truth(seenAt(place, "written"));
+    if (told !== null) return told;
+    if (t[0] === "r") return true;
+    if (t[0] === "&") return all(t.slice(1).map(input));
+    if (t[0] === "|") return any(t.slice(1).map(input));
+    if (t[0] === "^") { const vs = t.slice(1).map(input); return vs.includes(null) ? null : vs.filter((v) => v).length % 2 === 1; }
+    return null;
+  };
+  for (let round = 0; round <= logic.nets.length; round++) {
+    let more = false;
+    logic.nets.forEach((terms, n) => {
+      if (known.has(n) || !terms.length) return;
+      const v = any(terms.map((t, i) => term(t, logic.places?.[n]?.[i])));
+      if (v !== null) { known.set(n, v); more = true; }
+    });
+    if (!more) break;
+  }
+  return known;
+}
+// Paints what has changed: the elements of a drawing are looked up once.
+function look(d) {
+  const s = sectionOf(d);
+  if (d.rows) return lookAtLines(d);
+  if (!s.svg) return;
+  d.parts ??= {
+    wires: [...d.querySelectorAll("path.w")].map((el) => ({ el, net: +el.dataset.n })),
+    contacts: (s.logic?.contacts ?? []).map(([part, place, open]) => ({ el: d.querySelector(`path.g[data-p="${part}"]`), place, open })).filter((c) => c.el),
+    texts: [...d.querySelectorAll("text[data-o]")].map((el) => ({ el, place: +el.dataset.o, isValue: el.classList.contains("v") })),
+  };
+  const known = s.logic ? flowSeen(s.logic) : new Map();
+  for (const w of d.parts.wires) {
+    const v = known.get(w.net), name = "w " + (v === true ? "on" : v === false ? "off" : "un");
+    if (w.last !== name) w.el.setAttribute("class", (w.last = name));
+  }
+  for (const c of d.parts.contacts) {
+    const v = truth(operandAt(c.place)), name = v !== null && v !== c.open ? "g on" : "g";
+    if (c.last !== name) c.el.setAttribute("class", (c.last = name));
+  }
+  for (const t of d.parts.texts) {
+    const v = operandAt(t.place);
+    if (t.last === v) continue;
+    t.last = v;
+    if (t.isValue) t.el.textContent = v === undefined || v === null ? "" : v === true ? "TRUE" : v === false ? "FALSE" : v;
+    else t.el.style.fill = v === true ? "var(--on,#1a9a2f)" : "";
+  }
+  lightSteps(d);
+}
+function lightSteps(d) {
+  d.steps ??= [...d.querySelectorAll("rect[data-s]")].map((el) => ({ el, key: el.dataset.s, name: fold(el.dataset.s.replace(/^.*#/, "#").replace(/\.X$/i, "")) }));
+  for (const r of d.steps) {
+    const step = status.steps.find((it) => fold(it.step) === r.name);
+    const on = step ? step.active : bit(shown?.get(r.key)) === true;
+    const name = "b " + (on ? "act" : "k") + (step?.faulty ? " bad" : "");
+    if (r.last !== name) r.el.setAttribute("class", (r.last = name));
+  }
+}
+// The active steps with their times, above the chart.
+function listSteps() {
+  let box = main.querySelector(".steps");
+  const list = status.block ? status.steps.filter((it) => it.active || it.faulty) : [];
+  if (!list.length) { box?.remove(); return; }
+  if (!box) {
+    box = document.createElement("table");
+    box.className = "steps";
+    main.querySelector(".page section")?.before(box);
+  }
+  const time = (ms) => (ms === null || ms === undefined ? "" : (ms / 1000).toFixed(1) + " s");
+  box.innerHTML = "<tr><th>Step</th><th>T</th><th>U</th><th></th></tr>" + list.map((it) => `<tr><td>${esc(it.step)}${it.active ? "" : " (left)"}</td><td>${time(it.t_ms)}</td><td>${time(it.u_ms)}</td><td>${it.interlocked ? "interlock not satisfied " : ""}${it.faulty ? "supervision fault" : ""}</td></tr>`).join("");
+}
+// Code with what its statements see beside each line.
+const bytes = new TextEncoder(), chars = new TextDecoder();
+const COLUMNS = { registers: "RLO STA  ACCU1    ACCU2    AR1      AR2      DB    DI    STATUS     ", stack: "S0...S8   ENO", scl: "" };
+function fillLines(div, s) {
+  const code = s.code ?? s, lines = code.text.split("\n"), starts = code.starts ?? [];
+  const rows = lines.map(() => []);
+  status.places.forEach(([from, to, tells], i) => {
+    if (tells === "block" || !starts.length || from < starts[0]) return;
+    let line = starts.findLastIndex((start) => start <= from);
+    const raw = bytes.encode(lines[line]);
+    if (line === lines.length - 1 && from > starts[line] + raw.length) return;
+    rows[line].push({ i, from, to, tells, name: chars.decode(raw.slice(from - starts[line], Math.max(0, to - starts[line]))).trim() });
+  });
+  const kind = rows.flat().some((r) => r.tells === "registers") ? "registers" : rows.flat().some((r) => r.tells === "stack") ? "stack" : "scl";
+  const head = COLUMNS[kind] ? `<div class="ln"><code></code><span class="see">${COLUMNS[kind]}</span></div>` : "";
+  div.innerHTML = `<div class="code ${kind}">${head}${lines.map((line) => `<div class="ln"><code>${coloured(line, kind === "scl" ? "scl" : "stl") || " "}</code><span class="see"></span></div>`).join("")}</div>`;
+  const cells = [...div.querySelectorAll(".see")].slice(head ? 1 : 0);
+  div.rows = rows.map((places, at) => ({ places, cell: cells[at] })).filter((row) => row.places.length);
+  lookAtLines(div);
+}
+const hex = (n) => (n >>> 0).toString(16).toUpperCase().padStart(8, "0");
+function told(row) {
+  const seen = row.places.map((p) => ({ ...p, v: status.seen[p.i] })).filter((p) => p.v !== undefined && p.v !== null);
+  if (!seen.length) return ["", false];
+  if (seen[0].tells === "registers") {
+    const rows = seen.map(({ v: [st, a1, a2, r1, r2, db, di, cell] }) => {
+      const bits = st.toString(2).padStart(9, "0").replace(/^(.)(....)(....)$/, "$1 $2 $3");
+      return ` ${st >> 1 & 1}   ${st >> 2 & 1}   ${hex(a1)} ${hex(a2)} ${hex(r1)} ${hex(r2)} ${String(db || "").padEnd(5)} ${String(di || "").padEnd(5)} ${bits}${cell ? "  " + cell : ""}`;
+    });
+    return [rows.join("\n"), (seen.at(-1).v[0] & 2) !== 0];
+  }
+  if (seen[0].tells === "stack") {
+    const rows = seen.map(({ v: [n, ops] }) => [...Array(9)].map((_, i) => n >> i & 1).join("") + "  " + (n >> 9 & 1) + "   " + ops.map(([k, v]) => `${k}=${v}`).join(" "));
+    return [rows.join("\n"), (seen.at(-1).v[0] & 1) !== 0];
+  }
+  const text = (v) => (v === true ? "TRUE" : v === false ? "FALSE" : v);
+  const list = seen.filter((p) => p.tells !== "value").map((p) => `${p.name}${p.tells === "written" ? " := " : " = "}${text(p.v)}`);
+  const result = seen.filter((p) => p.tells === "value" && typeof p.v === "boolean").sort((a, b) => b.to - b.from - (a.to - a.from))[0];
+  if (result) list.push(`result ${text(result.v)}`);
+  return [[...new Set(list)].join("   "), false];
+}
+function lookAtLines(d) {
+  for (const row of d.rows) {
+    const [text, on] = told(row);
+    if (row.last !== text) { row.cell.textContent = row.last = text; row.cell.classList.toggle("on", on); }
+  }
+}
+
+// What comes into sight is painted then.
+let moved = 0;
+main.addEventListener("scroll", () => {
+  cancelAnimationFrame(moved);
+  moved = requestAnimationFrame(() => { for (const d of inSight()) if (isWatched(d)) look(d); });
+}, { passive: true });
 
 // Paper gets everything.
 addEventListener("beforeprint", () => {

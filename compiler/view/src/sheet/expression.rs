@@ -65,7 +65,8 @@ impl Maker<'_> {
     }
 
     fn operand(&self, place: Place, value: &Expr) -> Pin {
-        let label: Label = self.names.label(&draw::whole(value), self.scope);
+        let label = self.names.label(&draw::whole(value), self.scope);
+        let label = Label { place: Some(value.span.start), ..label };
         Pin { name: String::new(), place, output: false, link: Link::Operand(label), negated: false }
     }
 
@@ -85,7 +86,12 @@ impl Maker<'_> {
             self.sheet.nets[to].sources.push(Source::Pin { part: at, pin: pins.len() });
             pins.push(flow(true, to));
         }
-        self.sheet.parts.push(Part { look, meaning, pins, flow_in, flow_out });
+        // Only the operand of a contact has a place of its own: an expression begins where its first operand does.
+        let operand = pins.first().and_then(|pin| match (&meaning, &pin.link) {
+            (Meaning::Contact { .. }, Link::Operand(label)) => label.place,
+            _ => None,
+        });
+        self.sheet.parts.push(Part { look, meaning, pins, flow_in, flow_out, place: operand });
     }
 }
 

@@ -41,6 +41,8 @@ pub struct Part {
     /// The pins that the flow enters and leaves: indices into `pins`.
     pub flow_in: Option<usize>,
     pub flow_out: Option<usize>,
+    /// The first byte of its place in the source, if that is known.
+    pub place: Option<u32>,
 }
 
 /// What an element looks like.
@@ -116,6 +118,8 @@ pub struct Label {
     pub key: String,
     /// Its value, if a state is shown.
     pub value: Option<String>,
+    /// The first byte of its place in the source, if that is known.
+    pub place: Option<u32>,
 }
 
 impl Label {
@@ -159,6 +163,20 @@ impl Sheet {
         });
         for label in operands.filter(|label| !label.key.is_empty()) {
             label.value = value(&label.key);
+        }
+    }
+}
+
+impl Sheet {
+    /// Leaves room for values at the pins of boxes and comparisons.
+    pub fn leave_room(&mut self) {
+        let boxes = self.parts.iter_mut().filter(|part| matches!(part.look, Look::Box { .. } | Look::Compare { .. }));
+        for pin in boxes.flat_map(|part| &mut part.pins) {
+            if let Link::Operand(label) = &mut pin.link
+                && !label.key.is_empty()
+            {
+                label.value = Some(String::new());
+            }
         }
     }
 }

@@ -12,7 +12,7 @@ use crate::names::{Names, Scope};
 
 /// The sheet of a network.
 pub fn sheet(graph: &Graph, language: Language, names: &Names, scope: Scope) -> Sheet {
-    let label = |value: &Expr| names.label(&draw::whole(value), scope);
+    let label = |value: &Expr| Label { place: Some(value.span.start), ..names.label(&draw::whole(value), scope) };
     let mut nets: Vec<Net> = Vec::with_capacity(graph.nets.len());
     for (at, net) in graph.nets.iter().enumerate() {
         let name = if net.name.is_empty() { format!("n{at}") } else { net.name.clone() };
@@ -80,7 +80,13 @@ fn part(element: &Element, language: Language, label: &dyn Fn(&Expr) -> Label) -
         let name = if small { String::new() } else { pin_name(element, &pin.name) };
         Pin { name, place, output: pin.output, link, negated }
     });
-    Part { look, meaning, pins: pins.collect(), flow_in, flow_out }
+    let pins: Vec<Pin> = pins.collect();
+    // The flow after a contact has the place of its operand.
+    let operand = pins.iter().find_map(|pin| match (&meaning, &pin.link) {
+        (Meaning::Contact { .. }, Link::Operand(label)) => label.place,
+        _ => None,
+    });
+    Part { look, meaning, pins, flow_in, flow_out, place: operand.or(Some(element.span.start)) }
 }
 
 /// The look of an element, its meaning, and whether it has no pins at its sides but those of the flow.

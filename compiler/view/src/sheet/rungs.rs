@@ -74,7 +74,7 @@ impl Rungs {
             })
         };
         let (flow_in, flow_out) = (flow(false, from), flow(true, to));
-        self.parts.push(Part { look, meaning, pins, flow_in, flow_out });
+        self.parts.push(Part { look, meaning, pins, flow_in, flow_out, place: None });
     }
 
     /// A contact between two nets.

@@ -10,10 +10,11 @@
 //!            └─► Resting ◄─────┘             5 lost: set up again             `restart`
 //! ```
 
-use std::net::{Ipv4Addr, SocketAddr, TcpListener};
+use std::net::{Ipv4Addr, SocketAddr, SocketAddrV4, TcpListener};
 
 use socket2::{Domain, Protocol as IpProtocol, Socket, Type};
 
+use super::datagrams::Datagrams;
 use super::description::{Description, Protocol};
 use super::iso::{self, Offer, Transport};
 use super::link::Link;
@@ -45,6 +46,8 @@ enum State {
         transport: Option<Transport>,
         ended_at: Option<u64>,
     },
+    /// UDP: there is nothing to be set up.
+    Datagrams(Datagrams),
     /// Until the next attempt.
     Resting {
         until: u64,
@@ -109,12 +112,14 @@ impl Connection {
     }
 
     pub fn is_up(&self) -> bool {
-        matches!(self.state, State::Up { .. })
+        matches!(self.state, State::Up { .. } | State::Datagrams(_))
     }
 
     /// Ends the connection to the partner, if there is one, and begins to set it up again.
     pub fn reset(&mut self, now: u64) {
-        if self.is_up() {
+        if let State::Datagrams(datagrams) = &mut self.state {
+            datagrams.forget();
+        } else if self.is_up() {
             self.state = State::Resting { until: now };
             self.state = self.restart(now);
         }
@@ -130,6 +135,10 @@ impl Connection {
         match state {
             State::Listening(Some(listener)) => self.listened(listener),
             State::Listening(None) => State::Listening(None),
+            State::Datagrams(mut datagrams) => {
+                datagrams.work();
+                State::Datagrams(datagrams)
+            }
             State::Connecting { socket, until } => self.connected(socket, until, now),
             State::Greeting { link, until } => self.greeted(link, until, now),
             State::Up { mut link, mut transport, ended_at } => {
@@ -181,7 +190,7 @@ impl Connection {
         }
         let Ok(mut link) = Link::new(socket.into()) else { return self.fail(now) };
         match self.description.protocol {
-            Protocol::Tcp => State::Up { link, transport: None, ended_at: None },
+            Protocol::Tcp | Protocol::Udp => State::Up { link, transport: None, ended_at: None },
             Protocol::Iso => {
                 let Description { id, local_tsap, remote_tsap, .. } = &self.description;
                 link.send(&iso::request(*id, local_tsap, remote_tsap));
@@ -234,6 +243,11 @@ impl Connection {
     pub fn send(&mut self, bytes: &[u8]) -> bool {
         self.job_losses = self.losses;
         self.sent_before_loss = false;
+        if let State::Datagrams(datagrams) = &mut self.state {
+            let Description { remote, remote_port, .. } = self.description;
+            let to = remote.filter(|_| remote_port != 0).map(|remote| SocketAddrV4::new(remote, remote_port));
+            return to.is_some_and(|to| datagrams.send(bytes, to));
+        }
         let State::Up { link, transport, ended_at: None } = &mut self.state else { return false };
         match transport {
             Some(iso) => link.send(&iso.message(bytes)),
@@ -246,12 +260,16 @@ impl Connection {
     pub fn is_sent(&self) -> Option<bool> {
         match &self.state {
             State::Up { link, .. } if self.losses == self.job_losses => Some(link.is_drained()),
+            State::Datagrams(_) => Some(true),
             _ => self.sent_before_loss.then_some(true),
         }
     }
 
     /// Takes received bytes: at most `room`, or exactly that many if `exact`. A message is taken as a whole.
     pub fn receive(&mut self, room: usize, exact: bool) -> Receive {
+        if let State::Datagrams(datagrams) = &mut self.state {
+            return datagrams.receive(room).0;
+        }
         let State::Up { link, transport, .. } = &mut self.state else { return Receive::Nothing };
         if let Some(iso) = transport {
             return match iso.messages.pop_front() {
@@ -268,9 +286,31 @@ impl Connection {
     }
 }
 
+/// UDP.
+impl Connection {
+    /// Sends a datagram; `None`: this is not UDP; false: it cannot be sent now.
+    pub fn send_to(&mut self, bytes: &[u8], to: SocketAddrV4) -> Option<bool> {
+        match &mut self.state {
+            State::Datagrams(datagrams) => Some(datagrams.send(bytes, to)),
+            _ => None,
+        }
+    }
+
+    /// Takes a datagram of at most `room` bytes, and who sent it; `None`: this is not UDP.
+    pub fn receive_from(&mut self, room: usize) -> Option<(Receive, Option<SocketAddrV4>)> {
+        match &mut self.state {
+            State::Datagrams(datagrams) => Some(datagrams.receive(room)),
+            _ => None,
+        }
+    }
+}
+
 /// The first state. `Err`: STATUS.
 fn begin(description: &Description, iso_port: u16, now: u64) -> Result<State, u16> {
     let iso = description.protocol == Protocol::Iso;
+    if description.protocol == Protocol::Udp {
+        return Datagrams::open(description.local_port).map(State::Datagrams);
+    }
     let Some(remote) = description.remote.filter(|_| description.active) else {
         return Ok(State::Listening(if iso { None } else { Some(listen(description.local_port)?) }));
     };

@@ -12,10 +12,16 @@ pub const IP_V4_BYTES: usize = 14;
 /// Connection types of TCON_Param.
 const TYPE_TCP: u8 = 0x11;
 const TYPE_ISO: u8 = 0x12;
+/// Also in TCON_IP_v4.
+const TYPE_UDP: u8 = 0x13;
+/// Of an S7-300/400: TCP with the bytes of ports in the other order.
+const TYPE_TCP_COMPATIBLE: u8 = 0x01;
 /// Connection type of TCON_IP_v4.
 const TYPE_TCP_IP_V4: u8 = 0x0B;
 /// Highest connection ID.
 const ID_MAX: u16 = 4095;
+/// Highest number of an interface of an S7-300/400. Source: System and standard functions, FB 65, local_device_id.
+const CLASSIC_DEVICE_MAX: u8 = 6;
 /// First character of a TSAP with rack and slot.
 const TSAP_DEVICE: u8 = 0xE0;
 
@@ -31,6 +37,7 @@ pub enum Protocol {
     Tcp,
     /// RFC 1006 on TCP.
     Iso,
+    Udp,
 }
 
 /// A checked connection description.
@@ -41,11 +48,11 @@ pub struct Description {
     pub protocol: Protocol,
     /// This side connects; else it waits for the partner.
     pub active: bool,
-    /// TCP: own port; 0 only on an active side: any.
+    /// TCP: own port; 0 only on an active side: any. UDP: own port.
     pub local_port: u16,
     /// `None` only on a passive side: anyone.
     pub remote: Option<Ipv4Addr>,
-    /// TCP: port of the partner; 0 only on a passive side: any.
+    /// TCP: port of the partner; 0 only on a passive side: any. UDP: where TSEND sends; 0: nowhere.
     pub remote_port: u16,
     /// ISO-on-TCP: 2 to 16 bytes.
     pub local_tsap: Vec<u8>,
@@ -54,10 +61,10 @@ pub struct Description {
 }
 
 impl Description {
-    /// Reads either form; its length shows which. `Err`: STATUS.
-    pub fn read(bytes: &[u8]) -> Result<Description, u16> {
+    /// Reads either form; its length shows which. `classic`: as an S7-300/400 does. `Err`: STATUS.
+    pub fn read(bytes: &[u8], classic: bool) -> Result<Description, u16> {
         match bytes.len() {
-            PARAM_BYTES => param(bytes),
+            PARAM_BYTES => param(bytes, classic),
             IP_V4_BYTES => ip_v4(bytes),
             _ => Err(LENGTH_WRONG),
         }
@@ -78,14 +85,19 @@ fn address(bytes: &[u8]) -> Option<Ipv4Addr> {
 }
 
 /// TCON_Param, all of its 64 bytes.
-fn param(bytes: &[u8]) -> Result<Description, u16> {
+fn param(bytes: &[u8], classic: bool) -> Result<Description, u16> {
     if usize::from(word(bytes, 0)) != PARAM_BYTES {
         return Err(LENGTH_WRONG);
     }
     let id = check_id(word(bytes, 2))?;
     let active = bytes[5] & 1 != 0;
-    if bytes[6] != 1 {
+    // Interfaces of an S7-300/400 have numbers of their own.
+    if bytes[6] != 1 && !(classic && bytes[6] <= CLASSIC_DEVICE_MAX) {
         return Err(DEVICE_WRONG);
+    }
+    if bytes[4] == TYPE_UDP {
+        let port = word(bytes, 12);
+        return if bytes[7] == 2 { udp(id, port, None, 0) } else { Err(INCONSISTENT) };
     }
     let (local_length, remote_length) = (usize::from(bytes[7]), usize::from(bytes[10]));
     let remote = match (bytes[9], active) {
@@ -98,8 +110,10 @@ fn param(bytes: &[u8]) -> Result<Description, u16> {
     }
     let (local, far) = (&bytes[12..28], &bytes[40..56]);
     match bytes[4] {
-        TYPE_TCP => {
+        TYPE_TCP | TYPE_TCP_COMPATIBLE if bytes[4] == TYPE_TCP || classic => {
+            let compatible = bytes[4] == TYPE_TCP_COMPATIBLE;
             let port = |length: usize, tsap: &[u8], open: bool| match length {
+                2 if compatible => Ok(word(tsap, 0).swap_bytes()),
                 2 => Ok(word(tsap, 0)),
                 0 if open => Ok(0),
                 _ => Err(INCONSISTENT),
@@ -138,10 +152,21 @@ fn ip_v4(bytes: &[u8]) -> Result<Description, u16> {
         return Err(DEVICE_WRONG);
     }
     let id = check_id(word(bytes, 2))?;
-    if bytes[4] != TYPE_TCP_IP_V4 {
+    match bytes[4] {
+        TYPE_TCP_IP_V4 => tcp(id, bytes[5] & 1 != 0, word(bytes, 12), address(&bytes[6..10]), word(bytes, 10)),
+        TYPE_UDP => udp(id, word(bytes, 12), address(&bytes[6..10]), word(bytes, 10)),
+        _ => Err(INCONSISTENT),
+    }
+}
+
+/// UDP: what the partner is may come with each job.
+fn udp(id: u16, local_port: u16, remote: Option<Ipv4Addr>, remote_port: u16) -> Result<Description, u16> {
+    if local_port == 0 {
         return Err(INCONSISTENT);
     }
-    tcp(id, bytes[5] & 1 != 0, word(bytes, 12), address(&bytes[6..10]), word(bytes, 10))
+    let (local_tsap, remote_tsap) = (Vec::new(), Vec::new());
+    let (protocol, active) = (Protocol::Udp, false);
+    Ok(Description { id, protocol, active, local_port, remote, remote_port, local_tsap, remote_tsap })
 }
 
 fn tcp(id: u16, active: bool, local_port: u16, remote: Option<Ipv4Addr>, remote_port: u16) -> Result<Description, u16> {
@@ -176,20 +201,20 @@ pub mod tests {
 
     #[test]
     fn tcp_of_both_forms() {
-        let long = Description::read(&param_bytes(7, TYPE_TCP, true, &[], &HOME, &[0x07, 0xD0]));
+        let long = Description::read(&param_bytes(7, TYPE_TCP, true, &[], &HOME, &[0x07, 0xD0]), false);
         let mut short = [0; IP_V4_BYTES];
         short[1] = 64;
         short[3] = 7;
         short[4..6].copy_from_slice(&[TYPE_TCP_IP_V4, 1]);
         short[6..10].copy_from_slice(&HOME);
         short[10..12].copy_from_slice(&2000u16.to_be_bytes());
-        assert_eq!(long, Description::read(&short));
+        assert_eq!(long, Description::read(&short, false));
         assert_eq!(long.map(|found| (found.remote_port, found.local_port)), Ok((2000, 0)));
     }
 
     #[test]
     fn wrong_descriptions() {
-        let code = |bytes: &[u8]| Description::read(bytes).err();
+        let code = |bytes: &[u8]| Description::read(bytes, false).err();
         let with = |at: usize, value: u8| {
             let mut bytes = param_bytes(7, TYPE_TCP, true, &[], &HOME, &[0x07, 0xD0]);
             bytes[at] = value;
@@ -200,7 +225,8 @@ pub mod tests {
         assert_eq!(with(3, 0), Some(0x8086));
         assert_eq!(with(2, 0x10), Some(0x8086));
         assert_eq!(with(6, 2), Some(0x809B));
-        assert_eq!(with(4, 0x13), Some(0x80B3));
+        assert_eq!(with(4, 0x13), Some(0x80B3), "UDP without a port");
+        assert_eq!(with(4, 0x01), Some(0x80B3));
         assert_eq!(with(7, 1), Some(0x80B3));
         assert_eq!(with(9, 0), Some(0x80B3));
         assert_eq!(with(10, 0), Some(0x80B3));
@@ -211,5 +237,15 @@ pub mod tests {
         assert_eq!(passive(b"ABC"), Some(0x80B4));
         assert_eq!(code(&param_bytes(7, TYPE_ISO, true, b"ABC", &HOME, b"DEF")), None);
         assert_eq!(code(&param_bytes(7, TYPE_ISO, true, b"ABC", &HOME, b"D")), Some(0x80B3));
+    }
+
+    #[test]
+    fn forms_of_an_s7_300() {
+        let mut bytes = param_bytes(7, TYPE_TCP_COMPATIBLE, true, &[], &HOME, &[0xD0, 0x07]);
+        bytes[6] = 2;
+        assert_eq!(Description::read(&bytes, true).map(|found| found.remote_port), Ok(2000));
+        assert_eq!(Description::read(&bytes, false), Err(DEVICE_WRONG));
+        let udp = Description::read(&param_bytes(7, TYPE_UDP, false, &[0x07, 0xD0], &[], &[]), true);
+        assert_eq!(udp.map(|found| (found.protocol, found.local_port)), Ok((Protocol::Udp, 2000)));
     }
 }

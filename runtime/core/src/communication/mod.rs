@@ -1,4 +1,4 @@
-//! Open user communication: TCP and ISO-on-TCP connections to IPv4 partners.
+//! Open user communication: TCP, ISO-on-TCP and UDP with IPv4 partners.
 //!
 //! No call waits: sockets are non-blocking, and every call and the end of each cycle advance all connections. A lost
 //! connection is set up again automatically until it is closed; STOP closes all.
@@ -9,6 +9,7 @@
 //! Source: S7-1200 reference, open user communication.
 
 mod connection;
+mod datagrams;
 mod description;
 mod iso;
 pub(crate) mod link;
@@ -17,6 +18,7 @@ use std::net::{Ipv4Addr, TcpListener};
 use std::time::Duration;
 
 pub use connection::{Connection, Receive};
+pub use datagrams::DATAGRAM_BYTES_MAX;
 pub use description::{Description, IP_V4_BYTES, PARAM_BYTES, Protocol};
 use iso::Offer;
 use link::Link;
@@ -85,7 +87,9 @@ impl Communication {
         let port = description.local_port;
         let passive_iso = |other: &Description| other.protocol == Protocol::Iso && !other.active;
         let collides = |other: &Description| match description.protocol {
-            Protocol::Tcp => port != 0 && other.local_port == port,
+            Protocol::Tcp | Protocol::Udp => {
+                port != 0 && other.local_port == port && other.protocol == description.protocol
+            }
             Protocol::Iso => {
                 passive_iso(&description)
                     && passive_iso(other)

@@ -2,12 +2,17 @@
 //!
 //! Source: S7-1200 reference, TSEND_C and TRCV_C, tables of STATUS.
 
+use std::net::{Ipv4Addr, SocketAddrV4};
+
+use plcc_abi::image::Family;
 use plcc_abi::layout::area;
 
 use super::any::{self, Access, Range};
 use super::parameters::Call;
 use super::{OK, Outcome, error};
-use crate::communication::{Description, IP_V4_BYTES, JOB_BYTES_MAX, PARAM_BYTES, Protocol, Receive, status};
+use crate::communication::{
+    DATAGRAM_BYTES_MAX, Description, IP_V4_BYTES, JOB_BYTES_MAX, PARAM_BYTES, Protocol, Receive, status,
+};
 
 /// Sending or receiving is in progress.
 const RUNNING: u16 = 0x7002;
@@ -19,6 +24,12 @@ const CONNECT_LENGTH: u16 = 0x809A;
 const UNLINKED: u16 = 0x80B2;
 const CONNECT_AREA: u16 = 0x8722;
 const CONNECT_ACCESS: u16 = 0x873A;
+
+/// The address of a partner cannot be used, or is not there.
+const PARTNER_ADDRESS: u16 = 0x80A4;
+const PARTNER_AREA: u16 = 0x80B7;
+/// Length of TADDR_Param.
+const PARTNER_BYTES: u32 = 8;
 
 /// RET_VAL of [`state`].
 const MISSING: u16 = 0;
@@ -69,7 +80,8 @@ fn description(call: &Call) -> Result<Description, u16> {
         return Err(CONNECT_AREA);
     }
     let mut found = Err(CONNECT_AREA);
-    call.cpu.memory.view(range.offset, range.bytes, |bytes| found = Description::read(bytes));
+    let is_portal = matches!(call.cpu.image.profile.family, Family::S71200 | Family::S71500);
+    call.cpu.memory.view(range.offset, range.bytes, |bytes| found = Description::read(bytes, !is_portal));
     found
 }
 
@@ -129,6 +141,69 @@ pub(super) fn send(call: &Call) -> Outcome {
     }
     communication.note_waiting();
     OK
+}
+
+/// HANDLE, LEN, DATA, ADDR (TADDR_Param) -> RET_VAL: 0 it is sent, 8085, 8086, 8088, 80A1, 80A4, 80B3, 80B7, 80C4.
+pub(super) fn send_to(call: &Call) -> Outcome {
+    if call.dword(1) == 0 || call.dword(1) > DATAGRAM_BYTES_MAX {
+        return error(LENGTH);
+    }
+    let (range, partner) =
+        match job(call, 2, Access::Read).and_then(|range| Ok((range, partner(call, 3, Access::Read)?))) {
+            Ok(found) => found,
+            Err(code) => return error(code),
+        };
+    let bytes = call.cpu.memory.view(range.offset, range.bytes, <[u8]>::to_vec);
+    let [a, b, c, d, high, low, ..] = call.cpu.memory.bytes::<{ PARTNER_BYTES as usize }>(partner.offset);
+    let to = SocketAddrV4::new(Ipv4Addr::new(a, b, c, d), u16::from_be_bytes([high, low]));
+    if to.ip().is_unspecified() || to.port() == 0 {
+        return error(PARTNER_ADDRESS);
+    }
+    let mut communication = call.cpu.communication.borrow_mut();
+    match communication.connection(call.word(0)).map(|connection| connection.send_to(&bytes, to)) {
+        Some(Some(true)) => OK,
+        Some(Some(false)) => error(status::TEMPORARY),
+        Some(None) => error(status::INCONSISTENT),
+        None => error(status::NOT_CONNECTED),
+    }
+}
+
+/// HANDLE, LEN (0: as much as fits DATA) -> RET_VAL: 0, 7002 nothing yet, 8085, 8086, 8088, 80A1, 80B3, 80B7; RCVD_LEN; DATA and ADDR take what came.
+pub(super) fn receive_from(call: &Call) -> Outcome {
+    let (range, partner) =
+        match job(call, 4, Access::Write).and_then(|range| Ok((range, partner(call, 5, Access::Write)?))) {
+            Ok(found) => found,
+            Err(code) => return error(code),
+        };
+    let mut communication = call.cpu.communication.borrow_mut();
+    let Some(connection) = communication.connection(call.word(0)) else { return error(status::NOT_CONNECTED) };
+    match connection.receive_from(range.bytes as usize) {
+        None => error(status::INCONSISTENT),
+        Some((Receive::Bytes(bytes), from)) => {
+            call.cpu.memory.load(range.offset, &bytes);
+            call.set_dword(3, bytes.len() as u32);
+            if let Some(from) = from {
+                let [a, b, c, d] = from.ip().octets();
+                let [high, low] = from.port().to_be_bytes();
+                call.cpu.memory.load(partner.offset, &[a, b, c, d, high, low]);
+            }
+            OK
+        }
+        Some((Receive::TooLong, _)) => error(AREA_SHORT),
+        Some((Receive::Nothing, _)) => {
+            communication.note_waiting();
+            Outcome::RetVal(RUNNING)
+        }
+    }
+}
+
+/// The address of a partner, parameter `index`. `Err`: STATUS.
+fn partner(call: &Call, index: usize, access: Access) -> Result<Range, u16> {
+    let range = any::decode(call, index, access).ok().flatten().ok_or(PARTNER_AREA)?;
+    if range.bytes < PARTNER_BYTES || range.existing < PARTNER_BYTES {
+        return Err(PARTNER_AREA);
+    }
+    Ok(range)
 }
 
 /// HANDLE -> RET_VAL: 0 all is sent, 7002 not yet, 80A1 not connected.

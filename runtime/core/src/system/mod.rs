@@ -31,6 +31,7 @@ mod module_records;
 pub(crate) mod numbers;
 mod output_bits;
 mod parameters;
+mod partners;
 mod records;
 mod station;
 mod status_list;
@@ -275,6 +276,17 @@ system_functions! {
     2124 IO_READ (Dword, Word, Word)     -> (Word, Word, Any) = hardware::read_io;
     2125 IO_WRITE (Dword, Word, Word)    -> (Word, Word, Any) = hardware::write_io;
     2126 REFERENCE_OF (Variant, Dword, Dword, Dword) -> (DateAndTime) = variants::reference;
+    2130 S7_GET   (Word, Any, Any, Any, Any, Any, Any, Any, Any) -> (Word, Dword) = partners::get;
+    2131 S7_PUT   (Word, Any, Any, Any, Any, Any, Any, Any, Any) -> (Word, Dword) = partners::put;
+    2132 S7_TAKE  (Dword)                 -> (Word, Any, Any, Any, Any) = partners::take;
+    2133 S7_STATE (Dword)                 -> (Word)            = partners::state;
+    2134 S7_CANCEL (Dword)                -> (Word)            = partners::cancel;
+    2135 S7_USEND (Word, Dword, Any, Any, Any, Any) -> (Word, Dword) = partners::usend;
+    2136 S7_URCV  (Bool, Word, Dword, Dword) -> (Word, Dword, Any, Any, Any, Any) = partners::urcv;
+    2137 S7_BSEND (Word, Dword, Any, Word) -> (Word, Dword)    = partners::bsend;
+    2138 S7_BRCV  (Bool, Word, Dword, Dword) -> (Word, Dword, Word, Any) = partners::brcv;
+    2139 LINK_SEND_TO (Word, Dword, Any, Any) -> (Word)       = communication::send_to;
+    2140 LINK_RECEIVE_FROM (Word, Dword)  -> (Word, Dword, Any, Any) = communication::receive_from;
 }
 
 /// No row.

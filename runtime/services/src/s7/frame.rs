@@ -38,6 +38,8 @@ const TPDU_EXPONENT: u8 = 10;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Received {
     Connect(ConnectRequest),
+    /// The answer to [`connect`]: bytes of a PDU in one frame.
+    Confirm(usize),
     /// A whole PDU.
     Pdu(Vec<u8>),
 }
@@ -107,6 +109,10 @@ impl Reader {
                 self.pdu.clear();
                 connect_request(rest).map(|request| Some(Received::Connect(request))).ok_or(Broken)
             }
+            CONNECT_CONFIRM if usize::from(indicator) + 1 == frame.len() => {
+                let confirm = connect_request(rest).ok_or(Broken)?;
+                Ok(Some(Received::Confirm(confirm.piece_bytes())))
+            }
             DATA if indicator == 2 => {
                 let end = rest.u8().ok_or(Broken)? & END != 0;
                 self.pieces += 1;
@@ -150,6 +156,20 @@ fn connect_request(mut rest: Bytes) -> Option<ConnectRequest> {
         }
     }
     Some(request)
+}
+
+/// The frame that asks for a connection.
+pub fn connect(reference: u16, calling: &[u8], called: &[u8]) -> Vec<u8> {
+    let mut cotp = vec![0, CONNECT_REQUEST, 0, 0];
+    put16(&mut cotp, reference);
+    cotp.push(0);
+    cotp.extend([TPDU_SIZE, 1, TPDU_EXPONENT]);
+    for (code, tsap) in [(CALLING, calling), (CALLED, called)] {
+        cotp.extend([code, tsap.len() as u8]);
+        cotp.extend(tsap);
+    }
+    cotp[0] = (cotp.len() - 1) as u8;
+    tpkt(&cotp)
 }
 
 fn tpkt(cotp: &[u8]) -> Vec<u8> {
@@ -236,6 +256,16 @@ mod tests {
         let expected = [3, 0, 0, 22, 17, 0xD0, 0, 1, 0, 2, 0, 0xC0, 1, 10, 0xC1, 2, 1, 0, 0xC2, 2, 1, 2];
         assert_eq!(request.confirm(2), expected);
         assert_eq!(request.refuse(3), [3, 0, 0, 11, 6, 0x80, 0, 1, 0, 0, 3]);
+    }
+
+    #[test]
+    fn a_partner_is_asked_and_confirms() {
+        assert_eq!(
+            connect(1, &[0x10, 1], &[3, 2]),
+            [3, 0, 0, 22, 17, 0xE0, 0, 0, 0, 1, 0, 0xC0, 1, 10, 0xC1, 2, 0x10, 1, 0xC2, 2, 3, 2]
+        );
+        let confirm = [3, 0, 0, 14, 9, 0xD0, 0, 1, 0, 2, 0, 0xC0, 1, 9];
+        assert_eq!(all(&mut Reader::default(), &confirm), Ok(vec![Received::Confirm(509)]));
     }
 
     #[test]

@@ -2,11 +2,17 @@
 //!
 //! ```text
 //! stream -> frame (TPKT, COTP) -> session (jobs, userdata) -> plc (the CPU at its cycle control point)
+//!                              -> partner (PUT, GET, USEND, BSEND of both sides) -> the board of the program
 //! ```
+//!
+//! `server` has the connections, those that clients open and those to partners, which `dial` sets up.
 //!
 //! Everything but the server is a function of bytes and the CPU. Source: ISO 8073, RFC 1006; captures of clients and CPUs.
 
+mod cyclic;
+mod dial;
 mod frame;
+mod partner;
 mod plc;
 mod server;
 mod session;
@@ -23,5 +29,5 @@ mod tests;
 pub(crate) use fake::Fake;
 pub use frame::PORT;
 pub use plc::{Area, BlockInfo, DateAndTime, Event, Family, ItemError, Names, Place, Plc, Restart};
-pub use server::{Server, serve};
+pub use server::{Server, call, serve};
 pub use session::{Gate, Session};

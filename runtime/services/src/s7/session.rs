@@ -1,22 +1,25 @@
 //! A connection of S7 after it is open: each PDU has at most one answer.
 
+use std::time::Instant;
+
 use plcc_abi::services::{Protection, Right};
 
+use super::cyclic::Subscriptions;
 use super::plc::{Plc, Restart};
 use super::userdata::{self, Pending};
 use super::variables::{self, READ, Refused, WRITE, WRONG_PDU};
 use crate::wire::{Bytes, put16};
 
-const PROTOCOL: u8 = 0x32;
+pub(super) const PROTOCOL: u8 = 0x32;
 
 /// Kinds of PDUs.
-const JOB: u8 = 1;
-const ACK: u8 = 2;
-const ACK_DATA: u8 = 3;
+pub(super) const JOB: u8 = 1;
+pub(super) const ACK: u8 = 2;
+pub(super) const ACK_DATA: u8 = 3;
 pub(super) const USERDATA: u8 = 7;
 
 /// Jobs besides reading and writing.
-const SETUP: u8 = 0xF0;
+pub(super) const SETUP: u8 = 0xF0;
 const START_UPLOAD: u8 = 0x1D;
 const UPLOAD: u8 = 0x1E;
 const END_UPLOAD: u8 = 0x1F;
@@ -49,7 +52,7 @@ pub const PDU_MIN: u16 = 240;
 /// Before it is agreed on.
 pub const PDU_BEFORE: usize = 960;
 /// Jobs that may wait for their answers.
-const PARALLEL_JOBS: u16 = 8;
+pub(super) const PARALLEL_JOBS: u16 = 8;
 
 /// What stands between a client and the CPU.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,6 +75,11 @@ pub struct Session {
     verdict: Option<bool>,
     pub(super) pending: Option<Pending>,
     pub(super) sequence: u8,
+    pub(super) subscriptions: Subscriptions,
+    /// Jobs that the other side answers at once.
+    pub jobs: u16,
+    /// How often the length was agreed on.
+    pub setups: u8,
 }
 
 /// The connection has to end.
@@ -80,7 +88,22 @@ pub struct Broken;
 
 impl Session {
     pub fn new(gate: Gate) -> Session {
-        Session { pdu: None, gate, legitimated: false, verdict: None, pending: None, sequence: 0 }
+        Session {
+            pdu: None,
+            gate,
+            legitimated: false,
+            verdict: None,
+            pending: None,
+            sequence: 0,
+            subscriptions: Subscriptions::default(),
+            jobs: 1,
+            setups: 0,
+        }
+    }
+
+    /// A connection for which this side has agreed on the length of PDUs.
+    pub fn agreed(gate: Gate, pdu: u16, jobs: u16) -> Session {
+        Session { pdu: Some(pdu), jobs, ..Session::new(gate) }
     }
 
     /// The client sends a password, and it is right or not.
@@ -93,7 +116,7 @@ impl Session {
         self.pdu.map_or(PDU_BEFORE, usize::from)
     }
 
-    fn may_read(&self) -> bool {
+    pub(super) fn may_read(&self) -> bool {
         self.gate.protection != Protection::Complete || self.legitimated
     }
 
@@ -123,6 +146,19 @@ impl Session {
     /// The client wants to be protected from itself again. `Err`: the error word.
     pub(super) fn forget_password(&mut self) -> Result<(), u16> {
         if std::mem::take(&mut self.legitimated) { Ok(()) } else { Err(NOT_LEGITIMATED) }
+    }
+
+    /// When cyclic jobs have values to send.
+    pub fn due(&self) -> Option<Instant> {
+        self.subscriptions.due()
+    }
+
+    /// What cyclic jobs send now.
+    pub fn indications(&mut self, plc: &dyn Plc, now: Instant) -> Vec<Vec<u8>> {
+        match self.pdu {
+            Some(pdu) if self.may_read() => self.subscriptions.indications(plc, pdu, now),
+            _ => Vec::new(),
+        }
     }
 
     /// Protection level: the one that is set, and the one that holds for this client.
@@ -202,7 +238,10 @@ impl Session {
         let asked = rest.u16().filter(|length| *length > 0 && rest.is_empty()).ok_or(wrong)?;
         let pdu = asked.clamp(PDU_MIN, plc.family().pdu_max());
         self.pdu = Some(pdu);
+        self.jobs = calling.min(called).clamp(1, PARALLEL_JOBS);
+        self.setups = self.setups.wrapping_add(1);
         self.pending = None;
+        self.subscriptions.clear();
         let mut parameter = vec![SETUP, 0];
         for jobs in [calling, called] {
             put16(&mut parameter, jobs.clamp(1, PARALLEL_JOBS));

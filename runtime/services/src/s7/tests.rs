@@ -1,5 +1,7 @@
 //! Whole PDUs in and out, as clients and CPUs exchange them, and PDUs that nobody should send.
 
+use std::time::{Duration, Instant};
+
 use plcc_abi::services::{Protection, Right};
 use proptest::prelude::*;
 
@@ -295,4 +297,75 @@ proptest! {
             }
         }
     }
+}
+
+#[test]
+fn subscribed_variables_come_again() {
+    let plc = Fake::new();
+    let mut session = session(&plc);
+    let began = Instant::now();
+    // DB10.DBB4, three bytes, every 200 ms: job 1. M5.3 on change, looked at every 100 ms: job 2.
+    exchange(
+        &plc,
+        &mut session,
+        "32 07 0000 0002 0008 0014 00 01 12 04 11 42 01 00 FF 09 0010 00 01 00 02 12 0A 10 02 0003 000A 84 000020",
+        "32 07 0000 0002 000C 000D 00 01 12 08 12 82 01 01 00 00 0000 FF 09 0009 00 01 FF 04 0018 112233",
+    );
+    exchange(
+        &plc,
+        &mut session,
+        "32 07 0000 0003 0008 0014 00 01 12 04 11 42 05 00 FF 09 0010 00 01 00 01 12 0A 10 01 0001 0000 83 00002B",
+        "32 07 0000 0003 000C 000B 00 01 12 08 12 82 05 02 00 00 0000 FF 09 0007 00 01 FF 03 0001 01",
+    );
+    let ms = |ms| began + Duration::from_millis(ms);
+    assert!(session.due().is_some_and(|due| due >= ms(100)));
+    assert_eq!(session.indications(&plc, ms(50)), Vec::<Vec<u8>>::new());
+    plc.db.borrow_mut()[4] = 0x44;
+    let cyclic = hex("32 07 0000 0000 000C 000D 00 01 12 08 12 02 01 01 00 00 0000 FF 09 0009 00 01 FF 04 0018 442233");
+    assert_eq!(session.indications(&plc, ms(1000)), [cyclic.clone()], "M5.3 has not changed");
+    plc.memory.borrow_mut()[5] = 0;
+    let changed = hex("32 07 0000 0000 000C 000B 00 01 12 08 12 02 05 02 00 00 0000 FF 09 0007 00 01 FF 03 0001 00");
+    assert_eq!(session.indications(&plc, ms(1150)), [changed]);
+    assert_eq!(session.indications(&plc, ms(2000)), [cyclic], "once, however late");
+    let unsubscribe = |job: &str| format!("32 07 0000 0004 0008 0006 00 01 12 04 11 42 04 00 FF 09 0002 {job}");
+    exchange(
+        &plc,
+        &mut session,
+        &unsubscribe("05 02"),
+        "32 07 0000 0004 000C 0004 00 01 12 08 12 82 04 03 00 00 0000 0A 00 0000",
+    );
+    exchange(
+        &plc,
+        &mut session,
+        &unsubscribe("05 02"),
+        "32 07 0000 0004 000C 0004 00 01 12 08 12 82 04 04 00 00 D802 0A 00 0000",
+    );
+    session.answer(&hex(SETUP), &plc).unwrap();
+    assert_eq!(session.due(), None, "they end with the setup");
+}
+
+#[test]
+fn wrong_subscriptions_have_error_words() {
+    let plc = Fake::new();
+    let mut session = session(&plc);
+    let item = "12 0A 10 02 0003 000A 84 000020";
+    let mut ask = |payload: &str| {
+        let payload = hex(payload);
+        let mut request = hex("32 07 0000 0002 0008 0000 00 01 12 04 11 42 01 00 FF 09 0000");
+        request[9] = payload.len() as u8 + 4;
+        let at = request.len() - 1;
+        request[at] = payload.len() as u8;
+        request.extend(payload);
+        let answer = session.answer(&request, &plc).unwrap().unwrap();
+        u16::from_be_bytes([answer[20], answer[21]])
+    };
+    assert_eq!(ask("00 01 00 00 ".to_string().as_str()), 0xD804);
+    assert_eq!(ask(&format!("00 01 03 01 {item}")), 0xD804);
+    assert_eq!(ask("00 00 00 01"), 0xD801);
+    assert_eq!(ask(&format!("00 02 00 01 {item}")), 0xD801);
+    assert_eq!(ask("00 01 00 01 12 0A 10 02 00FF 0001 84 000000"), 0xD801, "longer than a PDU");
+    for _ in 0..16 {
+        assert_eq!(ask(&format!("00 01 00 01 {item}")), 0);
+    }
+    assert_eq!(ask(&format!("00 01 00 01 {item}")), 0xD805);
 }

@@ -1,5 +1,8 @@
-//! Userdata: status lists, blocks, clock, passwords.
+//! Userdata: status lists, blocks, clock, passwords, cyclic services.
 
+use std::time::Instant;
+
+use super::cyclic::{self, CYCLIC, ON_CHANGE, UNSUBSCRIBE};
 use super::plc::{BLOCK_KINDS, DateAndTime, Plc};
 use super::session::{Session, USERDATA, userdata_pdu};
 use super::status_lists;
@@ -96,6 +99,8 @@ pub fn answer(
     let Some(pdu) = session.pdu else { return Err(Refused(NOT_IMPLEMENTED)) };
     let capacity = usize::from(pdu) - AROUND;
     let Request { group, function, .. } = request;
+    // The answer to a subscription has the number of its job.
+    let sequence = if request.follows { request.sequence } else { session.next_sequence() };
     let payload = if request.follows {
         match session.pending.take().filter(|pending| {
             (pending.group, pending.function, pending.sequence) == (group, function, request.sequence)
@@ -105,9 +110,8 @@ pub fn answer(
         }
     } else {
         session.pending = None;
-        first(session, &request, plc)
+        first(session, &request, sequence, plc)
     };
-    let sequence = if request.follows { request.sequence } else { session.next_sequence() };
     let (error, mut payload) = match payload {
         Ok(payload) => (0, payload),
         Err(error) => (error, Vec::new()),
@@ -128,14 +132,18 @@ pub fn answer(
 }
 
 impl Session {
-    /// From 1 to 255, then from 1 again.
+    /// From 1 to 255, then from 1 again, without those of cyclic jobs.
     fn next_sequence(&mut self) -> u8 {
-        self.sequence = self.sequence % 255 + 1;
-        self.sequence
+        loop {
+            self.sequence = self.sequence % 255 + 1;
+            if self.subscriptions.is_free(self.sequence) {
+                return self.sequence;
+            }
+        }
     }
 }
 
-fn first(session: &mut Session, request: &Request, plc: &dyn Plc) -> Payload {
+fn first(session: &mut Session, request: &Request, sequence: u8, plc: &dyn Plc) -> Payload {
     let payload = request.payload;
     match (request.group, request.function) {
         (CPU, 1) => match payload {
@@ -147,7 +155,13 @@ fn first(session: &mut Session, request: &Request, plc: &dyn Plc) -> Payload {
             ),
             _ => Err(status_lists::WRONG_REQUEST),
         },
-        // Nothing is sent unasked.
+        (cyclic::GROUP, CYCLIC | ON_CHANGE) if !session.may_read() => Err(NOT_IMPLEMENTED),
+        (cyclic::GROUP, function @ (CYCLIC | ON_CHANGE)) => {
+            let pdu = session.pdu.ok_or(NOT_IMPLEMENTED)?;
+            session.subscriptions.subscribe(plc, pdu, (sequence, function), payload, Instant::now())
+        }
+        (cyclic::GROUP, UNSUBSCRIBE) => session.subscriptions.unsubscribe(payload).map(|()| Vec::new()),
+        // Messages are not sent.
         (CPU, 2) => Ok(vec![2, 0]),
         (CPU, 0x13) => Ok(vec![0, 1, 0x0A, 0, 0, 0]),
         (BLOCKS, 1) => Ok(block_counts(plc)),

@@ -14,7 +14,7 @@ pub struct Refused(pub u16);
 /// Length, count or answer do not fit.
 pub const WRONG_PDU: u16 = 0x8500;
 
-const SUCCESS: u8 = 0xFF;
+pub(super) const SUCCESS: u8 = 0xFF;
 
 /// Transport sizes of requests, by which elements are counted.
 struct Element {
@@ -25,12 +25,12 @@ struct Element {
 }
 
 /// Transport sizes of data.
-const BIT: u8 = 3;
-const WORDS: u8 = 4;
-const INTEGER: u8 = 5;
+pub(super) const BIT: u8 = 3;
+pub(super) const WORDS: u8 = 4;
+pub(super) const INTEGER: u8 = 5;
 const DOUBLE_INTEGER: u8 = 6;
 const REAL: u8 = 7;
-const OCTETS: u8 = 9;
+pub(super) const OCTETS: u8 = 9;
 
 const ELEMENT_BIT: u8 = 0x01;
 const ELEMENT_BYTE: u8 = 0x02;

@@ -1,15 +1,14 @@
 //! What the page and the server tell each other, as JSON.
 
-use std::borrow::Cow;
-
 use plcc_abi::services::Role;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-pub use super::names::Listed;
+use super::status::Status;
+use super::trace::{Part, Wanted};
 
 /// An order of the page.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[derive(Debug, Deserialize)]
 #[serde(tag = "do", rename_all = "lowercase", deny_unknown_fields)]
 pub enum Order {
     /// From now on tell these values, and no others.
@@ -21,6 +20,17 @@ pub enum Order {
         name: String,
         value: String,
     },
+    /// From now on tell what the statements of this block see, and of no other; `None`: of none.
+    Status {
+        block: Option<String>,
+        /// One of the calls that were told; `None`: the first one in a cycle.
+        #[serde(default)]
+        call: Option<String>,
+    },
+    /// From now on count the runs of organization blocks; no block is watched then.
+    Obs,
+    /// Records values in every cycle; without names no more.
+    Trace(Wanted),
     /// Give an input or output a fixed value.
     Force {
         name: String,
@@ -38,8 +48,7 @@ pub enum Order {
 }
 
 /// What the server tells. Fields without news are left out.
-#[derive(Debug, Default, Deserialize, Serialize)]
-#[serde(default)]
+#[derive(Debug, Default, Serialize)]
 pub struct News {
     /// Once, at first.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -55,6 +64,12 @@ pub struct News {
     /// The diagnostic buffer, newest first, when it has changed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub buffer: Option<Vec<Entry>>,
+    /// What a block sees, when something of it is new.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub status: Option<Status>,
+    /// What the recording has that was not told yet.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub trace: Option<Part>,
     /// The forced values, when they have changed: name and value.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub forced: Option<Vec<(String, String)>>,
@@ -64,16 +79,18 @@ pub struct News {
 }
 
 /// Who speaks.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Hello {
     pub program: String,
     pub cpu: String,
     pub user: String,
     pub role: Role,
+    /// The program has code with probes.
+    pub watchable: bool,
 }
 
 /// State of the CPU.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct State {
     pub running: bool,
     /// Why it is in STOP.
@@ -86,16 +103,16 @@ pub struct State {
 }
 
 /// A value as JSON, as text, and its type.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Shown {
     pub value: Value,
     pub text: String,
     #[serde(rename = "type")]
-    pub ty: Cow<'static, str>,
+    pub ty: &'static str,
 }
 
 /// An event of the diagnostic buffer.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Entry {
     pub clock: f64,
     pub event: u16,

@@ -3,16 +3,20 @@
 //! - [`server`]: HTTP, what may ask, and who is signed in.
 //! - [`session`]: a connection that tells values as they change, and takes orders.
 //! - [`messages`]: what both sides say, as JSON.
-//! - [`names`]: the values that can be watched.
+//! - [`names`]: the values that can be watched; [`status`]: what the statements of a block see.
+//! - [`trace`]: values recorded in every cycle; [`info`]: what the CPU is and does.
 //!
-//! The page itself is three files in `page/`, which are part of the program: it works without any other computer.
+//! The page itself is a few files in `page/`, which are part of the program: it works without any other computer.
 
-pub mod messages;
+mod info;
+mod messages;
 mod names;
 mod server;
 mod session;
+mod status;
 #[cfg(test)]
 mod tests;
+mod trace;
 mod users;
 
 pub use server::{Page, serve};

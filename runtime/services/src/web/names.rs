@@ -1,18 +1,16 @@
 //! The values that can be watched.
 
-use std::borrow::Cow;
-
 use plcc_abi::ProgramImage;
 use plcc_runtime::names::{self, Named};
 use plcc_runtime::signal::Source;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 /// A value with its name.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Serialize)]
 pub struct Listed {
     pub name: String,
     #[serde(rename = "type")]
-    pub ty: Cow<'static, str>,
+    pub ty: &'static str,
 }
 
 /// Names that are listed at most; others can be typed.
@@ -21,5 +19,5 @@ const LISTED_MAX: usize = 20_000;
 /// All values that the program uses, in order.
 pub fn list(image: &ProgramImage) -> Vec<Listed> {
     let all = names::used(image).into_iter().take(LISTED_MAX);
-    all.map(|(name, named): (String, Named)| Listed { name, ty: Source::of(named).ty().into() }).collect()
+    all.map(|(name, named): (String, Named)| Listed { name, ty: Source::of(named).ty() }).collect()
 }

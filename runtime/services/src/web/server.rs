@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use axum::body::{Bytes, to_bytes};
 use axum::extract::ws::WebSocketUpgrade;
-use axum::extract::{DefaultBodyLimit, Extension, RawQuery, Request};
+use axum::extract::{DefaultBodyLimit, Extension, Path, RawQuery, Request};
 use axum::http::header::{
     CACHE_CONTROL, CONTENT_ENCODING, CONTENT_SECURITY_POLICY, CONTENT_TYPE, COOKIE, HOST, ORIGIN, SET_COOKIE,
 };
@@ -21,10 +21,10 @@ use serde::Deserialize;
 use tokio::sync::Semaphore;
 
 use super::users::Users;
-use super::{names, session};
+use super::{info, names, session, status};
 use crate::limits::{FRAME_TIME, HTTP_BYTES_MAX, PAGE_MESSAGE_MAX, PAGES_MAX, PROGRAM_MAX};
 use crate::link::Link;
-use crate::listen::Visitor;
+use crate::listen::{Open, Visitor};
 
 /// Pause after a wrong password.
 const WRONG_PASSWORD_PAUSE: Duration = Duration::from_secs(1);
@@ -39,6 +39,8 @@ pub struct Page {
     /// Loads programs, if that is allowed.
     loader: Option<Loader>,
     app: Router,
+    /// Connections of each service.
+    services: Arc<[(&'static str, Open)]>,
 }
 
 /// What a request asks of.
@@ -50,11 +52,13 @@ struct Asked {
 }
 
 impl Page {
-    pub fn new(link: Link, users: Users, loader: Option<Loader>) -> Page {
+    pub fn new(link: Link, users: Users, services: Vec<(&'static str, Open)>, loader: Option<Loader>) -> Page {
         let files = [
             ("/", "text/html; charset=utf-8", include_str!("page/index.html")),
             ("/page.css", "text/css; charset=utf-8", include_str!("page/page.css")),
             ("/page.js", "text/javascript; charset=utf-8", include_str!("page/page.js")),
+            ("/status.js", "text/javascript; charset=utf-8", include_str!("page/status.js")),
+            ("/recording.js", "text/javascript; charset=utf-8", include_str!("page/recording.js")),
         ];
         let mut app = Router::new();
         for (path, kind, text) in files {
@@ -63,12 +67,14 @@ impl Page {
         let app = app
             .route("/program", get(program))
             .route("/names", get(listed))
+            .route("/places/{block}", get(places))
+            .route("/info", get(about))
             .route("/session", post(sign_in).delete(sign_out))
             .route("/live", get(live))
             .route("/restore", post(restored))
             .route("/load", post(loaded))
             .layer(DefaultBodyLimit::max(PAGE_MESSAGE_MAX));
-        Page { link, users, places: Arc::new(Semaphore::new(PAGES_MAX)), loader, app }
+        Page { link, users, places: Arc::new(Semaphore::new(PAGES_MAX)), loader, app, services: services.into() }
     }
 
     fn user(&self, headers: &HeaderMap) -> Result<(String, Role), StatusCode> {
@@ -251,6 +257,24 @@ async fn change(
         Ok(lines.join("\n").into_response())
     });
     changed.await.map_err(|_| StatusCode::INTERNAL_SERVER_ERROR.into_response())?
+}
+
+/// The places of the probes of a block: `FB1`.
+async fn places(
+    Extension(Asked { page, .. }): Extension<Asked>,
+    headers: HeaderMap,
+    Path(block): Path<String>,
+) -> Result<Response, StatusCode> {
+    page.user(&headers)?;
+    let image = page.link.ask(|cpu| cpu.image.clone()).await.ok_or(StatusCode::SERVICE_UNAVAILABLE)?;
+    let places = status::places(&image, &block).ok_or(StatusCode::NOT_FOUND)?;
+    Ok(Json(places).into_response())
+}
+
+async fn about(Extension(Asked { page, .. }): Extension<Asked>, headers: HeaderMap) -> Result<Response, StatusCode> {
+    page.user(&headers)?;
+    let info = info::info(&page.link, &page.services).await.ok_or(StatusCode::SERVICE_UNAVAILABLE)?;
+    Ok(Json(info).into_response())
 }
 
 async fn live(

@@ -2,18 +2,24 @@
 
 use std::collections::HashMap;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use axum::extract::ws::{Message, WebSocket};
+use plcc_abi::ProgramImage;
 use plcc_abi::services::Role;
 use plcc_runtime::cpu::Cpu;
 use plcc_runtime::datetime::NS_PER_S;
 use plcc_runtime::diagnostics;
+use plcc_runtime::monitor::Looked;
+use plcc_runtime::monitor::recording::Progress;
 use plcc_runtime::options::Restart;
 use plcc_runtime::signal::Source;
 use tokio::time::{MissedTickBehavior, interval, timeout};
 
 use super::messages::{Entry, Hello, News, Order, Shown, State};
+use super::status::Known;
+use super::trace::{PART_MAX, Recorder};
 use crate::limits::{ANSWER_TIME, NAME_MAX, WATCHED_MAX};
 use crate::link::Link;
 
@@ -34,20 +40,53 @@ struct Watched {
 struct Seen {
     state: State,
     shown: Vec<(usize, Shown)>,
-    /// The names have other places, because the program has changed; and why some mean nothing any more.
-    renewed: Option<(Watched, Vec<(usize, String)>)>,
+    renewed: Option<Renewed>,
     /// The diagnostic buffer, if its newest entry is another one.
     buffer: Option<Vec<Entry>>,
     forced: Vec<(String, String)>,
     /// Number of events so far, as far as the buffer tells.
     newest: Newest,
+    /// What the watched block has seen.
+    looked: Option<Looked>,
+    recording: Option<Progress>,
+}
+
+/// What is another since the program has changed.
+struct Renewed {
+    /// The names have other places.
+    watched: Watched,
+    /// Why some mean nothing any more.
+    wrong: Vec<(usize, String)>,
+    image: Arc<ProgramImage>,
+}
+
+/// What of the running program a page watches: a block and a call of it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Target {
+    Nothing,
+    Block(String, Option<String>),
+    /// The runs of organization blocks.
+    Obs,
 }
 
 /// Tells whether the buffer has changed: number of entries and the newest one.
 type Newest = Option<(usize, diagnostics::Entry)>;
 
 /// Serves one page until it goes or the CPU ends.
-pub async fn serve(mut socket: WebSocket, link: Link, user: String, role: Role) {
+pub async fn serve(socket: WebSocket, link: Link, user: String, role: Role) {
+    static CLIENTS: AtomicU64 = AtomicU64::new(0);
+    let client = CLIENTS.fetch_add(1, Ordering::Relaxed);
+    let mut recorder = Recorder::new(link.clone(), client);
+    tell_all(socket, &link, user, role, client, &mut recorder).await;
+    recorder.stop().await;
+    // From now on the code without probes runs, if nobody else watches.
+    link.ask(move |cpu| cpu.unwatch_block(client)).await;
+}
+
+async fn tell_all(mut socket: WebSocket, link: &Link, user: String, role: Role, client: u64, recorder: &mut Recorder) {
+    let Some(mut image) = link.ask(|cpu| cpu.image.clone()).await else { return };
+    let mut target = Target::Nothing;
+    let mut known_status = Known::default();
     let Some(hello) = link.ask(move |cpu| hello(cpu, user, role)).await else { return };
     if tell(&mut socket, &News { hello: Some(hello), ..News::default() }).await.is_none() {
         return;
@@ -75,8 +114,23 @@ pub async fn serve(mut socket: WebSocket, link: Link, user: String, role: Role) 
                         known.clear();
                         News { wrong, ..News::default() }
                     }
+                    Ok(order @ (Order::Status { .. } | Order::Obs)) => {
+                        let wanted = match order {
+                            Order::Status { block: Some(block), call } => Target::Block(block, call),
+                            Order::Obs => Target::Obs,
+                            _ => Target::Nothing,
+                        };
+                        known_status = Known::default();
+                        target = wanted.clone();
+                        let Some(done) = link.ask(move |cpu| watch_program(cpu, client, &wanted)).await else { return };
+                        if done.is_err() {
+                            target = Target::Nothing;
+                        }
+                        News { refused: done.err(), ..News::default() }
+                    }
+                    Ok(Order::Trace(wanted)) => News { refused: recorder.start(wanted).await.err(), ..News::default() },
                     Ok(order) => {
-                        let Some(refused) = carry_out(&link, order, role).await else { return };
+                        let Some(refused) = carry_out(link, order, role).await else { return };
                         News { refused, ..News::default() }
                     }
                     Err(error) => News { refused: Some(format!("not understood: {error}")), ..News::default() },
@@ -86,15 +140,21 @@ pub async fn serve(mut socket: WebSocket, link: Link, user: String, role: Role) 
                 }
             }
             _ = tick.tick() => {
-                let (list, before) = (watched.clone(), newest);
-                let Some(seen) = link.ask(move |cpu| look(cpu, &list, before)).await else { return };
+                let (list, before, wanted) = (watched.clone(), newest, target.clone());
+                let asked = recorder.asked();
+                let looked = link.ask(move |cpu| look(cpu, &list, before, client, &wanted, asked));
+                let Some(seen) = looked.await else { return };
                 newest = seen.newest;
                 let mut news = News { buffer: seen.buffer, ..News::default() };
-                if let Some((renewed, wrong)) = seen.renewed {
-                    watched = renewed;
-                    news.wrong = wrong;
+                if let Some(renewed) = seen.renewed {
+                    (watched, news.wrong, image) = (renewed.watched, renewed.wrong, renewed.image);
                     known.clear();
+                    known_status = Known::default();
                 }
+                if let (Some(looked), Target::Block(block, _)) = (seen.looked, &target) {
+                    news.status = known_status.news(&image, block, looked);
+                }
+                news.trace = recorder.news(seen.recording);
                 for (number, shown) in seen.shown {
                     if known.get(&number) != Some(&shown) {
                         known.insert(number, shown.clone());
@@ -109,8 +169,9 @@ pub async fn serve(mut socket: WebSocket, link: Link, user: String, role: Role) 
                     state = seen.state.clone();
                     news.state = Some(seen.state);
                 }
-                let is_news =
-                    news.state.is_some() || news.buffer.is_some() || news.forced.is_some() || !(news.values.is_empty() && news.wrong.is_empty());
+                let has_values = !(news.values.is_empty() && news.wrong.is_empty());
+                let is_news = has_values || news.state.is_some() || news.buffer.is_some() || news.forced.is_some()
+                    || news.status.is_some() || news.trace.is_some();
                 if is_news && tell(&mut socket, &news).await.is_none() {
                     return;
                 }
@@ -126,7 +187,8 @@ async fn tell(socket: &mut WebSocket, news: &News) -> Option<()> {
 }
 
 fn hello(cpu: &Cpu, user: String, role: Role) -> Hello {
-    Hello { program: cpu.image.name.clone(), cpu: cpu.image.profile.name.clone(), user, role }
+    let watchable = cpu.probes().is_some();
+    Hello { program: cpu.image.name.clone(), cpu: cpu.image.profile.name.clone(), user, role, watchable }
 }
 
 /// Finds names: the values, and why others mean nothing.
@@ -146,7 +208,7 @@ fn resolve(cpu: &Cpu, names: Arc<[String]>) -> (Watched, Vec<(usize, String)>) {
     (Watched { names, generation: cpu.generation(), found: found.into() }, wrong)
 }
 
-fn source(cpu: &Cpu, name: &str) -> Result<Source, String> {
+pub fn source(cpu: &Cpu, name: &str) -> Result<Source, String> {
     if name.len() > NAME_MAX {
         return Err(format!("a name has at most {NAME_MAX} letters"));
     }
@@ -156,12 +218,21 @@ fn source(cpu: &Cpu, name: &str) -> Result<Source, String> {
 }
 
 /// All that a page wants to know, of one cycle.
-fn look(cpu: &Cpu, watched: &Watched, before: Newest) -> Seen {
-    let renewed = (cpu.generation() != watched.generation).then(|| resolve(cpu, Arc::clone(&watched.names)));
-    let watched = renewed.as_ref().map_or(watched, |(renewed, _)| renewed);
+fn look(cpu: &Cpu, watched: &Watched, before: Newest, client: u64, target: &Target, asked: Option<usize>) -> Seen {
+    let looked = if *target == Target::Nothing { None } else { cpu.look_at_block(client) };
+    if looked.is_none() && *target != Target::Nothing {
+        // The CPU was restarted, or its program changed.
+        let _ = watch_program(cpu, client, target);
+    }
+    let recording = asked.and_then(|told| cpu.recorded(client, told, PART_MAX));
+    let renewed = (cpu.generation() != watched.generation).then(|| {
+        let (watched, wrong) = resolve(cpu, Arc::clone(&watched.names));
+        Renewed { watched, wrong, image: cpu.image.clone() }
+    });
+    let watched = renewed.as_ref().map_or(watched, |renewed| &renewed.watched);
     let shown = watched.found.iter().map(|(number, source)| {
         let value = source.read(cpu, None);
-        (*number, Shown { value: value.json(), text: value.text(), ty: source.ty().into() })
+        (*number, Shown { value: value.json(), text: value.text(), ty: source.ty() })
     });
     let shown = shown.collect();
     let entries = cpu.diagnostics.newest_first();
@@ -171,7 +242,17 @@ fn look(cpu: &Cpu, watched: &Watched, before: Newest) -> Seen {
         true => cpu.forced().into_iter().map(|one| (one.name, one.value)).collect(),
         false => Vec::new(),
     };
-    Seen { state: state(cpu), shown, renewed, buffer, forced, newest }
+    Seen { state: state(cpu), shown, renewed, buffer, forced, newest, looked, recording }
+}
+
+/// Begins or ends to watch the running program.
+fn watch_program(cpu: &Cpu, client: u64, target: &Target) -> Result<(), String> {
+    match target {
+        Target::Block(block, call) => return cpu.watch_block(client, block, call.as_deref()),
+        Target::Obs => cpu.watch_obs(client),
+        Target::Nothing => cpu.unwatch_block(client),
+    }
+    Ok(())
 }
 
 fn state(cpu: &Cpu) -> State {
@@ -202,7 +283,7 @@ fn milliseconds(wall: i64) -> f64 {
 /// Result: why an order was refused, if it was. `None`: the CPU has ended.
 async fn carry_out(link: &Link, order: Order, role: Role) -> Option<Option<String>> {
     let needed = match order {
-        Order::Watch { .. } => Role::Look,
+        Order::Watch { .. } | Order::Status { .. } | Order::Obs | Order::Trace(_) => Role::Look,
         Order::Modify { .. } => Role::Operate,
         // It outlasts the connection: a right to write programs, not values. Source: CPU manuals, protection levels.
         Order::Force { .. } | Order::Unforce { .. } | Order::Stop | Order::Run { .. } => Role::Change,
@@ -214,7 +295,7 @@ async fn carry_out(link: &Link, order: Order, role: Role) -> Option<Option<Strin
         }));
     }
     let done = link.ask(move |cpu| match order {
-        Order::Watch { .. } => Ok(()),
+        Order::Watch { .. } | Order::Status { .. } | Order::Obs | Order::Trace(_) => Ok(()),
         Order::Modify { name, value } => modify(cpu, &name, &value),
         Order::Force { name, value } if name.len() > NAME_MAX || value.len() > NAME_MAX => {
             Err(format!("a name and a value have at most {NAME_MAX} letters"))

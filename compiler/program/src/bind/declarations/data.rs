@@ -93,6 +93,14 @@ impl Declarations<'_> {
         }
     }
 
+    /// As [`use_db`](Self::use_db), for a pointer that is an actual parameter: it may mean a DB of a partner.
+    pub fn use_pointed_db(&mut self, callee: BlockKey, parameter: &str, number: u16, span: Span) {
+        let block = self.globals.library_block(callee);
+        if !block.is_some_and(|block| plcc_stdlib::is_of_partner(block, parameter)) {
+            self.use_db(number, span);
+        }
+    }
+
     /// Reports an address beyond the end of its data block, up to byte `end`.
     pub fn check_db_end(&mut self, number: u16, end: u32, span: Span) {
         if let Some(db) = self.data.blocks.get(&number) {

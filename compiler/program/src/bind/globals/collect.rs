@@ -15,7 +15,7 @@ use plcc_binding::constant::{Constant, Constants};
 use plcc_binding::fold;
 use plcc_model::BlockKey;
 use plcc_model::types::Elementary;
-use plcc_syntax::symbols::SymbolTarget;
+use plcc_syntax::symbols::{Symbol, SymbolTarget};
 
 /// A block that is written with a name and without a number.
 struct Unnumbered<'a> {
@@ -34,6 +34,22 @@ fn own_global<'g>(globals: &'g FxHashMap<String, Global>, prefix: BlockPrefix, n
         SymbolTarget::Block { prefix: named, .. } if share_name(prefix, named) => None,
         _ => Some(global),
     }
+}
+
+/// The message about a row whose address has another width than its data type. Types of more than 32 bits are at the address of their first bit.
+fn type_fault(symbol: &Symbol, ty: Elementary) -> Option<Diagnostic> {
+    let SymbolTarget::Memory { width, .. } = symbol.target else { return None };
+    if ty.bits() > 32 || ty.bits() == width.bits() {
+        return None;
+    }
+    let bits = |count: u32| if count == 1 { "one bit".to_owned() } else { format!("{count} bits") };
+    let title =
+        format!("`{}` is a {} of {} at an address of {}", symbol.name, ty.name(), bits(ty.bits()), bits(width.bits()));
+    Some(
+        Diagnostic::new(Code::SymbolTable, symbol.span, title)
+            .label("the address counts")
+            .help("correct the address or the data type, so that both have the same width"),
+    )
 }
 
 /// Whether blocks of these kinds may share a name, because the context distinguishes them: a data type and a block that is not one.
@@ -356,6 +372,9 @@ impl<'a> Globals<'a> {
         self.names.symbols.reserve(rows);
         for symbol in self.input.tables.iter().flat_map(|table| &table.symbols) {
             let ty = Elementary::from_word(&symbol.ty.to_ascii_uppercase());
+            if let Some(fault) = ty.and_then(|ty| type_fault(symbol, ty)) {
+                self.report.push(fault);
+            }
             let structure = ty.is_none().then(|| symbol.ty.trim().trim_matches('"').to_string());
             let structure = structure.filter(|name| !name.is_empty());
             let global = Global { name: symbol.name.clone(), target: symbol.target, ty, structure, span: symbol.span };

@@ -141,6 +141,10 @@ impl Globals<'_> {
                 self.report.not_shipped(prefix, block.number, block.name, span);
             }
             None => {
+                let mut rows = self.input.tables.iter().flat_map(|table| &table.unreadable);
+                if let Some(row) = rows.find(|row| fold(&row.name) == fold(name)) {
+                    return self.report.unreadable_symbol(name, span, row);
+                }
                 let meant = self.similar_name(name, locals);
                 self.report.missing_symbol(name, span, meant);
             }

@@ -13,6 +13,7 @@ use plcc_abi::ProgramImage;
 
 use super::instance::{self, Instance, Scalar, Step};
 use super::variables::{Kind, Variable, variables};
+use crate::code::{Entries, EntryFunction};
 use crate::linked::{LinkedCode, linked_program};
 
 /// Result of a call, the same numbers in both versions.
@@ -32,7 +33,7 @@ const SECONDS_MAX: f64 = 3.2e9;
 /// What all instances share.
 struct Program {
     image: Arc<ProgramImage>,
-    code: LinkedCode,
+    entries: Vec<EntryFunction>,
     variables: Arc<[Variable]>,
     token: String,
 }
@@ -45,11 +46,16 @@ fn program() -> Result<&'static Program, &'static str> {
         let token = super::token(&image);
         // Instances would write to one file.
         image.config.retain.file = None;
-        let (image, code) = (Arc::new(image), LinkedCode(entries));
-        let (list, _) = variables(&instance::cpu(&image, Rc::new(code.clone())));
-        Ok(Program { image, code, variables: list.into(), token })
+        let image = Arc::new(image);
+        let (list, _) = variables(&instance::cpu(&image, code_of(&entries)));
+        Ok(Program { image, entries, variables: list.into(), token })
     });
     made.as_ref().map_err(String::as_str)
+}
+
+/// The code of an instance.
+fn code_of(entries: &[EntryFunction]) -> Rc<LinkedCode> {
+    Rc::new(LinkedCode(Entries::new(entries.to_vec())))
 }
 
 /// A function of the simulator that takes messages: environment, status, category, text.
@@ -238,7 +244,7 @@ impl Component {
 }
 
 fn new_instance(program: &'static Program) -> Instance {
-    let cpu = instance::cpu(&program.image, Rc::new(program.code.clone()));
+    let cpu = instance::cpu(&program.image, code_of(&program.entries));
     Instance::new(cpu, program.variables.clone())
 }
 

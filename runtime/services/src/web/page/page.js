@@ -20,7 +20,7 @@ function connect() {
   const socket = new WebSocket(`${scheme}://${location.host}/live`);
   live.socket = socket;
   let opened = false;
-  socket.onopen = () => { opened = true; live.names = []; lost(false); watch(); };
+  socket.onopen = () => { opened = true; live.names = []; lost(false); watch(); status.again(); };
   socket.onmessage = (event) => take(JSON.parse(event.data));
   socket.onclose = async () => {
     lost(true);
@@ -59,6 +59,8 @@ function take(news) {
     live.shown.set(live.names[number], shown);
     changed.add(live.names[number]);
   }
+  if (news.status) status.take(news.status);
+  if (news.trace) recording.take(news.trace);
   if (news.buffer) buffer(news.buffer);
   if (news.forced) forced(news.forced);
   if (news.refused) refused(news.refused);
@@ -73,6 +75,7 @@ function hello(it) {
   $("user").textContent = it.user;
   $("sign-out").hidden = !it.user;
   live.role = it.role;
+  live.watchable = it.watchable;
   document.body.classList.toggle("operate", it.role !== "look");
   $("orders").hidden = it.role !== "change";
 }
@@ -161,12 +164,20 @@ const program = {
   },
   look() {
     if (view !== this) return;
+    status.follow(this.frame.contentWindow?.live);
     this.keys = this.frame.contentWindow?.live?.keys() ?? [];
     watch();
     this.update();
     setTimeout(() => this.look(), 500);
   },
   names() { return this.keys; },
+  // Does something with the drawings as soon as they are there.
+  show(work) {
+    location.hash = "program";
+    const open = () => { const frame = this.frame.contentWindow?.live; if (frame) work(frame); else setTimeout(open, 200); };
+    open();
+  },
+  uses(name) { this.show((frame) => frame.uses(name)); },
   update() {
     const told = this.keys.filter((key) => live.shown.get(key)?.text !== undefined);
     this.frame.contentWindow?.live?.set(told.map((key) => [key, live.shown.get(key).text]));
@@ -198,7 +209,8 @@ const variables = {
       this.rows.set(it.name, value);
       showValue(value, live.shown.get(it.name));
       return element("tr", {}, element("td", {}, add), element("td", { textContent: it.name }),
-        element("td", { className: "type", textContent: it.type }), value);
+        element("td", { className: "type", textContent: it.type }), value,
+        element("td", {}, ...(live.drawn ? [element("button", { textContent: "uses", title: "where it is used", onclick: () => program.uses(it.name) })] : [])));
     }));
     watch();
   },
@@ -346,20 +358,28 @@ function record() {
 
 const diagnostics = { open() { watch(); }, names: () => [], update() {} };
 
+// A place in the source leads to its network.
+function place(text) {
+  const found = /^([A-Z]+ \d+), (?:network (\d+), )?/.exec(text);
+  if (!found || !live.drawn) return text;
+  return element("a", { href: "#program", textContent: text, onclick: () => program.show((frame) => frame.go(found[1], Number(found[2] ?? 0))) });
+}
+
 function buffer(entries) {
   $("events").replaceChildren(...entries.map((it) => element("tr", { className: /^STOP/.test(it.text) ? "fault" : "" },
     element("td", { className: "value", textContent: time(it.clock) }),
     element("td", { className: "value", textContent: `16#${it.event.toString(16).toUpperCase().padStart(4, "0")}` }),
-    element("td", { textContent: it.text }), element("td", { textContent: it.place }))));
+    element("td", { textContent: it.text }), element("td", {}, place(it.place)))));
 }
 
 // Views
 
-const VIEWS = { program, variables, table, curves, buffer: diagnostics };
 let view = null;
 
 function show(name) {
-  if (!(name in VIEWS)) name = live.drawn ? "program" : "variables";
+  const VIEWS = { program, variables, table, curves, recording, "cpu-view": cpuInfo, buffer: diagnostics };
+  if (!Object.hasOwn(VIEWS, name)) name = live.drawn ? "program" : "variables";
+  if (view !== VIEWS[name]) status.leave();
   view = VIEWS[name];
   for (const section of document.querySelectorAll("main section")) section.hidden = section.id !== name;
   for (const button of document.querySelectorAll("nav button")) {
@@ -393,9 +413,12 @@ $("sign-out").onclick = async () => {
   location.reload();
 };
 
-connect();
-fetch("program", { method: "HEAD" }).then((answer) => {
-  live.drawn = answer.ok;
-  document.querySelector("[data-view=program]").hidden = !answer.ok;
-  show(location.hash.slice(1));
+// The other scripts have been run then.
+addEventListener("DOMContentLoaded", () => {
+  connect();
+  fetch("program", { method: "HEAD" }).then((answer) => {
+    live.drawn = answer.ok;
+    document.querySelector("[data-view=program]").hidden = !answer.ok;
+    show(location.hash.slice(1));
+  });
 });

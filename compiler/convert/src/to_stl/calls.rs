@@ -1,0 +1,191 @@
+//! Calls of blocks and of instances. Source: LAD/FBD reference F.1.
+
+use plcc_syntax::Elementary;
+use plcc_syntax::ast::{self, Operand, OperandKind, Parameter, StatementKind};
+use plcc_syntax::network::ast::{Graph, PinValue, Target};
+use plcc_syntax::scl::ast::{Expr, ExprKind};
+use plcc_syntax::stl::StlInsn;
+
+use super::Maker;
+use super::logic::Logic;
+use super::operand::block_name;
+use super::plan::Plan;
+
+impl Maker<'_> {
+    pub fn call_box(&mut self, graph: &Graph, plan: &Plan, at: usize, callee: &Expr, instance: Option<&Expr>) {
+        let span = graph.elements[at].span;
+        // `#lag.LEAD_LAG(…)`: the instance, and its block again.
+        let callee = match &callee.kind {
+            ExprKind::Member { base, name } if self.is_instance_of(base, &name.text) => base,
+            _ => callee,
+        };
+        let (target, instance) = match (block_name(callee), instance) {
+            (Some(block), None) if let Some(of) = self.types.instance_of(&block) => {
+                let target = Operand { kind: OperandKind::Block(of), span };
+                (target, Some(Operand { kind: OperandKind::Block(block), span }))
+            }
+            (Some(block), None) if self.types.is_data(&block) => {
+                return self.refuse(
+                    span,
+                    "a call of a data block whose function block is not in the sources",
+                    "give the source of the function block, too",
+                );
+            }
+            (Some(block), instance) => {
+                let target = Operand { kind: OperandKind::Block(block), span };
+                match instance.map(|instance| self.instance(instance)) {
+                    Some(None) => return,
+                    Some(instance) => (target, instance),
+                    None => (target, None),
+                }
+            }
+            // A multi-instance.
+            (None, _) => match self.operand(callee) {
+                Some(Operand { kind: OperandKind::Path(path), .. })
+                    if !matches!(path.root, ast::PathRoot::Local { .. }) =>
+                {
+                    return self.refuse(
+                        span,
+                        "a call of an instance in a data block",
+                        "declare the instance in the block",
+                    );
+                }
+                Some(target) => (target, None),
+                None => return,
+            },
+        };
+        self.call(graph, plan, at, target, instance);
+    }
+
+    /// Whether an operand is a variable of the type with that name.
+    fn is_instance_of(&self, value: &Expr, ty: &str) -> bool {
+        self.type_name(value).is_some_and(|name| name.eq_ignore_ascii_case(ty))
+    }
+
+    /// The name of the type of a variable of the block.
+    fn type_name(&self, value: &Expr) -> Option<&str> {
+        let ExprKind::Name(name) = &value.kind else { return None };
+        let mut variables = self.block.sections.iter().flat_map(|section| &section.variables);
+        let variable = variables.find(|variable| variable.name.eq_ignore_ascii_case(&name.text))?;
+        match &variable.ty.kind {
+            ast::TypeKind::Named(name) | ast::TypeKind::Block(ast::BlockName::Symbol { name, .. }) => Some(name),
+            _ => None,
+        }
+    }
+
+    pub fn instance_box(&mut self, graph: &Graph, plan: &Plan, at: usize, name: &str, instance: Option<&Expr>) {
+        let span = graph.elements[at].span;
+        let Some(instance) = instance else {
+            return self.refuse(span, format!("`{name}` without an instance"), "name its instance");
+        };
+        let Some(operand) = self.instance(instance) else { return };
+        if self.type_name(instance).is_some_and(|name| name.starts_with("IEC_")) {
+            let what = format!("`{name}` on a variable whose type is that of several blocks");
+            return self.refuse(span, what, &format!("declare the variable as {name}"));
+        }
+        let is_block = matches!(operand.kind, OperandKind::Block(_));
+        if is_block {
+            let name = ast::BlockName::Symbol { name: name.to_string(), span };
+            let target = Operand { kind: OperandKind::Block(name), span };
+            self.call(graph, plan, at, target, Some(operand));
+        } else {
+            self.call(graph, plan, at, operand, None);
+        }
+    }
+
+    /// An instance: a data block, or a variable of the block.
+    fn instance(&mut self, value: &Expr) -> Option<Operand> {
+        match (block_name(value), self.operand(value)?) {
+            (Some(name), Operand { kind: OperandKind::Block(_), span }) => {
+                Some(Operand { kind: OperandKind::Block(name), span })
+            }
+            (Some(name), Operand { kind: OperandKind::Path(path), span })
+                if matches!(path.root, ast::PathRoot::Quoted { .. }) =>
+            {
+                Some(Operand { kind: OperandKind::Block(name), span })
+            }
+            (_, operand) => Some(operand),
+        }
+    }
+
+    fn call(&mut self, graph: &Graph, plan: &Plan, at: usize, target: Operand, instance: Option<Operand>) {
+        let element = &graph.elements[at];
+        let mut parameters = Vec::new();
+        let mut results = Vec::new();
+        for (index, pin) in element.pins.iter().enumerate() {
+            if matches!(pin.name.as_str(), "en" | "eno") || pin.value == PinValue::Open {
+                continue;
+            }
+            let actual = match &pin.value {
+                PinValue::Operand(value) if !pin.negated => match self.operand(value) {
+                    Some(operand) => operand,
+                    None => return,
+                },
+                PinValue::Operand(_) | PinValue::Net(_) if !pin.output => {
+                    let typed = match pin.value {
+                        PinValue::Net(net) => self.typed.get(&net).map(|(operand, _)| operand.clone()),
+                        PinValue::Operand(_) | PinValue::Open => None,
+                    };
+                    match typed {
+                        Some(operand) => operand,
+                        None => {
+                            let value = self.input(graph, plan, at, &pin.name);
+                            match self.stored(&value) {
+                                Logic::Operand(bit) => bit,
+                                _ => return,
+                            }
+                        }
+                    }
+                }
+                PinValue::Net(net) if plan.is_used(*net) && !pin.negated => {
+                    let bit = self.temporary(Elementary::Bool);
+                    results.push((index, bit.clone()));
+                    bit
+                }
+                PinValue::Net(_) if !pin.negated => continue,
+                _ => return self.refuse(pin.span, "an inverted output", "invert the value after the box"),
+            };
+            parameters.push(Parameter { name: pin.name.to_uppercase(), name_span: pin.span, actual: Some(actual) });
+        }
+        for parameter in &mut parameters {
+            // A row has its pins in small letters, a block has them as they are declared.
+            if let Some(pin) = element.pins.iter().find(|pin| pin.name.eq_ignore_ascii_case(&parameter.name)) {
+                parameter.name = pin.name.clone();
+            }
+            if let Target::Element { row, .. } = &element.target
+                && let Some((pin, _)) = row.pin(&parameter.name)
+            {
+                // The longest spelling is that of the block: `LD` of a counter is LOAD.
+                let names = pin.spellings().filter(|name| *name == "load" || *name == pin.name());
+                parameter.name = names.last().unwrap_or(&parameter.name).to_uppercase();
+            }
+        }
+        let enable = self.input(graph, plan, at, "en");
+        let wanted = self.is_wanted(graph, plan, at, "eno");
+        let call = StatementKind::Call(ast::Call { target, instance, parameters });
+        self.sets_br = true;
+        match enable {
+            Logic::Constant(true) => {
+                if wanted || self.keeps_br {
+                    // A block that does not touch BR has succeeded.
+                    self.push(StlInsn::SetRlo, None);
+                    self.push(StlInsn::Save, None);
+                }
+                self.rlo = None;
+                self.push_kind(call);
+            }
+            enable => {
+                let label = self.new_label();
+                self.evaluate(&enable);
+                self.jump(StlInsn::JumpIfNotBr, &label);
+                self.rlo = None;
+                self.push_kind(call);
+                self.label(&label);
+            }
+        }
+        for (pin, bit) in results {
+            self.outputs.insert((at, pin), Logic::Operand(bit));
+        }
+        self.take_eno(graph, plan, at, wanted);
+    }
+}

@@ -1,0 +1,187 @@
+//! Values of boxes: their types, how they are loaded and stored.
+
+use plcc_diag::Span;
+use plcc_syntax::ast::{Operand, OperandKind, Width};
+use plcc_syntax::literal::Literal;
+use plcc_syntax::network::ast::{Element, Graph, PinValue, TemplateKey};
+use plcc_syntax::stl::StlInsn;
+use plcc_syntax::{Class, Elementary};
+
+use super::Maker;
+use super::plan::Plan;
+use super::types::elementary;
+
+impl Maker<'_> {
+    pub fn unknown_type(&mut self, element: &Element) {
+        self.refuse(
+            element.span,
+            "a box whose type is not in the sources",
+            "give the symbol table or the data block with the operands, too",
+        );
+    }
+
+    /// The type of a box: its setting, or that of its operands.
+    pub fn box_type(&mut self, element: &Element, pins: &[&str]) -> Option<Elementary> {
+        let set = element.template(TemplateKey::Source).or_else(|| element.template(TemplateKey::Value));
+        if let Some(template) = set.filter(|template| !template.value.trim().is_empty()) {
+            if let Some(ty) = elementary(&template.value) {
+                return Some(ty);
+            }
+            self.refuse(element.span, format!("the type `{}`", template.value), "use a type of the S7-300");
+            return None;
+        }
+        let mut found: Option<Elementary> = None;
+        for name in pins {
+            let Some(ty) = element.pin(name).and_then(|pin| self.type_of(&pin.value)) else { continue };
+            found = match found {
+                None => Some(ty),
+                // The result is converted to the type of the output.
+                Some(known) if known == ty || *name == "out" => Some(known),
+                Some(known) if known.class() == Class::Signed && ty.class() == Class::Signed => {
+                    Some(if known.bits() >= ty.bits() { known } else { ty })
+                }
+                Some(known) => {
+                    let what = format!("a box of {} and {}", known.name(), ty.name());
+                    self.refuse(element.span, what, "convert one of the operands");
+                    return None;
+                }
+            };
+        }
+        if found.is_none() {
+            self.unknown_type(element);
+        }
+        found
+    }
+
+    /// The type of what is connected to a pin, if it is known.
+    pub fn type_of(&self, value: &PinValue) -> Option<Elementary> {
+        match value {
+            PinValue::Operand(value) => self.types.of(&super::operand::operand_of(value)?.kind, self.block),
+            PinValue::Net(net) => self.typed.get(net).map(|(_, ty)| *ty),
+            PinValue::Open => None,
+        }
+    }
+
+    /// Loads an input.
+    pub fn load_pin(&mut self, graph: &Graph, at: usize, name: &str, ty: Elementary) {
+        for (insn, operand) in self.load(graph, at, name, ty).unwrap_or_default() {
+            self.push(insn, operand);
+        }
+    }
+
+    /// Statements that load an input as a value of type `ty`.
+    pub fn load(
+        &mut self,
+        graph: &Graph,
+        at: usize,
+        name: &str,
+        ty: Elementary,
+    ) -> Option<Vec<(StlInsn, Option<Operand>)>> {
+        let element = &graph.elements[at];
+        let pin = element.pin(name);
+        let (operand, from) = match pin.map(|pin| &pin.value) {
+            Some(PinValue::Operand(value)) => {
+                let Some(operand) = self.value_of(value, ty) else {
+                    self.refuse(
+                        value.span,
+                        format!("this constant as {}", ty.name()),
+                        "write it in the range of the type",
+                    );
+                    return None;
+                };
+                let from = self.types.of(&operand.kind, self.block).or_else(|| width_type(&operand.kind));
+                (operand, from)
+            }
+            Some(PinValue::Net(net)) => match self.typed.get(net) {
+                Some((operand, ty)) => (operand.clone(), Some(*ty)),
+                None => {
+                    self.refuse(element.span, format!("a wire with a value at `{name}`"), "put a variable between");
+                    return None;
+                }
+            },
+            Some(PinValue::Open) | None => {
+                self.refuse(element.span, format!("a box whose input `{name}` is open"), "connect an operand");
+                return None;
+            }
+        };
+        let is_number = matches!(operand.kind, OperandKind::Literal(Literal::Int(_) | Literal::Bits { .. }));
+        let from = match from {
+            Some(from) => from,
+            None if is_number => ty,
+            // Its own type, which nobody else needs here.
+            None if ty == Elementary::S5Time => ty,
+            None => {
+                self.unknown_type(element);
+                return None;
+            }
+        };
+        let conversion = self.conversion(from, ty, operand.span)?;
+        let mut load = vec![(StlInsn::Load, Some(operand))];
+        load.extend(conversion.iter().map(|insn| (*insn, None)));
+        Some(load)
+    }
+
+    /// Stores ACCU1, of type `ty`, to what is connected to an output.
+    pub fn store_pin(&mut self, graph: &Graph, plan: &Plan, at: usize, name: &str, ty: Elementary) {
+        let element = &graph.elements[at];
+        for pin in element.pins.iter().filter(|pin| pin.output && pin.name.eq_ignore_ascii_case(name)) {
+            match &pin.value {
+                PinValue::Operand(value) => {
+                    let Some(operand) = self.operand(value) else { return };
+                    let known = self.types.of(&operand.kind, self.block).or_else(|| width_type(&operand.kind));
+                    let Some(to) = known else { return self.unknown_type(element) };
+                    let Some(conversion) = self.conversion(ty, to, value.span) else { return };
+                    conversion.iter().for_each(|insn| self.push(*insn, None));
+                    self.push(StlInsn::Transfer, Some(operand));
+                }
+                PinValue::Net(net) if plan.is_used(*net) => {
+                    let operand = self.temporary(ty);
+                    self.push(StlInsn::Transfer, Some(operand.clone()));
+                    self.typed.insert(*net, (operand, ty));
+                }
+                PinValue::Net(_) | PinValue::Open => {}
+            }
+        }
+    }
+
+    /// Instructions that turn a value of one type into one of another.
+    fn conversion(&mut self, from: Elementary, to: Elementary, span: Span) -> Option<&'static [StlInsn]> {
+        use Elementary::{Byte, Char, Dint, Int, Real};
+        let same_bits = from.bits() == to.bits() && (from == Real) == (to == Real);
+        Some(match (from, to) {
+            _ if from == to => &[],
+            (Int, Dint) => &[StlInsn::IToD],
+            (Int, Real) => &[StlInsn::IToD, StlInsn::DToR],
+            (Dint, Real) => &[StlInsn::DToR],
+            _ if same_bits && from.bits() > 1 => &[],
+            // L fills with zeros.
+            (Byte | Char, _) if to.bits() > 8 && to != Real => &[],
+            (Elementary::Word | Elementary::Uint, Elementary::Dword | Dint | Elementary::Udint) => &[],
+            (Elementary::Usint, _) if to.bits() > 8 && to != Real => &[],
+            _ => {
+                let what = format!("a conversion of {} to {} by a box", from.name(), to.name());
+                self.refuse(span, what, "put a CONVERT before it");
+                return None;
+            }
+        })
+    }
+}
+
+pub fn width_of(value: &PinValue) -> Option<Elementary> {
+    match value {
+        PinValue::Operand(value) => width_type(&super::operand::operand_of(value)?.kind),
+        PinValue::Net(_) | PinValue::Open => None,
+    }
+}
+
+/// The type that an absolute address has by its width.
+pub fn width_type(kind: &OperandKind) -> Option<Elementary> {
+    let (OperandKind::Absolute { width, .. } | OperandKind::DbAbsolute { width, .. }) = kind else { return None };
+    Some(match width {
+        Width::Bit => Elementary::Bool,
+        Width::Byte => Elementary::Byte,
+        Width::Word => Elementary::Word,
+        Width::Dword => Elementary::Dword,
+        Width::Lword => Elementary::Lword,
+    })
+}

@@ -1,0 +1,60 @@
+//! What the CPU is and does, as the page shows it: blocks, memory, times of cycles, connections.
+
+use std::collections::BTreeMap;
+
+use plcc_abi::image::BlockKind;
+use plcc_runtime::cpu::Cpu;
+use serde_json::{Value, json};
+
+use crate::link::Link;
+use crate::listen::Open;
+
+/// All that is known. `None`: the CPU has ended.
+pub async fn info(link: &Link, services: &[(&'static str, Open)]) -> Option<Value> {
+    let times = link.time_cycles();
+    let mut info = link.ask(of_cpu).await?;
+    let (bounds_us, period, work) = times.parts();
+    info["cycles"] = json!({ "bounds_us": bounds_us, "period": period, "work": work });
+    let connections = services.iter().map(|(name, open)| {
+        let (now, accepted, refused) = open.counts();
+        json!({ "service": name, "now": now, "accepted": accepted, "refused": refused })
+    });
+    info["connections"] = connections.collect();
+    Some(info)
+}
+
+fn of_cpu(cpu: &Cpu) -> Value {
+    let image = &cpu.image;
+    let mut blocks: BTreeMap<&str, usize> = BTreeMap::new();
+    let inner = image.inner_blocks.iter().map(|(kind, ..)| *kind);
+    for kind in image.blocks.iter().map(|block| block.kind).chain(inner) {
+        *blocks.entry(kind.prefix()).or_default() += 1;
+    }
+    blocks.insert(BlockKind::Db.prefix(), image.dbs.len());
+    let obs = image.blocks.iter().filter(|block| block.kind == BlockKind::Ob);
+    let obs = obs.map(|block| {
+        let class = image.config.class_of(block.number).map(|class| format!("{class:?}"));
+        let runs = cpu.ob_runs(block.number).map(|runs| {
+            let us = |ns: u64| ns as f64 / 1e3;
+            json!({ "count": runs.count, "mean_us": us(runs.total) / runs.count.max(1) as f64, "longest_us": us(runs.longest) })
+        });
+        json!({ "ob": block.number, "name": block.name, "class": class, "local_bytes": block.frame, "runs": runs })
+    });
+    let db_bytes: usize = image.dbs.iter().map(|db| db.data.len()).sum();
+    let profile = &image.profile;
+    json!({
+        "cpu": profile.name,
+        "order": image.config.cpu_order,
+        "program": image.name,
+        "cycle_time_max_ms": image.config.cycle_time_max_ms,
+        "faults": cpu.diagnostics.faults(),
+        "blocks": blocks,
+        "obs": obs.collect::<Vec<_>>(),
+        "memory": {
+            "data blocks": db_bytes,
+            "inputs": profile.inputs,
+            "outputs": profile.outputs,
+            "bit memory": profile.bit_memory,
+        },
+    })
+}

@@ -1,0 +1,91 @@
+// What a person sees of a program that is watched while it runs, in Chromium. The second argument is the process of the program.
+const { browse, until, sleep } = require("./browser.js");
+
+const frame = `document.querySelector("#drawings").contentWindow`;
+const page = `${frame}.document`;
+
+// Opens the page of a block.
+const open = (tab, block) => tab(`${frame}.location.hash = "${block}"; ${frame}.fromHash()`);
+// The parts of a network that a selector finds, as a list.
+const parts = (network, selector) => `[...${page}.querySelectorAll("section")[${network - 1}].querySelectorAll("${selector}")].map((part) => part.getAttribute("class"))`;
+// What is beside the line of code that contains a text.
+const beside = (text) => `[...${page}.querySelectorAll(".ln")].find((line) => line.firstChild.textContent.replace(/\\s+/g, " ").includes(${JSON.stringify(text)}))?.lastChild.textContent`;
+
+async function look(tab) {
+  await until(tab, "RUN", `document.querySelector("#state").textContent === "RUN"`);
+  await until(tab, "the drawings", `${frame}.live !== undefined`);
+
+  // M0.0 is 1 between two networks only: at the end of each cycle it is 0.
+  await open(tab, "OB1");
+  await until(tab, "the status of OB 1", `/^OB 1 in cycle/.test(document.querySelector("#status-seen").textContent)`);
+  await until(tab, "the contact of a bit that is 1 for a moment", `${parts(2, "path.g")}[0] === "g on"`);
+  await until(tab, "power at the lamp", `${parts(2, "path.w")}.every((wire) => wire === "w on")`);
+  await tab(`location.hash = "table"; table.add("M0.0"); 0`);
+  await until(tab, "the bit at the end of the cycle", `table.rows.get("M0.0")?.value.textContent === "FALSE"`);
+  await tab(`location.hash = "program"`);
+
+  // One of two instances.
+  await open(tab, "FB1");
+  await until(tab, "the first instance", `/DB 1 "First"/.test(document.querySelector("#status-seen").textContent)`);
+  const sum = `[...${page}.querySelectorAll("text.v")].some((text) => text.textContent === "`;
+  await until(tab, "its sum", `${sum}6")`);
+  await until(tab, "both calls", `[...document.querySelector("#status-call").options].length === 3`);
+  await tab(`{
+    const call = document.querySelector("#status-call");
+    call.value = [...call.options].find((option) => /Second/.test(option.value)).value;
+    call.onchange();
+  }`);
+  await until(tab, "the sum of the other one", `${sum}105") && !${sum}6")`);
+  await until(tab, "its name", `/DB 2 "Second"/.test(document.querySelector("#status-seen").textContent)`);
+
+  // STL: ACCU1 and RLO beside the lines; MW10 is 0 again at the end.
+  await open(tab, "FC2");
+  await until(tab, "ACCU1 after the first statement", `/^ 0 .*00001234 00000000/.test(${beside("L W#16#1234")} ?? "")`);
+  await until(tab, "the RLO of the input", `/^ 1   1 /.test(${beside("A I 0.0")} ?? "")`);
+
+  // SCL: the values of the variables of a line.
+  await open(tab, "FC1");
+  await until(tab, "a value before it changes", `/#level = 7 .*result TRUE/.test(${beside("IF #level")} ?? "")`);
+  await until(tab, "a value that is written", `/#level := 14/.test(${beside("#level * 2")} ?? "")`);
+
+  // A chart: the active step, its time, and the condition that it waits for.
+  await open(tab, "FB2");
+  await until(tab, "the active step", `${page}.querySelectorAll("rect.act").length === 1`);
+  await until(tab, "its time", `/^Filling\\d+\\.\\d s/.test(${page}.querySelector(".steps tr:nth-child(2)")?.textContent ?? "")`);
+  await until(tab, "the condition", `${page}.querySelectorAll("path.w.off").length > 0`);
+
+  // Each cycle of a value that changes all the time, with what was before an event.
+  await tab(`location.hash = "table"; table.add("MW30"); 0`);
+  await until(tab, "the value", `live.shown.has("MW30") && live.shown.has("M0.0")`);
+  await tab(`location.hash = "recording"; 0`);
+  await until(tab, "the event that begins it", `document.querySelector("#trigger").options.length === 3`);
+  await tab(`{
+    document.querySelector("#trigger").value = "1"; document.querySelector("#level").value = "300";
+    document.querySelector("#samples").value = "100"; recording.start();
+  }`);
+  await until(tab, "a complete recording", `/complete, 100 samples/.test(document.querySelector("#record-state").textContent)`);
+  // Samples before the event, of cycles that follow each other, and the same in both files.
+  await until(tab, "what was before the event", `recording.before === 20 && recording.samples[20][3] === 300`);
+  await until(tab, "no cycle left out", `recording.samples.every(([cycle], i) => i === 0 || cycle === recording.samples[i - 1][0] + 1)`);
+  await until(tab, "a table", `recording.csv().split("\\n")[21].endsWith(",300")`);
+  await until(tab, "a dump", `/#\\d+\\nr300 "/.test(recording.vcd())`);
+
+  await tab(`location.hash = "cpu-view"; 0`);
+  await until(tab, "times of cycles", `document.querySelectorAll(".bars i").length > 0`);
+
+  // The place of an event leads to its network.
+  await tab(`location.hash = "buffer"; 0`);
+  await until(tab, "the fault with its line", `/^FC 2, network 2, .*words.stl:23$/.test(document.querySelector("#events a")?.textContent ?? "")`);
+  await tab(`document.querySelector("#events a").click()`);
+  await until(tab, "the network of the fault", `/^#FC2\\/1$/.test(${frame}.location.hash)`);
+  // Where a value is used.
+  await tab(`program.uses("M0.0"); 0`);
+  await until(tab, "the uses of a bit", `/OB 1, network 1: writes.*OB 1, network 2: reads/.test(${page}.querySelector("#uses").textContent)`);
+
+  // The program ends.
+  process.kill(Number(process.argv[3]), "SIGKILL");
+  await until(tab, "that the connection is lost", `!document.querySelector("#lost").hidden`);
+  await sleep(100);
+}
+
+browse(look);
