@@ -28,6 +28,10 @@ pub enum Command {
     Build(BuildArgs),
     /// Compile a program in memory and run it.
     Run(Box<RunArgs>),
+    /// Change the program of a running process.
+    Load(LoadArgs),
+    /// Show a running process in the terminal: state, values, watch table, diagnostic buffer.
+    Monitor(MonitorArgs),
     /// Run tests: assertion pragmas and scenarios.
     Test(TestArgs),
     /// Check sources and report problems, without compiling.
@@ -250,6 +254,43 @@ pub struct RunArgs {
     /// With `--watch`: what to do if values of the running program would go.
     #[arg(long, value_name = "ANSWER", default_value = "ask", requires = "watch")]
     pub lose: Lose,
+}
+
+#[derive(Args, Debug)]
+pub struct MonitorArgs {
+    /// Where the page of the process is, such as `127.0.0.1:8080`, or a port of this computer.
+    #[arg(value_name = "ADDR:PORT", value_parser = plcc_services::options::address)]
+    pub address: std::net::SocketAddr,
+    /// Name of a user of the page; the password is read from the environment variable PLCC_PASSWORD, else one line from standard input.
+    #[arg(long, value_name = "NAME")]
+    pub user: Option<String>,
+    /// Values in the watch table at first.
+    #[arg(long, value_name = "ADDR,...")]
+    pub watch: Vec<String>,
+}
+
+#[derive(Args, Debug)]
+pub struct LoadArgs {
+    /// Sources, symbol tables, folders of these, or a project. Together they are one program [default: the project in this
+    /// folder].
+    #[arg(value_name = "FILE|DIR")]
+    pub inputs: Vec<PathBuf>,
+    /// Where the page of the process is, such as `127.0.0.1:8080`, or a port of this computer. The process needs `--allow-load`.
+    #[arg(long, value_name = "ADDR:PORT", value_parser = plcc_services::options::address)]
+    pub to: std::net::SocketAddr,
+    /// Name of a user of the page; the password is read from the environment variable PLCC_PASSWORD, else one line from standard input.
+    #[arg(long, value_name = "NAME")]
+    pub user: Option<String>,
+    /// Bring back the program from before the last change, instead of loading one.
+    #[arg(long, conflicts_with = "inputs")]
+    pub restore: bool,
+    /// What to do if values of the running program would go.
+    #[arg(long, value_name = "ANSWER", default_value = "ask")]
+    pub lose: Lose,
+    #[command(flatten)]
+    pub optimization: OptimizationArgs,
+    #[command(flatten)]
+    pub compile: CompileArgs,
 }
 
 /// What becomes of a change by which values of the running program go.

@@ -66,6 +66,8 @@ fn dispatch(cli: &Cli) -> u8 {
     match &cli.command {
         Command::Build(args) => command::build::build(args),
         Command::Run(args) => command::run::run(args),
+        Command::Load(args) => command::load::load(args),
+        Command::Monitor(args) => command::monitor::monitor(args),
         Command::Test(args) => command::test::test(args),
         Command::Check(args) => command::check::check(args),
         Command::Xref(args) => command::xref::xref(args),

@@ -23,6 +23,7 @@ pub mod functions;
 pub mod image;
 pub mod layout;
 pub mod linked;
+pub mod loadable;
 pub mod monitor;
 pub mod names;
 pub mod ob;

@@ -4,10 +4,12 @@ use std::ffi::{CStr, OsString, c_char, c_int};
 use std::io::Write;
 use std::os::unix::ffi::OsStringExt;
 use std::rc::Rc;
+use std::sync::Arc;
 
 use clap::{Args, Parser};
 use plcc_abi::ProgramImage;
 
+use crate::change::{self, Loader};
 use crate::code::{Code, Entries};
 use crate::linked::{LinkedCode, linked_program};
 use crate::online::Service;
@@ -28,8 +30,12 @@ pub type Opened = (Option<Box<dyn Service>>, Vec<String>);
 
 /// Flags of services, which open them.
 pub trait Opener: Args {
-    /// `flags_only`: nothing but flags counts, not what plc.toml says. `Err`: why nothing is open.
-    fn open(&self, image: &ProgramImage, flags_only: bool) -> Result<Opened, String>;
+    /// `flags_only`: nothing but flags counts, not what plc.toml says. `loader` is for clients that may load another program. `Err`: why nothing
+    /// is open.
+    fn open(&self, image: &ProgramImage, flags_only: bool, loader: Option<Loader>) -> Result<Opened, String>;
+
+    /// Clients may load another program.
+    fn allows_load(&self) -> bool;
 }
 
 /// The flags of an executable without services.
@@ -37,8 +43,12 @@ pub trait Opener: Args {
 struct NoServices {}
 
 impl Opener for NoServices {
-    fn open(&self, _image: &ProgramImage, _flags_only: bool) -> Result<Opened, String> {
+    fn open(&self, _image: &ProgramImage, _flags_only: bool, _loader: Option<Loader>) -> Result<Opened, String> {
         Ok((None, Vec::new()))
+    }
+
+    fn allows_load(&self) -> bool {
+        false
     }
 }
 
@@ -77,11 +87,19 @@ pub unsafe fn main_of<O: Opener>(argc: c_int, argv: *const *const c_char) -> c_i
                 Some(_) => linked_program(1).map_or_else(|_| Vec::new(), |(_, entries)| entries),
                 None => Vec::new(),
             };
-            let code = || -> Rc<dyn Code> { Rc::new(LinkedCode(Entries::watched(entries.clone(), probed.clone()))) };
-            match services.open(&image, run.flags_only()) {
+            let code =
+                move || -> Rc<dyn Code> { Rc::new(LinkedCode(Entries::watched(entries.clone(), probed.clone()))) };
+            let (loader, inbox) = match services.allows_load() && !run.flags_only() {
+                true => Some(change::loader(&run)).unzip(),
+                false => (None, None),
+            };
+            match services.open(&image, run.flags_only(), loader) {
                 Ok((service, opened)) => {
                     opened.iter().for_each(|line| crate::run::say!("{line}"));
-                    c_int::from(crate::run::start(image, &code, &run, service))
+                    c_int::from(match inbox {
+                        Some(inbox) => crate::run::start_changeable(image, Arc::new(code), &run, service, inbox),
+                        None => crate::run::start(image, &code, &run, service),
+                    })
                 }
                 Err(message) => {
                     crate::run::say!("runtime: {message}");

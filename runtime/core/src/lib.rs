@@ -52,6 +52,7 @@ pub mod guest;
 pub mod io;
 #[cfg(all(feature = "executable", not(test)))]
 mod linked;
+pub mod loaded;
 pub mod math;
 pub mod memory;
 pub mod monitor;

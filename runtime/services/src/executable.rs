@@ -3,13 +3,18 @@
 use std::ffi::{c_char, c_int};
 
 use plcc_abi::ProgramImage;
+use plcc_runtime::change::Loader;
 use plcc_runtime::executable::{Opened, Opener, main_of};
 
 use crate::ServiceOptions;
 
 impl Opener for ServiceOptions {
-    fn open(&self, image: &ProgramImage, flags_only: bool) -> Result<Opened, String> {
-        ServiceOptions::open(self, image, flags_only)
+    fn open(&self, image: &ProgramImage, flags_only: bool, loader: Option<Loader>) -> Result<Opened, String> {
+        ServiceOptions::open(self, image, flags_only, loader)
+    }
+
+    fn allows_load(&self) -> bool {
+        self.allow_load
     }
 }
 

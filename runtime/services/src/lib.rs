@@ -4,7 +4,7 @@
 //!   [`opcua`]: OPC UA; [`web`]: a page.
 //! - [`link`]: the way to the CPU; [`access`]: the CPU as clients see it.
 //! - [`listen`], [`rights`], [`password`], [`limits`]: who may come in, and what they may use up.
-//! - [`options`]: the flags, and what they open. `executable` has `main` of a program with services.
+//! - [`client`]: a client of the page. [`options`]: the flags, and what they open. `executable` has `main` of a program with services.
 //!
 //! A thread of its own runs all servers. They reach the CPU through a [`link`] only, which it looks at between two cycles. Nothing is open unless
 //! a flag or plc.toml asks for it, and then only for this computer unless an address is written down.
@@ -12,6 +12,7 @@
 //! **Invariant**: nothing that a client sends panics, hangs, or delays a cycle by more than the share of communication.
 
 mod access;
+pub mod client;
 #[cfg(all(feature = "executable", not(test)))]
 #[allow(unsafe_code, reason = "the C runtime calls the entry point")]
 mod executable;

@@ -7,6 +7,7 @@ use clap::{Args, ValueEnum};
 use plcc_abi::ProgramImage;
 use plcc_abi::connections::S7Connection;
 use plcc_abi::services::{Protection, Right};
+use plcc_runtime::change::Loader;
 use plcc_runtime::online::Service;
 use plcc_runtime::partners::Board;
 use tokio::runtime::Builder;
@@ -49,6 +50,9 @@ pub struct ServiceOptions {
     /// The most that clients may do [default: what plc.toml says, else write]
     #[arg(long, value_name = "RIGHT", value_enum)]
     pub access: Option<Access>,
+    /// Let users with the role `change` load another program with `plcc load`; without users, everyone on this computer
+    #[arg(long)]
+    pub allow_load: bool,
 }
 
 /// What clients may do.
@@ -91,7 +95,9 @@ pub type Opened = (Option<Box<dyn Service>>, Vec<String>);
 
 impl ServiceOptions {
     /// Opens what the flags and, unless `flags_only`, plc.toml ask for. `Err`: why not.
-    pub fn open(&self, image: &ProgramImage, flags_only: bool) -> Result<Opened, String> {
+    ///
+    /// `loader` changes the program, if clients may do that.
+    pub fn open(&self, image: &ProgramImage, flags_only: bool, loader: Option<Loader>) -> Result<Opened, String> {
         let config = &image.config.services;
         let port = |flag: Option<SocketAddr>, key: &Option<String>| match (flag, key) {
             (None, Some(text)) if !flags_only => address(text).map(Some),
@@ -104,6 +110,9 @@ impl ServiceOptions {
         let (s7, modbus) = (port(self.s7, &config.s7)?, port(self.modbus, &config.modbus)?);
         let (metrics, web) = (port(self.metrics, &config.metrics)?, port(self.web, &config.web)?);
         let opcua = port(self.opcua, &config.opcua)?;
+        if self.allow_load && web.is_none() {
+            return Err("--allow-load: programs are loaded through the page: add --web ADDR:PORT".to_string());
+        }
         // Several CPUs of one program cannot be the same partner.
         let connections = if flags_only { Vec::new() } else { image.config.connections.clone() };
         let board = (!connections.is_empty()).then(|| Arc::new(Board::new(connections)));
@@ -162,9 +171,13 @@ impl ServiceOptions {
             let services =
                 [plan.s7.as_ref().map(|(door, _)| door), plan.modbus.as_ref().map(|(door, ..)| door), Some(&door)];
             let services = services.into_iter().flatten().map(|door| (door.service, door.open.clone())).collect();
-            let who = if users.is_open() { "everyone on this computer may look" } else { "users may sign in" };
+            let who = match (users.is_open(), self.allow_load) {
+                (true, false) => "everyone on this computer may look",
+                (true, true) => "everyone on this computer may look and load programs",
+                (false, _) => "users may sign in",
+            };
             opened.push(line("page at http", &door, who).replacen("http at ", "http://", 1));
-            plan.web = Some((door, Page::new(link.clone(), users, services)));
+            plan.web = Some((door, Page::new(link.clone(), users, services, loader.filter(|_| self.allow_load))));
         }
         if let (Some(address), Some(times)) = (metrics, times) {
             let door = listen::open("metrics", address, clients)?;

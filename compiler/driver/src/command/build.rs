@@ -100,7 +100,8 @@ pub fn accepted(mut bound: Bound, unreadable: bool, settings: &Settings) -> Resu
     Ok(bound)
 }
 
-fn object(compiled: &Compiled) -> Result<Vec<u8>, u8> {
+/// The object file of a program.
+pub fn object(compiled: &Compiled) -> Result<Vec<u8>, u8> {
     plcc_codegen::compile_object(&compiled.module, &compiled.image_bytes(), &compiled.codegen_options())
         .map_err(|error| internal(&error))
 }

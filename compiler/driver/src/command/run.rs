@@ -14,8 +14,11 @@ pub fn run(args: &RunArgs) -> u8 {
     if args.watch {
         return live::run(args);
     }
+    if args.services.allow_load && !args.run.is_many() {
+        return live::run(args);
+    }
     match compile(args) {
-        Ok((image, code)) => match args.services.open(&image, args.run.flags_only()) {
+        Ok((image, code)) => match args.services.open(&image, args.run.flags_only(), None) {
             Ok((service, opened)) => {
                 opened.iter().for_each(|line| eprintln!("{line}"));
                 plcc_runtime::run::start(image, &*code, &args.run, service)

@@ -13,11 +13,13 @@ use std::process::{Command, Output};
 use std::time::Duration;
 
 mod compiler;
+mod load;
 mod place;
 mod relocate;
 mod template;
 mod write;
 
+pub use load::loadable;
 use template::Template;
 pub use template::{Form, Runtime};
 
@@ -151,7 +153,7 @@ fn linked(form: Form, objects: &[impl AsRef<[u8]>]) -> Result<Vec<u8>, LinkError
     let template = Template::read(form)?;
     let parsed: Vec<place::ObjectFile<'_>> =
         objects.iter().map(|object| place::parse(object.as_ref())).collect::<Result<_, _>>()?;
-    let mut image = place::place(&template, &parsed)?;
+    let mut image = place::place(&(&template).into(), &parsed)?;
     relocate::relocate(&parsed, &mut image)?;
     Ok(write::write(&template, &parsed, image))
 }

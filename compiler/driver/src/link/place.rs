@@ -68,13 +68,31 @@ impl Image {
     }
 }
 
+/// What is there before the program.
+pub struct Start<'a> {
+    /// Of the section of constants.
+    pub address: u64,
+    /// Alignment of the code.
+    pub page: u64,
+    /// Functions of the runtime with their addresses.
+    pub functions: Vec<(&'a [u8], u64)>,
+}
+
+impl<'a> From<&'a Template> for Start<'a> {
+    fn from(template: &'a Template) -> Start<'a> {
+        use object::read::elf::Sym as _;
+        let functions = template.functions.iter().map(|(name, symbol)| (*name, symbol.st_value(ENDIAN))).collect();
+        Start { address: template.program.address, page: template.code.page, functions }
+    }
+}
+
 /// Gives each section and symbol its place.
 ///
 /// Errors: an object contains what a program never has (variables of its own), or too much.
-pub fn place(template: &Template, objects: &[ObjectFile<'_>]) -> Result<Image, LinkError> {
+pub fn place(start: &Start<'_>, objects: &[ObjectFile<'_>]) -> Result<Image, LinkError> {
     let section = |name: &str, address| Section { name: name.into(), address, bytes: Vec::new() };
     let mut image = Image {
-        sections: vec![section(linked::SECTION, template.program.address), section(linked::CODE_SECTION, 0)],
+        sections: vec![section(linked::SECTION, start.address), section(linked::CODE_SECTION, 0)],
         places: objects.iter().map(|object| vec![None; object.sections().count() + 1]).collect(),
         globals: FxHashMap::default(),
     };
@@ -89,9 +107,9 @@ pub fn place(template: &Template, objects: &[ObjectFile<'_>]) -> Result<Image, L
             }
         }
     }
-    let end = template.program.address + image.sections[PROGRAM].bytes.len() as u64;
-    image.sections[CODE].address = end.next_multiple_of(template.code.page);
-    name_symbols(&mut image, template, objects)?;
+    let end = start.address + image.sections[PROGRAM].bytes.len() as u64;
+    image.sections[CODE].address = end.next_multiple_of(start.page);
+    name_symbols(&mut image, start, objects)?;
     Ok(image)
 }
 
@@ -129,10 +147,9 @@ fn add(image: &mut Image, number: usize, object: &ObjectFile<'_>, index: Section
     Ok(())
 }
 
-fn name_symbols(image: &mut Image, template: &Template, objects: &[ObjectFile<'_>]) -> Result<(), LinkError> {
-    use object::read::elf::Sym as _;
-    for (name, symbol) in &template.functions {
-        image.globals.insert(name.to_vec(), symbol.st_value(ENDIAN));
+fn name_symbols(image: &mut Image, start: &Start<'_>, objects: &[ObjectFile<'_>]) -> Result<(), LinkError> {
+    for (name, address) in &start.functions {
+        image.globals.insert(name.to_vec(), *address);
     }
     for (library, exported) in linked::LIBRARY_FUNCTIONS {
         let address = image.global(exported.as_bytes());

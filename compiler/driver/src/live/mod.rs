@@ -1,4 +1,4 @@
-//! `plcc run --watch`: the running program is changed whenever a source is saved.
+//! `plcc run --watch`: the running program is changed whenever a source is saved. `plcc run --allow-load`: only by `plcc load`.
 //!
 //! The program runs on the thread of the command. Another one waits for files and for lines of standard input, compiles, compares, and has the CPU
 //! exchange the program at its next cycle control point.
@@ -31,7 +31,9 @@ enum Event {
 /// Runs the program and watches its sources; the exit code is that of the program.
 pub fn run(args: &RunArgs) -> u8 {
     if let Some(flag) = unfit(args) {
-        report::say(&format!("runtime: {flag} knows the program that it begins with: leave out {flag} or --watch"));
+        report::say(&format!(
+            "runtime: {flag} knows the program that it begins with: leave out {flag}, or --watch and --allow-load"
+        ));
         return EXIT_USAGE;
     }
     let paths = match inputs::or_here(&args.inputs) {
@@ -44,7 +46,8 @@ pub fn run(args: &RunArgs) -> u8 {
         Ok(compiled) => compiled,
         Err(exit) => return exit,
     };
-    let (service, opened) = match args.services.open(&image, false) {
+    let (loader, inbox) = change::loader(&args.run);
+    let (service, opened) = match args.services.open(&image, false, Some(loader.clone())) {
         Ok(opened) => opened,
         Err(message) => {
             report::say(&format!("runtime: {message}"));
@@ -52,13 +55,14 @@ pub fn run(args: &RunArgs) -> u8 {
         }
     };
     opened.iter().for_each(|line| report::say(line));
-    let (loader, inbox) = change::loader(&args.run);
-    let (send, events) = channel();
-    watch_files(paths, seen, send.clone());
-    read_lines(send);
-    let own = args.clone();
-    // It ends with the process.
-    std::thread::spawn(move || Watch { args: own, loader, pending: None, can_ask: true }.work(&events));
+    if args.watch {
+        let (send, events) = channel();
+        watch_files(paths, seen, send.clone());
+        read_lines(send);
+        let own = args.clone();
+        // It ends with the process.
+        std::thread::spawn(move || Watch { args: own, loader, pending: None, can_ask: true }.work(&events));
+    }
     plcc_runtime::run::start_changeable(image, code, &args.run, service, inbox)
 }
 

@@ -9,14 +9,17 @@ use plcc_diag::SourceFile;
 use plcc_runtime::RunOptions;
 use plcc_runtime::change::{self, CodeSource, Loader};
 use plcc_runtime::cpu::Cpu;
+use plcc_runtime::loaded;
 use plcc_runtime::online::Service;
 use plcc_runtime::options::ClockKind;
 use plcc_runtime::run::start_changeable;
 use plcc_runtime::signal::Source;
 
 use crate::cli::Level;
+use crate::command::build::object;
 use crate::inputs::Read;
-use crate::{code, pipeline};
+use crate::pipeline::Bound;
+use crate::{code, link, pipeline};
 
 /// Compiles a source in the language of its file name.
 fn compiled(file: &str, text: &str) -> (ProgramImage, CodeSource) {
@@ -24,6 +27,12 @@ fn compiled(file: &str, text: &str) -> (ProgramImage, CodeSource) {
 }
 
 fn compiled_all(files: &[(&str, &str)]) -> (ProgramImage, CodeSource) {
+    let compiled = pipeline::back(&bound(files), Level::O2);
+    let code = code::source(&compiled, None).expect("what is lowered becomes code");
+    (compiled.image, code)
+}
+
+fn bound(files: &[(&str, &str)]) -> Bound {
     let mut read = Read { name: "line".to_string(), ..Read::default() };
     for (file, text) in files {
         let unit = read.sources.add(SourceFile::new(*file, *text));
@@ -33,9 +42,7 @@ fn compiled_all(files: &[(&str, &str)]) -> (ProgramImage, CodeSource) {
     let bound = pipeline::front(read, &settings);
     let errors: Vec<&str> = bound.diagnostics.iter().filter(|d| d.is_error()).map(|d| d.title.as_str()).collect();
     assert!(errors.is_empty(), "{errors:?}");
-    let compiled = pipeline::back(&bound, Level::O2);
-    let code = code::source(&compiled, None).expect("what is lowered becomes code");
-    (compiled.image, code)
+    bound
 }
 
 /// Looks at values at the end of each cycle, and changes the program there.
@@ -319,4 +326,21 @@ fn charts_go_on_at_their_step() {
     assert_eq!(unchanged.values, changed.values);
     let more = run(program("", ""), vec![(4, Some(program("more", "")))], &names, 6);
     assert_eq!(more.items, ["DB 1 \"F\": the chart has other steps or transitions; it begins at its initial step"]);
+}
+
+/// A program that was sent to the process does the same as one that was compiled in it.
+#[test]
+fn a_loaded_program_goes_on() {
+    let sent = |text: &str| {
+        let compiled = pipeline::back(&bound(&[("line.scl", text)]), Level::O2);
+        let object = object(&compiled).expect("what is lowered becomes an object");
+        let bytes = link::loadable(&object).expect("plcc links its own objects");
+        loaded::load(&bytes).expect("it is of this plcc")
+    };
+    let texts = "\"LineDb\".b.name := CONCAT(IN1 := 'n', IN2 := \"LineDb\".b.name);";
+    let plain = || compiled("line.scl", &chain("", texts));
+    let loads = vec![(7, Some(sent(&chain("x : INT;", texts)))), (20, None), (33, Some(sent(&chain("", texts))))];
+    let (unchanged, changed) = (run(plain(), Vec::new(), &CHAIN, 60), run(plain(), loads, &CHAIN, 60));
+    assert_eq!(changed.refused, Vec::<String>::new());
+    assert_eq!(unchanged.values, changed.values);
 }

@@ -191,5 +191,7 @@ impl Inbox {
 fn fixed(config: &Config) -> Config {
     let mut config = config.clone();
     config.services.drawings = Vec::new();
+    // A program that is loaded has no code with probes.
+    config.services.probes = None;
     config
 }

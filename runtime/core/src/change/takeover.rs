@@ -41,6 +41,7 @@ impl Cpu {
             is_restarted,
             restart_requested,
             communication,
+            partners,
             records,
             alarms,
             technology,

@@ -186,6 +186,11 @@ impl Partners {
         self.0.replace(board);
     }
 
+    /// Somebody carries jobs over connections.
+    pub fn is_attached(&self) -> bool {
+        self.0.borrow().as_ref().is_some_and(|board| !board.connections().is_empty())
+    }
+
     pub fn start(&self, id: u16, work: Work) -> Result<u32, u16> {
         self.0.borrow().as_ref().map_or(Err(status::NO_CONNECTION), |board| board.start(id, work))
     }

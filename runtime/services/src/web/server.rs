@@ -3,9 +3,9 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use axum::body::Bytes;
+use axum::body::{Bytes, to_bytes};
 use axum::extract::ws::WebSocketUpgrade;
-use axum::extract::{DefaultBodyLimit, Extension, Path};
+use axum::extract::{DefaultBodyLimit, Extension, Path, RawQuery, Request};
 use axum::http::header::{
     CACHE_CONTROL, CONTENT_ENCODING, CONTENT_SECURITY_POLICY, CONTENT_TYPE, COOKIE, HOST, ORIGIN, SET_COOKIE,
 };
@@ -16,12 +16,13 @@ use axum::{Json, Router};
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use plcc_abi::services::{Right, Role};
+use plcc_runtime::change::{Loader, Prepared};
 use serde::Deserialize;
 use tokio::sync::Semaphore;
 
 use super::users::Users;
 use super::{info, names, session, status};
-use crate::limits::{FRAME_TIME, HTTP_BYTES_MAX, PAGE_MESSAGE_MAX, PAGES_MAX};
+use crate::limits::{FRAME_TIME, HTTP_BYTES_MAX, PAGE_MESSAGE_MAX, PAGES_MAX, PROGRAM_MAX};
 use crate::link::Link;
 use crate::listen::{Open, Visitor};
 
@@ -35,6 +36,8 @@ pub struct Page {
     users: Users,
     /// A permit for each browser that is told values.
     places: Arc<Semaphore>,
+    /// Loads programs, if that is allowed.
+    loader: Option<Loader>,
     app: Router,
     /// Connections of each service.
     services: Arc<[(&'static str, Open)]>,
@@ -49,7 +52,7 @@ struct Asked {
 }
 
 impl Page {
-    pub fn new(link: Link, users: Users, services: Vec<(&'static str, Open)>) -> Page {
+    pub fn new(link: Link, users: Users, services: Vec<(&'static str, Open)>, loader: Option<Loader>) -> Page {
         let files = [
             ("/", "text/html; charset=utf-8", include_str!("page/index.html")),
             ("/page.css", "text/css; charset=utf-8", include_str!("page/page.css")),
@@ -68,8 +71,10 @@ impl Page {
             .route("/info", get(about))
             .route("/session", post(sign_in).delete(sign_out))
             .route("/live", get(live))
+            .route("/restore", post(restored))
+            .route("/load", post(loaded))
             .layer(DefaultBodyLimit::max(PAGE_MESSAGE_MAX));
-        Page { link, users, places: Arc::new(Semaphore::new(PAGES_MAX)), app, services: services.into() }
+        Page { link, users, places: Arc::new(Semaphore::new(PAGES_MAX)), loader, app, services: services.into() }
     }
 
     fn user(&self, headers: &HeaderMap) -> Result<(String, Role), StatusCode> {
@@ -179,6 +184,79 @@ async fn listed(Extension(Asked { page, .. }): Extension<Asked>, headers: Header
     page.user(&headers)?;
     let names = page.link.ask(|cpu| names::list(&cpu.image)).await.ok_or(StatusCode::SERVICE_UNAVAILABLE)?;
     Ok(Json(names).into_response())
+}
+
+/// Whether values of the running program may go: the query of the request is this word.
+fn may_lose(query: &RawQuery) -> bool {
+    query.0.as_deref() == Some("lose")
+}
+
+/// Changes the program to the one in the body, see [`plcc_runtime::loaded`].
+async fn loaded(
+    Extension(asked): Extension<Asked>,
+    headers: HeaderMap,
+    query: RawQuery,
+    request: Request,
+) -> Result<Response, Response> {
+    let loader = loader(&asked, &headers)?;
+    // Nobody else may send so much.
+    let body = to_bytes(request.into_body(), PROGRAM_MAX).await;
+    let body = body.map_err(|_| refused(StatusCode::PAYLOAD_TOO_LARGE, "the program is too large, or was cut"))?;
+    let load = move |loader: &Loader| {
+        let (image, code) = plcc_runtime::loaded::load(&body)?;
+        loader.prepare(image, code)
+    };
+    change(loader, may_lose(&query), load).await
+}
+
+/// Changes the program to the one from before the last change.
+async fn restored(
+    Extension(asked): Extension<Asked>,
+    headers: HeaderMap,
+    query: RawQuery,
+) -> Result<Response, Response> {
+    change(loader(&asked, &headers)?, may_lose(&query), Loader::previous).await
+}
+
+fn refused(status: StatusCode, why: &str) -> Response {
+    (status, why.to_string()).into_response()
+}
+
+/// Loads programs for who may do that.
+#[allow(clippy::result_large_err, reason = "it is the answer")]
+fn loader(Asked { page, most }: &Asked, headers: &HeaderMap) -> Result<Loader, Response> {
+    let Some(loader) = page.loader.clone() else {
+        return Err(refused(StatusCode::FORBIDDEN, "the program was not started with --allow-load"));
+    };
+    let (_, role) = page.user(headers).map_err(|status| refused(status, "sign in first, with --user"))?;
+    // Without users the page is for this computer only, and whoever started the program has allowed it.
+    let may = page.users.is_open() || role.min(*most) >= Role::Change;
+    match may && is_own(headers) {
+        true => Ok(loader),
+        false => {
+            Err(refused(StatusCode::FORBIDDEN, "only a user with the role `change` may load, with --access control"))
+        }
+    }
+}
+
+/// 200: the program was changed, with what was new and lost as lines. 409: values would go, and which ones; nothing has changed. 422: why it is
+/// not possible.
+async fn change(
+    loader: Loader,
+    lose: bool,
+    prepare: impl FnOnce(&Loader) -> Result<Prepared, String> + Send + 'static,
+) -> Result<Response, Response> {
+    // Not on the thread that serves everybody: comparing takes its time.
+    let changed = tokio::task::spawn_blocking(move || {
+        let prepared = prepare(&loader).map_err(|why| refused(StatusCode::UNPROCESSABLE_ENTITY, &why))?;
+        let mut lines: Vec<String> = prepared.items().iter().map(|item| item.text.clone()).collect();
+        if prepared.loses() && !lose {
+            return Err(refused(StatusCode::CONFLICT, &lines.join("\n")));
+        }
+        lines.extend(loader.apply(prepared).map_err(|why| refused(StatusCode::UNPROCESSABLE_ENTITY, &why))?);
+        Ok(lines.join("\n").into_response())
+    });
+    changed.await.map_err(|_| StatusCode::INTERNAL_SERVER_ERROR.into_response())?
 }
 
 /// The places of the probes of a block: `FB1`.

@@ -1,0 +1,147 @@
+//! The picture of the model: head, tree, watch table, diagnostic buffer, and a line that says what keys do.
+
+use plcc_abi::services::Role;
+use ratatui::Frame;
+use ratatui::layout::{Constraint, Layout, Rect};
+use ratatui::style::{Color, Modifier, Style};
+use ratatui::text::{Line, Span};
+use ratatui::widgets::{Block, Cell, List, ListItem, ListState, Paragraph, Row, Table, TableState};
+
+use crate::model::{Asks, Model, Part};
+
+/// Draws everything.
+pub fn draw(model: &Model, frame: &mut Frame) {
+    let [head, middle, below, foot] = Layout::vertical([
+        Constraint::Length(1),
+        Constraint::Min(5),
+        Constraint::Percentage(30),
+        Constraint::Length(1),
+    ])
+    .areas(frame.area());
+    let [left, right] = Layout::horizontal([Constraint::Percentage(40), Constraint::Percentage(60)]).areas(middle);
+    frame.render_widget(Paragraph::new(self::head(model)), head);
+    program(model, frame, left);
+    watch(model, frame, right);
+    diagnostics(model, frame, below);
+    frame.render_widget(Paragraph::new(self::foot(model)), foot);
+}
+
+fn colored(color: Color) -> Style {
+    Style::new().fg(Color::Black).bg(color)
+}
+
+fn head(model: &Model) -> Line<'_> {
+    let mut parts = Vec::new();
+    match (&model.lost, model.state.running) {
+        (Some(why), _) => parts.push(Span::styled(format!(" no connection: {why} "), colored(Color::Red))),
+        (None, true) => parts.push(Span::styled(" RUN ", colored(Color::Green))),
+        (None, false) => parts.push(Span::styled(" STOP ", colored(Color::Yellow))),
+    }
+    if !model.forced.is_empty() {
+        parts.push(Span::raw(" "));
+        parts.push(Span::styled(format!(" F {} ", model.forced.len()), colored(Color::Yellow)));
+    }
+    if let Some(hello) = &model.hello {
+        parts.push(Span::raw(format!("  {}  {}", hello.program, hello.cpu)));
+    }
+    if model.lost.is_none() {
+        parts.push(Span::raw(format!("  cycle {}  {}", model.state.cycle, model.state.reason)));
+    }
+    parts.push(Span::raw(format!("  {}", model.address)));
+    Line::from(parts)
+}
+
+fn frame_of(model: &Model, part: Part, title: &str) -> Block<'static> {
+    let style = match model.part == part {
+        true => Style::new().add_modifier(Modifier::BOLD),
+        false => Style::new().fg(Color::DarkGray),
+    };
+    Block::bordered().title(format!(" {title} ")).border_style(style)
+}
+
+const CURSOR: Style = Style::new().add_modifier(Modifier::REVERSED);
+
+fn program(model: &Model, frame: &mut Frame, area: Rect) {
+    let title = match model.search.as_str() {
+        "" => "program".to_string(),
+        search => format!("program: {search}"),
+    };
+    let item = |node: &crate::model::Node| {
+        let mark = match node.open {
+            Some(true) => "▾ ",
+            Some(false) => "▸ ",
+            None => "  ",
+        };
+        let text = format!("{:width$}{mark}{}", "", node.label, width = 2 * node.depth);
+        let ty = if node.ty.is_empty() { String::new() } else { format!("  {}", node.ty) };
+        ListItem::new(Line::from(vec![Span::raw(text), Span::styled(ty, Style::new().fg(Color::DarkGray))]))
+    };
+    let list =
+        List::new(model.tree.iter().map(item)).block(frame_of(model, Part::Program, &title)).highlight_style(CURSOR);
+    let selected = (model.part == Part::Program).then(|| model.row(Part::Program));
+    frame.render_stateful_widget(list, area, &mut ListState::default().with_selected(selected));
+}
+
+fn watch(model: &Model, frame: &mut Frame, area: Rect) {
+    let row = |name: &String| {
+        let forced = model.forced.iter().any(|(other, _)| other == name);
+        let (value, ty, style) = match model.values.get(name) {
+            Some(Ok(shown)) => (shown.text.clone(), shown.ty.to_string(), Style::new()),
+            Some(Err(why)) => (why.clone(), String::new(), Style::new().fg(Color::Red)),
+            None => (String::new(), String::new(), Style::new()),
+        };
+        Row::new([
+            Cell::new(if forced { "F" } else { "" }).style(Style::new().fg(Color::Yellow)),
+            Cell::new(name.clone()),
+            Cell::new(value).style(style),
+            Cell::new(ty).style(Style::new().fg(Color::DarkGray)),
+        ])
+    };
+    let widths = [Constraint::Length(1), Constraint::Percentage(45), Constraint::Percentage(40), Constraint::Min(6)];
+    let table = Table::new(model.watched.iter().map(row), widths)
+        .block(frame_of(model, Part::Watch, "watch table"))
+        .row_highlight_style(CURSOR);
+    let selected = (model.part == Part::Watch).then(|| model.row(Part::Watch));
+    frame.render_stateful_widget(table, area, &mut TableState::default().with_selected(selected));
+}
+
+fn diagnostics(model: &Model, frame: &mut Frame, area: Rect) {
+    let item = |entry: &crate::messages::Entry| {
+        ListItem::new(format!("{}  {:04X}  {}  {}", time(entry.clock), entry.event, entry.text, entry.place))
+    };
+    let list = List::new(model.buffer.iter().map(item))
+        .block(frame_of(model, Part::Diagnostics, "diagnostic buffer"))
+        .highlight_style(CURSOR);
+    let selected = (model.part == Part::Diagnostics).then(|| model.row(Part::Diagnostics));
+    frame.render_stateful_widget(list, area, &mut ListState::default().with_selected(selected));
+}
+
+/// Time of day of milliseconds since 1970; the clock of a CPU has no time zone.
+fn time(clock: f64) -> String {
+    let ms = (clock as i64).rem_euclid(86_400_000);
+    format!("{:02}:{:02}:{:02}.{:03}", ms / 3_600_000, ms / 60_000 % 60, ms / 1000 % 60, ms % 1000)
+}
+
+fn foot(model: &Model) -> Line<'_> {
+    if let Some((asks, text)) = &model.asks {
+        let question = match asks {
+            Asks::Search => "search",
+            Asks::Name => "name or address",
+            Asks::Modify => "new value",
+            Asks::Force => "forced value",
+        };
+        return Line::from(format!("{question}: {text}▏  Enter  Esc: not"));
+    }
+    if !model.refused.is_empty() {
+        return Line::from(Span::styled(format!(" {} ", model.refused), colored(Color::Red)));
+    }
+    let own = match model.part {
+        Part::Program => "Enter: open, watch  /: search",
+        Part::Watch if model.role() == Role::Look => "d: remove",
+        Part::Watch if model.role() == Role::Operate => "m: modify  d: remove",
+        Part::Watch => "m: modify  f: force  u: end forcing  d: remove",
+        Part::Diagnostics => "",
+    };
+    let control = if model.role() == Role::Change { "  S: stop  R: run" } else { "" };
+    Line::from(format!("Tab ↑↓  {own}  a: add{control}  q: leave"))
+}

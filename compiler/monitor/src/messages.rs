@@ -1,0 +1,68 @@
+//! What the page's connection tells, and what it is told, as JSON: the part of it that is shown here. See `web/messages.rs` of the services.
+
+use plcc_abi::services::Role;
+use serde::{Deserialize, Serialize};
+
+/// An order to the CPU.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(tag = "do", rename_all = "lowercase")]
+pub enum Order {
+    Watch { names: Vec<String> },
+    Modify { name: String, value: String },
+    Force { name: String, value: String },
+    Unforce { name: Option<String> },
+    Stop,
+    Run { restart: String },
+}
+
+/// What is new; what has not changed is left out.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(default)]
+pub struct News {
+    pub hello: Option<Hello>,
+    pub state: Option<State>,
+    /// Number in the list of watched names, and value, or why there is none.
+    pub values: Vec<(usize, Shown)>,
+    pub wrong: Vec<(usize, String)>,
+    pub buffer: Option<Vec<Entry>>,
+    pub forced: Option<Vec<(String, String)>>,
+    pub refused: Option<String>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+pub struct Hello {
+    pub program: String,
+    pub cpu: String,
+    pub role: Role,
+}
+
+#[derive(Clone, Debug, Default, Deserialize)]
+pub struct State {
+    pub running: bool,
+    pub reason: String,
+    pub cycle: u64,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+pub struct Shown {
+    pub text: String,
+    #[serde(rename = "type")]
+    pub ty: String,
+}
+
+/// An event of the diagnostic buffer; its clock in milliseconds since 1970.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Entry {
+    pub clock: f64,
+    pub event: u16,
+    pub text: String,
+    pub place: String,
+}
+
+/// A value that the program uses.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Listed {
+    pub name: String,
+    #[serde(rename = "type")]
+    pub ty: String,
+}

@@ -1,0 +1,308 @@
+//! What is known of the CPU, what of it is shown, and what keys do.
+
+use std::collections::BTreeMap;
+
+use crate::messages::{Entry, Hello, News, Order, Shown, State};
+use plcc_abi::services::Role;
+use ratatui::crossterm::event::KeyCode;
+
+use crate::connection::Incoming;
+
+/// The parts of the screen that take keys.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// The values of the program.
+    Program,
+    /// The watch table.
+    Watch,
+    Diagnostics,
+}
+
+/// What the line at the bottom asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Asks {
+    /// Part of a name.
+    Search,
+    /// A name for the watch table.
+    Name,
+    /// A new value of the row.
+    Modify,
+    /// A value that the row has from now on.
+    Force,
+}
+
+/// A line of the tree: a name, or a part that several names have in common.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Node {
+    pub depth: usize,
+    /// What is shown.
+    pub label: String,
+    /// The whole name.
+    pub path: String,
+    pub ty: String,
+    /// It has others below it, which are shown or not.
+    pub open: Option<bool>,
+}
+
+/// See the module comment.
+pub struct Model {
+    pub address: String,
+    pub hello: Option<Hello>,
+    pub state: State,
+    /// Why there is no connection; `None`: there is one.
+    pub lost: Option<String>,
+    /// Names with their types.
+    names: Vec<(String, String)>,
+    open: Vec<String>,
+    pub search: String,
+    pub tree: Vec<Node>,
+    pub watched: Vec<String>,
+    pub values: BTreeMap<String, Result<Shown, String>>,
+    pub forced: Vec<(String, String)>,
+    pub buffer: Vec<Entry>,
+    pub part: Part,
+    /// The row with the cursor, of each part.
+    at: [usize; 3],
+    pub asks: Option<(Asks, String)>,
+    /// Why an order was not carried out.
+    pub refused: String,
+    orders: Vec<Order>,
+    over: bool,
+}
+
+impl Model {
+    pub fn new(address: &str, watched: Vec<String>) -> Model {
+        Model {
+            address: address.to_string(),
+            hello: None,
+            state: State::default(),
+            lost: Some("connecting".to_string()),
+            names: Vec::new(),
+            open: Vec::new(),
+            search: String::new(),
+            tree: Vec::new(),
+            part: if watched.is_empty() { Part::Program } else { Part::Watch },
+            watched,
+            values: BTreeMap::new(),
+            forced: Vec::new(),
+            buffer: Vec::new(),
+            at: [0; 3],
+            asks: None,
+            refused: String::new(),
+            orders: Vec::new(),
+            over: false,
+        }
+    }
+
+    /// The user leaves.
+    pub fn is_over(&self) -> bool {
+        self.over
+    }
+
+    /// What the CPU is to do, each once.
+    pub fn orders(&mut self) -> impl Iterator<Item = Order> {
+        std::mem::take(&mut self.orders).into_iter()
+    }
+
+    pub fn role(&self) -> Role {
+        self.hello.as_ref().map_or(Role::Look, |hello| hello.role)
+    }
+
+    /// The row with the cursor.
+    pub fn row(&self, part: Part) -> usize {
+        self.at[part as usize]
+    }
+
+    /// Takes what has come.
+    pub fn take(&mut self, incoming: Incoming) {
+        match incoming {
+            Incoming::Connected(names) => {
+                self.lost = None;
+                self.names = names.into_iter().map(|one| (one.name, one.ty)).collect();
+                self.grow();
+                self.watch();
+            }
+            Incoming::Lost(why) => self.lost = Some(why),
+            Incoming::News(news) => self.news(*news),
+        }
+    }
+
+    fn news(&mut self, news: News) {
+        let News { hello, state, values, wrong, buffer, forced, refused } = news;
+        self.hello = hello.or(self.hello.take());
+        if let Some(state) = state {
+            self.state = state;
+        }
+        for (number, shown) in values {
+            if let Some(name) = self.watched.get(number) {
+                self.values.insert(name.clone(), Ok(shown));
+            }
+        }
+        for (number, why) in wrong {
+            if let Some(name) = self.watched.get(number) {
+                self.values.insert(name.clone(), Err(why));
+            }
+        }
+        if let Some(buffer) = buffer {
+            self.buffer = buffer;
+        }
+        if let Some(forced) = forced {
+            self.forced = forced;
+        }
+        if let Some(refused) = refused {
+            self.refused = refused;
+        }
+    }
+
+    /// The CPU tells the values of the watch table from now on.
+    fn watch(&mut self) {
+        self.values.clear();
+        self.orders.push(Order::Watch { names: self.watched.clone() });
+    }
+
+    /// Makes the tree of the names: parts before the last dot are branches.
+    fn grow(&mut self) {
+        let search = self.search.to_lowercase();
+        let mut tree: Vec<Node> = Vec::new();
+        let mut last: Vec<&str> = Vec::new();
+        for (name, ty) in &self.names {
+            if !search.is_empty() && !name.to_lowercase().contains(&search) {
+                continue;
+            }
+            let parts: Vec<&str> = name.split('.').collect();
+            // An address such as DB1.DBW2 and I0.0 is one part.
+            let is_address = name.chars().next().is_some_and(char::is_uppercase)
+                && parts.get(1).is_some_and(|part| part.starts_with("DB") || part.parse::<u32>().is_ok());
+            let parts = if is_address { vec![name.as_str()] } else { parts };
+            let common = parts.iter().zip(&last).take_while(|(one, other)| one == other).count();
+            let mut is_hidden = false;
+            for depth in 0..parts.len() {
+                let path = parts[..=depth].join(".");
+                let is_leaf = depth + 1 == parts.len();
+                let is_open = !search.is_empty() || self.open.contains(&path);
+                if (depth >= common || is_leaf) && !is_hidden {
+                    tree.push(Node {
+                        depth,
+                        label: parts[depth].to_string(),
+                        path: path.clone(),
+                        ty: if is_leaf { ty.clone() } else { String::new() },
+                        open: (!is_leaf).then_some(is_open),
+                    });
+                }
+                is_hidden |= !is_leaf && !is_open;
+            }
+            last = parts;
+        }
+        self.tree = tree;
+        self.at[Part::Program as usize] = self.row(Part::Program).min(self.tree.len().saturating_sub(1));
+    }
+
+    /// A key was pressed.
+    pub fn key(&mut self, key: KeyCode) {
+        if self.asks.is_some() {
+            self.answer(key);
+            return;
+        }
+        self.refused.clear();
+        match key {
+            KeyCode::Char('q') | KeyCode::Esc => self.over = true,
+            KeyCode::Tab => {
+                self.part = match self.part {
+                    Part::Program => Part::Watch,
+                    Part::Watch => Part::Diagnostics,
+                    Part::Diagnostics => Part::Program,
+                };
+            }
+            KeyCode::Up => self.go(-1),
+            KeyCode::Down => self.go(1),
+            KeyCode::PageUp => self.go(-10),
+            KeyCode::PageDown => self.go(10),
+            KeyCode::Char('S') => self.orders.push(Order::Stop),
+            KeyCode::Char('R') => self.orders.push(Order::Run { restart: "warm".to_string() }),
+            KeyCode::Char('a') => self.asks = Some((Asks::Name, String::new())),
+            _ => match self.part {
+                Part::Program => self.key_in_program(key),
+                Part::Watch => self.key_in_watch(key),
+                Part::Diagnostics => {}
+            },
+        }
+    }
+
+    fn key_in_program(&mut self, key: KeyCode) {
+        match key {
+            KeyCode::Char('/') => self.asks = Some((Asks::Search, self.search.clone())),
+            KeyCode::Enter | KeyCode::Char(' ') => {
+                let Some(node) = self.tree.get(self.row(Part::Program)).cloned() else { return };
+                match node.open {
+                    Some(true) => self.open.retain(|path| *path != node.path),
+                    Some(false) => self.open.push(node.path),
+                    None => return self.add(node.path),
+                }
+                self.grow();
+            }
+            _ => {}
+        }
+    }
+
+    fn key_in_watch(&mut self, key: KeyCode) {
+        let at = self.row(Part::Watch);
+        let Some(name) = self.watched.get(at).cloned() else { return };
+        match key {
+            KeyCode::Char('m') => self.asks = Some((Asks::Modify, String::new())),
+            KeyCode::Char('f') => self.asks = Some((Asks::Force, String::new())),
+            KeyCode::Char('u') => self.orders.push(Order::Unforce { name: Some(name) }),
+            KeyCode::Char('d') | KeyCode::Delete => {
+                self.watched.remove(at);
+                self.go(0);
+                self.watch();
+            }
+            _ => {}
+        }
+    }
+
+    /// A value becomes a row of the watch table.
+    fn add(&mut self, name: String) {
+        if !self.watched.contains(&name) {
+            self.watched.push(name);
+            self.watch();
+        }
+    }
+
+    fn go(&mut self, rows: isize) {
+        let count = match self.part {
+            Part::Program => self.tree.len(),
+            Part::Watch => self.watched.len(),
+            Part::Diagnostics => self.buffer.len(),
+        };
+        let at = &mut self.at[self.part as usize];
+        *at = at.saturating_add_signed(rows).min(count.saturating_sub(1));
+    }
+
+    /// A key for the line at the bottom.
+    fn answer(&mut self, key: KeyCode) {
+        let Some((asks, mut text)) = self.asks.take() else { return };
+        match key {
+            KeyCode::Esc => return,
+            KeyCode::Enter => return self.answered(asks, text.trim().to_string()),
+            KeyCode::Backspace => drop(text.pop()),
+            KeyCode::Char(letter) => text.push(letter),
+            _ => {}
+        }
+        self.asks = Some((asks, text));
+    }
+
+    fn answered(&mut self, asks: Asks, text: String) {
+        let name = self.watched.get(self.row(Part::Watch)).cloned();
+        match (asks, name) {
+            (Asks::Search, _) => {
+                self.search = text;
+                self.grow();
+            }
+            (_, _) if text.is_empty() => {}
+            (Asks::Name, _) => self.add(text),
+            (Asks::Modify, Some(name)) => self.orders.push(Order::Modify { name, value: text }),
+            (Asks::Force, Some(name)) => self.orders.push(Order::Force { name, value: text }),
+            (Asks::Modify | Asks::Force, None) => {}
+        }
+    }
+}

@@ -1,0 +1,151 @@
+//! Pictures of models, and what keys order. `UPDATE_EXPECT=1` renews the pictures.
+
+use crate::messages::{Entry, Hello, Listed, News, Order, Shown, State};
+use ratatui::Terminal;
+use ratatui::backend::TestBackend;
+use ratatui::crossterm::event::KeyCode;
+
+use crate::connection::Incoming;
+use crate::draw::draw;
+use crate::model::Model;
+
+/// The model as text, a line for each line of the screen.
+fn picture(model: &Model) -> String {
+    let mut terminal = Terminal::new(TestBackend::new(96, 18)).expect("a screen in memory");
+    terminal.draw(|frame| draw(model, frame)).expect("a screen in memory");
+    let buffer = terminal.backend().buffer();
+    let line = |y: u16| {
+        let text: String = (0..buffer.area.width).map(|x| buffer[(x, y)].symbol()).collect();
+        format!("{}\n", text.trim_end())
+    };
+    (0..buffer.area.height).map(line).collect()
+}
+
+fn check(name: &str, model: &Model) {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests").join(name);
+    let found = picture(model);
+    if std::env::var_os("UPDATE_EXPECT").is_some() {
+        std::fs::write(&path, &found).expect("the folder can be written");
+    }
+    let expected = std::fs::read_to_string(&path).unwrap_or_default();
+    assert!(found == expected, "{}:\n{found}", path.display());
+}
+
+fn listed() -> Incoming {
+    let one = |(name, ty): (&str, &'static str)| Listed { name: name.to_string(), ty: ty.into() };
+    let all = [
+        ("I0.0", "BOOL"),
+        ("Line.a.count", "INT"),
+        ("Line.a.delay", "TIME"),
+        ("Line.b.count", "INT"),
+        ("MW10", "WORD"),
+    ];
+    Incoming::Connected(all.map(one).to_vec())
+}
+
+fn news(role: &str) -> News {
+    serde_json::from_str(&format!(
+        r#"{{"hello": {{"program": "line", "cpu": "s7-1500", "user": "", "role": "{role}"}},
+            "state": {{"running": true, "reason": "", "cycle": 1204, "generation": 0, "clock": 86399999.0}},
+            "buffer": [{{"clock": 3723004.0, "event": 17154, "text": "RUN", "place": ""}}]}}"#
+    ))
+    .expect("it is what the page gets")
+}
+
+fn model(role: &str) -> Model {
+    let mut model = Model::new("127.0.0.1:8080", vec!["MW10".to_string(), "I0.0".to_string(), "Nobody".to_string()]);
+    model.take(listed());
+    model.take(Incoming::News(Box::new(news(role))));
+    let shown = |text: &str, ty: &'static str| Shown { text: text.to_string(), ty: ty.to_string() };
+    model.take(Incoming::News(Box::new(News {
+        values: vec![(0, shown("16#002A", "WORD")), (1, shown("1", "BOOL"))],
+        wrong: vec![(2, "`Nobody` is not a name".to_string())],
+        forced: Some(vec![("I0.0".to_string(), "1".to_string())]),
+        ..News::default()
+    })));
+    model
+}
+
+fn keys(model: &mut Model, keys: &str) {
+    for key in keys.chars() {
+        model.key(match key {
+            '\n' => KeyCode::Enter,
+            '\t' => KeyCode::Tab,
+            '↓' => KeyCode::Down,
+            '↑' => KeyCode::Up,
+            '←' => KeyCode::Backspace,
+            letter => KeyCode::Char(letter),
+        });
+    }
+}
+
+#[test]
+fn a_cpu_in_run() {
+    check("run.txt", &model("change"));
+}
+
+#[test]
+fn a_branch_is_opened_and_a_value_watched() {
+    let mut model = model("look");
+    let _ = model.orders().count();
+    keys(&mut model, "\t\t↓\n↓\n↓\n");
+    check("tree.txt", &model);
+    let names = ["MW10", "I0.0", "Nobody", "Line.a.count"].map(str::to_string).to_vec();
+    assert_eq!(model.orders().collect::<Vec<_>>(), [Order::Watch { names }]);
+    keys(&mut model, "/delay\n");
+    check("search.txt", &model);
+}
+
+#[test]
+fn values_are_modified_and_forced() {
+    let mut model = model("change");
+    let _ = model.orders().count();
+    let text = str::to_string;
+    keys(&mut model, "m12←7\n↓f0\nuSR");
+    let orders = [
+        Order::Modify { name: text("MW10"), value: text("17") },
+        Order::Force { name: text("I0.0"), value: text("0") },
+        Order::Unforce { name: Some(text("I0.0")) },
+        Order::Stop,
+        Order::Run { restart: text("warm") },
+    ];
+    assert_eq!(model.orders().collect::<Vec<_>>(), orders);
+    keys(&mut model, "f1");
+    check("question.txt", &model);
+    keys(&mut model, "\nd");
+    assert_eq!(model.watched, ["MW10", "Nobody"]);
+    keys(&mut model, "q");
+    assert!(model.is_over());
+}
+
+#[test]
+fn a_lost_connection_is_told_and_begins_anew() {
+    let mut model = model("operate");
+    model.take(Incoming::Lost("Connection refused".to_string()));
+    check("lost.txt", &model);
+    let _ = model.orders().count();
+    model.take(listed());
+    assert_eq!(model.orders().count(), 1, "the watch table is asked for again");
+    model.take(Incoming::News(Box::new(News {
+        refused: Some("DB 1 is write-protected".to_string()),
+        ..News::default()
+    })));
+    let stop = State { reason: "STOP by a client".to_string(), ..State::default() };
+    model.take(Incoming::News(Box::new(News { state: Some(stop), ..News::default() })));
+    check("refused.txt", &model);
+}
+
+#[test]
+fn no_key_and_no_news_do_harm() {
+    let mut model = Model::new("", Vec::new());
+    let entry = Entry { clock: f64::NAN, event: 0, text: String::new(), place: String::new() };
+    let hello = Hello { program: String::new(), cpu: String::new(), role: plcc_abi::services::Role::Look };
+    for round in 0..3 {
+        keys(&mut model, "\n↓↑\tmfud\n↑↓\t\n/x\n\ta\n");
+        let _ = picture(&model);
+        let mut news = News { buffer: Some(vec![entry.clone(); round]), hello: Some(hello.clone()), ..News::default() };
+        news.wrong = vec![(usize::MAX, String::new())];
+        model.take(Incoming::News(Box::new(news)));
+        model.take(Incoming::Connected(vec![Listed { name: "..".to_string(), ty: "".into() }]));
+    }
+}
