@@ -271,7 +271,7 @@ impl Cpu {
     /// its place.
     pub(crate) fn force_from(&self, path: &Path, may_be_missing: bool) -> Result<(), String> {
         let shown = path.display();
-        if !(may_be_missing && !path.exists()) {
+        if !may_be_missing || path.exists() {
             let text = files::regular(path)
                 .and_then(|()| std::fs::read_to_string(path))
                 .map_err(|error| format!("{shown}: {error}"))?;

@@ -248,15 +248,20 @@ async fn change(
 ) -> Result<Response, Response> {
     // Not on the thread that serves everybody: comparing takes its time.
     let changed = tokio::task::spawn_blocking(move || {
-        let prepared = prepare(&loader).map_err(|why| refused(StatusCode::UNPROCESSABLE_ENTITY, &why))?;
+        let impossible = |why| (StatusCode::UNPROCESSABLE_ENTITY, why);
+        let prepared = prepare(&loader).map_err(impossible)?;
         let mut lines: Vec<String> = prepared.items().iter().map(|item| item.text.clone()).collect();
         if prepared.loses() && !lose {
-            return Err(refused(StatusCode::CONFLICT, &lines.join("\n")));
+            return Err((StatusCode::CONFLICT, lines.join("\n")));
         }
-        lines.extend(loader.apply(prepared).map_err(|why| refused(StatusCode::UNPROCESSABLE_ENTITY, &why))?);
-        Ok(lines.join("\n").into_response())
+        lines.extend(loader.apply(prepared).map_err(impossible)?);
+        Ok(lines.join("\n"))
     });
-    changed.await.map_err(|_| StatusCode::INTERNAL_SERVER_ERROR.into_response())?
+    match changed.await {
+        Ok(Ok(lines)) => Ok(lines.into_response()),
+        Ok(Err((status, why))) => Err(refused(status, &why)),
+        Err(_) => Err(StatusCode::INTERNAL_SERVER_ERROR.into_response()),
+    }
 }
 
 /// The places of the probes of a block: `FB1`.
