@@ -157,14 +157,15 @@ fn literal(text: &str) -> Result<String, String> {
             Err(_) => Err(format!("`{text}` is not a number")),
         };
     }
+    // Durations last: they take any number as milliseconds.
     let types = [
-        AssertType::Time,
-        AssertType::Ltime,
-        AssertType::S5Time,
         AssertType::Unsigned(64),
         AssertType::Signed(64),
         AssertType::Lreal,
         AssertType::Bits(64),
+        AssertType::Time,
+        AssertType::Ltime,
+        AssertType::S5Time,
     ];
     for ty in types {
         if let Ok(value) = typed::parse(text, ValueType::of(ty)) {

@@ -164,6 +164,18 @@ pub(crate) fn is_source(path: &Path, text: &str) -> bool {
     matches!(content_in_folder(path, text), Content::Source | Content::SourceAndTable)
 }
 
+/// True unless a file in a folder is clearly no part of a program or its tests; also if it cannot be read.
+pub(crate) fn may_be_input(path: &Path) -> bool {
+    let is_one_of =
+        |suffix: &std::ffi::OsStr| [TEXTS_SUFFIX, "toml", "xlsx"].iter().any(|one| suffix.eq_ignore_ascii_case(one));
+    if path.extension().is_some_and(is_one_of) || pipeline::language_of(&path.display().to_string()).is_some() {
+        return true;
+    }
+    let Ok(bytes) = fs::read(path) else { return true };
+    let content = content_in_folder(path, &String::from_utf8_lossy(&bytes));
+    !matches!(content, Content::Nothing | Content::Prose | Content::Other(_))
+}
+
 /// The extension of files with the texts of a source in SIMATIC SD.
 const TEXTS_SUFFIX: &str = "s7res";
 
