@@ -61,15 +61,17 @@ async function look(tab) {
   await tab(`location.hash = "recording"; 0`);
   await until(tab, "the event that begins it", `document.querySelector("#trigger").options.length === 3`);
   await tab(`{
-    document.querySelector("#trigger").value = "1"; document.querySelector("#level").value = "300";
+    // Half a second from now, so that there are cycles before it.
+    window.level = Math.max(30, (live.shown.get("MW30").value + 256) % 512);
+    document.querySelector("#trigger").value = "1"; document.querySelector("#level").value = String(level);
     document.querySelector("#samples").value = "100"; recording.start();
   }`);
   await until(tab, "a complete recording", `/complete, 100 samples/.test(document.querySelector("#record-state").textContent)`);
   // Samples before the event, of cycles that follow each other, and the same in both files.
-  await until(tab, "what was before the event", `recording.before === 20 && recording.samples[20][3] === 300`);
+  await until(tab, "what was before the event", `recording.before === 20 && recording.samples[20][3] === level`);
   await until(tab, "no cycle left out", `recording.samples.every(([cycle], i) => i === 0 || cycle === recording.samples[i - 1][0] + 1)`);
-  await until(tab, "a table", `recording.csv().split("\\n")[21].endsWith(",300")`);
-  await until(tab, "a dump", `/#\\d+\\nr300 "/.test(recording.vcd())`);
+  await until(tab, "a table", `recording.csv().split("\\n")[21].endsWith("," + level)`);
+  await until(tab, "a dump", `new RegExp("#\\\\d+\\\\nr" + level + ' "').test(recording.vcd())`);
 
   await tab(`location.hash = "cpu-view"; 0`);
   await until(tab, "times of cycles", `document.querySelectorAll(".bars i").length > 0`);

@@ -120,7 +120,10 @@ impl Client {
             "where" => self.stack()?,
             "show" => self.show(rest)?,
             _ => {
-                let arguments = if rest.is_empty() { json!({}) } else { arguments(rest)? };
+                let mut arguments = if rest.is_empty() { json!({}) } else { arguments(rest)? };
+                if let Some(Value::String(path)) = arguments.pointer_mut("/source/path") {
+                    *path = root().join(&*path).display().to_string();
+                }
                 let command = if name == "start" { "configurationDone" } else { name };
                 let body = self.request(command, &arguments)?;
                 if let Some(breakpoints) = body.as_ref().filter(|body| body.get("breakpoints").is_some()) {
