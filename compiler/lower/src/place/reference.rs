@@ -39,7 +39,9 @@ impl BlockLowering<'_, '_> {
             return;
         }
         for parameter in &self.block.interface.parameters {
-            let (Passing::Complex { bytes }, Passed::InOut) = (parameter.passing, parameter.direction) else { continue };
+            let (Passing::Complex { bytes }, Passed::InOut) = (parameter.passing, parameter.direction) else {
+                continue;
+            };
             let reference = Reference {
                 bytes,
                 db: self.b.declare_var(Type::I32),
