@@ -140,6 +140,10 @@ impl Repair<'_> {
             return false;
         }
         let has_end = self.kind(self.at + 1) == Some(RawKind::Semicolon);
+        // A block may have this name.
+        if !has_end && self.beside(self.at + 1).is_some() {
+            return false;
+        }
         let after = if has_end { self.at + 2 } else { self.at + 1 };
         let word = self.words(self.at, after - 1).to_owned();
         let title = "a branch of CASE ends before the next value".to_owned();
