@@ -244,10 +244,26 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
         .flat_map(|message| message.secondary.iter().map(|label| label.span))
         .collect();
     diagnostics.retain(|message| message.code != Code::SymbolTable || !shown.contains(&message.primary.span));
+    forget_doubtful(&mut diagnostics);
     plcc_diag::sort(&mut diagnostics);
     // Two stages may find the same fault; report it once.
     diagnostics.dedup_by_key(|d| (d.code, d.primary.span));
     Bound { sources, program, diagnostics }
+}
+
+/// Removes warnings about what a file lacks where a statement of it could not be read: that may be what is missing.
+fn forget_doubtful(diagnostics: &mut Vec<Diagnostic>) {
+    let is_unread = |message: &&Diagnostic| {
+        let codes = [Code::Syntax, Code::UnknownInstruction, Code::ForeignForm, Code::UnexpectedCharacter];
+        message.is_error() && codes.contains(&message.code)
+    };
+    let unread: FxHashSet<FileId> =
+        diagnostics.iter().filter(is_unread).map(|message| message.primary.span.file).collect();
+    let is_doubtful = |code| matches!(code, Code::UnusedLabel | Code::TimerWithoutTime | Code::UnreachableCode);
+    // A comment or text that is not closed may hide OB 1.
+    let is_open = diagnostics.iter().any(|message| message.code == Code::UnterminatedText);
+    diagnostics.retain(|message| !(is_open && message.code == Code::NoMainBlock));
+    diagnostics.retain(|message| !is_doubtful(message.code) || !unread.contains(&message.primary.span.file));
 }
 
 /// Name of the file in which stand-ins for missing parts have their places.
