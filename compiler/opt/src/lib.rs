@@ -16,6 +16,7 @@ mod dead_stores;
 mod duplicate;
 mod effects;
 mod extents;
+mod finite;
 mod floats;
 mod fold;
 mod forward;
@@ -160,6 +161,10 @@ pub const ALONE: &[Pass] = &[
     surrounded("words", forward::read_whole_words),
     surrounded("merge-bits", merge_bits::merge_bits),
     function("floats", floats::relax_floats),
+    // Flags that nobody reads go first: what is stored between two results keeps them apart.
+    surrounded("dead-stores", dead_stores::eliminate_dead_stores),
+    function("unused", unused::remove_unused),
+    function("finite-results", finite::part_finite_results),
     surrounded("hoist-lookups", invariants::hoist_lookups),
     function("turn-loops", duplicate::turn_loops),
     function("fold", fold::fold),
