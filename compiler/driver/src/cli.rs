@@ -329,6 +329,9 @@ pub struct TestArgs {
     /// Write the results to a file in the form of JUnit, for CI services.
     #[arg(long, value_name = "FILE")]
     pub junit: Option<PathBuf>,
+    /// Count what the tests run of the programs, and write it to a folder: pages with the networks, and lcov.info.
+    #[arg(long, value_name = "DIR")]
+    pub coverage: Option<PathBuf>,
     /// Run the tests again whenever a file changes.
     #[arg(long)]
     pub watch: bool,

@@ -384,6 +384,15 @@ pub fn lower_for_debugger(bound: &Bound) -> (Compiled, Vec<plcc_lower::probe::Pl
     (Compiled { module: lowered.module, image: lowered.image, optimization: Level::O0.into() }, lowered.probes)
 }
 
+/// The IR of a program without errors, with probes that tell what of it runs, and their places.
+pub fn lower_for_coverage(
+    bound: &Bound,
+    optimization: impl Into<Optimization>,
+) -> (Compiled, Vec<plcc_lower::probe::Place>) {
+    let lowered = plcc_lower::lower_for_coverage(&bound.program, &bound.sources);
+    (Compiled { module: lowered.module, image: lowered.image, optimization: optimization.into() }, lowered.probes)
+}
+
 /// Runs the passes of plcc, at -O2.
 pub fn optimize(mut compiled: Compiled) -> Compiled {
     match compiled.optimization.level {

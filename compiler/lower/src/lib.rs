@@ -73,6 +73,12 @@ pub fn lower_for_debugger(program: &Program, sources: &SourceMap) -> Lowered {
     lower_program(program, sources, Probes::new(Asked::Statements))
 }
 
+/// Lowers a program that was bound without errors, with probes that tell which of its statements run, and which values the bits have that
+/// decide.
+pub fn lower_for_coverage(program: &Program, sources: &SourceMap) -> Lowered {
+    lower_program(program, sources, Probes::new(Asked::Coverage))
+}
+
 fn lower_program(program: &Program, sources: &SourceMap, probes: Probes) -> Lowered {
     if let Some(cpu) = program.s7200 {
         return s7200::lower(program, cpu, sources, probes);
