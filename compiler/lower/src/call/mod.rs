@@ -67,6 +67,7 @@ impl BlockLowering<'_, '_> {
             }
         }
         self.safepoint();
+        self.renew_references();
     }
 
     /// Counts the block depth and the local data if they are not bounded at compile time. Returns the depth before.
@@ -148,6 +149,7 @@ impl BlockLowering<'_, '_> {
             self.set(self.regs.var(register), value);
         }
         self.safepoint();
+        self.renew_references();
     }
 }
 
