@@ -88,6 +88,10 @@ impl Maker<'_> {
                 let kind = OperandKind::Block(self.db_name(*number, span));
                 Through { area: Some(PlaceArea::Db), open: Some(Operand { kind, span: self.span }) }
             }
+            IndexedArea::DynamicDb(number) if self.block_parameter(number).is_some() => {
+                let open = self.block_parameter(number);
+                Through { area: Some(PlaceArea::Db), open }
+            }
             IndexedArea::DynamicDb(number) => {
                 let stored = self.temporary(Elementary::Word);
                 self.number(number);
@@ -122,6 +126,19 @@ impl Maker<'_> {
         Some(through)
     }
 
+    /// A parameter of type BLOCK_DB.
+    fn block_parameter(&self, number: &Expr) -> Option<Operand> {
+        let ExprKind::Load(access) = &number.kind else { return None };
+        let parameters = &self.block.interface.parameters;
+        let formal = match access.base {
+            Base::Place(Place::Parameter { parameter, .. }) => parameters.get(parameter),
+            Base::Place(Place::Instance { byte, .. }) => parameters.iter().find(|formal| formal.byte == byte),
+            _ => None,
+        };
+        let formal = formal.filter(|formal| formal.passing == Passing::Number && access.indices.is_empty());
+        formal.map(|formal| super::code::local(&formal.name, self.span))
+    }
+
     fn db_in(&self, stored: Operand) -> Operand {
         let kind = OperandKind::BlockIndirect { prefix: BlockPrefix::Db, pointer: Box::new(stored) };
         Operand { kind, span: self.span }
@@ -139,6 +156,7 @@ impl Maker<'_> {
             Place::M { byte, bit } => self.memory(PlaceArea::M, bits(*byte, *bit) - lowest),
             Place::Pi { byte, bit } => self.memory(PlaceArea::Pi, bits(*byte, *bit) - lowest),
             Place::Pq { byte, bit } => self.memory(PlaceArea::Pq, bits(*byte, *bit) - lowest),
+            Place::Db { number, .. } if !self.is_named(*number, access.span) => self.no_address(access.span),
             Place::Db { number, byte, bit } => {
                 self.add_pointer(bits(*byte, *bit) - lowest);
                 let kind = OperandKind::Block(self.db_name(*number, access.span));

@@ -1,6 +1,6 @@
 //! Calls of blocks. Source: SCL reference, calls; STL reference, CALL.
 
-use plcc_abi::image::BlockKind;
+use plcc_abi::image::{BlockKind, Family};
 use plcc_diag::Span;
 use plcc_model::scl::{Access, Actual, Argument, Base, Call, Complex, Expr, ExprKind, Instance};
 use plcc_model::types::{DataType, Elementary, ParameterType};
@@ -10,6 +10,9 @@ use plcc_syntax::literal::Literal;
 use plcc_syntax::stl::StlInsn;
 
 use super::Maker;
+
+/// Blocks of the library with higher numbers have them from plcc.
+const SYSTEM_NUMBER_MAX: u16 = 999;
 
 /// What an output of the call is copied to after it.
 struct Back<'m> {
@@ -138,6 +141,11 @@ impl Maker<'_> {
     /// `FC 1`, `"Motor"`; `FB 1, DB 5`; `#motor`.
     fn callee(&mut self, call: &Call, callee: &CodeBlock) -> Option<(Operand, Option<Operand>)> {
         let here = self.span;
+        if !self.has_name_in_stl(call, callee) {
+            let what = format!("a call of `{}`, whose name may mean another block there", callee.name);
+            self.refuse(call.span, what, "call it in a block of SCL");
+            return None;
+        }
         if let Some(Instance::Variable(access)) = &call.instance {
             if !self.is_direct(access) || !matches!(access.base, Base::Place(Place::Instance { .. })) {
                 let help = "declare the instance as static data of the block";
@@ -177,6 +185,22 @@ impl Maker<'_> {
         Some((Operand { kind, span: here }, instance))
     }
 
+    /// A statement list that names the block or the instance calls the same: the type of the instance is that of the block, and names of
+    /// the library mean the same in both languages.
+    fn has_name_in_stl(&self, call: &Call, callee: &CodeBlock) -> bool {
+        let key = callee.key();
+        let is_own = match &call.instance {
+            None => true,
+            Some(Instance::Db(number)) => self.program.db(*number).is_some_and(|db| db.instance_of == Some(key)),
+            Some(Instance::Variable(access)) => {
+                let wanted = Some((key.kind == BlockKind::Sfb, key.number));
+                matches!(&access.ty, DataType::Struct(structure) if structure.instance_of == wanted)
+            }
+        };
+        let is_classic = matches!(self.program.profile.family, Family::S7300 | Family::S7400) && !self.is_portal;
+        is_own && (!callee.library || (callee.number <= SYSTEM_NUMBER_MAX && (is_classic || call.instance.is_none())))
+    }
+
     // Actual parameters.
 
     fn actual<'m>(
@@ -205,7 +229,7 @@ impl Maker<'_> {
                 Some(from)
             }
             Actual::Complex(Complex::Variable(access)) | Actual::Reference(access) => {
-                if !self.is_direct(access) {
+                if !self.is_direct(access) || matches!(formal.ty, DataType::OpenArray(_)) {
                     return self.no_actual(argument.span);
                 }
                 self.operand(access)
@@ -252,6 +276,9 @@ impl Maker<'_> {
 
     /// An input: a variable or constant itself, if the callee gets the value that it has at the call.
     fn input_value(&mut self, call: &Call, callee: &CodeBlock, value: &Expr) -> Operand {
+        if !self.has_type(value) {
+            return self.constant(value.ty, 0);
+        }
         match &value.kind {
             ExprKind::Const(bits) if value.ty != Elementary::Real || f32::from_bits(*bits as u32).is_finite() => {
                 return self.constant(value.ty, *bits);

@@ -3,8 +3,8 @@
 use plcc_diag::Span;
 use plcc_model::types::Elementary;
 use plcc_syntax::ast::{
-    self, CodeBlock, CodeKind, Label, Operand, OperandKind, Path, PathRoot, Section, SectionKind, Statement,
-    StatementKind, TypeKind, TypeRef, Variable,
+    self, Bound, CodeBlock, CodeKind, InitialKind, InitialValue, Label, Operand, OperandKind, Path, PathRoot, Section,
+    SectionKind, Statement, StatementKind, TypeKind, TypeRef, Variable,
 };
 use plcc_syntax::literal::Literal;
 use plcc_syntax::stl::StlInsn;
@@ -120,6 +120,10 @@ impl Maker<'_> {
             let own = block.sections.iter_mut().filter(|section| section.kind == SectionKind::Static);
             own.for_each(|section| section.kind = SectionKind::Temp);
         }
+        // The statements have their values.
+        if !block.sections.iter().flat_map(|section| &section.variables).any(names_constants) {
+            block.constants.clear();
+        }
         if self.temporaries.is_empty() {
             return;
         }
@@ -136,6 +140,35 @@ impl Maker<'_> {
         });
         let variables = variables.collect();
         block.sections.push(Section { kind: SectionKind::Temp, retain: ast::Retain::Unsaid, variables, span });
+    }
+}
+
+/// Its type or initial value refers to a constant of the block.
+fn names_constants(variable: &Variable) -> bool {
+    let is_name = |bound: &Bound| !matches!(bound, Bound::Number(..));
+    fn of_type(ty: &TypeRef, is_name: &dyn Fn(&Bound) -> bool) -> bool {
+        match &ty.kind {
+            TypeKind::String(bound) | TypeKind::WideString(bound) => bound.as_ref().is_some_and(is_name),
+            TypeKind::Array { bounds, element } => {
+                bounds.iter().any(|(low, high)| is_name(low) || is_name(high)) || of_type(element, is_name)
+            }
+            TypeKind::OpenArray { element, .. } | TypeKind::Reference(element) => of_type(element, is_name),
+            TypeKind::Struct(members) => members.iter().any(names_constants),
+            TypeKind::Named(_) | TypeKind::Block(_) | TypeKind::Error => false,
+        }
+    }
+    of_type(&variable.ty, &is_name) || variable.initial.as_ref().is_some_and(|value| !is_literal(value))
+}
+
+/// A value without names.
+fn is_literal(value: &InitialValue) -> bool {
+    match &value.kind {
+        InitialKind::Literal(_) | InitialKind::Default | InitialKind::Operand(_) => true,
+        InitialKind::List(values) => values.iter().all(is_literal),
+        InitialKind::Repeat { count, values } => matches!(count, Bound::Number(..)) && values.iter().all(is_literal),
+        InitialKind::Elements(values) => values.iter().all(|(_, value)| is_literal(value)),
+        InitialKind::Fields(values) => values.iter().all(|(_, value)| is_literal(value)),
+        InitialKind::Expr(value) => matches!(value.kind, plcc_syntax::scl::ast::ExprKind::Literal(_)),
     }
 }
 

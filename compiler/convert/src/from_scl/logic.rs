@@ -155,12 +155,27 @@ impl Maker<'_> {
                 self.term(right, Join::Xor, negated);
             }
             ExprKind::Compare { op, left, right } => self.compare(*op, left, right),
-            ExprKind::Convert { conversion: Conversion::ToBool, operand } => self.lowest_bit(operand),
+            ExprKind::Convert { conversion: Conversion::ToBool | Conversion::Bits { .. }, operand }
+                if operand.ty != Elementary::Bool =>
+            {
+                self.lowest_bit(operand);
+            }
             ExprKind::Unary { op: UnaryOp::Not, operand } if !is_bit(operand) => {
                 self.sequence(operand);
                 self.push(StlInsn::Not, None);
             }
-            _ => self.term(value, Join::And, false),
+            ExprKind::Unary { op: UnaryOp::Not, .. }
+            | ExprKind::Load(_)
+            | ExprKind::Cell { .. }
+            | ExprKind::Flag
+            | ExprKind::LastEno => self.term(value, Join::And, false),
+            ExprKind::Unary { .. }
+            | ExprKind::Convert { .. }
+            | ExprKind::Call(_)
+            | ExprKind::Function { .. }
+            | ExprKind::Timer(_)
+            | ExprKind::Counter(_)
+            | ExprKind::Bound { .. } => self.no_condition(value),
         }
     }
 

@@ -31,6 +31,7 @@ use plcc_model::types::{DataType, Elementary};
 use plcc_model::{self as model, Body, Direction, LabelId, Passing, Place, Program};
 use plcc_syntax::ast::{self, Block, Operand, SourceUnit};
 use plcc_syntax::front::Comment;
+use plcc_syntax::scl::ast::Dialect;
 use plcc_syntax::stl::StlInsn;
 
 use code::Temporary;
@@ -87,6 +88,8 @@ struct Maker<'a> {
     /// What is converted.
     span: Span,
     messages: Vec<Diagnostic>,
+    /// The block is in SCL of the TIA Portal.
+    is_portal: bool,
     /// The current statement has a message.
     refused: bool,
     /// The block has the message about indices.
@@ -127,6 +130,7 @@ impl<'a> Maker<'a> {
             temporaries: Vec::new(),
             span: tree.name.span(),
             messages: Vec::new(),
+            is_portal: matches!(&tree.code, ast::Code::Scl(body) if body.dialect == Dialect::Tia),
             refused: false,
             warned_of_indices: false,
             loops: Vec::new(),
@@ -284,7 +288,8 @@ impl Uses {
             of_result == 1 && matches!(last, Some(StatementKind::Assign { target, .. }) if is_result(target));
         // The result goes to the caller at the end, so only other writes outside of the frame may change an input.
         let others = seen.writes.iter().filter(|written| written.is_none() || **written != result).count();
-        let last_is_other = matches!(last, Some(StatementKind::Assign { target, .. }) if !is_result(target) && is_outside(target));
+        let last_is_other =
+            matches!(last, Some(StatementKind::Assign { target, .. }) if !is_result(target) && is_outside(target));
         Uses {
             copies_inputs: seen.calls || (others > 0 && !(others == 1 && last_is_other)),
             read: seen.accesses.iter().map(|(parameter, _)| *parameter).collect(),

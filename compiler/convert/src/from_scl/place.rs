@@ -67,6 +67,9 @@ impl Maker<'_> {
             Place::Instance { byte, bit } => self.in_members(&interface.instance, (*byte, *bit), ty, span),
             Place::Parameter { parameter, byte, bit } => {
                 let formal = &interface.parameters[*parameter];
+                if formal.passing == Passing::Number {
+                    return self.unnamed(span);
+                }
                 if let Some(own) = self.own_copy(*parameter) {
                     return Some(Named { operand: own, exact: true });
                 }
@@ -87,6 +90,7 @@ impl Maker<'_> {
                     None => self.unnamed(span),
                 }
             }
+            Place::Db { number, .. } if !self.is_named(*number, span) => self.unnamed(span),
             Place::Db { number, byte, bit } => {
                 let db = self.program.db(*number);
                 let root = self.db_root(*number, span);
@@ -199,6 +203,12 @@ impl Maker<'_> {
             BlockName::Symbol { name, span } => PathRoot::Quoted { name, span },
             name @ BlockName::Numbered { .. } => PathRoot::Block(name),
         }
+    }
+
+    /// The source can name the data block; those without name and number are made by plcc.
+    pub fn is_named(&self, number: u16, span: Span) -> bool {
+        let has_name = self.program.db(number).is_some_and(|db| !db.name.is_empty());
+        has_name || self.positions.text(span).contains(&number.to_string())
     }
 
     /// By its number if the source does so, or if it has no name.

@@ -64,7 +64,14 @@ struct Redrawer<'g> {
 impl<'g> Redrawer<'g> {
     fn new(graph: &'g Graph, language: Language, network: &Network) -> Redrawer<'g> {
         let drawing = Drawing::new(language, network.span);
-        Redrawer { is_ladder: language == Language::Lad, graph, plan: Plan::new(graph), drawing, outputs: HashMap::new(), kept: HashMap::new() }
+        Redrawer {
+            is_ladder: language == Language::Lad,
+            graph,
+            plan: Plan::new(graph),
+            drawing,
+            outputs: HashMap::new(),
+            kept: HashMap::new(),
+        }
     }
 
     fn all(mut self) -> Result<Graph, Reason> {
