@@ -220,10 +220,11 @@ fn binary(
 ) -> Option<Change> {
     let constant = of_b.single()?;
     let count = (constant & i64::from(ty.bits() - 1)) as u32;
+    // All bits up to some bit, at most bit 62.
+    let is_low_bits = constant > 0 && constant & constant.wrapping_add(1) == 0;
     match op {
         // The low bits of a sum with a multiple of a power of two.
-        BinaryOp::And if constant > 0 && constant & (constant + 1) == 0 => match sum_with_constant(function, ranges, a)
-        {
+        BinaryOp::And if is_low_bits => match sum_with_constant(function, ranges, a) {
             Some((x, by)) if ranges.get(x)?.zeros >= constant.trailing_ones() => {
                 Some(Change::Constant((by & constant) as u64))
             }
