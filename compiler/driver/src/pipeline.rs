@@ -200,6 +200,7 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
         networks.for_each(|message| message.severity = Severity::Warning);
     }
     let has_station = project.as_ref().is_some_and(|project| project.station.is_some());
+    let names = project.as_ref().map(|project| project.names.clone()).unwrap_or_default();
     let input = BindInput {
         name,
         sources: &sources,
@@ -236,6 +237,10 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
     };
     if has_station {
         diagnostics.extend(plcc_program::check_modules(&program));
+    }
+    // Names of a program with errors may be missing because of these.
+    if !names.is_empty() && diagnostics.iter().all(|message| message.severity != Severity::Error) {
+        diagnostics.extend(names.check(&plcc_lower::names_of(&program, &sources)));
     }
     // A use of a symbol shows the row that cannot be read.
     let shown: FxHashSet<Span> = diagnostics
