@@ -51,7 +51,9 @@ pub fn run_debugged(
         cpu.set_tape(Rc::new(Tape::replay(Rc::clone(recording))));
     }
     cpu.set_watcher(Rc::clone(watcher));
-    let session = prepare(&cpu, &options, out)?;
+    let mut session = prepare(&cpu, &options, out)?;
+    // The program runs once more for each way back.
+    session.triggered = None;
     let mut told = Told { session, watcher };
     tell_partial(&cpu.image.partial, true);
     let cycles = cpu.execute(&pace(&cpu, &options), &mut told);

@@ -311,8 +311,8 @@ fn tell_partial(items: &[String], quiet: bool) {
     }
 }
 
-fn finish(cpu: &Cpu, options: &RunOptions, session: Session, cycles: u64) -> u8 {
-    let mut exit = EXIT_OK;
+fn finish(cpu: &Cpu, options: &RunOptions, mut session: Session, cycles: u64) -> u8 {
+    let mut exit = if session.end_trace(cpu) { EXIT_OK } else { EXIT_USAGE };
     let printed = &session.printed;
     if !printed.is_empty() {
         let mut out = std::io::stdout().lock();
