@@ -9,6 +9,7 @@ use plcc_syntax::stl::StlInsn;
 
 use crate::Output;
 use crate::labels::Labels;
+use crate::place::reference::References;
 use crate::plan::{self, Plan};
 use crate::scl::SclState;
 use crate::stop::{SafepointBlocks, StopExit};
@@ -121,6 +122,8 @@ pub struct BlockLowering<'p, 'o> {
     pub pointed_copies: Vec<(Place, Width, Address)>,
     /// Offset of the instance from the memory base, if the block is an FB that leaves AR2 and DI alone.
     pub instance: Option<Value>,
+    /// The complex IN_OUT of an FB in SCL, LAD or FBD.
+    pub references: References,
     /// Local data that code can address, in bytes.
     pub local_bytes: u32,
     /// Temporaries of the current statement begin here in the frame; `frame_bytes` is the most that was ever used.
@@ -172,6 +175,7 @@ impl<'p, 'o> BlockLowering<'p, 'o> {
             area_pointers: Vec::new(),
             pointed_copies: Vec::new(),
             instance: None,
+            references: References::default(),
             local_bytes,
             temporaries: local_bytes,
             frame_bytes: local_bytes,

@@ -42,8 +42,7 @@ impl BlockLowering<'_, '_> {
             Place::Instance { byte, bit } => return self.instance_pointer(byte, bit),
             Place::Parameter { parameter, byte, bit } => return self.parameter_pointer(parameter, byte, bit),
             Place::ThroughPointer { pointer, byte, bit } => {
-                let db = self.read(&Place::Instance { byte: pointer, bit: 0 }, Width::Word);
-                let start = self.read(&Place::Instance { byte: pointer + 2, bit: 0 }, Width::Dword);
+                let (db, start) = self.pointer_in_instance(pointer);
                 let pointer = self.b.binary_imm(BinaryOp::Iadd, start, i64::from(8 * byte + u32::from(bit)));
                 let pointer = self.handed_on(pointer);
                 return PointerFields { db, pointer };

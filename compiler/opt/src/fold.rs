@@ -165,7 +165,10 @@ impl Folder<'_> {
             return constant(eval::convert(op, from, to, bits));
         }
         if op == ConvertOp::Trunc
-            && let Some(change) = self.trunc_of_parts(to, arg).or_else(|| self.trunc_of_shift(to, arg))
+            && let Some(change) = self
+                .trunc_of_parts(to, arg)
+                .or_else(|| self.trunc_of_shift(to, arg))
+                .or_else(|| self.trunc_of_sum(to, arg))
         {
             return Some(change);
         }

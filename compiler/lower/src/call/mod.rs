@@ -65,6 +65,7 @@ impl BlockLowering<'_, '_> {
             }
         }
         self.safepoint();
+        self.renew_references();
     }
 
     /// Counts the block depth and the local data if they are not bounded at compile time. Returns the depth before.
@@ -146,6 +147,7 @@ impl BlockLowering<'_, '_> {
             self.set(self.regs.var(register), value);
         }
         self.safepoint();
+        self.renew_references();
     }
 }
 

@@ -29,8 +29,7 @@ impl BlockLowering<'_, '_> {
         match *place {
             // In the target of a POINTER of this FB's instance.
             Place::ThroughPointer { pointer, byte, bit } => {
-                let db = self.read(&Place::Instance { byte: pointer, bit: 0 }, Width::Word);
-                let address = self.read(&Place::Instance { byte: pointer + 2, bit: 0 }, Width::Dword);
+                let (db, address) = self.pointer_in_instance(pointer);
                 let di = self.get(self.regs.di);
                 Some(Crossing { pointer: address, offset: 8 * byte + u32::from(bit), db, di })
             }

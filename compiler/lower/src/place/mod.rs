@@ -4,10 +4,11 @@
 //! rest carries [`Check`]s for the synchronous errors of OB 121. Source: STL reference, addressing and OB 121.
 //!
 //! - `area`: addresses in one area; `crossing`: those whose area is in a pointer.
-//! - `transfer`: reads and writes.
+//! - `reference`: variables that IN_OUT parameters refer to; `transfer`: reads and writes.
 
 mod area;
 pub mod crossing;
+pub mod reference;
 mod transfer;
 
 use plcc_abi::codes::{access, access_area, sync};

@@ -12,6 +12,14 @@ use crate::fault::{Check, Substitute};
 impl BlockLowering<'_, '_> {
     /// Reads `place`: an i32, zero-extended, an i1 with width Bit, an i64 with width Lword. After a fault, the value that the error OB supplies.
     pub fn read(&mut self, place: &Place, width: Width) -> Value {
+        if self.is_by_reference(place) {
+            let result = self.result_of(width);
+            self.by_reference(place, width, Direction::Read, &mut |this, target| {
+                let value = this.read_target(target, width);
+                this.b.def_var(result, value);
+            });
+            return self.b.use_var(result);
+        }
         if let Some(crossing) = self.crossing(place) {
             let result = self.result_of(width);
             self.by_area(&crossing, width, Direction::Read, &mut |this, target| {
@@ -24,7 +32,7 @@ impl BlockLowering<'_, '_> {
         self.read_target(target, width)
     }
 
-    fn result_of(&self, width: Width) -> Var {
+    pub fn result_of(&self, width: Width) -> Var {
         match width {
             Width::Bit => self.result_bit,
             Width::Byte | Width::Word | Width::Dword => self.result,
@@ -126,6 +134,11 @@ impl BlockLowering<'_, '_> {
 
     /// Writes the low bits of `value` (an i32; an i1 with width Bit) to `place`.
     pub fn write(&mut self, place: &Place, width: Width, value: Value) {
+        if self.is_by_reference(place) {
+            return self.by_reference(place, width, Direction::Write, &mut |this, target| {
+                this.write_target(target, width, value);
+            });
+        }
         if let Some(crossing) = self.crossing(place) {
             self.by_area(&crossing, width, Direction::Write, &mut |this, target| {
                 this.write_target(target, width, value);

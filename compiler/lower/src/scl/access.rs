@@ -198,8 +198,14 @@ impl BlockLowering<'_, '_> {
             }
             LocatedBase::Indexed { area, byte, bit } => self.indexed_target(area, *byte, *bit, width, direction),
         };
+        self.move_located(&mut target, located, width, direction);
+        target
+    }
+
+    /// Moves a target at the base to the located place, and checks the indices.
+    fn move_located(&mut self, target: &mut Target, located: &Located, width: Width, direction: Direction) {
         if let Some(offset) = located.offset {
-            self.move_target(&mut target, offset);
+            self.move_target(target, offset);
         }
         if let Some(ok) = located.in_bounds
             && self.b.constant_bits(ok) != Some(1)
@@ -217,7 +223,6 @@ impl BlockLowering<'_, '_> {
             };
             target.checks.insert(0, Check { ok, code, access, info, db: None });
         }
-        target
     }
 
     fn indexed_target(
@@ -364,11 +369,44 @@ impl BlockLowering<'_, '_> {
         let DataType::Elementary(ty) = access.ty else {
             unreachable!("the binder reads elementary variables as values")
         };
-        let width = layout::width(ty);
-        let target = self.located_target(located, width, Direction::Read);
-        let value = self.read_target(target, width);
+        let value = self.read_at(located, layout::width(ty));
         let value = self.typed(value, ty);
         self.part_of(access, value)
+    }
+
+    /// As [`read`](Self::read).
+    fn read_at(&mut self, located: &Located, width: Width) -> Value {
+        let result = self.result_of(width);
+        let by_reference = self.by_located_reference(located, width, Direction::Read, &mut |this, target| {
+            let value = this.read_target(target, width);
+            this.b.def_var(result, value);
+        });
+        if by_reference {
+            return self.b.use_var(result);
+        }
+        let target = self.located_target(located, width, Direction::Read);
+        self.read_target(target, width)
+    }
+
+    /// Accesses a place in a variable that an IN_OUT refers to, see [`by_reference`](Self::by_reference). False if it is not there.
+    fn by_located_reference(
+        &mut self,
+        located: &Located,
+        width: Width,
+        direction: Direction,
+        access: &mut dyn FnMut(&mut Self, Target),
+    ) -> bool {
+        let LocatedBase::Place(place) = &located.base else { return false };
+        if !self.is_by_reference(place) {
+            return false;
+        }
+        let db = self.get(self.regs.db);
+        self.by_reference(place, width, direction, &mut |this, mut target| {
+            this.move_located(&mut target, located, width, direction);
+            access(this, target);
+        });
+        self.set(self.regs.db, db);
+        true
     }
 
     /// Writes an elementary variable; `value` has the type of [`Access::elementary`].
@@ -409,16 +447,20 @@ impl BlockLowering<'_, '_> {
         }
         let value = match access.part {
             Some(part) => {
-                let target = self.located_target(located, width, Direction::Read);
-                let before = self.read_target(target, width);
+                let before = self.read_at(located, width);
                 let before = self.typed(before, ty);
                 self.with_part(before, part, value)
             }
             None => value,
         };
-        let target = self.located_target(located, width, Direction::Write);
         let value = self.untyped(value, ty);
-        self.write_target(target, width, value);
+        let by_reference = self.by_located_reference(located, width, Direction::Write, &mut |this, target| {
+            this.write_target(target, width, value);
+        });
+        if !by_reference {
+            let target = self.located_target(located, width, Direction::Write);
+            self.write_target(target, width, value);
+        }
     }
 
     /// True if the variable is not in memory.

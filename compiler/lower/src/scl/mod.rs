@@ -97,6 +97,7 @@ impl BlockLowering<'_, '_> {
             let (di, ar2) = (self.get(self.regs.di), self.get(self.regs.ar[1]));
             self.instance = Some(self.instance_address(di, ar2));
         }
+        self.begin_references();
         self.prepare_texts(body);
         let block = self.block;
         // A debugger reads and changes variables.

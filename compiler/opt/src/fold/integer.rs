@@ -273,11 +273,37 @@ impl Folder<'_> {
             _ => false,
         };
         let count = shift_count(self.function, self.ty(arg), count)?;
-        if !fills || self.ty(word) != to || to == Type::I1 || count >= to.bits() {
+        if !fills || self.ty(word).bits() > to.bits() || to == Type::I1 || count >= to.bits() {
             return None;
         }
+        let word =
+            if self.ty(word) == to { word } else { self.emit(InstData::Convert { op: extended, arg: word }, to) };
         let count = self.emit_const(to, u64::from(count));
         Some(Change::Data(InstData::Binary { op, args: [word, count] }))
+    }
+
+    /// The low half of a sum of a word, extended and perhaps shifted, and a constant: it is added in the narrower type.
+    pub(super) fn trunc_of_sum(&mut self, to: Type, arg: Value) -> Option<Change> {
+        let (wide, constant) = self.with_constant(BinaryOp::Iadd, arg)?;
+        let extended = match *self.function.defining(wide)? {
+            InstData::Binary { op: BinaryOp::Shl, args: [x, count] } if self.constant(count).is_some() => x,
+            _ => wide,
+        };
+        let &InstData::Convert { op: ConvertOp::Zext | ConvertOp::Sext, arg: word } =
+            self.function.defining(extended)?
+        else {
+            return None;
+        };
+        if self.ty(word).bits() > to.bits() || to == Type::I1 {
+            return None;
+        }
+        let low = match self.convert(ConvertOp::Trunc, to, wide) {
+            Some(Change::Value(low)) => low,
+            Some(Change::Data(data)) => self.emit(data, to),
+            None => self.emit(InstData::Convert { op: ConvertOp::Trunc, arg: wide }, to),
+        };
+        let constant = self.emit_const(to, constant);
+        Some(Change::Data(InstData::Binary { op: BinaryOp::Iadd, args: [low, constant] }))
     }
 
     /// The low word of something put together from words.

@@ -133,3 +133,13 @@ fn arms_that_differ_in_values_only_are_a_choice() {
 fn zero_is_shifted_to_zero() {
     check("v10 = const.i32 0\nv11 = shl v10, v0\nret v11", "v10 = const.i32 0\nret v10");
 }
+
+#[test]
+fn sums_of_extended_words_are_narrow() {
+    // The pointer `i * 16 - 16`, which went through 64 bits.
+    check(
+        "v10 = zext.i64 v3\nv11 = const.i64 4\nv12 = shl v10, v11\nv13 = const.i64 18446744073709551600\nv14 = iadd v12, v13\n\
+         v15 = trunc.i32 v14\nret v15",
+        "v10 = zext.i32 v3\nv11 = const.i32 4\nv12 = shl v10, v11\nv13 = const.i32 4294967280\nv14 = iadd v12, v13\nret v14",
+    );
+}

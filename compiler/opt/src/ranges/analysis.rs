@@ -48,7 +48,7 @@ pub struct Ranges<'f> {
     limits: FxHashMap<Value, Interval>,
     /// How many passes loops begin at most, by header.
     passes: FxHashMap<Block, i64>,
-    /// Values that are a conversion of another one, or its sum with a constant: what is learnt of that one says something of them.
+    /// Values that are made of another one and a constant, or a conversion of it: what is learnt of that one says something of them.
     derived: FxHashMap<Value, Vec<Value>>,
     /// The sweep in which each value was computed last, and the number of this one.
     computed: Vec<u32>,
@@ -614,11 +614,17 @@ fn derived(function: &Function, cfg: &ControlFlow) -> FxHashMap<Value, Vec<Value
         for &inst in &function.blocks[block].insts {
             let from = match function.insts[inst] {
                 InstData::Convert { op: ConvertOp::Sext | ConvertOp::Zext | ConvertOp::Trunc, arg } => arg,
-                InstData::Binary { op: BinaryOp::Iadd | BinaryOp::Isub, args: [a, b] }
-                    if function.constant(b).is_some() =>
-                {
-                    a
-                }
+                InstData::Binary {
+                    op:
+                        BinaryOp::Iadd
+                        | BinaryOp::Isub
+                        | BinaryOp::Imul
+                        | BinaryOp::And
+                        | BinaryOp::Shl
+                        | BinaryOp::Lshr
+                        | BinaryOp::Ashr,
+                    args: [a, b],
+                } if function.constant(b).is_some() => a,
                 _ => continue,
             };
             if function.ty(from) != Type::I1 {

@@ -88,7 +88,7 @@ enum Change {
     Base(Value, i64),
 }
 
-/// A value that is shifted by a constant.
+/// A value that is shifted by a constant, or multiplied with one.
 #[derive(Clone, Copy)]
 struct Part {
     op: BinaryOp,
@@ -263,6 +263,10 @@ fn binary(
         {
             Some(Change::ShiftAndAdd(part_of(function, ranges, op, x, count), by as u64))
         }
+        // A multiple that is shifted right: the bits of an index are those of its bytes.
+        BinaryOp::Ashr | BinaryOp::Lshr if let Some((x, factor)) = shifted_product(function, ranges, op, a, count) => {
+            Some(Change::Shift(BinaryOp::Imul, x, factor))
+        }
         // Left and right again: without a wrap it is one shift.
         BinaryOp::Ashr | BinaryOp::Lshr => {
             let (inner, first) = match *function.defining(a)? {
@@ -340,14 +344,20 @@ fn shifted_parts(function: &Function, ranges: &Ranges<'_>, sum: Value, count: u3
     let fits = a.is_natural() && b.is_natural() && a.hi.checked_add(b.hi)? <= full.hi;
     let is_shifted = |value: Value| match function.defining(value) {
         Some(InstData::Binary { op: BinaryOp::Shl, .. }) => true,
+        Some(InstData::Binary { op: BinaryOp::Imul, .. }) => {
+            shifted_product(function, ranges, BinaryOp::Lshr, value, count).is_some()
+        }
         Some(InstData::Binary { op: BinaryOp::Iadd, .. }) => shifted_parts(function, ranges, value, count).is_some(),
         _ => false,
     };
     (count > 0 && fits && a.zeros >= count && b.zeros >= count && args.into_iter().all(is_shifted)).then_some(args)
 }
 
-/// `arg` shifted right: what was shifted left without a wrap is shifted less.
+/// `arg` shifted right: what was shifted left without a wrap is shifted less, and a product has a smaller factor.
 fn part_of(function: &Function, ranges: &Ranges<'_>, op: BinaryOp, arg: Value, count: u32) -> Part {
+    if let Some((x, factor)) = shifted_product(function, ranges, op, arg, count) {
+        return Part { op: BinaryOp::Imul, arg: x, by: factor };
+    }
     let less = || {
         let &InstData::Binary { op: BinaryOp::Shl, args: [x, by] } = function.defining(arg)? else { return None };
         let (of_x, by) = (ranges.get(x)?, u32::try_from(ranges.get(by)?.single()?).ok()?);
@@ -356,6 +366,23 @@ fn part_of(function: &Function, ranges: &Ranges<'_>, op: BinaryOp, arg: Value, c
         (fits && by >= count).then_some(Part { op: BinaryOp::Shl, arg: x, by: u64::from(by - count) })
     };
     less().unwrap_or(Part { op, arg, by: u64::from(count) })
+}
+
+/// The operand of a product with a constant that does not wrap, and that constant shifted right by `count`, if only zeros go.
+fn shifted_product(
+    function: &Function,
+    ranges: &Ranges<'_>,
+    op: BinaryOp,
+    product: Value,
+    count: u32,
+) -> Option<(Value, u64)> {
+    let &InstData::Binary { op: BinaryOp::Imul, args: [x, factor] } = function.defining(product)? else { return None };
+    let (of_x, factor) = (ranges.get(x)?, ranges.get(factor)?.single()?);
+    let full = Interval::full(function.ty(product));
+    let (lo, hi) = (of_x.lo.checked_mul(factor)?, of_x.hi.checked_mul(factor)?);
+    let fits = factor > 0 && lo >= full.lo && hi <= full.hi && (op == BinaryOp::Ashr || of_x.is_natural());
+    let is_multiple = count > 0 && factor.trailing_zeros() >= count;
+    (fits && is_multiple && function.constant(x).is_none()).then_some((x, (factor >> count) as u64))
 }
 
 /// Of natural numbers both shifts right are the same: one form is shared and combined.

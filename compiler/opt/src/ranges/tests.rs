@@ -482,3 +482,39 @@ fn what_is_added_to_a_pointer_comes_after_its_mask() {
         assert!(result(added).contains("v8 = and v7, v2"), "{}", result(added));
     }
 }
+
+#[test]
+fn the_multiple_of_an_index_is_one_of_bytes() {
+    check_pass(
+        "ranges",
+        "func @F {
+        b0(v0: i32):
+        v1 = const.i32 15
+        v2 = and v0, v1
+        v3 = const.i32 224
+        v4 = imul v2, v3
+        v5 = const.i32 3
+        v6 = lshr v4, v5
+        store.i32 M[v6]+0, v0
+        v7 = imul v0, v3
+        v8 = lshr v7, v5
+        store.i32 M[v8]+0, v0
+        ret
+        }",
+        "func @F {
+        b0(v0: i32):
+        v1 = const.i32 15
+        v2 = and v0, v1
+        v3 = const.i32 224
+        v4 = imul v2, v3
+        v5 = const.i32 3
+        v6 = const.i32 28
+        v7 = imul v2, v6
+        store.i32 M[v7]+0, v0
+        v8 = imul v0, v3
+        v9 = lshr v8, v5
+        store.i32 M[v9]+0, v0
+        ret
+        }",
+    );
+}
