@@ -314,8 +314,10 @@ fn check_status(path: &Path) -> Result<(), String> {
     let text = fs::read_to_string(path).map_err(|error| error.to_string())?;
     let command = text.lines().next().unwrap_or_default();
     let mut words: Vec<String> = command.split_whitespace().map(String::from).collect();
-    let input = words.get_mut(2).ok_or("the first line is not a command with an input")?;
-    *input = root().join(&*input).display().to_string();
+    words.get(2).ok_or("the first line is not a command with an input")?;
+    for path in words.iter_mut().filter(|word| word.starts_with("tests/") || word.starts_with("samples/")) {
+        *path = root().join(&*path).display().to_string();
+    }
     let cli = plcc_driver::cli::Cli::try_parse_from(words).map_err(|error| error.to_string())?;
     let plcc_driver::cli::Command::Status(args) = cli.command else { return Err("it is not `plcc status`".into()) };
     let (shown, _) = plcc_driver::command::status::output(&args).map_err(|exit| format!("exit code {exit}"))?;

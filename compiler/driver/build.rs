@@ -126,7 +126,7 @@ fn prelink(archive: &Path, entry: &str, object: &Path) {
     std::fs::write(&source, main).expect("cargo's output folder can be written");
     let mut linker = compiler();
     linker.args(["-O1", "-fno-asynchronous-unwind-tables", "-fPIE"]).arg(&source);
-    prelink_roots(linker, archive, object, runtime_functions().chain(["main"]));
+    prelink_roots(linker, archive, object, runtime_functions().chain([linked::MEMORY_SYMBOL, "main"]));
 }
 
 /// What generated code calls.
@@ -152,7 +152,7 @@ fn prelinked_unit(archive: &Path, out: &Path) -> PathBuf {
     let names = exported(archive);
     assert!(names.len() > 100, "the runtime exports {} functions of units", names.len());
     let object = out.join("unit.o");
-    let roots = runtime_functions().chain(names.iter().map(String::as_str));
+    let roots = runtime_functions().chain([linked::MEMORY_SYMBOL]).chain(names.iter().map(String::as_str));
     prelink_roots(compiler(), archive, &object, roots);
     object
 }
@@ -198,7 +198,7 @@ fn link_template(runtime: &Path, template: &Path, options: &[impl AsRef<OsStr>])
     linker.arg(&source).arg(runtime).args(["-lm", "-Wl,-T"]).arg(&script);
     // Debuggers see the functions that code calls; the rest would only make executables larger.
     let names = template.with_extension("names");
-    let kept = runtime_functions().chain([linked::SYMBOL, "main"]);
+    let kept = runtime_functions().chain([linked::SYMBOL, linked::MEMORY_SYMBOL, "main"]);
     std::fs::write(&names, kept.map(|name| format!("{name}\n")).collect::<String>())
         .expect("cargo's output folder can be written");
     linker.arg(format!("-Wl,--retain-symbols-file={}", names.display()));

@@ -16,6 +16,7 @@ use crate::facts::{Facts, facts};
 use crate::isa::Placement;
 use crate::kept::{KeptFunction, names};
 use crate::object::object_of;
+use crate::variables::Variables;
 use crate::{CodegenError, CodegenOptions};
 
 /// How functions are finished.
@@ -115,12 +116,17 @@ pub fn finish<'m>(
 impl Finished<'_> {
     /// Object file, to be linked with the runtime. `image` is the encoded `ProgramImage`.
     pub fn object(&self, image: &[u8]) -> Result<Vec<u8>, CodegenError> {
-        self.object_as(linked::SYMBOL, image)
+        self.object_as(linked::SYMBOL, image, None)
     }
 
-    /// As [`object`](Finished::object), for one of several programs, which exports `name`.
-    pub fn object_as(&self, name: &str, image: &[u8]) -> Result<Vec<u8>, CodegenError> {
-        object_of(name, &self.compiler, &self.functions, image)
+    /// As [`object`](Finished::object), for one of several programs, which exports `name`. A debugger sees the `variables`.
+    pub fn object_as(
+        &self,
+        name: &str,
+        image: &[u8],
+        variables: Option<&Variables<'_>>,
+    ) -> Result<Vec<u8>, CodegenError> {
+        object_of(name, &self.compiler, &self.functions, image, variables)
     }
 }
 

@@ -8,7 +8,7 @@
 //! - `compile`: all functions of a module to bytes, on several threads; `work` finds those that are too large for the better ways.
 //! - `facts`: what functions tell about themselves; `finish`: object files of functions some of which were compiled before (`kept`).
 //! - `object`, `jit`, `text`: the outputs made from the bytes.
-//! - `lines`: DWARF line tables of an object file.
+//! - `lines`: DWARF line tables of an object file; `variables`: its variables.
 //! - `machine`: code read back, for `text` and for `statistics`, which says what each network costs, with the depths of `loops`.
 //!
 //! **Invariant**: one lowering serves all outputs, and it is independent of the source language.
@@ -35,6 +35,7 @@ mod object;
 mod rounding;
 mod statistics;
 mod text;
+mod variables;
 mod work;
 
 use std::fmt;
@@ -45,6 +46,7 @@ pub use kept::KeptFunction;
 pub use object::{compile_object, compile_object_as, directory_object};
 pub use statistics::{Cost, LOOP_PASSES, PlaceKey, function_sizes, statistics};
 pub use text::{asm_text, clif_text};
+pub use variables::{Form, Variable, Variables};
 
 /// How code is generated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,4 +1,4 @@
-//! DWARF line tables of an object file.
+//! DWARF of an object file: its line tables, and the [`variables`](crate::variables) of the program.
 //!
 //! A debugger shows the statement at which the program is and steps from statement to statement. In addition to the line table
 //! there is one entry for each function, with the name of its block (`FC12`). File names are written as the module
@@ -10,31 +10,44 @@ use gimli::write::{
     Relocation, RelocationTarget, Sections,
 };
 use gimli::{Encoding, Format, LineEncoding, LittleEndian, SectionId};
-use object::write::{Object, Relocation as ObjectRelocation, SectionId as ObjectSection, SymbolId};
+use object::write::{Object, Relocation as ObjectRelocation, SectionId as ObjectSection, SymbolId, SymbolSection};
 use object::{RelocationEncoding, RelocationFlags, RelocationKind, SectionKind};
+use plcc_abi::linked;
 use plcc_ir::Module;
 use plcc_ir::entities::Entity;
 use rustc_hash::FxHashMap;
 
 use crate::CodegenError;
 use crate::compile::CompiledFunction;
+use crate::object::data_symbol;
+use crate::variables::{self, Variables};
 
 /// Every debugger reads version 4.
 const ENCODING: Encoding = Encoding { address_size: 8, format: Format::Dwarf32, version: 4 };
 /// The folder from which relative file names count.
 const FOLDER: &str = ".";
 
-/// Adds line tables to an object file, if the module has source places.
-pub fn add(module: &Module, functions: &[CompiledFunction], product: &mut ObjectProduct) -> Result<(), CodegenError> {
+/// Adds line tables and variables to an object file, if the module has source places.
+pub fn add(
+    module: &Module,
+    functions: &[CompiledFunction],
+    variables: Option<&Variables<'_>>,
+    product: &mut ObjectProduct,
+) -> Result<(), CodegenError> {
     if module.sites.is_empty() || module.files.is_empty() {
         return Ok(());
     }
-    let symbols: Vec<SymbolId> = module
+    let mut symbols: Vec<SymbolId> = module
         .functions
         .keys()
         .map(|id| product.function_symbol(cranelift_module::FuncId::from_u32(id.index() as u32)))
         .collect();
     let mut dwarf = unit(module, functions);
+    if let Some(variables) = variables {
+        let base = Address::Symbol { symbol: symbols.len(), addend: 0 };
+        symbols.push(product.object.add_symbol(data_symbol(linked::MEMORY_SYMBOL, SymbolSection::Undefined)));
+        variables::add(&mut dwarf.unit, variables, base);
+    }
     let mut sections = Sections::new(Section::default());
     dwarf.write(&mut sections).map_err(|error| CodegenError::Output(format!("line table: {error}")))?;
     write_sections(&mut product.object, &sections, &symbols)
@@ -50,6 +63,8 @@ fn unit(module: &Module, functions: &[CompiledFunction]) -> DwarfUnit {
     let root = dwarf.unit.root();
     let entry = dwarf.unit.get_mut(root);
     entry.set(gimli::DW_AT_producer, AttributeValue::String(b"plcc".to_vec()));
+    // Debuggers have no PLC languages; expressions are those of C.
+    entry.set(gimli::DW_AT_language, AttributeValue::Language(gimli::DW_LANG_C99));
     entry.set(gimli::DW_AT_name, AttributeValue::String(text(&module.files[0])));
     entry.set(gimli::DW_AT_comp_dir, AttributeValue::String(FOLDER.into()));
     // Ranges count from here.
@@ -67,7 +82,7 @@ fn unit(module: &Module, functions: &[CompiledFunction]) -> DwarfUnit {
 }
 
 /// A valid name for a table of strings: not empty, without a 0 byte.
-fn text(name: &str) -> Vec<u8> {
+pub fn text(name: &str) -> Vec<u8> {
     let bytes: Vec<u8> = name.bytes().filter(|&byte| byte != 0).collect();
     if bytes.is_empty() { b"?".to_vec() } else { bytes }
 }

@@ -18,6 +18,7 @@ use plcc_ir::entities::Entity;
 
 use crate::compile::{CompiledFunction, Compiler};
 use crate::isa::{Placement, Tuning, isa};
+use crate::variables::Variables;
 use crate::{CodegenError, CodegenOptions, lines};
 
 /// Object file of `module`, to be linked with the runtime. `image` is its encoded `ProgramImage`.
@@ -34,7 +35,7 @@ pub fn compile_object_as(
 ) -> Result<Vec<u8>, CodegenError> {
     let compiler = Compiler::new(module, Placement::Object, options)?;
     let functions = compiler.functions()?;
-    object_of(name, &compiler, &functions, image)
+    object_of(name, &compiler, &functions, image, None)
 }
 
 /// Object file of compiled functions.
@@ -43,6 +44,7 @@ pub(crate) fn object_of(
     compiler: &Compiler<'_>,
     functions: &[CompiledFunction],
     image: &[u8],
+    variables: Option<&Variables<'_>>,
 ) -> Result<Vec<u8>, CodegenError> {
     let module = compiler.module;
     let builder =
@@ -62,7 +64,7 @@ pub(crate) fn object_of(
     let mut product = object.finish();
     let entries: Vec<ObjectSymbol> = module.entries.iter().map(|&id| product.function_symbol(symbol_id(id))).collect();
     export_program(&mut product.object, name, image, &entries)?;
-    lines::add(module, functions, &mut product)?;
+    lines::add(module, functions, variables, &mut product)?;
     product.emit().map_err(|error| CodegenError::Output(error.to_string()))
 }
 
@@ -110,7 +112,7 @@ fn export_program(
     Ok(())
 }
 
-fn data_symbol(name: &str, section: SymbolSection) -> Symbol {
+pub(crate) fn data_symbol(name: &str, section: SymbolSection) -> Symbol {
     Symbol {
         name: name.into(),
         value: 0,

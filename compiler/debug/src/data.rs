@@ -1,17 +1,66 @@
 //! Data breakpoints: who writes a value.
 
+use plcc_runtime::address::{Address, Place, Width};
 use plcc_runtime::cpu::Cpu;
 
 use crate::breakpoint::When;
 
-/// Bytes of memory that are looked at.
+/// A value that is looked at.
 pub struct Watched {
     pub id: u64,
     /// As the client names it.
     pub name: String,
-    pub at: Range,
+    pub at: Looked,
     pub when: When,
     last: Vec<u8>,
+}
+
+/// Where a value is that lasts from call to call.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Looked {
+    Memory(Range),
+    /// The status or the value of a timer or counter.
+    Cell(Address),
+}
+
+impl Looked {
+    /// As the client keeps it from one session to the next.
+    pub fn text(self) -> String {
+        match self {
+            Looked::Memory(range) => range.text(),
+            Looked::Cell(Address { place, .. }) => match place {
+                Place::Timer(number) => format!("T:{number}"),
+                Place::TimerValue(number) => format!("TV:{number}"),
+                Place::Counter(number) => format!("C:{number}"),
+                Place::CounterValue(number) => format!("CV:{number}"),
+                _ => String::new(),
+            },
+        }
+    }
+
+    pub fn parse(text: &str) -> Option<Looked> {
+        let (kind, number) = text.split_once(':')?;
+        let cell = |place: fn(u32) -> Place, width: Width| {
+            Some(Looked::Cell(Address { place: place(number.parse().ok()?), width }))
+        };
+        match kind {
+            "T" => cell(Place::Timer, Width::Bit(0)),
+            "TV" => cell(Place::TimerValue, Width::Word),
+            "C" => cell(Place::Counter, Width::Bit(0)),
+            "CV" => cell(Place::CounterValue, Width::Word),
+            _ => Range::parse(text).map(Looked::Memory),
+        }
+    }
+
+    fn read(self, cpu: &Cpu) -> Vec<u8> {
+        match self {
+            Looked::Memory(range) => range.read(cpu),
+            Looked::Cell(address) => match address.width {
+                Width::Bit(_) => vec![cpu.read(&address) as u8],
+                _ => (cpu.read(&address) as u16).to_be_bytes().to_vec(),
+            },
+        }
+    }
 }
 
 /// A value in memory.
@@ -24,13 +73,12 @@ pub struct Range {
 }
 
 impl Range {
-    /// As the client keeps it from one session to the next.
-    pub fn text(self) -> String {
+    fn text(self) -> String {
         let bit = self.bit.map_or(-1, i32::from);
         format!("{}:{}:{bit}", self.offset, self.bytes)
     }
 
-    pub fn parse(text: &str) -> Option<Range> {
+    fn parse(text: &str) -> Option<Range> {
         let mut parts = text.splitn(3, ':');
         let (offset, bytes) = (parts.next()?.parse().ok()?, parts.next()?.parse().ok()?);
         let bit: i32 = parts.next()?.parse().ok()?;
@@ -54,7 +102,7 @@ impl Range {
 pub const BYTES_MAX: u32 = 4096;
 
 impl Watched {
-    pub fn new(id: u64, name: String, at: Range, when: When) -> Watched {
+    pub fn new(id: u64, name: String, at: Looked, when: When) -> Watched {
         Watched { id, name, at, when, last: Vec::new() }
     }
 

@@ -4,12 +4,13 @@ use plcc_abi::layout;
 use plcc_lower::probe::{Kept, Probe};
 use plcc_model::types::{DTL, DataType, Member, value_type};
 use plcc_model::{Body, CodeBlock, Passing, Program, Width};
+use plcc_runtime::address::Place;
 use plcc_runtime::cpu::Cpu;
 use plcc_runtime::names::path::{Part, parts};
 use plcc_runtime::signal::{self, Signal, Source, Value};
 use plcc_runtime::typed::ValueType;
 
-use crate::data::{BYTES_MAX, Range};
+use crate::data::{BYTES_MAX, Looked, Range};
 use crate::places::Places;
 use crate::registers::{self, Register};
 use crate::stack::Frame;
@@ -187,8 +188,8 @@ impl<'a> Here<'a> {
         }
     }
 
-    /// Where a value is in memory that lasts from call to call.
-    pub fn range(&self, found: &Found) -> Option<Range> {
+    /// Where a value is that lasts from call to call.
+    pub fn looked(&self, found: &Found) -> Option<Looked> {
         let range = match found {
             Found::Data(data) => {
                 let is_bit = data.value_type().is_some_and(|ty| plcc_runtime::typed::bits(ty.ty) == Some(1));
@@ -197,6 +198,11 @@ impl<'a> Here<'a> {
             }
             Found::Value(source) => {
                 let address = source.address()?;
+                if let Place::Timer(_) | Place::TimerValue(_) | Place::Counter(_) | Place::CounterValue(_) =
+                    address.place
+                {
+                    return Some(Looked::Cell(*address));
+                }
                 let offset = self.cpu.offset_of(address.place)?;
                 let bit = match address.width {
                     plcc_runtime::address::Width::Bit(bit) => Some(bit),
@@ -207,7 +213,7 @@ impl<'a> Here<'a> {
             Found::Register(_) | Found::Number(..) | Found::Values(_) => return None,
         };
         let is_local = (layout::L..layout::DB_TABLE).contains(&range.offset);
-        (!is_local && self.cpu.memory.contains(range.offset, range.bytes)).then_some(range)
+        (!is_local && self.cpu.memory.contains(range.offset, range.bytes)).then_some(Looked::Memory(range))
     }
 }
 

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use crate::breakpoint::{At, Breakpoint, When};
 use crate::course::{Course, Origin, Wanted};
-use crate::data::{Range, Watched};
+use crate::data::{Looked, Watched};
 use crate::debugger::{Change, Debugger, Outcome, State};
 use crate::lookup::{Found, Here};
 use crate::places::Named;
@@ -207,9 +207,9 @@ impl Debugger {
             None => frame_of(state, request).and_then(|frame| self.here(cpu, &state.stack, frame).find(name)),
         };
         let top = self.here(cpu, &state.stack, None);
-        let answer = match found.map(|found| top.range(&found)) {
-            Ok(Some(range)) => json!({
-                "dataId": format!("{}={name}", range.text()),
+        let answer = match found.map(|found| top.looked(&found)) {
+            Ok(Some(looked)) => json!({
+                "dataId": format!("{}={name}", looked.text()),
                 "description": name,
                 "accessTypes": ["write"],
                 "canPersist": true,
@@ -227,13 +227,13 @@ impl Debugger {
             state.next_id += 1;
             let id = state.next_id;
             let known = given.get("dataId").and_then(Value::as_str).and_then(|text| text.split_once('='));
-            let range = known.and_then(|(range, name)| Some((Range::parse(range)?, name)));
-            match range
+            let looked = known.and_then(|(looked, name)| Some((Looked::parse(looked)?, name)));
+            match looked
                 .ok_or_else(|| "this is no value of the program".to_string())
-                .and_then(|range| Ok((range, When::read(given)?)))
+                .and_then(|looked| Ok((looked, When::read(given)?)))
             {
-                Ok(((range, name), when)) => {
-                    let mut watched = Watched::new(id, name.to_string(), range, when);
+                Ok(((looked, name), when)) => {
+                    let mut watched = Watched::new(id, name.to_string(), looked, when);
                     if let Some(cpu) = cpu {
                         watched.take(cpu);
                     }

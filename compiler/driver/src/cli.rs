@@ -392,6 +392,9 @@ pub struct StatusArgs {
     /// Play a scenario: a TOML file (see docs/testing.md).
     #[arg(long, value_name = "FILE")]
     pub scenario: Option<PathBuf>,
+    /// Force values by a table, a TOML file (see docs/debugging.md).
+    #[arg(long, value_name = "FILE")]
+    pub force: Option<PathBuf>,
     /// Time from one cycle start to the next of the virtual clock [default: 10ms].
     #[arg(long, value_name = "TIME", value_parser = plcc_runtime::options::parse_duration)]
     pub cycle_time: Option<plcc_runtime::options::Duration>,

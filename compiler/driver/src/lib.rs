@@ -44,6 +44,7 @@ pub mod station;
 pub mod statistics;
 pub mod technology;
 pub mod testing;
+mod variables;
 
 use cli::{Cli, Command};
 use command::exit;

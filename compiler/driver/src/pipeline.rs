@@ -28,6 +28,7 @@ use crate::parallel;
 use crate::project::Project;
 use crate::s7200;
 use crate::technology;
+use crate::variables;
 
 /// Settings of the stages up to the bound program.
 #[derive(Clone, Debug, Default)]
@@ -412,23 +413,32 @@ pub fn optimize(mut compiled: Compiled) -> Compiled {
 /// The object file of a program that is lowered, not optimised. At -O2 the code of unchanged functions comes from `cache`, which keeps
 /// the code that it did not have.
 pub fn object(compiled: Compiled, cache: Option<&Cache>) -> Result<Vec<u8>, CodegenError> {
-    let (finished, _) = object_of(linked::SYMBOL, compiled, None, cache)?;
+    let (finished, _) = object_of(linked::SYMBOL, compiled, Beside::Nothing, cache)?;
     Ok(finished)
 }
 
 /// The objects of a program and of its code with probes, with the directory that leads to both; see [`lower_beside`].
 pub fn objects(plain: Compiled, probed: Compiled, caches: [Option<&Cache>; 2]) -> Result<[Vec<u8>; 3], CodegenError> {
     const NAMES: [&str; 2] = ["plcc_plain", "plcc_probed"];
-    let (second, image) = object_of(NAMES[1], probed, None, caches[1])?;
-    let (first, _) = object_of(NAMES[0], plain, Some(&image), caches[0])?;
+    let (second, image) = object_of(NAMES[1], probed, Beside::Plain, caches[1])?;
+    let (first, _) = object_of(NAMES[0], plain, Beside::Probed(&image), caches[0])?;
     Ok([first, second, plcc_codegen::directory_object(&NAMES)?])
 }
 
-/// An object file that exports `name`, and the image of its program, which also serves the code with the image `beside`.
+/// Other code of the same program that an object file shares an executable with.
+enum Beside<'a> {
+    Nothing,
+    /// The code without probes, which has the image and the variables.
+    Plain,
+    /// The code with probes, which has this image.
+    Probed(&'a ProgramImage),
+}
+
+/// An object file that exports `name`, and the image of its program.
 fn object_of(
     name: &str,
     mut compiled: Compiled,
-    beside: Option<&ProgramImage>,
+    beside: Beside<'_>,
     cache: Option<&Cache>,
 ) -> Result<(Vec<u8>, ProgramImage), CodegenError> {
     let Optimization { level, without, cpu_features } = compiled.optimization;
@@ -457,10 +467,15 @@ fn object_of(
     let usage: Vec<Usage> = finished.notes.iter().copied().map(usage_of_note).collect();
     let entries = Module { entries, ..Module::default() };
     let mut compiled = Compiled { module: entries, image, optimization }.with_usage(&usage, &reached);
-    if let Some(probed) = beside {
-        compiled.share_image(probed);
-    }
-    let object = finished.object_as(name, &compiled.image_bytes())?;
+    let variables = match beside {
+        Beside::Nothing => Some(variables::of(&compiled.image)),
+        Beside::Plain => None,
+        Beside::Probed(probed) => {
+            compiled.share_image(probed);
+            Some(variables::of(&compiled.image))
+        }
+    };
+    let object = finished.object_as(name, &compiled.image_bytes(), variables.as_ref())?;
     if let (Some(cache), Some(old), Some(keys)) = (cache, &old, &keys) {
         cache.write(old, keys, &finished.made);
     }

@@ -40,6 +40,9 @@ impl LinkedProgram {
     }
 }
 
+/// The symbol of the variable with the address of the memory of the CPU that runs, for debuggers.
+pub const MEMORY_SYMBOL: &str = "plcc_memory";
+
 /// The names under which the runtime exports functions of the C library that generated code calls: their names there, and
 /// here.
 pub const LIBRARY_FUNCTIONS: [(&str, &str); 2] = [("memset", "plcc_memset"), ("memmove", "plcc_memmove")];

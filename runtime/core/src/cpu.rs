@@ -1,8 +1,7 @@
 //! The CPU: PLC memory, the program and everything that runs it.
 //!
 //! Generated code calls the runtime and the runtime calls generated code, nested to any depth, so a `Cpu` is only ever
-//! shared: all its state is in cells, and no borrow of a `RefCell` lasts across a call into code, except that of the code
-//! itself: what runs is not exchanged.
+//! shared: all its state is in cells, and no borrow of a `RefCell` lasts across a call into code.
 
 use std::cell::{Cell, OnceCell, RefCell};
 use std::collections::BTreeMap;
@@ -67,7 +66,7 @@ pub struct Cpu {
     pub(crate) watchdog: Watchdog,
     pub memory: Memory,
     pub image: Arc<ProgramImage>,
-    pub(crate) code: RefCell<Rc<dyn Code>>,
+    pub(crate) code: Rc<dyn Code>,
     pub clock: Clock,
     pub driver: Box<dyn Driver>,
     pub diagnostics: Diagnostics,
@@ -198,7 +197,7 @@ impl Cpu {
             watchdog: Watchdog::new(&memory),
             memory,
             image,
-            code: RefCell::new(code),
+            code,
             clock,
             driver,
             diagnostics: Diagnostics::default(),
@@ -221,7 +220,7 @@ impl Cpu {
             cycle_obs,
         });
         // Who watched the CPU before it was restarted comes again.
-        cpu.code.borrow().watch(false);
+        cpu.code.watch(false);
         cpu.memory.set_host64(state::CPU, Rc::as_ptr(&cpu) as u64);
         cpu.load_dbs();
         cpu
@@ -234,15 +233,6 @@ impl Cpu {
     pub unsafe fn of<'a>(mem: *mut u8) -> &'a Cpu {
         // SAFETY: `new` stored the address of the `Cpu` there, and it lives as long as its memory.
         unsafe { &*(mem.add(state::CPU as usize).cast::<u64>().read() as *const Cpu) }
-    }
-
-    /// Exchanges the code of the program, which must have the same entry functions: the next block that begins is of the new one. Result: the
-    /// code until now, which nobody runs any more. `Err`: a block is running; at the cycle control point, where clients are served, none is.
-    pub fn exchange_code(&self, code: Rc<dyn Code>) -> Result<Rc<dyn Code>, Rc<dyn Code>> {
-        match self.code.try_borrow_mut() {
-            Ok(mut current) => Ok(std::mem::replace(&mut *current, code)),
-            Err(_) => Err(code),
-        }
     }
 
     fn load_dbs(&self) {

@@ -293,6 +293,7 @@ impl Cpu {
         self.driver.named(length, &mut |address, value| self.memory.set_byte(base + address, value));
         if self.is_forcing() {
             self.force_inputs();
+            self.force_memory();
         }
     }
 
@@ -304,6 +305,9 @@ impl Cpu {
 
     /// Copies the process image of outputs to the modules.
     pub(crate) fn write_outputs(&self) {
+        if self.is_forcing() {
+            self.force_memory();
+        }
         self.family.write_outputs(self);
     }
 

@@ -1,10 +1,14 @@
-//! Forcing: inputs and outputs that have a fixed value, whatever modules and program say.
+//! Forcing: inputs, outputs and memory that have a fixed value, whatever modules and program say.
 //!
 //! | Family | Inputs | Outputs |
 //! | --- | --- | --- |
+//! | S7-200 | in the process image, after it was read | at the module: image and immediate outputs; the image keeps the value of the program |
 //! | S7-300 | in the process image, after it was read | in the process image, before it is written; `T PQW` goes to the module |
 //! | S7-400 | also direct reading | also direct writing, which changes nothing |
 //! | S7-1200/1500 | at the module: image and `:P` | at the module: image and `:P`; the image keeps the value of the program |
+//!
+//! Bit memory of an S7-400, and M and V of an S7-200, have their forced values before and after the program runs; what the program writes there
+//! counts until it has ended.
 //!
 //! Forced values stay until they are ended: through STOP, restarts and changes of the program, and with a file also through the end of the
 //! process. A table is a TOML file:
@@ -17,7 +21,7 @@
 //! comment = "gate"
 //! ```
 //!
-//! Source: CPU manuals, test functions; Programming with STEP 7, 20.8.
+//! Source: CPU manuals, test functions; Programming with STEP 7, 20.8; S7-200 system manual, forcing values.
 
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
@@ -68,6 +72,8 @@ pub(crate) struct Force {
     table: RefCell<Vec<Forced>>,
     inputs: RefCell<BTreeMap<u32, Mask>>,
     outputs: RefCell<BTreeMap<u32, Mask>>,
+    /// By offset from the memory base.
+    memory: RefCell<BTreeMap<u32, Mask>>,
     /// Where the table is kept.
     file: RefCell<Option<PathBuf>>,
 }
@@ -90,45 +96,32 @@ struct RowText {
     comment: String,
 }
 
-/// Values that can be forced. Source: technical data of the CPUs.
+/// Values that can be forced; of an S7-200 those in M and V. Source: technical data of the CPUs.
 const fn count_max(family: Family) -> usize {
     match family {
         Family::S7300 => 10,
         Family::S7400 => 256,
         Family::S71500 => 200,
         Family::S71200 => 1024,
-        Family::S7200 => 0,
+        Family::S7200 => 16,
     }
+}
+
+/// What a forced value is part of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Target {
+    Inputs,
+    Outputs,
+    Memory,
 }
 
 impl Force {
-    fn renew(&self) {
-        let (mut inputs, mut outputs) = (BTreeMap::<u32, Mask>::new(), BTreeMap::<u32, Mask>::new());
-        let table = self.table.borrow();
-        for one in table.iter() {
-            let (masks, first) = match place(&one.address) {
-                Some((true, byte)) => (&mut outputs, byte),
-                Some((false, byte)) => (&mut inputs, byte),
-                None => continue,
-            };
-            for (byte, mask) in bytes(first, one.address.width, one.bits) {
-                let known = masks.entry(byte).or_default();
-                known.bits |= mask.bits;
-                known.value |= mask.value;
-            }
+    fn masks(&self, target: Target) -> &RefCell<BTreeMap<u32, Mask>> {
+        match target {
+            Target::Inputs => &self.inputs,
+            Target::Outputs => &self.outputs,
+            Target::Memory => &self.memory,
         }
-        self.active.set(!table.is_empty());
-        self.inputs.replace(inputs);
-        self.outputs.replace(outputs);
-    }
-}
-
-/// Whether it is an output, and its first byte; `None`: it cannot be forced.
-fn place(address: &Address) -> Option<(bool, u32)> {
-    match address.place {
-        Place::Input(byte) | Place::PeripheralInput(byte) => Some((false, byte)),
-        Place::Output(byte) | Place::PeripheralOutput(byte) => Some((true, byte)),
-        _ => None,
     }
 }
 
@@ -174,16 +167,56 @@ impl Cpu {
         Ok(())
     }
 
+    /// Where a value is forced, with its first byte there, in memory its offset; `None`: this CPU cannot force it.
+    fn forced_place(&self, address: &Address) -> Option<(Target, u32)> {
+        match (address.place, self.image.profile.family) {
+            (Place::Input(byte), _) => Some((Target::Inputs, byte)),
+            (Place::Output(byte), _) => Some((Target::Outputs, byte)),
+            (Place::PeripheralInput(_) | Place::PeripheralOutput(_), Family::S7200) => None,
+            (Place::PeripheralInput(byte), _) => Some((Target::Inputs, byte)),
+            (Place::PeripheralOutput(byte), _) => Some((Target::Outputs, byte)),
+            (place @ Place::BitMemory(_), Family::S7400 | Family::S7200) | (place @ Place::Db(..), Family::S7200) => {
+                Some((Target::Memory, self.offset_of(place)?))
+            }
+            _ => None,
+        }
+    }
+
+    fn renew_force(&self) {
+        let table = self.force.table.borrow();
+        for target in [Target::Inputs, Target::Outputs, Target::Memory] {
+            let mut masks = BTreeMap::<u32, Mask>::new();
+            for one in table.iter() {
+                let Some((_, first)) = self.forced_place(&one.address).filter(|(of, _)| *of == target) else {
+                    continue;
+                };
+                for (byte, mask) in bytes(first, one.address.width, one.bits) {
+                    let known = masks.entry(byte).or_default();
+                    known.bits |= mask.bits;
+                    known.value |= mask.value;
+                }
+            }
+            self.force.masks(target).replace(masks);
+        }
+        self.force.active.set(!table.is_empty());
+        self.s7200_show_forced();
+    }
+
     fn force_row(&self, name: &str, value: &str, format: Option<Format>, comment: &str) -> Result<(), String> {
         let family = self.image.profile.family;
-        if family == Family::S7200 {
-            return Err("values of an S7-200 are not forced here: modify them with `every-cycle`".to_string());
-        }
         // As STEP 7 writes the module behind an address.
         let plain = name.trim().strip_suffix(":P").or_else(|| name.trim().strip_suffix(":p")).unwrap_or(name.trim());
         let Settled { address, bits } = watch::settle(plain, value, format, self)?;
-        let Some((is_output, first)) = place(&address) else {
-            return Err(format!("{name} is neither an input nor an output: only these are forced"));
+        let Some((target, first)) = self.forced_place(&address) else {
+            return Err(match family {
+                Family::S7200 => format!("an S7-200 forces I, Q, M and V here, not {name}"),
+                Family::S7400 => {
+                    format!("{name} is neither an input nor an output nor bit memory: only these are forced")
+                }
+                Family::S7300 | Family::S71200 | Family::S71500 => {
+                    format!("{name} is neither an input nor an output: only these are forced")
+                }
+            });
         };
         let is_module = matches!(address.place, Place::PeripheralInput(_) | Place::PeripheralOutput(_));
         if family == Family::S7300 && is_module {
@@ -192,8 +225,8 @@ impl Cpu {
         let mut table = self.force.table.borrow_mut();
         let known = table.iter().position(|one| one.name == name);
         let is_same_bit = |other: &Forced| {
-            place(&other.address).is_some_and(|(output, from)| {
-                output == is_output
+            self.forced_place(&other.address).is_some_and(|(of, from)| {
+                of == target
                     && bytes(first, address.width, bits).any(|(byte, mask)| {
                         bytes(from, other.address.width, other.bits)
                             .any(|(also, theirs)| also == byte && theirs.bits & mask.bits != 0)
@@ -204,8 +237,12 @@ impl Cpu {
         if let Some(other) = others.find(|other| is_same_bit(other)) {
             return Err(format!("{name} overlaps {}, which is forced: end that first", other.name));
         }
-        if known.is_none() && table.len() >= count_max(family) {
-            return Err(format!("this CPU forces {} values at most", count_max(family)));
+        // An S7-200 forces any number of inputs and outputs.
+        let counts = |of: Target| family != Family::S7200 || of == Target::Memory;
+        let is_counted = |one: &&Forced| self.forced_place(&one.address).is_some_and(|(of, _)| counts(of));
+        if known.is_none() && counts(target) && table.iter().filter(is_counted).count() >= count_max(family) {
+            let what = if family == Family::S7200 { "values of M and V" } else { "values" };
+            return Err(format!("this CPU forces {} {what} at most", count_max(family)));
         }
         // When it is no longer forced, the value of the module comes back.
         self.name_input(&address);
@@ -241,7 +278,7 @@ impl Cpu {
     }
 
     fn force_changed(&self) {
-        self.force.renew();
+        self.renew_force();
         // Outputs fall to what the image says, also those that no code writes.
         self.note_outputs(u32::MAX);
         let count = self.force.table.borrow().len() as u32;
@@ -279,7 +316,7 @@ impl Cpu {
                 let line = text.get(..offset).map_or(1, |before| before.matches('\n').count() + 1);
                 format!("{shown}:{line}: {message}")
             })?;
-            self.force.renew();
+            self.renew_force();
         }
         if self.is_forcing() {
             self.log(diagnostics::FORCE_ACTIVE, NO_SITE, self.force.table.borrow().len() as u32);
@@ -308,6 +345,24 @@ impl Cpu {
         for (&byte, mask) in &*self.force.inputs.borrow() {
             if byte < self.area(crate::cpu::Area::Inputs).1 {
                 self.memory.set_byte(layout::I + byte, mask.over(self.memory.byte(layout::I + byte)));
+            }
+        }
+    }
+
+    /// Before the program runs, and after it.
+    #[cold]
+    pub(crate) fn force_memory(&self) {
+        for (&offset, mask) in &*self.force.memory.borrow() {
+            self.memory.set_byte(offset, mask.over(self.memory.byte(offset)));
+        }
+    }
+
+    /// The process image of outputs of an S7-200 as it goes to the modules.
+    #[cold]
+    pub(crate) fn force_image(&self, image: &mut [u8]) {
+        for (&byte, mask) in &*self.force.outputs.borrow() {
+            if let Some(value) = image.get_mut(byte as usize) {
+                *value = mask.over(*value);
             }
         }
     }

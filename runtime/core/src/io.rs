@@ -5,6 +5,7 @@
 use std::cell::RefCell;
 
 use plcc_abi::image::Module;
+use serde::{Deserialize, Serialize};
 
 /// Peripheral bytes in each direction.
 pub const PERIPHERAL_BYTES: u32 = 0x1_0000;
@@ -29,10 +30,14 @@ pub trait Driver {
     fn named(&self, limit: u32, each: &mut dyn FnMut(u32, u8));
     /// Takes over what devices have sent. `changed` gets each that went away or came back.
     fn exchange(&self, _changed: &mut dyn FnMut(Change)) {}
+    /// What is away, as the changes that told it.
+    fn away(&self) -> Vec<Change> {
+        Vec::new()
+    }
 }
 
 /// A device or a part of it went away or came back.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Change {
     /// Its number, from 1.
     pub station: u8,

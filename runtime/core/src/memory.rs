@@ -5,13 +5,19 @@
 
 use std::alloc::{Layout, alloc_zeroed, dealloc, handle_alloc_error};
 use std::marker::PhantomData;
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::ptr;
+use std::sync::atomic::{AtomicPtr, AtomicU32, Ordering};
 
 use plcc_abi::any::Fields;
 use plcc_abi::layout::{self, state};
 
 /// Alignment of the base. Not more than the allocator's own: only then zeroed pages come untouched from the system.
 const BASE_ALIGN: usize = plcc_abi::layout::DB_ALIGN as usize;
+
+/// The base of the memory that debuggers show; null if there is none. The symbol is that of
+/// [`MEMORY_SYMBOL`](plcc_abi::linked::MEMORY_SYMBOL).
+#[unsafe(export_name = "plcc_memory")]
+static SHOWN: AtomicPtr<u8> = AtomicPtr::new(ptr::null_mut());
 
 /// The allocation. Untouched pages take no memory.
 pub struct Memory {
@@ -38,6 +44,11 @@ impl Memory {
 
     pub fn base(&self) -> *mut u8 {
         self.base
+    }
+
+    /// Debuggers show this memory until it is dropped.
+    pub(crate) fn show(&self) {
+        SHOWN.store(self.base, Ordering::Relaxed);
     }
 
     /// Size in bytes.
@@ -363,6 +374,8 @@ unsafe fn move_short(from: *const u8, to: *mut u8, bytes: usize) {
 
 impl Drop for Memory {
     fn drop(&mut self) {
+        // Another one may be shown meanwhile.
+        let _ = SHOWN.compare_exchange(self.base, ptr::null_mut(), Ordering::Relaxed, Ordering::Relaxed);
         // SAFETY: allocated in `new` with the same layout.
         unsafe { dealloc(self.base, Self::layout(self.size)) }
     }

@@ -162,7 +162,7 @@ impl Cpu {
             memory.clear(base, block.frame.clamp(LOCAL_BYTES, layout::L_CLASS_BYTES));
         }
         self.begin_code(u32::MAX, base + layout::L_CLASS_BYTES);
-        self.code.borrow().call(block.entry, memory.base(), base, base);
+        self.code.call(block.entry, memory.base(), base, base);
         match &saved {
             Some(saved) => self.restore(saved),
             None => memory.set_state::<{ state::DEPTH }, 4>([0; 4]),
@@ -192,7 +192,7 @@ impl Cpu {
             memory.set_bytes(base + 12, self.clock.wall_bytes());
         }
         self.begin_code(depth_max, base + limit);
-        self.code.borrow().call(block.entry, memory.base(), base, base);
+        self.code.call(block.entry, memory.base(), base, base);
         match &saved {
             Some(saved) => self.restore(saved),
             None => memory.set_state::<{ state::DEPTH }, 4>([0; 4]),
@@ -267,7 +267,7 @@ impl Cpu {
         if lbase.saturating_add(block.frame) > memory.host32(state::L_END) {
             self.stop_by(plcc_abi::codes::stop::LOCAL_DATA, site, 0);
         } else {
-            self.code.borrow().call(block.entry, memory.base(), lbase, vbase);
+            self.code.call(block.entry, memory.base(), lbase, vbase);
         }
         self.stop_result()
     }

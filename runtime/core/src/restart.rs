@@ -66,7 +66,7 @@ impl Cpu {
         let stopped = Rc::into_inner(cpu).expect("only the run owns its CPU");
         // The rest ends here, with its threads, files and connections.
         let Cpu { image, code, clock, driver, diagnostics, service, alarms, force, generation, .. } = stopped;
-        let mut next = Cpu::new(image, code.into_inner(), clock, driver);
+        let mut next = Cpu::new(image, code, clock, driver);
         let own = Rc::get_mut(&mut next).expect("it was just made");
         own.diagnostics = diagnostics;
         own.alarms = RefCell::new(alarms.into_inner().restarted());

@@ -49,6 +49,7 @@ fn show(args: &StatusArgs) -> Result<(Bound, Status, u8), u8> {
         cycle_time: args.cycle_time,
         set: args.set.clone(),
         scenario: args.scenario.clone(),
+        force: args.force.clone(),
         quiet: true,
         ..RunOptions::default()
     };

@@ -74,14 +74,16 @@ pub struct Start<'a> {
     pub address: u64,
     /// Alignment of the code.
     pub page: u64,
-    /// Functions of the runtime with their addresses.
+    /// Functions of the runtime with their addresses, and its variable for debuggers.
     pub functions: Vec<(&'a [u8], u64)>,
 }
 
 impl<'a> From<&'a Template> for Start<'a> {
     fn from(template: &'a Template) -> Start<'a> {
         use object::read::elf::Sym as _;
-        let functions = template.functions.iter().map(|(name, symbol)| (*name, symbol.st_value(ENDIAN))).collect();
+        let functions = template.functions.iter().map(|(name, symbol)| (*name, symbol.st_value(ENDIAN)));
+        let functions =
+            functions.chain([(linked::MEMORY_SYMBOL.as_bytes(), template.memory.st_value(ENDIAN))]).collect();
         Start { address: template.program.address, page: template.code.page, functions }
     }
 }

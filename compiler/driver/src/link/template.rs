@@ -60,6 +60,8 @@ pub struct Template {
     pub sections: Vec<(&'static [u8], SectionHeader64<LittleEndian>)>,
     /// Defined functions, with their names.
     pub functions: Vec<(&'static [u8], Sym64<LittleEndian>)>,
+    /// The variable [`linked::MEMORY_SYMBOL`].
+    pub memory: Sym64<LittleEndian>,
     pub program: Room,
     pub code: Room,
     /// Where in the file the parts end that stay as they are.
@@ -121,15 +123,19 @@ impl Template {
             }
         }
         let symbols = table.symbols(ENDIAN, bytes, elf::SHT_SYMTAB).map_err(wrong)?;
-        let mut functions = Vec::new();
+        let (mut functions, mut memory) = (Vec::new(), None);
         for symbol in symbols.iter() {
             let section = symbol.st_shndx(ENDIAN);
             if symbol.st_type() == elf::STT_FUNC && section != elf::SHN_UNDEF && usize::from(section) < sections.len() {
                 functions.push((symbols.symbol_name(ENDIAN, symbol).map_err(wrong)?, *symbol));
             }
+            if symbols.symbol_name(ENDIAN, symbol).is_ok_and(|name| name == linked::MEMORY_SYMBOL.as_bytes()) {
+                memory = Some(*symbol);
+            }
         }
+        let memory = memory.ok_or_else(|| missing(linked::MEMORY_SYMBOL))?;
         functions.sort_by_key(|(_, symbol)| symbol.st_value(ENDIAN));
-        Ok(Template { bytes, header: *header, segments, sections, functions, program, code, end })
+        Ok(Template { bytes, header: *header, segments, sections, functions, memory, program, code, end })
     }
 }
 

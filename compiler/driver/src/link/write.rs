@@ -8,6 +8,7 @@ use object::pod::{bytes_of, bytes_of_slice};
 use object::read::elf::Sym as _;
 use object::read::{Object as _, ObjectSymbol as _};
 use object::{LittleEndian, SymbolKind};
+use plcc_abi::linked;
 
 use super::place::{CODE, Image, ObjectFile, PROGRAM};
 use super::template::{ENDIAN, Room, Template};
@@ -118,7 +119,7 @@ pub fn write(template: &Template, objects: &[ObjectFile<'_>], image: Image) -> V
     out
 }
 
-/// Functions of the runtime and of the program, for profilers and debuggers.
+/// Functions of the runtime and of the program, for profilers and debuggers, and where memory is.
 fn symbols(template: &Template, objects: &[ObjectFile<'_>], image: &Image) -> (Vec<Sym64<LittleEndian>>, Vec<u8>) {
     let local = elf::STB_LOCAL << 4 | elf::STT_FUNC;
     let nothing = Sym64 {
@@ -136,6 +137,8 @@ fn symbols(template: &Template, objects: &[ObjectFile<'_>], image: &Image) -> (V
             symbols.push(Sym64 { st_name: names.add(name), st_info: local, ..*symbol });
         }
     }
+    let variable = elf::STB_LOCAL << 4 | elf::STT_OBJECT;
+    symbols.push(Sym64 { st_name: names.add(linked::MEMORY_SYMBOL.as_bytes()), st_info: variable, ..template.memory });
     let mut of_program = Vec::new();
     for (number, object) in objects.iter().enumerate() {
         for symbol in object.symbols().filter(|symbol| symbol.kind() == SymbolKind::Text) {

@@ -63,6 +63,12 @@ fn address(file: &ElfFile64<'_, LittleEndian>, name: &str) -> u64 {
     range(file, name)[0]
 }
 
+/// Where the runtime keeps the address of memory.
+fn memory(file: &ElfFile64<'_, LittleEndian>) -> u64 {
+    let symbol = file.symbols().find(|symbol| symbol.name() == Ok(plcc_abi::linked::MEMORY_SYMBOL));
+    symbol.expect("debuggers need it").address()
+}
+
 /// Address of a function and of its end.
 fn range(file: &ElfFile64<'_, LittleEndian>, name: &str) -> [u64; 2] {
     let symbol = file.symbols().find(|symbol| symbol.name() == Ok(name)).unwrap_or_else(|| panic!("there is {name}"));
@@ -107,9 +113,12 @@ fn debuggers_see_what_a_linker_would_show_them() {
     for name in [".debug_line", ".debug_info", ".debug_ranges", ".debug_abbrev"] {
         let (own_bytes, mut expected) = (section(&own, name), section(&other, name).to_vec());
         let mut moved_addresses = 0;
-        let edges = functions.iter().flat_map(|function| range(&other, function));
-        for before in edges.collect::<std::collections::BTreeSet<u64>>() {
-            let after = before.wrapping_add(moved).to_le_bytes();
+        let edges: std::collections::BTreeSet<u64> =
+            functions.iter().flat_map(|function| range(&other, function)).collect();
+        let edges = edges.into_iter().map(|before| (before, before.wrapping_add(moved)));
+        // Variables count from the memory of the runtime.
+        for (before, after) in edges.chain([(memory(&other), memory(&own))]) {
+            let after = after.to_le_bytes();
             let mut from = 0;
             while let Some(at) = expected[from..].windows(8).position(|bytes| bytes == before.to_le_bytes()) {
                 expected[from + at..from + at + 8].copy_from_slice(&after);

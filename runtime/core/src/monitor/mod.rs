@@ -128,7 +128,7 @@ impl Cpu {
         }
         watches.retain(|watch| watch.client != client);
         watches.push(Watch::new(client, Some(found), call));
-        self.code.borrow().watch(true);
+        self.code.watch(true);
         Ok(())
     }
 
@@ -138,7 +138,7 @@ impl Cpu {
         if !watches.iter().any(|watch| watch.client == client && watch.block.is_none()) && self.probes().is_some() {
             watches.retain(|watch| watch.client != client);
             watches.push(Watch::new(client, None, None));
-            self.code.borrow().watch(true);
+            self.code.watch(true);
         }
     }
 
@@ -157,7 +157,7 @@ impl Cpu {
         let mut watches = self.monitor.watches.borrow_mut();
         watches.retain(|watch| watch.client != client);
         if watches.is_empty() {
-            self.code.borrow().watch(false);
+            self.code.watch(false);
             self.monitor.running.borrow_mut().clear();
             self.monitor.started.borrow_mut().clear();
             self.monitor.obs.borrow_mut().clear();

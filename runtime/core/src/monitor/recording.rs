@@ -31,6 +31,7 @@ pub struct Trigger {
 }
 
 /// What is recorded.
+#[derive(Clone, Debug)]
 pub struct Plan {
     pub signals: Vec<Source>,
     /// Without a trigger it begins at once.
@@ -41,8 +42,8 @@ pub struct Plan {
 }
 
 /// A recording that runs.
-pub(super) struct Recording {
-    pub(super) client: u64,
+pub(crate) struct Recording {
+    client: u64,
     plan: Plan,
     last: Vec<f64>,
     /// The values before the first sample.
@@ -67,7 +68,7 @@ pub struct Progress {
 }
 
 impl Recording {
-    pub(super) fn new(client: u64, mut plan: Plan) -> Recording {
+    pub(crate) fn new(client: u64, mut plan: Plan) -> Recording {
         plan.signals.truncate(SIGNALS_MAX);
         plan.samples = plan.samples.clamp(1, SAMPLES_MAX);
         plan.before = plan.before.min(plan.samples - 1);
@@ -78,7 +79,7 @@ impl Recording {
     }
 
     /// After a cycle.
-    pub(super) fn look(&mut self, cpu: &Cpu) {
+    pub(crate) fn look(&mut self, cpu: &Cpu) {
         let (cycle, time) = (cpu.cycle_number(), cpu.clock.now());
         let is_first = self.cycle == 0;
         if cycle == self.cycle {
@@ -109,13 +110,18 @@ impl Recording {
         }
     }
 
+    /// No more samples will come.
+    pub(crate) fn is_full(&self) -> bool {
+        self.triggered.is_some() && self.samples.len() >= self.plan.samples
+    }
+
     /// What comes after the first `told` samples, `most` at most. Nothing is told before the trigger.
-    pub(super) fn progress(&self, cpu: &Cpu, told: usize, most: usize) -> Progress {
+    pub(crate) fn progress(&self, cpu: &Cpu, told: usize, most: usize) -> Progress {
         let samples = match self.triggered {
             Some(_) => self.samples.iter().skip(told).take(most).copied().collect(),
             None => Vec::new(),
         };
-        let is_full = self.triggered.is_some() && self.samples.len() >= self.plan.samples;
+        let is_full = self.is_full();
         let (triggered, base) = (self.triggered, self.base.clone());
         Progress { samples, triggered, base, is_full, now: (cpu.cycle_number(), cpu.clock.now()) }
     }

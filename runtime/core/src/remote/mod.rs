@@ -255,6 +255,18 @@ impl Driver for Remote {
             self.take(device, changed);
         }
     }
+
+    fn away(&self) -> Vec<Change> {
+        let mut list = Vec::new();
+        for device in &self.devices {
+            if !device.online.get() {
+                list.push(device.change(None, true, ""));
+            }
+            let refused = device.config.channels.iter().zip(&device.refused).filter(|(_, refused)| refused.get());
+            list.extend(refused.map(|(channel, _)| device.change(Some(channel), true, "")));
+        }
+        list
+    }
 }
 
 impl Drop for Remote {

@@ -1,5 +1,6 @@
 //! Devices of their own: a server of Modbus TCP, and one at the other end of a pseudo-terminal.
 
+use std::cell::RefCell;
 use std::fs::File;
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -17,6 +18,7 @@ use std::rc::Rc;
 use super::*;
 use crate::clock::Clock;
 use crate::cycle::{Course, Observer, Pace};
+use crate::options::RunOptions;
 use crate::tests::{Block, Closures, image};
 
 const PATIENCE: Duration = Duration::from_secs(10);
@@ -414,4 +416,51 @@ fn a_device_that_sends_anything_harms_nothing() {
         running.until("a cycle", |cpu| cpu.memory.word(layout::M + 10) != count);
     }
     assert!(!running.cpu.is_stopped());
+}
+
+/// Inputs, a device that goes away and one that comes back are in the recording: the run is the same without the device.
+#[test]
+fn a_recorded_run_can_be_repeated_without_its_devices() {
+    let path = std::env::temp_dir().join(format!("plcc-tape-io-{}.rec", std::process::id()));
+    let tables = tables();
+    let server = Server::new(tables.clone());
+    let station = station(RemoteLine::Tcp(server.address.clone()));
+    // OB 1 tells what it sees: IB 4, whether PIW 10 and PQW 6 cannot be reached, and how often OB 86 has run.
+    let run = |options: RunOptions, plant: Rc<dyn Fn(usize, u8)>| {
+        let seen = Rc::<RefCell<Vec<[u8; 4]>>>::default();
+        let own = Rc::clone(&seen);
+        let program: Block = Box::new(move |cpu, _| {
+            let missing = cpu.peripheral_read(10, 2) >> 32 != 0;
+            let refused = cpu.peripheral_write(6, 2, 1);
+            let faults = cpu.memory.byte(layout::M);
+            own.borrow_mut().push([cpu.memory.byte(layout::I + 4), missing.into(), refused.into(), faults]);
+            plant(own.borrow().len(), faults);
+        });
+        let fault: Block = Box::new(|cpu, _| cpu.memory.set_byte(layout::M, cpu.memory.byte(layout::M) + 1));
+        let mut image = image(&[(BlockKind::Ob, 1), (BlockKind::Ob, 86)]);
+        image.config.remote = vec![station.clone()];
+        let code = Rc::new(Closures(vec![program, fault]));
+        assert_eq!(crate::run(image, code, &RunOptions { quiet: true, ..options }), 0);
+        seen.take()
+    };
+    let (device, is_on) = (tables.clone(), server.on.clone());
+    let plant = move |cycle: usize, faults: u8| {
+        device.lock().unwrap().coils[0] = cycle % 20 < 10;
+        is_on.store(!(cycle > 100 && faults == 0), Ordering::SeqCst);
+    };
+    let options = RunOptions {
+        cycles: Some(1500),
+        cycle_time: Some(crate::options::Duration(2_000_000)),
+        record: Some(path.clone()),
+        ..RunOptions::default()
+    };
+    let recorded = run(options, Rc::new(plant));
+    let has = |wanted: &dyn Fn(&[u8; 4]) -> bool| recorded.iter().any(wanted);
+    assert!(has(&|seen| *seen == [1, 0, 0, 0]) && has(&|seen| *seen == [0, 0, 0, 0]), "inputs change");
+    assert!(has(&|seen| *seen == [0xFF, 1, 1, 1]), "the device is away");
+    assert_eq!(recorded.last().map(|seen| &seen[1..]), Some(&[0, 0, 2][..]), "it has come back");
+    server.switch(false);
+    let repeated = run(RunOptions { replay: Some(path.clone()), ..RunOptions::default() }, Rc::new(|_, _| {}));
+    std::fs::remove_file(path).unwrap();
+    assert!(recorded == repeated);
 }

@@ -12,10 +12,10 @@ use crate::clock::Clock;
 use crate::code::Code;
 use crate::cpu::Cpu;
 use crate::cycle::Observer;
-use crate::io::Simulated;
+use crate::io::{Driver, Simulated};
 use crate::options::{Duration, RunOptions};
 use crate::probe::{Phase, Watcher};
-use crate::tape::{Recording, Tape};
+use crate::tape::{Recording, Tape, repeated_driver};
 
 /// How a run ended.
 #[derive(Clone, Debug, Default)]
@@ -41,14 +41,19 @@ pub fn run_debugged(
     recording: Option<&Rc<Recording>>,
 ) -> Result<Ended, String> {
     let options = RunOptions { hang_limit: Some(NO_HANG_LIMIT), quiet: false, ..options.clone() };
-    let driver = Box::new(Simulated::new(image.config.modules.clone()));
+    let driver: Box<dyn Driver> = match recording {
+        Some(recording) => repeated_driver(image, recording),
+        None => Box::new(Simulated::new(image.config.modules.clone())),
+    };
     let clock = recording.map_or_else(Clock::simulated, |recording| Tape::clock(recording.head.wall));
     let cpu = Cpu::new(Arc::clone(image), code, clock, driver);
     if let Some(recording) = recording {
         cpu.set_tape(Rc::new(Tape::replay(Rc::clone(recording))));
     }
     cpu.set_watcher(Rc::clone(watcher));
-    let session = prepare(&cpu, &options, out)?;
+    let mut session = prepare(&cpu, &options, out)?;
+    // The program runs once more for each way back.
+    session.triggered = None;
     let mut told = Told { session, watcher };
     tell_partial(&cpu.image.partial, true);
     let cycles = cpu.execute(&pace(&cpu, &options), &mut told);

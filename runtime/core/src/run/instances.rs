@@ -179,6 +179,9 @@ fn one(
         Ok(prepared) => prepared,
         Err(message) => return failed(message),
     };
+    if session.triggered.is_some() {
+        return failed("the trace of a watch table is for one CPU: run the instance of interest alone".to_string());
+    }
     if let Some(Table { names, rows }) = table {
         let row = rows.get(number).map_or(&[][..], Vec::as_slice);
         let values: Result<Vec<_>, String> =

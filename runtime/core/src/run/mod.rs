@@ -126,6 +126,7 @@ fn run_with(mut image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions, e
     };
     let options = &planned.options;
     let mut cpu = Cpu::new(image, code, planned.clock, planned.driver);
+    cpu.memory.show();
     if let Some(tape) = &planned.tape {
         cpu.set_tape(Rc::clone(tape));
     }
@@ -169,6 +170,7 @@ fn run_with(mut image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions, e
         stop_line(&cpu, options, cycles).iter().for_each(|line| say!("{line}"));
         let Some(kind) = wait_in_stop(&mut cpu, &mut session, options, inbox) else { break };
         cpu = Cpu::restarted(cpu, kind);
+        cpu.memory.show();
         if let Some(watcher) = &watcher {
             cpu.set_watcher(watcher.clone());
         }
@@ -311,8 +313,8 @@ fn tell_partial(items: &[String], quiet: bool) {
     }
 }
 
-fn finish(cpu: &Cpu, options: &RunOptions, session: Session, cycles: u64) -> u8 {
-    let mut exit = EXIT_OK;
+fn finish(cpu: &Cpu, options: &RunOptions, mut session: Session, cycles: u64) -> u8 {
+    let mut exit = if session.end_trace(cpu) { EXIT_OK } else { EXIT_USAGE };
     let printed = &session.printed;
     if !printed.is_empty() {
         let mut out = std::io::stdout().lock();

@@ -7,9 +7,9 @@ use plcc_abi::ProgramImage;
 
 use super::{EXIT_FAULT, EXIT_OK, EXIT_USAGE, driver, say};
 use crate::clock::Clock;
-use crate::io::{Driver, Simulated};
+use crate::io::Driver;
 use crate::options::{ClockKind, Duration, RunOptions};
-use crate::tape::{Head, Noted, Notes, Recording, Tape};
+use crate::tape::{Devices, Head, Noted, Notes, Recording, Tape, repeated_driver};
 
 /// What a run needs from outside.
 pub(super) struct Planned {
@@ -54,10 +54,12 @@ pub(super) fn plan(
 fn record(image: &ProgramImage, options: &RunOptions, path: &Path) -> Result<Planned, String> {
     refuse(&[
         (options.clock == ClockKind::Virtual, "a run on the virtual clock can be repeated without a recording"),
-        (!image.config.remote.is_empty(), "the inputs of the devices of `[io]` are not recorded; leave out `[io]`"),
         (options.force.is_some(), "forced values are not recorded; leave out --force"),
         (image.config.retain.file.is_some(), "a recording begins without retentive memory; leave out the file for it"),
     ])?;
+    let has_devices = !image.config.remote.is_empty();
+    let inner = driver(image, options)?;
+    let devices = if has_devices { Devices::at_start(&*inner) } else { Devices::default() };
     let wall = Clock::real().wall();
     let cycle_time = image.config.cycle_time_ms.map(|ms| u64::from(ms) * crate::clock::NS_PER_MS);
     let default = cycle_time.unwrap_or(crate::options::CYCLE_TIME_DEFAULT.0);
@@ -70,16 +72,17 @@ fn record(image: &ProgramImage, options: &RunOptions, path: &Path) -> Result<Pla
         watch_table: absolute(options.watch_table.as_ref())?,
         stop_on_error: options.stop_on_error,
         startup: image.config.startup,
+        devices,
     };
     let notes = Rc::<Notes>::default();
-    let driver = Box::new(Noted { inner: Simulated::new(image.config.modules.clone()), notes: Rc::clone(&notes) });
+    let driver = Box::new(Noted { inner, notes: Rc::clone(&notes), has_devices });
     let tape = Rc::new(Tape::record(path, &head, notes)?);
     Ok(Planned { options: options.clone(), clock: Tape::clock(wall), driver, tape: Some(tape) })
 }
 
 fn replay(image: &mut ProgramImage, options: &RunOptions, recording: &Rc<Recording>) -> Result<Planned, String> {
     let options = repeated(image, options, recording)?;
-    let driver = Box::new(Simulated::new(image.config.modules.clone()));
+    let driver = repeated_driver(image, recording);
     let tape = Some(Rc::new(Tape::replay(Rc::clone(recording))));
     Ok(Planned { options, clock: Tape::clock(recording.head.wall), driver, tape })
 }

@@ -8,6 +8,7 @@ use crate::options::{RunOptions, split_list};
 use crate::plant::Plant;
 use crate::scenario::{Player, Scenario};
 use crate::signal::{self, Signal, Source, Value};
+use crate::trace::triggered::Triggered;
 use crate::trace::{self, Recorder};
 use crate::watch::{Table, Trigger};
 
@@ -22,6 +23,8 @@ pub(super) struct Session {
     pub printed: Vec<Signal>,
     /// The watch table.
     pub watch: Option<Table>,
+    /// The trace of the watch table.
+    pub triggered: Option<Triggered>,
 }
 
 impl Observer for Session {
@@ -50,6 +53,9 @@ impl Observer for Session {
         if self.recorder.is_some() {
             self.record(cpu, cycle, time);
         }
+        if let Some(trace) = &mut self.triggered {
+            tell(trace.look(cpu));
+        }
     }
 }
 
@@ -61,6 +67,7 @@ impl Session {
 
     /// The program has changed: names mean places of the new one. What it does not have is told and left out.
     pub fn renew(&mut self, cpu: &Cpu, options: &RunOptions) {
+        self.end_trace(cpu);
         self.printed.clear();
         for name in split_list(&options.print) {
             match signals(cpu, self.player.plant(), std::slice::from_ref(&name)) {
@@ -77,6 +84,11 @@ impl Session {
                 }
             }
         }
+    }
+
+    /// Writes what the trace of the watch table has. False: the file cannot be written.
+    pub fn end_trace(&mut self, cpu: &Cpu) -> bool {
+        self.triggered.take().is_none_or(|mut trace| tell(trace.finish(cpu)))
     }
 
     /// The values of `--set`.
@@ -107,6 +119,7 @@ pub(super) fn prepare(cpu: &Cpu, options: &RunOptions, out: Box<dyn Write>) -> R
     // A wrong flag leaves the trace of an earlier run as it is.
     let set = settings(cpu, &options.set)?;
     let watch = options.watch_table.as_deref().map(|path| Table::read(path, cpu)).transpose()?;
+    let triggered = watch.as_ref().and_then(Table::trace).cloned().map(Triggered::new);
     let recorder = match &options.trace {
         Some(path) => {
             let step = options.trace_step.map_or(0, |step| step.0);
@@ -119,7 +132,22 @@ pub(super) fn prepare(cpu: &Cpu, options: &RunOptions, out: Box<dyn Write>) -> R
         }
         None => None,
     };
-    Ok(Session { set, last: 0, player, recorder, printed, watch })
+    Ok(Session { set, last: 0, player, recorder, printed, watch, triggered })
+}
+
+/// Tells what has become of the trace of a watch table. False: it cannot be written.
+fn tell(outcome: Option<Result<String, String>>) -> bool {
+    match outcome {
+        None => true,
+        Some(Ok(text)) => {
+            super::say!("trace {text}");
+            true
+        }
+        Some(Err(error)) => {
+            super::say!("runtime: the trace cannot be written: {error}");
+            false
+        }
+    }
 }
 
 /// The signals of a list flag.

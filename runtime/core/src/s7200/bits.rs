@@ -57,7 +57,8 @@ pub(super) fn write_outputs_now(cpu: &Cpu, operands: &Operands) -> u64 {
     }
     for (byte, mask) in masks(first, count) {
         cpu.memory.set_byte(base + byte, with_bits(cpu.memory.byte(base + byte), mask, value != 0));
-        let mut shown = with_bits(cpu.driver.output(byte, 1) as u8, mask, value != 0);
+        let shown = with_bits(cpu.driver.output(byte, 1) as u8, mask, value != 0);
+        let mut shown = cpu.forced_output(byte, 1, shown.into()) as u8;
         for number in (0..2u8).filter(|_| byte == 0) {
             if let Some(level) = cpu.s7200_pulse_level(number) {
                 shown = with_bits(shown, 1 << number, level);

@@ -198,11 +198,12 @@ impl Cpu {
         let (base, length) = self.area(Area::Outputs);
         let (mask, levels) = self.pulse_bits();
         self.memory.view(base, length, |image| {
-            if mask == 0 {
+            if mask == 0 && !self.is_forcing() {
                 self.driver.write_image(image);
                 return;
             }
             let mut bytes = image.to_vec();
+            self.force_image(&mut bytes);
             if let Some(first) = bytes.first_mut() {
                 *first = *first & !mask | levels;
             }

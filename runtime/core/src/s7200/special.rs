@@ -76,6 +76,14 @@ impl Cpu {
         // Before the first scan constants are right, too.
         let switch = if own.config.mode_switch_term { 0 } else { MODE_SWITCH_RUN };
         memory.set_byte(special(0), ALWAYS_ON | switch);
+        self.s7200_show_forced();
+    }
+
+    /// SM4.7: something is forced.
+    pub(crate) fn s7200_show_forced(&self) {
+        if self.s7200.is_some() {
+            set_special(&self.memory, 4, 7, self.is_forcing());
+        }
     }
 
     /// A scan begins.

@@ -8,9 +8,10 @@ use std::path::Path;
 use plcc_abi::ProgramImage;
 use serde::{Deserialize, Serialize};
 
+use super::devices::Devices;
 use crate::files;
 
-const MAGIC: &[u8; 8] = b"PLCCREC\x01";
+const MAGIC: &[u8; 8] = b"PLCCREC\x02";
 /// Length and checksum before each piece.
 const PREFIX_BYTES: usize = 8;
 /// Larger files are not read.
@@ -32,6 +33,8 @@ pub struct Head {
     pub stop_on_error: bool,
     /// The number of the startup OB.
     pub startup: u16,
+    /// Of `[io]`, with their inputs.
+    pub devices: Devices,
 }
 
 impl Head {
@@ -63,6 +66,8 @@ pub(super) struct Frame {
     pub client: Option<Client>,
     /// Of the values in memory at its end.
     pub check: u32,
+    /// What came from devices before it.
+    pub devices: Devices,
 }
 
 /// What clients changed at the end of a cycle.
@@ -198,8 +203,10 @@ mod tests {
         let head = Head { program: 7, set: vec!["I0.0=1".to_string()], ..Head::default() };
         let mut writer = Writer::create(&folder, &head).unwrap();
         let client = Client { memory: vec![(5, vec![1, 2])], inputs: vec![(0, 1, 3)], wall: Some(-1), stop: false };
-        writer.write(&Frame { advance: 10_000_000, client: None, check: 1 }).unwrap();
-        writer.write(&Frame { advance: 1, client: Some(client), check: u32::MAX }).unwrap();
+        let devices = Devices { inputs: vec![(4, 9)], changes: Vec::new() };
+        writer.write(&Frame { advance: 10_000_000, client: None, check: 1, devices }).unwrap();
+        let devices = Devices::default();
+        writer.write(&Frame { advance: 1, client: Some(client), check: u32::MAX, devices }).unwrap();
         writer.finish().unwrap();
         let bytes = std::fs::read(&folder).unwrap();
         std::fs::remove_file(&folder).unwrap();
@@ -211,6 +218,7 @@ mod tests {
         let recording = Recording::parse(&file()).unwrap();
         assert_eq!(recording.head.set, ["I0.0=1"]);
         assert_eq!(recording.cycles(), 2);
+        assert_eq!(recording.frames[0].devices.inputs, [(4, 9)]);
         assert_eq!(recording.frames[1].client.as_ref().unwrap().memory, [(5, vec![1, 2])]);
     }
 

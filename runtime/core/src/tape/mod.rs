@@ -1,9 +1,10 @@
 //! Recordings: what a run got from outside, cycle by cycle, so that it can be repeated to the byte.
 //!
 //! While a run is recorded its clock stands still within a cycle, as the virtual clock does, and follows the clock of the host between
-//! cycles. So all that is not in the program is when each cycle begins and what clients have changed; the file has these, and a checksum of
+//! cycles. So all that is not in the program is when each cycle begins, what came from devices and what clients have changed; the file has these, and a checksum of
 //! memory after each cycle, which the repetition has to meet.
 
+mod devices;
 mod file;
 
 use std::cell::{Cell, RefCell};
@@ -11,12 +12,15 @@ use std::path::Path;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
+use plcc_abi::ProgramImage;
 use plcc_abi::layout;
 
 use crate::clock::Clock;
 use crate::cpu::Cpu;
 use crate::io::{Change, Driver, Simulated};
 
+pub use devices::Devices;
+use devices::Repeated;
 use file::{Client, Frame, Writer};
 pub use file::{Head, Recording};
 
@@ -33,9 +37,14 @@ enum Side {
     Replay { recording: Rc<Recording>, next: Cell<usize>, strict: Cell<bool> },
 }
 
-/// Inputs that clients set, as long as somebody wants to know.
+/// What a driver that is recorded has noted.
 #[derive(Default)]
-pub struct Notes(RefCell<Option<Vec<(u32, u32, u32)>>>);
+pub struct Notes {
+    /// Inputs that clients set, as long as somebody wants to know.
+    inputs: RefCell<Option<Vec<(u32, u32, u32)>>>,
+    /// What came from devices before this cycle.
+    devices: RefCell<Devices>,
+}
 
 /// Longest sleep, so that signals are seen soon.
 const SLICE: u64 = 20_000_000;
@@ -90,14 +99,18 @@ impl Tape {
     /// A cycle is over; `next` is when the next one is to begin. Result: when it begins; `None`: the recording ends here.
     pub(crate) fn end_cycle(&self, cpu: &Cpu, next: u64) -> Option<u64> {
         match &self.side {
-            Side::Record { writer, begin, .. } => {
+            Side::Record { writer, begin, notes } => {
                 let now = cpu.clock.now();
                 let mut target = now;
                 if !cpu.is_stopped() {
                     target = wait(*begin, next).max(next);
                 }
-                let frame =
-                    Frame { advance: target.saturating_sub(now), client: self.client.take(), check: checksum(cpu) };
+                let frame = Frame {
+                    advance: target.saturating_sub(now),
+                    client: self.client.take(),
+                    check: checksum(cpu),
+                    devices: notes.devices.take(),
+                };
                 let mut slot = writer.borrow_mut();
                 if let Some(why) = unrecorded(cpu)
                     && slot.is_some()
@@ -135,9 +148,9 @@ impl Tape {
         let Side::Record { notes, .. } = &self.side else { return serve() };
         let (before, wall) = (areas(cpu), cpu.clock.wall());
         let was_stopped = cpu.is_stopped();
-        notes.0.replace(Some(Vec::new()));
+        notes.inputs.replace(Some(Vec::new()));
         serve();
-        let inputs = notes.0.take().unwrap_or_default();
+        let inputs = notes.inputs.take().unwrap_or_default();
         let memory = differences(&before, &areas(cpu));
         let wall = Some(cpu.clock.wall()).filter(|now| *now != wall);
         let stop = cpu.is_stopped() && !was_stopped;
@@ -250,10 +263,20 @@ fn differences(before: &[(u32, Vec<u8>)], after: &[(u32, Vec<u8>)]) -> Vec<(u32,
     list
 }
 
-/// A driver that notes which inputs are set.
+/// The driver of a repeated run.
+pub fn repeated_driver(image: &ProgramImage, recording: &Rc<Recording>) -> Box<dyn Driver> {
+    let modules = image.config.modules.clone();
+    match image.config.remote.is_empty() {
+        true => Box::new(Simulated::new(modules)),
+        false => Box::new(Repeated::new(modules, &image.config.remote, Rc::clone(recording))),
+    }
+}
+
+/// A driver that notes which inputs are set, and what comes from devices.
 pub struct Noted {
-    pub inner: Simulated,
+    pub inner: Box<dyn Driver>,
     pub notes: Rc<Notes>,
+    pub has_devices: bool,
 }
 
 impl Driver for Noted {
@@ -278,7 +301,7 @@ impl Driver for Noted {
     }
 
     fn set_input(&self, address: u32, bytes: u32, value: u32) {
-        if let Some(notes) = self.notes.0.borrow_mut().as_mut() {
+        if let Some(notes) = self.notes.inputs.borrow_mut().as_mut() {
             notes.push((address, bytes, value));
         }
         self.inner.set_input(address, bytes, value);
@@ -293,7 +316,18 @@ impl Driver for Noted {
     }
 
     fn exchange(&self, changed: &mut dyn FnMut(Change)) {
-        self.inner.exchange(changed);
+        if !self.has_devices {
+            return self.inner.exchange(changed);
+        }
+        let (before, mut changes) = (devices::inputs(&*self.inner), Vec::new());
+        self.inner.exchange(&mut |change| changes.push(change));
+        let devices = Devices::between(&before, devices::inputs(&*self.inner), changes);
+        devices.changes.iter().cloned().for_each(changed);
+        self.notes.devices.replace(devices);
+    }
+
+    fn away(&self) -> Vec<Change> {
+        self.inner.away()
     }
 }
 

@@ -1,12 +1,13 @@
 //! Order of the cycle, start information, process images, clock memory.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 use std::time::Duration;
 
 use plcc_abi::codes::stop;
 use plcc_abi::image::{BlockKind, Module};
 use plcc_abi::layout;
+use plcc_abi::monitor::Probes;
 
 use super::helpers::{Block, cpu, cpu_with, image, run, run_observed};
 use crate::address::{self, Address};
@@ -143,42 +144,46 @@ fn observer_sees_the_phases() {
     assert_eq!(phases.0, [('<', 0, 0), ('>', 0, 0), ('<', 1, 0), ('>', 1, 0), ('<', 2, ms10), ('>', 2, ms10)]);
 }
 
-/// Code with one block, which tells who it is.
+/// Code with one block, which tells whether it is the one with probes.
+#[derive(Default)]
 struct Teller {
-    name: &'static str,
-    entries: Rc<RefCell<Vec<String>>>,
+    is_watched: Cell<bool>,
+    entries: RefCell<Vec<&'static str>>,
 }
 
 impl Code for Teller {
-    fn call(&self, _: u32, mem: *mut u8, _: u32, _: u32) {
-        self.entries.borrow_mut().push(self.name.to_string());
-        // SAFETY: the runtime passes the base of its own memory.
-        let cpu = unsafe { Cpu::of(mem) };
-        let other = Rc::new(Teller { name: "never", entries: self.entries.clone() });
-        assert!(cpu.exchange_code(other).is_err(), "code that runs is not exchanged");
+    fn call(&self, _: u32, _: *mut u8, _: u32, _: u32) {
+        self.entries.borrow_mut().push(if self.is_watched.get() { "probes" } else { "plain" });
+    }
+
+    fn watch(&self, is_watched: bool) {
+        self.is_watched.set(is_watched);
     }
 }
 
-/// Exchanges the code at the second cycle control point.
-struct Exchanger(Rc<dyn Code>);
+/// Watches the program from the second cycle control point on, until the fourth.
+struct Onlooker;
 
-impl Service for Exchanger {
+impl Service for Onlooker {
     fn look(&self, cpu: &Cpu, _: u64, _: Option<u64>) -> bool {
-        cpu.cycle_number() == 2
+        matches!(cpu.cycle_number(), 2 | 4)
     }
 
     fn serve(&mut self, cpu: &Cpu, _: Duration) {
-        assert!(cpu.exchange_code(self.0.clone()).is_ok());
+        match cpu.cycle_number() {
+            2 => cpu.watch_obs(1),
+            _ => cpu.unwatch_block(1),
+        }
     }
 }
 
 #[test]
-fn code_is_exchanged_between_two_cycles() {
-    let entries = Rc::<RefCell<Vec<String>>>::default();
-    let teller = |name| Rc::new(Teller { name, entries: entries.clone() });
-    let image = image(&[(BlockKind::Ob, 1)]);
-    let cpu = Cpu::new(image, teller("old"), Clock::simulated(), Box::new(Simulated::new(None)));
-    cpu.attach(Box::new(Exchanger(teller("new"))));
-    run(&cpu, 4);
-    assert_eq!(*entries.borrow(), ["old", "old", "new", "new"]);
+fn code_changes_between_two_cycles() {
+    let teller = Rc::<Teller>::default();
+    let mut image = image(&[(BlockKind::Ob, 1)]);
+    image.config.services.probes = Some(Probes::default());
+    let cpu = Cpu::new(image, teller.clone(), Clock::simulated(), Box::new(Simulated::new(None)));
+    cpu.attach(Box::new(Onlooker));
+    run(&cpu, 6);
+    assert_eq!(*teller.entries.borrow(), ["plain", "plain", "probes", "probes", "plain", "plain"]);
 }

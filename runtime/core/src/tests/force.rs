@@ -1,4 +1,4 @@
-//! Forced inputs and outputs, by family.
+//! Forced inputs, outputs and memory, by family.
 
 use std::rc::Rc;
 
@@ -112,8 +112,25 @@ fn what_cannot_be_forced_is_refused() {
     }
     assert!(refused("QB11", "1").contains("10 values"));
     assert_eq!(cpu.force("QB9", "16#22"), Ok(()), "a new value for what is forced");
-    let cpu = super::helpers::cpu_with(Vec::new(), |image| image.profile.family = Family::S7200);
-    assert!(cpu.force("I0.0", "1").is_err());
+    assert!(self::cpu(Family::S7400).force("T1", "1").is_err());
+}
+
+/// The program writes 16#0F to MB 5 in each cycle; before and after it the forced bits are there.
+#[test]
+fn a_400_forces_bit_memory() {
+    let ob1: Block = Box::new(|cpu, _| {
+        cpu.memory.set_byte(layout::M + 6, cpu.memory.byte(layout::M + 5));
+        cpu.memory.set_byte(layout::M + 5, 0x0F);
+    });
+    let cpu = cpu_with(vec![(1, ob1)], |image| image.profile.family = Family::S7400);
+    assert_eq!(cpu.force("M5.7", "1"), Ok(()));
+    assert_eq!(cpu.force("M5.0", "0"), Ok(()));
+    assert!(cpu.force("MW4", "0").unwrap_err().contains("overlaps M5.7"));
+    run(&cpu, 2);
+    assert_eq!((cpu.memory.byte(layout::M + 5), cpu.memory.byte(layout::M + 6)), (0x8E, 0x8E));
+    assert_eq!(cpu.unforce(None), Ok(()));
+    run(&cpu, 1);
+    assert_eq!(cpu.memory.byte(layout::M + 5), 0x0F);
 }
 
 /// The table is kept in its file, and read again with the next start.

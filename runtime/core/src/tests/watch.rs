@@ -3,12 +3,14 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
+use plcc_abi::image::BlockKind;
 use plcc_abi::layout;
 
-use super::helpers::{Block, cpu, run_observed};
+use super::helpers::{Block, Closures, cpu, image, run_observed};
 use crate::address;
 use crate::cpu::Cpu;
 use crate::cycle::Observer;
+use crate::options::{ClockKind, RunOptions};
 use crate::watch::{Table, Trigger};
 
 struct Watched(Table);
@@ -69,6 +71,58 @@ fn values_are_modified_at_their_triggers() {
         table.text(&cpu),
         "I0.1  false        modified\nMW10  101          modified\nQB4   2#0000_1010  modified  Lamps\n"
     );
+}
+
+/// MW 10 counts cycles; the trace begins when it comes to 5, with two samples from before that.
+#[test]
+fn a_trace_waits_for_its_trigger() {
+    let path = |suffix: &str| std::env::temp_dir().join(format!("plcc-watch-trace-{}.{suffix}", std::process::id()));
+    let traced = |suffix: &str, more: &str| {
+        let ob1: Block = Box::new(|cpu, _| {
+            let count = cpu.memory.word(layout::M + 10) + 1;
+            cpu.memory.set_word(layout::M + 10, count);
+            cpu.memory.set_bit(layout::Q + 4, 1, count >= 6);
+        });
+        let file = path(suffix);
+        let table = std::env::temp_dir().join(format!("plcc-watch-table-{}-{suffix}.toml", std::process::id()));
+        let text = format!("[trace]\nfile = \"{}\"\nsignals = [\"MW10\", \"Q4.1\"]\n{more}", file.display());
+        std::fs::write(&table, text).unwrap();
+        let options = RunOptions {
+            clock: ClockKind::Virtual,
+            cycles: Some(20),
+            watch_table: Some(table.clone()),
+            quiet: true,
+            ..RunOptions::default()
+        };
+        let exit = crate::run(image(&[(BlockKind::Ob, 1)]), Rc::new(Closures(vec![ob1])), &options);
+        std::fs::remove_file(table).unwrap();
+        let written = std::fs::read_to_string(&file).ok();
+        let _ = std::fs::remove_file(&file);
+        (exit, written)
+    };
+    let trigger = "trigger = \"MW10\"\nlevel = 5\nsamples = 6\nbefore = 2\n";
+    let expected =
+        "cycle,time_ms,MW10,Q4.1\n3,20,16#0003,0\n4,30,16#0004,0\n5,40,16#0005,0\n6,50,16#0006,1\n7,60,16#0007,1\n";
+    assert_eq!(traced("csv", trigger), (0, Some(expected.to_string())));
+    let (_, vcd) = traced("vcd", trigger);
+    assert!(vcd.is_some_and(|vcd| vcd.contains("#20000\n") && vcd.contains("#50000\n") && !vcd.contains("#10000\n")));
+    assert_eq!(traced("csv", "trigger = \"Q4.1\"\nedge = \"falling\"\n"), (0, None), "it has not come");
+    let (_, all) = traced("csv", "");
+    assert_eq!(all.map(|all| all.lines().count()), Some(21), "without a trigger it begins at once");
+    assert_eq!(traced("csv", "before = 3\n"), (2, None));
+}
+
+#[test]
+fn a_trace_is_of_numbers_and_has_limits() {
+    let cpu = cpu(Vec::new());
+    let wrong = |text: &str| Table::parse(&format!("[trace]\n{text}"), &cpu).expect_err(text).1;
+    assert!(wrong("file = \"a.txt\"\nsignals = [\"MW10\"]").contains(".csv"));
+    assert!(wrong("file = \"a.csv\"\nsignals = []").contains("at least one"));
+    assert!(wrong("file = \"a.csv\"\nsignals = [\"ML0\"]").contains("32 bits"));
+    assert!(wrong("file = \"a.csv\"\nsignals = [\"MW1\"]\ntrigger = \"MW2\"").contains("one of the signals"));
+    assert!(wrong("file = \"a.csv\"\nsignals = [\"MW1\"]\nsamples = 100001").contains("100000"));
+    let many: Vec<String> = (0..17).map(|byte| format!("\"MB{byte}\"")).collect();
+    assert!(wrong(&format!("file = \"a.csv\"\nsignals = [{}]", many.join(", "))).contains("16 signals"));
 }
 
 #[test]

@@ -6,6 +6,7 @@
 
 pub mod page;
 mod table;
+pub mod triggered;
 mod waveform;
 
 use std::collections::HashSet;
@@ -62,23 +63,7 @@ pub struct Recorder {
 impl Recorder {
     /// Creates the file; its extension determines the format. `step`: nanoseconds between samples, 0: each cycle. `Err`: the error.
     pub fn create(path: &Path, signals: Vec<Signal>, step: u64) -> Result<Recorder, String> {
-        let open = || {
-            let file = crate::files::writable(path).and_then(|()| File::create(path));
-            file.map(BufWriter::new).map_err(|error| format!("cannot write {}: {error}", path.display()))
-        };
-        let suffix = path.extension().and_then(|suffix| suffix.to_str()).unwrap_or("").to_ascii_lowercase();
-        let failed = |error: std::io::Error| format!("cannot write {}: {error}", path.display());
-        let sink: Box<dyn Sink> = match suffix.as_str() {
-            "vcd" => Box::new(waveform::Waveform::new(open()?, &signals).map_err(failed)?),
-            "csv" => Box::new(table::Table::new(open()?, &signals).map_err(failed)?),
-            "html" => {
-                let mut file = open()?;
-                let title = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-                std::io::Write::write_all(&mut file, page::head(&title).as_bytes()).map_err(failed)?;
-                Box::new(table::Table::new(page::Samples(file), &signals).map_err(failed)?)
-            }
-            _ => return Err(format!("--trace {}: the file must end in .vcd, .csv or .html", path.display())),
-        };
+        let sink = sink(path, &signals).map_err(|error| format!("--trace {error}"))?;
         let outputs = (0..).zip(&signals).filter_map(|(index, signal)| Some((index, pulse_output(&signal.source)?)));
         Ok(Recorder {
             values: Vec::with_capacity(signals.len()),
@@ -154,6 +139,24 @@ impl Recorder {
             None => self.sink.finish(),
         }
     }
+}
+
+/// Creates a file; its extension determines the format. `Err`: the error, with the name of the file.
+fn sink(path: &Path, signals: &[Signal]) -> Result<Box<dyn Sink>, String> {
+    let failed = |error: std::io::Error| format!("{}: {error}", path.display());
+    let open = || crate::files::writable(path).and_then(|()| File::create(path)).map(BufWriter::new).map_err(failed);
+    let suffix = path.extension().and_then(|suffix| suffix.to_str()).unwrap_or("").to_ascii_lowercase();
+    Ok(match suffix.as_str() {
+        "vcd" => Box::new(waveform::Waveform::new(open()?, signals).map_err(failed)?),
+        "csv" => Box::new(table::Table::new(open()?, signals).map_err(failed)?),
+        "html" => {
+            let mut file = open()?;
+            let title = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+            std::io::Write::write_all(&mut file, page::head(&title).as_bytes()).map_err(failed)?;
+            Box::new(table::Table::new(page::Samples(file), signals).map_err(failed)?)
+        }
+        _ => return Err(format!("{}: the file must end in .vcd, .csv or .html", path.display())),
+    })
 }
 
 /// The recorded part of a pulse output: its edges, whether some are missing, its level.

@@ -11,11 +11,20 @@
 //! trigger = "begin"         # before the program, with the inputs read; or "end", before the outputs are written
 //! every-cycle = true        # default: once
 //! cycle = 3                 # the first cycle, default 1
+//!
+//! [trace]                   # records signals in the cycles in which they change
+//! file = "start.csv"        # or .vcd, .html
+//! signals = ["MW10", "Motor"]
+//! trigger = "MW10"          # one of the signals; default: the trace begins at once
+//! level = 50                # default 1, of a falling edge 0
+//! edge = "rising"           # or "falling"
+//! samples = 1000            # default 100000
+//! before = 100              # of these from before the trigger, default 0
 //! ```
 
 pub mod format;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use plcc_abi::ProgramImage;
 use plcc_literal::toml_words;
@@ -23,8 +32,10 @@ use serde::Deserialize;
 
 use crate::address::Address;
 use crate::cpu::Cpu;
+use crate::monitor::recording;
 use crate::names;
-use crate::signal::Source;
+use crate::signal::{Signal, Source};
+use crate::trace::triggered::Wanted;
 use format::Format;
 
 /// Rows of a table at most. Source: Programming with STEP 7, variable table.
@@ -46,6 +57,33 @@ pub enum Trigger {
 struct FileText {
     #[serde(default)]
     row: Vec<RowText>,
+    trace: Option<toml::Spanned<TraceText>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TraceText {
+    file: PathBuf,
+    signals: Vec<String>,
+    trigger: Option<String>,
+    level: Option<f64>,
+    edge: Option<Edge>,
+    #[serde(default = "all_samples")]
+    samples: usize,
+    #[serde(default)]
+    before: usize,
+}
+
+const fn all_samples() -> usize {
+    recording::SAMPLES_MAX
+}
+
+/// How a signal crosses a level.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum Edge {
+    Rising,
+    Falling,
 }
 
 #[derive(Deserialize)]
@@ -93,6 +131,7 @@ struct Modify {
 #[derive(Clone, Debug)]
 pub struct Table {
     rows: Vec<Row>,
+    trace: Option<Wanted>,
 }
 
 impl Table {
@@ -120,7 +159,17 @@ impl Table {
             let offset = row.address.span().start;
             Row::new(row, &cpu.image, cpu).map_err(|message| (offset, message))
         });
-        Ok(Table { rows: rows.collect::<Result<_, _>>()? })
+        let rows = rows.collect::<Result<_, _>>()?;
+        let trace = file.trace.map(|text| {
+            let offset = text.span().start;
+            trace(text.into_inner(), cpu).map_err(|message| (offset, message))
+        });
+        Ok(Table { rows, trace: trace.transpose()? })
+    }
+
+    /// What the table records.
+    pub fn trace(&self) -> Option<&Wanted> {
+        self.trace.as_ref()
     }
 
     /// Writes the values that are due at a trigger of a cycle. Of rows that overlap the last one counts.
@@ -161,6 +210,34 @@ impl Table {
         };
         rows.iter().map(line).collect()
     }
+}
+
+/// What `[trace]` wants. `Err`: the error.
+fn trace(text: TraceText, cpu: &Cpu) -> Result<Wanted, String> {
+    let signal = |name: &String| {
+        let source = Source::find(name, &cpu.image, None)?;
+        source.check(cpu).map_err(|message| format!("{name}: {message}"))?;
+        Ok::<_, String>(Signal { name: name.clone(), source })
+    };
+    let signals: Vec<Signal> = text.signals.iter().map(signal).collect::<Result<_, _>>()?;
+    let trigger = match &text.trigger {
+        Some(name) => {
+            let signal = signals.iter().position(|signal| signal.name == *name);
+            let signal =
+                signal.ok_or_else(|| format!("the trigger {name} is not one of the signals: add it to them"))?;
+            let rising = text.edge.unwrap_or(Edge::Rising) == Edge::Rising;
+            // A bit rises to 1, and falls to 0.
+            let level = text.level.unwrap_or(if rising { 1.0 } else { 0.0 });
+            Some(recording::Trigger { signal, level, rising })
+        }
+        None if text.level.is_some() || text.edge.is_some() || text.before > 0 => {
+            return Err("`level`, `edge` and `before` belong to a `trigger`: name the signal".to_string());
+        }
+        None => None,
+    };
+    let wanted = Wanted { file: text.file, signals, trigger, samples: text.samples, before: text.before };
+    wanted.check()?;
+    Ok(wanted)
 }
 
 /// A value for an address, both checked.

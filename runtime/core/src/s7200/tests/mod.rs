@@ -4,6 +4,7 @@ mod access;
 mod bits;
 mod blocks;
 mod calendar;
+mod forced;
 mod pid;
 mod pointers;
 mod strings;
