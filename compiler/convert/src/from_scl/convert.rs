@@ -32,7 +32,7 @@ impl Maker<'_> {
             return;
         }
         if operand.ty == Elementary::Bool {
-            return self.from_bool(operand, value.ty);
+            return self.convert_bool(operand, value.ty);
         }
         self.number(operand);
         self.convert_loaded(conversion, operand.ty, value.ty, value.span);
@@ -79,7 +79,7 @@ impl Maker<'_> {
             (Dint | Elementary::Time, Real) => self.push(StlInsn::DToR, None),
             (Real, Real) => self.refuse(span, "the rounding of a REAL to a REAL", "round it to a DINT"),
             (Real, Dint) if overflow == Overflow::Pattern => self.push(rounding, None),
-            (Real, Int) if overflow == Overflow::Pattern => self.to_int(rounding),
+            (Real, Int) if overflow == Overflow::Pattern => self.round_to_int(rounding),
             (Real, _) | (_, Real) => {
                 let what = format!("the conversion of {} to {}", from.name(), to.name());
                 self.refuse(span, what, "convert it for an S7-300, which leaves the same for a value out of range");
@@ -89,7 +89,7 @@ impl Maker<'_> {
     }
 
     /// A REAL as an INT; out of range it is the low word of the REAL.
-    fn to_int(&mut self, rounding: StlInsn) {
+    fn round_to_int(&mut self, rounding: StlInsn) {
         let real = self.keep(Elementary::Real);
         self.push(rounding, None);
         let number = self.keep(Elementary::Dint);
@@ -116,7 +116,7 @@ impl Maker<'_> {
         }
     }
 
-    fn from_bool(&mut self, operand: &Expr, to: Elementary) {
+    fn convert_bool(&mut self, operand: &Expr, to: Elementary) {
         let label = self.new_label();
         self.condition(operand);
         let (no, yes) = (self.constant(to, 0), self.constant(to, 1));

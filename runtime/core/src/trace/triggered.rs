@@ -59,7 +59,7 @@ pub struct Triggered {
 
 impl Triggered {
     pub fn new(wanted: Wanted) -> Triggered {
-        let sources: Vec<Source> = wanted.signals.iter().map(|signal| signal.source.clone()).collect();
+        let sources: Vec<Source> = wanted.signals.iter().map(|signal| signal.source).collect();
         let plan = Plan { signals: sources, trigger: wanted.trigger, samples: wanted.samples, before: wanted.before };
         Triggered { wanted, recording: Some(Recording::new(0, plan)) }
     }
