@@ -1,5 +1,5 @@
-//! A program does the same with probes as without, those of the status of a block and those of a debugger, and if its code changes in every
-//! cycle: the report of its test is the same.
+//! A program does the same with probes as without, those of the status of a block, of a debugger and of coverage, and if its code changes in
+//! every cycle: the report of its test is the same.
 //!
 //! One in twenty-five run tests; `PLCC_PROBES=all` takes all of them.
 
@@ -92,7 +92,11 @@ fn check(path: &std::path::Path) -> usize {
         let verified = plcc_ir::verify::verify(&stepped.module);
         assert!(verified.is_ok(), "{}: {verified:?}", shown(&path));
         assert_eq!(before, run(&pipeline::optimize(stepped)), "{}: for a debugger", shown(&path));
-        places.len() + statements.len()
+        let (counted, bits) = pipeline::lower_for_coverage(&bound, Level::O2);
+        let verified = plcc_ir::verify::verify(&counted.module);
+        assert!(verified.is_ok(), "{}: {verified:?}", shown(&path));
+        assert_eq!(before, run(&pipeline::optimize(counted)), "{}: for coverage", shown(&path));
+        places.len() + statements.len() + bits.len()
     };
     plcc_driver::on_large_stack(work).unwrap_or_else(|fault| panic!("{fault}"))
 }

@@ -39,6 +39,7 @@ const SOURCES: &[(Language, &str)] = &[
     (Language::Stl, include_str!("../stl/tia_numbers.stl")),
     (Language::Scl, include_str!("../scl/texts.scl")),
     (Language::Scl, include_str!("../scl/wide_texts.scl")),
+    (Language::Scl, include_str!("../scl/names.scl")),
     (Language::Scl, include_str!("../scl/overloads.scl")),
     (Language::Scl, include_str!("../scl/scaling.scl")),
     (Language::Scl, include_str!("../scl/bits.scl")),
@@ -55,6 +56,7 @@ const SOURCES: &[(Language, &str)] = &[
     (Language::Scl, include_str!("../scl/modbus.scl")),
     (Language::Scl, include_str!("../scl/modbus_serial.scl")),
     (Language::Scl, include_str!("../scl/serial.scl")),
+    (Language::Scl, include_str!("../scl/uss.scl")),
     (Language::Scl, include_str!("../scl/motion/axis.scl")),
     (Language::Scl, include_str!("../scl/motion/commands.scl")),
     (Language::Scl, include_str!("../scl/motion/sequences.scl")),
@@ -206,8 +208,14 @@ const LONG_NAMES: &[(&str, &str)] = &[
 ];
 
 /// Older names of instructions of the TIA Portal.
-const OLDER_NAMES: &[(&str, &str)] =
-    &[("MB_COMM_LOAD", "Modbus_Comm_Load"), ("MB_MASTER", "Modbus_Master"), ("MB_SLAVE", "Modbus_Slave")];
+const OLDER_NAMES: &[(&str, &str)] = &[
+    ("MB_COMM_LOAD", "Modbus_Comm_Load"),
+    ("MB_MASTER", "Modbus_Master"),
+    ("MB_SLAVE", "Modbus_Slave"),
+    ("USS_DRV", "USS_Drive_Control"),
+    ("USS_RPM", "USS_Read_Param"),
+    ("USS_WPM", "USS_Write_Param"),
+];
 
 /// The standard name of a block that symbol tables call by a longer one, `DT to DATE` for DT_DATE; otherwise the name itself.
 pub fn standard_name(name: &str) -> &str {

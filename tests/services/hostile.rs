@@ -104,12 +104,13 @@ fn attack(port: u16, seed: u64, frames: usize, opening: &[&[u8]], right: &[&[u8]
     }
 }
 
-fn all_attack(port: u16, opening: &'static [&'static [u8]], right: &'static [&'static [u8]]) {
-    let threads = (0..CLIENTS as u64)
-        .map(|seed| std::thread::spawn(move || attack(port, seed, 2 * FRAMES / CLIENTS + 1, opening, right)));
-    for thread in threads.collect::<Vec<_>>() {
-        let _ = thread.join();
-    }
+/// All clients at once, with frames of both kinds.
+pub fn all_attack(port: u16, opening: &[&[u8]], right: &[&[u8]]) {
+    std::thread::scope(|scope| {
+        for seed in 0..CLIENTS as u64 {
+            scope.spawn(move || attack(port, seed, 2 * FRAMES / CLIENTS + 1, opening, right));
+        }
+    });
 }
 
 /// The program answers a frame after another.

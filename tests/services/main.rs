@@ -3,10 +3,14 @@
 //! Clients come from PyPI and npm, into `target/clients`. A test whose client cannot be had is ignored.
 
 mod busy;
+mod fleet;
 mod hostile;
 mod partners;
 mod process;
 mod record;
+mod rust7;
+mod sparkplug;
+mod tls;
 mod ua;
 
 use std::path::{Path, PathBuf};
@@ -25,6 +29,9 @@ fn main() {
     };
     let (snap7, modbus) = (python("python-snap7==3.3.0", "snap7"), python("pymodbus==3.16.1", "pymodbus"));
     let asyncua = python("asyncua==2.1.0", "asyncua").err();
+    let sparkplug = mosquitto().or_else(|| python("pysparkplug==0.6.1", "pysparkplug").err());
+    let broker_and_openssl = sparkplug.clone().or_else(tls::missing);
+    let python_alone = venv_missing();
     let trials = vec![
         trial("put_and_get_of_python_snap7", snap7.clone().err(), partners::snap7_server),
         trial("programs_talk_over_s7", None, partners::programs),
@@ -36,7 +43,14 @@ fn main() {
         trial("opcua_with_security_of_asyncua", asyncua, || opcua(Program::Line, "secure")),
         trial("page_of_chromium", chromium().err(), || client(&["--web", "--access=control"], "page_client.js")),
         trial("status_in_chromium", chromium().err(), status),
+        trial("s7_of_rust7", None, rust7::talk),
         trial("values_reach_a_broker", mosquitto(), process::values_reach_a_broker),
+        trial("values_reach_a_broker_with_tls", broker_and_openssl, tls::broker),
+        trial("sparkplug_of_pysparkplug", sparkplug.clone(), sparkplug::host),
+        trial("sparkplug_when_the_broker_comes_back", sparkplug.clone(), sparkplug::broker_comes_back),
+        trial("sparkplug_commands_need_a_right", sparkplug.clone(), sparkplug::may_not_write),
+        trial("pages_with_tls", python_alone.clone(), tls::pages),
+        trial("fleet_manifests_name_what_is_there", None, fleet::manifests),
         trial("metrics_tell_the_state", None, metrics),
         trial("services_are_only_where_they_are_asked_for", None, only_where_asked_for),
         trial("recorded_timers_and_interrupts_are_repeated", None, record::timers_and_interrupts),
@@ -44,6 +58,8 @@ fn main() {
         trial("hostile_s7_clients_do_no_harm", None, hostile::s7),
         trial("hostile_modbus_clients_do_no_harm", None, hostile::modbus),
         trial("hostile_opcua_clients_do_no_harm", None, hostile::opcua),
+        trial("hostile_sparkplug_commands_do_no_harm", sparkplug, sparkplug::hostile),
+        trial("hostile_tls_clients_do_no_harm", python_alone, tls::hostile),
         trial("busy_clients", busy::seconds().is_none().then(|| "PLCC_LOAD=SECONDS is not set".into()), busy::measure),
         trial("idle_clients_leave_room_for_others", None, hostile::idle),
     ];
@@ -76,6 +92,11 @@ fn python(package: &str, module: &str) -> Result<(), String> {
     let made = venv().exists() || runs(Command::new("python3").args(["-m", "venv"]).arg(clients().join("venv")));
     let installed = made && runs(Command::new(venv()).args(["-m", "pip", "install", "--quiet", package]));
     if installed && import() { Ok(()) } else { Err(format!("{package} cannot be installed with Python")) }
+}
+
+/// Why there is no Python of its own, if there is none.
+fn venv_missing() -> Option<String> {
+    python("pysparkplug==0.6.1", "ssl").err()
 }
 
 /// Installs a package of npm, unless it is there. `Err`: it cannot be had.

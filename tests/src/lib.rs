@@ -157,7 +157,7 @@ pub fn native_variants() -> Vec<Variant> {
 
 /// A plan for `variants` with nothing else set.
 pub fn plan(variants: Vec<Variant>) -> Plan {
-    Plan { settings: Settings::default(), variants, linker: None }
+    Plan { settings: Settings::default(), variants, linker: None, coverage: false }
 }
 
 /// The bound program of one source; the messages, drawn, if it has errors.

@@ -190,7 +190,7 @@ impl Report {
             if let Some(ty) = foreign_type(name) {
                 return message.help(format!("write `{ty}`"));
             }
-            message.help(match meant.or_else(|| similar_type(name).map(str::to_owned)) {
+            message.help(match meant.or_else(|| known_type(name).map(str::to_owned)) {
                 Some(ty) => format!("is `{ty}` meant? Otherwise add the source that defines it"),
                 None => "add the source that defines it".to_owned(),
             })
@@ -337,37 +337,46 @@ const INSTEAD: &[(&str, &str)] = &[
     ("MOVE", "write `target := value;`"),
 ];
 
+/// Names of data types in other languages, and what STEP 7 calls them.
+const FOREIGN: [(&str, &str); 26] = [
+    ("INTEGER", "INT"),
+    ("INT8", "SINT"),
+    ("INT16", "INT"),
+    ("INT32", "DINT"),
+    ("INT64", "LINT"),
+    ("UINT8", "USINT"),
+    ("UINT16", "UINT"),
+    ("UINT32", "UDINT"),
+    ("UINT64", "ULINT"),
+    ("SHORT", "INT"),
+    ("LONG", "DINT"),
+    ("LONGINT", "DINT"),
+    ("BOOLEAN", "BOOL"),
+    ("BIT", "BOOL"),
+    ("FLOAT", "REAL"),
+    ("FLOAT32", "REAL"),
+    ("FLOAT64", "LREAL"),
+    ("DOUBLE", "LREAL"),
+    ("SINGLE", "REAL"),
+    ("CHARACTER", "CHAR"),
+    ("TEXT", "STRING"),
+    ("DATETIME", "DATE_AND_TIME"),
+    ("DATE_TIME", "DATE_AND_TIME"),
+    ("DOUBLEWORD", "DWORD"),
+    ("DOUBLE_WORD", "DWORD"),
+    ("UNSIGNED", "UINT"),
+];
+
 /// The data type of STEP 7 for the name of one in other languages.
 fn foreign_type(name: &str) -> Option<&'static str> {
-    const FOREIGN: [(&str, &str); 26] = [
-        ("INTEGER", "INT"),
-        ("INT8", "SINT"),
-        ("INT16", "INT"),
-        ("INT32", "DINT"),
-        ("INT64", "LINT"),
-        ("UINT8", "USINT"),
-        ("UINT16", "UINT"),
-        ("UINT32", "UDINT"),
-        ("UINT64", "ULINT"),
-        ("SHORT", "INT"),
-        ("LONG", "DINT"),
-        ("LONGINT", "DINT"),
-        ("BOOLEAN", "BOOL"),
-        ("BIT", "BOOL"),
-        ("FLOAT", "REAL"),
-        ("FLOAT32", "REAL"),
-        ("FLOAT64", "LREAL"),
-        ("DOUBLE", "LREAL"),
-        ("SINGLE", "REAL"),
-        ("CHARACTER", "CHAR"),
-        ("TEXT", "STRING"),
-        ("DATETIME", "DATE_AND_TIME"),
-        ("DATE_TIME", "DATE_AND_TIME"),
-        ("DOUBLEWORD", "DWORD"),
-        ("DOUBLE_WORD", "DWORD"),
-        ("UNSIGNED", "UINT"),
-    ];
     FOREIGN.iter().find(|(foreign, _)| foreign.eq_ignore_ascii_case(name)).map(|(_, ty)| *ty)
+}
+
+/// The data type of STEP 7 that a word of another language or a misspelt word means.
+pub fn known_type(name: &str) -> Option<&'static str> {
+    foreign_type(name)
+        .or_else(|| similar_type(name))
+        .or_else(|| foreign_type(similar(name, FOREIGN.iter().map(|row| row.0))?))
 }
 
 /// The data type whose name resembles `name`.

@@ -141,6 +141,13 @@ enum Meaning {
     Text(String),
 }
 
+/// `2024-01-31`, which is a subtraction without `D#` before it.
+fn is_date(text: &str) -> bool {
+    let lengths: Vec<usize> = text.split('-').map(str::len).collect();
+    let digits = text.bytes().all(|byte| byte.is_ascii_digit() || byte == b'-');
+    digits && matches!(lengths.as_slice(), [4, 1 | 2, 1 | 2])
+}
+
 impl Meaning {
     fn of(text: &str) -> Option<Meaning> {
         let text = text.trim();
@@ -155,6 +162,9 @@ impl Meaning {
             "TRUE" => return Some(Meaning::Bool(true)),
             "FALSE" => return Some(Meaning::Bool(false)),
             _ => {}
+        }
+        if is_date(&upper) {
+            return Some(Meaning::Date(Some(upper), None));
         }
         let Some((prefix, rest)) = upper.split_once('#') else { return Meaning::number(&upper) };
         match prefix {

@@ -683,6 +683,7 @@ fn unary(b: &mut FunctionBuilder<'_>, op: UnaryOp, arg: ClifValue, native_roundi
         // One byte has no order.
         UnaryOp::Bswap if is_byte => arg,
         UnaryOp::Bswap => b.ins().bswap(arg),
+        UnaryOp::Ctz => b.ins().ctz(arg),
         UnaryOp::Fneg => b.ins().fneg(arg),
         UnaryOp::Fabs => b.ins().fabs(arg),
         UnaryOp::Fsqrt => b.ins().sqrt(arg),

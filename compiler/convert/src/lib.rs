@@ -5,6 +5,7 @@
 //! - [`gr7`]: sources of GRAPH.
 //! - [`sd`]: documents of SIMATIC SD.
 //! - [`xml`]: SimaticML of the TIA Portal.
+//! - [`from_scl`]: statements of SCL as statement lists.
 //! - [`to_stl`]: networks of LAD and FBD as statements.
 //! - [`to_graph`]: statements as networks of LAD and FBD.
 //! - [`literal`]: constants as text.
@@ -12,9 +13,10 @@
 //!
 //! What a notation cannot say is a message that names it; nothing is left out silently.
 //!
-//! **Invariant**: no symbols, no types, no files: a tree becomes a tree or a text.
+//! **Invariant**: no files: a tree becomes a tree or a text. Only [`from_scl`] knows symbols and types, from the bound program.
 
 mod frames;
+pub mod from_scl;
 pub mod gr7;
 pub mod literal;
 mod names;

@@ -165,7 +165,7 @@ pub(crate) fn constant(value: &Expr) -> Option<Literal> {
 }
 
 /// The constant of STL with that type and these bits.
-fn typed(ty: Elementary, bits: u64) -> Option<Literal> {
+pub(crate) fn typed(ty: Elementary, bits: u64) -> Option<Literal> {
     Some(match ty {
         Elementary::Bool => Literal::Bool(bits != 0),
         Elementary::Byte => Literal::Byte(bits as u8),

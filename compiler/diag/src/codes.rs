@@ -137,6 +137,7 @@ codes! {
     MemoryByName = "P0543" Warning "clock or system memory that only the tag table mentions";
     MemoryTag = "P0544" Warning "a tag of the clock or system memory that the CPU does not set";
     ExtensionBlock = "P0545" Warning "a block that a chart calls besides its steps";
+    AttributeValue = "P0546" Warning "an attribute that is misspelt or has a value that plcc does not know";
     DuplicateStep = "P0550" Error "a step or transition that is defined twice";
     ChartLimit = "P0551" Error "a chart that is larger than GRAPH allows";
     UnknownStep = "P0552" Error "a step or transition that the chart does not have";

@@ -329,6 +329,9 @@ pub struct TestArgs {
     /// Write the results to a file in the form of JUnit, for CI services.
     #[arg(long, value_name = "FILE")]
     pub junit: Option<PathBuf>,
+    /// Count what the tests run of the programs, and write it to a folder: pages with the networks, and lcov.info.
+    #[arg(long, value_name = "DIR")]
+    pub coverage: Option<PathBuf>,
     /// Run the tests again whenever a file changes.
     #[arg(long)]
     pub watch: bool,
@@ -477,7 +480,7 @@ pub struct ConvertArgs {
     /// Mnemonics of the statement lists that are written [default: those of the source].
     #[arg(long, value_name = "SET")]
     pub mnemonics: Option<MnemonicsArg>,
-    /// CPU of the program, such as `315-2DP`, or family, such as `s7-300` [default: that of the project].
+    /// CPU of the program, such as `315-2DP`, or family [default: that of the project; for SCL as STL `s7-300`].
     #[arg(long, value_name = "NAME")]
     pub cpu: Option<String>,
     /// Code page of sources that are not UTF-8, such as `936` or `gbk` [default: detected for each file].
@@ -488,7 +491,7 @@ pub struct ConvertArgs {
 /// What `plcc convert` writes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ConvertTo {
-    /// Statement list, as source text for S7-300/400.
+    /// Statement list, as source text for S7-300/400: of STL, LAD, FBD and SCL.
     Stl,
     /// Ladder diagram, as SIMATIC SD.
     Lad,

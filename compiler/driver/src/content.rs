@@ -123,7 +123,9 @@ pub fn in_folder(path: &Path, text: &str, is_source: bool) -> Content {
             }
         }
         // Any list of texts in quotes has the form of a table.
-        Content::SymbolTable if text.trim_start().starts_with('"') && !has_addresses(text) => {
+        Content::SymbolTable
+            if text.trim_start().starts_with('"') && !is_table_by_name(path) && !has_addresses(text) =>
+        {
             Content::Other("a table without addresses")
         }
         content => content,
@@ -133,6 +135,12 @@ pub fn in_folder(path: &Path, text: &str, is_source: bool) -> Content {
 /// An executable or a trace, which plcc itself writes next to the sources.
 fn is_output(text: &str) -> bool {
     ["\u{7f}ELF", "cycle,time_ms,", "$timescale"].iter().any(|start| text.starts_with(start))
+}
+
+/// Named as STEP 7 names the tables that it exports.
+fn is_table_by_name(path: &Path) -> bool {
+    let extension = path.extension().map(|extension| extension.to_ascii_lowercase());
+    extension.is_some_and(|extension| ["sdf", "asc", "dif", "seq"].iter().any(|known| extension == *known))
 }
 
 fn has_addresses(text: &str) -> bool {

@@ -201,6 +201,7 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
         networks.for_each(|message| message.severity = Severity::Warning);
     }
     let has_station = project.as_ref().is_some_and(|project| project.station.is_some());
+    let names = project.as_ref().map(|project| project.names.clone()).unwrap_or_default();
     let input = BindInput {
         name,
         sources: &sources,
@@ -238,6 +239,10 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
     if has_station {
         diagnostics.extend(plcc_program::check_modules(&program));
     }
+    // Names of a program with errors may be missing because of these.
+    if !names.is_empty() && diagnostics.iter().all(|message| message.severity != Severity::Error) {
+        diagnostics.extend(names.check(&plcc_lower::names_of(&program, &sources)));
+    }
     // A use of a symbol shows the row that cannot be read.
     let shown: FxHashSet<Span> = diagnostics
         .iter()
@@ -245,10 +250,26 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
         .flat_map(|message| message.secondary.iter().map(|label| label.span))
         .collect();
     diagnostics.retain(|message| message.code != Code::SymbolTable || !shown.contains(&message.primary.span));
+    forget_doubtful(&mut diagnostics);
     plcc_diag::sort(&mut diagnostics);
     // Two stages may find the same fault; report it once.
     diagnostics.dedup_by_key(|d| (d.code, d.primary.span));
     Bound { sources, program, diagnostics }
+}
+
+/// Removes warnings about what a file lacks where a statement of it could not be read: that may be what is missing.
+fn forget_doubtful(diagnostics: &mut Vec<Diagnostic>) {
+    let is_unread = |message: &&Diagnostic| {
+        let codes = [Code::Syntax, Code::UnknownInstruction, Code::ForeignForm, Code::UnexpectedCharacter];
+        message.is_error() && codes.contains(&message.code)
+    };
+    let unread: FxHashSet<FileId> =
+        diagnostics.iter().filter(is_unread).map(|message| message.primary.span.file).collect();
+    let is_doubtful = |code| matches!(code, Code::UnusedLabel | Code::TimerWithoutTime | Code::UnreachableCode);
+    // A comment or text that is not closed may hide OB 1.
+    let is_open = diagnostics.iter().any(|message| message.code == Code::UnterminatedText);
+    diagnostics.retain(|message| !(is_open && message.code == Code::NoMainBlock));
+    diagnostics.retain(|message| !is_doubtful(message.code) || !unread.contains(&message.primary.span.file));
 }
 
 /// Name of the file in which stand-ins for missing parts have their places.
@@ -367,6 +388,15 @@ pub fn lower_beside(bound: &Bound, plain: &mut Compiled) -> Compiled {
 pub fn lower_for_debugger(bound: &Bound) -> (Compiled, Vec<plcc_lower::probe::Place>) {
     let lowered = plcc_lower::lower_for_debugger(&bound.program, &bound.sources);
     (Compiled { module: lowered.module, image: lowered.image, optimization: Level::O0.into() }, lowered.probes)
+}
+
+/// The IR of a program without errors, with probes that tell what of it runs, and their places.
+pub fn lower_for_coverage(
+    bound: &Bound,
+    optimization: impl Into<Optimization>,
+) -> (Compiled, Vec<plcc_lower::probe::Place>) {
+    let lowered = plcc_lower::lower_for_coverage(&bound.program, &bound.sources);
+    (Compiled { module: lowered.module, image: lowered.image, optimization: optimization.into() }, lowered.probes)
 }
 
 /// Runs the passes of plcc, at -O2.

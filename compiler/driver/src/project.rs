@@ -45,6 +45,8 @@ pub struct Project {
     pub technology: technology::Used,
     /// Source in SCL that declares the axes; empty without any.
     pub axes: String,
+    /// Values that `[services]` names, checked later against the program.
+    pub names: services::Names,
     /// Place of the settings of an S7-200, checked later against the CPU.
     pub s7200: Option<Span>,
     /// The file could not be read as a whole, so that nothing is known of the project.
@@ -273,6 +275,7 @@ impl Context {
             station,
             technology,
             axes,
+            names: keys.services.as_ref().map(|keys| services::names(keys, file)).unwrap_or_default(),
             s7200: keys.s7200.map(|keys| Span::new(file, keys.span())),
         }
     }

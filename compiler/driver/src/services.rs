@@ -1,7 +1,8 @@
 //! `[services]` of plc.toml: what clients can reach, and who they may be.
 
+use plcc_abi::ProgramImage;
 use plcc_abi::services::{Client, Protection, Registers, Right, Role, ServicesConfig, User};
-use plcc_diag::{Diagnostic, FileId};
+use plcc_diag::{Code, Diagnostic, FileId, Span};
 use plcc_services::{options, password, rights};
 use serde::Deserialize;
 use toml::Spanned;
@@ -21,9 +22,14 @@ pub struct ServicesKeys {
     opcua_unsecured: bool,
     metrics: Option<Spanned<String>>,
     web: Option<Spanned<String>>,
+    tls: Option<Spanned<String>>,
     #[serde(default)]
     user: Vec<UserKeys>,
     mqtt: Option<Spanned<String>>,
+    mqtt_ca: Option<Spanned<String>>,
+    mqtt_certificate: Option<Spanned<String>>,
+    mqtt_key: Option<Spanned<String>>,
+    sparkplug: Option<Spanned<String>>,
     access: Option<RightKey>,
     #[serde(default)]
     client: Vec<ClientKeys>,
@@ -32,7 +38,7 @@ pub struct ServicesKeys {
     communication_load: Option<Spanned<i64>>,
     registers: Option<RegisterKeys>,
     #[serde(default)]
-    values: Vec<String>,
+    values: Vec<Spanned<String>>,
     interval: Option<Spanned<String>>,
 }
 
@@ -84,10 +90,68 @@ struct UserKeys {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct RegisterKeys {
-    coils: Option<String>,
-    discrete_inputs: Option<String>,
-    input_registers: Option<String>,
-    holding_registers: Option<String>,
+    coils: Option<Spanned<String>>,
+    discrete_inputs: Option<Spanned<String>>,
+    input_registers: Option<Spanned<String>>,
+    holding_registers: Option<Spanned<String>>,
+}
+
+/// Names of values, which are checked when the program is known.
+#[derive(Clone, Debug, Default)]
+pub struct Names {
+    list: Vec<(String, Span, Use)>,
+}
+
+/// What a name is for.
+#[derive(Clone, Copy, Debug)]
+enum Use {
+    /// It is published, with all of its values.
+    Published,
+    /// A table of Modbus begins there.
+    Bits,
+    Registers,
+}
+
+impl Names {
+    pub fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+
+    /// Reports names that the program does not have.
+    pub fn check(&self, image: &ProgramImage) -> Vec<Diagnostic> {
+        let wrong = self.list.iter().filter_map(|(text, span, usage)| {
+            let checked = match usage {
+                Use::Published => options::check_values(text, image),
+                Use::Bits => options::check_registers(text, true, image),
+                Use::Registers => options::check_registers(text, false, image),
+            };
+            let error = checked.err()?;
+            Some(match error.split_once("; did you mean ") {
+                Some((title, near)) => {
+                    Diagnostic::new(Code::Project, *span, title.to_string()).help(format!("did you mean {near}"))
+                }
+                None => Diagnostic::new(Code::Project, *span, error)
+                    .help("write a name or an address as for `--print`: `Motor.Speed`, `DB10.DBW0`"),
+            })
+        });
+        wrong.collect()
+    }
+}
+
+/// The names in the table.
+pub fn names(keys: &ServicesKeys, file: FileId) -> Names {
+    let published = keys.values.iter().map(|key| (key, Use::Published));
+    let tables = keys.registers.iter().flat_map(|keys| {
+        [
+            (&keys.coils, Use::Bits),
+            (&keys.discrete_inputs, Use::Bits),
+            (&keys.input_registers, Use::Registers),
+            (&keys.holding_registers, Use::Registers),
+        ]
+    });
+    let tables = tables.filter_map(|(key, usage)| key.as_ref().map(|key| (key, usage)));
+    let entry = |(key, usage): (&Spanned<String>, Use)| (key.get_ref().clone(), Span::new(file, key.span()), usage);
+    Names { list: published.chain(tables).map(entry).collect() }
 }
 
 /// Percent of a cycle that communication may take. Source: CPU manuals, communication load.
@@ -110,10 +174,20 @@ pub fn read(keys: &ServicesKeys, file: FileId) -> (ServicesConfig, Vec<Diagnosti
         opcua_unsecured: keys.opcua_unsecured,
         metrics: keys.metrics.as_ref().and_then(|key| reader.checked(key, help, address)),
         web: keys.web.as_ref().and_then(|key| reader.checked(key, help, address)),
+        tls: keys.tls.as_ref().and_then(|key| reader.file_name(key, "folder", "tls")),
         users: reader.users(&keys.user),
         mqtt: keys.mqtt.as_ref().and_then(|key| {
             let check = |text: &str| options::check_broker(text).map_err(|_| "not the URL of a broker".to_string());
             reader.checked(key, "write `mqtt://HOST:PORT/PREFIX`, with `USER@` before HOST if needed", check)
+        }),
+        mqtt_ca: keys.mqtt_ca.as_ref().and_then(|key| reader.file_name(key, "file", "ca.pem")),
+        mqtt_certificate: keys.mqtt_certificate.as_ref().and_then(|key| reader.file_name(key, "file", "plc.pem")),
+        mqtt_key: keys.mqtt_key.as_ref().and_then(|key| reader.file_name(key, "file", "plc.key")),
+        sparkplug: keys.sparkplug.as_ref().and_then(|key| {
+            let check = |text: &str| {
+                options::check_node(text).map_err(|_| format!("`{text}` is not the name of a node of Sparkplug B"))
+            };
+            reader.checked(key, "write `GROUP/NODE` or `GROUP/NODE/DEVICE`", check)
         }),
         access: keys.access.map(Right::from),
         clients: keys.client.iter().filter_map(|client| reader.client(client)).collect(),
@@ -131,7 +205,7 @@ pub fn read(keys: &ServicesKeys, file: FileId) -> (ServicesConfig, Vec<Diagnosti
             number.map_err(|title| reader.report(key, title, "a CPU gives its clients 5 to 50 % of a cycle")).ok()
         }),
         registers: keys.registers.as_ref().map(registers).unwrap_or_default(),
-        values: keys.values.clone(),
+        values: keys.values.iter().map(|key| key.get_ref().clone()).collect(),
         interval_ms: keys.interval.as_ref().and_then(|key| reader.interval(key)),
     };
     (config, reader.diagnostics)
@@ -139,11 +213,12 @@ pub fn read(keys: &ServicesKeys, file: FileId) -> (ServicesConfig, Vec<Diagnosti
 
 fn registers(keys: &RegisterKeys) -> Registers {
     let usual = Registers::default();
+    let given = |key: &Option<Spanned<String>>, usual| key.as_ref().map_or(usual, |key| key.get_ref().clone());
     Registers {
-        coils: keys.coils.clone().unwrap_or(usual.coils),
-        discrete_inputs: keys.discrete_inputs.clone().unwrap_or(usual.discrete_inputs),
-        input_registers: keys.input_registers.clone().unwrap_or(usual.input_registers),
-        holding_registers: keys.holding_registers.clone().unwrap_or(usual.holding_registers),
+        coils: given(&keys.coils, usual.coils),
+        discrete_inputs: given(&keys.discrete_inputs, usual.discrete_inputs),
+        input_registers: given(&keys.input_registers, usual.input_registers),
+        holding_registers: given(&keys.holding_registers, usual.holding_registers),
     }
 }
 
@@ -226,6 +301,7 @@ mod tests {
         let (read, messages) = config(&format!(
             "[services]\ns7 = \"10102\"\nmodbus = \"0.0.0.0:502\"\naccess = \"read\"\nprotection = \"read-write\"\n\
              password = \"{hash}\"\ncommunication_load = 30\nvalues = [\"MW2\"]\ninterval = \"5s\"\n\
+             tls = \"web\"\nmqtt = \"mqtts://b\"\nmqtt_ca = \"ca.pem\"\nsparkplug = \"plant/line\"\n\
              [services.registers]\nholding_registers = \"DB1.DBW0\"\n\
              [[services.client]]\naddress = \"10.0.0.0/8\"\naccess = \"control\"\n"
         ));
@@ -233,6 +309,10 @@ mod tests {
         assert_eq!(
             (read.linked, read.s7.as_deref(), read.modbus.as_deref()),
             (true, Some("10102"), Some("0.0.0.0:502"))
+        );
+        assert_eq!(
+            [read.tls.as_deref(), read.mqtt.as_deref(), read.mqtt_ca.as_deref(), read.sparkplug.as_deref()],
+            [Some("web"), Some("mqtts://b"), Some("ca.pem"), Some("plant/line")]
         );
         assert_eq!((read.access, read.protection), (Some(Right::Read), Protection::ReadWrite));
         assert_eq!((read.communication_load, read.interval_ms), (Some(30), Some(5000)));

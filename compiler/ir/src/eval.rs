@@ -32,6 +32,7 @@ fn f64_of(bits: u64) -> f64 {
 pub fn unary(op: UnaryOp, ty: Type, arg: u64) -> u64 {
     match (op, ty) {
         (UnaryOp::Bswap, _) => arg.swap_bytes() >> (64 - ty.bits()),
+        (UnaryOp::Ctz, _) => u64::from(arg.trailing_zeros().min(ty.bits())),
         (UnaryOp::Fneg, Type::F64) => arg ^ (1 << 63),
         (UnaryOp::Fneg, _) => arg ^ (1 << 31),
         (UnaryOp::Fabs, Type::F64) => arg & !(1 << 63),
@@ -48,7 +49,7 @@ fn f32_unary(op: UnaryOp, x: f32) -> f32 {
         UnaryOp::Ffloor => x.floor(),
         UnaryOp::Ftrunc => x.trunc(),
         UnaryOp::Fnearest => x.round_ties_even(),
-        UnaryOp::Bswap | UnaryOp::Fneg | UnaryOp::Fabs => unreachable!("handled on bits"),
+        UnaryOp::Bswap | UnaryOp::Ctz | UnaryOp::Fneg | UnaryOp::Fabs => unreachable!("handled on bits"),
     }
 }
 
@@ -59,7 +60,7 @@ fn f64_unary(op: UnaryOp, x: f64) -> f64 {
         UnaryOp::Ffloor => x.floor(),
         UnaryOp::Ftrunc => x.trunc(),
         UnaryOp::Fnearest => x.round_ties_even(),
-        UnaryOp::Bswap | UnaryOp::Fneg | UnaryOp::Fabs => unreachable!("handled on bits"),
+        UnaryOp::Bswap | UnaryOp::Ctz | UnaryOp::Fneg | UnaryOp::Fabs => unreachable!("handled on bits"),
     }
 }
 

@@ -32,6 +32,8 @@ ops! {
     UnaryOp {
         /// Reverses the bytes of an i16, i32 or i64.
         Bswap = "bswap",
+        /// Number of the lowest bit that is 1, of an i32 or i64; the width if there is none.
+        Ctz = "ctz",
         Fneg = "fneg",
         Fabs = "fabs",
         Fsqrt = "fsqrt",

@@ -331,6 +331,7 @@ impl Verifier<'_> {
                 self.result_is(&results, arg);
                 let fits = match op {
                     UnaryOp::Bswap => matches!(arg, Type::I16 | Type::I32 | Type::I64),
+                    UnaryOp::Ctz => matches!(arg, Type::I32 | Type::I64),
                     UnaryOp::Fneg
                     | UnaryOp::Fabs
                     | UnaryOp::Fsqrt

@@ -135,6 +135,8 @@ pub struct BlockLowering<'p, 'o> {
     pub network: u16,
     /// Place of the probes of its begin and its ends, if it has probes.
     pub block_place: Option<u32>,
+    /// The statement of STL whose bits are counted for coverage.
+    pub counted: Option<plcc_diag::Span>,
     /// False: the block has no `MCRA`, so the MCR is never off.
     pub uses_mcr: bool,
     pub stop_exit: StopExit,
@@ -182,6 +184,7 @@ impl<'p, 'o> BlockLowering<'p, 'o> {
             site: 0,
             network: 0,
             block_place: None,
+            counted: None,
             uses_mcr: false,
             stop_exit: StopExit::default(),
             labels: Labels::default(),

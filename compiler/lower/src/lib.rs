@@ -34,6 +34,7 @@ mod used;
 
 use plcc_abi::ProgramImage;
 use plcc_abi::image::{AssertEntry, BlockEntry, BlockKind, DbEntry, ErrorSlot, Site};
+use plcc_abi::s7200::image::S7200Image;
 use plcc_diag::SourceMap;
 use plcc_ir::{Module, StaticDb};
 use plcc_model::Program;
@@ -71,6 +72,20 @@ pub fn lower_beside(program: &Program, sources: &SourceMap, plain: &Module) -> L
 /// Lowers a program that was bound without errors, with a probe before each statement, and variables in memory.
 pub fn lower_for_debugger(program: &Program, sources: &SourceMap) -> Lowered {
     lower_program(program, sources, Probes::new(Asked::Statements))
+}
+
+/// Lowers a program that was bound without errors, with probes that tell which of its statements run, and which values the bits have that
+/// decide.
+pub fn lower_for_coverage(program: &Program, sources: &SourceMap) -> Lowered {
+    lower_program(program, sources, Probes::new(Asked::Coverage))
+}
+
+/// The part of the image by which names are found, without code: of a program that was bound without errors.
+pub fn names_of(program: &Program, sources: &SourceMap) -> ProgramImage {
+    let facts = Facts { dbs: Vec::new(), db_end: 0, error_slots: Vec::new(), stops_itself: false };
+    let image = Output::new(program, sources, facts, Probes::default()).image;
+    let s7200 = program.s7200.map(|cpu| S7200Image { cpu, ..S7200Image::default() });
+    ProgramImage { s7200, ..image }
 }
 
 fn lower_program(program: &Program, sources: &SourceMap, probes: Probes) -> Lowered {

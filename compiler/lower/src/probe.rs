@@ -1,5 +1,9 @@
 //! Probes: calls that tell who looks at the program what its statements see. They are in the code only if
-//! [`lower_with_probes`](crate::lower_with_probes) or [`lower_for_debugger`](crate::lower_for_debugger) makes it.
+//! [`lower_with_probes`](crate::lower_with_probes), [`lower_for_debugger`](crate::lower_for_debugger) or
+//! [`lower_for_coverage`](crate::lower_for_coverage) makes it.
+//!
+//! For coverage there is one before each statement, also before those that no path leads to, and one for each bit that decides: see
+//! [`Probe::Reached`], [`Probe::Contact`], [`Probe::Condition`] and [`Probe::Enable`].
 //!
 //! For a debugger there is one before each statement of STL, SCL and S7-200, each network of LAD and FBD, each action, step and transition of
 //! GRAPH, and no other but those where blocks begin and end. It has the registers of the statement in memory, where they can be changed.
@@ -17,7 +21,7 @@ use plcc_ir::{Address, BinaryOp, FunctionBuilder, Region, Value};
 use plcc_model::scl::{Access, Actual, Call, Expr, ExprKind, Statement, StatementKind};
 use plcc_model::types::Elementary;
 use plcc_model::{
-    BlockKey, Body, CellKind, CodeBlock, Direction, Number, Operand, Passing, StlStatement, StlStatementKind,
+    BlockKey, Body, CellKind, CodeBlock, Direction, Number, Operand, Passing, StlStatement, StlStatementKind, layout,
 };
 
 use crate::block::BlockLowering;
@@ -49,6 +53,15 @@ pub enum Probe {
     Stack(Vec<String>),
     /// A statement or network is about to run.
     Statement(Kept),
+    /// For coverage: a statement is about to run. The value is 1, or on an S7-200 S0 if the statement acts only with S0 = 1.
+    Reached,
+    /// For coverage: a bit that is read, or the result of a comparison: `A`, `LD`, a contact, an input of a gate, a BOOL in an
+    /// expression; for a conditional jump or block end whether it is taken. The value is the bit, not its negation.
+    Contact,
+    /// For coverage: the condition of IF, WHILE or REPEAT, unless it is a single bit or comparison.
+    Condition,
+    /// For coverage: whether a part of a network acts that acts under a condition, such as a box with EN. Its place is the element.
+    Enable,
     /// What an FC has got for its formal with this index, where it begins: for a BOOL eight times the offset from the memory base plus the
     /// bit, for another value or a structure the offset, for a timer, counter or block the number.
     Formal(usize),
@@ -73,6 +86,8 @@ pub(crate) enum Asked {
     Values,
     /// That statements are about to run.
     Statements,
+    /// Which statements run, and which values the bits have that decide.
+    Coverage,
 }
 
 /// The list of places, while code is made.
@@ -148,6 +163,82 @@ impl BlockLowering<'_, '_> {
         !self.block.library && span.file == self.block.span.file && self.b.is_reachable()
     }
 
+    /// Whether code at `span` is counted for coverage.
+    fn is_counted(&self, span: Span) -> bool {
+        self.output.probes.asked == Asked::Coverage && !self.block.library && span.file == self.block.span.file
+    }
+
+    /// For coverage: a statement at `span` is about to run. It has a place also if no path leads to it.
+    fn count_statement(&mut self, span: Span) {
+        if !self.is_counted(span) {
+            return;
+        }
+        let Some(place) = self.probe_place(span, Probe::Reached) else { return };
+        if self.b.is_reachable() {
+            let one = self.b.i32_const(1);
+            value(&mut self.b, place, one);
+        }
+    }
+
+    /// For coverage: a bit that decides has this value, an i1.
+    fn count_bit(&mut self, span: Span, probe: Probe, bit: Value) {
+        if !self.is_counted(span) || !self.b.is_reachable() {
+            return;
+        }
+        if let Some(place) = self.probe_place(span, probe) {
+            value(&mut self.b, place, bit);
+        }
+    }
+
+    /// For coverage: a bit that the current statement of STL reads, or whether it jumps.
+    pub fn count_contact(&mut self, bit: Value) {
+        if let Some(span) = self.counted {
+            self.count_bit(span, Probe::Contact, bit);
+        }
+    }
+
+    /// For coverage: the condition of IF, WHILE or REPEAT. `statement`: what acts under it, if it is the only condition.
+    pub fn count_condition(&mut self, condition: &Expr, statement: Option<Span>, bit: Value) {
+        if self.output.probes.asked != Asked::Coverage || matches!(condition.kind, ExprKind::Const(_)) {
+            return;
+        }
+        if let Some(span) = statement {
+            self.count_bit(span, Probe::Enable, bit);
+        }
+        if !self.is_contact(condition) {
+            self.count_bit(condition.span, Probe::Condition, bit);
+        }
+    }
+
+    /// Whether an expression is a bit of the program that is read, or a comparison.
+    fn is_contact(&self, expr: &Expr) -> bool {
+        expr.ty == Elementary::Bool
+            && match &expr.kind {
+                ExprKind::Load(access) => !self.is_of_binder(access),
+                ExprKind::Cell { .. } | ExprKind::Compare { .. } => true,
+                ExprKind::Const(_)
+                | ExprKind::Unary { .. }
+                | ExprKind::Binary { .. }
+                | ExprKind::Convert { .. }
+                | ExprKind::Call(_)
+                | ExprKind::Function { .. }
+                | ExprKind::Timer(_)
+                | ExprKind::Counter(_)
+                | ExprKind::Bound { .. }
+                | ExprKind::Flag
+                | ExprKind::LastEno => false,
+            }
+    }
+
+    /// Whether a variable is in the frame after all that the source declares, where the binder keeps the values of wires.
+    fn is_of_binder(&self, access: &Access) -> bool {
+        use plcc_model::scl::Base;
+        let interface = &self.block.interface;
+        let end = |member: &plcc_model::types::Member| member.byte + layout::bytes(&member.ty);
+        let declared = interface.temporaries.iter().map(end).max().unwrap_or(0).max(interface.start_bytes);
+        matches!(&access.base, Base::Place(plcc_model::Place::L { byte, .. }) if *byte >= declared)
+    }
+
     /// The block begins.
     pub fn probe_enter(&mut self) {
         let Some(place) = self.probe_place(self.block.span, Probe::Block) else { return };
@@ -176,8 +267,10 @@ impl BlockLowering<'_, '_> {
 
     /// A statement of SCL, or a network, is about to run.
     pub fn step_before(&mut self, statement: &Statement) {
-        if self.output.probes.asked != Asked::Statements {
-            return;
+        match self.output.probes.asked {
+            Asked::Statements => {}
+            Asked::Coverage => return self.count_before(statement),
+            Asked::Nothing | Asked::Values => return,
         }
         let Body::Scl(body) = &self.block.body else { return };
         if let StatementKind::Label(_) = statement.kind {
@@ -192,6 +285,28 @@ impl BlockLowering<'_, '_> {
         if network != self.scl.told_network && self.is_stepped(statement.span) {
             self.scl.told_network = network;
             self.step_at(statement.span);
+        }
+    }
+
+    fn count_before(&mut self, statement: &Statement) {
+        match statement.kind {
+            // Statements of STL are counted one by one.
+            StatementKind::Stl(_) | StatementKind::Label(_) | StatementKind::Assert(_) | StatementKind::Sleep(_) => {}
+            StatementKind::Assign { .. }
+            | StatementKind::AssignText { .. }
+            | StatementKind::Copy { .. }
+            | StatementKind::SetFlag(_)
+            | StatementKind::Call(_)
+            | StatementKind::Evaluate(_)
+            | StatementKind::If { .. }
+            | StatementKind::Case { .. }
+            | StatementKind::For { .. }
+            | StatementKind::While { .. }
+            | StatementKind::Repeat { .. }
+            | StatementKind::Exit
+            | StatementKind::Continue
+            | StatementKind::Return(_)
+            | StatementKind::Goto(_) => self.count_statement(statement.span),
         }
     }
 
@@ -258,6 +373,14 @@ impl BlockLowering<'_, '_> {
             self.probe_registers_before(statement.span);
             return lower(self);
         }
+        if is_code && self.output.probes.asked == Asked::Coverage {
+            self.network = statement.network;
+            self.count_statement(statement.span);
+            self.counted = Some(statement.span);
+            lower(self);
+            self.counted = None;
+            return;
+        }
         if !is_code || !self.is_probed(statement.span) {
             return lower(self);
         }
@@ -292,6 +415,12 @@ impl BlockLowering<'_, '_> {
 
     /// An expression has this value.
     pub fn probe_expr(&mut self, expr: &Expr, value: Value) {
+        if self.output.probes.asked == Asked::Coverage {
+            if self.is_contact(expr) {
+                self.count_bit(expr.span, Probe::Contact, value);
+            }
+            return;
+        }
         if !matches!(expr.kind, ExprKind::Const(_)) && self.is_probed(expr.span) {
             let probe = match expr.kind {
                 ExprKind::Load(_) | ExprKind::Cell { .. } => Probe::Variable(expr.ty),

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! messages ──► server.rs ──► text.rs: open files        ──► Host: the program, in a thread of its own
-//!                        └─► words.rs, index.rs, names.rs ──► hover, go, complete, outline, fixes
+//!                        └─► words.rs, index.rs, names.rs, s7200.rs ──► hover, go, complete, outline, fixes
 //! ```
 //!
 //! - A change is answered twice: at once with the syntax errors of the file, and with all messages when the program is bound.
@@ -20,6 +20,7 @@ mod index;
 mod names;
 mod outline;
 mod requests;
+mod s7200;
 mod server;
 mod text;
 mod words;

@@ -20,7 +20,7 @@ use crate::index::Index;
 use crate::server::hint;
 use crate::text::{self, Lines};
 use crate::words::Words;
-use crate::{Checked, complete, fixes, go, hover, names, outline};
+use crate::{Checked, complete, fixes, go, hover, names, outline, s7200};
 
 /// A file of a program.
 pub struct View<'c> {
@@ -41,6 +41,12 @@ impl<'c> View<'c> {
     /// The words of all sources.
     fn texts(&self) -> go::Texts<'c> {
         self.checked.units.iter().map(|(file, _)| (*file, self.words(*file))).collect()
+    }
+
+    /// What is written at a byte of a source for the S7-200, and all its names.
+    fn s7200(&self, byte: usize) -> Option<(s7200::Use<'c>, s7200::Names<'c>)> {
+        let names = s7200::Names::of(self.checked, self.file)?;
+        Some((names.at(self.file, byte)?, names))
     }
 
     fn location(&self, span: Span) -> Option<Location> {
@@ -67,6 +73,13 @@ fn result<'c>(method: &str, params: Value, view: &impl Fn(&Path) -> Option<View<
         "textDocument/hover" => {
             let HoverParams { text_document_position_params, .. } = read(params)?;
             at(view, text_document_position_params, |view, words, byte| {
+                if let Some((found, names)) = view.s7200(byte) {
+                    let contents = HoverContents::Markup(MarkupContent {
+                        kind: MarkupKind::Markdown,
+                        value: names.hover(&found.named),
+                    });
+                    return Some(Hover { contents, range: Some(Lines::new(view.text()).range(found.span.range())) });
+                }
                 let at = words.at(byte)?;
                 let value = hover::hover(&Index::new(view.checked), words, view.file, at)?;
                 let range = Some(Lines::new(view.text()).range(words.range(at)));
@@ -77,6 +90,9 @@ fn result<'c>(method: &str, params: Value, view: &impl Fn(&Path) -> Option<View<
         "textDocument/definition" => {
             let GotoDefinitionParams { text_document_position_params, .. } = read(params)?;
             at(view, text_document_position_params, |view, words, byte| {
+                if let Some((found, names)) = view.s7200(byte) {
+                    return view.location(names.definition(&found.named)?);
+                }
                 let meaning = names::meaning(&Index::new(view.checked), words, view.file, words.at(byte)?)?;
                 view.location(meaning.definition()?)
             })
@@ -84,7 +100,10 @@ fn result<'c>(method: &str, params: Value, view: &impl Fn(&Path) -> Option<View<
         "textDocument/references" => {
             let ReferenceParams { text_document_position, .. } = read(params)?;
             at(view, text_document_position, |view, words, byte| {
-                let found = go::references(&Index::new(view.checked), &view.texts(), view.file, words.at(byte)?);
+                let found = match view.s7200(byte) {
+                    Some((found, names)) => names.references(&found.named),
+                    None => go::references(&Index::new(view.checked), &view.texts(), view.file, words.at(byte)?),
+                };
                 Some(found.into_iter().filter_map(|span| view.location(span)).collect::<Vec<_>>())
             })
         }
@@ -92,7 +111,11 @@ fn result<'c>(method: &str, params: Value, view: &impl Fn(&Path) -> Option<View<
             let DocumentHighlightParams { text_document_position_params, .. } = read(params)?;
             at(view, text_document_position_params, |view, words, byte| {
                 let own = vec![(view.file, view.words(view.file))];
-                let found = go::references(&Index::new(view.checked), &own, view.file, words.at(byte)?);
+                let mut found = match view.s7200(byte) {
+                    Some((found, names)) => names.references(&found.named),
+                    None => go::references(&Index::new(view.checked), &own, view.file, words.at(byte)?),
+                };
+                found.retain(|span| span.file == view.file);
                 let lines = Lines::new(view.text());
                 let mark = |span: Span| DocumentHighlight { range: lines.range(span.range()), kind: None };
                 Some(found.into_iter().map(mark).collect::<Vec<_>>())
@@ -107,6 +130,11 @@ fn result<'c>(method: &str, params: Value, view: &impl Fn(&Path) -> Option<View<
             at(view, text_document_position, |view, words, byte| {
                 let unit = view.checked.units.iter().find(|(file, _)| *file == view.file);
                 let set = unit.map(|(_, unit)| unit.mnemonics).unwrap_or_default();
+                let operands = s7200::Names::of(view.checked, view.file);
+                let operands = operands.map_or(Vec::new(), |names| names.operands(words, view.file, byte));
+                if !operands.is_empty() {
+                    return Some(operands);
+                }
                 Some(complete::complete(&Index::new(view.checked), words, view.file, byte, set))
             })
         }
@@ -185,9 +213,14 @@ fn rename<'c>(view: &impl Fn(&Path) -> Option<View<'c>>, place: TextDocumentPosi
     let failed = |why: String| (ErrorCode::RequestFailed, why);
     let view = view(&path_of(&place.text_document.uri)?).ok_or_else(|| failed("the file is not known".to_owned()))?;
     let words = view.words(view.file);
-    let word =
-        words.at(text::byte(view.text(), place.position)).ok_or_else(|| failed("there is no word".to_owned()))?;
-    let edits = go::rename(&Index::new(view.checked), &view.texts(), view.file, word, to).map_err(failed)?;
+    let byte = text::byte(view.text(), place.position);
+    let edits = match view.s7200(byte) {
+        Some((found, names)) => names.rename(&found.named, to).map_err(failed)?,
+        None => {
+            let word = words.at(byte).ok_or_else(|| failed("there is no word".to_owned()))?;
+            go::rename(&Index::new(view.checked), &view.texts(), view.file, word, to).map_err(failed)?
+        }
+    };
     let mut changes: HashMap<Uri, Vec<TextEdit>> = HashMap::new();
     for (span, text) in edits {
         if let Some(location) = view.location(span) {

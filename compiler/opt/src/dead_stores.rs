@@ -1,17 +1,29 @@
 //! Removal of stores that are overwritten before anybody reads them.
 //!
 //! Walking a block backward, the pass keeps the ranges that are surely written before they can be read. At the end of a
-//! block that is nothing, except before `ret`, where the own frame is dead. A load takes its range out, and from
-//! regions that it may alias everything; a call and a runtime function that may run organization blocks take out
-//! everything.
+//! block these are what all blocks after it agree on, without those of an address that is computed; before a jump back nothing, before `ret` the
+//! own frame, which is dead. A load takes its range out, and from regions that it may alias everything; a call and a runtime function that may
+//! run organization blocks take out everything.
+//!
+//! ```text
+//! store.bit system 13.0, v1      ; removed: on both ways the next operation sets the flag
+//! branch v2, b1, b2
+//! b1 cold:                       ; notes an error, for which the flag does not matter
+//!     rt @s7200_error(v3, v4)
+//!     jump b2
+//! b2:
+//!     store.bit system 13.0, v5
+//! ```
 //!
 //! Local data are also checked as a whole: in a private frame (see `frames`) bytes that are never read anywhere need
 //! no store and no `clear`.
 
 use plcc_abi::functions::Effect;
-use plcc_ir::{Function, Inst, InstData, Region, Value};
+use plcc_ir::analysis::ControlFlow;
+use plcc_ir::{Block, Function, Inst, InstData, Region, Value};
 use rustc_hash::FxHashMap;
 
+use crate::effects::{REGISTERS, leaves_registers};
 use crate::extents::{Access, Extents};
 use crate::frames::Frames;
 use crate::surroundings::Surroundings;
@@ -25,12 +37,14 @@ pub fn eliminate_dead_stores(function: &mut Function, surroundings: &Surrounding
 
 /// Ranges that are kept for one base; more are forgotten, so that time stays linear.
 const RANGES_MAX: usize = 1024;
+/// Ranges that are kept for one region from block to block.
+const SHARED_MAX: usize = 64;
 
 /// Ranges from each base of a region.
 type Bases = Vec<(Option<Value>, Extents<()>)>;
 
 /// Ranges that are written before they are read.
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Overwritten {
     ranges: FxHashMap<Region, Bases>,
     /// The whole frame is dead, indexed or not, except the ranges that a read excluded.
@@ -116,13 +130,75 @@ impl Overwritten {
         self.ranges = frame.map(|bases| (Region::L, bases)).into_iter().collect();
         self.frame_ends &= keep_frame;
     }
+
+    /// What the blocks before the one at whose beginning this holds may know.
+    fn at_start(&mut self) {
+        for bases in self.ranges.values_mut() {
+            bases.retain(|(base, extents)| base.is_none() && extents.len() <= SHARED_MAX);
+        }
+        self.ranges.retain(|_, bases| !bases.is_empty());
+    }
+
+    /// Keeps what holds in `other` too, which holds at the beginning of a block.
+    fn intersect(&mut self, other: &Overwritten) {
+        self.ranges.retain(|region, bases| {
+            let Some(others) = other.ranges.get(region) else { return false };
+            bases.retain_mut(|(base, extents)| {
+                let same = others.iter().find(|(other, _)| other == base);
+                same.is_some_and(|(_, others)| {
+                    extents.intersect(others);
+                    !extents.is_empty()
+                })
+            });
+            !bases.is_empty()
+        });
+        self.frame_ends &= other.frame_ends;
+    }
+
+    /// A runtime function touches the system area of an S7-200 except for the registers.
+    fn leave_registers(&mut self) {
+        let Some(bases) = self.ranges.get_mut(&Region::System) else { return };
+        let mut registers = Extents::default();
+        REGISTERS.iter().for_each(|&(start, end)| registers.insert(start, end, ()));
+        bases.retain_mut(|(base, extents)| {
+            extents.intersect(&registers);
+            base.is_none() && !extents.is_empty()
+        });
+    }
+}
+
+/// What is known at the beginnings of blocks that the walk has been to, and how many blocks still ask for it.
+type Starts = FxHashMap<Block, (Overwritten, usize)>;
+
+/// What is overwritten after the end of `block`.
+fn at_end(cfg: &ControlFlow, block: Block, starts: &mut Starts) -> Overwritten {
+    let mut all: Option<Overwritten> = None;
+    let mut goes_back = false;
+    for &next in cfg.successors(block) {
+        if cfg.rpo_index(next) <= cfg.rpo_index(block) {
+            goes_back = true;
+            continue;
+        }
+        let Some((known, readers)) = starts.get_mut(&next) else { continue };
+        *readers -= 1;
+        match &mut all {
+            Some(all) => all.intersect(known),
+            None if *readers == 0 => all = Some(std::mem::take(known)),
+            None => all = Some(known.clone()),
+        }
+        if *readers == 0 {
+            starts.remove(&next);
+        }
+    }
+    if goes_back { Overwritten::default() } else { all.unwrap_or_default() }
 }
 
 fn remove_overwritten(function: &mut Function, frames: &Frames<'_>) {
-    for index in 0..function.layout.len() {
-        let block = function.layout[index];
+    let cfg = ControlFlow::new(function);
+    let mut starts = Starts::default();
+    for &block in cfg.rpo.iter().rev() {
         let mut insts = std::mem::take(&mut function.blocks[block].insts);
-        let mut overwritten = Overwritten::default();
+        let mut overwritten = at_end(&cfg, block, &mut starts);
         let mut dead: Vec<Inst> = Vec::new();
         for &inst in insts.iter().rev() {
             if visit(function, frames, inst, &mut overwritten) {
@@ -140,6 +216,12 @@ fn remove_overwritten(function: &mut Function, frames: &Frames<'_>) {
             });
         }
         function.blocks[block].insts = insts;
+        let earlier = |pred: &&Block| cfg.rpo_index(**pred) < cfg.rpo_index(block);
+        let readers = cfg.predecessors(block).iter().filter(earlier).count();
+        if readers > 0 {
+            overwritten.at_start();
+            starts.insert(block, (overwritten, readers));
+        }
     }
 }
 
@@ -194,6 +276,10 @@ fn visit(function: &mut Function, frames: &Frames<'_>, inst: Inst, overwritten: 
                 Effect::Pure => {}
                 Effect::Cells => {
                     overwritten.ranges.remove(&Region::Cells);
+                }
+                Effect::System if leaves_registers(*function) => {
+                    overwritten.leave_registers();
+                    overwritten.ranges.remove(&Region::Any);
                 }
                 Effect::System => {
                     overwritten.ranges.remove(&Region::System);
@@ -331,6 +417,40 @@ mod tests {
         let text = "store.i32 M 0, v0\nstore.bit M 0.0, v1\nret v0";
         check(text, text);
         check("store.bit M 0.0, v1\nstore.i32 M 0, v0\nret v0", "store.i32 M 0, v0\nret v0");
+    }
+
+    #[test]
+    fn what_all_ways_overwrite_needs_no_store() {
+        let text = |before: &str, one: &str, two: &str| {
+            format!("{before}branch v1, b1, b2\nb1:\n{one}jump b3\nb2:\n{two}jump b3\nb3:\nstore.bit M 1.0, v1\nret v0")
+        };
+        let store = "store.bit M 1.0, v1\n";
+        check(&text(store, "", ""), &text("", "", ""));
+        check(
+            &text("store.i32 M 4, v0\n", "store.i32 M 4, v0\n", "store.i32 M 4, v0\n"),
+            &text("", "store.i32 M 4, v0\n", "store.i32 M 4, v0\n"),
+        );
+        for between in ["v2 = load.i8 M 1\n", "call @G()\n", "v2 = load.i8 M[v0]+7\n"] {
+            check(&text(store, between, ""), &text(store, between, ""));
+            check(&text(store, "", between), &text(store, "", between));
+        }
+    }
+
+    #[test]
+    fn a_loop_keeps_what_is_stored_before_its_jump_back() {
+        let text = "jump b1\nb1:\nstore.i32 M 4, v0\nbranch v1, b1, b2\nb2:\nstore.i32 M 4, v0\nret v0";
+        check(text, text);
+    }
+
+    #[test]
+    fn errors_of_an_s7_200_leave_its_registers() {
+        let text =
+            |first: &str, region: &str| format!("{first}rt @s7200_error(v0, v0)\nstore.i32 {region}, v0\nret v0");
+        let accumulator = format!("system {}", plcc_abi::s7200::system::ACCUMULATORS);
+        check(&text(&format!("store.i32 {accumulator}, v0\n"), &accumulator), &text("", &accumulator));
+        let special = format!("system {}", plcc_abi::s7200::system::SM + 4);
+        let text = text(&format!("store.i32 {special}, v0\n"), &special);
+        check(&text, &text);
     }
 
     #[test]

@@ -38,9 +38,7 @@ impl Effects {
         match function.effect() {
             Effect::All if is_interruption(function) => self.interruption_writes(region, range),
             Effect::System => {
-                let keeps =
-                    matches!(function, RuntimeFn::S7200Pointer | RuntimeFn::S7200Error | RuntimeFn::S7200TimerSync);
-                touches(Effect::System, region) && !(keeps && is_register(region, range))
+                touches(Effect::System, region) && !(leaves_registers(function) && is_register(region, range))
             }
             Effect::Reads => false,
             effect => touches(effect, region),
@@ -90,12 +88,21 @@ fn touches(effect: Effect, region: Region) -> bool {
     }
 }
 
+/// The bits of SMB1 and of the accumulators of an S7-200, in its system area.
+pub const REGISTERS: [(u64, u64); 2] = [
+    (system::SM as u64 * 8 + 8, system::SM as u64 * 8 + 16),
+    (system::ACCUMULATORS as u64 * 8, system::ACCUMULATORS as u64 * 8 + 128),
+];
+
+/// True of functions that touch the system area of an S7-200, but neither read nor change [`REGISTERS`].
+pub fn leaves_registers(function: RuntimeFn) -> bool {
+    matches!(function, RuntimeFn::S7200Pointer | RuntimeFn::S7200Error | RuntimeFn::S7200TimerSync)
+}
+
 /// True of bits in the accumulators or SMB1.
 fn is_register(region: Region, range: Option<(u64, u64)>) -> bool {
     let Some((start, end)) = range else { return false };
-    let registers = [(system::SM + 1, 1), (system::ACCUMULATORS, 16)];
-    region == Region::System
-        && registers.iter().any(|&(first, bytes)| u64::from(first) * 8 <= start && end <= u64::from(first + bytes) * 8)
+    region == Region::System && REGISTERS.iter().any(|&(first, after)| first <= start && end <= after)
 }
 
 fn others(module: &Module) -> Option<Others> {

@@ -16,6 +16,7 @@ mod dead_stores;
 mod duplicate;
 mod effects;
 mod extents;
+mod finite;
 mod floats;
 mod fold;
 mod forward;
@@ -154,12 +155,16 @@ pub const ALONE: &[Pass] = &[
     function("control-flow", control_flow::simplify_control_flow),
     function("values", values::share_values),
     surrounded("forward", forward::forward_memory),
+    // What nobody reads goes before stores under a condition, or of single bits, become ones that read what is there.
+    surrounded("dead-stores", dead_stores::eliminate_dead_stores),
+    function("unused", unused::remove_unused),
     function("branches", branches::select_by_branches),
     function("control-flow", control_flow::simplify_control_flow),
     function("fold", fold::fold),
     surrounded("words", forward::read_whole_words),
     surrounded("merge-bits", merge_bits::merge_bits),
     function("floats", floats::relax_floats),
+    function("finite-results", finite::part_finite_results),
     surrounded("hoist-lookups", invariants::hoist_lookups),
     function("turn-loops", duplicate::turn_loops),
     function("fold", fold::fold),

@@ -116,10 +116,19 @@ impl Binder<'_> {
         }
         if let Some(surplus) = operands.get(classes.len()).filter(|_| !unread) {
             let title = format!("`{}` has {}", self.mnemonic(insn), count(classes.len()));
+            let next = operands.get(classes.len() + 1).map(|operand| self.written(operand.span).to_string());
+            let written = self.written(surplus.span).to_ascii_uppercase();
+            let joined = [("AND", "A"), ("OR", "O"), ("A", "A"), ("O", "O"), ("AN", "AN"), ("ON", "ON")]
+                .into_iter()
+                .find(|(word, _)| *word == written);
+            let help = match (joined, next) {
+                (Some((_, mnemonic)), Some(next)) => format!("write `{mnemonic} {next}` in a line of its own"),
+                _ => format!("remove it: {}", self.form(insn)),
+            };
             self.push(
                 Diagnostic::new(Code::SurplusOperand, surplus.span, title)
                     .label("the first surplus operand")
-                    .help(format!("remove it: {}", self.form(insn))),
+                    .help(help),
             );
         }
         let bound: Vec<Option<Operand>> = classes

@@ -1,4 +1,4 @@
-//! Warnings about statements that are valid but useless: outputs that are assigned twice, local memory that is read before it is written.
+//! Warnings about statements that are valid but useless: outputs that are assigned twice, code that is never reached, local memory that is read before it is written.
 //!
 //! A warning is given only where no path through the block makes the statement useful.
 
@@ -15,6 +15,7 @@ pub fn review(blocks: &[CodeBlock]) -> Vec<Diagnostic> {
     for block in blocks {
         if let Body::S7200(body) = &block.body {
             outputs(&body.statements, &mut found);
+            never_reached(&body.statements, &mut found);
             local_memory(body, blocks, &mut found);
         }
     }
@@ -89,6 +90,53 @@ fn may_leave(insn: Insn) -> bool {
             | Insn::Mend
             | Insn::Call
     )
+}
+
+/// Statements after a jump or an end whose contact is always closed (`LD SM0.0`), up to the next label, loop or sequence step.
+fn never_reached(statements: &[Statement], found: &mut Vec<Diagnostic>) {
+    // The statement before is `LD SM0.0`.
+    let mut is_closed = false;
+    let mut left: Option<Span> = None;
+    for statement in statements {
+        let StatementKind::Instruction { insn, operands } = &statement.kind else {
+            // An assertion is checked where it is reached; it is not part of the program.
+            if let (Some(by), StatementKind::Call { .. }) = (left, &statement.kind) {
+                found.push(unreachable(statement.span, by));
+                left = None;
+            }
+            is_closed = false;
+            continue;
+        };
+        match left {
+            Some(_) if is_entered(*insn) || *insn == Insn::Nop => {}
+            Some(by) => {
+                found.push(unreachable(statement.span, by));
+                left = None;
+            }
+            None => {}
+        }
+        if is_entered(*insn) {
+            left = None;
+        }
+        let leaves = matches!(insn, Insn::Jmp | Insn::Cret | Insn::Creti | Insn::End);
+        if leaves && is_closed {
+            left = Some(statement.span);
+        }
+        let always = [Operand::Memory { area: Area::Sm, byte: 0, bit: 0, width: Width::Bit }];
+        is_closed = *insn == Insn::Load && operands.as_slice() == always.as_slice();
+    }
+}
+
+/// Control comes to it from elsewhere, or it frames a part of the block.
+fn is_entered(insn: Insn) -> bool {
+    matches!(insn, Insn::Lbl | Insn::For | Insn::Next | Insn::Lscr | Insn::Scre | Insn::Ret | Insn::Reti | Insn::Mend)
+}
+
+fn unreachable(span: Span, by: Span) -> Diagnostic {
+    Diagnostic::new(Code::UnreachableCode, span, "this statement is never reached")
+        .label("no label leads here")
+        .also(by, "SM0.0 is always 1, so this always leaves")
+        .help("remove it, or give the instruction before it a condition")
 }
 
 /// Local memory that is read before anything writes it. A block that may go back is not looked at.

@@ -4,14 +4,14 @@
 //! - [`recorder`]: looks at the probes of the running program and keeps what the chosen call sees.
 //! - [`status`](mod@status): the values by line, ready to be written as JSON; [`text`]: for people.
 //!
-//! - [`probes`]: the places of probes for the runtime, where clients watch a program that goes on running.
+//! - [`graph`]: where steps and transitions of a chart have their data; [`probes`]: the places of probes for the runtime, where clients watch a program that goes on running.
 //!
 //! The probes come from `plcc_lower::lower_with_probes`; the recorder is told of them by the runtime.
 //!
 //! **Invariant**: all values of a status are of one call in one cycle.
 
 pub mod choice;
-mod graph;
+pub mod graph;
 pub mod probes;
 pub mod recorder;
 pub mod status;

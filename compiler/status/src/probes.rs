@@ -43,8 +43,14 @@ pub fn of(program: &Program, places: &[Place]) -> monitor::Probes {
 
 fn tells(probe: &Probe) -> Tells {
     match probe {
-        // The last two are in code for a debugger alone.
-        Probe::Block | Probe::Statement(_) | Probe::Formal(_) => Tells::Block,
+        // All but the first are in code for a debugger or for coverage alone.
+        Probe::Block
+        | Probe::Statement(_)
+        | Probe::Formal(_)
+        | Probe::Reached
+        | Probe::Contact
+        | Probe::Condition
+        | Probe::Enable => Tells::Block,
         Probe::Registers(None) => Tells::Registers,
         Probe::Registers(Some((CellKind::Timer, number))) => Tells::Timer(*number),
         Probe::Registers(Some((CellKind::Counter, number))) => Tells::Counter(*number),

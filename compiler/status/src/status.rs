@@ -211,7 +211,14 @@ fn place_seen(sources: &SourceMap, place: &Place, seen: Option<&Seen>) -> PlaceS
             },
             _ => Kind::Stack { levels: None, eno: None, operands: Vec::new() },
         },
-        Probe::Registers(_) | Probe::Block | Probe::Statement(_) | Probe::Formal(_) => Kind::Statement {
+        Probe::Registers(_)
+        | Probe::Block
+        | Probe::Statement(_)
+        | Probe::Formal(_)
+        | Probe::Reached
+        | Probe::Contact
+        | Probe::Condition
+        | Probe::Enable => Kind::Statement {
             registers: match seen {
                 Some(Seen::Registers(registers, cell)) => Some(row(registers, cell.as_ref())),
                 _ => None,

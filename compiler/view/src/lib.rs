@@ -2,6 +2,7 @@
 
 pub mod book;
 pub mod chart;
+pub mod covered;
 mod data;
 pub mod diagram;
 pub mod faults;

@@ -22,8 +22,8 @@ pub enum Item {
     Dot { at: Point, net: Option<usize> },
     /// The power rail.
     Rail { from: Point, to: Point },
-    /// A box.
-    Frame { area: Area, kind: Frame, key: String },
+    /// A box. Of a step: the key of its X, and those of its faults, LA of the interlock and VA of the supervision.
+    Frame { area: Area, kind: Frame, key: String, faults: Vec<String> },
     /// The bars of a contact, the arcs of a coil, with the sign between them; the flow passes through the middle of `area`.
     Glyph { area: Area, kind: Glyph, sign: String, part: usize },
     /// The circle of a negated pin.
@@ -33,6 +33,8 @@ pub enum Item {
     Text { at: Point, anchor: Anchor, text: String, ink: Ink, key: String, place: Option<u32> },
     /// A line that is not a wire.
     Stroke { points: Vec<Point>, ink: Ink },
+    /// Draws nothing: the part of the drawing that shows what begins at `place` of the source.
+    Zone { area: Area, place: u32 },
 }
 
 /// A rectangle.
@@ -132,9 +134,12 @@ impl Item {
                 Some(Area { x, y: at.1 - height + 3, w, h: height })
             }
             Item::Frame { area, .. } | Item::Glyph { area, .. } => Some(*area),
-            Item::Wire { .. } | Item::Dot { .. } | Item::Rail { .. } | Item::Circle { .. } | Item::Stroke { .. } => {
-                None
-            }
+            Item::Wire { .. }
+            | Item::Dot { .. }
+            | Item::Rail { .. }
+            | Item::Circle { .. }
+            | Item::Stroke { .. }
+            | Item::Zone { .. } => None,
         }
     }
 }
@@ -159,7 +164,12 @@ impl Scene {
     }
 
     pub fn frame(&mut self, area: Area, kind: Frame, key: &str) {
-        self.items.push(Item::Frame { area, kind, key: key.to_string() });
+        self.items.push(Item::Frame { area, kind, key: key.to_string(), faults: Vec::new() });
+    }
+
+    /// A part of the drawing that shows what begins at `place` of the source, if that is known.
+    pub fn zone(&mut self, area: Area, place: Option<u32>) {
+        self.items.extend(place.map(|place| Item::Zone { area, place }));
     }
 
     /// Adds `by` to the numbers of all parts.
@@ -182,7 +192,8 @@ impl Scene {
                 | Item::Frame { .. }
                 | Item::Glyph { .. }
                 | Item::Text { .. }
-                | Item::Stroke { .. } => {}
+                | Item::Stroke { .. }
+                | Item::Zone { .. } => {}
             }
         }
     }
@@ -195,12 +206,13 @@ impl Scene {
             Item::Wire { from, to, net } => Item::Wire { from: moved(from), to: moved(to), net },
             Item::Dot { at, net } => Item::Dot { at: moved(at), net },
             Item::Rail { from, to } => Item::Rail { from: moved(from), to: moved(to) },
-            Item::Frame { area: a, kind, key } => Item::Frame { area: area(a), kind, key },
+            Item::Frame { area: a, kind, key, faults } => Item::Frame { area: area(a), kind, key, faults },
             Item::Glyph { area: a, kind, sign, part } => Item::Glyph { area: area(a), kind, sign, part },
             Item::Circle { at, net } => Item::Circle { at: moved(at), net },
             Item::Text { at, anchor, text, ink, key, place } => {
                 Item::Text { at: moved(at), anchor, text, ink, key, place }
             }
+            Item::Zone { area: a, place } => Item::Zone { area: area(a), place },
             Item::Stroke { points, ink } => Item::Stroke { points: points.into_iter().map(moved).collect(), ink },
         }));
     }

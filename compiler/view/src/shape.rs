@@ -219,6 +219,7 @@ fn boxed(of: &Part, title: &str, detail: &str, instance: Option<&Label>, rooms: 
     let mut shape = Shape { width: left + inner + right, ..Shape::default() };
     let scene = &mut shape.scene;
     scene.frame(area, Frame::Box, "");
+    scene.zone(area, of.place.or(of.statement));
     for (index, (line, ink)) in titles.iter().enumerate() {
         scene.text((left + inner / 2, area.y + 13 + index as i32 * LINE), Anchor::Middle, *ink, line, "");
     }

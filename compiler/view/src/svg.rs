@@ -14,7 +14,8 @@ pub const STYLE: &str = "\
 .o{fill:var(--symbol,#0b3d91)}.a{fill:var(--address,#666)}.p{fill:var(--text,#222)}.t{fill:var(--text,#222);font-weight:bold}\
 .y{fill:var(--address,#666)}.m{fill:var(--mark,#a33);font-weight:bold}.c{fill:var(--note,#3a7a3a)}.x{fill:var(--text,#222)}\
 .on{stroke:var(--on,#1a9a2f);stroke-width:2.4}.off{stroke:var(--off,#3b6fc4);stroke-dasharray:5 3}.un{stroke:var(--un,#aaa)}\
-.v{fill:var(--value,#b25d00);font-weight:bold}.act{fill:var(--active,#b9f0c0)}";
+.v{fill:var(--value,#b25d00);font-weight:bold}.act{fill:var(--active,#b9f0c0)}\
+.bad{stroke:var(--bad,#c21d1d);stroke-width:3}";
 
 /// A whole file.
 pub fn file(scene: &Scene, state: Option<&Shown>) -> String {
@@ -50,10 +51,24 @@ pub fn inline(scene: &Scene, places: bool) -> String {
     )
 }
 
+/// A drawing inside a page, with `under` below all its items, and `over` above the boxes.
+pub fn inline_between(scene: &Scene, under: &str, over: &str) -> String {
+    let (width, height) = (scene.width, scene.height);
+    let (mut boxes, mut rest) = (String::new(), String::new());
+    for item in scene.items.iter().filter(|item| !matches!(item, Item::Zone { .. })) {
+        let out = if matches!(item, Item::Frame { .. }) { &mut boxes } else { &mut rest };
+        write_item(out, item, None, false);
+        out.push('\n');
+    }
+    format!(
+        "<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">\n{under}{boxes}{over}{rest}</svg>"
+    )
+}
+
 /// The items, one on each line.
 fn content(scene: &Scene, state: Option<&Shown>, places: bool) -> String {
     let mut out = String::new();
-    for item in &scene.items {
+    for item in scene.items.iter().filter(|item| !matches!(item, Item::Zone { .. })) {
         write_item(&mut out, item, state, places);
         out.push('\n');
     }
@@ -81,8 +96,12 @@ fn write_item(out: &mut String, item: &Item, state: Option<&Shown>, places: bool
         Item::Rail { from, to } => {
             write!(out, "<path class=\"r\" d=\"M{} {}V{}\"/>", from.0, from.1, to.1)
         }
-        Item::Frame { area, kind, key } => {
-            let data = if key.is_empty() { String::new() } else { format!(" data-s=\"{}\"", escaped(key)) };
+        Item::Frame { area, kind, key, faults } => {
+            let mut data = if key.is_empty() { String::new() } else { format!(" data-s=\"{}\"", escaped(key)) };
+            for (name, key) in ["la", "va"].iter().zip(faults) {
+                data.push_str(&format!(" data-{name}=\"{}\"", escaped(key)));
+            }
+            let is_faulty = state.is_some_and(|state| faults.iter().any(|key| state.active.contains(key)));
             let class = match kind {
                 Frame::Box | Frame::Action => "b",
                 Frame::Step | Frame::InitialStep if state.is_some_and(|state| state.active.contains(key)) => "b act",
@@ -90,8 +109,12 @@ fn write_item(out: &mut String, item: &Item, state: Option<&Shown>, places: bool
             };
             write!(
                 out,
-                "<rect class=\"{class}\"{data} x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/>",
-                area.x, area.y, area.w, area.h
+                "<rect class=\"{class}{}\"{data} x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/>",
+                if is_faulty { " bad" } else { "" },
+                area.x,
+                area.y,
+                area.w,
+                area.h
             )
             .expect(WRITES);
             if *kind == Frame::InitialStep {
@@ -168,6 +191,7 @@ fn write_item(out: &mut String, item: &Item, state: Option<&Shown>, places: bool
             }
             write!(out, "<path class=\"s\" d=\"{way}\"/>")
         }
+        Item::Zone { .. } => Ok(()),
     }
     .expect(WRITES);
 }
@@ -191,7 +215,7 @@ fn class(ink: Ink) -> &'static str {
 pub struct Shown {
     /// The values of nets; those that are not there are not known.
     pub nets: HashMap<usize, bool>,
-    /// Keys of steps that are active.
+    /// Keys whose value is 1: those of active steps and of faults among them.
     pub active: HashSet<String>,
 }
 

@@ -53,7 +53,7 @@ fn part(kind: usize, from: usize, to: Option<usize>, reset: Option<usize>, furth
             Look::Box { title: "CTUD".to_string(), detail: "Int".to_string(), instance }
         }
     };
-    Part { look, meaning: Meaning::Other, pins, flow_in: Some(0), flow_out, place: None }
+    Part { look, meaning: Meaning::Other, pins, flow_in: Some(0), flow_out, place: None, statement: None }
 }
 
 /// Fills in the sources of nets.

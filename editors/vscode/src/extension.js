@@ -3,6 +3,7 @@
 
 const { execFile } = require("node:child_process");
 const fs = require("node:fs");
+const os = require("node:os");
 const path = require("node:path");
 const vscode = require("vscode");
 const { LanguageClient } = require("vscode-languageclient/node");
@@ -42,13 +43,20 @@ async function activate(context) {
   await client.start().catch((error) => {
     vscode.window.showErrorMessage(`plcc does not start; set plcc.path to the command: ${error.message ?? error}`);
   });
-  const terminal = (words) => {
-    const file = vscode.window.activeTextEditor?.document.uri.fsPath;
-    if (!file) return vscode.window.showInformationMessage("Open a source first.");
-    const program = programOf(file);
-    const execution = new vscode.ProcessExecution(plcc(), [...words, program], { cwd: path.dirname(file) });
+  const terminal = (words, folder) => {
+    const execution = new vscode.ProcessExecution(plcc(), words, { cwd: folder });
     const task = new vscode.Task({ type: "plcc" }, vscode.TaskScope.Workspace, words[0], "plcc", execution);
     return vscode.tasks.executeTask(task);
+  };
+  const withProgram = (action) => () => {
+    const file = vscode.window.activeTextEditor?.document.uri.fsPath;
+    if (!file) return vscode.window.showInformationMessage("Open a source first.");
+    return action(programOf(file), path.dirname(file));
+  };
+  const monitor = async () => {
+    const prompt = "Where the page of the process is: the address given with --web";
+    const address = await vscode.window.showInputBox({ prompt, value: "127.0.0.1:8080" });
+    return address && terminal(["monitor", address.trim()]);
   };
   // A command that this plcc does not have says so.
   const ifPresent = (name, action) => async () => {
@@ -57,13 +65,31 @@ async function activate(context) {
     return vscode.window.showInformationMessage(`This plcc has no command \`${name}\`.`);
   };
   context.subscriptions.push(
-    vscode.commands.registerCommand("plcc.build", () => terminal(["build"])),
-    vscode.commands.registerCommand("plcc.test", () => terminal(["test"])),
-    vscode.commands.registerCommand("plcc.view", ifPresent("view", () => terminal(["view"]))),
-    vscode.commands.registerCommand("plcc.monitor", ifPresent("monitor", () => terminal(["monitor"]))),
+    vscode.commands.registerCommand("plcc.build", withProgram((program, folder) => terminal(["build", program], folder))),
+    vscode.commands.registerCommand("plcc.test", withProgram((program, folder) => terminal(["test", program], folder))),
+    vscode.commands.registerCommand("plcc.view", ifPresent("view", withProgram(view))),
+    vscode.commands.registerCommand("plcc.monitor", ifPresent("monitor", monitor)),
     explorer(),
     ...debuggers(),
   );
+}
+
+/** Shows the networks, charts and data of a program in a panel beside the text. */
+async function view(program, folder) {
+  const room = fs.mkdtempSync(path.join(os.tmpdir(), "plcc-view-"));
+  const page = path.join(room, "view.html");
+  const result = await run(["view", program, "--html", page], folder);
+  try {
+    const html = fs.readFileSync(page, "utf8");
+    const where = { viewColumn: vscode.ViewColumn.Beside, preserveFocus: true };
+    const options = { enableScripts: true, enableFindWidget: true };
+    const panel = vscode.window.createWebviewPanel("plcc.view", `Networks: ${path.basename(program)}`, where, options);
+    panel.webview.html = html;
+  } catch {
+    vscode.window.showErrorMessage(result.stderr || "plcc did not draw the program.");
+  } finally {
+    fs.rmSync(room, { recursive: true, force: true });
+  }
 }
 
 /** The debugger is `plcc debug`; two commands are for cycles, which other programs do not have. */

@@ -27,8 +27,16 @@ pub struct ServicesConfig {
     pub drawings: Vec<u8>,
     /// What the second code of the program tells, which has probes; `None`: there is no such code.
     pub probes: Option<Probes>,
+    /// Folder of the certificate of the page and the metrics, seen from where the program runs.
+    pub tls: Option<String>,
     /// URL of a broker.
     pub mqtt: Option<String>,
+    /// Files for a broker with TLS, seen from where the program runs: certificates of its authority, own certificate and its key.
+    pub mqtt_ca: Option<String>,
+    pub mqtt_certificate: Option<String>,
+    pub mqtt_key: Option<String>,
+    /// Node of Sparkplug B: `GROUP/NODE` or `GROUP/NODE/DEVICE`.
+    pub sparkplug: Option<String>,
     /// What clients may do that no entry of `clients` names.
     pub access: Option<Right>,
     /// If there are any, no one else is a client.

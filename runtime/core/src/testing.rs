@@ -13,6 +13,7 @@ use crate::cpu::Cpu;
 use crate::cycle::Pace;
 use crate::io::Simulated;
 use crate::options::HANG_LIMIT_DEFAULT;
+use crate::probe::Watcher;
 use crate::scenario::{Player, Scenario};
 
 /// Maximum cycles of a program that must stop itself.
@@ -110,12 +111,25 @@ impl TestReport {
 
 /// Runs a program as a test.
 pub fn test(image: ProgramImage, code: Rc<dyn Code>, options: &TestOptions) -> TestReport {
+    test_watched(image, code, options, None)
+}
+
+/// Runs a program with probes as a test.
+pub fn test_watched(
+    image: ProgramImage,
+    code: Rc<dyn Code>,
+    options: &TestOptions,
+    watcher: Option<Rc<dyn Watcher>>,
+) -> TestReport {
     let mut report = TestReport::default();
     let mut image = image;
     // A test begins the same every time, and leaves nothing behind.
     image.config.retain.file = None;
     let driver = Box::new(Simulated::new(image.config.modules.clone()));
     let cpu = Cpu::new(image, code, Clock::simulated(), driver);
+    if let Some(watcher) = watcher {
+        cpu.set_watcher(watcher);
+    }
     let scenario = match options.scenario.as_deref().map(|path| Scenario::read(path, &cpu.image)).transpose() {
         Ok(scenario) => scenario.unwrap_or_default(),
         Err(message) => {

@@ -80,7 +80,13 @@ fn send(
 
 async fn exchange(address: SocketAddr, request: Request<Body>) -> Result<Answer, String> {
     let stream = TcpStream::connect(address).await.map_err(|error| error.to_string())?;
-    let wrong = |error: hyper::Error| format!("what answers is not the page of a program: {error}");
+    let wrong = |error: hyper::Error| match error.is_parse() {
+        // The alert of a server that expects TLS is not HTTP either.
+        true => {
+            "what answers is not the page of a program, or it is encrypted by --tls, which plcc does not speak".into()
+        }
+        false => format!("what answers is not the page of a program: {error}"),
+    };
     let (mut sender, connection) = hyper::client::conn::http1::handshake(TokioIo::new(stream)).await.map_err(wrong)?;
     tokio::spawn(connection);
     let response = sender.send_request(request).await.map_err(wrong)?;

@@ -84,3 +84,12 @@ pub const OPCUA_SAMPLING_MIN: Duration = Duration::from_millis(50);
 /// How long a session lasts without a request, and a channel until its keys are renewed.
 pub const OPCUA_SESSION_TIME: std::ops::RangeInclusive<Duration> = Duration::from_secs(10)..=Duration::from_secs(3600);
 pub const OPCUA_CHANNEL_TIME: std::ops::RangeInclusive<Duration> = Duration::from_secs(10)..=Duration::from_secs(3600);
+
+/// Bytes of a message of a broker, and of one to it.
+pub const MQTT_RECEIVED_MAX: usize = 1024 * 1024;
+pub const MQTT_SENT_MAX: usize = 64 * 1024 * 1024;
+/// Commands of Sparkplug B that wait for the CPU, and metrics of one.
+pub const COMMANDS_MAX: usize = 64;
+pub const COMMAND_METRICS_MAX: usize = 1_000;
+/// How long the name of a broker may take to be looked up.
+pub const LOOKUP_TIME: Duration = Duration::from_secs(5);

@@ -8,12 +8,12 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use plcc_runtime::cpu::Cpu;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
-use tokio::net::TcpStream;
 use tokio::time::timeout;
 
 use crate::limits::{ANSWER_TIME, FRAME_TIME, HTTP_BYTES_MAX, STATE_TIME};
 use crate::link::Link;
 use crate::listen::Open;
+use crate::tls::Stream;
 
 /// Upper ends of the parts of histograms, in microseconds.
 const BOUNDS_US: [u64; 16] =
@@ -147,7 +147,7 @@ impl Pages {
 }
 
 /// Answers one request.
-pub async fn serve(mut stream: TcpStream, pages: Pages) {
+pub async fn serve(mut stream: impl Stream, pages: Pages) {
     let answered = async {
         let path = timeout(FRAME_TIME, request(&mut stream)).await.ok()?;
         let (status, kind, body) = match path.as_deref() {
@@ -171,7 +171,7 @@ pub async fn serve(mut stream: TcpStream, pages: Pages) {
 }
 
 /// The path of a GET request; `None`: it is something else.
-async fn request(stream: &mut TcpStream) -> Option<String> {
+async fn request(stream: &mut impl Stream) -> Option<String> {
     let mut head = Vec::new();
     let mut buffer = [0; 1024];
     loop {

@@ -1,6 +1,7 @@
 //! The flags of the services, the same for an executable and for `plcc run`, and what they open.
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::path::Path;
 use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
@@ -9,18 +10,24 @@ use plcc_abi::connections::S7Connection;
 use plcc_abi::services::{Protection, Right};
 use plcc_runtime::change::Loader;
 use plcc_runtime::online::Service;
+use plcc_runtime::options::split_list;
 use plcc_runtime::partners::Board;
+use plcc_runtime::signal;
 use tokio::runtime::Builder;
+use tokio_rustls::TlsAcceptor;
 
 use crate::link::{Link, link};
-use crate::listen::{self, Door};
+use crate::listen::{self, Door, Visitor};
 use crate::metrics::{self, CycleTimes, Pages};
 use crate::modbus::{self, Map};
-use crate::mqtt::{self, Broker, Publisher};
+use crate::mqtt::sparkplug::{self, Node, NodeName};
+use crate::mqtt::values::{self, Publisher};
+use crate::mqtt::{Broker, Target};
 use crate::opcua;
 use crate::password::Guard;
 use crate::rights::Clients;
 use crate::s7;
+use crate::tls::{self, BrokerFiles};
 use crate::web::{self, Page, Users};
 
 /// Flags of the services. They have precedence over plc.toml.
@@ -41,9 +48,24 @@ pub struct ServiceOptions {
     /// Serve a page that shows the CPU in a browser
     #[arg(long, value_name = "ADDR:PORT", value_parser = address)]
     pub web: Option<SocketAddr>,
-    /// Publish values to an MQTT broker: mqtt://HOST[:PORT]/PREFIX
+    /// Encrypt the page and the metrics, with the certificate in this folder; it is made if there is none
+    #[arg(long, value_name = "FOLDER")]
+    pub tls: Option<String>,
+    /// Publish values to an MQTT broker: mqtt://HOST[:PORT]/PREFIX, or mqtts:// with TLS
     #[arg(long, value_name = "URL", value_parser = Broker::parse)]
     pub mqtt: Option<Broker>,
+    /// Certificates of the authority of an mqtts broker [default: those that this computer knows]
+    #[arg(long, value_name = "FILE")]
+    pub mqtt_ca: Option<String>,
+    /// Certificate that an mqtts broker wants to see
+    #[arg(long, value_name = "FILE")]
+    pub mqtt_certificate: Option<String>,
+    /// Private key of this certificate
+    #[arg(long, value_name = "FILE")]
+    pub mqtt_key: Option<String>,
+    /// Publish the values as a node of Sparkplug B, whose values hosts may write
+    #[arg(long, value_name = "GROUP/NODE[/DEVICE]", value_parser = NodeName::parse)]
+    pub sparkplug: Option<NodeName>,
     /// Values to publish [default: `values` in `[services]` of plc.toml]
     #[arg(long, value_name = "ADDR,...")]
     pub publish: Vec<String>,
@@ -90,6 +112,22 @@ pub fn check_broker(text: &str) -> Result<(), String> {
     Broker::parse(text).map(|_| ())
 }
 
+/// Whether a text names a node of Sparkplug B. `Err`: the error.
+pub fn check_node(text: &str) -> Result<(), String> {
+    NodeName::parse(text).map(|_| ())
+}
+
+/// Whether the program has the values that an entry of `values` names. `Err`: the error.
+pub fn check_values(text: &str, image: &ProgramImage) -> Result<(), String> {
+    let names = split_list(&[text.to_string()]);
+    names.iter().try_for_each(|name| signal::all(name, image, None).map(|_| ()))
+}
+
+/// Whether a table of Modbus can begin there: one of bits, or of registers. `Err`: the error.
+pub fn check_registers(text: &str, has_bits: bool, image: &ProgramImage) -> Result<(), String> {
+    modbus::check(text, has_bits, image)
+}
+
 /// What answers on the side of the CPU, and what was opened, a line each.
 pub type Opened = (Option<Box<dyn Service>>, Vec<String>);
 
@@ -103,10 +141,31 @@ impl ServiceOptions {
             (None, Some(text)) if !flags_only => address(text).map(Some),
             (flag, _) => Ok(flag),
         };
+        let text = |flag: &Option<String>, key: &Option<String>| match (flag, key) {
+            (None, Some(text)) if !flags_only => Some(text.clone()),
+            (flag, _) => flag.clone(),
+        };
         let broker = match (&self.mqtt, &config.mqtt) {
             (None, Some(text)) if !flags_only => Some(Broker::parse(text)?),
             (flag, _) => flag.clone(),
         };
+        let node = match (&self.sparkplug, &config.sparkplug) {
+            (None, Some(text)) if !flags_only => Some(NodeName::parse(text)?),
+            (flag, _) => flag.clone(),
+        };
+        if broker.is_none() && self.sparkplug.is_some() {
+            return Err("--sparkplug: there is no broker: add --mqtt mqtt://HOST:PORT".to_string());
+        }
+        let [authority, certificate, key] = [
+            text(&self.mqtt_ca, &config.mqtt_ca),
+            text(&self.mqtt_certificate, &config.mqtt_certificate),
+            text(&self.mqtt_key, &config.mqtt_key),
+        ];
+        let target = broker.map(|broker| {
+            let (authority, certificate, key) = (authority.as_deref(), certificate.as_deref(), key.as_deref());
+            target(broker, &BrokerFiles { authority, certificate, key })
+        });
+        let target = target.transpose()?;
         let (s7, modbus) = (port(self.s7, &config.s7)?, port(self.modbus, &config.modbus)?);
         let (metrics, web) = (port(self.metrics, &config.metrics)?, port(self.web, &config.web)?);
         let opcua = port(self.opcua, &config.opcua)?;
@@ -117,7 +176,11 @@ impl ServiceOptions {
         let connections = if flags_only { Vec::new() } else { image.config.connections.clone() };
         let board = (!connections.is_empty()).then(|| Arc::new(Board::new(connections)));
         let is_open = s7.or(modbus).or(opcua).or(metrics).or(web).is_some();
-        if !is_open && broker.is_none() && board.is_none() {
+        let folder = text(&self.tls, &config.tls);
+        if self.tls.is_some() && web.or(metrics).is_none() {
+            return Err("--tls: it is for the page and the metrics: add --web or --metrics".to_string());
+        }
+        if !is_open && target.is_none() && board.is_none() {
             return Ok((None, Vec::new()));
         }
         let clients = Clients::new(config, self.access.map(Right::from));
@@ -130,8 +193,13 @@ impl ServiceOptions {
             opcua: None,
             metrics: None,
             web: None,
+            tls: None,
             publisher: None,
+            node: None,
         };
+        if let (Some(folder), Some(address)) = (folder, web.or(metrics)) {
+            plan.tls = Some(tls::server(Path::new(&folder), &image.name, address.ip())?);
+        }
         let mut opened = Vec::new();
         let guard = Guard::new(config.password.as_deref());
         let server = s7::Server { link: link.clone(), guard, protection: config.protection, board: board.clone() };
@@ -176,12 +244,15 @@ impl ServiceOptions {
                 (true, true) => "everyone on this computer may look and load programs",
                 (false, _) => "users may sign in",
             };
-            opened.push(line("page at http", &door, who).replacen("http at ", "http://", 1));
-            plan.web = Some((door, Page::new(link.clone(), users, services, loader.filter(|_| self.allow_load))));
+            let scheme = if plan.tls.is_some() { "https" } else { "http" };
+            opened.push(line("page", &door, who).replacen(" at ", &format!(" at {scheme}://"), 1));
+            let loader = loader.filter(|_| self.allow_load);
+            plan.web = Some((door, Page::new(link.clone(), users, services, loader, plan.tls.is_some())));
         }
         if let (Some(address), Some(times)) = (metrics, times) {
-            let door = listen::open("metrics", address, clients)?;
-            opened.push(line("HTTP clients", &door, "/metrics and /health"));
+            let door = listen::open("metrics", address, clients.clone())?;
+            let who = if plan.tls.is_some() { "HTTPS clients" } else { "HTTP clients" };
+            opened.push(line(who, &door, "/metrics and /health"));
             let services = [
                 plan.s7.as_ref().map(|(door, _)| door),
                 plan.modbus.as_ref().map(|(door, ..)| door),
@@ -192,17 +263,37 @@ impl ServiceOptions {
             let services = services.map(|door| (door.service, door.open.clone())).collect();
             plan.metrics = Some((door, Pages { link: link.clone(), times, services }));
         }
-        if let Some(broker) = broker {
+        if let Some(target) = target {
             let values = if self.publish.is_empty() { &config.values } else { &self.publish };
-            let publisher = Publisher::new(broker, values, config.interval_ms, image)?;
-            opened.push(publisher.text());
-            plan.publisher = Some((publisher, link));
+            match node {
+                Some(name) => {
+                    let node = Node::new(target, name, values, image, clients)?;
+                    opened.push(node.text());
+                    plan.node = Some((node, link));
+                }
+                None => {
+                    let publisher = Publisher::new(target, values, config.interval_ms, image)?;
+                    opened.push(publisher.text());
+                    plan.publisher = Some((publisher, link));
+                }
+            }
         }
         if config.protection == Protection::Complete && config.password.is_none() && plan.s7.is_some() {
             opened.push("S7 clients cannot reach anything: complete protection, and no password".to_string());
         }
         plan.start()?;
         Ok((Some(Box::new(desk)), opened))
+    }
+}
+
+/// Where values are published. `Err`: the files for TLS are wrong, or not for this broker.
+fn target(broker: Broker, files: &BrokerFiles) -> Result<Target, String> {
+    match (broker.is_secure(), files.flag()) {
+        (true, _) => Ok(Target { tls: Some(files.config()?), broker }),
+        (false, None) => Ok(Target { broker, tls: None }),
+        (false, Some(flag)) => {
+            Err(format!("{flag}: the URL of the broker begins with mqtt://; with TLS it is mqtts://"))
+        }
     }
 }
 
@@ -231,13 +322,20 @@ struct Plan {
     opcua: Option<(Door, Arc<opcua::Server>)>,
     metrics: Option<(Door, Pages)>,
     web: Option<(Door, Page)>,
+    /// Of the page and the metrics.
+    tls: Option<TlsAcceptor>,
     publisher: Option<(Publisher, Link)>,
+    node: Option<(Node, Link)>,
 }
 
 impl Plan {
     /// Starts the thread of the services. `Err`: the system has none.
     fn start(self) -> Result<(), String> {
         let failed = |error: std::io::Error| format!("services cannot be started: {error}");
+        // In an executable this signal has its default: a client that goes while it is written to would end the process. With a handler it
+        // is an error of the write.
+        let broken_pipe = Arc::new(std::sync::atomic::AtomicBool::new(false));
+        signal_hook::flag::register(signal_hook::consts::SIGPIPE, broken_pipe).map_err(failed)?;
         let runtime = Builder::new_current_thread().enable_io().enable_time().build().map_err(failed)?;
         let thread = std::thread::Builder::new().name("services".to_string());
         thread.spawn(move || runtime.block_on(self.run())).map_err(failed)?;
@@ -267,23 +365,44 @@ impl Plan {
         };
         let metrics = async {
             if let Some((door, pages)) = self.metrics {
-                listen::accept(door, |visitor| metrics::serve(visitor.stream, pages.clone())).await;
+                let serve = |visitor: Visitor| {
+                    let (tls, pages) = (self.tls.clone(), pages.clone());
+                    async move {
+                        if let Some(stream) = tls::open(tls.as_ref(), visitor.stream).await {
+                            metrics::serve(stream, pages).await;
+                        }
+                    }
+                };
+                listen::accept(door, serve).await;
             }
         };
         let web = async {
             if let Some((door, page)) = self.web {
-                listen::accept(door, |visitor| web::serve(visitor, page.clone())).await;
+                let serve = |visitor: Visitor| {
+                    let (tls, page) = (self.tls.clone(), page.clone());
+                    async move {
+                        if let Some(stream) = tls::open(tls.as_ref(), visitor.stream).await {
+                            web::serve(stream, visitor.right, page).await;
+                        }
+                    }
+                };
+                listen::accept(door, serve).await;
             }
         };
         let publisher = async {
             if let Some((publisher, link)) = self.publisher {
-                mqtt::run(publisher, link).await;
+                values::run(publisher, link).await;
+            }
+        };
+        let node = async {
+            if let Some((node, link)) = self.node {
+                sparkplug::run(node, link).await;
             }
         };
         for (server, number, rights) in self.partners {
             tokio::spawn(s7::call(server, number, rights));
         }
-        tokio::join!(s7, modbus, opcua, metrics, web, publisher);
+        tokio::join!(s7, modbus, opcua, metrics, web, publisher, node);
         // Partners of the program do not end.
         std::future::pending().await
     }

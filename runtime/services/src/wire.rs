@@ -1,4 +1,4 @@
-//! Numbers of frames: big-endian fields taken from the front of a slice, and an answer that grows.
+//! Numbers of frames: fields taken from the front of a slice, those of [`Bytes`] big-endian, and an answer that grows.
 
 /// Bytes of a frame, taken from the front. Nothing is taken that is not there.
 #[derive(Clone, Copy)]
@@ -14,15 +14,11 @@ impl<'a> Bytes<'a> {
     }
 
     pub fn take(&mut self, count: usize) -> Option<&'a [u8]> {
-        let (front, rest) = self.0.split_at_checked(count)?;
-        self.0 = rest;
-        Some(front)
+        take(&mut self.0, count)
     }
 
     pub fn array<const N: usize>(&mut self) -> Option<[u8; N]> {
-        let (front, rest) = self.0.split_first_chunk::<N>()?;
-        self.0 = rest;
-        Some(*front)
+        array(&mut self.0)
     }
 
     pub fn u8(&mut self) -> Option<u8> {
@@ -32,6 +28,16 @@ impl<'a> Bytes<'a> {
     pub fn u16(&mut self) -> Option<u16> {
         self.array().map(u16::from_be_bytes)
     }
+}
+
+/// Takes bytes from the front; `None`: there are not so many, and nothing is taken.
+pub fn take<'a>(from: &mut &'a [u8], count: usize) -> Option<&'a [u8]> {
+    from.split_off(..count)
+}
+
+/// As [`take`], of a number that is known.
+pub fn array<const N: usize>(from: &mut &[u8]) -> Option<[u8; N]> {
+    take(from, N)?.first_chunk().copied()
 }
 
 /// Adds a word.

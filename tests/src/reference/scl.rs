@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use plcc_syntax::Elementary;
 
 use plcc_model::scl::{BinaryOp, Function, TimerKind};
-use plcc_program::tables::scl::{FUNCTIONS, Implicit, Kind, Question, Row, Rules, implicit, on_300};
+use plcc_program::tables::scl::{FUNCTIONS, Implicit, Kind, NAMING, Naming, Question, Row, Rules, implicit, on_300};
 
 /// The page without its tables.
 const TEXT: &str = include_str!("scl.md.in");
@@ -83,7 +83,7 @@ fn function_tables() -> String {
     for (index, group) in GROUPS.iter().enumerate() {
         let gap = if index == 0 { "" } else { "\n" };
         let _ = write!(tables, "{gap}### {group}\n\n| Function | Gives |\n| --- | --- |\n");
-        for row in FUNCTIONS {
+        for row in FUNCTIONS.iter().chain(NAMING) {
             let (of, effect) = described(row);
             if of == index {
                 let _ = writeln!(tables, "| `{}` | {effect} |", signature(row));
@@ -175,6 +175,15 @@ fn described(row: &Row) -> (usize, &'static str) {
         ),
         Kind::Type(Question::ElementType) => (3, "the type of the elements of an array"),
         Kind::Type(Question::IsArray) => (3, "TRUE of an array, or of a VARIANT that points at one"),
+        Kind::Naming(Naming::Block) => (
+            4,
+            "name of the block, a WSTRING: SIZE characters, with a negative SIZE the last; 0: all. A cut name has `…` in place of one of them",
+        ),
+        Kind::Naming(Naming::Instance) => (
+            4,
+            "name of the instance of the function block: of its data block, or of the component of another instance",
+        ),
+        Kind::Naming(Naming::Path) => (4, "the same with all that is around it: `Line_DB.Pumps[2]`"),
         Kind::MoveBlock => (
             3,
             "copies COUNT elements, beginning with array element IN, to OUT, as if through a buffer; too many are an error",

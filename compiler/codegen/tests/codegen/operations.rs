@@ -164,7 +164,11 @@ fn check(
 #[test]
 fn unary_operations() {
     for &op in UnaryOp::ALL {
-        let types: &[Type] = if op == UnaryOp::Bswap { &INTS } else { &FLOATS };
+        let types: &[Type] = match op {
+            UnaryOp::Bswap => &INTS,
+            UnaryOp::Ctz => &[Type::I32, Type::I64],
+            _ => &FLOATS,
+        };
         for &ty in types {
             check(op.name(), ty, ty, &|b, x, _| b.unary(op, x), &|x, _| Some(eval::unary(op, ty, x)));
         }

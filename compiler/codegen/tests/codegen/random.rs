@@ -140,8 +140,9 @@ impl Generator<'_> {
             }
             3 => {
                 let op = self.random.pick(UnaryOp::ALL);
-                if op == UnaryOp::Bswap {
-                    let ty = self.random.pick(&[Type::I16, Type::I32, Type::I64]);
+                if matches!(op, UnaryOp::Bswap | UnaryOp::Ctz) {
+                    let types = [Type::I16, Type::I32, Type::I64];
+                    let ty = self.random.pick(if op == UnaryOp::Bswap { &types } else { &types[1..] });
                     let x = self.get(ty);
                     let value = self.b.unary(op, x);
                     return self.set(value);

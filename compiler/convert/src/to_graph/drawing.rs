@@ -36,6 +36,8 @@ pub enum Signal {
         element: &'static str,
         span: Span,
     },
+    /// An element of both languages in a branch, without its input `pre`.
+    Element(Box<Element>),
     /// What an element that is drawn already gives.
     Net(NetId),
 }
@@ -207,6 +209,7 @@ impl Drawing {
                 Signal::Operand(value) => Ok(self.contact(value, true, from, into)),
                 Signal::Flag { .. }
                 | Signal::Compare { .. }
+                | Signal::Element(_)
                 | Signal::Net(_)
                 | Signal::Edge { .. }
                 | Signal::Constant(_)
@@ -226,12 +229,14 @@ impl Drawing {
             },
             Signal::And(list) => {
                 let mut net = from;
-                // Inversion works on all that is before it, so what is inverted comes first.
-                let is_inverted =
-                    |one: &&Signal| matches!(one, Signal::Not(inner) if !matches!(**inner, Signal::Operand(_)));
-                let (first, rest): (Vec<&Signal>, Vec<&Signal>) = list.iter().partition(is_inverted);
+                // Inversion works on all that is before it, and a box is at the beginning: they come first.
+                let leads = |one: &&Signal| match one {
+                    Signal::Not(inner) => !matches!(**inner, Signal::Operand(_)),
+                    one => matches!(one, Signal::Net(_)),
+                };
+                let (first, rest): (Vec<&Signal>, Vec<&Signal>) = list.iter().partition(leads);
                 if first.len() > 1 {
-                    return Err("two inverted branches in series".to_string());
+                    return Err("two inverted branches or results of boxes in series".to_string());
                 }
                 let order: Vec<&Signal> = first.into_iter().chain(rest).collect();
                 let last = order.len() - 1;
@@ -288,6 +293,13 @@ impl Drawing {
                 };
                 Ok(self.output(element, "out", into))
             }
+            Signal::Element(element) => {
+                let span = element.span;
+                let mut element = (**element).clone();
+                element.pins.insert(0, pin("pre", PinValue::Net(from), false, false, span));
+                self.graph.elements.push(element);
+                Ok(self.output(self.graph.elements.len() - 1, "out", into))
+            }
             Signal::Net(net) if self.rail == Some(from) && into.is_none() => Ok(*net),
             Signal::Net(_) => Err("the result of a box after contacts".to_string()),
         }
@@ -330,6 +342,10 @@ impl Drawing {
                 let bit = pin("bit", PinValue::Operand(bit.clone()), false, false, *span);
                 let element = self.element(if *rising { "P_Trig" } else { "N_Trig" }, vec![flow, bit], None);
                 (PinValue::Net(self.output(element, "out", None)), false)
+            }
+            Signal::Element(element) => {
+                self.graph.elements.push((**element).clone());
+                (PinValue::Net(self.output(self.graph.elements.len() - 1, "out", None)), false)
             }
             Signal::Net(net) => (PinValue::Net(*net), false),
         })

@@ -1,7 +1,7 @@
-//! Networks of LAD in FBD.
+//! Networks of LAD in FBD, and of FBD in LAD.
 //!
 //! Contacts and gates become signals where they have no effect on what is between them and their use; all other elements stay, and get
-//! the signals at their pins in the other form.
+//! the signals at their pins in the other form. In LAD, each element gets its flow from the power rail.
 
 use std::collections::HashMap;
 
@@ -43,9 +43,6 @@ fn redrawn(network: &Network, language: Language) -> Result<Network, Reason> {
     if network.language == language {
         return Ok(network.clone());
     }
-    if language == Language::Lad {
-        return Err("a network of FBD".to_string());
-    }
     if graph.broken {
         return Err("a network that was not understood".to_string());
     }
@@ -55,6 +52,7 @@ fn redrawn(network: &Network, language: Language) -> Result<Network, Reason> {
 
 struct Redrawer<'g> {
     graph: &'g Graph,
+    is_ladder: bool,
     plan: Plan,
     drawing: Drawing,
     /// Signals of outputs, by element and pin.
@@ -66,7 +64,14 @@ struct Redrawer<'g> {
 impl<'g> Redrawer<'g> {
     fn new(graph: &'g Graph, language: Language, network: &Network) -> Redrawer<'g> {
         let drawing = Drawing::new(language, network.span);
-        Redrawer { graph, plan: Plan::new(graph), drawing, outputs: HashMap::new(), kept: HashMap::new() }
+        Redrawer {
+            is_ladder: language == Language::Lad,
+            graph,
+            plan: Plan::new(graph),
+            drawing,
+            outputs: HashMap::new(),
+            kept: HashMap::new(),
+        }
     }
 
     fn all(mut self) -> Result<Graph, Reason> {
@@ -139,10 +144,21 @@ impl<'g> Redrawer<'g> {
             // A comparison or a status bit: an element of both languages, after what leads to it.
             _ => {
                 let flow = self.input(at, "pre")?;
-                let own = self.copy(at, Some("pre"))?;
+                let own = if self.is_ladder { self.in_branch(at)? } else { self.copy(at, Some("pre"))? };
                 Signal::and(vec![own, flow])
             }
         })
+    }
+
+    /// A comparison or a status bit of operands, which stands in a branch.
+    fn in_branch(&mut self, at: usize) -> Result<Signal, Reason> {
+        let element = &self.graph.elements[at];
+        let mut own = element.clone();
+        own.pins.retain(|pin| !pin.output && pin.name != "pre");
+        if own.pins.iter().any(|pin| matches!(pin.value, PinValue::Net(_)) || pin.negated) {
+            return Err("a comparison of the result of a box".to_string());
+        }
+        Ok(Signal::Element(Box::new(own)))
     }
 
     /// The value of an input; TRUE if it is open.
@@ -194,16 +210,31 @@ impl<'g> Redrawer<'g> {
         let element = &self.graph.elements[at];
         let flow = crate::to_stl::plan::flow_pin(element).map(|pin| pin.name.clone());
         let mut pins = Vec::new();
+        if self.is_ladder
+            && let Some(flow) = flow.as_deref().filter(|flow| element.pin(flow).is_none())
+        {
+            // Without EN, a box always runs.
+            pins.extend(self.drawing.input(flow, &Signal::Constant(true))?);
+        }
         for old in element.pins.iter().filter(|pin| !pin.output && Some(pin.name.as_str()) != leave) {
-            let PinValue::Net(net) = old.value else {
-                pins.push(old.clone());
-                continue;
+            let is_flow = flow.as_deref() == Some(old.name.as_str());
+            let signal = match old.value {
+                PinValue::Net(net) => {
+                    let signal = self.net(net)?;
+                    if old.negated { signal.inverted() } else { signal }
+                }
+                // LAD has contacts for them.
+                PinValue::Operand(_) | PinValue::Open if self.is_ladder && (is_flow || old.negated) => {
+                    self.input(at, &old.name)?
+                }
+                PinValue::Operand(_) | PinValue::Open => {
+                    pins.push(old.clone());
+                    continue;
+                }
             };
-            let signal = self.net(net)?;
-            let signal = if old.negated { signal.inverted() } else { signal };
             let new = match &signal {
                 Signal::Net(net) => Some(pin(&old.name, PinValue::Net(*net), false, false, old.span)),
-                signal if flow.as_deref() == Some(old.name.as_str()) => self.drawing.input(&old.name, signal)?,
+                signal if is_flow => self.drawing.input(&old.name, signal)?,
                 signal => Some(self.drawing.side_input(&old.name, signal)?),
             };
             // An element of FBD without a flow needs none, except those that have nothing else.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use plcc_abi::image::Family;
 use plcc_convert::to_stl::{self, types::Types};
 use plcc_convert::trivia::Trivia;
-use plcc_convert::{sd, to_graph, xml};
+use plcc_convert::{from_scl, sd, to_graph, xml};
 use plcc_diag::{Diagnostic, FileId};
 use plcc_model::profile;
 use plcc_runtime::files::writable;
@@ -33,11 +33,18 @@ struct Converted {
 pub fn convert(args: &ConvertArgs) -> u8 {
     let read = inputs::read_as(&args.inputs, args.code_page);
     let unreadable = read.is_unreadable();
-    let parsed = pipeline::parse(read, &pipeline::Settings::default());
-    let mut messages = parsed.diagnostics;
+    let mut parsed = pipeline::parse(read, &pipeline::Settings::default());
+    let mut messages = std::mem::take(&mut parsed.diagnostics);
     // What only warns about the source stays as it is.
     messages.retain(Diagnostic::is_error);
     let mut files = Vec::new();
+    let program = match messages.is_empty() && has_scl_for_stl(args, &parsed) {
+        true => match bound(args, &parsed) {
+            Ok(bound) => Some(bound.program),
+            Err(code) => return code,
+        },
+        false => None,
+    };
     if messages.is_empty() {
         let types = Types::new(parsed.units.iter().map(|(_, unit)| unit), &parsed.tables);
         let library = xml::Library::new(parsed.units.iter().map(|(_, unit)| unit));
@@ -57,7 +64,20 @@ pub fn convert(args: &ConvertArgs) -> u8 {
                 continue;
             }
             let (made, found) = match args.to {
-                ConvertTo::Stl => to_stl::unit(unit, &types, keeps_br),
+                ConvertTo::Stl => {
+                    let (listed, mut found) = match &program {
+                        Some(program) => {
+                            let is_text = plcc_readers::xml::kind(&source.text).is_none();
+                            let comments = if is_text { scl::comments(&source.text) } else { Vec::new() };
+                            let meaning = unit.overlay.as_deref().unwrap_or(&source.text);
+                            from_scl::unit(unit, program, meaning, &comments)
+                        }
+                        None => (unit.clone(), Vec::new()),
+                    };
+                    let (made, more) = to_stl::unit(&listed, &types, keeps_br);
+                    found.extend(more);
+                    (made, found)
+                }
                 ConvertTo::Lad => to_graph::unit(unit, &types, Graphic::Lad),
                 ConvertTo::Fbd => to_graph::unit(unit, &types, Graphic::Fbd),
                 ConvertTo::Sd | ConvertTo::Scl | ConvertTo::Gr7 | ConvertTo::Xml => (unit.clone(), Vec::new()),
@@ -83,6 +103,27 @@ pub fn convert(args: &ConvertArgs) -> u8 {
         Ok(()) => exit::OK,
         Err(code) => code,
     }
+}
+
+/// STL is made of SCL, whose names and types are those of the program.
+fn has_scl_for_stl(args: &ConvertArgs, parsed: &pipeline::Parsed) -> bool {
+    let is_scl = |block: &Block| matches!(block, Block::Code(block) if matches!(block.code, Code::Scl(_)));
+    args.to == ConvertTo::Stl && parsed.units.iter().any(|(_, unit)| unit.blocks.iter().any(is_scl))
+}
+
+/// The program of the sources, for an S7-300 if neither the command line nor the project names a CPU; an exit code after messages.
+fn bound(args: &ConvertArgs, parsed: &pipeline::Parsed) -> Result<pipeline::Bound, u8> {
+    let has_cpu = parsed.project.as_ref().is_some_and(|project| project.cpu.is_some());
+    let default = (!has_cpu).then(|| "s7-300".to_string());
+    let settings = pipeline::Settings { cpu: args.cpu.clone().or(default), ..pipeline::Settings::default() };
+    let mut bound = pipeline::front(inputs::read_as(&args.inputs, args.code_page), &settings);
+    if !bound.has_errors() {
+        return Ok(bound);
+    }
+    bound.diagnostics.retain(Diagnostic::is_error);
+    report::messages(&mut bound.diagnostics, &bound.sources, MessageFormat::Human);
+    report::say(&report::summary(&bound.diagnostics));
+    Err(exit::COMPILE)
 }
 
 /// The new text of a source, whose tree is `made` from `unit`.

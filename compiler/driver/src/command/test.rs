@@ -3,13 +3,14 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
+use plcc_coverage::data::Sums;
 use plcc_runtime::AssertFailure;
 use serde_json::json;
 
 use crate::cli::{FormArg, TestArgs};
 use crate::command::exit;
 use crate::pipeline::Settings;
-use crate::testing::{self, Form, Outcome, Plan, Variant, find, junit, watch};
+use crate::testing::{self, Form, Outcome, Plan, Variant, coverage, find, junit, watch};
 use crate::{inputs, report};
 
 /// Runs all tests, once or after each change of a source.
@@ -37,11 +38,16 @@ fn once(args: &TestArgs, paths: &[PathBuf]) -> u8 {
         FormArg::Exe => &[Form::Exe],
         FormArg::All => &[Form::Interp, Form::Jit, Form::Exe],
     };
+    if args.coverage.is_some() && args.form == FormArg::Exe {
+        report::say("executables do not count what they run; use --coverage with `--form jit`, `interp` or `all`");
+        return exit::USAGE;
+    }
     let optimization = args.optimization.optimization();
     let plan = Plan {
         settings: Settings::new(&args.compile),
         variants: forms.iter().map(|&form| Variant { form, optimization }).collect(),
         linker: args.linker.clone(),
+        coverage: args.coverage.is_some(),
     };
     let mut tests = find::find_tests(paths);
     let mut text = String::new();
@@ -56,11 +62,17 @@ fn once(args: &TestArgs, paths: &[PathBuf]) -> u8 {
             return exit::USAGE;
         }
     }
-    let outcomes = testing::run(&tests, &plan);
+    let (outcomes, counted) = testing::run_counted(&tests, &plan);
     if let Some(file) = &args.junit
         && let Err(error) = std::fs::write(file, junit::report(&outcomes))
     {
         report::say(&format!("cannot write `{}`: {error}", file.display()));
+        return exit::USAGE;
+    }
+    if let Some(folder) = &args.coverage
+        && let Err(message) = coverage::write(&counted, folder)
+    {
+        report::say(&message);
         return exit::USAGE;
     }
     if outcomes.is_empty() {
@@ -76,9 +88,12 @@ fn once(args: &TestArgs, paths: &[PathBuf]) -> u8 {
     }
     let sum = |count: fn(&Outcome) -> u64| outcomes.iter().map(count).sum::<u64>();
     let failed = sum(|outcome| outcome.failed);
+    if let Some(folder) = &args.coverage {
+        let _ = writeln!(text, "coverage in {}: {}", folder.display(), counted.sums());
+    }
     let _ = writeln!(text, "{} passed, {failed} failed", sum(|outcome| outcome.passed));
     if args.json {
-        text = json(&outcomes);
+        text = json(&outcomes, plan.coverage.then(|| counted.sums()));
     }
     if let Err(code) = report::print(&text) {
         return code;
@@ -95,7 +110,7 @@ fn once(args: &TestArgs, paths: &[PathBuf]) -> u8 {
 }
 
 /// One object: the sums, and each test with its failures.
-fn json(outcomes: &[Outcome]) -> String {
+fn json(outcomes: &[Outcome], coverage: Option<Sums>) -> String {
     let tests = outcomes.iter().map(|outcome| {
         json!({
             "name": outcome.name,
@@ -110,11 +125,14 @@ fn json(outcomes: &[Outcome]) -> String {
     });
     let tests: Vec<_> = tests.collect();
     let sum = |count: fn(&Outcome) -> u64| outcomes.iter().map(count).sum::<u64>();
-    let all = json!({
+    let mut all = json!({
         "passed": sum(|outcome| outcome.passed),
         "failed": sum(|outcome| outcome.failed),
         "tests": tests,
     });
+    if let Some(sums) = coverage {
+        all["coverage"] = json!(sums);
+    }
     format!("{all}\n")
 }
 

@@ -8,7 +8,7 @@ use super::{Outcome, Variant};
 
 /// Judges a test whose programs have all run.
 pub fn judge(prepared: Prepared) -> Outcome {
-    let Prepared { mut outcome, programs } = prepared;
+    let Prepared { mut outcome, programs, coverage: _ } = prepared;
     let mut reports = Vec::new();
     for program in &programs {
         if let Some(report) = agreed_report(program, &mut outcome) {

@@ -4,10 +4,12 @@
 //! - [`prepare`]: from one test input to a finished outcome or to programs to run.
 //! - [`carets`]: files that mark their expected messages.
 //! - [`executables`]: many programs in few executables.
+//! - [`coverage`]: what of the programs has run.
 //! - [`junit`]: the results for CI services; [`progress`]: on a terminal; [`watch`]: when a source changes.
 //! - [`judge`]: from the reports of the forms, which must agree, to one outcome.
 
 pub mod carets;
+pub mod coverage;
 pub mod executables;
 pub mod find;
 pub mod judge;
@@ -16,6 +18,7 @@ pub mod prepare;
 pub mod progress;
 pub mod watch;
 
+use plcc_coverage::Coverage;
 use plcc_runtime::AssertFailure;
 
 use crate::inputs::TestInput;
@@ -60,6 +63,8 @@ pub struct Plan {
     /// At least one.
     pub variants: Vec<Variant>,
     pub linker: Option<String>,
+    /// Count what runs, in the first variant that is not an executable.
+    pub coverage: bool,
 }
 
 /// The outcome of one test.
@@ -93,15 +98,24 @@ impl Outcome {
 
 /// Runs all tests; outcomes are in the order of `inputs`.
 pub fn run(inputs: &[TestInput], plan: &Plan) -> Vec<Outcome> {
+    run_counted(inputs, plan).0
+}
+
+/// As [`run`], with what the tests have run of the programs, which is nothing if the plan does not ask for it.
+pub fn run_counted(inputs: &[TestInput], plan: &Plan) -> (Vec<Outcome>, Coverage) {
     let progress = Progress::new(inputs.len());
     let mut prepared = parallel::map(inputs, |input| {
         let prepared = guarded(&name_of(input), || prepare::prepare(input, plan))
-            .unwrap_or_else(|outcome| Prepared { outcome, programs: Vec::new() });
+            .unwrap_or_else(|outcome| Prepared::finished(outcome));
         progress.step(&prepared.outcome.name);
         prepared
     });
     executables::run(&mut prepared, plan.linker.as_deref());
-    prepared.into_iter().map(judge::judge).collect()
+    let mut coverage = Coverage::default();
+    for one in prepared.iter_mut().filter_map(|prepared| prepared.coverage.take()) {
+        coverage.add(one);
+    }
+    (prepared.into_iter().map(judge::judge).collect(), coverage)
 }
 
 /// The path of a test, which is the name of its outcome.

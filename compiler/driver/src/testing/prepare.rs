@@ -2,9 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use plcc_coverage::Coverage;
 use plcc_diag::{Code, Diagnostic, SourceMap, drawing};
 use plcc_runtime::{TestOptions, TestReport};
 
+use super::coverage::Counting;
 use super::{Form, Outcome, Plan, Variant, carets, executables, find, name_of};
 use crate::inputs::{self, Read, TestInput};
 use crate::pipeline::{self, Bound, Compiled, Settings};
@@ -15,6 +17,15 @@ pub struct Prepared {
     pub outcome: Outcome,
     /// One for each scenario; one if there is none; none if the outcome is finished.
     pub programs: Vec<TestProgram>,
+    /// What has run, if the plan asks for it.
+    pub coverage: Option<Coverage>,
+}
+
+impl Prepared {
+    /// A test without a program to run.
+    pub fn finished(outcome: Outcome) -> Prepared {
+        Prepared { outcome, programs: Vec::new(), coverage: None }
+    }
 }
 
 /// A program with its run options and the reports of its forms.
@@ -46,25 +57,28 @@ pub fn prepare(input: &TestInput, plan: &Plan) -> Prepared {
     let mut outcome = Outcome { name: name_of(input), ..Outcome::default() };
     let read = inputs::read(paths);
     outcome.unreadable = read.is_unreadable();
-    if let Some(programs) = marked(&read, plan, &mut outcome) {
-        return Prepared { outcome, programs };
+    if marked(&read, plan, &mut outcome).is_some() {
+        return Prepared::finished(outcome);
     }
-    let bound = pipeline::front(read, &settings(plan));
+    let parsed = pipeline::parse(read, &settings(plan));
+    let units = if plan.coverage { parsed.units.clone() } else { Vec::new() };
+    let bound = pipeline::bind(parsed, &settings(plan));
     outcome.messages = drawing::draw(&bound.diagnostics, &bound.sources, false);
     if bound.is_denied(&plan.settings) && !bound.has_errors() {
         outcome.fail(&format!("{}: {}, refused by --deny", outcome.name, report::summary(&bound.diagnostics)));
-        return Prepared { outcome, programs: Vec::new() };
+        return Prepared::finished(outcome);
     }
+    let mut coverage = plan.coverage.then(|| Counting::new(&bound, &units));
     let programs = match accept(&bound, &mut outcome) {
         true => {
             for notice in &bound.program.notices {
                 outcome.messages.push_str(&format!("{}: {notice}\n", outcome.name));
             }
-            runs(&bound, &scenarios, plan)
+            runs(&bound, &scenarios, plan, coverage.as_mut())
         }
         false => Vec::new(),
     };
-    Prepared { outcome, programs }
+    Prepared { outcome, programs, coverage: coverage.map(|counting| counting.coverage) }
 }
 
 fn settings(plan: &Plan) -> Settings {
@@ -72,7 +86,7 @@ fn settings(plan: &Plan) -> Settings {
 }
 
 /// A file with caret lines is not run: its messages are compared. `None` if it has none.
-fn marked(read: &Read, plan: &Plan, outcome: &mut Outcome) -> Option<Vec<TestProgram>> {
+fn marked(read: &Read, plan: &Plan, outcome: &mut Outcome) -> Option<()> {
     let &[file] = read.units.as_slice() else { return None };
     let source = read.sources.file(file);
     if !carets::has_carets(&source.text) {
@@ -86,7 +100,7 @@ fn marked(read: &Read, plan: &Plan, outcome: &mut Outcome) -> Option<Vec<TestPro
     for failure in failures {
         outcome.fail(&format!("{}: {failure}", outcome.name));
     }
-    Some(Vec::new())
+    Some(())
 }
 
 /// The messages that caret lines must mark.
@@ -105,7 +119,7 @@ fn messages_of(read: &Read, plan: &Plan) -> (Vec<Diagnostic>, SourceMap) {
 /// The messages of one source with pragmas applied, as caret lines must mark them.
 pub fn messages_of_file(path: &Path, settings: &Settings) -> (Vec<Diagnostic>, SourceMap) {
     let read = inputs::read(&[path.to_path_buf()]);
-    let plan = Plan { settings: settings.clone(), variants: Vec::new(), linker: None };
+    let plan = Plan { settings: settings.clone(), variants: Vec::new(), linker: None, coverage: false };
     messages_of(&read, &plan)
 }
 
@@ -129,7 +143,12 @@ fn accept(bound: &Bound, outcome: &mut Outcome) -> bool {
     false
 }
 
-fn runs(bound: &Bound, scenarios: &[PathBuf], plan: &Plan) -> Vec<TestProgram> {
+fn runs(
+    bound: &Bound,
+    scenarios: &[PathBuf],
+    plan: &Plan,
+    mut counting: Option<&mut Counting<'_>>,
+) -> Vec<TestProgram> {
     let test = &bound.program.test;
     let options = |scenario: Option<&PathBuf>| TestOptions {
         cycles: test.cycles.map(u64::from),
@@ -146,6 +165,13 @@ fn runs(bound: &Bound, scenarios: &[PathBuf], plan: &Plan) -> Vec<TestProgram> {
         .map(|options| TestProgram { options, sources: bound.sources.clone(), variants: Vec::new() })
         .collect();
     for &variant in &plan.variants {
+        // The code that is counted is the code that is tested, with probes, which change nothing that a program can see.
+        if let Some(counting) = counting.take_if(|_| variant.form != Form::Exe) {
+            let options: Vec<&TestOptions> = programs.iter().map(|program| &program.options).collect();
+            let states = counting.run(variant, &options);
+            programs.iter_mut().zip(states).for_each(|(program, state)| program.variants.push((variant, state)));
+            continue;
+        }
         let compiled = pipeline::back(bound, variant.optimization);
         for program in &mut programs {
             let state = run_variant(&compiled, variant.form, &program.options);

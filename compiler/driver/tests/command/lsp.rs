@@ -292,6 +292,72 @@ fn words_and_parameters_are_proposed() {
 }
 
 #[test]
+fn names_of_an_s7_200_are_known() {
+    let mut editor = Editor::new("wash");
+    editor.open("main.awl");
+    assert_eq!(editor.messages("main.awl"), Vec::<String>::new());
+    for (piece, texts) in [
+        ("LD     Wa|ter", &["\"Water\"", "I0.3", "water is there"][..]),
+        ("LDW<   #n|ow", &["now : INT", "IN of SUBROUTINE_BLOCK Fill SBR0", "measured"]),
+        ("CALL   Fi|ll", &["SUBROUTINE_BLOCK Fill SBR0", "Opens the valve", "`now` IN INT", "`open` OUT BOOL"]),
+        ("JMP    |3", &["LBL 3", "jump label of ORGANIZATION_BLOCK MAIN OB1"]),
+        ("A      V10|1.2", &["one bit of V", "\"Level\"` VW100"]),
+        ("MO|VW   #now", &["MOVW"]),
+    ] {
+        let found = editor.at("textDocument/hover", "main.awl", piece);
+        let found = found["contents"]["value"].as_str().unwrap_or_default().to_owned();
+        for text in texts {
+            assert!(found.contains(text), "{piece}: {text} is not in {found}");
+        }
+    }
+    for (piece, place) in [
+        ("CALL   Fi|ll", "main.awl:14 Fill"),
+        ("CALL   Fill, Le|vel", "symbols.txt:2 Level"),
+        ("MOVW   #no|w", "main.awl:17 now"),
+        ("JMP    |3", "main.awl:10 3"),
+        ("ATCH   St|opped", "main.awl:28 Stopped"),
+    ] {
+        let found = editor.at("textDocument/definition", "main.awl", piece);
+        assert_eq!(editor.covered(&json!([found])), [place]);
+    }
+    let mut uses = |piece: &str| {
+        let found = editor.at("textDocument/references", "main.awl", piece);
+        editor.covered(&found)
+    };
+    assert_eq!(uses("LDW<   #n|ow"), ["main.awl:17 now", "main.awl:24 #now", "main.awl:26 #now"]);
+    // A bit of the word that a symbol names.
+    assert_eq!(uses("A      V10|1.2"), ["main.awl:7 V101.2", "main.awl:8 Level", "symbols.txt:2 Level"]);
+    assert_eq!(uses("R      Pu|mp"), ["main.awl:8 Pump", "main.awl:32 Pump", "symbols.txt:3 Pump"]);
+    assert_eq!(uses("LBL    |3"), ["main.awl:6 3", "main.awl:10 3"]);
+    let mut rename = |piece: &str, to: &str| {
+        let mut params = editor.position("main.awl", piece);
+        params["newName"] = json!(to);
+        let edits = editor.ask_or("textDocument/rename", params)?;
+        let mut texts = Vec::new();
+        for (uri, edits) in edits["changes"].as_object().expect("changes") {
+            let name = uri.rsplit('/').next().unwrap_or_default();
+            let range = |edit: &Value| edit["range"]["start"]["line"].as_u64().expect("a line") + 1;
+            texts.extend(edits.as_array().expect("a list").iter().map(|edit| format!("{name}:{}", range(edit))));
+        }
+        texts.sort();
+        Ok::<_, String>(texts)
+    };
+    let lines = |names: &[&str]| Ok(names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>());
+    assert_eq!(rename("LDW<   #n|ow", "level"), lines(&["main.awl:17", "main.awl:24", "main.awl:26"]));
+    assert_eq!(rename("R      Pu|mp", "Valve"), lines(&["main.awl:32", "main.awl:8", "symbols.txt:3"]));
+    assert_eq!(rename("CALL   Fi|ll", "Top_up"), lines(&["main.awl:14", "main.awl:8"]));
+    assert!(rename("R      Pu|mp", "Level").expect_err("it is taken").contains("already"));
+    assert!(rename("R      Pu|mp", "VW8").expect_err("it is an address").contains("address"));
+    assert!(rename("LBL    |3", "x").is_err());
+    let found = editor.at("textDocument/completion", "main.awl", "MOVW   #|now");
+    assert_eq!(labels(&found), ["now", "open", "Water", "Level", "Pump", "MAIN", "Fill", "Stopped"]);
+    let found = editor.at("textDocument/completion", "main.awl", "JMP    |3");
+    assert_eq!(labels(&found), ["3"]);
+    let found = editor.at("textDocument/completion", "main.awl", "|MOVW   #now");
+    assert!(labels(&found).contains(&"MOVW"));
+}
+
+#[test]
 fn a_file_has_an_outline_folds_colours_and_a_layout() {
     let mut editor = Editor::new("plant");
     editor.open("main.stl");

@@ -13,6 +13,8 @@ mod instance;
 mod system;
 mod text;
 mod text_compare;
+mod text_short;
+mod text_words;
 
 use plcc_abi::RuntimeFn;
 use plcc_abi::codes::{stop, sync};

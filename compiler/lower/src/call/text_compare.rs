@@ -39,7 +39,7 @@ impl BlockLowering<'_, '_> {
             _ => None,
         };
         let ([one, two], Some(relation @ (EQUAL | DIFFERENT))) = (texts, relation) else {
-            return self.run_text(function, callee, texts, values);
+            return self.run_text_shortly(function, callee, texts, values);
         };
         let is_known = |text: &TextOperand| text.characters.is_some() || text.declared != 0;
         // Where the depth of calls is counted, each call may stop the CPU.
@@ -97,11 +97,7 @@ impl BlockLowering<'_, '_> {
             let length = self.b.i32_const(characters.len() as u32);
             return (self.b.bool_const(true), length);
         }
-        let head = self.b.load(Type::I16, text.addr);
-        let head = self.b.zext(Type::I32, head);
-        let declared = i64::from(text.declared);
-        let length = self.b.binary_imm(BinaryOp::Iadd, head, -(declared << 8));
-        (self.b.icmp_imm(IntCc::Ule, length, declared), length)
+        self.head_as_declared(text.addr, text.declared)
     }
 
     /// Adds to `difference` the bits in which the text at `addr` differs from constant characters, an i32 or i64.

@@ -16,6 +16,9 @@ const DIRECT_CELLS: u32 = 4;
 impl S7200Lowering<'_, '_> {
     fn bit(&mut self, operands: &[Operand], negated: bool) -> Value {
         let value = self.read(&operands[0], Width::Bit);
+        if !is_always_on(&operands[0]) {
+            self.count_contact(value);
+        }
         if negated { self.b.not(value) } else { value }
     }
 
@@ -45,7 +48,9 @@ impl S7200Lowering<'_, '_> {
         let value = self.b.call_runtime(RuntimeFn::PeripheralRead, &[address, bytes]).expect("it returns a value");
         let value = self.b.trunc(Type::I8, value);
         let value = self.b.binary_imm(BinaryOp::And, value, 1 << bit);
-        self.b.icmp_imm(if negated { IntCc::Eq } else { IntCc::Ne }, value, 0)
+        let value = self.b.icmp_imm(IntCc::Ne, value, 0);
+        self.count_contact(value);
+        if negated { self.b.not(value) } else { value }
     }
 
     /// `LDI`, `LDNI`.
@@ -255,4 +260,9 @@ impl S7200Lowering<'_, '_> {
     pub fn operand_address(&mut self, operand: &Operand, purpose: Use) -> Value {
         self.address_value(operand, Width::Byte, purpose)
     }
+}
+
+/// SM0.0, which is always 1: its other value is not missed. Source: S7-200 system manual, special memory.
+const fn is_always_on(operand: &Operand) -> bool {
+    matches!(operand, Operand::Memory { area: Area::Sm, byte: 0, bit: 0, width: Width::Bit })
 }

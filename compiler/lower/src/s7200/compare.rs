@@ -22,6 +22,7 @@ impl S7200Lowering<'_, '_> {
             CompareKind::Real => self.compare_reals(float_condition(op), left, right),
             CompareKind::Text => self.compare_texts(compare.relation, left, right),
         };
+        self.count_contact(value);
         match compare.contact {
             Contact::Load => self.push(value),
             Contact::And => self.combine(BinaryOp::And, value),

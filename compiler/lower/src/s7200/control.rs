@@ -17,6 +17,7 @@ impl<'p> S7200Lowering<'p, '_> {
         let Some(Operand::Const(number)) = operands.first() else { return };
         let Some(label) = self.labels.get(*number) else { return };
         let enable = self.top();
+        self.count_contact(enable);
         let (taken, next) = (self.b.create_block(), self.b.create_block());
         self.b.branch(enable, taken, next);
         self.b.seal_block(taken);
@@ -94,6 +95,7 @@ impl<'p> S7200Lowering<'p, '_> {
     /// `END`, `CRET`, `CRETI`.
     pub fn end_if_enabled(&mut self) {
         let enable = self.top();
+        self.count_contact(enable);
         let (end, next) = (self.b.create_block(), self.b.create_block());
         self.b.branch(enable, end, next);
         self.b.seal_block(end);

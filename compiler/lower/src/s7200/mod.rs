@@ -103,6 +103,7 @@ fn lower_block<'p>(
             lowering.network_safepoint();
         }
         lowering.step_before(statement);
+        lowering.count_before(statement);
         match &statement.kind {
             StatementKind::Instruction { insn, operands } => lowering.instruction(*insn, operands),
             StatementKind::Call { number, arguments } => lowering.call(*number, arguments),

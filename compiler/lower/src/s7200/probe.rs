@@ -2,7 +2,8 @@
 
 use plcc_abi::layout::state;
 use plcc_ir::{Address, BinaryOp, Region, Type, Value, Var};
-use plcc_model::s7200::{Area, Operand, Statement, StatementKind, Width};
+use plcc_model::s7200::{Area, Insn, Operand, Statement, StatementKind, Width};
+use plcc_syntax::s7200::Acts;
 
 use super::block::S7200Lowering;
 use crate::probe::{self, Asked, Kept, Place, Probe};
@@ -65,6 +66,40 @@ impl S7200Lowering<'_, '_> {
             let value = self.b.binary_imm(BinaryOp::Lshr, bits, bit);
             let value = self.b.trunc(Type::I1, value);
             self.b.def_var(var, value);
+        }
+    }
+
+    /// For coverage: a statement is about to run. One that acts only with S0 = 1 has run when it acts. A statement that no path leads to has
+    /// a place too.
+    pub fn count_before(&mut self, statement: &Statement) {
+        if self.output.probes.asked != Asked::Coverage {
+            return;
+        }
+        let needs_power = match &statement.kind {
+            StatementKind::Instruction { insn: Insn::Jmp | Insn::End | Insn::Cret | Insn::Creti, .. } => false,
+            StatementKind::Instruction { insn, .. } => insn.acts() == Acts::Enabled,
+            StatementKind::Call { .. } => true,
+            StatementKind::Assert(_) | StatementKind::Sleep(_) => return,
+        };
+        let (block, span, network) = (self.block.key(), statement.span, statement.network);
+        let place = || Place { block, span, network, probe: Probe::Reached };
+        let Some(place) = self.output.probes.add(place) else { return };
+        if self.b.is_reachable() {
+            let acts = if needs_power { self.top() } else { self.b.bool_const(true) };
+            probe::value(&mut self.b, place, acts);
+        }
+    }
+
+    /// For coverage: a bit that the current statement reads, or whether it jumps.
+    pub fn count_contact(&mut self, bit: Value) {
+        if self.output.probes.asked != Asked::Coverage {
+            return;
+        }
+        let Some(statement) = self.body.statements.get(self.index) else { return };
+        let (block, span, network) = (self.block.key(), statement.span, statement.network);
+        let place = || Place { block, span, network, probe: Probe::Contact };
+        if let Some(place) = self.output.probes.add(place) {
+            probe::value(&mut self.b, place, bit);
         }
     }
 

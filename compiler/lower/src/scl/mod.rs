@@ -46,6 +46,8 @@ pub struct SclState {
     /// The result of the call that is lowered, if it is a text, is read by a function of texts only.
     only_text: bool,
     loops: Vec<Loop>,
+    /// Number of IF statements around the current one.
+    conditions: u32,
     /// Elementary formals whose pointers are passed on, and the copies in the frame that these point at.
     pointed_copies: Vec<(Access, Address)>,
     /// The network whose beginning a debugger is told last; 0: none.
@@ -103,7 +105,7 @@ impl BlockLowering<'_, '_> {
         // A debugger reads and changes variables.
         let promoted = match self.output.probes.asked {
             Asked::Statements => Vec::new(),
-            Asked::Nothing | Asked::Values => promote::promotable(block, &body.statements),
+            Asked::Nothing | Asked::Values | Asked::Coverage => promote::promotable(block, &body.statements),
         };
         for (slot, ty) in promoted {
             let var = self.b.declare_var(value_type(ty));

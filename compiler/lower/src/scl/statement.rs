@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use plcc_diag::Span;
 use plcc_ir::{BinaryOp, Block, IntCc, Type, Value};
 use plcc_model::scl::{Access, Arm, Base, Complex, Expr, Statement, StatementKind};
 use plcc_model::types::Elementary;
@@ -47,7 +48,7 @@ impl BlockLowering<'_, '_> {
             StatementKind::Evaluate(value) => {
                 self.value(value);
             }
-            StatementKind::If { branches, otherwise } => self.if_statement(branches, otherwise),
+            StatementKind::If { branches, otherwise } => self.if_statement(statement.span, branches, otherwise),
             StatementKind::Case { selector, arms, otherwise } => self.case_statement(selector, arms, otherwise),
             StatementKind::For { variable, start, end, step, body } => {
                 self.for_statement(variable, start, end, step, body);
@@ -136,7 +137,7 @@ impl BlockLowering<'_, '_> {
     }
 
     /// Code built from now on belongs to the position `span`.
-    fn place_statement(&mut self, span: plcc_diag::Span) {
+    fn place_statement(&mut self, span: Span) {
         let network = match &self.block.body {
             plcc_model::Body::Scl(body) => body.network_at(span.start),
             plcc_model::Body::Stl(_) | plcc_model::Body::S7200(_) | plcc_model::Body::Runtime => 0,
@@ -144,17 +145,20 @@ impl BlockLowering<'_, '_> {
         self.set_place(span, network);
     }
 
-    fn if_statement(&mut self, branches: &[(Expr, Vec<Statement>)], otherwise: &[Statement]) {
+    fn if_statement(&mut self, span: Span, branches: &[(Expr, Vec<Statement>)], otherwise: &[Statement]) {
         let end = self.b.create_block();
         for (number, (condition, body)) in branches.iter().enumerate() {
             self.place_statement(condition.span);
             if number > 0 {
                 self.step_between(condition.span);
             }
-            let condition = self.value(condition);
+            let holds = self.value(condition);
+            self.count_condition(condition, (branches.len() == 1 && self.scl.conditions == 0).then_some(span), holds);
+            self.scl.conditions += 1;
             let (then, other) = (self.b.create_block(), self.b.create_block());
-            self.b.branch(condition, then, other);
+            self.b.branch(holds, then, other);
             self.body(then, body, end);
+            self.scl.conditions -= 1;
             self.b.seal_block(other);
             self.b.switch_to(other);
         }
@@ -296,6 +300,7 @@ impl BlockLowering<'_, '_> {
         self.b.jump(head, &[]);
         self.b.switch_to(head);
         let goes_on = self.value(condition);
+        self.count_condition(condition, None, goes_on);
         self.b.branch(goes_on, run, exit);
         self.scl.loops.push(Loop { exit, next });
         self.body(run, body, next);
@@ -326,6 +331,7 @@ impl BlockLowering<'_, '_> {
         self.place_statement(until.span);
         self.step_between(until.span);
         let done = self.value(until);
+        self.count_condition(until, None, done);
         self.b.branch(done, exit, again);
         self.b.seal_block(again);
         self.b.switch_to(again);

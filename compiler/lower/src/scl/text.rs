@@ -12,7 +12,7 @@ use crate::fault::Substitute;
 use crate::place::Direction;
 
 /// A limit that means the maximum in the text's own header.
-const OWN_MAXIMUM: u32 = u32::MAX;
+pub const OWN_MAXIMUM: u32 = u32::MAX;
 /// Constant texts up to this length are stored, longer ones copied.
 const STORED_BYTES_MAX: usize = 34;
 /// Longest text without a declared length.
@@ -102,17 +102,20 @@ impl BlockLowering<'_, '_> {
         {
             return self.store_constant_text(to, limit, &bytes[2..2 + usize::from(bytes[1])]);
         }
-        let (from, mut checks) = match value {
+        let (from, mut checks, declared) = match value {
             Complex::Variable(access) => {
                 let from = self.locate(access);
-                self.located_address(&from, Direction::Read)
+                let (from, checks) = self.located_address(&from, Direction::Read);
+                (from, checks, text_limit(access))
             }
-            _ => (self.complex_value(value), Vec::new()),
+            Complex::Call(_) => (self.complex_value(value), Vec::new(), TEXT_MAX),
+            // Short constants are stored, and others copied by the runtime.
+            Complex::Const(_) | Complex::Character(_) => (self.complex_value(value), Vec::new(), OWN_MAXIMUM),
         };
         let (to, more) = self.located_address(to, Direction::Write);
         checks.extend(more);
         let guard = self.begin_guard(checks, Substitute::None);
-        self.copy_text(to, from, limit, kind);
+        self.copy_text(to, from, declared, limit, kind);
         self.end_guard(guard);
     }
 
@@ -129,14 +132,23 @@ impl BlockLowering<'_, '_> {
         self.end_guard(guard);
     }
 
-    /// Copies characters; characters that do not fit are dropped, which clears the bit.
-    pub fn copy_text(&mut self, to: Address, from: Address, limit: u32, kind: Text) {
+    /// Copies characters of a text with a `declared` maximum; characters that do not fit are dropped, which clears the bit.
+    pub fn copy_text(&mut self, to: Address, from: Address, declared: u32, limit: u32, kind: Text) {
+        let end = match kind {
+            Text::Narrow => self.copy_text_shortly(to, from, declared, limit),
+            Text::Wide => None,
+        };
         let (to, from) = (self.b.address_of(to), self.b.address_of(from));
         let limit = self.b.i32_const(limit);
         let wide = self.b.i32_const(u32::from(kind == Text::Wide));
         let cut = self.b.call_runtime(RuntimeFn::CopyText, &[to, from, limit, wide]).expect("copy_text has a result");
         let cut = self.b.icmp_imm(IntCc::Ne, cut, 0);
         self.fail_if(cut);
+        if let Some(end) = end {
+            self.b.jump(end, &[]);
+            self.b.seal_block(end);
+            self.b.switch_to(end);
+        }
     }
 
     /// A constant, a result or a character: its address in the frame.

@@ -19,6 +19,7 @@ impl BlockLowering<'_, '_> {
     /// `A AN O ON X XN` with an operand.
     pub fn combine(&mut self, how: Combine, negated: bool, operand: &Operand) {
         let scanned = self.scan(operand);
+        self.count_contact(scanned);
         let value = if negated { self.b.not(scanned) } else { scanned };
         let (rlo, fc, or_) = (self.rlo(), self.get(self.regs.fc), self.get(self.regs.or_));
         self.combine_value(how, value, rlo, fc, or_);

@@ -68,6 +68,7 @@ impl BlockLowering<'_, '_> {
     /// `CC`: calls if the RLO is 1, and leaves RLO 1 if it was 0.
     pub fn conditional_call(&mut self, operand: &Operand) {
         let rlo = self.rlo();
+        self.count_contact(rlo);
         let (called, skipped, next) = (self.b.create_block(), self.b.create_block(), self.b.create_block());
         self.b.branch(rlo, called, skipped);
         self.b.seal_block(called);
@@ -87,6 +88,7 @@ impl BlockLowering<'_, '_> {
     /// `BEC`: ends if the RLO is 1, otherwise continues with RLO 1.
     pub fn conditional_end(&mut self) {
         let rlo = self.rlo();
+        self.count_contact(rlo);
         self.set_bit(self.regs.rlo, true);
         self.set_bit(self.regs.sta, true);
         self.end_logic_string();

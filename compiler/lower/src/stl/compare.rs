@@ -42,6 +42,7 @@ impl BlockLowering<'_, '_> {
 
     /// The result is the RLO, not combined with the one before.
     fn set_comparison(&mut self, result: Value) {
+        self.count_contact(result);
         self.set(self.regs.rlo, result);
         self.set(self.regs.sta, result);
         self.set_bit(self.regs.or_, false);

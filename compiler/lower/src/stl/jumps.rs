@@ -36,6 +36,7 @@ impl BlockLowering<'_, '_> {
             self.jump_done(target);
             return;
         }
+        self.count_contact(condition);
         let next = self.b.create_block();
         self.b.branch(condition, target.block, next);
         self.jump_done(target);

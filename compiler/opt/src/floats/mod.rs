@@ -24,7 +24,7 @@ use crate::loops::Loops;
 
 mod numbers;
 
-use numbers::Numbers;
+pub use numbers::Numbers;
 
 /// Moves the making of canonical forms in a function.
 pub fn relax_floats(function: &mut Function) {

@@ -222,8 +222,7 @@ fn binary(
     let count = (constant & i64::from(ty.bits() - 1)) as u32;
     match op {
         // The low bits of a sum with a multiple of a power of two.
-        BinaryOp::And if constant > 0 && constant & (constant + 1) == 0 => match sum_with_constant(function, ranges, a)
-        {
+        BinaryOp::And if is_low_mask(constant) => match sum_with_constant(function, ranges, a) {
             Some((x, by)) if ranges.get(x)?.zeros >= constant.trailing_ones() => {
                 Some(Change::Constant((by & constant) as u64))
             }
@@ -315,6 +314,11 @@ fn mask(a: Value, of_a: Interval, constant: i64) -> Option<Change> {
         of_a.zeros > 0 && constant | low == -1
     };
     keeps.then_some(Change::Value(a))
+}
+
+/// Whether the ones of a constant are its low bits; also of the largest.
+const fn is_low_mask(constant: i64) -> bool {
+    constant > 0 && constant & constant.wrapping_add(1) == 0
 }
 
 /// The operand of a sum with a constant, and the constant.

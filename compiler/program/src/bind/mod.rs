@@ -42,7 +42,8 @@ pub mod tables {
     pub mod scl {
         pub use crate::bind::globals::rules::Rules;
         pub use crate::bind::scl::convert::{Implicit, implicit, on_300};
-        pub use crate::bind::scl::function::{FUNCTIONS, Kind, Row, TextNumber};
+        pub use crate::bind::scl::function::{FUNCTIONS, Kind, NAMING, Row, TextNumber};
+        pub use crate::bind::scl::naming::Naming;
         pub use crate::bind::scl::variant::Question;
     }
 

@@ -40,6 +40,7 @@ pub fn bind_all(input: &BindInput) -> Bound {
     program.globals.ob_classes();
     program.bind_types();
     program.bind_data();
+    program.check_tag_types();
     let mut blocks = bind_user_blocks(&mut program);
     let mains: Vec<BlockKey> =
         blocks.iter().filter(|block| is_main(input, &program.globals.config, block)).map(CodeBlock::key).collect();

@@ -17,6 +17,7 @@ mod graph;
 mod messages;
 mod network;
 mod pragma;
+mod settings;
 mod texts;
 mod token;
 mod tree;
@@ -46,6 +47,7 @@ pub fn parse(file: FileId, text: &str, options: &ReadOptions) -> (SourceUnit, Ve
         }
     }
     let document = frame::read(file, text, raw, &mut diagnostics);
+    settings::check(&document, &mut diagnostics);
     let unit = blocks::build(file, text, document, options, &mut diagnostics);
     diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
     (unit, diagnostics)

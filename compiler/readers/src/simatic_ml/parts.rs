@@ -214,7 +214,10 @@ fn part(reader: &mut Reader, node: Node, uid: UId, whose: &str) -> Result<Part, 
                 span,
                 format!("{whose} contains the element `{name}`, which plcc does not know"),
             );
-            let help = "call a block that does the same, or write the network in SCL";
+            let help = match plcc_syntax::network::elements::nearest_sd(name) {
+                Some(known) => format!("is `{known}` meant? Otherwise call a block that does the same"),
+                None => "call a block that does the same, or write the network in SCL".to_owned(),
+            };
             reader.diagnostics.push(message.label("not known").help(help));
             return Err(Refused);
         }

@@ -76,6 +76,24 @@ impl Recovery {
             Some(Diagnostic::new(code, state.span(from..to), title).label(label).help(help))
         };
         match (self, &before.1, &at.1) {
+            (Recovery::Declaration, Tok::Literal(_), Tok::RightBracket) => {
+                let open = state.text.get(..at.0)?.rfind('[')?;
+                let bounds = state.text.get(open + 1..at.0)?;
+                let (low, high) =
+                    bounds.get(1..)?.split_once('-').map(|(low, high)| (bounds[..1].to_owned() + low, high))?;
+                let is_number = |text: &str| text.trim().trim_start_matches('-').parse::<u32>().is_ok();
+                let (low, high) = (low.trim(), high.trim());
+                if !is_number(low) || !is_number(high) {
+                    return None;
+                }
+                told(
+                    open + 1,
+                    at.0,
+                    "two points are between the bounds of an array".to_owned(),
+                    "a subtraction",
+                    format!("write `{low}..{high}`"),
+                )
+            }
             (Recovery::Declaration, Tok::RightBracket, _) => told(
                 at.0,
                 at.2,

@@ -65,7 +65,7 @@ struct Parsed {
 fn parse_raw(file: FileId, text: &str, raw: &raw::RawText, obey_pragmas: bool) -> Parsed {
     let dialect = dialect::of(text, raw);
     let mut diagnostics = Vec::new();
-    report_comments(file, raw, &mut diagnostics);
+    report_comments(file, text, raw, &mut diagnostics);
     for slip in &raw.slips {
         let span = Span { file, start: slip.start, end: slip.end };
         let word = text.get(slip.start as usize..slip.end as usize).unwrap_or_default();
@@ -104,7 +104,7 @@ fn looks_like_scl(text: &str, raw: &raw::RawText) -> bool {
     })
 }
 
-fn report_comments(file: FileId, raw: &raw::RawText, diagnostics: &mut Vec<Diagnostic>) {
+fn report_comments(file: FileId, text: &str, raw: &raw::RawText, diagnostics: &mut Vec<Diagnostic>) {
     for comment in &raw.comments {
         let diagnostic = match comment.form {
             CommentForm::Line | CommentForm::Block => continue,
@@ -115,7 +115,11 @@ fn report_comments(file: FileId, raw: &raw::RawText, diagnostics: &mut Vec<Diagn
                     .help("write `(* … *)`, or begin each line of it with `//`")
             }
             CommentForm::Unterminated => {
-                let help = "close it with `*)`; each `(*` inside needs its own `*)`";
+                let slash = text.get(comment.start as usize..).is_some_and(|rest| rest.starts_with('/'));
+                let help = match slash {
+                    true => "close it with `*/`, or begin the line with `//`",
+                    false => "close it with `*)`; each `(*` inside needs its own `*)`",
+                };
                 front::unclosed_comment(file, comment.start, "begins here", help)
             }
         };

@@ -43,7 +43,11 @@ impl Tiles<'_> {
         let width = (metrics::width(&name, Ink::Title.height()) + 24).max(80);
         let kind = if step.initial { Frame::InitialStep } else { Frame::Step };
         let key = self.names.key(&format!("#{}.X", step.name.text), self.scope).unwrap_or_default();
-        scene.frame(Area { x: 0, y: 0, w: width, h: STEP }, kind, &key);
+        let area = Area { x: 0, y: 0, w: width, h: STEP };
+        let fault = |member: &str| self.names.key(&format!("#{}.{member}", step.name.text), self.scope);
+        let faults = ["LA", "VA"].into_iter().filter_map(fault).collect();
+        scene.items.push(Item::Frame { area, kind, key, faults });
+        scene.zone(area, Some(step.span.start));
         let middle = width / 2;
         let y = if name.is_empty() { 23 } else { 17 };
         scene.text((middle, y), Anchor::Middle, Ink::Title, &number, "");
@@ -113,7 +117,9 @@ impl Tiles<'_> {
         let entry = 40;
         let label = super::label(transition);
         scene.text((entry + 20, 4), Anchor::Start, Ink::Title, &label, "");
-        let mut right = entry + 24 + metrics::width(&label, metrics::TEXT);
+        let width = metrics::width(&label, metrics::TEXT);
+        scene.zone(Area { x: entry - 14, y: -8, w: 34 + width, h: 16 }, Some(transition.span.start));
+        let mut right = entry + 24 + width;
         let mut bottom = 14;
         if let Some(condition) = &transition.condition {
             let (drawing, text) = self.condition(condition, "");
@@ -195,6 +201,7 @@ impl Tiles<'_> {
             flow_in: None,
             flow_out: None,
             place: None,
+            statement: None,
         };
         self.all.borrow_mut().parts.push(part);
     }

@@ -275,7 +275,10 @@ function paint(div, s) {
   }
   for (const t of div.querySelectorAll("text.v")) t.textContent = shown.get(t.dataset.k) ?? "";
   for (const t of div.querySelectorAll("text.o")) t.style.fill = bit(shown.get(t.dataset.k)) === true ? "var(--on,#1a9a2f)" : "";
-  for (const r of div.querySelectorAll("rect[data-s]")) r.setAttribute("class", "b " + (bit(shown.get(r.dataset.s)) === true ? "act" : "k"));
+  for (const r of div.querySelectorAll("rect[data-s]")) {
+    const faulty = [r.dataset.la, r.dataset.va].some((key) => key !== undefined && bit(shown.get(key)) === true);
+    r.setAttribute("class", "b " + (bit(shown.get(r.dataset.s)) === true ? "act" : "k") + (faulty ? " bad" : ""));
+  }
 }
 if (data.trace) {
   const { columns, rows } = data.trace, slider = $("#slider");

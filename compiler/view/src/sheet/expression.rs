@@ -91,7 +91,7 @@ impl Maker<'_> {
             (Meaning::Contact { .. }, Link::Operand(label)) => label.place,
             _ => None,
         });
-        self.sheet.parts.push(Part { look, meaning, pins, flow_in, flow_out, place: operand });
+        self.sheet.parts.push(Part { look, meaning, pins, flow_in, flow_out, place: operand, statement: None });
     }
 }
 

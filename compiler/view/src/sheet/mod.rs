@@ -43,6 +43,8 @@ pub struct Part {
     pub flow_out: Option<usize>,
     /// The first byte of its place in the source, if that is known.
     pub place: Option<u32>,
+    /// The first byte of its statement, if the network is a statement list.
+    pub statement: Option<u32>,
 }
 
 /// What an element looks like.

@@ -86,7 +86,7 @@ fn part(element: &Element, language: Language, label: &dyn Fn(&Expr) -> Label) -
         (Meaning::Contact { .. }, Link::Operand(label)) => label.place,
         _ => None,
     });
-    Part { look, meaning, pins, flow_in, flow_out, place: operand.or(Some(element.span.start)) }
+    Part { look, meaning, pins, flow_in, flow_out, place: operand.or(Some(element.span.start)), statement: None }
 }
 
 /// The look of an element, its meaning, and whether it has no pins at its sides but those of the flow.

@@ -18,6 +18,8 @@ pub struct Rungs {
     /// The net that a net was joined with.
     same: Vec<usize>,
     rails: Vec<usize>,
+    /// The first byte of the statement whose parts come next.
+    pub statement: Option<u32>,
 }
 
 impl Rungs {
@@ -74,7 +76,7 @@ impl Rungs {
             })
         };
         let (flow_in, flow_out) = (flow(false, from), flow(true, to));
-        self.parts.push(Part { look, meaning, pins, flow_in, flow_out, place: None });
+        self.parts.push(Part { look, meaning, pins, flow_in, flow_out, place: None, statement: self.statement });
     }
 
     /// A contact between two nets.

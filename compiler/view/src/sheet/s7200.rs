@@ -12,6 +12,7 @@ use super::{Label, Link, Look, Meaning, Pin, Place, Sheet};
 pub fn sheet(statements: &[Statement], label: &dyn Fn(&Operand) -> Label) -> Result<Sheet, String> {
     let mut maker = Maker { rungs: Rungs::default(), stack: Vec::new(), eno: None };
     for statement in statements {
+        maker.rungs.statement = Some(statement.span.start);
         match &statement.kind {
             StatementKind::Instruction { insn, operands, .. } => {
                 let labels: Vec<Label> = operands.iter().map(label).collect();

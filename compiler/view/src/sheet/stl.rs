@@ -53,6 +53,7 @@ pub fn sheet(
         let is_last = statements[at + 1..]
             .iter()
             .all(|rest| !matches!(rest.kind, StatementKind::Instruction { .. } | StatementKind::Call(_)));
+        maker.rungs.statement = Some(statement.span.start);
         match &statement.kind {
             StatementKind::Empty | StatementKind::Pragma(_) => {}
             StatementKind::Instruction { insn, operand, .. } => {

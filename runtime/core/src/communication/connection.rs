@@ -59,6 +59,9 @@ pub struct Connection {
     pub description: Description,
     /// Blocks that use it.
     pub users: u32,
+    /// Bytes of the user that were given to it to be sent, and that the program has taken, modulo 2^32.
+    pub sent_bytes: u32,
+    pub received_bytes: u32,
     /// How often it was lost, modulo 2^16.
     pub losses: u16,
     /// How often an attempt failed, modulo 2^16.
@@ -102,6 +105,8 @@ impl Connection {
         Ok(Connection {
             description,
             users: 1,
+            sent_bytes: 0,
+            received_bytes: 0,
             losses: 0,
             failures: 0,
             iso_port,
@@ -241,6 +246,24 @@ impl Connection {
 
     /// Begins to send; false if it is not up.
     pub fn send(&mut self, bytes: &[u8]) -> bool {
+        let sends = self.begin_to_send(bytes);
+        self.note_sent(sends, bytes);
+        sends
+    }
+
+    fn note_sent(&mut self, sends: bool, bytes: &[u8]) {
+        if sends {
+            self.sent_bytes = self.sent_bytes.wrapping_add(bytes.len() as u32);
+        }
+    }
+
+    fn note_received(&mut self, received: &Receive) {
+        if let Receive::Bytes(bytes) = received {
+            self.received_bytes = self.received_bytes.wrapping_add(bytes.len() as u32);
+        }
+    }
+
+    fn begin_to_send(&mut self, bytes: &[u8]) -> bool {
         self.job_losses = self.losses;
         self.sent_before_loss = false;
         if let State::Datagrams(datagrams) = &mut self.state {
@@ -267,6 +290,12 @@ impl Connection {
 
     /// Takes received bytes: at most `room`, or exactly that many if `exact`. A message is taken as a whole.
     pub fn receive(&mut self, room: usize, exact: bool) -> Receive {
+        let received = self.take(room, exact);
+        self.note_received(&received);
+        received
+    }
+
+    fn take(&mut self, room: usize, exact: bool) -> Receive {
         if let State::Datagrams(datagrams) = &mut self.state {
             return datagrams.receive(room).0;
         }
@@ -290,18 +319,18 @@ impl Connection {
 impl Connection {
     /// Sends a datagram; `None`: this is not UDP; false: it cannot be sent now.
     pub fn send_to(&mut self, bytes: &[u8], to: SocketAddrV4) -> Option<bool> {
-        match &mut self.state {
-            State::Datagrams(datagrams) => Some(datagrams.send(bytes, to)),
-            _ => None,
-        }
+        let State::Datagrams(datagrams) = &mut self.state else { return None };
+        let sends = datagrams.send(bytes, to);
+        self.note_sent(sends, bytes);
+        Some(sends)
     }
 
     /// Takes a datagram of at most `room` bytes, and who sent it; `None`: this is not UDP.
     pub fn receive_from(&mut self, room: usize) -> Option<(Receive, Option<SocketAddrV4>)> {
-        match &mut self.state {
-            State::Datagrams(datagrams) => Some(datagrams.receive(room)),
-            _ => None,
-        }
+        let State::Datagrams(datagrams) = &mut self.state else { return None };
+        let (received, from) = datagrams.receive(room);
+        self.note_received(&received);
+        Some((received, from))
     }
 }
 

@@ -99,6 +99,26 @@ pub(super) fn state(call: &Call) -> Outcome {
     Outcome::RetVal(ESTABLISHING)
 }
 
+/// HANDLE -> RET_VAL: 0, 8086, 80A3; the connection type of TCON_IP_v4, ACTIVE, SENT and RECEIVED bytes.
+pub(super) fn diagnosis(call: &Call) -> Outcome {
+    let id = call.word(0);
+    if !(1..=4095).contains(&id) {
+        return error(ID);
+    }
+    let mut communication = call.cpu.communication.borrow_mut();
+    let Some(connection) = communication.connection(id) else { return error(status::NO_SUCH) };
+    let kind = match connection.description.protocol {
+        Protocol::Tcp => 0x0B,
+        Protocol::Iso => 0x0C,
+        Protocol::Udp => 0x13,
+    };
+    call.set_byte(2, kind);
+    call.set_bool(3, connection.description.active);
+    call.set_dword(4, connection.sent_bytes);
+    call.set_dword(5, connection.received_bytes);
+    OK
+}
+
 /// HANDLE, FORCE (for all blocks that use it) -> RET_VAL: 0, 80A3.
 pub(super) fn close(call: &Call) -> Outcome {
     let id = call.word(0);

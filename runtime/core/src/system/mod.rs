@@ -28,6 +28,7 @@ mod masks;
 pub(crate) mod meters;
 mod modbus;
 mod module_records;
+mod names;
 pub(crate) mod numbers;
 mod output_bits;
 mod parameters;
@@ -276,6 +277,7 @@ system_functions! {
     2124 IO_READ (Dword, Word, Word)     -> (Word, Word, Any) = hardware::read_io;
     2125 IO_WRITE (Dword, Word, Word)    -> (Word, Word, Any) = hardware::write_io;
     2126 REFERENCE_OF (Variant, Dword, Dword, Dword) -> (DateAndTime) = variants::reference;
+    2127 INSTANCE_NAME (Any, Dword, Bool) -> (Any)           = names::instance;
     2130 S7_GET   (Word, Any, Any, Any, Any, Any, Any, Any, Any) -> (Word, Dword) = partners::get;
     2131 S7_PUT   (Word, Any, Any, Any, Any, Any, Any, Any, Any) -> (Word, Dword) = partners::put;
     2132 S7_TAKE  (Dword)                 -> (Word, Any, Any, Any, Any) = partners::take;
@@ -287,6 +289,7 @@ system_functions! {
     2138 S7_BRCV  (Bool, Word, Dword, Dword) -> (Word, Dword, Word, Any) = partners::brcv;
     2139 LINK_SEND_TO (Word, Dword, Any, Any) -> (Word)       = communication::send_to;
     2140 LINK_RECEIVE_FROM (Word, Dword)  -> (Word, Dword, Any, Any) = communication::receive_from;
+    2141 LINK_DIAGNOSIS (Word)           -> (Word, Byte, Bool, Dword, Dword) = communication::diagnosis;
 }
 
 /// No row.

@@ -28,12 +28,7 @@ impl Map {
     /// `Err`: which address is wrong, and why.
     pub fn new(registers: &Registers, image: &ProgramImage) -> Result<Map, String> {
         let start = |key: &str, text: &str, bits: bool| {
-            Start::find(text, image)
-                .and_then(|start| match bits || start.bit == 0 {
-                    true => Ok(start),
-                    false => Err(format!("`{text}` is a bit; registers begin at a byte")),
-                })
-                .map_err(|error| format!("{key} in [services.registers]: {error}"))
+            Start::of(text, bits, image).map_err(|error| format!("{key} in [services.registers]: {error}"))
         };
         Ok(Map {
             coils: start("coils", &registers.coils, true)?,
@@ -44,7 +39,20 @@ impl Map {
     }
 }
 
+/// Whether a table can begin there. `Err`: why not.
+pub fn check(text: &str, has_bits: bool, image: &ProgramImage) -> Result<(), String> {
+    Start::of(text, has_bits, image).map(|_| ())
+}
+
 impl Start {
+    /// Of a table of bits, or of registers. `Err`: why it cannot begin there.
+    fn of(text: &str, has_bits: bool, image: &ProgramImage) -> Result<Start, String> {
+        match Start::find(text, image)? {
+            start if has_bits || start.bit == 0 => Ok(start),
+            _ => Err(format!("`{text}` is a bit; registers begin at a byte")),
+        }
+    }
+
     fn find(text: &str, image: &ProgramImage) -> Result<Start, String> {
         let signals = signal::all(text, image, None)?;
         let found = signals.first().and_then(|signal| signal.source.address());

@@ -13,5 +13,5 @@ mod server;
 #[cfg(test)]
 mod tests;
 
-pub use memory::Map;
+pub use memory::{Map, check};
 pub use server::serve;

@@ -3,6 +3,7 @@
 //! A decoder takes only what is there: a length is checked against the bytes that are left before anything is made of it.
 
 use super::status::{self, Status};
+use crate::wire;
 
 /// Elements of an array in a request.
 const ELEMENTS_MAX: usize = 65_536;
@@ -13,15 +14,11 @@ pub struct Reader<'a>(pub &'a [u8]);
 
 impl<'a> Reader<'a> {
     pub fn take(&mut self, count: usize) -> Option<&'a [u8]> {
-        let (front, rest) = self.0.split_at_checked(count)?;
-        self.0 = rest;
-        Some(front)
+        wire::take(&mut self.0, count)
     }
 
     pub fn array<const N: usize>(&mut self) -> Option<[u8; N]> {
-        let (front, rest) = self.0.split_first_chunk::<N>()?;
-        self.0 = rest;
-        Some(*front)
+        wire::array(&mut self.0)
     }
 
     pub fn u8(&mut self) -> Option<u8> {

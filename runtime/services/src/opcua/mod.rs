@@ -12,18 +12,18 @@
 mod attributes;
 mod certificate;
 mod channel;
-mod code;
+pub(crate) mod code;
 mod connection;
-mod crypto;
+pub(crate) mod crypto;
 mod identity;
 mod session;
 mod space;
 mod standard;
-mod status;
+pub(crate) mod status;
 mod subscription;
 #[cfg(test)]
 mod tests;
-mod values;
+pub(crate) mod values;
 mod view;
 
 use std::net::SocketAddr;
@@ -34,6 +34,7 @@ use plcc_abi::ProgramImage;
 use plcc_abi::services::{Protection, Right, ServicesConfig};
 use tokio::sync::Semaphore;
 
+use crate::certificate::plain_name;
 use crate::link::Link;
 use crate::web::Users;
 use certificate::{Own, Trusted};
@@ -77,8 +78,7 @@ impl Server {
         address: SocketAddr,
     ) -> Result<Server, String> {
         let folder = Path::new(config.opcua_folder.as_deref().unwrap_or(FOLDER));
-        let name: String =
-            image.name.chars().map(|c| if c.is_ascii_alphanumeric() || c == '-' { c } else { '-' }).take(64).collect();
+        let name = plain_name(&image.name);
         let uri = format!("urn:plcc:{name}");
         let own = Own::load(folder, &uri, &name, address.ip())?;
         let trusted = Trusted::load(folder)?;

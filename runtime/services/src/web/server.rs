@@ -24,7 +24,8 @@ use super::users::Users;
 use super::{info, names, session, status};
 use crate::limits::{FRAME_TIME, HTTP_BYTES_MAX, PAGE_MESSAGE_MAX, PAGES_MAX, PROGRAM_MAX};
 use crate::link::Link;
-use crate::listen::{Open, Visitor};
+use crate::listen::Open;
+use crate::tls::Stream;
 
 /// Pause after a wrong password.
 const WRONG_PASSWORD_PAUSE: Duration = Duration::from_secs(1);
@@ -41,6 +42,8 @@ pub struct Page {
     app: Router,
     /// Connections of each service.
     services: Arc<[(&'static str, Open)]>,
+    /// Its connections are encrypted.
+    is_secure: bool,
 }
 
 /// What a request asks of.
@@ -52,7 +55,13 @@ struct Asked {
 }
 
 impl Page {
-    pub fn new(link: Link, users: Users, services: Vec<(&'static str, Open)>, loader: Option<Loader>) -> Page {
+    pub fn new(
+        link: Link,
+        users: Users,
+        services: Vec<(&'static str, Open)>,
+        loader: Option<Loader>,
+        is_secure: bool,
+    ) -> Page {
         let files = [
             ("/", "text/html; charset=utf-8", include_str!("page/index.html")),
             ("/page.css", "text/css; charset=utf-8", include_str!("page/page.css")),
@@ -74,7 +83,8 @@ impl Page {
             .route("/restore", post(restored))
             .route("/load", post(loaded))
             .layer(DefaultBodyLimit::max(PAGE_MESSAGE_MAX));
-        Page { link, users, places: Arc::new(Semaphore::new(PAGES_MAX)), loader, app, services: services.into() }
+        let places = Arc::new(Semaphore::new(PAGES_MAX));
+        Page { link, users, places, loader, app, services: services.into(), is_secure }
     }
 
     fn user(&self, headers: &HeaderMap) -> Result<(String, Role), StatusCode> {
@@ -83,8 +93,8 @@ impl Page {
 }
 
 /// Serves one connection.
-pub async fn serve(visitor: Visitor, page: Page) {
-    let most = match visitor.right {
+pub async fn serve(stream: impl Stream + 'static, right: Right, page: Page) {
+    let most = match right {
         Right::Read => Role::Look,
         Right::Write => Role::Operate,
         Right::Control => Role::Change,
@@ -95,7 +105,7 @@ pub async fn serve(visitor: Visitor, page: Page) {
         .timer(TokioTimer::new())
         .header_read_timeout(FRAME_TIME)
         .max_buf_size(HTTP_BYTES_MAX)
-        .serve_connection(TokioIo::new(visitor.stream), TowerToHyperService::new(app))
+        .serve_connection(TokioIo::new(stream), TowerToHyperService::new(app))
         .with_upgrades()
         .await;
 }
@@ -160,7 +170,8 @@ async fn sign_in(
     let signed = tokio::task::spawn_blocking(move || users.sign_in(&form.user, &form.password)).await;
     match signed {
         Ok(Some(token)) => {
-            let cookie = format!("plcc={token}; HttpOnly; SameSite=Strict; Path=/");
+            let secure = if page.is_secure { "; Secure" } else { "" };
+            let cookie = format!("plcc={token}; HttpOnly; SameSite=Strict; Path=/{secure}");
             ([(SET_COOKIE, cookie)], StatusCode::NO_CONTENT).into_response()
         }
         _ => {

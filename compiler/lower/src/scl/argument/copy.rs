@@ -9,7 +9,7 @@ use crate::block::BlockLowering;
 use crate::fault::Substitute;
 use crate::place::{self, BitNumber, Target};
 use crate::pointer::moved;
-use crate::scl::text::{Text, text_limit};
+use crate::scl::text::{OWN_MAXIMUM, Text, text_limit};
 
 impl BlockLowering<'_, '_> {
     /// Writes the input to the formal's place, relative to `base`. For a system function, all complex values are copies.
@@ -67,14 +67,19 @@ impl BlockLowering<'_, '_> {
     }
 
     fn copy_source(&mut self, addr: Address, ty: &DataType, source: &Source, bytes: u32) {
-        let (from, checks) = match source {
-            Source::Variable { located, .. } => self.located_address(located, place::Direction::Read),
-            Source::Frame(from) => (*from, Vec::new()),
+        let (from, checks, declared) = match source {
+            Source::Variable { access, located } => {
+                let (from, checks) = self.located_address(located, place::Direction::Read);
+                (from, checks, text_limit(access))
+            }
+            Source::Frame(from) => (*from, Vec::new(), OWN_MAXIMUM),
         };
         let guard = self.begin_guard(checks, Substitute::None);
         match (Text::of(ty), ty) {
-            (Some(kind), DataType::String(maximum)) => self.copy_text(addr, from, u32::from(*maximum), kind),
-            (Some(kind), DataType::WideString(maximum)) => self.copy_text(addr, from, u32::from(*maximum), kind),
+            (Some(kind), DataType::String(maximum)) => self.copy_text(addr, from, declared, u32::from(*maximum), kind),
+            (Some(kind), DataType::WideString(maximum)) => {
+                self.copy_text(addr, from, declared, u32::from(*maximum), kind);
+            }
             _ => self.b.copy(addr, from, bytes),
         }
         self.end_guard(guard);
@@ -93,8 +98,12 @@ impl BlockLowering<'_, '_> {
                 let Some(located) = &back.located else { return };
                 let (to, checks) = self.located_address(located, place::Direction::Write);
                 let guard = self.begin_guard(checks, Substitute::None);
+                let declared = match ty {
+                    DataType::String(maximum) => u32::from(*maximum),
+                    _ => OWN_MAXIMUM,
+                };
                 match Text::of(ty) {
-                    Some(kind) => self.copy_text(to, addr, text_limit(back.access), kind),
+                    Some(kind) => self.copy_text(to, addr, declared, text_limit(back.access), kind),
                     None => self.b.copy(to, addr, bytes),
                 }
                 self.end_guard(guard);

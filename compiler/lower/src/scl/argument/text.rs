@@ -186,7 +186,7 @@ impl BlockLowering<'_, '_> {
     }
     /// Calls the function that joins three texts. The result is BR of the inner call.
     pub fn run_joined_call(&mut self, callee: &CodeBlock, arguments: &TextArguments) -> Value {
-        let result = self.run_text(arguments.function, callee, &arguments.texts, &arguments.values);
+        let result = self.run_text_shortly(arguments.function, callee, &arguments.texts, &arguments.values);
         self.bit_of(result, WRITTEN)
     }
 }

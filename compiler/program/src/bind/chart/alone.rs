@@ -34,8 +34,43 @@ pub fn is_possible(engine: &Engine, parts: &Parts, competing: &[usize], is_share
         && parts.codes.iter().all(|code| tame(&code.expire) && is_copyable(&code.active))
 }
 
+/// True of a chart in which nothing that happens at the end of an event, and no condition, sees the time of a step or what else a call
+/// stores about it: then a step's transitions can be evaluated before the time of the next step passes.
+pub fn is_independent(engine: &Engine, parts: &Parts, is_shared: &IsShared) -> bool {
+    let is_apart = |(before, value): &Condition| {
+        let mut look = Reads { apart: true, begin: engine.data_begin(), is_shared };
+        walk::statements(before, &mut look);
+        walk::expr(value, &mut look);
+        look.apart
+    };
+    parts.conditions.iter().all(is_apart) && parts.codes.iter().all(|code| code.expire.is_empty())
+}
+
+/// True if no action can change the modes.
+pub fn has_tame_actions(engine: &Engine, parts: &Parts, is_shared: &IsShared) -> bool {
+    parts.codes.iter().all(|code| is_tame(&code.active, engine.data_begin(), is_shared))
+}
+
+/// Whether tame statements read nothing that a chart keeps. `begin`: where its data begins.
+struct Reads<'a> {
+    apart: bool,
+    begin: u32,
+    is_shared: &'a IsShared<'a>,
+}
+
+impl Visitor for Reads<'_> {
+    fn access(&mut self, access: &Access, _: Role) {
+        self.apart &= match &access.base {
+            Base::Place(Place::Instance { byte, .. }) => *byte < self.begin,
+            Base::Place(Place::Db { number, .. }) => (self.is_shared)(*number) == Some(true),
+            Base::Place(Place::I { .. } | Place::Q { .. } | Place::M { .. } | Place::L { .. }) => true,
+            Base::Place(_) | Base::Indexed { .. } => false,
+        };
+    }
+}
+
 /// True of statements that can be there twice.
-fn is_copyable(statements: &[Statement]) -> bool {
+pub fn is_copyable(statements: &[Statement]) -> bool {
     let unique = |statement: &Statement| {
         matches!(statement.kind, StatementKind::Label(_) | StatementKind::Stl(_) | StatementKind::Assert(_))
             .then_some(())
@@ -135,9 +170,9 @@ impl Assembly<'_, '_> {
         }
     }
 
-    /// The position of a step, an INT.
+    /// The position of a step, a DINT.
     fn place(&self, step: usize) -> Expr {
-        number(step as u64 + 1, Elementary::Int, self.engine.span)
+        number(step as u64 + 1, Elementary::Dint, self.engine.span)
     }
 
     fn switch_alone(&self, at: usize, from: usize, to: usize) -> Vec<Statement> {

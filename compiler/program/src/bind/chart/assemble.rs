@@ -48,6 +48,12 @@ pub struct Features {
     /// The short way of a call with one active step, see `alone.rs`; that with several.
     pub alone: bool,
     pub several: bool,
+    /// With several: a step's time can pass after the transitions of another.
+    pub one_loop: bool,
+    /// No action changes the modes.
+    pub tame_actions: bool,
+    /// The end of the call is short, and there again on the short way.
+    pub own_end: bool,
 }
 
 /// Fills the placeholders.
@@ -134,6 +140,9 @@ impl<'a, 'c> Assembly<'a, 'c> {
         holes.insert("was_passed", engine.look_up(&engine.passed));
         holes.insert("skip", if self.features.skipping { per_step(&|step| self.skip(step)) } else { Vec::new() });
         holes.insert("leave", per_step(&|step| self.parts.codes[step].leave.clone()));
+        holes.insert("make_pair", engine.make_pair());
+        holes.insert("add_pair", engine.add_pair());
+        holes.insert("put_pair", engine.put_pair());
         holes.insert("act", per_step(&|step| self.parts.codes[step].active.clone()));
         if self.features.alone {
             let alone = |make: &dyn Fn(usize) -> Vec<Statement>| self.case("alone", make);
@@ -142,7 +151,10 @@ impl<'a, 'c> Assembly<'a, 'c> {
             if self.features.selection {
                 holes.insert("select_alone", alone(&|step| self.select_alone(step, is_shared)));
             }
-            holes.insert("act_alone", alone(&|step| self.parts.codes[step].active.clone()));
+            holes.insert("act_alone", alone(&|step| self.ordinary_actions(step)));
+            if self.features.several {
+                holes.insert("act_ordinary", per_step(&|step| self.ordinary_actions(step)));
+            }
         }
         holes.insert("before", self.parts.before);
         holes.insert("after", self.parts.after);
@@ -382,7 +394,7 @@ impl<'a, 'c> Assembly<'a, 'c> {
     /// A plain transition of step `k` switches; the part that is independent of it comes once, after the code of all steps.
     fn fire_plain(&self, at: usize) -> Vec<Statement> {
         let span = self.engine.chart.transitions[at].span;
-        let target = number(self.parts.to[at][0] as u64 + 1, Elementary::Int, span);
+        let target = number(self.parts.to[at][0] as u64 + 1, Elementary::Dint, span);
         let mut statements = self.mark_fired(at);
         statements.push(assign(self.engine.variable("target"), target, span));
         statements

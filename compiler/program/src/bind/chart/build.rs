@@ -7,7 +7,7 @@ use crate::bind::declarations::path::Variable;
 use crate::bind::scl::expression::constant_expr;
 use crate::bind::scl::place::Spot;
 use plcc_model::layout;
-use plcc_model::scl::{Access, Conversion, Expr, ExprKind, Index, IndexBounds, Overflow, Statement, StatementKind};
+use plcc_model::scl::{Access, Expr, ExprKind, Index, IndexBounds, Statement, StatementKind};
 use plcc_model::types::DataType;
 
 /// The value of an elementary variable.
@@ -33,14 +33,22 @@ pub fn if_then(condition: Expr, then: Vec<Statement>, otherwise: Vec<Statement>,
     Statement { kind: StatementKind::If { branches: vec![(condition, then)], otherwise }, span }
 }
 
-/// An element of an array at an INT.
+/// An element of an array at a DINT.
 pub fn element(array: &Variable, index: Expr, span: Span) -> Access {
+    at_index(array, 0, None, index, span)
+}
+
+/// An elementary value at a byte of an element of an array, at a DINT.
+pub fn part_of_element(array: &Variable, byte: u32, ty: Elementary, index: Expr, span: Span) -> Access {
+    at_index(array, byte, Some(DataType::Elementary(ty)), index, span)
+}
+
+fn at_index(array: &Variable, byte: u32, part: Option<DataType>, value: Expr, span: Span) -> Access {
     let DataType::Array(ty) = &array.ty else { unreachable!("lists of the engine are arrays") };
     let (low, high) = ty.bounds[0];
-    let conversion = Conversion::Value(Overflow::LowBits);
-    let value = Expr { kind: ExprKind::Convert { conversion, operand: Box::new(index) }, ty: Elementary::Dint, span };
     let index = Index { value, bounds: IndexBounds::Known(low, high), stride: layout::distance(ty, 0) };
-    let mut spot = Spot::fixed(Variable { ty: ty.element.clone(), ..array.clone() });
+    let part = part.unwrap_or_else(|| ty.element.clone());
+    let mut spot = Spot::fixed(Variable { ty: part, byte: array.byte + byte, ..array.clone() });
     spot.indices.push(index);
     spot.access(span)
 }

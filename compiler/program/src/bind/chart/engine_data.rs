@@ -7,7 +7,7 @@ use rustc_hash::FxHashMap;
 
 use super::alone::RawStep;
 use super::assemble::{Features, Parts};
-use super::build::{assign, element, if_then, load, number};
+use super::build::{assign, element, if_then, load, number, part_of_element};
 use super::index::Index;
 use crate::bind::declarations::path::{Base, Variable};
 use crate::bind::declarations::typed::BoundInterface;
@@ -17,7 +17,7 @@ use crate::bind::scl::expression::{binary_expr, constant_expr};
 use crate::bind::trees::chart_data::{Members, TIA_DATA, words};
 use plcc_binding::fold;
 use plcc_model::layout;
-use plcc_model::scl::{BinaryOp, CompareOp, Expr, ExprKind, Statement, StatementKind, UnaryOp};
+use plcc_model::scl::{Access, BinaryOp, CompareOp, Conversion, Expr, ExprKind, Statement, StatementKind, UnaryOp};
 use plcc_model::types::{ArrayType, DataType, Member, StructType};
 
 /// A chart while it is bound.
@@ -84,28 +84,15 @@ const BITS: &[&str] = &[
     "still_valid",
     "short",
     "done",
+    "ended",
 ];
-const NUMBERS: &[&str] = &[
-    "i",
-    "j",
-    "k",
-    "number",
-    "wanted",
-    "count",
-    "left",
-    "entered",
-    "kept",
-    "lowest",
-    "lowest_at",
-    "lowest_faulty",
-    "lowest_faulty_at",
-    "faults",
-    "first_valid",
-    "valid",
-    "target",
-    "alone",
-];
+const NUMBERS: &[&str] =
+    &["number", "wanted", "lowest", "lowest_at", "lowest_faulty", "lowest_faulty_at", "faults", "first_valid", "valid"];
+/// Positions in lists and positions of steps: DINT, as an index is, so that nothing is extended.
+const PLACES: &[&str] = &["i", "j", "k", "count", "left", "entered", "kept", "target", "alone"];
 const TIMES: &[&str] = &["now", "passed", "elapsed"];
+/// Times T and U of a step as one number, for `tick();`.
+const PAIRS: &[&str] = &["both", "later", "step"];
 
 /// Data of the engine in the instance: the name in the templates, and their paths.
 const KEPT: &[(&str, &[&str])] = &[
@@ -153,7 +140,14 @@ impl<'c> Engine<'c> {
         };
         let mut page = Page::new(ctx);
         let mut names = FxHashMap::default();
-        for (list, ty) in [(BITS, Elementary::Bool), (NUMBERS, Elementary::Int), (TIMES, Elementary::Dint)] {
+        let kinds = [
+            (BITS, Elementary::Bool),
+            (NUMBERS, Elementary::Int),
+            (PLACES, Elementary::Dint),
+            (TIMES, Elementary::Dint),
+            (PAIRS, Elementary::Ulint),
+        ];
+        for (list, ty) in kinds {
             names.extend(list.iter().map(|name| (*name, page.pool.lasting(ctx, ty).variable())));
         }
         let mut set = || {
@@ -325,8 +319,13 @@ impl<'c> Engine<'c> {
     /// Puts a step into the next place of S1X, and into the set of entered steps.
     pub fn replace(&self, step: usize, span: Span) -> Vec<Statement> {
         let place = self.variable("i");
-        let before =
-            binary_expr(BinaryOp::Subtract, load(place, span), number(1, Elementary::Int, span), Elementary::Int, span);
+        let before = binary_expr(
+            BinaryOp::Subtract,
+            load(place, span),
+            number(1, Elementary::Dint, span),
+            Elementary::Dint,
+            span,
+        );
         let target = element(self.variable("S1X"), load(place, span), span);
         let value = number(step as u64 + 1, Elementary::Byte, span);
         let mut statements = vec![
@@ -362,8 +361,8 @@ impl<'c> Engine<'c> {
             let place = binary_expr(
                 BinaryOp::Subtract,
                 step(),
-                number(first, Elementary::Int, self.span),
-                Elementary::Int,
+                number(first, Elementary::Dint, self.span),
+                Elementary::Dint,
                 self.span,
             );
             let bit = binary_expr(BinaryOp::ShiftLeft, one, place, Elementary::Ulint, self.span);
@@ -381,11 +380,52 @@ impl<'c> Engine<'c> {
         statements
     }
 
+    /// `step`: the time that has passed, once for T and once for U.
+    pub fn make_pair(&self) -> Vec<Statement> {
+        let bits = |operand: Expr, ty| {
+            let conversion = Conversion::Bits { checked: false };
+            Expr { kind: ExprKind::Convert { conversion, operand: Box::new(operand) }, ty, span: self.span }
+        };
+        // By way of a bit string, so that the upper half is 0.
+        let passed = || bits(bits(self.value("passed"), Elementary::Dword), Elementary::Ulint);
+        let high = self.both(BinaryOp::ShiftLeft, passed(), number(32, Elementary::Dint, self.span));
+        vec![assign(self.variable("step"), self.both(BinaryOp::Or, high, passed()), self.span)]
+    }
+
+    /// `both`: T and U of step `k`; `later`: with the time that has passed; `known`: neither is or becomes negative.
+    pub fn add_pair(&self) -> Vec<Statement> {
+        const SIGNS: u64 = 0x8000_0000_8000_0000;
+        let old = Expr { kind: ExprKind::Load(Box::new(self.times())), ty: Elementary::Ulint, span: self.span };
+        let later = self.both(BinaryOp::Add, self.value("both"), self.value("step"));
+        let signs = self.both(BinaryOp::Or, self.value("both"), self.value("later"));
+        let signs = self.both(BinaryOp::And, signs, number(SIGNS, Elementary::Ulint, self.span));
+        vec![
+            assign(self.variable("both"), old, self.span),
+            assign(self.variable("later"), later, self.span),
+            assign(self.variable("known"), compared(CompareOp::Equal, signs, 0), self.span),
+        ]
+    }
+
+    /// Stores `later` as T and U of step `k`.
+    pub fn put_pair(&self) -> Vec<Statement> {
+        let kind = StatementKind::Assign { target: self.times(), value: self.value("later") };
+        vec![Statement { kind, span: self.span }]
+    }
+
+    /// T and U of step `k`, which are next to each other, as a number of 64 bits.
+    fn times(&self) -> Access {
+        part_of_element(self.variable("RAW"), 4, Elementary::Ulint, self.value("k"), self.span)
+    }
+
+    fn both(&self, op: BinaryOp, left: Expr, right: Expr) -> Expr {
+        binary_expr(op, left, right, Elementary::Ulint, self.span)
+    }
+
     /// Appends a step to S0X or S1X and to its set.
     pub fn append(&self, set: &Set, list: &str, count: &str, step: usize, span: Span) -> Vec<Statement> {
         let count = self.variable(count);
         let more =
-            binary_expr(BinaryOp::Add, load(count, span), number(1, Elementary::Int, span), Elementary::Int, span);
+            binary_expr(BinaryOp::Add, load(count, span), number(1, Elementary::Dint, span), Elementary::Dint, span);
         let place = element(self.variable(list), load(count, span), span);
         let value = number(step as u64 + 1, Elementary::Byte, span);
         let put = Statement { kind: StatementKind::Assign { target: place, value }, span };

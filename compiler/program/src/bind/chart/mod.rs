@@ -1,12 +1,12 @@
 //! Binding of GRAPH: a chart becomes statements of the typed tree of SCL, so that all languages share one lowering.
 //!
 //! - `index`: steps and transitions by name and number; `names`: their names in expressions.
-//! - `engine.scl`, `alone.scl`, `monitor.scl`: one call of the block as SCL with placeholders; `template` reads them.
+//! - `engine.scl`, `alone.scl`, `finish.scl`, `monitor.scl`: one call of the block as SCL with placeholders; `template` reads them.
 //! - `engine_data`: the data that statements of the chart use: where it is, sets of steps; `build`: pieces of the typed tree.
 //! - `action`: rows of actions; `permanent`: permanent instructions; `condition`: conditions; `call`: block calls of the first two;
 //!   `leaving`: statements that are not possible in them.
 //! - `assemble`: the code of steps and transitions, put into the placeholders.
-//! - `alone`: the short way of a call with one active step.
+//! - `alone`: the short way of a call with one active step; `ordinary`: its actions.
 //! - `analysis`: which charts are valid.
 //!
 //! Source: GRAPH reference, chapters D to G.
@@ -22,6 +22,7 @@ mod engine_data;
 mod index;
 mod leaving;
 mod names;
+mod ordinary;
 mod permanent;
 mod template;
 #[cfg(test)]
@@ -48,7 +49,7 @@ use index::Index;
 use plcc_model::Direction;
 use plcc_model::scl::{SclBody, Statement, StatementKind, walk};
 use plcc_model::types::DataType;
-use template::{ALONE, ENGINE, MONITOR, Meaning};
+use template::{ALONE, ENGINE, FINISH, MONITOR, Meaning};
 
 /// Clears the requests of ON, OFF and the operator.
 const CLEAR_REQUESTS: &str = "#REQUESTED := FALSE;
@@ -60,24 +61,33 @@ END_FOR;";
 /// The transition that the code of step `k` has selected leaves it and enters the step at `target`.
 const SWITCH_OVER: &str = "IF #target > 0 THEN
   #left := #left + 1;
-  #S0X[#left] := INT_TO_BYTE(#k);
+  #S0X[#left] := DINT_TO_BYTE(#k);
   mark_left();
   #k := #target;
   #target := 0;
   is_entered();
   IF NOT #known THEN
     #entered := #entered + 1;
-    #S1X[#entered] := INT_TO_BYTE(#k);
+    #S1X[#entered] := DINT_TO_BYTE(#k);
     mark_entered();
   END_IF;
 END_IF;";
 
-/// Time of step `k`, and the end of its events.
+/// Time of step `k`, and the end of its events. T and U are added to at the same time, unless one of them is at its end, or U stands still
+/// with LA and VA.
 const TICK: &str = "IF #RAW[#k].EVENTS <> BYTE#0 THEN
   expire();
   #RAW[#k].EVENTS := 0;
 END_IF;
-#elapsed := #RAW[#k].T + #passed;
+add_pair();
+IF #known AND (#RAW[#k].STATES AND BYTE#16#06) = BYTE#0 THEN
+  put_pair();
+ELSE
+  add_one_by_one();
+END_IF;";
+
+/// T and U of step `k`, one after the other.
+const ADD_ONE_BY_ONE: &str = "#elapsed := #RAW[#k].T + #passed;
 IF #elapsed < 0 THEN
   #elapsed := 2147483647;
 END_IF;
@@ -98,12 +108,12 @@ END_IF;
 IF has_display THEN
   IF #lowest = 0 OR #RAW[#k].SNO < #lowest THEN
     #lowest := #RAW[#k].SNO;
-    #lowest_at := #k;
+    #lowest_at := DINT_TO_INT(#k);
   END_IF;
   IF has_monitoring THEN
     IF (#G7S[#k].LA OR #G7S[#k].VA) AND (#lowest_faulty = 0 OR #RAW[#k].SNO < #lowest_faulty) THEN
       #lowest_faulty := #RAW[#k].SNO;
-      #lowest_faulty_at := #k;
+      #lowest_faulty_at := DINT_TO_INT(#k);
     END_IF;
     IF #G7S[#k].LA OR #G7S[#k].VA THEN
       #faults := #faults + 1;
@@ -118,7 +128,8 @@ END_IF;
 before();
 #now := TIME_TO_DINT(TIME_TCK());
 #passed := DWORD_TO_DINT(DINT_TO_DWORD(#now - #LAST) AND DWORD#16#7FFFFFFF);
-#LAST := #now;";
+#LAST := #now;
+make_pair();";
 
 /// Ends the events of step `k`, which the last call left.
 const END_STEP: &str = "IF #RAW[#k].EVENTS <> BYTE#0 THEN
@@ -129,8 +140,8 @@ forget();";
 
 /// The same for all of them.
 const END_OF_LEAVING: &str = "IF #S0X[0] > BYTE#1 THEN
-  FOR #i := 1 TO BYTE_TO_INT(#S0X[0]) - 1 DO
-    #k := BYTE_TO_INT(#S0X[#i]);
+  FOR #i := 1 TO BYTE_TO_DINT(#S0X[0]) - 1 DO
+    #k := BYTE_TO_DINT(#S0X[#i]);
     only_steps();
     end_step();
   END_FOR;
@@ -138,7 +149,7 @@ const END_OF_LEAVING: &str = "IF #S0X[0] > BYTE#1 THEN
 END_IF;";
 
 /// Continues a loop if `k` is not a position of a step.
-const ONLY_STEPS: &str = "IF DINT_TO_UDINT(INT_TO_DINT(#k) - 1) <= #last_step THEN ; ELSE CONTINUE; END_IF;";
+const ONLY_STEPS: &str = "IF DINT_TO_UDINT(#k - 1) <= #last_step THEN ; ELSE CONTINUE; END_IF;";
 
 /// Binds charts of GRAPH.
 pub struct ChartBinder<'b, 'a> {
@@ -290,6 +301,9 @@ impl ChartBinder<'_, '_> {
             requests: chart.steps.iter().flat_map(|step| &step.actions).any(|row| row.qualifier == Qualifier::Off),
             alone,
             several: alone && is_wide && !selection,
+            one_loop: alone && alone::is_independent(engine, &parts, &is_shared),
+            tame_actions: alone && alone::has_tame_actions(engine, &parts, &is_shared),
+            own_end: alone && alone::is_copyable(&parts.after) && !any(&DISPLAYS) && !transition_display,
         };
         let meaning = |name: &str| -> Meaning {
             match name {
@@ -301,7 +315,11 @@ impl ChartBinder<'_, '_> {
                 "has_transition_display" => Meaning::Bool(features.transition_display),
                 "has_several" => Meaning::Bool(features.several),
                 "has_alone" => Meaning::Bool(features.alone),
+                "has_one_loop" => Meaning::Bool(features.one_loop),
+                "has_tame_actions" => Meaning::Bool(features.tame_actions),
+                "has_own_end" => Meaning::Bool(features.own_end),
                 "short" | "done" if !features.alone => Meaning::Bool(false),
+                "ended" if !features.own_end => Meaning::Bool(false),
                 "has_safe_activation" => Meaning::Bool(features.safe_activation),
                 "steps" => Meaning::Number(chart.steps.len() as u64),
                 "last_step" => Meaning::Number(chart.steps.len() as u64 - 1),
@@ -320,9 +338,11 @@ impl ChartBinder<'_, '_> {
             .replace("begin();", BEGIN)
             .replace("end_of_leaving();", END_OF_LEAVING)
             .replace("end_step();", END_STEP)
+            .replace("finish();", FINISH)
             .replace("edges();", &parameters::edges(declared))
             .replace("monitor();", MONITOR)
             .replace("tick();", TICK)
+            .replace("add_one_by_one();", ADD_ONE_BY_ONE)
             .replace("note();", NOTE)
             .replace("only_steps();", ONLY_STEPS)
             .replace("switch_over();", SWITCH_OVER)

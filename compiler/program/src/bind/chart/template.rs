@@ -10,6 +10,8 @@ use crate::bind::trees::SYSTEM_FILE;
 pub const ENGINE: &str = include_str!("engine.scl");
 /// The short way of a call with one active step.
 pub const ALONE: &str = include_str!("alone.scl");
+/// The end of a call.
+pub const FINISH: &str = include_str!("finish.scl");
 /// Monitoring of a step.
 pub const MONITOR: &str = include_str!("monitor.scl");
 

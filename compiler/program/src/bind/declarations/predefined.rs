@@ -155,6 +155,39 @@ const STRUCTURES: &[Structure] = &[
         members: &[("REM_IP_ADDR", Bytes(4)), ("REM_PORT_NR", One(Elementary::Uint)), ("RESERVED", One(Elementary::Word))],
         default: &[],
     },
+    Structure {
+        name: "TDIAG_Status",
+        members: &[
+            ("InterfaceId", One(Elementary::Word)), ("ID", One(Elementary::Word)), ("ConnectionType", One(Elementary::Byte)),
+            ("ActiveEstablished", One(Elementary::Bool)), ("State", One(Elementary::Byte)), ("Kind", One(Elementary::Byte)),
+            ("SentBytes", One(Elementary::Udint)), ("ReceivedBytes", One(Elementary::Udint)),
+        ],
+        default: &[],
+    },
+    Structure {
+        name: "IM0_Version",
+        members: &[
+            ("Type", One(Elementary::Char)), ("Functional", One(Elementary::Usint)), ("Bugfix", One(Elementary::Usint)),
+            ("Internal", One(Elementary::Usint)),
+        ],
+        default: &[],
+    },
+    Structure {
+        name: "IM0_Data",
+        members: &[
+            ("Manufacturer_ID", One(Elementary::Uint)), ("Order_ID", Text(20)), ("Serial_Number", Text(16)),
+            ("Hardware_Revision", One(Elementary::Uint)), ("Software_Revision", Part::Structure("IM0_Version")),
+            ("Revision_Counter", One(Elementary::Uint)), ("Profile_ID", One(Elementary::Uint)),
+            ("Profile_Specific_Type", One(Elementary::Uint)), ("IM_Version", One(Elementary::Word)),
+            ("IM_Supported", One(Elementary::Word)),
+        ],
+        default: &[],
+    },
+    Structure {
+        name: "USS_BASE",
+        members: &[("Port", One(Elementary::Uint)), ("Baud", One(Elementary::Dint)), ("Drives", One(Elementary::Word))],
+        default: &[],
+    },
     Structure { name: "IP_V4", members: &[("ADDR", Bytes(4))], default: &[] },
     Structure {
         name: "TCON_IP_v4",

@@ -1,15 +1,55 @@
 //! The named addresses of the program, for the flags of its executable.
 
+use plcc_binding::report::known_type;
+use plcc_diag::{Code, Diagnostic};
 use plcc_model::Symbol;
 use plcc_model::layout;
-use plcc_model::types::DataType;
+use plcc_model::types::{DataType, Elementary};
 use plcc_syntax::ast::{Area, BlockPrefix, CellKind, Width};
 use plcc_syntax::symbols::SymbolTarget;
 
 use crate::bind::declarations::{Declarations, State};
 use crate::bind::globals::names::Global;
 
+/// Words of data types that are neither elementary nor names; also with a length or bounds after them.
+const OTHER_TYPES: [&str; 10] =
+    ["STRING", "WSTRING", "DATE_AND_TIME", "DT", "ARRAY", "STRUCT", "TIMER", "COUNTER", "POINTER", "ANY"];
+
 impl Declarations<'_> {
+    /// Warns about tags in memory whose data type nothing defines. In a part of a program, only of names that resemble a type of the CPU.
+    pub fn check_tag_types(&mut self) {
+        let input = self.globals.input;
+        for symbol in input.tables.iter().flat_map(|table| &table.symbols) {
+            let name = symbol.ty.trim().trim_matches('"');
+            let word = name.split(['[', ' ']).next().unwrap_or_default().to_ascii_uppercase();
+            let in_memory = matches!(symbol.target, SymbolTarget::Memory { .. });
+            if !in_memory
+                || word.is_empty()
+                || Some(symbol.span.file) == input.stand_ins
+                || Elementary::from_word(&name.to_ascii_uppercase()).is_some()
+                || OTHER_TYPES.contains(&word.as_str())
+                || self.type_block(name).is_some()
+                || self.predefined(name, symbol.span).is_some()
+            {
+                continue;
+            }
+            let meant = known_type(name);
+            if input.partial && meant.is_none() {
+                continue;
+            }
+            let title = format!("the data type `{name}` of the tag `{}` is not defined", symbol.name);
+            let help = match meant {
+                Some(ty) => format!("is `{ty}` meant?"),
+                None => "correct the type, or add the source that defines it".to_owned(),
+            };
+            self.globals.report.push(
+                Diagnostic::new(Code::SymbolTable, symbol.span, title)
+                    .label("only the width of the address counts")
+                    .help(help),
+            );
+        }
+    }
+
     /// Names of memory, timers, counters and DBs, sorted.
     pub fn symbols(&self) -> Vec<Symbol> {
         let mut symbols: Vec<Symbol> =

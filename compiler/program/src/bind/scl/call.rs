@@ -32,6 +32,9 @@ impl SclBinder<'_, '_> {
     pub fn call(&mut self, ctx: &mut SclBlock, node: &Node, statement: bool) -> Option<Value> {
         let NodeKind::Call { callee, arguments } = &node.kind else { return None };
         let wide = self.overload(ctx, callee, arguments).map(|key| Callee::Block { key, instance: None });
+        if self.cast(ctx, callee, arguments) {
+            return None;
+        }
         let Some(target) = wide.or_else(|| self.callee(ctx, callee)) else {
             self.note_arguments(ctx, arguments);
             return None;
@@ -43,6 +46,27 @@ impl SclBinder<'_, '_> {
             }
             Callee::Function(named) => self.function(ctx, &named, arguments, callee.span, node.span, statement),
         }
+    }
+
+    /// `INT(x)`, which other languages convert with, is reported.
+    fn cast(&mut self, ctx: &mut SclBlock, callee: &Node, given: &[Given]) -> bool {
+        let NodeKind::Name(name) = &callee.kind else { return false };
+        let Some(to) = plcc_syntax::Elementary::from_word(&name.text.to_ascii_uppercase()) else { return false };
+        let known = self.program.globals.names.symbols.contains_key(&fold(&name.text));
+        let [Given { name: None, value: Some(node), .. }] = given else { return false };
+        if name.form != NameForm::Bare || known || self.is_local(ctx, name) {
+            return false;
+        }
+        let text = self.program.globals.text(node.span);
+        let from = match self.value(ctx, node) {
+            Some(Value::Elementary(expr)) => expr.ty.name().to_owned() + "_",
+            Some(_) => String::new(),
+            None => return true,
+        };
+        let title = format!("`{}` is a data type, not a function", name.text);
+        let help = format!("write `{from}TO_{}({text})`", to.name());
+        self.refuse(Code::ForeignForm, name.span, &title, "a form of other languages", &help);
+        true
     }
 
     /// A call of a block with its arguments.
@@ -447,13 +471,22 @@ impl SclBinder<'_, '_> {
                 self.program.report(
                     Diagnostic::new(Code::OperandKind, node.span, format!("`{text}` cannot be called"))
                         .label(format!("a variable of type {name}"))
-                        .help(
-                            "a call needs a function, a data block of a function block, or a variable whose type is a function block",
-                        ),
+                        .help(match (&access.ty, self.in_parentheses(node.span)) {
+                            (DataType::Array(_), Some(index)) => format!("an element is `{text}[{index}]`"),
+                            _ => "a call needs a function, a data block of a function block, or a variable whose type is a function block".to_owned(),
+                        }),
                 );
                 None
             }
         }
+    }
+
+    /// The text in the parentheses after `span`, on its line.
+    fn in_parentheses(&self, span: Span) -> Option<String> {
+        let (_, file) = self.program.globals.input.sources.files().nth(span.file.0 as usize)?;
+        let rest = file.text.get(span.end as usize..)?.trim_start().strip_prefix('(')?;
+        let inner = rest.lines().next()?.split(')').next()?.trim();
+        Some(inner.to_owned()).filter(|inner| !inner.is_empty())
     }
 
     fn no_callee(&mut self, span: Span) -> Option<Callee> {

@@ -9,6 +9,7 @@ use plcc_diag::Span;
 use plcc_syntax::Elementary;
 use plcc_syntax::scl::ast::Argument as Given;
 
+use super::naming::Naming;
 use super::value::Value;
 use super::variant::Question;
 use super::{convert, text};
@@ -46,6 +47,8 @@ pub enum Kind {
     CountOfElements,
     /// TypeOf, TypeOfElements, IS_ARRAY.
     Type(Question),
+    /// GetBlockName, GetInstanceName, GetInstancePath.
+    Naming(Naming),
     Timer(TimerKind),
     /// S_CU, S_CD, S_CUD.
     Counter,
@@ -190,6 +193,13 @@ pub const FUNCTIONS: &[Row] = &[
     row("T_CONV", "IN", Kind::Identity),
 ];
 
+/// Functions about the block in which they are called.
+pub const NAMING: &[Row] = &[
+    row("GetBlockName", "SIZE", Kind::Naming(Naming::Block)),
+    row("GetInstanceName", "SIZE", Kind::Naming(Naming::Instance)),
+    row("GetInstancePath", "SIZE", Kind::Naming(Naming::Path)),
+];
+
 /// A function that a name means.
 #[derive(Clone, Debug)]
 pub enum Named {
@@ -238,12 +248,12 @@ impl Named {
 }
 
 fn find_row(upper: &str) -> Option<&'static Row> {
-    FUNCTIONS.iter().find(|row| row.name.eq_ignore_ascii_case(upper))
+    FUNCTIONS.iter().chain(NAMING).find(|row| row.name.eq_ignore_ascii_case(upper))
 }
 
 /// Names of the functions, for messages.
 pub fn names() -> impl Iterator<Item = &'static str> {
-    FUNCTIONS.iter().map(|row| row.name)
+    FUNCTIONS.iter().chain(NAMING).map(|row| row.name)
 }
 
 impl SclBinder<'_, '_> {
@@ -285,6 +295,7 @@ impl SclBinder<'_, '_> {
             Kind::Bound { upper } => self.bound_function(ctx, upper, &pins, span),
             Kind::CountOfElements => self.count_of_elements(ctx, &pins, span),
             Kind::Type(question) => self.type_question(ctx, question, &pins, span),
+            Kind::Naming(naming) => self.naming_function(ctx, naming, &pins, span),
             Kind::Timer(kind) => self.timer_function(ctx, kind, &pins, span),
             Kind::Counter => self.counter_function(ctx, &pins, span),
             Kind::Peek { bit } => self.peek(ctx, suffix, bit, &pins, span),

@@ -31,6 +31,7 @@ mod iec_timer;
 mod indexed;
 mod memory;
 pub(in crate::bind) mod message;
+pub(in crate::bind) mod naming;
 mod number;
 pub(in crate::bind) mod numeric;
 mod pins;

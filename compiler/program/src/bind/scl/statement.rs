@@ -102,7 +102,7 @@ impl SclBinder<'_, '_> {
 
     /// `RETURN 5;` as other languages write it, which is reported: SCL assigns the value of a function to its name.
     fn returns_value(&mut self, ctx: &mut SclBlock, value: &Node) -> bool {
-        if !matches!(value.kind, NodeKind::Literal(Literal::Integer { .. } | Literal::Real(_) | Literal::Text { .. })) {
+        if !self.is_result(ctx, value) {
             return false;
         }
         let text = self.program.globals.text(value.span);
@@ -116,6 +116,20 @@ impl SclBinder<'_, '_> {
         };
         self.refuse(Code::ForeignForm, value.span, "RETURN takes no value", "a form of other languages", &help);
         true
+    }
+
+    /// Whether what follows RETURN is a value of another type than BOOL, which would be a condition.
+    fn is_result(&mut self, ctx: &mut SclBlock, node: &Node) -> bool {
+        match &node.kind {
+            NodeKind::Literal(Literal::Integer { .. } | Literal::Real(_) | Literal::Text { .. }) => true,
+            NodeKind::Name(_) | NodeKind::Member { .. } | NodeKind::Index { .. } => {
+                let told = self.program.globals.report.diagnostics.len();
+                let access = self.access(ctx, node, super::Intent::Read);
+                self.program.globals.report.diagnostics.truncate(told);
+                access.is_some_and(|access| access.elementary() != Some(plcc_syntax::Elementary::Bool))
+            }
+            _ => false,
+        }
     }
 
     /// A condition: BOOL only.

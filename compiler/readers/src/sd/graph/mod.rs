@@ -121,6 +121,21 @@ impl Builder<'_, '_> {
                         self.lead(&mut carried, span, items.peek());
                     }
                 }
+                Item::Operand(span) if is_operand(items.peek()) && elements::find_sd(self.slice(span)).is_some() => {
+                    let element = self.slice(span).to_owned();
+                    let Some(Item::Operand(operand)) = items.next() else { continue };
+                    let help = format!("write `{element}( {} )`", self.slice(operand));
+                    self.report(
+                        Diagnostic::new(
+                            Code::Syntax,
+                            span,
+                            format!("the operand of `{element}` is written in parentheses"),
+                        )
+                        .label("an element")
+                        .help(help),
+                    );
+                    carried.flow = Flow::Lost;
+                }
                 Item::Operand(span) => {
                     self.report(
                         Diagnostic::new(
@@ -366,4 +381,8 @@ impl Builder<'_, '_> {
     fn report(&mut self, diagnostic: Diagnostic) {
         self.diagnostics.push(diagnostic);
     }
+}
+
+fn is_operand(item: Option<&Item>) -> bool {
+    matches!(item, Some(Item::Operand(_)))
 }

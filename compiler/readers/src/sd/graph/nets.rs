@@ -127,8 +127,23 @@ impl Builder<'_, '_> {
             .map(|known| self.graph.net(known.net).name.clone())
             .chain([RAIL.to_owned()])
             .collect();
+        let only_unused = self.renamed_wire(&wires);
         for known in wires {
             let name = self.graph.net(known.net).name.clone();
+            if let Some((unfed, unused, idle, meant)) = &only_unused
+                && [*unfed, *unused].contains(&known.net)
+            {
+                if let Some(used) = known.used {
+                    self.report(
+                        Diagnostic::new(Code::NoSource, used, format!("nothing feeds `wire#{name}`"))
+                            .label("used here")
+                            .also(*idle, format!("`wire#{meant}` ends here, and nothing uses it"))
+                            .help(format!("is `wire#{meant}` meant?")),
+                    );
+                }
+                self.keep_sources(known);
+                continue;
+            }
             if let (Some(used), []) = (known.used, known.fed.as_slice()) {
                 self.report(
                     Diagnostic::new(Code::NoSource, used, format!("nothing feeds `wire#{name}`"))
@@ -143,9 +158,9 @@ impl Builder<'_, '_> {
                 );
             }
             if known.used.is_none() {
-                for idle in known.idle {
+                for idle in &known.idle {
                     self.report(
-                        Diagnostic::new(Code::OpenBranch, idle, format!("nothing uses `wire#{name}`"))
+                        Diagnostic::new(Code::OpenBranch, *idle, format!("nothing uses `wire#{name}`"))
                             .label("the rung is connected to nothing")
                             .help("connect the wire to an element, or end the rung with a coil"),
                     );
@@ -161,9 +176,25 @@ impl Builder<'_, '_> {
                         .help("FBD joins branches with `O( in2 := … )`"),
                 );
             }
-            let sources = &mut self.graph.nets[known.net.0 as usize].sources;
-            sources.extend(known.inline);
-            sources.extend(known.ends);
+            self.keep_sources(known);
         }
+    }
+
+    fn keep_sources(&mut self, known: Known) {
+        let sources = &mut self.graph.nets[known.net.0 as usize].sources;
+        sources.extend(known.inline);
+        sources.extend(known.ends);
+    }
+
+    /// The only wire without a source, the only one without a use, where that ends, and its name: most likely they are one wire.
+    fn renamed_wire(&self, wires: &[Known]) -> Option<(NetId, NetId, Span, String)> {
+        let only = |is: fn(&Known) -> bool| {
+            let mut found = wires.iter().filter(|known| is(known));
+            found.next().filter(|_| found.next().is_none())
+        };
+        let unfed = only(|known| known.used.is_some() && known.fed.is_empty())?;
+        let unused = only(|known| known.used.is_none() && !known.idle.is_empty())?;
+        let name = self.graph.net(unused.net).name.clone();
+        Some((unfed.net, unused.net, *unused.idle.first()?, name))
     }
 }

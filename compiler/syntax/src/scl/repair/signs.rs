@@ -41,7 +41,14 @@ impl Repair<'_> {
     }
 
     /// The operator of `count` tokens is `sign` in SCL.
-    fn operator(&mut self, count: usize, kind: RawKind, keyword: Option<Keyword>, sign: &str, title: &str) -> bool {
+    pub(super) fn operator(
+        &mut self,
+        count: usize,
+        kind: RawKind,
+        keyword: Option<Keyword>,
+        sign: &str,
+        title: &str,
+    ) -> bool {
         let at = self.at;
         let (left, right) = self.sides(at, at + count);
         let help = format!("write `{left} {sign} {right}`");

@@ -73,6 +73,9 @@ impl Repair<'_> {
     /// A word at the beginning of a statement.
     fn first_word(&mut self, token: RawToken, word: &str) -> bool {
         let at = self.at;
+        if word.eq_ignore_ascii_case("BREAK") && self.end_of_branch() {
+            return true;
+        }
         let next = self.token(at + 1);
         let beside = self.beside(at + 1);
         if word.eq_ignore_ascii_case("END") && self.end_in_two_words(beside) {
@@ -103,6 +106,9 @@ impl Repair<'_> {
             let at_line_end = !matches!(next.kind, RawKind::Assign | RawKind::Dot | RawKind::LeftBracket);
             return at_line_end && self.last_word(word);
         }
+        if begins_operand(next) && self.switch_in_words(word) {
+            return true;
+        }
         // `FC 7`
         if !begins_operand(next) || address::block_prefix(word).is_some() && next.kind == RawKind::Number {
             return false;
@@ -124,6 +130,52 @@ impl Repair<'_> {
             &[Keyword::If, Keyword::Case, Keyword::For, Keyword::While, Keyword::Repeat, Keyword::Goto]
         };
         self.take_slip(word, starts)
+    }
+
+    /// `BREAK;` at the end of a branch of CASE, outside of a loop.
+    fn end_of_branch(&mut self) -> bool {
+        let is_loop = |keyword| matches!(keyword, Keyword::For | Keyword::While | Keyword::Repeat);
+        let inner = self.open.iter().rev().find(|open| open.keyword == Keyword::Case || is_loop(open.keyword));
+        if inner.is_none_or(|open| open.keyword != Keyword::Case) {
+            return false;
+        }
+        let has_end = self.kind(self.at + 1) == Some(RawKind::Semicolon);
+        // A block may have this name.
+        if !has_end && self.beside(self.at + 1).is_some() {
+            return false;
+        }
+        let after = if has_end { self.at + 2 } else { self.at + 1 };
+        let word = self.words(self.at, after - 1).to_owned();
+        let title = "a branch of CASE ends before the next value".to_owned();
+        self.report(self.at, self.at + 1, title, "a form of other languages", format!("remove `{word}`"));
+        // The branch may have no other statement.
+        self.replace(self.at, after, RawKind::Semicolon, None);
+        true
+    }
+
+    /// `SWITCH x … END_SWITCH`
+    fn switch_in_words(&mut self, word: &str) -> bool {
+        if !["SWITCH", "SELECT"].iter().any(|known| known.eq_ignore_ascii_case(word)) {
+            return false;
+        }
+        let last = (self.at + 1..self.tokens.len()).take_while(|index| !self.tokens[*index].first_on_line).last();
+        let head = last.unwrap_or(self.at);
+        let value = self.words(self.at + 1, head).trim_end_matches([';', ':']).trim();
+        let value = value.strip_prefix("CASE ").or_else(|| value.strip_prefix("case ")).unwrap_or(value).to_owned();
+        let ends = |token: &RawToken| {
+            let text = self.slice(*token).to_ascii_uppercase().replace('_', "");
+            matches!(text.as_str(), "ENDSWITCH" | "ENDSELECT" | "ENDCASE")
+        };
+        let leaves = |token: &RawToken| token.keyword.is_some_and(Keyword::ends_block);
+        let rest = &self.tokens[self.at..];
+        let Some(end) = rest.iter().position(|token| ends(token) || leaves(token)) else { return false };
+        let end = self.at + end;
+        let after = if leaves(&self.tokens[end]) { end } else { end + 1 };
+        let help = format!("write `CASE {value} OF 1: … ELSE … END_CASE;`");
+        let title = format!("SCL chooses with CASE, not with `{word}`");
+        self.report(self.at, head + 1, title, "a form of other languages", help);
+        self.give_up(after);
+        true
     }
 
     /// `END IF`, and `END` alone.
@@ -196,6 +248,13 @@ impl Repair<'_> {
             .is_some_and(|next| begins_operand(next) || matches!(next.kind, RawKind::LeftParen | RawKind::Minus));
         if !before_operand {
             return false;
+        }
+        if after_operand && word.eq_ignore_ascii_case("IS") {
+            let is_not = self.keyword(self.at + 1) == Some(Keyword::Not);
+            return match is_not {
+                true => self.operator(2, RawKind::NotEqual, None, "<>", "not equal is `<>`"),
+                false => self.operator(1, RawKind::Equal, None, "=", "values are compared with `=`"),
+            };
         }
         if after_operand {
             return self.take_slip(word, &[Keyword::And, Keyword::Or, Keyword::Xor, Keyword::Mod, Keyword::Div]);

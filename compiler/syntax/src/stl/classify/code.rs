@@ -285,11 +285,14 @@ impl<'a> Classifier<'a, '_> {
             return false;
         }
         match self.kind_at(index) {
-            // `5s` is meant as a time.
+            // `5s` is meant as a time, `0xFF` as a number.
             Some(RawKind::Word)
                 if index > 0 && self.kind_at(index - 1) == Some(RawKind::Number) && self.adjacent(index - 1) =>
             {
-                !["MS", "S", "M", "H", "D"].contains(&self.upper(index).as_str())
+                let word = self.upper(index);
+                let digits = word.as_str().strip_prefix('X').filter(|_| self.slice(self.raw[index - 1]) == "0");
+                let is_number = digits.is_some_and(|digits| digits.bytes().all(|digit| digit.is_ascii_hexdigit()));
+                !is_number && !["MS", "S", "M", "H", "D"].contains(&word.as_str())
             }
             Some(RawKind::Word) => {
                 let next = self.kind_at(index + 1);

@@ -139,17 +139,31 @@ impl Classifier<'_, '_> {
             _ => {
                 let compares = matches!(slice, ">" | "<" | ">=" | "<=" | "==" | "<>");
                 let message = Diagnostic::new(Code::Syntax, span, format!("`{slice}` cannot begin a statement"));
-                self.report(match compares {
-                    true => message
+                self.report(match slice {
+                    _ if compares => message
                         .label("the type of the values is missing")
                         .help(format!("write `{slice}I` for INT, `{slice}D` for DINT or `{slice}R` for REAL")),
-                    false => message
+                    ":=" => {
+                        let operand = self.rest_of_statement(index + 1);
+                        message
+                            .label("assigns in calls and declarations")
+                            .help(format!("write `= {operand}` for a bit, `T {operand}` for a value"))
+                    }
+                    _ => message
                         .label("an instruction is expected here")
                         .help("a statement is a mnemonic and its operand, e.g. `L MW 10`"),
                 });
                 self.bad_statement();
             }
         }
+    }
+
+    /// The text from the token at `index` to the end of its statement or line.
+    fn rest_of_statement(&self, index: usize) -> &str {
+        let rest = self.raw.get(index..).unwrap_or_default();
+        let tokens = rest.iter().take_while(|token| !token.first_on_line && token.kind != RawKind::Semicolon);
+        let Some(last) = tokens.last() else { return "..." };
+        self.text.get(rest[0].start as usize..last.end as usize).unwrap_or_default()
     }
 
     /// Skips declarations in code, up to END_VAR.

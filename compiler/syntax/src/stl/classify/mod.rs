@@ -246,6 +246,22 @@ impl<'a> Classifier<'a, '_> {
             RawKind::UnterminatedQuoted => front::unterminated_name(span, "symbol"),
             RawKind::Stray => {
                 let language = "STL outside texts and comments";
+                let digits =
+                    self.raw.get(self.at + 1).filter(|next| next.start == token.end).map(|next| self.slice(*next));
+                let digits = digits.filter(|digits| slice == "$" && (1..=8).contains(&digits.len()));
+                if let Some(digits) = digits.filter(|digits| digits.bytes().all(|digit| digit.is_ascii_hexdigit())) {
+                    let prefix = match digits.len() {
+                        1 | 2 => "B#16#",
+                        3 | 4 => "W#16#",
+                        _ => "DW#16#",
+                    };
+                    self.report(
+                        Diagnostic::new(Code::ForeignForm, span, "a hexadecimal number begins with `16#`")
+                            .label("not a constant of STL")
+                            .help(format!("write `{prefix}{digits}`")),
+                    );
+                    return self.skip_stray();
+                }
                 front::stray_characters(span, slice, "statement", language, &front::stray_help(slice, "symbol"))
             }
             _ => Diagnostic::new(Code::Syntax, span, format!("`{slice}` cannot stand here"))
@@ -253,6 +269,12 @@ impl<'a> Classifier<'a, '_> {
                 .help("an operand is an address (`M 10.0`), a name (`#name`, `\"symbol\"`) or a constant"),
         };
         self.report(diagnostic);
+        self.skip_stray();
+    }
+
+    /// Takes the token, and after a character without a meaning the rest of its statement, as an operand that was reported.
+    fn skip_stray(&mut self) {
+        let token = self.raw[self.at];
         self.take(Tok::BadOperand);
         if token.kind == RawKind::Stray {
             // Text after a character without a meaning has no meaning either.

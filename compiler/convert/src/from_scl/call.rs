@@ -1,0 +1,370 @@
+//! Calls of blocks. Source: SCL reference, calls; STL reference, CALL.
+
+use plcc_abi::image::{BlockKind, Family};
+use plcc_diag::Span;
+use plcc_model::scl::{Access, Actual, Argument, Base, Call, Complex, Expr, ExprKind, Instance};
+use plcc_model::types::{DataType, Elementary, ParameterType};
+use plcc_model::{Body, CodeBlock, Direction, Number, Parameter, Place};
+use plcc_syntax::ast::{self, BlockName, BlockPrefix, CellKind, Operand, OperandKind, Path, PathRoot, StatusOperand};
+use plcc_syntax::literal::Literal;
+use plcc_syntax::stl::StlInsn;
+
+use super::Maker;
+
+/// Blocks of the library with higher numbers have them from plcc.
+const SYSTEM_NUMBER_MAX: u16 = 999;
+
+/// What an output of the call is copied to after it.
+struct Back<'m> {
+    access: &'m Access,
+    from: Operand,
+    formal: Elementary,
+    conversion: Option<plcc_model::scl::Conversion>,
+}
+
+impl Maker<'_> {
+    /// The statements of a call; returns the variable with its result, if it has one.
+    pub fn call(&mut self, call: &Call) -> Option<Operand> {
+        let program = self.program;
+        let callee = program.block(call.target)?;
+        let result_of = callee
+            .interface
+            .parameters
+            .iter()
+            .position(|formal| formal.direction == Direction::Output && formal.name == "RET_VAL");
+        let supplied = |index: usize| call.arguments.iter().any(|argument| argument.parameter == index);
+        let result_index = result_of.filter(|index| !supplied(*index));
+        let result = match result_index.map(|index| &callee.interface.parameters[index].ty) {
+            None => None,
+            Some(DataType::Elementary(ty)) => Some((self.temporary(*ty), *ty)),
+            Some(_) => {
+                self.refuse(call.span, "a function whose result is not elementary", "give it an output instead");
+                return None;
+            }
+        };
+        let skip = call.enable.as_ref().map(|enable| self.enable(enable, &result, call));
+        let mut backs = Vec::new();
+        let mut parameters = Vec::new();
+        for argument in &call.arguments {
+            let formal = &callee.interface.parameters[argument.parameter];
+            let actual = self.actual(call, callee, formal, argument, &mut backs);
+            if self.refused {
+                return result.map(|(operand, _)| operand);
+            }
+            parameters.push((argument.parameter, formal.name.clone(), actual));
+        }
+        if let (Some(index), Some((operand, _))) = (result_index, &result) {
+            parameters.push((index, "RET_VAL".to_string(), Some(operand.clone())));
+        }
+        parameters.sort_by_key(|(index, _, _)| *index);
+        let parameters = parameters
+            .into_iter()
+            .map(|(_, name, actual)| ast::Parameter { name, name_span: self.span, actual })
+            .collect();
+        let (target, instance) = self.callee(call, callee)?;
+        self.push_kind(ast::StatementKind::Call(ast::Call { target, instance, parameters }));
+        self.note_eno(call);
+        for back in backs {
+            self.take_back(&back);
+        }
+        if let Some(skip) = skip {
+            self.label(&skip, self.span.start);
+            self.close_labels();
+        }
+        result.map(|(operand, _)| operand)
+    }
+
+    /// EN: without it the call is skipped, its result and ENO are 0. Returns the label after the call.
+    fn enable(&mut self, enable: &Expr, result: &Option<(Operand, Elementary)>, call: &Call) -> String {
+        let (label, run) = (self.new_label(), self.new_label());
+        self.condition(enable);
+        self.jump(StlInsn::JumpIf, &run);
+        if let Some((operand, ty)) = result {
+            let zero = self.constant(*ty, 0);
+            match ty {
+                Elementary::Bool => {
+                    self.push(StlInsn::ClearRlo, None);
+                    self.push(StlInsn::Assign, Some(operand.clone()));
+                }
+                _ => {
+                    self.push(StlInsn::Load, Some(zero));
+                    self.push(StlInsn::Transfer, Some(operand.clone()));
+                }
+            }
+        }
+        let eno = call.eno.as_ref().and_then(|access| self.target(access, true));
+        let eno = eno.map(|target| self.reach(&target, Elementary::Bool));
+        for target in eno.into_iter().chain(self.last_eno.clone()) {
+            self.push(StlInsn::ClearRlo, None);
+            self.push(StlInsn::Assign, Some(target));
+        }
+        self.jump(StlInsn::Jump, &label);
+        self.label(&run, self.span.start);
+        label
+    }
+
+    /// ENO of the callee is the BR.
+    fn note_eno(&mut self, call: &Call) {
+        let br = Operand { kind: OperandKind::Status(StatusOperand::Br), span: self.span };
+        if let Some(access) = &call.eno
+            && let Some(target) = self.target(access, true)
+        {
+            self.push(StlInsn::And, Some(br.clone()));
+            let operand = self.reach(&target, Elementary::Bool);
+            self.push(StlInsn::Assign, Some(operand));
+        }
+        if let Some(last) = self.last_eno.clone() {
+            self.push(StlInsn::And, Some(br));
+            self.push(StlInsn::Assign, Some(last));
+        }
+    }
+
+    fn take_back(&mut self, back: &Back) {
+        let to = back.access.elementary().unwrap_or(back.formal);
+        let is_bool = [back.formal, to].contains(&Elementary::Bool);
+        let Some(conversion) = back.conversion else {
+            let Some(target) = self.target(back.access, true) else { return };
+            let operand = self.reach(&target, to);
+            return self.load_and_store(to, back.from.clone(), operand);
+        };
+        if is_bool {
+            return self.refuse(back.access.span, "this conversion of an output", "use a variable of its type");
+        }
+        self.push(StlInsn::Load, Some(back.from.clone()));
+        self.convert_loaded(conversion, back.formal, to, back.access.span);
+        let stored = self.keep(to);
+        let Some(target) = self.target(back.access, true) else { return };
+        let operand = self.reach(&target, to);
+        self.load_and_store(to, stored, operand);
+    }
+
+    /// `FC 1`, `"Motor"`; `FB 1, DB 5`; `#motor`.
+    fn callee(&mut self, call: &Call, callee: &CodeBlock) -> Option<(Operand, Option<Operand>)> {
+        let here = self.span;
+        if !self.has_name_in_stl(call, callee) {
+            let what = format!("a call of `{}`, whose name may mean another block there", callee.name);
+            self.refuse(call.span, what, "call it in a block of SCL");
+            return None;
+        }
+        if let Some(Instance::Variable(access)) = &call.instance {
+            if !self.is_direct(access) || !matches!(access.base, Base::Place(Place::Instance { .. })) {
+                let help = "declare the instance as static data of the block";
+                self.refuse(access.span, "a call of this instance", help);
+                return None;
+            }
+            return self.operand(access).map(|operand| (operand, None));
+        }
+        let prefix = match callee.kind {
+            BlockKind::Fc => BlockPrefix::Fc,
+            BlockKind::Fb => BlockPrefix::Fb,
+            BlockKind::Sfc => BlockPrefix::Sfc,
+            BlockKind::Sfb => BlockPrefix::Sfb,
+            BlockKind::Ob | BlockKind::Db | BlockKind::Sbr | BlockKind::Int => {
+                self.refuse(call.span, "a call of this block", "call an FC or FB");
+                return None;
+            }
+        };
+        let is_system = matches!(prefix, BlockPrefix::Sfc | BlockPrefix::Sfb);
+        let kind = match is_system || callee.name.is_empty() {
+            true => {
+                let number = u32::from(callee.number);
+                OperandKind::Block(BlockName::Numbered { prefix, number, span: here })
+            }
+            false => {
+                let root = PathRoot::Quoted { name: callee.name.clone(), span: here };
+                OperandKind::Path(Path { root, parts: Vec::new(), span: here })
+            }
+        };
+        let instance = match &call.instance {
+            Some(Instance::Db(number)) => {
+                let kind = OperandKind::Block(self.db_name(*number, call.span));
+                Some(Operand { kind, span: here })
+            }
+            Some(Instance::Variable(_)) | None => None,
+        };
+        Some((Operand { kind, span: here }, instance))
+    }
+
+    /// A statement list that names the block or the instance calls the same: the type of the instance is that of the block, and names of
+    /// the library mean the same in both languages.
+    fn has_name_in_stl(&self, call: &Call, callee: &CodeBlock) -> bool {
+        let key = callee.key();
+        let is_own = match &call.instance {
+            None => true,
+            Some(Instance::Db(number)) => self.program.db(*number).is_some_and(|db| db.instance_of == Some(key)),
+            Some(Instance::Variable(access)) => {
+                let wanted = Some((key.kind == BlockKind::Sfb, key.number));
+                matches!(&access.ty, DataType::Struct(structure) if structure.instance_of == wanted)
+            }
+        };
+        let is_classic = matches!(self.program.profile.family, Family::S7300 | Family::S7400) && !self.is_portal;
+        is_own && (!callee.library || (callee.number <= SYSTEM_NUMBER_MAX && (is_classic || call.instance.is_none())))
+    }
+
+    // Actual parameters.
+
+    fn actual<'m>(
+        &mut self,
+        call: &Call,
+        callee: &CodeBlock,
+        formal: &Parameter,
+        argument: &'m Argument,
+        backs: &mut Vec<Back<'m>>,
+    ) -> Option<Operand> {
+        match &argument.actual {
+            Actual::Value(value) => Some(self.input_value(call, callee, value)),
+            Actual::Variable { access, back } => {
+                let DataType::Elementary(ty) = formal.ty else { return self.no_actual(argument.span) };
+                if back.is_none() && self.is_direct(access) {
+                    let named = self.named(access)?;
+                    if named.exact && access.elementary() == Some(ty) {
+                        return Some(named.operand);
+                    }
+                }
+                let from = self.temporary(ty);
+                if formal.direction == Direction::InOut || !matches!(callee.kind, BlockKind::Fb | BlockKind::Sfb) {
+                    self.preload(access, ty, &from);
+                }
+                backs.push(Back { access, from: from.clone(), formal: ty, conversion: *back });
+                Some(from)
+            }
+            Actual::Complex(Complex::Variable(access)) | Actual::Reference(access) => {
+                if !self.is_direct(access) || matches!(formal.ty, DataType::OpenArray(_)) {
+                    return self.no_actual(argument.span);
+                }
+                self.operand(access)
+            }
+            Actual::Number(number) => self.number_actual(formal, number, argument.span),
+            Actual::PointerBytes(bytes) => match bytes[..] {
+                [a, b, c, d, e, f, g, h, i, j] => {
+                    let kind = OperandKind::Literal(Literal::Any([a, b, c, d, e, f, g, h, i, j]));
+                    Some(Operand { kind, span: self.span })
+                }
+                [db_high, db_low, a, b, c, d] => {
+                    let (db, pointer) = (u16::from_be_bytes([db_high, db_low]), u32::from_be_bytes([a, b, c, d]));
+                    let kind = OperandKind::Literal(Literal::AreaPointer { db, pointer });
+                    Some(Operand { kind, span: self.span })
+                }
+                _ => self.no_actual(argument.span),
+            },
+            Actual::PointerTo { access, .. } | Actual::PointerCopy(access) if self.is_direct(access) => {
+                self.operand(access)
+            }
+            Actual::PointerToValue { value, .. } => {
+                match value.ty {
+                    Elementary::Bool => self.condition(value),
+                    _ => self.number(value),
+                }
+                Some(self.keep(value.ty))
+            }
+            Actual::Dropped => match (&formal.ty, callee.kind) {
+                (DataType::Elementary(ty), BlockKind::Fc | BlockKind::Sfc) => Some(self.temporary(*ty)),
+                _ => None,
+            },
+            Actual::Complex(_)
+            | Actual::PointerTo { .. }
+            | Actual::PointerCopy(_)
+            | Actual::PointerToComplex { .. }
+            | Actual::Variant(..) => self.no_actual(argument.span),
+        }
+    }
+
+    fn no_actual(&mut self, span: Span) -> Option<Operand> {
+        self.refuse(span, "this actual parameter", "store the value in a variable and pass that");
+        None
+    }
+
+    /// An input: a variable or constant itself, if the callee gets the value that it has at the call.
+    fn input_value(&mut self, call: &Call, callee: &CodeBlock, value: &Expr) -> Operand {
+        if !self.has_type(value) {
+            return self.constant(value.ty, 0);
+        }
+        match &value.kind {
+            ExprKind::Const(bits) if value.ty != Elementary::Real || f32::from_bits(*bits as u32).is_finite() => {
+                return self.constant(value.ty, *bits);
+            }
+            ExprKind::Load(access) if self.is_direct(access) && self.stays(call, callee, access) => {
+                if let Some(named) = self.named(access)
+                    && named.exact
+                {
+                    return named.operand;
+                }
+            }
+            _ => {}
+        }
+        match value.ty {
+            Elementary::Bool => self.condition(value),
+            _ => self.number(value),
+        }
+        self.keep(value.ty)
+    }
+
+    /// Neither the callee nor another argument changes the variable before the callee reads it.
+    fn stays(&self, call: &Call, callee: &CodeBlock, access: &Access) -> bool {
+        let mut values = call.arguments.iter().filter_map(|argument| match &argument.actual {
+            Actual::Value(value) => Some(value),
+            _ => None,
+        });
+        if !values.all(super::value::is_plain) {
+            return false;
+        }
+        match (callee.kind, &callee.body) {
+            // They get copies.
+            (BlockKind::Fb | BlockKind::Sfb | BlockKind::Sfc, _) | (_, Body::Scl(_) | Body::Runtime) => true,
+            // An FC gets a reference, and may write to the same variable by another one.
+            (
+                BlockKind::Ob | BlockKind::Db | BlockKind::Fc | BlockKind::Sbr | BlockKind::Int,
+                Body::Stl(_) | Body::S7200(_),
+            ) => {
+                let writes = |argument: &Argument| match &argument.actual {
+                    Actual::Variable { access: other, .. } | Actual::Reference(other) => may_overlap(other, access),
+                    _ => false,
+                };
+                matches!(access.base, Base::Place(Place::L { .. })) && !call.arguments.iter().any(writes)
+            }
+        }
+    }
+
+    /// The value that an output has before the call.
+    fn preload(&mut self, access: &Access, ty: Elementary, to: &Operand) {
+        if access.elementary() != Some(ty) {
+            return;
+        }
+        let Some(target) = self.target(access, true) else { return };
+        let operand = self.reach(&target, ty);
+        self.load_and_store(ty, operand, to.clone());
+    }
+
+    fn number_actual(&mut self, formal: &Parameter, number: &Number, span: Span) -> Option<Operand> {
+        let DataType::Parameter(kind) = formal.ty else { return self.no_actual(span) };
+        let prefix = match kind {
+            ParameterType::Timer => return self.cell(CellKind::Timer, number, span),
+            ParameterType::Counter => return self.cell(CellKind::Counter, number, span),
+            ParameterType::BlockFb => BlockPrefix::Fb,
+            ParameterType::BlockFc => BlockPrefix::Fc,
+            ParameterType::BlockDb => BlockPrefix::Db,
+            ParameterType::BlockSdb | ParameterType::Pointer | ParameterType::Any | ParameterType::Variant => {
+                return self.no_actual(span);
+            }
+        };
+        let kind = match number {
+            Number::Known(number) if prefix == BlockPrefix::Db => OperandKind::Block(self.db_name(*number, span)),
+            Number::Known(number) => {
+                OperandKind::Block(BlockName::Numbered { prefix, number: u32::from(*number), span: self.span })
+            }
+            Number::Parameter(parameter) => return Some(self.parameter(*parameter)),
+            Number::Word(_) => return self.no_actual(span),
+        };
+        Some(Operand { kind, span: self.span })
+    }
+}
+
+/// Two variables may share memory.
+fn may_overlap(a: &Access, b: &Access) -> bool {
+    match (&a.base, &b.base) {
+        (Base::Place(Place::L { byte: first, .. }), Base::Place(Place::L { byte: second, .. })) => {
+            !a.indices.is_empty() || !b.indices.is_empty() || first.abs_diff(*second) < 4
+        }
+        _ => true,
+    }
+}

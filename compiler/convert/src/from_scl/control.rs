@@ -1,0 +1,326 @@
+//! Statements: assignments, branches, loops and jumps.
+
+use plcc_model::scl::{Access, Arm, CompareOp, Complex, Expr, ExprKind, Statement, StatementKind};
+use plcc_model::types::Elementary;
+use plcc_syntax::ast::{self, BlockName, BlockPrefix, Operand, OperandKind};
+use plcc_syntax::stl::StlInsn;
+
+use super::Maker;
+use super::code::number;
+
+/// A loop around the current statement.
+pub struct Loop {
+    exit: String,
+    next: String,
+}
+
+/// BLKMOV.
+const BLOCK_MOVE: u32 = 20;
+
+impl Maker<'_> {
+    fn statements(&mut self, list: &[Statement]) {
+        for statement in list {
+            self.span = statement.span;
+            self.statement(statement);
+        }
+    }
+
+    pub fn statement(&mut self, statement: &Statement) {
+        let mark = self.mark();
+        self.refused = false;
+        match &statement.kind {
+            StatementKind::Assign { target, value } => self.assign(target, value),
+            StatementKind::AssignText { .. } => {
+                self.refuse(statement.span, "an assignment of texts", "call a function of the library that copies it");
+            }
+            StatementKind::Copy { target, source, .. } => self.copy(target, source, statement),
+            StatementKind::SetFlag(value) => {
+                self.condition(value);
+                let flag = self.flag.clone();
+                self.push(StlInsn::Assign, flag);
+            }
+            StatementKind::Call(call) => {
+                self.call(call);
+            }
+            StatementKind::Evaluate(value) => match value.ty {
+                Elementary::Bool => self.condition(value),
+                _ => self.number(value),
+            },
+            StatementKind::If { branches, otherwise } => self.branches(branches, otherwise, statement),
+            StatementKind::Case { selector, arms, otherwise } => self.case(selector, arms, otherwise, statement),
+            StatementKind::For { variable, start, end, step, body } => {
+                self.count(variable, [start, end, step], body, statement);
+            }
+            StatementKind::While { condition, body } => self.while_true(condition, body, statement),
+            StatementKind::Repeat { body, until } => self.repeat(body, until),
+            StatementKind::Exit => self.leave(|inner| &inner.exit),
+            StatementKind::Continue => self.leave(|inner| &inner.next),
+            StatementKind::Return(value) => {
+                if let Some(value) = value {
+                    self.condition(value);
+                    let flag = self.flag.clone();
+                    self.push(StlInsn::Assign, flag);
+                }
+                let end = self.end.take().unwrap_or_else(|| self.new_label());
+                self.jump(StlInsn::Jump, &end);
+                self.end = Some(end);
+            }
+            StatementKind::Goto(label) => {
+                let name = self.label_of(*label);
+                self.jump(StlInsn::Jump, &name);
+            }
+            StatementKind::Label(label) => {
+                let name = self.label_of(*label);
+                self.label(&name, statement.span.start);
+                // A network has statements of its own.
+                self.push(StlInsn::Nop, Some(number(0, self.span)));
+            }
+            StatementKind::Assert(_) | StatementKind::Sleep(_) => {}
+            StatementKind::Stl(_) => self.refuse(statement.span, "a statement that is STL already", "write it in STL"),
+        }
+        self.release(&mark);
+    }
+
+    fn label_of(&mut self, label: plcc_model::LabelId) -> String {
+        match self.labels.get(&label) {
+            Some(name) => name.clone(),
+            None => {
+                let name = self.new_label();
+                self.labels.insert(label, name.clone());
+                name
+            }
+        }
+    }
+
+    fn leave(&mut self, label: impl Fn(&Loop) -> &String) {
+        let name = self.loops.last().map(|inner| label(inner).clone());
+        let name = name.expect("the binder only passes EXIT and CONTINUE in loops");
+        self.jump(StlInsn::Jump, &name);
+    }
+
+    // Assignments.
+
+    fn assign(&mut self, target: &Access, value: &Expr) {
+        if !self.has_type(value) {
+            return;
+        }
+        let Some(target) = self.target(target, self.keeps_ar1(value)) else { return };
+        match value.ty {
+            Elementary::Bool => self.condition(value),
+            _ => self.number(value),
+        }
+        let operand = self.reach(&target, value.ty);
+        let insn = if value.ty == Elementary::Bool { StlInsn::Assign } else { StlInsn::Transfer };
+        self.push(insn, Some(operand));
+    }
+
+    /// An array or a structure.
+    fn copy(&mut self, target: &Access, source: &Complex, statement: &Statement) {
+        let Complex::Variable(source) = source else {
+            return self.refuse(statement.span, "this assignment of a whole variable", "assign its components");
+        };
+        if !self.is_direct(target) || !self.is_direct(source) {
+            let help = "assign the components of the element";
+            return self.refuse(statement.span, "an assignment of a whole element with a variable index", help);
+        }
+        let (Some(from), Some(to)) = (self.operand(source), self.operand(target)) else { return };
+        let result = self.temporary(Elementary::Int);
+        let parameter = |name: &str, actual: Operand| ast::Parameter {
+            name: name.to_string(),
+            name_span: self.span,
+            actual: Some(actual),
+        };
+        let name = BlockName::Numbered { prefix: BlockPrefix::Sfc, number: BLOCK_MOVE, span: self.span };
+        let call = ast::Call {
+            target: Operand { kind: OperandKind::Block(name), span: self.span },
+            instance: None,
+            parameters: vec![parameter("SRCBLK", from), parameter("RET_VAL", result), parameter("DSTBLK", to)],
+        };
+        self.push_kind(ast::StatementKind::Call(call));
+    }
+
+    // Branches.
+
+    fn branches(&mut self, branches: &[(Expr, Vec<Statement>)], otherwise: &[Statement], statement: &Statement) {
+        let parts = self.positions.compound(statement.span.start);
+        let end = self.new_label();
+        for (at, (condition, body)) in branches.iter().enumerate() {
+            let is_last = at + 1 == branches.len() && otherwise.is_empty();
+            let next = if is_last { end.clone() } else { self.new_label() };
+            self.span = condition.span;
+            self.condition(condition);
+            self.jump(StlInsn::JumpIfNot, &next);
+            self.statements(body);
+            let body_end = parts.bodies.get(at).copied().unwrap_or(statement.span.end);
+            if !is_last {
+                self.at(body_end);
+                self.jump(StlInsn::Jump, &end);
+                self.label(&next, body_end);
+            }
+        }
+        self.statements(otherwise);
+        self.at(parts.end);
+        self.label(&end, parts.end);
+        self.close_labels();
+    }
+
+    fn case(&mut self, selector: &Expr, arms: &[Arm], otherwise: &[Statement], statement: &Statement) {
+        let parts = self.positions.compound(statement.span.start);
+        self.span = selector.span;
+        if super::logic::comparison(CompareOp::LessEqual, selector.ty).is_none() {
+            let what = format!("CASE of {}", selector.ty.name());
+            return self.refuse(selector.span, what, "convert the value to DINT");
+        }
+        self.number(selector);
+        let value = self.keep(selector.ty);
+        let (end, default) = (self.new_label(), self.new_label());
+        let labels: Vec<String> = arms.iter().map(|_| self.new_label()).collect();
+        for (arm, label) in arms.iter().zip(&labels) {
+            for &(low, high) in arm.ranges.iter().filter(|(low, high)| low <= high) {
+                self.in_range(&value, selector.ty, low, high);
+                self.jump(StlInsn::JumpIf, label);
+            }
+        }
+        self.jump(StlInsn::Jump, &default);
+        let mut from = selector.span.end;
+        for (at, (arm, label)) in arms.iter().zip(&labels).enumerate() {
+            let body_end = parts.bodies.get(at).copied().unwrap_or(statement.span.end);
+            self.label(label, from);
+            self.statements(&arm.body);
+            self.at(body_end);
+            self.jump(StlInsn::Jump, &end);
+            from = body_end;
+        }
+        self.label(&default, from);
+        self.statements(otherwise);
+        self.label(&end, parts.end);
+        self.close_labels();
+    }
+
+    /// The RLO is 1 if the value is in the range.
+    fn in_range(&mut self, value: &Operand, ty: Elementary, low: i128, high: i128) {
+        if low == high {
+            return self.compare_with(value, ty, CompareOp::Equal, low);
+        }
+        for (op, limit) in [(CompareOp::GreaterEqual, low), (CompareOp::LessEqual, high)] {
+            self.push(StlInsn::AndNest, None);
+            self.compare_with(value, ty, op, limit);
+            self.push(StlInsn::CloseNest, None);
+        }
+    }
+
+    fn compare_with(&mut self, value: &Operand, ty: Elementary, op: CompareOp, limit: i128) {
+        let insn = super::logic::comparison(op, ty).expect("types without comparison are refused");
+        let limit = self.constant(ty, limit as u64 & (u64::MAX >> (64 - ty.bits())));
+        self.push(StlInsn::Load, Some(value.clone()));
+        self.push(StlInsn::Load, Some(limit));
+        self.push(insn, None);
+    }
+
+    // Loops.
+
+    fn count(&mut self, variable: &Access, [start, end, step]: [&Expr; 3], body: &[Statement], statement: &Statement) {
+        if !self.is_direct(variable) {
+            let help = "count in a variable of its own";
+            return self.refuse(variable.span, "a FOR variable with a variable index", help);
+        }
+        let parts = self.positions.compound(statement.span.start);
+        let ty = start.ty;
+        let (add, up, down) = match ty {
+            Elementary::Int => (StlInsn::AddI, StlInsn::CompareLeI, StlInsn::CompareGeI),
+            Elementary::Dint => (StlInsn::AddD, StlInsn::CompareLeD, StlInsn::CompareGeD),
+            _ => {
+                return self.refuse(variable.span, format!("FOR with {}", ty.name()), "count in INT or DINT");
+            }
+        };
+        let Some(counter) = self.operand(variable) else { return };
+        // All are computed before the variable gets its first value.
+        let known = [end, step].iter().all(|value| matches!(value.kind, ExprKind::Const(_)));
+        let first = (!known).then(|| self.fixed(start));
+        let (last, by) = (self.fixed(end), self.fixed(step));
+        match first {
+            Some(first) => self.push(StlInsn::Load, Some(first)),
+            None => self.number(start),
+        }
+        self.push(StlInsn::Transfer, Some(counter.clone()));
+        let (head, next, exit) = (self.new_label(), self.new_label(), self.new_label());
+        self.label(&head, self.span.end);
+        let compare = |maker: &mut Self, insn: StlInsn, left: &Operand, right: &Operand| {
+            maker.push(StlInsn::Load, Some(left.clone()));
+            maker.push(StlInsn::Load, Some(right.clone()));
+            maker.push(insn, None);
+        };
+        match step.kind {
+            ExprKind::Const(bits) => {
+                let negative = bits >> (ty.bits() - 1) & 1 == 1;
+                compare(self, if negative { down } else { up }, &counter, &last);
+            }
+            _ => {
+                // Up for a step of at least 0, otherwise down.
+                let zero = self.constant(ty, 0);
+                for (sign, goes_on, joins) in [(up, up, StlInsn::AndNest), (down, down, StlInsn::OrNest)] {
+                    self.push(joins, None);
+                    compare(self, sign, &zero, &by);
+                    self.push(StlInsn::AndNest, None);
+                    compare(self, goes_on, &counter, &last);
+                    self.push(StlInsn::CloseNest, None);
+                    self.push(StlInsn::CloseNest, None);
+                }
+            }
+        }
+        self.jump(StlInsn::JumpIfNot, &exit);
+        self.loops.push(Loop { exit: exit.clone(), next: next.clone() });
+        self.statements(body);
+        self.loops.pop();
+        self.at(parts.end);
+        self.label(&next, parts.end);
+        self.push(StlInsn::Load, Some(counter.clone()));
+        self.push(StlInsn::Load, Some(by));
+        self.push(add, None);
+        self.push(StlInsn::Transfer, Some(counter));
+        self.jump(StlInsn::Jump, &head);
+        self.label(&exit, parts.end);
+        self.close_labels();
+    }
+
+    /// A value that stays while a loop runs.
+    fn fixed(&mut self, value: &Expr) -> Operand {
+        match value.kind {
+            ExprKind::Const(bits) => self.constant(value.ty, bits),
+            _ => {
+                self.number(value);
+                self.keep(value.ty)
+            }
+        }
+    }
+
+    fn while_true(&mut self, condition: &Expr, body: &[Statement], statement: &Statement) {
+        let parts = self.positions.compound(statement.span.start);
+        let (head, exit) = (self.new_label(), self.new_label());
+        self.label(&head, statement.span.start);
+        self.condition(condition);
+        self.jump(StlInsn::JumpIfNot, &exit);
+        self.loops.push(Loop { exit: exit.clone(), next: head.clone() });
+        self.statements(body);
+        self.loops.pop();
+        self.at(parts.end);
+        self.jump(StlInsn::Jump, &head);
+        self.label(&exit, parts.end);
+        self.close_labels();
+    }
+
+    fn repeat(&mut self, body: &[Statement], until: &Expr) {
+        let (head, next, exit) = (self.new_label(), self.new_label(), self.new_label());
+        self.label(&head, self.span.start);
+        self.loops.push(Loop { exit: exit.clone(), next: next.clone() });
+        self.statements(body);
+        self.loops.pop();
+        self.span = until.span;
+        self.label(&next, until.span.start);
+        self.condition(until);
+        self.jump(StlInsn::JumpIfNot, &head);
+        self.label(&exit, until.span.end);
+        self.at(until.span.end);
+        self.close_labels();
+    }
+}

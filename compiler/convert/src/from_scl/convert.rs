@@ -1,0 +1,132 @@
+//! Conversions of values in ACCU1. Source: SCL reference, explicit conversions.
+
+use plcc_diag::Span;
+use plcc_model::scl::{Conversion, Expr, Overflow};
+use plcc_model::types::Elementary;
+use plcc_syntax::stl::StlInsn;
+
+use super::Maker;
+
+/// The conversion takes a jump, or a BOOL.
+pub fn jumps(conversion: Conversion, from: Elementary, to: Elementary) -> bool {
+    match conversion {
+        Conversion::Value(_) | Conversion::Truncate(_) | Conversion::Ceil(_) | Conversion::Floor(_) => {
+            from == Elementary::Real && to == Elementary::Int
+        }
+        Conversion::Bits { .. } => from == Elementary::Bool,
+        Conversion::ToBool
+        | Conversion::FromBcd { .. }
+        | Conversion::ToBcd
+        | Conversion::FromS5Time
+        | Conversion::ToS5Time
+        | Conversion::MillisToNanos
+        | Conversion::NanosToMillis
+        | Conversion::Ranged { .. } => false,
+    }
+}
+
+impl Maker<'_> {
+    /// Loads `operand` as a value of the type of `value`.
+    pub fn convert(&mut self, conversion: Conversion, operand: &Expr, value: &Expr) {
+        if !self.has_type(operand) {
+            return;
+        }
+        if operand.ty == Elementary::Bool {
+            return self.from_bool(operand, value.ty);
+        }
+        self.number(operand);
+        self.convert_loaded(conversion, operand.ty, value.ty, value.span);
+    }
+
+    /// Converts the value in ACCU1, which is not a BOOL.
+    pub fn convert_loaded(&mut self, conversion: Conversion, from: Elementary, to: Elementary, span: Span) {
+        match conversion {
+            Conversion::Value(overflow) => self.by_value(StlInsn::Round, overflow, (from, to), span),
+            Conversion::Truncate(overflow) => self.by_value(StlInsn::Truncate, overflow, (from, to), span),
+            Conversion::Ceil(overflow) => self.by_value(StlInsn::RoundUp, overflow, (from, to), span),
+            Conversion::Floor(overflow) => self.by_value(StlInsn::RoundDown, overflow, (from, to), span),
+            Conversion::Bits { .. } | Conversion::Ranged { .. } => self.resize(from, to),
+            Conversion::FromBcd { fault: true } => {
+                self.push(if to.bits() == 32 { StlInsn::BcdToD } else { StlInsn::BcdToI }, None);
+            }
+            Conversion::ToBcd => {
+                let wide = to.bits() == 32;
+                if wide && from == Elementary::Int {
+                    self.push(StlInsn::IToD, None);
+                }
+                self.push(if wide { StlInsn::DToBcd } else { StlInsn::IToBcd }, None);
+                self.mask(to.bits());
+            }
+            Conversion::FromBcd { fault: false }
+            | Conversion::FromS5Time
+            | Conversion::ToS5Time
+            | Conversion::MillisToNanos
+            | Conversion::NanosToMillis
+            | Conversion::ToBool => {
+                let what = format!("the conversion of {} to {}", from.name(), to.name());
+                self.refuse(span, what, "call the function of the library that does it");
+            }
+        }
+    }
+
+    fn by_value(&mut self, rounding: StlInsn, overflow: Overflow, (from, to): (Elementary, Elementary), span: Span) {
+        use Elementary::{Dint, Int, Real};
+        match (from, to) {
+            (Int, Real) => {
+                self.push(StlInsn::IToD, None);
+                self.push(StlInsn::DToR, None);
+            }
+            (Dint | Elementary::Time, Real) => self.push(StlInsn::DToR, None),
+            (Real, Real) => self.refuse(span, "the rounding of a REAL to a REAL", "round it to a DINT"),
+            (Real, Dint) if overflow == Overflow::Pattern => self.push(rounding, None),
+            (Real, Int) if overflow == Overflow::Pattern => self.to_int(rounding),
+            (Real, _) | (_, Real) => {
+                let what = format!("the conversion of {} to {}", from.name(), to.name());
+                self.refuse(span, what, "convert it for an S7-300, which leaves the same for a value out of range");
+            }
+            (from, to) => self.resize(from, to),
+        }
+    }
+
+    /// A REAL as an INT; out of range it is the low word of the REAL.
+    fn to_int(&mut self, rounding: StlInsn) {
+        let real = self.keep(Elementary::Real);
+        self.push(rounding, None);
+        let number = self.keep(Elementary::Dint);
+        let label = self.new_label();
+        self.push(StlInsn::IToD, None);
+        self.push(StlInsn::Load, Some(number.clone()));
+        self.push(StlInsn::CompareEqD, None);
+        self.jump(StlInsn::JumpIf, &label);
+        self.push(StlInsn::Load, Some(real));
+        self.push(StlInsn::Transfer, Some(number.clone()));
+        self.label(&label, self.span.start);
+        self.push(StlInsn::Load, Some(number));
+    }
+
+    /// The bits of a value, extended by its sign or truncated.
+    fn resize(&mut self, from: Elementary, to: Elementary) {
+        if from == Elementary::Int && to.bits() == 32 {
+            return self.push(StlInsn::IToD, None);
+        }
+        // The high bits of an INT may be anything.
+        let has_rest = from.bits() > to.bits() || from == Elementary::Int;
+        if has_rest && to != Elementary::Int {
+            self.mask(to.bits());
+        }
+    }
+
+    fn from_bool(&mut self, operand: &Expr, to: Elementary) {
+        let label = self.new_label();
+        self.condition(operand);
+        let (no, yes) = (self.constant(to, 0), self.constant(to, 1));
+        let stored = self.temporary(to);
+        self.push(StlInsn::Load, Some(no));
+        self.push(StlInsn::Transfer, Some(stored.clone()));
+        self.jump(StlInsn::JumpIfNot, &label);
+        self.push(StlInsn::Load, Some(yes));
+        self.push(StlInsn::Transfer, Some(stored.clone()));
+        self.label(&label, self.span.start);
+        self.push(StlInsn::Load, Some(stored));
+    }
+}

@@ -1,0 +1,378 @@
+//! Statements of SCL as statement lists: the typed tree of a bound block, whose names, types and conversions are settled.
+//!
+//! - `code`: statements, labels and variables that hold values between them.
+//! - `place`: places in memory by their names; `address`: those that AR1 points at.
+//! - `control`: IF, CASE, loops, jumps; `value`: numbers in ACCU1; `convert`: conversions; `logic`: BOOLs in the RLO.
+//! - `call`: calls of blocks; `cell`: timers and counters.
+//! - `position`: where the parts of a statement are in the source, so that comments stay in their branch.
+//!
+//! Each statement of the block is a network, whose title is the first line of the statement.
+//!
+//! Source: SCL reference, statements and operators; STL reference.
+
+mod address;
+mod call;
+mod cell;
+mod code;
+mod control;
+mod convert;
+mod logic;
+mod place;
+mod position;
+mod value;
+
+use std::collections::HashMap;
+
+use plcc_abi::image::{BlockKind, Family};
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_model::scl::walk::{self, Role, Visitor};
+use plcc_model::scl::{Access, Base, Call, Expr, ExprKind, SclBody, StatementKind};
+use plcc_model::types::{DataType, Elementary};
+use plcc_model::{self as model, Body, Direction, LabelId, Passing, Place, Program};
+use plcc_syntax::ast::{self, Block, Operand, SourceUnit};
+use plcc_syntax::front::Comment;
+use plcc_syntax::scl::ast::Dialect;
+use plcc_syntax::stl::StlInsn;
+
+use code::Temporary;
+use control::Loop;
+use position::Positions;
+
+/// A source whose blocks in SCL are STL; the others stay as they are. `text`, `comments`: what the spans of the tree mean.
+pub fn unit(unit: &SourceUnit, program: &Program, text: &str, comments: &[Comment]) -> (SourceUnit, Vec<Diagnostic>) {
+    let mut made = unit.clone();
+    let mut messages = Vec::new();
+    for block in &mut made.blocks {
+        let Block::Code(tree) = block else { continue };
+        let ast::Code::Scl(body) = &tree.code else { continue };
+        let bound = program.blocks.iter().find(|block| !block.library && block.span == tree.name.span());
+        let Some((bound, typed)) = bound.and_then(|block| match &block.body {
+            Body::Scl(typed) => Some((block, typed)),
+            Body::Stl(_) | Body::S7200(_) | Body::Runtime => None,
+        }) else {
+            messages.push(
+                Diagnostic::new(Code::NotConverted, tree.name.span(), "the block is not part of the program")
+                    .label("cannot be converted")
+                    .help("give the sources of one program, in which each block is defined once"),
+            );
+            continue;
+        };
+        let positions = Positions::new(text, comments, body);
+        let mut maker = Maker::new(program, bound, typed, tree, positions);
+        let networks = maker.networks();
+        let refused = maker.messages.iter().any(Diagnostic::is_error);
+        messages.append(&mut maker.messages);
+        if !refused {
+            let mut done = tree.clone();
+            done.code = ast::Code::Stl(networks);
+            maker.declare(&mut done);
+            *tree = done;
+        }
+    }
+    (made, messages)
+}
+
+/// What is made of one block.
+struct Maker<'a> {
+    program: &'a Program,
+    block: &'a model::CodeBlock,
+    body: &'a SclBody,
+    tree: &'a ast::CodeBlock,
+    positions: Positions<'a>,
+    statements: Vec<ast::Statement>,
+    /// Labels of the next statement.
+    pending: Vec<ast::Label>,
+    made_labels: usize,
+    labels: HashMap<LabelId, String>,
+    temporaries: Vec<Temporary>,
+    /// What is converted.
+    span: Span,
+    messages: Vec<Diagnostic>,
+    /// The block is in SCL of the TIA Portal.
+    is_portal: bool,
+    /// The current statement has a message.
+    refused: bool,
+    /// The block has the message about indices.
+    warned_of_indices: bool,
+    loops: Vec<Loop>,
+    /// The label of the end of the block, if something jumps to it.
+    end: Option<String>,
+    /// The result of the function until its end.
+    result: Option<Operand>,
+    /// Inputs of the function that are copies, by parameter.
+    copies: HashMap<usize, Operand>,
+    /// Variables of the typed tree that no source declares, by their first bit in the frame.
+    hidden: HashMap<u32, (Operand, Elementary)>,
+    /// OK or ENO of the block.
+    flag: Option<Operand>,
+    /// ENO of the last call.
+    last_eno: Option<Operand>,
+}
+
+impl<'a> Maker<'a> {
+    fn new(
+        program: &'a Program,
+        block: &'a model::CodeBlock,
+        body: &'a SclBody,
+        tree: &'a ast::CodeBlock,
+        positions: Positions<'a>,
+    ) -> Maker<'a> {
+        Maker {
+            program,
+            block,
+            body,
+            tree,
+            positions,
+            statements: Vec::new(),
+            pending: Vec::new(),
+            made_labels: 0,
+            labels: HashMap::new(),
+            temporaries: Vec::new(),
+            span: tree.name.span(),
+            messages: Vec::new(),
+            is_portal: matches!(&tree.code, ast::Code::Scl(body) if body.dialect == Dialect::Tia),
+            refused: false,
+            warned_of_indices: false,
+            loops: Vec::new(),
+            end: None,
+            result: None,
+            copies: HashMap::new(),
+            hidden: HashMap::new(),
+            flag: None,
+            last_eno: None,
+        }
+    }
+
+    fn networks(&mut self) -> Vec<ast::Network> {
+        self.check_block();
+        let mut networks = Vec::new();
+        self.begin();
+        self.close_network(&mut networks, None, Vec::new());
+        let statements = &self.body.statements;
+        let mut before = self.positions.code_start(self.tree);
+        for group in statements.chunk_by(|a, b| a.span.start == b.span.start) {
+            let span = group[0].span;
+            self.span = span;
+            group.iter().for_each(|statement| self.statement(statement));
+            let comment = self.positions.comment_before(before, span.start);
+            let title = self.positions.first_line(span);
+            self.close_network(&mut networks, Some(title), comment);
+            before = span.end;
+        }
+        self.finish();
+        self.close_network(&mut networks, None, Vec::new());
+        networks
+    }
+
+    fn close_network(&mut self, networks: &mut Vec<ast::Network>, title: Option<String>, comment: Vec<String>) {
+        let statements = std::mem::take(&mut self.statements);
+        if !statements.is_empty() {
+            networks.push(ast::Network { title, comment, statements });
+        }
+    }
+
+    /// What holds for the whole block.
+    fn check_block(&mut self) {
+        let span = self.tree.name.span();
+        if self.program.profile.family == Family::S71200 {
+            self.refuse(span, "a block of an S7-1200, which has no STL", "name a CPU that has it: `--cpu s7-1500`");
+        }
+        if self.body.sets_flag {
+            let help = "without them: leave out the attribute that sets OK or ENO, and do not read it";
+            self.refuse(span, "OK and ENO that follow the errors of operations", help);
+        }
+        self.refused = false;
+    }
+
+    /// Variables that hold for the whole block, and what they start with.
+    fn begin(&mut self) {
+        let uses = Uses::of(self.block, self.body);
+        let is_fc = matches!(self.block.kind, BlockKind::Fc | BlockKind::Sfc);
+        for (index, parameter) in self.block.interface.parameters.iter().enumerate().filter(|_| is_fc) {
+            let (DataType::Elementary(ty), Passing::Elementary(_)) = (&parameter.ty, parameter.passing) else {
+                continue;
+            };
+            match parameter.direction {
+                Direction::Input if uses.copies_inputs && uses.read.contains(&index) => {
+                    let copy = self.kept(*ty, &parameter.name);
+                    let own = self.parameter(index);
+                    self.load_and_store(*ty, own, copy.clone());
+                    self.copies.insert(index, copy);
+                }
+                Direction::Output if parameter.name == "RET_VAL" && !uses.sets_result_last => {
+                    self.result = Some(self.kept(*ty, "result"));
+                }
+                Direction::Input | Direction::Output | Direction::InOut => {}
+            }
+        }
+        if uses.flag {
+            let flag = self.kept(Elementary::Bool, "ok");
+            self.push(StlInsn::SetRlo, None);
+            self.push(StlInsn::Assign, Some(flag.clone()));
+            self.flag = Some(flag);
+        }
+        if uses.last_eno {
+            let eno = self.kept(Elementary::Bool, "last_eno");
+            self.push(StlInsn::SetRlo, None);
+            self.push(StlInsn::Assign, Some(eno.clone()));
+            self.last_eno = Some(eno);
+        }
+    }
+
+    /// The result, and ENO as the BR.
+    fn finish(&mut self) {
+        self.span = self.positions.end_of(self.tree);
+        if let Some(end) = self.end.take() {
+            self.label(&end, self.span.start);
+        }
+        if let Some(result) = self.result.take() {
+            let found = self.block.interface.parameters.iter().position(|parameter| parameter.name == "RET_VAL");
+            let index = found.expect("the result is a parameter");
+            if let DataType::Elementary(ty) = self.block.interface.parameters[index].ty {
+                let own = self.parameter(index);
+                self.load_and_store(ty, result, own);
+            }
+        }
+        if self.block.kind != BlockKind::Ob {
+            match self.flag.clone() {
+                Some(flag) => self.push(StlInsn::And, Some(flag)),
+                None => self.push(StlInsn::SetRlo, None),
+            }
+            self.push(StlInsn::Save, None);
+        }
+        self.close_labels();
+    }
+
+    fn load_and_store(&mut self, ty: Elementary, from: Operand, to: Operand) {
+        let (load, store) = match ty {
+            Elementary::Bool => (StlInsn::And, StlInsn::Assign),
+            _ => (StlInsn::Load, StlInsn::Transfer),
+        };
+        self.push(load, Some(from));
+        self.push(store, Some(to));
+    }
+
+    /// STL cannot say it; one message for a statement.
+    fn refuse(&mut self, span: Span, what: impl std::fmt::Display, help: &str) {
+        if !std::mem::replace(&mut self.refused, true) {
+            self.messages.push(
+                Diagnostic::new(Code::NotConverted, span, format!("STL has no form for {what}"))
+                    .label("cannot be converted")
+                    .help(help),
+            );
+        }
+    }
+}
+
+/// How a block uses its parameters and hidden bits.
+struct Uses {
+    /// Inputs may be other than at the start of the block, unless they are copies.
+    copies_inputs: bool,
+    /// Parameters that are read.
+    read: Vec<usize>,
+    /// The result is only assigned, by the last statement.
+    sets_result_last: bool,
+    flag: bool,
+    last_eno: bool,
+}
+
+impl Uses {
+    fn of(block: &model::CodeBlock, body: &SclBody) -> Uses {
+        let mut seen = Seen::default();
+        walk::statements(&body.statements, &mut seen);
+        let result = block.interface.parameters.iter().position(|parameter| parameter.name == "RET_VAL");
+        let is_result = |access: &Access| matches!(access.base, Base::Place(Place::Parameter { parameter, .. }) if Some(parameter) == result);
+        let last = body.statements.last().map(|statement| &statement.kind);
+        let of_result = seen.accesses.iter().filter(|(base, _)| Some(*base) == result).count();
+        let sets_result_last =
+            of_result == 1 && matches!(last, Some(StatementKind::Assign { target, .. }) if is_result(target));
+        // The result goes to the caller at the end, so only other writes outside of the frame may change an input.
+        let others = seen.writes.iter().filter(|written| written.is_none() || **written != result).count();
+        let last_is_other =
+            matches!(last, Some(StatementKind::Assign { target, .. }) if !is_result(target) && is_outside(target));
+        Uses {
+            copies_inputs: seen.calls || (others > 0 && !(others == 1 && last_is_other)),
+            read: seen.accesses.iter().map(|(parameter, _)| *parameter).collect(),
+            sets_result_last,
+            flag: seen.flag,
+            last_eno: seen.last_eno,
+        }
+    }
+}
+
+/// It is not in the frame of the block.
+fn is_outside(target: &Access) -> bool {
+    !matches!(target.base, Base::Place(Place::L { .. }))
+}
+
+#[derive(Default)]
+struct Seen {
+    /// Parameters, as often as they are used.
+    accesses: Vec<(usize, Role)>,
+    /// Assignments to something that is not in the frame, with the parameter if it is one.
+    writes: Vec<Option<usize>>,
+    calls: bool,
+    flag: bool,
+    last_eno: bool,
+}
+
+impl Visitor for Seen {
+    fn statement(&mut self, statement: &model::scl::Statement) {
+        let target = match &statement.kind {
+            StatementKind::Assign { target, .. }
+            | StatementKind::AssignText { target, .. }
+            | StatementKind::Copy { target, .. }
+            | StatementKind::For { variable: target, .. } => target,
+            StatementKind::SetFlag(_) | StatementKind::Return(Some(_)) => return self.flag = true,
+            StatementKind::Call(_)
+            | StatementKind::Evaluate(_)
+            | StatementKind::If { .. }
+            | StatementKind::Case { .. }
+            | StatementKind::While { .. }
+            | StatementKind::Repeat { .. }
+            | StatementKind::Exit
+            | StatementKind::Continue
+            | StatementKind::Return(None)
+            | StatementKind::Goto(_)
+            | StatementKind::Label(_)
+            | StatementKind::Assert(_)
+            | StatementKind::Sleep(_)
+            | StatementKind::Stl(_) => return,
+        };
+        if is_outside(target) {
+            self.writes.push(match target.base {
+                Base::Place(Place::Parameter { parameter, .. }) => Some(parameter),
+                _ => None,
+            });
+        }
+    }
+
+    fn expr(&mut self, value: &Expr) {
+        match value.kind {
+            ExprKind::Flag => self.flag = true,
+            ExprKind::LastEno => self.last_eno = true,
+            // They write outputs of their own.
+            ExprKind::Timer(_) | ExprKind::Counter(_) => self.calls = true,
+            ExprKind::Const(_)
+            | ExprKind::Load(_)
+            | ExprKind::Unary { .. }
+            | ExprKind::Binary { .. }
+            | ExprKind::Compare { .. }
+            | ExprKind::Convert { .. }
+            | ExprKind::Call(_)
+            | ExprKind::Function { .. }
+            | ExprKind::Cell { .. }
+            | ExprKind::Bound { .. } => {}
+        }
+    }
+
+    fn access(&mut self, access: &Access, role: Role) {
+        if let Base::Place(Place::Parameter { parameter, .. }) = access.base {
+            self.accesses.push((parameter, role));
+        }
+    }
+
+    fn call(&mut self, _call: &Call) {
+        self.calls = true;
+    }
+}

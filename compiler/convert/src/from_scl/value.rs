@@ -1,0 +1,474 @@
+//! Numbers, bit strings and times in ACCU1.
+//!
+//! Between statements, the high bits of ACCU1 are 0 for a bit string of 8 or 16 bits, a CHAR and a DATE; for an INT they are anything.
+
+use plcc_model::scl::{BinaryOp, CompareOp, Expr, ExprKind, Function, UnaryOp};
+use plcc_model::types::{Class, Elementary};
+use plcc_syntax::ast::{Operand, OperandKind};
+use plcc_syntax::literal::Literal;
+use plcc_syntax::stl::StlInsn;
+
+use super::Maker;
+
+impl Maker<'_> {
+    /// Loads the value of an expression that is not a BOOL.
+    pub fn number(&mut self, value: &Expr) {
+        if !self.has_type(value) {
+            return;
+        }
+        match &value.kind {
+            ExprKind::Const(bits) => {
+                let operand = self.constant(value.ty, *bits);
+                self.push(StlInsn::Load, Some(operand));
+            }
+            ExprKind::Load(access) => {
+                if let Some(target) = self.target(access, true) {
+                    let operand = self.reach(&target, value.ty);
+                    self.push(StlInsn::Load, Some(operand));
+                }
+            }
+            ExprKind::Unary { op, operand } => self.unary(*op, operand, value),
+            ExprKind::Binary { op, left, right } => self.binary(*op, left, right, value),
+            ExprKind::Convert { conversion, operand } => self.convert(*conversion, operand, value),
+            ExprKind::Function { function, arguments } => self.function(*function, arguments, value),
+            ExprKind::Call(call) => {
+                if let Some(result) = self.call(call) {
+                    self.push(StlInsn::Load, Some(result));
+                }
+            }
+            ExprKind::Timer(call) => self.timer(call),
+            ExprKind::Counter(call) => self.counter(call),
+            ExprKind::Bound { .. } => self.refuse(value.span, "bounds of ARRAY[*]", "declare the bounds of the array"),
+            ExprKind::Compare { .. } | ExprKind::Cell { .. } | ExprKind::Flag | ExprKind::LastEno => {
+                unreachable!("only a BOOL is of this kind")
+            }
+        }
+    }
+
+    /// STL of the S7-300 has instructions for the type.
+    pub fn has_type(&mut self, value: &Expr) -> bool {
+        let known = match value.ty {
+            Elementary::Bool
+            | Elementary::Byte
+            | Elementary::Word
+            | Elementary::Dword
+            | Elementary::Char
+            | Elementary::Int
+            | Elementary::Dint
+            | Elementary::Real
+            | Elementary::S5Time
+            | Elementary::Time
+            | Elementary::Date
+            | Elementary::TimeOfDay => true,
+            Elementary::Lword
+            | Elementary::Wchar
+            | Elementary::Sint
+            | Elementary::Usint
+            | Elementary::Uint
+            | Elementary::Udint
+            | Elementary::Lint
+            | Elementary::Ulint
+            | Elementary::Lreal
+            | Elementary::Ltime
+            | Elementary::Ltod
+            | Elementary::Ldt => false,
+        };
+        if !known {
+            let what = format!("values of type {}", value.ty.name());
+            self.refuse(value.span, what, "use a type of the S7-300");
+        }
+        known
+    }
+
+    /// A constant as an operand.
+    pub fn constant(&self, ty: Elementary, bits: u64) -> Operand {
+        let is_number = f32::from_bits(bits as u32).is_finite();
+        let literal = match ty {
+            Elementary::Real if !is_number => Literal::Dword(bits as u32),
+            _ => crate::operand::typed(ty, bits).unwrap_or(Literal::Dword(bits as u32)),
+        };
+        Operand { kind: OperandKind::Literal(literal), span: self.span }
+    }
+
+    /// One `L` loads it.
+    fn is_simple(&self, value: &Expr) -> bool {
+        match &value.kind {
+            ExprKind::Const(_) => true,
+            ExprKind::Load(access) => self.is_direct(access),
+            _ => false,
+        }
+    }
+
+    /// Loads `left` to ACCU2 and `right` to ACCU1; `swapped`: the other way round will do.
+    pub fn pair(&mut self, left: &Expr, right: &Expr, swapped: bool) {
+        if self.is_simple(right) {
+            self.number(left);
+            return self.number(right);
+        }
+        if self.is_simple(left) && is_plain(right) {
+            self.number(right);
+            self.number(left);
+        } else {
+            self.number(left);
+            let stored = self.keep(left.ty);
+            self.number(right);
+            self.push(StlInsn::Load, Some(stored));
+        }
+        if !swapped {
+            self.push(StlInsn::SwapAccu, None);
+        }
+    }
+
+    // Operators.
+
+    fn unary(&mut self, op: UnaryOp, operand: &Expr, value: &Expr) {
+        use Elementary::{Byte, Dint, Dword, Int, Real, Time, Word};
+        match (op, value.ty) {
+            (UnaryOp::Abs, Int | Dint | Time) => return self.magnitude(operand),
+            (UnaryOp::Abs, ty) if ty.class() == Class::Bits => return self.number(operand),
+            _ => {}
+        }
+        let insn = match (op, value.ty) {
+            (UnaryOp::Negate, Int) => StlInsn::NegI,
+            (UnaryOp::Negate, Dint | Time) => StlInsn::NegD,
+            (UnaryOp::Negate, Real) => StlInsn::NegR,
+            (UnaryOp::Not, Word | Int) => StlInsn::InvertI,
+            (UnaryOp::Not, Dword | Dint) => StlInsn::InvertD,
+            (UnaryOp::Not, Byte) => {
+                self.number(operand);
+                return self.word_constant(StlInsn::XorW, 0xFF);
+            }
+            (UnaryOp::Abs, Real) => StlInsn::AbsR,
+            _ => return self.no_operator(value),
+        };
+        self.number(operand);
+        self.push(insn, None);
+    }
+
+    /// ABS of an integer.
+    fn magnitude(&mut self, operand: &Expr) {
+        let is_int = operand.ty == Elementary::Int;
+        let (compare, negate) = match is_int {
+            true => (StlInsn::CompareGeI, StlInsn::NegI),
+            false => (StlInsn::CompareGeD, StlInsn::NegD),
+        };
+        self.number(operand);
+        let stored = self.keep(operand.ty);
+        let zero = self.constant(operand.ty, 0);
+        let label = self.new_label();
+        self.push(StlInsn::Load, Some(zero));
+        self.push(compare, None);
+        self.jump(StlInsn::JumpIf, &label);
+        self.push(StlInsn::Load, Some(stored.clone()));
+        self.push(negate, None);
+        self.push(StlInsn::Transfer, Some(stored.clone()));
+        self.label(&label, self.span.start);
+        self.push(StlInsn::Load, Some(stored));
+    }
+
+    fn no_operator(&mut self, value: &Expr) {
+        let what = format!("this operation with {}", value.ty.name());
+        self.refuse(value.span, what, "compute it with types of the S7-300, in steps");
+    }
+
+    fn word_constant(&mut self, insn: StlInsn, bits: u16) {
+        let operand = Operand { kind: OperandKind::Literal(Literal::Word(bits)), span: self.span };
+        self.push(insn, Some(operand));
+    }
+
+    pub fn dword_constant(&mut self, insn: StlInsn, bits: u32) {
+        let operand = Operand { kind: OperandKind::Literal(Literal::Dword(bits)), span: self.span };
+        self.push(insn, Some(operand));
+    }
+
+    /// The high bits of ACCU1 become 0.
+    pub fn mask(&mut self, bits: u32) {
+        match bits {
+            8 => self.dword_constant(StlInsn::AndD, 0xFF),
+            16 => self.dword_constant(StlInsn::AndD, 0xFFFF),
+            _ => {}
+        }
+    }
+
+    fn binary(&mut self, op: BinaryOp, left: &Expr, right: &Expr, value: &Expr) {
+        use Elementary::{Byte, Dint, Dword, Int, Real, Time, Word};
+        let ty = value.ty;
+        let (insn, commutes) = match (op, ty) {
+            (BinaryOp::Add, Int) => (StlInsn::AddI, true),
+            (BinaryOp::Add, Dint | Time) => (StlInsn::AddD, true),
+            (BinaryOp::Add, Real) => (StlInsn::AddR, true),
+            (BinaryOp::Subtract, Int) => (StlInsn::SubI, false),
+            (BinaryOp::Subtract, Dint | Time) => (StlInsn::SubD, false),
+            (BinaryOp::Subtract, Real) => (StlInsn::SubR, false),
+            (BinaryOp::Multiply, Int) => (StlInsn::MulI, true),
+            (BinaryOp::Multiply, Dint | Time) => (StlInsn::MulD, true),
+            (BinaryOp::Multiply, Real) => (StlInsn::MulR, true),
+            (BinaryOp::Divide | BinaryOp::Modulo, Int) => (StlInsn::DivI, false),
+            (BinaryOp::Divide, Dint | Time) => (StlInsn::DivD, false),
+            (BinaryOp::Divide, Real) => (StlInsn::DivR, false),
+            (BinaryOp::Modulo, Dint | Time) => (StlInsn::ModD, false),
+            (BinaryOp::And, Byte | Word | Int) => (StlInsn::AndW, true),
+            (BinaryOp::Or, Byte | Word | Int) => (StlInsn::OrW, true),
+            (BinaryOp::Xor, Byte | Word | Int) => (StlInsn::XorW, true),
+            (BinaryOp::And, Dword | Dint) => (StlInsn::AndD, true),
+            (BinaryOp::Or, Dword | Dint) => (StlInsn::OrD, true),
+            (BinaryOp::Xor, Dword | Dint) => (StlInsn::XorD, true),
+            (BinaryOp::ShiftLeft | BinaryOp::ShiftRight, _) => return self.shift(op, left, right, value),
+            (BinaryOp::RotateLeft | BinaryOp::RotateRight, _) => return self.rotate(op, left, right, value),
+            (BinaryOp::Min | BinaryOp::Max, _) => return self.least_or_most(op, left, right, value),
+            _ => return self.no_operator(value),
+        };
+        self.pair(left, right, commutes);
+        self.push(insn, None);
+        if (op, ty) == (BinaryOp::Modulo, Int) {
+            // `/I` leaves the remainder in the high word.
+            self.push(StlInsn::ShiftRightD, Some(super::code::number(16, self.span)));
+        }
+    }
+
+    fn shift(&mut self, op: BinaryOp, left: &Expr, count: &Expr, value: &Expr) {
+        use Elementary::{Byte, Dint, Dword, Int, Word};
+        let insn = match (op, value.ty) {
+            (BinaryOp::ShiftLeft, Byte | Word | Int) => StlInsn::ShiftLeftW,
+            (BinaryOp::ShiftLeft, Dword | Dint) => StlInsn::ShiftLeftD,
+            (BinaryOp::ShiftRight, Byte | Word) => StlInsn::ShiftRightW,
+            (BinaryOp::ShiftRight, Dword) => StlInsn::ShiftRightD,
+            (BinaryOp::ShiftRight, Int) => StlInsn::ShiftSignedI,
+            (BinaryOp::ShiftRight, Dint) => StlInsn::ShiftSignedD,
+            _ => return self.no_operator(value),
+        };
+        let most = if value.ty.bits() == 32 { 32 } else { 15 };
+        match count.kind {
+            ExprKind::Const(bits) if bits <= most => {
+                self.number(left);
+                self.push(insn, Some(super::code::number(bits as i64, self.span)));
+            }
+            _ => {
+                self.number(left);
+                let stored = self.keep(left.ty);
+                self.shift_count(count);
+                self.push(StlInsn::Load, Some(stored));
+                self.push(insn, None);
+            }
+        }
+        if value.ty == Byte {
+            self.mask(8);
+        }
+    }
+
+    /// A count as the low byte of ACCU1: more than 255 counts as 255, a negative one modulo 256.
+    fn shift_count(&mut self, count: &Expr) {
+        let (compare, limit) = match count.ty {
+            Elementary::Int => (StlInsn::CompareLeI, self.constant(Elementary::Int, 255)),
+            Elementary::Dint => (StlInsn::CompareLeD, self.constant(Elementary::Dint, 255)),
+            _ => return self.number(count),
+        };
+        self.number(count);
+        if matches!(count.kind, ExprKind::Const(0..=255)) {
+            return;
+        }
+        let stored = self.keep(count.ty);
+        let label = self.new_label();
+        self.push(StlInsn::Load, Some(limit));
+        self.push(compare, None);
+        self.jump(StlInsn::JumpIf, &label);
+        let limit = self.constant(count.ty, 255);
+        self.push(StlInsn::Load, Some(limit));
+        self.push(StlInsn::Transfer, Some(stored.clone()));
+        self.label(&label, self.span.start);
+        self.push(StlInsn::Load, Some(stored));
+    }
+
+    /// A byte or word beside itself in a double word rotates as the double word does.
+    fn rotate(&mut self, op: BinaryOp, left: &Expr, count: &Expr, value: &Expr) {
+        let insn = if op == BinaryOp::RotateLeft { StlInsn::RotateLeftD } else { StlInsn::RotateRightD };
+        let bits = value.ty.bits();
+        let ExprKind::Const(count) = count.kind else {
+            let help = "rotate by a constant number of places";
+            return self.refuse(value.span, "a rotation by a value that is known at run time", help);
+        };
+        self.number(left);
+        if left.ty.is_signed() {
+            self.mask(bits);
+        }
+        for half in [8, 16].into_iter().filter(|half| *half >= bits) {
+            let stored = self.keep(Elementary::Dword);
+            self.push(StlInsn::ShiftLeftD, Some(super::code::number(i64::from(half), self.span)));
+            self.push(StlInsn::Load, Some(stored));
+            self.push(StlInsn::OrD, None);
+        }
+        let count = (count & 0xFFFF) as i64 % i64::from(bits);
+        self.push(insn, Some(super::code::number(count, self.span)));
+        self.mask(bits);
+    }
+
+    // Functions.
+
+    fn least_or_most(&mut self, op: BinaryOp, left: &Expr, right: &Expr, value: &Expr) {
+        let order = if op == BinaryOp::Min { CompareOp::LessEqual } else { CompareOp::GreaterEqual };
+        let insn = match super::logic::comparison(order, value.ty) {
+            Some(insn) if value.ty != Elementary::Real => insn,
+            _ => return self.no_operator(value),
+        };
+        self.number(left);
+        let chosen = self.keep(value.ty);
+        self.number(right);
+        let other = self.keep(value.ty);
+        let label = self.new_label();
+        self.push(StlInsn::Load, Some(chosen.clone()));
+        self.push(StlInsn::Load, Some(other.clone()));
+        self.push(insn, None);
+        self.jump(StlInsn::JumpIf, &label);
+        self.push(StlInsn::Load, Some(other));
+        self.push(StlInsn::Transfer, Some(chosen.clone()));
+        self.label(&label, self.span.start);
+        self.push(StlInsn::Load, Some(chosen));
+    }
+
+    fn function(&mut self, function: Function, arguments: &[Expr], value: &Expr) {
+        let simple = match function {
+            Function::Sqr => StlInsn::SqrR,
+            Function::Sqrt => StlInsn::SqrtR,
+            Function::Exp => StlInsn::ExpR,
+            Function::Ln => StlInsn::LnR,
+            Function::Sin => StlInsn::SinR,
+            Function::Cos => StlInsn::CosR,
+            Function::Tan => StlInsn::TanR,
+            Function::Asin => StlInsn::AsinR,
+            Function::Acos => StlInsn::AcosR,
+            Function::Atan => StlInsn::AtanR,
+            Function::Limit => return self.limit(arguments, value),
+            Function::Select => return self.select(arguments, value),
+            Function::Swap if value.ty == Elementary::Word => StlInsn::SwapBytesWord,
+            Function::Swap if value.ty == Elementary::Dword => StlInsn::SwapBytesDword,
+            Function::Expd
+            | Function::Log
+            | Function::Frac
+            | Function::Mux { .. }
+            | Function::Swap
+            | Function::NormX
+            | Function::ScaleX
+            | Function::Encode
+            | Function::Decode
+            | Function::BitSum
+            | Function::IsValid => {
+                let name = self.positions.text(value.span).split('(').next().unwrap_or_default().trim().to_string();
+                return self.refuse(value.span, format!("the function `{name}`"), "compute it in steps");
+            }
+        };
+        self.number(&arguments[0]);
+        self.push(simple, None);
+    }
+
+    /// All arguments, each in a variable.
+    fn all_kept(&mut self, arguments: &[Expr]) -> Vec<Operand> {
+        let keep_one = |maker: &mut Self, argument: &Expr| {
+            match argument.ty {
+                Elementary::Bool => maker.condition(argument),
+                _ => maker.number(argument),
+            }
+            maker.keep(argument.ty)
+        };
+        arguments.iter().map(|argument| keep_one(self, argument)).collect()
+    }
+
+    /// `(MN, IN, MX)`: without order of the limits, IN.
+    fn limit(&mut self, arguments: &[Expr], value: &Expr) {
+        let at_most = super::logic::comparison(CompareOp::LessEqual, value.ty);
+        let Some(at_most) = at_most.filter(|_| value.ty != Elementary::Real) else { return self.no_operator(value) };
+        let kept = self.all_kept(arguments);
+        let [least, input, most] = &kept[..] else { return self.no_operator(value) };
+        let end = self.new_label();
+        let mut choose = |first: &Operand, second: &Operand, choice: &Operand| {
+            let next = self.new_label();
+            self.push(StlInsn::Load, Some(first.clone()));
+            self.push(StlInsn::Load, Some(second.clone()));
+            self.push(at_most, None);
+            self.jump(StlInsn::JumpIf, &next);
+            if choice != input {
+                self.push(StlInsn::Load, Some(choice.clone()));
+                self.push(StlInsn::Transfer, Some(input.clone()));
+            }
+            self.jump(StlInsn::Jump, &end);
+            self.label(&next, self.span.start);
+        };
+        choose(least, most, input);
+        choose(least, input, least);
+        choose(input, most, most);
+        self.label(&end, self.span.start);
+        self.push(StlInsn::Load, Some(input.clone()));
+    }
+
+    /// `(G, IN0, IN1)`.
+    fn select(&mut self, arguments: &[Expr], value: &Expr) {
+        let kept = self.all_kept(arguments);
+        let [choice, first, second] = &kept[..] else { return self.no_operator(value) };
+        let label = self.new_label();
+        self.push(StlInsn::AndNot, Some(choice.clone()));
+        self.jump(StlInsn::JumpIf, &label);
+        self.push(StlInsn::Load, Some(second.clone()));
+        self.push(StlInsn::Transfer, Some(first.clone()));
+        self.label(&label, self.span.start);
+        self.push(StlInsn::Load, Some(first.clone()));
+    }
+}
+
+/// It can be evaluated inside of nested logic, and before or after another value: without jumps, calls and bits of its own.
+pub fn is_plain(value: &Expr) -> bool {
+    match &value.kind {
+        ExprKind::Const(_) | ExprKind::Load(_) => has_plain_indices(value),
+        ExprKind::Unary { op, operand } => {
+            let jumps = *op == UnaryOp::Abs && operand.ty != Elementary::Real;
+            !jumps && is_plain(operand)
+        }
+        ExprKind::Binary { op, left, right } => {
+            let jumps = match op {
+                BinaryOp::Min | BinaryOp::Max => true,
+                BinaryOp::ShiftLeft | BinaryOp::ShiftRight => {
+                    right.ty.is_signed() && !matches!(right.kind, ExprKind::Const(_))
+                }
+                BinaryOp::Add
+                | BinaryOp::Subtract
+                | BinaryOp::Multiply
+                | BinaryOp::Divide
+                | BinaryOp::Modulo
+                | BinaryOp::Power
+                | BinaryOp::And
+                | BinaryOp::Or
+                | BinaryOp::Xor
+                | BinaryOp::RotateLeft
+                | BinaryOp::RotateRight
+                | BinaryOp::AddDay
+                | BinaryOp::SubtractDay => false,
+            };
+            !jumps && is_plain(left) && is_plain(right)
+        }
+        ExprKind::Compare { left, right, .. } => is_plain(left) && is_plain(right),
+        ExprKind::Convert { conversion, operand } => {
+            is_plain(operand) && !super::convert::jumps(*conversion, operand.ty, value.ty)
+        }
+        ExprKind::Function { function, arguments } => {
+            !matches!(function, Function::Limit | Function::Select) && arguments.iter().all(is_plain)
+        }
+        ExprKind::Cell { .. } | ExprKind::Flag | ExprKind::LastEno => true,
+        ExprKind::Call(_) | ExprKind::Timer(_) | ExprKind::Counter(_) | ExprKind::Bound { .. } => false,
+    }
+}
+
+/// The indices of a variable are plain.
+fn has_plain_indices(value: &Expr) -> bool {
+    let ExprKind::Load(access) = &value.kind else { return true };
+    let base = match &access.base {
+        plcc_model::scl::Base::Place(_) => true,
+        plcc_model::scl::Base::Indexed { byte, bit, area } => {
+            let area = match area {
+                plcc_model::scl::IndexedArea::DynamicDb(number) => is_plain(number),
+                plcc_model::scl::IndexedArea::Memory(_)
+                | plcc_model::scl::IndexedArea::Db(_)
+                | plcc_model::scl::IndexedArea::Coded { .. } => true,
+            };
+            area && is_plain(byte) && bit.as_deref().is_none_or(is_plain)
+        }
+    };
+    base && access.indices.iter().all(|index| is_plain(&index.value))
+}

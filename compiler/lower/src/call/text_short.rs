@@ -1,0 +1,445 @@
+//! Functions of texts without a call, where the compiler knows the texts.
+//!
+//! Nearly all calls find each head as it was declared, positions inside the text, and room for the result. The code of the caller tests that and
+//! does such calls itself, with the characters moved in words ([`super::text_words`]); all others go to the runtime, before anything is
+//! written, so that what is out of the ordinary has one meaning:
+//!
+//! ```text
+//! #text := DELETE(IN := #text, L := #n, P := 1)     head of #text as declared?  n >= 1?  1 <= length?   no: the runtime
+//!                                                   what follows the first n characters moves to the front
+//! ```
+//!
+//! It is only done where it is known at compile time which texts share memory: one variable that is changed in place, or texts apart.
+
+use plcc_abi::text::{PLUS, Rules, WRITTEN};
+use plcc_abi::{RuntimeFn, Type};
+use plcc_ir::{Address, BinaryOp, Block, IntCc, Region, Value};
+use plcc_model::CodeBlock;
+
+use super::text::TextOperand;
+use super::text_words::WORD;
+use crate::block::BlockLowering;
+use crate::pointer::moved;
+
+/// Bytes before the characters.
+const HEAD_BYTES: u32 = 2;
+/// Longest constant that is searched.
+const SOUGHT_MAX: usize = 4;
+/// `kind` of a number as INT and as DINT, see [`RuntimeFn::TextScan`].
+const KIND_INT: u64 = 2;
+
+/// Where two texts are.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Places {
+    /// At one address, with one declared maximum.
+    Same,
+    /// They share no byte.
+    Apart,
+    Unknown,
+}
+
+/// A text whose head is as declared.
+struct Text<'t> {
+    /// Its first character.
+    start: Address,
+    /// An i32.
+    length: Value,
+    /// The length is not more.
+    most: u32,
+    characters: Option<&'t [u8]>,
+}
+
+/// Characters that become part of a result.
+struct Part<'t> {
+    text: &'t Text<'t>,
+    /// Characters before it, an i32.
+    skipped: Value,
+    /// An i32.
+    count: Value,
+}
+
+/// What a function leaves.
+struct Done {
+    /// An i32.
+    value: Value,
+    /// BR, an i1.
+    good: Value,
+}
+
+impl BlockLowering<'_, '_> {
+    /// As [`run_text`](Self::run_text), with a way that needs no call.
+    pub fn run_text_shortly(
+        &mut self,
+        function: RuntimeFn,
+        callee: &CodeBlock,
+        texts: &[TextOperand],
+        values: &[Option<Value>],
+    ) -> Value {
+        let numbers: Vec<Value> = values.iter().flatten().copied().collect();
+        if !self.has_short_way(function, texts, &numbers) {
+            return self.run_text(function, callee, texts, values);
+        }
+        let (call, end) = (self.b.create_cold_block(), self.b.create_block());
+        let result = self.b.declare_var(Type::I64);
+        let done = self.short_way(function, texts, &numbers, call);
+        let value = self.b.zext(Type::I64, done.value);
+        let value = self.b.binary_imm(BinaryOp::Or, value, WRITTEN as i64);
+        self.b.def_var(result, value);
+        self.set(self.regs.br, done.good);
+        self.b.jump(end, &[]);
+        self.b.seal_block(call);
+        self.b.switch_to(call);
+        let answer = self.run_text(function, callee, texts, values);
+        self.b.def_var(result, answer);
+        self.b.jump(end, &[]);
+        self.b.seal_block(end);
+        self.b.switch_to(end);
+        self.b.use_var(result)
+    }
+
+    /// Whether [`short_way`](Self::short_way) knows the function, and enough of its operands.
+    fn has_short_way(&self, function: RuntimeFn, texts: &[TextOperand], numbers: &[Value]) -> bool {
+        // Where the depth of calls is counted, each call may stop the CPU.
+        if self.plan.checks_depth || !texts.iter().all(|text| text.characters.is_some() || text.declared != 0) {
+            return false;
+        }
+        let constant = |number: &Value| self.b.constant_bits(*number);
+        let holds_word = |text: &TextOperand| u32::from(text.declared) >= WORD && text.characters.is_none();
+        match (function, texts) {
+            // A text that stays at its place, or that moves to the front.
+            (RuntimeFn::TextLeft | RuntimeFn::TextRight | RuntimeFn::TextMid | RuntimeFn::TextDelete, [text, out]) => {
+                places(text, out) != Places::Unknown
+            }
+            // The first text may be the one that grows.
+            (RuntimeFn::TextConcat | RuntimeFn::TextConcatThree, [first, others @ .., out]) => {
+                places(first, out) != Places::Unknown && others.iter().all(|text| places(text, out) == Places::Apart)
+            }
+            (RuntimeFn::TextInsert | RuntimeFn::TextReplace, [one, two, out]) => {
+                [one, two].iter().all(|text| places(text, out) == Places::Apart)
+            }
+            (RuntimeFn::TextFind, [text, sought]) => {
+                holds_word(text)
+                    && sought.characters.as_ref().is_some_and(|sought| {
+                        (1..=SOUGHT_MAX).contains(&sought.len()) && sought.len() as u32 + WORD <= text.declared.into()
+                    })
+            }
+            (RuntimeFn::TextCompare, [text, with]) => {
+                holds_word(text)
+                    && with.characters.as_ref().is_some_and(|characters| characters.len() <= WORD as usize)
+                    && numbers.last().and_then(constant).is_some()
+            }
+            (RuntimeFn::TextOfDint, [out]) => holds_word(out) && numbers.last().and_then(constant).is_some(),
+            (RuntimeFn::TextLength, [text]) => text.characters.is_none() && numbers.last().and_then(constant).is_some(),
+            (RuntimeFn::TextScan, [text]) => holds_word(text) && numbers.last().and_then(constant).is_some(),
+            (RuntimeFn::TextToDint, [text]) => {
+                holds_word(text) && numbers.iter().all(|number| constant(number).is_some())
+            }
+            _ => false,
+        }
+    }
+
+    /// What the function does where nothing is out of the ordinary; anything else goes to `call`.
+    fn short_way(&mut self, function: RuntimeFn, operands: &[TextOperand], numbers: &[Value], call: Block) -> Done {
+        let texts = self.texts_as_declared(operands, call);
+        let good = self.b.bool_const(true);
+        let zero = self.b.i32_const(0);
+        let done = Done { value: zero, good };
+        match (function, &texts[..], numbers) {
+            (RuntimeFn::TextConcat | RuntimeFn::TextConcatThree, [inputs @ .., out], _) => {
+                let parts: Vec<Part> =
+                    inputs.iter().map(|text| Part { text, skipped: zero, count: text.length }).collect();
+                self.put(&parts, out, call);
+            }
+            (RuntimeFn::TextLeft, [text, out], &[l, _]) => {
+                self.require_at_least(1, l, call);
+                let count = self.smaller(l, text.length);
+                self.put(&[Part { text, skipped: zero, count }], out, call);
+            }
+            (RuntimeFn::TextRight, [text, out], &[l, _]) => {
+                self.require_at_least(1, l, call);
+                let count = self.smaller(l, text.length);
+                let skipped = self.b.isub(text.length, count);
+                self.put(&[Part { text, skipped, count }], out, call);
+            }
+            (RuntimeFn::TextMid, [text, out], &[l, p]) => {
+                self.require_at_least(1, l, call);
+                let skipped = self.before_position(p, text, call);
+                let rest = self.b.isub(text.length, skipped);
+                let count = self.smaller(l, rest);
+                self.put(&[Part { text, skipped, count }], out, call);
+            }
+            (RuntimeFn::TextDelete, [text, out], &[l, p, _]) => {
+                self.require_at_least(1, l, call);
+                let first = self.before_position(p, text, call);
+                let rest = self.b.isub(text.length, first);
+                let gone = self.smaller(l, rest);
+                let (skipped, count) = (self.b.iadd(first, gone), self.b.isub(rest, gone));
+                let parts = [Part { text, skipped: zero, count: first }, Part { text, skipped, count }];
+                self.put(&parts, out, call);
+            }
+            (RuntimeFn::TextInsert, [text, new, out], &[p, _]) => {
+                let inside = self.b.icmp(IntCc::Ule, p, text.length);
+                self.require(inside, call);
+                let rest = self.b.isub(text.length, p);
+                let parts = [
+                    Part { text, skipped: zero, count: p },
+                    Part { text: new, skipped: zero, count: new.length },
+                    Part { text, skipped: p, count: rest },
+                ];
+                self.put(&parts, out, call);
+            }
+            (RuntimeFn::TextReplace, [text, new, out], &[l, p, _]) => {
+                self.require_at_least(1, l, call);
+                let first = self.before_position(p, text, call);
+                let rest = self.b.isub(text.length, first);
+                let there = self.b.icmp(IntCc::Ule, l, rest);
+                self.require(there, call);
+                let (skipped, count) = (self.b.iadd(first, l), self.b.isub(rest, l));
+                let parts = [
+                    Part { text, skipped: zero, count: first },
+                    Part { text: new, skipped: zero, count: new.length },
+                    Part { text, skipped, count },
+                ];
+                self.put(&parts, out, call);
+            }
+            (RuntimeFn::TextFind, [text, sought], &[rules]) => {
+                let sought = sought.characters.expect("only constants are sought");
+                return self.find(text, sought, rules, call);
+            }
+            (RuntimeFn::TextCompare, [text, with], &[relation]) => {
+                let with = with.characters.expect("only compared with constants");
+                let relation = self.b.constant_bits(relation).expect("the relation is a constant");
+                let holds = self.word_relation(text.start, text.length, with, relation);
+                return Done { value: self.b.zext(Type::I32, holds), good };
+            }
+            (RuntimeFn::TextOfDint, [out], &[number, form]) => {
+                let plus = self.b.constant_bits(form).is_some_and(|form| form & u64::from(PLUS) != 0);
+                let (word, count, fits) = self.decimal_word(number, plus);
+                self.require(fits, call);
+                self.store_some(out.start, word, count);
+                self.set_length(out, count);
+            }
+            (RuntimeFn::TextLength, [text], &[maximum]) => {
+                let most = self.b.i32_const(text.most);
+                let value = if self.b.constant_bits(maximum) == Some(0) { text.length } else { most };
+                return Done { value, good };
+            }
+            (RuntimeFn::TextScan, [text], &[kind]) => {
+                let is_int = self.b.constant_bits(kind) == Some(KIND_INT);
+                // A DINT holds all that a word of characters says.
+                let range = is_int.then_some((i16::MIN.into(), i16::MAX.into()));
+                return self.number_of(text, WORD, range, call);
+            }
+            (RuntimeFn::TextToDint, [text], &[longest, low, high]) => {
+                let [longest, low, high] =
+                    [longest, low, high].map(|number| self.b.constant_bits(number).expect("a constant") as u32 as i32);
+                return self.number_of(text, WORD.min(longest as u32), Some((low, high)), call);
+            }
+            _ => unreachable!("the operands have been looked at"),
+        }
+        done
+    }
+
+    /// Copies at most `limit` characters of a text with a `declared` maximum as an assignment does, where its head is as declared and it fits.
+    /// Then all goes on at the result, and what is lowered next does the rest. `None`: the compiler does not know enough, nothing is lowered.
+    pub fn copy_text_shortly(&mut self, to: Address, from: Address, declared: u32, limit: u32) -> Option<Block> {
+        let known = |maximum: u32| u8::try_from(maximum).ok().filter(|&maximum| maximum != 0);
+        let (limit, declared) = (known(limit)?, known(declared)?);
+        if apart((to, limit), (from, declared)) != Places::Apart {
+            return None;
+        }
+        let (call, end) = (self.b.create_cold_block(), self.b.create_block());
+        let (valid, length) = self.head_as_declared(from, declared);
+        self.require(valid, call);
+        let most = declared.min(limit);
+        if limit < declared {
+            let fits = self.b.icmp_imm(IntCc::Ule, length, limit.into());
+            self.require(fits, call);
+        }
+        self.copy_characters(moved(to, HEAD_BYTES), moved(from, HEAD_BYTES), length, most.into());
+        let length = self.b.trunc(Type::I8, length);
+        self.b.store(moved(to, 1), length);
+        self.b.jump(end, &[]);
+        self.b.seal_block(call);
+        self.b.switch_to(call);
+        Some(end)
+    }
+
+    /// The heads of `operands`, each looked at once.
+    fn texts_as_declared<'t>(&mut self, operands: &'t [TextOperand], call: Block) -> Vec<Text<'t>> {
+        let mut texts: Vec<Text> = Vec::new();
+        for (index, operand) in operands.iter().enumerate() {
+            let start = moved(operand.addr, HEAD_BYTES);
+            let same = (0..index).find(|&other| places(&operands[other], operand) == Places::Same);
+            let length = match (&operand.characters, same) {
+                (Some(characters), _) => self.b.i32_const(characters.len() as u32),
+                (None, Some(other)) => texts[other].length,
+                (None, None) => {
+                    let (ok, length) = self.head_as_declared(operand.addr, operand.declared);
+                    self.require(ok, call);
+                    length
+                }
+            };
+            let most = operand.characters.as_ref().map_or(operand.declared.into(), |text| text.len() as u32);
+            texts.push(Text { start, length, most, characters: operand.characters.as_deref() });
+        }
+        texts
+    }
+
+    /// Whether the head at `addr` is as declared, and the length then, an i32.
+    pub(super) fn head_as_declared(&mut self, addr: Address, declared: u8) -> (Value, Value) {
+        let head = self.b.load(Type::I16, addr);
+        let head = self.b.zext(Type::I32, head);
+        let declared = i64::from(declared);
+        let length = self.b.binary_imm(BinaryOp::Iadd, head, -(declared << 8));
+        (self.b.icmp_imm(IntCc::Ule, length, declared), length)
+    }
+
+    /// Goes to `call` unless `cond`.
+    fn require(&mut self, cond: Value, call: Block) {
+        if self.b.constant_bits(cond) == Some(1) {
+            return;
+        }
+        let next = self.b.create_block();
+        self.b.branch(cond, next, call);
+        self.b.seal_block(next);
+        self.b.switch_to(next);
+    }
+
+    fn require_at_least(&mut self, least: i64, number: Value, call: Block) {
+        let ok = self.b.icmp_imm(IntCc::Sge, number, least);
+        self.require(ok, call);
+    }
+
+    /// Characters before position `p`, which is inside `text`.
+    fn before_position(&mut self, p: Value, text: &Text, call: Block) -> Value {
+        let before = self.b.binary_imm(BinaryOp::Iadd, p, -1);
+        let inside = self.b.icmp(IntCc::Ult, before, text.length);
+        self.require(inside, call);
+        before
+    }
+
+    fn smaller(&mut self, one: Value, two: Value) -> Value {
+        let less = self.b.icmp(IntCc::Slt, one, two);
+        self.b.select(less, one, two)
+    }
+
+    /// Writes `parts` one after the other to `out`. The first may be at its place there, and others follow it at a distance.
+    fn put(&mut self, parts: &[Part], out: &Text, call: Block) {
+        let mut total = self.b.i32_const(0);
+        for part in parts {
+            total = self.b.iadd(total, part.count);
+        }
+        let mut sources: Vec<&Text> = Vec::new();
+        for part in parts {
+            if !sources.iter().any(|source| source.start == part.text.start) {
+                sources.push(part.text);
+            }
+        }
+        if sources.iter().map(|text| text.most).sum::<u32>() > out.most {
+            let fits = self.b.icmp_imm(IntCc::Ule, total, out.most.into());
+            self.require(fits, call);
+        }
+        let mut written = self.b.i32_const(0);
+        for part in parts {
+            let to = self.indexed(out.start, written);
+            let from = self.indexed(part.text.start, part.skipped);
+            if to != from {
+                match self.known_characters(part).filter(|characters| characters.len() <= out.most as usize) {
+                    Some(characters) => self.store_bytes(to, characters),
+                    None => self.copy_characters(to, from, part.count, part.text.most.min(out.most)),
+                }
+            }
+            written = self.b.iadd(written, part.count);
+        }
+        self.set_length(out, total);
+    }
+
+    /// The characters of a part that are known here.
+    fn known_characters<'t>(&self, part: &Part<'t>) -> Option<&'t [u8]> {
+        let constant = |value| self.b.constant_bits(value).and_then(|bits| usize::try_from(bits).ok());
+        let (skipped, count) = (constant(part.skipped)?, constant(part.count)?);
+        part.text.characters?.get(skipped..skipped.checked_add(count)?)
+    }
+
+    fn set_length(&mut self, out: &Text, length: Value) {
+        let length = self.b.trunc(Type::I8, length);
+        let head = Address { offset: out.start.offset - 1, ..out.start };
+        self.b.store(head, length);
+    }
+
+    /// FIND.
+    fn find(&mut self, text: &Text, sought: &[u8], rules: Value, call: Block) -> Done {
+        let count = sought.len() as u32;
+        // Words are read as a whole, also the last one.
+        let words = (text.most - (count - 1)) / WORD;
+        let starts_max = text.most - (count - 1);
+        let starts = self.b.binary_imm(BinaryOp::Iadd, text.length, -i64::from(count - 1));
+        if starts_max > words * WORD {
+            let whole = self.b.icmp_imm(IntCc::Sle, starts, i64::from(words * WORD));
+            self.require(whole, call);
+        }
+        let longer = self.b.icmp_imm(IntCc::Sle, starts, 0);
+        let (position, good) = (self.b.declare_var(Type::I32), self.b.declare_var(Type::I1));
+        let zero = self.b.i32_const(0);
+        let yes = self.b.bool_const(true);
+        let is_v5 = self.b.constant_bits(rules).map(|rules| Rules::of(rules as u16)) == Some(Rules::V5);
+        let allowed = self.b.bool_const(is_v5);
+        let (search, none, end) = (self.b.create_block(), self.b.create_block(), self.b.create_block());
+        self.b.branch(longer, none, search);
+        self.b.seal_block(none);
+        self.b.seal_block(search);
+        self.b.switch_to(none);
+        self.b.def_var(position, zero);
+        self.b.def_var(good, allowed);
+        self.b.jump(end, &[]);
+        self.b.switch_to(search);
+        let found = self.find_characters(text.start, starts, sought);
+        self.b.def_var(position, found);
+        self.b.def_var(good, yes);
+        self.b.jump(end, &[]);
+        self.b.seal_block(end);
+        self.b.switch_to(end);
+        Done { value: self.b.use_var(position), good: self.b.use_var(good) }
+    }
+
+    /// The number that `text`, a sign or none and digits, of at most `longest` characters, is; in `range`, if that says more than its length.
+    fn number_of(&mut self, text: &Text, longest: u32, range: Option<(i32, i32)>, call: Block) -> Done {
+        let before = self.b.binary_imm(BinaryOp::Iadd, text.length, -1);
+        let short = self.b.icmp_imm(IntCc::Ult, before, longest.into());
+        self.require(short, call);
+        let (value, ok) = self.word_as_number(text.start, text.length);
+        self.require(ok, call);
+        if let Some((low, high)) = range {
+            let above = self.b.binary_imm(BinaryOp::Isub, value, low.into());
+            let inside = self.b.icmp_imm(IntCc::Ule, above, i64::from(high) - i64::from(low));
+            self.require(inside, call);
+        }
+        Done { value, good: self.b.bool_const(true) }
+    }
+}
+
+fn places(one: &TextOperand, two: &TextOperand) -> Places {
+    match (&one.characters, &two.characters) {
+        // Constants have a place of their own.
+        (Some(_), _) | (_, Some(_)) => Places::Apart,
+        (None, None) => apart((one.addr, one.declared), (two.addr, two.declared)),
+    }
+}
+
+/// Where two variables are, by their addresses and declared maxima.
+fn apart(one: (Address, u8), two: (Address, u8)) -> Places {
+    let ((a, a_declared), (b, b_declared)) = (one, two);
+    if a == b {
+        return if a_declared == b_declared { Places::Same } else { Places::Unknown };
+    }
+    let is_plain = |region: Region| matches!(region, Region::I | Region::Q | Region::M | Region::L | Region::Db(_));
+    let end = |at: Address, declared: u8| at.offset + HEAD_BYTES + u32::from(declared);
+    match () {
+        () if !is_plain(a.region) || !is_plain(b.region) => Places::Unknown,
+        () if a.region != b.region => Places::Apart,
+        () if a.base != b.base => Places::Unknown,
+        () if end(a, a_declared) <= b.offset || end(b, b_declared) <= a.offset => Places::Apart,
+        () => Places::Unknown,
+    }
+}

@@ -1,0 +1,69 @@
+//! The attributes of blocks and networks: their names, and the values that they can have.
+//!
+//! An attribute that plcc does not use may be any; one that only differs by a slip from one that it uses, or has a value that does not
+//! exist, would change the meaning of the block in silence. Source: LAD/FBD reference, chapter A.
+
+use plcc_diag::{Code, Diagnostic};
+use plcc_literal::distance;
+
+use super::frame::Document;
+use super::pragma::Attribute;
+
+const TRUTH: &[&str] = &["TRUE", "FALSE"];
+const OF_NETWORK: &[&str] = &["LAD", "FBD", "SCL", "F_LAD", "F_FBD"];
+const OF_BLOCK: &[&str] = &["LAD", "FBD", "SCL", "STL", "GRAPH", "DB", "F_LAD", "F_FBD", "F_STL", "F_DB"];
+
+/// Names of attributes, each with its values; without values: any.
+const ATTRIBUTES: &[(&str, &[&str])] = &[
+    ("S7_Language", OF_NETWORK),
+    ("S7_PreferredLanguage", OF_BLOCK),
+    ("S7_EditorMode", &[]),
+    ("S7_Optimized", TRUTH),
+    ("S7_Optimized_Access", TRUTH),
+    ("S7_Safety", TRUTH),
+    ("S7_SetENOAutomatically", TRUTH),
+    ("S7_IECCheck", TRUTH),
+    ("S7_StandardRetain", TRUTH),
+    ("S7_EventClass", &[]),
+    ("S7_BlockNumber", &[]),
+    ("S7_Version", &[]),
+    ("S7_Author", &[]),
+    ("S7_Family", &[]),
+    ("S7_BlockTitle", &[]),
+    ("S7_BlockComment", &[]),
+    ("S7_NetworkTitle", &[]),
+    ("S7_NetworkComment", &[]),
+];
+
+/// Warns about attributes of blocks and networks that are misspelt, or have a value that they cannot have.
+pub fn check(document: &Document, diagnostics: &mut Vec<Diagnostic>) {
+    for block in &document.blocks {
+        let all = block.attributes.iter().chain(block.networks.iter().flat_map(|network| &network.attributes));
+        diagnostics.extend(all.filter_map(fault));
+    }
+}
+
+fn fault(attribute: &Attribute) -> Option<Diagnostic> {
+    let key = &attribute.key;
+    let Some((name, values)) = ATTRIBUTES.iter().find(|(name, _)| attribute.is(name)) else {
+        let meant = distance::nearest(key, ATTRIBUTES.iter().map(|(name, _)| *name))?;
+        return Some(
+            Diagnostic::new(Code::AttributeValue, attribute.key_span, format!("the attribute `{key}` is not known"))
+                .label("has no effect")
+                .help(format!("is `{meant}` meant?")),
+        );
+    };
+    let value = attribute.value.trim();
+    if values.is_empty() || value.is_empty() || values.iter().any(|known| known.eq_ignore_ascii_case(value)) {
+        return None;
+    }
+    let help = match distance::nearest(value, values.iter().copied()) {
+        Some(meant) => format!("is `{name} := \"{meant}\"` meant?"),
+        None => format!("write one of {}", values.join(", ")),
+    };
+    Some(
+        Diagnostic::new(Code::AttributeValue, attribute.value_span, format!("`{name}` cannot be `{value}`"))
+            .label("has no effect")
+            .help(help),
+    )
+}

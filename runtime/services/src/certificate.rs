@@ -1,0 +1,118 @@
+//! Certificates with keys that this side makes itself, and what certificates of others say.
+
+use std::fs;
+use std::io::Write;
+use std::net::IpAddr;
+use std::os::unix::fs::OpenOptionsExt;
+use std::path::Path;
+use std::str::FromStr;
+use std::time::Duration;
+
+use rsa::pkcs1v15::{Signature, SigningKey};
+use rsa::pkcs8::{EncodePrivateKey, LineEnding};
+use rsa::rand_core::OsRng;
+use rsa::traits::PublicKeyParts;
+use rsa::{RsaPrivateKey, RsaPublicKey};
+use sha2::Sha256;
+use x509_cert::Certificate;
+use x509_cert::builder::{Builder, CertificateBuilder, Profile};
+use x509_cert::der::asn1::{Ia5String, OctetString};
+use x509_cert::der::oid::db::rfc5280::{ID_KP_CLIENT_AUTH, ID_KP_SERVER_AUTH};
+use x509_cert::der::{Decode, Encode, SliceReader};
+use x509_cert::ext::pkix::name::GeneralName;
+use x509_cert::ext::pkix::{BasicConstraints, ExtendedKeyUsage, KeyUsage, KeyUsages, SubjectAltName};
+use x509_cert::name::Name;
+use x509_cert::serial_number::SerialNumber;
+use x509_cert::spki::SubjectPublicKeyInfoOwned;
+use x509_cert::spki::der::referenced::OwnedToRef;
+use x509_cert::time::Validity;
+
+use crate::opcua::crypto::random;
+
+/// Of a key that is made here.
+pub const KEY_BITS: usize = 2048;
+/// Bytes of the keys of clients. Source: OPC 10000-7, key lengths of the policies.
+const CLIENT_KEY_BYTES: std::ops::RangeInclusive<usize> = 256..=512;
+/// Twenty years.
+const VALID: Duration = Duration::from_secs(20 * 365 * 24 * 3600);
+
+/// The name of a program as it can be in certificates and addresses.
+pub fn plain_name(name: &str) -> String {
+    name.chars().map(|c| if c.is_ascii_alphanumeric() || c == '-' { c } else { '-' }).take(64).collect()
+}
+
+/// Whom a certificate is for.
+pub struct Subject<'a> {
+    /// Common name, a [`plain_name`].
+    pub name: &'a str,
+    /// Name of an application of OPC UA.
+    pub uri: Option<&'a str>,
+    /// Names of this computer besides `localhost`.
+    pub hosts: &'a [String],
+    pub ip: IpAddr,
+}
+
+/// A new key, and a certificate for it that it signs itself: in the form DER. `Err`: this cannot be done.
+pub fn make(subject: &Subject) -> Result<(RsaPrivateKey, Vec<u8>), String> {
+    let cannot = || "the certificate cannot be made".to_string();
+    let key = RsaPrivateKey::new(&mut OsRng, KEY_BITS).map_err(|_| cannot())?;
+    let certificate = self_signed(&key, subject).ok_or_else(cannot)?;
+    Ok((key, certificate))
+}
+
+/// Writes a private key to a new file, which only its owner may read.
+pub fn write_key(path: &Path, key: &RsaPrivateKey) -> std::io::Result<()> {
+    let pem = key.to_pkcs8_pem(LineEnding::LF).map_err(|error| std::io::Error::other(error.to_string()))?;
+    let mut file = fs::OpenOptions::new().write(true).create_new(true).mode(0o600).open(path)?;
+    file.write_all(pem.as_bytes())
+}
+
+/// Source: OPC 10000-6, section 6.2.2, application instance certificate.
+fn self_signed(key: &RsaPrivateKey, subject: &Subject) -> Option<Vec<u8>> {
+    let signer = SigningKey::<Sha256>::new(key.clone());
+    let serial = SerialNumber::new(&[&[1], &random::<8>()?[..]].concat()).ok()?;
+    let name = Name::from_str(&format!("CN={},O=plcc", subject.name)).ok()?;
+    let public = SubjectPublicKeyInfoOwned::from_key(key.to_public_key()).ok()?;
+    let validity = Validity::from_now(VALID).ok()?;
+    let profile = Profile::Manual { issuer: None };
+    let mut builder = CertificateBuilder::new(profile, serial, validity, name, public, &signer).ok()?;
+    let address = match subject.ip {
+        IpAddr::V4(ip) => ip.octets().to_vec(),
+        IpAddr::V6(ip) => ip.octets().to_vec(),
+    };
+    let uri = subject.uri.map(|uri| Ia5String::new(uri).map(GeneralName::UniformResourceIdentifier));
+    let hosts = ["localhost"].into_iter().chain(subject.hosts.iter().map(String::as_str));
+    let hosts = hosts.map(|host| Ia5String::new(host).map(GeneralName::DnsName));
+    let mut names = uri.into_iter().chain(hosts).collect::<Result<Vec<_>, _>>().ok()?;
+    names.push(GeneralName::IpAddress(OctetString::new(address).ok()?));
+    builder.add_extension(&SubjectAltName(names)).ok()?;
+    builder.add_extension(&BasicConstraints { ca: false, path_len_constraint: None }).ok()?;
+    let usage = KeyUsages::DigitalSignature
+        | KeyUsages::NonRepudiation
+        | KeyUsages::KeyEncipherment
+        | KeyUsages::DataEncipherment
+        | KeyUsages::KeyCertSign;
+    builder.add_extension(&KeyUsage(usage)).ok()?;
+    builder.add_extension(&ExtendedKeyUsage(vec![ID_KP_SERVER_AUTH, ID_KP_CLIENT_AUTH])).ok()?;
+    builder.build::<Signature>().ok()?.to_der().ok()
+}
+
+/// A certificate of somebody else.
+#[derive(Clone)]
+pub struct Client {
+    pub der: Vec<u8>,
+    pub key: RsaPublicKey,
+}
+
+impl Client {
+    /// The first certificate of a chain.
+    pub fn parse(chain: &[u8]) -> Option<Client> {
+        let mut reader = SliceReader::new(chain).ok()?;
+        let certificate = Certificate::decode(&mut reader).ok()?;
+        let length = usize::try_from(certificate.encoded_len().ok()?).ok()?;
+        let der = chain.get(..length)?.to_vec();
+        let info = certificate.tbs_certificate.subject_public_key_info;
+        let key = RsaPublicKey::try_from(info.owned_to_ref()).ok()?;
+        CLIENT_KEY_BYTES.contains(&key.size()).then_some(Client { der, key })
+    }
+}

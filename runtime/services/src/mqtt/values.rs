@@ -1,0 +1,176 @@
+//! Values to an MQTT broker: on change, and all of them again and again.
+//!
+//! | Topic | Content |
+//! | --- | --- |
+//! | `PREFIX/state` | `RUN`, `STOP`, or `offline`, which the broker says when the connection breaks |
+//! | `PREFIX/value/NAME` | `{"value": 12.5, "type": "REAL", "time": "2026-01-31T06:00:00.125Z"}` |
+//!
+//! All messages are retained with quality of service 1.
+
+use std::time::Duration;
+
+use jiff::Timestamp;
+use plcc_abi::ProgramImage;
+use plcc_runtime::cpu::Cpu;
+use plcc_runtime::options::split_list;
+use plcc_runtime::signal::{self, Signal};
+use rumqttc::{AsyncClient, LastWill, QoS};
+use tokio::time::{Instant, MissedTickBehavior, interval};
+
+use super::{LOOK, NoDuties, Target, VALUES_MAX, connect};
+use crate::link::Link;
+
+/// First part of topics, unless the URL names another.
+const PREFIX: &str = "plc";
+/// All values are published again after this time, unless plc.toml names another.
+const INTERVAL_DEFAULT: Duration = Duration::from_secs(10);
+
+/// What is published, and where.
+pub struct Publisher {
+    target: Target,
+    /// Values with the last part of their topics.
+    signals: Vec<(String, Signal)>,
+    interval: Duration,
+}
+
+impl Publisher {
+    /// `Err`: a value does not exist, or there is none.
+    pub fn new(
+        mut target: Target,
+        values: &[String],
+        interval_ms: Option<u32>,
+        image: &ProgramImage,
+    ) -> Result<Publisher, String> {
+        if target.broker.prefix.is_empty() {
+            target.broker.prefix = PREFIX.to_string();
+        }
+        let found = named(values, image)?;
+        let signals: Vec<_> = found.into_iter().map(|signal| (topic(&signal.name), signal)).collect();
+        let interval = interval_ms.map_or(INTERVAL_DEFAULT, |ms| Duration::from_millis(ms.into()));
+        Ok(Publisher { target, signals, interval })
+    }
+
+    /// As a line about what was opened tells it.
+    pub fn text(&self) -> String {
+        format!("{} values to {}", self.signals.len(), self.target.broker)
+    }
+}
+
+/// The values that were named. `Err`: one does not exist, or there is none.
+pub fn named(values: &[String], image: &ProgramImage) -> Result<Vec<Signal>, String> {
+    let mut signals = Vec::new();
+    for text in split_list(values) {
+        signals.extend(signal::all(&text, image, None).map_err(|error| format!("--publish {text}: {error}"))?);
+    }
+    match signals.len() {
+        0 => Err("--mqtt: no values: name them with --publish, or as `values` in [services]".to_string()),
+        1..=VALUES_MAX => Ok(signals),
+        count => Err(format!("--publish: {count} values; at most {VALUES_MAX} are published")),
+    }
+}
+
+/// The last part of a topic: the name without what brokers take for something else.
+fn topic(name: &str) -> String {
+    name.replace(['/', '+', '#', '\0', '"'], "_").replace(' ', "")
+}
+
+/// The values of one cycle: content without the time, in the order of the signals.
+struct Values {
+    /// The program has changed: how often, and where its values are.
+    renewed: Option<(u64, Signals)>,
+    running: bool,
+    texts: Vec<String>,
+    time: String,
+}
+
+/// Values with the last part of their topics, and whether the program has them, which may be a changed one.
+type Signals = std::sync::Arc<[(String, Signal, bool)]>;
+
+fn renew(cpu: &Cpu, signals: &Signals) -> Signals {
+    let found = signals.iter().map(|(topic, signal, _)| {
+        let name = signal.name.clone();
+        match signal::Source::find(&name, &cpu.image, None) {
+            Ok(source) => (topic.clone(), Signal { name, source }, true),
+            Err(_) => (topic.clone(), signal.clone(), false),
+        }
+    });
+    found.collect()
+}
+
+fn read(cpu: &Cpu, signals: &Signals, generation: u64) -> Values {
+    let renewed = (cpu.generation() != generation).then(|| (cpu.generation(), renew(cpu, signals)));
+    let signals = renewed.as_ref().map_or(signals, |(_, signals)| signals);
+    let one = |signal: &Signal| {
+        let value = signal.source.read(cpu, None).json();
+        format!("\"value\": {value}, \"type\": \"{}\"", signal.source.ty())
+    };
+    let texts = signals.iter().map(|(_, signal, exists)| match exists {
+        true => one(signal),
+        false => "\"value\": null".to_string(),
+    });
+    let texts = texts.collect();
+    Values { running: !cpu.is_stopped(), texts, time: moment(cpu), renewed }
+}
+
+/// The wall clock of the CPU.
+fn moment(cpu: &Cpu) -> String {
+    let ms = cpu.clock.wall().div_euclid(1_000_000);
+    Timestamp::from_millisecond(ms).map_or_else(|_| String::new(), |time| format!("{time:.3}"))
+}
+
+/// Publishes until the CPU ends.
+pub async fn run(publisher: Publisher, link: Link) {
+    let Publisher { target: Target { broker, tls }, signals, interval: every } = publisher;
+    let mut signals: Signals = signals.into_iter().map(|(topic, signal)| (topic, signal, true)).collect();
+    let mut generation = 0;
+    let id = format!("plcc-{}-{}", broker.prefix.replace('/', "-"), std::process::id());
+    let mut options = broker.options(id, tls.as_ref());
+    options.set_last_will(LastWill::new(format!("{}/state", broker.prefix), "offline", QoS::AtLeastOnce, true));
+    // As many as all values and the state take.
+    let (client, events) = AsyncClient::new(options, signals.len() + 16);
+    let (send, mut connected) = tokio::sync::watch::channel(0);
+    tokio::spawn(connect(events, send, broker.to_string(), NoDuties));
+    let mut sent: Vec<String> = Vec::new();
+    let mut state = None;
+    let mut last = Instant::now();
+    let mut connection = 0;
+    let mut ticks = interval(LOOK);
+    ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
+    loop {
+        ticks.tick().await;
+        let now = *connected.borrow_and_update();
+        // An even number: there is no connection.
+        if now % 2 == 0 {
+            continue;
+        }
+        let own = signals.clone();
+        let Some(values) = link.ask(move |cpu| read(cpu, &own, generation)).await else { return };
+        if let Some(renewed) = values.renewed {
+            (generation, signals) = renewed;
+        }
+        let all = connection != now || last.elapsed() >= every;
+        connection = now;
+        let say = if values.running { "RUN" } else { "STOP" };
+        if all || state != Some(say) {
+            let put = client.publish(format!("{}/state", broker.prefix), QoS::AtLeastOnce, true, say);
+            if put.await.is_err() {
+                return;
+            }
+            state = Some(say);
+        }
+        for (index, ((topic, ..), text)) in signals.iter().zip(&values.texts).enumerate() {
+            if !all && sent.get(index) == Some(text) {
+                continue;
+            }
+            let content = format!("{{{text}, \"time\": \"{}\"}}", values.time);
+            let topic = format!("{}/value/{topic}", broker.prefix);
+            if client.publish(topic, QoS::AtLeastOnce, true, content).await.is_err() {
+                return;
+            }
+        }
+        sent = values.texts;
+        if all {
+            last = Instant::now();
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! TLS: of the page and the metrics, and to a broker.
+//!
+//! | File in the folder of the server | Content |
+//! | --- | --- |
+//! | `certificate.pem` | its certificate, and those between it and a root that clients know |
+//! | `key.pem` | the private key |
+//!
+//! If neither is there, both are made at the start: a certificate that signs itself, for this computer by its name, `localhost` and its address.
+
+use std::fs;
+use std::net::IpAddr;
+use std::path::Path;
+use std::sync::Arc;
+
+use tokio::io::{AsyncRead, AsyncWrite};
+use tokio::net::TcpStream;
+use tokio::time::timeout;
+use tokio_rustls::TlsAcceptor;
+use tokio_rustls::rustls::crypto::{CryptoProvider, ring};
+use tokio_rustls::rustls::pki_types::pem::PemObject;
+use tokio_rustls::rustls::pki_types::{CertificateDer, PrivateKeyDer};
+use tokio_rustls::rustls::{self, ClientConfig, RootCertStore, ServerConfig};
+use x509_cert::der::pem::{LineEnding, encode_string};
+
+use crate::certificate::{Subject, make, plain_name, write_key};
+use crate::limits::FRAME_TIME;
+
+/// A connection of a client, with TLS or without.
+pub trait Stream: AsyncRead + AsyncWrite + Send + Unpin {}
+
+impl<T: AsyncRead + AsyncWrite + Send + Unpin> Stream for T {}
+
+/// The program of cryptography.
+fn provider() -> Arc<CryptoProvider> {
+    Arc::new(ring::default_provider())
+}
+
+/// What a broker must show, and what this side shows, as flags name the files.
+#[derive(Clone, Debug, Default)]
+pub struct BrokerFiles<'a> {
+    /// Certificates of the authority; `None`: those that this computer knows.
+    pub authority: Option<&'a str>,
+    pub certificate: Option<&'a str>,
+    pub key: Option<&'a str>,
+}
+
+impl BrokerFiles<'_> {
+    /// The first flag that is given.
+    pub fn flag(&self) -> Option<&'static str> {
+        let flags = [(self.authority, "--mqtt-ca"), (self.certificate, "--mqtt-certificate"), (self.key, "--mqtt-key")];
+        flags.into_iter().find_map(|(file, flag)| file.map(|_| flag))
+    }
+
+    /// `Err`: a file is not there or has something else in it.
+    pub fn config(&self) -> Result<Arc<ClientConfig>, String> {
+        let mut roots = RootCertStore::empty();
+        match self.authority {
+            Some(file) => {
+                for certificate in certificates("--mqtt-ca", Path::new(file))? {
+                    roots.add(certificate).map_err(|error| wrong("--mqtt-ca", Path::new(file), &error))?;
+                }
+            }
+            None => {
+                roots.add_parsable_certificates(rustls_native_certs::load_native_certs().certs);
+                if roots.is_empty() {
+                    return Err("--mqtt: this computer knows no authority for certificates: name one with --mqtt-ca \
+                                FILE"
+                        .to_string());
+                }
+            }
+        }
+        let failed = |error: rustls::Error| format!("--mqtt: {error}");
+        let builder = ClientConfig::builder_with_provider(provider()).with_safe_default_protocol_versions();
+        let builder = builder.map_err(failed)?.with_root_certificates(roots);
+        let config = match (self.certificate, self.key) {
+            (Some(certificate), Some(key)) => {
+                let chain = certificates("--mqtt-certificate", Path::new(certificate))?;
+                let key = private_key("--mqtt-key", Path::new(key))?;
+                let wrong = |error| wrong("--mqtt-certificate", Path::new(certificate), &error);
+                builder.with_client_auth_cert(chain, key).map_err(wrong)?
+            }
+            (None, None) => builder.with_no_client_auth(),
+            (Some(_), None) => return Err("--mqtt-certificate: its private key is missing: add --mqtt-key".to_string()),
+            (None, Some(_)) => {
+                return Err("--mqtt-key: the certificate of the key is missing: add --mqtt-certificate".to_string());
+            }
+        };
+        Ok(Arc::new(config))
+    }
+}
+
+fn wrong(flag: &str, path: &Path, error: &dyn std::fmt::Display) -> String {
+    format!("{flag}: {}: {error}", path.display())
+}
+
+fn certificates(flag: &str, path: &Path) -> Result<Vec<CertificateDer<'static>>, String> {
+    let text = fs::read(path).map_err(|error| wrong(flag, path, &error))?;
+    let all: Result<Vec<_>, _> = CertificateDer::pem_slice_iter(&text).collect();
+    let all = all.map_err(|_| wrong(flag, path, &"not certificates in the form PEM"))?;
+    if all.is_empty() { Err(wrong(flag, path, &"there is no certificate in it, in the form PEM")) } else { Ok(all) }
+}
+
+fn private_key(flag: &str, path: &Path) -> Result<PrivateKeyDer<'static>, String> {
+    let text = fs::read(path).map_err(|error| wrong(flag, path, &error))?;
+    // What is wrong in it is not shown: it may be part of the key.
+    PrivateKeyDer::from_pem_slice(&text)
+        .map_err(|_| wrong(flag, path, &"there is no private key in it, in the form PEM without a password"))
+}
+
+/// The server with the certificate and the key in a folder; makes them if there are none. `name`: of the program. `Err`: why there is none.
+pub fn server(folder: &Path, name: &str, ip: IpAddr) -> Result<TlsAcceptor, String> {
+    let (certificate, key) = (folder.join("certificate.pem"), folder.join("key.pem"));
+    if !certificate.exists() && !key.exists() {
+        create(folder, &certificate, &key, name, ip)?;
+    }
+    let chain = certificates("--tls", &certificate)?;
+    let builder = ServerConfig::builder_with_provider(provider()).with_safe_default_protocol_versions();
+    let builder = builder.map_err(|error| format!("--tls: {error}"))?.with_no_client_auth();
+    let config = builder.with_single_cert(chain, private_key("--tls", &key)?);
+    let mut config = config.map_err(|error| wrong("--tls", &certificate, &error))?;
+    config.alpn_protocols = vec![b"http/1.1".to_vec()];
+    Ok(TlsAcceptor::from(Arc::new(config)))
+}
+
+fn create(folder: &Path, certificate: &Path, key_file: &Path, name: &str, ip: IpAddr) -> Result<(), String> {
+    let failed = |error: &dyn std::fmt::Display| wrong("--tls", folder, error);
+    fs::create_dir_all(folder).map_err(|error| failed(&error))?;
+    let host = fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
+    let is_name = |host: &&str| {
+        !host.is_empty() && host.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'-' || byte == b'.')
+    };
+    let hosts: Vec<String> = [host.trim()].into_iter().filter(is_name).map(str::to_string).collect();
+    let (key, der) =
+        make(&Subject { name: &plain_name(name), uri: None, hosts: &hosts, ip }).map_err(|error| failed(&error))?;
+    let pem = encode_string("CERTIFICATE", LineEnding::LF, &der).map_err(|error| failed(&error))?;
+    write_key(key_file, &key).map_err(|error| failed(&error))?;
+    fs::write(certificate, pem).map_err(|error| failed(&error))
+}
+
+/// The connection of a client that has come in. `None`: it does not speak TLS, or is too slow.
+pub async fn open(acceptor: Option<&TlsAcceptor>, stream: TcpStream) -> Option<Box<dyn Stream>> {
+    match acceptor {
+        None => Some(Box::new(stream)),
+        Some(acceptor) => Some(Box::new(timeout(FRAME_TIME, acceptor.accept(stream)).await.ok()?.ok()?)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::net::Ipv4Addr;
+
+    #[test]
+    fn a_certificate_is_made_once() {
+        let folder = std::env::temp_dir().join(format!("plcc-tls-{}", std::process::id()));
+        let _ = fs::remove_dir_all(&folder);
+        let start = || server(&folder, "plant 1, Süd", IpAddr::V4(Ipv4Addr::LOCALHOST)).map(|_| ());
+        let read = |name: &str| fs::read(folder.join(name)).unwrap();
+        start().unwrap();
+        let (certificate, key) = (read("certificate.pem"), read("key.pem"));
+        start().unwrap();
+        assert_eq!((read("certificate.pem"), read("key.pem")), (certificate, key));
+        fs::write(folder.join("key.pem"), "secret").unwrap();
+        let message = start().unwrap_err();
+        assert!(message.contains("key.pem: there is no private key") && !message.contains("secret"), "{message}");
+        fs::remove_file(folder.join("certificate.pem")).unwrap();
+        assert!(start().unwrap_err().contains("certificate.pem"), "a key alone is not replaced");
+        fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn certificate_and_key_belong_together() {
+        let files = BrokerFiles { certificate: Some("a"), ..BrokerFiles::default() };
+        assert_eq!(files.flag(), Some("--mqtt-certificate"));
+        let none = BrokerFiles { authority: Some("/no/such/file"), ..BrokerFiles::default() };
+        assert!(none.config().unwrap_err().starts_with("--mqtt-ca: /no/such/file: "));
+    }
+}

@@ -1,0 +1,212 @@
+//! Statements as networks, and networks of one language in another.
+
+use std::fs;
+use std::path::Path;
+
+use plcc_convert::to_graph;
+use plcc_convert::to_stl::{self, types::Types};
+use plcc_convert::trivia::Trivia;
+use plcc_diag::FileId;
+use plcc_driver::cli::Level;
+use plcc_driver::inputs::TestInput;
+use plcc_driver::testing::{self, Form, Variant};
+use plcc_readers::ReadOptions;
+use plcc_syntax::ast::{Block, Code};
+use plcc_syntax::network::ast::Language;
+use plcc_syntax::stl::Mnemonics;
+use plcc_syntax::{scl, stl};
+use plcc_tests::{files, plan, tests_folder};
+
+use crate::{has_errors, parsed};
+
+/// Turns STL into networks where it can be drawn, and these into STL again: the assertions still hold. How many blocks were drawn.
+fn run_through_networks(path: &Path, language: Language) -> Result<usize, String> {
+    let text = plcc_syntax::decode_as(&fs::read(path).expect("a test file"), None);
+    let (unit, messages) = parsed(&text, None);
+    // Networks do not keep what is left in the registers of the CPU.
+    if has_errors(&messages) || ["//@ test", "STW", "ACCU"].iter().any(|word| text.contains(word)) {
+        return Ok(0);
+    }
+    let types = Types::new(std::iter::once(&unit), &[]);
+    let mut drawn = 0;
+    let mut blocks = unit.clone();
+    for block in &mut blocks.blocks {
+        let Block::Code(code) = block else { continue };
+        let Code::Stl(networks) = &code.code else { continue };
+        // Assertions stand between statements, which networks do not have.
+        let asserts = |span: std::ops::Range<usize>| text.get(span).is_some_and(|text| text.contains("//@"));
+        let is_tested =
+            networks.iter().flat_map(|network| &network.statements).count() > 0 && asserts(code.span.range());
+        if is_tested || networks.is_empty() {
+            continue;
+        }
+        if let Ok(network) = to_graph::block(code, &types, language) {
+            drawn += 1;
+            *code = network;
+        }
+    }
+    if drawn == 0 {
+        return Ok(0);
+    }
+    let (again, messages) = to_stl::unit(&blocks, &types, true);
+    if has_errors(&messages) {
+        return Err(format!("{messages:#?}"));
+    }
+    let trivia = Trivia::new(&text, stl::comments(&text), true);
+    let (written, messages) = plcc_convert::stl::write(&again, unit.mnemonics, trivia, Some(&text));
+    if has_errors(&messages) {
+        return Err(format!("{messages:#?}"));
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("a.stl");
+    fs::write(&file, &written).expect("a file");
+    let variant = Variant { form: Form::Jit, optimization: Level::O0.into() };
+    let outcomes = testing::run(&[TestInput::File(file)], &plan(vec![variant]));
+    match outcomes.iter().find(|one| one.failed > 0 || one.rejected || one.unreadable) {
+        Some(one) => Err(format!("{}{}\n{written}", one.messages, one.failures)),
+        None => Ok(drawn),
+    }
+}
+
+#[test]
+fn statements_as_networks_do_the_same() {
+    for language in [Language::Lad, Language::Fbd] {
+        let (mut count, mut failed) = (0, Vec::new());
+        for path in files(&tests_folder().join("run/stl"), "stl") {
+            match run_through_networks(&path, language) {
+                Ok(blocks) => count += blocks,
+                Err(text) => failed.push(format!("{}: {text}", path.display())),
+            }
+        }
+        assert!(failed.is_empty(), "{} files in {language:?}:\n{}", failed.len(), failed.join("\n\n"));
+        assert!(count > 20, "only {count} blocks in {language:?}");
+    }
+}
+
+/// All combinations of five inputs: the statements, and the networks that are drawn from them.
+#[test]
+fn ladder_shapes_keep_their_logic() {
+    const SHAPES: [&str; 14] = [
+        "A I 0.0; A I 0.1; = Q 0.0;",
+        "A I 0.0; AN I 0.1; O; AN I 0.2; A I 0.3; = Q 0.0;",
+        "A( ; O I 0.0; O I 0.1; ) ; A I 0.2; = Q 0.0;",
+        "A I 0.0; O I 0.1; A I 0.2; ON I 0.3; = Q 0.0; = Q 0.1;",
+        "A I 0.0; = Q 0.0; = Q 0.1; NOT; = Q 0.2; S Q 0.3;",
+        "A I 0.0; A( ; A I 0.1; O; A I 0.2; A I 0.3; ) ; AN I 0.4; S Q 0.0; A I 0.3; R Q 0.0;",
+        "X I 0.0; X I 0.1; = Q 0.0;",
+        "A I 0.0; O; A I 0.1; X I 0.2; = Q 0.0;",
+        "O I 0.0; O( ; A I 0.1; A( ; O I 0.2; O I 0.3; ) ; ) ; = Q 0.0;",
+        "AN( ; A I 0.0; A I 0.1; ) ; A I 0.2; = Q 0.0;",
+        "A I 0.0; R I 0.0; = Q 0.0; A I 0.0; = Q 0.1;",
+        "A I 0.0; FP M 5.0; = Q 0.0; S Q 0.1; A I 0.1; R Q 0.1;",
+        "A( ; L IW 0; L 768; >I; ) ; A I 0.0; = Q 0.0;",
+        "SET; = Q 0.0; A I 0.0; JC next; A I 0.1; = Q 0.1; NETWORK next: A I 0.2; = Q 0.2;",
+    ];
+    for shape in SHAPES {
+        // A jump ends its network.
+        let shape = shape.replace("JC next;", "JC next; NETWORK");
+        let body = shape.replace("; ", ";\n").replace("NETWORK ", "NETWORK\n");
+        let source = format!("FUNCTION FC 1 : VOID\nBEGIN\nNETWORK\n{body}\nEND_FUNCTION\n");
+        let (unit, messages) = parsed(&source, Some(Mnemonics::En));
+        assert!(!has_errors(&messages), "{messages:#?}\n{source}");
+        let types = Types::new(std::iter::once(&unit), &[]);
+        for language in [Language::Lad, Language::Fbd] {
+            let (drawn, messages) = to_graph::unit(&unit, &types, language);
+            if language == Language::Lad && shape.contains("; X I 0.2") {
+                // Contacts have no exclusive OR of branches.
+                assert!(messages[0].title.contains("exclusive OR"), "{messages:#?}");
+                continue;
+            }
+            assert!(!has_errors(&messages), "{shape}: {messages:#?}");
+            let document = plcc_convert::sd::write(&drawn, Trivia::none(), None);
+            assert!(!has_errors(&document.messages), "{shape}: {:#?}", document.messages);
+            let results = [("a.stl", &source), ("a.s7dcl", &document.text)].map(|(name, text)| truth_table(name, text));
+            assert_eq!(results[0], results[1], "{shape} in {language:?}:\n{}", document.text);
+        }
+    }
+}
+
+/// Q 0.0 to 0.7 after each of two cycles, for all values of I 0.0 to 0.4.
+fn truth_table(name: &str, text: &str) -> Vec<String> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let block = folder.path().join(name);
+    let main = folder.path().join("main.stl");
+    fs::write(&block, text).expect("a file");
+    let mut calls = String::new();
+    for inputs in 0..32 {
+        for _ in 0..2 {
+            calls.push_str(&format!("L {inputs};\nT IB 0;\nUC FC 1;\nL QB 0;\nL MD 20;\nXOD;\nRLD 3;\nT MD 20;\n"));
+        }
+        calls.push_str("//@ assert MD 20 == DW#16#FFFF_FFFF\n");
+    }
+    fs::write(
+        &main,
+        format!("//@ cpu 315-2DP\nORGANIZATION_BLOCK OB 1\nBEGIN\nNETWORK\n{calls}\nEND_ORGANIZATION_BLOCK\n"),
+    )
+    .expect("a file");
+    let variant = Variant { form: Form::Jit, optimization: Level::O0.into() };
+    let outcomes = testing::run(&[TestInput::Program(vec![main, block])], &plan(vec![variant]));
+    // Every assertion fails, and shows the value that both must have.
+    let shown: Vec<String> = outcomes
+        .iter()
+        .flat_map(|one| one.failures.lines())
+        .filter(|line| line.trim_start().starts_with("left"))
+        .map(str::to_string)
+        .collect();
+    assert!(shown.len() >= 32, "{} {}\n{text}", outcomes[0].messages, outcomes[0].failures);
+    shown
+}
+
+/// Networks of LAD are FBD, or the other way round: the assertions still hold. How many blocks were redrawn.
+fn run_redrawn(path: &Path, language: Language) -> Result<usize, String> {
+    let text = plcc_syntax::decode_as(&fs::read(path).expect("a test file"), None);
+    let (mut unit, messages) = plcc_readers::parse(FileId::default(), &text, &ReadOptions::default());
+    if has_errors(&messages) {
+        return Ok(0);
+    }
+    let mut redrawn = 0;
+    for block in &mut unit.blocks {
+        let Block::Code(code) = block else { continue };
+        match to_graph::redraw::block(code, language) {
+            Ok(made) => {
+                redrawn += usize::from(made != *code);
+                *code = made;
+            }
+            Err(messages) if language == Language::Fbd => return Err(format!("{messages:#?}")),
+            Err(_) => {}
+        }
+    }
+    if redrawn == 0 {
+        return Ok(0);
+    }
+    let document = plcc_convert::sd::write(&unit, Trivia::new(&text, scl::comments(&text), false), Some(&text));
+    if has_errors(&document.messages) {
+        return Err(format!("{:#?}", document.messages));
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("a.s7dcl");
+    fs::write(&file, &document.text).expect("a file");
+    let variant = Variant { form: Form::Jit, optimization: Level::O0.into() };
+    let outcomes = testing::run(&[TestInput::File(file)], &plan(vec![variant]));
+    match outcomes.iter().find(|one| one.failed > 0 || one.rejected || one.unreadable) {
+        Some(one) => Err(format!("{}{}\n{}", one.messages, one.failures, document.text)),
+        None => Ok(redrawn),
+    }
+}
+
+#[test]
+fn redrawn_networks_do_the_same() {
+    let tests = tests_folder().join("run/lad-fbd");
+    for (language, least) in [(Language::Fbd, 20), (Language::Lad, 5)] {
+        let (mut count, mut failed) = (0, Vec::new());
+        for path in files(&tests, "s7dcl") {
+            match run_redrawn(&path, language) {
+                Ok(blocks) => count += blocks,
+                Err(text) => failed.push(format!("{}: {text}", path.display())),
+            }
+        }
+        println!("{count} blocks in {language:?}");
+        assert!(failed.is_empty(), "{} files in {language:?}:\n{}", failed.len(), failed.join("\n\n"));
+        assert!(count > least, "only {count} blocks in {language:?}");
+    }
+}

@@ -1,0 +1,169 @@
+//! Statements of SCL as statement lists: the assertions of the tests for SCL hold for them.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use plcc_convert::from_scl;
+use plcc_convert::trivia::Trivia;
+use plcc_driver::cli::Level;
+use plcc_driver::inputs::{self, TestInput};
+use plcc_driver::pipeline::{self, Settings};
+use plcc_driver::testing::{self, Form, Outcome, Variant};
+use plcc_syntax::ast::{Block, Code, SourceUnit};
+use plcc_syntax::scl;
+use plcc_syntax::stl::Mnemonics;
+use plcc_tests::{files, plan, tests_folder};
+
+use crate::{has_errors, without};
+
+/// What became of the blocks of a source.
+#[derive(Default)]
+struct Made {
+    blocks: usize,
+    /// Why others stayed in SCL.
+    refused: Vec<String>,
+}
+
+/// Runs a program: assertions that passed, or what failed.
+fn run(files: Vec<PathBuf>) -> Result<u64, String> {
+    let variant = Variant { form: Form::Jit, optimization: Level::O0.into() };
+    let outcomes = testing::run(&[TestInput::Program(files)], &plan(vec![variant]));
+    let is_bad = |one: &&Outcome| one.failed > 0 || one.rejected || one.unreadable;
+    match outcomes.iter().find(is_bad) {
+        Some(one) => Err(format!("{}{}", one.messages, one.failures)),
+        None => Ok(outcomes.iter().map(|one| one.passed).sum()),
+    }
+}
+
+/// Runs a source with its blocks as STL where that is possible.
+fn run_as_stl(path: &Path, cpu: &str) -> Option<Result<Made, String>> {
+    let text = plcc_syntax::decode_as(&fs::read(path).expect("a test file"), None);
+    // Indices outside of their bounds are not a fault in STL.
+    let is_about_bounds = ["index_outside.scl", "indexed_classic.scl"].iter().any(|name| path.ends_with(name));
+    if text.contains("expect=fail") || is_about_bounds {
+        return None;
+    }
+    let own = text.lines().any(|line| line.starts_with("//@ cpu"));
+    let head = if own { String::new() } else { format!("//@ cpu {cpu}\n") };
+    let text = format!("{head}{text}");
+    let folder = tempfile::tempdir().expect("a folder");
+    let source = folder.path().join("a.scl");
+    fs::write(&source, &text).expect("a file");
+    let Ok(before) = run(vec![source.clone()]) else { return None };
+    let cpu = text.lines().find_map(|line| line.strip_prefix("//@ cpu ")).unwrap_or(cpu).trim().to_string();
+    let settings = Settings { cpu: Some(cpu.clone()), ..Settings::default() };
+    let parsed = pipeline::parse(inputs::read(&[source.clone()]), &settings);
+    let unit = parsed.units.first()?.1.clone();
+    let bound = pipeline::bind(parsed, &settings);
+    if bound.has_errors() {
+        return None;
+    }
+    let all = scl::comments(&text);
+    let (made, messages) = from_scl::unit(&unit, &bound.program, &text, &all);
+    let is_scl = |block: &Block| matches!(block, Block::Code(code) if matches!(code.code, Code::Scl(_)));
+    let pairs = unit.blocks.iter().zip(made.blocks);
+    let converted: Vec<(&Block, Block)> = pairs.filter(|(own, made)| is_scl(own) && !is_scl(made)).collect();
+    let refused = messages.iter().filter(|message| message.is_error()).map(|message| message.title.clone()).collect();
+    let spans: Vec<_> = converted.iter().map(|(own, _)| own.span().range()).collect();
+    let blocks = spans.len();
+    if blocks == 0 {
+        return Some(Ok(Made { blocks, refused }));
+    }
+    let mut kept = all;
+    kept.retain(|comment| spans.iter().any(|span| span.contains(&comment.range().start)));
+    let only = SourceUnit { blocks: converted.into_iter().map(|(_, made)| made).collect(), ..unit.clone() };
+    let (written, messages) = plcc_convert::stl::write(&only, Mnemonics::En, Trivia::new(&text, kept, true), None);
+    if has_errors(&messages) {
+        // Declarations that STL does not have.
+        let titles = messages.into_iter().filter(|message| message.is_error()).map(|message| message.title);
+        return Some(Ok(Made { blocks: 0, refused: titles.collect() }));
+    }
+    let (rest, list) = (folder.path().join("rest.scl"), folder.path().join("list.stl"));
+    fs::write(&rest, without(&text, &spans)).expect("a file");
+    fs::write(&list, format!("//@ cpu {cpu}\n{written}")).expect("a file");
+    if std::env::var_os("PLCC_SHOW").is_some() {
+        println!("{}: {blocks}; {refused:?}\n{written}", path.display());
+    }
+    Some(match run(vec![rest, list]) {
+        Err(failures) => Err(format!("{failures}\n{written}")),
+        Ok(after) if after != before => Err(format!("{before} assertions before, {after} after\n{written}")),
+        Ok(_) => Ok(Made { blocks, refused }),
+    })
+}
+
+/// All sources; those with `PLCC_ONLY` in their path if it is set.
+#[test]
+fn statements_of_scl_as_lists_do_the_same() {
+    let (mut blocks, mut failed, mut refused) = (0, Vec::new(), BTreeMap::<String, usize>::new());
+    let only = std::env::var("PLCC_ONLY").unwrap_or_default();
+    for path in files(&tests_folder().join("run/scl"), "scl") {
+        if !path.to_string_lossy().contains(&only) || path.ancestors().any(|folder| folder.join("plc.toml").exists()) {
+            continue;
+        }
+        for cpu in ["s7-300", "s7-1500"] {
+            match run_as_stl(&path, cpu) {
+                None => {}
+                Some(Ok(made)) => {
+                    blocks += made.blocks;
+                    made.refused.into_iter().for_each(|title| *refused.entry(title).or_default() += 1);
+                }
+                Some(Err(text)) => failed.push(format!("{} on {cpu}: {text}", path.display())),
+            }
+        }
+    }
+    println!("{blocks} blocks; refused: {refused:#?}");
+    assert!(failed.is_empty(), "{} files:\n{}", failed.len(), failed.join("\n\n"));
+    assert!(blocks > 300 || !only.is_empty(), "only {blocks} blocks");
+}
+
+/// The messages, as titles and what the source has there, and the text.
+fn converted(text: &str) -> (Vec<(String, String)>, String) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let source = folder.path().join("a.scl");
+    fs::write(&source, text).expect("a file");
+    let settings = Settings { cpu: Some("s7-300".to_string()), ..Settings::default() };
+    let parsed = pipeline::parse(inputs::read(&[source]), &settings);
+    let unit = parsed.units[0].1.clone();
+    let bound = pipeline::bind(parsed, &settings);
+    assert!(!bound.has_errors(), "{:#?}", bound.diagnostics);
+    let (made, messages) = from_scl::unit(&unit, &bound.program, text, &scl::comments(text));
+    let found = messages
+        .iter()
+        .map(|message| (message.title.clone(), text.get(message.primary.span.range()).unwrap_or_default().to_string()));
+    let trivia = Trivia::new(text, scl::comments(text), true);
+    (found.collect(), plcc_convert::stl::write(&made, Mnemonics::En, trivia, None).0)
+}
+
+#[test]
+fn a_refusal_names_the_operation() {
+    let source = "FUNCTION FC 1 : REAL\nVAR_INPUT\n x : REAL;\nEND_VAR\nBEGIN\n FC1 := 1.0 + x ** 2.5;\nEND_FUNCTION\n";
+    let (messages, _) = converted(source);
+    let expected = ("STL has no form for this operation with REAL".to_string(), "x ** 2.5".to_string());
+    assert_eq!(messages, [expected]);
+}
+
+#[test]
+fn comments_stay_in_their_branch() {
+    let source = "FUNCTION FC 1 : INT\nVAR_INPUT\n x : INT;\nEND_VAR\nBEGIN\n// limits\nIF x > 5 THEN\n // high\n FC1 := 1;\n\
+                  ELSE\n // low\n FC1 := 2;\nEND_IF;\nEND_FUNCTION\n";
+    let (messages, text) = converted(source);
+    assert_eq!(messages, []);
+    let lines = [
+        "TITLE = IF x > 5\n",
+        "// limits",
+        "JCN   _002",
+        "// high",
+        "JU    _001",
+        "_002: NOP   0",
+        "// low",
+        "L     2",
+        "_001: NOP   0",
+    ];
+    let mut rest = text.as_str();
+    for line in lines {
+        let at = rest.find(line);
+        assert!(at.is_some(), "`{line}` is not where it belongs:\n{text}");
+        rest = &rest[at.unwrap_or_default()..];
+    }
+}

@@ -1,0 +1,177 @@
+//! Networks of LAD and FBD as statements.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use plcc_convert::to_stl::{self, types::Types};
+use plcc_convert::trivia::Trivia;
+use plcc_diag::{FileId, SourceFile};
+use plcc_driver::cli::Level;
+use plcc_driver::inputs::TestInput;
+use plcc_driver::testing::{self, Form, Variant};
+use plcc_readers::ReadOptions;
+use plcc_syntax::ast::{Block, BlockName, Code, CodeKind, SourceUnit};
+use plcc_syntax::scl;
+use plcc_syntax::stl::Mnemonics;
+use plcc_syntax::symbols::SymbolTable;
+use plcc_tests::{files, plan, root, tests_folder};
+
+use crate::{everything, has_errors, without};
+
+/// A source whose blocks of LAD and FBD are STL where that is possible; the others stay in their language.
+struct AsStl {
+    /// What is left of the source.
+    rest: String,
+    stl: String,
+    symbols: String,
+    blocks: usize,
+    refused: Vec<String>,
+}
+
+fn as_stl(text: &str, others: &[SourceUnit], tables: &[SymbolTable], keeps_br: bool) -> AsStl {
+    let (unit, _) = plcc_readers::parse(FileId::default(), text, &ReadOptions::default());
+    let types = Types::new(std::iter::once(&unit).chain(others), tables);
+    let mut made = SourceUnit { blocks: Vec::new(), ..unit.clone() };
+    let mut spans = Vec::new();
+    let mut symbols = String::new();
+    let mut refused = Vec::new();
+    for block in &unit.blocks {
+        let Block::Code(code) = block else { continue };
+        let Code::Graphic(body) = &code.code else { continue };
+        match to_stl::block(code, body, &types, keeps_br) {
+            Ok(done) => {
+                if let (BlockName::Symbol { name, .. }, Some(number)) = (&done.name, done.header.number) {
+                    let letters = match done.kind {
+                        CodeKind::Fb | CodeKind::Sfb => "FB",
+                        CodeKind::Fc | CodeKind::Sfc => "FC",
+                        CodeKind::Ob => "OB",
+                    };
+                    symbols.push_str(&format!("\"{name}\",\"{letters} {number}\",\"{letters} {number}\",\"\"\n"));
+                }
+                spans.push(code.span.range());
+                made.blocks.push(Block::Code(done));
+            }
+            Err(messages) => refused.extend(messages.into_iter().map(|message| message.title)),
+        }
+    }
+    let mut kept = scl::comments(text);
+    kept.retain(|comment| spans.iter().any(|span| span.contains(&comment.range().start)));
+    let trivia = Trivia::new(text, kept, true);
+    let (written, messages) = plcc_convert::stl::write(&made, Mnemonics::En, trivia, None);
+    assert!(!has_errors(&messages), "{messages:#?}");
+    let cpu = text.lines().find(|line| line.starts_with("//@ cpu")).unwrap_or_default();
+    let stl = format!("{cpu}\n{written}");
+    AsStl { rest: without(text, &spans), stl, symbols, blocks: made.blocks.len(), refused }
+}
+
+/// Runs a test, a source or a project, with STL in the place of its networks: how many blocks were STL.
+fn run_as_stl(path: &Path) -> Result<usize, String> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let is_project = path.is_dir();
+    let all = match is_project {
+        true => everything(path),
+        false => vec![path.to_path_buf()],
+    };
+    let text_of = |path: &Path| plcc_syntax::decode_as(&fs::read(path).expect("a test file"), None);
+    let read = |path: &PathBuf| {
+        let language = plcc_driver::pipeline::language_of(&path.to_string_lossy());
+        plcc_readers::parse(FileId::default(), &text_of(path), &ReadOptions { language, ..Default::default() }).0
+    };
+    let is_source = |path: &&PathBuf| path.extension().is_some_and(|extension| extension == "s7dcl");
+    let declares = |path: &&PathBuf| {
+        path.extension().is_some_and(|ending| ["s7dcl", "scl", "db", "xml"].iter().any(|one| ending == *one))
+    };
+    let units: Vec<SourceUnit> = all.iter().filter(declares).map(read).collect();
+    let mut tables = Vec::new();
+    for table in
+        all.iter().filter(|path| path.extension().is_some_and(|extension| extension == "txt" || extension == "xml"))
+    {
+        let source = SourceFile::new(table.display().to_string(), text_of(table));
+        tables.push(plcc_readers::symbols::parse(FileId::default(), &source).0);
+    }
+    let texts: Vec<String> = all
+        .iter()
+        .filter(|path| path.extension().is_none_or(|extension| extension != "xlsx"))
+        .map(|path| text_of(path))
+        .collect();
+    let keeps_br = texts
+        .iter()
+        .any(|text| ["cpu 31", "cpu s7-300", "cpu = \"31", "cpu = \"s7-300"].iter().any(|cpu| text.contains(cpu)));
+    if texts.iter().any(|text| text.starts_with("cpu = ") && text.contains("[hardware_interrupt")) {
+        // Only an S7-1200 names them.
+        return Ok(0);
+    }
+    let (mut blocks, mut written, mut program) = (0, String::new(), Vec::new());
+    for path_of in &all {
+        let name = path_of.strip_prefix(path).ok().filter(|name| is_project && !name.as_os_str().is_empty());
+        let name = name.map_or_else(|| PathBuf::from(path_of.file_name().expect("a file")), Path::to_path_buf);
+        let to = folder.path().join(&name);
+        fs::create_dir_all(to.parent().expect("a folder")).expect("a folder");
+        if !is_source(&path_of) {
+            fs::copy(path_of, &to).expect("a copy");
+            if path_of.ends_with("plc.toml") {
+                // An S7-1200 has no STL.
+                let lines = text_of(path_of);
+                let lines = lines
+                    .lines()
+                    .filter(|line| !line.starts_with("sources = ["))
+                    .map(|line| if line.starts_with("cpu = \"12") { "cpu = \"s7-1500\"" } else { line });
+                fs::write(&to, lines.collect::<Vec<_>>().join("\n")).expect("a file");
+            }
+            continue;
+        }
+        let made = as_stl(&text_of(path_of), &units, &tables, keeps_br);
+        if std::env::var_os("PLCC_SHOW").is_some() {
+            println!("{}: {}; {:?}", path_of.display(), made.blocks, made.refused);
+        }
+        blocks += made.blocks;
+        let mut put = |extension: &str, text: &str| {
+            let path = to.with_extension(extension);
+            fs::write(&path, text).expect("a file");
+            program.push(path);
+        };
+        put("s7dcl", &made.rest);
+        if made.blocks > 0 {
+            put("stl", &made.stl);
+            written.push_str(&made.stl);
+        }
+        if !made.symbols.is_empty() {
+            put("sym.txt", &made.symbols);
+        }
+    }
+    if blocks == 0 {
+        return Ok(0);
+    }
+    let variant = Variant { form: Form::Jit, optimization: Level::O0.into() };
+    let input = match is_project {
+        true => TestInput::Project(folder.path().to_path_buf()),
+        false => TestInput::Program(program),
+    };
+    let outcomes = testing::run(&[input], &plan(vec![variant]));
+    let failed = outcomes.iter().find(|one| one.failed > 0 || one.rejected || one.unreadable);
+    match failed {
+        Some(one) => Err(format!("{}{}\n{written}", one.messages, one.failures)),
+        None if outcomes.iter().all(|one| one.passed == 0) => Ok(0),
+        None => Ok(blocks),
+    }
+}
+
+/// The assertions of the tests for LAD and FBD hold for the statements that are made of them.
+#[test]
+fn networks_as_statements_do_the_same() {
+    let mut count = 0;
+    let mut failed = Vec::new();
+    let tests = tests_folder().join("run/lad-fbd");
+    let projects: Vec<PathBuf> =
+        plcc_tests::projects(&tests).into_iter().chain(plcc_tests::projects(&root().join("samples"))).collect();
+    let alone =
+        files(&tests, "s7dcl").into_iter().filter(|path| !projects.iter().any(|project| path.starts_with(project)));
+    for path in alone.collect::<Vec<_>>().iter().chain(&projects) {
+        match run_as_stl(path) {
+            Ok(blocks) => count += blocks,
+            Err(text) => failed.push(format!("{}: {text}", path.display())),
+        }
+    }
+    assert!(failed.is_empty(), "{} files:\n{}", failed.len(), failed.join("\n\n"));
+    assert!(count > 30, "only {count} blocks");
+}

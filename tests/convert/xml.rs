@@ -1,0 +1,124 @@
+//! SimaticML that is written.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use plcc_convert::trivia::Trivia;
+use plcc_diag::FileId;
+use plcc_driver::cli::Level;
+use plcc_driver::inputs::TestInput;
+use plcc_driver::testing::{self, Form, Variant};
+use plcc_readers::ReadOptions;
+use plcc_syntax::ast::{Block, Code, SourceUnit};
+use plcc_syntax::{scl, stl};
+use plcc_tests::{plan, root, tests_folder};
+
+use crate::{everything, has_errors, sources, tree};
+
+/// Exports of the TIA Portal: what is written has the same tree.
+#[test]
+fn exports_read_back_as_they_were() {
+    let (mut count, mut failed) = (0, Vec::new());
+    let folders = [tests_folder().join("twins"), tests_folder().join("run"), root().join("samples")];
+    let all = folders.iter().flat_map(|folder| everything(folder));
+    for path in all.filter(|path| path.extension().is_some_and(|ending| ending == "xml")) {
+        let text = plcc_syntax::decode_as(&fs::read(&path).expect("a test file"), None);
+        let (unit, messages) = plcc_readers::parse(FileId::default(), &text, &ReadOptions::default());
+        let is_chart = |block: &Block| matches!(block, Block::Code(block) if matches!(block.code, Code::Chart(_)));
+        let is_tia = plcc_readers::xml::kind(&text).is_some_and(|kind| kind != plcc_readers::xml::XmlKind::PlcOpen);
+        if has_errors(&messages) || unit.blocks.is_empty() || unit.blocks.iter().any(is_chart) || !is_tia {
+            continue;
+        }
+        let project = path.ancestors().skip(1).find(|folder| folder.join("plc.toml").exists());
+        let others: Vec<SourceUnit> = project.map_or_else(Vec::new, |project| {
+            let all = everything(project).into_iter().filter(|file| file.extension() == path.extension());
+            let read = |file: PathBuf| {
+                let text = plcc_syntax::decode_as(&fs::read(file).expect("a file"), None);
+                plcc_readers::parse(FileId::default(), &text, &ReadOptions::default()).0
+            };
+            all.map(read).collect()
+        });
+        let library = plcc_convert::xml::Library::new(std::iter::once(&unit).chain(&others));
+        let (written, messages) = plcc_convert::xml::write(&unit, &library, Trivia::none(), unit.overlay.as_deref());
+        if has_errors(&messages) {
+            // Components of a type of the system, which is in no source.
+            if !path.ends_with("instance-and-device.xml") {
+                failed.push(format!("{}: {messages:#?}", path.display()));
+            }
+            continue;
+        }
+        let (again, messages) = plcc_readers::parse(FileId::default(), &written, &ReadOptions::default());
+        if let Some(first) = messages.iter().find(|message| message.is_error()) {
+            failed.push(format!("{}: {first:?}\n{written}", path.display()));
+            continue;
+        }
+        let (before, after) = (tree(&unit), tree(&again));
+        if before != after {
+            failed.push(format!("{}: {}", path.display(), plcc_tests::difference(&before, &after)));
+        }
+        count += 1;
+    }
+    assert!(failed.is_empty(), "{} of {}:\n{}", failed.len(), count + failed.len(), failed.join("\n\n"));
+    assert!(count > 70, "only {count} exports");
+}
+
+/// A source as XML: `None` if it has errors of its own, or what SimaticML cannot say; otherwise what is different in its IR.
+fn as_xml(path: &Path, refused: &mut BTreeMap<String, usize>) -> Option<Result<(), String>> {
+    let settings = plcc_driver::pipeline::Settings::default();
+    let bound = plcc_tests::bind_file(path, &settings).ok()?;
+    let before = plcc_tests::twins::ir_text(&bound);
+    let text = plcc_syntax::decode_as(&fs::read(path).expect("a test file"), None);
+    let language = plcc_driver::pipeline::language_of(&path.to_string_lossy());
+    let options = ReadOptions { language, ..Default::default() };
+    let (unit, _) = plcc_readers::parse(FileId::default(), &text, &options);
+    let library = plcc_convert::xml::Library::new(std::iter::once(&unit));
+    let is_stl =
+        unit.blocks.iter().any(|block| matches!(block, Block::Code(code) if matches!(code.code, Code::Stl(_))));
+    let all = if is_stl { stl::comments(&text) } else { scl::comments(&text) };
+    let trivia = Trivia::new(&text, all, false);
+    let (written, messages) = plcc_convert::xml::write(&unit, &library, trivia, (!is_stl).then_some(text.as_str()));
+    if let Some(first) = messages.iter().find(|message| message.is_error()) {
+        *refused.entry(first.title.clone()).or_default() += 1;
+        return None;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("a.xml");
+    let cpu = text.lines().find_map(|line| line.strip_prefix("//@ cpu"));
+    // A source of STL is one of the S7-300 without it.
+    let own = || is_stl.then(|| format!(" {}", bound.program.profile.name));
+    let cpu = cpu.map(str::to_string).or_else(own).map_or_else(String::new, |cpu| format!("<!--@ cpu{cpu} -->"));
+    let (head, rest) = written.split_once('\n').expect("a head");
+    fs::write(&file, format!("{head}\n{cpu}\n{rest}")).expect("a file");
+    let after = match plcc_tests::bind_file(&file, &settings) {
+        Ok(bound) => plcc_tests::twins::ir_text(&bound),
+        Err(messages) => return Some(Err(messages)),
+    };
+    if before == after {
+        return Some(Ok(()));
+    }
+    // Blocks without numbers may get others, and other addresses: then the assertions decide.
+    let variant = Variant { form: Form::Jit, optimization: Level::O0.into() };
+    let outcomes = testing::run(&[TestInput::File(file)], &plan(vec![variant]));
+    match outcomes.iter().find(|one| one.failed > 0 || one.rejected || one.unreadable || one.passed == 0) {
+        Some(one) => Some(Err(format!("{}{}{}", plcc_tests::difference(&before, &after), one.messages, one.failures))),
+        None => Some(Ok(())),
+    }
+}
+
+/// Every fourth source; all of them with `PLCC_ALL_SOURCES=1`.
+#[test]
+fn sources_as_xml_mean_the_same() {
+    let (mut count, mut failed, mut refused) = (0, Vec::new(), BTreeMap::new());
+    let step = if std::env::var_os("PLCC_ALL_SOURCES").is_some() { 1 } else { 4 };
+    for path in ["s7dcl", "scl", "stl"].iter().flat_map(|extension| sources(extension)).step_by(step) {
+        match as_xml(&path, &mut refused) {
+            None => {}
+            Some(Ok(())) => count += 1,
+            Some(Err(text)) => failed.push(format!("{}: {text}", path.display())),
+        }
+    }
+    assert!(failed.is_empty(), "{} of {}, {refused:#?}:\n{}", failed.len(), count + failed.len(), failed.join("\n\n"));
+    println!("{count} sources; refused: {refused:#?}");
+    assert!(count > 100, "only {count} sources; {refused:#?}");
+}
