@@ -72,8 +72,9 @@ pub fn load(bytes: &[u8]) -> Result<(ProgramImage, CodeSource), String> {
         return Err(damaged());
     }
     let mapping = Mapping::new(content, &slots)?;
-    let (image, entries) = parts(mapping.bytes(), head.program).ok_or_else(damaged)?;
-    let image = postcard::from_bytes::<ProgramImage>(image).map_err(|_| damaged())?;
+    let parts = parts(mapping.bytes(), head.program).ok_or_else(damaged)?;
+    let (image, entries) = parts.first().ok_or_else(damaged)?;
+    let mut image = postcard::from_bytes::<ProgramImage>(image).map_err(|_| damaged())?;
     if image.blocks.iter().any(|block| block.entry as usize >= entries.len()) {
         return Err(damaged());
     }
@@ -81,15 +82,43 @@ pub fn load(bytes: &[u8]) -> Result<(ProgramImage, CodeSource), String> {
         // SAFETY: the place of an entry function in the mapping, by the contract of `plcc_abi`.
         unsafe { std::mem::transmute::<*const u8, EntryFunction>(mapping.base.as_ptr().add(at)) }
     };
-    let entries: Vec<EntryFunction> = entries.iter().map(function).collect();
+    let functions = |entries: &[usize]| entries.iter().map(function).collect::<Vec<_>>();
+    let plain = functions(entries);
+    // The code with probes is another program, beside the first.
+    let probed = match parts.get(1) {
+        Some((_, entries)) if entries.len() == plain.len() => functions(entries),
+        Some(_) | None => Vec::new(),
+    };
+    if probed.is_empty() {
+        image.config.services.probes = None;
+    }
     let mapping = Arc::new(mapping);
-    Ok((image, Arc::new(move || Rc::new(guest::NativeCode::new(Entries::new(entries.clone()), Arc::clone(&mapping))))))
+    let code: CodeSource = Arc::new(move || {
+        let entries = Entries::watched(plain.clone(), probed.clone());
+        Rc::new(guest::NativeCode::new(entries, Arc::clone(&mapping)))
+    });
+    Ok((image, code))
 }
 
-/// The encoded image, and where the entry functions are, all of them inside.
-fn parts(content: &[u8], program: u64) -> Option<(&[u8], Vec<usize>)> {
+/// A program, and the same with probes.
+const PROGRAMS_MAX: usize = 2;
+
+/// The encoded image of a program, and where its entry functions are.
+type Part<'a> = (&'a [u8], Vec<usize>);
+
+/// The program at this place, or those to which a directory there leads, all of them inside.
+fn parts(content: &[u8], program: u64) -> Option<Vec<Part<'_>>> {
     let start = usize::try_from(program).ok()?;
-    let number = |at: usize| Some(u64::from_ne_bytes(content.get(at..at + 8)?.try_into().ok()?));
+    match part(content, start)? {
+        (&[], programs) if programs.len() <= PROGRAMS_MAX => {
+            programs.into_iter().map(|start| part(content, start)).collect()
+        }
+        one => Some(vec![one]),
+    }
+}
+
+fn part(content: &[u8], start: usize) -> Option<Part<'_>> {
+    let number = |at: usize| Some(u64::from_ne_bytes(content.get(at..at.checked_add(8)?)?.try_into().ok()?));
     // What a field leads to that has its own distance from there.
     let target = |at: usize| {
         let distance = i32::from_ne_bytes(content.get(at..at.checked_add(4)?)?.try_into().ok()?);

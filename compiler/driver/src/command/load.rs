@@ -5,7 +5,7 @@ use std::io::BufRead;
 use plcc_services::client::{self, Answer};
 
 use crate::cli::{LoadArgs, Lose};
-use crate::command::build::{accepted, internal, object};
+use crate::command::build::{accepted, internal};
 use crate::command::exit;
 use crate::{drawings, inputs, link, pipeline, report};
 
@@ -37,8 +37,10 @@ fn compile(args: &LoadArgs) -> Result<Vec<u8>, u8> {
     // Whoever looks at the page is to see the new program.
     let bound = drawings::bind(pipeline::parse(read, &settings), &settings, |_| true);
     let bound = accepted(bound, unreadable, &settings)?;
-    let compiled = pipeline::back(&bound, args.optimization.optimization());
-    link::loadable(&object(&compiled)?).map_err(|error| internal(&error))
+    let mut plain = pipeline::lower(&bound, args.optimization.optimization());
+    let probed = pipeline::lower_beside(&bound, &mut plain);
+    let objects = pipeline::objects(plain, probed, [None, None]).map_err(|error| internal(&error))?;
+    link::loadable(&objects).map_err(|error| internal(&error))
 }
 
 /// `Err`: why the process does not answer, or does not know the user.

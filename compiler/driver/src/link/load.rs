@@ -14,8 +14,8 @@ use super::relocate::relocate;
 /// Where the bytes after the head are during linking; any address but 0.
 const BASE: u64 = 0x10000;
 
-/// Links an object file to a loadable program. Only for x86-64, as all that plcc itself links.
-pub fn loadable(object: &[u8]) -> Result<Vec<u8>, LinkError> {
+/// Links the objects of a program to a loadable one. Only for x86-64, as all that plcc itself links.
+pub fn loadable(objects: &[impl AsRef<[u8]>]) -> Result<Vec<u8>, LinkError> {
     if !cfg!(target_arch = "x86_64") {
         return Err(LinkError::Object("programs are loaded into processes for x86-64 only".to_string()));
     }
@@ -33,9 +33,11 @@ pub fn loadable(object: &[u8]) -> Result<Vec<u8>, LinkError> {
         bytes.extend((distance as i32).to_le_bytes());
         bytes.extend([0xCC, 0xCC]);
     }
+    // Sections for debuggers name it; they are left out.
+    functions.push((linked::MEMORY_SYMBOL.as_bytes(), BASE));
     let program = bytes.len().next_multiple_of(64);
     let start = Start { address: BASE + program as u64, page: 64, functions };
-    let objects = [parse(object)?];
+    let objects: Vec<_> = objects.iter().map(|object| parse(object.as_ref())).collect::<Result<_, _>>()?;
     let mut image = place(&start, &objects)?;
     relocate(&objects, &mut image)?;
     for section in [PROGRAM, CODE] {

@@ -16,7 +16,6 @@ use plcc_runtime::run::start_changeable;
 use plcc_runtime::signal::Source;
 
 use crate::cli::Level;
-use crate::command::build::object;
 use crate::inputs::Read;
 use crate::pipeline::Bound;
 use crate::{code, link, pipeline};
@@ -328,19 +327,74 @@ fn charts_go_on_at_their_step() {
     assert_eq!(more.items, ["DB 1 \"F\": the chart has other steps or transitions; it begins at its initial step"]);
 }
 
+/// A program as `plcc load` sends it.
+fn sent(text: &str) -> (ProgramImage, CodeSource) {
+    let bound = bound(&[("line.scl", text)]);
+    let mut plain = pipeline::lower(&bound, Level::O2);
+    let probed = pipeline::lower_beside(&bound, &mut plain);
+    let objects = pipeline::objects(plain, probed, [None, None]).expect("what is lowered becomes an object");
+    let bytes = link::loadable(&objects).expect("plcc links its own objects");
+    loaded::load(&bytes).expect("it is of this plcc")
+}
+
 /// A program that was sent to the process does the same as one that was compiled in it.
 #[test]
 fn a_loaded_program_goes_on() {
-    let sent = |text: &str| {
-        let compiled = pipeline::back(&bound(&[("line.scl", text)]), Level::O2);
-        let object = object(&compiled).expect("what is lowered becomes an object");
-        let bytes = link::loadable(&object).expect("plcc links its own objects");
-        loaded::load(&bytes).expect("it is of this plcc")
-    };
     let texts = "\"LineDb\".b.name := CONCAT(IN1 := 'n', IN2 := \"LineDb\".b.name);";
     let plain = || compiled("line.scl", &chain("", texts));
     let loads = vec![(7, Some(sent(&chain("x : INT;", texts)))), (20, None), (33, Some(sent(&chain("", texts))))];
     let (unchanged, changed) = (run(plain(), Vec::new(), &CHAIN, 60), run(plain(), loads, &CHAIN, 60));
     assert_eq!(changed.refused, Vec::<String>::new());
     assert_eq!(unchanged.values, changed.values);
+}
+
+/// Loads a program after cycle 3, and watches its OB 1.
+struct Onlooker {
+    loader: Loader,
+    program: Option<(ProgramImage, CodeSource)>,
+    /// What was seen by watching: that there is nothing to see, then the values that the probes have told.
+    seen: Rc<RefCell<Vec<String>>>,
+}
+
+impl Service for Onlooker {
+    fn look(&self, _: &Cpu, _: u64, _: Option<u64>) -> bool {
+        true
+    }
+
+    fn serve(&mut self, cpu: &Cpu, _: Duration) {
+        let mut seen = self.seen.borrow_mut();
+        match cpu.cycle_number() {
+            2 => seen.extend(cpu.watch_block(1, "OB1", None).err()),
+            3 => {
+                let (image, code) = self.program.take().expect("it is loaded once");
+                let prepared = self.loader.prepare(image, code).expect("the change is possible");
+                drop(self.loader.order(prepared).expect("no other order waits"));
+            }
+            6 => seen.extend(cpu.watch_block(1, "OB1", None).err()),
+            8 => {
+                let recorded = cpu.look_at_block(1).and_then(|looked| looked.recorded).expect("OB 1 has run");
+                seen.push(format!("cycle {}", recorded.cycle));
+                seen.extend(recorded.seen.iter().flatten().map(|seen| format!("{seen:?}")));
+                cpu.unwatch_block(1);
+            }
+            _ => {}
+        }
+    }
+}
+
+#[test]
+fn a_loaded_program_can_be_watched() {
+    let counting =
+        |step: u8| format!("ORGANIZATION_BLOCK \"Main\"\nBEGIN\n  %MW10 := %MW10 + {step};\nEND_ORGANIZATION_BLOCK\n");
+    let options = RunOptions { clock: ClockKind::Virtual, cycles: Some(10), quiet: true, ..RunOptions::default() };
+    let (loader, inbox) = change::loader(&options);
+    let seen = Rc::<RefCell<Vec<String>>>::default();
+    let onlooker = Onlooker { loader, program: Some(sent(&counting(100))), seen: Rc::clone(&seen) };
+    let (image, code) = compiled("line.scl", &counting(1));
+    assert_eq!(start_changeable(image, code, &options, Some(Box::new(onlooker)), inbox), 0);
+    let seen = seen.take();
+    assert!(seen.first().is_some_and(|told| told.contains("without the code that can be watched")), "{seen:?}");
+    assert_eq!(seen.get(1).map(String::as_str), Some("cycle 7"));
+    // Three cycles of the first program, then four of the other.
+    assert!(seen.iter().any(|told| told == "Value(303)") && seen.iter().any(|told| told == "Value(403)"), "{seen:?}");
 }
