@@ -54,7 +54,7 @@ fn run_as_stl(path: &Path, cpu: &str) -> Option<Result<Made, String>> {
     let Ok(before) = run(vec![source.clone()]) else { return None };
     let cpu = text.lines().find_map(|line| line.strip_prefix("//@ cpu ")).unwrap_or(cpu).trim().to_string();
     let settings = Settings { cpu: Some(cpu.clone()), ..Settings::default() };
-    let parsed = pipeline::parse(inputs::read(&[source.clone()]), &settings);
+    let parsed = pipeline::parse(inputs::read(std::slice::from_ref(&source)), &settings);
     let unit = parsed.units.first()?.1.clone();
     let bound = pipeline::bind(parsed, &settings);
     if bound.has_errors() {

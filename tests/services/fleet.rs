@@ -157,9 +157,10 @@ pub fn manifests() -> Result<(), Failed> {
     let volume = &container["volumeMounts"][0];
     check(volume["name"] == set["spec"]["volumeClaimTemplates"][0]["metadata"]["name"], "the name of the volume")?;
     check(volume["mountPath"] == data && value_of(&given, "--retain")?.starts_with(data), "the volume")?;
-    let user = config["User"].as_str().and_then(|user| user.split(':').next()).unwrap_or("");
+    let user = config["User"].as_str().and_then(|user| user.split(':').next()?.parse::<u64>().ok());
+    let user = user.ok_or("the image names no user")?;
     let context = &pod["securityContext"];
-    check(context["runAsUser"].to_string() == user && context["fsGroup"].to_string() == user, "the user")?;
+    check(context["runAsUser"] == user && context["fsGroup"] == user, "the user")?;
     let url = value_of(&given, "--mqtt")?;
     check(url.contains(&format!("$({})", container["env"][0]["name"].as_str().unwrap_or(""))), "the name of the pod")?;
     runs(&program, &given, metrics)

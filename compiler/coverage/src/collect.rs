@@ -71,7 +71,7 @@ fn s7200_key(program: &Program, block: &s7200::Block) -> Option<BlockKey> {
         s7200::BlockKind::Subroutine => BlockKind::Sbr,
         s7200::BlockKind::Interrupt => BlockKind::Int,
     };
-    let number = block.number.map(|(number, _)| u32::from(number));
+    let number = block.number.map(|(number, _)| number);
     let name = block.name.as_ref().map(|(name, _)| name.as_str());
     let is_it = |known: &&plcc_model::CodeBlock| {
         known.kind == kind

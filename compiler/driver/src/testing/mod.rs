@@ -105,8 +105,7 @@ pub fn run(inputs: &[TestInput], plan: &Plan) -> Vec<Outcome> {
 pub fn run_counted(inputs: &[TestInput], plan: &Plan) -> (Vec<Outcome>, Coverage) {
     let progress = Progress::new(inputs.len());
     let mut prepared = parallel::map(inputs, |input| {
-        let prepared = guarded(&name_of(input), || prepare::prepare(input, plan))
-            .unwrap_or_else(|outcome| Prepared::finished(outcome));
+        let prepared = guarded(&name_of(input), || prepare::prepare(input, plan)).unwrap_or_else(Prepared::finished);
         progress.step(&prepared.outcome.name);
         prepared
     });

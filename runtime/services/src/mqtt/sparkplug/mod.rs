@@ -344,7 +344,7 @@ impl Session {
     async fn publish(&mut self) -> Option<()> {
         let connection = *self.connected.borrow();
         // An even number: there is no connection.
-        if connection % 2 == 0 {
+        if connection.is_multiple_of(2) {
             return Some(());
         }
         let is_new = connection != self.connection;
