@@ -12,7 +12,7 @@ const sleep = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 // Opens the page and lets `look` have a tab: a function that evaluates an expression there, with `tab.call` for other commands.
 async function browse(look) {
   const flags = ["--headless=new", "--no-sandbox", "--disable-gpu", "--remote-debugging-port=0", "--window-size=1200,800", `--user-data-dir=${folder}`];
-  const browser = spawn("chromium", [...flags, "about:blank"], { stdio: "ignore" });
+  const browser = spawn("chromium", [...flags, "about:blank"], { stdio: "ignore", detached: true });
   try {
     await look(await connect());
     console.log("done");
@@ -21,7 +21,8 @@ async function browse(look) {
     process.exitCode = 1;
   } finally {
     const ended = new Promise((resolve) => browser.once("exit", resolve));
-    browser.kill("SIGKILL");
+    // With its processes, which write into the folder too.
+    process.kill(-browser.pid, "SIGKILL");
     await ended;
     fs.rmSync(folder, { recursive: true, force: true, maxRetries: 5, retryDelay: 100 });
   }

@@ -70,6 +70,11 @@ impl Report {
         }
     }
 
+    /// The program is a part of one: what is undefined may be in the rest.
+    pub fn partial(&self) -> bool {
+        self.partial
+    }
+
     /// No error was reported, and nothing is undefined.
     pub fn is_clean(&self) -> bool {
         self.missing.is_empty() && !self.diagnostics.iter().any(Diagnostic::is_error)

@@ -369,7 +369,7 @@ impl InstData {
     }
 
     /// Calls `f` with each jump target, in the order of [`InstData::targets`].
-    pub fn for_each_target(&self, mut f: impl FnMut(&BlockCall)) {
+    pub fn for_each_target<'a>(&'a self, mut f: impl FnMut(&'a BlockCall)) {
         match self {
             InstData::Jump { target } => f(target),
             InstData::Branch { then_to, else_to, .. } => {

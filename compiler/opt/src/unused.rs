@@ -3,7 +3,6 @@
 //! As `dead_code`, but the function is called as before: its parameters, its results and those of its calls stay.
 
 use plcc_ir::Function;
-use plcc_ir::analysis::ControlFlow;
 use plcc_ir::entities::Entity;
 use plcc_ir::function::ValueDef;
 use plcc_ir::{InstData, Value};
@@ -35,7 +34,7 @@ pub fn remove_unused(function: &mut Function) {
 
 /// Which values an effect needs.
 fn live_values(function: &Function) -> Vec<bool> {
-    let flow = ControlFlow::new(function);
+    let incoming = incoming_arguments(function);
     let mut live = vec![false; function.values.len()];
     let mut work = Vec::new();
     let mark = |live: &mut Vec<bool>, work: &mut Vec<Value>, value: Value| {
@@ -61,18 +60,22 @@ fn live_values(function: &Function) -> Vec<bool> {
                 data => data.for_each_use(|used| mark(&mut live, &mut work, used)),
             },
             ValueDef::Param(block, index) => {
-                for &from in flow.predecessors(block) {
-                    let Some(jump) = function.terminator(from) else { continue };
-                    function.insts[jump].for_each_target(|call| {
-                        if call.block == block {
-                            mark(&mut live, &mut work, call.args[index as usize]);
-                        }
-                    });
-                }
+                incoming[block.index()].iter().for_each(|args| mark(&mut live, &mut work, args[index as usize]));
             }
         }
     }
     live
+}
+
+/// For each block the arguments that jumps bring, one list for each target that it is. A `switch` may bring thousands to one block.
+fn incoming_arguments(function: &Function) -> Vec<Vec<&[Value]>> {
+    let mut incoming = vec![Vec::new(); function.blocks.len()];
+    for &block in &function.layout {
+        if let Some(jump) = function.terminator(block) {
+            function.insts[jump].for_each_target(|call| incoming[call.block.index()].push(call.args.as_slice()));
+        }
+    }
+    incoming
 }
 
 #[cfg(test)]

@@ -313,6 +313,11 @@ impl<'a> Declarations<'a> {
                 let instance = bound.instance.clone()?;
                 Some(Typed { ty: DataType::Struct(instance.ty), image: instance.image })
             }
+            // A part of a program may lack the type that has the name of this block.
+            _ if self.globals.report.partial() && let BlockName::Symbol { name, .. } = name => {
+                self.globals.unknown_type(name, span);
+                None
+            }
             _ => {
                 self.report(
                     Diagnostic::new(Code::UnknownType, span, "this block is not a data type")
