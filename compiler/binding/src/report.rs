@@ -202,6 +202,15 @@ impl Report {
         });
     }
 
+    /// `text`: the name of a data type where a block or a variable is expected. A block may have the name of a type.
+    pub fn missing_beside_type(&mut self, text: &str, span: Span) {
+        self.missing(MissingKey::Symbol(fold(text.trim_matches('"'))), span, || {
+            Diagnostic::new(Code::OperandKind, span, format!("`{text}` is a data type"))
+                .label("a data block, a function or a variable is expected here")
+                .help("declare a variable of this type, or add the source of the block that has the same name")
+        });
+    }
+
     pub fn missing_block(&mut self, prefix: BlockPrefix, number: u16, span: Span) {
         self.missing(MissingKey::Block(prefix, number), span, || {
             let name = format!("{} {number}", prefix.letters());

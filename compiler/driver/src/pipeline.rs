@@ -239,8 +239,8 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
     if has_station {
         diagnostics.extend(plcc_program::check_modules(&program));
     }
-    // Names of a program with errors may be missing because of these.
-    if !names.is_empty() && diagnostics.iter().all(|message| message.severity != Severity::Error) {
+    // Names of a program with errors may be missing because of these, those of a part of one because they are in the rest.
+    if !names.is_empty() && !partial && diagnostics.iter().all(|message| message.severity != Severity::Error) {
         diagnostics.extend(names.check(&plcc_lower::names_of(&program, &sources)));
     }
     // A use of a symbol shows the row that cannot be read.

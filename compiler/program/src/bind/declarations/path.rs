@@ -147,6 +147,16 @@ impl Declarations<'_> {
                 };
                 Variable { base: Base::Db(number), byte: 0, bit: 0, ty: DataType::Struct(ty), untyped: false }
             }
+            Resolved::Block { prefix: BlockPrefix::Udt, .. } => {
+                let text = match &path.root {
+                    PathRoot::Local { name, .. } | PathRoot::Quoted { name, .. } | PathRoot::Bare { name, .. } => {
+                        name.clone()
+                    }
+                    PathRoot::Block(name) => self.globals.text(name.span()),
+                };
+                self.globals.report.missing_beside_type(&text, path.span);
+                return None;
+            }
             Resolved::Cell { .. } | Resolved::Block { .. } => {
                 self.report(
                     Diagnostic::new(Code::UnknownMember, path.span, "only data blocks and structures have components")

@@ -314,7 +314,9 @@ impl<'a> Declarations<'a> {
                 Some(Typed { ty: DataType::Struct(instance.ty), image: instance.image })
             }
             // A part of a program may lack the type that has the name of this block.
-            _ if self.globals.report.partial() && let BlockName::Symbol { name, .. } = name => {
+            _ if self.globals.report.partial()
+                && let BlockName::Symbol { name, .. } = name =>
+            {
                 self.globals.unknown_type(name, span);
                 None
             }

@@ -433,6 +433,12 @@ impl SclBinder<'_, '_> {
                     }
                 }
             }
+            Thing::Block { prefix: BlockPrefix::Udt, .. } => {
+                let base = Span::new(span.file, span.start as usize..name.span.start as usize);
+                let text = self.program.globals.text(base);
+                self.program.globals.report.missing_beside_type(text.trim_end().trim_end_matches('.'), span);
+                None
+            }
             Thing::Constant(_)
             | Thing::Cell { .. }
             | Thing::Block { .. }

@@ -303,7 +303,12 @@ impl SclBinder<'_, '_> {
                     }
                 }
             }
-            BlockPrefix::Ob | BlockPrefix::Udt | BlockPrefix::Vat => self.no_callee(span),
+            BlockPrefix::Udt => {
+                let text = self.program.globals.text(span);
+                self.program.globals.report.missing_beside_type(&text, span);
+                None
+            }
+            BlockPrefix::Ob | BlockPrefix::Vat => self.no_callee(span),
         }
     }
 
