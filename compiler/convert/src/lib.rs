@@ -1,6 +1,6 @@
 //! Writes syntax trees as sources, and turns one notation into another.
 //!
-//! - [`stl`]: sources in STL.
+//! - [`stl`]: sources in STL; [`awl`]: those of the S7-200.
 //! - [`scl`]: sources in SCL.
 //! - [`gr7`]: sources of GRAPH.
 //! - [`sd`]: documents of SIMATIC SD.
@@ -8,17 +8,23 @@
 //! - [`from_scl`]: statements of SCL as statement lists.
 //! - [`to_stl`]: networks of LAD and FBD as statements.
 //! - [`to_graph`]: statements as networks of LAD and FBD.
+//! - [`addresses`]: symbols as addresses and back.
+//! - [`migration`]: what of a program another CPU has.
 //! - [`literal`]: constants as text.
 //! - [`trivia`]: comments, which trees do not hold.
 //!
 //! What a notation cannot say is a message that names it; nothing is left out silently.
 //!
-//! **Invariant**: no files: a tree becomes a tree or a text. Only [`from_scl`] knows symbols and types, from the bound program.
+//! **Invariant**: no files: a tree becomes a tree or a text. Only [`from_scl`],
+//! [`addresses`] and [`migration`] know symbols and types, from the bound program.
 
+pub mod addresses;
+pub mod awl;
 mod frames;
 pub mod from_scl;
 pub mod gr7;
 pub mod literal;
+pub mod migration;
 mod names;
 mod operand;
 mod out;

@@ -122,7 +122,7 @@ pub(crate) fn address(width: Width, byte: u32, bit: u8) -> String {
     if width == Width::Bit { format!("{byte}.{bit}") } else { byte.to_string() }
 }
 
-fn cell_letter(kind: CellKind, set: Mnemonics) -> &'static str {
+pub(crate) fn cell_letter(kind: CellKind, set: Mnemonics) -> &'static str {
     match (kind, set) {
         (CellKind::Timer, _) => "T",
         (CellKind::Counter, Mnemonics::En) => "C",

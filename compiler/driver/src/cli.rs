@@ -467,13 +467,23 @@ pub struct FmtArgs {
 }
 
 #[derive(Args, Debug)]
+#[command(group = clap::ArgGroup::new("what").required(true))]
 pub struct ConvertArgs {
     /// Sources and exports, or folders of these; symbol tables among them give types to names.
     #[arg(value_name = "FILE|DIR", required = true)]
     pub inputs: Vec<PathBuf>,
     /// The notation to write.
-    #[arg(long, value_name = "NOTATION")]
-    pub to: ConvertTo,
+    #[arg(long, value_name = "NOTATION", group = "what")]
+    pub to: Option<ConvertTo>,
+    /// Write symbols as addresses, in sources that otherwise stay as they are.
+    #[arg(long, group = "what")]
+    pub absolute: bool,
+    /// Write addresses as symbols, in sources that otherwise stay as they are.
+    #[arg(long, group = "what")]
+    pub symbolic: bool,
+    /// Report what another family of CPUs has of the program: `s7-1200` for one of an S7-200, `s7-1500` for one of an S7-300/400.
+    #[arg(long, value_name = "FAMILY", group = "what")]
+    pub report: Option<String>,
     /// Output file; for several sources a folder [default: standard output].
     #[arg(short, value_name = "OUT")]
     pub output: Option<PathBuf>,
@@ -505,6 +515,8 @@ pub enum ConvertTo {
     Gr7,
     /// XML of the TIA Portal (SimaticML).
     Xml,
+    /// Source text of Micro/WIN, for programs of the S7-200.
+    Awl,
 }
 
 impl ConvertTo {
@@ -516,6 +528,7 @@ impl ConvertTo {
             ConvertTo::Scl => "scl",
             ConvertTo::Gr7 => "gr7",
             ConvertTo::Xml => "xml",
+            ConvertTo::Awl => "awl",
         }
     }
 }

@@ -95,6 +95,11 @@ pub fn read_open(paths: &[PathBuf], open: BTreeMap<PathBuf, String>) -> Read {
     read_into(Read { open, ..Read::default() }, paths)
 }
 
+/// Like [`read_as`], with other texts of some files.
+pub fn read_changed(paths: &[PathBuf], code_page: Option<CodePage>, texts: BTreeMap<PathBuf, String>) -> Read {
+    read_into(Read { code_page, open: texts, ..Read::default() }, paths)
+}
+
 fn read_into(mut read: Read, paths: &[PathBuf]) -> Read {
     for path in paths {
         if !path.is_dir() {

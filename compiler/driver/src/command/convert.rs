@@ -1,8 +1,12 @@
-//! `plcc convert`.
+//! `plcc convert`: sources in another notation. [`addresses`]: with symbols or addresses; [`migration`]: what another CPU has of them.
+
+mod addresses;
+mod migration;
 
 use std::path::{Path, PathBuf};
 
 use plcc_abi::image::Family;
+use plcc_convert::addresses::To;
 use plcc_convert::to_stl::{self, types::Types};
 use plcc_convert::trivia::Trivia;
 use plcc_convert::{from_scl, sd, to_graph, xml};
@@ -28,9 +32,18 @@ struct Converted {
     texts: Option<String>,
 }
 
-/// Writes each source in the notation that the command line names. Returns 3 if one has an error or cannot be converted; then nothing is
-/// written.
+/// Writes each source as the command line says, or the report of a migration. Returns 3 if one has an error or cannot be converted; then
+/// nothing is written.
 pub fn convert(args: &ConvertArgs) -> u8 {
+    match (args.to, &args.report) {
+        (Some(to), _) => notation(args, to),
+        (None, Some(family)) => migration::report(args, family),
+        (None, None) => addresses::write(args, if args.absolute { To::Absolute } else { To::Symbolic }),
+    }
+}
+
+/// Writes each source in another notation.
+fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
     let read = inputs::read_as(&args.inputs, args.code_page);
     let unreadable = read.is_unreadable();
     let mut parsed = pipeline::parse(read, &pipeline::Settings::default());
@@ -38,8 +51,8 @@ pub fn convert(args: &ConvertArgs) -> u8 {
     // What only warns about the source stays as it is.
     messages.retain(Diagnostic::is_error);
     let mut files = Vec::new();
-    let program = match messages.is_empty() && has_scl_for_stl(args, &parsed) {
-        true => match bound(args, &parsed) {
+    let program = match messages.is_empty() && has_scl_for_stl(to, &parsed) {
+        true => match bound(args, &parsed, Some("s7-300")) {
             Ok(bound) => Some(bound.program),
             Err(code) => return code,
         },
@@ -54,16 +67,20 @@ pub fn convert(args: &ConvertArgs) -> u8 {
         let keeps_br = profile.is_some_and(|profile| matches!(profile.family, Family::S7300 | Family::S7400));
         for (file, unit) in &parsed.units {
             let source = parsed.sources.file(*file);
-            if let Some(s7200) = &unit.s7200 {
-                let span = s7200.blocks.first().map(|block| block.span).unwrap_or_default();
-                messages.push(
-                    Diagnostic::new(plcc_diag::Code::NotConverted, span, "a source of the S7-200 cannot be converted")
-                        .label("STL of the S7-200")
-                        .help("convert sources of the S7-300/400/1200/1500"),
-                );
+            let is_awl = to == ConvertTo::Awl;
+            if let Some(s7200) = &unit.s7200
+                && is_awl
+            {
+                let set = args.mnemonics.map_or(unit.mnemonics, Mnemonics::from);
+                let text = plcc_convert::addresses::apply(&source.text, &plcc_convert::awl::edits(s7200, set));
+                files.push(Converted { name: source.name.clone(), text, texts: None });
                 continue;
             }
-            let (made, found) = match args.to {
+            if is_awl || unit.s7200.is_some() {
+                messages.push(other_family(unit, to));
+                continue;
+            }
+            let (made, found) = match to {
                 ConvertTo::Stl => {
                     let (listed, mut found) = match &program {
                         Some(program) => {
@@ -80,12 +97,14 @@ pub fn convert(args: &ConvertArgs) -> u8 {
                 }
                 ConvertTo::Lad => to_graph::unit(unit, &types, Graphic::Lad),
                 ConvertTo::Fbd => to_graph::unit(unit, &types, Graphic::Fbd),
-                ConvertTo::Sd | ConvertTo::Scl | ConvertTo::Gr7 | ConvertTo::Xml => (unit.clone(), Vec::new()),
+                ConvertTo::Sd | ConvertTo::Scl | ConvertTo::Gr7 | ConvertTo::Xml | ConvertTo::Awl => {
+                    (unit.clone(), Vec::new())
+                }
             };
             let refused = found.iter().any(Diagnostic::is_error);
             messages.extend(found);
             if !refused {
-                let (file, found) = written(args, *file, (unit, &made), &library, &source.text);
+                let (file, found) = written((args, to), *file, (unit, &made), &library, &source.text);
                 messages.extend(found);
                 files.push(Converted { name: source.name.clone(), ..file });
             }
@@ -99,22 +118,45 @@ pub fn convert(args: &ConvertArgs) -> u8 {
         report::say(&report::summary(&messages));
         return exit::COMPILE;
     }
-    match store(args, &files) {
-        Ok(()) => exit::OK,
-        Err(code) => code,
-    }
+    store(args, Some(to.extension()), &files).err().unwrap_or(exit::OK)
+}
+
+/// Programs of the S7-200 and those of the other families share no notation.
+fn other_family(unit: &SourceUnit, to: ConvertTo) -> Diagnostic {
+    let Some(s7200) = &unit.s7200 else {
+        let span = unit.blocks.first().map(Block::span).unwrap_or_default();
+        return Diagnostic::new(
+            plcc_diag::Code::NotConverted,
+            span,
+            "only sources of the S7-200 are written for Micro/WIN",
+        )
+        .label("a block of the S7-300/400/1200/1500")
+        .help("write it with `--to stl`");
+    };
+    let span = s7200.blocks.first().map(|block| block.span).unwrap_or_default();
+    let help = match to {
+        ConvertTo::Lad | ConvertTo::Fbd => {
+            "Micro/WIN keeps LAD and FBD as these statements, so there is no other file; `plcc view` draws them"
+        }
+        ConvertTo::Stl | ConvertTo::Sd | ConvertTo::Scl | ConvertTo::Gr7 | ConvertTo::Xml | ConvertTo::Awl => {
+            "write it with `--to awl`; `--report s7-1200` says what an S7-1200 has of it"
+        }
+    };
+    Diagnostic::new(plcc_diag::Code::NotConverted, span, "a source of the S7-200 cannot be converted")
+        .label("STL of the S7-200")
+        .help(help)
 }
 
 /// STL is made of SCL, whose names and types are those of the program.
-fn has_scl_for_stl(args: &ConvertArgs, parsed: &pipeline::Parsed) -> bool {
+fn has_scl_for_stl(to: ConvertTo, parsed: &pipeline::Parsed) -> bool {
     let is_scl = |block: &Block| matches!(block, Block::Code(block) if matches!(block.code, Code::Scl(_)));
-    args.to == ConvertTo::Stl && parsed.units.iter().any(|(_, unit)| unit.blocks.iter().any(is_scl))
+    to == ConvertTo::Stl && parsed.units.iter().any(|(_, unit)| unit.blocks.iter().any(is_scl))
 }
 
-/// The program of the sources, for an S7-300 if neither the command line nor the project names a CPU; an exit code after messages.
-fn bound(args: &ConvertArgs, parsed: &pipeline::Parsed) -> Result<pipeline::Bound, u8> {
+/// The program of the sources, for the CPU `default` if neither the command line nor the project names one; an exit code after messages.
+fn bound(args: &ConvertArgs, parsed: &pipeline::Parsed, default: Option<&str>) -> Result<pipeline::Bound, u8> {
     let has_cpu = parsed.project.as_ref().is_some_and(|project| project.cpu.is_some());
-    let default = (!has_cpu).then(|| "s7-300".to_string());
+    let default = default.filter(|_| !has_cpu).map(str::to_string);
     let settings = pipeline::Settings { cpu: args.cpu.clone().or(default), ..pipeline::Settings::default() };
     let mut bound = pipeline::front(inputs::read_as(&args.inputs, args.code_page), &settings);
     if !bound.has_errors() {
@@ -128,7 +170,7 @@ fn bound(args: &ConvertArgs, parsed: &pipeline::Parsed) -> Result<pipeline::Boun
 
 /// The new text of a source, whose tree is `made` from `unit`.
 fn written(
-    args: &ConvertArgs,
+    (args, to): (&ConvertArgs, ConvertTo),
     file: FileId,
     (unit, made): (&SourceUnit, &SourceUnit),
     library: &xml::Library,
@@ -147,7 +189,9 @@ fn written(
     let trivia = |only_lines| if is_text { Trivia::new(source, comments, only_lines) } else { Trivia::none() };
     let meaning = unit.overlay.as_deref().unwrap_or(source);
     let name = String::new();
-    match args.to {
+    match to {
+        // Sources of the S7-200 are written before.
+        ConvertTo::Awl => (Converted { name, text: source.to_string(), texts: None }, Vec::new()),
         ConvertTo::Stl => {
             let (text, messages) = plcc_convert::stl::write(made, set, trivia(true), is_stl.then_some(meaning));
             warn_of_set(file, &text, set);
@@ -185,8 +229,8 @@ fn warn_of_set(file: FileId, text: &str, set: Mnemonics) {
     }
 }
 
-/// Writes the texts to standard output, to a file or into a folder.
-fn store(args: &ConvertArgs, files: &[Converted]) -> Result<(), u8> {
+/// Writes the texts to standard output, to a file or into a folder, there with that extension, or the one of the source.
+fn store(args: &ConvertArgs, extension: Option<&str>, files: &[Converted]) -> Result<(), u8> {
     let Some(output) = &args.output else {
         if files.iter().any(|file| file.texts.is_some()) {
             report::say("titles and comments are in a file of their own (`.s7res`): name the output with `-o`");
@@ -202,7 +246,8 @@ fn store(args: &ConvertArgs, files: &[Converted]) -> Result<(), u8> {
                 return Err(exit::USAGE);
             }
             let name_of = |file: &Converted| {
-                let name = Path::new(&file.name).with_extension(args.to.extension());
+                let name = Path::new(&file.name);
+                let name = extension.map_or_else(|| name.to_path_buf(), |extension| name.with_extension(extension));
                 output.join(name.file_name().unwrap_or_default())
             };
             files.iter().map(name_of).collect()

@@ -1,5 +1,6 @@
 //! What plcc and its executables do as commands. One program for all, since each costs as much to link.
 
+mod convert;
 mod coverage;
 mod executable;
 mod flags;

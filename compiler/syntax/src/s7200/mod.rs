@@ -5,7 +5,7 @@
 //!      raw.rs                 classify/            s7200.lalrpop  blocks.rs
 //! ```
 
-mod address;
+pub mod address;
 mod aliases;
 pub mod ast;
 mod blocks;

@@ -1,0 +1,171 @@
+//! `plcc convert` as a command: symbols and addresses, reports of migrations, SCL as STL.
+//!
+//! `convert/` has the programs, and beside them what plcc writes: `plant.absolute`. `UPDATE_EXPECT=1` renews these.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+const PLCC: &str = env!("CARGO_BIN_EXE_plcc");
+
+fn programs() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/command/convert")
+}
+
+fn plcc(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(PLCC).current_dir(folder).args(arguments).output().expect("plcc starts")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).replace("\r\n", "\n")
+}
+
+/// Compares what a command prints, and its messages, with a file.
+fn expect(arguments: &[&str], file: &str) {
+    let output = plcc(&programs(), arguments);
+    let found = format!("{}{}", text(&output.stdout), text(&output.stderr));
+    assert_eq!(output.status.code(), Some(0), "{arguments:?}:\n{found}");
+    let path = programs().join(file);
+    if std::env::var_os("UPDATE_EXPECT").is_some_and(|value| value != "0") {
+        return fs::write(&path, found).expect("the tree can be written");
+    }
+    let expected = fs::read_to_string(&path).unwrap_or_default();
+    assert_eq!(found, expected, "{file}: UPDATE_EXPECT=1 renews it; read the diff");
+}
+
+#[test]
+fn symbols_become_addresses_and_addresses_symbols() {
+    expect(&["convert", "plant", "--absolute"], "plant.absolute");
+    expect(&["convert", "plant", "--symbolic"], "plant.symbolic");
+    expect(&["convert", "press", "--absolute"], "press.absolute");
+    expect(&["convert", "press", "--symbolic"], "press.symbolic");
+}
+
+#[test]
+fn sources_of_the_s7_200_have_both_mnemonics() {
+    expect(&["convert", "press", "--to", "awl", "--mnemonics", "de"], "press.german");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let german = programs().join("press.german");
+    fs::copy(german, folder.path().join("main.awl")).expect("the folder can be written");
+    let back = plcc(folder.path(), &["convert", "main.awl", "--to", "awl", "--mnemonics", "en"]);
+    let source = fs::read_to_string(programs().join("press/main.awl")).expect("it is there");
+    assert_eq!(text(&back.stdout), source);
+}
+
+#[test]
+fn other_notations_of_the_s7_200_are_refused_with_what_to_do() {
+    for (to, says) in [("lad", "`plcc view` draws them"), ("stl", "--report s7-1200")] {
+        let output = plcc(&programs(), &["convert", "press", "--to", to]);
+        assert_eq!(output.status.code(), Some(3));
+        assert!(text(&output.stderr).contains(says), "{}", text(&output.stderr));
+        assert!(output.stdout.is_empty());
+    }
+    let output = plcc(&programs(), &["convert", "packer", "--to", "awl"]);
+    assert_eq!(output.status.code(), Some(3));
+    assert!(text(&output.stderr).contains("only sources of the S7-200"), "{}", text(&output.stderr));
+}
+
+#[test]
+fn reports_say_what_carries_over() {
+    expect(&["convert", "press", "--report", "s7-1200"], "press.report");
+    expect(&["convert", "packer", "--report", "s7-1500"], "packer.report");
+}
+
+#[test]
+fn a_report_is_refused_where_there_is_none() {
+    for (program, family, says) in [
+        ("press", "s7-1500", "goes to an S7-1200"),
+        ("packer", "s7-1200", "goes to an S7-1500"),
+        ("packer", "s7-9000", "does not know the CPU"),
+    ] {
+        let output = plcc(&programs(), &["convert", program, "--report", family]);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(text(&output.stderr).contains(says), "{}", text(&output.stderr));
+    }
+}
+
+/// The notation that is written belongs to a command line with one of them only.
+#[test]
+fn one_conversion_at_a_time() {
+    for arguments in [&["convert", "plant"][..], &["convert", "plant", "--to", "stl", "--absolute"]] {
+        assert_eq!(plcc(&programs(), arguments).status.code(), Some(2), "{arguments:?}");
+    }
+}
+
+#[test]
+fn scl_as_stl_does_the_same() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    for name in ["average.scl", "calls.stl"] {
+        fs::copy(programs().join(name), folder.join(name)).expect("the folder can be written");
+    }
+    let before = plcc(folder, &["test", "average.scl", "calls.stl"]);
+    assert_eq!(before.status.code(), Some(0), "{}{}", text(&before.stdout), text(&before.stderr));
+    let made = plcc(folder, &["convert", "average.scl", "--to", "stl", "-o", "average.stl"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let written = fs::read_to_string(folder.join("average.stl")).expect("it was written");
+    assert!(written.contains("NETWORK") && !written.contains("END_FOR"), "{written}");
+    let after = plcc(folder, &["test", "average.stl", "calls.stl"]);
+    assert_eq!(after.status.code(), Some(0), "{}{}", text(&after.stdout), text(&after.stderr));
+    // The test can fail.
+    let wrong = written.replace("+D", "-D");
+    assert_ne!(wrong, written);
+    fs::write(folder.join("average.stl"), wrong).expect("the folder can be written");
+    assert_eq!(plcc(folder, &["test", "average.stl", "calls.stl"]).status.code(), Some(1));
+}
+
+/// Every program of the tests and samples that has symbols: with addresses and back, it stays the same program, which plcc itself
+/// compares.
+#[test]
+fn programs_with_symbols_go_there_and_back() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let mut changed = 0;
+    for project in [
+        "samples/edge-equivalence",
+        "samples/star-delta",
+        "samples/traffic-light",
+        "samples/water-tank",
+        "tests/run/stl/names",
+        "tests/run/scl/s7-1200/tags_beside_functions",
+        "tests/xref/station",
+        "tests/services/plant",
+        "tests/services/line",
+    ] {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let there = folder.path().join("there");
+        let project = root.join(project);
+        let shown = project.to_string_lossy().into_owned();
+        let made = plcc(folder.path(), &["convert", &shown, "--absolute", "-o", "there"]);
+        assert_eq!(made.status.code(), Some(0), "{shown}: {}", text(&made.stderr));
+        let sources = if there.is_dir() { files(&there) } else { vec![there.clone()] };
+        for path in files(&project).iter().filter(|path| is_table(path)) {
+            let name = path.file_name().expect("a file has a name");
+            fs::copy(path, folder.path().join(name)).expect("the folder can be written");
+        }
+        for source in &sources {
+            let name = source.file_name().expect("a file has a name");
+            let own = files(&project).into_iter().find(|path| path.file_name() == Some(name));
+            changed += usize::from(own.is_some_and(|own| fs::read(own).ok() != fs::read(source).ok()));
+        }
+        let mut arguments = vec!["convert".to_string()];
+        arguments.extend(sources.iter().map(|path| path.to_string_lossy().into_owned()));
+        let tables = files(folder.path()).into_iter().filter(|path| is_table(path));
+        arguments.extend(tables.map(|path| path.to_string_lossy().into_owned()));
+        arguments.extend(["--symbolic", "-o", "back"].map(str::to_string));
+        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+        let back = plcc(folder.path(), &arguments);
+        assert_eq!(back.status.code(), Some(0), "{shown}: {}", text(&back.stderr));
+    }
+    assert!(changed >= 5, "only {changed} sources had symbols");
+}
+
+fn is_table(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == "sdf")
+}
+
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let mut found: Vec<PathBuf> = entries.filter(|path| path.is_file()).collect();
+    found.sort();
+    found
+}
