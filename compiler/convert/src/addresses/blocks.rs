@@ -80,12 +80,9 @@ impl Editor<'_> {
     pub(super) fn the_symbol(&mut self, target: SymbolTarget, span: plcc_diag::Span) -> Option<Found> {
         let mut found = self.names.symbols_of(target);
         if found.len() > 1 {
-            let list: Vec<String> = found.iter().map(|one| format!("`{}`", one.name)).collect();
-            let key = format!("{target:?}");
-            let why = format!("it has {} symbols: {}", list.len(), list.join(", "));
-            if self.told.insert(key) {
-                self.stays(span, &list.join(" and "), &why, "leave one of them in the symbol tables");
-            }
+            let list: Vec<&str> = found.iter().map(|one| one.name.as_str()).collect();
+            let why = format!("the address has {} symbols", list.len());
+            self.stays(span, &list.join(", "), &why, "leave one of them in the symbol tables");
             return None;
         }
         found.pop()

@@ -194,7 +194,7 @@ impl Report {
         }
         let count = |fate: Fate| self.rows.iter().filter(|row| row.fate == fate).count();
         out.push_str(&format!(
-            "\n{} carry over, {} are different, {} have no counterpart, {} are unknown\n",
+            "\nCarries over: {}; is different: {}; has no counterpart: {}; unknown: {}\n",
             count(Fate::Carries),
             count(Fate::Changes),
             count(Fate::Lost),

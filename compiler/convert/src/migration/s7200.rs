@@ -190,7 +190,10 @@ fn memory(address: &str) -> Option<(String, Verdict)> {
             ));
         }
         "HC" => {
-            return Some((address.into(), (Changes, "the address of the fast counter in the process image, `%ID1000`")));
+            return Some((
+                address.into(),
+                (Changes, "the address of the fast counter in the process image, `%ID1000`"),
+            ));
         }
         "M" | "MB" | "MW" | "MD" => return Some(("M memory".into(), (Carries, ""))),
         "I" | "IB" | "IW" | "ID" | "Q" | "QB" | "QW" | "QD" => return Some(("I and Q".into(), (Carries, ""))),

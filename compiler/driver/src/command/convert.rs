@@ -80,6 +80,20 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
                 messages.push(other_family(unit, to));
                 continue;
             }
+            if to == ConvertTo::Scl
+                && matches!(plcc_readers::xml::kind(&source.text), Some(plcc_readers::xml::XmlKind::PlcOpen))
+            {
+                messages.push(
+                    Diagnostic::new(
+                        plcc_diag::Code::NotConverted,
+                        plcc_diag::Span::new(*file, 0..0),
+                        "PLCopen XML cannot be written as SCL",
+                    )
+                    .label("its constants and addresses have other forms")
+                    .help("build it as it is: plcc reads PLCopen XML"),
+                );
+                continue;
+            }
             let (made, found) = match to {
                 ConvertTo::Stl => {
                     let (listed, mut found) = match &program {

@@ -65,6 +65,15 @@ fn other_notations_of_the_s7_200_are_refused_with_what_to_do() {
     assert!(text(&output.stderr).contains("only sources of the S7-200"), "{}", text(&output.stderr));
 }
 
+/// Its constants and addresses are not those of SCL.
+#[test]
+fn plcopen_is_refused_as_scl() {
+    let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/plcopen/words/project.xml");
+    let output = plcc(&programs(), &["convert", &project.to_string_lossy(), "--to", "scl"]);
+    assert_eq!(output.status.code(), Some(3));
+    assert!(text(&output.stderr).contains("PLCopen XML cannot be written as SCL"), "{}", text(&output.stderr));
+}
+
 #[test]
 fn reports_say_what_carries_over() {
     expect(&["convert", "press", "--report", "s7-1200"], "press.report");
@@ -133,11 +142,12 @@ fn programs_with_symbols_go_there_and_back() {
     ] {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let there = folder.path().join("there");
+        fs::create_dir(&there).expect("the folder can be written");
         let project = root.join(project);
         let shown = project.to_string_lossy().into_owned();
         let made = plcc(folder.path(), &["convert", &shown, "--absolute", "-o", "there"]);
         assert_eq!(made.status.code(), Some(0), "{shown}: {}", text(&made.stderr));
-        let sources = if there.is_dir() { files(&there) } else { vec![there.clone()] };
+        let sources = files(&there);
         for path in files(&project).iter().filter(|path| is_table(path)) {
             let name = path.file_name().expect("a file has a name");
             fs::copy(path, folder.path().join(name)).expect("the folder can be written");
@@ -152,6 +162,7 @@ fn programs_with_symbols_go_there_and_back() {
         let tables = files(folder.path()).into_iter().filter(|path| is_table(path));
         arguments.extend(tables.map(|path| path.to_string_lossy().into_owned()));
         arguments.extend(["--symbolic", "-o", "back"].map(str::to_string));
+        fs::create_dir(folder.path().join("back")).expect("the folder can be written");
         let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
         let back = plcc(folder.path(), &arguments);
         assert_eq!(back.status.code(), Some(0), "{shown}: {}", text(&back.stderr));
