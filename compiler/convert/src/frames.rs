@@ -304,21 +304,8 @@ impl Writer<'_> {
         }
     }
 
-    /// In SIMATIC SD, a type as its author wrote it: `Array[0..3] of Bool`.
-    fn written_type(&self, ty: &TypeRef) -> Option<String> {
-        if self.notation != Notation::Sd || structure(ty).is_some() || matches!(ty.kind, TypeKind::Error) {
-            return None;
-        }
-        let text = self.source?.get(ty.span.range())?.trim();
-        let is_plain = !text.is_empty() && !text.contains(['\n', '\r']) && !text.contains("//") && !text.contains("(*");
-        is_plain.then(|| text.to_string())
-    }
-
     /// A type; of a structure only `STRUCT`, with the dimensions of an array of structures.
     pub(crate) fn type_text(&mut self, ty: &TypeRef) -> String {
-        if let Some(text) = self.written_type(ty) {
-            return text;
-        }
         match &ty.kind {
             TypeKind::Named(name) => name.clone(),
             TypeKind::String(None) => "STRING".to_string(),
