@@ -123,6 +123,9 @@ impl Binder<'_> {
                 .find(|(word, _)| *word == written);
             let help = match (joined, next) {
                 (Some((_, mnemonic)), Some(next)) => format!("write `{mnemonic} {next}` in a line of its own"),
+                _ if matches!(classes, [OperandClass::Bit | OperandClass::InputBit]) => {
+                    format!("write `{} {}` in a line of its own", self.mnemonic(insn), self.written(surplus.span))
+                }
                 _ => format!("remove it: {}", self.form(insn)),
             };
             self.push(

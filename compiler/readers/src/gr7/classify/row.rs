@@ -162,13 +162,29 @@ impl<'a> Classifier<'a, '_> {
         let last = self.raw[self.at - 1];
         // A bracket or character that was reported may include it.
         if !self.reported_in_row() {
+            let help = self.value_in_qualifier().unwrap_or_else(|| qualifier::help("").to_owned());
             self.report(
                 Diagnostic::new(Code::Qualifier, self.span(last), "the action has no qualifier")
                     .label("after this")
-                    .help(qualifier::help("")),
+                    .help(help),
             );
         }
         self.push_here(Tok::Qualifier(None));
+    }
+
+    /// `Q0.0 (D, T#5S)`: what stands after the qualifier in its parenthesis belongs before it, as in `Q0.0, T#5S (D)`.
+    fn value_in_qualifier(&self) -> Option<String> {
+        let row = (0..self.at).rev().find(|index| self.raw[*index].first_on_line)?;
+        let open = (row + 1..self.at).find(|index| self.kind_at(*index) == Some(RawKind::LeftParen))?;
+        let comma =
+            (open + 1..self.at).find(|index| matches!(self.kind_at(*index), Some(RawKind::Comma | RawKind::Assign)))?;
+        let slice = |first: usize, after: usize| {
+            (first < after).then(|| self.text[self.raw[first].start as usize..self.raw[after - 1].end as usize].trim())
+        };
+        let close = self.at.checked_sub(1).filter(|close| self.kind_at(*close) == Some(RawKind::RightParen))?;
+        let (operand, mark, value) = (slice(row, open)?, slice(open + 1, comma)?, slice(comma + 1, close)?);
+        qualifier::parse(mark)?;
+        Some(format!("write `{operand}, {value} ({mark})`"))
     }
 
     /// Whether the last message is about the current line.
