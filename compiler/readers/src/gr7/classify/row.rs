@@ -162,7 +162,7 @@ impl<'a> Classifier<'a, '_> {
         let last = self.raw[self.at - 1];
         // A bracket or character that was reported may include it.
         if !self.reported_in_row() {
-            let help = self.value_in_qualifier().unwrap_or_else(|| qualifier::help("").to_owned());
+            let help = self.meant_row().unwrap_or_else(|| qualifier::help("").to_owned());
             self.report(
                 Diagnostic::new(Code::Qualifier, self.span(last), "the action has no qualifier")
                     .label("after this")
@@ -172,17 +172,27 @@ impl<'a> Classifier<'a, '_> {
         self.push_here(Tok::Qualifier(None));
     }
 
-    /// `Q0.0 (D, T#5S)`: what stands after the qualifier in its parenthesis belongs before it, as in `Q0.0, T#5S (D)`.
-    fn value_in_qualifier(&self) -> Option<String> {
+    /// How the author of a row without a qualifier means it: `Q0.0, T#5S (D)` for `Q0.0 (D, T#5S)`, `Q0.1 (N)` for `Q0.1 N`.
+    fn meant_row(&self) -> Option<String> {
         let row = (0..self.at).rev().find(|index| self.raw[*index].first_on_line)?;
-        let open = (row + 1..self.at).find(|index| self.kind_at(*index) == Some(RawKind::LeftParen))?;
-        let comma =
-            (open + 1..self.at).find(|index| matches!(self.kind_at(*index), Some(RawKind::Comma | RawKind::Assign)))?;
+        let last = self.at.checked_sub(1)?;
         let slice = |first: usize, after: usize| {
             (first < after).then(|| self.text[self.raw[first].start as usize..self.raw[after - 1].end as usize].trim())
         };
-        let close = self.at.checked_sub(1).filter(|close| self.kind_at(*close) == Some(RawKind::RightParen))?;
-        let (operand, mark, value) = (slice(row, open)?, slice(open + 1, comma)?, slice(comma + 1, close)?);
+        let Some(open) = (row + 1..self.at).find(|index| self.kind_at(*index) == Some(RawKind::LeftParen)) else {
+            let (operand, mark) = (slice(row, last)?, slice(last, last + 1)?);
+            qualifier::parse(mark).filter(|_| !self.joins(last - 1))?;
+            return Some(format!("write `{operand} ({mark})`"));
+        };
+        if self.kind_at(last) != Some(RawKind::RightParen) {
+            return None;
+        }
+        let (operand, mark) = (slice(row, open)?, slice(open + 1, open + 2)?);
+        let first = match self.kind_at(open + 2)? {
+            RawKind::Comma | RawKind::Assign => open + 3,
+            _ => open + 2,
+        };
+        let value = slice(first, last)?;
         qualifier::parse(mark)?;
         Some(format!("write `{operand}, {value} ({mark})`"))
     }
