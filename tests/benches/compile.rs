@@ -22,6 +22,9 @@ const RUNS: usize = 5;
 /// Lines from which on one build is enough.
 const LONG: usize = 500_000;
 
+/// Begins the line of a build that says what it took.
+const MEASURED: &str = "measured:";
+
 /// Makes this program a build with the arguments after it.
 const BUILD: &str = "--plcc";
 
@@ -29,7 +32,7 @@ fn main() -> ExitCode {
     let arguments: Vec<OsString> = std::env::args_os().skip(1).collect();
     if arguments.first().is_some_and(|first| first == BUILD) {
         let code = plcc_driver::main_with(arguments);
-        println!("{} {}", processor_seconds(), peak_memory());
+        println!("{MEASURED} {} {}", processor_seconds(), peak_memory());
         return ExitCode::from(code);
     }
     let named: Vec<usize> = arguments.iter().filter_map(|size| size.to_str()?.parse().ok()).collect();
@@ -89,7 +92,8 @@ fn build(folder: &Path, flags: &[&str]) -> Build {
     let seconds = start.elapsed().as_secs_f64();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let report = String::from_utf8_lossy(&output.stdout);
-    let mut numbers = report.split_whitespace();
+    let measured = report.lines().find_map(|line| line.strip_prefix(MEASURED)).expect("a build says what it took");
+    let mut numbers = measured.split_whitespace();
     let mut next = || numbers.next().expect("a build reports two numbers");
     let processor_seconds = next().parse().expect("a number of seconds");
     Build { seconds, processor_seconds, memory: next().parse().expect("a number of KB") }

@@ -37,10 +37,7 @@ impl ControlFlow {
     pub fn new(function: &Function) -> ControlFlow {
         let successors = successor_lists(function);
         let rpo = reverse_postorder(function, &successors);
-        let mut position = EntityVec::new();
-        for _ in function.blocks.keys() {
-            position.push(UNREACHABLE);
-        }
+        let mut position = EntityVec::filled(UNREACHABLE, function.blocks.len());
         for (index, &block) in (0u32..).zip(&rpo) {
             position[block] = index;
         }
@@ -141,10 +138,7 @@ pub struct Dominators {
 impl Dominators {
     pub fn new(function: &Function, cfg: &ControlFlow) -> Dominators {
         let immediate = immediate_dominators(cfg);
-        let mut idom = EntityVec::new();
-        for _ in function.blocks.keys() {
-            idom.push(None);
-        }
+        let mut idom = EntityVec::filled(None, function.blocks.len());
         for (index, &block) in cfg.rpo.iter().enumerate().skip(1) {
             idom[block] = Some(cfg.rpo[immediate[index] as usize]);
         }
@@ -239,10 +233,7 @@ struct Walk {
 
 impl Walk {
     fn new(cfg: &ControlFlow) -> Walk {
-        let mut number = EntityVec::new();
-        for _ in cfg.position.keys() {
-            number.push(NONE);
-        }
+        let number = EntityVec::filled(NONE, cfg.position.len());
         let mut walk = Walk { order: Vec::with_capacity(cfg.rpo.len()), number, parent: Vec::new() };
         let mut stack: Vec<(Block, u32)> = cfg.rpo.first().map(|&entry| (entry, 0)).into_iter().collect();
         while let Some((block, parent)) = stack.pop() {

@@ -67,6 +67,19 @@ impl<K: Entity, V> EntityVec<K, V> {
         EntityVec { items: Vec::new(), key: PhantomData }
     }
 
+    /// With `len` times `value`.
+    pub fn filled(value: V, len: usize) -> Self
+    where
+        V: Clone,
+    {
+        EntityVec { items: vec![value; len], key: PhantomData }
+    }
+
+    /// Without values, and with room for `len` of them.
+    pub fn with_capacity(len: usize) -> Self {
+        EntityVec { items: Vec::with_capacity(len), key: PhantomData }
+    }
+
     /// Appends `value`; returns its key.
     pub fn push(&mut self, value: V) -> K {
         let key = K::new(self.items.len());

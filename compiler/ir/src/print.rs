@@ -120,14 +120,8 @@ const UNKNOWN: u32 = u32::MAX;
 
 impl<'a> FunctionText<'a> {
     fn new(module: &'a Module, function: &'a Function) -> Self {
-        let mut values = EntityVec::new();
-        for _ in function.values.keys() {
-            values.push(UNKNOWN);
-        }
-        let mut blocks = EntityVec::new();
-        for _ in function.blocks.keys() {
-            blocks.push(UNKNOWN);
-        }
+        let mut values = EntityVec::filled(UNKNOWN, function.values.len());
+        let mut blocks = EntityVec::filled(UNKNOWN, function.blocks.len());
         let mut next = 0;
         for (number, &block) in (0u32..).zip(&function.layout) {
             blocks[block] = number;

@@ -4,8 +4,6 @@
 //! nothing else is stored: no aliases, no instruction outside a block, no block outside the layout. A canonical
 //! function equals the parsed form of its text.
 
-use rustc_hash::FxHashMap;
-
 use crate::analysis::ControlFlow;
 use crate::entities::{Block, Entity, EntityVec, Value};
 use crate::function::{BlockData, Function, Results, ValueData, ValueDef};
@@ -15,21 +13,30 @@ impl Function {
     /// Values that are used but defined nowhere, which the verifier would reject, are kept after the others.
     pub fn renumber(&mut self) {
         self.resolve_aliases();
-        let mut blocks = FxHashMap::default();
+        let mut blocks: EntityVec<Block, Option<Block>> = EntityVec::filled(None, self.blocks.len());
         for (index, &block) in self.layout.iter().enumerate() {
-            blocks.insert(block, Block::new(index));
+            blocks[block] = Some(Block::new(index));
         }
+        // As much room as it takes: these are most of the memory of a large program.
+        let insts = self.layout.iter().map(|&block| self.blocks[block].insts.len()).sum();
+        let results = |&block: &Block| self.blocks[block].insts.iter().map(|&inst| self.results[inst].len());
+        let params = self.layout.iter().map(|&block| self.blocks[block].params.len()).sum::<usize>();
+        let defined = params + self.layout.iter().flat_map(results).sum::<usize>();
         let mut new = Function::new(std::mem::take(&mut self.name));
         new.returns = std::mem::take(&mut self.returns);
         new.frame_bytes = self.frame_bytes;
         new.inlined_bytes = self.inlined_bytes;
-        let mut values: EntityVec<Value, Option<Value>> = EntityVec::new();
-        for _ in self.values.keys() {
-            values.push(None);
-        }
+        new.blocks = EntityVec::with_capacity(self.layout.len());
+        new.layout = Vec::with_capacity(self.layout.len());
+        new.insts = EntityVec::with_capacity(insts);
+        new.results = EntityVec::with_capacity(insts);
+        new.locs = EntityVec::with_capacity(insts);
+        new.values = EntityVec::with_capacity(defined);
+        let mut values: EntityVec<Value, Option<Value>> = EntityVec::filled(None, self.values.len());
         for &block in &self.layout {
             let data = std::mem::take(&mut self.blocks[block]);
-            let target = new.blocks.push(BlockData { cold: data.cold, ..BlockData::default() });
+            let insts = Vec::with_capacity(data.insts.len());
+            let target = new.blocks.push(BlockData { cold: data.cold, params: Vec::new(), insts });
             new.layout.push(target);
             for param in data.params {
                 values[param] = Some(new.add_param(target, self.values[param].ty));
@@ -59,7 +66,7 @@ impl Function {
                     Value::new(known + lost.len() - 1)
                 })
             });
-            data.for_each_target_mut(|call| call.block = blocks.get(&call.block).copied().unwrap_or(call.block));
+            data.for_each_target_mut(|call| call.block = blocks[call.block].unwrap_or(call.block));
         }
         for value in lost {
             new.values.push(self.values[value].clone());

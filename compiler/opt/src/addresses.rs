@@ -21,9 +21,9 @@ use plcc_ir::{Address, BinaryOp, Function, Inst, InstData, Region, StaticDb, Typ
 use crate::known_bits::unsigned_max;
 use crate::surroundings::Surroundings;
 
-/// Makes addresses direct in a function.
-pub fn resolve_addresses(function: &mut Function, surroundings: &Surroundings) {
-    Resolver { by_number: &surroundings.dbs, by_address: &surroundings.dbs_by_address, function }.run();
+/// Makes addresses direct in a function. Result: whether anything changed.
+pub fn resolve_addresses(function: &mut Function, surroundings: &Surroundings) -> bool {
+    Resolver { by_number: &surroundings.dbs, by_address: &surroundings.dbs_by_address, function }.run()
 }
 
 struct Resolver<'a> {
@@ -33,33 +33,37 @@ struct Resolver<'a> {
 }
 
 impl Resolver<'_> {
-    fn run(&mut self) {
+    fn run(&mut self) -> bool {
+        let mut changed = false;
         // Bases are resolved before their uses.
         for block in ControlFlow::new(self.function).rpo {
             let insts = std::mem::take(&mut self.function.blocks[block].insts);
             let mut out = Vec::with_capacity(insts.len());
             for inst in insts {
-                self.visit(inst, &mut out);
+                changed |= self.visit(inst, &mut out);
                 out.push(inst);
             }
             self.function.blocks[block].insts = out;
         }
+        changed
     }
 
-    fn visit(&mut self, inst: Inst, out: &mut Vec<Inst>) {
+    /// Result: whether the instruction is another one.
+    fn visit(&mut self, inst: Inst, out: &mut Vec<Inst>) -> bool {
+        let mut changed = false;
         let mut data = std::mem::replace(&mut self.function.insts[inst], InstData::Const { bits: 0 });
         match &mut data {
             InstData::Load { addr } => {
                 let bytes = self.function.ty(self.function.result(inst)).bytes();
-                self.resolve(addr, bytes);
+                changed = self.resolve(addr, bytes);
             }
-            InstData::Store { addr, value } => self.resolve(addr, self.function.ty(*value).bytes()),
-            InstData::LoadBit { addr, .. } | InstData::StoreBit { addr, .. } => self.resolve(addr, 1),
-            InstData::Clear { addr, len } => self.resolve(addr, *len),
+            InstData::Store { addr, value } => changed = self.resolve(addr, self.function.ty(*value).bytes()),
+            InstData::LoadBit { addr, .. } | InstData::StoreBit { addr, .. } => changed = self.resolve(addr, 1),
+            InstData::Clear { addr, len } => changed = self.resolve(addr, *len),
             InstData::Copy { to, from, len } => {
                 let (to_bytes, from_bytes) = (*len, *len);
-                self.resolve(to, to_bytes);
-                self.resolve(from, from_bytes);
+                changed = self.resolve(to, to_bytes);
+                changed |= self.resolve(from, from_bytes);
                 let ty = match *len {
                     1 => Some(Type::I8),
                     2 => Some(Type::I16),
@@ -72,27 +76,32 @@ impl Resolver<'_> {
                     let load = self.function.make_inst(InstData::Load { addr: *from }, &[ty], loc);
                     out.push(load);
                     data = InstData::Store { addr: *to, value: self.function.result(load) };
+                    changed = true;
                 }
             }
             InstData::AddressOf { addr } => {
-                self.resolve(addr, 0);
+                changed = self.resolve(addr, 0);
                 if let Some(bits) = self.constant_address(addr) {
                     data = InstData::Const { bits };
+                    changed = true;
                 }
             }
             InstData::DbBase { number } => {
                 if let Some(db) = self.static_db(*number) {
                     data = InstData::Const { bits: u64::from(db.address) };
+                    changed = true;
                 }
             }
             InstData::DbLength { number } => {
                 if let Some(db) = self.static_db(*number) {
                     data = InstData::Const { bits: u64::from(db.length) };
+                    changed = true;
                 }
             }
             InstData::Binary { op: BinaryOp::Isub, args: [a, b] } => {
                 if let Some(bits) = self.distance(*a, *b) {
                     data = InstData::Const { bits };
+                    changed = true;
                 }
             }
             InstData::Const { .. }
@@ -111,6 +120,7 @@ impl Resolver<'_> {
             | InstData::Return { .. } => {}
         }
         self.function.insts[inst] = data;
+        changed
     }
 
     /// The difference of the addresses of two places in one region.
@@ -129,11 +139,14 @@ impl Resolver<'_> {
         Some(self.by_number[index])
     }
 
-    /// Makes `addr` simpler, step by step. `bytes` is the size of the access.
-    fn resolve(&self, addr: &mut Address, bytes: u32) {
+    /// Makes `addr` simpler, step by step. `bytes` is the size of the access. Result: whether it is simpler.
+    fn resolve(&self, addr: &mut Address, bytes: u32) -> bool {
+        let mut changed = false;
         while let Some(simpler) = self.simpler(addr, bytes) {
             *addr = simpler;
+            changed = true;
         }
+        changed
     }
 
     fn simpler(&self, addr: &Address, bytes: u32) -> Option<Address> {

@@ -22,8 +22,8 @@ use plcc_ir::function::ValueDef;
 use plcc_ir::{Address, BinaryOp, ConvertOp, Function, Inst, InstData, Type, Value};
 use rustc_hash::FxHashMap;
 
-/// Makes bit accesses in a function.
-pub fn find_bits(function: &mut Function) {
+/// Makes bit accesses in a function. Result: whether there were any.
+pub fn find_bits(function: &mut Function) -> bool {
     let uses = count_uses(function);
     let mut bits = Bits { function, uses, replaced: FxHashMap::default(), changed: false };
     for index in 0..bits.function.layout.len() {
@@ -51,7 +51,7 @@ pub fn find_bits(function: &mut Function) {
         bits.function.blocks[block].insts = out;
     }
     if !bits.changed {
-        return;
+        return false;
     }
     let replaced = bits.replaced;
     if !replaced.is_empty() {
@@ -70,14 +70,12 @@ pub fn find_bits(function: &mut Function) {
         }
     }
     function.resolve_aliases();
+    true
 }
 
 /// How often each value is used, without uses by unused instructions.
 fn count_uses(function: &Function) -> EntityVec<Value, u32> {
-    let mut uses = EntityVec::new();
-    for _ in function.values.keys() {
-        uses.push(0);
-    }
+    let mut uses = EntityVec::filled(0, function.values.len());
     let insts = || function.layout.iter().flat_map(|&block| &function.blocks[block].insts);
     for &inst in insts() {
         function.insts[inst].for_each_use(|value| uses[function.resolve(value)] += 1);

@@ -37,14 +37,17 @@ const ROUNDS_MAX: usize = 3;
 /// Blocks with accesses through a base that are considered.
 const ACCESSES_MAX: usize = 4;
 
-/// Replaces short branches in all functions.
-pub fn select_by_branches(function: &mut Function) {
+/// Replaces short branches in a function. Result: whether there were any.
+pub fn select_by_branches(function: &mut Function) -> bool {
+    let mut changed = false;
     for _ in 0..ROUNDS_MAX {
         if !round(function) {
             break;
         }
+        changed = true;
         function.remove_unreachable_blocks();
     }
+    changed
 }
 
 fn round(function: &mut Function) -> bool {

@@ -31,10 +31,10 @@ const GROWTH: usize = 4000;
 /// Larger functions are left as they are.
 const INSTS_MAX: usize = 20_000;
 
-/// Copies loops for their cold sides, in a function.
-pub fn part_cold_loops(function: &mut Function, surroundings: &Surroundings) {
+/// Copies loops for their cold sides, in a function. Result: whether there were any.
+pub fn part_cold_loops(function: &mut Function, surroundings: &Surroundings) -> bool {
     if function.insts.len() > INSTS_MAX || function.layout.iter().all(|&block| !function.blocks[block].cold) {
-        return;
+        return false;
     }
     let effects = &surroundings.effects;
     let cfg = ControlFlow::new(function);
@@ -63,6 +63,7 @@ pub fn part_cold_loops(function: &mut Function, surroundings: &Surroundings) {
         function.remove_unreachable_blocks();
         join_versions(function, &versions);
     }
+    !versions.made.is_empty()
 }
 
 /// True if a cold side that may change something goes on where the hot way does.

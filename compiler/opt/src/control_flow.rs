@@ -18,19 +18,22 @@ const ROUNDS_MAX: usize = 3;
 /// How many empty blocks in a row are skipped by one jump: also the end of circles of empty blocks.
 const HOPS_MAX: usize = 16;
 
-/// Simplifies the control flow of all functions.
-pub fn simplify_control_flow(function: &mut Function) {
+/// Simplifies the control flow of a function. Result: whether anything changed.
+pub fn simplify_control_flow(function: &mut Function) -> bool {
+    let mut any = false;
     for _ in 0..ROUNDS_MAX {
-        function.remove_unreachable_blocks();
-        let mut changed = thread_jumps(function);
+        let mut changed = function.remove_unreachable_blocks() > 0;
+        changed |= thread_jumps(function);
         changed |= function.remove_unreachable_blocks() > 0;
         changed |= remove_redundant_params(function);
         changed |= merge_blocks(function);
         if !changed {
             break;
         }
+        any = true;
         spread_cold(function);
     }
+    any
 }
 
 /// Marks the blocks that only cold ones lead to, and unmarks those that others always go on to. Returns stay as they are: a cold one
@@ -86,10 +89,7 @@ fn thread_jumps(function: &mut Function) -> bool {
 
 /// For each block, whether a parameter of it is used anywhere but in its terminator.
 fn params_used_elsewhere(function: &Function) -> Vec<bool> {
-    let mut owner: EntityVec<Value, Option<Block>> = EntityVec::new();
-    for _ in function.values.keys() {
-        owner.push(None);
-    }
+    let mut owner: EntityVec<Value, Option<Block>> = EntityVec::filled(None, function.values.len());
     for &block in &function.layout {
         for &param in &function.blocks[block].params {
             owner[param] = Some(block);
@@ -180,10 +180,7 @@ fn remove_redundant_params(function: &mut Function) -> bool {
 }
 
 fn incoming_values(function: &Function) -> EntityVec<Value, Incoming> {
-    let mut incoming = EntityVec::new();
-    for _ in function.values.keys() {
-        incoming.push(Incoming::Nothing);
-    }
+    let mut incoming = EntityVec::filled(Incoming::Nothing, function.values.len());
     for &block in &function.layout {
         let Some(inst) = function.terminator(block) else { continue };
         function.insts[inst].for_each_target(|call| {
@@ -408,7 +405,7 @@ mod tests {
     fn circles_of_empty_blocks_stay() {
         let text = "func @F {\nb0:\njump b1\nb1:\njump b2\nb2:\njump b1\n}";
         let mut module = plcc_ir::parse::parse_module(text).expect("text is well formed");
-        assert!(crate::run_pass(&mut module, "control-flow"));
+        crate::run_pass(&mut module, "control-flow").expect("there is such a pass");
         crate::check("control-flow", &module);
     }
 }

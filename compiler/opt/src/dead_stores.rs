@@ -28,11 +28,11 @@ use crate::extents::{Access, Extents};
 use crate::frames::Frames;
 use crate::surroundings::Surroundings;
 
-/// Removes dead stores from a function.
-pub fn eliminate_dead_stores(function: &mut Function, surroundings: &Surroundings) {
+/// Removes dead stores from a function. Result: whether there were any.
+pub fn eliminate_dead_stores(function: &mut Function, surroundings: &Surroundings) -> bool {
     let frames = surroundings.frames(function);
-    remove_overwritten(function, &frames);
-    remove_unread_local_data(function, &frames);
+    let changed = remove_overwritten(function, &frames);
+    remove_unread_local_data(function, &frames) || changed
 }
 
 /// Ranges that are kept for one base; more are forgotten, so that time stays linear.
@@ -193,7 +193,8 @@ fn at_end(cfg: &ControlFlow, block: Block, starts: &mut Starts) -> Overwritten {
     if goes_back { Overwritten::default() } else { all.unwrap_or_default() }
 }
 
-fn remove_overwritten(function: &mut Function, frames: &Frames<'_>) {
+fn remove_overwritten(function: &mut Function, frames: &Frames<'_>) -> bool {
+    let mut changed = false;
     let cfg = ControlFlow::new(function);
     let mut starts = Starts::default();
     for &block in cfg.rpo.iter().rev() {
@@ -201,12 +202,15 @@ fn remove_overwritten(function: &mut Function, frames: &Frames<'_>) {
         let mut overwritten = at_end(&cfg, block, &mut starts);
         let mut dead: Vec<Inst> = Vec::new();
         for &inst in insts.iter().rev() {
-            if visit(function, frames, inst, &mut overwritten) {
-                dead.push(inst);
+            match visit(function, frames, inst, &mut overwritten) {
+                Store::Needed => {}
+                Store::Shorter => changed = true,
+                Store::Dead => dead.push(inst),
             }
         }
         // The dead ones were found from the end.
         if !dead.is_empty() {
+            changed = true;
             insts.retain(|inst| {
                 let is_dead = dead.last() == Some(inst);
                 if is_dead {
@@ -223,27 +227,37 @@ fn remove_overwritten(function: &mut Function, frames: &Frames<'_>) {
             starts.insert(block, (overwritten, readers));
         }
     }
+    changed
 }
 
-/// Goes back over one instruction; true if it is a dead store.
-fn visit(function: &mut Function, frames: &Frames<'_>, inst: Inst, overwritten: &mut Overwritten) -> bool {
+/// What becomes of an instruction.
+enum Store {
+    Needed,
+    /// A part of what it writes is enough.
+    Shorter,
+    Dead,
+}
+
+/// Goes back over one instruction.
+fn visit(function: &mut Function, frames: &Frames<'_>, inst: Inst, overwritten: &mut Overwritten) -> Store {
     let write = |access: Access, overwritten: &mut Overwritten| {
         let dead = overwritten.contains(&access);
-        if !dead {
-            overwritten.write(&access);
+        if dead {
+            return Store::Dead;
         }
-        dead
+        overwritten.write(&access);
+        Store::Needed
     };
     match &mut function.insts[inst] {
         InstData::Load { addr } => {
             let addr = *addr;
             let ty = function.ty(function.result(inst));
             overwritten.read(&Access::of_type(&addr, ty));
-            false
+            Store::Needed
         }
         InstData::LoadBit { addr, bit } => {
             overwritten.read(&Access::bit(addr, *bit));
-            false
+            Store::Needed
         }
         InstData::Store { addr, value } => {
             let (addr, ty) = (*addr, function.values[*value].ty);
@@ -253,23 +267,25 @@ fn visit(function: &mut Function, frames: &Frames<'_>, inst: Inst, overwritten: 
         InstData::Clear { addr, len } => {
             let access = Access::bytes(addr, *len);
             let (start, end) = overwritten.rest_of(&access);
-            let dead = write(access, overwritten);
-            if !dead {
-                // Its ends may be overwritten already.
-                (addr.offset, *len) = ((start / 8) as u32, (end.div_ceil(8) - start / 8) as u32);
+            let store = write(access, overwritten);
+            // Its ends may be overwritten already.
+            let rest = ((start / 8) as u32, (end.div_ceil(8) - start / 8) as u32);
+            if matches!(store, Store::Needed) && rest != (addr.offset, *len) {
+                (addr.offset, *len) = rest;
+                return Store::Shorter;
             }
-            dead
+            store
         }
         InstData::Copy { to, from, len } => {
-            let dead = write(Access::bytes(to, *len), overwritten);
-            if !dead {
+            let store = write(Access::bytes(to, *len), overwritten);
+            if matches!(store, Store::Needed) {
                 overwritten.read(&Access::bytes(from, *len));
             }
-            dead
+            store
         }
         InstData::Call { callee, .. } => {
             overwritten.read_all(!frames.call_touches(*callee));
-            false
+            Store::Needed
         }
         InstData::CallRuntime { function, .. } => {
             match function.effect() {
@@ -291,11 +307,11 @@ fn visit(function: &mut Function, frames: &Frames<'_>, inst: Inst, overwritten: 
                 }
                 Effect::Reads | Effect::All => overwritten.read_all(frames.is_private()),
             }
-            false
+            Store::Needed
         }
         InstData::Return { .. } => {
             overwritten.frame_ends = true;
-            false
+            Store::Needed
         }
         InstData::Const { .. }
         | InstData::Unary { .. }
@@ -310,17 +326,19 @@ fn visit(function: &mut Function, frames: &Frames<'_>, inst: Inst, overwritten: 
         | InstData::FrameBase { .. }
         | InstData::Jump { .. }
         | InstData::Branch { .. }
-        | InstData::Switch { .. } => false,
+        | InstData::Switch { .. } => Store::Needed,
     }
 }
 
 /// Removes stores to local data that are never read, and shortens `clear`.
-fn remove_unread_local_data(function: &mut Function, frames: &Frames<'_>) {
-    let Some(read) = local_data_read(function, frames) else { return };
+fn remove_unread_local_data(function: &mut Function, frames: &Frames<'_>) -> bool {
+    let Some(read) = local_data_read(function, frames) else { return false };
+    let mut changed = false;
     let overlap = |access: &Access| access.base.is_some() || read.overlaps(access.start, access.end);
     for index in 0..function.layout.len() {
         let block = function.layout[index];
         let mut insts = std::mem::take(&mut function.blocks[block].insts);
+        let before = insts.len();
         insts.retain(|&inst| match &mut function.insts[inst] {
             InstData::Store { addr, value } if addr.region == Region::L => {
                 overlap(&Access::of_type(addr, function.values[*value].ty))
@@ -334,13 +352,17 @@ fn remove_unread_local_data(function: &mut Function, frames: &Frames<'_>) {
                 let last = needed.last().unwrap_or(first);
                 let start = first.start.max(access.start) / 8;
                 let end = last.end.min(access.end).div_ceil(8);
-                (addr.offset, *len) = (start as u32, (end - start) as u32);
+                let rest = (start as u32, (end - start) as u32);
+                changed |= rest != (addr.offset, *len);
+                (addr.offset, *len) = rest;
                 true
             }
             _ => true,
         });
+        changed |= insts.len() < before;
         function.blocks[block].insts = insts;
     }
+    changed
 }
 
 /// Ranges of local data that are read anywhere; `None` if they are unknown.

@@ -44,10 +44,10 @@ const ROUNDS_MAX: usize = 12;
 /// Larger functions are left as they are.
 const INSTS_MAX: usize = 100_000;
 
-/// Copies the tests of loops to their ends.
-pub fn turn_loops(function: &mut Function) {
+/// Copies the tests of loops to their ends. Result: whether there were any.
+pub fn turn_loops(function: &mut Function) -> bool {
     if function.insts.len() > INSTS_MAX {
-        return;
+        return false;
     }
     let cfg = ControlFlow::new(function);
     let dominators = Dominators::new(function, &cfg);
@@ -65,7 +65,9 @@ pub fn turn_loops(function: &mut Function) {
             copies.add(function, header, &back);
         }
     }
+    let changed = !copies.made.is_empty();
     copies.finish(function);
+    changed
 }
 
 /// True of a block that only computes a little and branches.
@@ -89,11 +91,14 @@ fn is_test(function: &Function, block: Block) -> bool {
 }
 
 /// Gives cold ways copies of the blocks in which they meet hot ones, where both then branch by what is known.
-pub fn part_cold_ways(function: &mut Function) {
+///
+/// Result: whether there were any.
+pub fn part_cold_ways(function: &mut Function) -> bool {
     if function.insts.len() > INSTS_MAX {
-        return;
+        return false;
     }
     let mut growth = function.insts.len() + GROWTH;
+    let mut changed = false;
     for _ in 0..ROUNDS_MAX {
         if part_constant_ways(function, &mut growth) {
             // What the constants decide shows which constants other ways bring.
@@ -103,8 +108,10 @@ pub fn part_cold_ways(function: &mut Function) {
         } else if !part_in_function(function, &mut growth) {
             break;
         }
+        changed = true;
         function.remove_unreachable_blocks();
     }
+    changed
 }
 
 /// Gives ways copies of a short block that branches by constants that they bring.

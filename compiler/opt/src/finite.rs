@@ -51,10 +51,10 @@ struct Group {
 /// What stands for a value after the branch, but not in the two blocks before that: the one that computed it, and the cold one.
 type Renamed = FxHashMap<Value, ([Block; 2], Value)>;
 
-/// Parts the ways of finite results from the others.
-pub fn part_finite_results(function: &mut Function) {
+/// Parts the ways of finite results from the others. Result: false if there are none.
+pub fn part_finite_results(function: &mut Function) -> bool {
     if function.insts.len() > INSTS_MAX || !has_candidates(function) {
-        return;
+        return false;
     }
     function.resolve_aliases();
     keep_numbers(function);
@@ -69,6 +69,7 @@ pub fn part_finite_results(function: &mut Function) {
     }
     function.layout = layout;
     rename(function, &renamed);
+    true
 }
 
 fn has_candidates(function: &Function) -> bool {

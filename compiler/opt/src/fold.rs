@@ -23,10 +23,10 @@ pub(crate) mod integer;
 use plcc_ir::analysis::ControlFlow;
 use plcc_ir::{BinaryOp, BlockCall, ConvertOp, Function, Inst, InstData, Loc, Type, UnaryOp, Value, eval};
 
-/// Applies the rules to a function.
-pub fn fold(function: &mut Function) {
+/// Applies the rules to a function. Result: whether anything changed.
+pub fn fold(function: &mut Function) -> bool {
     let cfg = ControlFlow::new(function);
-    let mut folder = Folder { function, out: Vec::new(), loc: Loc(0) };
+    let mut folder = Folder { function, out: Vec::new(), loc: Loc(0), changed: false };
     for &block in &cfg.rpo {
         let insts = std::mem::take(&mut folder.function.blocks[block].insts);
         folder.out = Vec::with_capacity(insts.len());
@@ -35,7 +35,11 @@ pub fn fold(function: &mut Function) {
         }
         folder.function.blocks[block].insts = std::mem::take(&mut folder.out);
     }
-    function.resolve_aliases();
+    let changed = folder.changed;
+    if changed {
+        function.resolve_aliases();
+    }
+    changed
 }
 
 /// The replacement of an instruction.
@@ -54,6 +58,7 @@ struct Folder<'a> {
     /// The instructions of the block so far.
     out: Vec<Inst>,
     loc: Loc,
+    changed: bool,
 }
 
 impl Folder<'_> {
@@ -62,7 +67,9 @@ impl Folder<'_> {
         let mut data = std::mem::replace(&mut self.function.insts[inst], InstData::Const { bits: 0 });
         data.map_uses(|value| self.function.resolve(value));
         for _ in 0..STEPS_MAX {
-            match self.step(inst, &data) {
+            let step = self.step(inst, &data);
+            self.changed |= step.is_some();
+            match step {
                 None => break,
                 Some(Change::Data(new)) => data = new,
                 Some(Change::Value(value)) => {

@@ -42,27 +42,32 @@ const RANGES_MAX: usize = 256;
 const BASES_MAX: usize = 64;
 const DB_FACTS_MAX: usize = 32;
 
-/// Forwards memory in a function.
-pub fn forward_memory(function: &mut Function, surroundings: &Surroundings) {
-    forward(function, surroundings, None);
+/// Forwards memory in a function. Result: whether anything changed.
+pub fn forward_memory(function: &mut Function, surroundings: &Surroundings) -> bool {
+    forward(function, surroundings, None)
 }
 
 /// Forwards memory in a function, and reads bits that nothing is known about with the word or byte around them: bits that
 /// are read from one that was loaded early do not wait for what is written to their neighbours.
-pub fn read_whole_words(function: &mut Function, surroundings: &Surroundings) {
-    forward(function, surroundings, Some(&surroundings.dbs));
+pub fn read_whole_words(function: &mut Function, surroundings: &Surroundings) -> bool {
+    forward(function, surroundings, Some(&surroundings.dbs))
 }
 
-fn forward(function: &mut Function, surroundings: &Surroundings, whole_words: Option<&[StaticDb]>) {
+fn forward(function: &mut Function, surroundings: &Surroundings, whole_words: Option<&[StaticDb]>) -> bool {
     let (frames, effects) = (&surroundings.frames(function), &surroundings.effects);
     let cfg = ControlFlow::new(function);
-    let mut at_end: EntityVec<Block, Option<AtEnd>> = EntityVec::new();
-    for _ in function.blocks.keys() {
-        at_end.push(None);
-    }
+    let mut at_end: EntityVec<Block, Option<AtEnd>> = EntityVec::filled(None, function.blocks.len());
     let cold_takes_frame = frames.is_private() && function.local_bytes() > 0;
-    let mut pass =
-        Forward { function, frames, effects, words: None, known: Memory::default(), out: Vec::new(), loc: Loc(0) };
+    let mut pass = Forward {
+        function,
+        frames,
+        effects,
+        words: None,
+        known: Memory::default(),
+        out: Vec::new(),
+        loc: Loc(0),
+        changed: false,
+    };
     for &block in &cfg.rpo {
         let takes = |function: &Function, from, to| takes_from(function, &cfg, effects, from, to, cold_takes_frame);
         pass.known = known_at_start(pass.function, &cfg, effects, block, &mut at_end, &takes);
@@ -78,10 +83,15 @@ fn forward(function: &mut Function, surroundings: &Surroundings, whole_words: Op
             at_end[block] = Some(AtEnd { memory: std::mem::take(&mut pass.known), readers });
         }
     }
-    function.resolve_aliases();
+    let changed = pass.changed;
+    if changed {
+        function.resolve_aliases();
+    }
+    changed
 }
 
 /// The facts at the end of a block, and how many jumps still have to pass them on.
+#[derive(Clone)]
 struct AtEnd {
     memory: Memory,
     readers: usize,
@@ -341,6 +351,7 @@ struct Forward<'a> {
     known: Memory,
     out: Vec<Inst>,
     loc: Loc,
+    changed: bool,
 }
 
 impl Forward<'_> {
@@ -351,6 +362,7 @@ impl Forward<'_> {
         data.map_uses(|value| function.resolve(value));
         let step = self.step(inst, &data);
         self.function.insts[inst] = data;
+        self.changed |= !matches!(step, Step::Keep);
         match step {
             Step::Keep => self.out.push(inst),
             Step::Drop => {}
@@ -458,6 +470,7 @@ impl Forward<'_> {
             None => return,
         };
         let value = self.emit(InstData::Load { addr }, ty);
+        self.changed = true;
         self.known.learn(&Access::of_type(&addr, ty), value);
     }
 

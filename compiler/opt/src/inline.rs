@@ -38,10 +38,7 @@ use splice::Splice;
 pub fn inline_calls(module: &mut Module) {
     let graph = CallGraph::new(module);
     let mut budget = Budget::new(module);
-    let mut shapes: EntityVec<FuncId, Option<Shape>> = EntityVec::new();
-    for _ in module.functions.keys() {
-        shapes.push(None);
-    }
+    let mut shapes: EntityVec<FuncId, Option<Shape>> = EntityVec::filled(None, module.functions.len());
     for &id in &graph.callees_first {
         if !graph.callees[id].is_empty() {
             let mut caller = std::mem::replace(&mut module.functions[id], Function::new(""));

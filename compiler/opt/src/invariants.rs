@@ -25,13 +25,14 @@ use crate::surroundings::Surroundings;
 /// Instructions that are looked at, each once for each loop around it.
 const STEPS_MAX: usize = 4_000_000;
 
-/// Moves the look-ups out of loops, in a function.
-pub fn hoist_lookups(function: &mut Function, surroundings: &Surroundings) {
+/// Moves the look-ups out of loops, in a function. Result: whether there were any.
+pub fn hoist_lookups(function: &mut Function, surroundings: &Surroundings) -> bool {
+    let mut changed = false;
     let effects = &surroundings.effects;
     let is_lookup = |data: &InstData| matches!(data, InstData::DbBase { .. } | InstData::DbLength { .. });
     let insts = || function.layout.iter().flat_map(|&block| &function.blocks[block].insts);
     if !insts().any(|&inst| is_lookup(&function.insts[inst])) {
-        return;
+        return false;
     }
     let cfg = ControlFlow::new(function);
     let dominators = Dominators::new(function, &cfg);
@@ -67,6 +68,7 @@ pub fn hoist_lookups(function: &mut Function, surroundings: &Surroundings) {
         if moved.is_empty() {
             continue;
         }
+        changed = true;
         moved.sort_unstable_by_key(|inst| inst.index());
         let gone: FxHashSet<Inst> = moved.iter().copied().collect();
         for &block in &each.blocks {
@@ -77,6 +79,7 @@ pub fn hoist_lookups(function: &mut Function, surroundings: &Surroundings) {
         let end = insts.len() - 1;
         insts.splice(end..end, moved);
     }
+    changed
 }
 
 /// True if an instruction may change the table of DBs.

@@ -40,6 +40,7 @@ mod without;
 mod words;
 
 use plcc_ir::{Function, Module};
+use rustc_hash::FxHashMap;
 pub use surroundings::Surroundings;
 pub use usage::{Usage, reached, usage, usage_of};
 pub use without::{UnknownPass, Without};
@@ -51,21 +52,21 @@ pub struct Pass {
     pub run: Run,
 }
 
-/// How much of the program a pass looks at.
+/// How much of the program a pass looks at. The result of a pass over a function is false if it has changed nothing.
 #[derive(Clone, Copy)]
 pub enum Run {
     /// One function.
-    Function(fn(&mut Function)),
+    Function(fn(&mut Function) -> bool),
     /// One function, and facts about the others.
-    Surrounded(fn(&mut Function, &Surroundings)),
+    Surrounded(fn(&mut Function, &Surroundings) -> bool),
     Module(fn(&mut Module)),
 }
 
-const fn function(name: &'static str, run: fn(&mut Function)) -> Pass {
+const fn function(name: &'static str, run: fn(&mut Function) -> bool) -> Pass {
     Pass { name, run: Run::Function(run) }
 }
 
-const fn surrounded(name: &'static str, run: fn(&mut Function, &Surroundings)) -> Pass {
+const fn surrounded(name: &'static str, run: fn(&mut Function, &Surroundings) -> bool) -> Pass {
     Pass { name, run: Run::Surrounded(run) }
 }
 
@@ -78,7 +79,7 @@ pub const TOGETHER: &[Pass] = &[
     function("fold", fold::fold),
     function("control-flow", control_flow::simplify_control_flow),
     function("unused", unused::remove_unused),
-    function("compact", Function::compact),
+    function("compact", compact),
     surrounded("addresses", addresses::resolve_addresses),
     function("values", values::share_values),
     surrounded("forward", forward::forward_memory),
@@ -88,12 +89,12 @@ pub const TOGETHER: &[Pass] = &[
     function("fold", fold::fold),
     function("control-flow", control_flow::simplify_control_flow),
     module("dead-code", dead_code::eliminate_dead_code),
-    function("compact", Function::compact),
+    function("compact", compact),
     module("inline", inline::inline_calls),
     function("fold", fold::fold),
     function("control-flow", control_flow::simplify_control_flow),
     module("dead-code", dead_code::eliminate_dead_code),
-    function("compact", Function::compact),
+    function("compact", compact),
 ];
 
 /// What `-O2` does to each function after that. Nothing here depends on the code of other functions, so that the machine code of a function
@@ -172,7 +173,7 @@ pub const ALONE: &[Pass] = &[
     surrounded("dead-stores", dead_stores::eliminate_dead_stores),
     function("unused", unused::remove_unused),
     function("control-flow", control_flow::simplify_control_flow),
-    function("compact", Function::compact),
+    function("compact", compact),
 ];
 
 fn pipeline() -> impl Iterator<Item = &'static Pass> {
@@ -223,20 +224,39 @@ fn run_all(mut passes: &[Pass], module: &mut Module, without: Without) {
         let row = passes.iter().take_while(|pass| !matches!(pass.run, Run::Module(_))).count();
         let (row, rest) = passes.split_at(row);
         let surroundings = Surroundings::new(module);
-        surroundings::for_each(&mut module.functions, &|function| run_on(row, function, &surroundings, without));
+        surroundings::for_each(&mut module.functions, &|function| {
+            run_on(row, function, &surroundings, without);
+        });
         passes = rest;
     }
 }
 
-/// Runs passes that look at one function.
-fn run_on(passes: &[Pass], function: &mut Function, surroundings: &Surroundings, without: Without) {
+/// Runs passes that look at one function. One that has seen everything as it is does not run again: most functions are small and have no
+/// loops, and nothing happens to them in half of the rows.
+///
+/// Result: whether anything changed.
+fn run_on(passes: &[Pass], function: &mut Function, surroundings: &Surroundings, without: Without) -> bool {
+    let mut changes = 0;
+    // For each pass, how many of the passes before it had changed something when it ran last.
+    let mut seen: FxHashMap<&str, usize> = FxHashMap::default();
     for pass in passes.iter().filter(|pass| !without.contains(pass.name)) {
-        match pass.run {
+        if seen.insert(pass.name, changes) == Some(changes) {
+            continue;
+        }
+        let changed = match pass.run {
             Run::Function(run) => run(function),
             Run::Surrounded(run) => run(function, surroundings),
             Run::Module(_) => unreachable!("only passes that look at one function run so"),
-        }
+        };
+        changes += usize::from(changed);
     }
+    changes > 0
+}
+
+/// Numbers a function anew; its code stays as it is.
+fn compact(function: &mut Function) -> bool {
+    function.compact();
+    false
 }
 
 fn run_each<'p>(
@@ -251,14 +271,18 @@ fn run_each<'p>(
     }
 }
 
-fn run_one(pass: &Pass, module: &mut Module) {
+/// Result: false if nothing changed.
+fn run_one(pass: &Pass, module: &mut Module) -> bool {
     if let Run::Module(run) = pass.run {
         run(module);
-    } else {
-        let surroundings = Surroundings::new(module);
-        let functions = module.functions.values_mut();
-        functions.for_each(|function| run_on(&[*pass], function, &surroundings, Without::NOTHING));
+        return true;
     }
+    let surroundings = Surroundings::new(module);
+    let mut changed = false;
+    for function in module.functions.values_mut() {
+        changed |= run_on(&[*pass], function, &surroundings, Without::NOTHING);
+    }
+    changed
 }
 
 /// Like [`optimize`]; calls `after` with the name of each pass that runs, and its result.
@@ -266,13 +290,20 @@ pub fn optimize_with(module: &mut Module, without: Without, after: &mut dyn FnMu
     run_each(pipeline(), module, without, after);
 }
 
-/// Runs the pass called `name`; false if there is none.
-pub fn run_pass(module: &mut Module, name: &str) -> bool {
-    let pass = pipeline().find(|pass| pass.name == name);
-    if let Some(pass) = pass {
+/// Runs the pass called `name`.
+///
+/// Errors: there is none; or it says that it has changed nothing, and has.
+pub fn run_pass(module: &mut Module, name: &str) -> Result<(), String> {
+    let pass = pipeline().find(|pass| pass.name == name).ok_or_else(|| format!("there is no pass `{name}`"))?;
+    if name == "compact" {
         run_one(pass, module);
+        return Ok(());
     }
-    pass.is_some()
+    let before = plcc_ir::print::module_text(module);
+    if !run_one(pass, module) && plcc_ir::print::module_text(module) != before {
+        return Err(format!("{name} says that it has changed nothing, and has"));
+    }
+    Ok(())
 }
 
 /// Runs the passes that the first line of an IR text names, `; passes: fold, dead-code`, and prints the canonical result: what a
@@ -286,9 +317,7 @@ pub fn run_listed_passes(text: &str) -> Result<String, String> {
     let verify = |module: &Module| plcc_ir::verify::verify(module).map_err(|errors| errors[0].to_string());
     verify(&module)?;
     for name in list.split(',').map(str::trim) {
-        if !run_pass(&mut module, name) {
-            return Err(format!("there is no pass `{name}`"));
-        }
+        run_pass(&mut module, name)?;
         verify(&module).map_err(|error| format!("after {name}: {error}"))?;
     }
     module.functions.values_mut().for_each(Function::compact);

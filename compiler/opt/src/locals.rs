@@ -19,11 +19,9 @@ use crate::frames::Frames;
 use crate::surroundings::Surroundings;
 use crate::variables::{Action, promote};
 
-/// Promotes local data of a function.
-pub fn promote_locals(function: &mut Function, surroundings: &Surroundings) {
-    if is_unreachable_from_outside(function, &surroundings.frames(function)) {
-        promote_in_function(function);
-    }
+/// Promotes local data of a function. Result: whether there were any.
+pub fn promote_locals(function: &mut Function, surroundings: &Surroundings) -> bool {
+    is_unreachable_from_outside(function, &surroundings.frames(function)) && promote_in_function(function)
 }
 
 /// True if nothing but accesses to `L` with constant addresses reaches the frame.
@@ -59,7 +57,7 @@ enum Slot {
     Bit(u32, u8),
 }
 
-fn promote_in_function(function: &mut Function) {
+fn promote_in_function(function: &mut Function) -> bool {
     let uses = uses(function);
     let mut slots: FxHashMap<Slot, usize> = FxHashMap::default();
     let mut types = Vec::new();
@@ -105,7 +103,7 @@ fn promote_in_function(function: &mut Function) {
     let read: FxHashSet<usize> =
         places.iter().filter(|(_, _, stored)| stored.is_none()).map(|(_, var, _)| *var).collect();
     if read.is_empty() {
-        return;
+        return false;
     }
     let mut actions = same_types(function, &types, places);
     let cleared = clears_of(function, &slots, clears, &mut actions);
@@ -117,9 +115,11 @@ fn promote_in_function(function: &mut Function) {
         };
         function.make_inst(data, &[ty], Loc(0))
     };
-    if !promote(function, &types, &actions, &mut initial) {
+    let promoted = promote(function, &types, &actions, &mut initial);
+    if !promoted {
         cleared.undo(function);
     }
+    promoted
 }
 
 /// For each byte of the frame, how it is accessed.

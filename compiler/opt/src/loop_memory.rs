@@ -28,12 +28,13 @@ use plcc_ir::Function;
 
 use crate::surroundings::Surroundings;
 
-/// Carries memory through loops in a function.
-pub fn carry_memory(function: &mut Function, surroundings: &Surroundings) {
+/// Carries memory through loops in a function. Result: whether there was any.
+pub fn carry_memory(function: &mut Function, surroundings: &Surroundings) -> bool {
     let plan = plan::plan(function, surroundings);
     if !plan.is_empty() {
         rewrite::rewrite(function, &plan);
     }
+    !plan.is_empty()
 }
 
 #[cfg(test)]

@@ -29,16 +29,19 @@ use crate::words::Words;
 /// Words that are collected at the same time.
 const OPEN_MAX: usize = 8;
 
-/// Merges the stores of bits in a function.
-pub fn merge_bits(function: &mut Function, surroundings: &Surroundings) {
+/// Merges the stores of bits in a function. Result: whether there were any.
+pub fn merge_bits(function: &mut Function, surroundings: &Surroundings) -> bool {
+    let mut changed = false;
     for index in 0..function.layout.len() {
         let block = function.layout[index];
         let words = Words::of(function, &function.blocks[block].insts, &surroundings.dbs);
         let groups = groups(function, block, &words);
         if !groups.is_empty() {
             rewrite(function, block, groups);
+            changed = true;
         }
     }
+    changed
 }
 
 /// Stores of bits that become one store.

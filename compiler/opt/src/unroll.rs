@@ -47,10 +47,10 @@ const ROUNDS_MAX: usize = 8;
 /// Larger functions are left as they are.
 const FUNCTION_MAX: usize = 20_000;
 
-/// Unrolls short loops in a function.
-pub fn unroll_loops(function: &mut Function) {
+/// Unrolls short loops in a function. Result: whether there were any.
+pub fn unroll_loops(function: &mut Function) -> bool {
     if function.insts.len() > FUNCTION_MAX {
-        return;
+        return false;
     }
     let (mut growth, mut done) = (GROWTH, FxHashSet::default());
     for _ in 0..ROUNDS_MAX {
@@ -58,6 +58,7 @@ pub fn unroll_loops(function: &mut Function) {
             break;
         }
     }
+    !done.is_empty()
 }
 
 /// Result: whether a loop is left that begins where one that was copied ends.

@@ -9,27 +9,34 @@ use plcc_ir::{InstData, Value};
 
 use crate::control_flow::remove_params;
 
-/// Removes instructions without an effect whose results nothing uses, and parameters of blocks likewise.
-pub fn remove_unused(function: &mut Function) {
-    function.remove_unreachable_blocks();
+/// Removes instructions without an effect whose results nothing uses, and parameters of blocks likewise. Result: whether there were any.
+pub fn remove_unused(function: &mut Function) -> bool {
+    let mut changed = function.remove_unreachable_blocks() > 0;
     let live = live_values(function);
     let entry = function.entry();
     let mut removed: Vec<bool> = live.iter().map(|live| !live).collect();
     for &param in &function.blocks[entry].params {
         removed[param.index()] = false;
     }
-    remove_params(function, &removed);
+    let mut params = function.layout.iter().flat_map(|&block| &function.blocks[block].params);
+    if params.any(|param| removed[param.index()]) {
+        remove_params(function, &removed);
+        changed = true;
+    }
     for index in 0..function.layout.len() {
         let block = function.layout[index];
         let mut insts = std::mem::take(&mut function.blocks[block].insts);
+        let before = insts.len();
         insts.retain(|&inst| {
             let data = &function.insts[inst];
             matches!(data, InstData::Call { .. })
                 || data.has_side_effect()
                 || function.results[inst].iter().any(|result| live[result.index()])
         });
+        changed |= insts.len() < before;
         function.blocks[block].insts = insts;
     }
+    changed
 }
 
 /// Which values an effect needs.

@@ -9,6 +9,7 @@ use std::collections::hash_map::Entry;
 use plcc_abi::functions::Effect;
 use plcc_ir::analysis::{ControlFlow, Dominators};
 use plcc_ir::entities::{Entity, EntityVec};
+use plcc_ir::function::ValueDef;
 use plcc_ir::{Block, Function, Inst, InstData, Loc, Type, Value};
 use rustc_hash::FxHashMap;
 
@@ -21,27 +22,26 @@ struct Known {
     value: Value,
 }
 
-/// Shares equal computations in a function.
-pub fn share_values(function: &mut Function) {
+/// Shares equal computations in a function. Result: whether there were any.
+pub fn share_values(function: &mut Function) -> bool {
+    let mut changed = false;
     let cfg = ControlFlow::new(function);
     let dominators = Dominators::new(function, &cfg);
-    let mut uses: EntityVec<Value, u32> = EntityVec::new();
-    for _ in function.values.keys() {
-        uses.push(0);
-    }
+    let mut uses: EntityVec<Value, u32> = EntityVec::filled(0, function.values.len());
     for data in function.insts.values() {
         data.for_each_use(|value| uses[value] += 1);
     }
     let mut computed: FxHashMap<(Type, InstData), (Value, Block)> = FxHashMap::default();
     let mut conditions: FxHashMap<Value, Known> = FxHashMap::default();
+    // Conditions that something in their block, or after it, reads.
+    let mut used: FxHashMap<Value, Block> = FxHashMap::default();
     for &block in &dominators.preorder {
         let insts = std::mem::take(&mut function.blocks[block].insts);
-        let mut out = Vec::with_capacity(insts.len() + 1);
+        let mut out = Vec::with_capacity(insts.len());
         if let Some((cond, bit)) = known_condition(function, &cfg, block)
             && uses.get(cond).is_none_or(|&count| count > 1)
         {
             let inst = function.make_inst(InstData::Const { bits: u64::from(bit) }, &[Type::I1], Loc(0));
-            out.push(inst);
             conditions.insert(cond, Known { block, value: function.result(inst) });
         }
         for inst in insts {
@@ -49,7 +49,10 @@ pub fn share_values(function: &mut Function) {
             data.map_uses(|value| {
                 let value = function.resolve(value);
                 match conditions.get(&value) {
-                    Some(known) if dominators.dominates(known.block, block) => known.value,
+                    Some(known) if dominators.dominates(known.block, block) => {
+                        used.insert(known.value, known.block);
+                        known.value
+                    }
                     _ => value,
                 }
             });
@@ -60,6 +63,7 @@ pub fn share_values(function: &mut Function) {
                         let (value, at) = *entry.get();
                         if dominators.dominates(at, block) {
                             function.replace_value(function.result(inst), value);
+                            changed = true;
                             continue;
                         }
                         entry.insert((function.result(inst), block));
@@ -73,7 +77,16 @@ pub fn share_values(function: &mut Function) {
         }
         function.blocks[block].insts = out;
     }
-    function.resolve_aliases();
+    changed |= !used.is_empty();
+    for (value, block) in used {
+        if let ValueDef::Result(inst, _) = function.values[value].def {
+            function.blocks[block].insts.insert(0, inst);
+        }
+    }
+    if changed {
+        function.resolve_aliases();
+    }
+    changed
 }
 
 /// The condition of the only branch to `block`, and its value there.

@@ -183,10 +183,7 @@ pub enum Op {
 }
 
 pub fn prepare(module: &Module, function: &Function) -> Code {
-    let mut registers = EntityVec::new();
-    for _ in function.values.keys() {
-        registers.push(0);
-    }
+    let mut registers = EntityVec::filled(0, function.values.len());
     let mut count = 0;
     for &block in &function.layout {
         let data = &function.blocks[block];

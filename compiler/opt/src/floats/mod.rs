@@ -26,12 +26,12 @@ mod numbers;
 
 pub use numbers::Numbers;
 
-/// Moves the making of canonical forms in a function.
-pub fn relax_floats(function: &mut Function) {
-    choose_as_floats(function);
+/// Moves the making of canonical forms in a function. Result: false if there are none.
+pub fn relax_floats(function: &mut Function) -> bool {
+    let chosen = choose_as_floats(function);
     let mut made = canonical_values(function);
     if made.is_empty() {
-        return;
+        return chosen;
     }
     if keep_numbers(function, &made) {
         made = canonical_values(function);
@@ -57,11 +57,13 @@ pub fn relax_floats(function: &mut Function) {
             }
         }
     }
+    true
 }
 
 /// Where the canonical form is chosen among bits, it is chosen among floats: operations want floats, and a statement list works on
 /// bits.
-fn choose_as_floats(function: &mut Function) {
+fn choose_as_floats(function: &mut Function) -> bool {
+    let mut changed = false;
     for index in 0..function.layout.len() {
         let block = function.layout[index];
         let mut before: Vec<(Inst, [Inst; 2])> = Vec::new();
@@ -74,12 +76,14 @@ fn choose_as_floats(function: &mut Function) {
                 let select = function.make_inst(InstData::Select { cond, if_true, if_false: float }, &[ty], loc);
                 function.insts[inst] = InstData::Convert { op: ConvertOp::Bitcast, arg: function.result(select) };
                 before.push((inst, [form, select]));
+                changed = true;
             } else if let InstData::Convert { op: ConvertOp::Bitcast, arg } = function.insts[inst]
                 && let Some(InstData::Convert { op: ConvertOp::Bitcast, arg: float }) = function.defining(arg)
                 && function.ty(*float) == function.ty(function.result(inst))
             {
                 let (result, float) = (function.result(inst), *float);
                 function.replace_value(result, float);
+                changed = true;
             }
         }
         if before.is_empty() {
@@ -96,8 +100,11 @@ fn choose_as_floats(function: &mut Function) {
         }
         function.blocks[block].insts = out;
     }
-    function.resolve_aliases();
-    drop_replaced(function);
+    if changed {
+        function.resolve_aliases();
+        drop_replaced(function);
+    }
+    changed
 }
 
 /// Takes instructions out whose result another value has replaced.

@@ -11,7 +11,9 @@ fn check(body: &str, expected: &str) {
     };
     let mut module = around(body);
     crate::check("parsing", &module);
-    module.functions.values_mut().for_each(super::fold);
+    for function in module.functions.values_mut() {
+        super::fold(function);
+    }
     crate::dead_code::eliminate_dead_code(&mut module);
     crate::check("fold", &module);
     module.functions.values_mut().for_each(plcc_ir::Function::compact);

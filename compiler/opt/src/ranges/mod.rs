@@ -97,26 +97,40 @@ struct Part {
 }
 
 /// Uses ranges in a function.
-pub fn use_ranges(function: &mut Function) {
+///
+/// Result: whether anything changed.
+pub fn use_ranges(function: &mut Function) -> bool {
+    if is_too_large(function) {
+        return false;
+    }
+    let first = use_once(function);
     // A sum in the wide type, then its multiple, then the address: each shows when the one before is there.
-    if !is_too_large(function) && use_once(function) {
+    if first.has_sums {
         use_once(function);
         use_once(function);
     }
+    first.changed
 }
 
 /// Uses ranges in a function with loops: for the pointers of loops that have been rid of cold ways.
-pub fn use_ranges_of_loops(function: &mut Function) {
-    if analysis::has_loops(function, &ControlFlow::new(function)) {
-        use_ranges(function);
-    }
+///
+/// Result: whether anything changed.
+pub fn use_ranges_of_loops(function: &mut Function) -> bool {
+    analysis::has_loops(function, &ControlFlow::new(function)) && use_ranges(function)
 }
 
-/// Result: whether there are new sums of indices and constants.
-fn use_once(function: &mut Function) -> bool {
+/// What one look at the ranges did.
+#[derive(Default)]
+struct Done {
+    changed: bool,
+    /// There are new sums of indices and constants.
+    has_sums: bool,
+}
+
+fn use_once(function: &mut Function) -> Done {
     let cfg = ControlFlow::new(function);
     let dominators = Dominators::new(function, &cfg);
-    let Some(mut ranges) = Ranges::of(function, &cfg, &dominators) else { return false };
+    let Some(mut ranges) = Ranges::of(function, &cfg, &dominators) else { return Done::default() };
     let mut changes: Vec<(Block, Inst, Change)> = Vec::new();
     ranges.begin();
     for &block in &dominators.preorder {
@@ -138,8 +152,9 @@ fn use_once(function: &mut Function) -> bool {
     }
     let has_sums =
         changes.iter().any(|(_, _, change)| matches!(change, Change::ExtendAndAdd(..) | Change::MaskAndAdd(..)));
+    let changed = !changes.is_empty() || !passes.is_empty();
     apply(function, changes);
-    has_sums
+    Done { changed, has_sums }
 }
 
 fn change_of(function: &Function, ranges: &Ranges<'_>, inst: Inst) -> Option<Change> {

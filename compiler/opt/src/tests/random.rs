@@ -669,3 +669,20 @@ proptest! {
         prop_assert_eq!(again, Ok(module));
     }
 }
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, max_shrink_iters: 20_000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn a_pass_says_when_it_has_changed_something(
+        programs in prop::collection::vec(random_function(), FUNCTIONS),
+        (regions, offsets) in (prop::collection::vec(0..7u8, 1..4), 1..9u32),
+        alone in any::<bool>(),
+    ) {
+        let mut module = random_module(&programs, &Focus { regions, offsets }, alone);
+        for name in crate::pipeline().map(|pass| pass.name) {
+            let done = crate::run_pass(&mut module, name);
+            prop_assert!(done.is_ok(), "{}", done.unwrap_err());
+        }
+    }
+}
