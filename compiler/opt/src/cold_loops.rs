@@ -60,7 +60,6 @@ pub fn part_cold_loops(function: &mut Function, surroundings: &Surroundings) -> 
         copy(function, each, &inside, before, &mut versions);
     }
     if !versions.made.is_empty() {
-        function.remove_unreachable_blocks();
         join_versions(function, &versions);
     }
     !versions.made.is_empty()

@@ -421,4 +421,28 @@ mod tests {
         assert!(count(18) == 6 && result(18).matches("branch").count() == 1, "{}", result(18));
         check_pass("unroll", &text(17), &text(17));
     }
+
+    #[test]
+    fn a_jump_from_a_block_that_nothing_reaches_does_not_matter() {
+        let text = "; passes: unroll
+            func @F -> i32 {
+            b0(v0: i32):
+            v1 = const.i16 1
+            v2 = const.i16 4
+            jump b1(v1)
+            b1(v3: i16):
+            v4 = sext.i32 v3
+            v5 = iadd v3, v1
+            v6 = slt v5, v2
+            branch v6, b1(v5), b2(v0)
+            b2(v7: i32):
+            v8 = iadd v4, v7
+            ret v8
+            b3:
+            v9 = sext.i32 v3
+            jump b2(v9)
+            }";
+        let result = crate::run_listed_passes(text).expect("text is well formed");
+        assert_eq!(result.matches("sext").count(), 3 + 1, "{result}");
+    }
 }

@@ -129,6 +129,8 @@ fn rewrite(
     initial: &mut dyn FnMut(&mut Function, usize) -> Inst,
     steps_max: usize,
 ) -> bool {
+    // Jumps from blocks that nothing reaches would not bring values for new parameters.
+    function.remove_unreachable_blocks();
     let cfg = ControlFlow::new(function);
     let dominators = Dominators::new(function, &cfg);
     let Some(mut meets) = Meets::find(function, &cfg, &dominators, types.len(), actions, versions, steps_max) else {
