@@ -87,6 +87,11 @@ impl<K: Entity, V> EntityVec<K, V> {
         key
     }
 
+    /// Gives back memory that has been kept for more values.
+    pub fn shrink_to_fit(&mut self) {
+        self.items.shrink_to_fit();
+    }
+
     pub fn len(&self) -> usize {
         self.items.len()
     }

@@ -110,7 +110,8 @@ fn lower_program(program: &Program, sources: &SourceMap, probes: Probes) -> Lowe
             Body::Scl(body) => Some(scl::lower_block(&plan, &mut output, block, body)),
             Body::S7200(_) | Body::Runtime => None,
         };
-        if let Some(function) = function {
+        if let Some(mut function) = function {
+            function.shrink_to_fit();
             let id = output.module.functions.push(function);
             debug_assert_eq!(Some(id), plan.function(index), "functions are numbered in order of the blocks");
             let frame = output.module.functions[id].frame_bytes;
