@@ -113,13 +113,25 @@ impl Report {
         self.missing(MissingKey::Symbol(fold(name)), span, || {
             let message = Diagnostic::new(Code::UnknownSymbol, span, format!("the symbol `{name}` is not defined"))
                 .label("no symbol table and no block has this name");
-            match misread_address(name) {
-                Some(address) => message.help(format!("if you mean the address, write `{address}`")),
-                None if meant.is_some() => message.help(format!("is `{}` meant?", meant.unwrap_or_default())),
-                None => message.help(
+            match (misread_address(name), meant, hexadecimal(name)) {
+                (Some(address), ..) => message.help(format!("if you mean the address, write `{address}`")),
+                (None, Some(meant), _) => message.help(format!("is `{meant}` meant?")),
+                (None, None, Some(number)) => {
+                    message.help(format!("a hexadecimal number begins with `16#`: write `{number}`"))
+                }
+                (None, None, None) => message.help(
                     "declare it in the block, add the symbol table of the project to the sources, or define the block",
                 ),
             }
+        });
+    }
+
+    /// A letter alone, which begins addresses: `FOR i := 1 TO 5` without a declaration of `i`.
+    pub fn missing_letter(&mut self, letter: &str, span: Span) {
+        self.missing(MissingKey::Symbol(fold(letter)), span, || {
+            Diagnostic::new(Code::UnknownSymbol, span, format!("`{letter}` is not declared in this block"))
+                .label("no variable has this name, and an address has a number after the letter")
+                .help(format!("declare it, as in `{letter} : INT;` in a VAR_TEMP section"))
         });
     }
 
@@ -138,7 +150,13 @@ impl Report {
         self.missing(MissingKey::Constant(fold(name)), span, || {
             Diagnostic::new(Code::ConstantRequired, span, format!("the constant `{name}` is not defined"))
                 .label("a value that is known at compile time is expected here")
-                .help("declare it first, in VAR CONSTANT or CONST, add the tag table that has it, or write the number")
+                .help(match span.end - span.start == name.len() as u32 + 2 {
+                    true => format!(
+                        "declare it first, in VAR CONSTANT or CONST, or add the tag table that has it; a text is written in single quotes: `'{name}'`"
+                    ),
+                    false => "declare it first, in VAR CONSTANT or CONST, add the tag table that has it, or write the number"
+                        .to_owned(),
+                })
         });
     }
 
@@ -195,7 +213,12 @@ impl Report {
             if let Some(ty) = foreign_type(name) {
                 return message.help(format!("write `{ty}`"));
             }
-            message.help(match meant.or_else(|| known_type(name).map(str::to_owned)) {
+            let instructions = plcc_stdlib::blocks()
+                .iter()
+                .filter(|block| block.is_tia() && block.class == plcc_stdlib::BlockClass::Sfb)
+                .map(|block| block.name);
+            let meant = meant.or_else(|| known_type(name).map(str::to_owned));
+            message.help(match meant.or_else(|| similar(name, instructions).map(str::to_owned)) {
                 Some(ty) => format!("is `{ty}` meant? Otherwise add the source that defines it"),
                 None => "add the source that defines it".to_owned(),
             })
@@ -308,16 +331,19 @@ impl Report {
 
 /// The message for the name of an instruction that plcc does not have; none: no instruction has the name.
 fn absent_instruction(name: &str, span: Span) -> Option<Diagnostic> {
-    if let Some((why, help)) = plcc_syntax::network::absent::reason(name) {
-        let title = format!("plcc does not have `{name}`");
-        return Some(Diagnostic::new(Code::NotShipped, span, title).label(why).help(help));
-    }
     if let Some((_, help)) = INSTEAD.iter().find(|(own, _)| own.eq_ignore_ascii_case(name.trim())) {
         let title = format!("`{name}` is an instruction of LAD and FBD, and none of text languages");
         return Some(Diagnostic::new(Code::NotShipped, span, title).label("an element of networks").help(*help));
     }
-    let (group, written) = plcc_stdlib::catalogued(name)?;
-    let title = format!("`{written}` is an instruction of {} that plcc does not have", group.tool);
+    let known = plcc_stdlib::catalogued(name);
+    let title = match known {
+        Some((group, written)) => format!("`{written}` is an instruction of {} that plcc does not have", group.tool),
+        None => format!("plcc does not have `{name}`"),
+    };
+    if let Some((why, help)) = plcc_syntax::network::absent::reason(name) {
+        return Some(Diagnostic::new(Code::NotShipped, span, title).label(why).help(help));
+    }
+    let (group, written) = known?;
     Some(Diagnostic::new(Code::NotShipped, span, title).label(format!("group: {}", group.name)).help(format!(
         "if `{written}` is a block of your own, add the source that defines it; otherwise write a block with this name that does the same"
     )))
@@ -399,6 +425,13 @@ fn similar_type(name: &str) -> Option<&'static str> {
         ["STRING", "WSTRING", "DATE_AND_TIME", "DTL", "TIMER", "COUNTER", "POINTER", "VARIANT", "ARRAY"];
     let types = plcc_model::types::Elementary::ALL.into_iter().map(|ty| ty.name());
     similar(name, types.chain(OTHERS)).filter(|_| name.len() > 2)
+}
+
+/// Names that are hexadecimal numbers of other languages: `FFh`.
+fn hexadecimal(name: &str) -> Option<String> {
+    let digits = name.trim().strip_suffix(['h', 'H'])?;
+    let number = (2..=16).contains(&digits.len()) && digits.bytes().all(|digit| digit.is_ascii_hexdigit());
+    number.then(|| format!("16#{}", digits.to_ascii_uppercase()))
 }
 
 /// Names that are misspelt addresses: `MO.0`, `Q01`.

@@ -123,6 +123,9 @@ impl Binder<'_> {
                 .find(|(word, _)| *word == written);
             let help = match (joined, next) {
                 (Some((_, mnemonic)), Some(next)) => format!("write `{mnemonic} {next}` in a line of its own"),
+                _ if matches!(classes, [OperandClass::Bit | OperandClass::InputBit]) => {
+                    format!("write `{} {}` in a line of its own", self.mnemonic(insn), self.written(surplus.span))
+                }
                 _ => format!("remove it: {}", self.form(insn)),
             };
             self.push(
@@ -183,7 +186,17 @@ fn describe(class: OperandClass) -> &'static str {
         OperandClass::Label => "the number of a label",
         OperandClass::Interrupt => "an interrupt routine",
         OperandClass::Subroutine => "a subroutine",
-        _ => "an operand",
+        OperandClass::ByteIn | OperandClass::ByteOut | OperandClass::InputByte | OperandClass::OutputByte => "a byte",
+        OperandClass::WordIn | OperandClass::WordOut | OperandClass::WordOutAnalog => "a word",
+        OperandClass::DwordIn | OperandClass::DwordInAddress | OperandClass::DwordOut => "a double word",
+        OperandClass::RealIn | OperandClass::RealOut => "a REAL",
+        OperandClass::StringIn | OperandClass::StringOut => "a string",
+        OperandClass::Buffer => "the first byte of a buffer",
+        OperandClass::Table => "the first word of a table",
+        OperandClass::BytesIn | OperandClass::BytesOut => "the first of several bytes",
+        OperandClass::WordsIn | OperandClass::WordsOut => "the first of several words",
+        OperandClass::DwordsIn | OperandClass::DwordsOut => "the first of several double words",
+        OperandClass::LoopTable => "the first byte of a loop table",
     }
 }
 

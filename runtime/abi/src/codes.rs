@@ -59,6 +59,16 @@ pub mod access_area {
     pub const V: u8 = 7;
 }
 
+/// What the information of a length error is: bits 8 and 9, above the access byte.
+pub mod fault_info {
+    /// The byte address.
+    pub const ADDRESS: u32 = 0;
+    /// The index that is outside of its array, an i32.
+    pub const INDEX: u32 = 0x100;
+    /// Nothing: one of several indices is outside of its array.
+    pub const INDICES: u32 = 0x200;
+}
+
 /// Events that stop the CPU without an error OB. Source: event list, classes 4.
 pub mod stop {
     pub const NESTING_STACK: u16 = 0x4571;

@@ -223,7 +223,13 @@ fn address_text(access: u32, byte: u32) -> String {
 
 /// What is wrong with an address that its area does not have.
 fn length_text(image: &ProgramImage, access: u32, byte: u32, direction: &str) -> String {
-    use plcc_abi::codes::access_area;
+    use plcc_abi::codes::{access_area, fault_info};
+    if access & fault_info::INDEX != 0 {
+        return format!("index {} is outside the bounds of its array, on {direction}", byte as i32);
+    }
+    if access & fault_info::INDICES != 0 {
+        return format!("an index is outside the bounds of its array, on {direction}");
+    }
     let address = address_text(access, byte);
     let db = access >> 16;
     if !matches!(access as u8 & 0x0F, access_area::DB | access_area::DI) || db == 0 {

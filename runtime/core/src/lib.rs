@@ -94,4 +94,4 @@ mod tests;
 pub use code::Code;
 pub use options::RunOptions;
 pub use run::run;
-pub use testing::{AssertFailure, TestOptions, TestReport, test};
+pub use testing::{AssertFailure, NOT_REACHED, TestOptions, TestReport, test};

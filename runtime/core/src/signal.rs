@@ -536,6 +536,9 @@ pub fn scale(address: &Address, unit: &str, image: &ProgramImage) -> Result<Scal
     if image.s7200.is_some() {
         return s7200::scale(address, unit, image).map(Scale::Module);
     }
+    if let Some(digits) = unit.strip_prefix(['x', 'X']).filter(|digits| u64::from_str_radix(digits, 16).is_ok()) {
+        return Err(format!("a hexadecimal number begins with `16#`: write 16#{digits}"));
+    }
     let none = "a unit needs an analog channel: a station with this address in plc.toml, and a word address";
     if address.width != Width::Word {
         return Err(none.to_string());

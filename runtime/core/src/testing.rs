@@ -46,6 +46,9 @@ pub struct TestOptions {
     pub hang_limit: Option<u64>,
 }
 
+/// What an expectation found whose cycle did not come.
+pub const NOT_REACHED: &str = "(not reached)";
+
 /// An assertion that failed.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AssertFailure {

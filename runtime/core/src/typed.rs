@@ -132,7 +132,10 @@ pub fn equal(ty: AssertType, a: &Value, b: &Value) -> bool {
 pub fn parse(text: &str, wanted: ValueType) -> Result<Value, String> {
     let text = text.trim();
     let ty = wanted.ty;
-    let wrong = || format!("`{text}` is not a value of type {}; write it as {}", name(ty), example(ty));
+    let wrong = || match meant(text, ty) {
+        Some(meant) => format!("`{text}` is not a value of type {}; write {meant}", name(ty)),
+        None => format!("`{text}` is not a value of type {}, such as {}", name(ty), example(ty)),
+    };
     if matches!(ty, AssertType::Text | AssertType::WideText) {
         return characters(text, wanted);
     }
@@ -350,6 +353,40 @@ pub fn whole(ty: AssertType, bits: u64) -> Option<i128> {
         AssertType::Signed(width) => Some(signed(bits, width)),
         AssertType::Unsigned(_) => Some(bits.into()),
         _ => None,
+    }
+}
+
+/// How the author of a text writes the value that he means: `2 s` as T#2s, `1,5` as 1.5, `on` as TRUE. `None`: no idea.
+fn meant(text: &str, ty: AssertType) -> Option<String> {
+    let duration = |prefix: &str| plcc_literal::duration::meant_span(text).map(|span| format!("{prefix}#{span}"));
+    match ty {
+        AssertType::Time => duration("T"),
+        AssertType::S5Time => duration("S5T"),
+        AssertType::Ltime => duration("LT"),
+        AssertType::Real | AssertType::Lreal => {
+            let pointed = text.replace(',', ".");
+            pointed.parse::<f64>().ok().map(|_| pointed)
+        }
+        AssertType::Bool => ["on", "yes", "high", "off", "no", "low"]
+            .iter()
+            .position(|word| word.eq_ignore_ascii_case(text))
+            .map(|at| if at < 3 { "TRUE" } else { "FALSE" }.to_owned()),
+        AssertType::Bits(_) => {
+            let digits = text.strip_prefix("0x").or_else(|| text.strip_prefix("0X"))?;
+            u64::from_str_radix(digits, 16).ok().map(|_| format!("16#{digits}"))
+        }
+        AssertType::Signed(_)
+        | AssertType::Unsigned(_)
+        | AssertType::Char
+        | AssertType::Wchar
+        | AssertType::Date
+        | AssertType::TimeOfDay
+        | AssertType::Ltod
+        | AssertType::Ldt
+        | AssertType::DateAndTime
+        | AssertType::Dtl
+        | AssertType::Text
+        | AssertType::WideText => None,
     }
 }
 

@@ -47,7 +47,7 @@ pub fn plain(message: &str, place: &str, line: &str) -> Wrong {
     }
     if let Some(rest) = message.strip_prefix("invalid type: ").or_else(|| message.strip_prefix("invalid value: ")) {
         let (found, wanted) = rest.rsplit_once(", expected ").unwrap_or((rest, "another value"));
-        return wrong_type(found, wanted);
+        return wrong_type(found, wanted, line.trim());
     }
     if message.starts_with("duplicate key") {
         let key = place.split(['=', ']']).next().unwrap_or_default().trim();
@@ -98,8 +98,15 @@ fn first_letter(name: &str) -> Option<u8> {
     name.bytes().next().map(|letter| letter.to_ascii_lowercase())
 }
 
+/// Whether the key of a line has a duration: `cycle_time = 100`, `period = 50`.
+fn is_of_time(line: &str) -> bool {
+    let key = line.split('=').next().unwrap_or_default().trim().trim_matches('"').to_ascii_lowercase();
+    let key = key.rsplit('.').next().unwrap_or_default();
+    ["time", "period", "offset", "timeout", "delay", "interval", "phase"].iter().any(|word| key.contains(word))
+}
+
 /// `found`: `integer `50``, `string "x"`, `map`; `wanted`: `a string`, `a sequence`, `i64`.
-fn wrong_type(found: &str, wanted: &str) -> Wrong {
+fn wrong_type(found: &str, wanted: &str, line: &str) -> Wrong {
     let (kind, value) = found.split_once(' ').unwrap_or((found, ""));
     let value = value.trim_matches('`');
     let text = value.trim_matches('"');
@@ -116,13 +123,21 @@ fn wrong_type(found: &str, wanted: &str) -> Wrong {
         "a string" | "string" => match kind {
             "integer" | "floating" => {
                 let number = is.trim_start_matches("the number ");
-                ("a text in quotation marks", format!("write `\"{number}\"`; a time needs its unit, `\"{number}ms\"`"))
+                if is_of_time(line) {
+                    ("a time with its unit", format!("write `\"{number}ms\"`"))
+                } else {
+                    ("a text in quotation marks", format!("write `\"{number}\"`"))
+                }
             }
             "boolean" => ("a text in quotation marks", format!("write `\"{value}\"`")),
             _ => ("a text in quotation marks", "write `\"…\"`".to_owned()),
         },
         "a sequence" | "a list" if kind == "map" => {
-            ("a list of tables", "write the name in two brackets: `[[…]]`".to_owned())
+            let name = line.trim_start_matches('[').split(']').next().unwrap_or_default();
+            let heading = line.starts_with('[') && !name.is_empty();
+            let written =
+                if heading { format!("write `[[{name}]]`") } else { "write `[` and `]` around it".to_owned() };
+            ("a list of tables", written)
         }
         "a sequence" | "a list" => ("a list", format!("write `[{value}]`")),
         "a boolean" => {
@@ -147,7 +162,11 @@ fn wrong_type(found: &str, wanted: &str) -> Wrong {
             }
         }
         wanted if wanted.contains("map") || wanted.contains("struct") => {
-            ("a table", "write the keys below `[…]`, or between `{` and `}`".to_owned())
+            let key = line.split('=').next().unwrap_or_default().trim();
+            let plain =
+                !key.is_empty() && key.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"_-.".contains(&byte));
+            let heading = if plain { format!("`[{key}]`") } else { "`[…]`".to_owned() };
+            ("a table", format!("write its keys below {heading}, or between `{{` and `}}`"))
         }
         wanted => (wanted, "write a value of that kind".to_owned()),
     };
@@ -168,7 +187,15 @@ fn syntax(message: &str, place: &str, line: &str) -> Wrong {
         if !value.is_empty() && !value.starts_with(['"', '\'', '[', '{']) {
             return wrong("a text is written in quotation marks", format!("write `{key} = \"{value}\"`"));
         }
-        return wrong("a text is written in quotation marks", "write `\"…\"`".to_owned());
+        let word = |c: char| c.is_alphanumeric() || matches!(c, '_' | '.' | '#' | '-' | '%');
+        let value = &place[..place.find(|c| !word(c)).unwrap_or(place.len())];
+        let lower = value.to_ascii_lowercase();
+        let truth = [("on", "true"), ("yes", "true"), ("off", "false"), ("no", "false")];
+        if let Some((_, meant)) = truth.into_iter().find(|(own, _)| *own == lower) {
+            return wrong(&format!("`{value}` is not a value"), format!("write `{meant}`"));
+        }
+        let written = if value.is_empty() { "…" } else { value };
+        return wrong("a text is written in quotation marks", format!("write `\"{written}\"`"));
     }
     if message.contains("key with no value") {
         if let Some((key, value)) = line.split_once(':') {
@@ -241,12 +268,13 @@ mod tests {
     #[test]
     fn tells_types_in_plain_words() {
         let string = "invalid type: integer `50`, expected a string";
-        same(
-            string,
-            "",
-            "a text in quotation marks is expected here, not the number 50",
-            "write `\"50\"`; a time needs its unit, `\"50ms\"`",
-        );
+        same(string, "", "a text in quotation marks is expected here, not the number 50", "write `\"50\"`");
+        same(string, "cycle_time = 50", "a time with its unit is expected here, not the number 50", "write `\"50ms\"`");
+        let list = "invalid type: map, expected a sequence";
+        same(list, "[at]", "a list of tables is expected here, not a table", "write `[[at]]`");
+        let table = "invalid type: boolean `true`, expected struct Retain";
+        let below = "write its keys below `[retain]`, or between `{` and `}`";
+        same(table, "retain = true", "a table is expected here, not true", below);
         let list = "invalid type: string \"main.stl\", expected a sequence";
         same(list, "", "a list is expected here, not the text \"main.stl\"", "write `[\"main.stl\"]`");
         let byte = "invalid type: string \"MB 100\", expected i64";

@@ -1,7 +1,7 @@
 //! From the reports of all forms of a test to one outcome.
 
 use plcc_diag::{Code, Diagnostic, SourceMap, Span, drawing};
-use plcc_runtime::{AssertFailure, TestReport};
+use plcc_runtime::{AssertFailure, NOT_REACHED, TestReport};
 
 use super::prepare::{Prepared, TestProgram, VariantState};
 use super::{Outcome, Variant};
@@ -69,9 +69,14 @@ fn add_report(
         let scenario = program.options.scenario.as_ref().map(|path| path.display().to_string());
         outcome.untested.push(scenario.unwrap_or_else(|| outcome.name.clone()));
     }
+    // What came after a fault that stopped the CPU follows from it.
+    let stopped = report.stopped.is_some() && !report.problems.is_empty();
+    let follows = |failure: &&AssertFailure| stopped && failure.left == NOT_REACHED;
     for failure in &report.failures {
         outcome.details.push(failure.clone());
-        outcome.fail(&described(failure));
+        if !follows(&failure) {
+            outcome.fail(&described(failure));
+        }
     }
     for place in &report.not_reached {
         if reached_elsewhere(&(place.file.clone(), place.line)) {
@@ -84,7 +89,12 @@ fn add_report(
     }
     for problem in &report.problems {
         let scenario = program.options.scenario.as_ref().map(|path| format!(" ({})", path.display()));
-        outcome.fail(&format!("{}{}: {problem}", outcome.name, scenario.unwrap_or_default()));
+        let after = match report.failures.iter().filter(follows).count() {
+            0 => String::new(),
+            1 => "\n       1 expectation was not reached".to_owned(),
+            count => format!("\n       {count} expectations were not reached"),
+        };
+        outcome.fail(&format!("{}{}: {problem}{after}", outcome.name, scenario.unwrap_or_default()));
     }
 }
 

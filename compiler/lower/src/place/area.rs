@@ -1,6 +1,6 @@
 //! Addresses in one area, with their checks.
 
-use plcc_abi::codes::{access_area, sync};
+use plcc_abi::codes::{access_area, fault_info, sync};
 use plcc_ir::{Address, BinaryOp, IntCc, Region, Value};
 use plcc_model::{PlaceArea, Width};
 
@@ -61,7 +61,12 @@ impl BlockLowering<'_, '_> {
 
     /// The access byte of OB 121 for an access to `area`, as a value.
     pub fn access_of(&mut self, width: Width, area: PlaceArea) -> Value {
-        self.b.i32_const(access_byte(width, area_code(area)))
+        self.access_about(width, area, fault_info::ADDRESS)
+    }
+
+    /// The same with the word of [`fault_info`] for what the information of the error is.
+    pub fn access_about(&mut self, width: Width, area: PlaceArea, form: u32) -> Value {
+        self.b.i32_const(access_byte(width, area_code(area)) | form)
     }
 
     /// The access to `area` at a bit address that is known at run time.

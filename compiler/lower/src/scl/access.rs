@@ -1,6 +1,6 @@
 //! Variables: places with run-time indices, slices, promoted variables. Source: SCL reference, addressing.
 
-use plcc_abi::codes::sync;
+use plcc_abi::codes::{fault_info, sync};
 use plcc_abi::layout::area;
 use plcc_ir::{Address, BinaryOp, IntCc, Type, Value};
 use plcc_model::layout;
@@ -23,6 +23,8 @@ pub struct Located<'m> {
     offset: Option<Value>,
     /// Indices that are out of bounds: the value is right if all hold.
     in_bounds: Option<Value>,
+    /// The index, if there is one and `in_bounds` is about it alone.
+    index: Option<Value>,
 }
 
 enum LocatedBase<'m> {
@@ -81,8 +83,11 @@ impl BlockLowering<'_, '_> {
             }
         };
         let (mut offset, mut in_bounds) = (None, self.is_in_db(access, &base));
+        let (alone, mut only) = (in_bounds.is_none() && access.indices.len() == 1, None);
         for (at, index) in access.indices.iter().enumerate() {
-            let (distance, ok) = self.index(index, &access.indices[at + 1..]);
+            let value = self.signed_index(&index.value);
+            only = alone.then_some(value);
+            let (distance, ok) = self.index(index, value, &access.indices[at + 1..]);
             offset = Some(match offset {
                 Some(before) => self.b.iadd(before, distance),
                 None => distance,
@@ -92,7 +97,7 @@ impl BlockLowering<'_, '_> {
                 None => ok,
             });
         }
-        Located { base, offset, in_bounds }
+        Located { base, offset, in_bounds, index: only }
     }
 
     /// Whether all of a structure or of an array that a reference refers to is in its DB; `None`: each access finds that out.
@@ -146,9 +151,8 @@ impl BlockLowering<'_, '_> {
         self.b.select(peripheral, area_p, low)
     }
 
-    /// Distance of an index from the first element in bits, and whether it is within its bounds.
-    fn index(&mut self, index: &Index, after: &[Index]) -> (Value, Value) {
-        let value = self.signed_index(&index.value);
+    /// Distance of the index `value`, an i32, from the first element in bits, and whether it is within its bounds.
+    fn index(&mut self, index: &Index, value: Value, after: &[Index]) -> (Value, Value) {
         match index.bounds {
             IndexBounds::Known(low, high) => {
                 let from_low = self.b.binary_imm(BinaryOp::Iadd, value, -i64::from(low));
@@ -216,11 +220,15 @@ impl BlockLowering<'_, '_> {
                 LocatedBase::Place(place) => place_area(place),
                 LocatedBase::Indexed { .. } => PlaceArea::Db,
             };
-            let access = self.access_of(width, area);
-            let info = match located.offset {
-                Some(offset) => self.b.binary_imm(BinaryOp::Lshr, offset, 3),
-                None => self.b.i32_const(0),
+            let (form, info) = match (located.index, located.offset, &located.base) {
+                (Some(index), ..) => (fault_info::INDEX, index),
+                (None, Some(_), LocatedBase::Place(_)) => (fault_info::INDICES, self.b.i32_const(0)),
+                (None, Some(offset), LocatedBase::Indexed { .. }) => {
+                    (fault_info::ADDRESS, self.b.binary_imm(BinaryOp::Lshr, offset, 3))
+                }
+                (None, None, _) => (fault_info::ADDRESS, self.b.i32_const(0)),
             };
+            let access = self.access_about(width, area, form);
             target.checks.insert(0, Check { ok, code, access, info, db: None });
         }
     }

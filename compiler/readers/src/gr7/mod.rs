@@ -43,7 +43,8 @@ pub fn parse(file: FileId, text: &str, options: &ReadOptions) -> (SourceUnit, Ve
     let raw = lexer::scan(text);
     report_comments(file, &raw, &mut diagnostics);
     for (index, token) in raw.tokens.iter().enumerate() {
-        if let Some(keyword) = classify::misspelt(text, &raw.tokens, index) {
+        // The parser of declarations reports their sections.
+        if let Some(keyword) = classify::misspelt(text, &raw.tokens, index).filter(|keyword| keyword.word() != "VAR") {
             let span = Span { file, start: token.start, end: token.end };
             diagnostics.push(front::frame_words::misspelt(span, &text[token.range()], keyword.word()));
         }

@@ -189,7 +189,12 @@ fn part(reader: &mut Reader, node: Node, uid: UId, whose: &str) -> Result<Part, 
     let step_time = step_time::of(name);
     let row = if step_time.is_some() { elements::find_xml("Gt") } else { elements::find_xml(name) };
     if let (None, Some((why, help))) = (row, absent::reason(name)) {
-        let text = format!("{whose} contains the element `{name}`, which plcc does not have");
+        let text = match plcc_stdlib::catalogued(name) {
+            Some((group, own)) => {
+                format!("{whose} contains `{own}`, an instruction of {} that plcc does not have", group.tool)
+            }
+            None => format!("{whose} contains the element `{name}`, which plcc does not have"),
+        };
         reader.diagnostics.push(Diagnostic::new(Code::UnknownElement, span, text).label(why).help(help));
         return Err(Refused);
     }

@@ -80,7 +80,8 @@ pub fn literal(prefix: &str, rest: &str) -> Option<usize> {
         Form::Value => value(rest),
         Form::Duration => {
             let sign = sign(rest);
-            sign + with_points(&rest[sign..], b".")
+            let length = sign + with_points(&rest[sign..], b".");
+            length + decimal_comma(&rest[..length], &rest[length..])
         }
         Form::Date => with_points(rest, b"-:."),
         Form::Pointer => return pointer::length(rest, Tail::Separate),
@@ -88,6 +89,19 @@ pub fn literal(prefix: &str, rest: &str) -> Option<usize> {
     // Letters such as `T#name` of sources without blanks are not constants.
     let short = prefix.len() == 1 && !rest.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '-' | '+'));
     if short || length == 0 && rest.starts_with(['"', '#']) { None } else { Some(length) }
+}
+
+/// Bytes of `,5s` after the digits of a duration: a fraction with a comma, which `T#1,5s` has in other languages. It is not a constant, but
+/// one mistake.
+pub fn decimal_comma(duration: &str, rest: &str) -> usize {
+    const UNITS: [&str; 7] = ["D", "H", "M", "S", "MS", "US", "NS"];
+    let Some(fraction) = rest.strip_prefix(',').filter(|_| duration.ends_with(|c: char| c.is_ascii_digit())) else {
+        return 0;
+    };
+    let length = word(fraction);
+    let letters = fraction[..length].trim_start_matches(|c: char| c.is_ascii_digit());
+    let unit = UNITS.iter().any(|unit| unit.eq_ignore_ascii_case(letters));
+    if unit && letters.len() < length { 1 + length } else { 0 }
 }
 
 /// Length of the rest of a word: letters, digits, `_`.

@@ -13,13 +13,17 @@ const DT_FORM: &str = "write date and time: `DT#2000-6-20-5:45:00.5`";
 
 /// How to write the duration that the author of `text` means; `form` if that is not clear.
 ///
-/// `S5TIME#10` has no unit, `T#5S_2H` not their order, `T#5sec` not their names.
+/// `S5TIME#10` has no unit, `T#5S_2H` not their order, `T#5sec` not their names, `T#1,5s` a comma.
 pub(crate) fn form(text: &str, value: &str, form: &str) -> String {
     let prefix = text.split('#').next().unwrap_or_default();
     let compact: String =
         value.chars().filter(|c| *c != '_' && !c.is_whitespace()).collect::<String>().to_ascii_uppercase();
     if !compact.is_empty() && compact.bytes().all(|digit| digit.is_ascii_digit()) {
         return format!("write the unit: `{prefix}#{compact}S` for seconds, `{prefix}#{compact}MS` for milliseconds");
+    }
+    let pointed = compact.replace(',', ".");
+    if pointed != compact && duration::nanoseconds(&pointed, Smallest::Nanosecond, Fraction::Last).is_ok() {
+        return format!("a fraction has a point: write `{prefix}#{pointed}`");
     }
     match in_order(&compact) {
         Some(units) => format!("write `{prefix}#{units}`"),

@@ -17,14 +17,29 @@ const ABSENT: &[Absent] = &[
         help: "compare with EQ_Type or EQ_ElemType, or write the network in SCL",
     },
     Absent {
-        names: &["CTRL_PTO"],
-        why: "here a pulse generator sets the width of pulses, not the frequency of a pulse train",
-        help: "use CTRL_PWM, which sets the width of the pulses",
+        names: &["T_COMP"],
+        why: "the relation is chosen at its box, in a form that plcc does not know",
+        help: "compare with the elements EQ, NE, GT, LT, GE, LE, which take times and dates",
     },
     Absent {
-        names: &["T_COMP"],
-        why: "T_COMP belongs to S7-1500 and compares in a mode given as a number",
-        help: "compare with the elements EQ, NE, GT, LT, GE, LE, which take times and dates",
+        names: &["S_COMP"],
+        why: "the relation is chosen at its box, in a form that plcc does not know",
+        help: "compare with the elements EQ, NE, GT, LT, GE, LE, which take texts",
+    },
+    Absent {
+        names: &["GetSymbolName", "GetSymbolPath", "GetSymbolForReference"],
+        why: "the names of actual parameters are not in the compiled program",
+        help: "add an input of type WString to the block and give it the name in each call; the name of the instance is `GetInstanceName(SIZE := 0)`",
+    },
+    Absent {
+        names: &["RT_INFO"],
+        why: "plcc does not count the run times of organization blocks",
+        help: "measure a part of the program with `RUNTIME`, whose value is the time between two of its calls",
+    },
+    Absent {
+        names: &["LOG2MOD"],
+        why: "modules have no addresses of STEP 7 V5 here",
+        help: "`IO2MOD` finds the module of an input or output, `RD_ADDR` its addresses",
     },
     Absent {
         names: &["ENDIS_PW", "INIT_RD"],

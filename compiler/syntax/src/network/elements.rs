@@ -321,9 +321,15 @@ pub fn find_sd(name: &str) -> Option<(&'static Row, bool)> {
 pub fn nearest_sd(name: &str) -> Option<&'static str> {
     let name = name.to_lowercase();
     let limit = if name.len() < 4 { 1 } else { 2 };
-    let negated = NEGATED_SD.iter().map(|(negated, _)| *negated);
-    let names = elements().flat_map(|row| row.sd.iter().copied().chain([row.name])).chain(negated);
-    names
+    let names = || {
+        let negated = NEGATED_SD.iter().map(|(negated, _)| *negated);
+        elements().flat_map(|row| row.sd.iter().copied().chain([row.name])).chain(negated)
+    };
+    // `SCoil` is `S_Coil` rather than `Coil`.
+    if let Some(known) = names().find(|known| known.replace('_', "").eq_ignore_ascii_case(&name)) {
+        return Some(known);
+    }
+    names()
         .map(|known| (crate::distance::between(&name, &known.to_lowercase()), known))
         .filter(|(distance, _)| *distance <= limit)
         .min_by_key(|(distance, _)| *distance)

@@ -79,6 +79,15 @@ impl Recovery {
             (Recovery::Declaration, Tok::Literal(_), Tok::RightBracket) => {
                 let open = state.text.get(..at.0)?.rfind('[')?;
                 let bounds = state.text.get(open + 1..at.0)?;
+                if bounds.trim().parse::<u32>().is_ok() {
+                    return told(
+                        open + 1,
+                        at.0,
+                        "an array has a lower and an upper bound".to_owned(),
+                        "one bound",
+                        format!("write `1..{}`, or another range", bounds.trim()),
+                    );
+                }
                 let (low, high) =
                     bounds.get(1..)?.split_once('-').map(|(low, high)| (bounds[..1].to_owned() + low, high))?;
                 let is_number = |text: &str| text.trim().trim_start_matches('-').parse::<u32>().is_ok();
@@ -130,7 +139,21 @@ impl Recovery {
                 )
             }
             (Recovery::Declaration, Tok::Name(name), Tok::LeftBracket) => {
-                let near = crate::distance::nearest(name, ["STRING", "WSTRING", "ARRAY"].into_iter())?;
+                let Some(near) = crate::distance::nearest(name, ["STRING", "WSTRING", "ARRAY"].into_iter()) else {
+                    let rest = state.text.get(at.2..)?;
+                    let bounds = rest.split(']').next().unwrap_or_default().trim();
+                    let bounds = match bounds.parse::<u32>() {
+                        Ok(_) => format!("1..{bounds}"),
+                        Err(_) => bounds.to_owned(),
+                    };
+                    return told(
+                        at.0,
+                        at.2,
+                        format!("the bounds of an array are after `ARRAY`, not after `{name}`"),
+                        "a form of other languages",
+                        format!("write `ARRAY[{bounds}] OF {name}`"),
+                    );
+                };
                 told(
                     before.0,
                     before.2,

@@ -202,8 +202,12 @@ fn statement_error(state: &State, index: usize, at: Option<&Spanned>, before: Op
     if let Some(told) = slip(state, index, before) {
         return told;
     }
-    let start = state.tokens[..index].iter().rposition(|(_, token, _)| ends(token)).map_or(0, |end| end + 1);
-    let first = state.tokens[start..index].iter().find(|(_, token, _)| !begins(token));
+    let outside = |(_, token, _): &Spanned| ends(token) || begins(token);
+    let start = state.tokens[..index].iter().rposition(outside).map_or(0, |end| end + 1);
+    let first = state.tokens[start..index].first();
+    if let (Some((_, Tok::Comma, comma_end)), Some((_, Tok::Insn(insn), _))) = (at, first) {
+        return surplus_operand(state, insn.mnemonic(state.rules), *comma_end);
+    }
     let help = match first.map(|(_, token, _)| token) {
         Some(Tok::Call) => {
             "write `CALL block, instance ( name := operand, … )`, or each `name := operand` on a separate line"
@@ -214,6 +218,27 @@ fn statement_error(state: &State, index: usize, at: Option<&Spanned>, before: Op
         _ => "a statement is: label `:`, mnemonic, operand, and `;` or the end of the line".to_owned(),
     };
     message(state, at, before, Code::Syntax, "statement").help(help)
+}
+
+/// `A I 0.0, I 0.1`: an instruction of STL has one operand. `start`: the byte after the comma.
+fn surplus_operand(state: &State, mnemonic: &str, start: usize) -> Diagnostic {
+    let line = state.text[start..].find(['\n', ';', '/']).map_or(state.text.len(), |length| start + length);
+    let rest = state.text[start..line].trim_end();
+    let written: Vec<&str> = rest.split(',').map(str::trim).filter(|operand| !operand.is_empty()).collect();
+    let lines: Vec<String> = written.iter().map(|operand| format!("`{mnemonic} {operand}`")).collect();
+    let help = match lines.as_slice() {
+        [] => "remove the comma".to_owned(),
+        [one] => format!("write {one} in a line of its own"),
+        several => format!("write {} in lines of their own", several.join(", ")),
+    };
+    let first = start + (rest.len() - rest.trim_start().len());
+    Diagnostic::new(
+        Code::SurplusOperand,
+        state.span(first..start + rest.len()),
+        format!("`{mnemonic}` has one operand"),
+    )
+    .label("not read")
+    .help(help)
 }
 
 fn parameter_error(state: &State, at: Option<&Spanned>, before: Option<&Spanned>) -> Diagnostic {

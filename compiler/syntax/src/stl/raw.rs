@@ -288,7 +288,9 @@ fn literal_length(form: LiteralForm, rest: &str) -> Option<usize> {
         LiteralForm::Byte => Some(number_length(rest)),
         LiteralForm::Duration => {
             let sign = rest.len() - rest.trim_start_matches(['-', '+']).len();
-            Some(sign + rest[sign..].find(|c: char| !extent::is_word(c) && c != '.').unwrap_or(rest.len() - sign))
+            let digits = rest[sign..].find(|c: char| !extent::is_word(c) && c != '.').unwrap_or(rest.len() - sign);
+            let length = sign + digits;
+            Some(length + extent::decimal_comma(&rest[..length], &rest[length..]))
         }
         LiteralForm::Date => Some(date_length(rest)),
         LiteralForm::Pointer => pointer::length(rest, Tail::Included),

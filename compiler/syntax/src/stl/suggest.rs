@@ -35,6 +35,9 @@ const KNOWN_SLIPS: &[(&str, &str)] = &[
     ("MUL", "write `*I`, `*D` or `*R`"),
     ("DIV", "write `/I`, `/D` or `/R`"),
     ("TITEL", "write `TITLE =`"),
+    ("CMP", "write `==I`, `<>I`, `>I`, `<I`, `>=I` or `<=I`, with D for DINT and R for REAL"),
+    ("COMP", "write `==I`, `<>I`, `>I`, `<I`, `>=I` or `<=I`, with D for DINT and R for REAL"),
+    ("NOP", "write `NOP 0`"),
 ];
 
 /// What to write instead of `word` (upper case; `text` as written).

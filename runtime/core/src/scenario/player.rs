@@ -12,7 +12,7 @@ use crate::plant::{Fault, Plant};
 use crate::report;
 use crate::s7200::PulseInput;
 use crate::signal::{self, Signal, Source, Value};
-use crate::testing::AssertFailure;
+use crate::testing::{AssertFailure, NOT_REACHED};
 use crate::typed;
 
 /// When entries are due, so that a cycle looks at its own alone.
@@ -136,8 +136,8 @@ impl Player {
     pub fn failures(&self) -> Vec<AssertFailure> {
         let mut failures = self.failures.clone();
         for (at, _) in self.scenario.entries.iter().zip(&self.happened).filter(|(_, happened)| !**happened) {
-            failures.extend(at.expect.iter().map(|setting| self.failure(setting, "(not reached)".to_string())));
-            failures.extend(at.sent.iter().map(|sent| sent.failure(&self.scenario.file, "(not reached)".to_string())));
+            failures.extend(at.expect.iter().map(|setting| self.failure(setting, NOT_REACHED.to_string())));
+            failures.extend(at.sent.iter().map(|sent| sent.failure(&self.scenario.file, NOT_REACHED.to_string())));
         }
         failures.extend(self.trains.never_begun(&self.scenario.file));
         failures

@@ -3,7 +3,7 @@
 //!
 //! Source: LAD/FBD reference for S7-1200, GET_ERROR and GET_ERR_ID.
 
-use plcc_abi::codes::{access_area, local_error::BYTES, sync};
+use plcc_abi::codes::{access_area, fault_info, local_error::BYTES, sync};
 use plcc_abi::image::BlockKind;
 use plcc_abi::layout::{area, state};
 
@@ -88,7 +88,9 @@ impl Cpu {
         put(12, &[mode]);
         if mode == MODE_AREA_OFFSET {
             put(20, &[area_code(access as u8 & 0x0F)]);
-            put(24, &info.wrapping_mul(8).to_be_bytes());
+            // An index is not an address.
+            let address = if access & (fault_info::INDEX | fault_info::INDICES) == 0 { info } else { 0 };
+            put(24, &address.wrapping_mul(8).to_be_bytes());
         }
         if mode == MODE_NUMBER {
             put(22, &(info as u16).to_be_bytes());

@@ -297,13 +297,7 @@ impl Declarations<'_> {
                         indices.push(self.bound(value)?);
                     }
                     if indices.len() != array.bounds.len() {
-                        self.report(
-                            Diagnostic::new(Code::ArrayIndex, *span, "a wrong number of indices").label(format!(
-                                "{} given, {} dimensions declared",
-                                indices.len(),
-                                array.bounds.len()
-                            )),
-                        );
+                        self.report(index_count(indices.len(), array.bounds.len(), *span));
                         return None;
                     }
                     match layout::element_index(&array, &indices) {
@@ -353,10 +347,7 @@ impl Declarations<'_> {
                     variable.ty = DataType::Elementary(part);
                 }
                 (PathPart::Member { name, span }, ty) => {
-                    self.report(
-                        Diagnostic::new(Code::UnknownMember, *span, format!("there is no component `{name}` here"))
-                            .label(format!("the name before it is of type {}", layout::type_name(ty))),
-                    );
+                    self.report(no_component(name, ty, *span));
                     return None;
                 }
                 (PathPart::Index { span, .. }, ty) => {
@@ -386,7 +377,10 @@ impl Declarations<'_> {
         };
         let message = Diagnostic::new(Code::UnknownMember, span, title).label("no such component");
         let names = structure.members.iter().map(|member| member.name.as_str());
-        self.report(match similar(name, names) {
+        let has = |other: &&str| structure.members.iter().any(|member| member.name.eq_ignore_ascii_case(other));
+        let habit =
+            TIMER_WORDS.iter().filter(|(own, _)| own.eq_ignore_ascii_case(name)).map(|(_, other)| *other).find(has);
+        self.report(match habit.or_else(|| similar(name, names)) {
             Some(other) => message.help(format!("is `{other}` meant?")),
             None => {
                 const NAMES_MAX: usize = 12;
@@ -401,6 +395,18 @@ impl Declarations<'_> {
         });
     }
 }
+
+/// Components of timers and counters in other controllers, and what they are called here.
+const TIMER_WORDS: [(&str, &str); 8] = [
+    ("DN", "Q"),
+    ("DONE", "Q"),
+    ("ACC", "ET"),
+    ("ACC", "CV"),
+    ("PRE", "PT"),
+    ("PRE", "PV"),
+    ("RES", "R"),
+    ("RESET", "R"),
+];
 
 /// Where a part such as `%X3` of a value of type `ty` is, byte and bit, and its type; `None`: it has no such part. The lowest byte is the last
 /// one in memory.
@@ -422,4 +428,29 @@ fn slice(name: &str, ty: Elementary) -> Option<(u32, u8, Elementary)> {
         1 => (bytes - 1 - number / 8, (number % 8) as u8, part),
         _ => (bytes - end / 8, 0, part),
     })
+}
+
+/// The message for a component of something that has none; of an array, its elements may have it.
+pub(crate) fn no_component(name: &str, ty: &DataType, span: Span) -> Diagnostic {
+    let told = Diagnostic::new(Code::UnknownMember, span, format!("there is no component `{name}` here"))
+        .label(format!("the name before it is of type {}", layout::type_name(ty)));
+    match ty {
+        DataType::Array(array) if matches!(array.element, DataType::Struct(_)) => {
+            let first: Vec<String> = array.bounds.iter().map(|(low, _)| low.to_string()).collect();
+            told.help(format!("name one element, as in `[{}].{name}`", first.join(", ")))
+        }
+        _ => told,
+    }
+}
+
+/// The message for more or fewer indices than an array has dimensions.
+pub(crate) fn index_count(given: usize, declared: usize, span: Span) -> Diagnostic {
+    let indices = |count: usize| if count == 1 { "1 index".to_owned() } else { format!("{count} indices") };
+    let (dimensions, help) = match declared {
+        1 => ("dimension", "write 1 index".to_owned()),
+        _ => ("dimensions", format!("write {declared} indices, separated by `,`")),
+    };
+    Diagnostic::new(Code::ArrayIndex, span, "a wrong number of indices")
+        .label(format!("{} given, {declared} {dimensions} declared", indices(given)))
+        .help(help)
 }

@@ -220,7 +220,8 @@ impl Globals<'_> {
     }
 
     /// Whether a call of `key` cannot mean the library block: part of a program (`partial`) calls its own block with the same name or
-    /// number, but other parameters. The block is then noted as missing. `names`: the parameters of the call.
+    /// number, but other parameters, or any program calls a block by its number and gives it not one parameter of the library block. The
+    /// block is then noted as missing. `names`: the parameters of the call.
     pub fn is_own_of_program<'n>(
         &mut self,
         key: BlockKey,
@@ -229,19 +230,24 @@ impl Globals<'_> {
         span: Span,
     ) -> bool {
         let system = matches!(key.kind, BlockKind::Sfc | BlockKind::Sfb);
-        let Some(block) = self.library_block(key).filter(|_| self.input.partial && span.file != SYSTEM_FILE) else {
-            return false;
-        };
+        let Some(block) = self.library_block(key).filter(|_| span.file != SYSTEM_FILE) else { return false };
         let known = |name: &str| {
             let folded = fold(name);
             matches!(folded.as_str(), "en" | "eno")
                 || parameters.iter().any(|parameter| fold(&parameter.name) == folded)
         };
-        if names.into_iter().all(known) {
-            return false;
+        let (mut any_known, mut all_known) = (false, true);
+        for name in names {
+            let known = known(name);
+            any_known |= known;
+            all_known &= known;
         }
         let text = self.text(span);
         let name = text.trim_matches('"').to_string();
+        let by_number = !system && fold(&name) != fold(block.name);
+        if all_known || !self.input.partial && (any_known || !by_number) {
+            return false;
+        }
         match fold(&name) == fold(block.name) {
             true => self.report.missing_own(&name, span),
             false if system => return false,

@@ -470,12 +470,7 @@ impl SclBinder<'_, '_> {
 
     fn component(&mut self, mut spot: Spot, name: &Name) -> Option<Spot> {
         let DataType::Struct(structure) = &spot.ty else {
-            let ty = layout::type_name(&spot.ty);
-            let text = &name.text;
-            self.program.report(
-                Diagnostic::new(Code::UnknownMember, name.span, format!("there is no component `{text}` here"))
-                    .label(format!("the name before it is of type {ty}")),
-            );
+            self.program.report(path::no_component(&name.text, &spot.ty, name.span));
             return None;
         };
         let structure = Rc::clone(structure);
@@ -555,6 +550,11 @@ impl SclBinder<'_, '_> {
 
     fn no_address(&mut self, span: Span) {
         let text = self.program.globals.text(span);
+        if text.len() == 1 {
+            // A counting variable that nothing declares, rather than an area.
+            self.program.globals.report.missing_letter(&text, span);
+            return;
+        }
         self.refuse(
             Code::OperandKind,
             span,

@@ -76,10 +76,14 @@ impl SclBinder<'_, '_> {
 
     fn not_writable(&mut self, callee: BlockKey, formal: &Parameter, span: Span) -> Option<Actual> {
         let text = self.program.globals.text(span);
+        let help = match formal.direction {
+            Direction::Output => format!("an output is read: write `{} => variable`, or leave it out", formal.name),
+            Direction::Input | Direction::InOut => "name a variable or an address".to_owned(),
+        };
         self.program.report(
             Diagnostic::new(Code::Protected, span, format!("`{text}` cannot be written"))
                 .label(format!("`{}` is written by {}", formal.name, self.program.globals.shown(callee)))
-                .help("name a variable or an address"),
+                .help(help),
         );
         None
     }

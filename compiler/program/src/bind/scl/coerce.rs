@@ -116,6 +116,9 @@ impl SclBinder<'_, '_> {
                 let (low, high) = constant::range(ty);
                 ty.is_integer() && (low..=high).contains(&constant::integer(argument.ty, bits))
             }
+            ExprKind::Const(bits) if argument.ty == Elementary::Lreal => {
+                ty == Elementary::Real && f64::from_bits(bits).abs() <= f64::from(f32::MAX)
+            }
             _ => false,
         };
         match &value.kind {

@@ -3,7 +3,7 @@
 
 use std::rc::Rc;
 
-use plcc_diag::{Code, Diagnostic, Span};
+use plcc_diag::{Code, Span};
 use plcc_syntax::ast::{Area, Width};
 use plcc_syntax::scl::ast::{Argument, Expr as Node, ExprKind as NodeKind};
 use plcc_syntax::scl::{area_word, db_area_word};
@@ -107,10 +107,7 @@ impl SclBinder<'_, '_> {
     }
 
     fn index_count(&mut self, given: usize, declared: usize, span: Span) {
-        self.program.report(
-            Diagnostic::new(Code::ArrayIndex, span, "a wrong number of indices")
-                .label(format!("{given} given, {declared} dimensions declared")),
-        );
+        self.program.report(path::index_count(given, declared, span));
     }
 
     /// An element of an ARRAY[*], which is always a parameter.

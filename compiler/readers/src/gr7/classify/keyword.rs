@@ -90,6 +90,11 @@ pub fn misspelt(text: &str, raw: &[RawToken], index: usize) -> Option<Keyword> {
         return None;
     }
     let next = raw.get(index + 1);
+    // `VAR_IN`, alone on its line: which section it is, the parser of declarations says.
+    let section = word.get(..4).is_some_and(|head| head.eq_ignore_ascii_case("VAR_"));
+    if section && next.is_some_and(|next| next.first_on_line) {
+        return Some(Keyword::Var);
+    }
     let candidates: &[&str] = match next {
         None => ENDS,
         Some(next) if next.first_on_line => ENDS,

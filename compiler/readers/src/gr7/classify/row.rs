@@ -162,13 +162,39 @@ impl<'a> Classifier<'a, '_> {
         let last = self.raw[self.at - 1];
         // A bracket or character that was reported may include it.
         if !self.reported_in_row() {
+            let help = self.meant_row().unwrap_or_else(|| qualifier::help("").to_owned());
             self.report(
                 Diagnostic::new(Code::Qualifier, self.span(last), "the action has no qualifier")
                     .label("after this")
-                    .help(qualifier::help("")),
+                    .help(help),
             );
         }
         self.push_here(Tok::Qualifier(None));
+    }
+
+    /// How the author of a row without a qualifier means it: `Q0.0, T#5S (D)` for `Q0.0 (D, T#5S)`, `Q0.1 (N)` for `Q0.1 N`.
+    fn meant_row(&self) -> Option<String> {
+        let row = (0..self.at).rev().find(|index| self.raw[*index].first_on_line)?;
+        let last = self.at.checked_sub(1)?;
+        let slice = |first: usize, after: usize| {
+            (first < after).then(|| self.text[self.raw[first].start as usize..self.raw[after - 1].end as usize].trim())
+        };
+        let Some(open) = (row + 1..self.at).find(|index| self.kind_at(*index) == Some(RawKind::LeftParen)) else {
+            let (operand, mark) = (slice(row, last)?, slice(last, last + 1)?);
+            qualifier::parse(mark).filter(|_| !self.joins(last - 1))?;
+            return Some(format!("write `{operand} ({mark})`"));
+        };
+        if self.kind_at(last) != Some(RawKind::RightParen) {
+            return None;
+        }
+        let (operand, mark) = (slice(row, open)?, slice(open + 1, open + 2)?);
+        let first = match self.kind_at(open + 2)? {
+            RawKind::Comma | RawKind::Assign => open + 3,
+            _ => open + 2,
+        };
+        let value = slice(first, last)?;
+        qualifier::parse(mark)?;
+        Some(format!("write `{operand}, {value} ({mark})`"))
     }
 
     /// Whether the last message is about the current line.

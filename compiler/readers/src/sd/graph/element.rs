@@ -117,9 +117,11 @@ impl Builder<'_, '_> {
     fn report_unknown(&mut self, target: Span) {
         let name = self.slice(target);
         if let Some((why, help)) = absent::reason(name) {
-            let diagnostic =
-                Diagnostic::new(Code::UnknownElement, target, format!("plcc does not have the element `{name}`"));
-            self.report(diagnostic.label(why).help(help));
+            let title = match plcc_stdlib::catalogued(name) {
+                Some((group, own)) => format!("`{own}` is an instruction of {} that plcc does not have", group.tool),
+                None => format!("plcc does not have the element `{name}`"),
+            };
+            self.report(Diagnostic::new(Code::UnknownElement, target, title).label(why).help(help));
             return;
         }
         if let Some((group, written)) = plcc_stdlib::catalogued(name) {

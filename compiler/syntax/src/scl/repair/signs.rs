@@ -22,6 +22,8 @@ impl Repair<'_> {
             RawKind::Stray => self.stray_sign(token),
             RawKind::Hash => self.comment_with_hash(token),
             RawKind::Caret => self.power(),
+            RawKind::Text => self.doubled_quote(token),
+            RawKind::Dot => self.bare_fraction(),
             RawKind::Plus | RawKind::Minus => self.step(token),
             RawKind::Less | RawKind::Greater if self.shift(token) => true,
             RawKind::Equal | RawKind::Greater | RawKind::Ampersand => self.pair(token),
@@ -156,6 +158,44 @@ impl Repair<'_> {
     fn power(&mut self) -> bool {
         let number = self.token(self.at + 1).is_some_and(begins_operand) && self.beside(self.at + 1).is_some();
         number && self.operator(1, RawKind::Power, None, "**", "a power is `**`")
+    }
+
+    /// `'it''s'`: a quote inside a text is `$'`.
+    fn doubled_quote(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        let mut after = at + 1;
+        while self.kind(after) == Some(RawKind::Text) && self.adjacent(after - 1) {
+            after += 1;
+        }
+        if after == at + 1 {
+            return false;
+        }
+        let parts: Vec<&str> = (at..after)
+            .filter_map(|index| self.token(index))
+            .map(|part| self.slice(part).trim_start_matches('\'').trim_end_matches('\''))
+            .collect();
+        let help = format!("write `'{}'`", parts.join("$'"));
+        self.report(at, after, "a quote inside a text is written `$'`".to_owned(), "read as one text", help);
+        debug_assert_eq!(token.kind, RawKind::Text, "called at a text");
+        self.replace(at, after, RawKind::Reported, None);
+        true
+    }
+
+    /// `.5`: a digit is before the point.
+    fn bare_fraction(&mut self) -> bool {
+        let at = self.at;
+        let digits = self.token(at + 1).filter(|next| next.kind == RawKind::Number && self.adjacent(at));
+        let Some(digits) = digits.filter(|_| !self.last.is_some_and(ends_operand)) else { return false };
+        let help = format!("write `0.{}`", self.slice(digits));
+        self.report(
+            at,
+            at + 2,
+            "a decimal number has a digit before its point".to_owned(),
+            "not a number of SCL",
+            help,
+        );
+        self.replace(at, at + 2, RawKind::Reported, None);
+        true
     }
 
     /// `a : = 5;`
