@@ -1,7 +1,7 @@
-"""Many stations on one machine, without containers: many.py EXECUTABLE [STATIONS [KILLED]]
+"""Many stations on one machine, without containers: many.py EXECUTABLE [STATIONS [KILLED [CYCLE]]]
 
 Starts the stations, each in a folder of its own, with one mosquitto for all; kills some of them and starts them again; compares what each
-has counted before and after; shows the times from cycle to cycle and the memory of a station. Needs mosquitto."""
+has counted before and after; shows the times from cycle to cycle and the memory of a station. Needs mosquitto and mosquitto_sub (Debian: mosquitto-clients)."""
 
 import json
 import os
@@ -12,11 +12,13 @@ import sys
 import tempfile
 import time
 import urllib.request
+from concurrent.futures import ThreadPoolExecutor
 
 BROKER, FIRST = 18830, 20000
 
 
-def main(executable, stations=1000, killed=100):
+def main(executable, stations=1000, killed=100, cycle='100ms'):
+    stations, killed = int(stations), int(killed)
     with tempfile.TemporaryDirectory() as folder:
         configuration = os.path.join(folder, 'mosquitto.conf')
         with open(configuration, 'w') as file:
@@ -28,18 +30,19 @@ def main(executable, stations=1000, killed=100):
             executable = os.path.abspath(executable)
             for number in range(stations):
                 os.mkdir(os.path.join(folder, str(number)))
-                fleet[number] = start(executable, folder, number)
-            time.sleep(5 + stations / 100)
-            before = published(stations)
+                fleet[number] = start(executable, folder, number, cycle)
+            before = settled(stations, lambda values: len(values) == stations)
             chosen = random.Random(1).sample(range(stations), killed)
             for number in chosen:
                 fleet[number].kill()
                 fleet[number].wait()
             seen = published(stations)
             for number in chosen:
-                fleet[number] = start(executable, folder, number)
-            time.sleep(5)
-            after = published(stations)
+                fleet[number] = start(executable, folder, number, cycle)
+            began = time.monotonic()
+            is_back = lambda number, values: values[number]['starts'] > before[number]['starts']
+            after = settled(stations, lambda values: all(is_back(number, values) for number in chosen))
+            print(f'all are back after {time.monotonic() - began:.0f} s')
             print(f'{len(after)} stations publish to one broker, {killed} were killed')
             lost = [number for number in range(stations) if after[number]['parts'] < seen[number]['parts']]
             starts = [number for number in chosen if after[number]['starts'] != before[number]['starts'] + 1]
@@ -56,11 +59,21 @@ def main(executable, stations=1000, killed=100):
             broker.wait()
 
 
-def start(executable, folder, number):
-    flags = ['--quiet', '--retain', 'retain', '--metrics', str(FIRST + number),
+def start(executable, folder, number, cycle):
+    flags = ['--quiet', '--cycle-time', cycle, '--retain', 'retain', '--metrics', str(FIRST + number),
              '--mqtt', f'mqtt://127.0.0.1:{BROKER}/plant/{number}']
     return subprocess.Popen([executable, *flags], cwd=os.path.join(folder, str(number)), stdout=subprocess.DEVNULL,
                             stderr=subprocess.DEVNULL)
+
+
+def settled(stations, holds, longest=180):
+    """What is published as soon as that holds, at the latest after so many seconds."""
+    until = time.monotonic() + longest
+    while True:
+        time.sleep(5)
+        values = published(stations)
+        if holds(values) or time.monotonic() > until:
+            return values
 
 
 def published(stations):
@@ -86,8 +99,14 @@ def memory(processes):
 
 def histogram(stations):
     buckets = {}
-    for number in range(stations):
-        page = urllib.request.urlopen(f'http://127.0.0.1:{FIRST + number}/metrics', timeout=10).read().decode()
+
+    def page(number):
+        return urllib.request.urlopen(f'http://127.0.0.1:{FIRST + number}/metrics', timeout=60).read().decode()
+
+    # A station answers between two cycles.
+    with ThreadPoolExecutor(50) as threads:
+        pages = list(threads.map(page, range(stations)))
+    for page in pages:
         for line in page.splitlines():
             if line.startswith('plc_cycle_seconds_bucket'):
                 limit = line.split('le="')[1].split('"')[0]
@@ -99,4 +118,4 @@ def histogram(stations):
         before = count
 
 
-main(sys.argv[1], *map(int, sys.argv[2:]))
+main(*sys.argv[1:])

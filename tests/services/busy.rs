@@ -1,16 +1,15 @@
-//! What 20 busy S7 clients cost the cycle: a measurement, with `PLCC_LOAD=SECONDS`.
+//! What 20 busy S7 clients cost the cycle, and what pages that watch a block cost it: measurements, with `PLCC_LOAD=SECONDS`.
 
 use std::io::{Read, Write};
-use std::net::{Ipv4Addr, SocketAddr, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
 
 use libtest_mimic::Failed;
-use socket2::{Domain, Socket, Type};
 
-use crate::hostile::{CONNECT, SETUP};
-use crate::process::{Plc, free_port, get};
+use crate::here;
+use crate::hostile::{CONNECT, SETUP, connect, message, sign_in, upgrade};
+use crate::process::{Plc, free_port, get, plcc};
 
 const CLIENTS: u8 = 20;
 /// Reads 200 bytes of DB 4.
@@ -24,14 +23,9 @@ pub fn seconds() -> Option<u64> {
     std::env::var("PLCC_LOAD").ok()?.parse().ok()
 }
 
-/// Asks again as soon as the answer is there. One computer may have 8 connections, so each client is another one.
+/// Asks again as soon as the answer is there.
 fn client(number: u8, port: u16, end: &AtomicBool, answers: &AtomicU64) -> std::io::Result<()> {
-    let socket = Socket::new(Domain::IPV4, Type::STREAM, None)?;
-    socket.bind(&SocketAddr::from((Ipv4Addr::new(127, 0, 1, number + 1), 0)).into())?;
-    socket.connect(&SocketAddr::from((Ipv4Addr::LOCALHOST, port)).into())?;
-    let mut stream = TcpStream::from(socket);
-    stream.set_nodelay(true)?;
-    stream.set_read_timeout(Some(Duration::from_secs(5)))?;
+    let mut stream = connect(number, port)?;
     let mut buffer = [0; 512];
     for frame in [CONNECT, SETUP] {
         stream.write_all(frame)?;
@@ -86,5 +80,52 @@ pub fn measure() -> Result<(), Failed> {
     }
     println!("{} answers per second", answers.load(Ordering::Relaxed) / time.as_secs().max(1));
     plc.end()?;
+    Ok(())
+}
+
+/// Watches OB 1 as a page does, and reads what it is told.
+fn watcher(number: u8, port: u16, cookie: &str, end: &AtomicBool, told: &AtomicU64) -> std::io::Result<()> {
+    let mut stream = connect(number, port)?;
+    stream.write_all(&upgrade(cookie))?;
+    stream.write_all(&message(r#"{"do":"status","block":"OB1","call":null}"#))?;
+    let mut buffer = [0; 65_536];
+    while !end.load(Ordering::Relaxed) {
+        let count = stream.read(&mut buffer)?;
+        // What a block sees is news with this name.
+        told.fetch_add(
+            buffer[..count].windows(9).filter(|part| part == b"\"status\":").count() as u64,
+            Ordering::Relaxed,
+        );
+    }
+    Ok(())
+}
+
+/// Prints the times of cycles with nobody, one and ten watching, of three runs.
+pub fn watching() -> Result<(), Failed> {
+    let time = Duration::from_secs(seconds().unwrap_or(1));
+    let folder = tempfile::tempdir()?;
+    let program = folder.path().join("line");
+    plcc(&["build", "--quiet", "--monitor"], &[&here().join("line")], &program)?;
+    for watchers in [0, 1, 10] {
+        let (metrics, web) = (free_port(), free_port());
+        let plc = Plc::run(&program, &["--metrics", &metrics.to_string(), "--web", &web.to_string()])?;
+        let cookie = sign_in(web)?;
+        let (end, told) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicU64::new(0)));
+        let start = |number| {
+            let (end, told, cookie) = (end.clone(), told.clone(), cookie.clone());
+            std::thread::spawn(move || watcher(number, web, &cookie, &end, &told))
+        };
+        let threads: Vec<_> = (0..watchers).map(start).collect();
+        std::thread::sleep(time);
+        histogram(metrics, &format!("{watchers} watching, told {} times", told.load(Ordering::Relaxed)))?;
+        end.store(true, Ordering::Relaxed);
+        for thread in threads {
+            thread.join().map_err(|_| "a client panicked")??;
+        }
+        if watchers > 0 && told.load(Ordering::Relaxed) == 0 {
+            return Err("nobody was told what the block sees".into());
+        }
+        plc.end()?;
+    }
     Ok(())
 }

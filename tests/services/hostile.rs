@@ -1,12 +1,13 @@
-//! Clients that break the rules. The program goes on, its cycles are not longer, and others are served.
+//! Clients that break the rules, take no answers, or go in the middle. The program goes on, its cycles are not longer, and others are served.
 
 use std::io::{Read, Write};
-use std::net::TcpStream;
+use std::net::{Ipv4Addr, SocketAddr, TcpStream};
 use std::time::Duration;
 
 use libtest_mimic::Failed;
+use socket2::{Domain, Socket, Type};
 
-use crate::process::{Plc, Program, cycles_took_at_most, free_port};
+use crate::process::{Plc, Program, cycles_took_at_most, free_port, get};
 use crate::ua;
 
 /// Frames of each kind: random ones, and right ones that were changed.
@@ -71,6 +72,17 @@ const MODBUS: &[&[u8]] = &[
     &[0, 4, 0, 0, 0, 9, 1, 15, 0, 44, 0, 10, 2, 0xFF, 0x03],
 ];
 
+/// A connection from a computer of its own: one may have 8, and those that have ended count for a moment.
+pub fn connect(number: u8, port: u16) -> std::io::Result<TcpStream> {
+    let socket = Socket::new(Domain::IPV4, Type::STREAM, None)?;
+    socket.bind(&SocketAddr::from((Ipv4Addr::new(127, 0, 1, number + 1), 0)).into())?;
+    socket.connect(&SocketAddr::from((Ipv4Addr::LOCALHOST, port)).into())?;
+    let stream = TcpStream::from(socket);
+    stream.set_nodelay(true)?;
+    stream.set_read_timeout(Some(Duration::from_secs(5)))?;
+    Ok(stream)
+}
+
 /// Sends frames on connections that begin with `opening`, a new one whenever the program has closed the old one.
 fn attack(port: u16, seed: u64, frames: usize, opening: &[&[u8]], right: &[&[u8]]) {
     let mut random = Random(seed);
@@ -82,7 +94,7 @@ fn attack(port: u16, seed: u64, frames: usize, opening: &[&[u8]], right: &[&[u8]
             _ => random.changed(right),
         };
         let open = || {
-            let mut stream = TcpStream::connect(("127.0.0.1", port)).ok()?;
+            let mut stream = connect(seed as u8, port).ok()?;
             // Answers may stay away; what counts is that the program goes on.
             stream.set_read_timeout(Some(Duration::from_millis(2))).ok()?;
             stream.set_write_timeout(Some(Duration::from_millis(200))).ok()?;
@@ -203,6 +215,207 @@ pub fn opcua() -> Result<(), Failed> {
     }
     ua::Session::open(port).ok_or("no session after the attack")?;
     cycles_took_at_most(metrics, LONGEST_CYCLE)?;
+    plc.end()?;
+    Ok(())
+}
+
+const METRICS: &[u8] = b"GET /metrics HTTP/1.1\r\nHost: plc\r\nAccept: */*\r\n\r\n";
+const HEALTH: &[u8] = b"GET /health?from=probe HTTP/1.0\r\n\r\n";
+
+pub fn metrics() -> Result<(), Failed> {
+    let metrics = free_port();
+    let plc = Plc::start(&["--metrics", &metrics.to_string()])?;
+    // Each answer ends the connection, and the frame after it finds nobody.
+    std::thread::scope(|scope| {
+        for seed in 0..CLIENTS as u64 {
+            scope.spawn(move || attack(metrics, seed, 4 * FRAMES / CLIENTS, &[], &[METRICS, HEALTH]));
+        }
+    });
+    let answer = asks(metrics, &[HEALTH])?;
+    if !answer.starts_with(b"HTTP/1.1 200 OK\r\n") {
+        return Err(String::from_utf8_lossy(&answer).into());
+    }
+    were_let_in(metrics, "metrics", 19 * FRAMES / 10)?;
+    cycles_took_at_most(metrics, LONGEST_CYCLE)?;
+    plc.end()?;
+    Ok(())
+}
+
+/// So many connections of a service were not refused because there were too many at once.
+fn were_let_in(metrics: u16, service: &str, least: usize) -> Result<(), Failed> {
+    let (page, name) = (get(metrics, "/metrics")?, format!("plc_connections_total{{service=\"{service}\"}} "));
+    let count = page.lines().find_map(|line| line.strip_prefix(name.as_str())?.parse::<usize>().ok());
+    if count.is_some_and(|count| count >= least) {
+        Ok(())
+    } else {
+        Err(format!("{service}: {count:?} of {least}").into())
+    }
+}
+
+/// A request of the page.
+fn request(head: &str, cookie: &str, body: &str) -> Vec<u8> {
+    let length = body.len();
+    format!("{head} HTTP/1.1\r\nHost: plc\r\nCookie: {cookie}\r\nContent-Length: {length}\r\n\r\n{body}").into_bytes()
+}
+
+/// Asks to make a connection one for messages. Source: RFC 6455, section 4.1.
+pub fn upgrade(cookie: &str) -> Vec<u8> {
+    let head =
+        "GET /live HTTP/1.1\r\nHost: plc\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13";
+    format!("{head}\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nCookie: {cookie}\r\n\r\n").into_bytes()
+}
+
+/// A message of text of a client, whose mask is 0. Source: RFC 6455, section 5.2.
+pub fn message(text: &str) -> Vec<u8> {
+    let length = text.len();
+    let head = if length < 126 {
+        vec![0x81, 0x80 | length as u8]
+    } else {
+        vec![0x81, 0xFE, (length >> 8) as u8, length as u8]
+    };
+    [head.as_slice(), &[0; 4], text.as_bytes()].concat()
+}
+
+/// Signs anna in, who may change values. Result: the cookie.
+pub fn sign_in(port: u16) -> Result<String, Failed> {
+    let form = r#"{"user":"anna","password":"riverside"}"#;
+    let head = format!(
+        "POST /session HTTP/1.1\r\nHost: plc\r\nContent-Type: application/json\r\nContent-Length: {}",
+        form.len()
+    );
+    let answer = asks(port, &[format!("{head}\r\n\r\n{form}").as_bytes()])?;
+    let answer = String::from_utf8_lossy(&answer).into_owned();
+    let cookie = answer.split("set-cookie: ").nth(1).and_then(|rest| rest.split(';').next());
+    cookie.map(str::to_string).ok_or_else(|| answer.into())
+}
+
+/// Orders of the page, each in its short and in a long form.
+const ORDERS: [&str; 8] = [
+    r#"{"do":"watch","names":["MW10","Values.level","I0.0","DB1.DBW0 in V","Bytes.all[17]"]}"#,
+    r#"{"do":"modify","name":"MW10","value":"16#1234"}"#,
+    r#"{"do":"status","block":"OB1","call":null}"#,
+    r#"{"do":"obs"}"#,
+    r#"{"do":"trace","signals":["I0.0","MW10"],"samples":1000,"before":10,"trigger":{"signal":1,"level":5,"rising":true}}"#,
+    r#"{"do":"force","name":"I0.0","value":"1"}"#,
+    r#"{"do":"stop"}"#,
+    r#"{"do":"run","restart":"cold"}"#,
+];
+
+/// The page's requests, and messages on its connection.
+pub fn web() -> Result<(), Failed> {
+    let (web, metrics) = (free_port(), free_port());
+    let flags = ["--metrics", &metrics.to_string(), "--web", &web.to_string(), "--access", "control"];
+    let plc = Plc::start(&flags)?;
+    let cookie = sign_in(web)?;
+    let requests = [
+        request("GET /names", &cookie, ""),
+        request("GET /places/OB1", &cookie, ""),
+        request("GET /info", &cookie, ""),
+        request("POST /load?lose", &cookie, "not a program"),
+        request("POST /restore", &cookie, ""),
+        upgrade(&cookie),
+    ];
+    all_attack(web, &[], &requests.each_ref().map(Vec::as_slice));
+    let opening = upgrade(&cookie);
+    let orders = ORDERS.map(message);
+    all_attack(web, &[&opening], &orders.each_ref().map(Vec::as_slice));
+    let answer = asks(web, &[&opening])?;
+    if !answer.starts_with(b"HTTP/1.1 101") {
+        return Err(String::from_utf8_lossy(&answer).into());
+    }
+    // Most frames end their connection.
+    were_let_in(metrics, "web", FRAMES)?;
+    cycles_took_at_most(metrics, LONGEST_CYCLE)?;
+    plc.end()?;
+    Ok(())
+}
+
+/// Clients of all services that ask and take no answer, and clients that go while they are answered. Others are served meanwhile.
+pub fn slow() -> Result<(), Failed> {
+    let ports = [(); 5].map(|()| free_port());
+    let [s7, modbus, opcua, web, metrics] = ports;
+    let texts = ports.map(|port| port.to_string());
+    let names = ["--s7", "--modbus", "--opcua", "--web", "--metrics"];
+    let flags: Vec<&str> = names.iter().zip(&texts).flat_map(|(name, port)| [*name, port.as_str()]).collect();
+    let folder = tempfile::tempdir()?;
+    let plc = Plc::run_in(folder.path(), Program::Line.path()?, &flags)?;
+    let cookie = sign_in(web)?;
+    let (hello, open, upgrade) = (ua::hello(), ua::open(), upgrade(&cookie));
+    let names = request("GET /names", &cookie, "");
+    let watch = message(ORDERS[0]);
+    let page = request("GET /page.js", "", "");
+    let services: [(u16, &[&[u8]], &[u8]); 6] = [
+        (s7, &[CONNECT, SETUP], READ),
+        (modbus, &[], MODBUS[0]),
+        (opcua, &[&hello, &open], &hello),
+        (web, &[], &names),
+        (web, &[&upgrade], &watch),
+        (metrics, &[], METRICS),
+    ];
+    // Each asks as often as the system takes it, and reads nothing.
+    let mut silent = Vec::new();
+    for (port, opening, frame) in services {
+        let mut stream = TcpStream::connect(("127.0.0.1", port))?;
+        stream.set_write_timeout(Some(Duration::from_millis(50)))?;
+        opening.iter().try_for_each(|frame| stream.write_all(frame))?;
+        for _ in 0..20_000 {
+            if stream.write_all(frame).is_err() {
+                break;
+            }
+        }
+        silent.push(stream);
+    }
+    for _ in 0..100 {
+        for (port, opening, frame) in services {
+            let mut stream = TcpStream::connect(("127.0.0.1", port))?;
+            // The answer finds nobody.
+            let _ = opening.iter().chain([&frame]).try_for_each(|frame| stream.write_all(frame));
+        }
+    }
+    for (port, frames) in
+        [(s7, &[CONNECT, SETUP, READ][..]), (modbus, &[MODBUS[0]]), (opcua, &[&hello, &open]), (web, &[&page])]
+    {
+        asks(port, frames)?;
+    }
+    cycles_took_at_most(metrics, LONGEST_CYCLE)?;
+    drop(silent);
+    plc.end()?;
+    Ok(())
+}
+
+/// Half a frame, and nothing more: after five seconds the client loses its connection.
+pub fn half() -> Result<(), Failed> {
+    let ports = [(); 5].map(|()| free_port());
+    let [s7, modbus, opcua, web, metrics] = ports;
+    let texts = ports.map(|port| port.to_string());
+    let names = ["--s7", "--modbus", "--opcua", "--web", "--metrics"];
+    let flags: Vec<&str> = names.iter().zip(&texts).flat_map(|(name, port)| [*name, port.as_str()]).collect();
+    let folder = tempfile::tempdir()?;
+    let plc = Plc::run_in(folder.path(), Program::Line.path()?, &flags)?;
+    let body =
+        "POST /session HTTP/1.1\r\nHost: plc\r\nContent-Type: application/json\r\nContent-Length: 99\r\n\r\n{\"user\"";
+    let halves: [(&str, u16, &[u8]); 6] = [
+        ("s7", s7, &CONNECT[..9]),
+        ("modbus", modbus, &MODBUS[0][..8]),
+        ("opcua", opcua, &ua::hello()[..12]),
+        ("web", web, b"GET /names HTTP/1.1\r\nHost:"),
+        ("body", web, body.as_bytes()),
+        ("metrics", metrics, b"GET /metr"),
+    ];
+    let mut open = Vec::new();
+    for (name, port, half) in halves {
+        let mut stream = TcpStream::connect(("127.0.0.1", port))?;
+        stream.write_all(half)?;
+        stream.set_read_timeout(Some(Duration::from_secs(9)))?;
+        open.push((name, stream));
+    }
+    for (name, mut stream) in open {
+        // An answer may come first, such as a refusal.
+        let closed = stream.read_to_end(&mut Vec::new());
+        if closed.is_err_and(|error| error.kind() != std::io::ErrorKind::ConnectionReset) {
+            return Err(format!("{name}: the connection is still there").into());
+        }
+    }
     plc.end()?;
     Ok(())
 }

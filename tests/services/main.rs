@@ -32,6 +32,7 @@ fn main() {
     let sparkplug = mosquitto().or_else(|| python("pysparkplug==0.6.1", "pysparkplug").err());
     let broker_and_openssl = sparkplug.clone().or_else(tls::missing);
     let python_alone = venv_missing();
+    let openssl = tls::missing();
     let trials = vec![
         trial("put_and_get_of_python_snap7", snap7.clone().err(), partners::snap7_server),
         trial("programs_talk_over_s7", None, partners::programs),
@@ -50,6 +51,7 @@ fn main() {
         trial("sparkplug_when_the_broker_comes_back", sparkplug.clone(), sparkplug::broker_comes_back),
         trial("sparkplug_commands_need_a_right", sparkplug.clone(), sparkplug::may_not_write),
         trial("pages_with_tls", python_alone.clone(), tls::pages),
+        trial("load_and_monitor_with_tls", openssl, tls::own_clients),
         trial("fleet_manifests_name_what_is_there", None, fleet::manifests),
         trial("metrics_tell_the_state", None, metrics),
         trial("services_are_only_where_they_are_asked_for", None, only_where_asked_for),
@@ -58,12 +60,22 @@ fn main() {
         trial("hostile_s7_clients_do_no_harm", None, hostile::s7),
         trial("hostile_modbus_clients_do_no_harm", None, hostile::modbus),
         trial("hostile_opcua_clients_do_no_harm", None, hostile::opcua),
+        trial("hostile_pages_do_no_harm", None, hostile::web),
+        trial("hostile_clients_of_metrics_do_no_harm", None, hostile::metrics),
+        trial("clients_that_take_no_answer_do_no_harm", None, hostile::slow),
+        trial("half_a_frame_ends_the_connection", None, hostile::half),
         trial("hostile_sparkplug_commands_do_no_harm", sparkplug, sparkplug::hostile),
         trial("hostile_tls_clients_do_no_harm", python_alone, tls::hostile),
-        trial("busy_clients", busy::seconds().is_none().then(|| "PLCC_LOAD=SECONDS is not set".into()), busy::measure),
+        trial("busy_clients", without_load(), busy::measure),
+        trial("busy_watchers", without_load(), busy::watching),
         trial("idle_clients_leave_room_for_others", None, hostile::idle),
     ];
     libtest_mimic::run(&Arguments::from_args(), trials).exit();
+}
+
+/// Why nothing is measured, unless something is.
+fn without_load() -> Option<String> {
+    busy::seconds().is_none().then(|| "PLCC_LOAD=SECONDS is not set".to_string())
 }
 
 /// Where clients are installed.

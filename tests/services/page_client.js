@@ -30,6 +30,22 @@ async function look(tab) {
   await tab(`location.hash = "program"`);
   await until(tab, "the rung with power", drawn(`every((wire) => wire === "w on")`));
 
+  // The reference data, as plcc xref has them.
+  const page = `document.querySelector("#drawings").contentDocument`;
+  const open = (view) => tab(`${page}.querySelector('[data-view="${view}"]').click()`);
+  const row = (text) => `[...${page}.querySelectorAll("main tr")].some((row) => row.textContent === "${text}")`;
+  await open("addresses");
+  await until(tab, "where an input is used", row("I0.0OB1/2 R"));
+  await open("assignment");
+  await until(tab, "its byte", row("IB0X"));
+  await open("symbols");
+  await until(tab, "that it has no symbol", row("I0.01"));
+  await open("calls");
+  await until(tab, "who calls FC 7", `/OB1[^]*FC7[^]*local data/.test(${page}.querySelector("main").textContent)`);
+  await open("addresses");
+  await tab(`[...${page}.querySelectorAll("main tr")].find((row) => row.textContent.startsWith("I0.0")).querySelector("a").click()`);
+  await until(tab, "the network of the use", `/^#OB1.1$/.test(document.querySelector("#drawings").contentWindow.location.hash)`);
+
   // She may change values, but not stop the CPU.
   await tab(`send({ do: "stop" })`);
   await until(tab, "why not", `/role/.test(document.querySelector("#refused").textContent)`);

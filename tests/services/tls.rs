@@ -1,9 +1,13 @@
 //! TLS: to a broker with certificates of both sides, and of the page and the metrics.
 
+use std::net::{Ipv4Addr, SocketAddr};
 use std::path::Path;
 use std::process::{Command, Stdio};
+use std::time::Duration;
 
 use libtest_mimic::Failed;
+use plcc_monitor::connection::{Connection, Incoming};
+use plcc_services::client::Process;
 
 use crate::hostile::{LONGEST_CYCLE, all_attack};
 use crate::process::{Ended, Plc, Program, broker_with, free_port};
@@ -76,7 +80,7 @@ pub fn broker() -> Result<(), Failed> {
         (vec!["--mqtt-ca", &ca], "does not answer"),
     ] {
         let plc = start(&flags)?;
-        std::thread::sleep(std::time::Duration::from_millis(1500));
+        std::thread::sleep(Duration::from_millis(1500));
         let said = plc.end()?;
         if !said.contains("does not answer") || !said.contains(expected) {
             return Err(format!("{flags:?}: {said}").into());
@@ -111,6 +115,53 @@ pub fn pages() -> Result<(), Failed> {
         return Err(format!("others may read the private key: {mode:o}").into());
     }
     client(&["pages", &web, &metrics, &certificates.display().to_string()])?;
+    plc.end().map(drop)
+}
+
+/// `plcc load` and `plcc monitor` reach a process with TLS whose certificate they know, and no other.
+pub fn own_clients() -> Result<(), Failed> {
+    let (folder, other, web) = (tempfile::tempdir()?, tempfile::tempdir()?, free_port().to_string());
+    let flags = ["--web", &web, "--tls", "secure", "--allow-load"];
+    let plc = Plc::run_in(folder.path(), Program::Plant.path()?, &flags)?;
+    let certificate = folder.path().join("secure/certificate.pem");
+    authority(other.path())?;
+    let load = |trusted: Option<&Path>| {
+        let flags = ["plcc", "load", "--lose=refuse", "--to", &web].map(std::ffi::OsString::from);
+        let trusted = trusted.into_iter().flat_map(|path| ["--tls".into(), path.into()]);
+        plcc_driver::main_with(flags.into_iter().chain(trusted).chain([crate::here().join("plant").into()]))
+    };
+    let unknown = other.path().join("ca.pem");
+    let exits = [
+        load(Some(&certificate)),
+        load(certificate.parent()),
+        load(Some(&unknown)),
+        load(Some(&folder.path().join("none.pem"))),
+        load(None),
+    ];
+    if exits != [0, 0, 2, 2, 2] {
+        return Err(format!("plcc load ended with {exits:?}").into());
+    }
+    let address = SocketAddr::from((Ipv4Addr::LOCALHOST, web.parse()?));
+    let first = |trusted: &Path| -> Result<Incoming, Failed> {
+        let connection = Connection::open(Process::new(address, Some(trusted))?, None);
+        for _ in 0..100 {
+            if let Some(incoming) = connection.take().next() {
+                return Ok(incoming);
+            }
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        Err("plcc monitor says nothing".into())
+    };
+    match first(&certificate)? {
+        Incoming::Connected(names) if !names.is_empty() => {}
+        Incoming::Connected(_) | Incoming::News(_) => return Err("the names were not listed".into()),
+        Incoming::Lost(why) => return Err(why.into()),
+    }
+    match first(&unknown)? {
+        Incoming::Lost(why) if why.contains("neither that of --tls") => {}
+        Incoming::Lost(why) => return Err(why.into()),
+        Incoming::Connected(_) | Incoming::News(_) => return Err("a process that is not known was believed".into()),
+    }
     plc.end().map(drop)
 }
 

@@ -264,6 +264,10 @@ pub struct MonitorArgs {
     /// Name of a user of the page; the password is read from the environment variable PLCC_PASSWORD, else one line from standard input.
     #[arg(long, value_name = "NAME")]
     pub user: Option<String>,
+    /// The process has `--tls`: encrypt the connection. FILE has the certificate of the process, in the form PEM, or that of the authority which
+    /// signed it for this address; of a folder its `certificate.pem`.
+    #[arg(long, value_name = "FILE")]
+    pub tls: Option<PathBuf>,
     /// Values in the watch table at first.
     #[arg(long, value_name = "ADDR,...")]
     pub watch: Vec<String>,
@@ -281,6 +285,10 @@ pub struct LoadArgs {
     /// Name of a user of the page; the password is read from the environment variable PLCC_PASSWORD, else one line from standard input.
     #[arg(long, value_name = "NAME")]
     pub user: Option<String>,
+    /// The process has `--tls`: encrypt the connection. FILE has the certificate of the process, in the form PEM, or that of the authority which
+    /// signed it for this address; of a folder its `certificate.pem`.
+    #[arg(long, value_name = "FILE")]
+    pub tls: Option<PathBuf>,
     /// Bring back the program from before the last change, instead of loading one.
     #[arg(long, conflicts_with = "inputs")]
     pub restore: bool,

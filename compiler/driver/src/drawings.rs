@@ -30,6 +30,11 @@ pub fn bind(parsed: Parsed, settings: &Settings, wanted: impl FnOnce(&ServicesCo
     bound
 }
 
+/// The reference data of a program without errors.
+pub fn reference(bound: &Bound) -> serde_json::Value {
+    serde_json::json!(plcc_xref::reference(&bound.program, &bound.sources))
+}
+
 /// The document, compressed.
 fn document(undrawn: &Undrawn, bound: &Bound) -> Vec<u8> {
     let names = Names::of(&bound.program);
@@ -37,7 +42,7 @@ fn document(undrawn: &Undrawn, bound: &Bound) -> Vec<u8> {
         undrawn.units.iter().map(|(file, unit)| (bound.sources.file(*file).text.as_str(), unit)).collect();
     let book =
         book::book(&undrawn.name, &texts, &bound.program, book::Options { is_live: true, ..book::Options::default() });
-    let html = page::document(&book, &names, None);
+    let html = page::document(&book, &names, None, Some(&reference(bound)));
     let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
     encoder.write_all(html.as_bytes()).and_then(|()| encoder.finish()).expect("memory can be written")
 }

@@ -1,11 +1,10 @@
 //! The thread that speaks with the CPU.
 
-use std::net::{SocketAddr, TcpStream};
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::time::Duration;
 
 use crate::messages::{Listed, News, Order};
-use plcc_services::client;
+use plcc_services::client::{Line, Process};
 use tungstenite::client::IntoClientRequest;
 use tungstenite::http::HeaderValue;
 use tungstenite::http::header::COOKIE;
@@ -34,13 +33,13 @@ pub struct Connection {
 }
 
 impl Connection {
-    /// Connects, again and again if it must. `session`: what [`client::sign_in`] gave.
-    pub fn open(address: SocketAddr, session: Option<String>) -> Connection {
+    /// Connects, again and again if it must. `session`: what [`Process::sign_in`] gave.
+    pub fn open(process: Process, session: Option<String>) -> Connection {
         let (orders, ordered) = channel();
         let (send, incoming) = channel();
         std::thread::spawn(move || {
             // It ends with the terminal.
-            while let Some(why) = speak(address, session.as_deref(), &ordered, &send) {
+            while let Some(why) = speak(&process, session.as_deref(), &ordered, &send) {
                 if send.send(Incoming::Lost(why)).is_err() {
                     return;
                 }
@@ -63,12 +62,12 @@ impl Connection {
 
 /// Speaks until the connection is lost. Result: why; `None`: the terminal has ended.
 fn speak(
-    address: SocketAddr,
+    process: &Process,
     session: Option<&str>,
     orders: &Receiver<Order>,
     send: &Sender<Incoming>,
 ) -> Option<String> {
-    let (mut socket, names) = match connect(address, session) {
+    let (mut socket, names) = match connect(process, session) {
         Ok(connected) => connected,
         Err(why) => return Some(why),
     };
@@ -102,8 +101,8 @@ fn speak(
     }
 }
 
-fn connect(address: SocketAddr, session: Option<&str>) -> Result<(WebSocket<TcpStream>, Vec<Listed>), String> {
-    let listed = client::get(address, "/names", session)?;
+fn connect(process: &Process, session: Option<&str>) -> Result<(WebSocket<Line>, Vec<Listed>), String> {
+    let listed = process.get("/names", session)?;
     if !listed.is_ok() {
         return Err(match listed.status {
             401 => "sign in with --user".to_string(),
@@ -112,14 +111,14 @@ fn connect(address: SocketAddr, session: Option<&str>) -> Result<(WebSocket<TcpS
     }
     let names = serde_json::from_str(&listed.text).map_err(|error| format!("not understood: {error}"))?;
     let text = |error: &dyn std::fmt::Display| error.to_string();
-    let mut request = format!("ws://{address}/live").into_client_request().map_err(|error| text(&error))?;
+    // Whether the connection is encrypted does not matter to the request.
+    let request = format!("ws://{}/live", process.address()).into_client_request();
+    let mut request = request.map_err(|error| text(&error))?;
     if let Some(session) = session {
         let cookie = HeaderValue::from_str(session).map_err(|error| text(&error))?;
         request.headers_mut().insert(COOKIE, cookie);
     }
-    let stream = TcpStream::connect_timeout(&address, BEGIN).map_err(|error| text(&error))?;
-    stream.set_read_timeout(Some(BEGIN)).map_err(|error| text(&error))?;
-    let (socket, _) = tungstenite::client(request, stream).map_err(|error| text(&error))?;
-    socket.get_ref().set_read_timeout(Some(LOOK)).map_err(|error| text(&error))?;
+    let (socket, _) = tungstenite::client(request, process.connect(BEGIN)?).map_err(|error| text(&error))?;
+    socket.get_ref().set_read_timeout(LOOK).map_err(|error| text(&error))?;
     Ok((socket, names))
 }

@@ -15,20 +15,20 @@ pub mod model;
 #[cfg(test)]
 mod tests;
 
-use std::net::SocketAddr;
 use std::time::Duration;
 
 use connection::Connection;
 use model::Model;
+use plcc_services::client::Process;
 use ratatui::crossterm::event::{self, Event, KeyEventKind};
 
 /// How long the terminal waits for a key before it looks for news.
 const PAUSE: Duration = Duration::from_millis(50);
 
 /// Shows the CPU until the user leaves. `watched`: names in the watch table at first. `Err`: the terminal does not work.
-pub fn run(address: SocketAddr, session: Option<String>, watched: Vec<String>) -> std::io::Result<()> {
-    let connection = Connection::open(address, session);
-    let mut model = Model::new(&address.to_string(), watched);
+pub fn run(process: Process, session: Option<String>, watched: Vec<String>) -> std::io::Result<()> {
+    let mut model = Model::new(&process.address().to_string(), watched);
+    let connection = Connection::open(process, session);
     let mut terminal = ratatui::try_init()?;
     let outcome = show(&mut terminal, &mut model, &connection);
     ratatui::restore();

@@ -2,7 +2,7 @@
 //!
 //! | Family | Inputs | Outputs |
 //! | --- | --- | --- |
-//! | S7-200 | in the process image, after it was read | at the module: image and immediate outputs; the image keeps the value of the program |
+//! | S7-200 | in the process image, after it was read; analog ones whenever they are read | at the module: image, immediate and analog outputs; the image keeps the value of the program |
 //! | S7-300 | in the process image, after it was read | in the process image, before it is written; `T PQW` goes to the module |
 //! | S7-400 | also direct reading | also direct writing, which changes nothing |
 //! | S7-1200/1500 | at the module: image and `:P` | at the module: image and `:P`; the image keeps the value of the program |
@@ -29,6 +29,7 @@ use std::path::{Path, PathBuf};
 
 use plcc_abi::image::Family;
 use plcc_abi::layout;
+use plcc_abi::s7200::ANALOG_ADDRESS;
 use plcc_literal::toml_words;
 use serde::{Deserialize, Serialize};
 
@@ -36,6 +37,7 @@ use crate::address::{Address, Place, Width};
 use crate::cpu::Cpu;
 use crate::diagnostics::{self, NO_SITE};
 use crate::files;
+use crate::s7200::Part;
 use crate::watch::format::Format;
 use crate::watch::{self, Settled};
 
@@ -96,7 +98,7 @@ struct RowText {
     comment: String,
 }
 
-/// Values that can be forced; of an S7-200 those in M and V. Source: technical data of the CPUs.
+/// Values that can be forced; of an S7-200 those in M, V, AI and AQ. Source: technical data of the CPUs.
 const fn count_max(family: Family) -> usize {
     match family {
         Family::S7300 => 10,
@@ -173,6 +175,8 @@ impl Cpu {
             (Place::Input(byte), _) => Some((Target::Inputs, byte)),
             (Place::Output(byte), _) => Some((Target::Outputs, byte)),
             (Place::PeripheralInput(_) | Place::PeripheralOutput(_), Family::S7200) => None,
+            (Place::S7200(Part::AnalogInput, byte), _) => Some((Target::Inputs, ANALOG_ADDRESS + byte)),
+            (Place::S7200(Part::AnalogOutput, byte), _) => Some((Target::Outputs, ANALOG_ADDRESS + byte)),
             (Place::PeripheralInput(byte), _) => Some((Target::Inputs, byte)),
             (Place::PeripheralOutput(byte), _) => Some((Target::Outputs, byte)),
             (place @ Place::BitMemory(_), Family::S7400 | Family::S7200) | (place @ Place::Db(..), Family::S7200) => {
@@ -209,7 +213,7 @@ impl Cpu {
         let Settled { address, bits } = watch::settle(plain, value, format, self)?;
         let Some((target, first)) = self.forced_place(&address) else {
             return Err(match family {
-                Family::S7200 => format!("an S7-200 forces I, Q, M and V here, not {name}"),
+                Family::S7200 => format!("an S7-200 forces I, Q, M, V, AI and AQ, not {name}"),
                 Family::S7400 => {
                     format!("{name} is neither an input nor an output nor bit memory: only these are forced")
                 }
@@ -237,11 +241,12 @@ impl Cpu {
         if let Some(other) = others.find(|other| is_same_bit(other)) {
             return Err(format!("{name} overlaps {}, which is forced: end that first", other.name));
         }
-        // An S7-200 forces any number of inputs and outputs.
-        let counts = |of: Target| family != Family::S7200 || of == Target::Memory;
-        let is_counted = |one: &&Forced| self.forced_place(&one.address).is_some_and(|(of, _)| counts(of));
-        if known.is_none() && counts(target) && table.iter().filter(is_counted).count() >= count_max(family) {
-            let what = if family == Family::S7200 { "values of M and V" } else { "values" };
+        // An S7-200 forces any number of inputs and outputs that are not analog.
+        let counts =
+            |(of, first): (Target, u32)| family != Family::S7200 || of == Target::Memory || first >= ANALOG_ADDRESS;
+        let is_counted = |one: &&Forced| self.forced_place(&one.address).is_some_and(counts);
+        if known.is_none() && counts((target, first)) && table.iter().filter(is_counted).count() >= count_max(family) {
+            let what = if family == Family::S7200 { "values of M, V, AI and AQ" } else { "values" };
             return Err(format!("this CPU forces {} {what} at most", count_max(family)));
         }
         // When it is no longer forced, the value of the module comes back.
@@ -263,17 +268,23 @@ impl Cpu {
 
     /// Ends the forcing of a value, or of all.  `Err`: it is not forced.
     pub fn unforce(&self, name: Option<&str>) -> Result<(), String> {
-        {
+        let ended: Vec<Forced> = {
             let mut table = self.force.table.borrow_mut();
             match name {
-                None => table.clear(),
+                None => table.drain(..).collect(),
                 Some(name) => {
                     let at = table.iter().position(|one| one.name == name);
-                    table.remove(at.ok_or_else(|| format!("{name} is not forced"))?);
+                    vec![table.remove(at.ok_or_else(|| format!("{name} is not forced"))?)]
                 }
             }
-        }
+        };
         self.force_changed();
+        // No image of them is written in each scan.
+        for one in ended {
+            if let (Place::S7200(Part::AnalogOutput, byte), false) = (one.address.place, self.is_stopped()) {
+                self.s7200_analog_out(byte, 2);
+            }
+        }
         Ok(())
     }
 
@@ -364,6 +375,15 @@ impl Cpu {
             if let Some(value) = image.get_mut(byte as usize) {
                 *value = mask.over(*value);
             }
+        }
+    }
+
+    /// Forced analog outputs of an S7-200 go to their modules, whether the program writes them or not.
+    #[cold]
+    pub(crate) fn write_forced_analog(&self) {
+        let outputs = self.force.outputs.borrow();
+        for &byte in outputs.range(ANALOG_ADDRESS..).map(|(byte, _)| byte).filter(|byte| *byte % 2 == 0) {
+            self.driver.write(byte, 2, over(&outputs, byte, 2, 0));
         }
     }
 

@@ -1,6 +1,9 @@
-//! A client of the page of a running process: for `plcc load`.
+//! A client of the page of a running process: for `plcc load` and `plcc monitor`.
 
-use std::net::SocketAddr;
+use std::io::{self, Read, Write};
+use std::net::{SocketAddr, TcpStream};
+use std::path::Path;
+use std::sync::Arc;
 use std::time::Duration;
 
 use axum::body::{Body, Bytes, to_bytes};
@@ -8,8 +11,12 @@ use axum::http::header::{CONTENT_TYPE, COOKIE, HOST, SET_COOKIE};
 use axum::http::request::Builder;
 use axum::http::{HeaderMap, Request};
 use hyper_util::rt::TokioIo;
-use tokio::net::TcpStream;
 use tokio::time::timeout;
+use tokio_rustls::TlsConnector;
+use tokio_rustls::rustls::pki_types::ServerName;
+use tokio_rustls::rustls::{ClientConfig, ClientConnection, StreamOwned};
+
+use crate::tls;
 
 /// The status of an answer: values of the running program would go.
 pub const CONFLICT: u16 = 409;
@@ -32,66 +39,157 @@ impl Answer {
     }
 }
 
-/// Signs a user in. `Ok`: what later requests say. `Err`: why not.
-pub fn sign_in(address: SocketAddr, user: &str, password: &str) -> Result<String, String> {
-    let form = serde_json::json!({ "user": user, "password": password }).to_string();
-    let answer = send(address, Request::post("/session"), None, Some("application/json"), form.into_bytes())?;
-    let cookie = answer.headers.get(SET_COOKIE).and_then(|cookie| cookie.to_str().ok());
-    match cookie.and_then(|cookie| cookie.split(';').next()).filter(|_| answer.is_ok()) {
-        Some(cookie) => Ok(cookie.to_string()),
-        None => Err("user or password is wrong".to_string()),
-    }
-}
-
-/// Asks for a page; `session` is what [`sign_in`] gave. `Err`: there was no answer.
-pub fn get(address: SocketAddr, path: &str, session: Option<&str>) -> Result<Answer, String> {
-    send(address, Request::get(path), session, None, Vec::new())
-}
-
-/// Sends a request with a body; `session` is what [`sign_in`] gave. `Err`: there was no answer.
-pub fn post(address: SocketAddr, path: &str, session: Option<&str>, body: &[u8]) -> Result<Answer, String> {
-    send(address, Request::post(path), session, None, body.to_vec())
-}
-
-fn send(
+/// Where the page of a process is, and how it is reached.
+#[derive(Clone, Debug)]
+pub struct Process {
     address: SocketAddr,
-    request: Builder,
-    session: Option<&str>,
-    kind: Option<&str>,
-    body: Vec<u8>,
-) -> Result<Answer, String> {
-    let runtime = tokio::runtime::Builder::new_current_thread().enable_io().enable_time().build();
-    let runtime = runtime.map_err(|error| error.to_string())?;
-    let mut request = request.header(HOST, address.to_string());
-    if let Some(session) = session {
-        request = request.header(COOKIE, session);
-    }
-    if let Some(kind) = kind {
-        request = request.header(CONTENT_TYPE, kind);
-    }
-    let request = request.body(Body::from(body)).map_err(|error| error.to_string())?;
-    runtime.block_on(async {
-        match timeout(TIME, exchange(address, request)).await {
-            Ok(answer) => answer,
-            Err(_) => Err("no answer within a minute".to_string()),
-        }
-    })
+    /// What its certificate must be, if the connection is encrypted.
+    secured: Option<Arc<ClientConfig>>,
 }
 
-async fn exchange(address: SocketAddr, request: Request<Body>) -> Result<Answer, String> {
-    let stream = TcpStream::connect(address).await.map_err(|error| error.to_string())?;
-    let wrong = |error: hyper::Error| match error.is_parse() {
-        // The alert of a server that expects TLS is not HTTP either.
-        true => {
-            "what answers is not the page of a program, or it is encrypted by --tls, which plcc does not speak".into()
+impl Process {
+    /// `trusted`: the connection is encrypted; the file with the certificate of the process or of its authority, or a folder with
+    /// `certificate.pem`. `Err`: what is wrong with it.
+    pub fn new(address: SocketAddr, trusted: Option<&Path>) -> Result<Process, String> {
+        let secured = trusted.map(tls::client).transpose()?;
+        Ok(Process { address, secured })
+    }
+
+    pub fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// Signs a user in. `Ok`: what later requests say. `Err`: why not.
+    pub fn sign_in(&self, user: &str, password: &str) -> Result<String, String> {
+        let form = serde_json::json!({ "user": user, "password": password }).to_string();
+        let answer = self.send(Request::post("/session"), None, Some("application/json"), form.into_bytes())?;
+        let cookie = answer.headers.get(SET_COOKIE).and_then(|cookie| cookie.to_str().ok());
+        match cookie.and_then(|cookie| cookie.split(';').next()).filter(|_| answer.is_ok()) {
+            Some(cookie) => Ok(cookie.to_string()),
+            None => Err("user or password is wrong".to_string()),
         }
-        false => format!("what answers is not the page of a program: {error}"),
-    };
-    let (mut sender, connection) = hyper::client::conn::http1::handshake(TokioIo::new(stream)).await.map_err(wrong)?;
-    tokio::spawn(connection);
-    let response = sender.send_request(request).await.map_err(wrong)?;
-    let (head, body) = response.into_parts();
-    let body: Bytes = to_bytes(Body::new(body), ANSWER_MAX).await.map_err(|error| error.to_string())?;
-    let text = String::from_utf8_lossy(&body).into_owned();
-    Ok(Answer { status: head.status.as_u16(), text, headers: head.headers })
+    }
+
+    /// Asks for a page; `session` is what [`Process::sign_in`] gave. `Err`: there was no answer.
+    pub fn get(&self, path: &str, session: Option<&str>) -> Result<Answer, String> {
+        self.send(Request::get(path), session, None, Vec::new())
+    }
+
+    /// Sends a request with a body; `session` is what [`Process::sign_in`] gave. `Err`: there was no answer.
+    pub fn post(&self, path: &str, session: Option<&str>, body: &[u8]) -> Result<Answer, String> {
+        self.send(Request::post(path), session, None, body.to_vec())
+    }
+
+    /// A connection for other messages. `time`: how long connecting and each reading may take.
+    pub fn connect(&self, time: Duration) -> Result<Line, String> {
+        let text = |error: io::Error| error.to_string();
+        let stream = TcpStream::connect_timeout(&self.address, time).map_err(text)?;
+        stream.set_read_timeout(Some(time)).map_err(text)?;
+        let Some(config) = &self.secured else { return Ok(Line::Plain(stream)) };
+        let connection = ClientConnection::new(config.clone(), self.name()).map_err(|error| error.to_string())?;
+        let mut stream = StreamOwned::new(connection, stream);
+        while stream.conn.is_handshaking() {
+            stream.conn.complete_io(&mut stream.sock).map_err(|error| tls::refused(&error))?;
+        }
+        Ok(Line::Secured(Box::new(stream)))
+    }
+
+    /// What a certificate must be for.
+    fn name(&self) -> ServerName<'static> {
+        ServerName::IpAddress(self.address.ip().into())
+    }
+
+    fn send(
+        &self,
+        request: Builder,
+        session: Option<&str>,
+        kind: Option<&str>,
+        body: Vec<u8>,
+    ) -> Result<Answer, String> {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_io().enable_time().build();
+        let runtime = runtime.map_err(|error| error.to_string())?;
+        let mut request = request.header(HOST, self.address.to_string());
+        if let Some(session) = session {
+            request = request.header(COOKIE, session);
+        }
+        if let Some(kind) = kind {
+            request = request.header(CONTENT_TYPE, kind);
+        }
+        let request = request.body(Body::from(body)).map_err(|error| error.to_string())?;
+        runtime.block_on(async {
+            match timeout(TIME, self.exchange(request)).await {
+                Ok(answer) => answer,
+                Err(_) => Err("no answer within a minute".to_string()),
+            }
+        })
+    }
+
+    async fn exchange(&self, request: Request<Body>) -> Result<Answer, String> {
+        let stream = tokio::net::TcpStream::connect(self.address).await.map_err(|error| error.to_string())?;
+        let stream: Box<dyn tls::Stream> = match &self.secured {
+            None => Box::new(stream),
+            Some(config) => {
+                let secured = TlsConnector::from(config.clone()).connect(self.name(), stream).await;
+                Box::new(secured.map_err(|error| tls::refused(&error))?)
+            }
+        };
+        let wrong = |error: hyper::Error| match error.is_parse() && self.secured.is_none() {
+            // The alert of a server that expects TLS is not HTTP either.
+            true => {
+                "what answers is not the page of a program, or it is encrypted: name its certificate with --tls FILE"
+                    .to_string()
+            }
+            false => format!("what answers is not the page of a program: {error}"),
+        };
+        let (mut sender, connection) =
+            hyper::client::conn::http1::handshake(TokioIo::new(stream)).await.map_err(wrong)?;
+        tokio::spawn(connection);
+        let response = sender.send_request(request).await.map_err(wrong)?;
+        let (head, body) = response.into_parts();
+        let body: Bytes = to_bytes(Body::new(body), ANSWER_MAX).await.map_err(|error| error.to_string())?;
+        let text = String::from_utf8_lossy(&body).into_owned();
+        Ok(Answer { status: head.status.as_u16(), text, headers: head.headers })
+    }
+}
+
+/// A connection to a process.
+pub enum Line {
+    Plain(TcpStream),
+    Secured(Box<StreamOwned<ClientConnection, TcpStream>>),
+}
+
+impl Line {
+    /// How long a reading may take from here on.
+    pub fn set_read_timeout(&self, time: Duration) -> io::Result<()> {
+        let stream = match self {
+            Line::Plain(stream) => stream,
+            Line::Secured(stream) => &stream.sock,
+        };
+        stream.set_read_timeout(Some(time))
+    }
+}
+
+impl Read for Line {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        match self {
+            Line::Plain(stream) => stream.read(buffer),
+            Line::Secured(stream) => stream.read(buffer),
+        }
+    }
+}
+
+impl Write for Line {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self {
+            Line::Plain(stream) => stream.write(bytes),
+            Line::Secured(stream) => stream.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match self {
+            Line::Plain(stream) => stream.flush(),
+            Line::Secured(stream) => stream.flush(),
+        }
+    }
 }

@@ -27,6 +27,7 @@ mod mqtt;
 mod opcua;
 pub mod options;
 pub mod password;
+mod patience;
 pub mod rights;
 pub mod s7;
 mod tls;

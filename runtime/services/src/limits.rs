@@ -47,8 +47,11 @@ pub const SESSION_TIME: Duration = Duration::from_secs(12 * 3600);
 pub const PAGES_MAX: usize = 16;
 /// The longest message of a page.
 pub const PAGE_MESSAGE_MAX: usize = 256 * 1024;
-/// The longest program that is loaded.
+/// The longest program that is loaded, and how long it may take to come.
 pub const PROGRAM_MAX: usize = 256 << 20;
+pub const PROGRAM_TIME: Duration = Duration::from_secs(60);
+/// Bytes of a name and a password.
+pub const SIGN_IN_MAX: usize = 4096;
 /// Values that one page may watch, and letters of a name.
 pub const WATCHED_MAX: usize = 2_000;
 pub const NAME_MAX: usize = 500;

@@ -1,4 +1,4 @@
-//! TLS: of the page and the metrics, and to a broker.
+//! TLS: of the page and the metrics, to a broker, and to the page of another process.
 //!
 //! | File in the folder of the server | Content |
 //! | --- | --- |
@@ -16,10 +16,12 @@ use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::TcpStream;
 use tokio::time::timeout;
 use tokio_rustls::TlsAcceptor;
+use tokio_rustls::rustls::client::WebPkiServerVerifier;
+use tokio_rustls::rustls::client::danger::{HandshakeSignatureValid, ServerCertVerified, ServerCertVerifier};
 use tokio_rustls::rustls::crypto::{CryptoProvider, ring};
 use tokio_rustls::rustls::pki_types::pem::PemObject;
-use tokio_rustls::rustls::pki_types::{CertificateDer, PrivateKeyDer};
-use tokio_rustls::rustls::{self, ClientConfig, RootCertStore, ServerConfig};
+use tokio_rustls::rustls::pki_types::{CertificateDer, PrivateKeyDer, ServerName, UnixTime};
+use tokio_rustls::rustls::{self, ClientConfig, DigitallySignedStruct, RootCertStore, ServerConfig, SignatureScheme};
 use x509_cert::der::pem::{LineEnding, encode_string};
 
 use crate::certificate::{Subject, make, plain_name, write_key};
@@ -135,6 +137,80 @@ fn create(folder: &Path, certificate: &Path, key_file: &Path, name: &str, ip: Ip
     let pem = encode_string("CERTIFICATE", LineEnding::LF, &der).map_err(|error| failed(&error))?;
     write_key(key_file, &key).map_err(|error| failed(&error))?;
     fs::write(certificate, pem).map_err(|error| failed(&error))
+}
+
+/// What the page of another process must show: the certificate in a file, or one that it has signed. `path` may be a folder with
+/// `certificate.pem`. `Err`: what is wrong with the file.
+pub fn client(path: &Path) -> Result<Arc<ClientConfig>, String> {
+    let file = if path.is_dir() { path.join("certificate.pem") } else { path.to_path_buf() };
+    let known = certificates("--tls", &file)?;
+    let mut roots = RootCertStore::empty();
+    for certificate in &known {
+        roots.add(certificate.clone()).map_err(|error| wrong("--tls", &file, &error))?;
+    }
+    let failed = |error: &dyn std::fmt::Display| wrong("--tls", &file, error);
+    let signed = WebPkiServerVerifier::builder_with_provider(Arc::new(roots), provider()).build();
+    let verifier = Arc::new(Known { known, signed: signed.map_err(|error| failed(&error))? });
+    let builder = ClientConfig::builder_with_provider(provider()).with_safe_default_protocol_versions();
+    let builder = builder.map_err(|error| failed(&error))?.dangerous().with_custom_certificate_verifier(verifier);
+    Ok(Arc::new(builder.with_no_client_auth()))
+}
+
+/// Why a process was not believed, in the words of its user.
+pub fn refused(error: &std::io::Error) -> String {
+    match error.get_ref().and_then(|inner| inner.downcast_ref::<rustls::Error>()) {
+        Some(rustls::Error::InvalidCertificate(_)) => {
+            "its certificate is neither that of --tls nor one for this address that it has signed".to_string()
+        }
+        Some(rustls::Error::InvalidMessage(_)) => "it does not speak TLS: leave out --tls".to_string(),
+        _ => error.to_string(),
+    }
+}
+
+/// A certificate that is known byte by byte may be for any name: that is how a process is trusted that was opened for all its addresses.
+/// Whoever shows it must have its key all the same. Others must be signed by a known one, and be for the address.
+#[derive(Debug)]
+struct Known {
+    known: Vec<CertificateDer<'static>>,
+    signed: Arc<WebPkiServerVerifier>,
+}
+
+impl ServerCertVerifier for Known {
+    fn verify_server_cert(
+        &self,
+        end_entity: &CertificateDer<'_>,
+        intermediates: &[CertificateDer<'_>],
+        server_name: &ServerName<'_>,
+        ocsp_response: &[u8],
+        now: UnixTime,
+    ) -> Result<ServerCertVerified, rustls::Error> {
+        if self.known.iter().any(|known| known == end_entity) {
+            return Ok(ServerCertVerified::assertion());
+        }
+        self.signed.verify_server_cert(end_entity, intermediates, server_name, ocsp_response, now)
+    }
+
+    fn verify_tls12_signature(
+        &self,
+        message: &[u8],
+        certificate: &CertificateDer<'_>,
+        signature: &DigitallySignedStruct,
+    ) -> Result<HandshakeSignatureValid, rustls::Error> {
+        self.signed.verify_tls12_signature(message, certificate, signature)
+    }
+
+    fn verify_tls13_signature(
+        &self,
+        message: &[u8],
+        certificate: &CertificateDer<'_>,
+        signature: &DigitallySignedStruct,
+    ) -> Result<HandshakeSignatureValid, rustls::Error> {
+        self.signed.verify_tls13_signature(message, certificate, signature)
+    }
+
+    fn supported_verify_schemes(&self) -> Vec<SignatureScheme> {
+        self.signed.supported_verify_schemes()
+    }
 }
 
 /// The connection of a client that has come in. `None`: it does not speak TLS, or is too slow.

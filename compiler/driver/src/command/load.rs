@@ -2,7 +2,7 @@
 
 use std::io::BufRead;
 
-use plcc_services::client::{self, Answer};
+use plcc_services::client::{self, Answer, Process};
 
 use crate::cli::{LoadArgs, Lose};
 use crate::command::build::{accepted, internal};
@@ -45,14 +45,15 @@ fn compile(args: &LoadArgs) -> Result<Vec<u8>, u8> {
 
 /// `Err`: why the process does not answer, or does not know the user.
 fn send(args: &LoadArgs, program: &[u8]) -> Result<u8, String> {
+    let process = Process::new(args.to, args.tls.as_deref())?;
     let session = match &args.user {
-        Some(user) => Some(client::sign_in(args.to, user, &password()?)?),
+        Some(user) => Some(process.sign_in(user, &password()?)?),
         None => None,
     };
     let path = if args.restore { "/restore" } else { "/load" };
     let post = |lose: bool| {
         let query = if lose { "?lose" } else { "" };
-        client::post(args.to, &format!("{path}{query}"), session.as_deref(), program)
+        process.post(&format!("{path}{query}"), session.as_deref(), program)
     };
     let mut answer = post(args.lose == Lose::Allow)?;
     if answer.status == client::CONFLICT {

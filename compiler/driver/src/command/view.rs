@@ -16,7 +16,7 @@ use crate::command::exit;
 use crate::inputs::Read;
 use crate::pipeline::{Bound, Settings};
 use crate::report::{self, MessageFormat};
-use crate::{inputs, pipeline};
+use crate::{drawings, inputs, pipeline};
 
 /// Draws a program, as far as it could be read. Returns 3 if it has errors.
 pub fn view(args: &ViewArgs) -> u8 {
@@ -37,7 +37,9 @@ pub fn view(args: &ViewArgs) -> u8 {
     let Drawn { book, names, bound, state, values } = drawn;
     let folder = args.output.as_ref().map_or(Ok(()), |folder| write_folder(&book, folder, values.as_ref()));
     let html = args.html.as_ref().map_or(Ok(()), |path| {
-        write(path, &page::document(&book, &names, state.as_ref().map(|(trace, time)| (trace, *time))))
+        let reference = (!bound.has_errors()).then(|| drawings::reference(&bound));
+        let state = state.as_ref().map(|(trace, time)| (trace, *time));
+        write(path, &page::document(&book, &names, state, reference.as_ref()))
     });
     if let Err(message) = folder.and(html) {
         report::say(&message);

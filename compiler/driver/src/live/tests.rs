@@ -398,3 +398,57 @@ fn a_loaded_program_can_be_watched() {
     // Three cycles of the first program, then four of the other.
     assert!(seen.iter().any(|told| told == "Value(303)") && seen.iter().any(|told| told == "Value(403)"), "{seen:?}");
 }
+
+/// Edges of EU, ED and counters, timers, V memory, a timed interrupt and an analog output of an S7-200. `first` and `within` are networks that
+/// come to the others, `work` is in a network with an edge.
+fn scans(first: &str, within: &str, work: &str) -> (ProgramImage, CodeSource) {
+    compiled(
+        "line.awl",
+        &format!(
+            "ORGANIZATION_BLOCK Main:OB1\nBEGIN\n{first}\
+             Network 1\nLD SM0.1\nMOVB 30, SMB34\nATCH INT0, 10\nENI\n\
+             Network 2\nLD SM0.0\nINCW VW0\n{within}\
+             Network 3\nLD V1.1\nEU\nINCW VW2\n{work}\
+             Network 4\nLD V1.2\nED\nINCW VW4\nLD V1.0\nLD M0.7\nCTU C5, 9\nLD C5\n= M0.7\n\
+             Network 5\nLDN T37\nTON T37, 4\nLD T37\nINCW VW6\nMOVW VW6, AQW2\nEND_ORGANIZATION_BLOCK\n\
+             INTERRUPT_BLOCK Beat:INT0\nBEGIN\nNetwork 1\nLD V1.0\nEU\nINCW VW8\nLD SM0.0\nINCB VB20\nEND_INTERRUPT_BLOCK\n"
+        ),
+    )
+}
+
+const SCANS: [&str; 9] = ["VW0", "VW2", "VW4", "C5.VALUE", "T37.VALUE", "VW6", "VW8", "VB20", "AQW2"];
+
+#[test]
+fn scans_of_an_s7200_miss_no_edge() {
+    let plain = || scans("", "", "");
+    let edge = "Network 9\nLD V1.0\nEU\nED\nINCW VW100\n";
+    let programs = [scans(edge, "", ""), scans("", edge, "INCW VW102\n"), plain(), scans(edge, edge, "INCW VW102\n")];
+    let loads = (0..100).map(|number| (5 + 3 * number, Some(programs[number as usize % 4].clone()))).collect();
+    let (unchanged, changed) = (run(plain(), Vec::new(), &SCANS, 400), run(plain(), loads, &SCANS, 400));
+    assert_eq!(changed.refused, Vec::<String>::new());
+    let new = [
+        "OB1, network 1: its edges begin as in the first scan",
+        "OB1, network 4: its edges begin as in the first scan",
+    ];
+    assert!(changed.items.iter().any(|item| item == new[0]) && changed.items.iter().any(|item| item == new[1]));
+    for (cycle, (one, other)) in unchanged.values.iter().zip(&changed.values).enumerate() {
+        assert_eq!(one, other, "cycle {}", cycle + 1);
+    }
+    // All of them are at work.
+    let of = |row: &String, column: usize| row.split(' ').nth(column).map(str::to_string);
+    for (column, name) in SCANS.iter().enumerate() {
+        let first = of(&unchanged.values[0], column);
+        assert!(unchanged.values.iter().any(|row| of(row, column) != first), "{name}");
+    }
+}
+
+/// A program without the routine that an event is attached to; then the first one again, which attaches it in the first scan only.
+#[test]
+fn a_routine_that_is_gone_is_detached() {
+    let gone = "ORGANIZATION_BLOCK Main:OB1\nBEGIN\nNetwork 1\nLD SM0.0\nINCW VW0\nEND_ORGANIZATION_BLOCK\n";
+    let loads = vec![(10, Some(compiled("line.awl", gone))), (20, None)];
+    let seen = run(scans("", "", ""), loads, &["VB20", "VW0"], 30);
+    assert_eq!(seen.refused, Vec::<String>::new());
+    let after = |scan: &str| seen.values[9].replace(" 16#000A", scan);
+    assert_eq!((&seen.values[10], &seen.values[29]), (&after(" 16#000B"), &after(" 16#001E")));
+}

@@ -68,6 +68,7 @@ pub(crate) fn lower(program: &Program, cpu: CpuRow, sources: &SourceMap, probes:
         timers: plan.timers.iter().copied().collect(),
         rising_edges: plan.rising_edges.next,
         falling_edges: plan.falling_edges.next - plan.falling_edges.first,
+        edges: plan::edge_memories(program, sources),
         cpu,
         logic_only: false,
     });

@@ -1,16 +1,19 @@
 //! What blocks must know about each other before any of them is lowered.
 
 use std::collections::BTreeSet;
+use std::hash::{Hash, Hasher};
 
 use plcc_abi::image::BlockKind;
 use plcc_abi::layout;
 use plcc_abi::s7200::CONSTANTS_DB;
+use plcc_abi::s7200::image::EdgeMemory;
+use plcc_diag::SourceMap;
 use plcc_ir::entities::Entity;
 use plcc_ir::{FuncId, StaticDb, Type};
 use plcc_model::Program;
 use plcc_model::s7200::{self as model, Direction, Insn, Operand, StatementKind, Width};
 use plcc_model::{BlockKey, Body, CodeBlock};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHasher};
 
 use crate::plan::place_dbs;
 
@@ -118,12 +121,7 @@ impl<'p> S7200Plan<'p> {
                     (Insn::Stop, _) => self.stops_itself = true,
                     _ => {}
                 }
-                let rising = match insn {
-                    Insn::RisingEdge | Insn::Ctu | Insn::Ctd => 1,
-                    Insn::Ctud => 2,
-                    _ => 0,
-                };
-                (operands, rising)
+                (operands, rising_edges(*insn))
             }
             StatementKind::Call { arguments, .. } => (arguments, 0),
             StatementKind::Assert(_) | StatementKind::Sleep(_) => return 0,
@@ -187,6 +185,40 @@ impl<'p> S7200Plan<'p> {
         }
         Some(deepest)
     }
+}
+
+/// Memories for rising edges that an instruction needs.
+fn rising_edges(insn: Insn) -> u32 {
+    match insn {
+        Insn::RisingEdge | Insn::Ctu | Insn::Ctd => 1,
+        Insn::Ctud => 2,
+        _ => 0,
+    }
+}
+
+/// The edge memories in the order in which they are allocated: rising and falling ones each in the order of the statements.
+pub fn edge_memories(program: &Program, sources: &SourceMap) -> Vec<EdgeMemory> {
+    let mut all = Vec::new();
+    for block in &program.blocks {
+        let Body::S7200(body) = &block.body else { continue };
+        for statements in body.statements.chunk_by(|one, next| one.network == next.network) {
+            let mut hasher = FxHasher::default();
+            for statement in statements {
+                sources.text(statement.span).split_whitespace().for_each(|word| word.hash(&mut hasher));
+                let StatementKind::Instruction { insn, .. } = &statement.kind else { continue };
+                let memory = |is_falling| EdgeMemory {
+                    kind: block.kind,
+                    block: block.number,
+                    network: statement.network,
+                    statements: hasher.finish(),
+                    is_falling,
+                };
+                all.extend((0..rising_edges(*insn)).map(|_| memory(false)));
+                all.extend((*insn == Insn::FallingEdge).then(|| memory(true)));
+            }
+        }
+    }
+    all
 }
 
 /// IR type of a value of this width.

@@ -16,15 +16,18 @@ use crate::trace::Trace;
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
 
-/// The document of a program. `state`: a trace, and the time in milliseconds at which the document begins; without it the last.
-pub fn document(book: &Book, names: &Names, state: Option<(&Trace, Option<f64>)>) -> String {
+/// The document of a program. `state`: a trace, and the time in milliseconds at which the document begins; without it the last. `reference`:
+/// the reference data of the program, as `plcc xref --json` prints them; a program with errors has none, and the document shows what its
+/// drawings and texts tell.
+pub fn document(book: &Book, names: &Names, state: Option<(&Trace, Option<f64>)>, reference: Option<&Value>) -> String {
     let pages: Vec<Value> = book.pages.iter().map(|of| page(of, book.is_live)).collect();
     let symbols: Vec<Value> = names.symbols().into_iter().map(|(address, name)| json!([address, name])).collect();
     let data = json!({
         "title": book.title,
         "pages": pages,
         "symbols": symbols,
-        "uses": uses::uses(book, names),
+        "uses": uses::uses(book, names, reference.is_some()),
+        "xref": reference,
         "trace": state.map(|(trace, _)| signals(trace)),
         "start": state.map(|(trace, time)| trace.row(time)),
     });

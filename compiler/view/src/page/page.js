@@ -7,6 +7,17 @@ const fold = (t) => String(t).toLowerCase().replace(/["#%\s]/g, "");
 const byName = new Map();
 data.pages.forEach((p, i) => [p.id, p.name].forEach((n) => n && !byName.has(fold(n)) && byName.set(fold(n), i)));
 const symbolOf = new Map(data.symbols), addressOf = new Map(data.symbols.map(([a, n]) => [fold(n), a]));
+// Reference data, as `plcc xref` has them; a program with errors has none.
+const xref = data.xref, cross = new Map((xref?.operands ?? []).map((o) => [o.address, o]));
+const called = new Map((xref?.structure.blocks ?? []).map((b) => [b.block, b]));
+const pageOf = (block, name) => byName.get(fold(block)) ?? (name ? byName.get(fold(name)) : undefined);
+// A link to a network of a block.
+function linkTo(text, block, name, network) {
+  const i = pageOf(block, name);
+  if (i === undefined) return `<span>${text}</span>`;
+  const k = network ? data.pages[i].secs.findIndex((s) => s.n === network) : -1;
+  return `<a href="#" data-page="${i}"${k < 0 ? "" : ` data-sec="${k}"`}>${text}</a>`;
+}
 $("h1").textContent = data.title;
 
 // Code as coloured text.
@@ -100,9 +111,8 @@ function fromHash() {
   const [id, k] = decodeURIComponent(location.hash.slice(1)).split("/");
   const i = byName.get(fold(id));
   if (i !== undefined) go(i, k === undefined ? undefined : +k);
-  else if (id === "addresses") addresses();
-  else if (id === "calls") calls();
-  return i !== undefined || id === "addresses" || id === "calls";
+  else if (Object.hasOwn(VIEWS, id)) VIEWS[id][1]();
+  return i !== undefined || Object.hasOwn(VIEWS, id);
 }
 addEventListener("popstate", fromHash);
 
@@ -114,7 +124,7 @@ let query = "";
 function show(text) {
   query = text.trim().toLowerCase();
   let h = "";
-  if (!query) h += `<h4>Program</h4><a href="#calls" data-view="calls">Call structure</a><a href="#addresses" data-view="addresses">Addresses and symbols</a><h4>Blocks</h4>`;
+  if (!query) h += `<h4>Program</h4>${Object.entries(VIEWS).map(([view, [title]]) => `<a href="#${view}" data-view="${view}">${title}</a>`).join("")}<h4>Blocks</h4>`;
   let hits = 0;
   data.pages.forEach((p, i) => {
     const own = (p.id + " " + p.id.replace(/ /g, "") + " " + p.name + " " + p.title).toLowerCase().includes(query);
@@ -150,25 +160,28 @@ function range(key) {
   const from = m[3] * 8 + (bits === 1 ? +(m[4] ?? 0) : 0);
   return [m[1], from, from + bits];
 }
-const ranges = Object.keys(data.uses).map((k) => [k, range(k)]).filter((r) => r[1]);
+const isUsed = (k) => cross.has(k) || data.uses[k] !== undefined;
+const ranges = [...cross.keys(), ...Object.keys(data.uses)].map((k) => [k, range(k)]).filter((r) => r[1]);
 function keyOf(text) {
   const t = text.replace(/^%/, "");
-  if (data.uses[t]) return t;
+  if (isUsed(t)) return t;
   const upper = t.replace(/\s/g, "").toUpperCase();
-  if (data.uses[upper]) return upper;
+  if (isUsed(upper)) return upper;
   const address = addressOf.get(fold(t));
   if (address) return address;
   const local = here >= 0 ? data.pages[here].id + (t.startsWith("#") ? t : "#" + t) : t;
   return data.uses[local] ? local : t;
 }
+const HOW = { r: "reads", w: "writes", c: "calls", R: "reads", W: "writes", RW: "reads and writes", "?": "passes on", call: "calls", open: "opens" };
+const crossUse = (u) => linkTo(`${esc(u.block)}${u.network ? ", network " + u.network : ""}: ${HOW[u.access]}${u.statement ? ` <code>${esc(u.statement)}</code>` : ""}`, u.block, u.block_name, u.network);
 function uses(text) {
   const i = byName.get(fold(text));
   if (i !== undefined) return go(i);
-  const key = keyOf(text), r = range(key), how = { r: "reads", w: "writes", c: "calls" };
-  const rows = (k) => (data.uses[k] ?? []).map(([p, s, h]) => `<a data-page="${p}" data-sec="${s}">${esc(data.pages[p].id)}${data.pages[p].secs[s].n ? ", network " + data.pages[p].secs[s].n : ""}: ${how[h]}</a>`).join("");
+  const key = keyOf(text), r = range(key), how = HOW;
+  const rows = (k) => (cross.get(k)?.uses ?? []).map(crossUse).join("") + (data.uses[k] ?? []).map(([p, s, h]) => `<a data-page="${p}" data-sec="${s}">${esc(data.pages[p].id)}${data.pages[p].secs[s].n ? ", network " + data.pages[p].secs[s].n : ""}: ${how[h]}</a>`).join("");
   let h = `<span class="x">✕</span><b>${esc(symbolOf.get(key) ?? text)}</b> ${esc(key.replace(/^.*#/, "#"))}${rows(key)}`;
   if (r) for (const [k, o] of ranges) if (k !== key && o[0] === r[0] && o[1] < r[2] && r[1] < o[2]) h += `<br><b>overlaps ${esc(k)}</b> ${esc(symbolOf.get(k) ?? "")}${rows(k)}`;
-  if (!data.uses[key]) h += "<br>no uses";
+  if (!isUsed(key)) h += "<br>no uses";
   $("#uses").innerHTML = h;
   $("#uses").hidden = false;
 }
@@ -176,7 +189,7 @@ addEventListener("click", (e) => {
   const t = e.target.closest("[data-page],[data-view],[data-k],.go,.x");
   if (!t || t.classList.contains("draw")) return;
   if (t.classList.contains("x") && t.closest("aside")) return void ($("#uses").hidden = true);
-  if (t.dataset.view) { e.preventDefault(); return t.dataset.view === "calls" ? calls() : addresses(); }
+  if (t.dataset.view) { e.preventDefault(); return VIEWS[t.dataset.view][1](); }
   if (t.dataset.page !== undefined) { e.preventDefault(); return go(+t.dataset.page, t.dataset.sec === undefined ? undefined : +t.dataset.sec); }
   if (t.dataset.k) return uses(t.dataset.k);
   if (t.classList.contains("go")) return go(byName.get(fold(t.textContent)));
@@ -185,18 +198,62 @@ addEventListener("click", (e) => {
 // Views of the whole program.
 function head(title, hash) { here = -1; if (location.hash !== hash) history.pushState(null, "", hash); main.scrollTop = 0; return `<div class="page"><h2>${title}</h2>`; }
 function addresses() {
+  if (xref) return references();
   const keys = new Set([...data.symbols.map((s) => s[0]), ...Object.keys(data.uses).filter((k) => range(k) || /^[TC]\d+$/.test(k))]);
   const order = (k) => { const r = range(k); return r ? [r[0], r[1]] : [k.replace(/\d+/, ""), +(/\d+/.exec(k) ?? 0)]; };
   const rows = [...keys].map((k) => [order(k), k]).sort((a, b) => (a[0][0] < b[0][0] ? -1 : a[0][0] > b[0][0] ? 1 : a[0][1] - b[0][1]));
   main.innerHTML = head("Addresses and symbols", "#addresses") + "<table><tr><th>Address</th><th>Symbol</th><th>Uses</th></tr>" +
     rows.map(([, k]) => `<tr><td data-k="${esc(k)}">${esc(k)}</td><td>${esc(symbolOf.get(k) ?? "")}</td><td>${(data.uses[k] ?? []).length || ""}</td></tr>`).join("") + "</table></div>";
 }
-let called = null;
+// The cross references of all operands.
+function references() {
+  const rows = xref.operands.map((o) => `<tr><td data-k="${esc(o.address)}">${esc(o.address)}</td><td>${esc(o.symbol)}</td><td>${o.uses.map((u) => linkTo(`${esc(u.block)}${u.network ? "/" + u.network : ""} ${u.access}`, u.block, u.block_name, u.network)).join(", ")}</td></tr>`);
+  main.innerHTML = head("Cross references", "#addresses") + `<table><tr><th>Address</th><th>Symbol</th><th>Block / network, R reads, W writes, ? passes on</th></tr>${rows.join("")}</table></div>`;
+}
+// Which bits of I, Q, M, which timers and counters are taken.
+function assignment() {
+  const { bytes, timers, counters } = xref.assignment, bits = [7, 6, 5, 4, 3, 2, 1, 0];
+  const rows = bytes.map((b) => `<tr><td>${esc(b.address)}</td>${bits.map((n) => `<td>${b.bits >> n & 1 ? "X" : ""}</td>`).join("")}${[b.byte, b.word, b.dword, b.other].map((on) => `<td>${on ? "#" : ""}</td>`).join("")}</tr>`);
+  const numbers = (title, letter, list) => `<p>${title}: ${list.length ? list.map((n) => `<span class="id" data-k="${letter}${n}">${letter}${n}</span>`).join(" ") : "none"}</p>`;
+  main.innerHTML = head("Assignment of memory", "#assignment") + `<table><tr><th></th>${bits.map((n) => `<th>${n}</th>`).join("")}<th>B</th><th>W</th><th>D</th><th>more</th></tr>${rows.join("")}</table>${numbers("Timers", "T", timers)}${numbers("Counters", "C", counters)}</div>`;
+}
+// Symbols that nothing uses, and addresses that have none.
+function symbols() {
+  const table = (title, column, rows) => `<h3>${title}</h3>` + (rows.length ? `<table><tr><th>Address</th><th>${column}</th></tr>${rows.map(([a, b]) => `<tr><td data-k="${esc(a)}">${esc(a)}</td><td>${esc(b)}</td></tr>`).join("")}</table>` : "<p>none</p>");
+  main.innerHTML = head("Symbols", "#symbols") + table("Symbols that nothing uses", "Symbol", xref.unused_symbols.map((s) => [s.address, s.name])) +
+    table("Addresses without symbol", "Uses", xref.addresses_without_symbol.map((a) => [a.address, a.uses])) + "</div>";
+}
+// The calls that the reference data have: with instances and local data, and what nothing calls.
+function callTree() {
+  let count = 0;
+  const line = (b, inner) => `<li>${linkTo(`${esc(b.block)} ${esc(b.name)}`, b.block, b.name)}${inner}`;
+  const tree = (block, instance, path) => {
+    const b = called.get(block);
+    if (!b || count++ > 3000) return "";
+    const facts = `${instance ? `, <span class="id" data-k="${esc(instance)}">${esc(instance)}</span>` : ""} <small>local data ${b.local_bytes} bytes${path.length || b.path_bytes === null ? "" : `, at most ${b.path_bytes} in all`}${path.includes(block) ? ", recursion" : ""}</small>`;
+    const below = path.includes(block) ? "" : b.calls.map((c) => tree(c.block, c.instance, [...path, block])).join("");
+    return line(b, facts) + (below ? `<ul>${below}</ul>` : "") + "</li>";
+  };
+  const { roots, not_called } = xref.structure;
+  main.innerHTML = head("Call structure", "#calls") + `<ul>${roots.map((b) => tree(b, null, [])).join("")}</ul>` +
+    (not_called.length ? `<h3>Nothing calls</h3><ul>${not_called.map((b) => line(called.get(b), "</li>")).join("")}</ul>` : "") + "</div>";
+}
+let found = null;
 function structure() {
-  if (called) return called;
-  called = data.pages.map((p, i) => {
-  const found = new Set();
-  const add = (n) => { const t = byName.get(fold(n)); if (t !== undefined && t !== i) found.add(t); };
+  if (found) return found;
+  if (xref) {
+    found = data.pages.map(() => []);
+    for (const b of called.values()) for (const caller of b.called_by) {
+      const to = pageOf(b.block, b.name), from = pageOf(caller, called.get(caller)?.name);
+      if (to === undefined || from === undefined || found[from].includes(to)) continue;
+      found[from].push(to);
+      (data.pages[to].callers ??= []).push(from);
+    }
+    return found;
+  }
+  found = data.pages.map((p, i) => {
+  const hits = new Set();
+  const add = (n) => { const t = byName.get(fold(n)); if (t !== undefined && t !== i) hits.add(t); };
   for (const s of p.secs) {
     if (s.svg) for (const m of s.svg.matchAll(/<text class="t"[^>]*>([^<]*)</g)) add(m[1].replace(/&quot;/g, ""));
     if (s.text) {
@@ -205,24 +262,28 @@ function structure() {
     }
     if (s.svg) for (const m of s.svg.matchAll(/CALL ("[^"]+"|[A-Z]+ ?\d+)/g)) add(m[1]);
   }
-  return [...found].filter((t) => data.pages[t].lang);
+  return [...hits].filter((t) => data.pages[t].lang);
 });
-  called.forEach((list, i) => list.forEach((t) => (data.pages[t].callers ??= []).push(i)));
-  return called;
+  found.forEach((list, i) => list.forEach((t) => (data.pages[t].callers ??= []).push(i)));
+  return found;
 }
 // It takes a moment in a large program; nobody waits for it.
 setTimeout(() => { structure(); if (here >= 0) for (const c of main.querySelectorAll(".callers")) c.innerHTML = callers(here); }, 50);
 function calls() {
+  if (xref) return callTree();
   structure();
   let count = 0;
   const tree = (i, path) => {
     if (count++ > 3000) return "";
     const p = data.pages[i], loop = path.includes(i);
-    return `<li><span class="go" data-page="${i}">${esc(p.id)} ${esc(p.name === p.id ? "" : p.name)}</span>${loop ? " (recursion)" : called[i].length ? "<ul>" + called[i].map((t) => tree(t, [...path, i])).join("") + "</ul>" : ""}</li>`;
+    return `<li><span class="go" data-page="${i}">${esc(p.id)} ${esc(p.name === p.id ? "" : p.name)}</span>${loop ? " (recursion)" : found[i].length ? "<ul>" + found[i].map((t) => tree(t, [...path, i])).join("") + "</ul>" : ""}</li>`;
   };
   const roots = data.pages.map((p, i) => i).filter((i) => data.pages[i].lang && !data.pages[i].callers);
   main.innerHTML = head("Call structure", "#calls") + "<ul>" + roots.map((i) => tree(i, [])).join("") + "</ul></div>";
 }
+const VIEWS = xref
+  ? { calls: ["Call structure", calls], addresses: ["Cross references", addresses], assignment: ["Assignment of memory", assignment], symbols: ["Symbols", symbols] }
+  : { calls: ["Call structure", calls], addresses: ["Addresses and symbols", addresses] };
 
 // The state at a time of the trace.
 let shown = null;

@@ -10,7 +10,8 @@ use crate::names::{Names, Scope, canonical};
 use crate::sheet::{Label, Link, Look, Sheet, Source};
 
 /// For each key its uses: the numbers of page and section, and `w` for one that writes, `r` for one that reads, `c` for a call.
-pub fn uses(book: &Book, names: &Names) -> Value {
+/// `local_only`: those of local names, which no reference data have.
+pub fn uses(book: &Book, names: &Names, local_only: bool) -> Value {
     let mut uses: BTreeMap<String, Vec<(usize, usize, char)>> = BTreeMap::new();
     for (number, page) in book.pages.iter().enumerate() {
         for (at, section) in page.sections.iter().enumerate() {
@@ -28,7 +29,7 @@ pub fn uses(book: &Book, names: &Names) -> Value {
             }
         }
     }
-    let uses = uses.into_iter().map(|(key, list)| {
+    let uses = uses.into_iter().filter(|(key, _)| !local_only || key.contains('#')).map(|(key, list)| {
         let list: Vec<Value> =
             list.into_iter().map(|(page, section, how)| json!([page, section, how.to_string()])).collect();
         (key, Value::Array(list))

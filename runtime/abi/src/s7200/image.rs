@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::image::BlockKind;
+
 /// The compiler's description of the program.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct S7200Image {
@@ -11,11 +13,24 @@ pub struct S7200Image {
     pub rising_edges: u32,
     /// Edge memories after them, 0 when RUN begins.
     pub falling_edges: u32,
+    /// Where they are, in the order of their memories: those of EU, ED and counters.
+    pub edges: Vec<EdgeMemory>,
     /// Which CPU it is, for ranges at run time.
     pub cpu: CpuRow,
     /// No code touches interrupts, fast counters, pulse outputs, ports, network, or anything through pointers: the CPU need not
     /// look at them in each scan.
     pub logic_only: bool,
+}
+
+/// The place of an edge memory.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct EdgeMemory {
+    pub kind: BlockKind,
+    pub block: u16,
+    pub network: u16,
+    /// Hash of the statements of the network up to its own, as they are written, without blanks and comments.
+    pub statements: u64,
+    pub is_falling: bool,
 }
 
 /// Limits of a CPU of the S7-200. Source: S7-200 system manual, memory ranges and features.

@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use plcc_abi::ProgramImage;
-use plcc_abi::image::{BlockKind, DbEntry, Family};
+use plcc_abi::image::{BlockKind, DbEntry};
 
+use super::edges::{self, Edges};
 use super::fixed;
 use super::pairs::{Move, Pairs, Pointer, Side, is_same};
 use crate::cpu::Cpu;
@@ -26,6 +27,8 @@ pub struct Plan {
     pub(super) pointers: Vec<Pointer>,
     /// Data blocks of the old program whose layout or number is another one, or that are gone.
     pub(super) changed_dbs: Vec<u16>,
+    /// Of an S7-200.
+    pub(super) edges: Edges,
     /// Numbers of the data blocks of the new program.
     new_dbs: Vec<u16>,
 }
@@ -39,10 +42,17 @@ impl Plan {
             moves: Vec::new(),
             pointers: Vec::new(),
             changed_dbs: Vec::new(),
+            edges: Edges::default(),
             new_dbs: new.dbs.iter().map(|db| db.number).collect(),
             old: Arc::clone(&old),
         };
         plan.obs(&old, new);
+        if let (Some(was), Some(is)) = (&old.s7200, &new.s7200) {
+            plan.edges = edges::compare(was, is);
+            for place in std::mem::take(&mut plan.edges.new) {
+                plan.item(format!("{place}: its edges begin as in the first scan"), false);
+            }
+        }
         let by_name = new.profile.family.is_portal();
         let partner = |db: &DbEntry, of: &[DbEntry]| {
             let found = |other: &&DbEntry| match by_name && !db.name.is_empty() {
@@ -159,11 +169,6 @@ fn possible(old: &ProgramImage, new: &ProgramImage) -> Result<(), String> {
             "the CPU is another one, {} instead of {}: stop the program and start the new one",
             new.profile.name, old.profile.name
         ));
-    }
-    if new.profile.family == Family::S7200 {
-        return Err("the program of an S7-200 cannot be changed while it runs: its edges have no names by which they could go on; \
-                    stop it and start the new one"
-            .to_string());
     }
     let (was, is) = (fixed(&old.config), fixed(&new.config));
     if was != is {

@@ -6,6 +6,7 @@ use std::rc::Rc;
 use plcc_abi::ProgramImage;
 use plcc_abi::image::Site;
 use plcc_abi::layout::{self, area, state};
+use plcc_abi::s7200::system;
 
 use super::pairs::Pointer;
 use super::plan::Plan;
@@ -17,7 +18,7 @@ use crate::io::Simulated;
 use crate::memory::Memory;
 
 impl Cpu {
-    /// Puts a CPU with a new program in the place of `cpu`, between two cycles. Result: pointers that were not taken over, a line each.
+    /// Puts a CPU with a new program in the place of `cpu`, between two cycles. Result: what was not taken over, a line each.
     ///
     /// # Panics
     /// If the CPU has another owner.
@@ -56,8 +57,11 @@ impl Cpu {
         own.stop.set(own.stop.get().map(|stop| stop.with_sites(&renamed)));
         own.load_memory.get_mut().retain(|number, _| !plan.changed_dbs.contains(number));
         own.take_memory(&old.memory);
+        own.take_edges(&old.memory, &plan.edges.moves);
+        let detached = own.s7200_take_over(&mut old.s7200, &renamed);
         own.take_created(&old.memory, old.created_dbs.get_mut(), old.image.db_end);
-        let lines = own.take_data(&old.memory, plan);
+        let mut lines = own.take_data(&old.memory, plan);
+        lines.extend(detached);
         if let Some(retention) = old.retention.take() {
             own.retention = OnceCell::from(retention.with_items_of(own));
         }
@@ -76,7 +80,9 @@ impl Cpu {
         let entries = self.diagnostics.newest_first();
         let stop = self.stop.get();
         let stopped = stop.iter().flat_map(|stop| [Some(stop.entry), stop.cause]).flatten();
-        let mut sites: Vec<u32> = entries.iter().copied().chain(stopped).map(|entry| entry.site).collect();
+        let errors = self.s7200().into_iter().flat_map(|own| own.errors.entries());
+        let mut sites: Vec<u32> =
+            entries.iter().copied().chain(stopped).chain(errors).map(|entry| entry.site).collect();
         sites.sort_unstable();
         sites.dedup();
         let mut renamed = Vec::new();
@@ -106,6 +112,19 @@ impl Cpu {
         self.memory.attention().store(attention, std::sync::atomic::Ordering::Relaxed);
         // A safepoint with nothing to do costs a call, a lost one an interrupt.
         self.memory.raise_attention();
+    }
+
+    /// The edge memories of an S7-200 at their new places; all others begin as in the first scan.
+    fn take_edges(&self, from: &Memory, moves: &[(u32, u32)]) {
+        let Some(own) = &self.image.s7200 else { return };
+        let edge = |number: u32| layout::SYSTEM + system::EDGES + number;
+        let count = own.rising_edges.saturating_add(own.falling_edges).min(system::EDGES_MAX);
+        for number in 0..count {
+            self.memory.set_byte(edge(number), u8::from(number < own.rising_edges));
+        }
+        for &(was, is) in moves.iter().filter(|(was, is)| (*was).max(*is) < system::EDGES_MAX) {
+            self.memory.set_byte(edge(is), from.byte(edge(was)));
+        }
     }
 
     /// Data blocks that the program has made: they follow those of the new program as they followed those of the old one.

@@ -19,6 +19,7 @@ pub(super) fn before(cpu: &Cpu, address: u32, bytes: u32) {
     if let Some(part) = part(address, bytes, system::AI, system::ANALOG_BYTES) {
         for byte in words(part) {
             let word = cpu.driver.read(ANALOG_ADDRESS + byte, 2).unwrap_or(0);
+            let word = cpu.forced_input(ANALOG_ADDRESS + byte, 2, word);
             cpu.memory.set_word(layout::SYSTEM + system::AI + byte, word as u16);
         }
     }
@@ -61,8 +62,8 @@ impl Cpu {
         let end = first_byte.saturating_add(bytes).min(system::ANALOG_BYTES);
         for byte in words(first_byte..end) {
             // A module that is missing takes nothing; that is not an error.
-            let word = self.memory.word(layout::SYSTEM + system::AQ + byte);
-            self.driver.write(ANALOG_ADDRESS + byte, 2, u32::from(word));
+            let word = u32::from(self.memory.word(layout::SYSTEM + system::AQ + byte));
+            self.driver.write(ANALOG_ADDRESS + byte, 2, self.forced_output(ANALOG_ADDRESS + byte, 2, word));
         }
     }
 }

@@ -140,7 +140,10 @@ impl Cpu {
     /// Reads a value that is not plain memory; `None`: it is plain memory.
     pub(crate) fn read_part(&self, part: Part, number: u32) -> Option<Bits> {
         match part {
-            Part::AnalogInput => Some(self.driver.read(ANALOG_ADDRESS + number, 2).unwrap_or(0).into()),
+            Part::AnalogInput => {
+                let word = self.driver.read(ANALOG_ADDRESS + number, 2).unwrap_or(0);
+                Some(self.forced_input(ANALOG_ADDRESS + number, 2, word).into())
+            }
             Part::AnalogOutput => Some(self.driver.output(ANALOG_ADDRESS + number, 2).into()),
             Part::HighSpeedCounter => Some(self.s7200_counter(number).into()),
             Part::TimerBit | Part::TimerValue => {

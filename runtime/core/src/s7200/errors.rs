@@ -40,6 +40,19 @@ pub struct Errors {
 }
 
 impl Errors {
+    /// The program was changed: places have other numbers.
+    pub(super) fn rename_sites(&mut self, renamed: &[(u32, u32)]) {
+        for entry in [self.first.get_mut(), self.last.get_mut()].into_iter().flatten() {
+            entry.rename_site(renamed);
+        }
+        self.logged.get_mut().clear();
+    }
+
+    /// The first and the last error.
+    pub(crate) fn entries(&self) -> impl Iterator<Item = Entry> {
+        self.first.get().into_iter().chain(self.last.get())
+    }
+
     /// True the first time that this error is seen at this place.
     fn is_new(&self, site: u32, code: u16) -> bool {
         let mut logged = self.logged.borrow_mut();

@@ -110,6 +110,14 @@ impl Interrupts {
         self.queues.borrow_mut().iter_mut().for_each(|queue| queue.retain(|waiting| u32::from(waiting.event) != event));
     }
 
+    /// No routine is attached to an event.
+    fn forget(&self, event: u32) {
+        self.drop_event(event);
+        for (timed, _) in self.timed.iter().zip(TIMED_EVENTS).filter(|(_, timed)| timed.0 == event) {
+            timed.due.set(NEVER);
+        }
+    }
+
     fn any_waiting(&self) -> bool {
         self.queues.borrow().iter().any(|queue| !queue.is_empty())
     }
@@ -177,6 +185,20 @@ impl Cpu {
     pub(crate) fn s7200_is_attached(&self, event: u8) -> bool {
         let routine = self.s7200().and_then(|own| own.interrupts.routine(event.into()));
         routine.is_some_and(|routine| routine.get().is_some())
+    }
+
+    /// The program was changed: detaches routines that it does not have. Result: which, a line each.
+    pub(super) fn s7200_detach_missing(&self) -> Vec<String> {
+        let Some(own) = self.s7200() else { return Vec::new() };
+        let mut lines = Vec::new();
+        for (event, place) in (0u32..).zip(&own.interrupts.routines) {
+            if let Some(routine) = place.get().filter(|&routine| self.block(BlockKind::Int, routine).is_none()) {
+                place.set(None);
+                own.interrupts.forget(event);
+                lines.push(format!("INT {routine} is gone: event {event} is detached from it"));
+            }
+        }
+        lines
     }
 
     /// RUN begins: interrupts are disabled, nothing is attached.
@@ -316,10 +338,7 @@ pub(super) fn detach(cpu: &Cpu, operands: &Operands) -> u64 {
         return failed(cpu, operands, error::RANGE);
     };
     place.set(None);
-    own.interrupts.drop_event(event);
-    for (timed, _) in own.interrupts.timed.iter().zip(TIMED_EVENTS).filter(|(_, timed)| timed.0 == event) {
-        timed.due.set(NEVER);
-    }
+    own.interrupts.forget(event);
     done()
 }
 

@@ -96,7 +96,7 @@ impl S7200 {
     pub(crate) fn new(image: &S7200Image, config: &S7200Config) -> S7200 {
         S7200 {
             // Who asks for the program's data over the network or a port is heard in each scan.
-            logic_only: Cell::new(image.logic_only && config.listen.is_none() && config.ports.is_empty()),
+            logic_only: Cell::new(is_logic_only(image, config)),
             image: image.clone(),
             config: config.clone(),
             scan: scan::Scan::default(),
@@ -112,6 +112,27 @@ impl S7200 {
             loops: pid::Loops::default(),
             calendar: calendar::Calendar::default(),
         }
+    }
+}
+
+/// See [`S7200::logic_only`].
+fn is_logic_only(image: &S7200Image, config: &S7200Config) -> bool {
+    image.logic_only && config.listen.is_none() && config.ports.is_empty()
+}
+
+impl Cpu {
+    /// The program was changed: all state of the CPU goes on, and interrupt routines that the new program has not are detached. `renamed`: the
+    /// numbers of places in both programs. Result: what was detached, a line each.
+    pub(crate) fn s7200_take_over(&mut self, before: &mut Option<Box<S7200>>, renamed: &[(u32, u32)]) -> Vec<String> {
+        let (Some(own), Some(before)) = (&mut self.s7200, before) else { return Vec::new() };
+        // A scenario or a client touches hardware.
+        let looks_always = is_logic_only(&before.image, &before.config) && !before.logic_only.get();
+        std::mem::swap(own, before);
+        std::mem::swap(&mut own.image, &mut before.image);
+        std::mem::swap(&mut own.config, &mut before.config);
+        own.logic_only.set(is_logic_only(&own.image, &own.config) && !looks_always);
+        own.errors.rename_sites(renamed);
+        self.s7200_detach_missing()
     }
 }
 

@@ -204,6 +204,7 @@ impl Cpu {
             }
             let mut bytes = image.to_vec();
             self.force_image(&mut bytes);
+            self.write_forced_analog();
             if let Some(first) = bytes.first_mut() {
                 *first = *first & !mask | levels;
             }
@@ -233,7 +234,8 @@ impl Cpu {
         }
         for (number, (new, old)) in (0u32..).zip(now.chunks(2).zip(analog.chunks(2))) {
             if let (true, &[high, low]) = (new != old, new) {
-                self.driver.write(ANALOG_ADDRESS + 2 * number, 2, u32::from(u16::from_be_bytes([high, low])));
+                let (address, word) = (ANALOG_ADDRESS + 2 * number, u32::from(u16::from_be_bytes([high, low])));
+                self.driver.write(address, 2, self.forced_output(address, 2, word));
             }
         }
         *analog = now;

@@ -19,12 +19,14 @@ use plcc_abi::services::{Right, Role};
 use plcc_runtime::change::{Loader, Prepared};
 use serde::Deserialize;
 use tokio::sync::Semaphore;
+use tokio::time::timeout;
 
 use super::users::Users;
 use super::{info, names, session, status};
-use crate::limits::{FRAME_TIME, HTTP_BYTES_MAX, PAGE_MESSAGE_MAX, PAGES_MAX, PROGRAM_MAX};
+use crate::limits::{FRAME_TIME, HTTP_BYTES_MAX, PAGE_MESSAGE_MAX, PAGES_MAX, PROGRAM_MAX, PROGRAM_TIME, SIGN_IN_MAX};
 use crate::link::Link;
 use crate::listen::Open;
+use crate::patience::Patience;
 use crate::tls::Stream;
 
 /// Pause after a wrong password.
@@ -105,7 +107,7 @@ pub async fn serve(stream: impl Stream + 'static, right: Right, page: Page) {
         .timer(TokioTimer::new())
         .header_read_timeout(FRAME_TIME)
         .max_buf_size(HTTP_BYTES_MAX)
-        .serve_connection(TokioIo::new(stream), TowerToHyperService::new(app))
+        .serve_connection(TokioIo::new(Patience::new(stream)), TowerToHyperService::new(app))
         .with_upgrades()
         .await;
 }
@@ -157,14 +159,21 @@ struct SignIn {
     password: String,
 }
 
-async fn sign_in(
-    Extension(Asked { page, .. }): Extension<Asked>,
-    headers: HeaderMap,
-    Json(form): Json<SignIn>,
-) -> Response {
+async fn sign_in(Extension(Asked { page, .. }): Extension<Asked>, headers: HeaderMap, request: Request) -> Response {
     if !is_own(&headers) {
         return StatusCode::FORBIDDEN.into_response();
     }
+    // No form of another page has this type.
+    let kind = headers.get(CONTENT_TYPE).and_then(|kind| kind.to_str().ok());
+    if !kind.is_some_and(|kind| kind.starts_with("application/json")) {
+        return StatusCode::UNSUPPORTED_MEDIA_TYPE.into_response();
+    }
+    let body = match timeout(FRAME_TIME, to_bytes(request.into_body(), SIGN_IN_MAX)).await {
+        Ok(Ok(body)) => body,
+        Ok(Err(_)) => return StatusCode::PAYLOAD_TOO_LARGE.into_response(),
+        Err(_) => return StatusCode::REQUEST_TIMEOUT.into_response(),
+    };
+    let Ok(form) = serde_json::from_slice::<SignIn>(&body) else { return StatusCode::BAD_REQUEST.into_response() };
     let users = page.users.clone();
     // Not on the thread that serves everybody: it is made to be slow.
     let signed = tokio::task::spawn_blocking(move || users.sign_in(&form.user, &form.password)).await;
@@ -211,7 +220,8 @@ async fn loaded(
 ) -> Result<Response, Response> {
     let loader = loader(&asked, &headers)?;
     // Nobody else may send so much.
-    let body = to_bytes(request.into_body(), PROGRAM_MAX).await;
+    let body = timeout(PROGRAM_TIME, to_bytes(request.into_body(), PROGRAM_MAX)).await;
+    let body = body.map_err(|_| refused(StatusCode::REQUEST_TIMEOUT, "the program took too long to come"))?;
     let body = body.map_err(|_| refused(StatusCode::PAYLOAD_TOO_LARGE, "the program is too large, or was cut"))?;
     let load = move |loader: &Loader| {
         let (image, code) = plcc_runtime::loaded::load(&body)?;
