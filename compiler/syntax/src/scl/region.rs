@@ -55,3 +55,17 @@ fn step(keyword: Keyword) -> i32 {
         _ => 0,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use plcc_diag::FileId;
+
+    #[test]
+    fn the_end_of_a_region_in_what_is_read_as_a_comment_is_no_fault() {
+        for line in ["# END_REGION ( (/*", "# REGION a", "x = REGION 1; # END_REGION b c d e"] {
+            let text = format!("FUNCTION_BLOCK \"f\"\nBEGIN\nREGION\n{line}\nEND_FUNCTION_BLOCK\n");
+            let (unit, diagnostics) = crate::scl::parse(FileId(0), &text, &crate::ParseOptions::default());
+            assert!(unit.blocks.len() == 1 && !diagnostics.is_empty(), "{line}");
+        }
+    }
+}

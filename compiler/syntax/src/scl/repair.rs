@@ -36,8 +36,10 @@ pub fn repair(file: FileId, text: &str, raw: &RawText, diagnostics: &mut Vec<Dia
         tokens.extend(edit.with);
         at = edit.after;
         for (region, original) in regions.iter_mut().zip(&raw.regions) {
-            if original.token as usize >= edit.after {
-                region.token = (original.token as usize + tokens.len() - at) as u32;
+            let original = original.token as usize;
+            if original >= edit.first {
+                // What is inside of the replaced tokens comes after them.
+                region.token = (original.max(at) + tokens.len() - at) as u32;
             }
         }
     }

@@ -173,7 +173,8 @@ function keyOf(text) {
   return data.uses[local] ? local : t;
 }
 const HOW = { r: "reads", w: "writes", c: "calls", R: "reads", W: "writes", RW: "reads and writes", "?": "passes on", call: "calls", open: "opens" };
-const crossUse = (u) => linkTo(`${esc(u.block)}${u.network ? ", network " + u.network : ""}: ${HOW[u.access]}${u.statement ? ` <code>${esc(u.statement)}</code>` : ""}`, u.block, u.block_name, u.network);
+const idOf = (u) => data.pages[pageOf(u.block, u.block_name)]?.id ?? u.block;
+const crossUse = (u) => linkTo(`${esc(idOf(u))}${u.network ? ", network " + u.network : ""}: ${HOW[u.access]}${u.statement ? ` <code>${esc(u.statement)}</code>` : ""}`, u.block, u.block_name, u.network);
 function uses(text) {
   const i = byName.get(fold(text));
   if (i !== undefined) return go(i);

@@ -457,6 +457,8 @@ fn a_name_that_is_defined_nowhere_is_told_of_once() {
 fn functions_of_libraries_join_where_the_program_has_none() {
     // By number the block may be the user's own, so the message shows where it comes from.
     let (_, diagnostics) = bind_text("CALL FC 21 ( x := 1 )\n", "", false);
+    assert_eq!(diagnostics[0].title, "FC 21 is not defined");
+    let (_, diagnostics) = bind_text("CALL FC 21 ( RET_VAL := MW 0, x := 1 )\n", "", false);
     assert!(diagnostics[0].help.iter().any(|help| help.contains("`LEN` of the standard library")), "{diagnostics:#?}");
     // A block of the program with that number has priority, and the name still means the library.
     let own = "FUNCTION FC 21 : VOID\nBEGIN\nEND_FUNCTION\nDATA_BLOCK DB 1 STRUCT s : STRING[5]; END_STRUCT; BEGIN END_DATA_BLOCK\nORGANIZATION_BLOCK OB 1\nBEGIN\n CALL FC 21;\n CALL \"LEN\" ( S := DB1.s, RET_VAL := MW 0 );\nEND_ORGANIZATION_BLOCK\n";
