@@ -344,7 +344,9 @@ pub fn slow() -> Result<(), Failed> {
     let names = request("GET /names", &cookie, "");
     let watch = message(ORDERS[0]);
     let page = request("GET /page.js", "", "");
-    let services: [(u16, &[&[u8]], &[u8]); 6] = [
+    // The port, what opens a connection, and a frame to which there is an answer.
+    type Service<'a> = (u16, &'a [&'a [u8]], &'a [u8]);
+    let services: [Service; 6] = [
         (s7, &[CONNECT, SETUP], READ),
         (modbus, &[], MODBUS[0]),
         (opcua, &[&hello, &open], &hello),
