@@ -47,7 +47,7 @@ struct Other<'scope> {
 }
 
 impl<'scope> Begun<'scope> {
-    fn take<'env>(&mut self, scope: &'scope Scope<'scope, 'env>, function: Function) {
+    fn take(&mut self, scope: &'scope Scope<'scope, '_>, function: Function) {
         self.insts += function.insts.len();
         if self.other.is_none() && self.insts > SHARED_INSTS_MIN {
             self.other = Other::start(scope, self.without);
@@ -86,7 +86,7 @@ impl<'scope> Begun<'scope> {
 
 impl<'scope> Other<'scope> {
     /// `None`: there is only one processor, or the system gives no thread; then it only takes longer.
-    fn start<'env>(scope: &'scope Scope<'scope, 'env>, without: Without) -> Option<Other<'scope>> {
+    fn start(scope: &'scope Scope<'scope, '_>, without: Without) -> Option<Other<'scope>> {
         if std::thread::available_parallelism().map_or(1, |count| count.get()) == 1 {
             return None;
         }
