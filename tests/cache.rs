@@ -8,18 +8,22 @@ use plcc_diag::SourceFile;
 use plcc_driver::cache::Cache;
 use plcc_driver::cli::Level;
 use plcc_driver::inputs::Read;
-use plcc_driver::pipeline::{self, Settings};
+use plcc_driver::pipeline::{self, Bound, Settings};
 use plcc_tests::plants::plant;
 
 /// Enough for code to be kept, in more blocks than a small program has.
 const LINES: usize = 20_000;
 
 fn build(text: &str, cache: Option<&Cache>) -> Vec<u8> {
+    pipeline::object(pipeline::lower_begun(&bound(text), Level::O2), cache).expect("it compiles")
+}
+
+fn bound(text: &str) -> Bound {
     let mut read = Read { name: "plant".to_string(), ..Read::default() };
     read.units.push(read.sources.add(SourceFile::new("plant.stl", text)));
     let bound = pipeline::front(read, &Settings { require_main: true, ..Settings::default() });
     assert!(!bound.has_errors(), "{:?}", bound.diagnostics.first());
-    pipeline::object(pipeline::lower(&bound, Level::O2), cache).expect("it compiles")
+    bound
 }
 
 fn keys(cache: &Cache) -> HashSet<u128> {
@@ -59,6 +63,13 @@ fn a_build_with_kept_code_is_the_same() {
         let made = keys(&cache).difference(&kept).count();
         assert!((1..=2).contains(&made), "{made} functions were compiled");
     }
+}
+
+#[test]
+fn passes_that_run_while_code_is_lowered_make_the_same() {
+    let bound = bound(&plant(LINES, 1));
+    let whole = |lowered| pipeline::object(lowered, None).expect("it compiles");
+    assert!(whole(pipeline::lower_begun(&bound, Level::O2)) == whole(pipeline::lower(&bound, Level::O2)));
 }
 
 #[test]

@@ -16,6 +16,7 @@ use std::ffi::OsString;
 use clap::Parser;
 
 pub mod axes;
+mod beginning;
 pub mod cache;
 pub mod cli;
 pub mod code;

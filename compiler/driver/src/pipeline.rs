@@ -21,6 +21,7 @@ use plcc_syntax::stl::Mnemonics;
 use plcc_syntax::symbols::SymbolTable;
 use rustc_hash::FxHashSet;
 
+use crate::beginning;
 use crate::cache::{Cache, Keys};
 use crate::cli::{CompileArgs, CpuFeatures, Deny, Level};
 use crate::inputs::Read;
@@ -106,6 +107,8 @@ pub struct Compiled {
     pub module: Module,
     pub image: ProgramImage,
     pub optimization: Optimization,
+    /// The first passes have run.
+    begun: bool,
 }
 
 /// How code is made of the IR.
@@ -345,7 +348,17 @@ pub fn front(read: Read, settings: &Settings) -> Bound {
 /// The IR of a program without errors.
 pub fn lower(bound: &Bound, optimization: impl Into<Optimization>) -> Compiled {
     let lowered = plcc_lower::lower(&bound.program, &bound.sources);
-    Compiled { module: lowered.module, image: lowered.image, optimization: optimization.into() }
+    Compiled { module: lowered.module, image: lowered.image, optimization: optimization.into(), begun: false }
+}
+
+/// As [`lower`], for [`object`]: at -O2 the first passes have run, which takes less memory.
+pub fn lower_begun(bound: &Bound, optimization: impl Into<Optimization>) -> Compiled {
+    let optimization = optimization.into();
+    if optimization.level == Level::O0 {
+        return lower(bound, optimization);
+    }
+    let lowered = beginning::lower(&bound.program, &bound.sources, optimization.without);
+    Compiled { module: lowered.module, image: lowered.image, optimization, begun: true }
 }
 
 /// The IR of a program without errors, with probes that tell what its statements see, and their places.
@@ -354,14 +367,18 @@ pub fn lower_with_probes(
     optimization: impl Into<Optimization>,
 ) -> (Compiled, Vec<plcc_lower::probe::Place>) {
     let lowered = plcc_lower::lower_with_probes(&bound.program, &bound.sources);
-    (Compiled { module: lowered.module, image: lowered.image, optimization: optimization.into() }, lowered.probes)
+    (
+        Compiled { module: lowered.module, image: lowered.image, optimization: optimization.into(), begun: false },
+        lowered.probes,
+    )
 }
 
 /// The IR of the same program with probes, which shares the image of `plain` and runs in turn with it. The image then has the places of the
 /// probes.
 pub fn lower_beside(bound: &Bound, plain: &mut Compiled) -> Compiled {
     let lowered = plcc_lower::lower_beside(&bound.program, &bound.sources, &plain.module);
-    let mut probed = Compiled { module: lowered.module, image: lowered.image, optimization: plain.optimization };
+    let mut probed =
+        Compiled { module: lowered.module, image: lowered.image, optimization: plain.optimization, begun: false };
     plain.image.config.services.probes = Some(plcc_status::probes::of(&bound.program, &lowered.probes));
     // What is not about the code itself is in the image of the other one.
     let image = &mut probed.image;
@@ -387,7 +404,10 @@ pub fn lower_beside(bound: &Bound, plain: &mut Compiled) -> Compiled {
 /// The IR of a program without errors, with a probe before each statement, and their places.
 pub fn lower_for_debugger(bound: &Bound) -> (Compiled, Vec<plcc_lower::probe::Place>) {
     let lowered = plcc_lower::lower_for_debugger(&bound.program, &bound.sources);
-    (Compiled { module: lowered.module, image: lowered.image, optimization: Level::O0.into() }, lowered.probes)
+    (
+        Compiled { module: lowered.module, image: lowered.image, optimization: Level::O0.into(), begun: false },
+        lowered.probes,
+    )
 }
 
 /// The IR of a program without errors, with probes that tell what of it runs, and their places.
@@ -396,21 +416,25 @@ pub fn lower_for_coverage(
     optimization: impl Into<Optimization>,
 ) -> (Compiled, Vec<plcc_lower::probe::Place>) {
     let lowered = plcc_lower::lower_for_coverage(&bound.program, &bound.sources);
-    (Compiled { module: lowered.module, image: lowered.image, optimization: optimization.into() }, lowered.probes)
+    (
+        Compiled { module: lowered.module, image: lowered.image, optimization: optimization.into(), begun: false },
+        lowered.probes,
+    )
 }
 
 /// Runs the passes of plcc, at -O2.
 pub fn optimize(mut compiled: Compiled) -> Compiled {
-    match compiled.optimization.level {
-        Level::O0 => {}
-        Level::O2 => plcc_opt::optimize(&mut compiled.module, compiled.optimization.without),
+    match (compiled.optimization.level, compiled.begun) {
+        (Level::O0, _) => {}
+        (Level::O2, false) => plcc_opt::optimize(&mut compiled.module, compiled.optimization.without),
+        (Level::O2, true) => plcc_opt::optimize_begun(&mut compiled.module, compiled.optimization.without),
     }
     let usage = plcc_opt::usage(&compiled.module);
     let reached = compiled.reached();
     compiled.with_usage(&usage, &reached)
 }
 
-/// The object file of a program that is lowered, not optimised. At -O2 the code of unchanged functions comes from `cache`, which keeps
+/// The object file of a program that is lowered, and not optimised or only begun. At -O2 the code of unchanged functions comes from `cache`, which keeps
 /// the code that it did not have.
 pub fn object(compiled: Compiled, cache: Option<&Cache>) -> Result<Vec<u8>, CodegenError> {
     let (finished, _) = object_of(linked::SYMBOL, compiled, Beside::Nothing, cache)?;
@@ -442,12 +466,14 @@ fn object_of(
     cache: Option<&Cache>,
 ) -> Result<(Vec<u8>, ProgramImage), CodegenError> {
     let Optimization { level, without, cpu_features } = compiled.optimization;
-    if level == Level::O2 {
-        plcc_opt::optimize_together(&mut compiled.module, without);
+    match (level, compiled.begun) {
+        (Level::O0, _) => {}
+        (Level::O2, false) => plcc_opt::optimize_together(&mut compiled.module, without),
+        (Level::O2, true) => plcc_opt::optimize_begun_together(&mut compiled.module, without),
     }
     let options = compiled.codegen_options();
     let reached = compiled.reached();
-    let Compiled { mut module, image, optimization } = compiled;
+    let Compiled { mut module, image, optimization, begun } = compiled;
     let surroundings = plcc_opt::Surroundings::new(&module);
     // Keys are made of canonical functions, which the passes leave, and do not name the processor of this computer.
     let is_kept = level == Level::O2 && without == Without::NOTHING && cpu_features == CpuFeatures::Baseline;
@@ -466,7 +492,7 @@ fn object_of(
     let finished = plcc_codegen::finish(&mut module, &options, &finishing)?;
     let usage: Vec<Usage> = finished.notes.iter().copied().map(usage_of_note).collect();
     let entries = Module { entries, ..Module::default() };
-    let mut compiled = Compiled { module: entries, image, optimization }.with_usage(&usage, &reached);
+    let mut compiled = Compiled { module: entries, image, optimization, begun }.with_usage(&usage, &reached);
     let variables = match beside {
         Beside::Nothing => Some(variables::of(&compiled.image)),
         Beside::Plain => None,
@@ -498,7 +524,7 @@ const NO_LOCAL_DATA: u32 = u32::MAX >> 1;
 
 /// Lowers and optimises.
 pub fn back(bound: &Bound, optimization: impl Into<Optimization>) -> Compiled {
-    optimize(lower(bound, optimization))
+    optimize(lower_begun(bound, optimization))
 }
 
 impl Compiled {

@@ -14,7 +14,6 @@ mod paths;
 use plcc_abi::functions::Effect;
 use plcc_abi::{RuntimeFn, Type};
 
-use crate::analysis::ControlFlow;
 use crate::entities::{Block, Entity, EntityVec, FuncId, Inst, Loc, Value, Var};
 use crate::eval;
 use crate::function::{Function, ValueDef};
@@ -115,8 +114,7 @@ impl FunctionBuilder {
         self.supply_params();
         self.function.resolve_aliases();
         // In an unreachable cycle a value can be defined by itself; the text would not parse.
-        let flow = ControlFlow::new(&self.function);
-        self.function.layout.retain(|&block| flow.is_reachable(block));
+        self.function.remove_unreachable_blocks();
         self.function
     }
 

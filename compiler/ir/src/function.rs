@@ -137,11 +137,24 @@ impl Function {
     }
 
     /// The value that `value` is an alias of, or itself.
+    #[inline]
     pub fn resolve(&self, mut value: Value) -> Value {
         while let ValueDef::Alias(other) = self.values[value].def {
             value = other;
         }
         value
+    }
+
+    /// Replaces aliases with their values among the operands of `inst`.
+    #[inline]
+    pub fn resolve_uses(&mut self, inst: Inst) {
+        let values = &self.values;
+        self.insts[inst].map_uses(|mut value| {
+            while let ValueDef::Alias(other) = values[value].def {
+                value = other;
+            }
+            value
+        });
     }
 
     /// Makes `value` another name of `other`.

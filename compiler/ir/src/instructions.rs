@@ -349,13 +349,15 @@ impl InstData {
     }
 
     /// Calls `f` with every value that the instruction uses, those of block calls included.
+    #[inline]
     pub fn for_each_use(&self, mut f: impl FnMut(Value)) {
-        self.visit(&mut |v| f(*v));
+        self.visit(|v| f(*v));
     }
 
     /// Replaces every used value.
+    #[inline]
     pub fn map_uses(&mut self, mut f: impl FnMut(Value) -> Value) {
-        self.visit_mut(&mut |v| *v = f(*v));
+        self.visit_mut(|v| *v = f(*v));
     }
 
     /// The jump targets of a terminator.
@@ -431,7 +433,8 @@ impl InstData {
 macro_rules! visitor {
     ($name:ident, $slice:ident, $($mutability:tt)?) => {
         impl InstData {
-            fn $name(& $($mutability)? self, f: &mut dyn FnMut(& $($mutability)? Value)) {
+            #[inline]
+            fn $name(& $($mutability)? self, mut f: impl FnMut(& $($mutability)? Value)) {
                 match self {
                     InstData::Const { .. } | InstData::FrameBase { .. } => {}
                     InstData::Unary { arg, .. } | InstData::Convert { arg, .. } => f(arg),
@@ -446,11 +449,11 @@ macro_rules! visitor {
                     InstData::Load { addr } | InstData::LoadBit { addr, .. } | InstData::AddressOf { addr }
                     | InstData::Clear { addr, .. } => addr.base.$slice().for_each(f),
                     InstData::Store { addr, value } | InstData::StoreBit { addr, value, .. } => {
-                        addr.base.$slice().for_each(&mut *f);
+                        addr.base.$slice().for_each(&mut f);
                         f(value);
                     }
                     InstData::Copy { to, from, .. } => {
-                        to.base.$slice().for_each(&mut *f);
+                        to.base.$slice().for_each(&mut f);
                         from.base.$slice().for_each(f);
                     }
                     InstData::DbBase { number } | InstData::DbLength { number } => f(number),
@@ -458,13 +461,13 @@ macro_rules! visitor {
                     InstData::Jump { target } => target.args.$slice().for_each(f),
                     InstData::Branch { cond, then_to, else_to } => {
                         f(cond);
-                        then_to.args.$slice().for_each(&mut *f);
+                        then_to.args.$slice().for_each(&mut f);
                         else_to.args.$slice().for_each(f);
                     }
                     InstData::Switch { value, targets, default } => {
                         f(value);
                         for target in targets {
-                            target.args.$slice().for_each(&mut *f);
+                            target.args.$slice().for_each(&mut f);
                         }
                         default.args.$slice().for_each(f);
                     }

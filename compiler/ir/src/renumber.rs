@@ -4,7 +4,7 @@
 //! nothing else is stored: no aliases, no instruction outside a block, no block outside the layout. A canonical
 //! function equals the parsed form of its text.
 
-use crate::analysis::ControlFlow;
+use crate::analysis::reachable;
 use crate::entities::{Block, Entity, EntityVec, Value};
 use crate::function::{BlockData, Function, Results, ValueData, ValueDef};
 
@@ -82,9 +82,9 @@ impl Function {
 
     /// Takes blocks that cannot be reached out of the layout; returns how many.
     pub fn remove_unreachable_blocks(&mut self) -> usize {
-        let cfg = ControlFlow::new(self);
+        let reachable = reachable(self);
         let before = self.layout.len();
-        self.layout.retain(|&block| cfg.is_reachable(block));
+        self.layout.retain(|&block| reachable[block]);
         before - self.layout.len()
     }
 }

@@ -36,13 +36,15 @@ use plcc_abi::ProgramImage;
 use plcc_abi::image::{AssertEntry, BlockEntry, BlockKind, DbEntry, ErrorSlot, Site};
 use plcc_abi::s7200::image::S7200Image;
 use plcc_diag::SourceMap;
-use plcc_ir::{Module, StaticDb};
+use plcc_ir::entities::EntityVec;
+use plcc_ir::{FuncId, Function, Module, StaticDb};
 use plcc_model::Program;
 use plcc_model::{Assert, Body, CodeBlock};
 
 use crate::names::Types;
 use crate::plan::Plan;
 use crate::probe::{Asked, Probes};
+use crate::used::Places;
 
 /// A lowered program: its code, and data about it for the runtime.
 #[derive(Clone, Debug)]
@@ -56,6 +58,12 @@ pub struct Lowered {
 /// Lowers a program that was bound without errors.
 pub fn lower(program: &Program, sources: &SourceMap) -> Lowered {
     lower_program(program, sources, Probes::default())
+}
+
+/// As [`lower`], but gives each function away as soon as it is made, in the order of their numbers; the module comes back without them. The
+/// caller can finish some while others are lowered, so that the IR of a large program never is in memory as it was lowered.
+pub fn lower_each(program: &Program, sources: &SourceMap, take: &mut dyn FnMut(Function)) -> Lowered {
+    lower_to(program, sources, Probes::default(), take)
 }
 
 /// Lowers a program that was bound without errors, with probes that tell what its statements see.
@@ -83,14 +91,24 @@ pub fn lower_for_coverage(program: &Program, sources: &SourceMap) -> Lowered {
 /// The part of the image by which names are found, without code: of a program that was bound without errors.
 pub fn names_of(program: &Program, sources: &SourceMap) -> ProgramImage {
     let facts = Facts { dbs: Vec::new(), db_end: 0, error_slots: Vec::new(), stops_itself: false };
-    let image = Output::new(program, sources, facts, Probes::default()).image;
+    let image = Output::new(program, sources, facts, Probes::default(), &mut |_| {}).image;
     let s7200 = program.s7200.map(|cpu| S7200Image { cpu, ..S7200Image::default() });
     ProgramImage { s7200, ..image }
 }
 
 fn lower_program(program: &Program, sources: &SourceMap, probes: Probes) -> Lowered {
+    let mut functions = EntityVec::new();
+    let mut lowered = lower_to(program, sources, probes, &mut |mut function| {
+        function.shrink_to_fit();
+        functions.push(function);
+    });
+    lowered.module.functions = functions;
+    lowered
+}
+
+fn lower_to(program: &Program, sources: &SourceMap, probes: Probes, take: &mut dyn FnMut(Function)) -> Lowered {
     if let Some(cpu) = program.s7200 {
-        return s7200::lower(program, cpu, sources, probes);
+        return s7200::lower(program, cpu, sources, probes, take);
     }
     let plan = Plan::new(program);
     let facts = Facts {
@@ -99,7 +117,7 @@ fn lower_program(program: &Program, sources: &SourceMap, probes: Probes) -> Lowe
         error_slots: plan.error_slots(),
         stops_itself: plan.stops_itself,
     };
-    let mut output = Output::new(program, sources, facts, probes);
+    let mut output = Output::new(program, sources, facts, probes, take);
     let is_large = program.blocks.len() > SMALL_BLOCKS_MAX;
     for (index, block) in program.blocks.iter().enumerate() {
         if is_large {
@@ -110,11 +128,10 @@ fn lower_program(program: &Program, sources: &SourceMap, probes: Probes) -> Lowe
             Body::Scl(body) => Some(scl::lower_block(&plan, &mut output, block, body)),
             Body::S7200(_) | Body::Runtime => None,
         };
-        if let Some(mut function) = function {
-            function.shrink_to_fit();
-            let id = output.module.functions.push(function);
+        if let Some(function) = function {
+            let frame = function.frame_bytes;
+            let id = output.add(function);
             debug_assert_eq!(Some(id), plan.function(index), "functions are numbered in order of the blocks");
-            let frame = output.module.functions[id].frame_bytes;
             debug_assert!(
                 frame <= plan.frame_estimate(block.key()),
                 "the plan has counted what calls put into the frame"
@@ -123,13 +140,13 @@ fn lower_program(program: &Program, sources: &SourceMap, probes: Probes) -> Lowe
     }
     for (index, block) in program.blocks.iter().enumerate() {
         let Some(function) = plan.function(index) else { continue };
-        let mut frame = output.module.functions[function].frame_bytes;
+        let mut frame = output.frames[function];
         let entry = match block.kind {
             BlockKind::Ob => function,
             _ if plan.has_dynamic_calls => {
                 let wrapper = entry::lower_entry(&plan, block, function);
                 frame += wrapper.frame_bytes;
-                output.module.functions.push(wrapper)
+                output.add(wrapper)
             }
             _ => {
                 output.image.inner_blocks.push((block.kind, block.number, block.name.clone()));
@@ -167,16 +184,29 @@ pub(crate) struct Facts {
 
 /// Data that grows while blocks are lowered.
 pub(crate) struct Output<'s> {
+    /// Without the functions.
     pub module: Module,
     pub image: ProgramImage,
     pub probes: Probes,
     sources: &'s SourceMap,
+    /// Takes the functions.
+    take: &'s mut dyn FnMut(Function),
+    /// Bytes of the frame of each function.
+    frames: EntityVec<FuncId, u32>,
+    used: Places,
 }
 
 impl<'s> Output<'s> {
-    fn new(program: &Program, sources: &'s SourceMap, facts: Facts, probes: Probes) -> Output<'s> {
+    fn new(
+        program: &Program,
+        sources: &'s SourceMap,
+        facts: Facts,
+        probes: Probes,
+        take: &'s mut dyn FnMut(Function),
+    ) -> Output<'s> {
         let files: Vec<String> = sources.files().map(|(_, file)| file.name.clone()).collect();
-        let address_of = |number| facts.dbs.iter().find(|db| db.number == number).map_or(facts.db_end, |db| db.address);
+        let place_of = |number| facts.dbs.binary_search_by_key(&number, |db: &StaticDb| db.number).ok();
+        let address_of = |number| place_of(number).map_or(facts.db_end, |index| facts.dbs[index].address);
         let sites = probes.sites.clone();
         let module = Module { dbs: facts.dbs.clone(), files, sites, ..Module::default() };
         let mut types = Types::default();
@@ -216,7 +246,15 @@ impl<'s> Output<'s> {
             inner_blocks: Vec::new(),
             s7200: None,
         };
-        Output { module, image, probes, sources }
+        Output { module, image, probes, sources, take, frames: EntityVec::new(), used: Places::default() }
+    }
+
+    /// A function is complete.
+    pub fn add(&mut self, function: Function) -> FuncId {
+        self.used.add(&function);
+        let id = self.frames.push(function.frame_bytes);
+        (self.take)(function);
+        id
     }
 
     /// Index of the span's file in the image, and its line there. Blocks of the standard library have the spans of their first calls.
@@ -260,7 +298,7 @@ impl<'s> Output<'s> {
     }
 
     fn finish(mut self) -> Lowered {
-        self.image.used = used::places(&self.module);
+        self.image.used = self.used.finish();
         self.image.files = self.module.files.clone();
         self.image.sites = self.module.sites.clone();
         Lowered { module: self.module, image: self.image, probes: self.probes.places.unwrap_or_default() }

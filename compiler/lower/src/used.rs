@@ -1,15 +1,20 @@
 //! The places that the code of a program names: what a trace records if nobody says what.
 
 use plcc_abi::names::{UsedArea, UsedPlace};
-use plcc_ir::{Address, InstData, Module, Region};
+use plcc_ir::{Address, Function, InstData, Region};
+use rustc_hash::FxHashSet;
 
 /// More places than a trace can show are left out.
 const PLACES_MAX: usize = 10_000;
 
-/// The places of all instructions with a known address, in order.
-pub fn places(module: &Module) -> Vec<UsedPlace> {
-    let mut places = Vec::new();
-    for function in module.functions.values() {
+/// The places of all instructions with a known address.
+#[derive(Default)]
+pub struct Places {
+    places: FxHashSet<UsedPlace>,
+}
+
+impl Places {
+    pub fn add(&mut self, function: &Function) {
         let blocks = function.layout.iter().flat_map(|&block| &function.blocks[block].insts);
         for &inst in blocks {
             let (address, bit, bits) = match &function.insts[inst] {
@@ -18,13 +23,17 @@ pub fn places(module: &Module) -> Vec<UsedPlace> {
                 InstData::LoadBit { addr, bit } | InstData::StoreBit { addr, bit, .. } => (addr, *bit, 1),
                 _ => continue,
             };
-            places.extend(place(address, bit, bits));
+            self.places.extend(place(address, bit, bits));
         }
     }
-    places.sort_unstable();
-    places.dedup();
-    places.truncate(PLACES_MAX);
-    places
+
+    /// In order.
+    pub fn finish(self) -> Vec<UsedPlace> {
+        let mut places: Vec<UsedPlace> = self.places.into_iter().collect();
+        places.sort_unstable();
+        places.truncate(PLACES_MAX);
+        places
+    }
 }
 
 fn place(address: &Address, bit: u8, bits: u32) -> Option<UsedPlace> {

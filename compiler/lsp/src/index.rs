@@ -84,7 +84,7 @@ impl<'c> Entry<'c> {
     }
 
     pub fn labels(&self) -> impl Iterator<Item = &'c Label> + use<'c> {
-        self.statements().filter_map(|statement| statement.label.as_ref())
+        self.statements().filter_map(|statement| statement.label.as_deref())
     }
 }
 

@@ -236,7 +236,7 @@ pub enum StlStatementKind {
         default: LabelId,
     },
     Call(Call),
-    Assert(Assert),
+    Assert(Box<Assert>),
     /// `//@ sleep N`, in milliseconds.
     Sleep(u32),
 }

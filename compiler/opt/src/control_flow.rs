@@ -23,8 +23,10 @@ pub fn simplify_control_flow(function: &mut Function) -> bool {
     let mut any = false;
     for _ in 0..ROUNDS_MAX {
         let mut changed = function.remove_unreachable_blocks() > 0;
-        changed |= thread_jumps(function);
-        changed |= function.remove_unreachable_blocks() > 0;
+        if thread_jumps(function) {
+            function.remove_unreachable_blocks();
+            changed = true;
+        }
         changed |= remove_redundant_params(function);
         changed |= merge_blocks(function);
         if !changed {

@@ -18,6 +18,8 @@
 //! Local data are also checked as a whole: in a private frame (see `frames`) bytes that are never read anywhere need
 //! no store and no `clear`.
 
+use std::rc::Rc;
+
 use plcc_abi::functions::Effect;
 use plcc_ir::analysis::ControlFlow;
 use plcc_ir::{Block, Function, Inst, InstData, Region, Value};
@@ -40,8 +42,8 @@ const RANGES_MAX: usize = 1024;
 /// Ranges that are kept for one region from block to block.
 const SHARED_MAX: usize = 64;
 
-/// Ranges from each base of a region.
-type Bases = Vec<(Option<Value>, Extents<()>)>;
+/// Ranges from each base of a region. What blocks have in common is shared until one of them changes it.
+type Bases = Rc<Vec<(Option<Value>, Extents<()>)>>;
 
 /// Ranges that are written before they are read.
 #[derive(Clone, Default)]
@@ -83,7 +85,7 @@ impl Overwritten {
         if access.start == access.end {
             return;
         }
-        let bases = self.ranges.entry(access.region).or_default();
+        let bases = Rc::make_mut(self.ranges.entry(access.region).or_default());
         let index = bases.iter().position(|(base, _)| *base == access.base).unwrap_or_else(|| {
             bases.push((access.base, Extents::default()));
             bases.len() - 1
@@ -100,7 +102,13 @@ impl Overwritten {
         if matches!(access.region, Region::L | Region::Any) {
             self.frame_ends = false;
         }
-        if let Some(bases) = self.ranges.get_mut(&access.region) {
+        let is_touched = |(base, extents): &(Option<Value>, Extents<()>)| {
+            *base != access.base || extents.is_empty() || extents.overlaps(access.start, access.end)
+        };
+        if let Some(shared) = self.ranges.get_mut(&access.region)
+            && (shared.is_empty() || shared.iter().any(is_touched))
+        {
+            let bases = Rc::make_mut(shared);
             bases.retain_mut(|(base, extents)| {
                 let same = *base == access.base;
                 if same {
@@ -133,16 +141,23 @@ impl Overwritten {
 
     /// What the blocks before the one at whose beginning this holds may know.
     fn at_start(&mut self) {
-        for bases in self.ranges.values_mut() {
-            bases.retain(|(base, extents)| base.is_none() && extents.len() <= SHARED_MAX);
-        }
-        self.ranges.retain(|_, bases| !bases.is_empty());
+        let is_told = |(base, extents): &(Option<Value>, Extents<()>)| base.is_none() && extents.len() <= SHARED_MAX;
+        self.ranges.retain(|_, bases| {
+            if !bases.iter().all(is_told) {
+                Rc::make_mut(bases).retain(is_told);
+            }
+            !bases.is_empty()
+        });
     }
 
     /// Keeps what holds in `other` too, which holds at the beginning of a block.
     fn intersect(&mut self, other: &Overwritten) {
         self.ranges.retain(|region, bases| {
             let Some(others) = other.ranges.get(region) else { return false };
+            if Rc::ptr_eq(bases, others) && bases.iter().all(|(_, extents)| !extents.is_empty()) {
+                return !bases.is_empty();
+            }
+            let bases = Rc::make_mut(bases);
             bases.retain_mut(|(base, extents)| {
                 let same = others.iter().find(|(other, _)| other == base);
                 same.is_some_and(|(_, others)| {
@@ -160,7 +175,7 @@ impl Overwritten {
         let Some(bases) = self.ranges.get_mut(&Region::System) else { return };
         let mut registers = Extents::default();
         REGISTERS.iter().for_each(|&(start, end)| registers.insert(start, end, ()));
-        bases.retain_mut(|(base, extents)| {
+        Rc::make_mut(bases).retain_mut(|(base, extents)| {
             extents.intersect(&registers);
             base.is_none() && !extents.is_empty()
         });

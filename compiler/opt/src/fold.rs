@@ -61,11 +61,44 @@ struct Folder<'a> {
     changed: bool,
 }
 
+/// True if [`Folder::step`] has rules for such an instruction.
+fn has_rules(data: &InstData) -> bool {
+    match data {
+        InstData::Unary { .. }
+        | InstData::Binary { .. }
+        | InstData::IntCompare { .. }
+        | InstData::FloatCompare { .. }
+        | InstData::Convert { .. }
+        | InstData::Select { .. }
+        | InstData::Branch { .. }
+        | InstData::Switch { .. } => true,
+        InstData::Const { .. }
+        | InstData::Load { .. }
+        | InstData::Store { .. }
+        | InstData::LoadBit { .. }
+        | InstData::StoreBit { .. }
+        | InstData::AddressOf { .. }
+        | InstData::Clear { .. }
+        | InstData::Copy { .. }
+        | InstData::DbBase { .. }
+        | InstData::DbLength { .. }
+        | InstData::Call { .. }
+        | InstData::CallRuntime { .. }
+        | InstData::FrameBase { .. }
+        | InstData::Jump { .. }
+        | InstData::Return { .. } => false,
+    }
+}
+
 impl Folder<'_> {
     fn visit(&mut self, inst: Inst) {
+        self.function.resolve_uses(inst);
+        if !has_rules(&self.function.insts[inst]) {
+            self.out.push(inst);
+            return;
+        }
         self.loc = self.function.locs[inst];
         let mut data = std::mem::replace(&mut self.function.insts[inst], InstData::Const { bits: 0 });
-        data.map_uses(|value| self.function.resolve(value));
         for _ in 0..STEPS_MAX {
             let step = self.step(inst, &data);
             self.changed |= step.is_some();

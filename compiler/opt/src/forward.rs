@@ -56,7 +56,7 @@ pub fn read_whole_words(function: &mut Function, surroundings: &Surroundings) ->
 fn forward(function: &mut Function, surroundings: &Surroundings, whole_words: Option<&[StaticDb]>) -> bool {
     let (frames, effects) = (&surroundings.frames(function), &surroundings.effects);
     let cfg = ControlFlow::new(function);
-    let mut at_end: EntityVec<Block, Option<AtEnd>> = EntityVec::filled(None, function.blocks.len());
+    let mut at_end: EntityVec<Block, Option<Box<AtEnd>>> = EntityVec::filled(None, function.blocks.len());
     let cold_takes_frame = frames.is_private() && function.local_bytes() > 0;
     let mut pass = Forward {
         function,
@@ -80,7 +80,7 @@ fn forward(function: &mut Function, surroundings: &Surroundings, whole_words: Op
         pass.function.blocks[block].insts = std::mem::take(&mut pass.out);
         let readers = cfg.successors(block).iter().filter(|&&next| takes(pass.function, block, next)).count();
         if readers > 0 {
-            at_end[block] = Some(AtEnd { memory: std::mem::take(&mut pass.known), readers });
+            at_end[block] = Some(Box::new(AtEnd { memory: std::mem::take(&mut pass.known), readers }));
         }
     }
     let changed = pass.changed;
@@ -127,7 +127,7 @@ fn known_at_start(
     cfg: &ControlFlow,
     effects: &Effects,
     block: Block,
-    at_end: &mut EntityVec<Block, Option<AtEnd>>,
+    at_end: &mut EntityVec<Block, Option<Box<AtEnd>>>,
     takes: &dyn Fn(&Function, Block, Block) -> bool,
 ) -> Memory {
     let is_cold = forgets(function, effects, block);
@@ -175,8 +175,8 @@ enum Content {
     Zero,
 }
 
-/// The facts from each base of a region.
-type Bases = Vec<(Option<Value>, Rc<Extents<Content>>)>;
+/// The facts from each base of a region. What blocks have in common is shared until one of them changes it.
+type Bases = Rc<Vec<(Option<Value>, Rc<Extents<Content>>)>>;
 
 /// The facts about memory.
 #[derive(Clone, Default)]
@@ -188,7 +188,7 @@ struct Memory {
 
 impl Memory {
     fn bound(&mut self) {
-        if self.regions.values().map(Vec::len).sum::<usize>() > BASES_MAX {
+        if self.regions.values().map(|bases| bases.len()).sum::<usize>() > BASES_MAX {
             self.regions.clear();
         }
     }
@@ -213,7 +213,7 @@ impl Memory {
     }
 
     fn fill(&mut self, access: &Access, content: Content) {
-        let bases = self.regions.entry(access.region).or_default();
+        let bases = Rc::make_mut(self.regions.entry(access.region).or_default());
         let index = match bases.iter().position(|(base, _)| *base == access.base) {
             Some(index) => index,
             None => {
@@ -265,6 +265,13 @@ impl Memory {
     /// Forgets in one region: what overlaps from the same base, everything from others.
     fn forget_in(&mut self, region: Region, access: &Access) {
         let Some(bases) = self.regions.get_mut(&region) else { return };
+        let is_touched = |(base, extents): &(Option<Value>, Rc<Extents<Content>>)| {
+            *base != access.base || extents.overlaps(access.start, access.end)
+        };
+        if !bases.iter().any(is_touched) {
+            return;
+        }
+        let bases = Rc::make_mut(bases);
         bases.retain(|(base, _)| *base == access.base);
         for (_, extents) in bases {
             if extents.overlaps(access.start, access.end) {
@@ -283,6 +290,7 @@ impl Memory {
         if function.inlined_bytes == 0 {
             return;
         }
+        let bases = Rc::make_mut(bases);
         bases.retain(|(base, _)| base.is_none());
         let (start, end) = (u64::from(function.frame_bytes) * 8, u64::from(function.local_bytes()) * 8);
         for (_, extents) in bases {
@@ -306,7 +314,7 @@ impl Memory {
     /// Forgets what a runtime function may change in the system area.
     fn forget_system(&mut self, function: RuntimeFn, effects: &Effects) {
         let Some(bases) = self.regions.get_mut(&Region::System) else { return };
-        bases.retain_mut(|(base, extents)| {
+        Rc::make_mut(bases).retain_mut(|(base, extents)| {
             let is_kept = |start, end| !effects.may_write(function, Region::System, Some((start, end)));
             if base.is_none() && extents.iter().any(|item| is_kept(item.start, item.end)) {
                 Rc::make_mut(extents).retain(|item| is_kept(item.start, item.end));
@@ -320,6 +328,10 @@ impl Memory {
     fn intersect(&mut self, other: &Memory) {
         self.regions.retain(|region, bases| {
             let Some(others) = other.regions.get(region) else { return false };
+            if Rc::ptr_eq(bases, others) && bases.iter().all(|(_, extents)| !extents.is_empty()) {
+                return !bases.is_empty();
+            }
+            let bases = Rc::make_mut(bases);
             bases.retain_mut(|(base, extents)| {
                 let Some((_, other)) = others.iter().find(|(other_base, _)| other_base == base) else { return false };
                 if !Rc::ptr_eq(extents, other) {
@@ -354,12 +366,45 @@ struct Forward<'a> {
     changed: bool,
 }
 
+/// False for instructions that neither read nor write anything that facts are about.
+fn touches_memory(data: &InstData) -> bool {
+    match data {
+        InstData::Load { .. }
+        | InstData::LoadBit { .. }
+        | InstData::Store { .. }
+        | InstData::StoreBit { .. }
+        | InstData::Clear { .. }
+        | InstData::Copy { .. }
+        | InstData::DbBase { .. }
+        | InstData::DbLength { .. }
+        | InstData::Call { .. }
+        | InstData::CallRuntime { .. } => true,
+        InstData::Const { .. }
+        | InstData::Unary { .. }
+        | InstData::Binary { .. }
+        | InstData::IntCompare { .. }
+        | InstData::FloatCompare { .. }
+        | InstData::Convert { .. }
+        | InstData::Select { .. }
+        | InstData::AddressOf { .. }
+        | InstData::FrameBase { .. }
+        | InstData::Jump { .. }
+        | InstData::Branch { .. }
+        | InstData::Switch { .. }
+        | InstData::Return { .. } => false,
+    }
+}
+
 impl Forward<'_> {
     fn visit(&mut self, inst: Inst) {
         let function = &mut *self.function;
+        function.resolve_uses(inst);
+        if !touches_memory(&function.insts[inst]) {
+            self.out.push(inst);
+            return;
+        }
         self.loc = function.locs[inst];
-        let mut data = std::mem::replace(&mut function.insts[inst], InstData::Const { bits: 0 });
-        data.map_uses(|value| function.resolve(value));
+        let data = std::mem::replace(&mut function.insts[inst], InstData::Const { bits: 0 });
         let step = self.step(inst, &data);
         self.function.insts[inst] = data;
         self.changed |= !matches!(step, Step::Keep);

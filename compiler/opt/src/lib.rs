@@ -202,6 +202,32 @@ pub fn optimize_together(module: &mut Module, without: Without) {
     run_all(TOGETHER, module, without);
 }
 
+/// The beginning of the first part for one function, which need not be in a module yet.
+pub fn begin(function: &mut Function, without: Without) {
+    run_row(beginning().0, function, without);
+}
+
+/// [`optimize`] for functions that [`begin`] was called with.
+pub fn optimize_begun(module: &mut Module, without: Without) {
+    optimize_begun_together(module, without);
+    run_all(ALONE, module, without);
+}
+
+/// The first part of [`optimize`] for functions that [`begin`] was called with.
+pub fn optimize_begun_together(module: &mut Module, without: Without) {
+    run_all(beginning().1, module, without);
+}
+
+/// The first passes, which know nothing but their function, and the others of [`TOGETHER`].
+fn beginning() -> (&'static [Pass], &'static [Pass]) {
+    TOGETHER.split_at(row_of_functions(TOGETHER))
+}
+
+/// How many passes in a row know nothing but their function.
+fn row_of_functions(passes: &[Pass]) -> usize {
+    passes.iter().take_while(|pass| matches!(pass.run, Run::Function(_))).count()
+}
+
 /// The second part of [`optimize`], for one function of a module after the first part.
 pub fn optimize_alone(function: &mut Function, surroundings: &Surroundings, without: Without) {
     run_on(ALONE, function, surroundings, without);
@@ -221,6 +247,14 @@ fn run_all(mut passes: &[Pass], module: &mut Module, without: Without) {
             passes = rest;
             continue;
         }
+        // What surrounds functions is found when it is asked for: after the first passes there is less to look at, and it is less.
+        let row = row_of_functions(passes);
+        if row > 0 {
+            let (row, rest) = passes.split_at(row);
+            surroundings::for_each(&mut module.functions, &|function| run_row(row, function, without));
+            passes = rest;
+            continue;
+        }
         let row = passes.iter().take_while(|pass| !matches!(pass.run, Run::Module(_))).count();
         let (row, rest) = passes.split_at(row);
         let surroundings = Surroundings::new(module);
@@ -236,6 +270,22 @@ fn run_all(mut passes: &[Pass], module: &mut Module, without: Without) {
 ///
 /// Result: whether anything changed.
 fn run_on(passes: &[Pass], function: &mut Function, surroundings: &Surroundings, without: Without) -> bool {
+    run_each_on(passes, without, |run| match run {
+        Run::Function(run) => run(function),
+        Run::Surrounded(run) => run(function, surroundings),
+        Run::Module(_) => unreachable!("only passes that look at one function run so"),
+    })
+}
+
+/// As [`run_on`], for passes that know nothing but their function.
+fn run_row(passes: &[Pass], function: &mut Function, without: Without) {
+    run_each_on(passes, without, |run| match run {
+        Run::Function(run) => run(function),
+        Run::Surrounded(_) | Run::Module(_) => unreachable!("only passes that know nothing but their function run so"),
+    });
+}
+
+fn run_each_on(passes: &[Pass], without: Without, mut run: impl FnMut(Run) -> bool) -> bool {
     let mut changes = 0;
     // For each pass, how many of the passes before it had changed something when it ran last.
     let mut seen: FxHashMap<&str, usize> = FxHashMap::default();
@@ -243,12 +293,7 @@ fn run_on(passes: &[Pass], function: &mut Function, surroundings: &Surroundings,
         if seen.insert(pass.name, changes) == Some(changes) {
             continue;
         }
-        let changed = match pass.run {
-            Run::Function(run) => run(function),
-            Run::Surrounded(run) => run(function, surroundings),
-            Run::Module(_) => unreachable!("only passes that look at one function run so"),
-        };
-        changes += usize::from(changed);
+        changes += usize::from(run(pass.run));
     }
     changes > 0
 }

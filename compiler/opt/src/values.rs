@@ -45,18 +45,16 @@ pub fn share_values(function: &mut Function) -> bool {
             conditions.insert(cond, Known { block, value: function.result(inst) });
         }
         for inst in insts {
-            let mut data = std::mem::replace(&mut function.insts[inst], InstData::Const { bits: 0 });
-            data.map_uses(|value| {
-                let value = function.resolve(value);
-                match conditions.get(&value) {
+            function.resolve_uses(inst);
+            if !conditions.is_empty() {
+                function.insts[inst].map_uses(|value| match conditions.get(&value) {
                     Some(known) if dominators.dominates(known.block, block) => {
                         used.insert(known.value, known.block);
                         known.value
                     }
                     _ => value,
-                }
-            });
-            function.insts[inst] = data;
+                });
+            }
             if let Some(key) = key_of(function, inst) {
                 match computed.entry(key) {
                     Entry::Occupied(mut entry) => {

@@ -360,10 +360,10 @@ pub struct Network {
     pub statements: Vec<Statement>,
 }
 
-/// A statement, with the label before it.
+/// A statement, with the label before it. What few statements have is boxed: a program can have a million of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Statement {
-    pub label: Option<Label>,
+    pub label: Option<Box<Label>>,
     pub kind: StatementKind,
     pub span: Span,
 }
@@ -385,7 +385,7 @@ pub enum StatementKind {
         mnemonic_span: Span,
         operand: Option<Operand>,
     },
-    Call(Call),
+    Call(Box<Call>),
     Pragma(Pragma),
     /// Could not be parsed; reported.
     Error,

@@ -62,7 +62,7 @@ impl Maker<'_> {
             .map(|(_, name, actual)| ast::Parameter { name, name_span: self.span, actual })
             .collect();
         let (target, instance) = self.callee(call, callee)?;
-        self.push_kind(ast::StatementKind::Call(ast::Call { target, instance, parameters }));
+        self.push_kind(ast::StatementKind::Call(Box::new(ast::Call { target, instance, parameters })));
         self.note_eno(call);
         for back in backs {
             self.take_back(&back);

@@ -35,9 +35,9 @@ impl Maker<'_> {
         for label in self.pending.drain(..alone) {
             let operand = Some(number(0, label.span));
             let kind = StatementKind::Instruction { insn: StlInsn::Nop, mnemonic_span: label.span, operand };
-            self.statements.push(Statement { span: label.span, label: Some(label), kind });
+            self.statements.push(Statement { span: label.span, label: Some(Box::new(label)), kind });
         }
-        self.statements.push(Statement { label: self.pending.pop(), kind, span: self.span });
+        self.statements.push(Statement { label: self.pending.pop().map(Box::new), kind, span: self.span });
     }
 
     /// The next statement has this label; `at`: its place in the source.

@@ -136,7 +136,7 @@ impl Maker<'_> {
             instance: None,
             parameters: vec![parameter("SRCBLK", from), parameter("RET_VAL", result), parameter("DSTBLK", to)],
         };
-        self.push_kind(ast::StatementKind::Call(call));
+        self.push_kind(ast::StatementKind::Call(Box::new(call)));
     }
 
     // Branches.

@@ -140,7 +140,7 @@ impl Maker<'_> {
                 for statement in list {
                     let mut statement = statement.clone();
                     if statement.label.is_none() {
-                        statement.label = self.pending.pop();
+                        statement.label = self.pending.pop().map(Box::new);
                     }
                     self.statements.push(statement);
                 }
@@ -183,9 +183,9 @@ impl Maker<'_> {
             let label = self.pending.remove(0);
             let operand = Some(number(0, self.span));
             let kind = StatementKind::Instruction { insn: StlInsn::Nop, mnemonic_span: self.span, operand };
-            self.statements.push(Statement { label: Some(label), kind, span: self.span });
+            self.statements.push(Statement { label: Some(Box::new(label)), kind, span: self.span });
         }
-        self.statements.push(Statement { label: self.pending.pop(), kind, span: self.span });
+        self.statements.push(Statement { label: self.pending.pop().map(Box::new), kind, span: self.span });
     }
 
     /// The next statement has this label.

@@ -37,7 +37,7 @@ fn compile(args: &LoadArgs) -> Result<Vec<u8>, u8> {
     // Whoever looks at the page is to see the new program.
     let bound = drawings::bind(pipeline::parse(read, &settings), &settings, |_| true);
     let bound = accepted(bound, unreadable, &settings)?;
-    let mut plain = pipeline::lower(&bound, args.optimization.optimization());
+    let mut plain = pipeline::lower_begun(&bound, args.optimization.optimization());
     let probed = pipeline::lower_beside(&bound, &mut plain);
     let objects = pipeline::objects(plain, probed, [None, None]).map_err(|error| internal(&error))?;
     link::loadable(&objects).map_err(|error| internal(&error))

@@ -47,7 +47,7 @@ pub fn compile(args: &RunArgs) -> Result<(ProgramImage, CodeSource), u8> {
     let has_page = |services: &ServicesConfig| args.services.web.is_some() || services.web.is_some();
     let bound = drawings::bind(pipeline::parse(read, &settings), &settings, has_page);
     let bound = accepted(bound, unreadable, &settings)?;
-    let mut plain = pipeline::lower(&bound, args.optimization.optimization());
+    let mut plain = pipeline::lower_begun(&bound, args.optimization.optimization());
     let is_watched = has_page(&bound.program.config.services) && !args.run.is_many();
     let probed = is_watched.then(|| pipeline::optimize(pipeline::lower_beside(&bound, &mut plain)));
     let mut plain = pipeline::optimize(plain);

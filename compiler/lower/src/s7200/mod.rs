@@ -37,11 +37,17 @@ use crate::probe::Probes;
 use crate::{Facts, Lowered, Output};
 
 /// Lowers a program for the S7-200 that was bound without errors.
-pub(crate) fn lower(program: &Program, cpu: CpuRow, sources: &SourceMap, probes: Probes) -> Lowered {
+pub(crate) fn lower(
+    program: &Program,
+    cpu: CpuRow,
+    sources: &SourceMap,
+    probes: Probes,
+    take: &mut dyn FnMut(Function),
+) -> Lowered {
     let mut plan = S7200Plan::new(program);
     let facts =
         Facts { dbs: plan.dbs.clone(), db_end: plan.db_end, error_slots: Vec::new(), stops_itself: plan.stops_itself };
-    let mut output = Output::new(program, sources, facts, probes);
+    let mut output = Output::new(program, sources, facts, probes, take);
     if let Some(db) = plan.dbs.iter().find(|db| db.number == plcc_abi::s7200::CONSTANTS_DB) {
         output.image.dbs.push(DbEntry {
             number: db.number,
@@ -58,10 +64,11 @@ pub(crate) fn lower(program: &Program, cpu: CpuRow, sources: &SourceMap, probes:
     for (index, block) in program.blocks.iter().enumerate() {
         let Body::S7200(body) = &block.body else { continue };
         let function = lower_block(&mut plan, &mut output, block, body);
-        let id = output.module.functions.push(function);
+        let frame = function.frame_bytes;
+        let id = output.add(function);
         debug_assert_eq!(Some(id), plan.function(index), "functions are numbered in order of the blocks");
         if matches!(block.kind, BlockKind::Ob | BlockKind::Int) {
-            add_entry(&mut output, block, id);
+            add_entry(&mut output, block, id, frame);
         }
     }
     output.image.s7200 = Some(S7200Image {
@@ -75,13 +82,13 @@ pub(crate) fn lower(program: &Program, cpu: CpuRow, sources: &SourceMap, probes:
     output.finish()
 }
 
-fn add_entry(output: &mut Output, block: &CodeBlock, function: FuncId) {
+fn add_entry(output: &mut Output, block: &CodeBlock, function: FuncId, frame: u32) {
     output.image.blocks.push(BlockEntry {
         kind: block.kind,
         number: block.number,
         name: block.name.clone(),
         entry: output.module.entries.len() as u32,
-        frame: output.module.functions[function].frame_bytes,
+        frame,
         local_data_used: true,
         start_inputs: Vec::new(),
     });

@@ -222,12 +222,12 @@ fn seen_forms(function: &Function, made: &FxHashMap<Value, Canonical>) -> Vec<bo
     let mut seen = vec![false; function.values.len()];
     let insts = || function.layout.iter().flat_map(|&block| &function.blocks[block].insts).rev();
     // Arithmetic shows the forms of its operands only if its result is seen: from the end, until nothing is added.
+    let mut shown = Vec::new();
     loop {
         let mut changed = false;
         for &inst in insts() {
-            let mut shown = Vec::new();
             for_each_shown(function, made, &seen, inst, |value| shown.push(value));
-            for value in shown {
+            for value in shown.drain(..) {
                 changed |= !std::mem::replace(&mut seen[function.resolve(value).index()], true);
             }
         }

@@ -87,24 +87,25 @@ impl<'f> Ranges<'f> {
             deriving: 0,
             phase: Phase::Growing(0),
         };
-        let loops = has_loops(function, cfg);
+        // Without loops nothing comes over jumps back: the sweep of who asks finds everything.
+        if !has_loops(function, cfg) {
+            return Some(ranges);
+        }
         let mut sweeps = 0;
-        while ranges.sweep() && loops {
+        while ranges.sweep() {
             sweeps += 1;
             if sweeps > GROWING_MAX {
                 return None;
             }
             ranges.phase = Phase::Growing(sweeps);
         }
-        if loops {
-            ranges.phase = Phase::Shrinking;
-            for _ in 0..SHRINKING {
-                ranges.sweep();
-            }
-            ranges.find_companions();
-            for _ in 0..SHRINKING {
-                ranges.sweep();
-            }
+        ranges.phase = Phase::Shrinking;
+        for _ in 0..SHRINKING {
+            ranges.sweep();
+        }
+        ranges.find_companions();
+        for _ in 0..SHRINKING {
+            ranges.sweep();
         }
         Some(ranges)
     }

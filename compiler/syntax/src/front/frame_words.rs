@@ -79,19 +79,28 @@ pub fn slip_of<'c>(word: &str, candidates: impl IntoIterator<Item = &'c str>) ->
         return None;
     }
     let plain = |text: &str| text.chars().filter(|c| *c != '_').map(|c| c.to_ascii_uppercase()).collect::<String>();
-    let wanted = plain(word);
+    let letters = |text: &str| text.chars().filter(|c| *c != '_').count();
+    let length_of_word = letters(word);
+    let mut wanted = String::new();
     let mut best: Option<(usize, &str)> = None;
     let mut tied = false;
     for candidate in candidates {
-        let known = plain(candidate);
-        let length = known.len().min(wanted.chars().count());
+        let length_of_candidate = letters(candidate);
+        let length = length_of_candidate.min(length_of_word);
         let limit = match length {
             0..=2 => continue,
             3..=5 => 1,
             6..=10 => 2,
             _ => 3,
         };
-        let distance = distance::between(&wanted, &known);
+        // Each letter more or less is a step.
+        if length_of_candidate.abs_diff(length_of_word) > limit {
+            continue;
+        }
+        if wanted.is_empty() {
+            wanted = plain(word);
+        }
+        let distance = distance::between(&wanted, &plain(candidate));
         if distance > limit {
             continue;
         }
@@ -179,10 +188,7 @@ impl<'a, F: Fn(usize) -> Seen<'a>> Scan<F> {
     /// The keyword of a frame that the word at `at` is.
     fn exact(&self, at: usize) -> Option<&'static str> {
         let text = (self.seen)(at).text;
-        // Frame words have few first letters, and most words are not one.
-        if !text.starts_with(['O', 'F', 'D', 'T', 'E', 'V', 'B', 'C', 'L', 'S', 'P', 'N'])
-            && !text.starts_with(['o', 'f', 'd', 't', 'e', 'v', 'b', 'c', 'l', 's', 'p', 'n'])
-        {
+        if !looks_like_keyword(text) {
             return None;
         }
         let known = keywords().find(|known| known.eq_ignore_ascii_case(text))?;
@@ -259,10 +265,11 @@ impl<'a, F: Fn(usize) -> Seen<'a>> Scan<F> {
         match self.area {
             Area::Outside | Area::Code if token.first_on_line || at == 0 => {
                 let named = self.beside(at + 1).is_some_and(|next| matches!(next.shape, Shape::Word | Shape::Name));
+                // Slips are looked for last: that takes most time.
                 if named
-                    && let Some(keyword) = known_or_slip(token.text, BLOCKS)
                     && (self.area == Area::Outside || token.text.len() > 6)
                     && self.heads(at + 2)
+                    && let Some(keyword) = known_or_slip(token.text, BLOCKS)
                 {
                     return meant(1, keyword);
                 }
@@ -353,8 +360,14 @@ fn keywords() -> impl Iterator<Item = &'static str> {
     BLOCKS.into_iter().chain(BLOCK_ENDS).chain(SECTIONS).chain(SECTION_ENDS).chain(STATEMENT_ENDS).chain(OTHERS)
 }
 
+/// False for most words: keywords have few first letters, and none is shorter than `VAR`.
+fn looks_like_keyword(word: &str) -> bool {
+    const FIRST_LETTERS: &[u8] = b"OFDTEVBCLSPN";
+    word.len() >= 3 && FIRST_LETTERS.contains(&word.as_bytes()[0].to_ascii_uppercase())
+}
+
 fn is_keyword(word: &str) -> bool {
-    keywords().any(|keyword| keyword.eq_ignore_ascii_case(word))
+    looks_like_keyword(word) && keywords().any(|keyword| keyword.eq_ignore_ascii_case(word))
 }
 
 fn alias(word: &str) -> Option<&'static str> {

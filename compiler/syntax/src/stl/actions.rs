@@ -330,7 +330,7 @@ pub fn call(
             state.report(diagnostic);
             StatementKind::Error
         }
-        None => StatementKind::Call(Call { target, instance, parameters }),
+        None => StatementKind::Call(Box::new(Call { target, instance, parameters })),
     }
 }
 

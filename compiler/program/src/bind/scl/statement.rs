@@ -91,7 +91,7 @@ impl SclBinder<'_, '_> {
                         );
                         return;
                     }
-                    Some(StatementKind::Assert(assert))
+                    Some(StatementKind::Assert(*assert))
                 }
                 Some(StlStatementKind::Sleep(milliseconds)) => Some(StatementKind::Sleep(milliseconds)),
                 _ => None,

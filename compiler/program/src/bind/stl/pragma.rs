@@ -83,7 +83,7 @@ impl StlBinder<'_, '_> {
         }
         let condition = assertion::condition(&written.condition);
         let trap = assertion::is_trap(&condition, &comparisons);
-        Some(StlStatementKind::Assert(Assert { condition, comparisons, trap, text: pragma.text.clone() }))
+        Some(StlStatementKind::Assert(Box::new(Assert { condition, comparisons, trap, text: pragma.text.clone() })))
     }
 
     fn assert_side(
