@@ -10,16 +10,21 @@
 //!     v4 = shl v2, 4         ; the pointer of an INT in a table, in bits ...
 //!     v5 = ashr v4, 3        ; ... and in bytes: shl v2, 1
 //! ```
+//!
+//! An access at the address of an element of an array, which was passed to a block that is now part of its caller, is one of that
+//! array where the index says so (`access.rs`).
 
+mod access;
 mod analysis;
 mod interval;
 mod polls;
 
 use crate::loops::Loops;
+use crate::surroundings::Surroundings;
 use analysis::Ranges;
 use interval::Interval;
 use plcc_ir::analysis::{ControlFlow, Dominators};
-use plcc_ir::{BinaryOp, Block, ConvertOp, Function, Inst, InstData, Loc, Type, Value, eval};
+use plcc_ir::{Address, BinaryOp, Block, ConvertOp, Function, Inst, InstData, Loc, Type, Value, eval};
 use rustc_hash::FxHashMap;
 
 /// Larger functions are left as they are: each sweep looks at all of their code.
@@ -84,8 +89,8 @@ enum Change {
     MaskAndAdd(Value, u64, u64),
     /// It is an extended value, and a constant added.
     ExtendAndAdd(ConvertOp, Value, u64),
-    /// The base of its address is that value, and its offset grows.
-    Base(Value, i64),
+    /// Its addresses are these; a copy has two.
+    Addresses([Option<Address>; 2]),
 }
 
 /// A value that is shifted by a constant, or multiplied with one.
@@ -99,15 +104,15 @@ struct Part {
 /// Uses ranges in a function.
 ///
 /// Result: whether anything changed.
-pub fn use_ranges(function: &mut Function) -> bool {
+pub fn use_ranges(function: &mut Function, surroundings: &Surroundings) -> bool {
     if is_too_large(function) {
         return false;
     }
-    let first = use_once(function);
+    let first = use_once(function, surroundings);
     // A sum in the wide type, then its multiple, then the address: each shows when the one before is there.
     if first.has_sums {
-        use_once(function);
-        use_once(function);
+        use_once(function, surroundings);
+        use_once(function, surroundings);
     }
     first.changed
 }
@@ -115,8 +120,8 @@ pub fn use_ranges(function: &mut Function) -> bool {
 /// Uses ranges in a function with loops: for the pointers of loops that have been rid of cold ways.
 ///
 /// Result: whether anything changed.
-pub fn use_ranges_of_loops(function: &mut Function) -> bool {
-    analysis::has_loops(function, &ControlFlow::new(function)) && use_ranges(function)
+pub fn use_ranges_of_loops(function: &mut Function, surroundings: &Surroundings) -> bool {
+    analysis::has_loops(function, &ControlFlow::new(function)) && use_ranges(function, surroundings)
 }
 
 /// What one look at the ranges did.
@@ -127,7 +132,7 @@ struct Done {
     has_sums: bool,
 }
 
-fn use_once(function: &mut Function) -> Done {
+fn use_once(function: &mut Function, surroundings: &Surroundings) -> Done {
     let cfg = ControlFlow::new(function);
     let dominators = Dominators::new(function, &cfg);
     let Some(mut ranges) = Ranges::of(function, &cfg, &dominators) else { return Done::default() };
@@ -140,7 +145,9 @@ fn use_once(function: &mut Function) -> Done {
         }
         for &inst in &function.blocks[block].insts {
             ranges.compute(inst);
-            if let Some(change) = base_of(function, &ranges, inst).or_else(|| change_of(function, &ranges, inst)) {
+            if let Some(change) =
+                access::addresses(function, &ranges, surroundings, inst).or_else(|| change_of(function, &ranges, inst))
+            {
                 changes.push((block, inst, change));
             }
         }
@@ -204,17 +211,6 @@ fn change_of(function: &Function, ranges: &Ranges<'_>, inst: Inst) -> Option<Cha
         },
         _ => None,
     }
-}
-
-/// The constant in the base of an address belongs to its offset.
-fn base_of(function: &Function, ranges: &Ranges<'_>, inst: Inst) -> Option<Change> {
-    let (InstData::Load { addr } | InstData::Store { addr, .. }) = &function.insts[inst] else { return None };
-    let (x, by) = sum_with_constant(function, ranges, addr.base?)?;
-    let of_x = ranges.get(x)?;
-    let fits = of_x.is_natural() && of_x.lo.checked_add(by)? >= 0 && of_x.hi.checked_add(by)? <= i64::from(i32::MAX);
-    let offset = i64::from(addr.offset) + by;
-    (fits && (0..=i64::from(i32::MAX)).contains(&offset) && function.constant(x).is_none())
-        .then_some(Change::Base(x, by))
 }
 
 /// True of operations without memory: a load whose result is known is left to the pass for memory.
@@ -424,17 +420,14 @@ fn apply(function: &mut Function, changes: Vec<(Block, Inst, Change)>) {
                 out.push(inst);
                 continue;
             };
-            if let Change::Base(base, by) = change {
-                if let InstData::Load { addr } | InstData::Store { addr, .. } = &mut function.insts[inst] {
-                    addr.base = Some(base);
-                    addr.offset = addr.offset.wrapping_add_signed(by as i32);
-                }
+            if let Change::Addresses(addresses) = change {
+                access::set_addresses(&mut function.insts[inst], addresses);
                 out.push(inst);
                 continue;
             }
             let (result, loc) = (function.result(inst), function.locs[inst]);
             match change {
-                Change::Base(..) => unreachable!("done above"),
+                Change::Addresses(_) => unreachable!("done above"),
                 Change::Constant(bits) => {
                     function.insts[inst] = InstData::Const { bits };
                     function.locs[inst] = Loc(0);

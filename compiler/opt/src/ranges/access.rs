@@ -1,0 +1,91 @@
+//! Addresses of accesses that ranges make simpler.
+//!
+//! ```text
+//! v2 = imul v1, 14           ; v1 is 0 to 3
+//! v3 = address DB1[v2]+4
+//! v4 = load.i16 any[v3]+6    ; load.i16 DB1[v2]+10, if DB 1 is that long
+//! ```
+
+use plcc_abi::layout;
+use plcc_ir::{Address, Function, Inst, InstData, Region};
+
+use super::analysis::Ranges;
+use super::interval::Interval;
+use super::{Change, sum_with_constant};
+use crate::surroundings::Surroundings;
+
+/// The simpler addresses of an instruction.
+pub fn addresses(function: &Function, ranges: &Ranges<'_>, surroundings: &Surroundings, inst: Inst) -> Option<Change> {
+    let data = &function.insts[inst];
+    let bytes = match data {
+        InstData::Load { .. } => function.ty(function.result(inst)).bytes(),
+        InstData::Store { value, .. } => function.ty(*value).bytes(),
+        InstData::LoadBit { .. } | InstData::StoreBit { .. } => 1,
+        InstData::Clear { len, .. } | InstData::Copy { len, .. } => *len,
+        _ => return None,
+    };
+    let mut simpler = [None; 2];
+    let mut index = 0;
+    data.for_each_address(|addr| {
+        simpler[index] =
+            of_place(function, ranges, surroundings, addr, bytes).or_else(|| with_constant(function, ranges, addr));
+        index += 1;
+    });
+    simpler.iter().any(Option::is_some).then_some(Change::Addresses(simpler))
+}
+
+/// Gives an instruction those of the addresses that are there.
+pub fn set_addresses(data: &mut InstData, [first, second]: [Option<Address>; 2]) {
+    match data {
+        InstData::Load { addr }
+        | InstData::Store { addr, .. }
+        | InstData::LoadBit { addr, .. }
+        | InstData::StoreBit { addr, .. }
+        | InstData::Clear { addr, .. } => *addr = first.unwrap_or(*addr),
+        InstData::Copy { to, from, .. } => {
+            *to = first.unwrap_or(*to);
+            *from = second.unwrap_or(*from);
+        }
+        _ => {}
+    }
+}
+
+/// The constant in the base of an address belongs to its offset.
+fn with_constant(function: &Function, ranges: &Ranges<'_>, addr: &Address) -> Option<Address> {
+    let (x, by) = sum_with_constant(function, ranges, addr.base?)?;
+    let of_x = ranges.get(x)?;
+    let fits = of_x.is_natural() && of_x.lo.checked_add(by)? >= 0 && of_x.hi.checked_add(by)? <= i64::from(i32::MAX);
+    let offset = i64::from(addr.offset) + by;
+    (fits && (0..=i64::from(i32::MAX)).contains(&offset) && function.constant(x).is_none()).then_some(Address {
+        base: Some(x),
+        offset: offset as u32,
+        ..*addr
+    })
+}
+
+/// What is reached by the address of a place is in the region of that place, if the base of the place is small enough.
+fn of_place(
+    function: &Function,
+    ranges: &Ranges<'_>,
+    surroundings: &Surroundings,
+    addr: &Address,
+    bytes: u32,
+) -> Option<Address> {
+    if !matches!(addr.region, Region::Any | Region::AnyDb) {
+        return None;
+    }
+    let &InstData::AddressOf { addr: place } = function.defining(addr.base?)? else { return None };
+    let length = match place.region {
+        Region::I | Region::Q | Region::M => layout::AREA_BYTES,
+        Region::L => function.local_bytes(),
+        Region::Db(number) => {
+            let index = surroundings.dbs.binary_search_by_key(&number, |db| db.number).ok()?;
+            surroundings.dbs[index].length
+        }
+        Region::State | Region::System | Region::Cells | Region::V | Region::AnyDb | Region::Any => return None,
+    };
+    let base = place.base.map_or(Some(Interval::between(0, 0)), |base| ranges.get(base))?;
+    let offset = place.offset.checked_add(addr.offset)?;
+    let end = base.hi.checked_add(i64::from(offset) + i64::from(bytes))?;
+    (base.is_natural() && end <= i64::from(length)).then_some(Address { offset, ..place })
+}
