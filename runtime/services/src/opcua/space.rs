@@ -598,7 +598,7 @@ impl Space {
         if name.len() > NAME_MAX {
             return None;
         }
-        if node.id.namespace == 0 {
+        if node.id.namespace == 0 || matches!(node.content, Content::DataType(_)) {
             return self.children(node).into_iter().map(|(_, child)| child).find(|child| child.name == name);
         }
         let Id::Text(id) = &node.id.id else { return None };

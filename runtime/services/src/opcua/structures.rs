@@ -286,3 +286,188 @@ pub fn write(cpu: &Cpu, values: &Values) -> Result<(), Status> {
     values.iter().try_for_each(|(variable, parts)| variable.check(cpu, parts))?;
     values.iter().try_for_each(|(variable, parts)| variable.write(cpu, parts))
 }
+
+#[cfg(test)]
+mod tests {
+    use std::rc::Rc;
+
+    use plcc_abi::ProgramImage;
+    use plcc_abi::image::{Config, DbEntry, Family, Kept, Profile};
+    use plcc_abi::layout;
+    use plcc_abi::names::{NamedMember, NamedStruct, NamedType, TypeNumber};
+    use plcc_runtime::clock::Clock;
+    use plcc_runtime::code::Code;
+    use plcc_runtime::io::Simulated;
+
+    use super::super::space::{Content, DATA, Space};
+    use super::*;
+
+    struct NoBlocks;
+
+    impl Code for NoBlocks {
+        fn call(&self, _: u32, _: *mut u8, _: u32, _: u32) {}
+    }
+
+    /// DB 1 `Groups` with `one : Motor` and `motors : ARRAY[1..2] OF Motor`; a motor is `speed : REAL`, `running : BOOL`, `name : STRING[10]`,
+    /// `hours : ARRAY[1..3] OF UINT`.
+    fn image() -> ProgramImage {
+        let members = |members: &[(&str, TypeNumber, u32)]| {
+            members.iter().map(|&(name, ty, byte)| NamedMember { name: name.to_string(), ty, byte, bit: 0 }).collect()
+        };
+        let structure = |name: &str, list: &[(&str, TypeNumber, u32)]| {
+            let data_type = String::new();
+            NamedType::Struct(NamedStruct { name: name.to_string(), data_type, members: members(list), is_dtl: false })
+        };
+        let array = |high, distance, element| NamedType::Array {
+            dimensions: vec![Dimension { low: 1, high, distance }],
+            element,
+        };
+        let types = vec![
+            NamedType::Value(AssertType::Real),
+            NamedType::Value(AssertType::Bool),
+            NamedType::Text { wide: false, length: 10 },
+            NamedType::Value(AssertType::Unsigned(16)),
+            array(3, 16, 3),
+            structure("Motor", &[("speed", 0, 0), ("running", 1, 4), ("name", 2, 6), ("hours", 4, 18)]),
+            array(2, 192, 5),
+            structure("", &[("one", 5, 0), ("motors", 6, 24)]),
+        ];
+        let db = DbEntry {
+            number: 1,
+            name: "Groups".to_string(),
+            address: layout::DB_DATA,
+            data: vec![0; 72],
+            read_only: false,
+            unlinked: false,
+            optimized: false,
+            kept: Kept::Everything,
+            ty: Some(7),
+        };
+        let profile = Profile {
+            name: "s7-1500".to_string(),
+            family: Family::S71500,
+            accumulators: 2,
+            inputs: 1024,
+            outputs: 1024,
+            bit_memory: 8192,
+            timers: 0,
+            counters: 0,
+            local_data: 32_768,
+            db_bytes_max: 65_534,
+            block_depth: 24,
+            error_depth: 4,
+            limits_checked: false,
+        };
+        ProgramImage {
+            name: "test".to_string(),
+            profile,
+            config: Config::default(),
+            blocks: Vec::new(),
+            dbs: vec![db],
+            db_end: layout::DB_DATA + 128,
+            sites: Vec::new(),
+            error_slots: Vec::new(),
+            files: Vec::new(),
+            asserts: Vec::new(),
+            symbols: Vec::new(),
+            types,
+            used: Vec::new(),
+            partial: Vec::new(),
+            stops_itself: false,
+            shapes: Vec::new(),
+            outputs_used: u32::MAX,
+            notices: Vec::new(),
+            inner_blocks: Vec::new(),
+            s7200: None,
+        }
+    }
+
+    fn cpu(image: ProgramImage) -> Rc<Cpu> {
+        let driver = Box::new(Simulated::new(None));
+        let cpu = Cpu::new(image, Rc::new(NoBlocks), Clock::simulated(), driver);
+        cpu.memory.set_db(1, layout::DB_DATA, 72);
+        cpu
+    }
+
+    fn compound(space: &Space, id: &str) -> Compound {
+        match space.node(&NodeId::text(DATA, id)).map(|node| node.content) {
+            Some(Content::Compound(compound)) => compound,
+            other => panic!("{id}: {other:?}"),
+        }
+    }
+
+    /// `speed`, `running`, `name`, `hours` as they are encoded.
+    fn body(speed: f32, running: bool, name: &str, hours: &[u16]) -> Vec<u8> {
+        let mut out = Writer::default();
+        Scalar::Float(speed).put(&mut out);
+        out.bool(running);
+        out.text(name);
+        out.list(hours, |out, hours| out.u16(*hours));
+        out.0
+    }
+
+    fn motor(body: Vec<u8>) -> Scalar {
+        Scalar::Object(NodeId::text(DATA, "TE_\"Motor\""), body)
+    }
+
+    #[test]
+    fn structures_are_written_and_read() {
+        let image = image();
+        let (space, cpu) = (Space::new(&image, 0), cpu(image));
+        let (one, motors) = (compound(&space, "\"Groups\".\"one\""), compound(&space, "\"Groups\".\"motors\""));
+        let fan = Variant::One(motor(body(-2.5, true, "fan", &[7, 8, 9])));
+        write(&cpu, &one.parts(&fan, None).unwrap()).unwrap();
+        assert_eq!(one.value(&one.read(&cpu).unwrap()), Ok(fan));
+        let bytes = cpu.memory.view(layout::DB_DATA, 24, <[u8]>::to_vec);
+        assert_eq!(bytes, [&[0xC0, 0x20, 0, 0, 1, 0, 10, 3], &b"fan"[..], &[0; 7], &[0, 7, 0, 8, 0, 9]].concat());
+        // The second of two.
+        let range = Range::parse("1").unwrap();
+        let pump = motor(body(1.5, false, "pump", &[1, 2, 3]));
+        let values = motors.parts(&Variant::list(TYPE, vec![pump.clone()]), range.as_ref()).unwrap();
+        write(&cpu, &values).unwrap();
+        let empty = motor(body(0.0, false, "", &[0, 0, 0]));
+        let all = Variant::Many { ty: TYPE, values: vec![empty, pump], dimensions: vec![2] };
+        assert_eq!(motors.value(&motors.read(&cpu).unwrap()), Ok(all));
+    }
+
+    #[test]
+    fn wrong_structures_change_nothing() {
+        let image = image();
+        let (space, cpu) = (Space::new(&image, 0), cpu(image));
+        let one = compound(&space, "\"Groups\".\"one\"");
+        let mut long = body(1.0, true, "a", &[1, 2, 3]);
+        long.push(0);
+        for (value, expected) in [
+            (motor(body(1.0, true, "12345678901", &[1, 2, 3])), status::OUT_OF_RANGE),
+            (motor(body(1.0, true, "a", &[1, 2])), status::TYPE_MISMATCH),
+            (motor(body(1.0, true, "a", &[1, 2, 3])[..9].to_vec()), status::DECODING),
+            (motor(long), status::DECODING),
+            (Scalar::Object(NodeId::number(0, 864), body(1.0, true, "a", &[1, 2, 3])), status::TYPE_MISMATCH),
+            (Scalar::Float(1.0), status::TYPE_MISMATCH),
+        ] {
+            assert_eq!(one.parts(&Variant::One(value.clone()), None), Err(expected), "{value:?}");
+        }
+        // The program has made less room for the text than the type has.
+        cpu.memory.set_byte(layout::DB_DATA + 6, 2);
+        let values = one.parts(&Variant::One(motor(body(1.0, true, "fan", &[1, 2, 3]))), None).unwrap();
+        assert_eq!(write(&cpu, &values), Err(status::OUT_OF_RANGE));
+        assert_eq!(cpu.memory.view(layout::DB_DATA, 24, |bytes| bytes.iter().filter(|byte| **byte != 0).count()), 1);
+    }
+
+    #[test]
+    fn types_are_nodes() {
+        let space = Space::new(&image(), 0);
+        let base = space.node(&NodeId::number(0, BASE)).unwrap();
+        let found: Vec<_> = space.children(&base).into_iter().map(|(_, node)| node.id).collect();
+        // The block as a whole is not a value, so it has no type.
+        let own: Vec<_> = found.iter().filter(|id| id.namespace == DATA).collect();
+        assert_eq!(own, [&NodeId::text(DATA, "DT_\"Motor\"")]);
+        let ty = space.node(own[0]).unwrap();
+        let Content::DataType(shape) = &ty.content else { panic!("{ty:?}") };
+        let Scalar::Object(encoding, body) = shape.definition() else { panic!("a definition") };
+        assert_eq!((encoding, body.len()), (NodeId::number(0, DEFINITION), 132), "{body:02X?}");
+        let [(_, default)] = space.children(&ty).try_into().unwrap();
+        assert_eq!((default.name.as_str(), default.name_space()), ("Default Binary", 0));
+        assert_eq!(space.child(&ty, "Default Binary").map(|node| node.id), Some(default.id));
+    }
+}
