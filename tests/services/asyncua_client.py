@@ -149,6 +149,72 @@ async def groups(client):
     assert "in ms" in (await node(client, '"Values"."aTime"').read_description()).Text
 
 
+async def ranged(tag, index_range, value=None):
+    """Reads elements of an array, or writes them. Result: what was read, or the status."""
+    if value is None:
+        question = ua.ReadValueId(tag.nodeid, ua.AttributeIds.Value, IndexRange=index_range)
+        found = (await tag.session.read(ua.ReadParameters(NodesToRead=[question])))[0]
+        return found.Value.Value if found.StatusCode.is_good() else found.StatusCode.value
+    change = ua.WriteValue(tag.nodeid, ua.AttributeIds.Value, index_range, ua.DataValue(value))
+    return (await tag.session.write(ua.WriteParameters(NodesToWrite=[change])))[0].value
+
+
+async def parts_of_arrays(client):
+    ints, table = node(client, '"Groups"."ints"'), node(client, '"Groups"."table"')
+    await ints.write_value([10, 20, 30, 40], V.Int16)
+    assert await ranged(ints, "1:2") == [20, 30]
+    assert await ranged(ints, "3") == [40] and await ranged(ints, "2:9") == [30, 40]
+    assert await ranged(ints, "4") == ua.StatusCodes.BadIndexRangeNoData
+    assert await ranged(ints, "2:1") == ua.StatusCodes.BadIndexRangeInvalid
+    assert await ranged(node(client, '"Values"."anInt"'), "0") == ua.StatusCodes.BadIndexRangeInvalid
+    two = ua.Variant([-1, -2], V.Int16, is_array=True)
+    assert await ranged(ints, "1:2", two) == 0
+    assert await ints.read_value() == [10, -1, -2, 40]
+    assert await ranged(ints, "3:4", two) == ua.StatusCodes.BadIndexRangeNoData
+    assert await ranged(ints, "0:2", two) == ua.StatusCodes.BadTypeMismatch
+    assert await ints.read_value() == [10, -1, -2, 40]
+    row = ua.Variant([7, 8], V.Int32, Dimensions=[1, 2], is_array=True)
+    assert await ranged(table, "1,1:2", row) == 0
+    assert await node(client, '"Groups"."table"[1,2]').read_value() == 8
+
+
+async def structures(client):
+    await client.load_data_type_definitions()
+    one, motors = node(client, '"Groups"."one"'), node(client, '"Groups"."motors"')
+    value = await one.read_value()
+    assert (value.speed, value.running, value.name, value.hours) == (1.5, False, "pump", [1, 2, 3]), value
+    value.speed, value.running, value.name, value.hours = -2.5, True, "fan", [7, 8, 9]
+    await one.write_value(value)
+    assert await node(client, '"Groups"."one"."name"').read_value() == "fan"
+    assert await node(client, '"Groups"."one"."hours"').read_value() == [7, 8, 9]
+    assert await node(client, '"Groups"."one"."running"').read_value() is True
+    # All of it, or nothing: this name is too long.
+    value.speed, value.name = 9.0, "x" * 100
+    await refused(ua.StatusCodes.BadOutOfRange, one.write_value(value))
+    assert await node(client, '"Groups"."one"."speed"').read_value() == -2.5
+    all_motors = await motors.read_value()
+    assert [len(all_motors)] == await motors.read_array_dimensions() and all_motors[-1].name == "pump", all_motors
+    all_motors[0].speed = 11.5
+    await motors.write_value(ua.Variant(all_motors, V.ExtensionObject, is_array=True))
+    assert await node(client, '"Groups"."motors"[1]."speed"').read_value() == 11.5
+    await refused(ua.StatusCodes.BadTypeMismatch, one.write_value(1.0, V.Float))
+    # What has changed is told of a structure too.
+    handler = Handler()
+    subscription = await client.create_subscription(50, handler)
+    await subscription.subscribe_data_change(one)
+    await until(lambda: len(handler.seen) == 1, handler.seen)
+    await node(client, '"Groups"."one"."speed"').write_value(4.5, V.Float)
+    await until(lambda: handler.seen[-1][1].speed == 4.5, handler.seen)
+    await subscription.delete()
+
+
+async def units(client):
+    unit = await (await node(client, '"Values"."aTime"').get_child("0:EngineeringUnits")).read_value()
+    assert (unit.UnitId, unit.DisplayName.Text) == (0x433236, "ms"), unit
+    assert len(await node(client, '"Values"."anLtime"').get_properties()) == 1
+    assert await node(client, '"Values"."anInt"').get_properties() == []
+
+
 async def browse(client):
     assert await client.get_namespace_index("http://www.siemens.com/simatic-s7-opcua") == 3
     plc = await client.nodes.objects.get_child("3:PLC")
@@ -239,6 +305,9 @@ async def without_users():
         await browse(client)
         await all_types(client)
         await groups(client)
+        await parts_of_arrays(client)
+        await structures(client)
+        await units(client)
         await subscriptions(client)
         await control(client)
 

@@ -2,7 +2,7 @@
 
 use std::io::{Read, Write};
 use std::net::{Ipv4Addr, SocketAddr, TcpStream};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use libtest_mimic::Failed;
 use socket2::{Domain, Socket, Type};
@@ -385,7 +385,7 @@ pub fn slow() -> Result<(), Failed> {
     Ok(())
 }
 
-/// Half a frame, and nothing more: after five seconds the client loses its connection.
+/// Half a frame, and then a byte each second: five seconds after its begin the client loses its connection.
 pub fn half() -> Result<(), Failed> {
     let ports = [(); 5].map(|()| free_port());
     let [s7, modbus, opcua, web, metrics] = ports;
@@ -396,26 +396,34 @@ pub fn half() -> Result<(), Failed> {
     let plc = Plc::run_in(folder.path(), Program::Line.path()?, &flags)?;
     let body =
         "POST /session HTTP/1.1\r\nHost: plc\r\nContent-Type: application/json\r\nContent-Length: 99\r\n\r\n{\"user\"";
-    let halves: [(&str, u16, &[u8]); 6] = [
-        ("s7", s7, &CONNECT[..9]),
-        ("modbus", modbus, &MODBUS[0][..8]),
-        ("opcua", opcua, &ua::hello()[..12]),
-        ("web", web, b"GET /names HTTP/1.1\r\nHost:"),
-        ("body", web, body.as_bytes()),
-        ("metrics", metrics, b"GET /metr"),
+    let hello = ua::hello();
+    // What is sent at once, and the three bytes after it.
+    let halves: [(&str, u16, &[u8], &[u8]); 6] = [
+        ("s7", s7, &CONNECT[..9], &CONNECT[9..12]),
+        ("modbus", modbus, &MODBUS[0][..8], &MODBUS[0][8..11]),
+        ("opcua", opcua, &hello[..12], &hello[12..15]),
+        ("web", web, b"GET /names HTTP/1.1\r\nHost:", b"plc"),
+        ("body", web, body.as_bytes(), b":\"a"),
+        ("metrics", metrics, b"GET /metr", b"ics"),
     ];
+    let began = Instant::now();
     let mut open = Vec::new();
-    for (name, port, half) in halves {
+    for (name, port, half, rest) in halves {
         let mut stream = TcpStream::connect(("127.0.0.1", port))?;
         stream.write_all(half)?;
         stream.set_read_timeout(Some(Duration::from_secs(9)))?;
-        open.push((name, stream));
+        open.push((name, stream, rest));
     }
-    for (name, mut stream) in open {
+    for index in 0..3 {
+        std::thread::sleep(Duration::from_secs(1));
+        open.iter_mut().try_for_each(|(_, stream, rest)| stream.write_all(&rest[index..=index]))?;
+    }
+    for (name, mut stream, _) in open {
         // An answer may come first, such as a refusal.
         let closed = stream.read_to_end(&mut Vec::new());
-        if closed.is_err_and(|error| error.kind() != std::io::ErrorKind::ConnectionReset) {
-            return Err(format!("{name}: the connection is still there").into());
+        let is_open = closed.is_err_and(|error| error.kind() != std::io::ErrorKind::ConnectionReset);
+        if is_open || began.elapsed() > Duration::from_millis(7500) {
+            return Err(format!("{name}: the connection is still there after {:?}", began.elapsed()).into());
         }
     }
     plc.end()?;

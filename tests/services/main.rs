@@ -10,6 +10,7 @@ mod process;
 mod record;
 mod rust7;
 mod sparkplug;
+mod tank;
 mod tls;
 mod ua;
 
@@ -53,6 +54,7 @@ fn main() {
         trial("pages_with_tls", python_alone.clone(), tls::pages),
         trial("load_and_monitor_with_tls", openssl, tls::own_clients),
         trial("fleet_manifests_name_what_is_there", None, fleet::manifests),
+        trial("controller_and_plant_play_together", None, tank::plays_together),
         trial("metrics_tell_the_state", None, metrics),
         trial("services_are_only_where_they_are_asked_for", None, only_where_asked_for),
         trial("recorded_timers_and_interrupts_are_repeated", None, record::timers_and_interrupts),
@@ -213,6 +215,11 @@ fn metrics() -> Result<(), Failed> {
     }
     if !get(port, "/health")?.starts_with("HTTP/1.1 200 OK") || !get(port, "/other")?.starts_with("HTTP/1.1 404") {
         return Err("wrong answers".into());
+    }
+    let asked = |method: &str| hostile::asks(port, &[format!("{method} /health HTTP/1.0\r\n\r\n").as_bytes()]);
+    let (head, posted) = (asked("HEAD")?, asked("POST")?);
+    if !head.starts_with(b"HTTP/1.1 200 OK") || !head.ends_with(b"\r\n\r\n") || !posted.starts_with(b"HTTP/1.1 405") {
+        return Err(format!("{}{}", String::from_utf8_lossy(&head), String::from_utf8_lossy(&posted)).into());
     }
     plc.end()?;
     Ok(())

@@ -63,6 +63,7 @@ def mode():
 
 
 assert mode() == 8
+assert client.get_cpu_state() == "S7CpuStatusRun"
 clock = client.get_plc_datetime()
 
 # Protection: without the password the CPU is not stopped.
@@ -73,6 +74,8 @@ client.set_plc_datetime(clock)
 client.plc_stop()
 time.sleep(0.2)
 assert mode() == 4
+# This library takes every answer for RUN.
+refused(client.get_cpu_state, "status")
 cycles = bytes(client.db_read(2, 0, 4))
 time.sleep(0.1)
 assert bytes(client.db_read(2, 0, 4)) == cycles

@@ -9,7 +9,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use plcc_abi::ProgramImage;
-use plcc_abi::image::{BlockEntry, BlockKind};
+use plcc_abi::image::{BlockEntry, BlockKind, DbEntry};
 use plcc_abi::layout::{self, state};
 use plcc_abi::ob::{OB_FREE, ObClass};
 
@@ -32,7 +32,7 @@ use crate::probe::Watcher;
 use crate::records::Records;
 use crate::records::store::Store;
 use crate::restart::Carried;
-use crate::retain::Retention;
+use crate::retain::{Restored, Retention};
 use crate::s7200::{S7200, ScanCycle};
 use crate::schedule::Schedule;
 use crate::system::meters::{METERS, Meter};
@@ -82,8 +82,9 @@ pub struct Cpu {
     pub(crate) stop: Cell<Option<Stop>>,
     /// Blocks sorted by kind and number.
     blocks: Vec<BlockEntry>,
-    /// A bit for each number of a DB: it is write-protected.
+    /// A bit for each number of a DB: it is write-protected; it has optimised access.
     read_only_dbs: Vec<u64>,
+    optimized_dbs: Vec<u64>,
     /// DBs made at run time: number, address, bytes. Sorted by address.
     pub(crate) created_dbs: RefCell<Vec<(u16, u32, u32)>>,
     /// Load memory of DBs where the program has changed it.
@@ -101,6 +102,9 @@ pub struct Cpu {
     pub(crate) restart_requested: Cell<Option<Restart>>,
     /// The CPU goes on in place of one that stopped.
     pub(crate) is_restarted: bool,
+    /// What came back of retentive memory, and whether there was some that could not.
+    pub(crate) restored: Cell<Restored>,
+    pub(crate) retentive_lost: Cell<bool>,
     /// What that one has left, until startup.
     pub(crate) carried: RefCell<Option<Carried>>,
     /// Connections of the program.
@@ -137,6 +141,11 @@ pub struct Cpu {
 /// DBs that may be made at run time; more is "no memory".
 pub const CREATED_DBS_MAX: usize = 4096;
 
+/// The bit of a number.
+fn is_marked(bits: &[u64], number: u16) -> bool {
+    bits.get(usize::from(number / 64)).copied().unwrap_or(0) >> (number % 64) & 1 != 0
+}
+
 impl Cpu {
     /// How often the program was changed while it ran: whoever has found a place by its name looks again when this is another number.
     pub fn generation(&self) -> u64 {
@@ -169,12 +178,16 @@ impl Cpu {
         let mut blocks = image.blocks.clone();
         blocks.sort_by_key(|block| (block.kind, block.number));
         let memory = Memory::new(image.db_end);
-        let mut read_only_dbs = Vec::new();
-        for db in image.dbs.iter().filter(|db| db.read_only) {
-            let word = usize::from(db.number / 64);
-            read_only_dbs.resize(read_only_dbs.len().max(word + 1), 0);
-            read_only_dbs[word] |= 1u64 << (db.number % 64);
-        }
+        let marked = |is_marked: fn(&DbEntry) -> bool| {
+            let mut bits = Vec::new();
+            for db in image.dbs.iter().filter(|db| is_marked(db)) {
+                let word = usize::from(db.number / 64);
+                bits.resize(bits.len().max(word + 1), 0);
+                bits[word] |= 1u64 << (db.number % 64);
+            }
+            bits
+        };
+        let (read_only_dbs, optimized_dbs) = (marked(|db| db.read_only), marked(|db| db.optimized));
         let cycle_obs = obs_of(&blocks, &image, ObClass::ProgramCycle).map(|ob| LoadedOb::new(ob, &blocks, &image));
         let cycle_obs = cycle_obs.collect();
         let cpu = Rc::new(Cpu {
@@ -192,6 +205,8 @@ impl Cpu {
             is_served: Cell::new(false),
             restart_requested: Cell::new(None),
             is_restarted: false,
+            restored: Cell::default(),
+            retentive_lost: Cell::default(),
             carried: RefCell::default(),
             startup: Cell::new(image.config.startup),
             watchdog: Watchdog::new(&memory),
@@ -205,6 +220,7 @@ impl Cpu {
             stop: Cell::new(None),
             blocks,
             read_only_dbs,
+            optimized_dbs,
             created_dbs: RefCell::new(Vec::with_capacity(CREATED_DBS_MAX)),
             load_memory: RefCell::default(),
             diagnostics_changed: Cell::new(false),
@@ -296,8 +312,12 @@ impl Cpu {
 
     /// DB `number` is write-protected.
     pub fn is_read_only(&self, number: u16) -> bool {
-        let word = self.read_only_dbs.get(usize::from(number / 64)).copied().unwrap_or(0);
-        word >> (number % 64) & 1 != 0
+        is_marked(&self.read_only_dbs, number)
+    }
+
+    /// DB `number` has no addresses that a client could name.
+    pub fn is_optimized(&self, number: u16) -> bool {
+        is_marked(&self.optimized_dbs, number)
     }
 
     /// The block of a loaded OB.

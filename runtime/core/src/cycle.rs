@@ -12,6 +12,7 @@ use crate::clock::NS_PER_MS;
 use crate::cpu::{Area, Cpu};
 use crate::diagnostics::NO_SITE;
 use crate::events::StartInfo;
+use crate::restart::{COLD, HOT};
 
 /// Priority of the OBs of the program cycle.
 const CYCLE_PRIORITY: u8 = 1;
@@ -191,23 +192,27 @@ impl Cpu {
         self.family.power_on(self);
         let ob = self.startup.get();
         observer.before(self, 0, self.clock.now());
+        if ob != HOT {
+            self.family.clear_inputs(self);
+        }
         self.update_clock_memory();
         self.update_system_memory(false);
         self.set_configured_times();
         self.start_technology();
         self.family.start_hardware(self);
         // With retentive memory it is power that comes back, an automatic restart, unless a client asked for it.
-        let automatic = u8::from(self.retention.get().is_some() && !self.is_restarted);
-        let cause = automatic
+        let automatic = self.retention.get().is_some() && !self.is_restarted;
+        let cause = u8::from(automatic)
             + match ob {
-                101 => 0x83,
-                102 => 0x85,
+                HOT => 0x83,
+                COLD => 0x85,
                 _ => 0x81,
             };
         let further = self.obs_of(ObClass::Startup).filter(|&other| other >= OB_FREE);
         for ob in std::iter::once(ob).filter(|&ob| self.has_ob(ob)).chain(further) {
             if !self.is_stopped() {
-                self.run_ob(ob, self.priority_of(ob), StartInfo::new(0x13, cause, ob));
+                let info = self.family.startup_info(self, StartInfo::new(0x13, cause, ob), automatic);
+                self.run_ob(ob, self.priority_of(ob), info);
             }
         }
         if !self.is_stopped() {

@@ -1,13 +1,24 @@
 //! What differs between the families of CPUs at run time. Each family implements [`Family`]; `Cpu::new` chooses one.
 
-use crate::cpu::Cpu;
+use plcc_abi::image;
+
+use crate::cpu::{Area, Cpu};
 use crate::cycle::CycleTimes;
+use crate::events::StartInfo;
 use crate::schedule::NEVER;
 
 /// The hooks of startup, cycle and interrupts. They are called in this order.
 pub(crate) trait Family {
     /// The CPU is switched on. Its inputs have no values yet.
     fn power_on(&self, _cpu: &Cpu) {}
+
+    /// Makes the process image of inputs as startup OBs see it after a warm or cold restart.
+    fn clear_inputs(&self, _cpu: &Cpu) {}
+
+    /// The start information of a startup OB with what this family tells in it.
+    fn startup_info(&self, _cpu: &Cpu, info: StartInfo, _automatic: bool) -> StartInfo {
+        info
+    }
 
     /// RUN begins, and the inputs have their first values.
     fn start_hardware(&self, _cpu: &Cpu) {}
@@ -70,6 +81,21 @@ pub(crate) struct Step7;
 impl Family for Step7 {
     fn power_on(&self, cpu: &Cpu) {
         cpu.power_on_retentive();
+    }
+
+    /// Inputs are read after the startup OBs. Source: S7-1200 system manual, tasks in STARTUP; Programming with STEP 7, startup.
+    fn clear_inputs(&self, cpu: &Cpu) {
+        let (base, length) = cpu.area(Area::Inputs);
+        cpu.memory.load(base, &vec![0; length as usize]);
+    }
+
+    fn startup_info(&self, cpu: &Cpu, info: StartInfo, automatic: bool) -> StartInfo {
+        match cpu.image.profile.family {
+            image::Family::S71200 | image::Family::S71500 => cpu.startup_info_of_portal(info),
+            image::Family::S7300 | image::Family::S7400 | image::Family::S7200 => {
+                cpu.startup_info_of_step7(info, automatic)
+            }
+        }
     }
 
     fn run_program(&self, cpu: &Cpu, cycle: u64, times: &CycleTimes) {

@@ -11,8 +11,14 @@ use std::rc::Rc;
 use plcc_abi::image::Family;
 
 use crate::cpu::{Area, Cpu};
+use crate::events::StartInfo;
 use crate::options::Restart;
-use crate::retain::Items;
+use crate::retain::{Items, Restored};
+
+/// Startup OBs.
+pub(crate) const WARM: u16 = 100;
+pub(crate) const HOT: u16 = 101;
+pub(crate) const COLD: u16 = 102;
 
 /// What the CPU before has left.
 pub(crate) struct Carried {
@@ -20,6 +26,8 @@ pub(crate) struct Carried {
     pub(crate) retentive: Vec<u8>,
     /// Parts of memory that stay as they are: offset and bytes.
     parts: Vec<(u32, Vec<u8>)>,
+    /// Data blocks that the program has made: number, offset and bytes.
+    created: Vec<(u16, u32, Vec<u8>)>,
 }
 
 impl Carried {
@@ -34,12 +42,20 @@ impl Carried {
             let (base, length) = cpu.area(*area);
             (base, cpu.memory.view(base, length, <[u8]>::to_vec))
         };
-        Carried { retentive, parts: areas.iter().map(part).collect() }
+        let created = cpu.created_dbs.borrow();
+        let block = |&(number, at, bytes): &(u16, u32, u32)| (number, at, cpu.memory.view(at, bytes, <[u8]>::to_vec));
+        Carried { retentive, parts: areas.iter().map(part).collect(), created: created.iter().map(block).collect() }
     }
 
     /// Brings back what is not retentive and stays nevertheless.
     pub(crate) fn load_parts(&self, cpu: &Cpu) {
         self.parts.iter().for_each(|(base, bytes)| cpu.memory.load(*base, bytes));
+        for (number, at, data) in &self.created {
+            let bytes = data.len() as u32;
+            cpu.memory.load(*at, data);
+            cpu.memory.set_db(*number, *at, bytes);
+            cpu.created_dbs.borrow_mut().push((*number, *at, bytes));
+        }
     }
 }
 
@@ -65,7 +81,7 @@ impl Cpu {
         let carried = (kind == Restart::Warm).then(|| Carried::of(&cpu));
         let stopped = Rc::into_inner(cpu).expect("only the run owns its CPU");
         // The rest ends here, with its threads, files and connections.
-        let Cpu { image, code, clock, driver, diagnostics, service, alarms, force, generation, .. } = stopped;
+        let Cpu { image, code, clock, driver, diagnostics, service, alarms, force, generation, meters, .. } = stopped;
         let mut next = Cpu::new(image, code, clock, driver);
         let own = Rc::get_mut(&mut next).expect("it was just made");
         own.diagnostics = diagnostics;
@@ -77,10 +93,64 @@ impl Cpu {
         own.is_restarted = true;
         own.generation = generation;
         own.force = force;
+        // They count on whatever the restart clears.
+        own.meters = meters;
         own.startup.set(match kind {
-            Restart::Cold => 102,
-            Restart::Warm | Restart::Hot | Restart::Reset => 100,
+            Restart::Cold => COLD,
+            Restart::Warm | Restart::Hot | Restart::Reset => WARM,
         });
         next
     }
+}
+
+/// What a startup OB of an S7-1200/1500 is told, in byte 4 of its start information, which its input parameters come from.
+pub(crate) mod retained {
+    /// Retentive data came back.
+    pub(crate) const REMANENCE: u8 = 1;
+    /// Retentive data was lost.
+    pub(crate) const LOST: u8 = 2;
+}
+
+impl Cpu {
+    /// STRT_INFO of OB 100 to OB 102, and the event of the last STOP. Source: System and standard functions, OB 100 to OB 102; System Software
+    /// for S7-300/400, volume 1.
+    pub(crate) fn startup_info_of_step7(&self, info: StartInfo, automatic: bool) -> StartInfo {
+        /// The clock of the host runs without the CPU.
+        const CLOCK_BACKED_UP: u32 = 1 << 27;
+        let has_memory = self.restored.get() == Restored::Whole || self.is_restarted;
+        let ob = self.startup.get();
+        let this: u32 = match (automatic, ob, has_memory) {
+            (true, HOT, _) => 0xA0,
+            (true, COLD, true) => 0x11,
+            (true, COLD, false) => 0x21,
+            (true, _, true) => 0x10,
+            (true, _, false) => 0x20,
+            (false, HOT, _) => 0x0C,
+            (false, COLD, _) => 0x08,
+            (false, _, true) => 0x14,
+            (false, _, false) => 0x24,
+        };
+        // Which restarts are allowed, of each kind: warm ones; of an S7-400 also hot ones.
+        let allowed = if self.image.profile.family == Family::S7400 { 0xFF } else { 0x77 };
+        let stop = self.diagnostics.newest_first().into_iter().find(|entry| is_stop(entry.event));
+        info.word(6, stop.map_or(0, |entry| entry.event)).dword(8, CLOCK_BACKED_UP | this << 16 | allowed << 8 | this)
+    }
+
+    /// See [`retained`].
+    pub(crate) fn startup_info_of_portal(&self, info: StartInfo) -> StartInfo {
+        let restored = if self.is_restarted { Restored::Whole } else { self.restored.get() };
+        info.byte(
+            4,
+            match restored {
+                Restored::Whole => retained::REMANENCE,
+                Restored::Lost if self.retentive_lost.get() => retained::LOST,
+                Restored::Lost | Restored::NotKept => 0,
+            },
+        )
+    }
+}
+
+/// An event that puts a CPU into STOP.
+fn is_stop(event: u16) -> bool {
+    matches!(event, 0x4303 | 0x4304 | 0x430D | 0x4540..=0x457F)
 }

@@ -10,6 +10,7 @@ use plcc_abi::image::BlockEntry;
 use plcc_abi::ob::StartValue;
 
 use crate::cpu::Cpu;
+use crate::restart::retained;
 
 /// IO_State when a fault comes, and when it has gone.
 const IO_STATE_FAULT: u16 = 0x0010;
@@ -41,8 +42,10 @@ fn start_value(value: StartValue, info: &[u8; 12], first: bool) -> u16 {
     let word = |at: usize| u16::from_be_bytes([info[at], info[at + 1]]);
     match value {
         StartValue::InitialCall => u16::from(first),
-        // Every start is one with all data as loaded: nothing was kept, and nothing was lost.
-        StartValue::Remanence | StartValue::LostRetentive | StartValue::LostRtc => 0,
+        StartValue::Remanence => u16::from(info[4] & retained::REMANENCE != 0),
+        StartValue::LostRetentive => u16::from(info[4] & retained::LOST != 0),
+        // The clock of the host is always right.
+        StartValue::LostRtc => 0,
         // The clock that is set is a time error, OB 80.
         StartValue::CaughtUp | StartValue::SecondTime => 0,
         StartValue::Sign | StartValue::Laddr | StartValue::CsgObNr => word(6),

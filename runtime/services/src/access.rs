@@ -4,6 +4,8 @@ use plcc_abi::image::{self, BlockKind};
 use plcc_abi::layout;
 use plcc_abi::s7200::{COUNTERS, TIMERS, V_DB, system};
 use plcc_runtime::cpu::{self, Cpu};
+use plcc_runtime::diagnostics::{Entry, is_fault};
+use plcc_runtime::events::priority;
 use plcc_runtime::options;
 use plcc_runtime::{bcd, counters, datetime, timers};
 
@@ -20,11 +22,6 @@ impl Access<'_> {
         self.family() == Family::S7200
     }
 
-    /// A data block whose components have no addresses.
-    fn is_optimized(&self, number: u16) -> bool {
-        self.0.image.dbs.iter().any(|db| db.number == number && db.optimized)
-    }
-
     /// Where an area is in PLC memory. Timers, counters and modules are elsewhere.
     fn range(&self, area: Area) -> Result<Range, ItemError> {
         let system = |offset, bytes| Ok((layout::SYSTEM + offset, bytes));
@@ -35,7 +32,7 @@ impl Access<'_> {
             Area::Db(number) => match self.0.memory.db(number) {
                 _ if self.is_s7200() && number != V_DB => Err(ItemError::Missing),
                 (_, 0) => Err(ItemError::Missing),
-                _ if self.is_optimized(number) => Err(ItemError::Missing),
+                _ if self.0.is_optimized(number) => Err(ItemError::Missing),
                 found => Ok(found),
             },
             Area::SpecialMemory => system(system::SM, system::SM_BYTES),
@@ -121,6 +118,33 @@ impl Access<'_> {
             0x0F => BlockKind::Sfb,
             _ => return None,
         })
+    }
+}
+
+/// The modes of an event that changes them, before and after it in half a byte each; `None`: another event. Source: System and standard
+/// functions, mode transitions in the diagnostic buffer.
+fn modes(event: u16) -> Option<u8> {
+    const STOP: u8 = 4;
+    const WARM: u8 = 6;
+    const RUN: u8 = 8;
+    match event {
+        0x4301 => Some(STOP << 4 | WARM),
+        0x4302 => Some(WARM << 4 | RUN),
+        0x4303..=0x4304 | 0x4540..=0x457F => Some(RUN << 4 | STOP),
+        _ => None,
+    }
+}
+
+impl Access<'_> {
+    fn event(&self, entry: &Entry) -> Event {
+        /// Of all changes of mode.
+        const PRIORITY: u8 = 0xFF;
+        let (priority, ob) = match (modes(entry.event), entry.ob) {
+            (Some(modes), _) => (PRIORITY, modes),
+            (None, 0) => (PRIORITY, 0),
+            (None, ob) => (priority(ob, &self.0.image.profile, &self.0.image.config), ob.min(255) as u8),
+        };
+        Event { event: entry.event, ob, priority, info: entry.info, time: datetime::encode(entry.wall) }
     }
 }
 
@@ -238,23 +262,20 @@ impl Plc for Access<'_> {
     }
 
     fn block(&self, code: u8, number: u16) -> Option<BlockInfo> {
-        /// Languages of blocks. What a block was written in is not known any more.
-        const UNKNOWN: u8 = 0;
-        const DB: u8 = 5;
         let kind = Self::kind(code)?;
         let image = &self.0.image;
         if kind == BlockKind::Db {
             let db = image.dbs.iter().find(|db| db.number == number)?;
             let bytes = db.data.len().min(usize::from(u16::MAX)) as u16;
             let name = db.name.clone();
-            return Some(BlockInfo { language: DB, number, bytes, local_data: 0, name, read_only: db.read_only });
+            return Some(BlockInfo { number, bytes, local_data: 0, name, read_only: db.read_only });
         }
         let named = image.blocks.iter().map(|block| (block.kind, block.number, &block.name, block.frame));
         let inner = image.inner_blocks.iter().map(|(kind, number, name)| (*kind, *number, name, 0));
         let (.., name, frame) = named.chain(inner).find(|(found, own, ..)| (*found, *own) == (kind, number))?;
         let local_data = frame.min(u32::from(u16::MAX)) as u16;
         // Machine code of this computer has no length that means something to a client.
-        Some(BlockInfo { language: UNKNOWN, number, bytes: 0, local_data, name: name.clone(), read_only: false })
+        Some(BlockInfo { number, bytes: 0, local_data, name: name.clone(), read_only: false })
     }
 
     fn clock(&self) -> DateAndTime {
@@ -271,22 +292,33 @@ impl Plc for Access<'_> {
         }
     }
 
-    fn events(&self) -> Vec<Event> {
-        let entries = self.0.diagnostics.newest_first().into_iter();
-        entries
-            .map(|entry| Event {
-                event: entry.event,
-                ob: entry.ob.min(255) as u8,
-                priority: 0,
-                info: entry.info,
-                time: datetime::encode(entry.wall),
-            })
-            .collect()
+    fn block_bytes_max(&self) -> u32 {
+        self.0.image.profile.db_bytes_max
+    }
+
+    fn events(&self, count: usize) -> Vec<Event> {
+        self.0.diagnostics.newest_first().into_iter().take(count).map(|entry| self.event(&entry)).collect()
+    }
+
+    fn last_mode_change(&self) -> Option<Event> {
+        let entries = self.0.diagnostics.newest_first();
+        entries.iter().find(|entry| modes(entry.event).is_some()).map(|entry| self.event(entry))
+    }
+
+    fn has_faults(&self) -> bool {
+        const STARTUP: u16 = 0x4301;
+        let entries = self.0.diagnostics.newest_first();
+        entries.iter().take_while(|entry| entry.event != STARTUP).any(|entry| is_fault(entry.event))
     }
 
     fn sizes(&self) -> [u16; 6] {
         let profile = &self.0.image.profile;
         [profile.inputs, profile.outputs, profile.bit_memory, profile.timers, profile.counters, profile.local_data]
             .map(|size| size.min(u32::from(u16::MAX)) as u16)
+    }
+
+    fn cell_bit(&self, area: Area, number: u32) -> bool {
+        let bits = if area == Area::Timers { system::TIMER_BITS } else { system::COUNTER_BITS };
+        self.is_s7200() && number < self.cells(area) && self.0.memory.byte(layout::SYSTEM + bits + number) != 0
     }
 }

@@ -1,6 +1,7 @@
 //! Metrics for Prometheus, and health.
 //!
-//! `GET /metrics` answers in the text format of Prometheus, `GET /health` with 200 in RUN, else with 503. Source: Prometheus, exposition formats.
+//! `GET /metrics` answers in the text format of Prometheus, `GET /health` with 200 in RUN, else with 503; HEAD is answered without the content.
+//! Source: Prometheus, exposition formats; RFC 9110, methods.
 
 use std::fmt::Write as _;
 use std::sync::Arc;
@@ -149,20 +150,24 @@ impl Pages {
 /// Answers one request.
 pub async fn serve(mut stream: impl Stream, pages: Pages) {
     let answered = async {
-        let path = timeout(FRAME_TIME, request(&mut stream)).await.ok()?;
-        let (status, kind, body) = match path.as_deref() {
+        let asked = timeout(FRAME_TIME, request(&mut stream)).await.ok()?;
+        let (status, kind, body) = match asked.path() {
             Some("/metrics") => ("200 OK", "text/plain; version=0.0.4; charset=utf-8", pages.metrics().await),
             Some("/health") => {
                 let (status, body) = pages.health().await;
                 (status, "text/plain; charset=utf-8", body)
             }
             Some(_) => ("404 Not Found", "text/plain", "there are /metrics and /health\n".to_string()),
+            None if asked == Parsed::Method => {
+                ("405 Method Not Allowed\r\nAllow: GET, HEAD", "text/plain", String::new())
+            }
             None => ("400 Bad Request", "text/plain", String::new()),
         };
         let length = body.len();
         let head = format!(
             "HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {length}\r\nConnection: close\r\n\r\n"
         );
+        let body = if matches!(asked, Parsed::Head(_)) { "" } else { &body };
         timeout(ANSWER_TIME, stream.write_all(&[head.as_bytes(), body.as_bytes()].concat())).await.ok()?.ok()?;
         timeout(ANSWER_TIME, stream.shutdown()).await.ok()?.ok()
     };
@@ -170,17 +175,17 @@ pub async fn serve(mut stream: impl Stream, pages: Pages) {
     let _ = answered.await;
 }
 
-/// The path of a GET request; `None`: it is something else.
-async fn request(stream: &mut impl Stream) -> Option<String> {
+/// What is asked for.
+async fn request(stream: &mut impl Stream) -> Parsed {
     let mut head = Vec::new();
     let mut buffer = [0; 1024];
     loop {
-        let count = stream.read(&mut buffer).await.ok().filter(|count| *count > 0)?;
+        let Some(count) = stream.read(&mut buffer).await.ok().filter(|count| *count > 0) else { return Parsed::Wrong };
         head.extend_from_slice(&buffer[..count]);
         match path(&head) {
             Parsed::Partial if head.len() < HTTP_BYTES_MAX => {}
-            Parsed::Path(path) => return Some(path),
-            Parsed::Partial | Parsed::Wrong => return None,
+            Parsed::Partial => return Parsed::Wrong,
+            parsed => return parsed,
         }
     }
 }
@@ -188,8 +193,20 @@ async fn request(stream: &mut impl Stream) -> Option<String> {
 #[derive(Debug, PartialEq, Eq)]
 enum Parsed {
     Partial,
-    Path(String),
+    Get(String),
+    Head(String),
+    /// Another method.
+    Method,
     Wrong,
+}
+
+impl Parsed {
+    fn path(&self) -> Option<&str> {
+        match self {
+            Parsed::Get(path) | Parsed::Head(path) => Some(path),
+            Parsed::Partial | Parsed::Method | Parsed::Wrong => None,
+        }
+    }
 }
 
 fn path(head: &[u8]) -> Parsed {
@@ -197,10 +214,15 @@ fn path(head: &[u8]) -> Parsed {
     let mut request = httparse::Request::new(&mut headers);
     match request.parse(head) {
         Ok(httparse::Status::Partial) => Parsed::Partial,
-        Ok(httparse::Status::Complete(_)) => match (request.method, request.path) {
-            (Some("GET"), Some(path)) => Parsed::Path(path.split('?').next().unwrap_or(path).to_string()),
-            _ => Parsed::Wrong,
-        },
+        Ok(httparse::Status::Complete(_)) => {
+            let path = request.path.map(|path| path.split('?').next().unwrap_or(path).to_string());
+            match (request.method, path) {
+                (Some("GET"), Some(path)) => Parsed::Get(path),
+                (Some("HEAD"), Some(path)) => Parsed::Head(path),
+                (Some(_), Some(_)) => Parsed::Method,
+                _ => Parsed::Wrong,
+            }
+        }
         Err(_) => Parsed::Wrong,
     }
 }
@@ -226,9 +248,10 @@ mod tests {
 
     #[test]
     fn requests_are_read() {
-        assert_eq!(path(b"GET /metrics?a=1 HTTP/1.1\r\nHost: x\r\n\r\n"), Parsed::Path("/metrics".to_string()));
+        assert_eq!(path(b"GET /metrics?a=1 HTTP/1.1\r\nHost: x\r\n\r\n"), Parsed::Get("/metrics".to_string()));
+        assert_eq!(path(b"HEAD /health HTTP/1.0\r\n\r\n"), Parsed::Head("/health".to_string()));
         assert_eq!(path(b"GET /metrics HTT"), Parsed::Partial);
-        assert_eq!(path(b"POST / HTTP/1.1\r\n\r\n"), Parsed::Wrong);
+        assert_eq!(path(b"POST / HTTP/1.1\r\n\r\n"), Parsed::Method);
         assert_eq!(path(&[0xFF, 3, 0, 0]), Parsed::Wrong);
     }
 }

@@ -8,7 +8,7 @@ use std::time::Instant;
 use argon2::Argon2;
 use argon2::password_hash::rand_core::OsRng;
 use argon2::password_hash::{PasswordHash, PasswordHasher, PasswordVerifier, SaltString};
-use tokio::sync::Semaphore;
+use tokio::sync::{Semaphore, SemaphorePermit};
 
 use crate::limits::{GUESSERS_MAX, PASSWORD_PAUSE, WRONG_PASSWORDS_MAX};
 
@@ -52,17 +52,23 @@ pub fn is_right(password: &[u8], hash: &str) -> bool {
     PasswordHash::new(hash).is_ok_and(|hash| Argon2::default().verify_password(password, &hash).is_ok())
 }
 
-/// Checks passwords, one after the other: that takes time and memory on purpose.
+/// Whoever checks a password of any service holds it: one after the other, since that takes time and memory on purpose. Many at once would
+/// take the memory of the computer.
+pub async fn turn() -> Option<SemaphorePermit<'static>> {
+    static TURN: Semaphore = Semaphore::const_new(1);
+    TURN.acquire().await.ok()
+}
+
+/// Checks the password of S7 clients.
 #[derive(Clone)]
 pub struct Guard {
     hash: Option<Arc<str>>,
     wrong: Arc<Mutex<HashMap<IpAddr, (u32, Instant)>>>,
-    one: Arc<Semaphore>,
 }
 
 impl Guard {
     pub fn new(hash: Option<&str>) -> Guard {
-        Guard { hash: hash.map(Arc::from), wrong: Arc::default(), one: Arc::new(Semaphore::new(1)) }
+        Guard { hash: hash.map(Arc::from), wrong: Arc::default() }
     }
 
     pub fn has_password(&self) -> bool {
@@ -72,10 +78,17 @@ impl Guard {
     /// Whether it is the password. A computer that was wrong too often waits.
     pub async fn check(&self, from: IpAddr, password: Vec<u8>) -> bool {
         let Some(hash) = self.hash.clone() else { return false };
-        let Ok(_turn) = self.one.acquire().await else { return false };
-        if self.must_wait(from) {
-            tokio::time::sleep(PASSWORD_PAUSE).await;
-        }
+        // Who was wrong too often waits before it is its turn, so that others do not wait with it.
+        let _turn = loop {
+            if self.must_wait(from) {
+                tokio::time::sleep(PASSWORD_PAUSE).await;
+            }
+            let Some(turn) = turn().await else { return false };
+            // Another connection of this computer may have been wrong meanwhile.
+            if !self.must_wait(from) {
+                break turn;
+            }
+        };
         let right = tokio::task::spawn_blocking(move || is_right(&password, &hash)).await.unwrap_or(false);
         let mut wrong = self.wrong.lock().unwrap_or_else(PoisonError::into_inner);
         if right {
@@ -107,6 +120,25 @@ mod tests {
         assert!(is_right(b"secret", &one) && !is_right(b"Secret", &one) && !is_right(b"", &one));
         // Each has a salt of its own.
         assert_ne!(one, hash("secret").unwrap());
+    }
+
+    #[test]
+    fn guessing_delays_nobody_else() {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build().unwrap();
+        runtime.block_on(async {
+            let guard = Guard::new(Some(&hash("secret").unwrap()));
+            let [one, other] = ["10.0.0.1", "10.0.0.2"].map(|address| address.parse().unwrap());
+            for _ in 0..WRONG_PASSWORDS_MAX {
+                assert!(!guard.check(one, b"wrong".to_vec()).await);
+            }
+            let began = Instant::now();
+            tokio::select! {
+                biased;
+                _ = guard.check(one, b"wrong".to_vec()) => panic!("it does not wait"),
+                right = guard.check(other, b"secret".to_vec()) => assert!(right),
+            }
+            assert!(began.elapsed() < PASSWORD_PAUSE);
+        });
     }
 
     #[test]

@@ -19,21 +19,18 @@ use plcc_abi::image::{Family, RetainInterval};
 
 use crate::cpu::Cpu;
 use crate::diagnostics::{self, NO_SITE};
+use crate::restart::{COLD, HOT, WARM};
 use crate::s7200::errors::INTERNAL_ERROR;
 pub(crate) use items::Items;
 use items::{Loaded, Refused};
 use slots::{Content, Fault, Slots};
 use writer::Writer;
 
-/// Startup OBs.
-const WARM: u16 = 100;
-const HOT: u16 = 101;
-const COLD: u16 = 102;
-
 /// Whether the data of a CPU came back.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Restored {
     /// No file is named.
+    #[default]
     NotKept,
     /// There is none, or it is of no use.
     Lost,
@@ -72,6 +69,12 @@ impl Cpu {
 
     /// The CPU is switched on: memory gets what was kept, as the kind of restart says.
     pub(crate) fn power_on_retentive(&self) -> Restored {
+        let restored = self.bring_retentive_back();
+        self.restored.set(restored);
+        restored
+    }
+
+    fn bring_retentive_back(&self) -> Restored {
         let carried = self.carried.take();
         if let Some(carried) = &carried {
             carried.load_parts(self);
@@ -127,6 +130,7 @@ impl Cpu {
         let lost = |text: String| {
             say(&text);
             self.log(diagnostics::RETAIN_LOST, NO_SITE, 0);
+            self.retentive_lost.set(true);
         };
         let restored = match (content, self.startup.get()) {
             (_, _) if self.image.config.retain.reset && !self.is_restarted => {

@@ -10,7 +10,9 @@ use plcc_abi::names::{NamedMember, NamedStruct, NamedType};
 use super::helpers::{Block, cpu_with, run};
 use crate::counters;
 use crate::cpu::Cpu;
+use crate::events::StartInfo;
 use crate::options::Restart;
+use crate::restart::retained;
 use crate::timers;
 use plcc_abi::functions::TimerMode;
 
@@ -116,6 +118,25 @@ fn a_warm_restart_keeps_what_is_retentive() {
     let kept = [2, 0, 5, 0, 100, 7];
     assert_eq!(found(&path, |_| {}), kept);
     assert_eq!(found(&path, |_| {}), kept);
+}
+
+#[test]
+fn startup_obs_are_told_what_came_back() {
+    let path = file("told");
+    let told = |family| {
+        let cpu = with(&path, nothing(), |image| image.profile.family = family);
+        run(&cpu, 1);
+        let info = StartInfo::new(0x13, 0x82, 100);
+        let portal = cpu.startup_info_of_portal(info).0[4];
+        (portal, u32::from_be_bytes(*cpu.startup_info_of_step7(info, true).0.last_chunk().unwrap()))
+    };
+    // Automatic warm restarts; only these are allowed, or hot ones, too.
+    assert_eq!(told(Family::S71500), (0, 0x0820_7720), "nothing was there");
+    assert_eq!(told(Family::S7400), (retained::REMANENCE, 0x0810_FF10));
+    let mut bytes = std::fs::read(&path).unwrap();
+    bytes.iter_mut().skip(64).for_each(|byte| *byte ^= 0x55);
+    std::fs::write(&path, bytes).unwrap();
+    assert_eq!(told(Family::S71500), (retained::LOST, 0x0820_7720));
 }
 
 #[test]
@@ -294,6 +315,28 @@ fn a_client_starts_a_stopped_cpu_again() {
         assert_eq!((words(&again), again.startup.get()), (START, 102));
         let _ = std::fs::remove_file(&path);
     }
+}
+
+#[test]
+fn blocks_that_the_program_made_outlast_a_warm_restart() {
+    let path = file("made");
+    let cpu = stopped_by_a_client(&path, |image| image.config.retain.file = None);
+    let at = cpu.image.db_end.max(layout::DB_DATA).next_multiple_of(layout::DB_ALIGN);
+    cpu.memory.load(at, &[1, 2, 3, 4]);
+    cpu.memory.set_db(60, at, 4);
+    cpu.created_dbs.borrow_mut().push((60, at, 4));
+    cpu.meters[1].bring_back(&[9, 0, 0, 0, 0, 0, 0, 0, 0], 0);
+    let seconds = |cpu: &Cpu| cpu.meters[1].kept(cpu.clock.now())[0];
+    let again = Cpu::restarted(cpu, Restart::Warm);
+    run(&again, 1);
+    assert_eq!((again.memory.db(60), again.created_dbs.borrow().as_slice()), ((at, 4), &[(60, at, 4)][..]));
+    assert_eq!(again.memory.view(at, 4, <[u8]>::to_vec), [1, 2, 3, 4]);
+    assert_eq!(seconds(&again), 9);
+    // A cold restart deletes them; meters count on.
+    let again = Cpu::restarted(again, Restart::Cold);
+    run(&again, 1);
+    assert_eq!(again.memory.db(60).1, 0);
+    assert_eq!(seconds(&again), 9);
 }
 
 #[test]

@@ -13,7 +13,7 @@ use jiff::Timestamp;
 use plcc_abi::ProgramImage;
 use plcc_runtime::cpu::Cpu;
 use plcc_runtime::options::split_list;
-use plcc_runtime::signal::{self, Signal};
+use plcc_runtime::signal::{self, Signal, Value};
 use rumqttc::{AsyncClient, LastWill, QoS};
 use tokio::time::{Instant, MissedTickBehavior, interval};
 
@@ -74,13 +74,15 @@ fn topic(name: &str) -> String {
     name.replace(['/', '+', '#', '\0', '"'], "_").replace(' ', "")
 }
 
-/// The values of one cycle: content without the time, in the order of the signals.
+/// The values of one cycle, in the order of the signals. They become texts elsewhere: the cycle waits for this.
 struct Values {
     /// The program has changed: how often, and where its values are.
     renewed: Option<(u64, Signals)>,
     running: bool,
-    texts: Vec<String>,
-    time: String,
+    /// `None`: the program has no such value.
+    values: Vec<Option<Value>>,
+    /// Wall clock of the CPU, in milliseconds since 1970.
+    time: i64,
 }
 
 /// Values with the last part of their topics, and whether the program has them, which may be a changed one.
@@ -100,21 +102,20 @@ fn renew(cpu: &Cpu, signals: &Signals) -> Signals {
 fn read(cpu: &Cpu, signals: &Signals, generation: u64) -> Values {
     let renewed = (cpu.generation() != generation).then(|| (cpu.generation(), renew(cpu, signals)));
     let signals = renewed.as_ref().map_or(signals, |(_, signals)| signals);
-    let one = |signal: &Signal| {
-        let value = signal.source.read(cpu, None).json();
-        format!("\"value\": {value}, \"type\": \"{}\"", signal.source.ty())
-    };
-    let texts = signals.iter().map(|(_, signal, exists)| match exists {
-        true => one(signal),
-        false => "\"value\": null".to_string(),
-    });
-    let texts = texts.collect();
-    Values { running: !cpu.is_stopped(), texts, time: moment(cpu), renewed }
+    let values = signals.iter().map(|(_, signal, exists)| exists.then(|| signal.source.read(cpu, None))).collect();
+    Values { running: !cpu.is_stopped(), values, time: cpu.clock.wall().div_euclid(1_000_000), renewed }
 }
 
-/// The wall clock of the CPU.
-fn moment(cpu: &Cpu) -> String {
-    let ms = cpu.clock.wall().div_euclid(1_000_000);
+/// The content of a message, without the time.
+fn content(signal: &Signal, value: Option<&Value>) -> String {
+    match value {
+        Some(value) => format!("\"value\": {}, \"type\": \"{}\"", value.json(), signal.source.ty()),
+        None => "\"value\": null".to_string(),
+    }
+}
+
+/// A moment of the CPU's clock.
+fn moment(ms: i64) -> String {
     Timestamp::from_millisecond(ms).map_or_else(|_| String::new(), |time| format!("{time:.3}"))
 }
 
@@ -158,17 +159,21 @@ pub async fn run(publisher: Publisher, link: Link) {
             }
             state = Some(say);
         }
-        for (index, ((topic, ..), text)) in signals.iter().zip(&values.texts).enumerate() {
+        let all_texts =
+            signals.iter().zip(&values.values).map(|((_, signal, _), value)| content(signal, value.as_ref()));
+        let texts: Vec<String> = all_texts.collect();
+        let time = moment(values.time);
+        for (index, ((topic, ..), text)) in signals.iter().zip(&texts).enumerate() {
             if !all && sent.get(index) == Some(text) {
                 continue;
             }
-            let content = format!("{{{text}, \"time\": \"{}\"}}", values.time);
+            let content = format!("{{{text}, \"time\": \"{time}\"}}");
             let topic = format!("{}/value/{topic}", broker.prefix);
             if client.publish(topic, QoS::AtLeastOnce, true, content).await.is_err() {
                 return;
             }
         }
-        sent = values.texts;
+        sent = texts;
         if all {
             last = Instant::now();
         }

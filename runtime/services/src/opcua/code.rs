@@ -110,18 +110,23 @@ impl<'a> Reader<'a> {
         if mask & 2 != 0 { self.text() } else { Some(String::new()) }
     }
 
-    /// An ExtensionObject: the number of its encoding, and its body.
-    pub fn object(&mut self) -> Option<(u32, &'a [u8])> {
-        let ty = self.node()?;
+    /// An ExtensionObject: its encoding, and its body.
+    fn extension(&mut self) -> Option<(NodeId, &'a [u8])> {
+        let encoding = self.node()?;
         let body = match self.u8()? {
             0 => &[],
             1 | 2 => self.bytes()?,
             _ => return None,
         };
-        Some((if let (0, Id::Number(number)) = (ty.namespace, ty.id) { number } else { 0 }, body))
+        Some((encoding, body))
     }
 
-    fn scalar(&mut self, ty: u8) -> Option<Scalar> {
+    /// An ExtensionObject of the standard: the number of its encoding, and its body.
+    pub fn object(&mut self) -> Option<(u32, &'a [u8])> {
+        self.extension().map(|(encoding, body)| (encoding.standard().unwrap_or(0), body))
+    }
+
+    pub fn scalar(&mut self, ty: u8) -> Option<Scalar> {
         Some(match ty {
             1 => Scalar::Bool(self.bool()?),
             2 => Scalar::SByte(self.u8()? as i8),
@@ -145,8 +150,8 @@ impl<'a> Reader<'a> {
             }
             21 => Scalar::Localized(self.localized()?),
             22 => {
-                let (ty, body) = self.object()?;
-                Scalar::Object(ty, body.to_vec())
+                let (encoding, body) = self.extension()?;
+                Scalar::Object(encoding, body.to_vec())
             }
             _ => return None,
         })
@@ -236,8 +241,8 @@ pub enum Scalar {
     Status(u32),
     Name(u16, String),
     Localized(String),
-    /// The number of the encoding, and the body.
-    Object(u32, Vec<u8>),
+    /// The encoding, and the body.
+    Object(NodeId, Vec<u8>),
 }
 
 impl Scalar {
@@ -266,7 +271,7 @@ impl Scalar {
         }
     }
 
-    fn put(&self, out: &mut Writer) {
+    pub fn put(&self, out: &mut Writer) {
         match self {
             Scalar::Bool(value) => out.u8((*value).into()),
             Scalar::SByte(value) => out.u8(*value as u8),
@@ -287,7 +292,11 @@ impl Scalar {
                 out.text(name);
             }
             Scalar::Localized(text) => out.localized(text),
-            Scalar::Object(ty, body) => out.object(*ty, body),
+            Scalar::Object(encoding, body) => {
+                out.node(encoding);
+                out.u8(1);
+                out.bytes(body);
+            }
         }
     }
 

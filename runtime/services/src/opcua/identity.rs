@@ -103,14 +103,15 @@ pub async fn sign_in(server: &Arc<Server>, token: (u32, &[u8]), nonce: &[u8], ri
                 return Err(status::IDENTITY_INVALID);
             }
             let (own, nonce) = (server.clone(), nonce.to_vec());
-            let turn = server.one.acquire().await.map_err(|_| status::SHUTDOWN)?;
+            let turns = (server.one.acquire().await, crate::password::turn().await);
+            let (Ok(_), Some(_)) = &turns else { return Err(status::SHUTDOWN) };
             let checked = tokio::task::spawn_blocking(move || {
                 let password = password(&own, &algorithm, &secret, &nonce)?;
                 Some(own.users.check(&name, &password).map(|user| own.users.role(user)))
             });
             let checked = checked.await.map_err(|_| status::INTERNAL)?;
             // Others need not wait for who was wrong.
-            drop(turn);
+            drop(turns);
             match checked {
                 Some(Some(Role::Look)) => Ok(right.min(Right::Read)),
                 Some(Some(Role::Operate)) => Ok(right.min(Right::Write)),

@@ -3,7 +3,8 @@
 //! - [`code`]: the binary encoding; [`status`]: status codes.
 //! - [`crypto`], [`certificate`], [`channel`]: secure channels.
 //! - [`connection`]: one client; [`session`]: who it is; [`identity`]: endpoints and users.
-//! - [`standard`], [`space`]: the nodes; [`values`]: PLC values as variants; [`attributes`]: reading and writing; [`view`]: browsing.
+//! - [`standard`], [`space`]: the nodes; [`values`], [`structures`]: PLC values as variants; [`range`]: parts of arrays; [`attributes`]: reading
+//!   and writing; [`view`]: browsing.
 //! - [`subscription`]: values as they change.
 //!
 //! A session belongs to its connection: what a client has is gone when the connection is. So nothing is shared between clients. A connection
@@ -16,13 +17,16 @@ pub(crate) mod code;
 mod connection;
 pub(crate) mod crypto;
 mod identity;
+mod range;
 mod session;
 mod space;
 mod standard;
 pub(crate) mod status;
+mod structures;
 mod subscription;
 #[cfg(test)]
 mod tests;
+mod unit;
 pub(crate) mod values;
 mod view;
 

@@ -6,13 +6,14 @@ use std::time::{Duration, Instant};
 use plcc_abi::services::Right;
 
 use super::Server;
-use super::attributes::{self, Change, Wanted, change, wanted};
+use super::attributes::{self, Change, Question, Wanted, change};
 use super::channel::Channel;
 use super::code::{Id, NodeId, Reader, Writer, now};
 use super::crypto::{NONCE_BYTES, Policy, random};
 use super::identity;
+use super::range::Range;
 use super::status::{self, Status};
-use super::subscription::{Published, Subscriptions, check_plain};
+use super::subscription::{Published, Subscriptions};
 use super::view::{self, Continuations, check_count};
 use crate::limits::{OPCUA_REQUEST_MAX, OPCUA_RESPONSE_MAX, OPCUA_SESSION_TIME};
 
@@ -372,18 +373,13 @@ impl Session {
 
 /// What a Read asks for, and which times.
 fn questions(server: &Server, right: Right, reader: &mut Reader) -> Result<(Vec<Wanted>, u32), Status> {
-    let one = |reader: &mut Reader| Some((reader.node()?, reader.u32()?, reader.text()?, reader.name()?.1));
-    let read = |reader: &mut Reader| Some((reader.f64()?, reader.u32()?, reader.list(one)?));
-    let (_age, times, nodes) = read(reader).ok_or(status::DECODING)?;
-    check_count(nodes.len())?;
+    let read = |reader: &mut Reader| Some((reader.f64()?, reader.u32()?, reader.list(Question::read)?));
+    let (_age, times, questions) = read(reader).ok_or(status::DECODING)?;
+    check_count(questions.len())?;
     if times > 3 {
         return Err(status::TIMESTAMPS_INVALID);
     }
-    let find = |(node, attribute, range, encoding): &(NodeId, u32, String, String)| match check_plain(range, encoding) {
-        Ok(()) => wanted(server, node, *attribute, right),
-        Err(status) => Wanted::Wrong(status),
-    };
-    Ok((nodes.iter().map(find).collect(), times))
+    Ok((questions.iter().map(|question| question.wanted(server, right)).collect(), times))
 }
 
 /// What a Write asks for.
@@ -391,11 +387,12 @@ fn changes(server: &Server, right: Right, reader: &mut Reader) -> Result<Vec<Cha
     let one = |reader: &mut Reader| Some((reader.node()?, reader.u32()?, reader.text()?, reader.data_value()?));
     let values = reader.list(one).ok_or(status::DECODING)?;
     check_count(values.len())?;
-    let check = |(node, attribute, range, (value, status)): &(NodeId, u32, String, _)| match (range.as_str(), *status) {
-        ("", status::GOOD) => change(server, node, *attribute, value, right),
-        ("", _) => Change::Wrong(status::WRITE_NOT_SUPPORTED),
-        _ => Change::Wrong(status::INDEX_RANGE_INVALID),
-    };
+    let check =
+        |(node, attribute, range, (value, status)): &(NodeId, u32, String, _)| match (Range::parse(range), *status) {
+            (Ok(range), status::GOOD) => change(server, (node, *attribute), value, range.as_ref(), right),
+            (Ok(_), _) => Change::Wrong(status::WRITE_NOT_SUPPORTED),
+            (Err(status), _) => Change::Wrong(status),
+        };
     Ok(values.iter().map(check).collect())
 }
 

@@ -14,6 +14,7 @@
 //! ```
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use plcc_abi::ProgramImage;
 use plcc_abi::image::AssertType;
@@ -24,9 +25,12 @@ use plcc_runtime::typed::{self, ValueType};
 
 use super::code::{Id, NodeId};
 use super::standard::{
-    self, BASE_OBJECT_TYPE, DATA_VARIABLE_TYPE, FOLDER_TYPE, HAS_COMPONENT, OBJECT, OBJECTS, ORGANIZES, VARIABLE,
+    self, ANALOG_UNIT_TYPE, BASE_OBJECT_TYPE, DATA_TYPE, DATA_VARIABLE_TYPE, ENCODING_TYPE, FOLDER_TYPE, HAS_COMPONENT,
+    HAS_ENCODING, HAS_PROPERTY, HAS_SUBTYPE, OBJECT, OBJECTS, ORGANIZES, PROPERTY_TYPE, VARIABLE,
 };
-use super::values::{Variable, unit};
+use super::structures::{self, Compound, Field, Kind, Shape};
+use super::unit::{self, Unit};
+use super::values::{Variable, unit_text};
 use crate::limits::{NAME_MAX, OPCUA_LISTED_MAX};
 
 /// Namespace of the data, as on an S7-1500; 1 is that of this server, 2 is not used.
@@ -56,6 +60,30 @@ pub enum Content {
     Standard(u32),
     Cpu(CpuValue),
     Memory(Variable),
+    /// A structure, or an array of them.
+    Compound(Compound),
+    /// The unit of the variable above it.
+    Unit(Unit),
+    /// The type of a structure.
+    DataType(Arc<Shape>),
+}
+
+impl Node {
+    /// Namespace of its name: properties have names of the standard.
+    pub fn name_space(&self) -> u16 {
+        match self.content {
+            Content::Unit(_) => 0,
+            Content::None
+            | Content::Standard(_)
+            | Content::Cpu(_)
+            | Content::Memory(_)
+            | Content::Compound(_)
+            | Content::DataType(_) => match self.definition {
+                ENCODING_TYPE => 0,
+                _ => self.id.namespace,
+            },
+        }
+    }
 }
 
 /// What the CPU tells of itself.
@@ -146,6 +174,11 @@ pub struct Space {
     blocks: Vec<Thing>,
     /// Those of both that have names, by name.
     roots: HashMap<String, Thing>,
+    /// Of structures that can be a value, by the numbers of their types.
+    shapes: Vec<Option<Arc<Shape>>>,
+    /// Those that some variable has, and their places in `shapes` by name.
+    data_types: Vec<Arc<Shape>>,
+    by_name: HashMap<String, usize>,
 }
 
 /// What a declared type is made of.
@@ -165,7 +198,17 @@ impl Space {
         image.asserts.clear();
         image.config.services.drawings.clear();
         image.dbs.iter_mut().for_each(|db| db.data.clear());
-        let mut space = Space { image, generation, tags: Vec::new(), blocks: Vec::new(), roots: HashMap::new() };
+        let mut space = Space {
+            image,
+            generation,
+            tags: Vec::new(),
+            blocks: Vec::new(),
+            roots: HashMap::new(),
+            shapes: Vec::new(),
+            data_types: Vec::new(),
+            by_name: HashMap::new(),
+        };
+        space.find_shapes();
         space.tags = space.find_tags();
         space.blocks = space.image.dbs.iter().filter_map(|db| space.block(db)).collect();
         let tags = space.tags.iter().map(|(_, thing)| thing);
@@ -173,6 +216,56 @@ impl Space {
         let named = tags.chain(&space.blocks).filter(|thing| thing.id.starts_with('"'));
         space.roots = named.map(|thing| (thing.name.clone(), thing.clone())).collect();
         space
+    }
+
+    /// Finds the types of structures that are a component, an element or a tag. A type comes after those of its components.
+    fn find_shapes(&mut self) {
+        let mut is_part = vec![false; self.image.types.len()];
+        let mut part = |ty: TypeNumber| is_part.get_mut(ty as usize).into_iter().for_each(|found| *found = true);
+        for ty in &self.image.types {
+            match ty {
+                NamedType::Struct(structure) => structure.members.iter().for_each(|member| part(member.ty)),
+                NamedType::Array { element, .. } => part(*element),
+                NamedType::Value(_) | NamedType::Text { .. } | NamedType::Other { .. } => {}
+            }
+        }
+        self.image.symbols.iter().filter_map(|symbol| symbol.ty).for_each(part);
+        for number in 0..self.image.types.len() {
+            let shape = if is_part[number] { self.new_shape(number) } else { None };
+            let shape = shape.map(Arc::new);
+            if let Some(shape) = &shape {
+                self.by_name.insert(shape.name.clone(), self.data_types.len());
+                self.data_types.push(shape.clone());
+            }
+            self.shapes.push(shape);
+        }
+    }
+
+    /// `None`: it is not a structure, or one that is not a value as a whole.
+    fn new_shape(&self, number: usize) -> Option<Shape> {
+        let ty = TypeNumber::try_from(number).ok()?;
+        let Form::Struct(structure) = self.form(ty) else { return None };
+        let kind = |ty: TypeNumber| match self.form(ty) {
+            Form::Value(ty) => Some(Kind::Value(ty)),
+            Form::Struct(_) => self.shapes.get(ty as usize)?.clone().map(Kind::Structure),
+            Form::Array(..) | Form::Other => None,
+        };
+        let field = |member: &plcc_abi::names::NamedMember| {
+            let (kind, dimension) = match self.form(member.ty) {
+                // One dimension, as decoders of structures have it.
+                Form::Array([dimension], element) => (kind(element)?, Some(dimension.clone())),
+                Form::Array(..) => return None,
+                Form::Value(_) | Form::Struct(_) | Form::Other => (kind(member.ty)?, None),
+            };
+            Some(Field { name: member.name.clone(), byte: member.byte, bit: member.bit, kind, dimension })
+        };
+        let fields = structure.members.iter().map(field).collect::<Option<Vec<_>>>()?;
+        let declared = if structure.name.is_empty() { &structure.data_type } else { &structure.name };
+        // A structure without a name, or the second one of a name.
+        let is_free = |name: &str| !name.is_empty() && !self.by_name.contains_key(name);
+        let name = if is_free(declared) { declared.clone() } else { format!("{declared}_{number}") };
+        let node = |prefix: &str| NodeId::text(DATA, format!("{prefix}{}", quoted(&name)));
+        Shape::new(name.clone(), node(DATA_TYPE_PREFIX), node(ENCODING_PREFIX), fields)
     }
 
     fn block(&self, db: &plcc_abi::image::DbEntry) -> Option<Thing> {
@@ -260,6 +353,19 @@ impl Space {
         }
         if let Some((folder, _)) = Folder::ALL.iter().find(|(_, name)| *name == text) {
             return Some(folder_node(*folder));
+        }
+        let shape = |prefix: &str| {
+            let name = text.strip_prefix(prefix)?.strip_prefix('"')?.strip_suffix('"')?;
+            self.data_types.get(*self.by_name.get(name)?)
+        };
+        if let Some(shape) = shape(DATA_TYPE_PREFIX) {
+            return Some(data_type_node(shape));
+        }
+        if let Some(shape) = shape(ENCODING_PREFIX) {
+            return Some(encoding_node(shape));
+        }
+        if let Some(of) = text.strip_suffix(UNIT_SUFFIX) {
+            return unit_node(&self.thing_node(self.thing(of)?));
         }
         self.thing(text).map(|thing| self.thing_node(thing))
     }
@@ -361,16 +467,35 @@ impl Space {
             dimensions: dimensions.to_vec(),
             read_only: thing.read_only,
         };
+        let compound = |ty: TypeNumber, dimensions: &[Dimension]| {
+            let shape = self.shapes.get(ty as usize)?.clone()?;
+            Some(Content::Compound(Compound {
+                place: thing.place,
+                shape,
+                dimensions: dimensions.to_vec(),
+                read_only: thing.read_only,
+            }))
+        };
+        let memory = |ty: ValueType, dimensions: &[Dimension]| Some(Content::Memory(variable(ty, dimensions)));
         let found = match thing.ty {
-            Ty::Plain(ty) => Some(variable(ty, &[])),
+            Ty::Plain(ty) => memory(ty, &[]),
             Ty::Declared(ty) => match self.form(ty) {
-                Form::Value(ty) => Some(variable(ty, &[])),
+                Form::Value(ty) => memory(ty, &[]),
                 Form::Array(dimensions, element) => match self.form(element) {
-                    Form::Value(ty) => Some(variable(ty, dimensions)),
-                    Form::Array(..) | Form::Struct(_) | Form::Other => None,
+                    Form::Value(ty) => memory(ty, dimensions),
+                    Form::Struct(_) => compound(element, dimensions),
+                    Form::Array(..) | Form::Other => None,
                 },
-                Form::Struct(_) | Form::Other => None,
+                // A block as a whole is not a value, as on a CPU.
+                Form::Struct(_) if thing.parent == Folder::DataBlocks.name() => None,
+                Form::Struct(_) => compound(ty, &[]),
+                Form::Other => None,
             },
+        };
+        let definition = match &found {
+            Some(Content::Memory(variable)) if Unit::of(variable.ty.ty).is_some() => ANALOG_UNIT_TYPE,
+            Some(_) => DATA_VARIABLE_TYPE,
+            None => BASE_OBJECT_TYPE,
         };
         let description = match thing.ty {
             Ty::Plain(ty) => value_text(ty),
@@ -382,8 +507,8 @@ impl Space {
             class: if found.is_some() { VARIABLE } else { OBJECT },
             name: thing.name,
             description,
-            definition: if found.is_some() { DATA_VARIABLE_TYPE } else { BASE_OBJECT_TYPE },
-            content: found.map_or(Content::None, Content::Memory),
+            definition,
+            content: found.unwrap_or(Content::None),
         }
     }
 
@@ -412,7 +537,13 @@ impl Space {
             if number == OBJECTS {
                 children.push((ORGANIZES, self.plc()));
             }
+            if number == structures::BASE {
+                children.extend(self.data_types.iter().map(|shape| (HAS_SUBTYPE, data_type_node(shape))));
+            }
             return children;
+        }
+        if let Content::DataType(shape) = &node.content {
+            return vec![(HAS_ENCODING, encoding_node(shape))];
         }
         let Id::Text(text) = &node.id.id else { return Vec::new() };
         if text == PLC {
@@ -429,7 +560,8 @@ impl Space {
             }
             None => self.thing(text).map(|thing| self.parts(&thing)).unwrap_or_default(),
         };
-        things.into_iter().map(|thing| (HAS_COMPONENT, self.thing_node(thing))).collect()
+        let parts = things.into_iter().map(|thing| (HAS_COMPONENT, self.thing_node(thing)));
+        parts.chain(unit_node(node).map(|unit| (HAS_PROPERTY, unit))).collect()
     }
 
     fn parts(&self, thing: &Thing) -> Vec<Thing> {
@@ -466,7 +598,7 @@ impl Space {
         if name.len() > NAME_MAX {
             return None;
         }
-        if node.id.namespace == 0 {
+        if node.id.namespace == 0 || matches!(node.content, Content::DataType(_)) {
             return self.children(node).into_iter().map(|(_, child)| child).find(|child| child.name == name);
         }
         let Id::Text(id) = &node.id.id else { return None };
@@ -476,6 +608,7 @@ impl Space {
             quoted(name),
             format!("%{name}"),
             format!("{id}.{name}"),
+            format!("{id}:{name}"),
             name.to_string(),
         ];
         let found = ids.into_iter().filter_map(|id| self.node(&NodeId::text(DATA, id)));
@@ -493,6 +626,11 @@ impl Space {
 }
 
 const PLC: &str = "PLC";
+/// Before the name of a type in the ids of its node and of its encoding, as on an S7-1500.
+const DATA_TYPE_PREFIX: &str = "DT_";
+const ENCODING_PREFIX: &str = "TE_";
+/// After the id of a variable in that of its unit.
+const UNIT_SUFFIX: &str = ":EngineeringUnits";
 
 /// Bits of a width.
 fn plain(width: Width) -> ValueType {
@@ -507,7 +645,7 @@ fn value_text(ty: ValueType) -> String {
         AssertType::Text | AssertType::WideText => format!("[{}]", ty.length),
         _ => String::new(),
     };
-    format!("{}{length}{}", typed::name(ty.ty), unit(ty.ty))
+    format!("{}{length}{}", typed::name(ty.ty), unit_text(ty.ty))
 }
 
 fn quoted(name: &str) -> String {
@@ -555,6 +693,44 @@ fn cpu_node((value, name, description): &(CpuValue, &str, &str)) -> Node {
         parent: Some((NodeId::text(DATA, PLC), HAS_COMPONENT)),
         content: Content::Cpu(*value),
     }
+}
+
+fn data_type_node(shape: &Arc<Shape>) -> Node {
+    Node {
+        id: shape.data_type.clone(),
+        class: DATA_TYPE,
+        name: shape.name.clone(),
+        description: String::new(),
+        definition: 0,
+        parent: Some((NodeId::number(0, structures::BASE), HAS_SUBTYPE)),
+        content: Content::DataType(shape.clone()),
+    }
+}
+
+fn encoding_node(shape: &Shape) -> Node {
+    Node {
+        id: shape.encoding.clone(),
+        class: OBJECT,
+        name: "Default Binary".to_string(),
+        description: String::new(),
+        definition: ENCODING_TYPE,
+        parent: Some((shape.data_type.clone(), HAS_ENCODING)),
+        content: Content::None,
+    }
+}
+
+/// The unit of a variable, if it has one.
+fn unit_node(of: &Node) -> Option<Node> {
+    let (Content::Memory(variable), Id::Text(id)) = (&of.content, &of.id.id) else { return None };
+    Some(Node {
+        id: NodeId::text(DATA, format!("{id}{UNIT_SUFFIX}")),
+        class: VARIABLE,
+        name: unit::NAME.to_string(),
+        description: String::new(),
+        definition: PROPERTY_TYPE,
+        parent: Some((of.id.clone(), HAS_PROPERTY)),
+        content: Content::Unit(Unit::of(variable.ty.ty)?),
+    })
 }
 
 fn folder_node(folder: Folder) -> Node {

@@ -7,11 +7,12 @@ pub const VARIABLE: u32 = 2;
 const OBJECT_TYPE: u32 = 8;
 const VARIABLE_TYPE: u32 = 16;
 const REFERENCE_TYPE: u32 = 32;
-const DATA_TYPE: u32 = 64;
+pub const DATA_TYPE: u32 = 64;
 
 /// References.
 pub const REFERENCES: u32 = 31;
 pub const ORGANIZES: u32 = 35;
+pub const HAS_ENCODING: u32 = 38;
 pub const HAS_TYPE_DEFINITION: u32 = 40;
 pub const HAS_SUBTYPE: u32 = 45;
 pub const HAS_PROPERTY: u32 = 46;
@@ -21,7 +22,10 @@ pub const OBJECTS: u32 = 85;
 pub const FOLDER_TYPE: u32 = 61;
 pub const BASE_OBJECT_TYPE: u32 = 58;
 pub const DATA_VARIABLE_TYPE: u32 = 63;
-const PROPERTY_TYPE: u32 = 68;
+pub const PROPERTY_TYPE: u32 = 68;
+/// Of a variable with a unit, and of the encoding of a structure.
+pub const ANALOG_UNIT_TYPE: u32 = 17_497;
+pub const ENCODING_TYPE: u32 = 76;
 
 /// A node: its number, class and name, the node above it with the reference from there, and its type: of an object or variable its
 /// type definition, of a variable also the type of its value.
@@ -90,10 +94,14 @@ pub const ROWS: &[Row] = &[
     ty(OBJECT_TYPE, 2004, "ServerType", BASE_OBJECT_TYPE),
     ty(OBJECT_TYPE, 2013, "ServerCapabilitiesType", BASE_OBJECT_TYPE),
     ty(OBJECT_TYPE, 11564, "OperationLimitsType", FOLDER_TYPE),
+    ty(OBJECT_TYPE, ENCODING_TYPE, "DataTypeEncodingType", BASE_OBJECT_TYPE),
     root(VARIABLE_TYPE, 62, "BaseVariableType", 89),
     ty(VARIABLE_TYPE, DATA_VARIABLE_TYPE, "BaseDataVariableType", 62),
     ty(VARIABLE_TYPE, PROPERTY_TYPE, "PropertyType", 62),
     ty(VARIABLE_TYPE, 2138, "ServerStatusType", DATA_VARIABLE_TYPE),
+    ty(VARIABLE_TYPE, 2365, "DataItemType", DATA_VARIABLE_TYPE),
+    ty(VARIABLE_TYPE, 15_318, "BaseAnalogType", 2365),
+    ty(VARIABLE_TYPE, ANALOG_UNIT_TYPE, "AnalogUnitType", 15_318),
     root(REFERENCE_TYPE, REFERENCES, "References", 91),
     ty(REFERENCE_TYPE, 32, "NonHierarchicalReferences", REFERENCES),
     ty(REFERENCE_TYPE, 33, "HierarchicalReferences", REFERENCES),
@@ -104,6 +112,7 @@ pub const ROWS: &[Row] = &[
     ty(REFERENCE_TYPE, HAS_PROPERTY, "HasProperty", 44),
     ty(REFERENCE_TYPE, HAS_COMPONENT, "HasComponent", 44),
     ty(REFERENCE_TYPE, HAS_TYPE_DEFINITION, "HasTypeDefinition", 32),
+    ty(REFERENCE_TYPE, HAS_ENCODING, "HasEncoding", 32),
     root(DATA_TYPE, 24, "BaseDataType", 90),
     ty(DATA_TYPE, 1, "Boolean", 24),
     ty(DATA_TYPE, 12, "String", 24),
@@ -113,6 +122,7 @@ pub const ROWS: &[Row] = &[
     ty(DATA_TYPE, 15, "ByteString", 24),
     ty(DATA_TYPE, 22, "Structure", 24),
     ty(DATA_TYPE, 862, "ServerStatusDataType", 22),
+    ty(DATA_TYPE, 887, "EUInformation", 22),
     ty(DATA_TYPE, 29, "Enumeration", 24),
     ty(DATA_TYPE, 852, "ServerState", 29),
     ty(DATA_TYPE, 26, "Number", 24),

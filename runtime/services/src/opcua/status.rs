@@ -28,6 +28,7 @@ pub const TIMESTAMPS_INVALID: Status = 0x802B_0000;
 pub const NODE_UNKNOWN: Status = 0x8034_0000;
 pub const ATTRIBUTE_INVALID: Status = 0x8035_0000;
 pub const INDEX_RANGE_INVALID: Status = 0x8036_0000;
+pub const INDEX_RANGE_NO_DATA: Status = 0x8037_0000;
 pub const ENCODING_INVALID: Status = 0x8038_0000;
 pub const NOT_READABLE: Status = 0x803A_0000;
 pub const NOT_WRITABLE: Status = 0x803B_0000;

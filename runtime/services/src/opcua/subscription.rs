@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use plcc_abi::services::Right;
 
 use super::Server;
-use super::attributes::{self, VALUE, Wanted, wanted};
+use super::attributes::{self, Question, VALUE, Wanted};
 use super::code::{DataValue, Reader, Scalar, Variant, Writer, now};
 use super::status::{self, Status};
 use super::view::check_count;
@@ -492,8 +492,7 @@ impl Subscription {
 impl Item {
     /// Elements that it keeps at most: what waits, and the last value.
     fn kept(&self) -> u32 {
-        let cost = if let Wanted::Memory(variable) = &self.wanted { variable.cost().unwrap_or(1) } else { 1 };
-        cost.saturating_mul(self.room as u32 + 1)
+        self.wanted.cost().saturating_mul(self.room as u32 + 1)
     }
 
     /// How many values may wait: of long arrays fewer.
@@ -605,31 +604,26 @@ impl Parameters {
 
 /// An item that a client wants.
 struct NewItem {
-    node: super::code::NodeId,
-    attribute: u32,
-    range: String,
-    encoding: String,
+    question: Question,
     mode: u32,
     parameters: Parameters,
 }
 
 fn new_item(reader: &mut Reader) -> Option<NewItem> {
-    let (node, attribute, range, encoding) = (reader.node()?, reader.u32()?, reader.text()?, reader.name()?.1);
-    Some(NewItem { node, attribute, range, encoding, mode: reader.u32()?, parameters: parameters(reader)? })
+    Some(NewItem { question: Question::read(reader)?, mode: reader.u32()?, parameters: parameters(reader)? })
 }
 
 impl NewItem {
     fn item(&self, server: &Server, right: Right, times: u32, publishing: Duration) -> Result<Item, Status> {
-        let wanted = wanted(server, &self.node, self.attribute, right);
+        let wanted = self.question.wanted(server, right);
         if let Wanted::Wrong(status) = wanted {
             return Err(status);
         }
-        check_plain(&self.range, &self.encoding)?;
         if self.mode > 2 {
             return Err(status::MODE_INVALID);
         }
         let (trigger, deadband) = self.parameters.filter()?;
-        if self.attribute != VALUE && self.parameters.filter.0 != 0 {
+        if self.question.attribute != VALUE && self.parameters.filter.0 != 0 {
             return Err(status::FILTER_NOT_ALLOWED);
         }
         let mut item = Item {
@@ -648,15 +642,6 @@ impl NewItem {
         };
         item.set_room(self.parameters.room());
         Ok(item)
-    }
-}
-
-/// Parts of arrays and other encodings are not there.
-pub fn check_plain(range: &str, encoding: &str) -> Result<(), Status> {
-    match (range.is_empty(), encoding) {
-        (true, "" | "Default Binary") => Ok(()),
-        (true, _) => Err(status::ENCODING_INVALID),
-        (false, _) => Err(status::INDEX_RANGE_INVALID),
     }
 }
 

@@ -95,7 +95,7 @@ fn a_text_is_not_longer_than_its_type() {
     let text = variable(AssertType::Text, 3, Vec::new());
     assert_eq!(text.value(&[254, 200, b'a', b'b', b'c']), Ok(Variant::One(Scalar::Text("abc".to_string()))));
     assert_eq!(text.value(&[3, 1, 0x80, b'b', b'c']), Ok(Variant::One(Scalar::Text("€".to_string()))));
-    assert_eq!(text.parts(&Variant::One(Scalar::Text("abcd".to_string()))), Err(status::OUT_OF_RANGE));
+    assert_eq!(text.parts(&Variant::One(Scalar::Text("abcd".to_string())), None), Err(status::OUT_OF_RANGE));
 }
 
 #[test]

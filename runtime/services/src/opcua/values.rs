@@ -14,6 +14,7 @@ use plcc_runtime::typed::{self, ValueType};
 use plcc_runtime::{bcd, datetime};
 
 use super::code::{Scalar, Variant, moment_of, time_of};
+use super::range::Range;
 use super::status::{self, Status};
 use crate::limits::OPCUA_ELEMENTS_MAX;
 
@@ -65,7 +66,7 @@ pub fn type_of(ty: AssertType) -> u8 {
 }
 
 /// What a number of this type counts, for the description.
-pub fn unit(ty: AssertType) -> &'static str {
+pub fn unit_text(ty: AssertType) -> &'static str {
     match ty {
         AssertType::Time => " in ms",
         AssertType::Ltime => " in ns",
@@ -78,7 +79,7 @@ pub fn unit(ty: AssertType) -> &'static str {
 }
 
 /// Bits in memory.
-fn bits(ty: ValueType) -> u32 {
+pub fn bits(ty: ValueType) -> u32 {
     match ty.ty {
         AssertType::Dtl => 96,
         AssertType::Text => 8 * (2 + u32::from(ty.length)),
@@ -87,36 +88,68 @@ fn bits(ty: ValueType) -> u32 {
     }
 }
 
+/// Elements of each dimension.
+pub fn lengths_of(dimensions: &[Dimension]) -> Vec<u32> {
+    let length = |dimension: &Dimension| i64::from(dimension.high) - i64::from(dimension.low) + 1;
+    dimensions.iter().map(|dimension| length(dimension).clamp(0, u32::MAX.into()) as u32).collect()
+}
+
+/// Elements of all dimensions. `None`: there are too many to be one value.
+pub fn count_of(dimensions: &[Dimension]) -> Option<u32> {
+    let count = lengths_of(dimensions).iter().try_fold(1u32, |count, length| count.checked_mul(*length))?;
+    (count <= OPCUA_ELEMENTS_MAX).then_some(count)
+}
+
+/// Where elements are, in bits, if the first one is at `start`; the last index runs fastest.
+pub fn offsets_of(dimensions: &[Dimension], start: u32) -> Vec<u32> {
+    let mut all = vec![start];
+    for (dimension, length) in dimensions.iter().zip(lengths_of(dimensions)) {
+        let row = |start: &u32| {
+            let start = *start;
+            (0..length).map(move |index| start.saturating_add(index.saturating_mul(dimension.distance)))
+        };
+        all = all.iter().flat_map(row).collect();
+    }
+    all
+}
+
+/// Where so many bytes are in memory; `None`: they are not there, but values of their own.
+pub fn span(place: Place, bytes: u32, cpu: &Cpu) -> Result<Option<u32>, Status> {
+    let ((base, length), start) = match place {
+        Place::Input(byte) => (cpu.area(Area::Inputs), byte),
+        Place::Output(byte) => (cpu.area(Area::Outputs), byte),
+        Place::BitMemory(byte) => (cpu.area(Area::BitMemory), byte),
+        Place::Db(number, byte) => match cpu.memory.db(number) {
+            (_, 0) => return Err(status::NOT_FOUND),
+            found => (found, byte),
+        },
+        Place::PeripheralInput(_)
+        | Place::PeripheralOutput(_)
+        | Place::Timer(_)
+        | Place::Counter(_)
+        | Place::TimerValue(_)
+        | Place::CounterValue(_)
+        | Place::S7200(..) => return Ok(None),
+    };
+    let fits = start.checked_add(bytes).is_some_and(|end| end <= length);
+    if fits { Ok(Some(base + start)) } else { Err(status::NOT_FOUND) }
+}
+
 impl Variable {
     /// Elements of each dimension.
     pub fn lengths(&self) -> Vec<u32> {
-        self.dimensions
-            .iter()
-            .map(|dimension| {
-                (i64::from(dimension.high) - i64::from(dimension.low) + 1).clamp(0, u32::MAX.into()) as u32
-            })
-            .collect()
+        lengths_of(&self.dimensions)
     }
 
     /// `None`: there are too many to be one value.
     fn count(&self) -> Option<u32> {
-        let count = self.lengths().iter().try_fold(1u32, |count, length| count.checked_mul(*length))?;
-        (count <= OPCUA_ELEMENTS_MAX).then_some(count)
+        count_of(&self.dimensions)
     }
 
-    /// Where the elements are, in bits from the byte where the variable begins; the last index runs fastest.
+    /// Where the elements are, in bits from the byte where the variable begins.
     fn offsets(&self) -> Result<Vec<u32>, Status> {
         self.count().ok_or(status::NOT_READABLE)?;
-        let mut all = vec![u32::from(self.bit)];
-        for (dimension, length) in self.dimensions.iter().zip(self.lengths()) {
-            all = all
-                .iter()
-                .flat_map(|start| {
-                    (0..length).map(move |index| start.saturating_add(index.saturating_mul(dimension.distance)))
-                })
-                .collect();
-        }
-        Ok(all)
+        Ok(offsets_of(&self.dimensions, self.bit.into()))
     }
 
     /// Bytes from the first to the last.
@@ -145,24 +178,7 @@ impl Variable {
 
     /// Where it is in memory; `None`: it is not there, but a value of its own.
     fn span(&self, cpu: &Cpu) -> Result<Option<u32>, Status> {
-        let ((base, length), start) = match self.place {
-            Place::Input(byte) => (cpu.area(Area::Inputs), byte),
-            Place::Output(byte) => (cpu.area(Area::Outputs), byte),
-            Place::BitMemory(byte) => (cpu.area(Area::BitMemory), byte),
-            Place::Db(number, byte) => match cpu.memory.db(number) {
-                (_, 0) => return Err(status::NOT_FOUND),
-                found => (found, byte),
-            },
-            Place::PeripheralInput(_)
-            | Place::PeripheralOutput(_)
-            | Place::Timer(_)
-            | Place::Counter(_)
-            | Place::TimerValue(_)
-            | Place::CounterValue(_)
-            | Place::S7200(..) => return Ok(None),
-        };
-        let fits = start.checked_add(self.bytes()?).is_some_and(|end| end <= length);
-        if fits { Ok(Some(base + start)) } else { Err(status::NOT_FOUND) }
+        span(self.place, self.bytes()?, cpu)
     }
 
     /// Copies its bytes, at the cycle control point.
@@ -194,11 +210,17 @@ impl Variable {
     }
 
     /// A value of a client as it comes into memory. Wrong types and values that the type does not have are refused.
-    pub fn parts(&self, value: &Variant) -> Result<Vec<Part>, Status> {
+    pub fn parts(&self, value: &Variant, range: Option<&Range>) -> Result<Vec<Part>, Status> {
+        let mut offsets = self.offsets()?;
+        let mut lengths = self.lengths();
+        if let Some(range) = range {
+            let (elements, own) = range.elements(&lengths, true)?;
+            offsets = elements.iter().filter_map(|index| offsets.get(*index).copied()).collect();
+            lengths = own;
+        }
         let values = match value {
             Variant::One(value) if self.dimensions.is_empty() => std::slice::from_ref(value),
             Variant::Many { values, dimensions, .. } if !self.dimensions.is_empty() => {
-                let lengths = self.lengths();
                 if *dimensions != lengths && !(dimensions.len() < 2 && lengths.len() == 1) {
                     return Err(status::TYPE_MISMATCH);
                 }
@@ -206,7 +228,6 @@ impl Variable {
             }
             Variant::Empty | Variant::One(_) | Variant::Many { .. } => return Err(status::TYPE_MISMATCH),
         };
-        let offsets = self.offsets()?;
         if offsets.len() != values.len() {
             return Err(status::TYPE_MISMATCH);
         }
@@ -225,16 +246,14 @@ impl Variable {
         Ok(parts)
     }
 
-    /// Writes, at the cycle control point: all parts, or nothing.
-    pub fn write(&self, cpu: &Cpu, parts: &[Part]) -> Result<(), Status> {
+    /// Whether [`Variable::write`] can write the parts now. Result: where it is in memory, as [`span`] says it, and for each part the bytes of
+    /// its text.
+    fn prepare(&self, cpu: &Cpu, parts: &[Part]) -> Result<(Option<u32>, Vec<Vec<u8>>), Status> {
         let is_fixed = matches!(self.place, Place::Db(number, _) if cpu.is_read_only(number));
         if is_fixed || !self.is_writable() {
             return Err(status::NOT_WRITABLE);
         }
-        let Some(start) = self.span(cpu)? else {
-            let [Part { data, .. }] = parts else { return Err(status::NOT_WRITABLE) };
-            return write_at(cpu, self.address(), data);
-        };
+        let Some(start) = self.span(cpu)? else { return Ok((None, Vec::new())) };
         // The room of a text is in its head.
         let room = |at: u32| match (self.ty.ty, cpu.memory.word(start + at / 8)) {
             (AssertType::WideText, room) => room,
@@ -251,7 +270,21 @@ impl Variable {
             }
             Data::Bit(_) | Data::Bytes(_) => Ok(Vec::new()),
         });
-        let texts: Vec<Vec<u8>> = texts.collect::<Result<_, _>>()?;
+        Ok((Some(start), texts.collect::<Result<_, _>>()?))
+    }
+
+    /// Whether the parts can be written now.
+    pub fn check(&self, cpu: &Cpu, parts: &[Part]) -> Result<(), Status> {
+        self.prepare(cpu, parts).map(|_| ())
+    }
+
+    /// Writes, at the cycle control point: all parts, or nothing.
+    pub fn write(&self, cpu: &Cpu, parts: &[Part]) -> Result<(), Status> {
+        let (start, texts) = self.prepare(cpu, parts)?;
+        let Some(start) = start else {
+            let [Part { data, .. }] = parts else { return Err(status::NOT_WRITABLE) };
+            return write_at(cpu, self.address(), data);
+        };
         for (part, text) in parts.iter().zip(&texts) {
             let byte = part.at / 8;
             let bit = (part.at % 8) as u8;

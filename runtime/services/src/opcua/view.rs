@@ -164,7 +164,7 @@ fn put_result(out: &mut Writer, status: Status, point: &[u8], references: &[Refe
         out.node(&NodeId::number(0, if wants(1) { *ty } else { 0 }));
         out.bool(wants(2) && *forward);
         out.node(&node.id);
-        let (namespace, name) = if wants(8) { (node.id.namespace, node.name.as_str()) } else { (0, "") };
+        let (namespace, name) = if wants(8) { (node.name_space(), node.name.as_str()) } else { (0, "") };
         out.name(namespace, name);
         out.localized(if wants(16) { &node.name } else { "" });
         out.u32(if wants(4) { node.class } else { 0 });
@@ -190,7 +190,7 @@ pub fn translate(server: &Server, reader: &mut Reader, out: &mut Writer) -> Resu
                     *ty == NodeId::number(0, 0)
                         || ty.standard().is_some_and(|ty| standard::is_kind_of(own, ty, *subtypes))
                 };
-                let is_named = |node: &Node| node.id.namespace == *namespace && node.name == *name;
+                let is_named = |node: &Node| node.name_space() == *namespace && node.name == *name;
                 let found = match back {
                     true => {
                         let parent = node.parent.as_ref().filter(|(_, own)| wanted(*own));

@@ -88,8 +88,7 @@ impl Plc for Fake {
 
     fn block(&self, _: u8, number: u16) -> Option<BlockInfo> {
         let name = "Motor".to_string();
-        Some(BlockInfo { language: 5, number, bytes: 100, local_data: 0, name, read_only: false })
-            .filter(|_| number <= 100)
+        Some(BlockInfo { number, bytes: 100, local_data: 0, name, read_only: false }).filter(|_| number <= 100)
     }
 
     fn clock(&self) -> DateAndTime {
@@ -100,8 +99,24 @@ impl Plc for Fake {
         time.iter().all(|byte| byte >> 4 <= 9 && byte & 15 <= 9)
     }
 
-    fn events(&self) -> Vec<Event> {
-        vec![Event { event: 0x4302, ob: 0, priority: 0, info: 0, time: self.clock() }; 30]
+    fn block_bytes_max(&self) -> u32 {
+        65_534
+    }
+
+    fn events(&self, count: usize) -> Vec<Event> {
+        vec![Event { event: 0x4302, ob: 0x68, priority: 0xFF, info: 0, time: self.clock() }; count.min(30)]
+    }
+
+    fn last_mode_change(&self) -> Option<Event> {
+        self.events(1).pop()
+    }
+
+    fn has_faults(&self) -> bool {
+        false
+    }
+
+    fn cell_bit(&self, area: Area, number: u32) -> bool {
+        area == Area::Timers && number % 2 == 1
     }
 
     fn sizes(&self) -> [u16; 6] {

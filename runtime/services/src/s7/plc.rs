@@ -74,8 +74,6 @@ pub const BLOCK_KINDS: [u8; 7] = [0x08, 0x0E, 0x0C, 0x0A, 0x0B, 0x0D, 0x0F];
 /// What clients are told of a block.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BlockInfo {
-    /// 5 DB; 0: it is not known.
-    pub language: u8,
     pub number: u16,
     /// Bytes of data of a DB, of code otherwise.
     pub bytes: u16,
@@ -91,6 +89,7 @@ pub type DateAndTime = [u8; 8];
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Event {
     pub event: u16,
+    /// The OB that was running; of a change of mode the modes before and after it.
     pub ob: u8,
     pub priority: u8,
     pub info: u32,
@@ -131,16 +130,28 @@ pub trait Plc {
 
     fn block(&self, kind: u8, number: u16) -> Option<BlockInfo>;
 
+    /// How many bytes a data block may have.
+    fn block_bytes_max(&self) -> u32;
+
     fn clock(&self) -> DateAndTime;
 
     /// False: there is no such date.
     fn set_clock(&self, time: DateAndTime) -> bool;
 
-    /// The diagnostic buffer, newest first.
-    fn events(&self) -> Vec<Event>;
+    /// The newest entries of the diagnostic buffer, newest first.
+    fn events(&self, count: usize) -> Vec<Event>;
+
+    /// The newest change of mode in the diagnostic buffer.
+    fn last_mode_change(&self) -> Option<Event>;
+
+    /// Faults have come since the last startup.
+    fn has_faults(&self) -> bool;
 
     /// Bytes of the process images and of bit memory, timers, counters, local data.
     fn sizes(&self) -> [u16; 6];
+
+    /// The bit of a timer or counter of an S7-200.
+    fn cell_bit(&self, area: Area, number: u32) -> bool;
 }
 
 /// What the CPU is called.

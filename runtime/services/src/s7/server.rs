@@ -102,8 +102,10 @@ struct Line {
     partner: Option<Partner>,
     /// There is something to do for the partner.
     work: Arc<Notify>,
-    /// When something came last.
-    heard: Instant,
+    /// Since when there is no agreement on the length of PDUs.
+    opened: Instant,
+    /// Since when a frame is not complete.
+    begun: Option<Instant>,
 }
 
 impl Line {
@@ -120,7 +122,8 @@ impl Line {
             configured: None,
             partner: None,
             work: Arc::default(),
-            heard: Instant::now(),
+            opened: Instant::now(),
+            begun: None,
         }
     }
 
@@ -129,15 +132,11 @@ impl Line {
         timeout(ANSWER_TIME, self.stream.write_all(frames)).await.ok()?.ok()
     }
 
-    fn pdu_max(&self) -> usize {
-        self.session.as_ref().map_or(PDU_BEFORE, Session::pdu_max)
-    }
-
     /// The next thing that comes.
     async fn receive(&mut self) -> Option<Received> {
         let mut buffer = [0; 2048];
         loop {
-            if let Some(received) = self.reader.next(self.pdu_max()).ok()? {
+            if let Some(received) = self.reader.next(PDU_BEFORE).ok()? {
                 return Some(received);
             }
             match self.stream.read(&mut buffer).await.ok()? {
@@ -163,7 +162,8 @@ impl Line {
     async fn talk(&mut self) -> Option<()> {
         let mut buffer = [0; 2048];
         loop {
-            while let Some(received) = self.reader.next(self.pdu_max()).ok()? {
+            while let Some(received) = self.reader.next(PDU_BEFORE).ok()? {
+                self.begun = None;
                 for frames in self.answers(received).await? {
                     self.send(&frames).await?;
                 }
@@ -180,26 +180,28 @@ impl Line {
                     self.send(&frames).await?;
                 }
             }
-            let patience = match &self.session {
-                _ if self.reader.is_waiting() => Some(FRAME_TIME),
-                None => Some(CONNECT_TIME),
-                Some(session) if session.pdu.is_none() => Some(SETUP_TIME),
+            match self.reader.is_waiting() {
+                true => self.begun = self.begun.or_else(|| Some(Instant::now())),
+                false => self.begun = None,
+            }
+            let ready = match &self.session {
+                None => Some(self.opened + CONNECT_TIME),
+                Some(session) if session.pdu.is_none() => Some(self.opened + SETUP_TIME),
                 Some(_) => None,
             };
-            let end = patience.map(|time| self.heard + time);
+            // Whatever comes meanwhile: a client that sends a byte now and then is not faster.
+            let complete = self.begun.map(|begun| begun + FRAME_TIME);
+            let end = ready.into_iter().chain(complete).min();
             let look = self.partner.as_ref().and_then(Partner::deadline);
             let due = self.session.as_ref().and_then(Session::due);
             let next = end.into_iter().chain(look.into_iter().chain(due).map(Instant::from_std)).min();
             tokio::select! {
                 count = self.stream.read(&mut buffer) => match count.ok()? {
                     0 => return None,
-                    count => {
-                        self.heard = Instant::now();
-                        self.reader.feed(&buffer[..count]);
-                    }
+                    count => self.reader.feed(&buffer[..count]),
                 },
                 () = self.work.notified() => {}
-                () = async { sleep_until(next.unwrap_or(self.heard)).await }, if next.is_some() => {
+                () = async { sleep_until(next.unwrap_or(self.opened)).await }, if next.is_some() => {
                     if end.is_some_and(|end| end <= Instant::now()) {
                         return None;
                     }
@@ -219,6 +221,9 @@ impl Line {
                     self.send(&request.refuse(ADDRESS_UNKNOWN)).await?;
                     return None;
                 }
+                if self.session.as_ref().is_some_and(|session| session.pdu.is_some()) {
+                    self.opened = Instant::now();
+                }
                 self.session = Some(Session::new(self.gate));
                 self.piece_bytes = request.piece_bytes();
                 Some(vec![request.confirm(self.reference)])
@@ -226,7 +231,9 @@ impl Line {
             // Some CPUs and clients show by it that they are alive.
             Received::Pdu(pdu) if pdu.is_empty() && self.session.is_some() => Some(Vec::new()),
             Received::Pdu(pdu) => {
-                if let Some(partner) = &mut self.partner
+                // Longer than agreed on: the session says so.
+                let fits = self.session.as_ref().is_none_or(|session| pdu.len() <= session.pdu_max());
+                if let Some(partner) = self.partner.as_mut().filter(|_| fits)
                     && let Taken::Own(pdus) = partner.take(&pdu, std::time::Instant::now()).ok()?
                 {
                     return Some(pdus.iter().map(|pdu| frame::data(pdu, self.piece_bytes)).collect());

@@ -49,7 +49,7 @@ const ALREADY_STOPPED: u8 = 7;
 
 /// The shortest PDU that may be agreed on.
 pub const PDU_MIN: u16 = 240;
-/// Before it is agreed on.
+/// The longest that any CPU agrees on, which may come before that.
 pub const PDU_BEFORE: usize = 960;
 /// Jobs that may wait for their answers.
 pub(super) const PARALLEL_JOBS: u16 = 8;
@@ -120,7 +120,7 @@ impl Session {
         self.gate.protection != Protection::Complete || self.legitimated
     }
 
-    fn may_write(&self) -> bool {
+    pub(super) fn may_write(&self) -> bool {
         self.gate.right >= Right::Write && self.may_read()
     }
 
@@ -128,6 +128,11 @@ impl Session {
     pub(super) fn may_control(&self) -> bool {
         let open = matches!(self.gate.protection, Protection::None | Protection::Write);
         self.gate.right >= Right::Control && (open || self.legitimated)
+    }
+
+    /// Blocks could be read, if there were any.
+    fn may_upload(&self) -> bool {
+        matches!(self.gate.protection, Protection::None | Protection::Write) || self.legitimated
     }
 
     /// The client sends a password. `Err`: the error word.
@@ -157,7 +162,11 @@ impl Session {
     pub fn indications(&mut self, plc: &dyn Plc, now: Instant) -> Vec<Vec<u8>> {
         match self.pdu {
             Some(pdu) if self.may_read() => self.subscriptions.indications(plc, pdu, now),
-            _ => Vec::new(),
+            // The client has given its right back: nothing is due any more.
+            _ => {
+                self.subscriptions.clear();
+                Vec::new()
+            }
         }
     }
 
@@ -187,7 +196,7 @@ impl Session {
             JOB | USERDATA => {}
             _ => return Err(Broken),
         }
-        if parameters + data != rest.len() || parameters == 0 {
+        if pdu.len() > self.pdu_max() || parameters + data != rest.len() || parameters == 0 {
             return Ok(Some(refusal(reference, WRONG_PDU)));
         }
         let parameter = Bytes(rest.take(parameters).ok_or(Broken)?);
@@ -209,6 +218,9 @@ impl Session {
         let refused = |error| Ok(acknowledge(reference, error, &[function], &[]));
         match function {
             READ | WRITE if !self.may_read() => Err(Refused(NOT_IMPLEMENTED)),
+            // By this python-snap7 3 asks whether the CPU runs: it takes any answer but an error for RUN.
+            READ if rest.is_empty() && plc.is_running() => Ok(acknowledge(reference, 0, &[READ, 0], &[])),
+            READ if rest.is_empty() => refused(WRONG_STATE),
             READ => {
                 let (count, data) = variables::read(plc, rest, pdu.into())?;
                 Ok(acknowledge(reference, 0, &[READ, count], &data))
@@ -220,10 +232,11 @@ impl Session {
                 let codes = variables::write(plc, rest, data)?;
                 Ok(acknowledge(reference, 0, &[WRITE, codes.len() as u8], &codes))
             }
-            START | STOP if plc.family().is_portal() => Err(Refused(NOT_IMPLEMENTED)),
+            START | STOP | REQUEST_DOWNLOAD..=END_UPLOAD if plc.family().is_portal() => Err(Refused(NOT_IMPLEMENTED)),
             START | STOP if !self.may_control() => refused(NOT_PERMITTED),
             START => Ok(start(reference, rest, plc)),
             STOP => Ok(stop(reference, rest, plc)),
+            START_UPLOAD if !self.may_upload() => refused(NOT_PERMITTED),
             START_UPLOAD => refused(NO_BLOCK),
             UPLOAD | END_UPLOAD | DOWNLOAD_BLOCK | DOWNLOAD_ENDED => refused(WRONG_SEQUENCE),
             REQUEST_DOWNLOAD => refused(NOT_PERMITTED),

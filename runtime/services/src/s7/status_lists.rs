@@ -1,6 +1,7 @@
 //! System status lists (SZL): what a CPU says of itself.
 
-use super::plc::Plc;
+use super::plc::{Event, Plc};
+use crate::limits::{CONNECTIONS_MAX, SUBSCRIPTIONS_MAX};
 use crate::wire::put16;
 
 /// Error words.
@@ -9,16 +10,28 @@ const UNKNOWN_LIST: u16 = 0xD401;
 const UNKNOWN_INDEX: u16 = 0xD402;
 
 /// The lists that are answered: list 0000 names them.
-const LISTS: [u16; 18] = [
-    0x0000, 0x0011, 0x0111, 0x0F11, 0x0012, 0x0014, 0x0114, 0x0019, 0x0074, 0x001C, 0x011C, 0x0131, 0x0132, 0x0232,
-    0x0424, 0x0124, 0x00A0, 0x01A0,
+const LISTS: [u16; 24] = [
+    0x0000, 0x0011, 0x0111, 0x0F11, 0x0012, 0x0014, 0x0114, 0x0015, 0x0115, 0x0019, 0x0119, 0x001C, 0x011C, 0x0F1C,
+    0x0074, 0x0174, 0x00A0, 0x01A0, 0x0FA0, 0x0124, 0x0424, 0x0131, 0x0132, 0x0232,
 ];
+
+/// Lists that say what CPU it is and whether it runs, which everyone may know.
+pub fn identifies(id: u16) -> bool {
+    !matches!(id & 0x00FF, 0x00A0 | 0x0014 | 0x0015)
+}
+
+/// Events that change the mode.
+const RUN: u16 = 0x4302;
+const STOP: u16 = 0x4303;
 
 /// Entries of the diagnostic buffer in one answer.
 const EVENTS_MAX: usize = 100;
 
 /// Bits of the number of a list: only its head.
 const HEAD_ONLY: u16 = 0x0F00;
+
+/// What an answer to a read has besides the bytes of its only item.
+const READ_AROUND: u16 = 18;
 
 /// Records of equal length.
 struct List {
@@ -31,17 +44,17 @@ pub fn read(plc: &dyn Plc, levels: (u16, u16), id: u16, index: u16) -> Result<Ve
     if !LISTS.contains(&id) {
         return Err(UNKNOWN_LIST);
     }
-    let list = list(plc, levels, id, index).ok_or(UNKNOWN_INDEX)?;
+    let mut list = list(plc, levels, id, index).ok_or(UNKNOWN_INDEX)?;
+    for record in &mut list.records {
+        record.resize(list.length.into(), 0);
+    }
     let mut out = Vec::new();
     put16(&mut out, id);
     put16(&mut out, index);
     put16(&mut out, list.length);
     put16(&mut out, list.records.len() as u16);
     if id & HEAD_ONLY != HEAD_ONLY {
-        for mut record in list.records {
-            record.resize(list.length.into(), 0);
-            out.extend(record);
-        }
+        list.records.iter().for_each(|record| out.extend(record));
     }
     Ok(out)
 }
@@ -69,13 +82,18 @@ fn list(plc: &dyn Plc, levels: (u16, u16), id: u16, index: u16) -> Option<List> 
         0x0012 => all(2, vec![record(&[0x0100], &[])]),
         0x0014 => all(8, areas(plc)),
         0x0114 => one(8, areas(plc), index),
+        0x0015 => all(10, block_kinds(plc)),
+        0x0115 => one(10, block_kinds(plc), index),
         0x0019 | 0x0074 => all(4, leds(plc)),
-        0x001C => all(34, components(plc)),
+        // The rack is in the high byte; there is one.
+        0x0119 | 0x0174 => one(4, leds(plc), index),
+        0x001C | 0x0F1C => all(34, components(plc)),
         0x011C => one(34, components(plc), index),
         0x0131 => one(40, communication(plc), index.max(1)),
         0x0132 | 0x0232 => one(40, vec![protection(levels)], if index == 0 { 4 } else { index }),
-        0x0424 | 0x0124 => all(20, vec![mode(plc)]),
-        0x00A0 => all(20, events(plc, EVENTS_MAX)),
+        0x0424 => all(20, vec![mode(plc)]),
+        0x0124 => all(20, vec![plc.last_mode_change().map_or_else(|| mode(plc), |event| entry(&event))]),
+        0x00A0 | 0x0FA0 => all(20, events(plc, EVENTS_MAX)),
         0x01A0 => all(20, events(plc, usize::from(index).min(EVENTS_MAX))),
         _ => None,
     }
@@ -113,21 +131,33 @@ fn areas(plc: &dyn Plc) -> Vec<Vec<u8>> {
     (1u16..).zip(sizes).map(|(index, size)| record(&[index, 1, size, 0], &[])).collect()
 }
 
+/// How many blocks there may be of each kind, largest block in KB, and how many bytes may be loaded. Source: System and standard functions,
+/// list 15. Only data blocks have a limit here.
+fn block_kinds(plc: &dyn Plc) -> Vec<Vec<u8>> {
+    let kilobytes = plc.block_bytes_max().div_ceil(1024).min(0xFFFF) as u16;
+    let kinds: [u16; 5] = [0x0800, 0x0A00, 0x0B00, 0x0C00, 0x0E00];
+    kinds.map(|kind| record(&[kind, u16::MAX, kilobytes], &u32::MAX.to_be_bytes())).to_vec()
+}
+
 fn leds(plc: &dyn Plc) -> Vec<Vec<u8>> {
     let running = plc.is_running();
-    // SF, RUN, STOP, FRCE.
-    let lit = [(1, false), (4, running), (5, !running), (6, plc.is_forcing())];
+    // SF, RUN, STOP, and FRCE; a CPU of the TIA Portal shows forcing by MAINT.
+    let force = if plc.family().is_portal() { 0x15 } else { 6 };
+    let lit = [(1, plc.has_faults()), (4, running), (5, !running), (force, plc.is_forcing())];
     lit.map(|(led, on)| record(&[led], &[u8::from(on), 0])).to_vec()
 }
 
 /// PDU length, connections, rates; then which functions of reading and writing there are.
 fn communication(plc: &dyn Plc) -> Vec<Vec<u8>> {
     let pdu = plc.family().pdu_max();
-    let mut general = record(&[1, pdu, 32], &[]);
+    let mut general = record(&[1, pdu, CONNECTIONS_MAX as u16], &[]);
     general.extend(187_500u32.to_be_bytes());
     general.extend(100_000_000u32.to_be_bytes());
-    // Read and write of variables, no cyclic reading.
-    let data = record(&[3], &[0x80, 0, 0, 0, 0, 222, 0, 32]);
+    // Read and write once, begin and end cyclic reading; bytes of one cycle; cyclic jobs, their shortest and longest period in 100 ms.
+    let mut data = record(&[3], &[0x47, 0, 0, 0]);
+    for word in [pdu - READ_AROUND, SUBSCRIPTIONS_MAX as u16, 1, 25_500] {
+        put16(&mut data, word);
+    }
     vec![general, data]
 }
 
@@ -136,24 +166,25 @@ fn protection((set, valid): (u16, u16)) -> Vec<u8> {
     record(&[4, 1, set, valid, 2, 0], &[])
 }
 
-/// The present mode.
+/// The present mode, by the event that led to it. What was before is left out: clients compare the whole byte.
 fn mode(plc: &dyn Plc) -> Vec<u8> {
     let running = plc.is_running();
-    let mut one = record(&[if running { 0x4302 } else { 0x4303 }], &[0xFF, if running { 0x08 } else { 0x04 }]);
+    let event = plc.last_mode_change().map(|event| event.event).filter(|event| running == (*event == RUN));
+    let event = event.unwrap_or(if running { RUN } else { STOP });
+    let mut one = record(&[event], &[0xFF, if running { 0x08 } else { 0x04 }]);
     one.extend([0; 8]);
     one.extend(plc.clock());
     one
 }
 
 fn events(plc: &dyn Plc, count: usize) -> Vec<Vec<u8>> {
-    let newest = plc.events().into_iter().take(count);
-    newest
-        .map(|event| {
-            let mut one = record(&[event.event], &[event.priority, event.ob]);
-            one.extend([0, 0, 0, 0]);
-            one.extend(event.info.to_be_bytes());
-            one.extend(event.time);
-            one
-        })
-        .collect()
+    plc.events(count).iter().map(entry).collect()
+}
+
+fn entry(event: &Event) -> Vec<u8> {
+    let mut one = record(&[event.event], &[event.priority, event.ob]);
+    one.extend([0, 0, 0, 0]);
+    one.extend(event.info.to_be_bytes());
+    one.extend(event.time);
+    one
 }

@@ -123,6 +123,39 @@ fn the_cpu_is_stopped_and_not_started() {
     exchange(&plc, &mut session, unknown, "32 03 0000 0006 0001 0000 D202 28");
 }
 
+#[test]
+fn a_pdu_that_is_longer_than_agreed_is_refused() {
+    let plc = Fake::new();
+    let mut session = session(&plc);
+    let job = |bytes: usize| {
+        let mut pdu = hex("32 01 0000 0005 0002 0000 05 01");
+        pdu[8..10].copy_from_slice(&((bytes - 12) as u16).to_be_bytes());
+        pdu.resize(bytes, 0);
+        pdu
+    };
+    // Both are wrong, but only one is read: its item is cut.
+    for bytes in [240, 241, 960] {
+        let answer = session.answer(&job(bytes), &plc).unwrap().unwrap();
+        assert_eq!(answer, hex("32 02 0000 0005 0000 0000 8500"), "{bytes}");
+    }
+    // The connection goes on.
+    let read = "32 01 0000 0002 000E 0000 04 01 12 0A 10 02 0001 0000 83 000000";
+    exchange(&plc, &mut session, read, "32 03 0000 0002 0002 0005 0000 04 01 FF 04 0008 00");
+}
+
+#[test]
+fn a_read_without_items_tells_the_mode() {
+    let plc = Fake::new();
+    let mut session = session(&plc);
+    let read = "32 01 0000 0005 0001 0000 04";
+    exchange(&plc, &mut session, read, "32 03 0000 0005 0002 0000 0000 04 00");
+    plc.running.set(false);
+    exchange(&plc, &mut session, read, "32 03 0000 0005 0001 0000 8402 04");
+    // A number of items and no items is something else.
+    exchange(&plc, &mut session, "32 01 0000 0005 0002 0000 04 00", "32 02 0000 0005 0000 0000 8500");
+    exchange(&plc, &mut session, "32 01 0000 0005 0001 0000 05", "32 02 0000 0005 0000 0000 8500");
+}
+
 const STOP: &str = "32 01 0000 0005 0010 0000 29 00 00 00 00 00 09 50 5F 50 52 4F 47 52 41 4D";
 const SET_PASSWORD: &str = "32 07 0000 0007 0008 000C 00 01 12 04 11 45 01 00 FF 09 0008 26 30 10 17 20 36 55 43";
 const CLEAR_PASSWORD: &str = "32 07 0000 0008 0008 0004 00 01 12 04 11 45 02 00 0A 00 0000";
@@ -235,6 +268,135 @@ fn blocks_are_listed() {
     assert_eq!(session.answer(&hex(missing), &plc).unwrap().unwrap()[20..22], [0xD2, 0x09]);
 }
 
+/// A status list in one piece, without its head; or the error word.
+fn status_list(session: &mut Session, plc: &Fake, id: &str, index: &str) -> Result<Vec<u8>, u16> {
+    let mut request = format!("32 07 0000 0001 0008 0008 00 01 12 04 11 44 01 00 FF 09 0004 {id} {index}");
+    let mut list = Vec::new();
+    loop {
+        let pdu = session.answer(&hex(&request), plc).unwrap().unwrap();
+        match u16::from_be_bytes([pdu[20], pdu[21]]) {
+            0 => list.extend(&pdu[26..]),
+            error => return Err(error),
+        }
+        if pdu[19] == 0 {
+            let (length, count) = (u16::from_be_bytes([list[4], list[5]]), u16::from_be_bytes([list[6], list[7]]));
+            let records = list.split_off(8);
+            assert!(id.starts_with("0F") || records.len() == usize::from(length) * usize::from(count), "{id}");
+            return Ok(records);
+        }
+        request = format!("32 07 0000 0001 000C 0004 00 01 12 08 12 44 01 {:02X} 00 00 0000 0A 00 0000", pdu[17]);
+    }
+}
+
+#[test]
+fn list_0000_names_what_is_answered() {
+    let plc = Fake::new();
+    let mut session = session(&plc);
+    let ids = status_list(&mut session, &plc, "0000", "0000").unwrap();
+    for id in ids.as_chunks::<2>().0 {
+        let id = format!("{:04X}", u16::from_be_bytes(*id));
+        // Lists of one record want its index.
+        let found = ["0000", "0001", "0004", "0800"].map(|index| status_list(&mut session, &plc, &id, index));
+        assert!(found.iter().any(Result::is_ok), "{id}: {found:04X?}");
+        assert!(found.iter().flatten().any(|records| !records.is_empty()) != id.starts_with("0F"), "{id}");
+    }
+    assert_eq!(status_list(&mut session, &plc, "0222", "0001"), Err(0xD401));
+    assert_eq!(status_list(&mut session, &plc, "0111", "0003"), Err(0xD402));
+}
+
+#[test]
+fn status_lists_tell_what_there_is() {
+    let plc = Fake::new();
+    let mut session = session(&plc);
+    let mut list = |id, index| status_list(&mut session, &plc, id, index).unwrap();
+    assert_eq!(list("0119", "0004"), hex("0004 01 00"), "RUN is lit");
+    assert_eq!(list("0174", "0005"), hex("0005 00 00"), "STOP is not");
+    assert_eq!(list("0124", "0000")[..4], hex("4302 FF 68"), "from a warm restart to RUN");
+    // Reading and writing once, beginning and ending cyclic reading; 222 bytes at once, 16 jobs from 100 ms to 2,550 s.
+    assert_eq!(list("0131", "0003")[..14], hex("0003 47 00 00 00 00DE 0010 0001 639C"));
+    assert_eq!(list("0115", "0A00"), hex("0A00 FFFF 0040 FFFFFFFF"), "blocks of 64 KB");
+    assert_eq!(list("01A0", "0002").len(), 40);
+}
+
+#[test]
+fn complete_protection_leaves_the_identification() {
+    let plc = Fake { family: Family::S71500, ..Fake::new() };
+    let mut session = Session::new(Gate { protection: Protection::Complete, has_password: true, ..ALL });
+    session.answer(&hex(SETUP), &plc).unwrap();
+    for (id, index) in [("0011", "0000"), ("001C", "0000"), ("0424", "0000"), ("0232", "0004")] {
+        assert!(status_list(&mut session, &plc, id, index).is_ok(), "{id}");
+    }
+    assert_eq!(status_list(&mut session, &plc, "00A0", "0000"), Err(0x8104));
+    for request in ["43 01 00 0A 00 0000", "47 01 00 0A 00 0000", "41 10 00 0A 00 0000"] {
+        let answer = session.answer(&hex(&format!("32 07 0000 0001 0008 0004 00 01 12 04 11 {request}")), &plc);
+        assert_eq!(answer.unwrap().unwrap()[20..22], [0x81, 0x04], "{request}");
+    }
+}
+
+#[test]
+fn test_functions_are_refused_by_name() {
+    let plc = Fake::new();
+    let mut open = session(&plc);
+    let mut read_only = Session::new(Gate { right: Right::Read, ..ALL });
+    read_only.answer(&hex(SETUP), &plc).unwrap();
+    let ask = |session: &mut Session, function: &str| {
+        let request = format!("32 07 0000 0001 0008 0004 00 01 12 04 11 41 {function} 00 0A 00 0000");
+        let answer = session.answer(&hex(&request), &plc).unwrap().unwrap();
+        u16::from_be_bytes([answer[20], answer[21]])
+    };
+    // Variable status; forcing; the end of a job; the list of jobs; a LED that flashes.
+    for (function, expected) in [("02", 0xD003), ("09", 0xD003), ("0F", 0xD043), ("10", 0), ("16", 0)] {
+        assert_eq!(ask(&mut open, function), expected, "{function}");
+    }
+    assert_eq!(ask(&mut read_only, "09"), 0xD0A1);
+}
+
+#[test]
+fn a_cpu_of_the_tia_portal_has_no_blocks_for_s7_clients() {
+    let plc = Fake { family: Family::S71200, ..Fake::new() };
+    let mut session = session(&plc);
+    for function in ["1A", "1B", "1C", "1D", "1E", "1F", "28", "29"] {
+        let job = format!("32 01 0000 0009 0001 0000 {function}");
+        exchange(&plc, &mut session, &job, "32 02 0000 0009 0000 0000 8104");
+    }
+}
+
+#[test]
+fn an_upload_needs_the_password() {
+    let plc = Fake::new();
+    let mut session = Session::new(Gate { protection: Protection::ReadWrite, has_password: true, ..ALL });
+    session.answer(&hex(SETUP), &plc).unwrap();
+    let upload = "32 01 0000 0009 0012 0000 1D 00 0000 00000000 09 5F 30 41 30 30 30 30 31 41";
+    exchange(&plc, &mut session, upload, "32 03 0000 0009 0001 0000 D241 1D");
+    session.judge(true);
+    session.answer(&hex(SET_PASSWORD), &plc).unwrap();
+    exchange(&plc, &mut session, upload, "32 03 0000 0009 0001 0000 D209 1D");
+}
+
+#[test]
+fn cells_of_an_s7_200_have_their_bit() {
+    let plc = Fake { family: Family::S7200, ..Fake::new() };
+    let mut session = session(&plc);
+    // T37 and T38, whose bits the CPU of this test has by their numbers; C5.
+    exchange(
+        &plc,
+        &mut session,
+        "32 01 0000 0002 001A 0000 04 02 12 0A 10 1F 0002 0000 1F 000025 12 0A 10 1E 0001 0000 1E 000005",
+        "32 03 0000 0002 0002 0015 0000 04 02 FF 09 000A 01 0000 0000 00 0000 0000 FF 09 0003 00 0000",
+    );
+    // A current value alone, or as it is read; not as bits of another length.
+    for (data, code) in [("00 04 0010 1234", "FF"), ("00 09 0005 01 0000 1234", "FF"), ("00 09 0003 00 1234", "07")] {
+        let length = if data.len() > 16 { "0009" } else { "0006" };
+        let length = if code == "07" { "0007" } else { length };
+        exchange(
+            &plc,
+            &mut session,
+            &format!("32 01 0000 0002 000E {length} 05 01 12 0A 10 1F 0001 0000 1F 000025 {data}"),
+            &format!("32 03 0000 0002 0002 0001 0000 05 01 {code}"),
+        );
+    }
+}
+
 /// Requests that are right, to be changed at random.
 const REQUESTS: [&str; 8] = [
     SET_PASSWORD,
@@ -342,6 +504,23 @@ fn subscribed_variables_come_again() {
     );
     session.answer(&hex(SETUP), &plc).unwrap();
     assert_eq!(session.due(), None, "they end with the setup");
+}
+
+#[test]
+fn subscriptions_end_with_the_right_to_read() {
+    let plc = Fake { family: Family::S71500, ..Fake::new() };
+    let mut session = Session::new(Gate { protection: Protection::Complete, has_password: true, ..ALL });
+    session.answer(&hex(SETUP), &plc).unwrap();
+    session.judge(true);
+    session.answer(&hex(SET_PASSWORD), &plc).unwrap();
+    let subscribe =
+        "32 07 0000 0002 0008 0014 00 01 12 04 11 42 01 00 FF 09 0010 00 01 00 01 12 0A 10 02 0001 0000 83 000000";
+    assert_eq!(session.answer(&hex(subscribe), &plc).unwrap().unwrap()[20..22], [0, 0]);
+    assert!(session.due().is_some());
+    session.answer(&hex(CLEAR_PASSWORD), &plc).unwrap();
+    let later = Instant::now() + Duration::from_secs(1);
+    assert_eq!(session.indications(&plc, later), Vec::<Vec<u8>>::new());
+    assert_eq!(session.due(), None, "else it would be due at every moment");
 }
 
 #[test]

@@ -10,6 +10,7 @@ use super::variables::{Refused, WRONG_PDU};
 use crate::wire::{Bytes, put16};
 
 /// Groups of functions.
+const TEST: u8 = 1;
 const BLOCKS: u8 = 3;
 const CPU: u8 = 4;
 const SECURITY: u8 = 5;
@@ -23,6 +24,15 @@ const BLOCK_MISSING: u16 = 0xD209;
 const BLOCK_NUMBER: u16 = 0xD210;
 const NOT_PERMITTED: u16 = 0xD241;
 const WRONG_DATE: u16 = 0xDC01;
+const TEST_UNSUPPORTED: u16 = 0xD003;
+const TEST_NOT_PERMITTED: u16 = 0xD0A1;
+const NO_SUCH_TEST: u16 = 0xD043;
+
+/// Test functions that end a job or tell of jobs, and the one that makes a LED flash.
+const DELETE_TEST: u8 = 0x0F;
+const ENABLE_TEST: u8 = 0x0E;
+const LIST_TESTS: u8 = 0x10;
+const FLASH_LED: u8 = 0x16;
 
 const PASSWORD_BYTES: usize = 8;
 
@@ -147,14 +157,24 @@ fn first(session: &mut Session, request: &Request, sequence: u8, plc: &dyn Plc) 
     let payload = request.payload;
     match (request.group, request.function) {
         (CPU, 1) => match payload {
-            &[id_high, id_low, index_high, index_low] => status_lists::read(
-                plc,
-                session.levels(),
-                u16::from_be_bytes([id_high, id_low]),
-                u16::from_be_bytes([index_high, index_low]),
-            ),
+            &[id_high, id_low, index_high, index_low] => {
+                let (id, index) = (u16::from_be_bytes([id_high, id_low]), u16::from_be_bytes([index_high, index_low]));
+                match session.may_read() || status_lists::identifies(id) {
+                    true => status_lists::read(plc, session.levels(), id, index),
+                    false => Err(NOT_IMPLEMENTED),
+                }
+            }
             _ => Err(status_lists::WRONG_REQUEST),
         },
+        // Under complete protection a client learns what CPU it is, and may send a password.
+        (BLOCKS | TIME | TEST, _) if !session.may_read() => Err(NOT_IMPLEMENTED),
+        // Nobody sees it, and nothing else comes of it.
+        (TEST, FLASH_LED) => Ok(Vec::new()),
+        // There are no test jobs.
+        (TEST, LIST_TESTS) => Ok(vec![0, 0]),
+        (TEST, DELETE_TEST | ENABLE_TEST) => Err(NO_SUCH_TEST),
+        (TEST, _) if !session.may_write() => Err(TEST_NOT_PERMITTED),
+        (TEST, _) => Err(TEST_UNSUPPORTED),
         (cyclic::GROUP, CYCLIC | ON_CHANGE) if !session.may_read() => Err(NOT_IMPLEMENTED),
         (cyclic::GROUP, function @ (CYCLIC | ON_CHANGE)) => {
             let pdu = session.pdu.ok_or(NOT_IMPLEMENTED)?;
@@ -207,6 +227,13 @@ fn kind_of(letter: u8) -> Option<u8> {
     BLOCK_KINDS.contains(&kind).then_some(kind)
 }
 
+/// The language of blocks of a kind, as lists have it: what a block was written in is not known any more.
+fn language_of(kind: u8) -> u8 {
+    const UNKNOWN: u8 = 0;
+    const DATA_BLOCK: u8 = 5;
+    if kind == 0x0A { DATA_BLOCK } else { UNKNOWN }
+}
+
 fn blocks_of_kind(plc: &dyn Plc, payload: &[u8]) -> Payload {
     let &[0x30, letter] = payload else { return Err(NO_FURTHER_BLOCK) };
     let kind = kind_of(letter).ok_or(NO_FURTHER_BLOCK)?;
@@ -214,7 +241,7 @@ fn blocks_of_kind(plc: &dyn Plc, payload: &[u8]) -> Payload {
     for number in plc.blocks(kind) {
         put16(&mut list, number);
         // Linked; its language.
-        list.extend([0x01, plc.block(kind, number).map_or(0, |info| info.language)]);
+        list.extend([0x01, language_of(kind)]);
     }
     if list.is_empty() { Err(NO_FURTHER_BLOCK) } else { Ok(list) }
 }
@@ -235,7 +262,7 @@ fn block_info(plc: &dyn Plc, payload: &[u8]) -> Payload {
     put16(&mut out, 0x004A);
     out.extend([0, 0x22, b'p', b'p', 1]);
     out.push(0x01);
-    out.push(info.language);
+    out.push(language_of(kind));
     out.push(kind);
     put16(&mut out, info.number);
     out.extend((u32::from(info.bytes) + 92).to_be_bytes());

@@ -36,8 +36,11 @@ const ELEMENT_BIT: u8 = 0x01;
 const ELEMENT_BYTE: u8 = 0x02;
 const ELEMENT_COUNTER: u8 = 0x1C;
 const ELEMENT_TIMER: u8 = 0x1D;
+/// Counters and timers of an S7-200: the bit, and the current value in the last two bytes.
+const ELEMENT_S7200_COUNTER: u8 = 0x1E;
+const ELEMENT_S7200_TIMER: u8 = 0x1F;
 
-const ELEMENTS: [Element; 16] = [
+const ELEMENTS: [Element; 18] = [
     Element { code: ELEMENT_BIT, bytes: 1, answer: BIT },
     Element { code: ELEMENT_BYTE, bytes: 1, answer: WORDS },
     Element { code: 0x03, bytes: 1, answer: OCTETS },
@@ -54,7 +57,16 @@ const ELEMENTS: [Element; 16] = [
     Element { code: 0x13, bytes: 1, answer: OCTETS },
     Element { code: ELEMENT_COUNTER, bytes: 2, answer: OCTETS },
     Element { code: ELEMENT_TIMER, bytes: 2, answer: OCTETS },
+    Element { code: ELEMENT_S7200_COUNTER, bytes: 3, answer: OCTETS },
+    Element { code: ELEMENT_S7200_TIMER, bytes: 5, answer: OCTETS },
 ];
+
+impl Element {
+    /// Of a cell of an S7-200, with its bit.
+    fn has_bit(&self) -> bool {
+        matches!(self.code, ELEMENT_S7200_COUNTER | ELEMENT_S7200_TIMER)
+    }
+}
 
 /// An item of a job.
 type Item = Result<(Place, &'static Element), ItemError>;
@@ -106,9 +118,11 @@ fn item(family: Family, body: &[u8]) -> Item {
     }
     let cells = matches!(area, Area::Timers | Area::Counters);
     let of_area = match area {
-        Area::Timers => transport == ELEMENT_TIMER || s7200,
-        Area::Counters => transport == ELEMENT_COUNTER || s7200,
-        _ => !matches!(transport, ELEMENT_TIMER | ELEMENT_COUNTER),
+        Area::Timers if s7200 => !matches!(transport, ELEMENT_COUNTER | ELEMENT_S7200_COUNTER),
+        Area::Counters if s7200 => !matches!(transport, ELEMENT_TIMER | ELEMENT_S7200_TIMER),
+        Area::Timers => transport == ELEMENT_TIMER,
+        Area::Counters => transport == ELEMENT_COUNTER,
+        _ => !matches!(transport, ELEMENT_COUNTER..=ELEMENT_S7200_TIMER),
     };
     if !of_area || cells && address > 0xFFFF {
         return Err(ItemError::OutOfRange);
@@ -149,7 +163,7 @@ pub fn read(plc: &dyn Plc, mut parameter: Bytes, pdu: usize) -> Result<(u8, Vec<
         if AROUND + data.len() + 4 + longest > pdu {
             return Err(Refused(WRONG_PDU));
         }
-        match item.and_then(|(place, element)| plc.read(place).map(|bytes| (bytes, element))) {
+        match item.and_then(|(place, element)| read_one(plc, place, element).map(|bytes| (bytes, element))) {
             Ok((bytes, element)) => {
                 data.extend([SUCCESS, element.answer]);
                 put16(&mut data, length_field(element.answer, bytes.len()));
@@ -162,6 +176,21 @@ pub fn read(plc: &dyn Plc, mut parameter: Bytes, pdu: usize) -> Result<(u8, Vec<
         }
     }
     if AROUND + data.len() > pdu { Err(Refused(WRONG_PDU)) } else { Ok((count as u8, data)) }
+}
+
+fn read_one(plc: &dyn Plc, place: Place, element: &Element) -> Result<Vec<u8>, ItemError> {
+    let bytes = plc.read(place)?;
+    if !element.has_bit() {
+        return Ok(bytes);
+    }
+    let words = bytes.as_chunks::<2>().0.iter();
+    let cell = |(number, [high, low]): (u32, &[u8; 2])| {
+        let mut cell = vec![0; element.bytes as usize - 2];
+        cell[0] = plc.cell_bit(place.area, number).into();
+        cell.extend([*high, *low]);
+        cell
+    };
+    Ok((place.start..).zip(words).flat_map(cell).collect())
 }
 
 /// Bytes of an item's data.
@@ -190,7 +219,7 @@ pub fn write(plc: &dyn Plc, mut parameter: Bytes, mut data: Bytes) -> Result<Vec
     }
     let mut codes = Vec::with_capacity(count);
     for (item, (transport, length, values)) in jobs {
-        let written = item.and_then(|(place, element)| {
+        let done = item.and_then(|(place, element)| {
             let fits = match (place.bit, transport) {
                 (Some(_), BIT) => length == 1,
                 (Some(_), _) | (None, BIT) => false,
@@ -198,12 +227,24 @@ pub fn write(plc: &dyn Plc, mut parameter: Bytes, mut data: Bytes) -> Result<Vec
                 (None, DOUBLE_INTEGER | REAL | OCTETS) => true,
                 (None, _) => false,
             };
-            if !fits || values.len() != size(&place, element) as usize {
-                return Err(ItemError::TypeInconsistent);
-            }
-            plc.write(place, values)
+            let values = written(values, &place, element).filter(|_| fits).ok_or(ItemError::TypeInconsistent)?;
+            plc.write(place, &values)
         });
-        codes.push(written.map_or_else(|error| error as u8, |()| SUCCESS));
+        codes.push(done.map_or_else(|error| error as u8, |()| SUCCESS));
     }
     Ok(codes)
+}
+
+/// What is written of the data of an item; `None`: its length is wrong. Cells of an S7-200 get a current value, which clients send alone or as
+/// they read the cell.
+fn written(values: &[u8], place: &Place, element: &Element) -> Option<Vec<u8>> {
+    let count = place.count as usize;
+    match (element.has_bit(), element.bytes as usize) {
+        (true, bytes) if values.len() == count * bytes => {
+            Some(values.chunks_exact(bytes).flat_map(|cell| cell[bytes - 2..].to_vec()).collect())
+        }
+        (true, _) if values.len() != 2 * count => None,
+        (false, _) if values.len() != size(place, element) as usize => None,
+        _ => Some(values.to_vec()),
+    }
 }

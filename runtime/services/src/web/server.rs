@@ -26,6 +26,7 @@ use super::{info, names, session, status};
 use crate::limits::{FRAME_TIME, HTTP_BYTES_MAX, PAGE_MESSAGE_MAX, PAGES_MAX, PROGRAM_MAX, PROGRAM_TIME, SIGN_IN_MAX};
 use crate::link::Link;
 use crate::listen::Open;
+use crate::password;
 use crate::patience::Patience;
 use crate::tls::Stream;
 
@@ -175,8 +176,10 @@ async fn sign_in(Extension(Asked { page, .. }): Extension<Asked>, headers: Heade
     };
     let Ok(form) = serde_json::from_slice::<SignIn>(&body) else { return StatusCode::BAD_REQUEST.into_response() };
     let users = page.users.clone();
+    let Some(turn) = password::turn().await else { return StatusCode::SERVICE_UNAVAILABLE.into_response() };
     // Not on the thread that serves everybody: it is made to be slow.
     let signed = tokio::task::spawn_blocking(move || users.sign_in(&form.user, &form.password)).await;
+    drop(turn);
     match signed {
         Ok(Some(token)) => {
             let secure = if page.is_secure { "; Secure" } else { "" };
@@ -202,8 +205,10 @@ async fn sign_out(Extension(Asked { page, .. }): Extension<Asked>, headers: Head
 
 async fn listed(Extension(Asked { page, .. }): Extension<Asked>, headers: HeaderMap) -> Result<Response, StatusCode> {
     page.user(&headers)?;
-    let names = page.link.ask(|cpu| names::list(&cpu.image)).await.ok_or(StatusCode::SERVICE_UNAVAILABLE)?;
-    Ok(Json(names).into_response())
+    let image = page.link.ask(|cpu| Arc::clone(&cpu.image)).await.ok_or(StatusCode::SERVICE_UNAVAILABLE)?;
+    // There may be many: neither the cycle nor other clients wait for the list.
+    let names = tokio::task::spawn_blocking(move || names::list(&image)).await;
+    Ok(Json(names.map_err(|_| StatusCode::INTERNAL_SERVER_ERROR)?).into_response())
 }
 
 /// Whether values of the running program may go: the query of the request is this word.

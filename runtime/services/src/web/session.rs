@@ -14,7 +14,7 @@ use plcc_runtime::diagnostics;
 use plcc_runtime::monitor::Looked;
 use plcc_runtime::monitor::recording::Progress;
 use plcc_runtime::options::Restart;
-use plcc_runtime::signal::Source;
+use plcc_runtime::signal::{Source, Value};
 use tokio::time::{MissedTickBehavior, interval, timeout};
 
 use super::messages::{Entry, Hello, News, Order, Shown, State};
@@ -39,10 +39,11 @@ struct Watched {
 /// What the CPU said at one cycle control point.
 struct Seen {
     state: State,
-    shown: Vec<(usize, Shown)>,
+    /// Number in the list of names, value and type. What is shown of them is found out elsewhere: the cycle waits for it.
+    values: Vec<(usize, Value, &'static str)>,
     renewed: Option<Renewed>,
     /// The diagnostic buffer, if its newest entry is another one.
-    buffer: Option<Vec<Entry>>,
+    buffer: Option<Vec<diagnostics::Entry>>,
     forced: Vec<(String, String)>,
     /// Number of events so far, as far as the buffer tells.
     newest: Newest,
@@ -109,7 +110,11 @@ async fn tell_all(mut socket: WebSocket, link: &Link, user: String, role: Role, 
                 };
                 let news = match serde_json::from_str(&text) {
                     Ok(Order::Watch { names }) => {
-                        let Some((found, wrong)) = link.ask(move |cpu| resolve(cpu, names.into())).await else { return };
+                        let program = Arc::clone(&image);
+                        let found = tokio::task::spawn_blocking(move || find(&program, &names));
+                        let Ok(found) = found.await else { return };
+                        let program = Arc::clone(&image);
+                        let Some((found, wrong)) = link.ask(move |cpu| found.of(cpu, &program)).await else { return };
                         watched = found;
                         known.clear();
                         News { wrong, ..News::default() }
@@ -145,17 +150,19 @@ async fn tell_all(mut socket: WebSocket, link: &Link, user: String, role: Role, 
                 let looked = link.ask(move |cpu| look(cpu, &list, before, client, &wanted, asked));
                 let Some(seen) = looked.await else { return };
                 newest = seen.newest;
-                let mut news = News { buffer: seen.buffer, ..News::default() };
+                let mut news = News::default();
                 if let Some(renewed) = seen.renewed {
                     (watched, news.wrong, image) = (renewed.watched, renewed.wrong, renewed.image);
                     known.clear();
                     known_status = Known::default();
                 }
+                news.buffer = seen.buffer.map(|entries| entries.iter().map(|one| entry(&image, one)).collect());
                 if let (Some(looked), Target::Block(block, _)) = (seen.looked, &target) {
                     news.status = known_status.news(&image, block, looked);
                 }
                 news.trace = recorder.news(seen.recording);
-                for (number, shown) in seen.shown {
+                for (number, value, ty) in seen.values {
+                    let shown = Shown { value: value.json(), text: value.text(), ty };
                     if known.get(&number) != Some(&shown) {
                         known.insert(number, shown.clone());
                         news.values.push((number, shown));
@@ -191,28 +198,49 @@ fn hello(cpu: &Cpu, user: String, role: Role) -> Hello {
     Hello { program: cpu.image.name.clone(), cpu: cpu.image.profile.name.clone(), user, role, watchable }
 }
 
-/// Finds names: the values, and why others mean nothing.
-fn resolve(cpu: &Cpu, names: Arc<[String]>) -> (Watched, Vec<(usize, String)>) {
-    let mut found = Vec::new();
-    let mut wrong = Vec::new();
-    for (number, name) in names.iter().enumerate() {
-        if number >= WATCHED_MAX {
-            wrong.push((number, format!("a page can watch {WATCHED_MAX} values")));
-            break;
-        }
-        match source(cpu, name) {
-            Ok(source) => found.push((number, source)),
-            Err(error) => wrong.push((number, error)),
-        }
-    }
-    (Watched { names, generation: cpu.generation(), found: found.into() }, wrong)
+/// Names that were looked up in a program.
+struct Found {
+    names: Arc<[String]>,
+    /// One for each name, up to as many as a page can watch.
+    sources: Vec<Result<Source, String>>,
 }
 
-pub fn source(cpu: &Cpu, name: &str) -> Result<Source, String> {
+/// Looks names up, which takes its time when there are many.
+fn find(image: &ProgramImage, names: &[String]) -> Found {
+    let mut sources: Vec<_> = names.iter().take(WATCHED_MAX).map(|name| source_in(image, name)).collect();
+    if names.len() > WATCHED_MAX {
+        sources.push(Err(format!("a page can watch {WATCHED_MAX} values")));
+    }
+    Found { names: names.into(), sources }
+}
+
+impl Found {
+    /// The values, and why others mean nothing. `image`: where the names were looked up.
+    fn of(self, cpu: &Cpu, image: &Arc<ProgramImage>) -> (Watched, Vec<(usize, String)>) {
+        if !Arc::ptr_eq(image, &cpu.image) {
+            // The program has changed meanwhile.
+            return find(&cpu.image, &self.names).of(cpu, &cpu.image);
+        }
+        let (mut found, mut wrong) = (Vec::new(), Vec::new());
+        for (number, source) in self.sources.into_iter().enumerate() {
+            match source.and_then(|source| source.check(cpu).map(|()| source)) {
+                Ok(source) => found.push((number, source)),
+                Err(error) => wrong.push((number, error)),
+            }
+        }
+        (Watched { names: self.names, generation: cpu.generation(), found: found.into() }, wrong)
+    }
+}
+
+fn source_in(image: &ProgramImage, name: &str) -> Result<Source, String> {
     if name.len() > NAME_MAX {
         return Err(format!("a name has at most {NAME_MAX} letters"));
     }
-    let source = Source::find(name, &cpu.image, None)?;
+    Source::find(name, image, None)
+}
+
+pub fn source(cpu: &Cpu, name: &str) -> Result<Source, String> {
+    let source = source_in(&cpu.image, name)?;
     source.check(cpu)?;
     Ok(source)
 }
@@ -226,23 +254,19 @@ fn look(cpu: &Cpu, watched: &Watched, before: Newest, client: u64, target: &Targ
     }
     let recording = asked.and_then(|told| cpu.recorded(client, told, PART_MAX));
     let renewed = (cpu.generation() != watched.generation).then(|| {
-        let (watched, wrong) = resolve(cpu, Arc::clone(&watched.names));
+        let (watched, wrong) = find(&cpu.image, &watched.names).of(cpu, &cpu.image);
         Renewed { watched, wrong, image: cpu.image.clone() }
     });
     let watched = renewed.as_ref().map_or(watched, |renewed| &renewed.watched);
-    let shown = watched.found.iter().map(|(number, source)| {
-        let value = source.read(cpu, None);
-        (*number, Shown { value: value.json(), text: value.text(), ty: source.ty() })
-    });
-    let shown = shown.collect();
+    let values = watched.found.iter().map(|(number, source)| (*number, source.read(cpu, None), source.ty())).collect();
     let entries = cpu.diagnostics.newest_first();
     let newest = entries.first().map(|entry| (entries.len(), *entry));
-    let buffer = (newest != before).then(|| entries.iter().map(|entry| self::entry(cpu, entry)).collect());
+    let buffer = (newest != before).then_some(entries);
     let forced = match cpu.is_forcing() {
         true => cpu.forced().into_iter().map(|one| (one.name, one.value)).collect(),
         false => Vec::new(),
     };
-    Seen { state: state(cpu), shown, renewed, buffer, forced, newest, looked, recording }
+    Seen { state: state(cpu), values, renewed, buffer, forced, newest, looked, recording }
 }
 
 /// Begins or ends to watch the running program.
@@ -266,12 +290,12 @@ fn state(cpu: &Cpu) -> State {
     }
 }
 
-fn entry(cpu: &Cpu, entry: &diagnostics::Entry) -> Entry {
+fn entry(image: &ProgramImage, entry: &diagnostics::Entry) -> Entry {
     Entry {
         clock: milliseconds(entry.wall),
         event: entry.event,
-        text: diagnostics::event_text(&cpu.image, entry),
-        place: diagnostics::place_text(&cpu.image, entry),
+        text: diagnostics::event_text(image, entry),
+        place: diagnostics::place_text(image, entry),
     }
 }
 

@@ -149,7 +149,7 @@ impl Tag {
         }
         let value = metric.value.as_ref().filter(|_| metric.is_null != Some(true)).ok_or("the command has no value")?;
         let scalar = scalar_of(own, value).ok_or_else(|| format!("the value is not of the data type {own:?}"))?;
-        let parts = variable.parts(&Variant::One(scalar)).map_err(|status| refused(status).to_string())?;
+        let parts = variable.parts(&Variant::One(scalar), None).map_err(|status| refused(status).to_string())?;
         Ok((variable.clone(), parts))
     }
 }
