@@ -13,6 +13,13 @@ async function look(tab) {
   await until(tab, "RUN", `document.querySelector("#state").textContent === "RUN"`);
   await until(tab, "the user", `document.querySelector("#user").textContent === "anna"`);
 
+  // The address of the page names the view, and must not scroll the state of the CPU away.
+  await tab(`location.hash = "program"`);
+  await until(tab, "the head above the networks", `(() => {
+    const [head, frame] = [document.querySelector("header"), document.querySelector("#drawings")].map((it) => it.getBoundingClientRect());
+    return head.top === 0 && frame.height > 300 && frame.bottom <= innerHeight;
+  })()`);
+
   const drawn = (text) => `(() => {
     const page = document.querySelector("#drawings").contentDocument;
     const wires = [...page.querySelectorAll("path.w")].map((wire) => wire.getAttribute("class"));

@@ -372,9 +372,9 @@ function place(text) {
 
 function buffer(entries) {
   $("events").replaceChildren(...entries.map((it) => element("tr", { className: /^STOP/.test(it.text) ? "fault" : "" },
-    element("td", { className: "value", textContent: time(it.clock) }),
+    element("td", { className: "value", textContent: `${time(it.clock)}.${String(Math.floor(it.clock % 1000)).padStart(3, "0")}` }),
     element("td", { className: "value", textContent: `16#${it.event.toString(16).toUpperCase().padStart(4, "0")}` }),
-    element("td", { textContent: it.text }), element("td", {}, place(it.place)))));
+    element("td", { textContent: it.text.replace(/^16#[0-9A-F]{4} /, "") }), element("td", {}, place(it.place)))));
 }
 
 // Views
