@@ -10,7 +10,7 @@ struct timer {
     bool in, q, running;
 };
 
-static bool on_delay(struct timer *timer, bool in, uint32_t preset, uint32_t now)
+static inline bool on_delay(struct timer *timer, bool in, uint32_t preset, uint32_t now)
 {
     if (!in) {
         timer->elapsed = 0;
@@ -31,7 +31,7 @@ static bool on_delay(struct timer *timer, bool in, uint32_t preset, uint32_t now
     return timer->q;
 }
 
-static bool off_delay(struct timer *timer, bool in, uint32_t preset, uint32_t now)
+static inline bool off_delay(struct timer *timer, bool in, uint32_t preset, uint32_t now)
 {
     if (in) {
         timer->q = true;
@@ -55,7 +55,7 @@ static bool off_delay(struct timer *timer, bool in, uint32_t preset, uint32_t no
     return timer->q;
 }
 
-static bool pulse(struct timer *timer, bool in, uint32_t preset, uint32_t now)
+static inline bool pulse(struct timer *timer, bool in, uint32_t preset, uint32_t now)
 {
     if (in && !timer->in && !timer->q) {
         timer->start = now;
