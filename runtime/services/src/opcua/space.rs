@@ -230,8 +230,8 @@ impl Space {
             }
         }
         self.image.symbols.iter().filter_map(|symbol| symbol.ty).for_each(part);
-        for number in 0..self.image.types.len() {
-            let shape = if is_part[number] { self.new_shape(number) } else { None };
+        for (number, is_part) in is_part.into_iter().enumerate() {
+            let shape = if is_part { self.new_shape(number) } else { None };
             let shape = shape.map(Arc::new);
             if let Some(shape) = &shape {
                 self.by_name.insert(shape.name.clone(), self.data_types.len());
