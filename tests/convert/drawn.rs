@@ -126,6 +126,41 @@ fn ladder_shapes_keep_their_logic() {
     }
 }
 
+/// `L` does not extend or convert a constant as elements of networks do: no network is drawn where the bits would be others.
+#[test]
+fn constants_that_networks_would_change_are_refused() {
+    const REFUSED: [(&str, &str); 5] = [
+        ("L -5;\nT MD 20;", "a transfer of a constant to an operand of another type"),
+        ("L -5;\nT MB 20;", "a transfer of a constant to an operand of another type"),
+        ("L 5;\nT #speed;", "a transfer of a constant to an operand of another type"),
+        ("A(;\nL MD 0;\nL -5;\n==D;\n);\n= Q 0.0;", "a comparison as DInt with a constant"),
+        ("A(;\nL #speed;\nL 5;\n==R;\n);\n= Q 0.0;", "a comparison as Real with a constant"),
+    ];
+    const DRAWN: [&str; 5] = [
+        "L -5;\nT MW 20;",
+        "L 5;\nT MD 20;",
+        "L L#-5;\nT MD 20;",
+        "A(;\nL MD 0;\nL L#-5;\n==D;\n);\n= Q 0.0;",
+        "A(;\nL #speed;\nL 5.0;\n==R;\n);\n= Q 0.0;",
+    ];
+    let messages_of = |body: &str| {
+        let head = "FUNCTION FC 1 : VOID\nVAR_TEMP\nspeed : REAL;\nEND_VAR\nBEGIN\nNETWORK";
+        let source = format!("{head}\n{body}\nEND_FUNCTION\n");
+        let (unit, messages) = parsed(&source, Some(Mnemonics::En));
+        assert!(!has_errors(&messages), "{messages:#?}\n{source}");
+        let types = Types::new(std::iter::once(&unit), &[]);
+        to_graph::unit(&unit, &types, Language::Lad).1
+    };
+    for (body, reason) in REFUSED {
+        let messages = messages_of(body);
+        assert!(messages.iter().any(|message| message.title.contains(reason)), "{body}: {messages:#?}");
+    }
+    for body in DRAWN {
+        let messages = messages_of(body);
+        assert!(!has_errors(&messages), "{body}: {messages:#?}");
+    }
+}
+
 /// Q 0.0 to 0.7 after each of two cycles, for all values of I 0.0 to 0.4.
 fn truth_table(name: &str, text: &str) -> Vec<String> {
     let folder = tempfile::tempdir().expect("a folder");

@@ -64,12 +64,61 @@ pub fn flag(status: StatusOperand) -> &'static str {
 /// What is known of the type of an operand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    Constant,
+    Constant(Form),
     /// An absolute address of so many bits.
     Bits(u32),
     Type(Elementary),
     Cell,
     Unknown,
+}
+
+/// How a constant is written. `L` brings its bits as they are; elements of networks convert numbers to the type of their operand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// A number of 16 bits. `L` does not extend its sign.
+    Int {
+        negative: bool,
+    },
+    Dint,
+    Real,
+    Other,
+}
+
+impl Form {
+    pub fn of(literal: &Literal) -> Form {
+        match literal {
+            Literal::Int(number) => Form::Int { negative: *number < 0 },
+            Literal::Dint(_) => Form::Dint,
+            Literal::Real(_) => Form::Real,
+            Literal::Bool(_)
+            | Literal::Byte(_)
+            | Literal::Word(_)
+            | Literal::Counter(_)
+            | Literal::Dword(_)
+            | Literal::Bits { .. }
+            | Literal::S5Time(_)
+            | Literal::Time(_)
+            | Literal::Date(_)
+            | Literal::TimeOfDay(_)
+            | Literal::Text(_)
+            | Literal::Bytes2(_)
+            | Literal::Bytes4(_)
+            | Literal::DateAndTime(_)
+            | Literal::Pointer(_)
+            | Literal::AreaPointer { .. }
+            | Literal::Any(_) => Form::Other,
+        }
+    }
+
+    /// Whether an element makes of the constant the bits that `L` brings, for an operand of so many bits that is a REAL or not.
+    pub fn keeps_bits(self, bits: u32, is_real: bool) -> bool {
+        match self {
+            Form::Int { negative } => !is_real && (bits == 16 || !negative),
+            Form::Dint => !is_real,
+            Form::Real => is_real || bits == 32,
+            Form::Other => true,
+        }
+    }
 }
 
 /// A whole number, with a sign if it is negative.

@@ -1,6 +1,7 @@
 //! What the statements of a network do: signals, and what they lead to.
 
 use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::Elementary;
 use plcc_syntax::ast::{self, BlockName, CellKind, CodeBlock, Operand, OperandKind, Statement, StatementKind};
 use plcc_syntax::network::ast::{Graph, Language, Pin, PinValue};
 use plcc_syntax::scl::ast::{Expr, ExprKind, Name, NameForm};
@@ -10,7 +11,7 @@ use crate::to_stl::types::Types;
 
 use super::drawing::{Drawing, Reason, Signal, pin};
 use super::logic::{Join, Logic};
-use super::operand::{Kind, compared, expression, flag, typed};
+use super::operand::{Form, Kind, compared, expression, flag, typed};
 
 /// The labels of a network, and its elements.
 pub fn graph(
@@ -246,9 +247,16 @@ impl Reader<'_> {
                     let fits = |kind: &Kind| match kind {
                         Kind::Bits(own) => *own == bits,
                         Kind::Type(own) => own.bits() == bits,
-                        Kind::Constant | Kind::Unknown => true,
+                        Kind::Constant(_) | Kind::Unknown => true,
                         Kind::Cell => false,
                     };
+                    let keeps = |kind: &Kind| match kind {
+                        Kind::Constant(form) => form.keeps_bits(bits, ty == "Real"),
+                        Kind::Bits(_) | Kind::Type(_) | Kind::Cell | Kind::Unknown => true,
+                    };
+                    if !self.loads.iter().all(|(_, _, kind)| keeps(kind)) {
+                        return Err(format!("a comparison as {ty} with a constant that is not of this type"));
+                    }
                     if !self.loads.iter().all(|(_, _, kind)| fits(kind)) {
                         return Err(format!("a comparison as {ty} of operands of another size"));
                     }
@@ -396,8 +404,12 @@ impl Reader<'_> {
         };
         let to = self.kind_of(operand);
         match (from, &to) {
-            (Kind::Constant, Kind::Bits(_) | Kind::Type(_)) => {}
-            (Kind::Constant | Kind::Bits(_) | Kind::Type(_), _) if *from == to => {}
+            (Kind::Constant(form), Kind::Bits(bits)) if form.keeps_bits(*bits, false) => {}
+            (Kind::Constant(form), Kind::Type(ty)) if form.keeps_bits(ty.bits(), *ty == Elementary::Real) => {}
+            (Kind::Constant(_), Kind::Bits(_) | Kind::Type(_)) => {
+                return Err("a transfer of a constant to an operand of another type".to_string());
+            }
+            (Kind::Bits(_) | Kind::Type(_), _) if *from == to => {}
             (Kind::Cell, _) => return Err("the value of a timer or counter without its box".to_string()),
             (Kind::Bits(_) | Kind::Type(_), Kind::Bits(_) | Kind::Type(_)) => {
                 return Err("a transfer between operands of different types".to_string());
@@ -417,7 +429,7 @@ impl Reader<'_> {
     fn kind_of(&self, operand: &Operand) -> Kind {
         match &operand.kind {
             OperandKind::Cell { .. } => Kind::Cell,
-            OperandKind::Literal(_) => Kind::Constant,
+            OperandKind::Literal(literal) => Kind::Constant(Form::of(literal)),
             OperandKind::Absolute { width, .. } | OperandKind::DbAbsolute { width, .. } => Kind::Bits(width.bits()),
             kind => self.types.of(kind, self.block).map_or(Kind::Unknown, Kind::Type),
         }
