@@ -110,12 +110,14 @@ impl BlockLowering<'_, '_> {
             (RuntimeFn::TextLeft | RuntimeFn::TextRight | RuntimeFn::TextMid | RuntimeFn::TextDelete, [text, out]) => {
                 places(text, out) != Places::Unknown
             }
-            // The first text may be the one that grows.
-            (RuntimeFn::TextConcat | RuntimeFn::TextConcatThree, [first, others @ .., out]) => {
-                places(first, out) != Places::Unknown && others.iter().all(|text| places(text, out) == Places::Apart)
+            // One of the texts may be the one that grows.
+            (RuntimeFn::TextConcat | RuntimeFn::TextConcatThree, [inputs @ .., out]) => {
+                let is = |place| inputs.iter().filter(|text| places(text, out) == place).count();
+                is(Places::Unknown) == 0 && is(Places::Same) <= 1
             }
-            (RuntimeFn::TextInsert | RuntimeFn::TextReplace, [one, two, out]) => {
-                [one, two].iter().all(|text| places(text, out) == Places::Apart)
+            // The text may be changed in place.
+            (RuntimeFn::TextInsert | RuntimeFn::TextReplace, [text, new, out]) => {
+                places(text, out) != Places::Unknown && places(new, out) == Places::Apart
             }
             (RuntimeFn::TextFind, [text, sought]) => {
                 holds_word(text)
@@ -324,7 +326,8 @@ impl BlockLowering<'_, '_> {
         self.b.select(less, one, two)
     }
 
-    /// Writes `parts` one after the other to `out`. The first may be at its place there, and others follow it at a distance.
+    /// Writes `parts` one after the other to `out`. Of those that are there already, one at most moves: what is before the others it moves
+    /// past is at its place, so it goes first.
     fn put(&mut self, parts: &[Part], out: &Text, call: Block) {
         let mut total = self.b.i32_const(0);
         for part in parts {
@@ -341,16 +344,34 @@ impl BlockLowering<'_, '_> {
             self.require(fits, call);
         }
         let mut written = self.b.i32_const(0);
+        let mut moves = Vec::new();
         for part in parts {
             let to = self.indexed(out.start, written);
             let from = self.indexed(part.text.start, part.skipped);
             if to != from {
-                match self.known_characters(part).filter(|characters| characters.len() <= out.most as usize) {
-                    Some(characters) => self.store_bytes(to, characters),
-                    None => self.copy_characters(to, from, part.count, part.text.most.min(out.most)),
-                }
+                moves.push((part, to, from, written));
             }
             written = self.b.iadd(written, part.count);
+        }
+        let in_place = |part: &Part| part.text.start == out.start;
+        for &(part, to, from, written) in moves.iter().filter(|(part, ..)| in_place(part)) {
+            // Characters that are kept move on where others come before them, and back where some go; REPLACE may do either.
+            let kept_before = parts.iter().find(|other| in_place(other)).map(|first| first.count);
+            let nothing_goes = self.b.constant_bits(part.skipped) == Some(0) || kept_before == Some(part.skipped);
+            match (parts.iter().all(in_place), nothing_goes) {
+                (true, _) => self.copy_characters(to, from, part.count, out.most),
+                (false, true) => self.copy_from_end(to, from, part.count, out.most),
+                (false, false) => {
+                    let back = self.b.icmp(IntCc::Ule, written, part.skipped);
+                    self.move_characters(to, from, part.count, out.most, back);
+                }
+            }
+        }
+        for &(part, to, from, _) in moves.iter().filter(|(part, ..)| !in_place(part)) {
+            match self.known_characters(part).filter(|characters| characters.len() <= out.most as usize) {
+                Some(characters) => self.store_bytes(to, characters),
+                None => self.copy_characters(to, from, part.count, part.text.most.min(out.most)),
+            }
         }
         self.set_length(out, total);
     }

@@ -85,6 +85,48 @@ impl BlockLowering<'_, '_> {
         self.copy_last(to, from, count, BLOCK - 1);
     }
 
+    /// Copies `count` characters, an i32 of at most `most`, inside a text; `is_back`, an i1: `to` is not after `from`.
+    pub(super) fn move_characters(&mut self, to: Address, from: Address, count: Value, most: u32, is_back: Value) {
+        let (back, on, end) = (self.b.create_block(), self.b.create_block(), self.b.create_block());
+        self.b.branch(is_back, back, on);
+        self.b.seal_block(back);
+        self.b.seal_block(on);
+        self.b.switch_to(back);
+        self.copy_characters(to, from, count, most);
+        self.b.jump(end, &[]);
+        self.b.switch_to(on);
+        self.copy_from_end(to, from, count, most);
+        self.b.jump(end, &[]);
+        self.b.seal_block(end);
+        self.b.switch_to(end);
+    }
+
+    /// As [`copy_characters`](Self::copy_characters), where the two places share memory and `to` is after `from`: the last ones first.
+    pub(super) fn copy_from_end(&mut self, to: Address, from: Address, count: Value, most: u32) {
+        // Fewer than a block, or a known number, are read before they are written.
+        if most < BLOCK || self.b.constant_bits(count).is_some() {
+            return self.copy_characters(to, from, count, most);
+        }
+        let left = self.b.declare_var(Type::I32);
+        self.b.def_var(left, count);
+        let (body, rest) = (self.b.create_block(), self.b.create_block());
+        let is_long = self.b.icmp_imm(IntCc::Uge, count, BLOCK.into());
+        self.b.branch(is_long, body, rest);
+        self.b.switch_to(body);
+        let before = self.b.use_var(left);
+        let after = self.b.binary_imm(BinaryOp::Iadd, before, -i64::from(BLOCK));
+        let (block_to, block_from) = (self.indexed(to, after), self.indexed(from, after));
+        self.b.copy(block_to, block_from, BLOCK);
+        self.b.def_var(left, after);
+        let is_long = self.b.icmp_imm(IntCc::Uge, after, BLOCK.into());
+        self.b.branch(is_long, body, rest);
+        self.b.seal_block(body);
+        self.b.seal_block(rest);
+        self.b.switch_to(rest);
+        let count = self.b.use_var(left);
+        self.copy_last(to, from, count, BLOCK - 1);
+    }
+
     /// Copies `count` characters, fewer than [`BLOCK`] and at most `most`: two pieces that overlap, both read before one is written.
     fn copy_last(&mut self, to: Address, from: Address, count: Value, most: u32) {
         let end = self.b.create_block();
