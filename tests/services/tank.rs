@@ -19,6 +19,10 @@ fn built(name: &str, folder: &Path, ports: &[u16; 6]) -> Result<std::path::PathB
     std::fs::create_dir(&own)?;
     for entry in std::fs::read_dir(from)? {
         let path = entry?.path();
+        // Its tests.
+        if path.is_dir() {
+            continue;
+        }
         let mut text = std::fs::read_to_string(&path)?;
         for (port, free) in PORTS.iter().zip(ports) {
             text = text.replace(&port.to_string(), &free.to_string());
