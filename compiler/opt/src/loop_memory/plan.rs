@@ -1,7 +1,7 @@
 //! Which places which loops carry.
 
 use plcc_ir::analysis::{ControlFlow, Dominators};
-use plcc_ir::{Address, Block, FuncId, Function, Inst, InstData, Region, Type, Value};
+use plcc_ir::{Address, BinaryOp, Block, FuncId, Function, Inst, InstData, Region, Type, Value};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::effects::Effects;
@@ -35,6 +35,7 @@ pub struct Place {
 
 /// A loop with the places that it carries.
 pub struct Carrier {
+    pub header: Block,
     pub blocks: FxHashSet<Block>,
     pub places: Vec<Carried>,
 }
@@ -50,10 +51,16 @@ pub struct Carried {
     /// Instructions on cold sides before which it is stored, and after which it is loaded again.
     pub shown: Vec<Inst>,
     pub renewed: Vec<Inst>,
+    /// Indexed accesses in the loop that do not reach it if the guess is right.
+    pub assumed: Vec<Inst>,
 }
 
-/// Decides what the loops of a function carry.
-pub fn plan(function: &Function, surroundings: &Surroundings) -> Vec<Carrier> {
+/// A place of a loop, by its header.
+pub type Guess = (Block, Place);
+
+/// Decides what the loops of a function carry. With `refused` it guesses that indexed accesses do not reach a place, except for those
+/// guesses.
+pub fn plan(function: &Function, surroundings: &Surroundings, refused: Option<&FxHashSet<Guess>>) -> Vec<Carrier> {
     let cfg = ControlFlow::new(function);
     let has_loops = cfg
         .rpo
@@ -67,6 +74,7 @@ pub fn plan(function: &Function, surroundings: &Surroundings) -> Vec<Carrier> {
     let mut planner = Planner {
         surroundings,
         function,
+        refused,
         frames: surroundings.frames(function),
         effects: &surroundings.effects,
         bases: None,
@@ -87,7 +95,7 @@ pub fn plan(function: &Function, surroundings: &Surroundings) -> Vec<Carrier> {
         let places = planner.places_of(each, &cfg, &dominators);
         if !places.is_empty() {
             planner.taken.extend(places.iter().flat_map(|carried| carried.accesses.iter().copied()));
-            carriers.push(Carrier { blocks: each.blocks.iter().copied().collect(), places });
+            carriers.push(Carrier { header: each.header, blocks: each.blocks.iter().copied().collect(), places });
         }
     }
     carriers
@@ -134,6 +142,7 @@ struct Candidate {
 struct Planner<'a> {
     surroundings: &'a Surroundings,
     function: &'a Function,
+    refused: Option<&'a FxHashSet<Guess>>,
     frames: Frames<'a>,
     effects: &'a Effects,
     loops: &'a Loops,
@@ -205,7 +214,10 @@ impl Planner<'_> {
                 let (reads, writes) = self.touches(other, &place);
                 writes || reads && is_stored
             };
-            if hot.iter().any(|(_, other)| disturbs(other)) {
+            let is_guessed = self.refused.is_some_and(|refused| !refused.contains(&(each.header, place)));
+            let assumed: Vec<Inst> =
+                hot.iter().filter(|(_, other)| disturbs(other)).map(|&(inst, _)| inst).collect();
+            if assumed.iter().any(|&inst| !is_guessed || !is_indexed(function, inst)) {
                 continue;
             }
             let (mut shown, mut renewed) = (Vec::new(), Vec::new());
@@ -224,7 +236,7 @@ impl Planner<'_> {
                 break;
             }
             let Some(ty) = candidate.ty else { continue };
-            places.push(Carried { place, ty, is_stored, accesses: candidate.accesses, shown, renewed });
+            places.push(Carried { place, ty, is_stored, accesses: candidate.accesses, shown, renewed, assumed });
         }
         places
     }
@@ -289,6 +301,91 @@ impl Planner<'_> {
                 (self.effects.may_read(*function, place.region), self.effects.may_write(*function, place.region, range))
             }
         }
+    }
+}
+
+/// True of accesses whose address has a base.
+fn is_indexed(function: &Function, inst: Inst) -> bool {
+    let mut indexed = false;
+    function.insts[inst].for_each_address(|addr| indexed |= addr.base.is_some());
+    indexed
+}
+
+/// The guesses of a plan for the function `before` that the function, after it was rewritten by that plan, does not prove.
+pub fn unproven(
+    carriers: &[Carrier],
+    before: &Function,
+    function: &Function,
+    surroundings: &Surroundings,
+) -> Vec<Guess> {
+    let cfg = ControlFlow::new(function);
+    let dominators = Dominators::new(function, &cfg);
+    let bases = base_ranges(function, &cfg, &dominators);
+    // The ranges of bases, by where they are used. A load that is there no more has the address of another one in its block.
+    let mut known: FxHashMap<(Block, Value), (u64, u64)> = FxHashMap::default();
+    for &block in &cfg.rpo {
+        for inst in &function.blocks[block].insts {
+            let mut ranges = bases.get(inst).copied().unwrap_or_default().into_iter();
+            function.insts[*inst].for_each_address(|addr| {
+                if let (Some(base), Some(Some(range))) = (addr.base, ranges.next()) {
+                    known.insert((block, function.resolve(base)), range);
+                }
+            });
+        }
+    }
+    let mut block_of: FxHashMap<Inst, Block> = FxHashMap::default();
+    for &block in &before.layout {
+        block_of.extend(before.blocks[block].insts.iter().map(|&inst| (inst, block)));
+    }
+    let range_of = |block: Block, base: Value| {
+        let base = function.resolve(base);
+        let max = unsigned_max(function, base);
+        let sum = || match *function.defining(base)? {
+            // The constant has gone into the offset.
+            InstData::Binary { op: BinaryOp::Iadd, args: [x, by] } => {
+                let (lo, hi) = *known.get(&(block, function.resolve(x)))?;
+                let by = i64::from(function.constant(by)? as i32);
+                let moved = (lo.checked_add_signed(by)?, hi.checked_add_signed(by)?);
+                (moved.1 <= u64::from(u32::MAX)).then_some(moved)
+            }
+            _ => None,
+        };
+        let range = known.get(&(block, base)).copied().or_else(sum);
+        range.map_or((0, max), |(lo, hi)| (lo, hi.min(max)))
+    };
+    let avoids = |inst: Inst, place: &Place| {
+        let access = Access { region: place.region, base: None, start: place.start, end: place.end };
+        let place = reach(surroundings, &access, None);
+        let (Some(bytes), Some(&block)) = (bytes_of(before, inst), block_of.get(&inst)) else { return false };
+        let is_there = function.blocks[block].insts.contains(&inst);
+        let data = if is_there { &function.insts[inst] } else { &before.insts[inst] };
+        let mut avoids = true;
+        data.for_each_address(|addr| {
+            let access = Access::bytes(addr, bytes);
+            let range = access.base.map(|base| range_of(block, base));
+            avoids &= !reach(surroundings, &access, range).meets(&place);
+        });
+        avoids
+    };
+    let mut wrong = Vec::new();
+    for carrier in carriers {
+        for carried in &carrier.places {
+            if !carried.assumed.iter().all(|&inst| avoids(inst, &carried.place)) {
+                wrong.push((carrier.header, carried.place));
+            }
+        }
+    }
+    wrong
+}
+
+/// How many bytes an access touches.
+fn bytes_of(function: &Function, inst: Inst) -> Option<u32> {
+    match &function.insts[inst] {
+        InstData::Load { .. } => Some(function.ty(function.result(inst)).bytes()),
+        InstData::Store { value, .. } => Some(function.ty(*value).bytes()),
+        InstData::LoadBit { .. } | InstData::StoreBit { .. } => Some(1),
+        InstData::Clear { len, .. } | InstData::Copy { len, .. } => Some(*len),
+        _ => None,
     }
 }
 
