@@ -13,6 +13,8 @@ pub struct StaticDb {
     pub address: u32,
     /// Length in bytes.
     pub length: u32,
+    /// The program cannot write to it.
+    pub read_only: bool,
 }
 
 /// The functions of one PLC program and everything that they refer to.

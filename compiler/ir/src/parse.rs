@@ -166,7 +166,8 @@ fn parse_item(cursor: &mut Cursor, module: &mut Module, signatures: &Signatures)
             let address = cursor.number()?;
             cursor.word_is("length")?;
             let length = cursor.number()?;
-            module.dbs.push(StaticDb { number, address, length });
+            let read_only = cursor.take_word("read_only");
+            module.dbs.push(StaticDb { number, address, length, read_only });
         }
         "entry" => module.entries.push(signatures.find(cursor.function_name()?)?),
         word => return Err(format!("`file`, `site`, `db`, `entry` or `func` is expected, not `{word}`")),

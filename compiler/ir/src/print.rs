@@ -56,7 +56,8 @@ fn write_module(module: &Module, out: &mut String) -> fmt::Result {
         writeln!(out, "site {index}: file {} line {} {block}{number} network {}", site.file, site.line, site.network)?;
     }
     for db in &module.dbs {
-        writeln!(out, "db {} at {:#x} length {}", db.number, db.address, db.length)?;
+        let read_only = if db.read_only { " read_only" } else { "" };
+        writeln!(out, "db {} at {:#x} length {}{read_only}", db.number, db.address, db.length)?;
     }
     for &entry in &module.entries {
         match module.functions.get(entry) {

@@ -2,7 +2,7 @@
 
 use plcc_abi::image::BlockKind;
 use plcc_abi::layout::area;
-use plcc_ir::{Address, BinaryOp, IntCc, Region, Value};
+use plcc_ir::{Address, BinaryOp, IntCc, Region, Type, Value};
 use plcc_model::layout;
 use plcc_model::{Actual, Direction, Passing, Place, Pointed, Width};
 
@@ -189,13 +189,16 @@ impl BlockLowering<'_, '_> {
     /// Copies a POINTER or ANY for a block that is called.
     pub fn copy_pointer(&mut self, addr: Address, from: Address, any: bool) {
         let bytes = if any { 10 } else { 6 };
-        self.b.copy(addr, from, bytes);
-        if self.block.kind != BlockKind::Ob {
-            let field = moved(addr, bytes - 4);
-            let pointer = self.load_zero_extended(field, Width::Dword);
-            let pointer = self.handed_on(pointer);
-            self.store_low(field, Width::Dword, pointer);
+        // As programs fill them, word by word, so that what is known of a field stays known.
+        for at in (0..bytes - 4).step_by(2) {
+            let field = self.b.load(Type::I16, moved(from, at));
+            self.b.store(moved(addr, at), field);
         }
+        let mut pointer = self.b.load(Type::I32, moved(from, bytes - 4));
+        if self.block.kind != BlockKind::Ob {
+            pointer = self.handed_on(pointer);
+        }
+        self.b.store(moved(addr, bytes - 4), pointer);
     }
 
     /// Writes a constant POINTER, ANY or VARIANT, field by field as it is read.

@@ -8,6 +8,7 @@
 
 mod addresses;
 mod bits;
+mod block_moves;
 mod branches;
 mod cold_loops;
 mod control_flow;
@@ -113,6 +114,7 @@ pub const ALONE: &[Pass] = &[
     function("values", values::share_values),
     surrounded("forward", forward::forward_memory),
     function("fold", fold::fold),
+    surrounded("block-moves", block_moves::move_blocks),
     function("unroll", unroll::unroll_loops),
     function("control-flow", control_flow::simplify_control_flow),
     function("fold", fold::fold),

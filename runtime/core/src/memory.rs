@@ -102,18 +102,14 @@ impl Memory {
         self.set_bytes(offset, value.to_be_bytes());
     }
 
-    /// The ANY at `offset`, field by field as code writes it: a processor passes on only what was written as a whole.
+    /// The ANY at `offset`, in words as code writes it: a processor passes on only what was written as a whole.
     pub fn any(&self, offset: u32) -> Fields {
         let at = self.at(offset, 10);
         // SAFETY: `at` returns ten readable bytes.
-        let (head, db, pointer) = unsafe {
-            (
-                at.cast::<[u8; 4]>().read_unaligned(),
-                at.add(4).cast::<[u8; 2]>().read_unaligned(),
-                at.add(6).cast::<[u8; 4]>().read_unaligned(),
-            )
-        };
-        Fields { head: u32::from_be_bytes(head), db: u16::from_be_bytes(db), pointer: u32::from_be_bytes(pointer) }
+        let (words, pointer) =
+            unsafe { (at.cast::<[[u8; 2]; 3]>().read_unaligned(), at.add(6).cast::<[u8; 4]>().read_unaligned()) };
+        let [first, count, db] = words.map(u16::from_be_bytes);
+        Fields { head: u32::from(first) << 16 | u32::from(count), db, pointer: u32::from_be_bytes(pointer) }
     }
 
     /// Bit 0..8 of the byte at `offset`.

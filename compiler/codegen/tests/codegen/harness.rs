@@ -9,7 +9,7 @@ pub const MEMORY_BYTES: usize = layout::DB_DATA as usize + 0x1_0000;
 pub const LBASE: u32 = layout::L + 0x100;
 pub const VBASE: u32 = layout::L + 0x40;
 /// A DB that tests may use.
-pub const DB: StaticDb = StaticDb { number: 10, address: layout::DB_DATA + 0x20, length: 256 };
+pub const DB: StaticDb = StaticDb { number: 10, address: layout::DB_DATA + 0x20, length: 256, read_only: false };
 
 /// Options of the levels under test.
 pub const LEVELS: [CodegenOptions; 3] = [

@@ -56,7 +56,7 @@ impl<'a> Keys<'a> {
         let CodegenOptions { optimize, native, verify } = *options;
         (optimize, native, verify).hash(&mut bytes);
         for db in &module.dbs {
-            (db.number, db.address, db.length).hash(&mut bytes);
+            (db.number, db.address, db.length, db.read_only).hash(&mut bytes);
         }
         surroundings.effects.hash(&mut bytes);
         let names: Vec<String> = module.functions.values().map(|function| function.name.clone()).collect();

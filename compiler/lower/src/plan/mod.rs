@@ -262,7 +262,7 @@ pub(crate) fn place_dbs(program: &Program) -> (Vec<StaticDb>, u32) {
     let mut dbs = Vec::new();
     for db in program.dbs.iter().filter(|db| !db.unlinked) {
         let length = db.data.len() as u32;
-        dbs.push(StaticDb { number: db.number, address, length });
+        dbs.push(StaticDb { number: db.number, address, length, read_only: db.read_only });
         address += length.next_multiple_of(layout::DB_ALIGN);
     }
     (dbs, address)

@@ -100,7 +100,7 @@ impl<'p> S7200Plan<'p> {
         plan.falling_edges = Edges { first: rising, next: rising };
         if !plan.texts.bytes.is_empty() {
             let length = plan.texts.bytes.len() as u32;
-            dbs.push(StaticDb { number: CONSTANTS_DB, address: db_end, length });
+            dbs.push(StaticDb { number: CONSTANTS_DB, address: db_end, length, read_only: true });
             db_end += length.next_multiple_of(layout::DB_ALIGN);
         }
         plan.dbs = dbs;

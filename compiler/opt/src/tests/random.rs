@@ -578,7 +578,7 @@ impl Host for Memory {
 }
 
 fn dbs() -> Vec<StaticDb> {
-    let db = |number, address| StaticDb { number, address, length: 32 };
+    let db = |number, address| StaticDb { number, address, length: 32, read_only: false };
     vec![db(1, layout::DB_DATA), db(2, layout::DB_DATA + 32)]
 }
 
