@@ -156,6 +156,8 @@ pub const ALONE: &[Pass] = &[
     function("fold", fold::fold),
     surrounded("loop-ranges", ranges::use_ranges_of_loops),
     function("control-flow", control_flow::simplify_control_flow),
+    // What was indexed by the counter of a loop that is unrolled.
+    surrounded("addresses", addresses::resolve_addresses),
     function("values", values::share_values),
     surrounded("forward", forward::forward_memory),
     // What nobody reads goes before stores under a condition, or of single bits, become ones that read what is there.
