@@ -30,6 +30,7 @@ mod locals;
 mod loop_memory;
 mod loops;
 mod merge_bits;
+mod note_outputs;
 mod ranges;
 mod surroundings;
 mod unroll;
@@ -177,6 +178,7 @@ pub const ALONE: &[Pass] = &[
     surrounded("dead-stores", dead_stores::eliminate_dead_stores),
     function("unused", unused::remove_unused),
     function("control-flow", control_flow::simplify_control_flow),
+    function("note-outputs", note_outputs::note_outputs),
     function("compact", compact),
 ];
 

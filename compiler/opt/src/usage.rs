@@ -6,6 +6,7 @@ use plcc_ir::entities::Entity;
 use plcc_ir::{Address, BinaryOp, FuncId, Function, InstData, Module, Region, RuntimeFn, Value};
 use rustc_hash::FxHashMap;
 
+use crate::note_outputs::{is_note, is_unknown, may_write_outputs};
 use crate::surroundings::Surroundings;
 
 /// No byte of the outputs is sure to stay as it is.
@@ -56,8 +57,13 @@ pub fn reached(module: &Module, roots: impl IntoIterator<Item = FuncId>) -> Vec<
 pub fn usage_of(function: &Function, surroundings: &Surroundings) -> Usage {
     let mut usage = Usage { local_data: local_data_read(function, surroundings), ..Usage::NOTHING };
     for &block in &function.layout {
-        for &inst in &function.blocks[block].insts {
-            usage.add(function, &function.insts[inst]);
+        let insts = || function.blocks[block].insts.iter().map(|&inst| &function.insts[inst]);
+        let is_noted = insts().any(is_note);
+        for data in insts() {
+            // What is written through a pointer is noted when it happens.
+            if !(is_noted && may_write_outputs(data)) {
+                usage.add(function, data);
+            }
         }
     }
     usage
@@ -225,7 +231,7 @@ fn reads_upward(called: RuntimeFn) -> bool {
 fn end_of(addr: &Address, bytes: u32) -> u32 {
     match (addr.region, addr.base) {
         (Region::Q, None) => addr.offset.saturating_add(bytes),
-        (Region::Q, Some(_)) | (Region::Any, _) => ALL,
+        _ if is_unknown(addr) => ALL,
         _ => 0,
     }
 }
@@ -266,6 +272,15 @@ mod tests {
         assert_eq!(of(" store.i32 M 9, v0\n store.i32 Q 4, v0\n").outputs, 8);
         assert_eq!(of(" store.i32 Q[v0]+4, v0\n").outputs, ALL);
         assert_eq!(of(" v1 = address Q 0\n").outputs, ALL);
+    }
+
+    #[test]
+    fn what_is_noted_when_it_happens_is_not_copied_in_each_cycle() {
+        let note = format!(" store.i32 state {}, v0\n", layout::state::OUTPUTS_WRITTEN);
+        assert_eq!(of(&format!(" store.i32 any[v0]+0, v0\n{note} store.i32 Q 4, v0\n")).outputs, 8);
+        assert_eq!(of(&format!(" copy Q[v0]+0, M 0, 9\n{note}")).outputs, ALL);
+        let elsewhere = format!(" store.i32 any[v0]+0, v0\n jump b1\nb1:\n{note}");
+        assert_eq!(of(&elsewhere).outputs, ALL);
     }
 
     #[test]

@@ -71,6 +71,8 @@ pub mod state {
     pub const SITE: u32 = 0x1C;
     /// Result of the last call of the runtime that kept all registers.
     pub const KEPT_RESULT: u32 = 0x2C;
+    /// Not 0: code has written through a pointer, to outputs perhaps. All of them are copied to the modules after this cycle.
+    pub const OUTPUTS_WRITTEN: u32 = 0x30;
     /// `u64`: a clock that counts down, `u64::MAX` minus the nanoseconds of the virtual clock. [`ASK`] under the real clock.
     pub const COUNTDOWN: u32 = 0x20;
     /// Milliseconds of the virtual clock, 31 bits of them. Bit 31 under the real clock: ask the runtime.

@@ -5,7 +5,7 @@
 //! Interrupts enter at safepoints of OB 1 and while time passes between cycles.
 
 use plcc_abi::image::Family;
-use plcc_abi::layout;
+use plcc_abi::layout::{self, state};
 use plcc_abi::ob::{OB_FREE, ObClass};
 
 use crate::clock::NS_PER_MS;
@@ -319,6 +319,10 @@ impl Cpu {
     /// Copies the process image of outputs to the modules as it is: the part that the program uses, unless more has changed.
     pub(crate) fn write_output_image(&self) {
         let (base, length) = self.area(Area::Outputs);
+        if self.memory.state32::<{ state::OUTPUTS_WRITTEN }>() != 0 {
+            self.memory.set_state::<{ state::OUTPUTS_WRITTEN }, 4>([0; 4]);
+            self.note_outputs(u32::MAX);
+        }
         let length = length.min(self.image.outputs_used.max(self.outputs_changed.take()));
         if self.is_forcing() {
             return self.write_forced_image(base, length);
