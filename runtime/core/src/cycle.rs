@@ -13,6 +13,7 @@ use crate::cpu::{Area, Cpu};
 use crate::diagnostics::NO_SITE;
 use crate::events::StartInfo;
 use crate::restart::{COLD, HOT};
+use crate::watch::Trigger;
 
 /// Priority of the OBs of the program cycle.
 const CYCLE_PRIORITY: u8 = 1;
@@ -296,8 +297,21 @@ impl Cpu {
         self.show_counters();
         let (base, length) = self.area(Area::Inputs);
         self.driver.named(length, &mut |address, value| self.memory.set_byte(base + address, value));
+        if self.is_interfered() {
+            self.interfere(Trigger::Begin);
+        }
+    }
+
+    /// What clients modify, and over it what is forced.
+    #[cold]
+    fn interfere(&self, trigger: Trigger) {
+        if self.is_modifying() {
+            self.carry_out_jobs(trigger);
+        }
         if self.is_forcing() {
-            self.force_inputs();
+            if trigger == Trigger::Begin {
+                self.force_inputs();
+            }
             self.force_memory();
         }
     }
@@ -310,8 +324,8 @@ impl Cpu {
 
     /// Copies the process image of outputs to the modules.
     pub(crate) fn write_outputs(&self) {
-        if self.is_forcing() {
-            self.force_memory();
+        if self.is_interfered() {
+            self.interfere(Trigger::End);
         }
         self.family.write_outputs(self);
     }
