@@ -239,6 +239,9 @@ impl Cpu {
         self.update_system_memory(cycle == 1);
         self.read_inputs();
         observer.begin(self, cycle);
+        if self.is_interfered() {
+            self.interfere(Trigger::Begin);
+        }
         self.schedule.monitor.begin(start);
         self.arm_watchdog();
         self.family.begin_cycle(self, cycle, times);
@@ -252,6 +255,9 @@ impl Cpu {
         if self.is_stopped() {
             self.stop_outputs();
         } else {
+            if self.is_interfered() {
+                self.interfere(Trigger::End);
+            }
             self.write_outputs();
         }
         observer.after(self, cycle, start);
@@ -297,12 +303,13 @@ impl Cpu {
         self.show_counters();
         let (base, length) = self.area(Area::Inputs);
         self.driver.named(length, &mut |address, value| self.memory.set_byte(base + address, value));
-        if self.is_interfered() {
-            self.interfere(Trigger::Begin);
+        if self.is_forcing() {
+            self.force_inputs();
+            self.force_memory();
         }
     }
 
-    /// What clients modify, and over it what is forced.
+    /// What clients modify, once in a cycle, and over it and over what a watch table has modified what is forced.
     #[cold]
     fn interfere(&self, trigger: Trigger) {
         if self.is_modifying() {
@@ -324,8 +331,8 @@ impl Cpu {
 
     /// Copies the process image of outputs to the modules.
     pub(crate) fn write_outputs(&self) {
-        if self.is_interfered() {
-            self.interfere(Trigger::End);
+        if self.is_forcing() {
+            self.force_memory();
         }
         self.family.write_outputs(self);
     }

@@ -69,6 +69,27 @@ fn forced_values_win_over_jobs() {
     assert_eq!((seen.borrow()[1].0, cpu.driver.output(4, 1)), (0xFF, 0), "the job goes on");
 }
 
+/// As SFC 26 and SFC 27 do, in the middle of the program.
+#[test]
+fn images_that_the_program_updates_are_not_the_beginning_of_a_cycle() {
+    let ob1: Block = Box::new(|cpu, _| {
+        cpu.memory.set_word(layout::M + 12, cpu.memory.word(layout::M + 10));
+        cpu.memory.set_word(layout::M + 10, 1);
+        cpu.memory.set_byte(layout::Q + 4, 7);
+        cpu.read_inputs();
+        cpu.write_outputs();
+        cpu.memory.set_word(layout::M + 14, cpu.memory.word(layout::M + 10));
+        cpu.memory.set_byte(layout::M + 16, cpu.driver.output(4, 1) as u8);
+    });
+    let cpu = cpu(vec![(1, ob1)]);
+    let rows = vec![row(&cpu, "MW10", "100", Trigger::Begin, true), row(&cpu, "QB4", "16#0A", Trigger::End, true)];
+    assert_eq!(cpu.begin_job(1, rows), Ok(()));
+    run(&cpu, 1);
+    let word = |offset: u32| cpu.memory.word(layout::M + offset);
+    assert_eq!((word(12), word(14), cpu.memory.byte(layout::M + 16)), (100, 1, 7));
+    assert_eq!(cpu.driver.output(4, 1), 10);
+}
+
 #[test]
 fn what_a_job_cannot_write_is_refused() {
     let (cpu, _) = counting();
