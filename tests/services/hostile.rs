@@ -290,8 +290,12 @@ pub fn sign_in(port: u16) -> Result<String, Failed> {
 }
 
 /// Orders of the page, each in its short and in a long form.
-const ORDERS: [&str; 8] = [
+const ORDERS: [&str; 12] = [
     r#"{"do":"watch","names":["MW10","Values.level","I0.0","DB1.DBW0 in V","Bytes.all[17]"]}"#,
+    r#"{"do":"watch","names":["MW10","Values.level"],"formats":["bcd","real"]}"#,
+    r#"{"do":"all","rows":[{"name":"MW10","value":"12","format":"bcd"},{"name":"Values.level","value":"2.5","format":"real"}]}"#,
+    r#"{"do":"job","rows":[{"name":"MW10","value":"1","format":"hex","trigger":"begin","every":true},{"name":"Q0.0","value":"1","trigger":"end","every":false}]}"#,
+    r#"{"do":"reset"}"#,
     r#"{"do":"modify","name":"MW10","value":"16#1234"}"#,
     r#"{"do":"status","block":"OB1","call":null}"#,
     r#"{"do":"obs"}"#,
@@ -313,6 +317,12 @@ pub fn web() -> Result<(), Failed> {
         request("GET /info", &cookie, ""),
         request("POST /load?lose", &cookie, "not a program"),
         request("POST /restore", &cookie, ""),
+        request(
+            "POST /table/rows",
+            &cookie,
+            "[[row]]\naddress = \"MW10\"\nformat = \"dec\"\n[trace]\nfile = \"a\"\nsignals = []\n",
+        ),
+        request("POST /table/file", &cookie, r#"{"row":[{"address":"MW10","format":"dec","cycle":3}]}"#),
         upgrade(&cookie),
     ];
     all_attack(web, &[], &requests.each_ref().map(Vec::as_slice));

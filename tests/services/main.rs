@@ -45,6 +45,7 @@ fn main() {
         trial("opcua_with_security_of_asyncua", asyncua, || opcua(Program::Line, "secure")),
         trial("page_of_chromium", chromium().err(), || client(&["--web", "--access=control"], "page_client.js")),
         trial("status_in_chromium", chromium().err(), status),
+        trial("watch_table_and_forcing_in_chromium", chromium().err(), watch_table),
         trial("s7_of_rust7", None, rust7::talk),
         trial("values_reach_a_broker", mosquitto(), process::values_reach_a_broker),
         trial("values_reach_a_broker_with_tls", broker_and_openssl, tls::broker),
@@ -187,12 +188,21 @@ fn status() -> Result<(), Failed> {
     let mut plc = Plc::run(&out, &["--web", &port, "--set", "I0.0=1", "--force", &forces])?;
     let mut command = Command::new("node");
     command.env("NODE_PATH", clients().join("node/node_modules")).arg(here().join("status_client.js")).arg(&port);
-    let output = command.arg(plc.id().to_string()).stdin(Stdio::null()).output()?;
+    let output = command.arg(plc.id().to_string()).arg(&out).stdin(Stdio::null()).output()?;
     let said = format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     match output.status.success() && said.contains("done") && !plc.is_running() {
         true => Ok(()),
         false => Err(said.into()),
     }
+}
+
+/// The watch table, forcing and the memory reset by people with roles.
+fn watch_table() -> Result<(), Failed> {
+    let port = free_port().to_string();
+    let folder = tempfile::tempdir()?;
+    let out = folder.path().join("table");
+    process::plcc(&["build", "--quiet"], &[&here().join("watch")], &out)?;
+    talk(Plc::run(&out, &["--web", &port])?, "watch_client.js", &[&port])
 }
 
 fn metrics() -> Result<(), Failed> {

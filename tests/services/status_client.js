@@ -1,4 +1,5 @@
-// What a person sees of a program that is watched while it runs, in Chromium. The second argument is the process of the program.
+// What a person sees of a program that is watched while it runs, in Chromium. The second argument is the process of the program, the third one its file.
+const { spawn } = require("node:child_process");
 const { browse, until, sleep } = require("./browser.js");
 
 const frame = `document.querySelector("#drawings").contentWindow`;
@@ -88,7 +89,20 @@ async function look(tab) {
   // The program ends.
   process.kill(Number(process.argv[3]), "SIGKILL");
   await until(tab, "that the connection is lost", `!document.querySelector("#lost").hidden`);
-  await sleep(100);
+  // It is away for longer than one attempt to reach it, and comes back.
+  await sleep(3000);
+  const again = spawn(process.argv[4], ["--web", process.argv[2], "--quiet"], { stdio: "ignore" });
+  try {
+    await until(tab, "the program again", `document.querySelector("#state").textContent === "RUN" && document.querySelector("#lost").hidden`);
+    // Nothing is forced now, and the status is that of the new process.
+    await until(tab, "what it has forced", `document.querySelector("#forced").hidden`);
+    await tab(`location.hash = "program"; 0`);
+    await until(tab, "the drawings", `${frame}.live !== undefined`);
+    await open(tab, "OB1");
+    await until(tab, "the status of OB 1", `/^OB 1 in cycle/.test(document.querySelector("#status-seen").textContent)`);
+  } finally {
+    again.kill("SIGKILL");
+  }
 }
 
 browse(look);

@@ -84,7 +84,7 @@ fn program(model: &Model, frame: &mut Frame, area: Rect) {
 
 fn watch(model: &Model, frame: &mut Frame, area: Rect) {
     let row = |name: &String| {
-        let forced = model.forced.iter().any(|(other, _)| other == name);
+        let forced = model.forced.iter().any(|forced| forced.name == *name);
         let (value, ty, style) = match model.values.get(name) {
             Some(Ok(shown)) => (shown.text.clone(), shown.ty.to_string(), Style::new()),
             Some(Err(why)) => (why.clone(), String::new(), Style::new().fg(Color::Red)),

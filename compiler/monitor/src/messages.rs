@@ -25,8 +25,15 @@ pub struct News {
     pub values: Vec<(usize, Shown)>,
     pub wrong: Vec<(usize, String)>,
     pub buffer: Option<Vec<Entry>>,
-    pub forced: Option<Vec<(String, String)>>,
+    pub forced: Option<Vec<Forced>>,
     pub refused: Option<String>,
+}
+
+/// A forced value.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+pub struct Forced {
+    pub name: String,
+    pub value: String,
 }
 
 #[derive(Clone, Debug, Deserialize)]

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::messages::{Entry, Hello, News, Order, Shown, State};
+use crate::messages::{Entry, Forced, Hello, News, Order, Shown, State};
 use plcc_abi::services::Role;
 use ratatui::crossterm::event::KeyCode;
 
@@ -58,7 +58,7 @@ pub struct Model {
     pub tree: Vec<Node>,
     pub watched: Vec<String>,
     pub values: BTreeMap<String, Result<Shown, String>>,
-    pub forced: Vec<(String, String)>,
+    pub forced: Vec<Forced>,
     pub buffer: Vec<Entry>,
     pub part: Part,
     /// The row with the cursor, of each part.

@@ -1,6 +1,6 @@
 //! Pictures of models, and what keys order. `UPDATE_EXPECT=1` renews the pictures.
 
-use crate::messages::{Entry, Hello, Listed, News, Order, Shown, State};
+use crate::messages::{Entry, Forced, Hello, Listed, News, Order, Shown, State};
 use ratatui::Terminal;
 use ratatui::backend::TestBackend;
 use ratatui::crossterm::event::KeyCode;
@@ -60,7 +60,7 @@ fn model(role: &str) -> Model {
     model.take(Incoming::News(Box::new(News {
         values: vec![(0, shown("16#002A", "WORD")), (1, shown("1", "BOOL"))],
         wrong: vec![(2, "`Nobody` is not a name".to_string())],
-        forced: Some(vec![("I0.0".to_string(), "1".to_string())]),
+        forced: Some(vec![Forced { name: "I0.0".to_string(), value: "1".to_string() }]),
         ..News::default()
     })));
     model

@@ -23,6 +23,7 @@ use crate::family::{Family, Step7};
 use crate::force::Force;
 use crate::io::Driver;
 use crate::memory::Memory;
+use crate::modify::Jobs;
 use crate::monitor::Monitor;
 use crate::online::Service;
 use crate::options::{CYCLE_TIME_DEFAULT, Restart};
@@ -132,6 +133,8 @@ pub struct Cpu {
     pub(crate) cycle: Cell<u64>,
     /// Inputs and outputs with fixed values.
     pub(crate) force: Force,
+    /// Values that clients modify in the cycle.
+    pub(crate) jobs: Jobs,
     /// How often the program was changed.
     pub(crate) generation: u64,
     /// Run-time meters.
@@ -231,6 +234,7 @@ impl Cpu {
             records: RefCell::new(Records::new(Store::temporary())),
             meters: Default::default(),
             force: Force::default(),
+            jobs: Jobs::default(),
             generation: 0,
             outputs_changed: Cell::new(u32::MAX),
             cycle_obs,

@@ -13,6 +13,7 @@ use crate::cpu::{Area, Cpu};
 use crate::diagnostics::NO_SITE;
 use crate::events::StartInfo;
 use crate::restart::{COLD, HOT};
+use crate::watch::Trigger;
 
 /// Priority of the OBs of the program cycle.
 const CYCLE_PRIORITY: u8 = 1;
@@ -238,6 +239,9 @@ impl Cpu {
         self.update_system_memory(cycle == 1);
         self.read_inputs();
         observer.begin(self, cycle);
+        if self.is_interfered() {
+            self.interfere(Trigger::Begin);
+        }
         self.schedule.monitor.begin(start);
         self.arm_watchdog();
         self.family.begin_cycle(self, cycle, times);
@@ -251,6 +255,9 @@ impl Cpu {
         if self.is_stopped() {
             self.stop_outputs();
         } else {
+            if self.is_interfered() {
+                self.interfere(Trigger::End);
+            }
             self.write_outputs();
         }
         observer.after(self, cycle, start);
@@ -298,6 +305,20 @@ impl Cpu {
         self.driver.named(length, &mut |address, value| self.memory.set_byte(base + address, value));
         if self.is_forcing() {
             self.force_inputs();
+            self.force_memory();
+        }
+    }
+
+    /// What clients modify, once in a cycle, and over it and over what a watch table has modified what is forced.
+    #[cold]
+    fn interfere(&self, trigger: Trigger) {
+        if self.is_modifying() {
+            self.carry_out_jobs(trigger);
+        }
+        if self.is_forcing() {
+            if trigger == Trigger::Begin {
+                self.force_inputs();
+            }
             self.force_memory();
         }
     }

@@ -66,11 +66,16 @@ impl Mask {
     }
 }
 
+/// Values are forced.
+const FORCING: u8 = 1;
+/// Clients modify values in the cycle, see [`crate::modify`].
+const MODIFYING: u8 = 2;
+
 /// All forced values of a CPU.
 #[derive(Default)]
 pub(crate) struct Force {
-    /// A value is forced: the cycle looks at nothing else.
-    active: Cell<bool>,
+    /// [`FORCING`] and [`MODIFYING`]: the cycle looks at nothing else.
+    active: Cell<u8>,
     table: RefCell<Vec<Forced>>,
     inputs: RefCell<BTreeMap<u32, Mask>>,
     outputs: RefCell<BTreeMap<u32, Mask>>,
@@ -99,13 +104,94 @@ struct RowText {
 }
 
 /// Values that can be forced; of an S7-200 those in M, V, AI and AQ. Source: technical data of the CPUs.
-const fn count_max(family: Family) -> usize {
+pub const fn count_max(family: Family) -> usize {
     match family {
         Family::S7300 => 10,
         Family::S7400 => 256,
         Family::S71500 => 200,
         Family::S71200 => 1024,
         Family::S7200 => 16,
+    }
+}
+
+impl Forced {
+    /// The format in which the value was given.
+    pub fn format(&self) -> Option<Format> {
+        self.format
+    }
+
+    /// The value in its format, or as the user wrote it.
+    pub fn text(&self) -> String {
+        self.format.map_or_else(|| self.value.clone(), |format| format.show(self.bits, self.address.width))
+    }
+
+    /// The address in the words of the program, `I0.0`, `QW6`, `AIW4`; that of the module is the one of the input or output.
+    pub fn address(&self) -> String {
+        let (area, number) = match self.address.place {
+            Place::Input(byte) | Place::PeripheralInput(byte) => ("I", byte),
+            Place::Output(byte) | Place::PeripheralOutput(byte) => ("Q", byte),
+            Place::BitMemory(byte) => ("M", byte),
+            Place::Db(_, byte) => ("V", byte),
+            Place::S7200(Part::AnalogInput, byte) => ("AI", byte),
+            Place::S7200(Part::AnalogOutput, byte) => ("AQ", byte),
+            // None of these is forced.
+            Place::Timer(_) | Place::Counter(_) | Place::TimerValue(_) | Place::CounterValue(_) | Place::S7200(..) => {
+                return self.name.clone();
+            }
+        };
+        match self.address.width {
+            Width::Bit(bit) => format!("{area}{number}.{bit}"),
+            Width::Byte => format!("{area}B{number}"),
+            Width::Word => format!("{area}W{number}"),
+            Width::Dword => format!("{area}D{number}"),
+            Width::Lword => format!("{area}L{number}"),
+        }
+    }
+
+    /// Whether a value at an address has a forced bit. `modules`: forcing is at the module, so the addresses of the periphery count too.
+    pub fn covers(&self, other: &Address, modules: bool) -> bool {
+        let (Some((own, from)), Some((area, at))) = (covered(&self.address, true), covered(other, modules)) else {
+            return false;
+        };
+        let bits = |first: u32, width: Width| match width {
+            Width::Bit(bit) => (8 * u64::from(first) + u64::from(bit), 1),
+            _ => (8 * u64::from(first), u64::from(width.bits())),
+        };
+        let ((start, length), (begin, count)) = (bits(from, self.address.width), bits(at, other.width));
+        own == area && start < begin + count && begin < start + length
+    }
+}
+
+/// Whether CPUs of the family force values of this area.
+pub const fn is_forced_area(place: Place, family: Family) -> bool {
+    match place {
+        Place::Input(_) | Place::Output(_) => true,
+        Place::PeripheralInput(_) | Place::PeripheralOutput(_) => !matches!(family, Family::S7200 | Family::S7300),
+        Place::S7200(part, _) => matches!(part, Part::AnalogInput | Part::AnalogOutput),
+        Place::BitMemory(_) => matches!(family, Family::S7400 | Family::S7200),
+        Place::Db(..) => matches!(family, Family::S7200),
+        Place::Timer(_) | Place::Counter(_) | Place::TimerValue(_) | Place::CounterValue(_) => false,
+    }
+}
+
+/// A letter for the area, and the byte there.
+fn covered(address: &Address, modules: bool) -> Option<(char, u32)> {
+    match address.place {
+        Place::Input(byte) => Some(('I', byte)),
+        Place::Output(byte) => Some(('Q', byte)),
+        Place::PeripheralInput(byte) if modules => Some(('I', byte)),
+        Place::PeripheralOutput(byte) if modules => Some(('Q', byte)),
+        Place::BitMemory(byte) => Some(('M', byte)),
+        Place::Db(_, byte) => Some(('V', byte)),
+        Place::S7200(Part::AnalogInput, byte) => Some(('A', byte)),
+        Place::S7200(Part::AnalogOutput, byte) => Some(('B', byte)),
+        Place::PeripheralInput(_)
+        | Place::PeripheralOutput(_)
+        | Place::Timer(_)
+        | Place::Counter(_)
+        | Place::TimerValue(_)
+        | Place::CounterValue(_)
+        | Place::S7200(..) => None,
     }
 }
 
@@ -154,7 +240,23 @@ impl Cpu {
     /// Values are forced.
     #[inline(always)]
     pub fn is_forcing(&self) -> bool {
-        self.force.active.get()
+        self.force.active.get() & FORCING != 0
+    }
+
+    /// Values are forced, or modified by clients: the cycle has more to do when inputs were read and before outputs are written.
+    #[inline(always)]
+    pub(crate) fn is_interfered(&self) -> bool {
+        self.force.active.get() != 0
+    }
+
+    /// Clients modify values in the cycle.
+    pub(crate) fn is_modifying(&self) -> bool {
+        self.force.active.get() & MODIFYING != 0
+    }
+
+    pub(crate) fn set_modifying(&self, is_modifying: bool) {
+        let others = self.force.active.get() & !MODIFYING;
+        self.force.active.set(others | if is_modifying { MODIFYING } else { 0 });
     }
 
     /// The forced values.
@@ -164,7 +266,12 @@ impl Cpu {
 
     /// Forces a value, or changes a forced one. `Err`: why not.
     pub fn force(&self, name: &str, value: &str) -> Result<(), String> {
-        self.force_row(name, value, None, "")?;
+        self.force_as(name, value, None)
+    }
+
+    /// As [`Cpu::force`], with a value in a format.
+    pub fn force_as(&self, name: &str, value: &str, format: Option<Format>) -> Result<(), String> {
+        self.force_row(name, value, format, "")?;
         self.force_changed();
         Ok(())
     }
@@ -202,7 +309,8 @@ impl Cpu {
             }
             self.force.masks(target).replace(masks);
         }
-        self.force.active.set(!table.is_empty());
+        let others = self.force.active.get() & !FORCING;
+        self.force.active.set(others | if table.is_empty() { 0 } else { FORCING });
         self.s7200_show_forced();
     }
 
@@ -426,6 +534,13 @@ impl Cpu {
 
     fn forces_modules(&self) -> bool {
         self.is_forcing() && self.image.profile.family != Family::S7300
+    }
+
+    /// A memory reset ends forcing, except on an S7-1200/1500. Source: CPU manuals, memory reset.
+    pub(crate) fn reset_force(&self) {
+        if self.is_forcing() && !self.image.profile.family.is_portal() {
+            let _ = self.unforce(None);
+        }
     }
 
     /// An input byte as programs and clients read it from its module; `None`: there is no module.

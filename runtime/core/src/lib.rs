@@ -55,6 +55,7 @@ mod linked;
 pub mod loaded;
 pub mod math;
 pub mod memory;
+pub mod modify;
 pub mod monitor;
 pub mod names;
 pub mod ob_set;

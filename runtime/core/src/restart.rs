@@ -11,6 +11,7 @@ use std::rc::Rc;
 use plcc_abi::image::Family;
 
 use crate::cpu::{Area, Cpu};
+use crate::diagnostics::{self, NO_SITE};
 use crate::events::StartInfo;
 use crate::options::Restart;
 use crate::retain::{Items, Restored};
@@ -73,6 +74,36 @@ impl Cpu {
         possible
     }
 
+    /// A client asks for a memory reset. `Err`: why not.
+    pub fn request_memory_reset(&self) -> Result<(), String> {
+        if self.image.profile.family == Family::S7200 {
+            return Err("an S7-200 has no memory reset that leaves its program: `Clear` deletes that too".to_string());
+        }
+        if !self.is_stopped() {
+            return Err("the CPU is in RUN: a memory reset is possible in STOP only".to_string());
+        }
+        self.restart_requested.set(Some(Restart::Reset));
+        Ok(())
+    }
+
+    /// The CPU after a memory reset, in STOP as before: all data has its start values, also what is retentive and what is kept in a file.
+    /// Source: CPU manuals, memory reset.
+    ///
+    /// # Panics
+    /// As [`Cpu::restarted`].
+    pub(crate) fn after_reset(cpu: Rc<Cpu>) -> Rc<Cpu> {
+        let stop = cpu.stop.get();
+        let next = Cpu::restarted(cpu, Restart::Reset);
+        next.stop.set(stop);
+        // The file gets the start values: it must not bring back what was before, if the process ends now.
+        next.carried.replace(Some(Carried::of(&next)));
+        next.power_on_retentive();
+        next.keep_retentive(true);
+        next.reset_force();
+        next.log(diagnostics::MEMORY_RESET, NO_SITE, 0);
+        next
+    }
+
     /// The CPU that goes on in place of one that has stopped.
     ///
     /// # Panics
@@ -93,6 +124,8 @@ impl Cpu {
         own.is_restarted = true;
         own.generation = generation;
         own.force = force;
+        // Jobs of clients end with the restart.
+        own.set_modifying(false);
         // They count on whatever the restart clears.
         own.meters = meters;
         own.startup.set(match kind {

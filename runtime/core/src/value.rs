@@ -51,14 +51,14 @@ fn read(text: &str, width: Width) -> Option<(i128, bool)> {
     let Some((prefix, rest)) = upper.split_once('#') else { return plain(&upper, width) };
     match prefix {
         "16" | "2" | "8" => number::based(prefix, rest).ok().and_then(|number| unsigned(number.value)),
-        "B" | "W" | "DW" | "BYTE" | "WORD" | "DWORD" => {
+        "B" | "W" | "DW" | "LW" | "BYTE" | "WORD" | "DWORD" | "LWORD" => {
             if let Some(list) = rest.strip_prefix('(').and_then(|list| list.strip_suffix(')')) {
                 return byte_list(list).and_then(unsigned);
             }
             let (base, digits) = rest.split_once('#')?;
             number::based(base, digits).ok().and_then(|number| unsigned(number.value))
         }
-        "L" | "DINT" | "INT" => number::integer(rest).map(|value| (value, true)),
+        "L" | "DINT" | "INT" | "LINT" => number::integer(rest).map(|value| (value, true)),
         "C" => number::decimal(rest)
             .filter(|&count| count <= 999)
             .and_then(|count| unsigned(bcd::from_int(count as u32, 3).into())),
@@ -85,9 +85,16 @@ fn plain(text: &str, width: Width) -> Option<(i128, bool)> {
     if !real || !starts {
         return None;
     }
+    // A number that is too large would become infinite.
     match width {
-        Width::Dword => clean.parse::<f32>().ok().map(|value| (i128::from(value.to_bits()), false)),
-        Width::Lword => clean.parse::<f64>().ok().map(|value| (i128::from(value.to_bits()), false)),
+        Width::Dword => {
+            let value = clean.parse::<f32>().ok().filter(|value| value.is_finite())?;
+            Some((i128::from(value.to_bits()), false))
+        }
+        Width::Lword => {
+            let value = clean.parse::<f64>().ok().filter(|value| value.is_finite())?;
+            Some((i128::from(value.to_bits()), false))
+        }
         Width::Bit(_) | Width::Byte | Width::Word => None,
     }
 }
@@ -113,11 +120,31 @@ fn time_of_day(text: &str) -> Option<u64> {
     Clock::parse(text).filter(|clock| clock.exists()).map(|clock| clock.milliseconds().into())
 }
 
-/// `10.3`: an area-internal pointer.
+/// Areas of pointers, and their bytes. Source: STL reference, format of pointers.
+pub(crate) const POINTER_AREAS: [(&str, u64); 10] = [
+    ("P", 0x80),
+    ("I", 0x81),
+    ("E", 0x81),
+    ("Q", 0x82),
+    ("A", 0x82),
+    ("M", 0x83),
+    ("DBX", 0x84),
+    ("DIX", 0x85),
+    ("L", 0x86),
+    ("V", 0x87),
+];
+
+/// `10.3`: an area-internal pointer. `M10.3`: with its area.
 fn pointer(text: &str) -> Option<u64> {
-    let (byte, bit) = text.trim().split_once('.')?;
+    let text = text.trim();
+    let (area, rest) = text.split_at(text.find(|c: char| c.is_ascii_digit())?);
+    let area = match area.trim() {
+        "" => 0,
+        area => POINTER_AREAS.iter().find(|(name, _)| *name == area)?.1,
+    };
+    let (byte, bit) = rest.split_once('.')?;
     let (byte, bit) = (number::decimal(byte)?, number::decimal(bit)?);
-    (byte < 65_536 && bit < 8).then_some((byte << 3 | bit) as u64)
+    (byte < 65_536 && bit < 8).then_some(area << 24 | (byte << 3 | bit) as u64)
 }
 
 /// A value as `--print` writes it.
@@ -160,6 +187,8 @@ mod tests {
             ("TOD#1:10:3.3", 4_203_300),
             ("'AB'", 0x4142),
             ("P#10.3", 0x53),
+            ("P#M10.3", 0x8300_0053),
+            ("p#dbx 0.1", 0x8400_0001),
             ("TRUE", 1),
         ] {
             assert_eq!(dword(text), Some(value), "{text}");
@@ -185,7 +214,9 @@ mod tests {
             "B#(1)",
             "NAN",
             "1e",
+            "1e39",
             "P#1.8",
+            "P#X1.0",
             "TOD#1:2:\u{df}",
         ] {
             assert!(dword(bad).is_none(), "{bad}");

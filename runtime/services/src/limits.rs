@@ -55,6 +55,9 @@ pub const SIGN_IN_MAX: usize = 4096;
 /// Values that one page may watch, and letters of a name.
 pub const WATCHED_MAX: usize = 2_000;
 pub const NAME_MAX: usize = 500;
+/// Values that one order of a page modifies, and letters of all of them: the cycle waits while they are written. As many as a watch table has.
+pub const MODIFIED_MAX: usize = 1_024;
+pub const MODIFIED_LETTERS_MAX: usize = 16_384;
 
 /// Of OPC UA: bytes of a request and of a response, chunks of a request, and bytes of a chunk.
 pub const OPCUA_REQUEST_MAX: usize = 1024 * 1024;

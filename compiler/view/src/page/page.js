@@ -22,12 +22,16 @@ $("h1").textContent = data.title;
 
 // Code as coloured text.
 const WORDS = { scl: /^(IF|THEN|ELSIF|ELSE|END_IF|CASE|OF|END_CASE|FOR|TO|BY|DO|END_FOR|WHILE|END_WHILE|REPEAT|UNTIL|END_REPEAT|RETURN|EXIT|CONTINUE|GOTO|AND|OR|XOR|NOT|MOD|DIV|TRUE|FALSE|REGION|END_REGION|CALL)$/i };
-const TOKEN = /(\/\/.*|\(\*[\s\S]*?\*\))|("[^"\n]*"(?:\.(?:"[^"\n]*"|[\w\[\]]+))*|#[\w"][\w."\[\]]*)|('[^'\n]*')|([A-Z_]+#[\w.#:+-]+|\b\d[\w.#]*)|(%?[A-Za-z_]\w*(?:\.\w+)*)/g;
+const TOKEN = /(\/\/.*|\(\*[\s\S]*?\*\))|("[^"\n]*"(?:\.(?:"[^"\n]*"|[\w\[\]]+))*|#[\w"][\w."\[\]]*)|('[^'\n]*')|([A-Z_]+#[\w.#:+-]+|\b\d[\w.#]*)|(%?(?:P[IQEA]|[IQEAM])[BWD]?[ \t]+\d+(?:\.[0-7])?)|(%?[A-Za-z_]\w*(?:\.\w+)*)/g;
+// An address of STL as the reference data have it: without blanks, in the international mnemonics.
+const plainAddress = (text) => text.replace(/[\s%]/g, "").replace(/^(P?)E/, "$1I").replace(/^(P?)A/, "$1Q");
 function coloured(text, kind) {
   let out = "", at = 0, first = true;
   for (const m of text.matchAll(TOKEN)) {
     const gap = text.slice(at, m.index);
     if (gap.includes("\n")) first = true;
+    // A mnemonic of signs, `=` or `==`, is followed by its operand; in `+I` the letter belongs to it.
+    if (kind === "stl" && /[=+*/<>-]\s+$/.test(gap)) first = false;
     out += esc(gap);
     at = m.index + m[0].length;
     const t = esc(m[0]);
@@ -35,7 +39,8 @@ function coloured(text, kind) {
     else if (m[2]) out += `<span class="id" data-k="${t}">${t}</span>`;
     else if (m[3]) out += `<span class="st">${t}</span>`;
     else if (m[4]) out += `<span class="nu">${t}</span>`;
-    else if (kind === "stl" ? first && text[at] !== ":" : WORDS.scl.test(m[0])) out += `<span class="kw">${t}</span>`;
+    else if (m[5]) out += `<span class="id" data-k="${plainAddress(t)}">${t}</span>`;
+    else if (kind === "stl" ? first && !/^\s*:/.test(text.slice(at, at + 40)) : WORDS.scl.test(m[0])) out += `<span class="kw">${t}</span>`;
     else out += `<span class="id" data-k="${t}">${t}</span>`;
     if (!m[1] && !(kind === "stl" && text[at] === ":")) first = false;
   }
@@ -401,8 +406,12 @@ window.live = {
     for (const d of inSight()) if (isWatched(d)) look(d);
   },
   uses,
-  // These addresses are forced: operands that overlap them are marked.
-  force(names) { forced = names.map((name) => range(name)).filter((r) => r); markForced(main); },
+  // These addresses are forced: operands that overlap them are marked, with `modules` those of the periphery too.
+  force(names, modules) {
+    forced = names.map((name) => range(name)).filter((r) => r);
+    forcesModules = modules;
+    markForced(main);
+  },
   // Opens a block, at a network if it has that: `FC 5`.
   go(block, network) {
     const i = byName.get(fold(block));
@@ -412,12 +421,15 @@ window.live = {
   },
 };
 
-let forced = [];
+let forced = [], forcesModules = false;
+function isForced(operand) {
+  const r = range(keyOf(operand));
+  if (!r) return false;
+  const area = forcesModules ? r[0].replace(/^P(?=[IQ])/, "") : r[0];
+  return forced.some((f) => f[0] === area && f[1] < r[2] && r[1] < f[2]);
+}
 function markForced(root) {
-  for (const t of root.querySelectorAll("text.o")) {
-    const r = range(t.dataset.k ?? "");
-    t.classList.toggle("forced", !!r && forced.some((f) => f[0] === r[0] && f[1] < r[2] && r[1] < f[2]));
-  }
+  for (const t of root.querySelectorAll("text.o,.draw .id[data-k]")) t.classList.toggle("forced", forced.length > 0 && isForced(t.dataset.k ?? ""));
 }
 
 // Status of the block in sight: what its statements see in one call.
@@ -519,7 +531,10 @@ function listSteps() {
 }
 // Code with what its statements see beside each line.
 const bytes = new TextEncoder(), chars = new TextDecoder();
-const COLUMNS = { registers: "RLO STA  ACCU1    ACCU2    AR1      AR2      DB    DI    STATUS     ", stack: "S0...S8   ENO", scl: "" };
+// Title, width and name of each column of STL; a small screen shows the first three, and all of a line that is touched.
+const REGISTERS = [["RLO", 4], ["STA", 5], ["ACCU1", 9], ["ACCU2", 9], ["AR1", 9], ["AR2", 9], ["DB", 6], ["DI", 6], ["STATUS", 11], ["", 0]];
+const columns = (text) => REGISTERS.map(([title, width], n) => `<span class="c${n > 2 ? " more" : ""}" data-title="${title}">${text(title, width)}</span>`).join("");
+const HEADS = { registers: columns((title, width) => title.padEnd(width)), stack: "S0...S8   ENO", scl: "" };
 function fillLines(div, s) {
   const code = s.code ?? s, lines = code.text.split("\n"), starts = code.starts ?? [];
   const rows = lines.map(() => []);
@@ -531,37 +546,49 @@ function fillLines(div, s) {
     rows[line].push({ i, from, to, tells, name: chars.decode(raw.slice(from - starts[line], Math.max(0, to - starts[line]))).trim() });
   });
   const kind = rows.flat().some((r) => r.tells === "registers") ? "registers" : rows.flat().some((r) => r.tells === "stack") ? "stack" : "scl";
-  const head = COLUMNS[kind] ? `<div class="ln"><code></code><span class="see">${COLUMNS[kind]}</span></div>` : "";
-  div.innerHTML = `<div class="code ${kind}">${head}${lines.map((line) => `<div class="ln"><code>${coloured(line, kind === "scl" ? "scl" : "stl") || " "}</code><span class="see"></span></div>`).join("")}</div>`;
+  const head = HEADS[kind] ? `<div class="ln head"><code></code><span class="see">${HEADS[kind]}</span></div>` : "";
+  // As wide as the longest line of the block, so that the values are in the same place in all networks.
+  const page = data.pages[div.dataset.page];
+  page.wide ??= Math.max(...page.secs.flatMap((of) => (of.code ?? of).text?.split("\n") ?? []).map((line) => line.replace(/\t/g, "    ").length), 0);
+  div.innerHTML = `<div class="code ${kind}" style="--code:${Math.min(70, Math.max(16, page.wide + 2))}ch">${head}${lines.map((line) => `<div class="ln"><code>${coloured(line, kind === "scl" ? "scl" : "stl") || " "}</code><span class="see"></span></div>`).join("")}</div>`;
   const cells = [...div.querySelectorAll(".see")].slice(head ? 1 : 0);
   div.rows = rows.map((places, at) => ({ places, cell: cells[at] })).filter((row) => row.places.length);
+  if (kind === "registers") for (const row of div.rows) {
+    row.cell.innerHTML = columns(() => "");
+    row.columns = [...row.cell.children];
+    row.cell.parentElement.onclick = (e) => { if (!e.target.dataset.k) row.cell.parentElement.classList.toggle("open"); };
+  }
+  if (forced.length) markForced(div);
   lookAtLines(div);
 }
 const hex = (n) => (n >>> 0).toString(16).toUpperCase().padStart(8, "0");
 function told(row) {
   const seen = row.places.map((p) => ({ ...p, v: status.seen[p.i] })).filter((p) => p.v !== undefined && p.v !== null);
-  if (!seen.length) return ["", false];
+  if (!seen.length) return [row.columns ? REGISTERS.map(() => "") : [""], false];
   if (seen[0].tells === "registers") {
     const rows = seen.map(({ v: [st, a1, a2, r1, r2, db, di, cell] }) => {
       const bits = st.toString(2).padStart(9, "0").replace(/^(.)(....)(....)$/, "$1 $2 $3");
-      return ` ${st >> 1 & 1}   ${st >> 2 & 1}   ${hex(a1)} ${hex(a2)} ${hex(r1)} ${hex(r2)} ${String(db || "").padEnd(5)} ${String(di || "").padEnd(5)} ${bits}${cell ? "  " + cell : ""}`;
+      return [` ${st >> 1 & 1}`, ` ${st >> 2 & 1}`, hex(a1), hex(a2), hex(r1), hex(r2), String(db || ""), String(di || ""), bits, cell ? " " + cell : ""]
+        .map((text, n) => text.padEnd(REGISTERS[n][1]));
     });
-    return [rows.join("\n"), (seen.at(-1).v[0] & 2) !== 0];
+    return [REGISTERS.map((_, n) => rows.map((row) => row[n]).join("\n")), (seen.at(-1).v[0] & 2) !== 0];
   }
   if (seen[0].tells === "stack") {
     const rows = seen.map(({ v: [n, ops] }) => [...Array(9)].map((_, i) => n >> i & 1).join("") + "  " + (n >> 9 & 1) + "   " + ops.map(([k, v]) => `${k}=${v}`).join(" "));
-    return [rows.join("\n"), (seen.at(-1).v[0] & 1) !== 0];
+    return [[rows.join("\n")], (seen.at(-1).v[0] & 1) !== 0];
   }
   const text = (v) => (v === true ? "TRUE" : v === false ? "FALSE" : v);
   const list = seen.filter((p) => p.tells !== "value").map((p) => `${p.name}${p.tells === "written" ? " := " : " = "}${text(p.v)}`);
   const result = seen.filter((p) => p.tells === "value" && typeof p.v === "boolean").sort((a, b) => b.to - b.from - (a.to - a.from))[0];
   if (result) list.push(`result ${text(result.v)}`);
-  return [[...new Set(list)].join("   "), false];
+  return [[[...new Set(list)].join("   ")], false];
 }
 function lookAtLines(d) {
   for (const row of d.rows) {
-    const [text, on] = told(row);
-    if (row.last !== text) { row.cell.textContent = row.last = text; row.cell.classList.toggle("on", on); }
+    const [texts, on] = told(row), last = row.last ?? [];
+    texts.forEach((text, n) => { if (last[n] !== text) (row.columns?.[n] ?? row.cell).textContent = text; });
+    row.last = texts;
+    if (row.on !== on) row.cell.classList.toggle("on", (row.on = on));
   }
 }
 

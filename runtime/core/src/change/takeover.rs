@@ -51,6 +51,8 @@ impl Cpu {
             meters,
             force
         );
+        // Jobs of clients end: their addresses are those of the old program.
+        own.set_modifying(false);
         own.generation = old.generation + 1;
         own.schedule.take_over(&mut old.schedule, own.clock.now());
         own.diagnostics.rename_sites(&renamed);

@@ -168,15 +168,38 @@ fn run_with(mut image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions, e
     // A CPU in STOP answers its clients, and one of them may start it again.
     while cpu.is_stopped() && cpu.is_served.get() {
         stop_line(&cpu, options, cycles).iter().for_each(|line| say!("{line}"));
-        let Some(kind) = wait_in_stop(&mut cpu, &mut session, options, inbox) else { break };
-        cpu = Cpu::restarted(cpu, kind);
-        cpu.memory.show();
-        if let Some(watcher) = &watcher {
-            cpu.set_watcher(watcher.clone());
+        let furnished = |cpu: &Cpu| {
+            cpu.memory.show();
+            if let Some(watcher) = &watcher {
+                cpu.set_watcher(watcher.clone());
+            }
+            furnish(cpu, options)
+        };
+        let (kind, mut ready) = loop {
+            match wait_in_stop(&mut cpu, &mut session, options, inbox) {
+                Some(Restart::Reset) => {
+                    cpu = Cpu::after_reset(cpu);
+                    if !options.quiet {
+                        say!("memory reset by a client");
+                    }
+                    let ready = furnished(&cpu);
+                    if ready.is_err() {
+                        break (None, ready);
+                    }
+                }
+                kind => break (kind, Ok(())),
+            }
+        };
+        if let (Some(kind), Ok(())) = (kind, &ready) {
+            cpu = Cpu::restarted(cpu, kind);
+            ready = furnished(&cpu);
         }
-        if let Err(message) = furnish(&cpu, options) {
+        if let Err(message) = ready {
             say!("runtime: {message}");
             return EXIT_USAGE;
+        }
+        if kind.is_none() {
+            break;
         }
         if options.record.is_some() {
             say!("runtime: the recording ends with the STOP: what comes now is not in it");

@@ -6,6 +6,7 @@ mod faults;
 mod force;
 mod helpers;
 mod interrupts;
+mod modify;
 mod plant;
 mod playing;
 mod retain;

@@ -345,3 +345,11 @@ fn only_some_restarts_can_be_asked_for() {
     assert!(!cpu.request_restart(Restart::Hot) && !cpu.request_restart(Restart::Reset));
     assert!(cpu.request_restart(Restart::Cold) && cpu.request_restart(Restart::Warm));
 }
+
+/// Also for a process that ends before the CPU was started again.
+#[test]
+fn a_memory_reset_by_a_client_reaches_the_file() {
+    let path = file("emptied");
+    drop(Cpu::after_reset(stopped_by_a_client(&path, |_| {})));
+    assert_eq!(found(&path, |image| image.config.retain.bit_memory = Some(4)), START);
+}

@@ -73,6 +73,18 @@ fn values_are_modified_at_their_triggers() {
     );
 }
 
+#[test]
+fn forced_values_win_over_the_table() {
+    let seen: Rc<RefCell<Vec<u8>>> = Rc::default();
+    let keep = seen.clone();
+    let cpu =
+        cpu(vec![(1, Box::new(move |cpu: &Cpu, _: u32| keep.borrow_mut().push(cpu.memory.byte(layout::I))) as Block)]);
+    assert_eq!(cpu.force("I0.1", "0"), Ok(()));
+    let text = "[[row]]\naddress = \"IB0\"\nmodify = \"FF\"\nevery-cycle = true\n";
+    run_observed(&cpu, 2, &mut Watched(Table::parse(text, &cpu).unwrap()));
+    assert_eq!(*seen.borrow(), [0xFD, 0xFD]);
+}
+
 /// MW 10 counts cycles; the trace begins when it comes to 5, with two samples from before that.
 #[test]
 fn a_trace_waits_for_its_trigger() {

@@ -1,11 +1,12 @@
 //! Display formats of watch tables. Source: Programming with STEP 7, display formats of the variable table.
 
 use plcc_abi::image::AssertType;
+use plcc_literal::number;
 use serde::{Deserialize, Serialize};
 
 use crate::address::{Bits, Width};
-use crate::signal::Value;
-use crate::{bcd, value};
+use crate::signal::{Source, Value};
+use crate::{bcd, typed, value};
 
 /// How a value is shown, and how one without a prefix is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
@@ -81,18 +82,69 @@ impl Format {
         }
     }
 
-    /// Reads a value: any literal that fits, or a plain number in this format. `Err`: the error as a sentence.
+    /// The format for a row, if it shows its values. `Err`: why not.
+    pub fn check(self, name: &str, source: &Source, width: Width) -> Result<Format, String> {
+        match source {
+            // A text has the address of its first byte.
+            Source::Typed(_, ty) if typed::bits(ty.ty).is_none() => {
+                Err(format!("{name} is a {}, which no format shows: leave the format out", typed::name(ty.ty)))
+            }
+            _ if !self.fits(width) => Err(format!("{name} has {} bits, which this format does not show", width.bits())),
+            _ => Ok(self),
+        }
+    }
+
+    /// Reads a value: a literal with a prefix that fits, or one without a prefix in this format. `Err`: the error as a sentence.
     pub fn parse(self, text: &str, width: Width) -> Result<Bits, String> {
         let text = text.trim();
-        let is_plain = !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit() || byte == b'_');
-        let plain = || text.replace('_', "");
+        if text.contains('#') || text.starts_with('\'') {
+            return value::parse(text, width);
+        }
+        let wrong = |example: &str| Err(format!("`{text}` is not a value in the format of the row: write {example}"));
+        let digits = text.replace('_', "");
+        let is = |allowed: fn(&u8) -> bool| !digits.is_empty() && digits.bytes().all(|byte| allowed(&byte));
+        let is_number = is(u8::is_ascii_digit);
+        let is_signed =
+            is_number || digits.strip_prefix(['+', '-']).is_some_and(|rest| number::decimal(rest).is_some());
+        let with = |prefix: &str, body: &str| {
+            value::parse(&format!("{prefix}#{body}"), width)
+                .map_err(|_| format!("`{text}` does not fit into {} bits", width.bits()))
+        };
         match self {
-            Format::Hex if is_plain => value::parse(&format!("16#{}", plain()), width),
-            Format::Bin if is_plain => value::parse(&format!("2#{}", plain()), width),
-            Format::Bcd | Format::Counter if is_plain => value::parse(&format!("16#{}", plain()), width),
-            Format::Real if is_plain => value::parse(&format!("{}.0", plain()), width),
-            Format::Unsigned if text.starts_with('-') => Err(format!("`{text}` has a sign; the row is unsigned")),
-            _ => value::parse(text, width),
+            Format::Bool => value::parse(text, width),
+            Format::Hex if is(u8::is_ascii_hexdigit) => with("16", &digits),
+            Format::Hex => wrong("hexadecimal digits, such as 1F"),
+            Format::Bin if is(|byte| matches!(byte, b'0' | b'1')) => with("2", &digits),
+            Format::Bin => wrong("binary digits, such as 1010"),
+            Format::Dec if is_signed => value::parse(text, width),
+            Format::Dec => wrong("a whole number, such as -5"),
+            Format::Unsigned if is_number => value::parse(text, width),
+            Format::Unsigned if is_signed => Err(format!("`{text}` has a sign; the row is unsigned")),
+            Format::Unsigned => wrong("a whole number, such as 5"),
+            Format::Bcd if is_number => with("16", &digits),
+            Format::Bcd => wrong("decimal digits, such as 129"),
+            Format::Counter if is_number && digits.len() <= 3 => with("16", &digits),
+            Format::Counter => wrong("a count from 0 to 999"),
+            Format::Real if is_signed => value::parse(&format!("{digits}.0"), width),
+            Format::Real => match value::parse(text, width) {
+                Ok(bits) if !matches!(text.to_ascii_uppercase().as_str(), "TRUE" | "FALSE") => Ok(bits),
+                _ => wrong("a number that is not too large, such as 1.5 or 2.5e-3"),
+            },
+            // Without a unit in milliseconds, as a number has them.
+            Format::S5time if is_number => value::parse(&format!("S5T#{digits}ms"), width),
+            Format::S5time => {
+                value::parse(&format!("S5T#{text}"), width).or_else(|_| wrong("a time up to 2h46m30s, such as 1s500ms"))
+            }
+            Format::Time if is_signed => value::parse(text, width),
+            Format::Time => value::parse(&format!("T#{text}"), width).or_else(|_| wrong("a time, such as 1s500ms")),
+            Format::TimeOfDay => {
+                value::parse(&format!("TOD#{text}"), width).or_else(|_| wrong("a time of day, such as 13:05:02"))
+            }
+            Format::Date => value::parse(&format!("D#{text}"), width).or_else(|_| wrong("a date, such as 2024-03-15")),
+            Format::Char => wrong("the characters in quotes, such as 'a'"),
+            Format::Pointer => {
+                value::parse(&format!("P#{text}"), width).or_else(|_| wrong("a pointer, such as M10.0 or 10.0"))
+            }
         }
     }
 }
@@ -157,17 +209,10 @@ fn real(number: f64) -> String {
 
 /// `P#M10.0`, without an area `P#10.0`.
 fn pointer(bits: u32) -> String {
-    let area = match bits >> 24 {
-        0 => "",
-        0x80 => "P",
-        0x81 => "I",
-        0x82 => "Q",
-        0x83 => "M",
-        0x84 => "DBX",
-        0x85 => "DIX",
-        0x86 => "L",
-        0x87 => "V",
-        _ => return hex(bits.into(), Width::Dword),
+    let area = match (bits >> 24, value::POINTER_AREAS.iter().find(|(_, code)| *code == u64::from(bits >> 24))) {
+        (0, _) => "",
+        (_, Some((area, _))) => area,
+        (_, None) => return hex(bits.into(), Width::Dword),
     };
     format!("P#{area}{}.{}", (bits & 0x7_FFFF) >> 3, bits & 7)
 }
@@ -212,10 +257,56 @@ mod tests {
             (Format::Bcd, "123", Width::Word, 0x123),
             (Format::Dec, "16#1F", Width::Word, 0x1F),
             (Format::Bool, "true", Width::Bit(0), 1),
+            // Digits, not an exponent.
+            (Format::Hex, "1E5", Width::Dword, 0x1E5),
+            (Format::Hex, "FFFF_FFFF_FFFF_FFFF", Width::Lword, u64::MAX),
+            (Format::Dec, "-9223372036854775808", Width::Lword, 1 << 63),
+            (Format::Unsigned, "18446744073709551615", Width::Lword, u64::MAX),
+            (Format::Real, "-2", Width::Dword, 0xC000_0000),
+            (Format::Real, "1e3", Width::Dword, 0x447A_0000),
+            (Format::Real, "-2.5", Width::Lword, 0xC004_0000_0000_0000),
+            (Format::S5time, "137", Width::Word, 0x0013),
+            (Format::S5time, "10s", Width::Word, 0x1100),
+            (Format::Time, "1s500ms", Width::Dword, 1500),
+            (Format::Time, "-20", Width::Dword, 0xFFFF_FFEC),
+            (Format::TimeOfDay, "00:00:01.5", Width::Dword, 1500),
+            (Format::Date, "1990-01-03", Width::Word, 2),
+            (Format::Counter, "127", Width::Word, 0x127),
+            (Format::Char, "'ab'", Width::Word, 0x6162),
+            (Format::Pointer, "M10.0", Width::Dword, 0x8300_0050),
+            (Format::Pointer, "P#10.0", Width::Dword, 0x50),
         ] {
             assert_eq!(format.parse(text, width), Ok(bits), "{text}");
         }
-        assert!(Format::Unsigned.parse("-1", Width::Word).is_err());
-        assert!(Format::Dec.parse("99999", Width::Word).is_err());
+    }
+
+    #[test]
+    fn what_is_not_in_the_format_is_refused() {
+        for (format, text, width) in [
+            (Format::Unsigned, "-1", Width::Word),
+            (Format::Dec, "99999", Width::Word),
+            (Format::Dec, "1.5", Width::Dword),
+            (Format::Hex, "1.5", Width::Dword),
+            (Format::Hex, "12345", Width::Word),
+            (Format::Bin, "102", Width::Byte),
+            (Format::Bcd, "12A", Width::Word),
+            (Format::Bcd, "-5", Width::Word),
+            (Format::Bcd, "1.5", Width::Dword),
+            (Format::Bcd, "12345", Width::Word),
+            (Format::Counter, "1000", Width::Word),
+            (Format::Real, "1e39", Width::Dword),
+            (Format::Real, "true", Width::Dword),
+            (Format::Real, "", Width::Dword),
+            (Format::S5time, "3h", Width::Word),
+            (Format::S5time, "1.5", Width::Word),
+            (Format::Date, "5", Width::Word),
+            (Format::TimeOfDay, "25:00:00", Width::Dword),
+            (Format::Char, "65", Width::Byte),
+            (Format::Char, "'abc'", Width::Word),
+            (Format::Pointer, "80", Width::Dword),
+            (Format::Bool, "2", Width::Bit(0)),
+        ] {
+            assert!(format.parse(text, width).is_err(), "{text}");
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! Watch tables: values by their formats, and values that are modified at the beginning or the end of a cycle.
 //!
-//! [`format`](mod@format) has the display formats. A table is a TOML file:
+//! [`format`](mod@format) has the display formats, [`sheet`] the text of a table. That is a TOML file:
 //!
 //! ```toml
 //! [[row]]
@@ -23,12 +23,12 @@
 //! ```
 
 pub mod format;
+pub mod sheet;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use plcc_abi::ProgramImage;
-use plcc_literal::toml_words;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use crate::address::Address;
 use crate::cpu::Cpu;
@@ -37,12 +37,10 @@ use crate::names;
 use crate::signal::{Signal, Source};
 use crate::trace::triggered::Wanted;
 use format::Format;
-
-/// Rows of a table at most. Source: Programming with STEP 7, variable table.
-const ROWS_MAX: usize = 1024;
+use sheet::{Edge, RowText, TraceText};
 
 /// When a value is modified.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Trigger {
     /// After the inputs were read, before the program runs.
@@ -50,60 +48,6 @@ pub enum Trigger {
     Begin,
     /// After the program, before the outputs are written.
     End,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct FileText {
-    #[serde(default)]
-    row: Vec<RowText>,
-    trace: Option<toml::Spanned<TraceText>>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct TraceText {
-    file: PathBuf,
-    signals: Vec<String>,
-    trigger: Option<String>,
-    level: Option<f64>,
-    edge: Option<Edge>,
-    #[serde(default = "all_samples")]
-    samples: usize,
-    #[serde(default)]
-    before: usize,
-}
-
-const fn all_samples() -> usize {
-    recording::SAMPLES_MAX
-}
-
-/// How a signal crosses a level.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-enum Edge {
-    Rising,
-    Falling,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case")]
-struct RowText {
-    address: toml::Spanned<String>,
-    format: Option<Format>,
-    #[serde(default)]
-    comment: String,
-    modify: Option<String>,
-    #[serde(default)]
-    trigger: Trigger,
-    #[serde(default)]
-    every_cycle: bool,
-    #[serde(default = "first_cycle")]
-    cycle: u64,
-}
-
-const fn first_cycle() -> u64 {
-    1
 }
 
 /// A row of a table.
@@ -147,14 +91,7 @@ impl Table {
 
     /// Reads the text of a table. `Err`: the offset and the error.
     pub fn parse(text: &str, cpu: &Cpu) -> Result<Table, (usize, String)> {
-        let file: FileText = toml::from_str(text).map_err(|error| {
-            let offset = error.span().map_or(0, |span| span.start);
-            let wrong = toml_words::plain_at(error.message(), text, offset);
-            (offset, format!("{}; {}", wrong.title, wrong.help))
-        })?;
-        if file.row.len() > ROWS_MAX {
-            return Err((0, format!("the table has {} rows; {ROWS_MAX} are possible", file.row.len())));
-        }
+        let file = sheet::parse(text)?;
         let rows = file.row.into_iter().map(|row| {
             let offset = row.address.span().start;
             Row::new(row, &cpu.image, cpu).map_err(|message| (offset, message))
@@ -240,27 +177,65 @@ fn trace(text: TraceText, cpu: &Cpu) -> Result<Wanted, String> {
     Ok(wanted)
 }
 
-/// A value for an address, both checked.
+/// A value for an address of the program; whether that exists on the CPU is checked elsewhere.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Settled {
+pub struct Settled {
     pub address: Address,
     pub bits: u64,
 }
 
-/// Finds a place by name, and reads a value for it as in a row of a table. `Err`: the error.
+impl Settled {
+    /// Finds a place by name, and reads a value for it as in a row of a table. `Err`: the error.
+    pub fn find(name: &str, value: &str, format: Option<Format>, image: &ProgramImage) -> Result<Settled, String> {
+        let place = Located::find(name, format, image)?;
+        Ok(Settled { address: place.address, bits: place.bits(value, image)? })
+    }
+}
+
+/// As [`Settled::find`], of an address that exists.
 pub(crate) fn settle(name: &str, value: &str, format: Option<Format>, cpu: &Cpu) -> Result<Settled, String> {
-    let row = RowText {
-        address: toml::Spanned::new(0..0, name.to_string()),
-        format,
-        comment: String::new(),
-        modify: Some(value.to_string()),
-        trigger: Trigger::Begin,
-        every_cycle: true,
-        cycle: 1,
-    };
-    let row = Row::new(row, &cpu.image, cpu)?;
-    let bits = row.modify.map_or(0, |modify| modify.bits);
-    Ok(Settled { address: row.address, bits })
+    let place = Located::find(name, format, &cpu.image)?;
+    cpu.check_address(&place.address)?;
+    let bits = place.bits(value, &cpu.image).map_err(|message| format!("{name}: {message}"))?;
+    cpu.name_input(&place.address);
+    Ok(Settled { address: place.address, bits })
+}
+
+/// Where a row is, and how its values are written.
+#[derive(Clone, Copy, Debug)]
+struct Located {
+    source: Source,
+    address: Address,
+    /// `None`: by the declared type.
+    format: Option<Format>,
+}
+
+impl Located {
+    fn find(name: &str, format: Option<Format>, image: &ProgramImage) -> Result<Located, String> {
+        let source = match names::find(name, image) {
+            Ok(named) => Source::of(named),
+            // `MW10 as INT`; what has a unit is not bits.
+            Err(wrong) => match Source::find(name, image, None) {
+                Ok(source @ Source::Typed(..)) => source,
+                Ok(_) | Err(_) => return Err(wrong),
+            },
+        };
+        let address = *source.address().ok_or_else(|| format!("{name} has no address"))?;
+        let format = match format {
+            Some(format) => Some(format.check(name, &source, address.width)?),
+            None if matches!(source, Source::Bits(_)) => Some(Format::usual(address.width)),
+            None => None,
+        };
+        Ok(Located { source, address, format })
+    }
+
+    fn bits(&self, text: &str, image: &ProgramImage) -> Result<u64, String> {
+        self.address.check_settable()?;
+        if let Some(format) = self.format {
+            return format.parse(text, self.address.width);
+        }
+        self.source.bits(&self.source.parse(text, image)?).ok_or_else(|| "a text cannot be modified".to_string())
+    }
 }
 
 /// A row as it is shown.
@@ -274,36 +249,23 @@ pub struct Shown {
 }
 
 impl Row {
-    fn new(row: RowText, image: &ProgramImage, cpu: &Cpu) -> Result<Row, String> {
+    fn new(row: RowText<toml::Spanned<String>>, image: &ProgramImage, cpu: &Cpu) -> Result<Row, String> {
         let name = row.address.into_inner();
-        let named = names::find(&name, image)?;
-        let (source, address) = (Source::of(named), named.address);
-        cpu.check_address(&address)?;
-        let format = match row.format {
-            Some(format) if !format.fits(address.width) => {
-                return Err(format!("{name} has {} bits, which this format does not show", address.width.bits()));
-            }
-            None if matches!(source, Source::Bits(_)) => Some(Format::usual(address.width)),
-            format => format,
-        };
-        let bits = |text: &String| -> Result<u64, String> {
-            address.check_settable()?;
-            if let Some(format) = format {
-                return format.parse(text, address.width);
-            }
-            source.bits(&source.parse(text, image)?).ok_or_else(|| "a text cannot be modified".to_string())
-        };
-        if row.modify.is_some() {
+        let place = Located::find(&name, row.format, image)?;
+        cpu.check_address(&place.address)?;
+        let bits = row.modify.as_ref().map(|text| place.bits(text, image)).transpose();
+        let bits = bits.map_err(|message| format!("{name}: {message}"))?;
+        if bits.is_some() {
             // What is not modified comes from the module again.
-            cpu.name_input(&address);
+            cpu.name_input(&place.address);
         }
-        let bits = row.modify.as_ref().map(bits).transpose().map_err(|message| format!("{name}: {message}"))?;
         let modify = bits.map(|bits| Modify {
             bits,
             trigger: row.trigger,
             every_cycle: row.every_cycle,
             cycle: row.cycle.max(1),
         });
+        let Located { source, address, format } = place;
         Ok(Row { name, source, address, format, comment: row.comment, modify })
     }
 }

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use plcc_abi::image::BlockKind;
+use plcc_abi::image::{BlockKind, Module};
+use plcc_abi::remote::RemoteLine;
 use plcc_runtime::cpu::Cpu;
 use serde_json::{Value, json};
 
@@ -21,6 +22,32 @@ pub async fn info(link: &Link, services: &[(&'static str, Open)]) -> Option<Valu
     });
     info["connections"] = connections.collect();
     Some(info)
+}
+
+/// A module with its place and its addresses.
+fn module(module: &Module) -> Value {
+    let range = |area: &str, start: u32, bytes: u32| match bytes {
+        0 => None,
+        1 => Some(format!("{area} {start}")),
+        _ => Some(format!("{area} {start} to {}", start.saturating_add(bytes - 1))),
+    };
+    let addresses: Vec<String> =
+        [range("I", module.input_start, module.input_bytes), range("Q", module.output_start, module.output_bytes)]
+            .into_iter()
+            .flatten()
+            .collect();
+    let station = module.station.as_ref();
+    let channels = station.map(|station| station.analog_inputs.iter().chain(&station.analog_outputs));
+    let ranges: Vec<&str> =
+        channels.into_iter().flatten().map(|one| one.range.as_str()).filter(|range| !range.is_empty()).collect();
+    json!({
+        "name": module.name,
+        "rack": station.map(|station| station.rack),
+        "slot": station.map(|station| station.slot),
+        "order": station.map(|station| &station.order),
+        "addresses": addresses.join(", "),
+        "ranges": ranges,
+    })
 }
 
 fn of_cpu(cpu: &Cpu) -> Value {
@@ -42,6 +69,21 @@ fn of_cpu(cpu: &Cpu) -> Value {
     });
     let db_bytes: usize = image.dbs.iter().map(|db| db.data.len()).sum();
     let profile = &image.profile;
+    let away = cpu.driver.away();
+    let devices = (1u8..).zip(&image.config.remote).map(|(number, device)| {
+        let line = match &device.line {
+            RemoteLine::Tcp(address) => format!("Modbus TCP {address}"),
+            RemoteLine::Serial { path, .. } => format!("Modbus RTU {path}"),
+        };
+        let is_away = away.iter().any(|change| change.station == number && change.whole);
+        json!({ "name": device.name, "line": line, "unit": device.unit, "away": is_away })
+    });
+    let modules = image.config.modules.iter().flatten().map(module);
+    let partners = image
+        .config
+        .connections
+        .iter()
+        .map(|one| json!({ "id": one.id, "partner": one.partner, "active": one.active }));
     json!({
         "cpu": profile.name,
         "order": image.config.cpu_order,
@@ -49,6 +91,9 @@ fn of_cpu(cpu: &Cpu) -> Value {
         "cycle_time_max_ms": image.config.cycle_time_max_ms,
         "faults": cpu.diagnostics.faults(),
         "blocks": blocks,
+        "modules": modules.collect::<Vec<_>>(),
+        "devices": devices.collect::<Vec<_>>(),
+        "partners": partners.collect::<Vec<_>>(),
         "obs": obs.collect::<Vec<_>>(),
         "memory": {
             "data blocks": db_bytes,

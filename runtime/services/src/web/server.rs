@@ -17,6 +17,7 @@ use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use plcc_abi::services::{Right, Role};
 use plcc_runtime::change::{Loader, Prepared};
+use plcc_runtime::watch::sheet::Sheet;
 use serde::Deserialize;
 use tokio::sync::Semaphore;
 use tokio::time::timeout;
@@ -69,6 +70,7 @@ impl Page {
             ("/", "text/html; charset=utf-8", include_str!("page/index.html")),
             ("/page.css", "text/css; charset=utf-8", include_str!("page/page.css")),
             ("/page.js", "text/javascript; charset=utf-8", include_str!("page/page.js")),
+            ("/table.js", "text/javascript; charset=utf-8", include_str!("page/table.js")),
             ("/status.js", "text/javascript; charset=utf-8", include_str!("page/status.js")),
             ("/recording.js", "text/javascript; charset=utf-8", include_str!("page/recording.js")),
         ];
@@ -81,6 +83,8 @@ impl Page {
             .route("/names", get(listed))
             .route("/places/{block}", get(places))
             .route("/info", get(about))
+            .route("/table/rows", post(table_rows))
+            .route("/table/file", post(table_file))
             .route("/session", post(sign_in).delete(sign_out))
             .route("/live", get(live))
             .route("/restore", post(restored))
@@ -306,6 +310,54 @@ async fn about(Extension(Asked { page, .. }): Extension<Asked>, headers: HeaderM
     page.user(&headers)?;
     let info = info::info(&page.link, &page.services).await.ok_or(StatusCode::SERVICE_UNAVAILABLE)?;
     Ok(Json(info).into_response())
+}
+
+/// The rows of a watch table whose file is in the body. 422: the error with its line.
+async fn table_rows(
+    Extension(Asked { page, .. }): Extension<Asked>,
+    headers: HeaderMap,
+    request: Request,
+) -> Result<Response, Response> {
+    let text = table(&page, &headers, request).await?;
+    // The file may be large: not on the thread that serves everybody.
+    let read = tokio::task::spawn_blocking(move || Sheet::read(&text)).await;
+    match read {
+        Ok(Ok(sheet)) => Ok(Json(sheet).into_response()),
+        Ok(Err(why)) => Err(refused(StatusCode::UNPROCESSABLE_ENTITY, &why)),
+        Err(_) => Err(StatusCode::INTERNAL_SERVER_ERROR.into_response()),
+    }
+}
+
+/// The file of a watch table whose rows are in the body.
+async fn table_file(
+    Extension(Asked { page, .. }): Extension<Asked>,
+    headers: HeaderMap,
+    request: Request,
+) -> Result<Response, Response> {
+    let text = table(&page, &headers, request).await?;
+    let written = tokio::task::spawn_blocking(move || {
+        let sheet: Sheet = serde_json::from_str(&text).map_err(|error| error.to_string())?;
+        sheet.write()
+    });
+    match written.await {
+        Ok(Ok(text)) => Ok(([(CONTENT_TYPE, "application/toml")], text).into_response()),
+        Ok(Err(why)) => Err(refused(StatusCode::UNPROCESSABLE_ENTITY, &why)),
+        Err(_) => Err(StatusCode::INTERNAL_SERVER_ERROR.into_response()),
+    }
+}
+
+/// The body of a request about a watch table, from a user of this page.
+async fn table(page: &Page, headers: &HeaderMap, request: Request) -> Result<String, Response> {
+    if !is_own(headers) {
+        return Err(StatusCode::FORBIDDEN.into_response());
+    }
+    page.user(headers).map_err(|status| refused(status, "sign in first"))?;
+    let body = timeout(FRAME_TIME, to_bytes(request.into_body(), PAGE_MESSAGE_MAX)).await;
+    let body = body.map_err(|_| refused(StatusCode::REQUEST_TIMEOUT, "the table took too long to come"))?;
+    let most = format!("a table has at most {} KiB", PAGE_MESSAGE_MAX / 1024);
+    let body = body.map_err(|_| refused(StatusCode::PAYLOAD_TOO_LARGE, &most))?;
+    String::from_utf8(body.into())
+        .map_err(|_| refused(StatusCode::UNPROCESSABLE_ENTITY, "the file is not a text in UTF-8"))
 }
 
 async fn live(

@@ -11,6 +11,8 @@ use serde_json::{Value, json};
 /// News about a block.
 #[derive(Debug, Default, Serialize)]
 pub struct Status {
+    /// The number that came with the order.
+    pub turn: u64,
     /// The calls that have run so far, when there are more of them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub calls: Option<Vec<String>>,
@@ -52,15 +54,26 @@ fn probes(image: &ProgramImage) -> Option<&Probes> {
 /// What a page knows of the block that it watches.
 #[derive(Default)]
 pub struct Known {
+    turn: u64,
     calls: usize,
     seen: Vec<Option<Seen>>,
     steps: Vec<StepSeen>,
 }
 
 impl Known {
+    /// Nothing yet, after the order with this number.
+    pub fn since(turn: u64) -> Known {
+        Known { turn, ..Known::default() }
+    }
+
+    /// Nothing any more: the program has changed.
+    pub fn forget(&mut self) {
+        *self = Known::since(self.turn);
+    }
+
     /// What is new in a look; `None`: nothing.
     pub fn news(&mut self, image: &ProgramImage, block: &str, looked: Looked) -> Option<Status> {
-        let mut status = Status::default();
+        let mut status = Status { turn: self.turn, ..Status::default() };
         if looked.calls.len() != self.calls {
             self.calls = looked.calls.len();
             status.calls = Some(looked.calls);

@@ -2,6 +2,7 @@
 
 use plcc_abi::services::{Role, User};
 
+use super::messages::exact;
 use super::users::{NOBODY, Users};
 use crate::password;
 
@@ -40,4 +41,16 @@ fn a_hash_that_is_none_lets_nobody_in() {
 #[test]
 fn a_name_that_does_not_exist_is_checked_as_long_as_another() {
     assert!(password::is_hash(NOBODY));
+}
+
+/// Browsers have 53 bits.
+#[test]
+fn whole_numbers_that_a_browser_would_round_are_texts() {
+    use serde_json::json;
+    assert_eq!(exact(json!(9_007_199_254_740_992_u64)), json!(9_007_199_254_740_992_u64));
+    assert_eq!(exact(json!(9_007_199_254_740_993_u64)), json!("9007199254740993"));
+    assert_eq!(exact(json!(u64::MAX)), json!("18446744073709551615"));
+    assert_eq!(exact(json!(i64::MIN)), json!("-9223372036854775808"));
+    assert_eq!(exact(json!(1.5e300)), json!(1.5e300));
+    assert_eq!(exact(json!("text")), json!("text"));
 }

@@ -8,9 +8,12 @@ const SAMPLES_MAX = 12000; // of a curve
 const live = {
   socket: null,
   names: [], // what the server tells, in its order
+  formats: [], // of them, null: by the type
+  list: 0, // how often other names were asked for on this connection
   shown: new Map(), // name -> { value, text, type } or { wrong }
   role: "look",
-  forced: [], // addresses
+  forced: [], // { name, value, address, comment }
+  marked: new Set(), // names with forced bits
   drawn: false, // the program has drawings
 };
 
@@ -21,11 +24,12 @@ function connect() {
   const socket = new WebSocket(`${scheme}://${location.host}/live`);
   live.socket = socket;
   let opened = false;
-  socket.onopen = () => { opened = true; live.names = []; lost(false); watch(); status.again(); };
+  socket.onopen = () => { opened = true; Object.assign(live, { names: [], formats: [], list: 0 }); lost(false); watch(); status.again(); };
   socket.onmessage = (event) => take(JSON.parse(event.data));
   socket.onclose = async () => {
     lost(true);
-    if (!opened && (await fetch("names")).status === 401) { signIn(); return; }
+    // Without an answer the program is away: it is tried again.
+    if (!opened && (await fetch("names").catch(() => null))?.status === 401) { signIn(); return; }
     setTimeout(connect, 1000);
   };
 }
@@ -43,42 +47,55 @@ function send(order) {
 // Asks for the values of the view that is open.
 function watch() {
   const names = [...new Set(view?.names() ?? [])];
-  if (names.length === live.names.length && names.every((name, at) => name === live.names[at])) return;
-  live.names = names;
-  send({ do: "watch", names });
+  const formats = names.map((name) => view.format?.(name) ?? null);
+  const same = (list, other) => list.length === other.length && list.every((one, at) => one === other[at]);
+  if (live.socket?.readyState !== WebSocket.OPEN || same(names, live.names) && same(formats, live.formats)) return;
+  Object.assign(live, { names, formats, list: live.list + 1 });
+  send(formats.some((format) => format) ? { do: "watch", names, formats } : { do: "watch", names });
 }
 
 function take(news) {
   if (news.hello) hello(news.hello);
   if (news.state) state(news.state);
   const changed = new Set();
-  for (const [number, why] of news.wrong ?? []) {
-    live.shown.set(live.names[number], { wrong: why });
-    changed.add(live.names[number]);
-  }
-  for (const [number, shown] of news.values ?? []) {
-    live.shown.set(live.names[number], shown);
-    changed.add(live.names[number]);
+  // Numbers of an earlier list of names mean others.
+  if (news.list === live.list) {
+    for (const [number, why] of news.wrong ?? []) {
+      live.shown.set(live.names[number], { wrong: why });
+      changed.add(live.names[number]);
+    }
+    for (const [number, shown] of news.values ?? []) {
+      live.shown.set(live.names[number], shown);
+      changed.add(live.names[number]);
+    }
+    if (news.marked) live.marked = new Set(news.marked.map((number) => live.names[number]));
   }
   if (news.status) status.take(news.status);
   if (news.trace) recording.take(news.trace);
   if (news.buffer) buffer(news.buffer);
   if (news.forced) forced(news.forced);
-  if (news.refused) refused(news.refused);
+  if (news.forced || news.marked) { table.mark(); if (view === forces) forces.open(); }
+  if (news.job !== undefined) table.job(news.job);
+  if (news.refused) { refused(news.refused); table.refused(news.refused); }
   record();
   view?.update(changed);
 }
 
 function hello(it) {
+  // Another process has another program.
+  if (live.started !== undefined && live.started !== it.started) { location.reload(); return; }
+  live.started = it.started;
   document.title = `${it.program} – plcc`;
   $("title").textContent = it.program;
   $("cpu").textContent = it.cpu;
   $("user").textContent = it.user;
   $("sign-out").hidden = !it.user;
   live.role = it.role;
-  live.watchable = it.watchable;
+  Object.assign(live, { watchable: it.watchable, force: { max: it.force_max, modules: it.force_modules, areas: it.force_areas }, resets: it.has_reset });
   document.body.classList.toggle("operate", it.role !== "look");
+  document.body.classList.toggle("change", it.role === "change");
   $("orders").hidden = it.role !== "change";
+  table.job(0);
 }
 
 function lamp(kind, text) {
@@ -92,18 +109,21 @@ function state(it) {
   live.generation = it.generation;
   lamp(it.running ? "run" : "stop", it.running ? "RUN" : "STOP");
   $("reason").textContent = it.running ? "" : it.reason;
+  // What is possible now.
+  $("stop").disabled = !it.running;
+  $("run").disabled = $("restart").disabled = it.running;
+  $("reset").hidden = it.running || !live.resets;
   $("clock").textContent = time(it.clock);
   $("cycle").textContent = `cycle ${it.cycle.toLocaleString("en")}`;
 }
 
 // Inputs and outputs with fixed values are told wherever the page is.
 function forced(list) {
-  live.forced = list.map(([name]) => name);
-  program.frame.contentWindow?.live?.force(live.forced);
-  if (view === table) table.update(table.rows.keys());
+  live.forced = list;
+  program.mark();
   $("forced").hidden = list.length === 0;
   $("forced").textContent = `F ${list.length}`;
-  $("forced").title = list.map(([name, value]) => `${name} = ${value}`).join("\n");
+  $("forced").title = list.map((it) => `${it.name} = ${it.value}`).join("\n");
 }
 
 let refusedTimer;
@@ -125,54 +145,56 @@ function element(tag, properties = {}, ...children) {
   return made;
 }
 
-function showValue(cell, shown, format) {
+// Asks a person. Result: what was entered, without a field the empty text; null: no.
+function ask(question, yes, field) {
+  const dialog = $("question"), input = $("question-value");
+  $("question-text").textContent = question;
+  $("question-yes").textContent = yes;
+  $("question-field").hidden = !field;
+  $("question-label").textContent = field?.label ?? "";
+  input.value = field?.value ?? "";
+  input.required = !!field;
+  dialog.returnValue = "";
+  dialog.showModal();
+  if (field) input.select();
+  return new Promise((done) => {
+    // The event of an earlier question may come when this one is open.
+    dialog.onclose = () => { if (!dialog.open) done(dialog.returnValue === "yes" ? input.value.trim() : null); };
+  });
+}
+
+function showValue(cell, shown) {
   cell.className = "value";
   if (!shown) { cell.textContent = "…"; return; }
   if (shown.wrong) { cell.textContent = shown.wrong; cell.classList.add("wrong"); return; }
-  cell.textContent = formatted(shown, format);
+  cell.textContent = typeof shown.value === "boolean" && /^[01]$/.test(shown.text) ? String(shown.value).toUpperCase() : shown.text;
   cell.classList.toggle("on", shown.value === true);
-}
-
-const WIDTHS = { BYTE: 8, USINT: 8, SINT: 8, CHAR: 8, WORD: 16, INT: 16, UINT: 16, DWORD: 32, DINT: 32, UDINT: 32, LWORD: 64, LINT: 64, ULINT: 64 };
-const FORMATS = ["", "dec", "signed", "hex", "bin", "BCD", "REAL"];
-
-// A value as its type shows it, or in the format that was chosen.
-function formatted(shown, format) {
-  const bits = WIDTHS[shown.type];
-  if (!format || !bits || typeof shown.value !== "number" || !Number.isSafeInteger(shown.value)) {
-    return typeof shown.value === "boolean" ? String(shown.value).toUpperCase() : shown.text;
-  }
-  const raw = BigInt.asUintN(bits, BigInt(shown.value));
-  switch (format) {
-    case "dec": return raw.toString();
-    case "signed": return BigInt.asIntN(bits, raw).toString();
-    case "hex": return `16#${raw.toString(16).toUpperCase().padStart(bits / 4, "0")}`;
-    case "bin": return `2#${raw.toString(2).padStart(bits, "0").replace(/\B(?=(.{4})+$)/g, "_")}`;
-    case "BCD": { const digits = raw.toString(16); return /^\d+$/.test(digits) ? digits : shown.text; }
-    case "REAL": {
-      if (bits !== 32) return shown.text;
-      const data = new DataView(new ArrayBuffer(4));
-      data.setUint32(0, Number(raw));
-      return data.getFloat32(0).toPrecision(7);
-    }
-  }
 }
 
 // View: program. The drawings are a document of their own, which says which operands are in sight.
 
 const program = {
-  frame: $("drawings"), keys: [],
+  frame: $("drawings"), keys: [], timer: null,
   async open() {
-    if (!this.frame.src) this.frame.src = "program";
+    if (!this.frame.src) {
+      this.frame.onload = () => {
+        this.look();
+        // Another block may be in sight after that.
+        this.frame.contentDocument?.addEventListener("click", () => setTimeout(() => this.look(), 50));
+      };
+      this.frame.src = "program";
+    }
     this.look();
   },
+  // Again and again, while the view is open.
   look() {
+    clearTimeout(this.timer);
     if (view !== this) return;
     status.follow(this.frame.contentWindow?.live);
     this.keys = this.frame.contentWindow?.live?.keys() ?? [];
     watch();
     this.update();
-    setTimeout(() => this.look(), 500);
+    this.timer = setTimeout(() => this.look(), 500);
   },
   names() { return this.keys; },
   // Does something with the drawings as soon as they are there.
@@ -182,6 +204,8 @@ const program = {
     open();
   },
   uses(name) { this.show((frame) => frame.uses(name)); },
+  // Operands that are forced.
+  mark() { this.frame.contentWindow?.live?.force(live.forced.map((it) => it.address), live.force?.modules); },
   update() {
     const told = this.keys.filter((key) => live.shown.get(key)?.text !== undefined);
     this.frame.contentWindow?.live?.set(told.map((key) => [key, live.shown.get(key).text]));
@@ -226,74 +250,42 @@ const variables = {
 $("search").oninput = () => { variables.limit = ROWS; variables.draw(); };
 $("more").onclick = () => { variables.limit += ROWS; variables.draw(); };
 
-// View: watch table. It is kept by the browser.
+// A time axis below curves, in milliseconds from the moment `zero`.
+function axis(canvas, from, to, zero) {
+  const ratio = devicePixelRatio, width = (canvas.width = canvas.clientWidth * ratio), height = (canvas.height = canvas.clientHeight * ratio);
+  const pen = canvas.getContext("2d"), span = to - from;
+  const wanted = span / Math.max(1, canvas.clientWidth / 90), power = 10 ** Math.floor(Math.log10(wanted));
+  const step = [1, 2, 5, 10].map((times) => times * power).find((one) => one >= wanted) ?? span;
+  pen.font = `${11 * ratio}px system-ui`;
+  pen.textAlign = "center";
+  pen.fillStyle = pen.strokeStyle = matchMedia("(prefers-color-scheme: dark)").matches ? "#9aa5ae" : "#5d6872";
+  for (let tick = Math.ceil((from - zero) / step); tick * step <= to - zero; tick++) {
+    const x = (tick * step + zero - from) / span * width, text = step >= 1000 ? `${+(tick * step / 1000).toFixed(3)} s` : `${+(tick * step).toFixed(3)} ms`;
+    pen.fillRect(x, 0, ratio, 4 * ratio);
+    const half = pen.measureText(text).width / 2;
+    pen.fillText(text, Math.min(Math.max(x, half), width - half), height - 3 * ratio);
+  }
+}
 
-const table = {
-  list: JSON.parse(localStorage.getItem("watch table") ?? "[]"), rows: new Map(),
-  save() { localStorage.setItem("watch table", JSON.stringify(this.list)); },
-  add(name) {
-    if (!name || this.list.some((it) => it.name === name)) return;
-    this.list.push({ name, format: "" });
-    this.save();
-    if (view === this) this.open();
-  },
-  open() {
-    this.rows.clear();
-    $("empty").hidden = this.list.length > 0;
-    $("watched").replaceChildren(...this.list.map((it) => this.row(it)));
-    watch();
-    this.update(this.rows.keys());
-  },
-  row(it) {
-    const value = element("td", { className: "value" });
-    const type = element("td", { className: "type" });
-    const format = element("select", { title: "format", onchange: () => { it.format = format.value; this.save(); this.update([it.name]); } },
-      ...FORMATS.map((name) => element("option", { value: name, textContent: name || "type", selected: name === it.format })));
-    const fresh = element("input", { className: "new", placeholder: "value" });
-    fresh.setAttribute("aria-label", `new value of ${it.name}`);
-    const modify = element("form", { onsubmit: (event) => {
-      event.preventDefault();
-      if (fresh.value) send({ do: "modify", name: it.name, value: fresh.value });
-    } }, fresh, " ", element("button", { textContent: "set" }));
-    const remove = element("button", { textContent: "×", title: "remove", onclick: () => {
-      this.list = this.list.filter((other) => other !== it);
-      this.save();
-      this.open();
-    } });
-    this.rows.set(it.name, { value, type, format });
-    return element("tr", {}, element("td", { textContent: it.name }), type, element("td", {}, format), value,
-      element("td", { className: "operate" }, modify), element("td", {}, remove));
-  },
-  names() { return this.list.map((it) => it.name); },
-  update(changed) {
-    for (const name of changed) {
-      const row = this.rows.get(name);
-      const shown = live.shown.get(name);
-      if (!row) continue;
-      row.type.textContent = shown?.type ?? "";
-      showValue(row.value, shown, row.format.value);
-      row.value.classList.toggle("forced", live.forced.includes(name));
-    }
-  },
-};
-$("add").onsubmit = (event) => {
-  event.preventDefault();
-  table.add($("name").value.trim());
-  $("name").value = "";
-};
+// The range of a curve: that of a bit is from 0 to 1.
+function range(numbers, isBit) {
+  let [low, high] = isBit ? [0, 1] : [Infinity, -Infinity];
+  for (const number of numbers) { low = Math.min(low, number); high = Math.max(high, number); }
+  return low === high ? [low - 0.5, high + 0.5] : [low, high];
+}
 
 // View: curves of the watch table
 
 const curves = {
-  samples: new Map(), lanes: new Map(), paused: false, until: 0,
+  samples: new Map(), lanes: new Map(), paused: false, until: 0, axis: element("canvas", { className: "axis" }),
   open() {
     this.lanes.clear();
-    $("lanes").replaceChildren(...table.list.map(({ name }) => {
+    $("lanes").replaceChildren(...table.names().map((name) => {
       const value = element("b");
       const canvas = element("canvas");
       this.lanes.set(name, { value, canvas });
       return element("div", { className: "lane" }, element("div", {}, name, value), canvas);
-    }));
+    }), element("div", { className: "lane" }, element("div"), this.axis));
     watch();
     this.draw();
   },
@@ -302,6 +294,7 @@ const curves = {
   draw() {
     if (!this.paused) this.until = Date.now();
     const span = Number($("span").value) * 1000;
+    axis(this.axis, this.until - span, this.until, this.until);
     const style = getComputedStyle(document.documentElement);
     const dark = matchMedia("(prefers-color-scheme: dark)").matches;
     for (const [name, { value, canvas }] of this.lanes) {
@@ -314,9 +307,7 @@ const curves = {
       const first = Math.max(0, samples.findLastIndex(([at]) => at <= from));
       const seen = samples.slice(first).filter(([at]) => at <= this.until);
       if (!seen.length) continue;
-      let low = Math.min(...seen.map(([, y]) => y));
-      let high = Math.max(...seen.map(([, y]) => y));
-      if (low === high) { low -= 0.5; high += 0.5; }
+      const [low, high] = range(seen.map(([, y]) => y), typeof live.shown.get(name)?.value === "boolean");
       const x = (at) => (at - from) / span * width;
       const y = (number) => height - 6 - (number - low) / (high - low) * (height - 12);
       pen.strokeStyle = dark ? "#58b4f0" : "#0b6aa8";
@@ -349,8 +340,10 @@ $("span").onchange = () => curves.draw();
 // Keeps what the watch table tells, for its curves.
 function record() {
   const now = Date.now();
-  for (const { name } of table.list) {
-    const value = live.shown.get(name)?.value;
+  for (const name of table.names()) {
+    const shown = live.shown.get(name);
+    // What has more than 53 bits comes as a text.
+    const value = /^(LWORD|U?LINT)$/.test(shown?.type) ? Number(shown.value) : shown?.value;
     if (typeof value !== "number" && typeof value !== "boolean") continue;
     const samples = curves.samples.get(name) ?? [];
     if (samples.at(-1)?.[1] !== Number(value)) samples.push([now, Number(value)]);
@@ -382,7 +375,7 @@ function buffer(entries) {
 let view = null;
 
 function show(name) {
-  const VIEWS = { program, variables, table, curves, recording, "cpu-view": cpuInfo, buffer: diagnostics };
+  const VIEWS = { program, variables, table, force: forces, curves, recording, "cpu-view": cpuInfo, buffer: diagnostics };
   if (!Object.hasOwn(VIEWS, name)) name = live.drawn ? "program" : "variables";
   if (view !== VIEWS[name]) status.leave();
   view = VIEWS[name];
@@ -398,8 +391,13 @@ onhashchange = () => show(location.hash.slice(1));
 
 // Orders and users
 
-$("stop").onclick = () => { if (confirm("Put the CPU into STOP?")) send({ do: "stop" }); };
-$("run").onclick = () => { if (confirm("Start the CPU?")) send({ do: "run", restart: $("restart").value }); };
+$("stop").onclick = async () => { if (await ask("Put the CPU into STOP?", "STOP") !== null) send({ do: "stop" }); };
+$("run").onclick = async () => { if (await ask(`Start the CPU with a ${$("restart").value} restart?`, "RUN") !== null) send({ do: "run", restart: $("restart").value }); };
+$("reset").onclick = async () => {
+  const question = "Reset the memory of the CPU? All data begins with its start values, also what is retentive. This cannot be undone. The program stays.";
+  if (await ask(question, "Reset memory") !== null) send({ do: "reset" });
+};
+$("forced").onclick = () => { location.hash = "force"; };
 
 function signIn() {
   if (!$("sign-in").open) $("sign-in").showModal();

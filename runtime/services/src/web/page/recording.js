@@ -6,7 +6,7 @@ const recording = {
   last: [], // samples by signal: [milliseconds, value]
   samples: [], // all: [cycle, milliseconds, signal, value]
   base: [], // values before the first sample
-  now: 0, before: 0, lanes: [],
+  now: 0, before: 0, lanes: [], axis: element("canvas", { className: "axis" }),
   open() {
     const chosen = $("trigger").value;
     $("trigger").replaceChildren(element("option", { value: "", textContent: "at once" }),
@@ -16,7 +16,7 @@ const recording = {
     this.show();
   },
   // What can be recorded: bits and numbers.
-  wanted: () => table.list.map((it) => it.name).filter((name) => ["number", "boolean"].includes(typeof live.shown.get(name)?.value)).slice(0, 16),
+  wanted: () => table.names().filter((name) => ["number", "boolean"].includes(typeof live.shown.get(name)?.value)).slice(0, 16),
   names() { return table.names(); },
   update(changed) { if (changed.size && $("trigger").options.length !== this.wanted().length + 1) this.open(); },
   start() {
@@ -45,7 +45,8 @@ const recording = {
   },
   show() {
     this.lanes = this.signals.map((name) => ({ value: element("b"), canvas: element("canvas"), name }));
-    $("records").replaceChildren(...this.lanes.map(({ name, value, canvas }) => element("div", { className: "record" }, element("div", {}, name, " ", value), canvas)));
+    $("records").replaceChildren(...this.lanes.map(({ name, value, canvas }) => element("div", { className: "record" }, element("div", {}, name, " ", value), canvas)),
+      ...(this.lanes.length ? [element("div", { className: "record" }, element("div"), this.axis)] : []));
     this.draw();
   },
   draw() {
@@ -53,15 +54,16 @@ const recording = {
     const span = Math.max(1, this.now - from);
     const dark = matchMedia("(prefers-color-scheme: dark)").matches;
     const event = this.before > 0 ? this.samples[this.before]?.[1] : undefined;
-    this.lanes.forEach(({ value, canvas }, signal) => {
+    // Times are from the event on, or from the beginning.
+    if (this.samples.length) axis(this.axis, from, from + span, event ?? from);
+    this.lanes.forEach(({ value, canvas, name }, signal) => {
       const list = typeof this.base[signal] === "number" ? [[from, this.base[signal]], ...this.last[signal]] : this.last[signal] ?? [];
       value.textContent = list.length ? String(list.at(-1)[1]) : "";
       const width = (canvas.width = canvas.clientWidth * devicePixelRatio), height = (canvas.height = canvas.clientHeight * devicePixelRatio);
       const pen = canvas.getContext("2d");
-      let low = Infinity, high = -Infinity;
-      for (const [, y] of list) if (y !== null) { low = Math.min(low, y); high = Math.max(high, y); }
-      if (low > high) return;
-      if (low === high) { low -= 0.5; high += 0.5; }
+      const numbers = list.map(([, y]) => y).filter((y) => y !== null), isBit = typeof live.shown.get(name)?.value === "boolean";
+      if (!numbers.length) return;
+      const [low, high] = range(numbers, isBit);
       const x = (at) => (at - from) / span * width, y = (number) => height - 6 - (number - low) / (high - low) * (height - 12);
       pen.strokeStyle = dark ? "#58b4f0" : "#0b6aa8";
       pen.lineWidth = 1.5 * devicePixelRatio;
@@ -74,6 +76,12 @@ const recording = {
       }
       if (before !== null) pen.lineTo(x(this.now), y(before));
       pen.stroke();
+      if (!isBit) {
+        pen.fillStyle = dark ? "#9aa5ae" : "#5d6872";
+        pen.font = `${11 * devicePixelRatio}px system-ui`;
+        pen.fillText(String(+high.toPrecision(6)), 4, 12 * devicePixelRatio);
+        pen.fillText(String(+low.toPrecision(6)), 4, height - 3);
+      }
       if (event !== undefined) {
         pen.strokeStyle = "#c25e00";
         pen.beginPath(); pen.moveTo(x(event), 0); pen.lineTo(x(event), height); pen.stroke();

@@ -6,16 +6,19 @@ const status = {
   frame: null,
   calls: [],
   call: "",
+  turn: 0, // number of the order whose news are shown
   places: [],
   // Asks for the block that the drawings show now.
   async follow(frame) {
-    if (frame && frame !== this.frame) frame.force(live.forced);
+    const isNew = frame && frame !== this.frame;
     this.frame = frame;
+    if (isNew) program.mark();
     $("status-bar").hidden = !live.watchable;
     const block = live.watchable && $("status-on").checked ? frame?.block() ?? null : null;
     if (block === this.block || !frame) return;
     this.block = block;
     this.call = "";
+    this.turn++;
     this.list([]);
     $("status-block").textContent = block ?? frame.block() ?? "";
     $("status-seen").textContent = "";
@@ -28,7 +31,7 @@ const status = {
     $("status-seen").textContent = "not called so far";
     this.ask();
   },
-  ask() { send(this.block ? { do: "status", block: this.block, call: this.call || null } : { do: "status", block: null }); },
+  ask() { send(this.block ? { do: "status", block: this.block, call: this.call || null, turn: ++this.turn } : { do: "status", block: null }); },
   // After the connection was lost.
   again() { if (this.block) { this.block = null; } },
   leave() {
@@ -44,7 +47,7 @@ const status = {
       ...calls.map((name) => element("option", { value: name, textContent: name, selected: name === this.call })));
   },
   take(news) {
-    if (!this.block) return;
+    if (!this.block || news.turn !== this.turn) return;
     if (news.calls) this.list(news.calls);
     if (news.call) $("status-seen").textContent = `${this.calls[news.call[0]] ?? ""} in cycle ${news.call[1].toLocaleString("en")}`;
     this.frame?.see(news.seen ?? [], news.steps);
@@ -62,24 +65,36 @@ $("status-call").onchange = () => {
 // View: the CPU
 
 const cpuInfo = {
+  timer: null,
   open() {
     watch();
     if (view !== this) return;
     this.look();
   },
   async look() {
+    clearTimeout(this.timer);
     if (view !== this) return;
     // Again and again: the connection may be another one.
     if (live.watchable) send({ do: "obs" });
     const answer = await fetch("info").catch(() => null);
     if (answer?.ok) this.draw(await answer.json());
-    setTimeout(() => this.look(), 1000);
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => this.look(), 1000);
   },
   names: () => [],
   update() {},
   table(title, rows) {
     return element("div", {}, element("h2", { textContent: title }), element("table", {}, element("tbody", {},
       ...rows.map((row) => element("tr", {}, ...row.map((cell) => element("td", { textContent: cell ?? "" })))))));
+  },
+  // The station as it is configured, and partners of the program.
+  station(it) {
+    const parts = [];
+    if (it.modules.length) parts.push(this.table("Modules", it.modules.map((of) => [[of.name, of.order].filter((text) => text).join(", "),
+      of.slot === null ? "" : `rack ${of.rack}, slot ${of.slot}`, of.addresses, [...new Set(of.ranges)].join(", ")])));
+    if (it.devices.length) parts.push(this.table("Devices", it.devices.map((of) => [of.name, of.line, `unit ${of.unit}`, of.away ? "does not answer" : "answers"])));
+    if (it.partners.length) parts.push(this.table("Connections of the program", it.partners.map((of) => [`ID ${of.id}`, of.partner ?? "any partner", of.active ? "this side connects" : "the partner connects"])));
+    return parts;
   },
   times(title, bounds, counts) {
     const most = Math.max(1, ...counts);
@@ -107,7 +122,8 @@ const cpuInfo = {
       this.table("Blocks", Object.entries(it.blocks)),
       this.table("Organization blocks", it.obs.map((ob) => [`OB ${ob.ob} ${ob.name}`, (ob.class ?? "").replace(/\B[A-Z]/g, (c) => ` ${c}`).toLowerCase(),
         ob.runs ? `${ob.runs.count.toLocaleString("en")} runs` : "", ob.runs?.count ? `${ob.runs.mean_us.toFixed(1)} µs, at most ${ob.runs.longest_us.toFixed(1)} µs` : ""])),
-      this.table("Connections", it.connections.map((of) => [of.service, `${of.now} now`, `${of.accepted} accepted`, `${of.refused} refused`])),
+      ...this.station(it),
+      this.table("Clients", it.connections.map((of) => [of.service, `${of.now} now`, `${of.accepted} accepted`, `${of.refused} refused`])),
     );
   },
 };
