@@ -180,7 +180,10 @@ impl Maker {
         self.labels += 1;
         let label = format!("b{}", self.labels);
         let call = match self.random.below(3) {
-            0 => format!("CALL FC 2 (a := {}, b := {}, RET_VAL := MW 42);\n", self.value("I"), self.target("I")),
+            0 => {
+                let a = self.one(&["MW 10", "IW 0", "DB5.j", "-5", "12000"]);
+                format!("CALL FC 2 (a := {a}, b := {}, RET_VAL := MW 42);\n", self.target("I"))
+            }
             1 => format!("CALL FC 3 (a := {}, b := {});\n", self.target("I"), self.target("I")),
             _ => {
                 let x = self.one(&["MD 28", "DB5.r", "-2.500000e+000", "0.0"]);

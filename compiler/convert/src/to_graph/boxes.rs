@@ -4,7 +4,7 @@
 
 use plcc_syntax::Elementary;
 use plcc_syntax::ast::{
-    self, BlockName, Bound, Operand, OperandKind, PathPart, PathRoot, SectionKind, Statement, StatementKind,
+    self, Area, BlockName, Bound, Operand, OperandKind, PathPart, PathRoot, SectionKind, Statement, StatementKind,
     StatusOperand,
 };
 use plcc_syntax::network::ast::{Eno, Pin, PinValue, Target, Template, TemplateKey};
@@ -309,6 +309,7 @@ impl Reader<'_> {
             let instance = expression(instance)?;
             return Ok(self.drawing.called(Target::Element { row, instance: Some(instance) }, pins));
         }
+        let (mut read, mut written): (Vec<&Operand>, Vec<&Operand>) = (Vec::new(), Vec::new());
         pins.extend(self.drawing.input("en", flow)?);
         for parameter in &call.parameters {
             let Some(actual) = &parameter.actual else { continue };
@@ -318,9 +319,20 @@ impl Reader<'_> {
                 None if self.is_picture => false,
                 None => return Err("a call of a block whose parameters are not in the sources".to_string()),
             };
+            match section {
+                Some(SectionKind::Input) => read.push(actual),
+                Some(_) => written.push(actual),
+                None => {}
+            }
             let mut made = operand_pin(&parameter.name, actual, None, is_output)?;
             made.span = parameter.name_span;
             pins.push(made);
+        }
+        // A function in STL looks at its operands themselves, a box at what they were before the call.
+        let is_function = call.instance.is_none() && matches!(call.target.kind, OperandKind::Block(_));
+        let is_shared = |one: &&Operand| written.iter().any(|other| overlaps(one, other));
+        if is_function && !self.is_picture && read.iter().any(is_shared) {
+            return Err("a call that reads and writes one operand".to_string());
         }
         let callee = expression(&call.target)?;
         let instance = call.instance.as_ref().map(expression).transpose()?;
@@ -578,6 +590,25 @@ fn may_be_same(read: &Operand, written: &Operand) -> bool {
             _ => true,
         },
         _ => true,
+    }
+}
+
+/// Whether two operands of a call may have bits in common. A local variable is none of the others.
+fn overlaps(one: &Operand, other: &Operand) -> bool {
+    use OperandKind as K;
+    let is_local = |operand: &Operand| {
+        matches!(&operand.kind, K::Path(path) if matches!(path.root, PathRoot::Local { .. }))
+            || matches!(operand.kind, K::Absolute { area: Area::L, .. })
+    };
+    match (&one.kind, &other.kind) {
+        (K::Literal(_), _) | (_, K::Literal(_)) => false,
+        _ if is_local(one) != is_local(other) => false,
+        (K::Absolute { area, width, byte, bit }, K::Absolute { area: other, width: wide, byte: at, bit: place }) => {
+            let ends = |byte: u32, bits: u32| byte.saturating_add(bits.div_ceil(8));
+            let is_apart = width.bits() == 1 && wide.bits() == 1 && bit != place;
+            area == other && *byte < ends(*at, wide.bits()) && *at < ends(*byte, width.bits()) && !is_apart
+        }
+        _ => may_be_same(one, other) || may_be_same(other, one),
     }
 }
 

@@ -1,11 +1,11 @@
 //! Operands of statements as operands of networks.
 
 use plcc_diag::Span;
-use plcc_syntax::Elementary;
 use plcc_syntax::ast::{BlockName, Bound, Operand, OperandKind, PathPart, PathRoot, StatusOperand};
 use plcc_syntax::literal::Literal;
 use plcc_syntax::scl::ast::{Expr, ExprKind, Literal as SclLiteral, Name, NameForm, UnaryOp};
 use plcc_syntax::stl::StlInsn;
+use plcc_syntax::{Class, Elementary};
 
 use super::drawing::Reason;
 
@@ -117,8 +117,10 @@ fn is_short(literal: &Literal, bits: u32) -> bool {
     matches!(literal, Literal::Bits { value, .. } if bits == 32 || value.checked_shr(bits) == Some(0))
 }
 
-/// Whether MOVE of a constant to a target of so many bits, which is a REAL or not, leaves what `L` and `T` leave there.
-pub fn keeps_bits(literal: &Literal, bits: u32, is_real: bool) -> bool {
+/// Whether MOVE of a constant to a target of so many bits leaves what `L` and `T` leave there. `ty`: that of the target; an address has none.
+pub fn keeps_bits(literal: &Literal, bits: u32, ty: Option<Elementary>) -> bool {
+    let is_real = ty == Some(Elementary::Real);
+    let is_plain = ty.is_none_or(|ty| ty.class() == Class::Bits);
     match literal {
         Literal::Int(number) => match bits {
             16 => true,
@@ -126,12 +128,12 @@ pub fn keeps_bits(literal: &Literal, bits: u32, is_real: bool) -> bool {
             // `L -5` fills the upper word with zeros.
             _ => !is_real && (0..=0x7FFF).contains(number),
         },
-        Literal::Byte(_) => !is_real,
+        Literal::Byte(_) => is_plain,
         Literal::Word(_) | Literal::Counter(_) | Literal::S5Time(_) | Literal::Date(_) => {
-            bits == 16 || bits == 32 && matches!(literal, Literal::Word(_)) && !is_real
+            bits == 16 || bits == 32 && matches!(literal, Literal::Word(_)) && is_plain
         }
         Literal::Dword(_) | Literal::Dint(_) | Literal::Time(_) | Literal::TimeOfDay(_) => bits == 32 && !is_real,
-        Literal::Real(_) => bits == 32,
+        Literal::Real(_) => bits == 32 && (is_real || is_plain),
         Literal::Bits { value, .. } => !is_real && (bits == 32 || value.checked_shr(bits) == Some(0)),
         Literal::Text(bytes) => bits == 8 && bytes.len() == 1,
         Literal::Bool(_)

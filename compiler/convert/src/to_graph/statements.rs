@@ -494,13 +494,13 @@ impl Reader<'_> {
     pub fn can_move(&self, from: &Kind, operand: &Operand) -> Result<(), Reason> {
         let to = self.kind_of(operand);
         let target = match &to {
-            Kind::Bits(bits) => Some((*bits, false)),
-            Kind::Type(ty) => Some((ty.bits(), *ty == Elementary::Real)),
+            Kind::Bits(bits) => Some((*bits, None)),
+            Kind::Type(ty) => Some((ty.bits(), Some(*ty))),
             Kind::Constant(_) | Kind::Cell | Kind::Unknown => None,
         };
         match (from, target) {
             _ if self.is_picture => Ok(()),
-            (Kind::Constant(literal), Some((bits, is_real))) if keeps_bits(literal, bits, is_real) => Ok(()),
+            (Kind::Constant(literal), Some((bits, ty))) if keeps_bits(literal, bits, ty) => Ok(()),
             (Kind::Constant(_), Some(_)) => Err("a transfer of a constant to an operand of another type".to_string()),
             (Kind::Bits(_) | Kind::Type(_), _) if *from == to => Ok(()),
             // An address has the type of the other operand.
