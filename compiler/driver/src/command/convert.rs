@@ -80,6 +80,20 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
                 messages.push(other_family(unit, to));
                 continue;
             }
+            if to == ConvertTo::Scl
+                && matches!(plcc_readers::xml::kind(&source.text), Some(plcc_readers::xml::XmlKind::PlcOpen))
+            {
+                messages.push(
+                    Diagnostic::new(
+                        plcc_diag::Code::NotConverted,
+                        plcc_diag::Span::new(*file, 0..0),
+                        "PLCopen XML cannot be written as SCL",
+                    )
+                    .label("its constants and addresses have other forms")
+                    .help("build it as it is: plcc reads PLCopen XML"),
+                );
+                continue;
+            }
             let (made, found) = match to {
                 ConvertTo::Stl => {
                     let (listed, mut found) = match &program {
@@ -210,35 +224,11 @@ fn written(
                 plcc_convert::xml::write(made, library, trivia(is_stl), (!is_stl).then_some(meaning));
             (Converted { name, text, texts: None }, messages)
         }
-        ConvertTo::Scl if plcc_readers::xml::kind(source) == Some(plcc_readers::xml::XmlKind::PlcOpen) => {
-            let (text, messages) = structured_text(made, meaning);
-            (Converted { name, text, texts: None }, messages)
-        }
         ConvertTo::Scl => {
             let (text, messages) = plcc_convert::scl::write(made, trivia(false), (!is_stl).then_some(meaning));
             (Converted { name, text, texts: None }, messages)
         }
     }
-}
-
-/// ST of PLCopen XML as SCL: its constants and addresses have other forms, so that they are written from the tree. `meaning`: the file without
-/// markup.
-fn structured_text(unit: &SourceUnit, meaning: &str) -> (String, Vec<Diagnostic>) {
-    let mut unit = unit.clone();
-    // Comments are taken in the order of the file, in which its blocks need not be read.
-    unit.blocks.sort_by_key(|block| block.span().start);
-    let is_code = |at: u32| {
-        unit.blocks.iter().any(|block| match block {
-            Block::Code(block) => {
-                let declared = block.sections.iter().map(|section| section.span.end).max();
-                declared.unwrap_or(block.name.span().end) <= at && at < block.span.end
-            }
-            Block::Data(_) | Block::Type(_) => false,
-        })
-    };
-    let mut comments = scl::comments(meaning);
-    comments.retain(|comment| is_code(comment.start));
-    plcc_convert::scl::write(&unit, Trivia::new(meaning, comments, false), None)
 }
 
 /// Few mnemonics, such as `SE`, are in both sets: a source with no others must be read with the set that is meant.
