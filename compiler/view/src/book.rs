@@ -3,14 +3,18 @@
 use std::collections::HashMap;
 
 use plcc_abi::image::BlockKind;
+use plcc_convert::to_graph;
+use plcc_convert::to_stl::types::Types;
 use plcc_diag::Span;
 use plcc_model::{BlockKey, Direction, Program};
 use plcc_syntax::ast::{
     self, BlockName, Code, CodeBlock, CodeKind, DataContent, SectionKind, SourceUnit, TypeKind, Variable,
 };
 use plcc_syntax::chart::ast::{Permanent, PermanentKind};
-use plcc_syntax::network::ast::{Content, Language, Network};
+use plcc_syntax::network::ast::{Content, Language, Network, Target};
+use plcc_syntax::network::draw;
 use plcc_syntax::s7200::ast as s7200;
+use plcc_syntax::scl::ast::Expr;
 use plcc_syntax::stl::Mnemonics;
 
 use crate::chart::{self, Tiles};
@@ -124,9 +128,10 @@ pub fn book_with(
     options: Options<'_>,
 ) -> Book {
     let mut book = Book { title: title.to_string(), pages: Vec::new(), is_live: options.is_live };
+    let types = Types::new(units.iter().map(|(_, unit)| *unit), &[]);
     for (text, unit) in units {
         let text = unit.overlay.as_deref().unwrap_or(text);
-        let maker = Maker { text, unit, names, program, options };
+        let maker = Maker { text, unit, names, program, types: &types, options };
         for block in &unit.blocks {
             match block {
                 ast::Block::Code(block) => book.pages.push(maker.code(block)),
@@ -185,6 +190,7 @@ struct Maker<'a> {
     unit: &'a SourceUnit,
     names: &'a Names,
     program: Option<&'a Program>,
+    types: &'a Types<'a>,
     options: Options<'a>,
 }
 
@@ -240,8 +246,10 @@ impl Maker<'_> {
             }
             Code::Stl(networks) => {
                 page.language = "STL";
+                let pictures = to_graph::pictures(block, self.types);
+                let networks = networks.iter().zip(pictures).enumerate();
                 page.sections =
-                    networks.iter().enumerate().map(|(at, network)| self.stl(at + 1, network, scope)).collect();
+                    networks.map(|(at, (network, picture))| self.stl(at + 1, network, picture.ok(), scope)).collect();
             }
             Code::Scl(body) => {
                 page.language = "SCL";
@@ -365,9 +373,16 @@ impl Maker<'_> {
         text.split_whitespace().collect::<Vec<_>>().join(" ")
     }
 
-    fn stl(&self, number: usize, network: &ast::Network, scope: Scope) -> Section {
+    /// `picture`: the network as LAD, with boxes of several statements.
+    fn stl(&self, number: usize, network: &ast::Network, picture: Option<Network>, scope: Scope) -> Section {
         let label = |operand: &ast::Operand| self.names.label(&self.words(operand.span), scope);
-        let drawn = sheet::stl::sheet(&network.statements, &label, &|block, formal| self.is_output(block, formal));
+        let rungs = sheet::stl::sheet(&network.statements, &label, &|block, formal| self.is_output(block, formal));
+        let drawn = match picture {
+            Some(picture) if rungs.is_err() || sheet::network::has_cells(&picture) => {
+                self.boxes(&network.statements, picture, scope).ok_or(String::new()).or(rungs)
+            }
+            _ => rungs,
+        };
         let spans = network.statements.iter().map(|statement| statement.span);
         Section {
             number,
@@ -375,6 +390,28 @@ impl Maker<'_> {
             comment: network.comment.clone(),
             ..self.rungs(drawn, spans)
         }
+    }
+
+    /// The sheet of a network that is made of statements, if it has elements.
+    fn boxes(&self, statements: &[ast::Statement], picture: Network, scope: Scope) -> Option<Sheet> {
+        let Content::Graphic(mut graph) = picture.content else { return None };
+        let spans: HashMap<u32, Span> = statements
+            .iter()
+            .flat_map(sheet::stl::operands)
+            .map(|operand| (operand.span.start, operand.span))
+            .collect();
+        let words = |value: &Expr| spans.get(&value.span.start).map_or(draw::whole(value), |span| self.words(*span));
+        for element in &mut graph.elements {
+            if let Target::Block { callee, .. } = &element.target {
+                let block = words(callee);
+                for pin in &mut element.pins {
+                    pin.output |= pin.name != "en" && self.is_output(&block, &pin.name);
+                }
+            }
+        }
+        let label = |value: &Expr| self.names.label(&words(value), scope);
+        let is_empty = graph.elements.is_empty();
+        (!is_empty).then(|| sheet::network::sheet_of_statements(&graph, self.names, scope, &label))
     }
 
     /// The ladder of a network in STL, or its text and why it is no ladder.
@@ -408,6 +445,21 @@ impl Maker<'_> {
             let mut parameters = block.interface.parameters.iter();
             parameters.any(|known| known.direction == Direction::Output && known.name.eq_ignore_ascii_case(formal))
         })
+    }
+
+    /// The parameters of a subroutine of the S7-200, and whether they are outputs.
+    fn parameters(&self, name: &str) -> Option<Vec<(String, bool)>> {
+        let name = name.trim_matches('"');
+        let mut blocks = self.unit.s7200.iter().flat_map(|source| &source.blocks);
+        let block = blocks.find(|block| {
+            let number = block
+                .number
+                .is_some_and(|(number, _)| name.replace(' ', "").eq_ignore_ascii_case(&format!("SBR{number}")));
+            let named = block.name.as_ref().is_some_and(|(own, _)| own.eq_ignore_ascii_case(name));
+            block.kind == s7200::BlockKind::Subroutine && (number || named)
+        })?;
+        let formals = block.declarations.iter().filter(|row| row.section != s7200::Section::Temp);
+        Some(formals.map(|row| (row.name.clone(), row.section == s7200::Section::Output)).collect())
     }
 
     fn s7200(&self, block: &s7200::Block) -> Page {
@@ -446,7 +498,7 @@ impl Maker<'_> {
         page.scope = scope;
         for (at, network) in block.networks.iter().enumerate() {
             let label = |operand: &s7200::Operand| self.names.label(&self.words(operand.span), scope);
-            let drawn = sheet::s7200::sheet(&network.statements, &label);
+            let drawn = sheet::s7200::sheet(&network.statements, &label, &|name| self.parameters(name));
             let spans = network.statements.iter().map(|statement| statement.span);
             page.sections.push(Section {
                 number: network.number.map_or(at + 1, |number| number as usize),

@@ -12,6 +12,8 @@ const CELLS: usize = 22;
 const VALUE: usize = 8;
 /// The line from a box to what is connected to it.
 pub const STUB: i32 = 14;
+/// Around an operand at the side of a box, so that it does not run into that of the next box.
+const BESIDE: i32 = 8;
 /// From one pin of a box to the next, at least.
 const PITCH: i32 = 22;
 
@@ -164,7 +166,7 @@ fn boxed(of: &Part, title: &str, detail: &str, instance: Option<&Label>, rooms: 
         |list: &[Option<usize>]| list.iter().map(|at| metrics::width(name(at), metrics::SMALL)).max().unwrap_or(0);
     let beside = |list: &[Option<usize>]| {
         let room = |at: &Option<usize>| at.and_then(|at| rooms.get(&at)).map_or(0, |room| room.width);
-        list.iter().map(|at| text(at).map_or(0, |lines| lines.width() + 4).max(room(at))).max().unwrap_or(0)
+        list.iter().map(|at| text(at).map_or(0, |lines| lines.width() + BESIDE).max(room(at))).max().unwrap_or(0)
     };
     let titles: Vec<(String, Ink)> = metrics::wrapped(title, 26)
         .into_iter()

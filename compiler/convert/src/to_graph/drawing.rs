@@ -182,6 +182,20 @@ impl Drawing {
         self.graph.elements.len() - 1
     }
 
+    /// A call, or an element with an instance; its index.
+    pub fn called(&mut self, target: Target, pins: Vec<Pin>) -> usize {
+        self.graph.elements.push(Element {
+            target,
+            templates: Vec::new(),
+            eno: Eno::Default,
+            pins,
+            equation: None,
+            cases: Vec::new(),
+            span: self.span,
+        });
+        self.graph.elements.len() - 1
+    }
+
     /// Connects an output of an element to a net, or to a new one.
     pub fn output(&mut self, element: usize, name: &str, into: Option<NetId>) -> NetId {
         let net = into.unwrap_or_else(|| self.wire());

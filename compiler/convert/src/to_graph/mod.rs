@@ -2,10 +2,11 @@
 //!
 //! - [`drawing`]: signals as contacts in series and parallel, or as gates.
 //! - [`redraw`]: networks of LAD in FBD and back.
-//! - `statements`: what statements do, network by network; `logic` and `operand` are their parts.
+//! - `statements`: what statements do, network by network; `logic` and `operand` are their parts, `boxes` what several statements are.
 //!
 //! Source: LAD/FBD reference, chapter F.3.
 
+mod boxes;
 pub mod drawing;
 mod logic;
 mod operand;
@@ -14,9 +15,10 @@ mod statements;
 
 pub(crate) use operand::constant;
 
-use plcc_diag::Diagnostic;
+use plcc_diag::{Diagnostic, Span};
 use plcc_syntax::ast::{self, Block, CodeBlock, SourceUnit};
-use plcc_syntax::network::ast::{Body, Content, Language, Network};
+use plcc_syntax::network::ast::{Body, Content, Graph, Language, Network};
+use plcc_syntax::scl::ast::Name;
 
 use crate::to_stl::types::Types;
 
@@ -27,7 +29,7 @@ pub fn unit(unit: &SourceUnit, types: &Types, language: Language) -> (SourceUnit
     for block in &mut made.blocks {
         let Block::Code(code) = block else { continue };
         let made = match &code.code {
-            ast::Code::Stl(_) => self::block(code, types, language),
+            ast::Code::Stl(_) => self::block(code, types, language, &mut messages),
             ast::Code::Graphic(_) => redraw::block(code, language),
             ast::Code::Scl(_) | ast::Code::Chart(_) => continue,
         };
@@ -39,14 +41,24 @@ pub fn unit(unit: &SourceUnit, types: &Types, language: Language) -> (SourceUnit
     (made, messages)
 }
 
-/// A block of STL in networks.
-pub fn block(block: &CodeBlock, types: &Types, language: Language) -> Result<CodeBlock, Vec<Diagnostic>> {
+/// A block of STL in networks. `notes` get what is not quite the same.
+pub fn block(
+    block: &CodeBlock,
+    types: &Types,
+    language: Language,
+    notes: &mut Vec<Diagnostic>,
+) -> Result<CodeBlock, Vec<Diagnostic>> {
     let ast::Code::Stl(networks) = &block.code else { return Ok(block.clone()) };
     let mut messages = Vec::new();
     let mut body = Body::default();
+    let jumps = statements::jumps(networks);
     for network in networks {
-        match self::network(network, block, types, language) {
-            Ok(drawn) => body.networks.push(drawn),
+        let span = start(network, block);
+        match statements::graph(network, (block, &jumps), types, language, (span, false)) {
+            Ok(drawn) => {
+                notes.extend(drawn.notes);
+                body.networks.push(made(network, language, drawn.labels, drawn.graph, span));
+            }
             Err(found) => messages.extend(found),
         }
     }
@@ -56,23 +68,32 @@ pub fn block(block: &CodeBlock, types: &Types, language: Language) -> Result<Cod
     Ok(CodeBlock { code: ast::Code::Graphic(body), ..block.clone() })
 }
 
-/// A network of STL as contacts and coils, or as gates; or the statements that have no such form.
-///
-/// `block`: the block that contains it.
-pub fn network(
-    network: &ast::Network,
-    block: &CodeBlock,
-    types: &Types,
-    language: Language,
-) -> Result<Network, Vec<Diagnostic>> {
-    let span = network.statements.first().map_or(block.span, |statement| statement.span);
-    let (labels, graph) = statements::graph(network, block, types, language, span)?;
-    Ok(Network {
+/// The networks of a block of STL for pictures, as LAD; or the reason for each one that cannot be drawn. Types that are not known do not matter.
+pub fn pictures(block: &CodeBlock, types: &Types) -> Vec<Result<Network, Diagnostic>> {
+    let ast::Code::Stl(networks) = &block.code else { return Vec::new() };
+    let jumps = statements::jumps(networks);
+    let drawn = networks.iter().map(|network| {
+        let span = start(network, block);
+        match statements::graph(network, (block, &jumps), types, Language::Lad, (span, true)) {
+            Ok(drawn) => Ok(made(network, Language::Lad, drawn.labels, drawn.graph, span)),
+            Err(mut messages) => Err(messages.remove(0)),
+        }
+    });
+    drawn.collect()
+}
+
+/// The place of a network.
+fn start(network: &ast::Network, block: &CodeBlock) -> Span {
+    network.statements.first().map_or(block.span, |statement| statement.span)
+}
+
+fn made(network: &ast::Network, language: Language, labels: Vec<Name>, graph: Graph, span: Span) -> Network {
+    Network {
         language,
         title: network.title.clone(),
         comment: network.comment.clone(),
         labels,
         content: Content::Graphic(graph),
         span,
-    })
+    }
 }

@@ -1,11 +1,11 @@
 //! Operands of statements as operands of networks.
 
 use plcc_diag::Span;
-use plcc_syntax::Elementary;
 use plcc_syntax::ast::{BlockName, Bound, Operand, OperandKind, PathPart, PathRoot, StatusOperand};
 use plcc_syntax::literal::Literal;
 use plcc_syntax::scl::ast::{Expr, ExprKind, Literal as SclLiteral, Name, NameForm, UnaryOp};
 use plcc_syntax::stl::StlInsn;
+use plcc_syntax::{Class, Elementary};
 
 use super::drawing::Reason;
 
@@ -62,9 +62,9 @@ pub fn flag(status: StatusOperand) -> &'static str {
 }
 
 /// What is known of the type of an operand.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Kind {
-    Constant(Form),
+    Constant(Literal),
     /// An absolute address of so many bits.
     Bits(u32),
     Type(Elementary),
@@ -72,52 +72,77 @@ pub enum Kind {
     Unknown,
 }
 
-/// How a constant is written. `L` brings its bits as they are; elements of networks convert numbers to the type of their operand.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Form {
-    /// A number of 16 bits. `L` does not extend its sign.
-    Int {
-        negative: bool,
-    },
-    Dint,
-    Real,
-    Other,
+/// Whether an operand is a value of a type, so that a box reads the bits that the statement reads.
+pub fn fits(operand: &Operand, kind: Kind, ty: Elementary) -> bool {
+    let OperandKind::Literal(literal) = &operand.kind else {
+        return match kind {
+            // An address has the type of its pin.
+            Kind::Bits(bits) => bits == ty.bits(),
+            Kind::Type(own) => own == ty,
+            Kind::Unknown | Kind::Constant(_) | Kind::Cell => false,
+        };
+    };
+    match ty {
+        Elementary::Int => matches!(literal, Literal::Int(number) if i16::try_from(*number).is_ok()),
+        // `L -5` fills the upper word with zeros.
+        Elementary::Dint => matches!(literal, Literal::Dint(_) | Literal::Int(0..=0x7FFF)),
+        Elementary::Real => matches!(literal, Literal::Real(_)),
+        Elementary::Word => matches!(literal, Literal::Word(_) | Literal::Int(0..=0x7FFF)) || is_short(literal, 16),
+        Elementary::Dword => {
+            matches!(literal, Literal::Dword(_) | Literal::Word(_) | Literal::Int(0..=0x7FFF)) || is_short(literal, 32)
+        }
+        _ => false,
+    }
 }
 
-impl Form {
-    pub fn of(literal: &Literal) -> Form {
-        match literal {
-            Literal::Int(number) => Form::Int { negative: *number < 0 },
-            Literal::Dint(_) => Form::Dint,
-            Literal::Real(_) => Form::Real,
-            Literal::Bool(_)
-            | Literal::Byte(_)
-            | Literal::Word(_)
-            | Literal::Counter(_)
-            | Literal::Dword(_)
-            | Literal::Bits { .. }
-            | Literal::S5Time(_)
-            | Literal::Time(_)
-            | Literal::Date(_)
-            | Literal::TimeOfDay(_)
-            | Literal::Text(_)
-            | Literal::Bytes2(_)
-            | Literal::Bytes4(_)
-            | Literal::DateAndTime(_)
-            | Literal::Pointer(_)
-            | Literal::AreaPointer { .. }
-            | Literal::Any(_) => Form::Other,
+/// Whether a constant that is compared as `Int`, `DInt` or `Real` has the bits that `L` loads.
+pub fn compares(literal: &Literal, ty: &str) -> bool {
+    match ty {
+        "Int" => match literal {
+            Literal::Int(number) => i16::try_from(*number).is_ok(),
+            // Bits, up to the sign.
+            Literal::Word(_) | Literal::S5Time(_) | Literal::Counter(_) => true,
+            literal => is_short(literal, 16),
+        },
+        "DInt" => {
+            matches!(literal, Literal::Dint(_) | Literal::Dword(_) | Literal::Time(_) | Literal::Int(0..=0x7FFF))
+                || is_short(literal, 32)
         }
+        _ => matches!(literal, Literal::Real(_)),
     }
+}
 
-    /// Whether an element makes of the constant the bits that `L` brings, for an operand of so many bits that is a REAL or not.
-    pub fn keeps_bits(self, bits: u32, is_real: bool) -> bool {
-        match self {
-            Form::Int { negative } => !is_real && (bits == 16 || !negative),
-            Form::Dint => !is_real,
-            Form::Real => is_real || bits == 32,
-            Form::Other => true,
+/// Bits without a type, no more than `bits`.
+fn is_short(literal: &Literal, bits: u32) -> bool {
+    matches!(literal, Literal::Bits { value, .. } if bits == 32 || value.checked_shr(bits) == Some(0))
+}
+
+/// Whether MOVE of a constant to a target of so many bits leaves what `L` and `T` leave there. `ty`: that of the target; an address has none.
+pub fn keeps_bits(literal: &Literal, bits: u32, ty: Option<Elementary>) -> bool {
+    let is_real = ty == Some(Elementary::Real);
+    let is_plain = ty.is_none_or(|ty| ty.class() == Class::Bits);
+    match literal {
+        Literal::Int(number) => match bits {
+            16 => true,
+            8 => (0..=0xFF).contains(number),
+            // `L -5` fills the upper word with zeros.
+            _ => !is_real && (0..=0x7FFF).contains(number),
+        },
+        Literal::Byte(_) => is_plain,
+        Literal::Word(_) | Literal::Counter(_) | Literal::S5Time(_) | Literal::Date(_) => {
+            bits == 16 || bits == 32 && matches!(literal, Literal::Word(_)) && is_plain
         }
+        Literal::Dword(_) | Literal::Dint(_) | Literal::Time(_) | Literal::TimeOfDay(_) => bits == 32 && !is_real,
+        Literal::Real(_) => bits == 32 && (is_real || is_plain),
+        Literal::Bits { value, .. } => !is_real && (bits == 32 || value.checked_shr(bits) == Some(0)),
+        Literal::Text(bytes) => bits == 8 && bytes.len() == 1,
+        Literal::Bool(_)
+        | Literal::Bytes2(_)
+        | Literal::Bytes4(_)
+        | Literal::DateAndTime(_)
+        | Literal::Pointer(_)
+        | Literal::AreaPointer { .. }
+        | Literal::Any(_) => false,
     }
 }
 

@@ -1,6 +1,8 @@
 //! What the statements of a network do: signals, and what they lead to.
 
-use plcc_diag::{Code, Diagnostic, Span};
+use std::collections::{HashMap, HashSet};
+
+use plcc_diag::{Code, Diagnostic, Severity, Span};
 use plcc_syntax::Elementary;
 use plcc_syntax::ast::{self, BlockName, CellKind, CodeBlock, Operand, OperandKind, Statement, StatementKind};
 use plcc_syntax::network::ast::{Graph, Language, Pin, PinValue};
@@ -11,17 +13,30 @@ use crate::to_stl::types::Types;
 
 use super::drawing::{Drawing, Reason, Signal, pin};
 use super::logic::{Join, Logic};
-use super::operand::{Form, Kind, compared, expression, flag, typed};
+use super::operand::{Kind, compared, compares, expression, flag, keeps_bits, typed};
 
-/// The labels of a network, and its elements.
+/// A network that is drawn.
+pub struct Drawn {
+    pub labels: Vec<Name>,
+    pub graph: Graph,
+    /// What is not quite the same as the statements.
+    pub notes: Vec<Diagnostic>,
+}
+
+/// A statement that has no form.
+pub struct Refused {
+    pub span: Span,
+    pub reason: Reason,
+}
+
+/// The labels of a network, and its elements. `is_picture`: types that are not known do not matter.
 pub fn graph(
     network: &ast::Network,
-    block: &CodeBlock,
+    (block, jumps): (&CodeBlock, &Jumps),
     types: &Types,
     language: Language,
-    span: Span,
-) -> Result<(Vec<Name>, Graph), Vec<Diagnostic>> {
-    let mut labels = Vec::new();
+    (span, is_picture): (Span, bool),
+) -> Result<Drawn, Vec<Diagnostic>> {
     let mut reader = Reader {
         drawing: Drawing::new(language, span),
         logic: Logic::default(),
@@ -31,19 +46,21 @@ pub fn graph(
         chain: None,
         types,
         block,
+        jumps,
+        is_picture,
+        closed: HashSet::new(),
+        labels: Vec::new(),
+        notes: Vec::new(),
     };
-    for (at, statement) in network.statements.iter().enumerate() {
-        reader.drawing.at(statement.span);
-        if let Some(label) = &statement.label {
-            if at > 0 {
-                return Err(vec![refusal(statement.span, "a label inside a network", language)]);
-            }
-            labels.push(Name { text: label.name.clone(), form: NameForm::Bare, span: label.span });
-        }
-        let last = network.statements[at + 1..].iter().all(does_nothing);
-        if let Err(reason) = reader.statement(statement, last) {
-            return Err(vec![refusal(statement.span, &reason, language)]);
-        }
+    let statements: Vec<&Statement> = network
+        .statements
+        .iter()
+        .filter(|statement| {
+            statement.label.is_some() || !matches!(statement.kind, StatementKind::Empty | StatementKind::Pragma(_))
+        })
+        .collect();
+    if let Err(Refused { span, reason }) = reader.sequence(&statements, true) {
+        return Err(vec![refusal(span, &reason, language)]);
     }
     let end = network.statements.last().map_or(span, |statement| statement.span);
     if !reader.nesting.is_empty() || !reader.fresh && reader.logic.is_open() {
@@ -52,7 +69,7 @@ pub fn graph(
     if !reader.loads.is_empty() {
         return Err(vec![refusal(end, "a value in the accumulator that nothing uses", language)]);
     }
-    Ok((labels, reader.drawing.graph))
+    Ok(Drawn { labels: reader.labels, graph: reader.drawing.graph, notes: reader.notes })
 }
 
 fn refusal(span: Span, reason: &str, language: Language) -> Diagnostic {
@@ -71,22 +88,82 @@ fn does_nothing(statement: &Statement) -> bool {
     }
 }
 
-struct Reader<'a> {
-    drawing: Drawing,
-    logic: Logic,
+/// What reads the statements of a network.
+pub struct Reader<'a> {
+    pub drawing: Drawing,
+    pub logic: Logic,
     /// Around open parentheses.
-    nesting: Vec<(Logic, Join, bool)>,
+    pub nesting: Vec<(Logic, Join, bool)>,
     /// Values that are loaded.
-    loads: Vec<(Expr, Span, Kind)>,
+    pub loads: Vec<(Expr, Span, Kind)>,
     /// The RLO has been used: the next scan begins anew, another coil shares it.
-    fresh: bool,
+    pub fresh: bool,
     /// The last coil, and its flow.
-    chain: Option<(usize, Signal)>,
-    types: &'a Types<'a>,
-    block: &'a CodeBlock,
+    pub chain: Option<(usize, Signal)>,
+    pub types: &'a Types<'a>,
+    pub block: &'a CodeBlock,
+    pub jumps: &'a Jumps,
+    /// Types that are not known do not matter.
+    pub is_picture: bool,
+    /// Labels at the ends of boxes.
+    pub closed: HashSet<String>,
+    labels: Vec<Name>,
+    notes: Vec<Diagnostic>,
+}
+
+/// How many statements of a block jump to each of its labels.
+pub type Jumps = HashMap<String, usize>;
+
+/// The jumps of a block.
+pub fn jumps(networks: &[ast::Network]) -> Jumps {
+    let mut jumps = Jumps::new();
+    for statement in networks.iter().flat_map(|network| &network.statements) {
+        if let StatementKind::Instruction { operand: Some(Operand { kind: OperandKind::Label(label), .. }), .. } =
+            &statement.kind
+        {
+            *jumps.entry(label.clone()).or_default() += 1;
+        }
+    }
+    jumps
 }
 
 impl Reader<'_> {
+    /// Statements one after the other. `is_whole`: they are a network, so that the last one may jump.
+    pub fn sequence(&mut self, statements: &[&Statement], is_whole: bool) -> Result<(), Refused> {
+        let mut at = 0;
+        while let Some(statement) = statements.get(at) {
+            let here = |reason: Reason| Refused { span: statement.span, reason };
+            self.drawing.at(statement.span);
+            match &statement.label {
+                Some(label) if self.closed.contains(&label.name) => {}
+                Some(_) if at > 0 || !is_whole => return Err(here("a label inside a network".to_string())),
+                Some(label) => {
+                    self.labels.push(Name { text: label.name.clone(), form: NameForm::Bare, span: label.span });
+                }
+                None => {}
+            }
+            if let Some(len) = self.boxed(&statements[at..])? {
+                at += len;
+                continue;
+            }
+            let last = is_whole && statements[at + 1..].iter().all(|rest| does_nothing(rest));
+            self.statement(statement, last).map_err(here)?;
+            at += 1;
+        }
+        Ok(())
+    }
+
+    /// A box whose BR differs from that of the statements after an overflow.
+    pub fn note(&mut self, span: Span) {
+        if !self.is_picture {
+            let title = "BR is 0 after this box has an overflow; the statements leave it 1";
+            let mut message = Diagnostic::new(Code::NotConverted, span, title);
+            message.severity = Severity::Warning;
+            let message = message.label("a box without `AN OV`, `SAVE`");
+            self.notes.push(message.help("look where ENO of this block is used, and where BR is"));
+        }
+    }
+
     fn statement(&mut self, statement: &Statement, last: bool) -> Result<(), Reason> {
         match &statement.kind {
             StatementKind::Empty | StatementKind::Pragma(_) => Ok(()),
@@ -244,21 +321,22 @@ impl Reader<'_> {
                     }
                     let (left, right) = (left.clone(), right.clone());
                     let bits = if ty == "Int" { 16 } else { 32 };
+                    let keeps = |kind: &Kind| !matches!(kind, Kind::Constant(literal) if !compares(literal, ty));
                     let fits = |kind: &Kind| match kind {
                         Kind::Bits(own) => *own == bits,
-                        Kind::Type(own) => own.bits() == bits,
-                        Kind::Constant(_) | Kind::Unknown => true,
-                        Kind::Cell => false,
+                        // A REAL is its bits for `==D`, and a DINT for `==R`; an element would convert it.
+                        Kind::Type(own) => own.bits() == bits && (*own == Elementary::Real) == (ty == "Real"),
+                        Kind::Constant(_) => true,
+                        Kind::Cell | Kind::Unknown => false,
                     };
-                    let keeps = |kind: &Kind| match kind {
-                        Kind::Constant(form) => form.keeps_bits(bits, ty == "Real"),
-                        Kind::Bits(_) | Kind::Type(_) | Kind::Cell | Kind::Unknown => true,
-                    };
-                    if !self.loads.iter().all(|(_, _, kind)| keeps(kind)) {
+                    if !self.is_picture && self.loads.iter().any(|(_, _, kind)| *kind == Kind::Unknown) {
+                        return Err("a comparison of operands whose types are not in the source".to_string());
+                    }
+                    if !self.is_picture && !self.loads.iter().all(|(_, _, kind)| keeps(kind)) {
                         return Err(format!("a comparison as {ty} with a constant that is not of this type"));
                     }
-                    if !self.loads.iter().all(|(_, _, kind)| fits(kind)) {
-                        return Err(format!("a comparison as {ty} of operands of another size"));
+                    if !self.is_picture && !self.loads.iter().all(|(_, _, kind)| fits(kind)) {
+                        return Err(format!("a comparison as {ty} of operands of another type"));
                     }
                     self.loads.clear();
                     let signal = Signal::Compare { element, ty, left: typed(left, ty), right: typed(right, ty), span };
@@ -299,8 +377,8 @@ impl Reader<'_> {
     }
 
     /// The flow to a coil; other coils after it share it.
-    fn flow(&mut self) -> Result<Signal, Reason> {
-        if !self.nesting.is_empty() {
+    pub fn flow(&mut self) -> Result<Signal, Reason> {
+        if self.nesting.iter().any(|(around, ..)| around.is_open()) {
             return Err("a coil inside parentheses".to_string());
         }
         let Some(value) = self.logic.value() else {
@@ -362,7 +440,7 @@ impl Reader<'_> {
     }
 
     /// The flow pin of a coil; a coil must have one.
-    fn connected(&mut self, flow: &Signal) -> Result<Option<Pin>, Reason> {
+    pub fn connected(&mut self, flow: &Signal) -> Result<Option<Pin>, Reason> {
         match flow {
             Signal::Constant(_) => {
                 self.drawing.side_input("in", flow).map(Some).and_then(|side| match self.drawing.input("in", flow)? {
@@ -402,20 +480,7 @@ impl Reader<'_> {
         let [(value, span, from)] = &self.loads[..] else {
             return Err("a transfer without exactly one value before it".to_string());
         };
-        let to = self.kind_of(operand);
-        match (from, &to) {
-            (Kind::Constant(form), Kind::Bits(bits)) if form.keeps_bits(*bits, false) => {}
-            (Kind::Constant(form), Kind::Type(ty)) if form.keeps_bits(ty.bits(), *ty == Elementary::Real) => {}
-            (Kind::Constant(_), Kind::Bits(_) | Kind::Type(_)) => {
-                return Err("a transfer of a constant to an operand of another type".to_string());
-            }
-            (Kind::Bits(_) | Kind::Type(_), _) if *from == to => {}
-            (Kind::Cell, _) => return Err("the value of a timer or counter without its box".to_string()),
-            (Kind::Bits(_) | Kind::Type(_), Kind::Bits(_) | Kind::Type(_)) => {
-                return Err("a transfer between operands of different types".to_string());
-            }
-            _ => return Err("a transfer between operands whose types are not in the source".to_string()),
-        }
+        self.can_move(from, operand)?;
         let (value, span) = (value.clone(), *span);
         self.loads.clear();
         let mut pins: Vec<Pin> = self.drawing.input("en", &Signal::Constant(true))?.into_iter().collect();
@@ -425,11 +490,35 @@ impl Reader<'_> {
         Ok(())
     }
 
+    /// MOVE has the bits that `L` and `T` have.
+    pub fn can_move(&self, from: &Kind, operand: &Operand) -> Result<(), Reason> {
+        let to = self.kind_of(operand);
+        let target = match &to {
+            Kind::Bits(bits) => Some((*bits, None)),
+            Kind::Type(ty) => Some((ty.bits(), Some(*ty))),
+            Kind::Constant(_) | Kind::Cell | Kind::Unknown => None,
+        };
+        match (from, target) {
+            _ if self.is_picture => Ok(()),
+            (Kind::Constant(literal), Some((bits, ty))) if keeps_bits(literal, bits, ty) => Ok(()),
+            (Kind::Constant(_), Some(_)) => Err("a transfer of a constant to an operand of another type".to_string()),
+            (Kind::Bits(_) | Kind::Type(_), _) if *from == to => Ok(()),
+            // An address has the type of the other operand.
+            (Kind::Bits(bits), Some((width, _))) if *bits == width => Ok(()),
+            (Kind::Type(ty), Some((width, _))) if matches!(to, Kind::Bits(_)) && ty.bits() == width => Ok(()),
+            (Kind::Cell, _) => Err("the value of a timer or counter without its box".to_string()),
+            (Kind::Bits(_) | Kind::Type(_), Some(_)) => {
+                Err("a transfer between operands of different types".to_string())
+            }
+            _ => Err("a transfer between operands whose types are not in the source".to_string()),
+        }
+    }
+
     /// What is known of the type of an operand.
-    fn kind_of(&self, operand: &Operand) -> Kind {
+    pub fn kind_of(&self, operand: &Operand) -> Kind {
         match &operand.kind {
             OperandKind::Cell { .. } => Kind::Cell,
-            OperandKind::Literal(literal) => Kind::Constant(Form::of(literal)),
+            OperandKind::Literal(literal) => Kind::Constant(literal.clone()),
             OperandKind::Absolute { width, .. } | OperandKind::DbAbsolute { width, .. } => Kind::Bits(width.bits()),
             kind => self.types.of(kind, self.block).map_or(Kind::Unknown, Kind::Type),
         }
@@ -437,14 +526,11 @@ impl Reader<'_> {
 
     fn call(&mut self, call: &ast::Call) -> Result<(), Reason> {
         self.unused(call.target.span)?;
-        if !call.parameters.is_empty() {
-            return Err("a call with parameters, whose directions are not in the statement".to_string());
-        }
-        if call.instance.is_some() {
-            return Err("a call with an instance data block".to_string());
-        }
-        if !matches!(call.target.kind, OperandKind::Block(_)) {
-            return Err("a call of an instance".to_string());
+        let is_plain = matches!(call.target.kind, OperandKind::Block(_));
+        if !call.parameters.is_empty() || call.instance.is_some() || !is_plain {
+            self.call_box(call, &Signal::Constant(true))?;
+            (self.logic, self.fresh) = (Logic::default(), true);
+            return Ok(());
         }
         let block = expression(&call.target)?;
         let mut pins: Vec<Pin> = self.drawing.input("in", &Signal::Constant(true))?.into_iter().collect();

@@ -201,15 +201,19 @@ impl Maker<'_> {
                 self.under_flow(graph, plan, at, |maker| maker.push(StlInsn::OpenDb, Some(operand)));
             }
             Kind::CallCoil => {
-                let block = element.pin("operand").and_then(|pin| match &pin.value {
-                    PinValue::Operand(value) => super::operand::block_name(value),
+                let called = element.pin("operand").and_then(|pin| match &pin.value {
+                    PinValue::Operand(value) => match super::operand::block_name(value) {
+                        Some(block) => Some(OperandKind::Block(block)),
+                        // A parameter of type BLOCK_FC.
+                        None => self.operand(value).map(|operand| operand.kind),
+                    },
                     PinValue::Net(_) | PinValue::Open => None,
                 });
-                let Some(block) = block else {
+                let Some(kind @ (OperandKind::Block(_) | OperandKind::Path(_))) = called else {
                     return self.refuse(element.span, "a call of this operand", "name an FC");
                 };
                 let flow = self.input(graph, plan, at, "in");
-                let operand = Some(Operand { kind: OperandKind::Block(block), span: element.span });
+                let operand = Some(Operand { kind, span: element.span });
                 if matches!(flow, Logic::Constant(true)) {
                     self.push(StlInsn::CallUnconditional, operand);
                 } else {
@@ -378,7 +382,20 @@ impl Maker<'_> {
         if self.is_wanted(graph, plan, at, "q") {
             self.push(StlInsn::And, Some(operand));
             self.result(graph, plan, at, "q");
+        } else if inputs.len() == 2 {
+            self.open_pin();
         }
+    }
+
+    /// What stands in the place of a pin without connection, so that the statements can be drawn as the box again.
+    fn open_pin(&mut self) {
+        self.push(StlInsn::Nop, Some(super::number(0, self.span)));
+    }
+
+    /// Whether a timer is a box: a coil has no pins but its start and its time.
+    fn is_cell_box(&self, graph: &Graph, plan: &Plan, at: usize) -> bool {
+        let wanted = ["bi", "bcd", "cv", "cv_bcd", "q"].iter().any(|name| self.is_wanted(graph, plan, at, name));
+        wanted || self.is_connected(graph, at, "r")
     }
 
     fn timer(&mut self, graph: &Graph, plan: &Plan, at: usize, name: &str, instance: Option<&Expr>) {
@@ -400,11 +417,8 @@ impl Maker<'_> {
             }
             self.push(insn, Some(cell.clone()));
         }
-        self.cell_reset(graph, plan, at, &cell);
-        self.cell_values(graph, plan, at, &cell, [("bi", StlInsn::Load), ("bcd", StlInsn::LoadBcd)]);
-        if self.is_wanted(graph, plan, at, "q") {
-            self.push(StlInsn::And, Some(cell));
-            self.result(graph, plan, at, "q");
+        if self.is_cell_box(graph, plan, at) {
+            self.cell_end(graph, plan, at, cell, [("bi", StlInsn::Load), ("bcd", StlInsn::LoadBcd)]);
         }
     }
 
@@ -421,28 +435,31 @@ impl Maker<'_> {
                 self.push(insn, Some(cell.clone()));
             }
         }
-        self.cell_reset(graph, plan, at, &cell);
-        self.cell_values(graph, plan, at, &cell, [("cv", StlInsn::Load), ("cv_bcd", StlInsn::LoadBcd)]);
-        if self.is_wanted(graph, plan, at, "q") {
-            self.push(StlInsn::And, Some(cell));
-            self.result(graph, plan, at, "q");
-        }
+        self.cell_end(graph, plan, at, cell, [("cv", StlInsn::Load), ("cv_bcd", StlInsn::LoadBcd)]);
     }
 
-    fn cell_reset(&mut self, graph: &Graph, plan: &Plan, at: usize, cell: &Operand) {
+    /// The reset, the values and the output of a timer or a counter.
+    fn cell_end(&mut self, graph: &Graph, plan: &Plan, at: usize, cell: Operand, pins: [(&str, StlInsn); 2]) {
         if self.is_connected(graph, at, "r") {
             let reset = self.input(graph, plan, at, "r");
             self.evaluate(&reset);
             self.push(StlInsn::Reset, Some(cell.clone()));
+        } else {
+            self.open_pin();
         }
-    }
-
-    fn cell_values(&mut self, graph: &Graph, plan: &Plan, at: usize, cell: &Operand, pins: [(&str, StlInsn); 2]) {
         for (name, insn) in pins {
             if self.is_wanted(graph, plan, at, name) {
                 self.push(insn, Some(cell.clone()));
                 self.store_pin(graph, plan, at, name, Elementary::Word);
+            } else {
+                self.open_pin();
             }
+        }
+        if self.is_wanted(graph, plan, at, "q") {
+            self.push(StlInsn::And, Some(cell));
+            self.result(graph, plan, at, "q");
+        } else {
+            self.open_pin();
         }
     }
 

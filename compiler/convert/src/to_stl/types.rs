@@ -4,10 +4,11 @@ use std::collections::HashMap;
 
 use plcc_syntax::Elementary;
 use plcc_syntax::ast::{
-    Block, BlockName, CodeBlock, CodeKind, DataContent, OperandKind, PathPart, PathRoot, SourceUnit, TypeKind, TypeRef,
-    Variable, Width,
+    Block, BlockName, Call, CodeBlock, CodeKind, DataContent, OperandKind, PathPart, PathRoot, Section, SectionKind,
+    SourceUnit, TypeKind, TypeRef, Variable, Width,
 };
 use plcc_syntax::literal::Literal;
+use plcc_syntax::network::elements::{Kind, Row, find_sd};
 use plcc_syntax::symbols::SymbolTable;
 
 /// What the sources of a program declare.
@@ -20,6 +21,8 @@ pub struct Types<'a> {
     /// The blocks of instances, by folded names of their data blocks.
     instances: HashMap<String, BlockName>,
     function_blocks: HashMap<String, &'a BlockName>,
+    /// Blocks with code, by folded names.
+    blocks: HashMap<String, &'a CodeBlock>,
 }
 
 impl<'a> Types<'a> {
@@ -31,6 +34,9 @@ impl<'a> Types<'a> {
             }
         }
         for block in units.flat_map(|unit| &unit.blocks) {
+            if let Block::Code(block) = block {
+                types.blocks.insert(key(&block.name), block);
+            }
             match block {
                 Block::Data(data) => match &data.content {
                     DataContent::Struct(members) => drop(types.data.insert(key(&data.name), members)),
@@ -62,6 +68,44 @@ impl<'a> Types<'a> {
         Some(self.function_blocks.get(&key(of)).map_or_else(|| of.clone(), |known| (*known).clone()))
     }
 
+    /// The block that a statement calls: its name, or the type of the instance.
+    fn called(&self, call: &Call, block: &CodeBlock) -> Option<BlockName> {
+        match &call.target.kind {
+            OperandKind::Block(name) => Some(name.clone()),
+            OperandKind::Path(path) => {
+                let (PathRoot::Local { name, .. }, []) = (&path.root, &path.parts[..]) else { return None };
+                let mut variables = block.sections.iter().flat_map(|section| &section.variables);
+                let variable = variables.find(|variable| variable.name.eq_ignore_ascii_case(name))?;
+                match &variable.ty.kind {
+                    TypeKind::Block(name) => Some(name.clone()),
+                    TypeKind::Named(name) => Some(BlockName::Symbol { name: name.clone(), span: variable.ty.span }),
+                    _ => None,
+                }
+            }
+            _ => None,
+        }
+    }
+
+    /// Where a called block of the sources declares a parameter.
+    pub fn section(&self, call: &Call, parameter: &str, block: &CodeBlock) -> Option<SectionKind> {
+        let called = self.blocks.get(&key(&self.called(call, block)?))?;
+        if called.return_type.is_some() && parameter.eq_ignore_ascii_case("RET_VAL") {
+            return Some(SectionKind::Output);
+        }
+        let has =
+            |section: &&Section| section.variables.iter().any(|variable| variable.name.eq_ignore_ascii_case(parameter));
+        called.sections.iter().find(has).map(|section| section.kind)
+    }
+
+    /// The element for a call of a function block that editors have as one, such as TON.
+    pub fn row_of(&self, call: &Call, block: &CodeBlock) -> Option<&'static Row> {
+        let BlockName::Symbol { name, .. } = self.called(call, block)? else { return None };
+        if self.blocks.contains_key(&name.to_lowercase()) {
+            return None;
+        }
+        find_sd(&name).map(|(row, _)| row).filter(|row| matches!(row.kind, Kind::Instance(_)))
+    }
+
     /// Whether a name is that of a data block.
     pub fn is_data(&self, name: &BlockName) -> bool {
         self.data.contains_key(&key(name))
@@ -91,10 +135,8 @@ impl<'a> Types<'a> {
                     PathRoot::Local { name, .. } | PathRoot::Bare { name, .. } => {
                         return self.local(block, name, &path.parts);
                     }
-                    PathRoot::Quoted { name, .. } => {
-                        (self.data.get(&name.to_lowercase())?.iter().collect(), &path.parts)
-                    }
-                    PathRoot::Block(name) => (self.data.get(&key(name))?.iter().collect(), &path.parts),
+                    PathRoot::Quoted { name, .. } => (self.data_of(&name.to_lowercase())?, &path.parts),
+                    PathRoot::Block(name) => (self.data_of(&key(name))?, &path.parts),
                 };
                 self.member(&members, rest)
             }
@@ -104,14 +146,32 @@ impl<'a> Types<'a> {
 
     fn local(&self, block: &CodeBlock, name: &str, parts: &[PathPart]) -> Option<Elementary> {
         let variables: Vec<&Variable> = block.sections.iter().flat_map(|section| &section.variables).collect();
-        if let BlockName::Symbol { name: own, .. } = &block.name
-            && let Some(ty) = &block.return_type
-            && (own.eq_ignore_ascii_case(name) || name.eq_ignore_ascii_case("RET_VAL"))
+        let is_own = matches!(&block.name, BlockName::Symbol { name: own, .. } if own.eq_ignore_ascii_case(name));
+        if let Some(ty) = &block.return_type
+            && (is_own || name.eq_ignore_ascii_case("RET_VAL"))
         {
             return self.part(ty, parts);
         }
         let variable = variables.iter().find(|variable| variable.name.eq_ignore_ascii_case(name))?;
         self.part(&variable.ty, parts)
+    }
+
+    /// The components of a data block.
+    fn data_of(&self, key: &str) -> Option<Vec<&Variable>> {
+        match self.data.get(key) {
+            Some(members) => Some(members.iter().collect()),
+            None => self.components(self.instances.get(key)?),
+        }
+    }
+
+    /// The components of a type, or of the instances of a function block.
+    fn components(&self, name: &BlockName) -> Option<Vec<&Variable>> {
+        if let Some(members) = self.types.get(&key(name)) {
+            return Some(members.iter().collect());
+        }
+        let block = self.blocks.get(&key(name)).filter(|block| block.kind == CodeKind::Fb)?;
+        let lasting = block.sections.iter().filter(|section| section.kind != SectionKind::Temp);
+        Some(lasting.flat_map(|section| &section.variables).collect())
     }
 
     fn member(&self, members: &[&Variable], parts: &[PathPart]) -> Option<Elementary> {
@@ -125,9 +185,10 @@ impl<'a> Types<'a> {
             (TypeKind::Named(name), None) => elementary(name),
             (TypeKind::Array { element, .. }, Some((PathPart::Index { .. }, rest))) => self.part(element, rest),
             (TypeKind::Struct(members), Some(_)) => self.member(&members.iter().collect::<Vec<_>>(), parts),
-            (TypeKind::Block(name), Some(_)) => {
-                let members = self.types.get(&key(name))?;
-                self.member(&members.iter().collect::<Vec<_>>(), parts)
+            (TypeKind::Block(name), Some(_)) => self.member(&self.components(name)?, parts),
+            (TypeKind::Named(name), Some(_)) => {
+                let name = BlockName::Symbol { name: name.clone(), span: ty.span };
+                self.member(&self.components(&name)?, parts)
             }
             _ => None,
         }

@@ -65,6 +65,15 @@ fn other_notations_of_the_s7_200_are_refused_with_what_to_do() {
     assert!(text(&output.stderr).contains("only sources of the S7-200"), "{}", text(&output.stderr));
 }
 
+/// Statements of STL have no steps.
+#[test]
+fn charts_are_refused_as_stl() {
+    let chart = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/graph/activation_order.gr7");
+    let output = plcc(&programs(), &["convert", &chart.to_string_lossy(), "--to", "stl"]);
+    assert_eq!(output.status.code(), Some(3));
+    assert!(text(&output.stderr).contains("STL has no form for a chart of GRAPH"), "{}", text(&output.stderr));
+}
+
 /// Its constants and addresses are not those of SCL.
 #[test]
 fn plcopen_is_refused_as_scl() {

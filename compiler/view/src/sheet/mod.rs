@@ -5,6 +5,7 @@ pub mod expression;
 pub mod network;
 pub mod rungs;
 pub mod s7200;
+mod s7200_boxes;
 pub mod stl;
 
 /// A network for drawing.

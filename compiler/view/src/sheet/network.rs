@@ -1,7 +1,7 @@
 //! Networks of LAD and FBD as sheets.
 
 use plcc_syntax::network::ast::{
-    Element, Graph, Language, PinValue, Source as GraphSource, Storage, Target, TemplateKey,
+    Content, Element, Graph, Language, Network, PinValue, Source as GraphSource, Storage, Target, TemplateKey,
 };
 use plcc_syntax::network::draw;
 use plcc_syntax::network::elements::{Gate, Kind, Row};
@@ -13,6 +13,33 @@ use crate::names::{Names, Scope};
 /// The sheet of a network.
 pub fn sheet(graph: &Graph, language: Language, names: &Names, scope: Scope) -> Sheet {
     let label = |value: &Expr| Label { place: Some(value.span.start), ..names.label(&draw::whole(value), scope) };
+    sheet_with(graph, language, names, scope, &label)
+}
+
+/// Whether a network has flip-flops, timers or counters as boxes, of which statements also make coils.
+pub fn has_cells(network: &Network) -> bool {
+    let Content::Graphic(graph) = &network.content else { return false };
+    let is_cell = |element: &Element| match &element.target {
+        Target::Element { row, .. } => match row.kind {
+            Kind::FlipFlop { .. } | Kind::S5Counter(_) => true,
+            Kind::S5Timer(_) => ["r", "bi", "bcd", "q"].iter().any(|name| element.pin(name).is_some()),
+            _ => false,
+        },
+        Target::Block { .. } => false,
+    };
+    graph.elements.iter().any(is_cell)
+}
+
+/// The sheet of a network that is made of statements: `label` finds the operands in their own words.
+pub fn sheet_of_statements(graph: &Graph, names: &Names, scope: Scope, label: &dyn Fn(&Expr) -> Label) -> Sheet {
+    let mut sheet = sheet_with(graph, Language::Lad, names, scope, label);
+    for part in &mut sheet.parts {
+        part.statement = part.place.take();
+    }
+    sheet
+}
+
+fn sheet_with(graph: &Graph, language: Language, names: &Names, scope: Scope, label: &dyn Fn(&Expr) -> Label) -> Sheet {
     let mut nets: Vec<Net> = Vec::with_capacity(graph.nets.len());
     for (at, net) in graph.nets.iter().enumerate() {
         let name = if net.name.is_empty() { format!("n{at}") } else { net.name.clone() };
@@ -24,7 +51,7 @@ pub fn sheet(graph: &Graph, language: Language, names: &Names, scope: Scope) -> 
         });
         nets.push(Net { name, sources: sources.collect() });
     }
-    let parts = graph.elements.iter().map(|element| part(element, language, &label)).collect();
+    let parts = graph.elements.iter().map(|element| part(element, language, label)).collect();
     let mut sheet = Sheet { parts, nets };
     if language == Language::Fbd {
         sheet.negations_at_pins();

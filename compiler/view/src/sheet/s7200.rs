@@ -6,11 +6,19 @@ use plcc_syntax::s7200::{Acts, Insn, OperandClass};
 use plcc_syntax::stl::Mnemonics;
 
 use super::rungs::{Rungs, Span, side};
+use super::s7200_boxes::{Face, face};
 use super::{Label, Link, Look, Meaning, Pin, Place, Sheet};
 
+/// The parameters of a subroutine by its name: their names, and whether they are outputs.
+pub type Parameters<'a> = dyn Fn(&str) -> Option<Vec<(String, bool)>> + 'a;
+
 /// The rungs of a network. `label` finds the operand at a place of the source. `Err`: why it cannot be drawn.
-pub fn sheet(statements: &[Statement], label: &dyn Fn(&Operand) -> Label) -> Result<Sheet, String> {
-    let mut maker = Maker { rungs: Rungs::default(), stack: Vec::new(), eno: None };
+pub fn sheet(
+    statements: &[Statement],
+    label: &dyn Fn(&Operand) -> Label,
+    parameters: &Parameters,
+) -> Result<Sheet, String> {
+    let mut maker = Maker { rungs: Rungs::default(), stack: Vec::new(), eno: None, parameters };
     for statement in statements {
         maker.rungs.statement = Some(statement.span.start);
         match &statement.kind {
@@ -32,7 +40,8 @@ pub fn sheet(statements: &[Statement], label: &dyn Fn(&Operand) -> Label) -> Res
     }
 }
 
-struct Maker {
+struct Maker<'a> {
+    parameters: &'a Parameters<'a>,
     rungs: Rungs,
     stack: Vec<Span>,
     /// The box whose ENO the next statement may continue.
@@ -42,7 +51,7 @@ struct Maker {
 /// The logic stack has nine levels.
 const STACK: usize = 9;
 
-impl Maker {
+impl Maker<'_> {
     fn top(&self) -> Result<Span, String> {
         self.stack.last().copied().ok_or_else(|| "has no logic before it".to_string())
     }
@@ -175,6 +184,8 @@ impl Maker {
         let at = rest.find(['=', '<', '>']).unwrap_or(0);
         let (ty, sign) = rest.split_at(at);
         let sign = if sign == "=" { "==" } else { sign };
+        // Words are compared as integers, and called so in LAD.
+        let ty = if ty == "W" { "I" } else { ty };
         let mut pins: Vec<Pin> = Vec::new();
         for (index, label) in labels.into_iter().enumerate() {
             let place = if index == 0 { Place::Above } else { Place::Below };
@@ -237,6 +248,14 @@ impl Maker {
             self.rungs.coil(name, labels, from);
             return Ok(());
         }
+        if let Some(Face { title, detail, pins }) = face(name)
+            && pins.iter().all(|pin| pin.operand < labels.len())
+        {
+            let pins = pins.iter().map(|pin| side(pin.name, labels[pin.operand].clone(), pin.output)).collect();
+            let look = Look::Box { title, detail, instance: None };
+            self.rungs.part(look, Meaning::Other, pins, Some(from), None);
+            return Ok(());
+        }
         let is_call = matches!(classes.first(), Some(OperandClass::Subroutine));
         let first = (is_timer || is_call).then(|| labels.remove(0));
         let skipped = usize::from(first.is_some());
@@ -244,9 +263,14 @@ impl Maker {
             (Some(label), true) => (label.text, None),
             (first, _) => (name.to_string(), first),
         };
+        let formals = if is_call { (self.parameters)(&title).unwrap_or_default() } else { Vec::new() };
         let mut pins: Vec<Pin> = Vec::new();
         let mut inputs = 0;
         for (index, label) in labels.into_iter().enumerate() {
+            if let Some((formal, output)) = formals.get(index) {
+                pins.push(side(formal, label, *output));
+                continue;
+            }
             let output = classes.get(index + skipped).is_some_and(|class| is_output(*class));
             inputs += usize::from(!output);
             let pin = match (output, is_timer, index) {

@@ -75,6 +75,18 @@ pub fn sheet(
     }
 }
 
+/// All operands of a statement.
+pub fn operands(statement: &Statement) -> Vec<&Operand> {
+    match &statement.kind {
+        StatementKind::Instruction { operand, .. } => operand.iter().collect(),
+        StatementKind::Call(call) => {
+            let actuals = call.parameters.iter().filter_map(|parameter| parameter.actual.as_ref());
+            std::iter::once(&call.target).chain(&call.instance).chain(actuals).collect()
+        }
+        StatementKind::Empty | StatementKind::Pragma(_) | StatementKind::Error => Vec::new(),
+    }
+}
+
 impl Maker<'_> {
     fn instruction(&mut self, insn: StlInsn, operand: Option<&Operand>, is_last: bool) -> Result<(), String> {
         use StlInsn::*;

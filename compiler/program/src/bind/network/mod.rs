@@ -45,6 +45,7 @@ use crate::bind::stl::StlBinder;
 use crate::bind::trees::mentions;
 use classic::Registers;
 use plcc_model::scl::{Expr, ExprKind, SclBody, Statement, StatementKind};
+use rustc_hash::FxHashSet;
 use sheet::{Pool, Sheet};
 
 /// Data that the networks of a block share.
@@ -101,6 +102,7 @@ impl NetworkBinder<'_, '_> {
         let ctx = &mut SclBlock { block: current, scope };
         // Boxes report their errors through ENO.
         ctx.scope.sets_flag = true;
+        ctx.scope.untyped = Some(FxHashSet::default());
         ctx.scope.lists = vec![TOP];
         self.collect_network_labels(ctx, &networks.networks);
         let span = ctx.block.fixed_span.unwrap_or(block.name.span());

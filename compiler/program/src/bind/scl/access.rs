@@ -89,7 +89,14 @@ impl SclBinder<'_, '_> {
         let span = node.span;
         match &node.kind {
             NodeKind::Name(name) => self.name_thing(ctx, name, intent),
-            NodeKind::Absolute(operand) => self.operand_thing(ctx, operand, span),
+            NodeKind::Absolute(operand) => {
+                if let (OperandKind::Absolute { .. } | OperandKind::DbAbsolute { .. }, Some(untyped)) =
+                    (operand, &mut ctx.scope.untyped)
+                {
+                    untyped.insert(span);
+                }
+                self.operand_thing(ctx, operand, span)
+            }
             NodeKind::Member { base, name } => {
                 let base = self.thing(ctx, base, intent)?;
                 self.member_thing(ctx, base, name, span)
@@ -100,6 +107,9 @@ impl SclBinder<'_, '_> {
                     self.no_db(span);
                     return None;
                 };
+                if let Some(untyped) = &mut ctx.scope.untyped {
+                    untyped.insert(span);
+                }
                 self.db_place(ctx, db, *width, *byte, *bit, span)
             }
             NodeKind::Slice { base, width, index } => {

@@ -125,6 +125,7 @@ impl SclBinder<'_, '_> {
             Err(value) => value,
         };
         if let Some(ty) = target.elementary() {
+            let value = self.for_address(ctx, value, target.span, ty);
             let value = self.convert(ctx, value, ty)?;
             let value = with_else(ctx.scope.rules, &target, value);
             return Some(StatementKind::Assign { target, value });

@@ -90,6 +90,10 @@ impl SclBinder<'_, '_> {
             return Some(value);
         }
         let rules = ctx.scope.rules;
+        let is_address = matches!(value.kind, ExprKind::Load(_)) && is_untyped(ctx, span);
+        if is_address && let Some(bits) = convert::same_bits(rules, from, ty) {
+            return Some(convert::converted(value, bits, ty));
+        }
         match convert::implicit(rules, ctx.scope.strict, from, ty) {
             Implicit::No => {
                 self.no_conversion(rules, span, from, ty);
@@ -106,6 +110,37 @@ impl SclBinder<'_, '_> {
             Implicit::Yes => {}
         }
         convert::explicit_expr(rules, value, ty)
+    }
+
+    /// The value for an address that takes the type of what is written to it; `ty`: the bit string of its width.
+    pub(in crate::bind) fn for_address(
+        &mut self,
+        ctx: &mut SclBlock,
+        value: Value,
+        target: Span,
+        ty: Elementary,
+    ) -> Value {
+        if !is_untyped(ctx, target) {
+            return value;
+        }
+        let value = match value {
+            Value::Constant(constant, span) if constant::default_type(ctx.scope.rules, &constant).is_float() => {
+                let own = if ty == Elementary::Dword { Elementary::Real } else { Elementary::Lreal };
+                match own.bits() == ty.bits() {
+                    true => self.constant_of_type(ctx, &constant, span, own).map(Value::Elementary),
+                    false => None,
+                }
+                .unwrap_or(Value::Constant(constant, span))
+            }
+            value => value,
+        };
+        match value {
+            Value::Elementary(expr) => match convert::same_bits(ctx.scope.rules, expr.ty, ty) {
+                Some(bits) => Value::Elementary(convert::converted(expr, bits, ty)),
+                None => Value::Elementary(expr),
+            },
+            value => value,
+        }
     }
 
     /// True of functions that take the type of their target in the TIA Portal: rounding without a type in its name, and SCALE_X, MUX and
@@ -412,4 +447,9 @@ fn first_difference(from: &DataType, wanted: &DataType) -> Option<String> {
         (has, needs) if has > needs => Some(format!("its component `{}` has no place there", from.members[needs].name)),
         _ => None,
     }
+}
+
+/// Whether an operand is an address with bits only.
+fn is_untyped(ctx: &SclBlock, span: Span) -> bool {
+    ctx.scope.untyped.as_ref().is_some_and(|known| known.contains(&span))
 }

@@ -194,6 +194,13 @@ pub fn explicit(rules: Rules, from: Elementary, to: Elementary) -> Option<Conver
     })
 }
 
+/// The conversion between types of the same width that changes no bit.
+pub fn same_bits(rules: Rules, from: Elementary, to: Elementary) -> Option<Conversion> {
+    let is_bits = from.class() == Class::Bits || to.class() == Class::Bits;
+    let conversion = explicit(rules, from, to).filter(|_| is_bits && from.bits() == to.bits() && from != Bool)?;
+    matches!(conversion, Conversion::Bits { .. }).then_some(conversion)
+}
+
 /// `from_TO_to` of a value, in as many steps as it takes.
 pub fn explicit_expr(rules: Rules, value: Expr, to: Elementary) -> Option<Expr> {
     let from = value.ty;

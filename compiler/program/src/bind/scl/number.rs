@@ -304,8 +304,10 @@ impl SclBinder<'_, '_> {
             let ty = left.ty;
             Expr { kind: ExprKind::Binary { op, left: Box::new(left), right: Box::new(count) }, ty, span }
         };
+        // The box shifts the sign in, as SSI and SSD do; the function of SCL does not. Source: LAD/FBD reference, C.14.
+        let keeps_sign = ctx.scope.is_network() && op == BinaryOp::ShiftRight;
         Some(match bits {
-            Some(bits) if ctx.scope.rules.is_300() => {
+            Some(bits) if ctx.scope.rules.is_300() && !keeps_sign => {
                 let pattern = Conversion::Bits { checked: false };
                 converted(make(converted(left, pattern, bits), count?), pattern, ty)
             }

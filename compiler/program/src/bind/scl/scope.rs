@@ -3,7 +3,7 @@
 use plcc_diag::Span;
 use plcc_syntax::ast::Header;
 use plcc_syntax::scl::ast::Dialect;
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::place::Spot;
 use crate::bind::declarations::path::Variable;
@@ -42,6 +42,8 @@ pub struct Scope {
     pub sets_flag: bool,
     /// A bit string is also the number of its width: in charts of S7-GRAPH V5.
     pub address_numbers: bool,
+    /// Absolute addresses with bits only, which take the type of their pin: in LAD and FBD.
+    pub untyped: Option<FxHashSet<Span>>,
     /// Folded names.
     pub labels: FxHashMap<String, Label>,
     /// The lists of statements around the current one, outermost first.
@@ -87,5 +89,10 @@ impl Scope {
             value_set: false,
             ..Scope::default()
         }
+    }
+
+    /// The block is in LAD or FBD.
+    pub fn is_network(&self) -> bool {
+        self.untyped.is_some()
     }
 }

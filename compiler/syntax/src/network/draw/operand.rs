@@ -65,10 +65,22 @@ fn literal(value: &Literal) -> String {
         (Elementary::Time, _) => format!("T#{signed}ms"),
         (Elementary::Real, _) => format!("{:?}", f32::from_bits(*bits as u32)),
         (Elementary::Lreal, _) => format!("{:?}", f64::from_bits(*bits)),
+        (Elementary::S5Time, _) => s5time(*bits),
+        (Elementary::Byte, _) => format!("B#16#{bits:X}"),
+        (Elementary::Word, _) => format!("W#16#{bits:X}"),
+        (Elementary::Dword, _) => format!("DW#16#{bits:X}"),
         (_, Class::Signed) => format!("{}#{signed}", ty.name()),
         (_, Class::Unsigned) => format!("{}#{bits}", ty.name()),
         (_, Class::Bits | Class::Float | Class::Character | Class::Duration | Class::Date) => {
             format!("{}#16#{bits:X}", ty.name())
         }
     }
+}
+
+/// Time base and three BCD digits as a duration.
+fn s5time(bits: u64) -> String {
+    let digit = |at: u32| bits >> (4 * at) & 0xF;
+    let unit_ms = 10 * 10u64.pow((bits >> 12 & 3) as u32);
+    let ms = (digit(2) * 100 + digit(1) * 10 + digit(0)) * unit_ms;
+    if ms.is_multiple_of(1000) { format!("S5T#{}s", ms / 1000) } else { format!("S5T#{ms}ms") }
 }
