@@ -141,7 +141,10 @@ impl Report {
             Diagnostic::new(Code::UnknownSymbol, span, format!("the symbol `{name}` has no address"))
                 .label("its row in the symbol table cannot be read")
                 .also(row.span, row.reason.clone())
-                .help("write an address such as `I 0.0`, `MW 10` or `FC 105` into that row")
+                .help(match &row.meant {
+                    Some(address) => format!("write `{address}` into that row"),
+                    None => "write an address such as `I 0.0`, `MW 10` or `FC 105` into that row".to_owned(),
+                })
         });
     }
 
@@ -434,7 +437,7 @@ fn hexadecimal(name: &str) -> Option<String> {
     number.then(|| format!("16#{}", digits.to_ascii_uppercase()))
 }
 
-/// Names that are misspelt addresses: `MO.0`, `Q01`.
+/// Names that are misspelt addresses: `MO.0`, `Q01`, `MW1O`.
 fn misread_address(name: &str) -> Option<String> {
     let upper = name.trim().to_ascii_uppercase();
     let letters: String = upper.chars().take_while(|letter| "IQEAM".contains(*letter)).take(1).collect();
@@ -443,6 +446,13 @@ fn misread_address(name: &str) -> Option<String> {
         return None;
     }
     let digits: String = rest.chars().map(|letter| if letter == 'O' { '0' } else { letter }).collect();
+    // A byte, word or double word with the letter O.
+    if let Some(number) = digits.strip_prefix(['B', 'W', 'D']).filter(|_| digits != rest)
+        && !number.is_empty()
+        && number.bytes().all(|digit| digit.is_ascii_digit())
+    {
+        return Some(format!("{letters}{digits}"));
+    }
     let point = match digits.split_once('.') {
         Some((byte, bit)) => (byte.to_string(), bit.to_string()),
         None => {

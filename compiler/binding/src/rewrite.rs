@@ -88,8 +88,12 @@ pub fn holds(ty: Elementary) -> String {
     }
 }
 
-/// A type that holds the whole number `value`.
-pub fn roomy(value: i128) -> Option<&'static str> {
+/// A type that holds the whole number `value`, of the same kind as `ty`.
+pub fn roomy(value: i128, ty: Elementary) -> Option<&'static str> {
+    if ty.class() == Class::Bits {
+        let larger = [Elementary::Byte, Elementary::Word, Elementary::Dword, Elementary::Lword];
+        return larger.into_iter().find(|larger| (0..1 << larger.bits()).contains(&value)).map(Elementary::name);
+    }
     match value {
         _ if i16::try_from(value).is_ok() => Some("INT"),
         _ if i32::try_from(value).is_ok() => Some("DINT"),

@@ -326,13 +326,54 @@ pub enum InstData {
     },
 }
 
+/// What an instruction works on. Passes go by it to see which instructions concern them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Class {
+    Constant,
+    /// Computes a value of other values.
+    Value,
+    /// Says where something is; does not read it.
+    Address,
+    /// Reads or writes memory, or the table of data blocks.
+    Memory,
+    /// Calls a function, which may do both.
+    Call,
+    /// A terminator that goes one of several ways.
+    Choice,
+    /// A terminator with one way.
+    Exit,
+}
+
 impl InstData {
+    /// What the instruction works on.
+    #[inline]
+    pub const fn class(&self) -> Class {
+        match self {
+            InstData::Const { .. } => Class::Constant,
+            InstData::Unary { .. }
+            | InstData::Binary { .. }
+            | InstData::IntCompare { .. }
+            | InstData::FloatCompare { .. }
+            | InstData::Convert { .. }
+            | InstData::Select { .. } => Class::Value,
+            InstData::AddressOf { .. } | InstData::FrameBase { .. } => Class::Address,
+            InstData::Load { .. }
+            | InstData::Store { .. }
+            | InstData::LoadBit { .. }
+            | InstData::StoreBit { .. }
+            | InstData::Clear { .. }
+            | InstData::Copy { .. }
+            | InstData::DbBase { .. }
+            | InstData::DbLength { .. } => Class::Memory,
+            InstData::Call { .. } | InstData::CallRuntime { .. } => Class::Call,
+            InstData::Branch { .. } | InstData::Switch { .. } => Class::Choice,
+            InstData::Jump { .. } | InstData::Return { .. } => Class::Exit,
+        }
+    }
+
     /// True for the instructions that end a block.
     pub fn is_terminator(&self) -> bool {
-        matches!(
-            self,
-            InstData::Jump { .. } | InstData::Branch { .. } | InstData::Switch { .. } | InstData::Return { .. }
-        )
+        matches!(self.class(), Class::Choice | Class::Exit)
     }
 
     /// True if the instruction does more than compute its results.

@@ -21,7 +21,7 @@ mod compare;
 pub(crate) mod integer;
 
 use plcc_ir::analysis::ControlFlow;
-use plcc_ir::{BinaryOp, BlockCall, ConvertOp, Function, Inst, InstData, Loc, Type, UnaryOp, Value, eval};
+use plcc_ir::{BinaryOp, BlockCall, Class, ConvertOp, Function, Inst, InstData, Loc, Type, UnaryOp, Value, eval};
 
 /// Applies the rules to a function. Result: whether anything changed.
 pub fn fold(function: &mut Function) -> bool {
@@ -61,39 +61,11 @@ struct Folder<'a> {
     changed: bool,
 }
 
-/// True if [`Folder::step`] has rules for such an instruction.
-fn has_rules(data: &InstData) -> bool {
-    match data {
-        InstData::Unary { .. }
-        | InstData::Binary { .. }
-        | InstData::IntCompare { .. }
-        | InstData::FloatCompare { .. }
-        | InstData::Convert { .. }
-        | InstData::Select { .. }
-        | InstData::Branch { .. }
-        | InstData::Switch { .. } => true,
-        InstData::Const { .. }
-        | InstData::Load { .. }
-        | InstData::Store { .. }
-        | InstData::LoadBit { .. }
-        | InstData::StoreBit { .. }
-        | InstData::AddressOf { .. }
-        | InstData::Clear { .. }
-        | InstData::Copy { .. }
-        | InstData::DbBase { .. }
-        | InstData::DbLength { .. }
-        | InstData::Call { .. }
-        | InstData::CallRuntime { .. }
-        | InstData::FrameBase { .. }
-        | InstData::Jump { .. }
-        | InstData::Return { .. } => false,
-    }
-}
-
 impl Folder<'_> {
     fn visit(&mut self, inst: Inst) {
         self.function.resolve_uses(inst);
-        if !has_rules(&self.function.insts[inst]) {
+        // Only these have rules in `step`.
+        if !matches!(self.function.insts[inst].class(), Class::Value | Class::Choice) {
             self.out.push(inst);
             return;
         }

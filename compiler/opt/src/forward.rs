@@ -26,7 +26,7 @@ use plcc_abi::layout::state;
 use plcc_ir::analysis::ControlFlow;
 use plcc_ir::entities::EntityVec;
 use plcc_ir::{
-    Address, BinaryOp, Block, ConvertOp, Function, Inst, InstData, Loc, Region, RuntimeFn, StaticDb, Type, Value,
+    Address, BinaryOp, Block, Class, ConvertOp, Function, Inst, InstData, Loc, Region, RuntimeFn, StaticDb, Type, Value,
 };
 use rustc_hash::FxHashMap;
 
@@ -366,40 +366,11 @@ struct Forward<'a> {
     changed: bool,
 }
 
-/// False for instructions that neither read nor write anything that facts are about.
-fn touches_memory(data: &InstData) -> bool {
-    match data {
-        InstData::Load { .. }
-        | InstData::LoadBit { .. }
-        | InstData::Store { .. }
-        | InstData::StoreBit { .. }
-        | InstData::Clear { .. }
-        | InstData::Copy { .. }
-        | InstData::DbBase { .. }
-        | InstData::DbLength { .. }
-        | InstData::Call { .. }
-        | InstData::CallRuntime { .. } => true,
-        InstData::Const { .. }
-        | InstData::Unary { .. }
-        | InstData::Binary { .. }
-        | InstData::IntCompare { .. }
-        | InstData::FloatCompare { .. }
-        | InstData::Convert { .. }
-        | InstData::Select { .. }
-        | InstData::AddressOf { .. }
-        | InstData::FrameBase { .. }
-        | InstData::Jump { .. }
-        | InstData::Branch { .. }
-        | InstData::Switch { .. }
-        | InstData::Return { .. } => false,
-    }
-}
-
 impl Forward<'_> {
     fn visit(&mut self, inst: Inst) {
         let function = &mut *self.function;
         function.resolve_uses(inst);
-        if !touches_memory(&function.insts[inst]) {
+        if !matches!(function.insts[inst].class(), Class::Memory | Class::Call) {
             self.out.push(inst);
             return;
         }

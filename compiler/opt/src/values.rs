@@ -10,7 +10,7 @@ use plcc_abi::functions::Effect;
 use plcc_ir::analysis::{ControlFlow, Dominators};
 use plcc_ir::entities::{Entity, EntityVec};
 use plcc_ir::function::ValueDef;
-use plcc_ir::{Block, Function, Inst, InstData, Loc, Type, Value};
+use plcc_ir::{Block, Class, Function, Inst, InstData, Loc, Type, Value};
 use rustc_hash::FxHashMap;
 
 use crate::fold::integer::is_commutative;
@@ -105,30 +105,11 @@ fn key_of(function: &Function, inst: Inst) -> Option<(Type, InstData)> {
         InstData::Binary { op, args: [a, b] } if is_commutative(*op) && b.index() < a.index() => {
             InstData::Binary { op: *op, args: [*b, *a] }
         }
-        data @ (InstData::Const { .. }
-        | InstData::Unary { .. }
-        | InstData::Binary { .. }
-        | InstData::IntCompare { .. }
-        | InstData::FloatCompare { .. }
-        | InstData::Convert { .. }
-        | InstData::Select { .. }
-        | InstData::AddressOf { .. }
-        | InstData::FrameBase { .. }) => data.clone(),
         data @ InstData::CallRuntime { function, .. } if function.effect() == Effect::Pure => data.clone(),
-        InstData::Load { .. }
-        | InstData::Store { .. }
-        | InstData::LoadBit { .. }
-        | InstData::StoreBit { .. }
-        | InstData::Clear { .. }
-        | InstData::Copy { .. }
-        | InstData::DbBase { .. }
-        | InstData::DbLength { .. }
-        | InstData::Call { .. }
-        | InstData::CallRuntime { .. }
-        | InstData::Jump { .. }
-        | InstData::Branch { .. }
-        | InstData::Switch { .. }
-        | InstData::Return { .. } => return None,
+        data => match data.class() {
+            Class::Constant | Class::Value | Class::Address => data.clone(),
+            Class::Memory | Class::Call | Class::Choice | Class::Exit => return None,
+        },
     };
     Some((function.ty(function.result(inst)), data))
 }

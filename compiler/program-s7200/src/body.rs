@@ -187,8 +187,10 @@ fn describe(class: OperandClass) -> &'static str {
         OperandClass::Interrupt => "an interrupt routine",
         OperandClass::Subroutine => "a subroutine",
         OperandClass::ByteIn | OperandClass::ByteOut | OperandClass::InputByte | OperandClass::OutputByte => "a byte",
-        OperandClass::WordIn | OperandClass::WordOut | OperandClass::WordOutAnalog => "a word",
-        OperandClass::DwordIn | OperandClass::DwordInAddress | OperandClass::DwordOut => "a double word",
+        OperandClass::WordIn | OperandClass::IntIn | OperandClass::WordOut | OperandClass::WordOutAnalog => "a word",
+        OperandClass::DwordIn | OperandClass::DintIn | OperandClass::DwordInAddress | OperandClass::DwordOut => {
+            "a double word"
+        }
         OperandClass::RealIn | OperandClass::RealOut => "a REAL",
         OperandClass::StringIn | OperandClass::StringOut => "a string",
         OperandClass::Buffer => "the first byte of a buffer",

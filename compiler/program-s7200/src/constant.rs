@@ -11,10 +11,12 @@ use super::Binder;
 pub enum Target {
     /// An integer of this width.
     Integer(Width),
+    /// An integer of this width with a sign; digits with a base are its bits.
+    Signed(Width),
     /// Bits of this width: a REAL has the bits that it has in memory.
     Bits(Width),
     /// A byte with or without a sign.
-    Signed,
+    AnyByte,
     Real,
     Bool,
 }
@@ -52,24 +54,42 @@ impl Binder<'_> {
             (Target::Real, Constant::Bits { value, .. }) => Some(*value),
             (Target::Real, _) => self.wrong_constant("a REAL is expected here", "write it as `1.5`", span),
             (Target::Bits(Width::Dword), Constant::Real(value)) => Some(value.to_bits()),
-            (Target::Signed, Constant::Integer(value @ -128..=-1)) => Some(*value as u32 & 0xFF),
-            (Target::Signed, _) => self.constant(constant, Target::Integer(Width::Byte), span),
-            (Target::Integer(_) | Target::Bits(_), Constant::Real(_)) => self.wrong_constant(
+            (Target::AnyByte, Constant::Integer(value @ -128..=-1)) => Some(*value as u32 & 0xFF),
+            (Target::AnyByte, _) => self.constant(constant, Target::Integer(Width::Byte), span),
+            (Target::Integer(_) | Target::Signed(_) | Target::Bits(_), Constant::Real(_)) => self.wrong_constant(
                 "a REAL is not possible here",
                 "REALs are moved with MOVR and converted with ROUND",
                 span,
             ),
-            (Target::Integer(_) | Target::Bits(_), Constant::Bool(_)) => {
+            (Target::Integer(_) | Target::Signed(_) | Target::Bits(_), Constant::Bool(_)) => {
                 self.wrong_constant("a BOOL is not possible here", "write a number", span)
             }
-            (Target::Integer(_) | Target::Bits(_), Constant::Text(_)) => {
+            (Target::Integer(_) | Target::Signed(_) | Target::Bits(_), Constant::Text(_)) => {
                 self.wrong_constant("a string is not possible here", "write characters in single quotes: 'AB'", span)
             }
-            (Target::Integer(width) | Target::Bits(width), _) => match whole(constant) {
+            (Target::Signed(width), Constant::Integer(value)) => self.signed(*value, width, span),
+            (Target::Integer(width) | Target::Signed(width) | Target::Bits(width), _) => match whole(constant) {
                 Some(value) => self.integer(value, width, span),
                 None => self.wrong_constant("too many characters", "four of them fill a double word", span),
             },
         }
+    }
+
+    /// A decimal number where the instruction has a sign. 40000 would be the INT -25536.
+    fn signed(&mut self, value: i64, width: Width, span: Span) -> Option<u32> {
+        let (low, high, name) = match width {
+            Width::Dword | Width::Lword => (i64::from(i32::MIN), i64::from(i32::MAX), "a DINT"),
+            Width::Bit | Width::Byte | Width::Word => (i64::from(i16::MIN), i64::from(i16::MAX), "an INT"),
+        };
+        if (low..=high).contains(&value) {
+            return Some(value as u32 & mask(width));
+        }
+        self.push(
+            Diagnostic::new(Code::LiteralRange, span, format!("`{value}` does not fit into {name} (0090)"))
+                .label(format!("{name} goes from {low} to {high}"))
+                .help("write a number in this range, or use an instruction for larger numbers"),
+        );
+        None
     }
 
     /// An integer in `width` bits: signed or unsigned.

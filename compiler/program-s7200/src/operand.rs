@@ -54,13 +54,15 @@ fn shape(class: OperandClass) -> Option<Shape> {
         C::InputByte => only(Width::Byte, &[Area::I], false),
         C::OutputByte => only(Width::Byte, &[Area::Q], true),
         C::LoopTable => only(Width::Byte, &[Area::V], true),
-        C::SignedCount => shape(Width::Byte, MEMORY, false, true, Some(Target::Signed)),
+        C::SignedCount => shape(Width::Byte, MEMORY, false, true, Some(Target::AnyByte)),
         C::ByteIn | C::Count => shape(Width::Byte, MEMORY, false, true, integer(Width::Byte)),
         C::ByteOut => shape(Width::Byte, MEMORY, true, true, None),
         C::WordIn => shape(Width::Word, WORDS_READ, false, true, integer(Width::Word)),
+        C::IntIn => shape(Width::Word, WORDS_READ, false, true, Some(Target::Signed(Width::Word))),
         C::WordOut => shape(Width::Word, BITS, true, true, None),
         C::WordOutAnalog => shape(Width::Word, WORDS_WRITTEN, true, true, None),
         C::DwordIn | C::DwordInAddress => shape(Width::Dword, DWORDS_READ, false, true, integer(Width::Dword)),
+        C::DintIn => shape(Width::Dword, DWORDS_READ, false, true, Some(Target::Signed(Width::Dword))),
         C::DwordOut | C::RealOut => shape(Width::Dword, MEMORY, true, true, None),
         C::RealIn => shape(Width::Dword, MEMORY, false, true, Some(Target::Real)),
         C::StringIn => shape(Width::Byte, &[Area::V, Area::L], false, false, None),
@@ -92,10 +94,10 @@ fn wanted(class: OperandClass) -> &'static str {
         C::SBit => "a bit of the sequence control relays such as S0.1",
         C::ByteIn | C::Count | C::SignedCount => "a byte such as VB10, an accumulator, a pointer or a constant",
         C::ByteOut => "a byte that can be written, such as VB10 or AC0",
-        C::WordIn => "a word such as VW10, a timer, counter, analog input, accumulator, pointer or constant",
+        C::WordIn | C::IntIn => "a word such as VW10, a timer, counter, analog input, accumulator, pointer or constant",
         C::WordOut => "a word that can be written, such as VW10 or AC0",
         C::WordOutAnalog => "a word that can be written, such as VW10, AC0 or AQW0",
-        C::DwordIn => "a double word such as VD10, an accumulator, a pointer or a constant",
+        C::DwordIn | C::DintIn => "a double word such as VD10, an accumulator, a pointer or a constant",
         C::DwordInAddress => {
             "a double word such as VD10, an accumulator, a pointer, an address such as &VB10 or a constant"
         }
@@ -317,7 +319,14 @@ impl Binder<'_> {
                 }
             }
             (C::Interrupt, settled) => self.interrupt(settled, span),
-            _ => self.misfit(class, "nothing else is possible here", span),
+            (C::Timer | C::Counter, Settled::Constant(constant)) => {
+                let letter = if class == C::Timer { "T" } else { "C" };
+                match super::constant::whole(&constant).filter(|number| (0..256).contains(number)) {
+                    Some(number) => self.misfit(class, &format!("write `{letter}{number}`"), span),
+                    None => self.misfit(class, &format!("write {}", wanted(class)), span),
+                }
+            }
+            _ => self.misfit(class, &format!("write {}", wanted(class)), span),
         }
     }
 

@@ -12,7 +12,7 @@ use super::operand::{memory, place};
 use super::settle::Settled;
 use plcc_binding::assertion::{self, Literal, Side, Type, What};
 use plcc_binding::constant::Constant;
-use plcc_binding::pragma::{bad_pragma, split, unknown_pragma};
+use plcc_binding::pragma::{bad_pragma, sleep_help, split, unknown_pragma};
 use plcc_model::ComparedValue;
 use plcc_model::s7200 as model;
 use plcc_model::s7200::StatementKind;
@@ -35,7 +35,7 @@ impl Binder<'_> {
                 Ok(milliseconds) => Some(StatementKind::Sleep(milliseconds)),
                 Err(_) => {
                     let title = "`sleep` needs a number of milliseconds";
-                    bad_pragma(&mut self.report, pragma.span, title, "write `//@ sleep 100`");
+                    bad_pragma(&mut self.report, pragma.span, title, &sleep_help(rest));
                     None
                 }
             },

@@ -232,7 +232,9 @@ fn is_read(class: OperandClass) -> bool {
         OperandClass::Bit
             | OperandClass::ByteIn
             | OperandClass::WordIn
+            | OperandClass::IntIn
             | OperandClass::DwordIn
+            | OperandClass::DintIn
             | OperandClass::DwordInAddress
             | OperandClass::RealIn
             | OperandClass::Count

@@ -12,7 +12,8 @@ pub use sheets::is_of_tags as is_workbook_of_tags;
 
 use plcc_diag::{Code, Diagnostic, FileId, SourceFile, Span};
 use plcc_syntax::symbols::{
-    GlobalConstant, S7200Symbol, Symbol, SymbolTable, SymbolTarget, UnreadableRow, address_fault, parse_address,
+    GlobalConstant, S7200Symbol, Symbol, SymbolTable, SymbolTarget, UnreadableRow, address_fault, meant_address,
+    parse_address,
 };
 
 /// The formats of tables.
@@ -96,6 +97,24 @@ fn format(text: &str) -> Option<Format> {
     if first.trim_start().starts_with('"') && first.matches("\",").count() >= 2 {
         return Some(Format::Sdf);
     }
+    // Written by hand: names of the columns first, or without quotes. A table of the S7-200 has a comment in the third column.
+    let mut fields = first.split(',').map(|field| field.trim().trim_matches('"'));
+    let second = fields.nth(1).unwrap_or_default();
+    let is_type =
+        fields.next().is_some_and(|ty| plcc_syntax::Elementary::from_word(&ty.to_ascii_uppercase()).is_some());
+    if second.eq_ignore_ascii_case("address") && first.trim_start().starts_with('"')
+        || is_type && parse_address(second).is_some()
+    {
+        return Some(Format::Sdf);
+    }
+    // The same with `;`, as a spreadsheet saves it.
+    let address = first.split(';').nth(1).map(|field| field.trim().trim_matches('"'));
+    if first.trim_start().starts_with('"')
+        && first.contains("\";")
+        && address.is_some_and(|address| parse_address(address).is_some() || address.eq_ignore_ascii_case("address"))
+    {
+        return Some(Format::Semicolon);
+    }
     // A header line may come before the rows.
     let is_row = |line: &str| {
         let mut fields = line.split(';');
@@ -154,7 +173,12 @@ impl Reader<'_> {
         let Some(target) = parse_address(address) else {
             let why = address_fault(address);
             let span = self.span(start, line);
-            self.table.unreadable.push(UnreadableRow { name: name.to_string(), reason: why.clone(), span });
+            self.table.unreadable.push(UnreadableRow {
+                name: name.to_string(),
+                reason: why.clone(),
+                meant: meant_address(address),
+                span,
+            });
             if of_s7200 {
                 let message = self.message(start, line, &why);
                 return self.only_s7200.push(message);
@@ -230,7 +254,8 @@ impl Reader<'_> {
             }
             let field = |at: usize| record.get(at).unwrap_or("");
             // The header of a table that is kept by hand.
-            if index == 0 && delimiter == b';' && parse_address(field(1)).is_none() {
+            let is_header = delimiter == b';' || field(1).eq_ignore_ascii_case("address");
+            if index == 0 && is_header && parse_address(field(1)).is_none() {
                 continue;
             }
             // Exports of the TIA Portal have three flags between the type and the comment.

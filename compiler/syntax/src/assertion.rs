@@ -228,7 +228,7 @@ impl<S> Reader<'_, S> {
                     "an assertion compares with `==`, not with `=`",
                 )
                 .label("not a comparison")
-                .help("comparisons are `== <> >= <= > <`"),
+                .help("write `==`"),
             );
             return None;
         }

@@ -23,6 +23,8 @@ pub struct UnreadableRow {
     pub name: String,
     /// What is wrong with the address, as a sentence without its point.
     pub reason: String,
+    /// The address that its author probably means.
+    pub meant: Option<String>,
     /// The row.
     pub span: Span,
 }
@@ -108,6 +110,17 @@ pub fn parse_address(text: &str) -> Option<SymbolTarget> {
             Some(SymbolTarget::Block { prefix, number })
         }
     }
+}
+
+/// The address that `text` means with a slip in it: `E0.0` for `E0,0`, `Q 0.0` for `Q 0.O`, `Q0.0` for `%QX0.0`.
+pub fn meant_address(text: &str) -> Option<String> {
+    let text = text.trim().trim_start_matches('%');
+    let letters = text.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(text.len());
+    let (letters, number) = text.split_at(letters);
+    let number = number.replace(',', ".").replace(['O', 'o'], "0");
+    let without_x = letters.strip_suffix(['X', 'x']).unwrap_or(letters);
+    let meant = format!("{without_x}{number}");
+    (parse_address(text).is_none() && parse_address(&meant).is_some()).then_some(meant)
 }
 
 /// Why `text`, which [`parse_address`] does not understand, is not an address.

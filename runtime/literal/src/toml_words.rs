@@ -21,7 +21,24 @@ pub fn plain_at(message: &str, text: &str, offset: usize) -> Wrong {
     let offset = (0..=offset.min(text.len())).rev().find(|at| text.is_char_boundary(*at)).unwrap_or_default();
     let start = text[..offset].rfind('\n').map_or(0, |at| at + 1);
     let end = text[offset..].find('\n').map_or(text.len(), |at| offset + at);
+    if let Some(wrong) = heading_of_a_text(message, text, &text[start..end], end) {
+        return wrong;
+    }
     plain(message, text[offset..end].trim_end(), &text[start..end])
+}
+
+/// `[cpu]` with keys below it, where `cpu = "…"` is a key of its own. `end`: of the line of the heading.
+fn heading_of_a_text(message: &str, text: &str, line: &str, end: usize) -> Option<Wrong> {
+    let key = line.trim().strip_prefix('[')?.strip_suffix(']')?.trim();
+    if !message.starts_with("invalid type: map, expected a string") {
+        return None;
+    }
+    let below = text[end..].lines().map(str::trim).find(|line| !line.is_empty() && !line.starts_with('#'));
+    let value = below.and_then(|line| line.split_once('=')).map_or("\"…\"", |(_, value)| value.trim());
+    Some(Wrong {
+        title: format!("`{key}` is a key with a text, not a heading"),
+        help: format!("write `{key} = {value}` at the top of the file, before the first heading"),
+    })
 }
 
 /// Rewrites `message` of the library. `place`: the text at the place of the error, up to the end of its line. `line`: its whole line.
@@ -263,6 +280,14 @@ mod tests {
             ("the keys of a project have no heading", "remove `[project]`: the keys stand at the top of the file");
         assert_eq!(of(&format!("unknown field `project`, {known}"), "[project]"), (title.to_owned(), help.to_owned()));
         same("missing field `slot`", "", "the key `slot` is missing here", "add `slot = …`");
+    }
+
+    #[test]
+    fn headings_of_texts_become_keys() {
+        let text = "name = \"a\"\n[cpu]\n# which\ntype = \"315-2 DP\"\n";
+        let wrong = plain_at("invalid type: map, expected a string", text, 11);
+        assert_eq!(wrong.title, "`cpu` is a key with a text, not a heading");
+        assert_eq!(wrong.help, "write `cpu = \"315-2 DP\"` at the top of the file, before the first heading");
     }
 
     #[test]

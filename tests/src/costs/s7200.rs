@@ -96,9 +96,9 @@ fn operands(insn: Insn) -> String {
             OperandClass::ByteIn if classes.contains(&OperandClass::Buffer) => "4".to_string(),
             OperandClass::ByteIn => "VB4".to_string(),
             OperandClass::ByteOut => "VB{p}".to_string(),
-            OperandClass::WordIn => "VW8".to_string(),
+            OperandClass::WordIn | OperandClass::IntIn => "VW8".to_string(),
             OperandClass::WordOut | OperandClass::WordOutAnalog => "VW{p}".to_string(),
-            OperandClass::DwordIn | OperandClass::DwordInAddress => "VD12".to_string(),
+            OperandClass::DwordIn | OperandClass::DintIn | OperandClass::DwordInAddress => "VD12".to_string(),
             OperandClass::DwordOut | OperandClass::RealOut => "VD{p}".to_string(),
             OperandClass::RealIn => "VD200".to_string(),
             OperandClass::StringIn => "VB220".to_string(),
@@ -132,8 +132,8 @@ fn operands(insn: Insn) -> String {
 fn second(class: OperandClass) -> Option<&'static str> {
     match class {
         OperandClass::ByteIn => Some("VB40"),
-        OperandClass::WordIn => Some("VW40"),
-        OperandClass::DwordIn => Some("VD40"),
+        OperandClass::WordIn | OperandClass::IntIn => Some("VW40"),
+        OperandClass::DwordIn | OperandClass::DintIn => Some("VD40"),
         OperandClass::RealIn => Some("VD204"),
         OperandClass::StringIn => Some("VB240"),
         _ => None,

@@ -10,6 +10,7 @@ use super::token::Tok;
 use plcc_syntax::front::frame_words::slip_of;
 use plcc_syntax::front::{Classified, Cursor};
 use plcc_syntax::network::ast::Comparison;
+use plcc_syntax::network::elements;
 use plcc_syntax::scl::keyword::Keyword;
 use plcc_syntax::scl::raw::{RawKind, RawToken};
 
@@ -71,6 +72,7 @@ impl<'a> Classifier<'a, '_> {
     /// A rung from `RUNG` to its end.
     fn rung(&mut self, opening: RawToken) {
         self.take(Tok::Rung);
+        let mut separated = false;
         while let Some(token) = self.raw.get(self.at).copied() {
             if self.is_word("RUNG") {
                 break;
@@ -89,6 +91,20 @@ impl<'a> Classifier<'a, '_> {
                 self.take(Tok::Not);
             } else if let Some(after) = self.operand_end() {
                 self.operand_or_element(after);
+            } else if matches!(token.kind, RawKind::Semicolon | RawKind::Comma) {
+                if !std::mem::replace(&mut separated, true) {
+                    let sign = &self.text[token.range()];
+                    self.report(
+                        Diagnostic::new(
+                            Code::Syntax,
+                            self.span(token),
+                            format!("the elements of a rung are not separated by `{sign}`"),
+                        )
+                        .label("not needed")
+                        .help(format!("remove each `{sign}` between elements and before `END_RUNG`")),
+                    );
+                }
+                self.at += 1;
             } else {
                 self.take(Tok::Stray);
             }
@@ -158,6 +174,8 @@ impl<'a> Classifier<'a, '_> {
                     self.take(Tok::Pin);
                 }
                 _ if self.is_word("NOT") => self.take(Tok::Negated),
+                // The next element: this one is not closed.
+                _ if self.is_next_element() => break,
                 _ => self.value_of_pin(),
             }
         }
@@ -167,6 +185,26 @@ impl<'a> Classifier<'a, '_> {
                 .help("write `)` after the last pin"),
         );
         self.push_here(Tok::RightParen);
+    }
+
+    /// Whether an element begins directly after an operand, so that a parenthesis is missing between them.
+    fn is_next_element(&self) -> bool {
+        let after_operand = self.at.checked_sub(1).and_then(|before| self.kind_at(before)).is_some_and(|kind| {
+            matches!(
+                kind,
+                RawKind::Local
+                    | RawKind::Quoted
+                    | RawKind::Absolute
+                    | RawKind::Number
+                    | RawKind::Real
+                    | RawKind::Literal
+                    | RawKind::RightBracket
+            )
+        });
+        after_operand
+            && self.kind_at(self.at) == Some(RawKind::Word)
+            && self.kind_at(self.at + 1) == Some(RawKind::LeftParen)
+            && elements::find_sd(&self.text[self.raw[self.at].range()]).is_some()
     }
 
     /// `in = 7` for `in := 7`.
@@ -224,6 +262,7 @@ impl<'a> Classifier<'a, '_> {
                 RawKind::RightParen | RawKind::Comma | RawKind::Assign | RawKind::Arrow if depth == 0 => break,
                 RawKind::Semicolon | RawKind::LeftBrace | RawKind::RightBrace => break,
                 _ if self.is_word("RUNG") || self.is_word("END_RUNG") => break,
+                _ if depth == 0 && self.at > first && self.is_next_element() => break,
                 _ => {}
             }
             self.at += 1;

@@ -19,6 +19,7 @@ pub mod comment;
 mod cursor;
 mod expression;
 pub mod extent;
+pub mod foreign_address;
 pub(crate) mod frame;
 pub mod frame_words;
 pub mod pointer;

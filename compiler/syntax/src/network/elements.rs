@@ -332,7 +332,8 @@ pub fn nearest_sd(name: &str) -> Option<&'static str> {
     names()
         .map(|known| (crate::distance::between(&name, &known.to_lowercase()), known))
         .filter(|(distance, _)| *distance <= limit)
-        .min_by_key(|(distance, _)| *distance)
+        // `Mov` is `Move` rather than `Mod`.
+        .min_by_key(|(distance, known)| (*distance, !known.to_lowercase().starts_with(&name)))
         .map(|(_, known)| known)
 }
 

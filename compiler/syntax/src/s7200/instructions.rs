@@ -25,11 +25,15 @@ pub enum OperandClass {
     ByteIn,
     ByteOut,
     WordIn,
+    /// As `WordIn`, with a sign: a decimal constant is an INT.
+    IntIn,
     WordOut,
     /// As `WordOut`, and AQW.
     WordOutAnalog,
     /// HC included.
     DwordIn,
+    /// As `DwordIn`, with a sign: a decimal constant is a DINT.
+    DintIn,
     /// As `DwordIn`, and the address of an operand (`&VB100`).
     DwordInAddress,
     DwordOut,
@@ -201,21 +205,21 @@ instructions! {
     // Timers and counters.
 
     /// On-delay timer.
-    Ton { en: "TON", de: "TON", operands: [Timer, WordIn], acts: Always, flags: "", eno: "-" }
+    Ton { en: "TON", de: "TON", operands: [Timer, IntIn], acts: Always, flags: "", eno: "-" }
     /// On-delay timer that keeps its time.
-    Tonr { en: "TONR", de: "TONR", operands: [Timer, WordIn], acts: Always, flags: "", eno: "-" }
+    Tonr { en: "TONR", de: "TONR", operands: [Timer, IntIn], acts: Always, flags: "", eno: "-" }
     /// Off-delay timer.
-    Tof { en: "TOF", de: "TOF", operands: [Timer, WordIn], acts: Always, flags: "", eno: "-" }
+    Tof { en: "TOF", de: "TOF", operands: [Timer, IntIn], acts: Always, flags: "", eno: "-" }
     /// Stores the millisecond counter.
     BeginInterval { en: "BITIM", de: "BITIM", operands: [DwordOut], acts: Enabled, flags: "", eno: "Yes" }
     /// Milliseconds since the stored moment.
     Interval { en: "CITIM", de: "CITIM", operands: [DwordIn, DwordOut], acts: Enabled, flags: "", eno: "Yes" }
     /// Counts up. S0 resets, S1 counts.
-    Ctu { en: "CTU", de: "CTU", operands: [Counter, WordIn], acts: Always, flags: "", eno: "-" }
+    Ctu { en: "CTU", de: "CTU", operands: [Counter, IntIn], acts: Always, flags: "", eno: "-" }
     /// Counts down. S0 loads, S1 counts.
-    Ctd { en: "CTD", de: "CTD", operands: [Counter, WordIn], acts: Always, flags: "", eno: "-" }
+    Ctd { en: "CTD", de: "CTD", operands: [Counter, IntIn], acts: Always, flags: "", eno: "-" }
     /// Counts up and down. S0 resets, S1 counts down, S2 counts up.
-    Ctud { en: "CTUD", de: "CTUD", operands: [Counter, WordIn], acts: Always, flags: "", eno: "-" }
+    Ctud { en: "CTUD", de: "CTUD", operands: [Counter, IntIn], acts: Always, flags: "", eno: "-" }
     // High-speed counters and pulse outputs.
 
     /// Sets the mode of a high-speed counter.
@@ -227,21 +231,21 @@ instructions! {
     // Mathematics.
 
     /// Adds in 16 bits: OUT + IN to OUT.
-    AddI { en: "+I", de: "+I", operands: [WordIn, WordOut], acts: Enabled, flags: "Z V N", eno: "V" }
+    AddI { en: "+I", de: "+I", operands: [IntIn, WordOut], acts: Enabled, flags: "Z V N", eno: "V" }
     /// Subtracts in 16 bits: OUT - IN to OUT.
-    SubI { en: "-I", de: "-I", operands: [WordIn, WordOut], acts: Enabled, flags: "Z V N", eno: "V" }
+    SubI { en: "-I", de: "-I", operands: [IntIn, WordOut], acts: Enabled, flags: "Z V N", eno: "V" }
     /// Multiplies in 16 bits: OUT * IN to OUT.
-    MulI { en: "*I", de: "*I", operands: [WordIn, WordOut], acts: Enabled, flags: "Z V N", eno: "V" }
+    MulI { en: "*I", de: "*I", operands: [IntIn, WordOut], acts: Enabled, flags: "Z V N", eno: "V" }
     /// Divides in 16 bits: OUT / IN to OUT.
-    DivI { en: "/I", de: "/I", operands: [WordIn, WordOut], acts: Enabled, flags: "Z V N D", eno: "V D" }
+    DivI { en: "/I", de: "/I", operands: [IntIn, WordOut], acts: Enabled, flags: "Z V N D", eno: "V D" }
     /// Adds in 32 bits: OUT + IN to OUT.
-    AddD { en: "+D", de: "+D", operands: [DwordIn, DwordOut], acts: Enabled, flags: "Z V N", eno: "V" }
+    AddD { en: "+D", de: "+D", operands: [DintIn, DwordOut], acts: Enabled, flags: "Z V N", eno: "V" }
     /// Subtracts in 32 bits: OUT - IN to OUT.
-    SubD { en: "-D", de: "-D", operands: [DwordIn, DwordOut], acts: Enabled, flags: "Z V N", eno: "V" }
+    SubD { en: "-D", de: "-D", operands: [DintIn, DwordOut], acts: Enabled, flags: "Z V N", eno: "V" }
     /// Multiplies in 32 bits: OUT * IN to OUT.
-    MulD { en: "*D", de: "*D", operands: [DwordIn, DwordOut], acts: Enabled, flags: "Z V N", eno: "V" }
+    MulD { en: "*D", de: "*D", operands: [DintIn, DwordOut], acts: Enabled, flags: "Z V N", eno: "V" }
     /// Divides in 32 bits: OUT / IN to OUT.
-    DivD { en: "/D", de: "/D", operands: [DwordIn, DwordOut], acts: Enabled, flags: "Z V N D", eno: "V D" }
+    DivD { en: "/D", de: "/D", operands: [DintIn, DwordOut], acts: Enabled, flags: "Z V N D", eno: "V D" }
     /// Adds REALs: OUT + IN to OUT.
     AddR { en: "+R", de: "+R", operands: [RealIn, RealOut], acts: Enabled, flags: "Z V N", eno: "V" }
     /// Subtracts REALs: OUT - IN to OUT.
@@ -251,9 +255,9 @@ instructions! {
     /// Divides REALs: OUT / IN to OUT.
     DivR { en: "/R", de: "/R", operands: [RealIn, RealOut], acts: Enabled, flags: "Z V N D", eno: "V D" }
     /// Product of IN and the low word of OUT, 32 bits.
-    Mul { en: "MUL", de: "MUL", operands: [WordIn, DwordOut], acts: Enabled, flags: "Z V N", eno: "V" }
+    Mul { en: "MUL", de: "MUL", operands: [IntIn, DwordOut], acts: Enabled, flags: "Z V N", eno: "V" }
     /// Low word of OUT by IN: remainder to the high word, quotient to the low one.
-    Div { en: "DIV", de: "DIV", operands: [WordIn, DwordOut], acts: Enabled, flags: "Z V N D", eno: "V D" }
+    Div { en: "DIV", de: "DIV", operands: [IntIn, DwordOut], acts: Enabled, flags: "Z V N D", eno: "V D" }
     /// Adds 1.
     IncB { en: "INCB", de: "INCB", operands: [ByteOut], acts: Enabled, flags: "Z V", eno: "V" }
     /// Subtracts 1.
@@ -359,33 +363,33 @@ instructions! {
     // Tables.
 
     /// Adds a word to a table.
-    Att { en: "ATT", de: "ATT", operands: [WordIn, Table], acts: Enabled, flags: "4", eno: "4 Range" }
+    Att { en: "ATT", de: "ATT", operands: [IntIn, Table], acts: Enabled, flags: "4", eno: "4 Range" }
     /// Takes the first word out of a table.
     Fifo { en: "FIFO", de: "FIFO", operands: [Table, WordOutAnalog], acts: Enabled, flags: "5", eno: "5 Range" }
     /// Takes the last word out of a table.
     Lifo { en: "LIFO", de: "LIFO", operands: [Table, WordOutAnalog], acts: Enabled, flags: "5", eno: "5 Range" }
     /// Writes a word to N words.
-    Fill { en: "FILL", de: "FILL", operands: [WordIn, WordsOut, Count], acts: Enabled, flags: "", eno: "Range" }
+    Fill { en: "FILL", de: "FILL", operands: [IntIn, WordsOut, Count], acts: Enabled, flags: "", eno: "Range" }
     /// Searches a table from an index on.
-    FindEqual { en: "FND=", de: "FND=", operands: [Table, WordIn, WordOut], acts: Enabled, flags: "", eno: "Range" }
+    FindEqual { en: "FND=", de: "FND=", operands: [Table, IntIn, WordOut], acts: Enabled, flags: "", eno: "Range" }
     /// Searches a table from an index on.
-    FindNotEqual { en: "FND<>", de: "FND<>", operands: [Table, WordIn, WordOut], acts: Enabled, flags: "", eno: "Range" }
+    FindNotEqual { en: "FND<>", de: "FND<>", operands: [Table, IntIn, WordOut], acts: Enabled, flags: "", eno: "Range" }
     /// Searches a table from an index on.
-    FindLess { en: "FND<", de: "FND<", operands: [Table, WordIn, WordOut], acts: Enabled, flags: "", eno: "Range" }
+    FindLess { en: "FND<", de: "FND<", operands: [Table, IntIn, WordOut], acts: Enabled, flags: "", eno: "Range" }
     /// Searches a table from an index on.
-    FindGreater { en: "FND>", de: "FND>", operands: [Table, WordIn, WordOut], acts: Enabled, flags: "", eno: "Range" }
+    FindGreater { en: "FND>", de: "FND>", operands: [Table, IntIn, WordOut], acts: Enabled, flags: "", eno: "Range" }
     // Conversion.
 
     /// Byte to integer.
     Bti { en: "BTI", de: "BTI", operands: [ByteIn, WordOut], acts: Enabled, flags: "", eno: "Yes" }
     /// Integer to byte.
-    Itb { en: "ITB", de: "ITB", operands: [WordIn, ByteOut], acts: Enabled, flags: "V", eno: "V" }
+    Itb { en: "ITB", de: "ITB", operands: [IntIn, ByteOut], acts: Enabled, flags: "V", eno: "V" }
     /// Integer to double integer.
-    Itd { en: "ITD", de: "ITD", operands: [WordIn, DwordOut], acts: Enabled, flags: "", eno: "Yes" }
+    Itd { en: "ITD", de: "ITD", operands: [IntIn, DwordOut], acts: Enabled, flags: "", eno: "Yes" }
     /// Double integer to integer.
-    Dti { en: "DTI", de: "DTI", operands: [DwordIn, WordOut], acts: Enabled, flags: "V", eno: "V" }
+    Dti { en: "DTI", de: "DTI", operands: [DintIn, WordOut], acts: Enabled, flags: "V", eno: "V" }
     /// Double integer to REAL.
-    Dtr { en: "DTR", de: "DTR", operands: [DwordIn, RealOut], acts: Enabled, flags: "", eno: "Yes" }
+    Dtr { en: "DTR", de: "DTR", operands: [DintIn, RealOut], acts: Enabled, flags: "", eno: "Yes" }
     /// REAL to the nearest double integer, halves away from zero.
     Round { en: "ROUND", de: "ROUND", operands: [RealIn, DwordOut], acts: Enabled, flags: "V", eno: "V" }
     /// REAL to double integer, without its fraction.
@@ -401,9 +405,9 @@ instructions! {
     /// Segments of the digit in the low nibble.
     Seg { en: "SEG", de: "SEG", operands: [ByteIn, ByteOut], acts: Enabled, flags: "", eno: "Yes" }
     /// Integer to eight characters.
-    Ita { en: "ITA", de: "ITA", operands: [WordIn, Buffer, ByteIn], acts: Enabled, flags: "", eno: "Format" }
+    Ita { en: "ITA", de: "ITA", operands: [IntIn, Buffer, ByteIn], acts: Enabled, flags: "", eno: "Format" }
     /// Double integer to twelve characters.
-    Dta { en: "DTA", de: "DTA", operands: [DwordIn, Buffer, ByteIn], acts: Enabled, flags: "", eno: "Format" }
+    Dta { en: "DTA", de: "DTA", operands: [DintIn, Buffer, ByteIn], acts: Enabled, flags: "", eno: "Format" }
     /// REAL to characters.
     Rta { en: "RTA", de: "RTA", operands: [RealIn, Buffer, ByteIn], acts: Enabled, flags: "", eno: "Format" }
     /// Hexadecimal characters to bytes.
@@ -411,9 +415,9 @@ instructions! {
     /// Bytes to hexadecimal characters.
     Hta { en: "HTA", de: "HTA", operands: [Buffer, Buffer, ByteIn], acts: Enabled, flags: "", eno: "Range" }
     /// Integer to a string.
-    Its { en: "ITS", de: "ITS", operands: [WordIn, StringOut, ByteIn], acts: Enabled, flags: "", eno: "Format" }
+    Its { en: "ITS", de: "ITS", operands: [IntIn, StringOut, ByteIn], acts: Enabled, flags: "", eno: "Format" }
     /// Double integer to a string.
-    Dts { en: "DTS", de: "DTS", operands: [DwordIn, StringOut, ByteIn], acts: Enabled, flags: "", eno: "Format" }
+    Dts { en: "DTS", de: "DTS", operands: [DintIn, StringOut, ByteIn], acts: Enabled, flags: "", eno: "Format" }
     /// REAL to a string.
     Rts { en: "RTS", de: "RTS", operands: [RealIn, StringOut, ByteIn], acts: Enabled, flags: "", eno: "Format" }
     /// String to integer.
@@ -451,7 +455,7 @@ instructions! {
     /// A label.
     Lbl { en: "LBL", de: "LBL", operands: [Label], acts: Marker, flags: "", eno: "-" }
     /// Begins a loop: index, first and last value.
-    For { en: "FOR", de: "FOR", operands: [WordOut, WordIn, WordIn], acts: Enabled, flags: "", eno: "Yes" }
+    For { en: "FOR", de: "FOR", operands: [WordOut, IntIn, IntIn], acts: Enabled, flags: "", eno: "Yes" }
     /// Ends a loop; S0 is 1.
     Next { en: "NEXT", de: "NEXT", operands: [], acts: Always, flags: "", eno: "-" }
     /// Begins a step of a sequence.
@@ -560,8 +564,8 @@ impl CompareKind {
         use OperandClass::*;
         match self {
             CompareKind::Byte => &[ByteIn, ByteIn],
-            CompareKind::Word => &[WordIn, WordIn],
-            CompareKind::Dword => &[DwordIn, DwordIn],
+            CompareKind::Word => &[IntIn, IntIn],
+            CompareKind::Dword => &[DintIn, DintIn],
             CompareKind::Real => &[RealIn, RealIn],
             CompareKind::Text => &[StringIn, StringIn],
         }

@@ -110,6 +110,17 @@ impl Recovery {
                 "the type of the elements",
                 format!("write `OF {}`", text(at)),
             ),
+            (Recovery::Declaration, Tok::Array, Tok::LeftParen) => {
+                let rest = state.text.get(at.2..).unwrap_or_default();
+                let bounds = rest.split(')').next().unwrap_or_default().trim();
+                told(
+                    at.0,
+                    at.2,
+                    "the bounds of an array are written in brackets".to_owned(),
+                    "a form of other languages",
+                    format!("write `{}[{bounds}]`", text(before)),
+                )
+            }
             (Recovery::Declaration, _, Tok::LeftParen) if text(before).eq_ignore_ascii_case("STRING") => {
                 let rest = state.text.get(at.2..).unwrap_or_default();
                 let length = rest.split(')').next().unwrap_or_default().trim();

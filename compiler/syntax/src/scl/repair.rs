@@ -2,12 +2,13 @@
 //!
 //! ```text
 //! raw tokens ──► raw tokens of SCL, and a message for each repair
-//!              words.rs: THENN, ENDIF, UND, break          signs.rs: ==, &&, i++, 0x1F, { }
+//!              words.rs: THENN, ENDIF, UND, break          signs.rs: ==, &&, i++, 0x1F, { }          foreign.rs: METHOD, LOOP, N7:0
 //! ```
 //!
 //! Each rule looks for something that is wrong in SCL wherever it is, so correct sources pass unchanged; most have no repairs at all, and
 //! their tokens are not even copied.
 
+mod foreign;
 mod heads;
 mod signs;
 mod words;
@@ -22,6 +23,7 @@ use super::raw::{RawKind, RawText, RawToken};
 /// The tokens with all repairs; none if there is nothing to repair. Repairs are reported.
 pub fn repair(file: FileId, text: &str, raw: &RawText, diagnostics: &mut Vec<Diagnostic>) -> Option<RawText> {
     let mut repair = Repair::new(file, text, &raw.tokens);
+    repair.iec = raw.iec;
     repair.walk();
     let Repair { edits, messages, .. } = repair;
     if edits.is_empty() {
@@ -104,6 +106,12 @@ struct Repair<'t> {
     messages: Vec<Diagnostic>,
     /// `{` for THEN was reported.
     braces_reported: bool,
+    /// BEGIN inside of a statement was reported in this block.
+    begins_reported: bool,
+    /// LOOP without its END_LOOP.
+    loops: usize,
+    /// The text is of an editor of IEC 61131-3.
+    iec: bool,
 }
 
 impl<'t> Repair<'t> {
@@ -124,6 +132,9 @@ impl<'t> Repair<'t> {
             edits: Vec::new(),
             messages: Vec::new(),
             braces_reported: false,
+            begins_reported: false,
+            loops: 0,
+            iec: false,
         }
     }
 
@@ -131,10 +142,15 @@ impl<'t> Repair<'t> {
         while let Some(token) = self.token(self.at) {
             let before = self.at;
             match self.area {
-                Area::Head => self.pass(token),
+                Area::Head => {
+                    if !(self.foreign_part(token) || self.global_section(token) || self.heritage(token)) {
+                        self.pass(token);
+                    }
+                }
                 Area::Declarations => self.declaration_token(token),
                 Area::Statements => {
-                    if !(self.hyphenated_use(token)
+                    if !(self.foreign(token)
+                        || self.hyphenated_use(token)
                         || self.repair_word(token)
                         || self.repair_head(token)
                         || self.repair_sign(token))
@@ -146,6 +162,20 @@ impl<'t> Repair<'t> {
             debug_assert!(self.at > before, "the walk goes on");
             self.at = self.at.max(before + 1);
         }
+    }
+
+    /// Repairs a form of another language.
+    fn foreign(&mut self, token: RawToken) -> bool {
+        matches!(token.kind, RawKind::Word | RawKind::Absolute)
+            && (self.foreign_part(token)
+                || self.global_section(token)
+                || self.foreign_prefix(token)
+                || self.late_condition(token)
+                || self.pascal(token)
+                || self.endless(token)
+                || self.short_circuit(token)
+                || self.file_address(token)
+                || self.bit_of_word(token))
     }
 
     /// Goes past a token that stays as it is.
@@ -240,6 +270,7 @@ impl<'t> Repair<'t> {
             _ if keyword.ends_block() || self.begins_block(keyword) => {
                 self.area = if keyword.ends_block() { Area::Statements } else { Area::Head };
                 self.open.clear();
+                self.begins_reported = false;
                 self.head = None;
                 self.begin_statement();
             }

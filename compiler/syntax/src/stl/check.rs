@@ -106,9 +106,22 @@ pub fn address(text: &str, span: Span, width: Width, byte: u32, bit: u8) -> Opti
         _ => Some(
             Diagnostic::new(Code::Syntax, span, format!("`{shown}` has a bit number, but does not name a bit"))
                 .label("bytes, words and double words are addressed by their first byte")
-                .help(format!("remove `.{bit}`, or name the bit without the letter of the width")),
+                .help(match bit_address(shown) {
+                    Some(address) => format!("remove `.{bit}`, or write `{address}` for the bit"),
+                    None => format!("remove `.{bit}`, or name the bit without the letter of the width"),
+                }),
         ),
     }
+}
+
+/// `DB1.DBX0.1` for `DB1.DBW0.1`, `M 0.1` for `MW 0.1`.
+fn bit_address(text: &str) -> Option<String> {
+    let point = text.rfind('.')?;
+    let digits = text[..point].trim_end_matches(|c: char| c.is_ascii_digit());
+    let letters = digits.trim_end();
+    let area = letters.strip_suffix(['B', 'W', 'D', 'b', 'w', 'd'])?;
+    let bit = if area.ends_with(['B', 'b', 'I', 'i']) && area.len() > 1 { "X" } else { "" };
+    (!area.is_empty()).then(|| format!("{area}{bit}{}{}", &digits[letters.len()..], &text[digits.len()..]))
 }
 
 /// What an operand is, as far as its form shows.

@@ -208,6 +208,13 @@ fn statement_error(state: &State, index: usize, at: Option<&Spanned>, before: Op
     if let (Some((_, Tok::Comma, comma_end)), Some((_, Tok::Insn(insn), _))) = (at, first) {
         return surplus_operand(state, insn.mnemonic(state.rules), *comma_end);
     }
+    if let (Some((start, Tok::Name(word), end)), Some((_, Tok::Insn(insn), _)), Some((.., operand_end))) =
+        (at, first, before)
+        && operand_end < start
+        && let Some(told) = operator(state, word, *start..*end, insn.operand())
+    {
+        return told;
+    }
     let help = match first.map(|(_, token, _)| token) {
         Some(Tok::Call) => {
             "write `CALL block, instance ( name := operand, … )`, or each `name := operand` on a separate line"
@@ -220,14 +227,39 @@ fn statement_error(state: &State, index: usize, at: Option<&Spanned>, before: Op
     message(state, at, before, Code::Syntax, "statement").help(help)
 }
 
+/// `A I 0.0 AND I 0.1`: the rest is a statement of its own.
+fn operator(state: &State, word: &str, range: Range<usize>, class: crate::stl::OperandClass) -> Option<Diagnostic> {
+    use crate::stl::{OperandClass, StlInsn};
+    let insn = match word.to_ascii_uppercase().as_str() {
+        "AND" | "UND" => StlInsn::And,
+        "OR" | "ODER" => StlInsn::Or,
+        "XOR" | "EXOR" => StlInsn::Xor,
+        _ => return None,
+    };
+    if !matches!(class, OperandClass::Bit | OperandClass::BitOrNone) {
+        return None;
+    }
+    let line = state.text[range.end..].find(['\n', ';', '/']).map_or(state.text.len(), |length| range.end + length);
+    let rest = state.text[range.end..line].trim();
+    let mnemonic = insn.mnemonic(state.rules);
+    Some(
+        Diagnostic::new(Code::Syntax, state.span(range), format!("a statement has no `{word}` between operands"))
+            .label("a form of other languages")
+            .help(format!("write `{mnemonic} {rest}` in a line of its own")),
+    )
+}
+
 /// `A I 0.0, I 0.1`: an instruction of STL has one operand. `start`: the byte after the comma.
 fn surplus_operand(state: &State, mnemonic: &str, start: usize) -> Diagnostic {
     let line = state.text[start..].find(['\n', ';', '/']).map_or(state.text.len(), |length| start + length);
     let rest = state.text[start..line].trim_end();
     let written: Vec<&str> = rest.split(',').map(str::trim).filter(|operand| !operand.is_empty()).collect();
     let lines: Vec<String> = written.iter().map(|operand| format!("`{mnemonic} {operand}`")).collect();
+    // A time or a count, which an instruction of bits takes from ACCU1.
+    let constant = |text: &str| text.contains('#') && !text.starts_with('#') || text.parse::<i64>().is_ok();
     let help = match lines.as_slice() {
         [] => "remove the comma".to_owned(),
+        [_] if constant(written[0]) => format!("write `L {}` in the line before", written[0]),
         [one] => format!("write {one} in a line of its own"),
         several => format!("write {} in lines of their own", several.join(", ")),
     };

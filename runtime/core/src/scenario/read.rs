@@ -72,7 +72,7 @@ pub(super) fn parse(file: &str, text: &str, image: &ProgramImage) -> Result<Scen
     let line = |offset: usize| ends.partition_point(|end| *end < offset) as u32 + 1;
     let raw: FileText = toml::from_str(text).map_err(|error| {
         let offset = error.span().map_or(0, |span| span.start);
-        let wrong = toml_words::plain_at(error.message(), text, offset);
+        let wrong = foreign_key(error.message()).unwrap_or_else(|| toml_words::plain_at(error.message(), text, offset));
         format!("{file}:{}: {}; {}", line(offset), wrong.title, wrong.help)
     })?;
     let plant = raw.plant.as_ref().map(|plant| plant.plant(image, &line)).transpose();
@@ -80,6 +80,27 @@ pub(super) fn parse(file: &str, text: &str, image: &ProgramImage) -> Result<Scen
     let reader = Reader { file, line: &line, image, plant: plant.as_ref() };
     let entries = raw.at.into_iter().map(|entry| reader.entry(entry)).collect::<Result<_, _>>()?;
     Ok(Scenario { file: file.to_string(), entries, plant })
+}
+
+/// Keys that a scenario does not have, and where what they mean is written.
+const FOREIGN_KEYS: [(&[&str], &str); 4] = [
+    (
+        &["cycle_time", "cycle-time", "cycletime"],
+        "write `cycle_time` into plc.toml, or give `--cycle-time` on the command line",
+    ),
+    (&["cpu", "name", "sources", "symbols", "ob", "retain", "startup"], "write it into plc.toml"),
+    (
+        &["step", "steps", "entry", "entries", "when"],
+        "each moment is a table `[[at]]` with `cycle = …` or `time = \"…\"`",
+    ),
+    (&["inputs", "outputs", "values"], "values are below `[[at]]`: `set = { \"I 0.0\" = true }`"),
+];
+
+/// What to say of a key that another file has.
+fn foreign_key(message: &str) -> Option<toml_words::Wrong> {
+    let name = message.strip_prefix("unknown field `")?.split('`').next()?;
+    let (_, help) = FOREIGN_KEYS.iter().find(|(keys, _)| keys.contains(&name))?;
+    Some(toml_words::Wrong { title: format!("a scenario has no key `{name}`"), help: (*help).to_owned() })
 }
 
 /// A source, its value and the tolerance.

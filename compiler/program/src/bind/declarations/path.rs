@@ -439,6 +439,13 @@ pub(crate) fn no_component(name: &str, ty: &DataType, span: Span) -> Diagnostic 
             let first: Vec<String> = array.bounds.iter().map(|(low, _)| low.to_string()).collect();
             told.help(format!("name one element, as in `[{}].{name}`", first.join(", ")))
         }
+        DataType::Elementary(ty)
+            if name
+                .strip_prefix(['X', 'x', 'B', 'b', 'W', 'w'])
+                .is_some_and(|number| number.parse::<u32>().is_ok_and(|number| number < ty.bits())) =>
+        {
+            told.help(format!("a part of a variable has `%` before it: write `.%{}`", name.to_ascii_uppercase()))
+        }
         _ => told,
     }
 }

@@ -143,6 +143,8 @@ impl Globals<'_> {
             Mismatch::Range => Diagnostic::new(Code::InitialValue, span, format!("`{text}` does not fit type {name}"))
                 .label(match ty {
                     DataType::Elementary(elementary) => rewrite::holds(*elementary),
+                    DataType::String(room) => format!("longer than {room} characters"),
+                    DataType::WideString(room) => format!("longer than {room} characters"),
                     _ => "out of range".to_string(),
                 }),
         };
@@ -154,6 +156,9 @@ impl Globals<'_> {
                 message.help(format!("{}, or give the variable a larger type", rewrite::wanted(*elementary)))
             }
             DataType::Elementary(elementary) => message.help(rewrite::help(*elementary, &text, rewrite::Form::Scl)),
+            DataType::String(_) | DataType::WideString(_) if problem == Mismatch::Range => {
+                message.help("shorten the text, or declare the variable with more characters in `[ ]`")
+            }
             DataType::String(_) => message.help(rewrite::text(&text)),
             DataType::WideString(_) => message.help(rewrite::text(&text).replace("`'", "`WSTRING#'")),
             DataType::DateAndTime => message.help(rewrite::date_and_time(&text)),

@@ -2,7 +2,7 @@
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::CellKind;
-use plcc_syntax::network::ast::{Pin, PinValue, Storage};
+use plcc_syntax::network::ast::{Pin, PinValue};
 use plcc_syntax::network::elements::Gate;
 use plcc_syntax::scl::ast::{
     Argument, Expr as Node, ExprKind as NodeKind, Name, NameForm, Statement as Tree, StatementKind as TreeKind,
@@ -112,8 +112,28 @@ impl NetworkBinder<'_, '_> {
     /// Writes the operand of a coil.
     fn write_pin(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, pin: &Pin, value: Expr) -> Option<()> {
         match &pin.value {
-            PinValue::Operand(node) => self.write(ctx, sheet, node, Value::Elementary(value), Storage::None),
+            PinValue::Operand(node) => {
+                let target = self.coil_target(ctx, node)?;
+                let kind = self.scl().assignment(ctx, target, Value::Elementary(value))?;
+                sheet.push(kind, node.span);
+                Some(())
+            }
             PinValue::Net(_) | PinValue::Open => None,
+        }
+    }
+
+    /// The operand that a coil writes, which must be a BOOL.
+    fn coil_target(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Access> {
+        let target = self.scl().access(ctx, node, Intent::Write)?;
+        match target.elementary().filter(|ty| *ty != Elementary::Bool) {
+            None => Some(target),
+            Some(ty) => {
+                let text = self.program.globals.text(node.span);
+                let title = format!("`{text}` is of type {}, but a coil writes a BOOL", ty.name());
+                let help = format!("name a BOOL, or write numbers to `{text}` with the box `Move`");
+                self.scl().refuse(Code::TypeMismatch, node.span, &title, &format!("of type {}", ty.name()), &help);
+                None
+            }
         }
     }
 
@@ -126,7 +146,7 @@ impl NetworkBinder<'_, '_> {
         if !set && let Some(kind) = self.cell_operand(ctx, node) {
             self.reset_cell(ctx, sheet, kind, node, condition, span)?;
         } else {
-            let target = self.scl().access(ctx, node, Intent::Write)?;
+            let target = self.coil_target(ctx, node)?;
             let value = if set { yes(span) } else { no(span) };
             let kind = self.scl().assignment(ctx, target, Value::Elementary(value))?;
             self.conditional(sheet, condition, kind, span);

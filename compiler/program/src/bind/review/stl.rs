@@ -7,8 +7,12 @@ use plcc_binding::rewrite::{self, Form};
 use plcc_diag::{Code, Diagnostic, SourceMap, Span};
 use plcc_model::{LabelId, Operand, Place, StlStatement, StlStatementKind};
 use plcc_syntax::Elementary;
+use plcc_syntax::ast::CellKind;
 use plcc_syntax::stl::{OperandClass, StlInsn};
 use rustc_hash::FxHashSet;
+
+/// Most that a counter counts to.
+const COUNT_MAX: u32 = 999;
 
 /// Reports labels that no jump of the block names.
 pub fn labels(statements: &[StlStatement], sources: &SourceMap, found: &mut Vec<Diagnostic>) {
@@ -103,6 +107,11 @@ pub fn values(statements: &[StlStatement], sources: &SourceMap, found: &mut Vec<
         {
             found.extend(not_a_time(load, statement.span, sources));
         }
+        if let Some(load) = constant
+            && matches!((insn, operand), (StlInsn::Set, Operand::Cell { kind: CellKind::Counter, .. }))
+        {
+            found.extend(not_a_count(load, statement.span, sources));
+        }
         if is_timer_start(*insn) && !accu_is_loaded {
             let message = Diagnostic::new(Code::TimerWithoutTime, statement.span, "this timer starts without a time");
             found.push(
@@ -169,6 +178,33 @@ fn not_a_time(load: &StlStatement, timer: Span, sources: &SourceMap) -> Option<D
             .also(load.span, "loaded here")
             .help(rewrite::help(Elementary::S5Time, text, Form::Stl)),
     )
+}
+
+/// What is wrong if a counter is preset with the constant of `load`, whose bits are not the BCD number that was meant.
+fn not_a_count(load: &StlStatement, set: Span, sources: &SourceMap) -> Option<Diagnostic> {
+    let StlStatementKind::Instruction { operand: Operand::Const { value, wide }, .. } = load.kind else { return None };
+    let text = sources.file(load.span.file).text.get(load.span.start as usize..load.span.end as usize)?;
+    let text = text.split_whitespace().next_back()?.trim_end_matches(';');
+    let digit = |at: u32| value >> (4 * at) & 0xF;
+    let is_bcd = (0..3).all(|at| digit(at) <= 9);
+    let is_decimal = text.bytes().all(|byte| byte.is_ascii_digit()) && value > 9;
+    // Of a double word the counter takes the low digits, which hexadecimal ones show as they are.
+    let shows_digits = !wide || text.contains("16#");
+    if shows_digits && !is_decimal && is_bcd {
+        return None;
+    }
+    let label = match is_bcd {
+        true => {
+            format!("takes its BCD digits, 16#{value:04X}: starts at {}", digit(2) * 100 + digit(1) * 10 + digit(0))
+        }
+        false => format!("16#{value:04X} is not a number in BCD: an error at run time"),
+    };
+    let help = match text.parse::<u32>().ok().or((!wide).then_some(value)) {
+        Some(count @ 0..=COUNT_MAX) => format!("write `C#{count}`"),
+        _ => format!("write a value from 0 to {COUNT_MAX} after `C#`"),
+    };
+    let message = Diagnostic::new(Code::TimerWithoutTime, set, format!("`{text}` is not the value of a counter"));
+    Some(message.label(label).also(load.span, "loaded here").help(help))
 }
 
 const fn is_timer_start(insn: StlInsn) -> bool {

@@ -32,13 +32,15 @@ impl SclBinder<'_, '_> {
     pub fn call(&mut self, ctx: &mut SclBlock, node: &Node, statement: bool) -> Option<Value> {
         let NodeKind::Call { callee, arguments } = &node.kind else { return None };
         let wide = self.overload(ctx, callee, arguments).map(|key| Callee::Block { key, instance: None });
-        if self.cast(ctx, callee, arguments) {
+        if self.cast(ctx, callee, arguments) || self.foreign_function(callee) {
             return None;
         }
         let Some(target) = wide.or_else(|| self.callee(ctx, callee)) else {
             self.note_arguments(ctx, arguments);
             return None;
         };
+        let repaired = self.named_with_equals(ctx, &target, arguments, callee);
+        let arguments = repaired.as_deref().unwrap_or(arguments);
         match target {
             Callee::Block { key, instance } => {
                 let call = self.block_call(ctx, key, instance, arguments, callee.span, node.span)?;
@@ -544,11 +546,15 @@ impl SclBinder<'_, '_> {
         let own = blocks().filter(|global| matches!(global.target, SymbolTarget::Block { .. }));
         let own: Vec<&str> = own.map(|global| global.name.as_str()).collect();
         let shipped = plcc_stdlib::blocks().iter().map(|block| block.name);
-        let meant = similar(&name.text, own.into_iter())
-            .or_else(|| similar(&name.text, super::function::names()))
-            .or_else(|| similar(&name.text, shipped))
-            .map(str::to_owned)
-            .or_else(|| similar_conversion(&name.text));
+        // A name in quotes is that of a block of the program.
+        let meant = match (similar(&name.text, own.into_iter()), name.form) {
+            (Some(own), _) => Some(own.to_owned()),
+            (None, NameForm::Quoted) => None,
+            (None, NameForm::Bare | NameForm::Local) => {
+                let known = similar(&name.text, super::function::names()).or_else(|| similar(&name.text, shipped));
+                known.map(str::to_owned).or_else(|| similar_conversion(&name.text))
+            }
+        };
         self.program.globals.report.missing_function(&name.text, name.span, meant, false);
     }
 }

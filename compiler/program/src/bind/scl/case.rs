@@ -1,7 +1,9 @@
 //! CASE. Source: SCL reference, CASE.
 
 use plcc_diag::{Code, Diagnostic, Span};
-use plcc_syntax::scl::ast::{Arm as ArmTree, CaseValue, Expr as Node, Statement as Tree};
+use plcc_syntax::scl::ast::{
+    Arm as ArmTree, BinaryOp, CaseValue, Expr as Node, ExprKind as NodeKind, Literal, Statement as Tree,
+};
 use plcc_syntax::{Class, Elementary};
 
 use super::value::Value;
@@ -92,12 +94,25 @@ impl SclBinder<'_, '_> {
         self.refuse(Code::CaseValue, span, title, label, "remove it or correct it");
     }
 
+    /// `4-6:` is the value -2.
+    fn subtracted_range(&mut self, node: &Node) {
+        let NodeKind::Binary { op: BinaryOp::Subtract, left, right, .. } = &node.kind else { return };
+        let is_number = |node: &Node| matches!(node.kind, NodeKind::Literal(Literal::Integer { .. }));
+        if is_number(left) && is_number(right) {
+            let text = |node: &Node| self.program.globals.text(node.span);
+            let (text, low, high) = (text(node), text(left), text(right));
+            let help = format!("a range is written `{low}..{high}`");
+            self.refuse(Code::CaseValue, node.span, &format!("`{text}` is a subtraction"), "one value", &help);
+        }
+    }
+
     /// A label as a number of the selector's type.
     fn case_value(&mut self, ctx: &mut SclBlock, node: &Node, ty: Elementary, of_types: bool) -> Option<i128> {
         if of_types && let Some(Constant::Typed { bits, .. }) = self.named_type_number(ctx, node) {
             return Some(i128::from(bits));
         }
         let value = self.program.globals.constant(&ctx.block.bound.constants, node)?;
+        self.subtracted_range(node);
         let (least, most) = constant::range(ty);
         match &value {
             // Bits of a signed number, as 16#FFFF for -1.

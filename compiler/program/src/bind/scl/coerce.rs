@@ -1,6 +1,6 @@
 //! Values in the required type: implicit conversions, texts, structures.
 
-use plcc_diag::{Code, Span};
+use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::BlockPrefix;
 use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind, NameForm};
 use plcc_syntax::{Class, Elementary};
@@ -339,7 +339,35 @@ impl SclBinder<'_, '_> {
                 "split it into two texts",
             );
         }
+        if bytes.is_some() {
+            self.cut_text(&constant, span, ty);
+        }
         bytes.map(Complex::Const)
+    }
+
+    /// Warns of a text that its variable cuts off.
+    fn cut_text(&mut self, constant: &Constant, span: Span, ty: &DataType) {
+        let (name, room, wide) = match ty {
+            DataType::String(room) => ("STRING", usize::from(*room), false),
+            DataType::WideString(room) => ("WSTRING", usize::from(*room), true),
+            _ => return,
+        };
+        let characters: Vec<u16> = match constant {
+            Constant::Text { bytes, .. } if wide => constant::wide(bytes),
+            Constant::Text { bytes, .. } => bytes.iter().map(|byte| u16::from(*byte)).collect(),
+            Constant::WideText(text) => text.clone(),
+            _ => return,
+        };
+        let count = characters.len();
+        if count <= room {
+            return;
+        }
+        let left = String::from_utf16_lossy(&characters[..room]);
+        self.program.report(
+            Diagnostic::new(Code::Narrowing, span, format!("a text of {count} characters does not fit {name}[{room}]"))
+                .label(format!("the variable gets `'{left}'`"))
+                .help(format!("declare it as {name}[{count}], or shorten the text")),
+        );
     }
 }
 

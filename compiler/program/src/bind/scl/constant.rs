@@ -142,14 +142,22 @@ impl SclBinder<'_, '_> {
     /// Source: SCL reference, type of a literal: an integer literal has the type that can hold it.
     pub(super) fn value_lost(&mut self, rules: Rules, span: Span, value: i128, ty: Elementary) {
         let text = self.program.globals.text(span);
-        let left = integer(ty, low_bits(value, ty));
+        let bits = low_bits(value, ty);
+        let left = match ty.class() {
+            Class::Bits => format!("16#{bits:X}"),
+            _ => integer(ty, bits).to_string(),
+        };
         let (code, label) = match rules {
             Rules::Classic => (Code::LiteralRange, rewrite::holds(ty)),
             Rules::Tia300 | Rules::Tia1200 | Rules::Tia1500 => {
                 (Code::Narrowing, format!("{}; the low bits remain, which are {left}", rewrite::holds(ty)))
             }
         };
-        let help = match rewrite::roomy(value) {
+        let help = match rewrite::roomy(value, ty) {
+            Some(larger) if ty.class() == Class::Bits => {
+                let digits = ty.bits() / 4;
+                format!("give the variable the type {larger}, or write a value of up to {digits} hexadecimal digits")
+            }
             Some(larger) => format!("give the variable the type {larger}, or write a value that fits"),
             None => "write a value that fits".to_string(),
         };

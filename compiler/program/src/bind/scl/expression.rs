@@ -116,6 +116,10 @@ impl SclBinder<'_, '_> {
                 value = Some(Value::Elementary(compared));
                 continue;
             }
+            if self.number_among_conditions(*op, left, right) {
+                value = None;
+                continue;
+            }
             let right = match self.compared_type_name(ctx, *op, left, right) {
                 Some(number) => Some(number),
                 None => self.value(ctx, right),
@@ -126,6 +130,33 @@ impl SclBinder<'_, '_> {
             };
         }
         value
+    }
+
+    /// Reports `a = 5 OR 6`, which was meant as `a = 5 OR a = 6`.
+    fn number_among_conditions(&mut self, op: Operator, left: &Node, right: &Node) -> bool {
+        let NodeKind::Binary { op: compare, left: subject, .. } = &left.kind else { return false };
+        let compares = matches!(
+            compare,
+            Operator::Less
+                | Operator::Greater
+                | Operator::LessEqual
+                | Operator::GreaterEqual
+                | Operator::Equal
+                | Operator::NotEqual
+        );
+        let number = match &right.kind {
+            NodeKind::Literal(Literal::Integer { value, .. }) => *value > 1,
+            _ => false,
+        };
+        if !matches!(op, Operator::And | Operator::Or | Operator::Xor) || !compares || !number {
+            return false;
+        }
+        let text = |node: &Node| self.program.globals.text(node.span);
+        let (condition, subject, number) = (text(left), text(subject), text(right));
+        let title = format!("`{number}` is a number, but {} joins conditions here", op.sign());
+        let help = format!("write `{condition} {} {subject} {} {number}`", op.sign(), compare.sign());
+        self.refuse(Code::TypeMismatch, right.span, &title, "not a condition", &help);
+        true
     }
 
     /// `v = NULL`, `v <> NULL` of a VARIANT or ANY: whether it points to nothing, which its type code shows. `None` for other operands.

@@ -27,6 +27,7 @@ mod enable;
 pub(in crate::bind) mod expression;
 mod flow;
 pub(in crate::bind) mod function;
+mod habits;
 mod iec_timer;
 mod indexed;
 mod memory;

@@ -47,6 +47,11 @@ impl Pin {
     }
 }
 
+/// Whether the function has a pin of that name.
+pub fn has_pin(row: &Row, name: &str) -> bool {
+    row.pins.split_whitespace().map(Pin::read).any(|pin| pin.matches(name).is_some())
+}
+
 /// Arguments of a function, each at its pin.
 pub struct Pins<'n> {
     /// Name of the pin, position among numbered ones, argument.

@@ -12,6 +12,7 @@ use super::expression::{constant_expr, typed_constant};
 use super::value::Value;
 use crate::bind::scl::message::DEPTH_MAX;
 use crate::bind::scl::{SclBinder, SclBlock};
+use plcc_binding::constant::Constant;
 use plcc_model::scl::{Complex, Expr, ExprKind, Statement, StatementKind};
 use plcc_model::types::DataType;
 use plcc_model::{self, StlStatementKind};
@@ -128,6 +129,11 @@ impl SclBinder<'_, '_> {
                 self.program.globals.report.diagnostics.truncate(told);
                 access.is_some_and(|access| access.elementary() != Some(plcc_syntax::Elementary::Bool))
             }
+            NodeKind::Binary { .. } | NodeKind::Unary { .. } => match self.quiet_value(ctx, node) {
+                Some(Value::Elementary(expr)) => expr.ty != Elementary::Bool,
+                Some(Value::Constant(Constant::Integer { .. } | Constant::Real(_), _)) => true,
+                _ => false,
+            },
             _ => false,
         }
     }

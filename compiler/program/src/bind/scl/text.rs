@@ -273,7 +273,7 @@ impl SclBinder<'_, '_> {
         }
     }
 
-    fn quiet_value(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Value> {
+    pub(super) fn quiet_value(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Value> {
         let (told, reads) = (self.program.globals.report.diagnostics.len(), ctx.scope.temp_reads.len());
         let value = self.value(ctx, node);
         self.program.globals.report.diagnostics.truncate(told);

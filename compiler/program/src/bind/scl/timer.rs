@@ -120,6 +120,22 @@ impl SclBinder<'_, '_> {
             );
             return None;
         }
+        if let Value::Constant(Constant::Integer { value: number, based: true }, span) = &value
+            && let (Ok(number), span) = (u32::try_from(*number), *span)
+            && (0..3).any(|digit| number >> (4 * digit) & 0xF > 9)
+        {
+            let text = self.program.globals.text(span);
+            let help = match number {
+                0..=999 => format!("write `C#{number}`"),
+                _ => "write a value from 0 to 999 after `C#`".to_owned(),
+            };
+            self.program.report(
+                Diagnostic::new(Code::BadLiteral, span, "a counter needs its value in BCD")
+                    .label(format!("`{text}` has a digit above 9"))
+                    .help(help),
+            );
+            return None;
+        }
         self.convert(ctx, value, Elementary::Word)
     }
 }

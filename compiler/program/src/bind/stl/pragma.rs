@@ -8,7 +8,7 @@ use crate::bind::stl::StlBinder;
 use crate::bind::stl::settle::Settled;
 use plcc_binding::assertion::{self, Literal, Side, Type, What};
 use plcc_binding::constant::Constant;
-use plcc_binding::pragma::{bad_pragma, file_pragma, split, unknown_pragma};
+use plcc_binding::pragma::{bad_pragma, file_pragma, sleep_help, split, unknown_pragma};
 use plcc_binding::value;
 use plcc_model::types::{DTL, DataType, Elementary};
 use plcc_model::{Assert, AssertSide, CellKind, ComparedValue, Operand, Place, StlStatementKind, TestSettings};
@@ -38,7 +38,7 @@ impl StlBinder<'_, '_> {
             "sleep" => match rest.parse::<u32>() {
                 Ok(milliseconds) => Some(StlStatementKind::Sleep(milliseconds)),
                 Err(_) => {
-                    self.bad_pragma(pragma.span, "`sleep` needs a number of milliseconds", "write `//@ sleep 100`");
+                    self.bad_pragma(pragma.span, "`sleep` needs a number of milliseconds", &sleep_help(rest));
                     None
                 }
             },

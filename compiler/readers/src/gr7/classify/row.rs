@@ -180,6 +180,11 @@ impl<'a> Classifier<'a, '_> {
             (first < after).then(|| self.text[self.raw[first].start as usize..self.raw[after - 1].end as usize].trim())
         };
         let Some(open) = (row + 1..self.at).find(|index| self.kind_at(*index) == Some(RawKind::LeftParen)) else {
+            // `N Q0.0`
+            let first = slice(row, row + 1)?;
+            if row < last && qualifier::parse(first).is_some() && !self.joins(row) {
+                return Some(format!("write `{} ({first})`", slice(row + 1, last + 1)?));
+            }
             let (operand, mark) = (slice(row, last)?, slice(last, last + 1)?);
             qualifier::parse(mark).filter(|_| !self.joins(last - 1))?;
             return Some(format!("write `{operand} ({mark})`"));

@@ -24,6 +24,28 @@ enum Meaning {
     Unknown,
 }
 
+/// Names of elements in other editors, and what SIMATIC SD calls them.
+const FOREIGN: [(&str, &str); 18] = [
+    ("XIC", "Contact"),
+    ("XIO", "I_Contact"),
+    ("NO", "Contact"),
+    ("NC", "I_Contact"),
+    ("NormallyOpen", "Contact"),
+    ("NormallyClosed", "I_Contact"),
+    ("OTE", "Coil"),
+    ("OTL", "S_Coil"),
+    ("OTU", "R_Coil"),
+    ("EQU", "Eq"),
+    ("NEQ", "Ne"),
+    ("GRT", "Gt"),
+    ("LES", "Lt"),
+    ("GEQ", "Ge"),
+    ("LEQ", "Le"),
+    ("ONS", "P_Contact"),
+    ("Output", "Coil"),
+    ("Set", "S_Coil"),
+];
+
 impl Builder<'_, '_> {
     /// Adds the element of `node` to the graph; the flow goes through it.
     pub(super) fn element(&mut self, carried: &mut Carried, node: Node, attributes: Vec<Attribute>) {
@@ -132,7 +154,9 @@ impl Builder<'_, '_> {
             self.report(Diagnostic::new(Code::UnknownElement, target, title).label(label).help(help));
             return;
         }
-        let help = match elements::nearest_sd(name) {
+        let foreign = FOREIGN.iter().find(|(other, _)| other.eq_ignore_ascii_case(name));
+        let help = match foreign.map(|(_, own)| *own).or_else(|| elements::nearest_sd(name)) {
+            Some(known) if foreign.is_some() => format!("write `{known}`"),
             Some(known) => {
                 format!("did you mean `{known}`? FCs and instance DBs are called with quotes, `\"{name}\"( … )`")
             }

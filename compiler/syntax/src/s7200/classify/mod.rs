@@ -417,8 +417,9 @@ impl<'a> Classifier<'a, '_> {
         }
         match mnemonics::any(&head.mnemonic, self.detected.set) {
             Some(insn) => {
+                let rest = self.without_not(insn, &range, rest);
                 self.push(range, Tok::Insn(insn));
-                self.operands(rest);
+                self.statement_operands(insn, rest);
             }
             None => {
                 let message = suggest::unknown(

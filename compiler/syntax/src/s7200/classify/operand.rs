@@ -1,9 +1,13 @@
 //! Operands: what a word means depends on where it is.
 
+use std::ops::Range;
+
 use plcc_diag::{Code, Diagnostic};
 
 use super::Classifier;
 use crate::ast::Width;
+use crate::front::foreign_address;
+use crate::s7200::Insn;
 use crate::s7200::address::{self, AddressError};
 use crate::s7200::ast::{Area, BlockKind};
 use crate::s7200::constant::{self, ConstantError};
@@ -44,6 +48,13 @@ impl<'a> Classifier<'a, '_> {
         while let Some(token) = tokens.get(at).copied() {
             at += 1;
             if token.kind == RawKind::Word
+                && tokens.get(at).is_some_and(|next| next.kind == RawKind::Colon)
+                && let Some(end) = self.foreign_address(token)
+            {
+                at += tokens[at..].iter().take_while(|token| token.range().start < end).count();
+                continue;
+            }
+            if token.kind == RawKind::Word
                 && let Some(next) = tokens.get(at)
                 && self.parted_address(token, *next)
             {
@@ -53,6 +64,80 @@ impl<'a> Classifier<'a, '_> {
             let token_of = self.operand(token);
             self.push(token.range(), token_of);
         }
+    }
+
+    /// `N7:0`, `B3:0/1` of other controllers; returns their end.
+    fn foreign_address(&mut self, token: RawToken) -> Option<usize> {
+        let start = token.range().start;
+        let address = self.text.get(start..).and_then(foreign_address::at)?;
+        let range = start..start + address.length;
+        let span = self.span(range.clone());
+        self.report(
+            Diagnostic::new(Code::ForeignForm, span, address.title)
+                .label("not an address of the S7-200")
+                .help(address.help),
+        );
+        self.push(range.clone(), Tok::BadOperand);
+        Some(range.end)
+    }
+
+    /// The operands of a statement; a decimal comma in an address, `LD I0,0`, is taken as a point.
+    pub fn statement_operands(&mut self, insn: Insn, tokens: &[RawToken]) {
+        let commas = tokens.iter().filter(|token| token.kind == RawKind::Comma).count();
+        let mut rest = tokens;
+        if commas == insn.operands().len()
+            && let [word, comma, bit, after @ ..] = tokens
+            && (word.kind, comma.kind, bit.kind) == (RawKind::Word, RawKind::Comma, RawKind::Integer)
+            && word.range().end == comma.range().start
+            && comma.range().end == bit.range().start
+        {
+            let joined = format!("{}.{}", word.text(self.text), bit.text(self.text));
+            if let Some(Ok(direct)) = address::parse(&joined.to_ascii_uppercase()) {
+                let range = word.range().start..bit.range().end;
+                let (span, text) = (self.span(range.clone()), self.slice(range.clone()));
+                self.report(
+                    Diagnostic::new(
+                        Code::AddressRange,
+                        span,
+                        format!("`{text}` has a comma before the number of its bit"),
+                    )
+                    .label("a comma separates operands")
+                    .help(format!("write `{joined}`")),
+                );
+                self.push(range, Tok::Direct(direct));
+                rest = after;
+            }
+        }
+        self.operands(rest);
+    }
+
+    /// `LD NOT I0.0` without its NOT, after a message.
+    pub fn without_not<'t>(&mut self, insn: Insn, mnemonic: &Range<usize>, rest: &'t [RawToken]) -> &'t [RawToken] {
+        let [not, operand, after @ ..] = rest else { return rest };
+        if not.kind != RawKind::Word
+            || !not.text(self.text).eq_ignore_ascii_case("NOT")
+            || !matches!(operand.kind, RawKind::Word | RawKind::Quoted | RawKind::Local)
+        {
+            return rest;
+        }
+        let end = after.last().unwrap_or(operand).range().end;
+        let operands = self.slice(operand.range().start..end);
+        let word = self.slice(mnemonic.clone());
+        let help = match insn {
+            Insn::Load | Insn::And | Insn::Or => format!("write `{word}N {operands}`"),
+            Insn::LoadNow | Insn::AndNow | Insn::OrNow => {
+                let (first, last) = word.split_at(word.len() - 1);
+                format!("write `{first}N{last} {operands}`")
+            }
+            _ => format!("write `NOT` in a line of its own before `{word} {operands}`"),
+        };
+        let span = self.span(not.range());
+        self.report(
+            Diagnostic::new(Code::ForeignForm, span, "`NOT` cannot stand before an operand")
+                .label("an instruction without operand")
+                .help(help),
+        );
+        &rest[1..]
     }
 
     /// `I 0.0`: an address with a blank inside.

@@ -168,14 +168,15 @@ impl<'a> Classifier<'a, '_> {
                 format!("`{word}` is missing after the head of {}", self.slice(statement).to_uppercase()),
             )
             .label(format!("`{word}` expected after this"))
-            .help(match wanted {
-                Keyword::Then => "write `IF condition THEN statements END_IF;`",
-                Keyword::Of => "write `CASE number OF 1: statements END_CASE;`",
-                _ if statement.keyword == Some(Keyword::For) => "write `FOR i := 1 TO 10 DO statements END_FOR;`",
-                _ => "write `WHILE condition DO statements END_WHILE;`",
-            }),
+            .help(format!("write `{} {word}`", self.head_text(statement, after))),
         );
         self.push_here(tok);
+    }
+
+    /// A head as written, on one line.
+    fn head_text(&self, first: RawToken, last: RawToken) -> String {
+        let text = self.text.get(first.start as usize..last.end as usize).unwrap_or_default();
+        text.split_whitespace().collect::<Vec<_>>().join(" ")
     }
 
     fn closing_keyword(&mut self, word: Keyword, token: RawToken, open: &mut Vec<Open>) {

@@ -16,14 +16,14 @@ impl Repair<'_> {
     /// Repairs the sign or number at the current place.
     pub(super) fn repair_sign(&mut self, token: RawToken) -> bool {
         match token.kind {
-            RawKind::Number => self.repair_number(token),
+            RawKind::Number | RawKind::Real => self.repair_number(token),
             RawKind::Semicolon => self.arguments_with_semicolon(),
             RawKind::Colon => self.split_assignment(),
             RawKind::Stray => self.stray_sign(token),
             RawKind::Hash => self.comment_with_hash(token),
             RawKind::Caret => self.power(),
             RawKind::Text => self.doubled_quote(token),
-            RawKind::Dot => self.bare_fraction(),
+            RawKind::Dot => self.bare_fraction() || self.bit_after_point(),
             RawKind::Plus | RawKind::Minus => self.step(token),
             RawKind::Less | RawKind::Greater if self.shift(token) => true,
             RawKind::Equal | RawKind::Greater | RawKind::Ampersand => self.pair(token),
@@ -282,11 +282,22 @@ impl Repair<'_> {
 
     /// `0x1F`, `0b101`, `5L`, `5s`, `3,5`
     pub(super) fn repair_number(&mut self, token: RawToken) -> bool {
-        if token.kind != RawKind::Number {
+        if !matches!(token.kind, RawKind::Number | RawKind::Real) {
             return false;
         }
         let at = self.at;
         let number = self.slice(token);
+        if token.kind == RawKind::Real {
+            // `1.5f`
+            let letter = self.token(at + 1).filter(|next| next.kind == RawKind::Word && self.adjacent(at));
+            if !letter.is_some_and(|next| matches!(self.slice(next), "f" | "F" | "d" | "D")) {
+                return false;
+            }
+            let help = format!("write `{number}`");
+            self.report(at, at + 2, "no letter follows a REAL number".to_owned(), "not a number of SCL", help);
+            self.replace(at, at + 2, RawKind::Reported, None);
+            return true;
+        }
         let next = self.token(at + 1).filter(|_| self.adjacent(at));
         let Some(next) = next else { return false };
         match next.kind {

@@ -272,6 +272,19 @@ impl<'a> Classifier<'a, '_> {
     /// Another statement begins on the line without `;` before it.
     pub(super) fn second_statement(&mut self, token: RawToken) {
         let word = self.slice(token);
+        let before = self.at.checked_sub(1).and_then(|before| self.raw_at(before));
+        if let Some(number) = before.filter(|number| number.kind == RawKind::Number && number.end == token.start)
+            && word.eq_ignore_ascii_case("O")
+        {
+            let span = self.span_of(number.start as usize, token.end as usize);
+            let digits = self.slice(number);
+            self.report(
+                Diagnostic::new(Code::Syntax, span, format!("`{digits}{word}` is not a number"))
+                    .label("the letter O")
+                    .help(format!("write the digit 0 in place of the letter O: `{digits}0`")),
+            );
+            return;
+        }
         self.report(
             Diagnostic::new(Code::Syntax, self.span(token), format!("`;` is missing before `{word}`"))
                 .label("another statement begins here")

@@ -5,6 +5,7 @@ use plcc_diag::{Code, Diagnostic};
 use super::declaration::sign;
 use super::{Classifier, unquoted};
 use crate::ast::{Area, AssertRegister, BlockPrefix, StatusOperand, Width};
+use crate::front::foreign_address;
 use crate::stl::mnemonics::{self, letters_and_digits};
 use crate::stl::raw::{RawKind, RawToken};
 use crate::stl::token::Tok;
@@ -67,6 +68,7 @@ impl<'a> Classifier<'a, '_> {
                 self.address(token);
             }
             RawKind::Number | RawKind::Real if matches!(self.last(), Some(Tok::Dot)) => self.number_after_dot(token),
+            RawKind::Word if self.foreign_address(token) => {}
             _ if self.is_literal(self.at) => self.literal(),
             RawKind::Word => self.operand_word(token),
             RawKind::Quoted => {
@@ -103,6 +105,25 @@ impl<'a> Classifier<'a, '_> {
                 None => self.stray(),
             },
         }
+    }
+
+    /// `N7:0`, `B3:0/1` of other controllers.
+    fn foreign_address(&mut self, token: RawToken) -> bool {
+        if !matches!(self.kind_at(self.at + 1), Some(RawKind::Colon)) {
+            return false;
+        }
+        let Some(address) = self.text.get(token.start as usize..).and_then(foreign_address::at) else { return false };
+        let (start, end) = (token.start as usize, token.start as usize + address.length);
+        self.report(
+            Diagnostic::new(Code::ForeignForm, self.span_of(start, end), address.title)
+                .label("not an address of STEP 7")
+                .help(address.help),
+        );
+        while self.raw_at(self.at).is_some_and(|token| (token.start as usize) < end) {
+            self.at += 1;
+        }
+        self.push(start, Tok::BadOperand, end);
+        true
     }
 
     /// `#name`, `#"name"`.
@@ -412,7 +433,10 @@ impl<'a> Classifier<'a, '_> {
             }
             _ => match self.own_letters(text) {
                 Some(address) => format!("write `{address}`: the file has {} mnemonics", messages::set_name(self.set)),
-                None => "a component has a name; an address is written like `M 10.0`".to_owned(),
+                None => match without_x(text) {
+                    Some(address) => format!("write `{address}`"),
+                    None => "a component has a name; an address is written like `M 10.0`".to_owned(),
+                },
             },
         };
         self.report(
@@ -433,4 +457,13 @@ impl<'a> Classifier<'a, '_> {
         let (area, width) = mnemonics::area(&text[..letters].to_ascii_uppercase(), Some(mnemonics::other(self.set)))?;
         Some(format!("{}{}", mnemonics::letters(area, width, self.set)?, &text[letters..]))
     }
+}
+
+/// `I 0.0` for `IX0.0` of IEC 61131-3.
+fn without_x(text: &str) -> Option<String> {
+    let upper = text.to_ascii_uppercase();
+    let (area, number) = upper.split_at_checked(1)?;
+    let number = number.strip_prefix('X')?;
+    let known = "IQMEA".contains(area) && number.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');
+    known.then(|| format!("{area} {number}"))
 }

@@ -1,0 +1,106 @@
+//! Calls as other languages write them: `timer(IN = start)`, `printf("x")`.
+
+use plcc_diag::{Code, Diagnostic};
+use plcc_syntax::scl::ast::{Argument as Given, BinaryOp, Expr as Node, ExprKind as NodeKind, NameForm};
+
+use super::call::Callee;
+use super::function::Named;
+use super::pins::has_pin;
+use crate::bind::scl::{SclBinder, SclBlock};
+use plcc_binding::fold;
+
+/// Functions of other languages, and what a program of a PLC does instead.
+const FUNCTIONS: [(&[&str], &str); 4] = [
+    (
+        &["printf", "print", "println", "puts", "echo", "writeln", "write", "cout"],
+        "a PLC has no console: assign the value to a variable, and watch it in a watch table or in the trace",
+    ),
+    (
+        &["sleep", "delay", "usleep", "pause"],
+        "a program must not wait: start an instance of TON in each cycle, and go on when its output `Q` is TRUE",
+    ),
+    (
+        &["malloc", "alloc", "free", "new", "append", "push"],
+        "memory of a PLC is fixed: declare an ARRAY with the most elements that you need",
+    ),
+    (&["rand", "random"], "calculate numbers of your own, as in `seed := seed * 25173 + 13849;` with a UINT"),
+];
+
+impl SclBinder<'_, '_> {
+    /// The arguments with `=` for `:=`, which were meant as names of parameters; none: no argument looks like it.
+    pub(super) fn named_with_equals(
+        &mut self,
+        ctx: &SclBlock,
+        target: &Callee,
+        given: &[Given],
+        callee: &Node,
+    ) -> Option<Vec<Given>> {
+        let looks = |argument: &Given| match (&argument.name, &argument.value) {
+            (None, Some(Node { kind: NodeKind::Binary { op: BinaryOp::Equal, left, .. }, .. })) => {
+                matches!(&left.kind, NodeKind::Name(name) if name.form == NameForm::Bare)
+            }
+            _ => false,
+        };
+        if !given.iter().any(looks) {
+            return None;
+        }
+        let formals = match target {
+            Callee::Block { key, .. } => Some(self.program.interface(*key, callee.span)?),
+            Callee::Function(_) => None,
+        };
+        let is_formal = |name: &str| match (&formals, target) {
+            (Some(bound), _) => {
+                let folded = fold(name);
+                bound.interface.parameters.iter().any(|formal| fold(&formal.name) == folded)
+            }
+            (None, Callee::Function(Named::Row { row, .. })) => has_pin(row, name),
+            (None, _) => false,
+        };
+        let mut first = None;
+        let repaired = given
+            .iter()
+            .map(|argument| {
+                let Some(Node { kind: NodeKind::Binary { left, right, .. }, .. }) =
+                    argument.value.as_ref().filter(|_| looks(argument))
+                else {
+                    return argument.clone();
+                };
+                match &left.kind {
+                    NodeKind::Name(name)
+                        if is_formal(&name.text) && !ctx.block.bound.locals.contains_key(&fold(&name.text)) =>
+                    {
+                        first.get_or_insert((name.clone(), right.span));
+                        Given { name: Some(name.clone()), value: Some((**right).clone()), ..argument.clone() }
+                    }
+                    _ => argument.clone(),
+                }
+            })
+            .collect();
+        let (name, value) = first?;
+        let (formal, value) = (&name.text, self.program.globals.text(value));
+        self.program.report(
+            Diagnostic::new(Code::AssignSign, name.span, format!("the parameter `{formal}` gets its value with `:=`"))
+                .label("`=` compares")
+                .help(format!("write `{formal} := {value}`")),
+        );
+        Some(repaired)
+    }
+
+    /// Reports a call of a function that other languages have and no block of the program; false: it is none.
+    pub(super) fn foreign_function(&mut self, callee: &Node) -> bool {
+        let NodeKind::Name(name) = &callee.kind else { return false };
+        let known = |(names, _): &&(&[&str], &str)| names.iter().any(|own| own.eq_ignore_ascii_case(&name.text));
+        let Some((_, help)) = FUNCTIONS.iter().find(known).filter(|_| name.form == NameForm::Bare) else {
+            return false;
+        };
+        if self.program.globals.names.symbols.contains_key(&fold(&name.text))
+            || plcc_stdlib::find_tia(&name.text).or_else(|| plcc_stdlib::find_name(&name.text)).is_some()
+            || self.program.globals.input.partial
+        {
+            return false;
+        }
+        let title = format!("`{}` is a function of other languages", name.text);
+        self.refuse(Code::ForeignForm, name.span, &title, "neither a block of the program nor a function of SCL", help);
+        true
+    }
+}

@@ -1,0 +1,355 @@
+//! Statements and addresses of other languages: blocks of Pascal, methods, LOOP, operators in two words, addresses of other controllers.
+
+use super::{Open, Repair, closer, ends_operand};
+use crate::ast::Width;
+use crate::front::foreign_address;
+use crate::scl::address;
+use crate::scl::keyword::Keyword;
+use crate::scl::raw::{RawKind, RawToken};
+
+/// Sections of variables that belong to no block, and what is there instead.
+const GLOBALS: [(&str, &str); 4] = [
+    (
+        "VAR_GLOBAL",
+        "declare these variables in a global data block, `DATA_BLOCK \"Name\" … END_DATA_BLOCK`, or in the tag table",
+    ),
+    ("VAR_EXTERNAL", "remove the section: data blocks and tags are known in each block by their names"),
+    ("VAR_CONFIG", "give each variable its address in the tag table"),
+    ("VAR_ACCESS", "remove the section"),
+];
+
+/// Parts of a block that SCL does not have, with the words that end them and what takes their place.
+const PARTS: [(&str, &[&str], &str); 4] = [
+    ("METHOD", &["END_METHOD"], "write a FUNCTION or a FUNCTION_BLOCK with these statements, and call it"),
+    ("PROPERTY", &["END_PROPERTY"], "declare a variable in VAR_INPUT or VAR_OUTPUT"),
+    ("ACTION", &["END_ACTION"], "write a FUNCTION with these statements, and call it"),
+    ("INTERFACE", &["END_INTERFACE"], "write the blocks themselves, and call each by its name"),
+];
+
+impl Repair<'_> {
+    /// `METHOD … END_METHOD`
+    pub(super) fn foreign_part(&mut self, token: RawToken) -> bool {
+        if token.kind != RawKind::Word || !token.first_on_line || !self.brackets.is_empty() {
+            return false;
+        }
+        let word = self.slice(token);
+        let Some((_, ends, help)) = PARTS.iter().find(|(known, ..)| known.eq_ignore_ascii_case(word)) else {
+            return false;
+        };
+        let named = self.beside(self.at + 1).is_some_and(|next| next.kind == RawKind::Word);
+        let is_end = |token: &RawToken| ends.iter().any(|end| end.eq_ignore_ascii_case(self.slice(*token)));
+        let Some(end) = self.tokens[self.at..].iter().position(is_end).filter(|_| named) else { return false };
+        let (at, end) = (self.at, self.at + end);
+        let title = format!("SCL has no {}", word.to_ascii_uppercase());
+        self.report(at, at + 2, title, "a form of other languages", (*help).to_owned());
+        let after = if self.kind(end + 1) == Some(RawKind::Semicolon) { end + 2 } else { end + 1 };
+        self.drop_tokens(at, after);
+        self.statement = self.at;
+        true
+    }
+
+    /// `VAR_GLOBAL … END_VAR`
+    pub(super) fn global_section(&mut self, token: RawToken) -> bool {
+        if self.iec || token.kind != RawKind::Word || !token.first_on_line || !self.brackets.is_empty() {
+            return false;
+        }
+        let word = self.slice(token);
+        let Some((name, help)) = GLOBALS.iter().find(|(known, _)| known.eq_ignore_ascii_case(word)) else {
+            return false;
+        };
+        let at = self.at;
+        let ends = |token: &RawToken| token.keyword.is_some_and(Keyword::ends_section);
+        let Some(end) = self.tokens[at..].iter().position(ends) else { return false };
+        self.report(at, at + 1, format!("a block has no {name}"), "a form of other languages", (*help).to_owned());
+        self.drop_tokens(at, at + end + 1);
+        self.statement = self.at;
+        true
+    }
+
+    /// `EXTENDS "Base"`, `IMPLEMENTS Interface` in the head of a block.
+    pub(super) fn heritage(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        let word = self.slice(token);
+        let known = ["EXTENDS", "IMPLEMENTS"].iter().any(|known| known.eq_ignore_ascii_case(word));
+        if !known || token.kind != RawKind::Word || token.first_on_line {
+            return false;
+        }
+        let mut after = at + 1;
+        while self.beside(after).is_some_and(|next| {
+            matches!(next.kind, RawKind::Word | RawKind::Quoted | RawKind::Comma | RawKind::Dot)
+                && next.keyword.is_none()
+        }) {
+            after += 1;
+        }
+        if after == at + 1 {
+            return false;
+        }
+        let base = self.words(at + 1, after - 1).to_owned();
+        let title = format!("a block has no {}", word.to_ascii_uppercase());
+        let help = match word.eq_ignore_ascii_case("EXTENDS") {
+            true => format!("declare a variable of type {base} in VAR, and call it"),
+            false => "remove it: each block is called by its name".to_owned(),
+        };
+        self.report(at, after, title, "a form of other languages", help);
+        self.drop_tokens(at, after);
+        true
+    }
+
+    /// `THIS^.x`, `CALL FC1();`
+    pub(super) fn foreign_prefix(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        if token.kind != RawKind::Word || token.keyword.is_some() || self.is_declared(self.slice(token)) {
+            return false;
+        }
+        let word = self.slice(token).to_ascii_uppercase();
+        if matches!(word.as_str(), "THIS" | "SUPER")
+            && (self.kind(at + 1), self.kind(at + 2)) == (Some(RawKind::Caret), Some(RawKind::Dot))
+        {
+            let name = self.token(at + 3).map_or("name", |next| self.slice(next)).to_owned();
+            let title = format!("SCL has no {word}");
+            self.report(at, at + 2, title, "a form of other languages", format!("write `#{name}`"));
+            self.drop_tokens(at, at + 3);
+            return true;
+        }
+        if word == "CALL" && self.starts(token) {
+            let Some(next) = self.beside(at + 1) else { return false };
+            let name = matches!(next.kind, RawKind::Word | RawKind::Quoted | RawKind::Local) && next.keyword.is_none();
+            let mut after = at + 2;
+            while self.kind(after) == Some(RawKind::Dot) {
+                after += 2;
+            }
+            if !name || self.kind(after) != Some(RawKind::LeftParen) {
+                return false;
+            }
+            let callee = self.words(at + 1, after - 1).to_owned();
+            let title = "a block is called by its name alone".to_owned();
+            self.report(at, at + 1, title, "CALL is an instruction of STL", format!("write `{callee}( … );`"));
+            self.drop_tokens(at, at + 1);
+            self.statement = self.at;
+            return true;
+        }
+        false
+    }
+
+    /// `END_REPEAT UNTIL x;`
+    pub(super) fn late_condition(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        let asks = self.head.as_ref().is_some_and(|head| head.wanted == Keyword::EndRepeat);
+        if token.keyword != Some(Keyword::EndRepeat) || self.keyword(at + 1) != Some(Keyword::Until) || asks {
+            return false;
+        }
+        let end = self.end_of_statement(at + 2);
+        if end == at + 2 {
+            return false;
+        }
+        let condition = self.words(at + 2, end - 1).to_owned();
+        let help = format!("write `UNTIL {condition} END_REPEAT;`");
+        self.report(at, at + 2, "UNTIL comes before END_REPEAT".to_owned(), "exchanged", help);
+        let mut with = self.tokens[at + 1..end].to_vec();
+        with.push(token);
+        self.edits.push(super::Edit { first: at, after: end, with });
+        self.at = end;
+        self.note(token);
+        true
+    }
+
+    /// `#w.3`: bit 3 of a word.
+    pub(super) fn bit_after_point(&mut self) -> bool {
+        let at = self.at;
+        let Some(bit) = self.token(at + 1).filter(|next| next.kind == RawKind::Number && self.adjacent(at)) else {
+            return false;
+        };
+        let Some(mut first) = at.checked_sub(1) else { return false };
+        let is_name = |kind| matches!(kind, Some(RawKind::Word | RawKind::Quoted | RawKind::Local));
+        if !is_name(self.kind(first)) || !self.adjacent(first) || self.tokens[first].keyword.is_some() {
+            return false;
+        }
+        while first >= 2 && self.kind(first - 1) == Some(RawKind::Dot) && is_name(self.kind(first - 2)) {
+            first -= 2;
+        }
+        let variable = self.words(first, at - 1).to_owned();
+        let bit = self.slice(bit);
+        let title = "a bit of a variable has `%X` before its number".to_owned();
+        self.report(first, at + 2, title, "neither a component nor a bit", format!("write `{variable}.%X{bit}`"));
+        self.replace(first, at + 2, RawKind::Reported, None);
+        true
+    }
+
+    /// `IF x THEN BEGIN … END;`, where statements need no brackets.
+    pub(super) fn pascal(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        if token.keyword == Some(Keyword::Begin) {
+            if self.open.is_empty() {
+                return false;
+            }
+            let inner = self.open.last().map_or(Keyword::If, |open| open.keyword);
+            if !self.begins_reported {
+                self.begins_reported = true;
+                let end = closer(inner).word();
+                let title = format!("statements up to {end} need no BEGIN");
+                self.report(
+                    at,
+                    at + 1,
+                    title,
+                    "a form of other languages",
+                    format!("remove `BEGIN`, and end the statement with `{end};` instead of `END`"),
+                );
+            }
+            self.open.push(Open { keyword: Keyword::Begin, brace: false });
+            self.drop_tokens(at, at + 1);
+            self.statement = self.at;
+            return true;
+        }
+        if token.keyword.is_some() || token.kind != RawKind::Word || !self.slice(token).eq_ignore_ascii_case("END") {
+            return false;
+        }
+        if self.open.last().is_none_or(|open| open.keyword != Keyword::Begin) {
+            return false;
+        }
+        self.open.pop();
+        let semicolon = self.kind(at + 1) == Some(RawKind::Semicolon);
+        let after = if semicolon { at + 2 } else { at + 1 };
+        let outer = self.open.last().map(|open| closer(open.keyword));
+        match (outer, self.keyword(after)) {
+            // Its END is also that of the statement.
+            (Some(end), next)
+                if next != Some(end)
+                    && !matches!(next, Some(Keyword::Else | Keyword::Elsif | Keyword::ElseIf | Keyword::Until)) =>
+            {
+                self.replace(at, at + 1, RawKind::Word, Some(end));
+            }
+            _ => {
+                self.drop_tokens(at, after);
+                self.begin_statement();
+            }
+        }
+        true
+    }
+
+    /// `LOOP … END_LOOP;`, whose statements are those of a REPEAT without a condition. `EXIT WHEN x;`
+    pub(super) fn endless(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        if token.kind != RawKind::Word || !self.brackets.is_empty() {
+            return false;
+        }
+        let word = self.slice(token);
+        let is = |name: &str| token.keyword.is_none() && word.eq_ignore_ascii_case(name);
+        if token.keyword == Some(Keyword::Exit)
+            && let Some(next) = self.beside(at + 1)
+            && self.slice(next).eq_ignore_ascii_case("WHEN")
+        {
+            let end = self.end_of_statement((at + 2).min(self.tokens.len()));
+            if end <= at + 2 {
+                return false;
+            }
+            let condition = self.words(at + 2, end - 1).to_owned();
+            let help = format!("write `IF {condition} THEN EXIT; END_IF;`");
+            self.report(at, at + 2, "EXIT has no condition".to_owned(), "a form of other languages", help);
+            self.give_up(end);
+            return true;
+        }
+        if is("LOOP") && self.starts(token) && self.beside(at + 1).is_none() && !self.is_declared(word) {
+            let ends = |token: &RawToken| self.slice(*token).eq_ignore_ascii_case("END_LOOP");
+            if !self.tokens[at..].iter().any(ends) {
+                return false;
+            }
+            let help = "write `WHILE TRUE DO … END_WHILE;`, and leave it with `IF … THEN EXIT; END_IF;`".to_owned();
+            self.report(at, at + 1, "SCL has no LOOP".to_owned(), "a form of other languages", help);
+            self.loops += 1;
+            self.replace(at, at + 1, RawKind::Word, Some(Keyword::Repeat));
+            return true;
+        }
+        if is("END_LOOP") && self.loops > 0 {
+            self.loops -= 1;
+            let until = RawToken { keyword: Some(Keyword::Until), ..token };
+            let condition = RawToken { kind: RawKind::Reported, ..token };
+            let end = RawToken { keyword: Some(Keyword::EndRepeat), ..token };
+            self.edits.push(super::Edit { first: at, after: at + 1, with: vec![until, condition, end] });
+            self.at += 1;
+            self.note(end);
+            return true;
+        }
+        false
+    }
+
+    /// `a AND THEN b`, `a OR ELSE b`, `AND_THEN`, `OR_ELSE`
+    pub(super) fn short_circuit(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        if token.kind != RawKind::Word || !self.last.is_some_and(ends_operand) {
+            return false;
+        }
+        let next = self.beside(at + 1).and_then(|next| next.keyword);
+        let word = self.slice(token).to_ascii_uppercase();
+        let (count, keyword) = match (token.keyword, next, word.as_str()) {
+            (Some(Keyword::And), Some(Keyword::Then), _) => (2, Keyword::And),
+            (Some(Keyword::Or), Some(Keyword::Else), _) => (2, Keyword::Or),
+            (None, _, "AND_THEN") => (1, Keyword::And),
+            (None, _, "OR_ELSE") => (1, Keyword::Or),
+            _ => return false,
+        };
+        let (left, right) = self.sides(at, at + count);
+        let sign = keyword.word();
+        let written = self.words(at, at + count - 1).to_ascii_uppercase();
+        let case = if keyword == Keyword::And { "TRUE" } else { "FALSE" };
+        self.report(
+            at,
+            at + count,
+            format!("SCL has no `{written}`"),
+            &format!("read as `{sign}`"),
+            format!(
+                "write `{left} {sign} {right}`; if `{right}` must only be read when `{left}` is {case}, put it into an IF of its own"
+            ),
+        );
+        self.replace(at, at + count, RawKind::Word, Some(keyword));
+        true
+    }
+
+    /// `N7:0`, `B3:0/1`, `T4:0.ACC` of a SLC 500 or PLC-5.
+    pub(super) fn file_address(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        if !matches!(token.kind, RawKind::Word | RawKind::Absolute)
+            || self.kind(at + 1) != Some(RawKind::Colon)
+            || !matches!(self.kind(at + 2), Some(RawKind::Number | RawKind::Real))
+            || !self.adjacent(at)
+            || !self.adjacent(at + 1)
+        {
+            return false;
+        }
+        let Some(address) = self.text.get(token.start as usize..).and_then(foreign_address::at) else { return false };
+        let end = token.start as usize + address.length;
+        let count = self.tokens[at..].iter().take_while(|token| (token.start as usize) < end).count();
+        let after = at + count;
+        self.report(at, after, address.title, "not an address of STEP 7", address.help.to_owned());
+        self.replace(at, after, RawKind::Reported, None);
+        true
+    }
+
+    /// `DB1.DBW0.1`, `MW0.1`: a word with the number of a bit.
+    pub(super) fn bit_of_word(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        if !matches!(token.kind, RawKind::Word | RawKind::Absolute)
+            || self.kind(at + 1) != Some(RawKind::Dot)
+            || self.last.is_none_or(|last| last.kind != RawKind::Dot)
+            || !self.adjacent(at)
+        {
+            return false;
+        }
+        let Some(bit) = self.token(at + 2).filter(|next| next.kind == RawKind::Number && self.adjacent(at + 1)) else {
+            return false;
+        };
+        let Some((width, byte)) = address::db_address(self.slice(token)) else { return false };
+        let Some(block) = at.checked_sub(2).and_then(|before| self.token(before)) else { return false };
+        let (block, bit) = (self.slice(block).to_owned(), self.slice(bit).to_owned());
+        let after = at + 3;
+        let name = match width {
+            Width::Byte => "a byte",
+            Width::Word => "a word",
+            Width::Bit | Width::Dword | Width::Lword => "a double word",
+        };
+        let title = format!("`{}` has the number of a bit, but names {name}", self.words(at - 2, after - 1));
+        let help = format!("write `{block}.DBX{byte}.{bit}` for bit {bit} of byte {byte}, or remove `.{bit}`");
+        self.report(at, after, title, "only DBX has a bit", help);
+        self.replace(at - 2, after, RawKind::Reported, None);
+        true
+    }
+}
