@@ -26,7 +26,9 @@ use plcc_abi::RuntimeFn;
 use plcc_abi::any::block_move::{BLKMOV, FILL, UBLKMOV, UNINTERRUPTED_MAX};
 use plcc_abi::any::{self, Access, Any, Fields};
 use plcc_abi::layout::{AREA_BYTES, area};
-use plcc_ir::{Address, BinaryOp, Block, BlockCall, Function, Inst, InstData, IntCc, Loc, Region, StaticDb, Type, Value};
+use plcc_ir::{
+    Address, BinaryOp, Block, BlockCall, Function, Inst, InstData, IntCc, Loc, Region, StaticDb, Type, Value,
+};
 
 use crate::surroundings::Surroundings;
 

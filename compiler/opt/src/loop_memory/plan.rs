@@ -215,8 +215,7 @@ impl Planner<'_> {
                 writes || reads && is_stored
             };
             let is_guessed = self.refused.is_some_and(|refused| !refused.contains(&(each.header, place)));
-            let assumed: Vec<Inst> =
-                hot.iter().filter(|(_, other)| disturbs(other)).map(|&(inst, _)| inst).collect();
+            let assumed: Vec<Inst> = hot.iter().filter(|(_, other)| disturbs(other)).map(|&(inst, _)| inst).collect();
             if assumed.iter().any(|&inst| !is_guessed || !is_indexed(function, inst)) {
                 continue;
             }
