@@ -78,7 +78,7 @@ impl Reader<'_> {
     fn enabled(&mut self, rest: &[&Statement], insn: StlInsn, operand: &Operand) -> Result<Option<usize>, Reason> {
         let OperandKind::Label(label) = &operand.kind else { return Ok(None) };
         let has_label = |statement: &&Statement| statement.label.as_ref().is_some_and(|own| own.name == *label);
-        let Some(end) = rest.iter().position(|statement| has_label(statement)) else { return Ok(None) };
+        let Some(end) = rest.iter().position(has_label) else { return Ok(None) };
         let inner = &rest[1..end.max(1)];
         if self.jumps.get(label) != Some(&1) || inner.iter().any(|statement| statement.label.is_some()) {
             return Ok(None);

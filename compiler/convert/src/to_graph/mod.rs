@@ -72,14 +72,16 @@ pub fn block(
 pub fn pictures(block: &CodeBlock, types: &Types) -> Vec<Result<Network, Diagnostic>> {
     let ast::Code::Stl(networks) = &block.code else { return Vec::new() };
     let jumps = statements::jumps(networks);
-    let drawn = networks.iter().map(|network| {
+    let mut pictures = Vec::with_capacity(networks.len());
+    for network in networks {
         let span = start(network, block);
-        match statements::graph(network, (block, &jumps), types, Language::Lad, (span, true)) {
+        let drawn = statements::graph(network, (block, &jumps), types, Language::Lad, (span, true));
+        pictures.push(match drawn {
             Ok(drawn) => Ok(made(network, Language::Lad, drawn.labels, drawn.graph, span)),
             Err(mut messages) => Err(messages.remove(0)),
-        }
-    });
-    drawn.collect()
+        });
+    }
+    pictures
 }
 
 /// The place of a network.
