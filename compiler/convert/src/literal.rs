@@ -1,5 +1,6 @@
 //! Constants as text, in the form that reads back to the same value.
 
+use plcc_literal::duration::s5time_milliseconds;
 use plcc_syntax::Elementary;
 use plcc_syntax::literal::{ANY_TYPES, Literal};
 use plcc_syntax::stl::Mnemonics;
@@ -86,12 +87,7 @@ pub fn real(value: f64, shortest: &str) -> String {
 
 /// `S5T#1H30M`, if the word is a BCD number with the time base that STEP 7 chooses for the duration.
 pub fn s5time(word: u16) -> Option<String> {
-    let digits = [word >> 8 & 0xF, word >> 4 & 0xF, word & 0xF];
-    if word >> 14 != 0 || digits.iter().any(|digit| *digit > 9) {
-        return None;
-    }
-    let count = u64::from(digits[0] * 100 + digits[1] * 10 + digits[2]);
-    let ms = count * [10, 100, 1_000, 10_000][usize::from(word >> 12 & 3)];
+    let ms = s5time_milliseconds(word).filter(|_| word >> 14 == 0)?;
     let bases = [(10, 0u16), (100, 1), (1_000, 2), (10_000, 3)];
     let chosen = bases.iter().find(|(base, _)| ms / base <= 999)?;
     (chosen.1 == word >> 12 & 3).then(|| duration("S5T#", i128::from(ms) * 1_000_000))

@@ -6,11 +6,12 @@ use std::cmp::Ordering;
 use plcc_abi::image::{
     AssertComparison, AssertCondition, AssertConstant, AssertEntry, AssertKind, AssertOp, AssertSide, AssertType,
 };
+use plcc_literal::duration::s5time_milliseconds;
 
 use crate::cpu::Cpu;
 use crate::datetime::{self, NS_PER_S};
 use crate::memory::Memory;
-use crate::{bcd, signal};
+use crate::signal;
 
 /// What happened to each assertion; made before the first cycle.
 pub(crate) struct Assertions {
@@ -191,7 +192,7 @@ impl Value {
     fn nanoseconds(&self, ty: AssertType) -> Option<i128> {
         const NS_PER_MS: i128 = 1_000_000;
         match (ty, self) {
-            (AssertType::S5Time, _) => bcd::s5_to_ms(self.bits() as u16).map(|ms| i128::from(ms) * NS_PER_MS),
+            (AssertType::S5Time, _) => s5time_milliseconds(self.bits() as u16).map(|ms| i128::from(ms) * NS_PER_MS),
             (AssertType::Time | AssertType::TimeOfDay, _) => Some(self.whole(ty) * NS_PER_MS),
             (AssertType::Date, _) => Some((i128::from(self.bits()) + 7305) * 86_400 * i128::from(NS_PER_S)),
             (AssertType::DateAndTime, _) => datetime::decode(self.bits().to_be_bytes()).ok().map(i128::from),
@@ -229,7 +230,7 @@ impl Value {
             AssertType::Lreal => format!("{:?} (16#{bits:016X})", f64::from_bits(bits)),
             AssertType::Char | AssertType::Wchar => quoted(&self.characters(ty)),
             AssertType::Text | AssertType::WideText => quoted(&self.characters(ty)),
-            AssertType::S5Time => match bcd::s5_to_ms(bits as u16) {
+            AssertType::S5Time => match s5time_milliseconds(bits as u16) {
                 Some(ms) => format!("S5T#{}", duration(i128::from(ms) * 1_000_000)),
                 None => format!("W#16#{bits:04X} (no S5TIME)"),
             },

@@ -38,13 +38,6 @@ pub const fn s5_base_ns(base: u8) -> u64 {
     [10_000_000, 100_000_000, 1_000_000_000, 10_000_000_000][(base & 3) as usize]
 }
 
-/// Milliseconds of an S5TIME; `None`: a digit is above 9.
-pub fn s5_to_ms(value: u16) -> Option<u64> {
-    let digit = |shift: u32| Some(u64::from(value >> shift & 0xF)).filter(|digit| *digit <= 9);
-    let units = digit(8)? * 100 + digit(4)? * 10 + digit(0)?;
-    Some(units * 10u64.pow(1 + u32::from(value >> 12 & 3)))
-}
-
 /// S5TIME of milliseconds: the finest base that holds them, digits below it cut off; `None` above 9,990,000.
 pub fn s5_from_ms(ms: u64) -> Option<u16> {
     let base = (0..4u8).find(|&base| ms / (s5_base_ns(base) / 1_000_000) <= 999)?;

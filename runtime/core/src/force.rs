@@ -278,19 +278,17 @@ impl Cpu {
 
     /// Where a value is forced, with its first byte there, in memory its offset; `None`: this CPU cannot force it.
     fn forced_place(&self, address: &Address) -> Option<(Target, u32)> {
-        match (address.place, self.image.profile.family) {
-            (Place::Input(byte), _) => Some((Target::Inputs, byte)),
-            (Place::Output(byte), _) => Some((Target::Outputs, byte)),
-            (Place::PeripheralInput(_) | Place::PeripheralOutput(_), Family::S7200) => None,
-            (Place::S7200(Part::AnalogInput, byte), _) => Some((Target::Inputs, ANALOG_ADDRESS + byte)),
-            (Place::S7200(Part::AnalogOutput, byte), _) => Some((Target::Outputs, ANALOG_ADDRESS + byte)),
-            (Place::PeripheralInput(byte), _) => Some((Target::Inputs, byte)),
-            (Place::PeripheralOutput(byte), _) => Some((Target::Outputs, byte)),
-            (place @ Place::BitMemory(_), Family::S7400 | Family::S7200) | (place @ Place::Db(..), Family::S7200) => {
-                Some((Target::Memory, self.offset_of(place)?))
-            }
-            _ => None,
+        let place = address.place;
+        if !is_forced_area(place, self.image.profile.family) {
+            return None;
         }
+        Some(match place {
+            Place::Input(byte) | Place::PeripheralInput(byte) => (Target::Inputs, byte),
+            Place::Output(byte) | Place::PeripheralOutput(byte) => (Target::Outputs, byte),
+            Place::S7200(Part::AnalogInput, byte) => (Target::Inputs, ANALOG_ADDRESS + byte),
+            Place::S7200(Part::AnalogOutput, byte) => (Target::Outputs, ANALOG_ADDRESS + byte),
+            _ => (Target::Memory, self.offset_of(place)?),
+        })
     }
 
     fn renew_force(&self) {
@@ -319,6 +317,10 @@ impl Cpu {
         // As STEP 7 writes the module behind an address.
         let plain = name.trim().strip_suffix(":P").or_else(|| name.trim().strip_suffix(":p")).unwrap_or(name.trim());
         let Settled { address, bits } = watch::settle(plain, value, format, self)?;
+        let is_module = matches!(address.place, Place::PeripheralInput(_) | Place::PeripheralOutput(_));
+        if family == Family::S7300 && is_module {
+            return Err(format!("an S7-300 forces I and Q of the process image, not {name}"));
+        }
         let Some((target, first)) = self.forced_place(&address) else {
             return Err(match family {
                 Family::S7200 => format!("an S7-200 forces I, Q, M, V, AI and AQ, not {name}"),
@@ -330,10 +332,6 @@ impl Cpu {
                 }
             });
         };
-        let is_module = matches!(address.place, Place::PeripheralInput(_) | Place::PeripheralOutput(_));
-        if family == Family::S7300 && is_module {
-            return Err(format!("an S7-300 forces I and Q of the process image, not {name}"));
-        }
         let mut table = self.force.table.borrow_mut();
         let known = table.iter().position(|one| one.name == name);
         let is_same_bit = |other: &Forced| {

@@ -38,6 +38,13 @@ const UNITS: [(&str, i128, i128); 7] = [
     ("NS", 1, 1000),
 ];
 
+/// Milliseconds of the word of an S5TIME; `None`: a digit is above 9. Source: Programming with STEP 7, format of S5TIME.
+pub fn s5time_milliseconds(word: u16) -> Option<u64> {
+    let digit = |shift: u32| Some(u64::from(word >> shift & 0xF)).filter(|digit| *digit <= 9);
+    let units = digit(8)? * 100 + digit(4)? * 10 + digit(0)?;
+    Some(units * 10u64.pow(1 + u32::from(word >> 12 & 3)))
+}
+
 /// Reads `1D2H3M4S5MS`, with a sign or without, in any letter case, `_` between the units allowed. In nanoseconds; what is below is
 /// cut off.
 pub fn nanoseconds(value: &str, smallest: Smallest, fraction: Fraction) -> Result<i128, Fault> {

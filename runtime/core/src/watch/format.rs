@@ -1,12 +1,13 @@
 //! Display formats of watch tables. Source: Programming with STEP 7, display formats of the variable table.
 
 use plcc_abi::image::AssertType;
+use plcc_literal::duration::s5time_milliseconds;
 use plcc_literal::number;
 use serde::{Deserialize, Serialize};
 
 use crate::address::{Bits, Width};
 use crate::signal::{Source, Value};
-use crate::{bcd, typed, value};
+use crate::{typed, value};
 
 /// How a value is shown, and how one without a prefix is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
@@ -63,7 +64,7 @@ impl Format {
             Format::Unsigned => bits.to_string(),
             Format::Real if width == Width::Lword => real(f64::from_bits(bits)),
             Format::Real => real(f32::from_bits(bits as u32).into()),
-            Format::S5time if bcd::s5_to_ms(bits as u16).is_none() => hex(bits, width),
+            Format::S5time if s5time_milliseconds(bits as u16).is_none() => hex(bits, width),
             Format::S5time => typed(AssertType::S5Time),
             Format::Time => typed(AssertType::Time),
             Format::TimeOfDay => typed(AssertType::TimeOfDay),

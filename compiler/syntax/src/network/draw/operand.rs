@@ -1,5 +1,7 @@
 //! Operands as a programmer writes them.
 
+use plcc_literal::duration::s5time_milliseconds;
+
 use crate::scl::ast::{Expr, ExprKind, Literal, Name, NameForm, UnaryOp};
 use crate::scl::text;
 use crate::{Class, Elementary};
@@ -77,10 +79,11 @@ fn literal(value: &Literal) -> String {
     }
 }
 
-/// Time base and three BCD digits as a duration.
+/// Time base and three BCD digits as a duration; other bits as they are.
 fn s5time(bits: u64) -> String {
-    let digit = |at: u32| bits >> (4 * at) & 0xF;
-    let unit_ms = 10 * 10u64.pow((bits >> 12 & 3) as u32);
-    let ms = (digit(2) * 100 + digit(1) * 10 + digit(0)) * unit_ms;
-    if ms.is_multiple_of(1000) { format!("S5T#{}s", ms / 1000) } else { format!("S5T#{ms}ms") }
+    match s5time_milliseconds(bits as u16) {
+        Some(ms) if ms.is_multiple_of(1000) => format!("S5T#{}s", ms / 1000),
+        Some(ms) => format!("S5T#{ms}ms"),
+        None => format!("W#16#{bits:X}"),
+    }
 }
