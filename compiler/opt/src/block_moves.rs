@@ -55,6 +55,9 @@ pub fn move_blocks(function: &mut Function, surroundings: &Surroundings) -> bool
         }
     }
     function.layout = layout;
+    if changed {
+        function.resolve_aliases();
+    }
     changed
 }
 
@@ -282,35 +285,16 @@ impl Plan {
         let Builder { function, out: moved, .. } = out;
         function.blocks[direct].insts = moved;
 
-        let answer = function.result(call);
-        let mut left: Vec<Inst> = self.fills.into_iter().rev().collect();
-        left.push(call);
-        let jump = InstData::Jump { target: BlockCall { block: next, args: vec![answer] } };
-        left.push(function.make_inst(jump, &[], loc));
-        function.blocks[cold].insts = left;
-
+        // The call has a copy, so that all uses of its answer are of what the two sides bring.
+        let copy = function.make_inst(function.insts[call].clone(), &[Type::I32], loc);
+        let jump = InstData::Jump { target: BlockCall { block: next, args: vec![function.result(copy)] } };
+        let jump = function.make_inst(jump, &[], loc);
+        function.blocks[cold].insts = self.fills.into_iter().rev().chain([copy, jump]).collect();
         let merged = function.add_param(next, Type::I32);
-        for &inst in &after {
-            function.insts[inst].map_uses(|value| if value == answer { merged } else { value });
-        }
-        rename_elsewhere(function, answer, merged, [block, direct, cold]);
+        function.replace_value(function.result(call), merged);
         function.blocks[next].insts = after;
         layout.extend([direct, cold, next]);
         next
-    }
-}
-
-/// Uses of the call's answer in all blocks but those.
-fn rename_elsewhere(function: &mut Function, answer: Value, merged: Value, but: [Block; 3]) {
-    for index in 0..function.layout.len() {
-        let block = function.layout[index];
-        if but.contains(&block) {
-            continue;
-        }
-        for position in 0..function.blocks[block].insts.len() {
-            let inst = function.blocks[block].insts[position];
-            function.insts[inst].map_uses(|value| if value == answer { merged } else { value });
-        }
     }
 }
 

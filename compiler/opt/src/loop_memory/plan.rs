@@ -322,8 +322,10 @@ pub fn unproven(
     let bases = base_ranges(function, &cfg, &dominators);
     // The ranges of bases, by where they are used. A load that is there no more has the address of another one in its block.
     let mut known: FxHashMap<(Block, Value), (u64, u64)> = FxHashMap::default();
+    let mut left: FxHashSet<Inst> = FxHashSet::default();
     for &block in &cfg.rpo {
         for inst in &function.blocks[block].insts {
+            left.insert(*inst);
             let mut ranges = bases.get(inst).copied().unwrap_or_default().into_iter();
             function.insts[*inst].for_each_address(|addr| {
                 if let (Some(base), Some(Some(range))) = (addr.base, ranges.next()) {
@@ -356,8 +358,7 @@ pub fn unproven(
         let access = Access { region: place.region, base: None, start: place.start, end: place.end };
         let place = reach(surroundings, &access, None);
         let (Some(bytes), Some(&block)) = (bytes_of(before, inst), block_of.get(&inst)) else { return false };
-        let is_there = function.blocks[block].insts.contains(&inst);
-        let data = if is_there { &function.insts[inst] } else { &before.insts[inst] };
+        let data = if left.contains(&inst) { &function.insts[inst] } else { &before.insts[inst] };
         let mut avoids = true;
         data.for_each_address(|addr| {
             let access = Access::bytes(addr, bytes);
