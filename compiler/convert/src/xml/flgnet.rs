@@ -12,6 +12,9 @@ use super::{Library, Uids, interface, name_of, referred};
 use crate::scl::expression;
 use crate::writer::Writer;
 
+/// The namespace of `FlgNet`.
+pub(super) const NAMESPACE: &str = "http://www.siemens.com/automation/Openness/SW/NetworkSource/FlgNet/v4";
+
 /// A network as `FlgNet`; `None`: it was refused.
 pub fn network(
     graph: &Graph,
@@ -39,8 +42,7 @@ pub fn network(
         );
         return None;
     }
-    let mut net =
-        Node::new("FlgNet").with("xmlns", "http://www.siemens.com/automation/Openness/SW/NetworkSource/FlgNet/v4");
+    let mut net = Node::new("FlgNet").with("xmlns", NAMESPACE);
     if !network.labels.is_empty() {
         let label = |name: &str, uids: &mut Uids| {
             let label = Node::new("Label").with("Name", name);

@@ -1,14 +1,16 @@
-//! SimaticML: the XML of the TIA Portal (Openness), from blocks of all languages but GRAPH.
+//! SimaticML: the XML of the TIA Portal (Openness).
 //!
 //! - `node`: elements of XML, and their text.
 //! - `interface`: declarations with their start values.
 //! - `access`: operands.
 //! - `flgnet`, `wires`: networks of LAD and FBD; `order`: the order in which a reader finds their elements.
 //! - `scl`, `stl`: statements as tokens.
+//! - `chart`: charts of GRAPH.
 //!
 //! Source: LAD/FBD reference A2.
 
 mod access;
+mod chart;
 mod flgnet;
 mod interface;
 mod node;
@@ -257,6 +259,15 @@ fn multilingual(name: &str, text: &str, ids: &mut Ids) -> Node {
         .child(Node::new("ObjectList").child(item))
 }
 
+/// A title, name or comment of a part of a chart.
+fn multilingual_lines(name: &'static str, lines: &[String]) -> Node {
+    let node = Node::new(name);
+    match lines.is_empty() {
+        true => node,
+        false => node.child(Node::of("MultiLanguageText", lines.join("\n")).with("Lang", "en-US")),
+    }
+}
+
 fn texts(header: &Header, before: Vec<String>, ids: &mut Ids) -> Vec<Node> {
     let comment: Vec<String> = before.into_iter().chain(header.comment.iter().cloned()).collect();
     let mut found = vec![multilingual("Comment", &comment.join("\n"), ids)];
@@ -307,15 +318,17 @@ fn code(block: &CodeBlock, before: Vec<String>, library: &Library, ids: &mut Ids
             }
             body.networks.first().map_or("LAD", |network| language_name(network.language))
         }
-        Code::Chart(_) => {
-            let title = format!("`{}` is a chart, which plcc does not write as XML", name_of(&block.name));
-            writer.refuse(block.name.span(), title, "convert it with `--to gr7`");
-            return None;
+        Code::Chart(chart) => {
+            units.push(chart::compile_unit(chart, block, library, ids, writer)?);
+            "GRAPH"
         }
     };
     let mut list = Node::new("ObjectList").children(units);
     list.children.extend(texts(&block.header, before, ids));
-    let attributes = attributes(&block.name, &block.header, Some(interface), language);
+    let mut attributes = attributes(&block.name, &block.header, Some(interface), language);
+    if let Code::Chart(chart) = &block.code {
+        chart::settings(chart, &mut attributes, writer);
+    }
     Some(Node::new(kind).with("ID", ids.next()).child(attributes).child(list))
 }
 

@@ -30,6 +30,14 @@ pub fn statements(list: &[Statement], block: &CodeBlock, library: &Library, end:
     node
 }
 
+/// Adds the tokens of a row of a chart's actions, without blanks at their ends.
+pub fn row(text: &str, block: &CodeBlock, library: &Library, node: &mut Node) {
+    let mut maker = Maker { pieces: with_lines(text), at: 0, block, library, uids: Uids::new(), depth: 0 };
+    while maker.at < maker.pieces.len() {
+        maker.piece(node);
+    }
+}
+
 /// The pieces of a text: words, signs, constants, comments, blanks and the ends of lines.
 fn with_lines(text: &str) -> Vec<&str> {
     let mut found = Vec::new();
