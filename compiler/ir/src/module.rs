@@ -29,6 +29,8 @@ pub struct Module {
     /// [`Loc`](crate::Loc) n points to `sites[n - 1]`.
     pub sites: Vec<Site>,
     pub files: Vec<String>,
+    /// Bytes of the process image of outputs; 0: not known. The text of a module does not have it.
+    pub outputs_bytes: u32,
 }
 
 impl Module {

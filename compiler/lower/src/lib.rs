@@ -208,7 +208,8 @@ impl<'s> Output<'s> {
         let place_of = |number| facts.dbs.binary_search_by_key(&number, |db: &StaticDb| db.number).ok();
         let address_of = |number| place_of(number).map_or(facts.db_end, |index| facts.dbs[index].address);
         let sites = probes.sites.clone();
-        let module = Module { dbs: facts.dbs.clone(), files, sites, ..Module::default() };
+        let outputs_bytes = program.profile.outputs;
+        let module = Module { dbs: facts.dbs.clone(), files, sites, outputs_bytes, ..Module::default() };
         let mut types = Types::default();
         let image = ProgramImage {
             name: program.name.clone(),

@@ -178,7 +178,7 @@ pub const ALONE: &[Pass] = &[
     surrounded("dead-stores", dead_stores::eliminate_dead_stores),
     function("unused", unused::remove_unused),
     function("control-flow", control_flow::simplify_control_flow),
-    function("note-outputs", note_outputs::note_outputs),
+    surrounded("note-outputs", note_outputs::note_outputs),
     function("compact", compact),
 ];
 

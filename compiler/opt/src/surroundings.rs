@@ -19,6 +19,8 @@ pub struct Surroundings {
     pub dbs: Vec<StaticDb>,
     /// The same DBs, sorted by address.
     pub dbs_by_address: Vec<StaticDb>,
+    /// Bytes of the process image of outputs; 0: not known.
+    pub outputs_bytes: u32,
     /// What runs at safepoints and errors.
     pub effects: Effects,
     callees: Callees,
@@ -31,6 +33,7 @@ impl Surroundings {
         Surroundings {
             dbs: module.dbs.clone(),
             dbs_by_address,
+            outputs_bytes: module.outputs_bytes,
             effects: Effects::new(module),
             callees: Callees::new(module),
         }

@@ -1,12 +1,11 @@
 //! What the program uses of the CPU, so that the runtime does in each cycle only what is needed.
 
 use plcc_abi::functions::Effect;
-use plcc_abi::layout;
 use plcc_ir::entities::Entity;
-use plcc_ir::{Address, BinaryOp, FuncId, Function, InstData, Module, Region, RuntimeFn, Value};
+use plcc_ir::{Address, FuncId, Function, InstData, Module, Region, RuntimeFn, Value};
 use rustc_hash::FxHashMap;
 
-use crate::note_outputs::{is_note, is_unknown, may_write_outputs};
+use crate::note_outputs::{is_note, is_unknown, text_target, written};
 use crate::surroundings::Surroundings;
 
 /// No byte of the outputs is sure to stay as it is.
@@ -61,7 +60,7 @@ pub fn usage_of(function: &Function, surroundings: &Surroundings) -> Usage {
         let is_noted = insts().any(is_note);
         for data in insts() {
             // What is written through a pointer is noted when it happens.
-            if !(is_noted && may_write_outputs(data)) {
+            if !(is_noted && written(function, data).is_some()) {
                 usage.add(function, data);
             }
         }
@@ -107,25 +106,8 @@ impl Usage {
                 | RuntimeFn::ProbeValue => 0,
                 // The runtime itself notes which outputs they write.
                 RuntimeFn::SystemFunction => 0,
-                RuntimeFn::CopyText => match args.first() {
-                    Some(&to) if is_elsewhere(function, to) => 0,
-                    _ => ALL,
-                },
-                // They write a text at the address that comes last.
-                RuntimeFn::TextConcat
-                | RuntimeFn::TextConcatThree
-                | RuntimeFn::TextReplace
-                | RuntimeFn::TextLeft
-                | RuntimeFn::TextRight
-                | RuntimeFn::TextMid
-                | RuntimeFn::TextDelete
-                | RuntimeFn::TextInsert
-                | RuntimeFn::TextOfDint
-                | RuntimeFn::TextOfReal
-                | RuntimeFn::TextFixedOfReal => match args.last() {
-                    Some(&to) if is_elsewhere(function, to) => 0,
-                    _ => ALL,
-                },
+                _ if written(function, inst).is_some() => ALL,
+                _ if text_target(*called, args).is_some() => 0,
                 // What they get may point to outputs.
                 _ if called.effect() == Effect::All => ALL,
                 _ => 0,
@@ -133,27 +115,6 @@ impl Usage {
             _ => 0,
         };
         self.outputs = self.outputs.max(outputs);
-    }
-}
-
-/// True if `address` is surely not one of the outputs.
-fn is_elsewhere(function: &Function, address: Value) -> bool {
-    let is_output = |at: u64| (u64::from(layout::Q)..u64::from(layout::Q + layout::AREA_BYTES)).contains(&at);
-    match function.defining(address) {
-        Some(InstData::Const { bits }) => !is_output(*bits),
-        Some(InstData::AddressOf { addr }) => !matches!(addr.region, Region::Q | Region::Any),
-        Some(InstData::DbBase { .. }) => true,
-        Some(InstData::Binary { op: BinaryOp::Iadd, args: [start, distance] }) => {
-            let is_start = matches!(
-                function.defining(*start),
-                Some(
-                    InstData::DbBase { .. }
-                        | InstData::AddressOf { addr: Address { region: Region::L | Region::V, .. } }
-                )
-            );
-            is_start && function.constant(*distance).is_some_and(|distance| distance < u64::from(layout::AREA_BYTES))
-        }
-        _ => false,
     }
 }
 
@@ -238,6 +199,8 @@ fn end_of(addr: &Address, bytes: u32) -> u32 {
 
 #[cfg(test)]
 mod tests {
+    use plcc_abi::layout;
+
     use super::*;
 
     fn of(code: &str) -> Usage {
@@ -278,7 +241,8 @@ mod tests {
     fn what_is_noted_when_it_happens_is_not_copied_in_each_cycle() {
         let note = format!(" store.i32 state {}, v0\n", layout::state::OUTPUTS_WRITTEN);
         assert_eq!(of(&format!(" store.i32 any[v0]+0, v0\n{note} store.i32 Q 4, v0\n")).outputs, 8);
-        assert_eq!(of(&format!(" copy Q[v0]+0, M 0, 9\n{note}")).outputs, ALL);
+        assert_eq!(of(&format!(" copy Q[v0]+0, M 0, 9\n{note}")).outputs, 0);
+        assert_eq!(of(&format!(" copy Q 0, M 0, 9\n{note}")).outputs, 9);
         let elsewhere = format!(" store.i32 any[v0]+0, v0\n jump b1\nb1:\n{note}");
         assert_eq!(of(&elsewhere).outputs, ALL);
     }
