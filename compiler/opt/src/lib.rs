@@ -10,6 +10,7 @@ mod addresses;
 mod bits;
 mod block_moves;
 mod branches;
+mod checks;
 mod cold_loops;
 mod control_flow;
 mod dead_code;
@@ -111,6 +112,7 @@ pub const ALONE: &[Pass] = &[
     surrounded("ranges", ranges::use_ranges),
     function("fold", fold::fold),
     function("control-flow", control_flow::simplify_control_flow),
+    function("part-checks", checks::part_checks),
     surrounded("addresses", addresses::resolve_addresses),
     function("values", values::share_values),
     surrounded("forward", forward::forward_memory),

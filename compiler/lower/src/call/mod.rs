@@ -67,7 +67,10 @@ impl BlockLowering<'_, '_> {
             }
         }
         self.safepoint();
-        self.renew_references();
+        // Blocks of the library write what they are given, which is not a pointer of this block.
+        if !callee.library {
+            self.renew_references();
+        }
     }
 
     /// Counts the block depth and the local data if they are not bounded at compile time. Returns the depth before.

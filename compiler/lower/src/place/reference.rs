@@ -2,7 +2,7 @@
 //!
 //! Such a parameter is a POINTER in the instance. To read it, to look for its area and to compare with the length of its DB costs
 //! many times what the access itself does. Blocks in SCL, LAD and FBD read their pointers where they begin and after each call of
-//! a block; nothing else changes them (decision 97). Most refer to a variable that is a DB with all of its bytes: then accesses go
+//! a block of the program; nothing else changes them (decision 97). Most refer to a variable that is a DB with all of its bytes: then accesses go
 //! there, without further checks. All other pointers take the ordinary way, on a cold side.
 
 use plcc_abi::layout::area;
