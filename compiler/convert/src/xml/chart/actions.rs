@@ -37,7 +37,6 @@ impl Maker<'_, '_> {
         }
         node = node.with("Qualifier", action.qualifier.name());
         scl::row(&text, self.block, self.library, &mut node);
-        node.push(Node::new("Token").with("Text", "\n"));
         if let Some(comment) = &action.comment {
             node.push(multilingual_lines("Comment", std::slice::from_ref(comment)));
         }
