@@ -340,9 +340,10 @@ fn work(shape: &Shape, size: usize, level: Level) -> (u64, u64) {
 /// How many times the size.
 const LARGER: usize = 16;
 
-/// Maximum factor of work for that. Proportional work yields 16, up to 50 where only the smaller program fits into the caches of the processor;
-/// quadratic work yields 256.
-const FACTOR_MAX: f64 = 80.0;
+/// Maximum factors of work for that: quadratic work yields 256. Proportional work yields 16 times the bytes, but up to 60 times the time where
+/// only the smaller program fits into the caches of the processor, and twice that where others use them too.
+const TIME_MAX: f64 = 140.0;
+const BYTES_MAX: f64 = 80.0;
 
 /// Measurements of a factor that is too large before it counts.
 const TRIES: usize = 4;
@@ -358,7 +359,7 @@ fn work_follows_the_size() {
                 let small = work(shape, shape.size, level);
                 large = work(shape, LARGER * shape.size, level);
                 (time, bytes) = (large.0 as f64 / small.0 as f64, large.1 as f64 / small.1 as f64);
-                if time <= FACTOR_MAX {
+                if time <= TIME_MAX {
                     break;
                 }
             }
@@ -367,7 +368,7 @@ fn work_follows_the_size() {
                 shape.name,
                 large.0 / 1_000_000
             );
-            if time > FACTOR_MAX || bytes > FACTOR_MAX {
+            if time > TIME_MAX || bytes > BYTES_MAX {
                 _ = writeln!(
                     failures,
                     "{} {level:?}: {time:.1} times the time, {bytes:.1} times the memory",

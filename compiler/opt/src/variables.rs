@@ -31,7 +31,7 @@ impl Action {
 }
 
 /// Steps that finding the parameters may take; larger functions stay as they are.
-const STEPS_MAX: usize = 8_000_000;
+const STEPS_MAX: usize = 2_000_000;
 
 /// Values that are computed in several places after code was duplicated: each is a variable.
 #[derive(Default)]
