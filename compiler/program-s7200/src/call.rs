@@ -78,22 +78,27 @@ impl Binder<'_> {
         if formal.ty == Type::String {
             return self.string_argument(locals, actual);
         }
+        let told = self.report.diagnostics.len();
+        let bound = self.argument_of_type(locals, formal, actual);
+        // The messages name the parameter.
+        for message in self.report.diagnostics.iter_mut().skip(told) {
+            message.title.push_str(&format!(", parameter `{}`", formal.name));
+        }
+        bound
+    }
+
+    fn argument_of_type(&mut self, locals: &Locals, formal: &Local, actual: &ast::Operand) -> Option<Operand> {
         let input = formal.section == Section::Input;
-        // Constants that an operand of an instruction does not have.
-        if input {
-            let constant = match self.settle_quietly(locals, actual) {
-                Some(Settled::Constant(constant)) => Some(constant),
-                _ => None,
+        // Constants depend on the type of the parameter, not only on its width: 40000 is a WORD, but not an INT.
+        if input && let Some(Settled::Constant(constant)) = self.settle_quietly(locals, actual) {
+            let target = match (formal.ty, &constant) {
+                (Type::Bool, _) => Some(Target::Bool),
+                (Type::Int | Type::Dint, _) => Some(Target::Signed(formal.ty.width())),
+                (Type::Dword, Constant::Real(_)) => Some(Target::Bits(formal.ty.width())),
+                (Type::Byte | Type::Word | Type::Dword | Type::Real | Type::String, _) => None,
             };
-            match (formal.ty, constant) {
-                (Type::Bool, Some(constant)) => {
-                    return self.constant(&constant, Target::Bool, actual.span).map(Operand::Const);
-                }
-                (Type::Dword, Some(constant @ Constant::Real(_))) => {
-                    let target = Target::Bits(formal.ty.width());
-                    return self.constant(&constant, target, actual.span).map(Operand::Const);
-                }
-                _ => {}
+            if let Some(target) = target {
+                return self.constant(&constant, target, actual.span).map(Operand::Const);
             }
         }
         let class = match (formal.ty, input) {
@@ -101,20 +106,14 @@ impl Binder<'_> {
             (Type::Bool, false) => OperandClass::BitWrite,
             (Type::Byte, true) => OperandClass::ByteIn,
             (Type::Byte, false) => OperandClass::ByteOut,
-            (Type::Word, true) => OperandClass::WordIn,
-            (Type::Word, false) if formal.section == Section::Output => OperandClass::WordOutAnalog,
-            (Type::Word, false) => OperandClass::WordOut,
-            (Type::Dword, true) => OperandClass::DwordInAddress,
+            (Type::Word | Type::Int, true) => OperandClass::WordIn,
+            (Type::Word | Type::Int, false) if formal.section == Section::Output => OperandClass::WordOutAnalog,
+            (Type::Word | Type::Int, false) => OperandClass::WordOut,
+            (Type::Dword | Type::Dint, true) => OperandClass::DwordInAddress,
             (Type::Real, true) => OperandClass::RealIn,
-            (Type::Dword | Type::Real | Type::String, _) => OperandClass::DwordOut,
+            (Type::Dword | Type::Dint | Type::Real | Type::String, _) => OperandClass::DwordOut,
         };
-        let told = self.report.diagnostics.len();
-        let bound = self.operand(locals, class, actual);
-        // The messages name the parameter.
-        for message in self.report.diagnostics.iter_mut().skip(told) {
-            message.title.push_str(&format!(", parameter `{}`", formal.name));
-        }
-        bound
+        self.operand(locals, class, actual)
     }
 
     /// What the operand is, if known; no message otherwise.

@@ -23,10 +23,10 @@ pub enum Type {
     Bool,
     /// BYTE, CHAR.
     Byte,
-    /// WORD, INT.
     Word,
-    /// DWORD, DINT.
+    Int,
     Dword,
+    Dint,
     Real,
     /// The pointer to a string.
     String,
@@ -37,9 +37,9 @@ const TYPES: &[(&str, Type)] = &[
     ("BYTE", Type::Byte),
     ("CHAR", Type::Byte),
     ("WORD", Type::Word),
-    ("INT", Type::Word),
+    ("INT", Type::Int),
     ("DWORD", Type::Dword),
-    ("DINT", Type::Dword),
+    ("DINT", Type::Dint),
     ("REAL", Type::Real),
     ("STRING", Type::String),
 ];
@@ -49,8 +49,8 @@ impl Type {
         match self {
             Type::Bool => Width::Bit,
             Type::Byte => Width::Byte,
-            Type::Word => Width::Word,
-            Type::Dword | Type::Real | Type::String => Width::Dword,
+            Type::Word | Type::Int => Width::Word,
+            Type::Dword | Type::Dint | Type::Real | Type::String => Width::Dword,
         }
     }
 }

@@ -146,7 +146,7 @@ fn wrong_type(found: &str, wanted: &str, line: &str) -> Wrong {
                     ("a text in quotation marks", format!("write `\"{number}\"`"))
                 }
             }
-            "boolean" => ("a text in quotation marks", format!("write `\"{value}\"`")),
+            "boolean" => (expected_for_switch(line), switch_help(line, value == "true")),
             _ => ("a text in quotation marks", "write `\"…\"`".to_owned()),
         },
         "a sequence" | "a list" if kind == "map" => {
@@ -180,6 +180,12 @@ fn wrong_type(found: &str, wanted: &str, line: &str) -> Wrong {
         }
         wanted if wanted.contains("map") || wanted.contains("struct") => {
             let key = line.split('=').next().unwrap_or_default().trim();
+            if matches!(key, "inputs" | "outputs") {
+                return Wrong {
+                    title: format!("the addresses are expected here, not {is}"),
+                    help: address_range(key, kind, text),
+                };
+            }
             let plain =
                 !key.is_empty() && key.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"_-.".contains(&byte));
             let heading = if plain { format!("`[{key}]`") } else { "`[…]`".to_owned() };
@@ -188,6 +194,50 @@ fn wrong_type(found: &str, wanted: &str, line: &str) -> Wrong {
         wanted => (wanted, "write a value of that kind".to_owned()),
     };
     Wrong { title: format!("{expected} is expected here, not {is}"), help }
+}
+
+/// The number of a port that each service of `[services]` usually has.
+const PORTS: [(&str, u16); 5] = [("s7", 102), ("modbus", 502), ("opcua", 4840), ("metrics", 9100), ("web", 8080)];
+
+fn port_of(line: &str) -> Option<(&'static str, u16)> {
+    let key = line.split('=').next().unwrap_or_default().trim();
+    PORTS.into_iter().find(|(service, _)| *service == key)
+}
+
+/// What belongs where `true` or `false` is.
+fn expected_for_switch(line: &str) -> &'static str {
+    if port_of(line).is_some() { "a port in quotation marks" } else { "a text in quotation marks" }
+}
+
+/// What to write for `s7 = true`, `file = true`: the word itself as a text would be an address or a file of that name.
+fn switch_help(line: &str, on: bool) -> String {
+    let key = line.split('=').next().unwrap_or_default().trim();
+    match port_of(line) {
+        Some((key, port)) if on => {
+            format!(
+                "write `{key} = \"{port}\"` for clients on this computer, `{key} = \"0.0.0.0:{port}\"` for those of the network"
+            )
+        }
+        Some((key, _)) => format!("remove `{key}`: without it, the service is not open"),
+        None if key.is_empty() || on => format!("write `{key} = \"…\"`"),
+        None => format!("remove `{key}`, or write `{key} = \"…\"`"),
+    }
+}
+
+/// How the addresses of a module are written: for `inputs = 4` and `inputs = "4..7"`.
+fn address_range(key: &str, kind: &str, text: &str) -> String {
+    let ends = text.split_once("..").or_else(|| text.split_once('-'));
+    let number = |text: &str| text.trim().parse::<u32>().ok();
+    let range = ends.and_then(|(low, high)| Some((number(low)?, number(high)?))).filter(|(low, high)| low <= high);
+    match (range, number(text)) {
+        (Some((low, high)), _) => {
+            format!("write `{key} = {{ start = {low}, bytes = {} }}`", u64::from(high - low) + 1)
+        }
+        (None, Some(start)) if kind == "integer" => {
+            format!("write `{key} = {{ start = {start}, bytes = … }}`: the first byte and the number of bytes")
+        }
+        _ => format!("write `{key} = {{ start = …, bytes = … }}`: the first byte and the number of bytes"),
+    }
 }
 
 fn is_number(wanted: &str) -> bool {
@@ -304,6 +354,16 @@ mod tests {
         same(list, "", "a list is expected here, not the text \"main.stl\"", "write `[\"main.stl\"]`");
         let byte = "invalid type: string \"MB 100\", expected i64";
         same(byte, "", "a whole number is expected here, not the text \"MB 100\"", "write `100`");
+        let module = "invalid type: integer `8`, expected struct AddressKeys";
+        let bytes = "write `inputs = { start = 8, bytes = … }`: the first byte and the number of bytes";
+        same(module, "inputs = 8", "the addresses are expected here, not the number 8", bytes);
+        let module = "invalid type: string \"4..7\", expected struct AddressKeys";
+        let bytes = "write `outputs = { start = 4, bytes = 4 }`";
+        same(module, "outputs = \"4..7\"", "the addresses are expected here, not the text \"4..7\"", bytes);
+        let switch = "invalid type: boolean `true`, expected a string";
+        let port = "write `s7 = \"102\"` for clients on this computer, `s7 = \"0.0.0.0:102\"` for those of the network";
+        same(switch, "s7 = true", "a port in quotation marks is expected here, not true", port);
+        same(switch, "file = true", "a text in quotation marks is expected here, not true", "write `file = \"…\"`");
         let yes = "invalid type: string \"yes\", expected a boolean";
         same(yes, "", "true or false is expected here, not the text \"yes\"", "write `true`, without quotation marks");
     }

@@ -174,6 +174,8 @@ impl<'t> Repair<'t> {
                 || self.pascal(token)
                 || self.endless(token)
                 || self.short_circuit(token)
+                || self.bare_argument(token)
+                || self.cast(token)
                 || self.file_address(token)
                 || self.bit_of_word(token))
     }
@@ -346,11 +348,13 @@ impl<'t> Repair<'t> {
 
     /// The token at `first` and those up to `after`, exclusive, are one token: `kind`, or the keyword.
     fn replace(&mut self, first: usize, after: usize, kind: RawKind, keyword: Option<Keyword>) {
-        let (start, end) = (self.tokens[first], self.tokens[after - 1]);
-        let token = RawToken { kind, end: end.end, keyword, ..start };
         while self.edits.last().is_some_and(|edit| edit.first >= first) {
             self.edits.pop();
         }
+        // What an edit before has taken stays with it.
+        let first = self.edits.last().map_or(first, |edit| first.max(edit.after));
+        let (start, end) = (self.tokens[first], self.tokens[after - 1]);
+        let token = RawToken { kind, end: end.end, keyword, ..start };
         self.edits.push(Edit { first, after, with: vec![token] });
         self.at = after;
         self.note(token);

@@ -1,6 +1,7 @@
 //! Statements and addresses of other languages: blocks of Pascal, methods, LOOP, operators in two words, addresses of other controllers.
 
-use super::{Open, Repair, closer, ends_operand};
+use super::{Open, Repair, begins_operand, closer, ends_operand};
+use crate::Elementary;
 use crate::ast::Width;
 use crate::front::foreign_address;
 use crate::scl::address;
@@ -24,6 +25,12 @@ const PARTS: [(&str, &[&str], &str); 4] = [
     ("PROPERTY", &["END_PROPERTY"], "declare a variable in VAR_INPUT or VAR_OUTPUT"),
     ("ACTION", &["END_ACTION"], "write a FUNCTION with these statements, and call it"),
     ("INTERFACE", &["END_INTERFACE"], "write the blocks themselves, and call each by its name"),
+];
+
+/// Functions with one argument that people write without brackets; those of conversions have `_TO_` in their names.
+const FUNCTIONS: [&str; 19] = [
+    "ABS", "ACOS", "ASIN", "ATAN", "CEIL", "CHR", "COS", "EXP", "EXPD", "FLOOR", "FRAC", "LEN", "LN", "LOG", "ROUND",
+    "SIN", "SQR", "SQRT", "TRUNC",
 ];
 
 impl Repair<'_> {
@@ -302,6 +309,102 @@ impl Repair<'_> {
         );
         self.replace(at, at + count, RawKind::Word, Some(keyword));
         true
+    }
+
+    /// `SQRT #r`, `INT_TO_REAL x`: a function without brackets.
+    pub(super) fn bare_argument(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        let word = self.slice(token);
+        let known = FUNCTIONS.iter().any(|known| known.eq_ignore_ascii_case(word))
+            || word.to_ascii_uppercase().contains("_TO_") && !word.starts_with('_');
+        let inside = self.last.is_some_and(|last| last.kind != RawKind::Dot && !ends_operand(last));
+        if !known || !inside || token.keyword.is_some() || self.starts(token) || self.is_declared(word) {
+            return false;
+        }
+        let argument = self.beside(at + 1).filter(|next| begins_operand(*next) && next.keyword.is_none());
+        if argument.is_none() {
+            return false;
+        }
+        let after = self.operand_end(at + 1);
+        let argument = self.words(at + 1, after - 1).to_owned();
+        let title = format!("the argument of `{word}` is written in brackets");
+        self.report(at, after, title, "brackets are missing", format!("write `{word}({argument})`"));
+        self.replace(at, after, RawKind::Reported, None);
+        true
+    }
+
+    /// `#r AS INT`
+    pub(super) fn cast(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        let word = self.slice(token);
+        if !word.eq_ignore_ascii_case("AS") || !self.last.is_some_and(ends_operand) || self.is_declared(word) {
+            return false;
+        }
+        let Some(wanted) = self.beside(at + 1).map(|next| self.slice(next).to_ascii_uppercase()) else { return false };
+        if Elementary::from_word(&wanted).is_none() {
+            return false;
+        }
+        let first = self.operand_start(at);
+        let value = self.words(first, at - 1).to_owned();
+        let declared = if first + 1 == at { self.declared_type(value.trim_start_matches('#')) } else { None };
+        let help = match declared {
+            Some(own) if own.eq_ignore_ascii_case(&wanted) => {
+                format!("remove `{word} {wanted}`: {value} is of this type")
+            }
+            Some(own) => format!("write `{}_TO_{wanted}({value})`", own.to_ascii_uppercase()),
+            None => format!("write `…_TO_{wanted}({value})`, with the type of `{value}` for `…`"),
+        };
+        let title = format!("a value is converted by a function, not by `{}`", word.to_ascii_uppercase());
+        self.report(at, at + 2, title, "a form of other languages", help);
+        self.replace(first, at + 2, RawKind::Reported, None);
+        true
+    }
+
+    /// The elementary type that the nearest declaration before gives a variable.
+    fn declared_type(&self, name: &str) -> Option<&str> {
+        let declares = |at: usize| {
+            let is_name = self.slice(self.tokens[at]).trim_start_matches('#').eq_ignore_ascii_case(name);
+            is_name && self.kind(at + 1) == Some(RawKind::Colon)
+        };
+        let found = (0..self.at.saturating_sub(2)).rev().find(|at| declares(*at))?;
+        let ty = self.slice(self.token(found + 2)?);
+        Elementary::from_word(&ty.to_ascii_uppercase()).map(|_| ty)
+    }
+
+    /// Index after the operand that begins at `first`: `a.b[1].c`, `f(x)`.
+    fn operand_end(&self, first: usize) -> usize {
+        let mut after = first + 1;
+        loop {
+            match self.kind(after) {
+                Some(RawKind::Dot) if after + 1 < self.tokens.len() => after += 2,
+                Some(RawKind::LeftBracket | RawKind::LeftParen) => {
+                    let end = self.end_of_statement(after);
+                    let Some(close) = self.closing(after).filter(|close| *close < end) else { return after };
+                    after = close + 1;
+                }
+                _ => return after,
+            }
+        }
+    }
+
+    /// Index of the first token of the operand that ends before `after`.
+    fn operand_start(&self, after: usize) -> usize {
+        let (mut first, mut depth) = (after, 0usize);
+        while first > self.statement {
+            let token = self.tokens[first - 1];
+            match token.kind {
+                RawKind::RightBracket | RawKind::RightParen => depth += 1,
+                RawKind::LeftBracket | RawKind::LeftParen if depth == 0 => break,
+                RawKind::LeftBracket | RawKind::LeftParen => depth -= 1,
+                _ if depth > 0 => {}
+                RawKind::Dot => {}
+                // A name stands alone, after a point, or before what belongs to it.
+                _ if ends_operand(token) && (first == after || !ends_operand(self.tokens[first])) => {}
+                _ => break,
+            }
+            first -= 1;
+        }
+        first.min(after - 1)
     }
 
     /// `N7:0`, `B3:0/1`, `T4:0.ACC` of a SLC 500 or PLC-5.

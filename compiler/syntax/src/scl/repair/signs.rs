@@ -25,6 +25,7 @@ impl Repair<'_> {
             RawKind::Text => self.doubled_quote(token),
             RawKind::Dot => self.bare_fraction() || self.bit_after_point(),
             RawKind::Plus | RawKind::Minus => self.step(token),
+            kind if is_comparison(kind) && self.half_comparison(token) => true,
             RawKind::Less | RawKind::Greater if self.shift(token) => true,
             RawKind::Equal | RawKind::Greater | RawKind::Ampersand => self.pair(token),
             _ => false,
@@ -125,6 +126,53 @@ impl Repair<'_> {
         self.report(at, at + 2, title, "a form of other languages", help);
         self.give_up(at + 2);
         true
+    }
+
+    /// `a > 5 AND < 10`: a comparison without its left side.
+    fn half_comparison(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        let links = |word: Keyword| matches!(word, Keyword::And | Keyword::Or | Keyword::Xor);
+        let is_link = |token: RawToken| token.kind == RawKind::Ampersand || token.keyword.is_some_and(links);
+        let value = |token: RawToken| begins_operand(token) || token.kind == RawKind::Minus;
+        if !self.last.is_some_and(is_link) || !self.token(at + 1).is_some_and(value) {
+            return false;
+        }
+        let (_, right) = self.sides(at, at + 1);
+        let written = self.words(at - 1, at - 1);
+        let sign = self.slice(token);
+        let help = match self.compared_before(at - 1) {
+            Some(left) => format!("write `{written} {left} {sign} {right}`"),
+            None => format!("write the value that is compared with `{right}` before `{sign}`"),
+        };
+        let title = format!("the value before `{sign}` is missing");
+        self.report(at, at + 1, title, "a comparison has two sides", help);
+        let missing = RawToken { kind: RawKind::Reported, keyword: None, ..token };
+        self.edits.push(super::Edit { first: at, after: at + 1, with: vec![missing, token] });
+        self.at += 1;
+        self.note(token);
+        true
+    }
+
+    /// The left side of the comparison that ends before `end`.
+    fn compared_before(&self, end: usize) -> Option<String> {
+        // From the sign to the beginning of its left side, past brackets.
+        let (mut sign, mut first, mut depth) = (None, end, 0usize);
+        while first > self.statement {
+            let token = self.tokens[first - 1];
+            match token.kind {
+                RawKind::RightParen | RawKind::RightBracket => depth += 1,
+                RawKind::LeftParen | RawKind::LeftBracket if depth == 0 => break,
+                RawKind::LeftParen | RawKind::LeftBracket => depth -= 1,
+                _ if depth > 0 => {}
+                kind if is_comparison(kind) && sign.is_none() => sign = Some(first - 1),
+                RawKind::Assign | RawKind::Comma | RawKind::Semicolon | RawKind::Ampersand => break,
+                _ if token.keyword.is_some_and(|word| !matches!(word, Keyword::Mod | Keyword::Div)) => break,
+                _ => {}
+            }
+            first -= 1;
+        }
+        let sign = sign.filter(|sign| first < *sign)?;
+        Some(self.words(first, sign - 1).to_owned())
     }
 
     /// `a << 2`, `a >> 2`
@@ -348,6 +396,18 @@ impl Repair<'_> {
             }
         }
     }
+}
+
+fn is_comparison(kind: RawKind) -> bool {
+    matches!(
+        kind,
+        RawKind::Less
+            | RawKind::Greater
+            | RawKind::LessEqual
+            | RawKind::GreaterEqual
+            | RawKind::Equal
+            | RawKind::NotEqual
+    )
 }
 
 /// What is meant by a number and the letters directly after it, and how SCL writes it.
