@@ -404,7 +404,7 @@ fn cells_of_an_s7_200_have_their_bit() {
 }
 
 /// Requests that are right, to be changed at random.
-const REQUESTS: [&str; 8] = [
+const REQUESTS: [&str; 9] = [
     SET_PASSWORD,
     "32 07 0000 0001 0008 0006 00 01 12 04 11 43 02 00 FF 09 0002 30 41",
     SETUP,
@@ -412,6 +412,8 @@ const REQUESTS: [&str; 8] = [
     "32 01 0000 0004 000E 0006 05 01 12 0A 10 04 0001 000A 84 000000 00 04 0010 ABCD",
     "32 07 0000 0004 0008 0008 00 01 12 04 11 44 01 00 FF 09 0004 0424 0000",
     "32 07 0000 0001 0008 000C 00 01 12 04 11 43 03 00 FF 09 0008 30 41 30 30 30 31 30 41",
+    "32 07 0000 0007 0008 002A 00 01 12 04 11 41 02 00 FF 09 0026 0014 000E 0000 000000000000000000000000000000000000 \
+     0002 00 03 0000 0005 71 03 000A 0004",
     "32 01 0000 0006 0014 0000 28 00 00 00 00 00 00 FD 0000 09 50 5F 50 52 4F 47 52 41 4D",
 ];
 
@@ -429,6 +431,8 @@ fn survives(pdus: &[Vec<u8>]) {
             Ok(None) => {}
             Err(_) => return,
         }
+        let indications = own.indications(&plc, Instant::now());
+        assert!(indications.iter().all(|pdu| pdu.len() <= own.pdu_max()), "{indications:02X?}");
     }
 }
 
