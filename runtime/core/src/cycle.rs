@@ -191,6 +191,7 @@ impl Cpu {
         self.arm_hang();
         self.rearm();
         self.family.power_on(self);
+        self.meters.iter().for_each(|meter| meter.go_on(self.clock.now()));
         let ob = self.startup.get();
         observer.before(self, 0, self.clock.now());
         if ob != HOT {

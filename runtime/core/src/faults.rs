@@ -68,6 +68,7 @@ impl Cpu {
         if !self.is_stopped() {
             let entry = self.log(event, site, info);
             self.stop.set(Some(Stop { entry, cause, asked: is_asked(event) }));
+            self.meters.iter().for_each(|meter| meter.stand_still(self.clock.now()));
         }
         self.memory.raise_attention();
     }

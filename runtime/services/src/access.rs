@@ -317,6 +317,15 @@ impl Plc for Access<'_> {
             .map(|size| size.min(u32::from(u16::MAX)) as u16)
     }
 
+    fn data_memory(&self) -> [u32; 3] {
+        let memory = self.0.data_memory();
+        [memory.all, memory.used, memory.largest_free]
+    }
+
+    fn modules(&self) -> Vec<[u16; 8]> {
+        self.0.module_status().into_iter().map(|(_, record)| record).collect()
+    }
+
     fn cell_bit(&self, area: Area, number: u32) -> bool {
         let bits = if area == Area::Timers { system::TIMER_BITS } else { system::COUNTER_BITS };
         self.is_s7200() && number < self.cells(area) && self.0.memory.byte(layout::SYSTEM + bits + number) != 0

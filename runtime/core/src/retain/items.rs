@@ -289,7 +289,7 @@ impl Item {
             }
             Place::Meters => {
                 let chunks = values.chunks_exact(crate::system::meters::KEPT_BYTES);
-                cpu.meters.iter().zip(chunks).for_each(|(meter, kept)| meter.bring_back(kept, cpu.clock.now()));
+                cpu.meters.iter().zip(chunks).for_each(|(meter, kept)| meter.bring_back(kept));
             }
             Place::Permanent => cpu.s7200_bring_back_permanent(values),
         }

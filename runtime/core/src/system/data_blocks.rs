@@ -43,6 +43,32 @@ pub(super) fn creat_db(call: &Call) -> Outcome {
     created.map_or_else(error, |_| OK)
 }
 
+/// The memory of data blocks, in bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct DataMemory {
+    pub all: u32,
+    pub used: u32,
+    /// The longest data block that still has room.
+    pub largest_free: u32,
+}
+
+impl Cpu {
+    /// How much of the memory of data blocks is in use.
+    pub fn data_memory(&self) -> DataMemory {
+        let align = |offset: u32| offset.next_multiple_of(DB_ALIGN);
+        let end = self.memory.size();
+        let mut free_from = align(self.image.db_end.max(layout::DB_DATA));
+        let (mut used, mut largest_free) = (free_from - layout::DB_DATA, 0);
+        for &(_, start, length) in self.created_dbs.borrow().iter() {
+            largest_free = largest_free.max(start.saturating_sub(free_from));
+            free_from = align(start + length);
+            used += free_from - start;
+        }
+        largest_free = largest_free.max(end.saturating_sub(free_from));
+        DataMemory { all: end.saturating_sub(layout::DB_DATA), used, largest_free }
+    }
+}
+
 fn allocate(cpu: &Cpu, number: u16, bytes: u32) -> bool {
     let mut created = cpu.created_dbs.borrow_mut();
     let align = |offset: u32| offset.next_multiple_of(DB_ALIGN);

@@ -1,5 +1,5 @@
 //! Run-time meters: SFC 2 SET_RTM, SFC 3 CTRL_RTM, SFC 4 READ_RTM, which count full hours up to 32767, and SFC 101 RTM, up to 2147483647.
-//! They are the same meters.
+//! They are the same meters, and stand still while the CPU is in STOP.
 //!
 //! Source: System and standard functions, SFC 2 to 4, SFC 101. Assumption: eight meters, as on most CPUs; see the data sheet.
 
@@ -25,7 +25,9 @@ const LONG_HOURS_MAX: u64 = 0x7FFF_FFFF;
 pub(crate) struct Meter {
     /// Counted when it was last started or stopped.
     counted_ns: Cell<u64>,
-    /// Since when it runs.
+    /// The program has started it.
+    is_started: Cell<bool>,
+    /// Since when it counts: it is started, and the CPU is not in STOP.
     since: Cell<Option<u64>>,
 }
 
@@ -35,7 +37,7 @@ impl Meter {
         self.counted_ns.get().saturating_add(running)
     }
 
-    /// A running meter continues from there.
+    /// A meter that counts continues from there.
     fn set(&self, hours: u64, now: u64) {
         self.counted_ns.set(hours.saturating_mul(NS_PER_HOUR));
         self.since.set(self.since.get().map(|_| now));
@@ -45,22 +47,35 @@ impl Meter {
     pub(crate) fn kept(&self, now: u64) -> [u8; KEPT_BYTES] {
         let mut kept = [0; KEPT_BYTES];
         kept[..8].copy_from_slice(&(self.elapsed(now) / NS_PER_S).to_le_bytes());
-        kept[8] = self.since.get().is_some().into();
+        kept[8] = self.is_started.get().into();
         kept
     }
 
-    /// Continues where it was when it was [kept](Meter::kept).
-    pub(crate) fn bring_back(&self, kept: &[u8], now: u64) {
-        let (Some(seconds), Some(&runs)) = (kept.first_chunk::<8>(), kept.get(8)) else { return };
+    /// Is where it was when it was [kept](Meter::kept), and counts from the [startup](Meter::go_on) on.
+    pub(crate) fn bring_back(&self, kept: &[u8]) {
+        let (Some(seconds), Some(&started)) = (kept.first_chunk::<8>(), kept.get(8)) else { return };
         self.counted_ns.set(u64::from_le_bytes(*seconds).saturating_mul(NS_PER_S));
-        self.since.set((runs != 0).then_some(now));
+        self.is_started.set(started != 0);
+        self.since.set(None);
+    }
+
+    /// The CPU goes to STOP.
+    pub(crate) fn stand_still(&self, now: u64) {
+        self.counted_ns.set(self.elapsed(now));
+        self.since.set(None);
+    }
+
+    /// The CPU leaves STOP.
+    pub(crate) fn go_on(&self, now: u64) {
+        if self.is_started.get() && self.since.get().is_none() {
+            self.since.set(Some(now));
+        }
     }
 
     fn run(&self, start: bool, now: u64) {
-        if start != self.since.get().is_some() {
-            self.counted_ns.set(self.elapsed(now));
-            self.since.set(start.then_some(now));
-        }
+        self.stand_still(now);
+        self.is_started.set(start);
+        self.go_on(now);
     }
 }
 
@@ -87,7 +102,7 @@ pub(super) fn control(call: &Call) -> Outcome {
 pub(super) fn read(call: &Call) -> Outcome {
     let Some(meter) = meter(call) else { return error(0x8080) };
     let hours = meter.elapsed(call.cpu.clock.now()) / NS_PER_HOUR;
-    call.set_bool(2, meter.since.get().is_some());
+    call.set_bool(2, meter.is_started.get());
     call.set_word(3, hours.min(HOURS_MAX) as u16);
     if hours > HOURS_MAX { error(0x8082) } else { OK }
 }
@@ -113,7 +128,7 @@ pub(super) fn handle(call: &Call) -> Outcome {
         _ => {}
     }
     let hours = meter.elapsed(now) / NS_PER_HOUR;
-    call.set_bool(4, meter.since.get().is_some());
+    call.set_bool(4, meter.is_started.get());
     call.set_dword(5, hours.min(LONG_HOURS_MAX) as u32);
     if hours > LONG_HOURS_MAX { error(0x8082) } else { OK }
 }

@@ -13,7 +13,7 @@ mod block_move;
 mod clock;
 mod communication;
 mod control;
-mod data_blocks;
+pub mod data_blocks;
 mod dates;
 mod delay;
 mod disable;

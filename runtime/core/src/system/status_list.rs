@@ -20,6 +20,9 @@ type Reader = fn(&Cpu, u16) -> Result<List, u16>;
 
 const WRONG_INDEX: u16 = 0x8083;
 
+/// Words of a record of list 91.
+const MODULE_WORDS: usize = 8;
+
 const LISTS: [(u16, Reader); 12] = [
     (0x0000, |_, _| Ok(words(LISTS_READABLE.iter().map(|&id| vec![id]).collect(), 1))),
     (0x0011, |cpu, _| Ok(List { record: 28, records: vec![identification(cpu)] })),
@@ -88,22 +91,28 @@ fn protection() -> Vec<u16> {
     record
 }
 
+impl Cpu {
+    /// Modules with addresses: rack, and the record of list 91.
+    pub fn module_status(&self) -> Vec<(u16, [u16; MODULE_WORDS])> {
+        let mut records = Vec::new();
+        for (module, place) in station::modules(self) {
+            let side = match (module.input_bytes, module.output_bytes) {
+                (1.., _) => Some((module.input_start, 0xB402)),
+                (0, 1..) => Some((module.output_start, 0xB502)),
+                (0, 0) => None,
+            };
+            let Some((start, state)) = side else { continue };
+            let rack = u16::from(place.rack);
+            records.push((rack, [rack, u16::from(place.slot) << 8, start as u16, 0, 0, 0, state, 1]));
+        }
+        records
+    }
+}
+
 /// Rack, slot, first address, two type codes (unknown: 0), reserved, state (bit 1: there; high byte B4 inputs, B5 outputs), area.
 fn module_status(cpu: &Cpu, wanted: impl Fn(u16, &[u16]) -> bool) -> Vec<Vec<u16>> {
-    let mut records = Vec::new();
-    for (module, place) in station::modules(cpu) {
-        let side = match (module.input_bytes, module.output_bytes) {
-            (1.., _) => Some((module.input_start, 0xB402)),
-            (0, 1..) => Some((module.output_start, 0xB502)),
-            (0, 0) => None,
-        };
-        let Some((start, state)) = side else { continue };
-        let record = vec![place.rack.into(), u16::from(place.slot) << 8, start as u16, 0, 0, 0, state, 1];
-        if wanted(place.rack.into(), &record) {
-            records.push(record);
-        }
-    }
-    records
+    let modules = cpu.module_status().into_iter().filter(|(rack, record)| wanted(*rack, record));
+    modules.map(|(_, record)| record.to_vec()).collect()
 }
 
 /// Newest entry first: event, priority class (unknown: 0), OB, reserved, information, time.

@@ -325,7 +325,7 @@ fn blocks_that_the_program_made_outlast_a_warm_restart() {
     cpu.memory.load(at, &[1, 2, 3, 4]);
     cpu.memory.set_db(60, at, 4);
     cpu.created_dbs.borrow_mut().push((60, at, 4));
-    cpu.meters[1].bring_back(&[9, 0, 0, 0, 0, 0, 0, 0, 0], 0);
+    cpu.meters[1].bring_back(&[9, 0, 0, 0, 0, 0, 0, 0, 0]);
     let seconds = |cpu: &Cpu| cpu.meters[1].kept(cpu.clock.now())[0];
     let again = Cpu::restarted(cpu, Restart::Warm);
     run(&again, 1);
@@ -337,6 +337,26 @@ fn blocks_that_the_program_made_outlast_a_warm_restart() {
     run(&again, 1);
     assert_eq!(again.memory.db(60).1, 0);
     assert_eq!(seconds(&again), 9);
+}
+
+/// Source: CPU manuals, operating-hours counters count in RUN.
+#[test]
+fn run_time_meters_stand_still_in_stop() {
+    let cpu = stopped_by_a_client(&file("meters"), |image| image.config.retain.file = None);
+    // 9 seconds, started.
+    cpu.meters[1].bring_back(&[9, 0, 0, 0, 0, 0, 0, 0, 1]);
+    let seconds = |cpu: &Cpu| cpu.meters[1].kept(cpu.clock.now())[0];
+    let wait = |cpu: &Cpu, seconds: u64| cpu.clock.move_to(cpu.clock.now() + seconds * 1_000_000_000);
+    wait(&cpu, 20);
+    assert_eq!(seconds(&cpu), 9);
+    let again = Cpu::restarted(cpu, Restart::Warm);
+    again.memory.set_word(M + 30, 1);
+    run(&again, 1);
+    wait(&again, 5);
+    assert_eq!(seconds(&again), 14, "it counts in RUN");
+    again.stop_by_request();
+    wait(&again, 30);
+    assert_eq!((seconds(&again), again.meters[1].kept(0)[8]), (14, 1), "it is still started");
 }
 
 #[test]

@@ -119,6 +119,15 @@ impl Plc for Fake {
         area == Area::Timers && number % 2 == 1
     }
 
+    fn data_memory(&self) -> [u32; 3] {
+        [65_536, 160, 65_376]
+    }
+
+    fn modules(&self) -> Vec<[u16; 8]> {
+        let module = |rack, slot: u16, address, state| [rack, slot << 8, address, 0, 0, 0, state, 1];
+        vec![module(0, 4, 0, 0xB402), module(1, 4, 36, 0xB502)]
+    }
+
     fn sizes(&self) -> [u16; 6] {
         [128; 6]
     }

@@ -19,6 +19,7 @@ mod session;
 mod status_lists;
 mod userdata;
 mod variables;
+mod watch_list;
 
 #[cfg(test)]
 mod fake;

@@ -150,6 +150,12 @@ pub trait Plc {
     /// Bytes of the process images and of bit memory, timers, counters, local data.
     fn sizes(&self) -> [u16; 6];
 
+    /// The memory of data blocks: bytes, those in use, and those of the longest block that still has room.
+    fn data_memory(&self) -> [u32; 3];
+
+    /// Modules with addresses: rack, slot in the high byte, first address, two codes of the type, 0, state, area.
+    fn modules(&self) -> Vec<[u16; 8]>;
+
     /// The bit of a timer or counter of an S7-200.
     fn cell_bit(&self, area: Area, number: u32) -> bool;
 }

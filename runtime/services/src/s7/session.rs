@@ -8,6 +8,7 @@ use super::cyclic::Subscriptions;
 use super::plc::{Plc, Restart};
 use super::userdata::{self, Pending};
 use super::variables::{self, READ, Refused, WRITE, WRONG_PDU};
+use super::watch_list;
 use crate::wire::{Bytes, put16};
 
 pub(super) const PROTOCOL: u8 = 0x32;
@@ -76,6 +77,7 @@ pub struct Session {
     pub(super) pending: Option<Pending>,
     pub(super) sequence: u8,
     pub(super) subscriptions: Subscriptions,
+    pub(super) watched: watch_list::Jobs,
     /// Jobs that the other side answers at once.
     pub jobs: u16,
     /// How often the length was agreed on.
@@ -96,6 +98,7 @@ impl Session {
             pending: None,
             sequence: 0,
             subscriptions: Subscriptions::default(),
+            watched: watch_list::Jobs::default(),
             jobs: 1,
             setups: 0,
         }
@@ -153,17 +156,22 @@ impl Session {
         if std::mem::take(&mut self.legitimated) { Ok(()) } else { Err(NOT_LEGITIMATED) }
     }
 
-    /// When cyclic jobs have values to send.
+    /// When jobs have values to send.
     pub fn due(&self) -> Option<Instant> {
-        self.subscriptions.due()
+        if self.watched.is_empty() { self.subscriptions.due() } else { Some(Instant::now()) }
     }
 
-    /// What cyclic jobs send now.
+    /// What jobs send now.
     pub fn indications(&mut self, plc: &dyn Plc, now: Instant) -> Vec<Vec<u8>> {
         match self.pdu {
-            Some(pdu) if self.may_read() => self.subscriptions.indications(plc, pdu, now),
+            Some(pdu) if self.may_read() => {
+                let mut pdus = self.watched.indications(plc, pdu);
+                pdus.extend(self.subscriptions.indications(plc, pdu, now));
+                pdus
+            }
             // The client has given its right back: nothing is due any more.
             _ => {
+                self.watched.clear();
                 self.subscriptions.clear();
                 Vec::new()
             }
@@ -255,6 +263,7 @@ impl Session {
         self.setups = self.setups.wrapping_add(1);
         self.pending = None;
         self.subscriptions.clear();
+        self.watched.clear();
         let mut parameter = vec![SETUP, 0];
         for jobs in [calling, called] {
             put16(&mut parameter, jobs.clamp(1, PARALLEL_JOBS));

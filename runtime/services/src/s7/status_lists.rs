@@ -1,6 +1,7 @@
 //! System status lists (SZL): what a CPU says of itself.
 
 use super::plc::{Event, Plc};
+use super::watch_list;
 use crate::limits::{CONNECTIONS_MAX, SUBSCRIPTIONS_MAX};
 use crate::wire::put16;
 
@@ -10,14 +11,15 @@ const UNKNOWN_LIST: u16 = 0xD401;
 const UNKNOWN_INDEX: u16 = 0xD402;
 
 /// The lists that are answered: list 0000 names them.
-const LISTS: [u16; 24] = [
-    0x0000, 0x0011, 0x0111, 0x0F11, 0x0012, 0x0014, 0x0114, 0x0015, 0x0115, 0x0019, 0x0119, 0x001C, 0x011C, 0x0F1C,
-    0x0074, 0x0174, 0x00A0, 0x01A0, 0x0FA0, 0x0124, 0x0424, 0x0131, 0x0132, 0x0232,
+const LISTS: [u16; 31] = [
+    0x0000, 0x0011, 0x0111, 0x0F11, 0x0012, 0x0013, 0x0113, 0x0F13, 0x0014, 0x0114, 0x0015, 0x0115, 0x0019, 0x0119,
+    0x001C, 0x011C, 0x0F1C, 0x0074, 0x0174, 0x0091, 0x0C91, 0x0D91, 0x0F91, 0x00A0, 0x01A0, 0x0FA0, 0x0124, 0x0424,
+    0x0131, 0x0132, 0x0232,
 ];
 
 /// Lists that say what CPU it is and whether it runs, which everyone may know.
 pub fn identifies(id: u16) -> bool {
-    !matches!(id & 0x00FF, 0x00A0 | 0x0014 | 0x0015)
+    !matches!(id & 0x00FF, 0x00A0 | 0x0013..=0x0015 | 0x0091)
 }
 
 /// Events that change the mode.
@@ -80,6 +82,8 @@ fn list(plc: &dyn Plc, levels: (u16, u16), id: u16, index: u16) -> Option<List> 
         0x0111 => one(28, identification(plc), index),
         // Families of instructions that every CPU has.
         0x0012 => all(2, vec![record(&[0x0100], &[])]),
+        0x0013 | 0x0F13 => all(36, memories(plc)),
+        0x0113 => one(36, memories(plc), index),
         0x0014 => all(8, areas(plc)),
         0x0114 => one(8, areas(plc), index),
         0x0015 => all(10, block_kinds(plc)),
@@ -89,6 +93,13 @@ fn list(plc: &dyn Plc, levels: (u16, u16), id: u16, index: u16) -> Option<List> 
         0x0119 | 0x0174 => one(4, leds(plc), index),
         0x001C | 0x0F1C => all(34, components(plc)),
         0x011C => one(34, components(plc), index),
+        0x0091 | 0x0F91 => all(16, modules(plc, |_| true)),
+        // One module by its address, those of one rack.
+        0x0C91 | 0x0D91 => {
+            let word = if id == 0x0C91 { 2 } else { 0 };
+            let records = modules(plc, |module| module[word] == index);
+            (!records.is_empty()).then_some(List { length: 16, records })
+        }
         0x0131 => one(40, communication(plc), index.max(1)),
         0x0132 | 0x0232 => one(40, vec![protection(levels)], if index == 0 { 4 } else { index }),
         0x0424 => all(20, vec![mode(plc)]),
@@ -126,6 +137,25 @@ fn components(plc: &dyn Plc) -> Vec<Vec<u8>> {
     texts.map(|(index, value)| record(&[index], &text(value, 32, 0))).to_vec()
 }
 
+/// Work memory, which holds data only: code is of this computer. Source: System and standard functions, list 13.
+fn memories(plc: &dyn Plc) -> Vec<Vec<u8>> {
+    /// Volatile; code and data are apart.
+    const RAM: u16 = 1;
+    const APART: u16 = 1 << 3;
+    let [all, used, largest_free] = plc.data_memory();
+    let mut work = record(&[1, RAM], &all.to_be_bytes());
+    put16(&mut work, 1 | APART);
+    put16(&mut work, 0);
+    for bytes in [all, used, largest_free] {
+        work.extend(bytes.to_be_bytes());
+    }
+    vec![work]
+}
+
+fn modules(plc: &dyn Plc, wanted: impl Fn(&[u16; 8]) -> bool) -> Vec<Vec<u8>> {
+    plc.modules().iter().filter(|module| wanted(module)).map(|module| record(module, &[])).collect()
+}
+
 fn areas(plc: &dyn Plc) -> Vec<Vec<u8>> {
     let sizes = plc.sizes();
     (1u16..).zip(sizes).map(|(index, size)| record(&[index, 1, size, 0], &[])).collect()
@@ -147,18 +177,21 @@ fn leds(plc: &dyn Plc) -> Vec<Vec<u8>> {
     lit.map(|(led, on)| record(&[led], &[u8::from(on), 0])).to_vec()
 }
 
-/// PDU length, connections, rates; then which functions of reading and writing there are.
+/// PDU length, connections, rates; then which test functions there are, a bit each; then which functions of reading and writing.
 fn communication(plc: &dyn Plc) -> Vec<Vec<u8>> {
     let pdu = plc.family().pdu_max();
     let mut general = record(&[1, pdu, CONNECTIONS_MAX as u16], &[]);
     general.extend(187_500u32.to_be_bytes());
     general.extend(100_000_000u32.to_be_bytes());
+    // The status of variables, jobs and LEDs.
+    let status = if watch_list::is_served(plc.family()) { 1 << 2 } else { 0 };
+    let test = record(&[2], &[status, 0, 0x41]);
     // Read and write once, begin and end cyclic reading; bytes of one cycle; cyclic jobs, their shortest and longest period in 100 ms.
     let mut data = record(&[3], &[0x47, 0, 0, 0]);
     for word in [pdu - READ_AROUND, SUBSCRIPTIONS_MAX as u16, 1, 25_500] {
         put16(&mut data, word);
     }
-    vec![general, data]
+    vec![general, test, data]
 }
 
 fn protection((set, valid): (u16, u16)) -> Vec<u8> {

@@ -316,6 +316,12 @@ fn status_lists_tell_what_there_is() {
     assert_eq!(list("0131", "0003")[..14], hex("0003 47 00 00 00 00DE 0010 0001 639C"));
     assert_eq!(list("0115", "0A00"), hex("0A00 FFFF 0040 FFFFFFFF"), "blocks of 64 KB");
     assert_eq!(list("01A0", "0002").len(), 40);
+    assert_eq!(list("0131", "0002")[..5], hex("0002 04 00 41"), "status of variables, jobs, LEDs");
+    assert_eq!(list("0113", "0001")[..24], hex("0001 0001 00010000 0009 0000 00010000 000000A0 0000FF60"));
+    assert_eq!(list("0091", "0000").len(), 32);
+    assert_eq!(list("0C91", "0024"), hex("0001 0400 0024 0000 0000 0000 B502 0001"), "the module with byte 36");
+    assert_eq!(list("0D91", "0000"), hex("0000 0400 0000 0000 0000 0000 B402 0001"), "the central rack");
+    assert_eq!(status_list(&mut session, &plc, "0D91", "0007"), Err(0xD402));
 }
 
 #[test]
@@ -344,8 +350,8 @@ fn test_functions_are_refused_by_name() {
         let answer = session.answer(&hex(&request), &plc).unwrap().unwrap();
         u16::from_be_bytes([answer[20], answer[21]])
     };
-    // Variable status; forcing; the end of a job; the list of jobs; a LED that flashes.
-    for (function, expected) in [("02", 0xD003), ("09", 0xD003), ("0F", 0xD043), ("10", 0), ("16", 0)] {
+    // The status of no variables; modifying; forcing; the end of a job; the list of jobs; a LED that flashes.
+    for (function, expected) in [("02", 0x8500), ("08", 0xD003), ("09", 0xD003), ("0F", 0xD043), ("10", 0), ("16", 0)] {
         assert_eq!(ask(&mut open, function), expected, "{function}");
     }
     assert_eq!(ask(&mut read_only, "09"), 0xD0A1);
@@ -398,7 +404,7 @@ fn cells_of_an_s7_200_have_their_bit() {
 }
 
 /// Requests that are right, to be changed at random.
-const REQUESTS: [&str; 8] = [
+const REQUESTS: [&str; 9] = [
     SET_PASSWORD,
     "32 07 0000 0001 0008 0006 00 01 12 04 11 43 02 00 FF 09 0002 30 41",
     SETUP,
@@ -406,6 +412,8 @@ const REQUESTS: [&str; 8] = [
     "32 01 0000 0004 000E 0006 05 01 12 0A 10 04 0001 000A 84 000000 00 04 0010 ABCD",
     "32 07 0000 0004 0008 0008 00 01 12 04 11 44 01 00 FF 09 0004 0424 0000",
     "32 07 0000 0001 0008 000C 00 01 12 04 11 43 03 00 FF 09 0008 30 41 30 30 30 31 30 41",
+    "32 07 0000 0007 0008 002A 00 01 12 04 11 41 02 00 FF 09 0026 0014 000E 0000 000000000000000000000000000000000000 \
+     0002 00 03 0000 0005 71 03 000A 0004",
     "32 01 0000 0006 0014 0000 28 00 00 00 00 00 00 FD 0000 09 50 5F 50 52 4F 47 52 41 4D",
 ];
 
@@ -423,6 +431,8 @@ fn survives(pdus: &[Vec<u8>]) {
             Ok(None) => {}
             Err(_) => return,
         }
+        let indications = own.indications(&plc, Instant::now());
+        assert!(indications.iter().all(|pdu| pdu.len() <= own.pdu_max()), "{indications:02X?}");
     }
 }
 
@@ -504,6 +514,70 @@ fn subscribed_variables_come_again() {
     );
     session.answer(&hex(SETUP), &plc).unwrap();
     assert_eq!(session.due(), None, "they end with the setup");
+}
+
+/// A request for the status of variables with this trigger: its error word and answer.
+fn watch(session: &mut Session, plc: &Fake, trigger: &str, variables: &str) -> (u16, Vec<u8>) {
+    let mut rest = hex(variables);
+    let mut payload = hex("0014 0000");
+    payload[3] = rest.len() as u8;
+    payload.extend(hex(trigger));
+    payload.extend([0; 18]);
+    payload.append(&mut rest);
+    let mut request = hex("32 07 0000 0007 0008 0000 00 01 12 04 11 41 02 00 FF 09 0000");
+    request[9] = payload.len() as u8 + 4;
+    request[21] = payload.len() as u8;
+    request.extend(payload);
+    let answer = session.answer(&request, plc).unwrap().unwrap();
+    (u16::from_be_bytes([answer[20], answer[21]]), answer)
+}
+
+#[test]
+fn a_watch_table_gets_its_values_once() {
+    let plc = Fake::new();
+    let mut session = session(&plc);
+    assert_eq!(session.due(), None);
+    // M5.3, DB10.DBB4 three times, T 1, DB99.DBW0.
+    let variables = "0004 00 03 0000 0005 71 03 000A 0004 54 01 0000 0001 72 01 0063 0000";
+    let (error, answer) = watch(&mut session, &plc, "0000", variables);
+    assert_eq!(error, 0);
+    assert_eq!(
+        answer,
+        hex("32 07 0000 0007 000C 000C 00 01 12 08 12 81 02 01 00 00 0000 FF 09 0008 0004 0000 00000000")
+    );
+    let now = Instant::now();
+    assert!(session.due().is_some_and(|due| due <= now + Duration::from_secs(1)));
+    let values = "32 07 0000 0000 000C 0026 00 01 12 08 12 01 02 01 00 00 0000 FF 09 0022 0004 001A 00000000 \
+                  0004 FF 03 0001 01 00 FF 04 0018 112233 00 FF 09 0002 0000 0A 00 0000";
+    assert_eq!(session.indications(&plc, now), [hex(values)]);
+    assert_eq!((session.due(), session.indications(&plc, now)), (None, Vec::new()));
+}
+
+#[test]
+fn wrong_requests_of_a_watch_table_have_error_words() {
+    let plc = Fake::new();
+    let mut own = session(&plc);
+    let byte = "0001 01 01 0000 0000";
+    for (trigger, variables, expected) in [
+        ("0100", byte, 0xD003),
+        ("0000", "0000", 0x8500),
+        ("0000", "0002 01 01 0000 0000", 0x8500),
+        ("0000", "0001 01 01 0000 0000 00", 0x8500),
+        ("0000", "0001 91 01 0000 0000", 0xD042),
+        ("0000", "0001 00 08 0000 0000", 0xD042),
+        ("0000", "0001 51 01 0000 0000", 0xD042),
+        ("0000", "0001 73 FF 000A 0000", 0x8500),
+    ] {
+        assert_eq!(watch(&mut own, &plc, trigger, variables).0, expected, "{trigger} {variables}");
+    }
+    for _ in 0..16 {
+        assert_eq!(watch(&mut own, &plc, "0000", byte).0, 0);
+    }
+    assert_eq!(watch(&mut own, &plc, "0000", byte).0, 0x8302);
+    own.answer(&hex(SETUP), &plc).unwrap();
+    assert_eq!(own.due(), None, "jobs end with the setup");
+    let portal = Fake { family: Family::S71200, ..Fake::new() };
+    assert_eq!(watch(&mut session(&portal), &portal, "0000", byte).0, 0xD003);
 }
 
 #[test]

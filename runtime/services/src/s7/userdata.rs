@@ -7,10 +7,11 @@ use super::plc::{BLOCK_KINDS, DateAndTime, Plc};
 use super::session::{Session, USERDATA, userdata_pdu};
 use super::status_lists;
 use super::variables::{Refused, WRONG_PDU};
+use super::watch_list;
 use crate::wire::{Bytes, put16};
 
 /// Groups of functions.
-const TEST: u8 = 1;
+const TEST: u8 = watch_list::GROUP;
 const BLOCKS: u8 = 3;
 const CPU: u8 = 4;
 const SECURITY: u8 = 5;
@@ -24,7 +25,6 @@ const BLOCK_MISSING: u16 = 0xD209;
 const BLOCK_NUMBER: u16 = 0xD210;
 const NOT_PERMITTED: u16 = 0xD241;
 const WRONG_DATE: u16 = 0xDC01;
-const TEST_UNSUPPORTED: u16 = 0xD003;
 const TEST_NOT_PERMITTED: u16 = 0xD0A1;
 const NO_SUCH_TEST: u16 = 0xD043;
 
@@ -146,7 +146,7 @@ impl Session {
     fn next_sequence(&mut self) -> u8 {
         loop {
             self.sequence = self.sequence % 255 + 1;
-            if self.subscriptions.is_free(self.sequence) {
+            if self.subscriptions.is_free(self.sequence) && self.watched.is_free(self.sequence) {
                 return self.sequence;
             }
         }
@@ -170,11 +170,15 @@ fn first(session: &mut Session, request: &Request, sequence: u8, plc: &dyn Plc) 
         (BLOCKS | TIME | TEST, _) if !session.may_read() => Err(NOT_IMPLEMENTED),
         // Nobody sees it, and nothing else comes of it.
         (TEST, FLASH_LED) => Ok(Vec::new()),
-        // There are no test jobs.
+        (TEST, watch_list::FUNCTION) => {
+            let pdu = session.pdu.ok_or(NOT_IMPLEMENTED)?;
+            session.watched.take(plc, pdu, sequence, payload)
+        }
+        // Test jobs end before the client could ask for them.
         (TEST, LIST_TESTS) => Ok(vec![0, 0]),
         (TEST, DELETE_TEST | ENABLE_TEST) => Err(NO_SUCH_TEST),
         (TEST, _) if !session.may_write() => Err(TEST_NOT_PERMITTED),
-        (TEST, _) => Err(TEST_UNSUPPORTED),
+        (TEST, _) => Err(watch_list::UNSUPPORTED),
         (cyclic::GROUP, CYCLIC | ON_CHANGE) if !session.may_read() => Err(NOT_IMPLEMENTED),
         (cyclic::GROUP, function @ (CYCLIC | ON_CHANGE)) => {
             let pdu = session.pdu.ok_or(NOT_IMPLEMENTED)?;
