@@ -30,10 +30,18 @@ pub fn compile_unit(
         writer.refuse(block.name.span(), "a chart that was not understood", "repair the source first");
         return None;
     }
-    if chart.dialect != Dialect::Tia {
-        let title =
-            format!("`{}` is not a chart of the TIA Portal, whose data are others", super::name_of(&block.name));
-        writer.refuse(block.name.span(), title, "convert it with `--to gr7`, and migrate it in the TIA Portal");
+    let help = match chart.dialect {
+        Dialect::Tia => None,
+        Dialect::Classic => Some("migrate the project of STEP 7 in the TIA Portal, which makes such a chart of it"),
+        Dialect::Sfc => Some("convert it with `--to gr7`"),
+    };
+    if let Some(help) = help {
+        let name = super::name_of(&block.name);
+        writer.refuse(
+            block.name.span(),
+            format!("`{name}` is not a chart of the TIA Portal, whose data are others"),
+            help,
+        );
         return None;
     }
     let mut maker = Maker { block, library, writer };
