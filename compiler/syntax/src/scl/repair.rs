@@ -13,7 +13,7 @@ mod heads;
 mod signs;
 mod words;
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
@@ -98,8 +98,8 @@ struct Repair<'t> {
     brackets: Vec<bool>,
     /// Index of the first token of the statement.
     statement: usize,
-    /// Names that the text declares, in upper case.
-    declared: HashSet<String>,
+    /// Names that the text declares, in upper case, with the index of their token in the last declaration.
+    declared: HashMap<String, usize>,
     /// Those with hyphens, which were reported.
     with_hyphens: HashSet<String>,
     edits: Vec<Edit>,
@@ -127,7 +127,7 @@ impl<'t> Repair<'t> {
             head: None,
             brackets: Vec::new(),
             statement: 0,
-            declared: HashSet::new(),
+            declared: HashMap::new(),
             with_hyphens: HashSet::new(),
             edits: Vec::new(),
             messages: Vec::new(),
@@ -341,7 +341,7 @@ impl<'t> Repair<'t> {
     }
 
     fn is_declared(&self, word: &str) -> bool {
-        self.declared.contains(&word.to_uppercase())
+        self.declared.contains_key(&word.to_uppercase())
     }
 
     // Repairs.

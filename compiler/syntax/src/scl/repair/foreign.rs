@@ -360,14 +360,10 @@ impl Repair<'_> {
         true
     }
 
-    /// The elementary type that the nearest declaration before gives a variable.
+    /// The elementary type that the last declaration before gives a variable.
     fn declared_type(&self, name: &str) -> Option<&str> {
-        let declares = |at: usize| {
-            let is_name = self.slice(self.tokens[at]).trim_start_matches('#').eq_ignore_ascii_case(name);
-            is_name && self.kind(at + 1) == Some(RawKind::Colon)
-        };
-        let found = (0..self.at.saturating_sub(2)).rev().find(|at| declares(*at))?;
-        let ty = self.slice(self.token(found + 2)?);
+        let at = *self.declared.get(&name.to_uppercase())?;
+        let ty = self.slice(self.token(at + 2).filter(|_| self.kind(at + 1) == Some(RawKind::Colon))?);
         Elementary::from_word(&ty.to_ascii_uppercase()).map(|_| ty)
     }
 

@@ -293,7 +293,7 @@ impl Repair<'_> {
                     Some(RawKind::Colon | RawKind::Comma | RawKind::Assign | RawKind::LeftBrace)
                 ) =>
             {
-                self.declared.insert(self.slice(token).trim_start_matches('#').to_uppercase());
+                self.declared.insert(self.slice(token).trim_start_matches('#').to_uppercase(), self.at);
             }
             RawKind::Equal if self.brackets.is_empty() && self.last.is_some_and(ends_operand) => {
                 let (left, right) = self.sides(at, at + 1);
@@ -350,7 +350,7 @@ impl Repair<'_> {
         let help = format!("a name has letters, digits and `_`: write `{}`", name.replace('-', "_"));
         self.report(at, at + count, title, "`-` subtracts", help);
         self.with_hyphens.insert(name.to_uppercase());
-        self.declared.insert(name.to_uppercase());
+        self.declared.insert(name.to_uppercase(), self.at);
         self.edits.push(super::Edit { first: at, after: at + count, with: vec![whole] });
         self.at = at + count;
         self.last = Some(whole);
@@ -400,7 +400,7 @@ impl Repair<'_> {
             (true, false) => (second, first),
             _ => return false,
         };
-        self.declared.insert(name.to_uppercase());
+        self.declared.insert(name.to_uppercase(), self.at);
         let title = if name == first {
             format!("`:` is missing between `{name}` and its type")
         } else {
