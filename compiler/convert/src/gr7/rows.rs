@@ -46,7 +46,7 @@ impl Writer<'_> {
     }
 
     /// `CALL FB1, DB1 (a := 1)`
-    fn call_text(&mut self, call: &Call) -> String {
+    pub(crate) fn call_text(&mut self, call: &Call) -> String {
         let block = expression::text(&call.block, self);
         let instance = match &call.instance {
             Some(instance) => format!(", {}", expression::text(instance, self)),

@@ -1,6 +1,6 @@
 //! Rows of actions.
 
-use plcc_syntax::chart::ast::{Action, ActionBody, Call};
+use plcc_syntax::chart::ast::{Action, ActionBody};
 
 use super::Maker;
 use crate::scl::expression;
@@ -17,7 +17,7 @@ impl Maker<'_, '_> {
                 format!("{operand} := {}", expression::text(value, self.writer))
             }
             ActionBody::All { .. } => "S_ALL".to_string(),
-            ActionBody::Call(call) => self.call_text(call),
+            ActionBody::Call(call) => self.writer.call_text(call),
             ActionBody::Statements(_) | ActionBody::Network(_) => {
                 let title = "the TIA Portal has neither statements nor networks in actions";
                 self.writer.refuse(action.span, title, "put them into a block, and call it in the action");
@@ -41,20 +41,5 @@ impl Maker<'_, '_> {
             node.push(multilingual_lines("Comment", std::slice::from_ref(comment)));
         }
         Some(node)
-    }
-
-    /// `CALL "Mix", "MixDB" (IN1 := 1)`
-    fn call_text(&mut self, call: &Call) -> String {
-        let block = expression::text(&call.block, self.writer);
-        let instance = match &call.instance {
-            Some(instance) => format!(", {}", expression::text(instance, self.writer)),
-            None => String::new(),
-        };
-        let mut list = Vec::new();
-        for parameter in &call.parameters {
-            let value = parameter.value.as_ref().map_or(String::new(), |value| expression::text(value, self.writer));
-            list.push(format!("{} := {value}", crate::names::declared(&parameter.name.text)).trim_end().to_string());
-        }
-        format!("CALL {block}{instance} ({})", list.join(", "))
     }
 }

@@ -1,6 +1,6 @@
 //! Lines between steps, transitions and branches.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use plcc_syntax::chart::ast::Body;
 use plcc_syntax::scl::ast::Name;
@@ -107,8 +107,8 @@ fn add(bundles: &mut Vec<Bundle>, places: &mut HashMap<Vec<usize>, usize>, steps
 }
 
 /// The bundles that each step is in.
-fn by_step(bundles: &[Bundle]) -> HashMap<usize, Vec<usize>> {
-    let mut found: HashMap<usize, Vec<usize>> = HashMap::new();
+fn by_step(bundles: &[Bundle]) -> BTreeMap<usize, Vec<usize>> {
+    let mut found: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     for (at, bundle) in bundles.iter().enumerate() {
         bundle.steps.iter().for_each(|&step| found.entry(step).or_default().push(at));
     }
@@ -149,7 +149,7 @@ impl Drawer<'_> {
     /// The lines from steps to transitions.
     fn leave_all(&mut self, bundles: &[Bundle]) {
         let mut starts = HashMap::new();
-        for (step, of_step) in in_order(by_step(bundles)) {
+        for (step, of_step) in by_step(bundles) {
             let branch = (of_step.len() > 1).then(|| {
                 let branch = self.branch("AltBegin", of_step.len());
                 self.line(self.step(step), End::Branch(branch, 0), false);
@@ -179,11 +179,14 @@ impl Drawer<'_> {
         if let [one] = transitions {
             return self.line(start, self.transition(*one), false);
         }
-        let arm = |at: &usize| self.chart.transitions[*at].path.get(depth);
-        let arms: Vec<&[usize]> = transitions.chunk_by(|a, b| arm(a).is_some() && arm(a) == arm(b)).collect();
-        if let [all] = arms.as_slice() {
-            return self.divide(start, all, depth + 1);
+        let arm = |at: usize, depth: usize| self.chart.transitions[at].path.get(depth);
+        let is_one = |a: usize, b: usize, depth: usize| arm(a, depth).is_some() && arm(a, depth) == arm(b, depth);
+        // Branches with one arm are not drawn.
+        let mut depth = depth;
+        while transitions.windows(2).all(|pair| is_one(pair[0], pair[1], depth)) {
+            depth += 1;
         }
+        let arms: Vec<&[usize]> = transitions.chunk_by(|a, b| is_one(*a, *b, depth)).collect();
         let branch = self.branch("AltBegin", arms.len());
         self.line(start, End::Branch(branch, 0), false);
         for (number, arm) in arms.into_iter().enumerate() {
@@ -191,10 +194,10 @@ impl Drawer<'_> {
         }
     }
 
-    /// The lines from transitions to steps that are no jumps.
+    /// The lines from transitions to steps without jumps.
     fn enter_all(&mut self, bundles: &[Bundle]) {
         let mut arrivals = HashMap::new();
-        for (step, of_step) in in_order(by_step(bundles)) {
+        for (step, of_step) in by_step(bundles) {
             let branch = (of_step.len() > 1).then(|| {
                 let branch = self.branch("AltEnd", of_step.len());
                 self.line(End::Branch(branch, 0), self.step(step), false);
@@ -247,13 +250,6 @@ impl Drawer<'_> {
             .child(Node::of("LinkType", if jump { "Jump" } else { "Direct" }));
         self.sequence.connections.push(connection);
     }
-}
-
-/// In the order of the steps.
-fn in_order(map: HashMap<usize, Vec<usize>>) -> Vec<(usize, Vec<usize>)> {
-    let mut list: Vec<_> = map.into_iter().collect();
-    list.sort_by_key(|(step, _)| *step);
-    list
 }
 
 fn reference(end: End, arm: &'static str) -> Node {
