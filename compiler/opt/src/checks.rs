@@ -63,7 +63,7 @@ fn checks(function: &Function) -> FxHashMap<Value, (usize, bool)> {
             if *tests == 0 {
                 *hot = side;
             }
-            // A value by which some go to the one and some to the other side is no check.
+            // A value by which some go to the one and some to the other side is not a check.
             *tests = if *hot == side && *tests != usize::MAX { *tests + 1 } else { usize::MAX };
         }
     }

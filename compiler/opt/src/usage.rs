@@ -152,7 +152,7 @@ fn local_data_read(function: &Function, surroundings: &Surroundings) -> u32 {
     }
     for &inst in insts() {
         let data = &function.insts[inst];
-        let is_of_text = matches!(data, InstData::CallRuntime { function, .. } if reads_upward(*function));
+        let is_of_text = matches!(data, InstData::CallRuntime { function, args } if reads_upward(*function, args));
         data.for_each_use(|value| {
             if let Some(&offset) = given.get(&function.resolve(value)) {
                 first = first.min(if is_of_text { offset } else { 0 });
@@ -163,29 +163,18 @@ fn local_data_read(function: &Function, surroundings: &Surroundings) -> u32 {
 }
 
 /// True of functions of texts: they read nothing before an address that they get.
-fn reads_upward(called: RuntimeFn) -> bool {
-    matches!(
+fn reads_upward(called: RuntimeFn, args: &[Value]) -> bool {
+    let only_reads = matches!(
         called,
-        RuntimeFn::CopyText
-            | RuntimeFn::TextConcat
-            | RuntimeFn::TextConcatThree
-            | RuntimeFn::TextCompare
+        RuntimeFn::TextCompare
             | RuntimeFn::TextFind
             | RuntimeFn::TextLength
-            | RuntimeFn::TextReplace
-            | RuntimeFn::TextLeft
-            | RuntimeFn::TextRight
-            | RuntimeFn::TextMid
-            | RuntimeFn::TextDelete
-            | RuntimeFn::TextInsert
-            | RuntimeFn::TextOfDint
-            | RuntimeFn::TextOfReal
-            | RuntimeFn::TextFixedOfReal
             | RuntimeFn::TextToDint
             | RuntimeFn::TextToReal
             | RuntimeFn::TextScanReal
             | RuntimeFn::TextScan
-    )
+    );
+    only_reads || text_target(called, args).is_some()
 }
 
 /// The first output byte after those that a write to `addr` touches.
