@@ -5,7 +5,7 @@ use plcc_abi::layout;
 
 use crate::cpu::{Area, Cpu};
 use crate::s7200::Part;
-use crate::{counters, names, s7200, timers};
+use crate::{bcd, counters, names, s7200, timers};
 
 /// Where a value is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -87,22 +87,50 @@ pub struct Address {
 }
 
 impl Address {
+    /// Whether it is the count of an S7-300 counter.
+    pub(crate) fn is_count(&self) -> bool {
+        matches!(self.place, Place::CounterValue(_))
+    }
+
     /// Whether a value can be set there from outside. `Err`: why not.
     pub fn check_settable(&self) -> Result<(), String> {
-        let fixed = match self.place {
-            Place::Timer(_) | Place::Counter(_) | Place::TimerValue(_) | Place::CounterValue(_) => {
-                Some("timers and counters cannot be set")
-            }
-            Place::S7200(part, _) => part.is_fixed(),
-            Place::Input(_)
+        match self.place {
+            Place::Timer(number) => Err(state_of_timer(number)),
+            Place::Counter(number) => Err(state_of_counter(number)),
+            Place::S7200(part, number) => part.check_settable(number),
+            Place::TimerValue(_)
+            | Place::CounterValue(_)
+            | Place::Input(_)
             | Place::Output(_)
             | Place::BitMemory(_)
             | Place::PeripheralInput(_)
             | Place::PeripheralOutput(_)
-            | Place::Db(..) => None,
-        };
-        fixed.map_or(Ok(()), |reason| Err(reason.to_string()))
+            | Place::Db(..) => Ok(()),
+        }
     }
+
+    /// Whether a timer or counter can have a value; other places can have all. `Err`: why not.
+    pub fn check_value(&self, value: Bits) -> Result<(), String> {
+        match self.place {
+            Place::TimerValue(_) if bcd::to_int(value as u32, 3) == bcd::BAD_DIGIT || value >> 14 != 0 => {
+                Err(format!("W#16#{value:04X} is not an S5TIME: its digits are decimal, its time base is 0 to 3"))
+            }
+            Place::CounterValue(_) if value > counters::MAX.into() => {
+                Err(format!("a counter counts from 0 to {}", counters::MAX))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Why the bit of a timer is not set from outside.
+pub(crate) fn state_of_timer(number: u32) -> String {
+    format!("T{number} is the state of a timer, which the program alone sets; its time is T{number}.VALUE")
+}
+
+/// Why the bit of a counter is not set from outside.
+pub(crate) fn state_of_counter(number: u32) -> String {
+    format!("C{number} is the state of a counter, which follows from its count; set C{number}.VALUE")
 }
 
 /// Finds an address or a name (with or without quotes). `Err`: the error as a sentence.
@@ -287,8 +315,11 @@ impl Cpu {
     pub fn write(&self, address: &Address, value: Bits) -> Result<(), String> {
         self.check_address(address)?;
         address.check_settable()?;
+        address.check_value(value)?;
         match address.place {
-            Place::Timer(_) | Place::Counter(_) | Place::TimerValue(_) | Place::CounterValue(_) => {}
+            Place::Timer(_) | Place::Counter(_) => {}
+            Place::TimerValue(number) => timers::set_value(&self.memory, &self.clock, number, value as u16),
+            Place::CounterValue(number) => counters::set_value(&self.memory, number, value as u16),
             Place::S7200(part, number) => {
                 self.s7200_look_always();
                 if !self.write_part(part, number, value) {

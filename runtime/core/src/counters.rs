@@ -4,6 +4,9 @@ use plcc_abi::layout::{self, COUNTER_CELL_BYTES, TIMERS_MAX, counter_cell};
 
 use crate::memory::Memory;
 
+/// The largest count.
+pub const MAX: u16 = 999;
+
 /// Count, 0..=999; 0 if there is no counter `number`.
 pub fn value(memory: &Memory, number: u32) -> u32 {
     if number >= TIMERS_MAX {
@@ -17,6 +20,6 @@ pub fn value(memory: &Memory, number: u32) -> u32 {
 pub fn set_value(memory: &Memory, number: u32, count: u16) {
     if number < TIMERS_MAX {
         let at = layout::C + COUNTER_CELL_BYTES * number + counter_cell::COUNT;
-        memory.set_bytes(at, count.min(999).to_ne_bytes());
+        memory.set_bytes(at, count.min(MAX).to_ne_bytes());
     }
 }

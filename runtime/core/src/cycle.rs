@@ -268,7 +268,7 @@ impl Cpu {
     pub(crate) fn run_program_cycle(&self, cycle: u64, times: &CycleTimes) {
         for ob in &self.cycle_obs {
             if !self.is_stopped() {
-                self.run_loaded(ob, CYCLE_PRIORITY, self.cycle_info(ob.number, cycle, times));
+                self.run_loaded(ob, CYCLE_PRIORITY, &self.cycle_info(ob.number, cycle, times));
             }
         }
     }

@@ -222,7 +222,7 @@ impl Cpu {
     ///
     /// Source: System and standard functions, OB 80.
     pub(crate) fn overrun_info(&self, ms: u32) -> StartInfo {
-        let [class, number, ..] = self.running.info.get();
+        let [class, number, ..] = if self.running.ob.get() == 0 { [0; 12] } else { self.running.info.get() };
         StartInfo::new(0x35, 0x01, 80)
             .word(6, ms.min(0xFFFF) as u16)
             .byte(8, class)

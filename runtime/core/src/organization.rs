@@ -77,12 +77,12 @@ impl Cpu {
     /// Runs the OB in its priority class. The caller has checked that it is higher than the running one.
     pub(crate) fn run_ob(&self, ob: u16, priority: u8, info: StartInfo) {
         if let Some(ob) = self.loaded_ob(ob) {
-            self.run_loaded(&ob, priority, info.byte(2, priority));
+            self.run_loaded(&ob, priority, &info.byte(2, priority));
         }
     }
 
     /// As [`run_ob`](Cpu::run_ob), for an OB that was looked up. `info` has the priority.
-    pub(crate) fn run_loaded(&self, loaded: &LoadedOb, priority: u8, info: StartInfo) {
+    pub(crate) fn run_loaded(&self, loaded: &LoadedOb, priority: u8, info: &StartInfo) {
         let Some(block) = self.block_of(loaded) else { return };
         let ob = loaded.number;
         let running = &self.running;
@@ -111,7 +111,7 @@ impl Cpu {
     }
 
     /// Runs an OB while no other runs: what it leaves behind is what there is between OBs, and nothing is kept for it.
-    fn run_outermost(&self, loaded: &LoadedOb, block: &BlockEntry, priority: u8, info: StartInfo) {
+    fn run_outermost(&self, loaded: &LoadedOb, block: &BlockEntry, priority: u8, info: &StartInfo) {
         let running = &self.running;
         running.priority.set(priority);
         running.ob.set(loaded.number);
@@ -143,7 +143,7 @@ impl Cpu {
         let limit = self.image.profile.local_data.min(ERROR_SLICE_BYTES);
         // The levels of the class are used up to an unknown extent; error OBs may use more in addition.
         let depth_max = self.image.profile.error_depth.max(1);
-        self.enter(block, base, limit, depth_max, true, info.byte(2, running.priority.get()));
+        self.enter(block, base, limit, depth_max, true, &info.byte(2, running.priority.get()));
         running.ob.set(before);
         running.error_depth.set(depth);
         running.error_levels.set(levels);
@@ -172,32 +172,41 @@ impl Cpu {
     }
 
     /// `inside`: it interrupts code, whose registers must be as before afterwards.
-    fn enter(&self, block: &BlockEntry, base: u32, limit: u32, depth_max: u32, inside: bool, info: StartInfo) {
+    fn enter(&self, block: &BlockEntry, base: u32, limit: u32, depth_max: u32, inside: bool, info: &StartInfo) {
         let memory = &self.memory;
         if block.frame.max(events::START_INFO_BYTES as u32) > limit {
             self.stop_by(plcc_abi::codes::stop::LOCAL_DATA, NO_SITE, 0);
             return;
         }
-        let saved = inside.then(|| self.save());
-        let info = info.0;
-        let outer_info = self.running.info.replace(info);
+        let saved = inside.then(|| (self.save(), self.running.info.get()));
+        self.running.info.set(info.0);
         if matches!(block.number, 100..=102) {
-            self.running.startup_info.set(info);
+            self.running.startup_info.set(info.0);
         }
         let called = self.running.called.set(block.number, true);
         if block.local_data_used {
-            memory.clear(base, block.frame.max(events::START_INFO_BYTES as u32));
-            memory.set_bytes(base, info);
-            self.set_start_inputs(block, base, &info, !called);
-            memory.set_bytes(base + 12, self.clock.wall_bytes());
+            self.fill_local_data(block, base, info, !called);
         }
         self.begin_code(depth_max, base + limit);
         self.code.call(block.entry, memory.base(), base, base);
         match &saved {
-            Some(saved) => self.restore(saved),
+            Some((saved, outer_info)) => {
+                self.restore(saved);
+                self.running.info.set(*outer_info);
+            }
+            // Nobody asks for start information between OBs.
             None => memory.set_state::<{ state::DEPTH }, 4>([0; 4]),
         }
-        self.running.info.set(outer_info);
+    }
+
+    /// Local data of an OB with its start information. Apart, so that [`enter`](Cpu::enter) need not take the information to pieces.
+    #[inline(never)]
+    fn fill_local_data(&self, block: &BlockEntry, base: u32, info: &StartInfo, first: bool) {
+        let memory = &self.memory;
+        memory.clear(base, block.frame.max(events::START_INFO_BYTES as u32));
+        memory.set_bytes(base, info.0);
+        self.set_start_inputs(block, base, &info.0, first);
+        memory.set_bytes(base + 12, self.clock.wall_bytes());
     }
 
     /// Registers, nesting and clock as the first block of a class finds them.

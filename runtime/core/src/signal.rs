@@ -25,6 +25,7 @@ use crate::plant::Plant;
 use crate::s7200::{self, Part};
 use crate::typed::{self, ValueType};
 use crate::value;
+use crate::watch::format::Format;
 
 /// Where a value comes from and how it is read.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -339,7 +340,21 @@ impl Source {
 
     /// Reads the text of a value for this source. `Err`: the error as a sentence.
     pub fn parse(&self, text: &str, image: &ProgramImage) -> Result<Value, String> {
+        let value = self.parse_any(text, image)?;
+        if let (Some(address), Some(bits)) = (self.address(), self.bits(&value)) {
+            address.check_value(bits)?;
+        }
+        Ok(value)
+    }
+
+    /// As [`parse`](Source::parse), also what a timer or counter cannot have.
+    fn parse_any(&self, text: &str, image: &ProgramImage) -> Result<Value, String> {
         match self {
+            // `C#20`: a count as programs write it.
+            Source::Typed(address, ty) if address.is_count() && text.trim().starts_with(['C', 'c']) => {
+                let bits = Format::Counter.parse_at(text, address)?;
+                Ok(Value::typed(ty.ty, TypedValue::Bits(bits), address.width))
+            }
             Source::Bits(address) => parse_value(text, address, image).map(|bits| Value::Bits(bits, address.width)),
             Source::Typed(address, ty) => match (typed::parse(text, *ty), analog::with_unit(text)) {
                 (Err(_), Some((number, unit))) if address.width == Width::Word => {

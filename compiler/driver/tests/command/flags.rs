@@ -58,7 +58,7 @@ fn wrong_flags_are_usage_errors() {
     both(folder, &["--cycles", "3", "--cycle-time", "0", "--print", "MW0", "--quiet"], 0);
     let scenario = |text: &str| std::fs::write(folder.join("s.toml"), text).expect("the folder can be written");
     for (text, says) in [
-        ("[[at]]\ncycle = 1\nset = { \"T5\" = 1 }\n", "s.toml:3: T5: timers and counters cannot be set"),
+        ("[[at]]\ncycle = 1\nset = { \"T5\" = 1 }\n", "s.toml:3: T5: T5 is the state of a timer"),
         ("[[at]]\ncycle = 1\nprint = [\"MW9999\"]\n", "print MW9999: byte 9999 is outside"),
         ("[[at]]\ncycle = -1\n", "s.toml:2: "),
     ] {

@@ -4,7 +4,7 @@ use plcc_abi::layout;
 use plcc_abi::s7200::{ACCUMULATORS, ANALOG_ADDRESS, V_DB, system};
 
 use super::{analog, special};
-use crate::address::{Address, Bits, Place, Width, digits, offset};
+use crate::address::{Address, Bits, Place, Width, digits, offset, state_of_counter, state_of_timer};
 use crate::cpu::Cpu;
 
 /// Areas that only an S7-200 has. The number is that of the byte, timer, counter or accumulator.
@@ -80,14 +80,19 @@ impl Part {
         NUMBERED.iter().find(|(_, part, ..)| *part == self).and_then(|(.., value)| *value)
     }
 
-    /// Why nothing can be set there from outside.
-    pub(crate) fn is_fixed(self) -> Option<&'static str> {
+    /// Whether a value can be set there from outside. `Err`: why not.
+    pub(crate) fn check_settable(self, number: u32) -> Result<(), String> {
         match self {
-            Part::TimerBit | Part::TimerValue | Part::CounterBit | Part::CounterValue => {
-                Some("timers and counters cannot be set")
-            }
-            Part::HighSpeedCounter => Some("a high-speed counter is set by its inputs"),
-            Part::SpecialMemory | Part::Relays | Part::AnalogInput | Part::AnalogOutput | Part::Accumulator => None,
+            Part::TimerBit => Err(state_of_timer(number)),
+            Part::CounterBit => Err(state_of_counter(number)),
+            Part::HighSpeedCounter => Err("a high-speed counter is set by its inputs".to_string()),
+            Part::TimerValue
+            | Part::CounterValue
+            | Part::SpecialMemory
+            | Part::Relays
+            | Part::AnalogInput
+            | Part::AnalogOutput
+            | Part::Accumulator => Ok(()),
         }
     }
 
@@ -154,7 +159,7 @@ impl Cpu {
         }
     }
 
-    /// Sets an analog word from outside. False: it is memory, or cannot be set.
+    /// Sets an analog word from outside, and brings a timer up to date whose value is about to be set. False: it is memory.
     pub(crate) fn write_part(&self, part: Part, number: u32, value: Bits) -> bool {
         match (part, self.s7200()) {
             (Part::AnalogInput, Some(own)) => {
@@ -165,6 +170,10 @@ impl Cpu {
             (Part::AnalogOutput, Some(_)) => {
                 self.peripheral_write(ANALOG_ADDRESS + number, 2, value as u32 & 0xFFFF);
                 true
+            }
+            (Part::TimerValue, Some(_)) => {
+                self.s7200_timer_sync(number);
+                false
             }
             (_, _) => false,
         }

@@ -154,7 +154,7 @@ mod tests {
         );
         assert_eq!(
             message("[[at]]\ncycle = 1\nset = { \"T5\" = 1 }\n"),
-            "s.toml:3: T5: timers and counters cannot be set"
+            "s.toml:3: T5: T5 is the state of a timer, which the program alone sets; its time is T5.VALUE"
         );
     }
 }

@@ -3,6 +3,7 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
+use plcc_abi::functions::TimerMode;
 use plcc_abi::image::BlockKind;
 use plcc_abi::layout;
 
@@ -11,6 +12,7 @@ use crate::address;
 use crate::cpu::Cpu;
 use crate::cycle::Observer;
 use crate::options::{ClockKind, RunOptions};
+use crate::timers;
 use crate::watch::{Table, Trigger};
 
 struct Watched(Table);
@@ -71,6 +73,52 @@ fn values_are_modified_at_their_triggers() {
         table.text(&cpu),
         "I0.1  false        modified\nMW10  101          modified\nQB4   2#0000_1010  modified  Lamps\n"
     );
+}
+
+/// Source: Programming with STEP 7, 20.5: modifying a timer changes its time, a counter its count, and no edge.
+#[test]
+fn timers_and_counters_are_modified_by_their_values() {
+    let cpu = cpu(Vec::new());
+    let text = r#"
+        [[row]]
+        address = "T5.VALUE"
+        modify = "S5T#2s"
+
+        [[row]]
+        address = "T6.VALUE"
+        format = "s5time"
+        modify = "137"
+
+        [[row]]
+        address = "C3.VALUE"
+        modify = "C#20"
+
+        [[row]]
+        address = "C4.VALUE"
+        format = "counter"
+        modify = "120"
+
+        [[row]]
+        address = "Z5.VALUE"
+        modify = "7"
+    "#;
+    let table = Table::parse(text, &cpu).unwrap();
+    timers::start(&cpu.memory, &cpu.clock, 5, TimerMode::ExtendedPulse, 0x2100, true);
+    table.modify(&cpu, 1, Trigger::Begin);
+    assert_eq!(
+        table.text(&cpu),
+        "T5.VALUE  S5T#2S     modified\nT6.VALUE  S5T#130MS  modified\nC3.VALUE  20         modified\n\
+         C4.VALUE  C#120      modified\nZ5.VALUE  7          modified\n"
+    );
+    cpu.clock.move_to(1_900_000_000);
+    assert!(timers::scan(&cpu.memory, &cpu.clock, 5), "2 s instead of 100 s are left of the pulse");
+    cpu.clock.move_to(2_000_000_000);
+    assert!(!timers::scan(&cpu.memory, &cpu.clock, 5));
+    let wrong = |row: &str| Table::parse(&format!("[[row]]\n{row}"), &cpu).expect_err(row).1;
+    assert!(wrong("address = \"T5\"\nmodify = \"1\"").contains("T5.VALUE"));
+    assert!(wrong("address = \"C5\"\nmodify = \"1\"").contains("C5.VALUE"));
+    assert!(wrong("address = \"C5.VALUE\"\nmodify = \"1000\"").contains("0 to 999"));
+    assert!(wrong("address = \"T5.VALUE\"\nmodify = \"16#4000\"").contains("S5TIME"));
 }
 
 #[test]

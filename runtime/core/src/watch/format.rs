@@ -5,9 +5,9 @@ use plcc_literal::duration::s5time_milliseconds;
 use plcc_literal::number;
 use serde::{Deserialize, Serialize};
 
-use crate::address::{Bits, Width};
+use crate::address::{Address, Bits, Width};
 use crate::signal::{Source, Value};
-use crate::{typed, value};
+use crate::{bcd, typed, value};
 
 /// How a value is shown, and how one without a prefix is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
@@ -81,6 +81,19 @@ impl Format {
             Format::Pointer => pointer(bits as u32),
             Format::Bcd => digits(bits).map_or_else(|| hex(bits, width), |number| number.to_string()),
         }
+    }
+
+    /// As [`show`](Format::show), of the value at an address: a counter has its count as a number, which `C#` writes in BCD.
+    pub fn show_at(self, bits: Bits, address: &Address) -> String {
+        let is_bcd = self == Format::Counter && address.is_count();
+        self.show(if is_bcd { bcd::from_int(bits as u32, 3).into() } else { bits }, address.width)
+    }
+
+    /// As [`parse`](Format::parse), for an address. `Err`: the error as a sentence.
+    pub fn parse_at(self, text: &str, address: &Address) -> Result<Bits, String> {
+        let bits = self.parse(text, address.width)?;
+        let is_bcd = self == Format::Counter || text.trim().starts_with(['C', 'c']);
+        Ok(if is_bcd && address.is_count() { bcd::to_int(bits as u32, 3).into() } else { bits })
     }
 
     /// The format for a row, if it shows its values. `Err`: why not.

@@ -123,7 +123,7 @@ impl Table {
     /// The rows with their values now.
     pub fn shown(&self, cpu: &Cpu) -> Vec<Shown> {
         let value = |row: &Row| match row.format {
-            Some(format) => format.show(cpu.read(&row.address), row.address.width),
+            Some(format) => format.show_at(cpu.read(&row.address), &row.address),
             None => row.source.read(cpu, None).text(),
         };
         let shown = |row: &Row| Shown {
@@ -232,7 +232,8 @@ impl Located {
     fn bits(&self, text: &str, image: &ProgramImage) -> Result<u64, String> {
         self.address.check_settable()?;
         if let Some(format) = self.format {
-            return format.parse(text, self.address.width);
+            let bits = format.parse_at(text, &self.address)?;
+            return self.address.check_value(bits).map(|()| bits);
         }
         self.source.bits(&self.source.parse(text, image)?).ok_or_else(|| "a text cannot be modified".to_string())
     }

@@ -291,7 +291,11 @@ fn shown(family: Family, source: &Source, format: Option<Format>, value: &Value)
                 Source::Typed(_, ty) => Value::of_type(ty.ty, *raw),
                 _ => value.clone(),
             };
-            (typed.json(), format.show(*raw, *width))
+            let text = match source.address() {
+                Some(address) => format.show_at(*raw, address),
+                None => format.show(*raw, *width),
+            };
+            (typed.json(), text)
         }
         _ => (value.json(), value.text()),
     };
