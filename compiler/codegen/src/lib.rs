@@ -17,6 +17,7 @@
 
 mod abi;
 mod bits;
+mod byte_order;
 mod compile;
 mod facts;
 mod finish;

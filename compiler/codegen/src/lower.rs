@@ -22,6 +22,7 @@ use rustc_hash::FxHashMap;
 use crate::CodegenError;
 use crate::abi::{FunctionAbi, ReturnPlace, clif_type, runtime_signature, takes_memory};
 use crate::bits::Bit;
+use crate::byte_order::Numbers;
 use crate::compile::source_location;
 use crate::floats;
 use crate::joins::Joins;
@@ -90,6 +91,8 @@ pub fn lower(
 enum Slot {
     Missing,
     Plain(ClifValue),
+    /// A whole number with its bytes swapped, as it is in PLC memory.
+    Swapped(ClifValue),
     Bit(Bit),
 }
 
@@ -100,6 +103,7 @@ struct Lowering<'m, 'f> {
     b: FunctionBuilder<'f>,
     memory: Memory<'m>,
     slots: Vec<Slot>,
+    numbers: Numbers,
     blocks: Vec<Option<ir::Block>>,
     callees: FxHashMap<u32, FuncRef>,
     joins: Joins,
@@ -132,6 +136,7 @@ impl<'m, 'f> Lowering<'m, 'f> {
             b,
             memory,
             slots: vec![Slot::Missing; function.values.len()],
+            numbers: Numbers::of(function),
             blocks: vec![None; function.blocks.len()],
             callees: FxHashMap::default(),
             joins: Joins::new(function),
@@ -218,9 +223,38 @@ impl<'m, 'f> Lowering<'m, 'f> {
         }
         match self.slots[value.index()] {
             Slot::Plain(clif) => Ok(clif),
+            Slot::Swapped(clif) => Ok(self.b.ins().bswap(clif)),
             Slot::Bit(bit) => Ok(bit.clean(&mut self.b)),
             Slot::Missing => Err(invalid(format!("{value} is used where it is not defined"))),
         }
+    }
+
+    /// Values with their bytes swapped, as they are in PLC memory. `None`: they are not there in this form.
+    fn swapped<const N: usize>(&mut self, values: [Value; N]) -> Option<[ClifValue; N]> {
+        let function = self.function;
+        let form = |value: Value| {
+            let value = function.resolve(value);
+            match (function.constant(value), self.slots[value.index()]) {
+                (Some(bits), _) if function.ty(value).bytes() > 1 => Some(Err(bits)),
+                (None, Slot::Swapped(clif)) => Some(Ok(clif)),
+                _ => None,
+            }
+        };
+        let forms = values.map(form);
+        // Constants alone save nothing.
+        if forms.iter().any(Option::is_none) || !forms.iter().any(|form| matches!(form, Some(Ok(_)))) {
+            return None;
+        }
+        let ty = function.ty(values[0]);
+        Some(forms.map(|form| match form.expect("all were found") {
+            Ok(clif) => clif,
+            Err(bits) => constant(&mut self.b, clif_type(ty), bits.swap_bytes() >> (64 - ty.bits())),
+        }))
+    }
+
+    /// Operands of an operation on bytes with their bytes swapped, if its result is needed in this form only.
+    fn swapped_operands(&mut self, operands: [Value; 2], result: Value) -> Option<[ClifValue; 2]> {
+        if self.numbers.is_number(self.function, result) { None } else { self.swapped(operands) }
     }
 
     fn values(&mut self, values: &[Value]) -> Result<Vec<ClifValue>, CodegenError> {
@@ -231,7 +265,7 @@ impl<'m, 'f> Lowering<'m, 'f> {
         let value = self.function.resolve(value);
         match self.slots[value.index()] {
             Slot::Bit(bit) => Ok(bit),
-            Slot::Plain(_) | Slot::Missing => self.value(value).map(Bit::Clean),
+            Slot::Plain(_) | Slot::Swapped(_) | Slot::Missing => self.value(value).map(Bit::Clean),
         }
     }
 
@@ -278,25 +312,40 @@ impl<'m, 'f> Lowering<'m, 'f> {
                 self.define(only()?, value);
             }
             InstData::Select { cond, if_true, if_false } => {
-                let cond = self.condition(*cond)?;
-                let [x, y] = [self.value(*if_true)?, self.value(*if_false)?];
-                let value = self.b.ins().select(cond, x, y);
-                self.define(only()?, value);
+                let (cond, result) = (self.condition(*cond)?, only()?);
+                match self.swapped_operands([*if_true, *if_false], result) {
+                    Some([x, y]) => self.slots[result.index()] = Slot::Swapped(self.b.ins().select(cond, x, y)),
+                    None => {
+                        let [x, y] = [self.value(*if_true)?, self.value(*if_false)?];
+                        let value = self.b.ins().select(cond, x, y);
+                        self.define(result, value);
+                    }
+                }
             }
             InstData::Load { addr } => {
-                let addr = self.address(*addr)?;
-                let value = self.memory.load(&mut self.b, function.ty(only()?), addr)?;
-                self.define(only()?, value);
+                let (addr, result) = (self.address(*addr)?, only()?);
+                let ty = function.ty(result);
+                if !self.numbers.is_number(function, result)
+                    && let Some(raw) = self.memory.load_swapped(&mut self.b, ty, addr)?
+                {
+                    self.slots[result.index()] = Slot::Swapped(raw);
+                } else {
+                    let value = self.memory.load(&mut self.b, ty, addr)?;
+                    self.define(result, value);
+                }
             }
             InstData::Store { addr, value } => {
                 let addr = self.address(*addr)?;
                 let ty = function.ty(*value);
                 match function.constant(*value) {
                     Some(bits) => self.memory.store_constant(&mut self.b, addr, ty, bits)?,
-                    None => {
-                        let value = self.value(*value)?;
-                        self.memory.store(&mut self.b, addr, ty, value)?;
-                    }
+                    None => match self.swapped([*value]) {
+                        Some([raw]) => self.memory.store_swapped(&mut self.b, addr, raw)?,
+                        None => {
+                            let value = self.value(*value)?;
+                            self.memory.store(&mut self.b, addr, ty, value)?;
+                        }
+                    },
                 }
             }
             InstData::LoadBit { addr, bit } => {
@@ -366,6 +415,13 @@ impl<'m, 'f> Lowering<'m, 'f> {
             self.define(result, value);
             return Ok(());
         }
+        if matches!(op, BinaryOp::And | BinaryOp::Or | BinaryOp::Xor)
+            && let Some([x, y]) = self.swapped_operands(args, result)
+        {
+            let value = bitwise(&mut self.b, op, [x, y]);
+            self.slots[result.index()] = Slot::Swapped(value);
+            return Ok(());
+        }
         let [x, y] = [self.value(args[0])?, self.value(args[1])?];
         let ins = self.b.ins();
         let value = match op {
@@ -376,9 +432,7 @@ impl<'m, 'f> Lowering<'m, 'f> {
             BinaryOp::Srem => ins.srem(x, y),
             BinaryOp::Udiv => ins.udiv(x, y),
             BinaryOp::Urem => ins.urem(x, y),
-            BinaryOp::And => ins.band(x, y),
-            BinaryOp::Or => ins.bor(x, y),
-            BinaryOp::Xor => ins.bxor(x, y),
+            BinaryOp::And | BinaryOp::Or | BinaryOp::Xor => bitwise(&mut self.b, op, [x, y]),
             BinaryOp::Shl => ins.ishl(x, y),
             BinaryOp::Lshr => ins.ushr(x, y),
             BinaryOp::Ashr => ins.sshr(x, y),
@@ -458,7 +512,11 @@ impl<'m, 'f> Lowering<'m, 'f> {
     }
 
     fn int_compare(&mut self, cc: IntCc, args: [Value; 2], result: Value) -> Result<(), CodegenError> {
-        let [x, y] = [self.value(args[0])?, self.value(args[1])?];
+        let swapped = if matches!(cc, IntCc::Eq | IntCc::Ne) { self.swapped(args) } else { None };
+        let [x, y] = match swapped {
+            Some(operands) => operands,
+            None => [self.value(args[0])?, self.value(args[1])?],
+        };
         let value = self.b.ins().icmp(int_cc(cc), x, y);
         self.define(result, value);
         Ok(())
@@ -691,6 +749,15 @@ fn unary(b: &mut FunctionBuilder<'_>, op: UnaryOp, arg: ClifValue, native_roundi
         UnaryOp::Ffloor => rounded(Rounding::Down),
         UnaryOp::Ftrunc => rounded(Rounding::TowardsZero),
         UnaryOp::Fnearest => rounded(Rounding::Nearest),
+    }
+}
+
+/// AND, OR or XOR.
+fn bitwise(b: &mut FunctionBuilder<'_>, op: BinaryOp, [x, y]: [ClifValue; 2]) -> ClifValue {
+    match op {
+        BinaryOp::And => b.ins().band(x, y),
+        BinaryOp::Or => b.ins().bor(x, y),
+        _ => b.ins().bxor(x, y),
     }
 }
 

@@ -203,6 +203,28 @@ impl<'m> Memory<'m> {
         Ok(if clif.is_float() { b.ins().bitcast(clif, MemFlagsData::new(), value) } else { value })
     }
 
+    /// Reads a whole number of more than one byte with its bytes as they are in PLC memory. `None`: they are in the order of the host there.
+    pub fn load_swapped(
+        &self,
+        b: &mut FunctionBuilder<'_>,
+        ty: Type,
+        addr: Address,
+    ) -> Result<Option<Value>, CodegenError> {
+        if addr.region.is_host_order() {
+            return Ok(None);
+        }
+        let place = self.place(b, addr)?;
+        Ok(Some(b.ins().load(clif_type(ty), place.flags, place.pointer, place.offset)))
+    }
+
+    /// Writes a whole number of more than one byte whose bytes are as they are in PLC memory.
+    pub fn store_swapped(&self, b: &mut FunctionBuilder<'_>, addr: Address, raw: Value) -> Result<(), CodegenError> {
+        let place = self.place(b, addr)?;
+        let value = if place.big_endian { raw } else { b.ins().bswap(raw) };
+        b.ins().store(place.flags, value, place.pointer, place.offset);
+        Ok(())
+    }
+
     /// Writes a value that is not an i1.
     pub fn store(
         &self,

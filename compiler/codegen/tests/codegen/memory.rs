@@ -1,7 +1,7 @@
 //! Loads, stores, bits, clearing and copying.
 
 use plcc_abi::{Type, layout};
-use plcc_ir::{Address, FunctionBuilder, Region, Value};
+use plcc_ir::{Address, FunctionBuilder, IntCc, Region, Value};
 
 use crate::harness::{self, DB, LBASE, VBASE, patterned_memory, read_state, run};
 
@@ -258,4 +258,49 @@ fn pointers_meet_every_area() {
     let memory = run(&module);
     let slot = |slot: u32| read_state(&memory, RESULT + 8 * slot, 4) as u32;
     assert_eq!([slot(1), slot(2), slot(3)], [0x1122_3344, 0x5566_7788, 0x99AA_BBCC]);
+}
+
+/// Masks, selections and comparisons of what comes from memory, which need no byte swaps, and the same as numbers.
+#[test]
+fn words_combined_in_the_order_of_memory() {
+    for ty in [Type::I16, Type::I32, Type::I64] {
+        let width = ty.bytes() as usize;
+        let number = |start: u32, at: usize| {
+            let at = start as usize + at;
+            patterned_memory()[at..at + width].iter().fold(0, |number, &byte| number << 8 | u64::from(byte))
+        };
+        let (x, y) = (number(layout::M, 0x11), number(DB.address, 0x21));
+        let all = u64::MAX >> (64 - ty.bits());
+        let mask = 0x1234_F00F_5678_0FF0 & all;
+        for wanted in [x & mask, x & mask ^ 1] {
+            let module = harness::entry(|b| {
+                let first = b.load(ty, Address::direct(Region::M, 0x11));
+                let index = unknown(b, 1);
+                let second = b.load(ty, Address::indexed(Region::Db(DB.number), index, 0x20));
+                let constant = b.iconst(ty, mask as i64);
+                let masked = b.and(first, constant);
+                let either = b.or(first, second);
+                let mixed = b.xor(either, constant);
+                let wanted = b.iconst(ty, wanted as i64);
+                let hit = b.icmp(IntCc::Eq, masked, wanted);
+                let chosen = b.select(hit, mixed, first);
+                b.store(Address::direct(Region::Q, 3), chosen);
+                b.store(result(0), chosen);
+                let differs = b.icmp(IntCc::Ne, first, second);
+                let sum = b.iadd(mixed, constant);
+                let number = b.select(differs, sum, mixed);
+                b.store(result(1), number);
+                b.store(result(2), mixed);
+            });
+            let memory = run(&module);
+            let mixed = (x | y) ^ mask;
+            let chosen = if wanted == x & mask { mixed } else { x };
+            let at = layout::Q as usize + 3;
+            assert_eq!(memory[at..at + width], chosen.to_be_bytes()[8 - width..], "{}", ty.name());
+            for (slot, value) in [(0, chosen), (1, mixed.wrapping_add(mask) & all), (2, mixed)] {
+                let at = (RESULT + 8 * slot) as usize;
+                assert_eq!(memory[at..at + width], value.to_le_bytes()[..width], "{} {slot}", ty.name());
+            }
+        }
+    }
 }
