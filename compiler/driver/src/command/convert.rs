@@ -1,7 +1,9 @@
-//! `plcc convert`: sources in another notation. [`addresses`]: with symbols or addresses; [`migration`]: what another CPU has of them.
+//! `plcc convert`: sources in another notation. [`addresses`]: with symbols or addresses; [`migration`]: what another CPU has of them;
+//! [`plcopen`]: projects in PLCopen XML as SCL.
 
 mod addresses;
 mod migration;
+mod plcopen;
 
 use std::path::{Path, PathBuf};
 
@@ -28,8 +30,21 @@ struct Converted {
     /// Of the file that it is made of.
     name: String,
     text: String,
-    /// Titles and comments that SIMATIC SD has in a file of its own.
-    texts: Option<String>,
+    /// What is in a file of its own.
+    beside: Option<Beside>,
+}
+
+/// A second file that belongs to a source.
+struct Beside {
+    extension: &'static str,
+    text: String,
+    /// What it has, for whoever asks for standard output.
+    what: &'static str,
+}
+
+/// Titles and comments of SIMATIC SD.
+fn texts_beside(text: String) -> Beside {
+    Beside { extension: "s7res", text, what: "titles and comments are" }
 }
 
 /// Writes each source as the command line says, or the report of a migration. Returns 3 if one has an error or cannot be converted; then
@@ -65,33 +80,19 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
         let cpu = args.cpu.as_deref().or(project.map(|(name, _)| name.as_str()));
         let profile = cpu.and_then(profile::lookup);
         let keeps_br = profile.is_some_and(|profile| matches!(profile.family, Family::S7300 | Family::S7400));
-        for (file, unit) in &parsed.units {
-            let source = parsed.sources.file(*file);
+        for (id, unit) in &parsed.units {
+            let source = parsed.sources.file(*id);
             let is_awl = to == ConvertTo::Awl;
             if let Some(s7200) = &unit.s7200
                 && is_awl
             {
                 let set = args.mnemonics.map_or(unit.mnemonics, Mnemonics::from);
                 let text = plcc_convert::addresses::apply(&source.text, &plcc_convert::awl::edits(s7200, set));
-                files.push(Converted { name: source.name.clone(), text, texts: None });
+                files.push(Converted { name: source.name.clone(), text, beside: None });
                 continue;
             }
             if is_awl || unit.s7200.is_some() {
                 messages.push(other_family(unit, to));
-                continue;
-            }
-            if to == ConvertTo::Scl
-                && matches!(plcc_readers::xml::kind(&source.text), Some(plcc_readers::xml::XmlKind::PlcOpen))
-            {
-                messages.push(
-                    Diagnostic::new(
-                        plcc_diag::Code::NotConverted,
-                        plcc_diag::Span::new(*file, 0..0),
-                        "PLCopen XML cannot be written as SCL",
-                    )
-                    .label("its constants and addresses have other forms")
-                    .help("build it as it is: plcc reads PLCopen XML"),
-                );
                 continue;
             }
             let (made, found) = match to {
@@ -118,9 +119,17 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
             let refused = found.iter().any(Diagnostic::is_error);
             messages.extend(found);
             if !refused {
-                let (file, found) = written((args, to), *file, (unit, &made), &library, &source.text);
+                let (file, found) = written((args, to), *id, (unit, &made), &library, &source.text);
                 messages.extend(found);
-                files.push(Converted { name: source.name.clone(), ..file });
+                let is_project = to == ConvertTo::Scl && plcopen::is_project(&source.text);
+                let (symbols, found) = match is_project {
+                    true => plcopen::symbols(*id, &parsed.tables),
+                    false => (None, Vec::new()),
+                };
+                messages.extend(found);
+                let symbols =
+                    symbols.map(|text| Beside { extension: "sdf", text, what: "names and addresses of variables are" });
+                files.push(Converted { name: source.name.clone(), beside: file.beside.or(symbols), ..file });
             }
         }
     }
@@ -205,28 +214,35 @@ fn written(
     let name = String::new();
     match to {
         // Sources of the S7-200 are written before.
-        ConvertTo::Awl => (Converted { name, text: source.to_string(), texts: None }, Vec::new()),
+        ConvertTo::Awl => (Converted { name, text: source.to_string(), beside: None }, Vec::new()),
         ConvertTo::Stl => {
             let (text, messages) = plcc_convert::stl::write(made, set, trivia(true), is_stl.then_some(meaning));
             warn_of_set(file, &text, set);
-            (Converted { name, text, texts: None }, messages)
+            (Converted { name, text, beside: None }, messages)
         }
         ConvertTo::Lad | ConvertTo::Fbd | ConvertTo::Sd => {
             let sd::Document { text, texts, messages } = sd::write(made, trivia(false), (!is_stl).then_some(meaning));
-            (Converted { name, text, texts }, messages)
+            (Converted { name, text, beside: texts.map(texts_beside) }, messages)
         }
         ConvertTo::Gr7 => {
             let (text, messages) = plcc_convert::gr7::write(made, trivia(is_stl), Some(meaning));
-            (Converted { name, text, texts: None }, messages)
+            (Converted { name, text, beside: None }, messages)
         }
         ConvertTo::Xml => {
             let (text, messages) =
                 plcc_convert::xml::write(made, library, trivia(is_stl), (!is_stl).then_some(meaning));
-            (Converted { name, text, texts: None }, messages)
+            (Converted { name, text, beside: None }, messages)
+        }
+        ConvertTo::Scl if plcopen::is_project(source) => {
+            let (made, mut messages) = plcopen::in_scl(made);
+            // Its constants and addresses have other forms.
+            let (text, more) = plcc_convert::scl::write(&made, plcopen::trivia(source, meaning), None);
+            messages.extend(more);
+            (Converted { name, text, beside: None }, messages)
         }
         ConvertTo::Scl => {
             let (text, messages) = plcc_convert::scl::write(made, trivia(false), (!is_stl).then_some(meaning));
-            (Converted { name, text, texts: None }, messages)
+            (Converted { name, text, beside: None }, messages)
         }
     }
 }
@@ -246,8 +262,8 @@ fn warn_of_set(file: FileId, text: &str, set: Mnemonics) {
 /// Writes the texts to standard output, to a file or into a folder, there with that extension, or the one of the source.
 fn store(args: &ConvertArgs, extension: Option<&str>, files: &[Converted]) -> Result<(), u8> {
     let Some(output) = &args.output else {
-        if files.iter().any(|file| file.texts.is_some()) {
-            report::say("titles and comments are in a file of their own (`.s7res`): name the output with `-o`");
+        if let Some(Beside { extension, what, .. }) = files.iter().find_map(|file| file.beside.as_ref()) {
+            report::say(&format!("{what} in a file of their own (`.{extension}`): name the output with `-o`"));
             return Err(exit::USAGE);
         }
         return files.iter().try_for_each(|file| report::print(&file.text));
@@ -273,7 +289,7 @@ fn store(args: &ConvertArgs, extension: Option<&str>, files: &[Converted]) -> Re
     }
     paths.iter().zip(files).try_for_each(|(path, file)| {
         write(path, &file.text)?;
-        file.texts.iter().try_for_each(|texts| write(&path.with_extension("s7res"), texts))
+        file.beside.iter().try_for_each(|beside| write(&path.with_extension(beside.extension), &beside.text))
     })
 }
 

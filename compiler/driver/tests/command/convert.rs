@@ -74,13 +74,43 @@ fn charts_are_refused_as_stl() {
     assert!(text(&output.stderr).contains("STL has no form for a chart of GRAPH"), "{}", text(&output.stderr));
 }
 
-/// Its constants and addresses are not those of SCL.
+/// Blocks in ST with their comments, and beside them the variables that have addresses; other languages are left out.
 #[test]
-fn plcopen_is_refused_as_scl() {
-    let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/plcopen/words/project.xml");
-    let output = plcc(&programs(), &["convert", &project.to_string_lossy(), "--to", "scl"]);
-    assert_eq!(output.status.code(), Some(3));
-    assert!(text(&output.stderr).contains("PLCopen XML cannot be written as SCL"), "{}", text(&output.stderr));
+fn st_of_plcopen_becomes_scl() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let output = folder.path().join("bottles.scl");
+    let written = plcc(&programs(), &["convert", "bottles.xml", "--to", "scl", "-o", &output.to_string_lossy()]);
+    assert_eq!(written.status.code(), Some(0), "{}", text(&written.stderr));
+    let read = |path: &Path| fs::read_to_string(path).expect("plcc has written it");
+    let found = format!("{}{}{}", text(&written.stderr), read(&output), read(&output.with_extension("sdf")));
+    let path = programs().join("bottles.scl.expected");
+    if std::env::var_os("UPDATE_EXPECT").is_some_and(|value| value != "0") {
+        fs::write(&path, &found).expect("the tree can be written");
+    }
+    assert_eq!(found, fs::read_to_string(&path).unwrap_or_default(), "UPDATE_EXPECT=1 renews it; read the diff");
+    let printed = plcc(&programs(), &["convert", "bottles.xml", "--to", "scl"]);
+    assert_eq!(printed.status.code(), Some(2));
+    assert!(text(&printed.stderr).contains("(`.sdf`): name the output with `-o`"), "{}", text(&printed.stderr));
+}
+
+/// What their assertions say of projects in ST and IL holds for the sources in SCL.
+#[test]
+fn st_of_plcopen_does_the_same_as_scl() {
+    for (name, assertions) in [("words", 25), ("instruction-list", 11)] {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/plcopen").join(name);
+        let settings = fs::read_to_string(project.join("plc.toml")).expect("it is there");
+        let settings = settings.replace("project.xml", "project.scl");
+        fs::write(folder.path().join("plc.toml"), settings).expect("the folder can be written");
+        let (from, to) = (project.join("project.xml"), folder.path().join("project.scl"));
+        let arguments =
+            ["convert", &from.to_string_lossy(), "--to", "scl", "-o", &to.to_string_lossy()].map(String::from);
+        let written = plcc(folder.path(), &arguments.each_ref().map(String::as_str));
+        assert_eq!(written.status.code(), Some(0), "{name}: {}", text(&written.stderr));
+        let tested = plcc(folder.path(), &["test", "."]);
+        let said = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
+        assert!(said.contains(&format!("{assertions} passed, 0 failed")), "{name}: {said}");
+    }
 }
 
 #[test]

@@ -38,6 +38,7 @@ mod tests;
 mod types;
 
 use std::collections::{HashMap, HashSet};
+use std::ops::Range;
 use std::rc::Rc;
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
@@ -47,6 +48,7 @@ use address::Addresses;
 use editor::Editor;
 use interface::{child, elements};
 use plcc_syntax::ast::{Block, BlockName, Constant, Header, SourceUnit, TypeBlock, TypeKind, TypeRef, Variable};
+use plcc_syntax::front::Comment;
 use plcc_syntax::scl::ast::Statement;
 use scope::{Global, Scope, Shared};
 use types::Types;
@@ -66,6 +68,24 @@ pub fn is_project(text: &str) -> bool {
 
 fn is_root(root: Node) -> bool {
     root.tag_name().name() == "project" && ["types", "instances"].iter().any(|name| child(root, name).is_some())
+}
+
+/// The comments in the bodies in ST, but for pragmas, which are statements. `overlay`: that of the project, with its text in the same places.
+pub fn comments(text: &str, overlay: &str) -> Vec<Comment> {
+    let Ok(document) = crate::xml::parse(text) else { return Vec::new() };
+    let bodies = document.descendants().filter(|node| node.tag_name().name() == "ST");
+    let of_body = |range: Range<usize>| {
+        let start = range.start as u32;
+        let body = overlay.get(range).unwrap_or_default();
+        let found = plcc_syntax::scl::comments(body).into_iter();
+        let is_remark = move |comment: &Comment| !body[comment.range()].starts_with("//@");
+        found.filter(is_remark).map(move |comment| Comment {
+            start: comment.start + start,
+            end: comment.end + start,
+            ..comment
+        })
+    };
+    bodies.filter_map(overlay::content).flat_map(of_body).collect()
 }
 
 /// Reads a project. Never fails: the messages say what is wrong.

@@ -54,7 +54,7 @@ pub(super) fn write(args: &ConvertArgs, to: To) -> u8 {
             Converted {
                 name: source.name.clone(),
                 text: addresses::apply(&source.text, own),
-                texts: texts.map(|(_, texts)| parsed.sources.file(*texts).text.to_string()),
+                beside: texts.map(|(_, texts)| super::texts_beside(parsed.sources.file(*texts).text.to_string())),
             }
         })
         .collect();
