@@ -124,11 +124,11 @@ impl SclBinder<'_, '_> {
         if let (true, "ret_val", Some(result)) = (output, folded.as_str(), result) {
             return Formal::Parameter(result);
         }
-        let found = bound
-            .interface
-            .parameters
-            .iter()
-            .position(|parameter| fold(&parameter.name) == own && !is_result(key, parameter));
+        let library = self.program.globals.library_block(key);
+        let is_shared = |name: &str| library.is_some_and(|block| plcc_stdlib::is_shared_input(block, name));
+        let found = bound.interface.parameters.iter().position(|parameter| {
+            fold(&parameter.name) == own && !is_result(key, parameter) && !is_shared(&parameter.name)
+        });
         match (found, folded.as_str()) {
             (Some(index), _) => Formal::Parameter(index),
             (None, "en") => Formal::Enable,

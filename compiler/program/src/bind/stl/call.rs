@@ -172,7 +172,12 @@ impl StlBinder<'_, '_> {
                     self.surplus_pointer(key, parameters.len(), given.name_span);
                     continue;
                 }
-                false => parameters.iter().position(|parameter| fold(&parameter.name) == folded),
+                false => {
+                    let library = self.program.globals.library_block(key);
+                    let is_shared = |name: &str| library.is_some_and(|block| plcc_stdlib::is_shared_input(block, name));
+                    let is_meant = |name: &str| fold(name) == folded && !is_shared(name);
+                    parameters.iter().position(|parameter| is_meant(&parameter.name))
+                }
             };
             let Some(index) = index else {
                 // `time_type := Time` names the type of an instruction of the TIA Portal; all instructions here have one.
