@@ -259,8 +259,13 @@ impl BlockLowering<'_, '_> {
             self.require(fits, call);
         }
         self.copy_characters(moved(to, HEAD_BYTES), moved(from, HEAD_BYTES), length, most.into());
-        let length = self.b.trunc(Type::I8, length);
-        self.b.store(moved(to, 1), length);
+        // As in `set_length`; the maximum in memory stays.
+        let most = self.b.load(Type::I8, to);
+        let most = self.b.zext(Type::I32, most);
+        let most = self.b.binary_imm(BinaryOp::Shl, most, 8);
+        let head = self.b.or(most, length);
+        let head = self.b.trunc(Type::I16, head);
+        self.b.store(to, head);
         self.b.jump(end, &[]);
         self.b.seal_block(call);
         self.b.switch_to(call);
@@ -383,10 +388,12 @@ impl BlockLowering<'_, '_> {
         part.text.characters?.get(skipped..skipped.checked_add(count)?)
     }
 
+    /// Writes both bytes of the head, the first as it is: a processor waits when it reads a word of which it has just written a part, and the
+    /// next function of the text reads the head.
     fn set_length(&mut self, out: &Text, length: Value) {
-        let length = self.b.trunc(Type::I8, length);
-        let head = Address { offset: out.start.offset - 1, ..out.start };
-        self.b.store(head, length);
+        let head = self.b.binary_imm(BinaryOp::Or, length, i64::from(out.most << 8));
+        let head = self.b.trunc(Type::I16, head);
+        self.b.store(Address { offset: out.start.offset - HEAD_BYTES, ..out.start }, head);
     }
 
     /// FIND.
@@ -454,10 +461,15 @@ fn apart(one: (Address, u8), two: (Address, u8)) -> Places {
     if a == b {
         return if a_declared == b_declared { Places::Same } else { Places::Unknown };
     }
-    let is_plain = |region: Region| matches!(region, Region::I | Region::Q | Region::M | Region::L | Region::Db(_));
+    let is_db = |region: Region| matches!(region, Region::Db(_) | Region::AnyDb);
+    let is_plain = |region: Region| is_db(region) || matches!(region, Region::I | Region::Q | Region::M | Region::L);
     let end = |at: Address, declared: u8| at.offset + HEAD_BYTES + u32::from(declared);
     match () {
         () if !is_plain(a.region) || !is_plain(b.region) => Places::Unknown,
+        // The data block of an instance may be any.
+        () if a.region != b.region && (a.region == Region::AnyDb || b.region == Region::AnyDb) => {
+            if is_db(a.region) && is_db(b.region) { Places::Unknown } else { Places::Apart }
+        }
         () if a.region != b.region => Places::Apart,
         () if a.base != b.base => Places::Unknown,
         () if end(a, a_declared) <= b.offset || end(b, b_declared) <= a.offset => Places::Apart,

@@ -66,10 +66,15 @@ impl Text {
         self.offset + 2
     }
 
+    /// Writes both bytes of the head, the first as it is: a processor waits when it reads a word of which it has just written a part, and the
+    /// next function of the text reads the head.
     #[inline(always)]
     fn set_length(self, memory: Bytes, length: u32) {
         // SAFETY: the head is inside memory.
-        unsafe { memory.set_byte(self.offset + 1, length as u8) }
+        unsafe {
+            let maximum = memory.word(self.offset) & 0xFF;
+            memory.set_word(self.offset, maximum | (length as u16) << 8);
+        }
     }
 
     /// Writes the characters that have room, and the length; false if some have none.
@@ -187,7 +192,7 @@ pub fn copy(memory: &Memory, to: u32, from: u32, limit: u32, wide: bool) -> bool
             return true;
         }
         bytes.copy(from + 2, to + 2, kept);
-        bytes.set_byte(to + 1, kept as u8);
+        bytes.set_word(to, bytes.word(to) & 0xFF | (kept as u16) << 8);
         kept < length
     }
 }

@@ -100,7 +100,7 @@ impl<'a> Look<'_, 'a> {
             match &at.kind {
                 NodeKind::Name(name) => {
                     steps.reverse();
-                    let start = self.start_of(ctx, name)?;
+                    let start = self.start_of(ctx, name, steps.iter().any(|step| !matches!(step, Step::Slice(_))))?;
                     return Some((start, address_steps(steps), name.span));
                 }
                 NodeKind::Absolute(OperandKind::Block(BlockName::Numbered { prefix, number, .. })) => {
@@ -151,13 +151,24 @@ impl<'a> Look<'_, 'a> {
         }
     }
 
-    fn start_of(&mut self, ctx: &SclBlock, name: &Name) -> Option<Start> {
+    /// `has_steps`: components or elements follow.
+    fn start_of(&mut self, ctx: &SclBlock, name: &Name, has_steps: bool) -> Option<Start> {
         let text = name.text.trim();
         let local = ctx.block.bound.locals.contains_key(&fold(text));
+        let has_value_alone = || {
+            let ty = self.declared_type(ctx.block.key, text);
+            ty.is_some_and(|ty| matches!(&ty.kind, TypeKind::Named(name) if Elementary::from_word(name).is_some()))
+        };
         match name.form {
             NameForm::Local => return local.then(|| Start::Local(text.to_string())),
             NameForm::Bare if local => return Some(Start::Local(text.to_string())),
-            NameForm::Quoted if local && self.program.globals.global(text).is_none() && !self.is_missing(text) => {
+            // `"Link".client` is not of a local BOOL `link`, but of a data block that is missing.
+            NameForm::Quoted
+                if local
+                    && self.program.globals.global(text).is_none()
+                    && !self.is_missing(text)
+                    && !(has_steps && has_value_alone()) =>
+            {
                 return Some(Start::Local(text.to_string()));
             }
             NameForm::Bare => {
