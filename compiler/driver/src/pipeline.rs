@@ -263,12 +263,20 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
 /// Removes warnings about what a file lacks where a statement of it could not be read: that may be what is missing.
 fn forget_doubtful(diagnostics: &mut Vec<Diagnostic>) {
     let is_unread = |message: &&Diagnostic| {
-        let codes = [Code::Syntax, Code::UnknownInstruction, Code::ForeignForm, Code::UnexpectedCharacter];
+        let codes = [
+            Code::Syntax,
+            Code::UnknownInstruction,
+            Code::ForeignForm,
+            Code::UnexpectedCharacter,
+            Code::BadLiteral,
+            Code::LiteralRange,
+        ];
         message.is_error() && codes.contains(&message.code)
     };
     let unread: FxHashSet<FileId> =
         diagnostics.iter().filter(is_unread).map(|message| message.primary.span.file).collect();
-    let is_doubtful = |code| matches!(code, Code::UnusedLabel | Code::TimerWithoutTime | Code::UnreachableCode);
+    let is_doubtful =
+        |code| matches!(code, Code::UnusedLabel | Code::TimerWithoutTime | Code::UnreachableCode | Code::MixedNumbers);
     // A comment or text that is not closed may hide OB 1.
     let is_open = diagnostics.iter().any(|message| message.code == Code::UnterminatedText);
     diagnostics.retain(|message| !(is_open && message.code == Code::NoMainBlock));
