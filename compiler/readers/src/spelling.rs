@@ -151,7 +151,7 @@ mod tests {
     #[test]
     fn only_slips_are_told() {
         let none: [&str; 0] = [];
-        assert_eq!(told("<list same='a'/>"), none);
+        assert_eq!(told("<list gate='a'/>"), none);
         assert_eq!(told("<list name='a'><entry value='1'/><comment/><other><entyr/></other></list>"), none);
         assert_eq!(
             told("<list nmae='a'><entyr/><entry vaule='1'><entyr/></entry><entyr/></list>"),

@@ -108,7 +108,9 @@ impl SclBinder<'_, '_> {
             match self.actual(ctx, key, formal, value) {
                 Some(actual) => {
                     let named = argument.name.is_some() && ctx.scope.rules != Rules::Classic;
-                    if named && !argument.output && formal.direction == Direction::Output {
+                    // A pointer is handed over with either sign.
+                    let is_value = matches!(formal.ty, DataType::Elementary(_));
+                    if named && !argument.output && is_value && formal.direction == Direction::Output {
                         self.output_with_assign(key, formal, argument);
                     }
                     list.arguments.push(Argument { parameter: index, actual, span: value.span });

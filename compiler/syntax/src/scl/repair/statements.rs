@@ -263,8 +263,7 @@ impl Repair<'_> {
         if formal || !self.last.is_some_and(ends_operand) || self.brackets.last() == Some(&true) {
             return false;
         }
-        let assigned = (self.statement..at).any(|index| self.kind(index) == Some(RawKind::Assign));
-        if assigned || self.head.is_some() {
+        if self.is_assigned() || self.head.is_some() {
             return self.operator(1, RawKind::GreaterEqual, None, ">=", "greater or equal is `>=`");
         }
         self.assignment(1)
@@ -274,9 +273,15 @@ impl Repair<'_> {
     pub(super) fn back_arrow(&mut self, token: RawToken) -> bool {
         let at = self.at;
         let sign = token.kind == RawKind::Less && self.kind(at + 1) == Some(RawKind::Minus) && self.adjacent(at);
-        let assigned = (self.statement..at).any(|index| self.kind(index) == Some(RawKind::Assign));
-        let inside = self.head.is_some() || !self.brackets.is_empty() || assigned;
-        sign && !inside && self.last.is_some_and(ends_operand) && self.assignment(2)
+        let inside = |this: &Self| this.head.is_some() || !this.brackets.is_empty() || this.is_assigned();
+        sign && !inside(self) && self.last.is_some_and(ends_operand) && self.assignment(2)
+    }
+
+    /// Whether `:=` is before the current token in its statement; of a long statement only the last tokens are looked at.
+    fn is_assigned(&self) -> bool {
+        const LOOK_MAX: usize = 100;
+        let first = self.statement.max(self.at.saturating_sub(LOOK_MAX));
+        (first..self.at).any(|index| self.kind(index) == Some(RawKind::Assign))
     }
 
     fn assignment(&mut self, count: usize) -> bool {
@@ -326,7 +331,7 @@ impl Repair<'_> {
         };
         let divisor = divisor.trim();
         let is_operand = |c: char| c.is_alphanumeric() || matches!(c, '#' | '"' | '_' | '.' | '[' | ']' | '%');
-        let assigned = (self.statement..self.at).any(|index| self.kind(index) == Some(RawKind::Assign));
+        let assigned = self.is_assigned();
         if divisor.is_empty() || !divisor.chars().all(is_operand) || !assigned || !self.brackets.is_empty() {
             return false;
         }
