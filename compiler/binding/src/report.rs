@@ -113,6 +113,14 @@ impl Report {
         self.missing(MissingKey::Symbol(fold(name)), span, || {
             let message = Diagnostic::new(Code::UnknownSymbol, span, format!("the symbol `{name}` is not defined"))
                 .label("no symbol table and no block has this name");
+            if let Some(help) = bit_without_number(name) {
+                return message.help(help);
+            }
+            if let Some(value) = foreign_value(name) {
+                return message.help(format!("write {value}"));
+            }
+            let meant = meant.filter(|_| !name.starts_with(|c: char| c.is_ascii_digit()));
+            let meant = meant.or_else(|| similar(name, ["TRUE", "FALSE"].into_iter()).map(str::to_owned));
             match (misread_address(name), meant, hexadecimal(name)) {
                 (Some(address), ..) => message.help(format!("if you mean the address, write `{address}`")),
                 (None, Some(meant), _) => message.help(format!("is `{meant}` meant?")),
@@ -330,6 +338,23 @@ impl Report {
         }
         (diagnostics, list)
     }
+}
+
+/// `I0`, which is a byte or a bit without its number.
+fn bit_without_number(name: &str) -> Option<String> {
+    let digits = name.find(|c: char| c.is_ascii_digit())?;
+    let (letters, number) = name.split_at(digits);
+    let known = ["I", "Q", "M", "E", "A", "SM"].iter().any(|known| known.eq_ignore_ascii_case(letters));
+    let fits = known && number.len() <= 5 && number.bytes().all(|byte| byte.is_ascii_digit());
+    fits.then(|| format!("if you mean the address: a bit is `{name}.0` to `{name}.7`, the byte `{letters}B{number}`"))
+}
+
+/// A value of another language, as SCL writes it.
+fn foreign_value(name: &str) -> Option<&'static str> {
+    Some(match name.to_ascii_lowercase().as_str() {
+        "none" | "nil" | "nullptr" => "NULL for a reference, FALSE for a BOOL, 0 for a number",
+        _ => return None,
+    })
 }
 
 /// The message for the name of an instruction that plcc does not have; none: no instruction has the name.

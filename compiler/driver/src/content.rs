@@ -112,6 +112,8 @@ pub fn in_folder(path: &Path, text: &str, is_source: bool) -> Content {
     match content {
         Content::Source | Content::Prose if is_source => Content::Source,
         Content::Source | Content::Prose if text.trim().is_empty() => Content::Nothing,
+        // A table whose form is wrong: its reader says how.
+        Content::Source | Content::Prose if is_table_by_name(path) && symbols::has_rows(text) => Content::SymbolTable,
         Content::Source | Content::Prose => {
             let signs = Signs::of(text);
             if signs.is_source() {
@@ -164,7 +166,9 @@ fn of_xml(kind: XmlKind, text: &str) -> Content {
             (true, false, _) => Content::Source,
             (false, true, _) => Content::SymbolTable,
             // The parser reports best what is missing.
-            (false, false, Some(name)) if xml::is_fragment(name) => Content::Source,
+            (false, false, Some(name)) if xml::is_fragment(name) || xml::nearest_object(name).is_some() => {
+                Content::Source
+            }
             (false, false, Some(name)) if name.starts_with("SW.WatchAndForceTables.") => {
                 Content::Other("a watch or force table")
             }

@@ -305,17 +305,18 @@ fn add_workbook(read: &mut Read, path: &Path, wanted: Wanted) {
             let file = read.sources.add(SourceFile::new(path.display().to_string(), text));
             read.tables.push(file);
         }
-        Ok(None) if wanted == Wanted::No => {
-            read.unread.push((path.to_path_buf(), "a workbook without tags".to_string()))
-        }
+        Ok(None) if wanted == Wanted::No => read.unread.push((
+            path.to_path_buf(),
+            "a workbook without tags: no sheet has the columns Name, Data Type and Logical Address".to_string(),
+        )),
         Ok(None) => {
             let title = format!("`{}` contains no tag table", path.display());
             let help = "a sheet with tags needs the columns Name, Data Type and Logical Address; a sheet with constants needs Name, Data Type and Value";
             read.report(Code::NotASource, path, title, help);
         }
-        Err(why) => {
-            let title = format!("the workbook `{}` cannot be read: {why}", path.display());
-            read.report(Code::NotASource, path, title, "export the tag table again");
+        Err(fault) => {
+            let title = format!("the workbook `{}` cannot be read: {}", path.display(), fault.why);
+            read.report(Code::NotASource, path, title, fault.help);
         }
     }
 }

@@ -15,6 +15,7 @@ use std::ffi::OsString;
 
 use clap::Parser;
 
+mod arguments;
 pub mod axes;
 mod beginning;
 pub mod cache;
@@ -55,6 +56,11 @@ pub const COMPILE_STACK_BYTES: usize = 256 << 20;
 
 /// Runs the command in `args`, whose first item is the name of the program. Returns the exit code.
 pub fn main_with(args: impl IntoIterator<Item = OsString>) -> u8 {
+    let args: Vec<OsString> = args.into_iter().collect();
+    if let Some(told) = arguments::fault(&args) {
+        report::say(&told);
+        return exit::USAGE;
+    }
     match Cli::try_parse_from(args) {
         Ok(cli) => on_large_stack(move || dispatch(&cli)).unwrap_or_else(|fault| {
             report::say(&format!("internal fault, please report it: {fault}"));

@@ -60,12 +60,40 @@ pub fn parse(file: FileId, source: &SourceFile) -> (Project, Vec<Diagnostic>) {
         Ok(keys) => context.project(keys),
         Err(error) => {
             let range = error.span().unwrap_or(0..0);
-            let wrong = toml_words::plain_at(error.message(), &source.text, range.start);
+            let mut wrong = toml_words::plain_at(error.message(), &source.text, range.start);
+            if let Some(help) = belongs_below(&wrong.title, &source.text[..range.start.min(source.text.len())]) {
+                wrong.help = help;
+            }
             context.report(range, wrong.title, &wrong.help);
             Project { unread: true, ..Project::default() }
         }
     };
     (project, context.diagnostics)
+}
+
+/// The heading below which a key belongs that stands at the top of the file, or has the number of an organization block in its name.
+fn belongs_below(title: &str, before: &str) -> Option<String> {
+    const BELOW: [(&str, &[&str]); 3] = [
+        ("services", &["s7", "opcua", "modbus", "metrics", "mqtt", "web", "access", "protection", "password", "user"]),
+        ("ob.35", &["period", "phase", "priority", "class"]),
+        ("retain", &["memory", "timers", "counters"]),
+    ];
+    let (key, rest) = title.strip_prefix('`')?.split_once('`')?;
+    if rest != " is not a key here" {
+        return None;
+    }
+    let number = key.get(..2).filter(|letters| letters.eq_ignore_ascii_case("ob")).map(|_| &key[2..]);
+    if let Some(number) =
+        number.filter(|number| !number.is_empty() && number.bytes().all(|digit| digit.is_ascii_digit()))
+    {
+        return Some(format!("write `[ob.{number}]`"));
+    }
+    let is_top = !before.lines().any(|line| line.trim_start().starts_with('['));
+    let (heading, _) = BELOW.iter().find(|(_, keys)| keys.contains(&key)).filter(|_| is_top)?;
+    Some(match *heading {
+        "ob.35" => format!("`{key}` is of one organization block: write it below its heading, as `[ob.35]`"),
+        heading => format!("write it below the heading `[{heading}]`"),
+    })
 }
 
 #[derive(Deserialize)]
@@ -152,8 +180,27 @@ struct ObKeys {
 #[serde(deny_unknown_fields)]
 struct ModuleKeys {
     name: Spanned<String>,
+    #[serde(default, deserialize_with = "addresses_in_table")]
     inputs: Option<AddressKeys>,
+    #[serde(default, deserialize_with = "addresses_in_table")]
     outputs: Option<AddressKeys>,
+}
+
+/// Reads a table; a list of numbers says nothing of which is which.
+fn addresses_in_table<'de, D: serde::Deserializer<'de>>(from: D) -> Result<Option<AddressKeys>, D::Error> {
+    struct Table;
+    impl<'de> serde::de::Visitor<'de> for Table {
+        type Value = AddressKeys;
+
+        fn expecting(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+            f.write_str("struct AddressKeys")
+        }
+
+        fn visit_map<A: serde::de::MapAccess<'de>>(self, map: A) -> Result<AddressKeys, A::Error> {
+            AddressKeys::deserialize(serde::de::value::MapAccessDeserializer::new(map))
+        }
+    }
+    from.deserialize_map(Table).map(Some)
 }
 
 /// `{ start = 0, bytes = 4 }`.

@@ -14,6 +14,7 @@ mod language;
 pub mod plcopen;
 pub mod sd;
 pub mod simatic_ml;
+mod spelling;
 pub mod symbols;
 pub mod xml;
 

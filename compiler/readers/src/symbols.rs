@@ -4,13 +4,16 @@
 //! `I 0.0`). Tables for the S7-200 have different columns (`s7200`). A row that cannot be read is one message; the others are still read.
 //! Source: STL reference, symbol tables; exports of the TIA Portal have more columns after the first three.
 
+mod columns;
+mod loose;
 mod s7200;
 mod sheets;
 mod tag_table;
 
 pub use sheets::is_of_tags as is_workbook_of_tags;
 
-use plcc_diag::{Code, Diagnostic, FileId, SourceFile, Span};
+use columns::Columns;
+use plcc_diag::{Code, Diagnostic, FileId, Severity, SourceFile, Span};
 use plcc_syntax::symbols::{
     GlobalConstant, S7200Symbol, Symbol, SymbolTable, SymbolTarget, UnreadableRow, address_fault, meant_address,
     parse_address,
@@ -24,6 +27,8 @@ enum Format {
     Seq,
     Dif,
     Semicolon,
+    /// Columns that the first line names, with their separator.
+    Columns(u8),
     /// Name, address and comment of the S7-200, with the separator between them.
     Plain(char),
 }
@@ -31,6 +36,11 @@ enum Format {
 /// True if `text` is a symbol table rather than a program.
 pub fn is_symbol_table(text: &str) -> bool {
     format(text).is_some()
+}
+
+/// Whether some line has a name and an address, in whatever form.
+pub fn has_rows(text: &str) -> bool {
+    text.lines().any(|line| loose::row(line).is_some())
 }
 
 /// The variables of a project in PLCopen XML that have an address.
@@ -63,15 +73,13 @@ pub fn parse(file: FileId, source: &SourceFile) -> (SymbolTable, Vec<Diagnostic>
     };
     match format(&source.text) {
         Some(Format::Asc) => reader.asc(),
-        Some(Format::Sdf) => reader.delimited(b','),
-        Some(Format::Semicolon) => reader.delimited(b';'),
+        Some(Format::Sdf) => reader.delimited(b',', None),
+        Some(Format::Semicolon) => reader.delimited(b';', None),
+        Some(Format::Columns(separator)) => reader.delimited(separator, header(&source.text, separator)),
         Some(Format::Seq) => reader.seq(),
         Some(Format::Dif) => reader.dif(),
         Some(Format::Plain(separator)) => reader.plain(separator),
-        None => {
-            let line = lines(&source.text).find(|(_, line)| !line.trim().is_empty()).unwrap_or((0, ""));
-            reader.bad(line.0, line.1, "this is not one of the formats .asc, .sdf, .seq, .dif or `;`-separated text");
-        }
+        None => reader.loose(),
     }
     // Rows of the S7-200 in a table of S7-300/400 are mistakes.
     if reader.only_s7300 {
@@ -125,7 +133,30 @@ fn format(text: &str) -> Option<Format> {
     if is_row(first) || (is_header(first) && rows.next().is_none_or(is_row)) {
         return Some(Format::Semicolon);
     }
-    s7200::separator(text).map(Format::Plain)
+    let named = [b';', b',', b'\t'].into_iter().find(|separator| names_columns(text, *separator));
+    let plain = || s7200::separator(text).map(Format::Plain);
+    match named {
+        // Without types it may be a table of the S7-200.
+        Some(separator) if header(text, separator).is_some_and(|columns| columns.ty.is_none()) => {
+            plain().or(Some(Format::Columns(separator)))
+        }
+        Some(separator) => Some(Format::Columns(separator)),
+        None => plain(),
+    }
+}
+
+/// The columns that the first line names.
+fn header(text: &str, separator: u8) -> Option<Columns> {
+    let first = text.trim_start_matches('\u{feff}').lines().find(|line| !line.trim().is_empty())?;
+    columns::read(first.split(separator as char).map(|cell| cell.trim().trim_matches('"')))
+}
+
+/// Whether the first line names columns, one of them of addresses, and another line has an address there.
+fn names_columns(text: &str, separator: u8) -> bool {
+    let Some(at) = header(text, separator).and_then(|columns| columns.address) else { return false };
+    let cell = |line: &str| line.split(separator as char).nth(at).map(|cell| cell.trim().trim_matches('"').to_string());
+    let mut cells = text.lines().skip(1).filter_map(cell);
+    cells.any(|cell| parse_address(&cell).is_some() || s7200::is_address(&cell))
 }
 
 struct Reader<'a> {
@@ -167,10 +198,16 @@ impl Reader<'_> {
             return self.bad(start, line, "the symbol is missing");
         }
         if address.is_empty() {
-            return self.bad(start, line, &format!("`{name}` has no address"));
+            let (reason, span) = (format!("`{name}` has no address"), self.span(start, line));
+            self.bad(start, line, &reason);
+            let row = UnreadableRow { name: name.to_string(), reason, meant: None, span };
+            return self.table.unreadable.push(row);
         }
         let of_s7200 = self.keep_s7200(start, line, name, address, comment.trim());
         let Some(target) = parse_address(address) else {
+            if parse_address(name).is_some() {
+                return self.exchanged(start, line, address, name);
+            }
             let why = address_fault(address);
             let span = self.span(start, line);
             self.table.unreadable.push(UnreadableRow {
@@ -196,6 +233,59 @@ impl Reader<'_> {
         self.table.symbols.push(symbol);
     }
 
+    /// A row whose symbol is in the column of the address.
+    fn exchanged(&mut self, start: usize, line: &str, name: &str, address: &str) {
+        let span = self.span(start, line);
+        let reason = "symbol and address are exchanged".to_string();
+        self.bad(start, line, &reason);
+        self.table.unreadable.push(UnreadableRow {
+            name: name.to_string(),
+            reason,
+            meant: Some(address.to_string()),
+            span,
+        });
+    }
+
+    /// Reports a row whose form is wrong, and reads it as it is meant; false: it is not clear what is meant.
+    fn as_meant(&mut self, start: usize, line: &str, label: &str, help: &str) -> bool {
+        let Some(row) = loose::row(line) else { return false };
+        let mut message = self.message(start, line, label).help(help);
+        message.severity = Severity::Error;
+        message.title = "this line of the symbol table has another form than the table".to_string();
+        self.diagnostics.push(message);
+        self.row(start, line, row.name, row.address, row.ty, "");
+        true
+    }
+
+    /// A table in none of the forms: rows are read as they are meant, and one message says that.
+    fn loose(&mut self) {
+        let text = self.text;
+        let rows = || lines(text).filter(|(_, line)| !line.trim().is_empty());
+        let first = rows().find_map(|(start, line)| Some((start, line, loose::row(line)?)));
+        let Some((start, line, row)) = first else {
+            let (start, line) = rows().next().unwrap_or((0, ""));
+            return self.bad(
+                start,
+                line,
+                "this is not one of the formats .asc, .sdf, .seq, .dif or `;`-separated text",
+            );
+        };
+        let mut message =
+            self.message(start, line, "neither a row of .asc, .sdf, .seq, .dif nor of `;`-separated text");
+        message.title = "the columns of this symbol table are in none of the known forms".to_string();
+        message.severity = Severity::Error;
+        let ty = if row.ty.is_empty() { "BOOL" } else { row.ty };
+        self.diagnostics.push(message.help(format!(
+            "write each row as a `.sdf` file has it: `\"{}\",\"{}\",\"{ty}\",\"\"`",
+            row.name, row.address
+        )));
+        for (start, line) in rows() {
+            if let Some(row) = loose::row(line) {
+                self.row(start, line, row.name, row.address, row.ty, "");
+            }
+        }
+    }
+
     /// `126,` then 24 + 12 + 10 + 80 characters; the record may lack trailing blanks and its line end.
     fn asc(&mut self) {
         let text = self.text;
@@ -205,7 +295,9 @@ impl Reader<'_> {
             at += line.len() - rest.len();
             while !rest.trim().is_empty() {
                 let Some(payload) = rest.strip_prefix("126,") else {
-                    self.bad(at, rest, "a record begins with `126,`");
+                    if !self.as_meant(at, rest, "a record begins with `126,`", "write `126,` before the symbol") {
+                        self.bad(at, rest, "a record begins with `126,`");
+                    }
                     break;
                 };
                 let end = payload.char_indices().nth(126).map_or(payload.len(), |(end, _)| end);
@@ -218,6 +310,17 @@ impl Reader<'_> {
                 });
                 let mut field = || fields.next().unwrap_or("");
                 let (name, address, ty, comment) = (field(), field(), field(), field());
+                if parse_address(address).is_none()
+                    && loose::row(rest).is_some_and(|row| row.address != address.trim())
+                    && self.as_meant(
+                        at,
+                        rest,
+                        "its columns are shifted",
+                        "the symbol has 24 characters, filled with blanks, the address 12, the data type 10, the comment 80",
+                    )
+                {
+                    break;
+                }
                 self.row(at, &rest[..4 + end], name, address, ty, comment);
                 at += 4 + end;
                 rest = &payload[end..];
@@ -225,8 +328,8 @@ impl Reader<'_> {
         }
     }
 
-    /// Quoted or bare fields. A line with a missing quote is removed first, so it does not affect other rows.
-    fn delimited(&mut self, delimiter: u8) {
+    /// Quoted or bare fields, in the order of STEP 7, or in `columns`, which the first line names. A line with a missing quote is removed first, so it does not affect other rows.
+    fn delimited(&mut self, delimiter: u8, columns: Option<Columns>) {
         let text = self.text;
         let mut rows = Vec::new();
         let mut clean = String::with_capacity(text.len());
@@ -253,6 +356,30 @@ impl Reader<'_> {
                 continue;
             }
             let field = |at: usize| record.get(at).unwrap_or("");
+            if let Some(columns) = &columns {
+                let field = |at: Option<usize>| at.map_or("", field);
+                if index == 0 {
+                    self.misspelt(columns, start, line);
+                } else {
+                    let (address, comment) = (field(columns.address), field(columns.comment));
+                    // A tag whose address was not entered.
+                    if !address.is_empty() || field(Some(columns.name)).is_empty() {
+                        self.row(start, line, field(Some(columns.name)), address, field(columns.ty), comment);
+                    }
+                }
+                continue;
+            }
+            if parse_address(field(1)).is_none()
+                && field(0).contains('"')
+                && self.as_meant(
+                    start,
+                    line,
+                    &format!("a `{}` is missing between two texts", delimiter as char),
+                    &format!("write `{}` between the texts in quotes", delimiter as char),
+                )
+            {
+                continue;
+            }
             // The header of a table that is kept by hand.
             let is_header = delimiter == b';' || field(1).eq_ignore_ascii_case("address");
             if index == 0 && is_header && parse_address(field(1)).is_none() {
@@ -261,6 +388,18 @@ impl Reader<'_> {
             // Exports of the TIA Portal have three flags between the type and the comment.
             let comment = if record.len() > 6 { field(6) } else { field(3) };
             self.row(start, line, field(0), field(1), field(2), comment);
+        }
+    }
+
+    /// Reports misspelt names of columns in the first line; their columns are read as what is meant.
+    fn misspelt(&mut self, columns: &Columns, start: usize, line: &str) {
+        for (column, meant) in &columns.misspelt {
+            let separator = |c: char| matches!(c, ';' | ',' | '\t');
+            let cell = line.split(separator).nth(*column).unwrap_or_default();
+            let at = start + (cell.as_ptr() as usize - line.as_ptr() as usize);
+            let span = self.span(at, cell);
+            let written = cell.trim().trim_matches('"');
+            self.diagnostics.push(misspelt(span, written, meant));
         }
     }
 
@@ -303,10 +442,17 @@ impl Reader<'_> {
             if line.starts_with("-1,") {
                 let Some((_, word)) = lines.next() else { break };
                 self.finish_dif_row(&mut row, &mut row_start);
+                let word = match word {
+                    "BOT" | "EOD" => word,
+                    other => {
+                        self.bad(start, line, "`BOT` or `EOD` must follow");
+                        plcc_literal::distance::nearest(other, ["BOT", "EOD"].into_iter()).unwrap_or_default()
+                    }
+                };
                 match word {
                     "BOT" => row_start = Some((start, start + line.len())),
                     "EOD" => return,
-                    _ => self.bad(start, line, "`BOT` or `EOD` must follow"),
+                    _ => {}
                 }
             } else if line.starts_with("1,") || line.starts_with("0,") {
                 if let Some((start, value)) = lines.next() {
@@ -333,6 +479,14 @@ impl Reader<'_> {
         }
         row.clear();
     }
+}
+
+/// The message for a misspelt name of a column.
+fn misspelt(span: Span, written: &str, meant: &str) -> Diagnostic {
+    let title = format!("`{written}` is not the name of a column of tags");
+    let mut message = Diagnostic::new(Code::SymbolTable, span, title).label(format!("read as `{meant}`"));
+    message.severity = Severity::Error;
+    message.help(format!("write `{meant}`"))
 }
 
 fn unquoted(text: &str) -> String {

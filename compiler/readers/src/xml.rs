@@ -3,7 +3,8 @@
 //! Names of elements are compared without their namespace, which changes with each version of the tool.
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
-use roxmltree::{Document, Node};
+use plcc_literal::distance::nearest;
+use roxmltree::{Document, Error, Node};
 
 /// The kind of a text in XML.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -76,6 +77,35 @@ pub fn is_block(name: &str) -> bool {
         || name == "SW.Types.PlcStruct"
 }
 
+/// The objects that plcc reads.
+const OBJECTS: [&str; 9] = [
+    "SW.Blocks.OB",
+    "SW.Blocks.FB",
+    "SW.Blocks.FC",
+    "SW.Blocks.GlobalDB",
+    "SW.Blocks.InstanceDB",
+    "SW.Blocks.ArrayDB",
+    "SW.Blocks.CompileUnit",
+    "SW.Types.PlcStruct",
+    "SW.Tags.PlcTagTable",
+];
+
+/// The object whose name `name` is a slip of, part by part.
+pub fn nearest_object(name: &str) -> Option<&'static str> {
+    if OBJECTS.contains(&name) {
+        return None;
+    }
+    let resembles = |own: &str, known: &'static str| own == known || nearest(own, std::iter::once(known)).is_some();
+    let is_slip = |known: &&'static str| {
+        let count = known.split('.').count();
+        name.split('.').count() == count
+            && name.split('.').zip(known.split('.')).all(|(own, known)| resembles(own, known))
+    };
+    let differences =
+        |known: &&'static str| name.split('.').zip(known.split('.')).filter(|(own, known)| own != known).count();
+    OBJECTS.into_iter().filter(is_slip).min_by_key(differences)
+}
+
 /// Whether an element of that name is a tag table of the editor.
 pub fn is_tag_table(name: &str) -> bool {
     name.eq_ignore_ascii_case("Tagtable") || name.eq_ignore_ascii_case("Tagtables")
@@ -112,6 +142,8 @@ pub struct Fault {
     /// Byte of the text.
     pub at: usize,
     pub text: String,
+    /// What to write instead.
+    pub help: String,
 }
 
 /// An element may have at most this many attributes. The parser compares each with all before it; no editor writes more than a few dozen.
@@ -121,20 +153,57 @@ const ATTRIBUTES_MAX: usize = 1000;
 pub fn parse(text: &str) -> Result<Document<'_>, Fault> {
     if let Some(at) = crowded(text) {
         let text = format!("an element with more than {ATTRIBUTES_MAX} attributes");
-        return Err(Fault { at, text });
+        return Err(Fault { at, text, help: EXPORT_AGAIN.to_string() });
     }
     Document::parse(text).map_err(|error| {
-        if matches!(error, roxmltree::Error::UnexpectedEndOfStream) {
-            let at = text.char_indices().next_back().map_or(0, |(at, _)| at);
-            return Fault { at, text: error.to_string() };
+        let last = text.char_indices().next_back().map_or(0, |(at, _)| at);
+        let (label, help) = told(&error);
+        if matches!(error, Error::UnexpectedEndOfStream | Error::NoRootNode) {
+            return Fault { at: last, text: label, help };
         }
         let place = error.pos();
         let line = text.split_inclusive('\n').take(place.row.saturating_sub(1) as usize).map(str::len).sum::<usize>();
         let rest = text.get(line..).unwrap_or_default();
         let column = rest.char_indices().nth(place.col.saturating_sub(1) as usize);
         let at = (line + column.map_or(rest.len(), |(column, _)| column)).min(text.len());
-        Fault { at, text: error.to_string() }
+        Fault { at, text: label, help }
     })
+}
+
+const EXPORT_AGAIN: &str = "export it again, and copy the whole file";
+
+/// What is wrong, and what to write.
+fn told(error: &Error) -> (String, String) {
+    let again = EXPORT_AGAIN.to_string();
+    match error {
+        Error::UnexpectedEndOfStream => ("the file ends inside an element".to_string(), again),
+        Error::UnclosedRootNode => ("the first element of the file is never closed".to_string(), again),
+        Error::MalformedEntityReference(_) => {
+            ("`&` begins the code of a character".to_string(), "write `&amp;` for the character `&`".to_string())
+        }
+        Error::UnknownEntityReference(name, _) => (
+            format!("XML has no character `&{name};`"),
+            "the codes are `&amp;`, `&lt;`, `&gt;`, `&quot;` and `&apos;`".to_string(),
+        ),
+        Error::InvalidChar2(_, b'<', _) | Error::InvalidChar(b'<', _, _) => {
+            ("`<` begins an element".to_string(), "write `&lt;` for the character `<` in a text".to_string())
+        }
+        Error::UnexpectedCloseTag(open, closed, _) => {
+            (format!("`{closed}` is closed, but `{open}` is open"), format!("write `</{open}>` where `{open}` ends"))
+        }
+        Error::UnexpectedDeclaration(_) => {
+            ("another file begins here".to_string(), "make a file of each export".to_string())
+        }
+        Error::DuplicatedAttribute(name, _) => {
+            (format!("`{name}` is given twice"), format!("remove one of the attributes `{name}`"))
+        }
+        other => {
+            let text = other.to_string();
+            let bare =
+                text.rsplit_once(" at ").filter(|(_, place)| place.contains(':')).map(|(bare, _)| bare.to_string());
+            (bare.unwrap_or(text), again)
+        }
+    }
 }
 
 /// Where a tag with too many attributes begins.
@@ -176,7 +245,7 @@ pub fn broken(file: FileId, text: &str, fault: &Fault) -> Diagnostic {
     let end = text.get(start..).and_then(|rest| rest.chars().next()).map_or(start, |c| start + c.len_utf8());
     Diagnostic::new(Code::NotASource, Span::new(file, start..end), "the file is not well-formed XML")
         .label(fault.text.clone())
-        .help("export it again, and copy the whole file")
+        .help(fault.help.clone())
 }
 
 /// The elements below a node.
@@ -239,6 +308,18 @@ mod tests {
             (Some(fault.at), fault.text.as_str()),
             (text.find("<x"), "an element with more than 1000 attributes")
         );
+    }
+
+    #[test]
+    fn slips_of_objects() {
+        assert_eq!(nearest_object("SW.Blocks.OBB"), Some("SW.Blocks.OB"));
+        assert_eq!(nearest_object("SW.Block.FC"), Some("SW.Blocks.FC"));
+        assert_eq!(nearest_object("SW.Tags.PlcTagTabel"), Some("SW.Tags.PlcTagTable"));
+        for name in
+            ["SW.Blocks.OB", "SW.Blocks.SDB", "SW.WatchAndForceTables.PlcWatchTable", "SW.Blocks.PlcBlockUserGroup"]
+        {
+            assert_eq!(nearest_object(name), None, "{name}");
+        }
     }
 
     #[test]

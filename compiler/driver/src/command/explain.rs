@@ -7,7 +7,10 @@ use crate::report;
 
 /// Prints the page of `code`.
 pub fn explain(code: &str) -> u8 {
-    match Code::from_name(code.trim()) {
+    // `p203` and `203` for P0203.
+    let digits = code.trim().trim_start_matches(['P', 'p']);
+    let padded = format!("P{digits:0>4}");
+    match Code::from_name(code.trim()).or_else(|| Code::from_name(&padded)) {
         Some(code) => report::print(code.page()).err().unwrap_or(exit::OK),
         None => {
             report::say(&format!(

@@ -173,17 +173,21 @@ impl Reader<'_, '_> {
 
     fn check_tag(&mut self, token: RawToken) {
         let text = &self.text[token.range()];
-        if pragma::tag(text).is_some() {
+        let name = pragma::name(text);
+        let meant = pragma::meant(name);
+        if pragma::tag(text).is_some() && meant.is_none() {
             return;
         }
-        let name = pragma::name(text);
         let start = token.start + 2;
         let span = Span { file: self.file, start, end: start + 2 + name.len() as u32 };
-        self.report(
-            Diagnostic::new(Code::Tolerated, span, format!("plcc does not know the tag `$_{name}`"))
+        self.report(match meant {
+            Some(meant) => Diagnostic::new(Code::Tolerated, span, format!("the tag `$_{name}` is misspelt"))
+                .label(format!("read as `$_{meant}`"))
+                .help(format!("write `$_{meant}`")),
+            None => Diagnostic::new(Code::Tolerated, span, format!("plcc does not know the tag `$_{name}`"))
                 .label("read as a comment")
                 .help("tags are `$_COM`, `$_CMPSET`, `$_SETTINGS`, `$_NUM` and `$_JUMP`"),
-        );
+        });
     }
 
     // Tokens.

@@ -52,7 +52,38 @@ impl Place<Tok<'_>, ()> for Recovery {
         let before = state.tokens[..index].iter().rev().find(wide);
         let here = state.tokens.get(index).filter(wide);
         let first = before.filter(|(_, tok, _)| follows(tok));
+        if let Some(told) = self.slip(state, here) {
+            return told;
+        }
         state.misplaced(code, what, here.map(range), first.map(range), before.map_or(0..0, range)).help(help)
+    }
+}
+
+impl Recovery {
+    /// A form with only one meaning: a condition without `CONDITION :=`, `=>` for `>=`.
+    fn slip(self, state: &State, here: Option<&Spanned>) -> Option<Diagnostic> {
+        let (start, _, end) = here?;
+        let line_start = state.text[..*start].rfind('\n').map_or(0, |at| at + 1);
+        let line_end = state.text[*start..].find(['\n', '\r']).map_or(state.text.len(), |length| start + length);
+        let line = state.text[*start..line_end].trim();
+        let text = &state.text[*start..*end];
+        match self {
+            Recovery::Steps if state.text[line_start..*start].trim().is_empty() && !line.is_empty() => Some(
+                Diagnostic::new(Code::Syntax, state.span(*start..*end), "a condition begins with `CONDITION :=`")
+                    .label("neither a step nor a clause of the transition")
+                    .help(format!("write `CONDITION := {line}`")),
+            ),
+            Recovery::Condition if text == "=>" || text == "=<" => {
+                let meant = if text == "=>" { ">=" } else { "<=" };
+                let words = if text == "=>" { "greater or equal" } else { "less or equal" };
+                Some(
+                    Diagnostic::new(Code::ForeignForm, state.span(*start..*end), format!("{words} is `{meant}`"))
+                        .label("a form of other languages")
+                        .help(format!("write `{meant}` for `{text}`")),
+                )
+            }
+            _ => None,
+        }
     }
 }
 

@@ -22,8 +22,30 @@ pub fn tag(comment: &str) -> Option<Tag> {
         () if is("CMPSET") || is("SETTINGS") => Some(Tag::Settings),
         () if is("NUM") => Some(Tag::Number),
         () if is("JUMP") => Some(Tag::Jump),
-        () => None,
+        () => slip(name),
     }
+}
+
+const TAGS: [(&str, Tag); 5] = [
+    ("COM", Tag::Comment),
+    ("CMPSET", Tag::Settings),
+    ("SETTINGS", Tag::Settings),
+    ("NUM", Tag::Number),
+    ("JUMP", Tag::Jump),
+];
+
+/// The tag that a misspelt one means.
+fn slip(name: &str) -> Option<Tag> {
+    let meant = meant(name)?;
+    TAGS.iter().find(|(known, _)| *known == meant).map(|(_, tag)| *tag)
+}
+
+/// The name of the tag that `name` is a slip of; none: it is known, or resembles none.
+pub fn meant(name: &str) -> Option<&'static str> {
+    let known = TAGS.iter().any(|(known, _)| known.eq_ignore_ascii_case(name));
+    let meant = plcc_literal::distance::nearest(name, TAGS.iter().map(|(known, _)| *known))?;
+    let one = plcc_literal::distance::between(&name.to_ascii_uppercase(), meant) <= 1;
+    (!known && one).then_some(meant)
 }
 
 /// The letters of the tag.
@@ -60,7 +82,9 @@ mod tests {
     fn pragmas_are_taken_apart() {
         assert_eq!(tag("(*$_NUM 3*)"), Some(Tag::Number));
         assert_eq!(body("(*$_NUM 3*)").trim(), "3");
-        assert_eq!(tag("(*$_COMB*)"), None);
+        assert_eq!(tag("(*$_COMMENT*)"), None);
+        assert_eq!((tag("(*$_NMU 3*)"), meant("NMU")), (Some(Tag::Number), Some("NUM")));
+        assert_eq!((tag("(*$_JMUP*)"), meant("JUMP")), (Some(Tag::Jump), None));
         assert_eq!(body("(*$_JUMP*)"), "");
     }
 

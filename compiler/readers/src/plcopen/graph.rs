@@ -6,6 +6,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 use plcc_diag::{Code, Diagnostic, Severity, Span};
+use plcc_literal::distance::nearest;
 
 use super::functions;
 use super::objects::{Connection, Edge, Kind, Object};
@@ -265,17 +266,32 @@ impl Build<'_, '_, '_> {
 
     /// The name of an output in the syntax tree; reports one that the element does not have.
     fn output_name(&mut self, element: usize, formal: &str, span: Span) -> String {
-        let Some(target) = self.graph.elements.get(element).map(|element| &element.target) else {
+        let Some(target) = self.graph.elements.get(element).map(|element| element.target.clone()) else {
             return formal.to_string();
         };
-        pin_name(target, formal, true, 0).unwrap_or_else(|| {
-            let text = format!("the block has no output `{formal}`");
-            let message = Diagnostic::new(Code::UnknownParameter, span, text);
-            self.reader
-                .messages
-                .push(message.label("comes from a pin that does not exist").help("connect an output of the block"));
-            formal.to_string()
-        })
+        let block = match &target {
+            Target::Element { row, .. } => row.name,
+            Target::Block { .. } => "block",
+        };
+        pin_name(&target, formal, true, 0)
+            .or_else(|| self.unknown_pin(&target, formal, block, true, span))
+            .unwrap_or_else(|| formal.to_string())
+    }
+
+    /// Reports a pin that a block does not have; returns the one that a misspelt name means.
+    fn unknown_pin(&mut self, target: &Target, formal: &str, block: &str, output: bool, span: Span) -> Option<String> {
+        let Target::Element { row, .. } = target else { return None };
+        let on_side = |pin: &elements::PinRow| (pin.direction == PinDirection::Output) == output;
+        let known: Vec<&str> = row.pins().filter(on_side).map(|pin| pin.name()).collect();
+        let meant = nearest(formal, known.iter().copied());
+        let side = if output { "output" } else { "input" };
+        let help = match meant {
+            Some(meant) => format!("is `{}` meant?", meant.to_uppercase()),
+            None => format!("its {side}s are {}", known.join(", ").to_uppercase()),
+        };
+        let message = Diagnostic::new(Code::UnknownParameter, span, format!("`{block}` has no {side} `{formal}`"));
+        self.reader.messages.push(message.label("no pin of this block has this name").help(help));
+        meant.map(str::to_string)
     }
 
     /// The block has a negation circle at this output.
@@ -325,11 +341,9 @@ impl Build<'_, '_, '_> {
                 further.push(input);
                 continue;
             }
-            let Some(canonical) = pin_name(&target, &input.formal, false, number) else {
-                let text = format!("`{}` has no input `{}`", object.name, input.formal);
-                let message = Diagnostic::new(Code::UnknownParameter, input.span, text);
-                let help = "connect the pins that the block has";
-                self.reader.messages.push(message.label("not a pin of this block").help(help));
+            let Some(canonical) = pin_name(&target, &input.formal, false, number)
+                .or_else(|| self.unknown_pin(&target, &input.formal, &object.name, false, input.span))
+            else {
                 continue;
             };
             let mut connected = pin(&canonical, self.input(Some(input), input.span), false, input.span);

@@ -13,6 +13,7 @@
 //! - `scope` resolves names: located and global variables are tags and components of a data block here; `functions` translates
 //!   standard functions to SCL.
 //! - `editor` finds the editor that wrote the project, `address` where its addresses are.
+//! - `words` are the known elements and values: a project with a misspelt one is not read.
 //! - `globals` are the global variables, `pou` reads a program organization unit, `programs` makes the blocks that call the programs.
 //!
 //! A PROGRAM is a function block with an instance data block, called by OB 1 or by a cyclic OB. Namespaces are ignored: versions 1.0 to
@@ -36,6 +37,7 @@ mod scope;
 #[cfg(test)]
 mod tests;
 mod types;
+mod words;
 
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
@@ -94,6 +96,10 @@ pub fn parse(file: FileId, text: &str) -> (SourceUnit, Vec<Diagnostic>) {
         Ok(document) => document,
         Err(fault) => return (SourceUnit::default(), vec![crate::xml::broken(file, text, &fault)]),
     };
+    let faults = words::faults(file, &document);
+    if !faults.is_empty() {
+        return (SourceUnit::default(), faults);
+    }
     let editor = Editor::of(&document);
     let mut reader = Reader {
         file,

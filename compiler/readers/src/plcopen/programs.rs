@@ -1,6 +1,7 @@
 //! Configurations and tasks: the blocks that call the programs.
 
 use plcc_diag::{Code, Diagnostic, Span};
+use plcc_literal::distance::nearest;
 use roxmltree::Node;
 
 use super::Reader;
@@ -44,7 +45,11 @@ impl<'a> Reader<'a> {
             let Some((program, _)) = programs.iter().find(|(known, _)| known.eq_ignore_ascii_case(program)) else {
                 let text = format!("the project has no program `{program}`");
                 let message = Diagnostic::new(Code::ForeignContent, span, text).label("this instance is not executed");
-                self.messages.push(message.help("export the program too, or remove the instance from its task"));
+                let help = match nearest(program, programs.iter().map(|(known, _)| *known)) {
+                    Some(meant) => format!("is `{meant}` meant?"),
+                    None => "export the program too, or remove the instance from its task".to_string(),
+                };
+                self.messages.push(message.help(help));
                 continue;
             };
             let task = node.parent().filter(|task| task.tag_name().name() == "task");

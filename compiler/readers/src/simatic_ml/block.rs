@@ -56,7 +56,7 @@ pub fn read(reader: &mut Reader, object: Node) -> Option<Block> {
 
 /// Settings of blocks that have no effect on the program, or that are read.
 #[rustfmt::skip]
-const SETTINGS: &[&str] = &[
+pub const SETTINGS: &[&str] = &[
     "AcknowledgeErrorsRequired", "ArrayDataType", "ArrayLimitUpperBound", "AssignedProDiagFB", "AutoNumber", "CodeModifiedDate",
     "CompileDate", "CreateMinimizedDB", "CreationDate", "DBAccessibleFromOPCUA", "DBAccessibleFromWebserver",
     "DownloadWithoutReinit", "ExtensionBlockName", "ExtensionBlocks", "GraphVersion", "HandleErrorsWithinBlock", "HeaderAuthor",
@@ -86,6 +86,17 @@ fn settings(reader: &mut Reader, object: Node, shown: &str) {
         let help = "set priorities and times of organization blocks in plc.toml; other settings need no action";
         warn(reader, node, title, "plcc does not know it", help);
     }
+    let settings: Vec<Node> = list.into_iter().flat_map(elements).collect();
+    for (at, node) in settings.iter().enumerate() {
+        let name = node.tag_name().name();
+        if let Some(first) = settings[..at].iter().find(|first| first.tag_name().name() == name) {
+            let span = reader.span(head(*node));
+            let message =
+                Diagnostic::new(Code::ForeignContent, span, format!("{shown} has the setting `{name}` twice"));
+            let message = message.label("the second one is not read").also(reader.span(head(*first)), "the first one");
+            reader.diagnostics.push(message.help("remove one of them"));
+        }
+    }
     for node in child(object, "ObjectList").into_iter().flat_map(elements) {
         let name = node.tag_name().name();
         if !matches!(name, "SW.Blocks.CompileUnit" | "MultilingualText") {
@@ -102,7 +113,10 @@ fn settings(reader: &mut Reader, object: Node, shown: &str) {
         && text_of(node).parse::<u32>().is_err()
         && !text_of(node).is_empty()
     {
-        reader.refuse(node, shown, &format!("the number `{}`", text_of(node)));
+        let span = place(reader, node, &text_of(node));
+        let title = format!("`{}` is not the number of a block", text_of(node));
+        let message = Diagnostic::new(Code::ForeignContent, span, title).label(format!("the number of {shown}"));
+        reader.diagnostics.push(message.help("write a number from 1 to 65535, or export the block again"));
     }
 }
 
@@ -164,7 +178,7 @@ fn header(object: Node) -> Header {
 
 fn code(reader: &mut Reader, object: Node, name: BlockName, kind: CodeKind, span: Span) -> CodeBlock {
     let header = header(object);
-    let language = setting_text(object, "ProgrammingLanguage").unwrap_or_default();
+    let language = network::named_language(reader, object).unwrap_or_default();
     let is_chart = language == "GRAPH" && kind == CodeKind::Fb;
     let shown = text_of_name(&name);
     let interface = interface::read(reader, interface::sections(object), is_chart, &format!("`{shown}`"));

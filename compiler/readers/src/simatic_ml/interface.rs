@@ -1,6 +1,7 @@
 //! Interfaces: `Sections` with their members.
 
 use plcc_diag::Span;
+use plcc_literal::distance::nearest;
 use roxmltree::Node;
 
 use super::data_type;
@@ -49,7 +50,8 @@ pub fn read(reader: &mut Reader, sections: Option<Node>, chart: bool, whose: &st
         schema::check(reader, sections, schema::Place::Declaration, whose);
     }
     for section in sections.iter().flat_map(|sections| children(*sections, "Section")) {
-        let kind = match section.attribute("Name").unwrap_or_default() {
+        let named = section.attribute("Name").unwrap_or_default();
+        let kind = match known_section(reader, section, named, chart) {
             "Input" => SectionKind::Input,
             "Output" => SectionKind::Output,
             "InOut" => SectionKind::InOut,
@@ -72,7 +74,9 @@ pub fn read(reader: &mut Reader, sections: Option<Node>, chart: bool, whose: &st
             "Base" if chart => continue,
             _ if elements(section).next().is_none() => continue,
             name => {
-                reader.refuse(section, whose, &format!("declarations in the section `{name}`"));
+                let title = format!("{whose} has no section `{name}`");
+                let help = "the sections are Input, Output, InOut, Static, Temp, Constant and Return";
+                reader.fault(attribute_range(section, "Name"), title, "its declarations are not read", help);
                 continue;
             }
         };
@@ -94,6 +98,26 @@ pub fn read(reader: &mut Reader, sections: Option<Node>, chart: bool, whose: &st
         }
     }
     interface
+}
+
+/// The section that `named` names; of a misspelt name, which is reported, the one that is meant.
+fn known_section<'n>(reader: &mut Reader, section: Node, named: &'n str, chart: bool) -> &'n str {
+    const KNOWN: [&str; 7] = ["Input", "Output", "InOut", "Static", "Temp", "Constant", "Return"];
+    let is_empty = elements(section).next().is_none();
+    if KNOWN.contains(&named) || is_empty || named == "Base" && chart {
+        return named;
+    }
+    let meant = match named.to_ascii_lowercase().as_str() {
+        "in" => Some("Input"),
+        "out" => Some("Output"),
+        "stat" | "var" => Some("Static"),
+        _ => nearest(named, KNOWN.into_iter()),
+    };
+    let Some(meant) = meant else { return named };
+    let range = attribute_range(section, "Name");
+    let title = format!("`{named}` is not a section of declarations");
+    reader.fault(range, title, format!("read as `{meant}`"), format!("write `{meant}`"));
+    meant
 }
 
 /// The members of all sections as components: of a data block or data type, which `whose` names in messages.
@@ -155,7 +179,11 @@ pub fn variable(reader: &mut Reader, member: Node, depth: usize) -> Variable {
 /// The type of a member; a `Struct`, or an array of them, has its members below it.
 fn type_of(reader: &mut Reader, member: Node, depth: usize) -> TypeRef {
     let range = attribute_range(member, "Datatype");
-    let text = member.attribute("Datatype").unwrap_or("Void");
+    if member.attribute("Datatype").is_none_or(|ty| ty.trim().is_empty()) {
+        let title = format!("the member `{}` has no data type", name_of(member));
+        reader.fault(range.clone(), title, "`Datatype` is missing", "write its type, as in `Datatype=\"Int\"`");
+    }
+    let text = member.attribute("Datatype").filter(|ty| !ty.trim().is_empty()).unwrap_or("Int");
     let Some(range) = reader.overlay.place(text, range.start, range) else {
         return TypeRef { kind: TypeKind::Named(text.to_uppercase()), span: reader.span(head(member)) };
     };

@@ -30,11 +30,13 @@ mod schema;
 mod statements;
 mod step_time;
 mod tokens;
+mod version;
 
 use plcc_diag::{Code, Diagnostic, FileId, Severity, Span};
 use roxmltree::Document;
 
 use crate::ReadOptions;
+use crate::spelling;
 use crate::xml::{self, XmlKind, head, objects};
 use overlay::Overlay;
 use plcc_syntax::ast::{Pragma, SourceUnit};
@@ -62,6 +64,11 @@ pub fn parse(file: FileId, text: &str, kind: &XmlKind, options: &ReadOptions) ->
             .help("export the blocks from the TIA Portal as XML (SimaticML)");
         return (SourceUnit::default(), vec![refused]);
     }
+    let mut misspelt = objects(root).into_iter().filter_map(|object| misspelt_object(file, object)).collect::<Vec<_>>();
+    misspelt.extend(spelling::faults(file, &document, &schema::GRAMMAR));
+    if !misspelt.is_empty() {
+        return (SourceUnit::default(), misspelt);
+    }
     let mut reader =
         Reader { file, overlay: Overlay::new(text), pragmas: options.pragmas, own_step: None, diagnostics: Vec::new() };
     let mut blocks = Vec::new();
@@ -86,6 +93,7 @@ pub fn parse(file: FileId, text: &str, kind: &XmlKind, options: &ReadOptions) ->
             }
         }
     }
+    version::check(&mut reader, &document);
     let pragmas = if options.pragmas { pragmas(file, &document) } else { Vec::new() };
     let outlines = outline::read(&mut reader, &document);
     let mut diagnostics = reader.diagnostics;
@@ -94,6 +102,18 @@ pub fn parse(file: FileId, text: &str, kind: &XmlKind, options: &ReadOptions) ->
     diagnostics.dedup_by_key(|diagnostic| (diagnostic.code, diagnostic.primary.span));
     let overlay = Some(reader.overlay.into_text());
     (SourceUnit { blocks, pragmas, overlay, outlines, ..SourceUnit::default() }, diagnostics)
+}
+
+/// The message for an object whose name is a slip.
+fn misspelt_object(file: FileId, object: roxmltree::Node) -> Option<Diagnostic> {
+    let name = object.tag_name().name();
+    let meant = xml::nearest_object(name)?;
+    let title = format!("`{name}` is not an object of an export of the TIA Portal");
+    Some(
+        Diagnostic::new(Code::ForeignContent, Span::new(file, head(object)), title)
+            .label("everything in it would be left out")
+            .help(format!("is `{meant}` meant? plcc does not read the file before this is corrected")),
+    )
 }
 
 /// `<!--@ cpu … -->`: settings of a test, as `//@ cpu …` in a source.

@@ -1,12 +1,13 @@
 //! Networks: the compile units of a block, each in its language.
 
-use plcc_diag::Severity;
+use plcc_diag::{Code, Diagnostic, Severity};
+use plcc_literal::distance::nearest;
 use roxmltree::Node;
 
 use super::block::SAFETY;
-use super::reader::{Reader, multilingual, setting, setting_text};
+use super::reader::{Reader, multilingual, setting};
 use super::{graph, parts, schema, statements, tokens};
-use crate::xml::{child, elements, head, is};
+use crate::xml::{child, elements, head, is, text_of};
 use plcc_syntax::network::ast::{Content, Graph, Language, Network};
 use plcc_syntax::scl::ast::Name;
 
@@ -23,7 +24,7 @@ pub fn read(reader: &mut Reader, unit: Node, number: usize, block: &str, default
         Some(title) => format!("network {number} (`{title}`) of `{block}`"),
         None => format!("network {number} of `{block}`"),
     };
-    let named = setting_text(unit, "ProgrammingLanguage").unwrap_or_else(|| default.to_string());
+    let named = named_language(reader, unit).unwrap_or_else(|| default.to_string());
     let mut sources = setting(unit, "NetworkSource").into_iter().flat_map(elements);
     let source = sources.next();
     if let Some(other) = sources.next() {
@@ -82,12 +83,18 @@ pub fn content(
             Content::Graphic(Graph::default())
         }
         (_, Some(source)) => {
-            let what = if named.starts_with(SAFETY) {
-                format!("fail-safe code ({named})")
+            let element = source.tag_name().name();
+            if named.starts_with(SAFETY) {
+                reader.refuse(source, whose, &format!("fail-safe code ({named})"));
+            } else if language.is_some() && code_of(element) != code_of("") {
+                let title = format!("{whose} names the language {named}, but its code is {}", code_of(element));
+                let help = format!(
+                    "write a language in `ProgrammingLanguage` that has `{element}`, or export the block again"
+                );
+                reader.fault(head(source), title, format!("`{element}` is {}", code_of(element)), help);
             } else {
-                format!("code in {named} (`{}`)", source.tag_name().name())
-            };
-            reader.refuse(source, whose, &what);
+                reader.refuse(source, whose, &format!("code in {named} (`{element}`)"));
+            }
             Content::Graphic(Graph::default())
         }
     };
@@ -97,17 +104,68 @@ pub fn content(
     (labels, content)
 }
 
+/// The languages of networks in LAD and FBD; the suffixes are those of old versions and of libraries.
+const LADDER: [&str; 4] = ["LAD", "LAD_IEC", "LAD_CLASSIC", "LAD_LIB"];
+const DIAGRAM: [&str; 4] = ["FBD", "FBD_IEC", "FBD_CLASSIC", "FBD_LIB"];
+/// The other languages of blocks and networks.
+#[rustfmt::skip]
+const OTHERS: [&str; 23] = [
+    "STL", "SCL", "GRAPH", "GRAPH_ACTIONS", "GRAPH_SEQUENCE", "GRAPH_ADDINFOS", "DB", "CPU_DB", "Motion_DB", "CALL", "FB_IDB", "CFC", "SFC",
+    "CEM", "ProDiag", "ProDiag_OB", "S7_PDIAG", "RSE", "SDB", "FCP", "FLD", "Annotation", "Undef",
+];
+
 /// The language from its name; without a usable name, from the element of the source.
 pub fn language_of(name: &str, source: Option<&str>) -> Option<Language> {
     // Only the code that the TIA Portal generates from a network is fail-safe.
     match (name.strip_prefix(SAFETY).unwrap_or(name), source) {
-        (name, _) if name.starts_with("LAD") => Some(Language::Lad),
-        (name, _) if name.starts_with("FBD") => Some(Language::Fbd),
+        (name, _) if LADDER.contains(&name) => Some(Language::Lad),
+        (name, _) if DIAGRAM.contains(&name) => Some(Language::Fbd),
         ("STL", _) => Some(Language::Stl),
         ("SCL", _) => Some(Language::Scl),
         ("" | "Undef", Some("FlgNet")) => Some(Language::Lad),
         ("" | "Undef", Some("StatementList")) => Some(Language::Stl),
         ("" | "Undef", Some("StructuredText")) => Some(Language::Scl),
         _ => None,
+    }
+}
+
+/// The language that an object names. If the TIA Portal has none of this name, that is reported, and the one that is meant is returned.
+pub fn named_language(reader: &mut Reader, object: Node) -> Option<String> {
+    let node = setting(object, "ProgrammingLanguage")?;
+    let named = text_of(node);
+    let bare = named.strip_prefix(SAFETY).unwrap_or(&named);
+    let known = || LADDER.into_iter().chain(DIAGRAM).chain(OTHERS);
+    if named.is_empty() || known().any(|known| known == bare) {
+        return Some(named).filter(|named| !named.is_empty());
+    }
+    let meant = match bare.to_ascii_uppercase().as_str() {
+        "KOP" => Some("LAD"),
+        "FUP" => Some("FBD"),
+        "AWL" | "IL" => Some("STL"),
+        "ST" => Some("SCL"),
+        _ => nearest(bare, known()),
+    };
+    let range = node.first_child().map_or_else(|| head(node), |text| text.range());
+    let message = Diagnostic::new(
+        Code::ForeignContent,
+        reader.span(range),
+        format!("`{named}` is not a language of the TIA Portal"),
+    )
+    .label("neither LAD, FBD, STL, SCL nor GRAPH");
+    reader.diagnostics.push(message.help(match meant {
+        Some(meant) => format!("is `{meant}` meant?"),
+        None => "write one of LAD, FBD, STL, SCL, GRAPH".to_string(),
+    }));
+    meant.map(str::to_string)
+}
+
+/// What the code in an element is.
+fn code_of(element: &str) -> &'static str {
+    match element {
+        "FlgNet" => "LAD or FBD",
+        "StructuredText" => "SCL",
+        "StatementList" => "STL",
+        "Graph" => "GRAPH",
+        _ => "of another language",
     }
 }

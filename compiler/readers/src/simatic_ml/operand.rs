@@ -1,5 +1,6 @@
 //! Accesses as text of SCL or STL: `#motor.speed[#i]`, `"tag"`, `%MW10`, `T#5s`.
 
+use plcc_literal::distance::nearest;
 use roxmltree::Node;
 
 use crate::xml::{child, elements, is, text_of};
@@ -15,12 +16,22 @@ pub enum Notation {
 pub struct Unreadable<'a, 'i> {
     pub node: Node<'a, 'i>,
     pub what: String,
+    /// The word that a misspelt one resembles.
+    pub meant: Option<&'static str>,
 }
 
 type Text<'a, 'i> = Result<String, Unreadable<'a, 'i>>;
 
 /// How deep accesses may be nested, as indices.
 const DEPTH_MAX: usize = 32;
+
+/// Where an operand comes from. Source: LAD/FBD reference A2.2.
+#[rustfmt::skip]
+const SCOPES: [&str; 22] = [
+    "LocalVariable", "GlobalVariable", "LocalConstant", "GlobalConstant", "LiteralConstant", "TypedConstant", "Address", "AddressConstant",
+    "AlarmConstant", "Label", "Call", "CallWithType", "Instruction", "Statusword", "StatusWord", "Expression", "Unnamed", "Undef", "Reference",
+    "PredefinedVariable", "UserType", "SystemType",
+];
 
 /// Text of an `Access`.
 pub fn access<'a, 'i>(node: Node<'a, 'i>, notation: Notation) -> Text<'a, 'i> {
@@ -32,6 +43,10 @@ fn access_at_depth<'a, 'i>(node: Node<'a, 'i>, notation: Notation, depth: usize)
         return refuse(node, "indices that are nested too deeply");
     }
     let scope = node.attribute("Scope").unwrap_or_default();
+    if !scope.is_empty() && !SCOPES.contains(&scope) {
+        let meant = nearest(scope, SCOPES.into_iter());
+        return Err(Unreadable { node, what: format!("an operand with the scope `{scope}`"), meant });
+    }
     let mut found: Option<String> = None;
     for part in elements(node).filter(|part| !is_informative(*part)) {
         let text = match part.tag_name().name() {
@@ -66,7 +81,7 @@ fn is_layout(name: &str) -> bool {
 }
 
 fn refuse<'a, 'i>(node: Node<'a, 'i>, what: &str) -> Text<'a, 'i> {
-    Err(Unreadable { node, what: what.to_string() })
+    Err(Unreadable { node, what: what.to_string(), meant: None })
 }
 
 /// `#a.b`, `"db".b`: the components below a `Symbol` or an `Instance`.
@@ -363,5 +378,7 @@ pub fn wanted_place(node: Node) -> usize {
         let value = node.descendants().find(|part| is(*part, "ConstantValue"));
         return value.and_then(|value| value.first_child()).map_or(node.range().start, |text| text.range().start);
     };
-    start.saturating_sub(if plain_or_quoted(&name).starts_with('"') { 2 } else { 1 })
+    // `#` and a quote, or one of them.
+    let is_local = node.attribute("Scope").is_some_and(|scope| scope.starts_with("Local"));
+    start.saturating_sub(if is_local && plain_or_quoted(&name).starts_with('"') { 2 } else { 1 })
 }

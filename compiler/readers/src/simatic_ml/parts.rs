@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use plcc_diag::{Code, Diagnostic, Severity, Span};
+use plcc_literal::distance::nearest;
 use roxmltree::Node;
 
 use super::operand;
@@ -159,6 +160,7 @@ pub fn read(reader: &mut Reader, net: Node, whose: &str) -> Result<Parts, Refuse
 }
 
 fn parts(reader: &mut Reader, list: Node, whose: &str, found: &mut Parts) -> Result<(), Refused> {
+    numbers(reader, list, whose)?;
     for node in elements(list) {
         match (node.tag_name().name(), uid(node)) {
             ("Access", Some(uid)) => {
@@ -183,8 +185,45 @@ fn parts(reader: &mut Reader, list: Node, whose: &str, found: &mut Parts) -> Res
     Ok(())
 }
 
+/// Wires name parts by their numbers, so each part has its own.
+fn numbers(reader: &mut Reader, list: Node, whose: &str) -> Result<(), Refused> {
+    let mut known: HashMap<UId, Node> = HashMap::new();
+    for node in elements(list).filter(|node| matches!(node.tag_name().name(), "Access" | "Part" | "Call")) {
+        let range = attribute_range(node, "UId");
+        let Some(uid) = uid(node) else {
+            let label = match node.attribute("UId") {
+                Some(written) => format!("`{written}` is not a number"),
+                None => "`UId` is missing".to_string(),
+            };
+            let title = format!("{whose} has a part without a number, which no wire can name");
+            return Err(reader.fault(range, title, label, "give it a `UId` that no other part of the network has"));
+        };
+        if let Some(first) = known.insert(uid, node) {
+            let free = elements(list).filter_map(self::uid).max().unwrap_or(0).saturating_add(1);
+            let title = format!("{whose} has the UId {uid} twice");
+            let help = format!("give one of them another number, such as {free}, and correct the wires that mean it");
+            let refused = reader.fault(range, title, "the second part with this number", help);
+            let first = reader.span(attribute_range(first, "UId"));
+            if let Some(message) = reader.diagnostics.pop() {
+                reader.diagnostics.push(message.also(first, "the first one"));
+            }
+            return Err(refused);
+        }
+    }
+    Ok(())
+}
+
 fn part(reader: &mut Reader, node: Node, uid: UId, whose: &str) -> Result<Part, Refused> {
     let name = node.attribute("Name").unwrap_or_default();
+    if name.is_empty() {
+        let title = format!("{whose} has a part without a name");
+        return Err(reader.fault(
+            head(node),
+            title,
+            "`Name` is missing",
+            "name the element, as in `<Part Name=\"Contact\" UId=\"21\" />`",
+        ));
+    }
     let span = reader.name_span(node, "Name");
     let step_time = step_time::of(name);
     let row = if step_time.is_some() { elements::find_xml("Gt") } else { elements::find_xml(name) };
@@ -329,7 +368,7 @@ fn negate(reader: &mut Reader, node: Node, part: &mut Part, whose: &str) -> Resu
     let name = node.attribute("Name").unwrap_or_default();
     match part.pin(name).or_else(|| part.parameter(name, false)) {
         Some((name, _)) => part.negated.push(name),
-        None => return Err(reader.refuse(node, whose, &format!("an inversion of the pin `{name}`"))),
+        None => return Err(unknown_pin(reader, node, part, whose)),
     }
     Ok(())
 }
@@ -397,12 +436,14 @@ fn wire(
             "Comment" | "LineComment" => continue,
             "IdentCon" => match uid(end).filter(|uid| found.operands.contains_key(uid)) {
                 Some(uid) => End::Operand(uid),
-                None => return Err(reader.refuse(end, whose, "a wire to an operand that it does not have")),
+                None => {
+                    return Err(unknown_end(reader, end, "operand", found.operands.keys().copied().collect(), whose));
+                }
             },
             "NameCon" => {
                 let name = end.attribute("Name").unwrap_or_default();
                 let Some(part) = uid(end).and_then(|uid| index.get(&uid)).copied() else {
-                    return Err(reader.refuse(end, whose, "a wire to an element that it does not have"));
+                    return Err(unknown_end(reader, end, "element", index.keys().copied().collect(), whose));
                 };
                 // The first end of a wire feeds the others.
                 let feeds = ends.is_empty();
@@ -421,11 +462,59 @@ fn wire(
         };
         ends.push(end);
     }
+    if ends.len() < 2 {
+        let title = format!("{whose} has a wire that ends nowhere");
+        let label = if ends.is_empty() { "it has no end" } else { "it has only one end" };
+        let help = "name the pins that it joins with `NameCon`; a pin that stays open has `OpenCon` at the other end";
+        return Err(reader.fault(head(node), title, label, help));
+    }
+    let outputs: Vec<Span> = ends
+        .iter()
+        .filter_map(|end| match end {
+            End::Pin { output: true, span, .. } => Some(*span),
+            End::Pin { .. } | End::Rail | End::Operand(_) | End::Open => None,
+        })
+        .collect();
+    if let [first, second, ..] = outputs.as_slice() {
+        let title = format!("{whose} has a wire from two outputs");
+        let message = Diagnostic::new(Code::ForeignContent, *second, title)
+            .label("the second output")
+            .also(*first, "the first one");
+        reader.diagnostics.push(message.help("join branches with an element `O`, or correct the names of the pins"));
+        return Err(Refused);
+    }
+    let operands = ends.iter().filter(|end| matches!(end, End::Operand(_))).count();
+    if operands > 1 && !ends.iter().any(|end| matches!(end, End::Pin { output: true, .. })) {
+        let title = format!("{whose} has a wire from {operands} operands to one pin");
+        let help = "a pin has one operand: remove the other `IdentCon`, or give it a wire of its own";
+        return Err(reader.fault(head(node), title, "only one of them can be read", help));
+    }
     Ok(Wire { ends, span: reader.span(head(node)) })
 }
 
-fn unknown_pin(reader: &mut Reader, end: Node, part: &Part, whose: &str) -> Refused {
-    let name = end.attribute("Name").unwrap_or_default();
+/// A wire to a number that no operand or element has.
+fn unknown_end(reader: &mut Reader, end: Node, kind: &str, mut known: Vec<UId>, whose: &str) -> Refused {
+    known.sort_unstable();
+    let numbers: Vec<String> = known.iter().take(NUMBERS_MAX).map(u64::to_string).collect();
+    let more = if known.len() > NUMBERS_MAX { " and more" } else { "" };
+    let help = match numbers.is_empty() {
+        true => format!("add the {kind} to `Parts`, or remove the wire"),
+        false => format!("the numbers of {kind}s are {}{more}", numbers.join(", ")),
+    };
+    let title = match end.attribute("UId") {
+        Some(uid) => format!("{whose} has a wire to the UId {uid}, which no {kind} has"),
+        None => format!("{whose} has a wire to an {kind} without saying to which"),
+    };
+    let label =
+        if end.attribute("UId").is_some() { format!("no {kind} of this number") } else { "`UId` is missing".into() };
+    reader.fault(attribute_range(end, "UId"), title, label, help)
+}
+
+/// How many numbers a message lists.
+const NUMBERS_MAX: usize = 8;
+
+fn unknown_pin(reader: &mut Reader, node: Node, part: &Part, whose: &str) -> Refused {
+    let name = node.attribute("Name").unwrap_or_default();
     let element = match &part.target {
         Target::Element { row, .. } => row.name.to_string(),
         Target::Block {
@@ -433,5 +522,23 @@ fn unknown_pin(reader: &mut Reader, end: Node, part: &Part, whose: &str) -> Refu
         } => text.clone(),
         Target::Block { .. } => "call".to_string(),
     };
-    reader.refuse(end, whose, &format!("a wire to the pin `{name}` of `{element}`"))
+    let pins: Vec<String> = match part.row() {
+        Some(row) => row.pins().map(|pin| pin.name().to_string()).collect(),
+        None => ["en", "eno"]
+            .map(str::to_string)
+            .into_iter()
+            .chain(part.parameters.iter().map(|(name, _)| name.clone()))
+            .collect(),
+    };
+    let help = match nearest(name, pins.iter().map(String::as_str)) {
+        Some(meant) => format!("is `{meant}` meant?"),
+        None => format!("its pins are {}", pins.join(", ")),
+    };
+    let title = match name.is_empty() {
+        true => format!("{whose} has a wire to `{element}` without the name of a pin"),
+        false => format!("`{element}` has no pin `{name}`"),
+    };
+    let message = Diagnostic::new(Code::UnknownParameter, reader.span(attribute_range(node, "Name")), title);
+    reader.diagnostics.push(message.label(format!("not a pin of this element, in {whose}")).help(help));
+    Refused
 }

@@ -46,7 +46,23 @@ impl Reader {
 
     /// Reports the part of an access that cannot be read.
     pub fn refuse_access(&mut self, unreadable: &Unreadable, whose: &str) -> Refused {
-        self.refuse(unreadable.node, whose, &unreadable.what)
+        let refused = self.refuse(unreadable.node, whose, &unreadable.what);
+        if let (Some(meant), Some(message)) = (unreadable.meant, self.diagnostics.last_mut()) {
+            message.help = Some(format!("is `{meant}` meant?"));
+        }
+        refused
+    }
+
+    /// Reports a mistake in the file, because of which a network is left out.
+    pub fn fault(
+        &mut self,
+        range: std::ops::Range<usize>,
+        title: String,
+        label: impl Into<String>,
+        help: impl Into<String>,
+    ) -> Refused {
+        self.diagnostics.push(Diagnostic::new(Code::ForeignContent, self.span(range), title).label(label).help(help));
+        Refused
     }
 
     /// Writes the value of an attribute to its own position, and returns the position.

@@ -8,8 +8,10 @@
 use plcc_diag::{Code, Diagnostic, Severity};
 use roxmltree::Node;
 
+use super::block;
 use super::reader::Reader;
-use crate::xml::{elements, head};
+use crate::spelling::{Grammar, Names, Parts};
+use crate::xml::{self, elements, head};
 
 /// An element, its attributes and its children, as words separated by blanks.
 struct Row(&'static str, &'static str, &'static str);
@@ -130,6 +132,43 @@ const ROWS: &[Row] = &[
     Row("StartValue", "ConstantName", ""),
     Row("Subelement", "Path", "StartValue"),
 ];
+
+/// How the elements of an export are spelt. Tag tables are spelt as their reader says.
+pub const GRAMMAR: Grammar = Grammar {
+    format: "an export of the TIA Portal",
+    parts,
+    everywhere: Names::Words(
+        "UId Informative ID Blank NewLine BlankLine Token Comment LineComment Title StepName TransitionName BooleanAttribute \
+         IntegerAttribute StringAttribute DateAttribute RealAttribute UnsignedAttribute AttributeList",
+    ),
+};
+
+/// The parts of an element.
+fn parts(node: Node) -> Option<Parts> {
+    let name = node.tag_name().name();
+    let none = Names::Words("");
+    let parent = node.parent_element().map_or("", |parent| parent.tag_name().name());
+    let children = match name {
+        _ if node.attribute("Informative").is_some_and(|value| value.eq_ignore_ascii_case("true")) => return None,
+        "SW.Tags.PlcTagTable" => return None,
+        _ if xml::is_block(name) || name == "SW.Blocks.CompileUnit" => {
+            Names::Words("AttributeList LinkList ObjectList")
+        }
+        "AttributeList" if xml::is_block(parent) => Names::List(block::SETTINGS),
+        "AttributeList" if parent == "SW.Blocks.CompileUnit" => Names::Words("NetworkSource ProgrammingLanguage"),
+        "ObjectList" if xml::is_block(parent) => Names::Words("MultilingualText SW.Blocks.CompileUnit"),
+        "NetworkSource" => Names::Words("FlgNet StructuredText StatementList Graph"),
+        _ if TEXTS.contains(&name) || name.contains("Alarm") => return None,
+        _ => match ROWS.iter().find(|row| row.0 == name) {
+            Some(Row(_, attributes, children)) => {
+                return Some(Parts { attributes: Names::Words(attributes), children: Names::Words(children) });
+            }
+            // The root, and elements that only hold others.
+            None => none,
+        },
+    };
+    Some(Parts { attributes: none, children })
+}
 
 /// Their meaning for the program is not known.
 #[derive(Clone, Copy, PartialEq, Eq)]

@@ -6,21 +6,11 @@
 use plcc_diag::{Code, Diagnostic, FileId, Severity, Span};
 use plcc_syntax::scl::fragment;
 
-use super::{GlobalConstant, Symbol, SymbolTable, lines, parse_address};
+use super::columns::{self, Columns};
+use super::{GlobalConstant, Symbol, SymbolTable, UnreadableRow, address_fault, lines, meant_address, parse_address};
 
 /// The text that the tool writes into an empty cell.
 const NO_VALUE: &str = "<No Value>";
-
-/// The meaning of the columns of a sheet.
-#[derive(Clone, Copy)]
-struct Columns {
-    name: usize,
-    ty: usize,
-    /// The address of a tag, or the value of a constant.
-    value: usize,
-    comment: Option<usize>,
-    constants: bool,
-}
 
 /// A cell: the byte where it begins, and its text.
 type Cell<'a> = (usize, &'a str);
@@ -65,14 +55,7 @@ fn sheets(text: &str) -> Vec<Sheet<'_>> {
 /// The columns that the first row names; `None`: the sheet has neither tags nor constants.
 fn columns(sheet: &Sheet) -> Option<Columns> {
     let (_, _, head) = sheet.rows.first()?;
-    let fold =
-        |text: &str| text.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect::<String>();
-    let column = |names: &[&str]| head.iter().position(|(_, cell)| names.contains(&fold(cell).as_str()));
-    let (name, ty) = (column(&["name"])?, column(&["datatype"])?);
-    let comment = column(&["comment"]);
-    let address = column(&["logicaladdress", "address"]);
-    let (value, constants) = address.map(|at| (at, false)).or_else(|| column(&["value"]).map(|at| (at, true)))?;
-    Some(Columns { name, ty, value, comment, constants })
+    columns::read(head.iter().map(|(_, cell)| *cell)).filter(|columns| columns.ty.is_some())
 }
 
 /// Reads the sheets.
@@ -80,6 +63,12 @@ pub fn parse(file: FileId, text: &str) -> (SymbolTable, Vec<Diagnostic>) {
     let mut table = SymbolTable::default();
     let mut diagnostics = Vec::new();
     for sheet in sheets(text) {
+        let head = sheet.rows.first().map_or(&[][..], |(_, _, head)| head.as_slice());
+        for (column, meant) in columns(&sheet).into_iter().flat_map(|columns| columns.misspelt) {
+            if let Some((at, cell)) = head.get(column) {
+                diagnostics.push(super::misspelt(Span::new(file, *at..at + cell.len()), cell, meant));
+            }
+        }
         let mut bad = |start: usize, number: &str, why: String| {
             let end = text[start..].find('\n').map_or(text.len(), |end| start + end);
             let title = format!("row {number} of the sheet `{}` cannot be read", sheet.name);
@@ -101,21 +90,23 @@ pub fn parse(file: FileId, text: &str) -> (SymbolTable, Vec<Diagnostic>) {
             }
             continue;
         };
+        let constants = columns.address.is_none();
+        let Some((ty, value)) = columns.ty.zip(columns.address.or(columns.value)) else { continue };
         for (start, number, cells) in sheet.rows.iter().skip(1) {
             let cell = |at: usize| cells.get(at).map_or((*start, ""), |(at, cell)| (*at, *cell));
-            let (name, (at, value)) = (cell(columns.name).1.trim(), cell(columns.value));
-            let ty = cell(columns.ty).1.trim().trim_matches('"').to_string();
+            let (name, (at, value)) = (cell(columns.name).1.trim(), cell(value));
+            let ty = cell(ty).1.trim().trim_matches('"').to_string();
             match (name.is_empty(), value.trim().is_empty()) {
                 // This includes a tag whose address was not entered.
                 (true, true) => continue,
-                (false, true) if !columns.constants => continue,
+                (false, true) if !constants => continue,
                 (true, false) => bad(*start, number, "the name is missing".to_string()),
                 (false, true) => bad(*start, number, format!("the constant `{name}` has no value")),
                 (false, false) => {
                     let place = cell(columns.name).0;
                     let span = Span::new(file, place..place + cell(columns.name).1.len());
                     let name = name.to_string();
-                    if columns.constants {
+                    if constants {
                         let (value, messages) = fragment::expression(file, text, at..at + value.len());
                         if messages.is_empty() {
                             table.constants.push(GlobalConstant { name, ty, value, span });
@@ -126,7 +117,15 @@ pub fn parse(file: FileId, text: &str) -> (SymbolTable, Vec<Diagnostic>) {
                         let comment = columns.comment.map_or("", |at| cell(at).1).trim().to_string();
                         table.symbols.push(Symbol { name, target, ty, comment, span });
                     } else {
-                        bad(*start, number, format!("`{}` is not an address", value.trim()));
+                        let reason = address_fault(value.trim());
+                        let end = text[*start..].find('\n').map_or(text.len(), |end| start + end);
+                        table.unreadable.push(UnreadableRow {
+                            name,
+                            reason: reason.clone(),
+                            meant: meant_address(value.trim()),
+                            span: Span::new(file, *start..end),
+                        });
+                        bad(*start, number, reason);
                     }
                 }
             }

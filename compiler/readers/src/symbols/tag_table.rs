@@ -3,12 +3,13 @@
 //!
 //! Source: LAD/FBD reference A.10.
 
+use crate::spelling::{self, Grammar, Names, Parts};
 use crate::xml::{self, child, elements, head, text_of};
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 use plcc_syntax::scl::fragment;
 use roxmltree::Node;
 
-use super::{GlobalConstant, Symbol, SymbolTable, parse_address};
+use super::{GlobalConstant, Symbol, SymbolTable, UnreadableRow, address_fault, meant_address, parse_address};
 
 /// Reads the tag tables of an export.
 pub fn parse(file: FileId, text: &str) -> (SymbolTable, Vec<Diagnostic>) {
@@ -16,8 +17,12 @@ pub fn parse(file: FileId, text: &str) -> (SymbolTable, Vec<Diagnostic>) {
     let mut diagnostics = Vec::new();
     match xml::parse(text) {
         Ok(document) => {
-            let mut reader = Reader { file, text, table: &mut table, diagnostics: &mut diagnostics };
             let root = document.root_element();
+            let misspelt = spelling::faults(file, &document, &GRAMMAR);
+            if !misspelt.is_empty() {
+                return (SymbolTable::default(), misspelt);
+            }
+            let mut reader = Reader { file, text, table: &mut table, diagnostics: &mut diagnostics };
             if xml::is_tag_table(root.tag_name().name()) {
                 reader.editor(root);
             }
@@ -30,6 +35,26 @@ pub fn parse(file: FileId, text: &str) -> (SymbolTable, Vec<Diagnostic>) {
         Err(error) => diagnostics.push(xml::broken(file, text, &error)),
     }
     (table, diagnostics)
+}
+
+/// How the elements of tag tables are spelt. Those of blocks in the same file have their own reader.
+const GRAMMAR: Grammar = Grammar { format: "a tag table of the TIA Portal", parts, everywhere: Names::Words("") };
+
+fn parts(node: Node) -> Option<Parts> {
+    let parent = node.parent_element().map_or("", |parent| parent.tag_name().name());
+    let children = match node.tag_name().name() {
+        name if xml::is_block(name) => return None,
+        name if name.starts_with("SW.Tags.") => "AttributeList LinkList ObjectList",
+        "ObjectList" if parent == "SW.Tags.PlcTagTable" => {
+            "SW.Tags.PlcTag SW.Tags.PlcUserConstant SW.Tags.PlcSystemConstant MultilingualText"
+        }
+        "AttributeList" if parent == "SW.Tags.PlcTag" => {
+            "DataTypeName LogicalAddress Name ExternalAccessible ExternalVisible ExternalWritable"
+        }
+        "AttributeList" if parent.starts_with("SW.Tags.") => "DataTypeName Name Value",
+        _ => "",
+    };
+    Some(Parts { attributes: Names::Words(""), children: Names::Words(children) })
 }
 
 struct Reader<'a> {
@@ -88,7 +113,7 @@ impl Reader<'_> {
                         let comment = attribute(&["remark", "comment"]);
                         self.table.symbols.push(Symbol { name, target, ty, comment, span });
                     }
-                    None => self.bad(span, format!("`{address}` is not an address")),
+                    None => self.bad_address(span, name, &address),
                 }
             } else if kind.eq_ignore_ascii_case("Constant") {
                 let Some(value) = row.attribute_node("value").or_else(|| row.attribute_node("Value")) else {
@@ -112,6 +137,13 @@ impl Reader<'_> {
         self.diagnostics.push(message.help("a tag has a name, a data type and an address such as `%I0.0`"));
     }
 
+    fn bad_address(&mut self, span: Span, name: String, address: &str) {
+        let reason = address_fault(address);
+        let meant = meant_address(address);
+        self.table.unreadable.push(UnreadableRow { name, reason: reason.clone(), meant, span });
+        self.bad(span, reason);
+    }
+
     fn tag(&mut self, row: Node) {
         let Row { name, ty, span } = self.row(row);
         let address_node = setting(row, "LogicalAddress");
@@ -127,7 +159,7 @@ impl Reader<'_> {
         let bare = address.trim_end_matches(":P");
         let Some(target) = parse_address(bare) else {
             let span = self.span_of(address_node, row);
-            return self.bad(span, format!("`{address}` is not an address"));
+            return self.bad_address(span, name, bare);
         };
         let comment = row.descendants().find(|node| xml::is(*node, "Text")).map(text_of).unwrap_or_default();
         self.table.symbols.push(Symbol { name, target, ty, comment, span });
@@ -203,7 +235,7 @@ mod damage {
         assert_eq!(told(&tag.replace("<Name>A</Name>", "")), ["a tag without a name"]);
         assert_eq!(told("<SW.Tags.PlcTag/>"), ["a tag without a name"]);
         assert_eq!(told(&tag.replace("<LogicalAddress>%I0.0</LogicalAddress>", "")), none, "never typed in");
-        assert_eq!(told(&tag.replace("%I0.0", "%I0.9")), ["`%I0.9` is not an address"]);
+        assert_eq!(told(&tag.replace("%I0.0", "%I0.9")), ["a byte has the bits 0 to 7, not 9"]);
         let constant = "<SW.Tags.PlcUserConstant><AttributeList><DataTypeName>Int</DataTypeName><Name>K</Name><Value>1</Value></AttributeList></SW.Tags.PlcUserConstant>";
         assert_eq!(told(constant), none);
         assert_eq!(told(&constant.replace("<Value>1</Value>", "<Value/>")), ["the constant `K` has no value"]);

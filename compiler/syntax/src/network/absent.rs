@@ -27,6 +27,16 @@ const ABSENT: &[Absent] = &[
         help: "compare with the elements EQ, NE, GT, LT, GE, LE, which take texts",
     },
     Absent {
+        names: &["JOIN"],
+        why: "plcc does not join the texts of an array",
+        help: "join them one by one in a FOR loop: `text := CONCAT(IN1 := text, IN2 := list[i])`",
+    },
+    Absent {
+        names: &["SPLIT"],
+        why: "plcc does not cut a text into the elements of an array",
+        help: "cut it in a loop: FIND gives the place of the separator, LEFT and MID the parts",
+    },
+    Absent {
         names: &["GetSymbolName", "GetSymbolPath", "GetSymbolForReference"],
         why: "the names of actual parameters are not in the compiled program",
         help: "add an input of type WString to the block and give it the name in each call; the name of the instance is `GetInstanceName(SIZE := 0)`",

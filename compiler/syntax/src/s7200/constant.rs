@@ -58,14 +58,8 @@ pub fn based(text: &str) -> Result<(u32, Option<Width>), ConstantError> {
         "W" | "WORD" | "INT" => Width::Word,
         "D" | "DW" | "DWORD" | "DINT" => Width::Dword,
         "T" | "TIME" | "S5T" | "S5TIME" => {
-            let time = duration::nanoseconds(rest, Smallest::Nanosecond, Fraction::Anywhere).ok();
-            let steps = |ns: i128| [1, 10, 100].map(|ms| (ns / (ms * 1_000_000)).to_string());
-            let help = match time.map(steps) {
-                Some([one, ten, hundred]) => format!(
-                    "a timer counts steps of 1, 10 or 100 ms, as its number says: {rest} are {one}, {ten} or {hundred} steps"
-                ),
-                None => "a timer counts steps of 1, 10 or 100 ms, as its number says".to_string(),
-            };
+            let help = steps(rest)
+                .unwrap_or_else(|| "a timer counts steps of 1, 10 or 100 ms, as its number says".to_string());
             return Err(malformed("the S7-200 has no constants of time", help));
         }
         _ => {
@@ -166,6 +160,15 @@ pub fn is_symbol(inner: &str) -> bool {
     inner.chars().all(letter)
         && (1..=23).contains(&inner.chars().count())
         && !inner.starts_with(|c: char| c.is_ascii_digit())
+}
+
+/// How many steps of a timer a time such as `5s` is, as help.
+pub fn steps(text: &str) -> Option<String> {
+    let time = duration::nanoseconds(text, Smallest::Nanosecond, Fraction::Anywhere).ok()?;
+    let [one, ten, hundred] = [1, 10, 100].map(|ms| (time / (ms * 1_000_000)).to_string());
+    Some(format!(
+        "a timer counts steps of 1, 10 or 100 ms, as its number says: {text} are {one}, {ten} or {hundred} steps"
+    ))
 }
 
 #[cfg(test)]

@@ -53,8 +53,41 @@ impl Place<Tok<'_>, Mnemonics> for Recovery {
             let between = here.and_then(|(start, ..)| state.text.get(*end..*start)).unwrap_or_default();
             *token != Tok::End && !between.contains(['\n', '\r'])
         });
+        if let (Recovery::Statement(insn), Some((start, _, end))) = (self, here)
+            && let Some(told) = slip(state, insn, *start..*end, before)
+        {
+            return told;
+        }
         state.misplaced(code, what, here.map(range), follows.map(range), before.map_or(found..found, range)).help(help)
     }
+}
+
+/// `LDW=> VW0, 5`, `LD I0.0 = Q0.0`, `LD I0.0 ; text`: a form with only one meaning. `range`: the token that does not fit.
+fn slip(state: &State, insn: Insn, range: Range<usize>, before: Option<&Spanned>) -> Option<Diagnostic> {
+    let text = state.text.get(range.clone())?;
+    let line = state.text[range.end..].find(['\n', '\r']).map_or(state.text.len(), |length| range.end + length);
+    let rest = state.text[range.end..line].trim();
+    let mnemonic = insn.mnemonic(state.rules);
+    let told = |range: Range<usize>, title: &str, help: String| {
+        Some(Diagnostic::new(Code::ForeignForm, state.span(range), title).label("a form of other languages").help(help))
+    };
+    if let (">" | "<", Some(stem)) = (text, mnemonic.strip_suffix('=')) {
+        let title = if text == ">" { "greater or equal is `>=`" } else { "less or equal is `<=`" };
+        return told(range, title, format!("write `{stem}{text}=`"));
+    }
+    if text == "=" && !rest.is_empty() {
+        return told(
+            range,
+            "an assignment is a statement of its own",
+            format!("write `= {rest}` in a line of its own"),
+        );
+    }
+    let (start, token, _) = before?;
+    if *token == Tok::Semicolon {
+        let comment = state.text[range.start..line].trim();
+        return told(*start..line, "a comment begins with `//`", format!("write `// {comment}`"));
+    }
+    None
 }
 
 /// How many operands a statement has, as help.

@@ -87,6 +87,16 @@ pub fn unknown(span: Span, word: &str, text: &str, set: Mnemonics) -> Diagnostic
     if let Some((_, help)) = FROM_S7_300.iter().find(|(known, _)| *known == word) {
         return from_s7_300(span, text).help(*help);
     }
+    if is_of_scl(word) {
+        return Diagnostic::new(Code::ForeignLanguage, span, format!("`{text}` begins a statement of SCL"))
+            .label("the S7-200 has STL only")
+            .help("write contacts and coils, as `LD I0.0` and `= Q0.0`; `JMP 1` and `LBL 1` replace IF");
+    }
+    if address::parse(word).is_some_and(|address| address.is_ok()) {
+        return Diagnostic::new(Code::Syntax, span, format!("`{text}` cannot begin a statement"))
+            .label("an address")
+            .help(format!("a statement begins with an instruction: write `= {text}` after the contacts that give its value, or move one with MOVW"));
+    }
     let diagnostic = Diagnostic::new(Code::UnknownInstruction, span, format!("the S7-200 has no instruction `{text}`"));
     if let Some(statement) = aliases::statement_of_box(word) {
         return diagnostic
@@ -95,6 +105,9 @@ pub fn unknown(span: Span, word: &str, text: &str, set: Mnemonics) -> Diagnostic
     }
     if let Some((_, help)) = SLIPS.iter().find(|(slip, _)| *slip == word) {
         return diagnostic.label("not a mnemonic").help(*help);
+    }
+    if let Some(written) = word_comparison(word) {
+        return diagnostic.label("not a mnemonic").help(format!("write `{written}`, which compares words"));
     }
     if let Some(at) = glued(word) {
         let (mnemonic, operand) = text.split_at_checked(at).unwrap_or((text, ""));
@@ -116,6 +129,34 @@ pub fn unknown(span: Span, word: &str, text: &str, set: Mnemonics) -> Diagnostic
 fn from_s7_300(span: Span, text: &str) -> Diagnostic {
     Diagnostic::new(Code::UnknownInstruction, span, format!("`{text}` is an instruction of S7-300/400"))
         .label("the S7-200 does not have it")
+}
+
+/// Words that begin and end statements of SCL, and are no instructions of the S7-200.
+fn is_of_scl(word: &str) -> bool {
+    const WORDS: [&str; 14] = [
+        "IF",
+        "ELSIF",
+        "ELSE",
+        "END_IF",
+        "END_FOR",
+        "WHILE",
+        "END_WHILE",
+        "REPEAT",
+        "UNTIL",
+        "END_REPEAT",
+        "CASE",
+        "END_CASE",
+        "RETURN",
+        "EXIT",
+    ];
+    WORDS.contains(&word)
+}
+
+/// `LDI=` for `LDW=`: a comparison of words as other controllers name it.
+fn word_comparison(word: &str) -> Option<String> {
+    let (letters, sign) = word.split_at(word.find(['=', '<', '>'])?);
+    let load = letters.strip_suffix('I').filter(|load| matches!(*load, "LD" | "A" | "O"))?;
+    matches!(sign, "=" | "<>" | ">" | "<" | ">=" | "<=").then(|| format!("{load}W{sign}"))
 }
 
 /// Where the mnemonic ends in `LDI0.0`.

@@ -3,6 +3,7 @@
 //! ```text
 //! raw tokens ──► raw tokens of SCL, and a message for each repair
 //!              words.rs: THENN, ENDIF, UND, break          signs.rs: ==, &&, i++, 0x1F, { }          foreign.rs: METHOD, LOOP, N7:0
+//!              statements.rs: let x = 5, do … while, (INT)x
 //! ```
 //!
 //! Each rule looks for something that is wrong in SCL wherever it is, so correct sources pass unchanged; most have no repairs at all, and
@@ -11,6 +12,7 @@
 mod foreign;
 mod heads;
 mod signs;
+mod statements;
 mod words;
 
 use std::collections::{HashMap, HashSet};
@@ -149,7 +151,8 @@ impl<'t> Repair<'t> {
                 }
                 Area::Declarations => self.declaration_token(token),
                 Area::Statements => {
-                    if !(self.foreign(token)
+                    if !(self.commented_divisor(token)
+                        || self.foreign(token)
                         || self.hyphenated_use(token)
                         || self.repair_word(token)
                         || self.repair_head(token)
@@ -174,6 +177,7 @@ impl<'t> Repair<'t> {
                 || self.pascal(token)
                 || self.endless(token)
                 || self.short_circuit(token)
+                || self.foreign_statement(token)
                 || self.bare_argument(token)
                 || self.cast(token)
                 || self.file_address(token)

@@ -177,6 +177,22 @@ fn begins(token: &Tok) -> bool {
 
 fn statement_error(state: &State, index: usize, at: Option<&Spanned>, before: Option<&Spanned>) -> Diagnostic {
     let incomplete = at.is_none_or(|(start, token, end)| start == end || ends(token));
+    if let Some(told) = negated_operand(state, index, before) {
+        return told;
+    }
+    // `=I`
+    if incomplete
+        && let (Some((start, Tok::Area(..), end)), Some((sign, Tok::Insn(_), sign_end))) =
+            (before, index.checked_sub(2).and_then(|first| state.tokens.get(first)))
+        && sign_end == start
+        && &state.text[*sign..*sign_end] == "="
+        && matches!(&state.text[*start..*end], "I" | "i" | "D" | "d")
+    {
+        let written = &state.text[*sign..*end];
+        return Diagnostic::new(Code::ForeignForm, state.span(*sign..*end), format!("a comparison is `={written}`"))
+            .label("`=` writes a bit")
+            .help(format!("write `={written}`"));
+    }
     match before.map(|(_, token, _)| token) {
         Some(Tok::Area(_, width)) if incomplete => {
             let example = if width.bits() == 1 { "0.0" } else { "10" };
@@ -225,6 +241,28 @@ fn statement_error(state: &State, index: usize, at: Option<&Spanned>, before: Op
         _ => "a statement is: label `:`, mnemonic, operand, and `;` or the end of the line".to_owned(),
     };
     message(state, at, before, Code::Syntax, "statement").help(help)
+}
+
+/// `A NOT #a`
+fn negated_operand(state: &State, index: usize, before: Option<&Spanned>) -> Option<Diagnostic> {
+    let (start, _, end) = before?;
+    let word = &state.text[*start..*end];
+    let insn = match state.tokens.get(index.checked_sub(2)?)? {
+        (_, Tok::Insn(insn), _) => insn.mnemonic(state.rules),
+        _ => return None,
+    };
+    let operand = state.tokens.get(index).filter(|(start, _, end)| start < end)?;
+    if !word.eq_ignore_ascii_case("NOT") || !matches!(insn, "A" | "AN" | "O" | "ON" | "X" | "XN" | "U" | "UN") {
+        return None;
+    }
+    let meant = insn.strip_suffix('N').map_or_else(|| format!("{insn}N"), str::to_owned);
+    let line = state.text[operand.0..].find(['\n', ';', '/']).map_or(state.text.len(), |length| operand.0 + length);
+    let operand = state.text[operand.0..line].trim();
+    Some(
+        Diagnostic::new(Code::ForeignForm, state.span(*start..*end), "a negation is a part of the instruction")
+            .label("a form of other languages")
+            .help(format!("write `{meant} {operand}`")),
+    )
 }
 
 /// `A I 0.0 AND I 0.1`: the rest is a statement of its own.

@@ -62,8 +62,33 @@ const KNOWN_SLIPS: &[(&str, &str)] = &[
     ("ANDN", "write `AN`"),
     ("ORN", "write `ON`"),
     ("STN", "write `NOT` and `=`"),
+    ("JE", "write `JC`, which jumps if the comparison before it is true"),
+    ("JNE", "write `JCN`, which jumps if the comparison before it is false"),
+    ("JNZ", "write `JN`"),
+    ("SR", "write `S` and `R`, each with its conditions before it"),
+    ("RS", "write `R` and `S`, each with its conditions before it"),
+    ("RES", "write `R`"),
+    ("RST", "write `R`"),
+    ("RESET", "write `R`"),
+    ("SHL", "write `SLW` for a word, `SLD` for a double word"),
+    ("SHR", "write `SRW` or `SRD`; with the sign `SSI` or `SSD`"),
+    ("ROL", "write `RLD`"),
+    ("ROR", "write `RRD`"),
+    ("NEG", "write `NEGI`, `NEGD` or `NEGR`"),
+    ("ITR", "write `ITD` and `DTR`"),
+    ("INT_TO_REAL", "write `ITD` and `DTR`"),
+    ("DINT_TO_REAL", "write `DTR`"),
+    ("RTI", "write `RND`, which makes a DINT"),
+    ("RTD", "write `RND`"),
+    ("ROUND", "write `RND`"),
+    ("SWAP", "write `CAW` for a word, `CAD` for a double word"),
     ("CALC", "write `CC`, or jump around `CALL`"),
 ];
+
+/// Whether a hint for exactly this word is known (upper case).
+pub fn is_known(word: &str) -> bool {
+    KNOWN_SLIPS.iter().any(|(slip, _)| *slip == word)
+}
 
 /// What to write instead of `word` (upper case; `text` as written).
 pub fn instruction(word: &str, text: &str, set: Mnemonics) -> String {

@@ -94,6 +94,7 @@ impl Declarations<'_> {
         key: BlockKey,
         bound: &BoundInterface,
         (name, span): (&str, Span),
+        supplied: &[&str],
     ) -> Option<String> {
         let block = self.globals.library_block(key);
         let is_own = |name: &&str| !block.is_some_and(|block| plcc_stdlib::is_shared_input(block, name));
@@ -105,7 +106,9 @@ impl Declarations<'_> {
         )
         .label("no such parameter");
         let is_static = bound.locals.contains_key(&fold(name));
-        let meant = similar(name, names()).filter(|_| !is_static);
+        // Those that the call supplies are not meant.
+        let is_free = |name: &&str| !supplied.iter().any(|other| other.eq_ignore_ascii_case(name));
+        let meant = similar(name, names().filter(is_free)).filter(|_| !is_static);
         self.report(match meant {
             _ if is_static => message.help("it is static or temporary data of the block, which a call cannot supply"),
             Some(other) => message.help(format!("is `{other}` meant?")),

@@ -26,7 +26,8 @@ pub mod types;
 
 use std::rc::Rc;
 
-use plcc_diag::Diagnostic;
+use plcc_diag::{Diagnostic, FileId};
+use plcc_syntax::Elementary;
 use rustc_hash::FxHashMap;
 
 use crate::bind::globals::Globals;
@@ -51,7 +52,12 @@ pub struct Declarations<'a> {
     pub interfaces: FxHashMap<BlockKey, State<Option<Rc<BoundInterface>>>>,
     pub data: DataBlocks,
     pub pointers: InstancePointers,
+    /// The declared types of numbers that statements in STL load and transfer, for the review.
+    pub numbers: NumberTypes,
 }
+
+/// Types of numbers by the file and the end of the operand that names one.
+pub type NumberTypes = FxHashMap<(FileId, u32), Elementary>;
 
 impl<'a> Declarations<'a> {
     pub fn new(input: &'a BindInput<'a>) -> Declarations<'a> {
@@ -61,6 +67,7 @@ impl<'a> Declarations<'a> {
             interfaces: FxHashMap::default(),
             data: DataBlocks::default(),
             pointers: InstancePointers::default(),
+            numbers: NumberTypes::default(),
         }
     }
 

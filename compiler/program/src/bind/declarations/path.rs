@@ -446,8 +446,18 @@ pub(crate) fn no_component(name: &str, ty: &DataType, span: Span) -> Diagnostic 
         {
             told.help(format!("a part of a variable has `%` before it: write `.%{}`", name.to_ascii_uppercase()))
         }
+        DataType::String(_) | DataType::WideString(_) if is_length(name) => {
+            told.help("the number of characters is `LEN(…)`, with the name of the text in the brackets")
+        }
+        DataType::Array(_) if is_length(name) => told
+            .help("the number of elements is `UPPER_BOUND(ARR := …, DIM := 1) - LOWER_BOUND(ARR := …, DIM := 1) + 1`"),
         _ => told,
     }
+}
+
+/// What other languages call the length of a text or an array.
+fn is_length(name: &str) -> bool {
+    ["length", "len", "size", "count"].iter().any(|known| known.eq_ignore_ascii_case(name))
 }
 
 /// The message for more or fewer indices than an array has dimensions.

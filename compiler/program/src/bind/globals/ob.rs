@@ -40,7 +40,10 @@ impl Globals<'_> {
                             format!("`{text}` is not a class of organization blocks"),
                         )
                         .label(format!("it is not known what starts OB {number}"))
-                        .help(format!("one of {}", names.join(", "))),
+                        .help(match plcc_binding::similar(text, names.iter().copied()) {
+                            Some(meant) => format!("is `{meant}` meant?"),
+                            None => format!("one of {}", names.join(", ")),
+                        }),
                     );
                 }
                 Some(class) if !class.is_started() => {

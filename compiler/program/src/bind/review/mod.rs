@@ -4,6 +4,7 @@
 //!
 //! - [`stl`]: labels, unreachable statements, timers and assignments in STL; [`tree`]: labels and unreachable statements in the other
 //!   languages.
+//! - [`numbers`]: whole numbers and REALs in one calculation in STL.
 //! - [`temporary`]: temporary data that is read before it is written.
 //! - [`assigned`]: variables in SCL that are assigned again before anything reads them.
 //! - [`outputs`]: outputs that two blocks assign in one cycle.
@@ -11,6 +12,7 @@
 //! - [`timers`]: IEC timers without a time.
 
 mod assigned;
+mod numbers;
 mod outputs;
 mod overlaps;
 mod region;
@@ -46,6 +48,7 @@ pub fn review(program: &mut Declarations, blocks: &[CodeBlock], mains: &[BlockKe
                 stl::labels(statements, sources, &mut found);
                 stl::unreachable(statements, &mut found);
                 stl::values(statements, sources, &mut found);
+                numbers::review(statements, &program.numbers, sources, &mut found);
             }
             Body::Scl(body) if *language != Language::Chart => {
                 tree::labels(body, sources, &mut found);

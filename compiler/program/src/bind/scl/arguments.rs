@@ -51,7 +51,7 @@ impl SclBinder<'_, '_> {
         for (at, argument) in given.iter().enumerate() {
             let index = match (&positions, &argument.name) {
                 (Some(positions), _) => positions[at],
-                (None, Some(formal)) => match self.formal(key, bound, formal, argument.output) {
+                (None, Some(formal)) => match self.formal(key, bound, formal, argument.output, given) {
                     Formal::Parameter(index) => index,
                     Formal::Enable => {
                         good &= self.enable(ctx, &mut list, argument).is_some();
@@ -70,6 +70,7 @@ impl SclBinder<'_, '_> {
                 },
                 (None, None) => {
                     good = false;
+                    misspelt.push(String::new());
                     self.mixed_arguments(argument.span);
                     continue;
                 }
@@ -93,6 +94,7 @@ impl SclBinder<'_, '_> {
                 good = false;
                 self.wrong_arrow(key, formal, argument);
             }
+
             let Some(value) = &argument.value else {
                 if argument.output || formal.direction == Direction::Output {
                     seen.insert(index, span);
@@ -104,7 +106,15 @@ impl SclBinder<'_, '_> {
             };
             seen.insert(index, span);
             match self.actual(ctx, key, formal, value) {
-                Some(actual) => list.arguments.push(Argument { parameter: index, actual, span: value.span }),
+                Some(actual) => {
+                    let named = argument.name.is_some() && ctx.scope.rules != Rules::Classic;
+                    // A pointer is handed over with either sign.
+                    let is_value = matches!(formal.ty, DataType::Elementary(_));
+                    if named && !argument.output && is_value && formal.direction == Direction::Output {
+                        self.output_with_assign(key, formal, argument);
+                    }
+                    list.arguments.push(Argument { parameter: index, actual, span: value.span });
+                }
                 None => good = false,
             }
         }
@@ -115,7 +125,7 @@ impl SclBinder<'_, '_> {
     }
 
     /// The meaning of an argument's name.
-    fn formal(&mut self, key: BlockKey, bound: &BoundInterface, name: &Name, output: bool) -> Formal {
+    fn formal(&mut self, key: BlockKey, bound: &BoundInterface, name: &Name, output: bool, given: &[Given]) -> Formal {
         let folded = fold(&name.text);
         let instance = matches!(key.kind, BlockKind::Sfb).then_some((true, key.number));
         let own = plcc_stdlib::own_member(instance, &name.text).map_or_else(|| folded.clone(), fold);
@@ -141,7 +151,11 @@ impl SclBinder<'_, '_> {
                 );
                 Formal::Unknown(None)
             }
-            _ => Formal::Unknown(self.program.unknown_parameter(key, bound, (&name.text, name.span))),
+            _ => {
+                let supplied: Vec<&str> =
+                    given.iter().filter_map(|other| other.name.as_ref()).map(|other| other.text.as_str()).collect();
+                Formal::Unknown(self.program.unknown_parameter(key, bound, (&name.text, name.span), &supplied))
+            }
         }
     }
 
@@ -207,6 +221,17 @@ impl SclBinder<'_, '_> {
         );
     }
 
+    /// `Q := x` for an output, which STEP 7 V5 writes like that for functions.
+    fn output_with_assign(&mut self, key: BlockKey, formal: &Parameter, argument: &Given) {
+        let given = argument.value.as_ref().map_or("…".to_string(), |value| self.program.globals.text(value.span));
+        let title = format!("`{}` of {} is an output", formal.name, self.program.globals.shown(key));
+        self.program.report(
+            Diagnostic::new(Code::Tolerated, argument.span, title)
+                .label("read as `=>`")
+                .help(format!("write `{} => {given}`", formal.name)),
+        );
+    }
+
     /// `EN := condition`.
     fn enable(&mut self, ctx: &mut SclBlock, list: &mut Arguments, argument: &Given) -> Option<()> {
         let value = argument.value.as_ref()?;
@@ -256,7 +281,7 @@ impl SclBinder<'_, '_> {
                 Direction::Input | Direction::Output | Direction::InOut => missing.push(&formal.name),
             }
         }
-        if !dropped.is_empty() {
+        if !dropped.is_empty() && misspelt.is_empty() {
             let mut message = Diagnostic::new(
                 Code::MissingParameter,
                 name,

@@ -106,6 +106,30 @@ impl SclBinder<'_, '_> {
         }
     }
 
+    /// `1 OR 2:` is the value 3.
+    fn joined_values(&mut self, ctx: &SclBlock, node: &Node) {
+        let NodeKind::Binary { op: BinaryOp::Or | BinaryOp::And | BinaryOp::Xor, left, right, .. } = &node.kind else {
+            return;
+        };
+        // Bits are written in hexadecimal, and may be joined.
+        let is_value = |node: &Node| match &node.kind {
+            NodeKind::Literal(Literal::Integer { based, .. }) => !based,
+            NodeKind::Name(_) | NodeKind::Binary { .. } => true,
+            _ => false,
+        };
+        if !is_value(left) || !is_value(right) {
+            return;
+        }
+        let text = |node: &Node| self.program.globals.text(node.span);
+        let (text, first, second) = (text(node), text(left), text(right));
+        let title = match self.program.globals.constant(&ctx.block.bound.constants, node) {
+            Some(Constant::Integer { value, .. }) => format!("`{text}` is the value {value}"),
+            _ => format!("`{text}` is one value"),
+        };
+        let help = format!("several values are separated by `,`: `{first}, {second}:`");
+        self.refuse(Code::CaseValue, node.span, &title, "the bits of both, joined", &help);
+    }
+
     /// A label as a number of the selector's type.
     fn case_value(&mut self, ctx: &mut SclBlock, node: &Node, ty: Elementary, of_types: bool) -> Option<i128> {
         if of_types && let Some(Constant::Typed { bits, .. }) = self.named_type_number(ctx, node) {
@@ -113,6 +137,7 @@ impl SclBinder<'_, '_> {
         }
         let value = self.program.globals.constant(&ctx.block.bound.constants, node)?;
         self.subtracted_range(node);
+        self.joined_values(ctx, node);
         let (least, most) = constant::range(ty);
         match &value {
             // Bits of a signed number, as 16#FFFF for -1.

@@ -321,6 +321,14 @@ impl SclBinder<'_, '_> {
     pub(super) fn operator_types(&mut self, op_span: Span, left: &Value, right: &Value, help: &str) {
         let op = self.program.globals.text(op_span);
         let (left_is, right_is) = (message::described(left), message::described(right));
+        let joined = op == "+"
+            && !help.contains("CONCAT")
+            && [&left_is, &right_is].iter().any(|is| is.contains("STRING") || is.contains("a text"));
+        let of_texts = joined.then(|| {
+            let text = |value: &Value| self.program.globals.text(value.span());
+            format!("texts are joined with `CONCAT(IN1 := {}, IN2 := {})`", text(left), text(right))
+        });
+        let help = of_texts.as_deref().unwrap_or(help);
         self.program.report(
             Diagnostic::new(
                 Code::TypeMismatch,

@@ -5,7 +5,7 @@
 //! nor a conversion is a block of the standard library.
 //! Source: SCL reference, functions.
 
-use plcc_diag::Span;
+use plcc_diag::{Code, Span};
 use plcc_syntax::Elementary;
 use plcc_syntax::scl::ast::Argument as Given;
 
@@ -257,6 +257,20 @@ pub fn names() -> impl Iterator<Item = &'static str> {
 }
 
 impl SclBinder<'_, '_> {
+    /// Reports a wrong name of the only input of a conversion; false: there is none.
+    fn misnamed_input(&mut self, ctx: &mut SclBlock, given: &[Given], called: Span) -> bool {
+        // `OUT` and others of conversions of texts have their own checks.
+        let [Given { name: Some(name), output: false, value: Some(value), .. }] = given else { return false };
+        if ["IN", "EN", "ENO"].iter().any(|known| known.eq_ignore_ascii_case(&name.text)) {
+            return false;
+        }
+        let title = format!("{} has no parameter `{}`", self.program.globals.text(called), name.text);
+        let help = format!("write `IN := {}`, or the value alone", self.program.globals.text(value.span));
+        self.refuse(Code::UnknownParameter, name.span, &title, "a conversion has the input IN", &help);
+        self.note_arguments(ctx, given);
+        true
+    }
+
     /// Binds the call of a function of the language.
     pub fn function(
         &mut self,
@@ -269,6 +283,9 @@ impl SclBinder<'_, '_> {
     ) -> Option<Value> {
         let (row, suffix) = match named {
             Named::Row { row, suffix } => (*row, *suffix),
+            Named::Convert { .. } | Named::Bcd(_) | Named::Text(_) if self.misnamed_input(ctx, given, name) => {
+                return None;
+            }
             Named::Convert { from, to } => return self.conversion(ctx, *from, *to, given, span),
             Named::Bcd(name) => return self.bcd_conversion(ctx, name, given, span),
             Named::Text(function) => return self.text_conversion(ctx, function, given, name, span),

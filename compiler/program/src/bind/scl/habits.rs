@@ -10,7 +10,7 @@ use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::fold;
 
 /// Functions of other languages, and what a program of a PLC does instead.
-const FUNCTIONS: [(&[&str], &str); 4] = [
+const FUNCTIONS: [(&[&str], &str); 13] = [
     (
         &["printf", "print", "println", "puts", "echo", "writeln", "write", "cout"],
         "a PLC has no console: assign the value to a variable, and watch it in a watch table or in the trace",
@@ -23,6 +23,24 @@ const FUNCTIONS: [(&[&str], &str); 4] = [
         &["malloc", "alloc", "free", "new", "append", "push"],
         "memory of a PLC is fixed: declare an ARRAY with the most elements that you need",
     ),
+    (&["pow", "power"], "write the operator `**`, as in `a ** b`"),
+    (
+        &["sizeof"],
+        "SCL knows no sizes in bytes: count elements with `CountOfElements`, or write the number as a constant",
+    ),
+    (
+        &["adr", "bitadr"],
+        "SCL has no addresses of variables: hand the variable itself to a parameter VAR_IN_OUT or VARIANT, or use `REF(…)`",
+    ),
+    (&["str", "itoa", "to_str", "tostring"], "write the conversion, as in `INT_TO_STRING(…)` or `REAL_TO_STRING(…)`"),
+    (&["atoi", "parseint", "atof", "val"], "write the conversion, as in `STRING_TO_INT(…)` or `STRING_TO_REAL(…)`"),
+    (&["strlen"], "the number of characters is `LEN(…)`"),
+    (&["strcat"], "texts are joined by `CONCAT(IN1 := …, IN2 := …)`"),
+    (
+        &["strcpy", "memcpy", "memset"],
+        "assign the variable as a whole with `:=`, or copy elements with MOVE_BLK, fill them with FILL_BLK",
+    ),
+    (&["fabs", "labs"], "write `ABS(…)`, for all numbers"),
     (&["rand", "random"], "calculate numbers of your own, as in `seed := seed * 25173 + 13849;` with a UINT"),
 ];
 

@@ -53,7 +53,16 @@ impl SclBinder<'_, '_> {
             }
             other => {
                 let label = format!("the name before it is of type {}", layout::type_name(&other));
-                self.refuse(Code::UnknownMember, span, "this is not an array", &label, "");
+                let text = self.program.globals.text(span);
+                let help = match (&other, text.strip_suffix(']').and_then(|text| text.rsplit_once('['))) {
+                    (DataType::Elementary(ty), Some((name, bit)))
+                        if ty.class() == Class::Bits && bit.trim().parse::<u32>().is_ok_and(|bit| bit < ty.bits()) =>
+                    {
+                        format!("a bit of it is `{name}.%X{}`", bit.trim())
+                    }
+                    _ => String::new(),
+                };
+                self.refuse(Code::UnknownMember, span, "this is not an array", &label, &help);
                 None
             }
         }

@@ -32,6 +32,15 @@ impl Pin {
         self.names.split('|').next().unwrap_or(self.names)
     }
 
+    /// Its name in a list; of numbered pins the first two.
+    fn shown(self) -> String {
+        let stem = self.name().trim_end_matches(|letter: char| letter.is_ascii_digit());
+        match self.name()[stem.len()..].parse::<usize>() {
+            Ok(first) if self.numbered => format!("{}, {stem}{} …", self.name(), first + 1),
+            _ => self.name().to_string(),
+        }
+    }
+
     /// Position among numbered pins, 0 for others; `None`: another pin.
     fn matches(self, name: &str) -> Option<usize> {
         if !self.numbered {
@@ -68,6 +77,17 @@ impl<'n> Pins<'n> {
         self.given.iter().find(|(name, ..)| *name == pin).map(|(.., node)| *node)
     }
 
+    /// The name of a numbered pin without an argument, below one that has an argument.
+    fn gap(&self, pin: Pin) -> Option<String> {
+        let numbers =
+            || self.given.iter().filter(|(name, ..)| pin.numbered && *name == pin.name()).map(|(_, at, _)| *at);
+        let count = numbers().count();
+        let missing = (0..count).find(|wanted| numbers().all(|at| at != *wanted))?;
+        let stem = pin.name().trim_end_matches(|letter: char| letter.is_ascii_digit());
+        let first: usize = pin.name()[stem.len()..].parse().ok()?;
+        Some(format!("{stem}{}", first + missing))
+    }
+
     /// The arguments of numbered pins, in order of their numbers.
     pub fn numbered(&self, first: &str) -> Vec<&'n Node> {
         let mut list: Vec<(usize, &Node)> =
@@ -89,13 +109,14 @@ impl SclBinder<'_, '_> {
                 pins.eno = argument.value.as_ref().filter(|value| !names_eno(ctx, value));
                 continue;
             }
-            let Some((pin, number)) = self.pin(ctx, row, &list, argument, at, &mut good) else { continue };
+            let Some((pin, number)) = self.pin(ctx, (row, name), &list, given, at, &mut good) else { continue };
             let span = argument.name.as_ref().map_or(argument.span, |name| name.span);
             if pins.given.iter().any(|(name, other, _)| *name == pin.name() && *other == number) {
                 good = false;
                 self.program.report(
                     Diagnostic::new(Code::DuplicateParameter, span, format!("`{}` is given twice", pin.name()))
-                        .label("the second time"),
+                        .label("the second time")
+                        .help("remove one of them, or correct its name"),
                 );
                 continue;
             }
@@ -128,6 +149,15 @@ impl SclBinder<'_, '_> {
                 .help(format!("add `{} := ...`", missing[0])),
             );
         }
+        if good && let Some(omitted) = list.iter().find_map(|pin| pins.gap(*pin)) {
+            good = false;
+            let title = format!("the call of {} omits {omitted}", self.program.globals.text(name));
+            self.program.report(
+                Diagnostic::new(Code::MissingParameter, name, title)
+                    .label("its inputs are numbered without a gap")
+                    .help(format!("add `{omitted} := …`, or correct the numbers of the others")),
+            );
+        }
         if !good {
             self.note_arguments(ctx, given);
         }
@@ -138,12 +168,13 @@ impl SclBinder<'_, '_> {
     fn pin(
         &mut self,
         ctx: &SclBlock,
-        row: &Row,
+        (row, called): (&Row, Span),
         list: &[Pin],
-        argument: &Given,
+        given: &[Given],
         at: usize,
         good: &mut bool,
     ) -> Option<(Pin, usize)> {
+        let argument = &given[at];
         let Some(name) = &argument.name else {
             // The other arguments belong to numbered pins.
             let first = list.iter().position(|pin| pin.numbered);
@@ -154,8 +185,17 @@ impl SclBinder<'_, '_> {
             if found.is_none() {
                 *good = false;
                 self.program.report(
-                    Diagnostic::new(Code::SurplusOperand, argument.span, format!("{} has no such argument", row.name))
-                        .label(format!("its arguments are {}", list.len())),
+                    Diagnostic::new(
+                        Code::SurplusOperand,
+                        argument.span,
+                        match list.iter().filter(|pin| !pin.optional).count() {
+                            0 => format!("{} has no arguments", row.name),
+                            1 => format!("{} has 1 argument", row.name),
+                            count => format!("{} has {count} arguments", row.name),
+                        },
+                    )
+                    .label("one more")
+                    .help(format!("remove `{}`", self.program.globals.text(argument.span))),
                 );
             }
             return found;
@@ -172,11 +212,15 @@ impl SclBinder<'_, '_> {
         let message = Diagnostic::new(
             Code::UnknownParameter,
             name.span,
-            format!("{} has no parameter `{}`", row.name, name.text),
+            format!("{} has no parameter `{}`", self.program.globals.text(called).to_ascii_uppercase(), name.text),
         )
         .label("no such parameter");
-        let names = list.iter().map(|pin| pin.name());
-        let all: Vec<&str> = names.clone().collect();
+        // Those that the call supplies are not meant.
+        let supplied = |pin: &Pin| {
+            given.iter().filter_map(|other| other.name.as_ref()).any(|other| pin.matches(&other.text).is_some())
+        };
+        let names = list.iter().filter(|pin| !supplied(pin)).map(|pin| pin.name());
+        let all: Vec<String> = list.iter().map(|pin| pin.shown()).collect();
         self.program.report(match similar(&name.text, names) {
             _ if eno => message.help("read `ENO` in the statement after it"),
             Some(other) => message.help(format!("is `{other}` meant?")),

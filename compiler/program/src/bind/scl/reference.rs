@@ -4,8 +4,8 @@
 //! can be referenced, so one stays valid. REFERENCE_OF of the library makes it from a VARIANT. Source: S7-1500 information system, references.
 
 use plcc_diag::{Code, Span};
-use plcc_syntax::Elementary;
 use plcc_syntax::scl::ast::{Argument, AssignOp, Expr as Node, ExprKind as NodeKind, Literal, Name, NameForm};
+use plcc_syntax::{Class, Elementary};
 
 use super::Intent;
 use super::expression::constant_expr;
@@ -104,7 +104,20 @@ impl SclBinder<'_, '_> {
         self.program.globals.report.diagnostics.truncate(told);
         let Some(to) = target_of(&access.ty).cloned() else {
             let is = format!("of type {}", layout::type_name(&access.ty));
-            self.wrong_type(target.span, &is, "a reference (REF_TO)", None);
+            let nothing = match &access.ty {
+                DataType::Elementary(Elementary::Bool) => Some("FALSE"),
+                DataType::Elementary(Elementary::Time) => Some("T#0s"),
+                DataType::Elementary(ty) if ty.class() == Class::Float => Some("0.0"),
+                DataType::Elementary(ty) if matches!(ty.class(), Class::Signed | Class::Unsigned | Class::Bits) => {
+                    Some("0")
+                }
+                DataType::String(_) => Some("''"),
+                _ => None,
+            };
+            let text = self.program.globals.text(target.span);
+            let help =
+                nothing.filter(|_| null).map(|value| format!("NULL is for references: write `{text} := {value};`"));
+            self.wrong_type(target.span, &is, "a reference (REF_TO)", help);
             return Some(None);
         };
         if null {

@@ -186,7 +186,7 @@ impl StlBinder<'_, '_> {
                 }
                 good = false;
                 misspelt.push(
-                    self.program.unknown_parameter(key, bound, (&given.name, given.name_span)).unwrap_or_default(),
+                    self.program.unknown_parameter(key, bound, (&given.name, given.name_span), &[]).unwrap_or_default(),
                 );
                 continue;
             };

@@ -2,6 +2,7 @@
 
 use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::Class;
 use plcc_syntax::ast::{self, AddressRegister, Area, BlockPrefix, CellKind, SpecialRegister, Width};
 use plcc_syntax::literal::Literal;
 use plcc_syntax::stl::{OperandClass, StlInsn};
@@ -84,6 +85,11 @@ impl StlBinder<'_, '_> {
             return None;
         }
         let settled = self.settle(ctx, operand)?;
+        if let (StlInsn::Load | StlInsn::Transfer, Settled::Memory { ty: Some(ty), .. }) = (insn, &settled)
+            && matches!(ty.class(), Class::Signed | Class::Unsigned | Class::Float)
+        {
+            self.program.numbers.insert((operand.span.file, operand.span.end), *ty);
+        }
         let bound = self.check_class(insn, class, mnemonic, operand.span, settled)?;
         if matches!(insn, StlInsn::EdgePositive | StlInsn::EdgeNegative)
             && matches!(bound, Operand::Memory { place: Place::L { .. }, .. })

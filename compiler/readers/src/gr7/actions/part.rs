@@ -138,7 +138,13 @@ fn is_variable(state: &mut State, operand: &Expr, code: Code) -> bool {
         | ExprKind::Dereference(_) => return true,
         // Reported where it was read.
         ExprKind::Error => return false,
-        ExprKind::Binary { op: BinaryOp::Equal, .. } => "a value is assigned with `:=`",
+        ExprKind::Binary { op: BinaryOp::Equal, left, right, .. } => {
+            let slice = |expr: &Expr| state.text.get(expr.span.range()).unwrap_or_default();
+            let help = format!("write `{} := {}`", slice(left), slice(right));
+            let message = Diagnostic::new(code, operand.span, "a value is assigned with `:=`").label("compares");
+            state.report(message.help(help));
+            return false;
+        }
         _ => "write an address, a symbol, or a step before the qualifier, and a value after `:=`",
     };
     state.report(

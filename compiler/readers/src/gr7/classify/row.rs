@@ -162,7 +162,8 @@ impl<'a> Classifier<'a, '_> {
         let last = self.raw[self.at - 1];
         // A bracket or character that was reported may include it.
         if !self.reported_in_row() {
-            let help = self.meant_row().unwrap_or_else(|| qualifier::help("").to_owned());
+            let help = self.meant_row().or_else(|| self.foreign_row()).or_else(|| self.assigned_row());
+            let help = help.unwrap_or_else(|| qualifier::help("").to_owned());
             self.report(
                 Diagnostic::new(Code::Qualifier, self.span(last), "the action has no qualifier")
                     .label("after this")
@@ -200,6 +201,38 @@ impl<'a> Classifier<'a, '_> {
         let value = slice(first, last)?;
         qualifier::parse(mark)?;
         Some(format!("write `{operand}, {value} ({mark})`"))
+    }
+
+    /// The row, as written.
+    fn row_text(&self) -> Option<&str> {
+        let row = (0..self.at).rev().find(|index| self.raw[*index].first_on_line)?;
+        let last = self.raw.get(self.at.checked_sub(1)?)?;
+        self.text.get(self.raw[row].start as usize..last.end as usize).map(str::trim)
+    }
+
+    /// `MW10 := 5`
+    fn assigned_row(&self) -> Option<String> {
+        let (operand, value) = self.row_text()?.split_once(":=")?;
+        let (operand, value) = (operand.trim(), value.trim().trim_end_matches(';'));
+        let plain = !operand.is_empty() && !value.is_empty() && !operand.contains(char::is_whitespace);
+        plain.then(|| format!("write `{operand} := {value} (N)`, or another qualifier for `N`"))
+    }
+
+    /// `SET M0.0`, `IF …`: instructions of other languages.
+    fn foreign_row(&self) -> Option<String> {
+        let text = self.row_text()?;
+        let (word, rest) = text.split_once(char::is_whitespace)?;
+        let rest = rest.trim().trim_end_matches(';');
+        Some(match word.to_ascii_uppercase().as_str() {
+            "SET" => format!("write `{rest} (S)`"),
+            "RESET" | "RST" | "RES" => format!("write `{rest} (R)`"),
+            "IF" | "CASE" | "FOR" | "WHILE" => {
+                format!(
+                    "a step has no `{word}`: call a block with these statements, as in `CALL FC1 () (N)`, or write a condition as an interlock"
+                )
+            }
+            _ => return None,
+        })
     }
 
     /// Whether the last message is about the current line.

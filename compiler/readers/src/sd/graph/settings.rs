@@ -1,6 +1,7 @@
 //! Settings of an element: types, ENO, the formula of CALCULATE, the comparisons of SWITCH.
 
 use plcc_diag::{Code, Diagnostic, Span};
+use plcc_literal::distance;
 
 use super::Builder;
 use crate::sd::pragma::Attribute;
@@ -112,8 +113,59 @@ impl Builder<'_, '_> {
                     ),
                 }
             }
-            () => {}
+            () => self.misspelt_templates(attribute),
         }
+    }
+
+    /// `S7_Template := …`
+    fn misspelt_templates(&mut self, attribute: &Attribute) {
+        const NAMES: [&str; 4] = ["S7_Templates", "S7_GenerateENO", "S7_Expression", "DisabledENO"];
+        let Some(meant) = distance::nearest(&attribute.key, NAMES.into_iter()) else { return };
+        let title = format!("the attribute `{}` is not known", attribute.key);
+        self.report(
+            Diagnostic::new(Code::AttributeValue, attribute.key_span, title)
+                .label("has no effect")
+                .help(format!("is `{meant}` meant?")),
+        );
+    }
+
+    /// Warns of a misspelt key or type of a template: the types would follow from the operands in its place.
+    fn check_template(&mut self, key: &str, value: &str, span: Span) {
+        const KEYS: [&str; 6] = ["SrcType", "DestType", "Card", "value_type", "time_type", "date_type"];
+        // Keys of other elements, whose types follow from the operands.
+        const FURTHER: [&str; 9] = [
+            "in1_type",
+            "in2_type",
+            "in_out_type",
+            "operand_type",
+            "operation",
+            "res_type",
+            "result_type",
+            "string_type",
+            "type",
+        ];
+        let known = |name: &str| {
+            TemplateKey::of(name) != TemplateKey::Other
+                || KEYS.iter().chain(&FURTHER).any(|known| known.eq_ignore_ascii_case(name))
+        };
+        let types = || plcc_syntax::Elementary::ALL.iter().map(|ty| ty.name());
+        // A data type of the program may have any name that is not a slip.
+        const OTHERS: [&str; 8] = ["DTL", "STRING", "WSTRING", "VARIANT", "ANY", "STRUCT", "DB_ANY", "VOID"];
+        let is_type = |name: &str| {
+            let upper = name.to_ascii_uppercase();
+            plcc_syntax::Elementary::from_word(&upper).is_some() || OTHERS.contains(&upper.as_str())
+        };
+        let meant = match (known(key), is_type(value)) {
+            (false, _) => distance::nearest(key, KEYS.into_iter()).map(|meant| (key, meant)),
+            (true, false) => distance::nearest(value, types()).map(|meant| (value, meant)),
+            (true, true) => None,
+        };
+        let Some((written, meant)) = meant else { return };
+        self.report(
+            Diagnostic::new(Code::AttributeValue, span, format!("`{written}` is not known in `S7_Templates`"))
+                .label("has no effect")
+                .help(format!("is `{meant}` meant?")),
+        );
     }
 
     /// `SrcType := Int`, `[SrcType := Int, DestType := Real]`
@@ -129,6 +181,7 @@ impl Builder<'_, '_> {
             let span = Span { start, end: start + entry.len() as u32, ..attribute.value_span };
             match entry.split_once(":=") {
                 Some((key, value)) if !key.trim().is_empty() => {
+                    self.check_template(key.trim(), value.trim(), span);
                     let key = TemplateKey::of(key.trim());
                     if key != TemplateKey::Card {
                         templates.push(Template { key, value: type_name(value), span });

@@ -197,6 +197,8 @@ impl<'a> Classifier<'a, '_> {
                     message.help(format!("write `16#{}`", digits.to_ascii_uppercase()))
                 } else if let Some(digits) = digits("0b", 2) {
                     message.help(format!("write `2#{digits}`"))
+                } else if let Some(help) = constant::steps(text) {
+                    message.help(help)
                 } else if lower.ends_with("ms") || lower.ends_with('s') {
                     message.help(
                         "a time of the S7-200 is a whole number of steps of its timer, of 1, 10 or 100 ms: write the number",
@@ -280,6 +282,10 @@ impl<'a> Classifier<'a, '_> {
             "(" | ")" => (
                 format!("a statement cannot contain `{text}`"),
                 "STL of the S7-200 has no parentheses: begin the inner part with `LD` and join it with `ALD` or `OLD`",
+            ),
+            "#" => (
+                "a statement cannot contain `#` alone".to_owned(),
+                "a comment begins with `//`; a local name is `#name`",
             ),
             _ => (
                 format!("a statement cannot contain `{}`", text.escape_debug()),

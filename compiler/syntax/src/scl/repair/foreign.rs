@@ -361,14 +361,14 @@ impl Repair<'_> {
     }
 
     /// The elementary type that the last declaration before gives a variable.
-    fn declared_type(&self, name: &str) -> Option<&str> {
+    pub(super) fn declared_type(&self, name: &str) -> Option<&str> {
         let at = *self.declared.get(&name.to_uppercase())?;
         let ty = self.slice(self.token(at + 2).filter(|_| self.kind(at + 1) == Some(RawKind::Colon))?);
         Elementary::from_word(&ty.to_ascii_uppercase()).map(|_| ty)
     }
 
     /// Index after the operand that begins at `first`: `a.b[1].c`, `f(x)`.
-    fn operand_end(&self, first: usize) -> usize {
+    pub(super) fn operand_end(&self, first: usize) -> usize {
         let mut after = first + 1;
         loop {
             match self.kind(after) {
@@ -384,7 +384,7 @@ impl Repair<'_> {
     }
 
     /// Index of the first token of the operand that ends before `after`.
-    fn operand_start(&self, after: usize) -> usize {
+    pub(super) fn operand_start(&self, after: usize) -> usize {
         let (mut first, mut depth) = (after, 0usize);
         while first > self.statement {
             let token = self.tokens[first - 1];

@@ -19,14 +19,16 @@ impl Repair<'_> {
             RawKind::Number | RawKind::Real => self.repair_number(token),
             RawKind::Semicolon => self.arguments_with_semicolon(),
             RawKind::Colon => self.split_assignment(),
-            RawKind::Stray => self.stray_sign(token),
+            RawKind::Stray => self.stray_sign(token) || self.curved_quotes(token),
+            RawKind::Arrow => self.arrow(),
+            RawKind::LeftParen => self.type_in_brackets(),
             RawKind::Hash => self.comment_with_hash(token),
             RawKind::Caret => self.power(),
             RawKind::Text => self.doubled_quote(token),
             RawKind::Dot => self.bare_fraction() || self.bit_after_point(),
-            RawKind::Plus | RawKind::Minus => self.step(token),
+            RawKind::Plus | RawKind::Minus => self.step(token) || self.comment_with_minus(token),
             kind if is_comparison(kind) && self.half_comparison(token) => true,
-            RawKind::Less | RawKind::Greater if self.shift(token) => true,
+            RawKind::Less | RawKind::Greater if self.shift(token) || self.back_arrow(token) => true,
             RawKind::Equal | RawKind::Greater | RawKind::Ampersand => self.pair(token),
             _ => false,
         }
@@ -69,6 +71,7 @@ impl Repair<'_> {
                 let count = if self.kind(at + 2) == Some(RawKind::Equal) && self.adjacent(at + 1) { 3 } else { 2 };
                 self.operator(count, RawKind::NotEqual, None, "<>", "not equal is `<>`")
             }
+            "$" if !after_operand => self.dollar_number(),
             "!" | "~" if !after_operand => {
                 let (_, operand) = self.sides(at, at + 1);
                 let help = format!("write `NOT {operand}`");
@@ -202,10 +205,19 @@ impl Repair<'_> {
         true
     }
 
-    /// `a ^ 2`: a power is `**`; `^` follows a reference.
+    /// `a ^ 2`, which other languages have for powers, and some for exclusive OR; `^` of SCL follows a reference.
     fn power(&mut self) -> bool {
-        let number = self.token(self.at + 1).is_some_and(begins_operand) && self.beside(self.at + 1).is_some();
-        number && self.operator(1, RawKind::Power, None, "**", "a power is `**`")
+        let at = self.at;
+        let operand = self.token(at + 1).is_some_and(begins_operand) && self.beside(at + 1).is_some();
+        if !operand || !self.last.is_some_and(ends_operand) {
+            return false;
+        }
+        let (first, after) = (self.operand_start(at), self.operand_end(at + 1));
+        let (left, right) = (self.words(first, at - 1), self.words(at + 1, after - 1));
+        let help = format!("write `{left} ** {right}` for a power, `{left} XOR {right}` for an exclusive OR");
+        self.report(at, at + 1, "SCL has no operator `^`".to_owned(), "follows a reference only", help);
+        self.replace(first, after, RawKind::Reported, None);
+        true
     }
 
     /// `'it''s'`: a quote inside a text is `$'`.

@@ -159,9 +159,11 @@ impl Repair<'_> {
             return false;
         }
         let last = (self.at + 1..self.tokens.len()).take_while(|index| !self.tokens[*index].first_on_line).last();
-        let head = last.unwrap_or(self.at);
-        let value = self.words(self.at + 1, head).trim_end_matches([';', ':']).trim();
-        let value = value.strip_prefix("CASE ").or_else(|| value.strip_prefix("case ")).unwrap_or(value).to_owned();
+        // `SELECT CASE x`, `SWITCH x CASE 1: …`
+        let first = if self.keyword(self.at + 1) == Some(Keyword::Case) { self.at + 2 } else { self.at + 1 };
+        let case = (first..self.tokens.len()).find(|index| self.keyword(*index) == Some(Keyword::Case));
+        let head = last.unwrap_or(self.at).min(case.map_or(usize::MAX, |case| case - 1)).max(first);
+        let value = self.words(first, head).trim_end_matches([';', ':']).trim().to_owned();
         let ends = |token: &RawToken| {
             let text = self.slice(*token).to_ascii_uppercase().replace('_', "");
             matches!(text.as_str(), "ENDSWITCH" | "ENDSELECT" | "ENDCASE")

@@ -117,12 +117,18 @@ impl Classifier<'_, '_> {
             RawKind::Word => {
                 let label = self.raw_at(index + 1).is_some_and(|next| !next.first_on_line)
                     && self.kind_at(index + 1) == Some(RawKind::Word)
-                    && self.begins_statement(index + 1);
-                let help = if label {
-                    format!("a label ends with `:`, write `{slice}:`")
-                } else {
-                    suggest::instruction(upper.as_str(), slice, self.set)
-                };
+                    && self.begins_statement(index + 1)
+                    && !suggest::is_known(upper.as_str());
+                if label {
+                    self.report(
+                        Diagnostic::new(Code::Syntax, span, format!("`:` is missing after the label `{slice}`"))
+                            .label("read as a label")
+                            .help(format!("write `{slice}:`")),
+                    );
+                    self.end_of_label();
+                    return self.take_up_to(Tok::Label(slice), index + 1);
+                }
+                let help = suggest::instruction(upper.as_str(), slice, self.set);
                 self.report(
                     Diagnostic::new(Code::UnknownInstruction, span, format!("STL has no instruction `{slice}`"))
                         .label(format!("not a mnemonic of the {} set", messages::set_name(self.set)))
@@ -149,12 +155,55 @@ impl Classifier<'_, '_> {
                             .label("assigns in calls and declarations")
                             .help(format!("write `= {operand}` for a bit, `T {operand}` for a value"))
                     }
+                    _ if let Some((title, label, help)) = self.sign_of_other_languages(index) => {
+                        Diagnostic::new(Code::ForeignForm, span, title).label(label).help(help)
+                    }
                     _ => message
                         .label("an instruction is expected here")
                         .help("a statement is a mnemonic and its operand, e.g. `L MW 10`"),
                 });
                 self.bad_statement();
             }
+        }
+    }
+
+    /// `- 5`, `*`, `#o = #a`, `# text`, `-- text`: title, label and help.
+    fn sign_of_other_languages(&self, index: usize) -> Option<(String, &'static str, String)> {
+        let token = *self.raw.get(index)?;
+        let sign = self.slice(token);
+        let next = self.raw.get(index + 1).filter(|next| !next.first_on_line);
+        let adjacent = next.is_some_and(|next| next.start == token.end);
+        let rest = self.rest_of_statement(index + 1);
+        let comment = |text: &str| {
+            let help = format!("write `// {}`", text.trim_start_matches(['#', '-']).trim());
+            Some(("a comment begins with `//`".to_owned(), "a form of other languages", help))
+        };
+        match (sign, next) {
+            ("#", Some(_)) if !adjacent => comment(rest),
+            ("#", Some(name)) => {
+                let (left, right) = rest.split_once('=')?;
+                let (left, right) = (left.trim_end(), right.trim());
+                let is_name = left == self.slice(*name) && !right.is_empty();
+                is_name.then(|| {
+                    (
+                        "a statement begins with an instruction".to_owned(),
+                        "a form of other languages",
+                        format!("write `A {right}` and `= #{left}` for bits, `L {right}` and `T #{left}` for numbers"),
+                    )
+                })
+            }
+            ("-", Some(next)) if self.slice(*next) == "-" => comment(rest),
+            ("-", Some(next)) if next.kind == RawKind::Number => Some((
+                "a constant is subtracted by adding its negative".to_owned(),
+                "the type of the values is missing",
+                format!("write `+ -{rest}`"),
+            )),
+            ("-" | "*" | "/", _) => Some((
+                format!("`{sign}` says nothing of the type of the values"),
+                "the type of the values is missing",
+                format!("write `{sign}I` for INT, `{sign}D` for DINT or `{sign}R` for REAL"),
+            )),
+            _ => None,
         }
     }
 

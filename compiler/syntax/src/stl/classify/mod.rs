@@ -262,7 +262,39 @@ impl<'a> Classifier<'a, '_> {
                     );
                     return self.skip_stray();
                 }
+                let rest = self.raw.get(self.at + 1).filter(|next| !next.first_on_line);
+                let rest = rest.map_or("", |next| self.slice(*next));
+                if slice == "!" {
+                    let (title, help) = match rest {
+                        "=" | "==" => ("not equal is `<>`", "write `<>I` for INT, `<>D` for DINT, `<>R` for REAL"),
+                        _ => (
+                            "a negation is a part of the instruction",
+                            "write `AN`, `ON` or `XN` before the operand, or `NOT` in a line of its own",
+                        ),
+                    };
+                    self.report(
+                        Diagnostic::new(Code::ForeignForm, span, title).label("a form of other languages").help(help),
+                    );
+                    return self.skip_stray();
+                }
                 front::stray_characters(span, slice, "statement", language, &front::stray_help(slice, "symbol"))
+            }
+            _ if slice == "-"
+                && self
+                    .raw
+                    .get(self.at + 1)
+                    .is_some_and(|next| next.start == token.end && self.slice(*next) == "-") =>
+            {
+                self.report(
+                    Diagnostic::new(Code::ForeignForm, span, "a comment begins with `//`")
+                        .label("a form of other languages")
+                        .help("write `//` in place of `--`"),
+                );
+                self.take(Tok::BadOperand);
+                while self.peek().is_some_and(|token| !token.first_on_line) {
+                    self.at += 1;
+                }
+                return;
             }
             _ => Diagnostic::new(Code::Syntax, span, format!("`{slice}` cannot stand here"))
                 .label("not expected")

@@ -1,0 +1,96 @@
+//! Mistakes in arguments that the parser of the command line takes for something else: a decimal comma in `--set X=1,5`, where commas
+//! separate values, and a source where a command is expected.
+
+use std::ffi::OsString;
+use std::path::Path;
+
+/// Flags with several values, separated by commas.
+const LISTS: [&str; 3] = ["--set", "--print", "--trace-signals"];
+
+/// What is wrong, as one sentence for people.
+pub fn fault(args: &[OsString]) -> Option<String> {
+    let args: Vec<&str> = args.iter().filter_map(|arg| arg.to_str()).collect();
+    if let Some(told) = args.get(1).and_then(|first| source_for_command(first)) {
+        return Some(told);
+    }
+    let mut at = 0;
+    while let Some(arg) = args.get(at) {
+        at += 1;
+        if *arg == "--" {
+            return None;
+        }
+        let (flag, value) = match arg.split_once('=') {
+            Some((flag, value)) if LISTS.contains(&flag) => (flag, value),
+            _ if LISTS.contains(arg) => match args.get(at) {
+                Some(value) => (*arg, *value),
+                None => continue,
+            },
+            _ => continue,
+        };
+        if let Some(told) = decimal_comma(flag, value) {
+            return Some(told);
+        }
+    }
+    None
+}
+
+/// `plcc main.scl`
+fn source_for_command(first: &str) -> Option<String> {
+    const SOURCES: [&str; 7] = ["stl", "awl", "scl", "gr7", "s7dcl", "xml", "toml"];
+    let path = Path::new(first);
+    let suffix = path.extension().map(|suffix| suffix.to_string_lossy().to_ascii_lowercase());
+    let is_source =
+        suffix.is_some_and(|suffix| SOURCES.contains(&suffix.as_str())) || first.contains('/') && path.exists();
+    is_source.then(|| {
+        format!(
+            "`{first}` is not a command: write `plcc check {first}` to look for mistakes, `plcc run {first}` to run it, \
+             `plcc build {first}` for an executable"
+        )
+    })
+}
+
+/// `DB.r=1,5`, `Q4,0`: digits alone after a comma.
+fn decimal_comma(flag: &str, value: &str) -> Option<String> {
+    let parts: Vec<&str> = value.split(',').collect();
+    let is_digits = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    let at = (1..parts.len())
+        .find(|at| is_digits(parts[*at].trim()) && parts[at - 1].ends_with(|c: char| c.is_ascii_digit()))?;
+    // `Key=1,5` may be a list with something forgotten, but no name is made of digits.
+    // `1.000,5` has points between groups of digits.
+    let (name, number) = parts[at - 1].rsplit_once('=').unwrap_or(("", parts[at - 1]));
+    let whole = if name.is_empty() { parts[at - 1].to_string() } else { format!("{name}={}", number.replace('.', "")) };
+    let joined = format!("{whole}.{}", parts[at].trim());
+    let meant = [&parts[..at - 1], &[joined.as_str()], &parts[at + 1..]].concat().join(",");
+    let what = match flag {
+        "--set" => "a comma separates values, and a number has a decimal point",
+        _ => "a comma separates names, and an address has a point before its bit",
+    };
+    Some(format!("{flag} {value}: {what}; write {flag} {meant}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn told(args: &[&str]) -> Option<String> {
+        let args: Vec<OsString> = std::iter::once(&"plcc").chain(args).map(OsString::from).collect();
+        fault(&args)
+    }
+
+    #[test]
+    fn decimal_commas() {
+        let set = "a comma separates values, and a number has a decimal point; write";
+        assert_eq!(told(&["run", "x", "--set", "DB.r=1,5"]), Some(format!("--set DB.r=1,5: {set} --set DB.r=1.5")));
+        assert_eq!(told(&["run", "--set=A=1,B=2,5"]), Some(format!("--set A=1,B=2,5: {set} --set A=1,B=2.5")));
+        assert!(told(&["run", "--set", "A=1.000,5"]).is_some_and(|told| told.ends_with("write --set A=1000.5")));
+        assert!(told(&["run", "--print", "Q4,0"]).is_some_and(|told| told.ends_with("write --print Q4.0")));
+        assert_eq!(told(&["run", "x", "--set", "A=1,B=2", "--print", "A,MW10,Q4.0"]), None);
+    }
+
+    #[test]
+    fn sources_are_no_commands() {
+        assert!(told(&["main.scl"]).is_some_and(|told| told.contains("plcc check main.scl")));
+        assert_eq!(told(&["check", "main.scl"]), None);
+        assert_eq!(told(&["--version"]), None);
+    }
+}

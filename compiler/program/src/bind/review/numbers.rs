@@ -1,0 +1,182 @@
+//! Whole numbers where STL calculates with REAL, and the reverse: `L 2`, `*R`. The CPU takes the bits of one as the other, so the result is
+//! wrong without an error. A warning is given only where the statements directly before show what is in an accumulator.
+
+use plcc_diag::{Code, Diagnostic, SourceMap, Span};
+use plcc_model::{Operand, StlStatement, StlStatementKind};
+use plcc_syntax::stl::{Mnemonics, OperandClass, StlInsn};
+use plcc_syntax::{Class, Elementary};
+
+use crate::bind::declarations::NumberTypes;
+
+/// A number in an accumulator: where it was loaded or calculated.
+#[derive(Clone, Copy)]
+struct Number {
+    real: bool,
+    span: Span,
+    /// The statement loads it.
+    loaded: bool,
+}
+
+/// Reports numbers of two kinds in one calculation.
+pub fn review(statements: &[StlStatement], declared: &NumberTypes, sources: &SourceMap, found: &mut Vec<Diagnostic>) {
+    let (mut accu1, mut accu2): (Option<Number>, Option<Number>) = (None, None);
+    for statement in statements {
+        let StlStatementKind::Instruction { insn, operand } = &statement.kind else {
+            (accu1, accu2) = (None, None);
+            continue;
+        };
+        let span = statement.span;
+        let calculated = |real| Some(Number { real, span, loaded: false });
+        if let Some((real, compares)) = calculation(*insn) {
+            for number in [accu2, accu1].into_iter().flatten().filter(|number| number.real != real) {
+                found.push(mixed(number, span, real, sources));
+            }
+            if !compares {
+                (accu1, accu2) = (calculated(real), None);
+            }
+            continue;
+        }
+        match insn {
+            StlInsn::Load => {
+                accu2 = accu1;
+                accu1 = loaded(statement, operand, declared, sources);
+            }
+            StlInsn::Transfer => {
+                let ty = declared.get(&(span.file, span.end)).copied();
+                if let (Some(number), Some(ty)) = (accu1, ty)
+                    && number.real != (ty.class() == Class::Float)
+                {
+                    found.push(transferred(number, ty, span, sources));
+                }
+            }
+            StlInsn::SwapAccu => std::mem::swap(&mut accu1, &mut accu2),
+            StlInsn::Push => accu2 = accu1,
+            StlInsn::Pop => accu1 = accu2.take(),
+            StlInsn::DToR => accu1 = calculated(true),
+            StlInsn::IToD | StlInsn::BcdToI | StlInsn::BcdToD => accu1 = calculated(false),
+            StlInsn::Round | StlInsn::RoundUp | StlInsn::RoundDown | StlInsn::Truncate => {
+                if let Some(number) = accu1.filter(|number| !number.real) {
+                    found.push(mixed(number, span, true, sources));
+                }
+                accu1 = calculated(false);
+            }
+            StlInsn::NegI | StlInsn::NegD => {
+                if let Some(number) = accu1.filter(|number| number.real) {
+                    found.push(mixed(number, span, false, sources));
+                }
+                accu1 = calculated(false);
+            }
+            insn if is_function_of_real(*insn) => {
+                if let Some(number) = accu1.filter(|number| !number.real) {
+                    found.push(mixed(number, span, true, sources));
+                }
+                accu1 = calculated(true);
+            }
+            insn if keeps_accus(*insn) => {}
+            _ => (accu1, accu2) = (None, None),
+        }
+    }
+}
+
+/// Whether an instruction calculates with two numbers or compares them: with REAL, and whether it compares.
+fn calculation(insn: StlInsn) -> Option<(bool, bool)> {
+    let mnemonic = insn.mnemonic(Mnemonics::En);
+    let sign = mnemonic.strip_suffix(['I', 'D', 'R'])?;
+    let compares = matches!(sign, "==" | "<>" | ">" | "<" | ">=" | "<=");
+    (compares || matches!(sign, "+" | "-" | "*" | "/")).then_some((mnemonic.ends_with('R'), compares))
+}
+
+fn is_function_of_real(insn: StlInsn) -> bool {
+    matches!(
+        insn,
+        StlInsn::AbsR
+            | StlInsn::NegR
+            | StlInsn::SqrR
+            | StlInsn::SqrtR
+            | StlInsn::ExpR
+            | StlInsn::LnR
+            | StlInsn::SinR
+            | StlInsn::CosR
+            | StlInsn::TanR
+            | StlInsn::AsinR
+            | StlInsn::AcosR
+            | StlInsn::AtanR
+    )
+}
+
+/// Instructions of bits, and those that do nothing.
+fn keeps_accus(insn: StlInsn) -> bool {
+    insn.opens_nesting()
+        || matches!(insn, StlInsn::CloseNest | StlInsn::Not | StlInsn::SetRlo | StlInsn::ClearRlo | StlInsn::Nop)
+        || matches!(insn, StlInsn::Display | StlInsn::AddConst)
+        || matches!(insn.operand(), OperandClass::Bit | OperandClass::BitWrite | OperandClass::BitOrNone)
+}
+
+/// What a statement loads, if its constant or declared type says so. The bits of 0 are those of 0.0.
+fn loaded(load: &StlStatement, operand: &Operand, declared: &NumberTypes, sources: &SourceMap) -> Option<Number> {
+    let real = match operand {
+        Operand::Const { value: 0, .. } => return None,
+        Operand::Const { .. } => {
+            let text = operand_text(load.span, sources).to_ascii_uppercase();
+            let number = text.trim_start_matches(['+', '-']);
+            let digits = number.strip_prefix("L#").unwrap_or(number).trim_start_matches(['+', '-']);
+            match () {
+                () if digits.bytes().all(|byte| byte.is_ascii_digit() || byte == b'_') => false,
+                () if number.starts_with(|c: char| c.is_ascii_digit()) && number.contains('.') => true,
+                () => return None,
+            }
+        }
+        Operand::Memory { .. } => declared.get(&(load.span.file, load.span.end))?.class() == Class::Float,
+        _ => return None,
+    };
+    Some(Number { real, span: load.span, loaded: true })
+}
+
+/// The operand of a statement, as written.
+fn operand_text(span: Span, sources: &SourceMap) -> &str {
+    let text = sources.file(span.file).text.get(span.range()).unwrap_or_default();
+    let text = text.split_once(|c: char| c.is_whitespace()).map_or("", |(_, operand)| operand);
+    text.trim().trim_end_matches(';').trim_end()
+}
+
+fn written(span: Span, sources: &SourceMap) -> String {
+    let text = sources.file(span.file).text.get(span.range()).unwrap_or_default();
+    text.trim_end_matches(';').split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// `real`: the instruction calculates with REAL.
+fn mixed(number: Number, span: Span, real: bool, sources: &SourceMap) -> Diagnostic {
+    let insn = written(span, sources);
+    let (wants, is) = if real { ("REAL", "a whole number") } else { ("whole numbers", "a REAL") };
+    let what = if number.loaded { format!("`{}`", operand_text(number.span, sources)) } else { "ACCU1".to_string() };
+    let title = match number.loaded {
+        true => format!("`{insn}` calculates with {wants}, but {what} is {is}"),
+        false => format!("`{insn}` calculates with {wants}, but `{}` leaves {is}", written(number.span, sources)),
+    };
+    let message = Diagnostic::new(Code::MixedNumbers, span, title).label(format!("takes the bits as {wants}"));
+    let note = if number.loaded { "loaded here" } else { "calculated here" };
+    message.also(number.span, note).help(conversion(number, sources))
+}
+
+/// How the number becomes one of the other kind.
+fn conversion(number: Number, sources: &SourceMap) -> String {
+    let operand = if number.loaded { operand_text(number.span, sources) } else { "" };
+    let digits = operand.strip_prefix("L#").unwrap_or(operand);
+    let is_constant = digits.trim_start_matches(['+', '-']).starts_with(|c: char| c.is_ascii_digit());
+    match (number.real, is_constant) {
+        (false, true) => format!("write `L {digits}.0`"),
+        (true, true) => "write the number without a fraction, or calculate with the instruction for REAL".to_string(),
+        (false, false) => {
+            format!("write `ITD` and `DTR` after `{}`; for a DINT `DTR` alone", written(number.span, sources))
+        }
+        (true, false) => format!("write `RND` after `{}`, which makes a DINT", written(number.span, sources)),
+    }
+}
+
+fn transferred(number: Number, ty: Elementary, span: Span, sources: &SourceMap) -> Diagnostic {
+    let is = if number.real { "a REAL" } else { "a whole number" };
+    let title = format!("`{}` is of type {}, but ACCU1 has {is}", operand_text(span, sources), ty.name());
+    let message = Diagnostic::new(Code::MixedNumbers, span, title).label(format!("stores the bits of {is}"));
+    let note = if number.loaded { "loaded here" } else { "calculated here" };
+    message.also(number.span, note).help(conversion(number, sources))
+}
