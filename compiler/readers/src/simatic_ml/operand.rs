@@ -27,10 +27,10 @@ const DEPTH_MAX: usize = 32;
 
 /// Where an operand comes from. Source: LAD/FBD reference A2.2.
 #[rustfmt::skip]
-const SCOPES: [&str; 22] = [
+const SCOPES: [&str; 23] = [
     "LocalVariable", "GlobalVariable", "LocalConstant", "GlobalConstant", "LiteralConstant", "TypedConstant", "Address", "AddressConstant",
     "AlarmConstant", "Label", "Call", "CallWithType", "Instruction", "Statusword", "StatusWord", "Expression", "Unnamed", "Undef", "Reference",
-    "PredefinedVariable", "UserType", "SystemType",
+    "PredefinedVariable", "UserType", "SystemType", "Indirect",
 ];
 
 /// Text of an `Access`.
@@ -43,9 +43,11 @@ fn access_at_depth<'a, 'i>(node: Node<'a, 'i>, notation: Notation, depth: usize)
         return refuse(node, "indices that are nested too deeply");
     }
     let scope = node.attribute("Scope").unwrap_or_default();
-    if !scope.is_empty() && !SCOPES.contains(&scope) {
-        let meant = nearest(scope, SCOPES.into_iter());
-        return Err(Unreadable { node, what: format!("an operand with the scope `{scope}`"), meant });
+    // What resembles none of them is read by its parts.
+    if !SCOPES.contains(&scope)
+        && let Some(meant) = nearest(scope, SCOPES.into_iter())
+    {
+        return Err(Unreadable { node, what: format!("an operand with the scope `{scope}`"), meant: Some(meant) });
     }
     let mut found: Option<String> = None;
     for part in elements(node).filter(|part| !is_informative(*part)) {

@@ -96,7 +96,7 @@ fn what_a_job_cannot_write_is_refused() {
     let job = |name: &str| cpu.begin_job(1, vec![row(&cpu, name, "1", Trigger::Begin, true)]).unwrap_err();
     assert!(job("MW65000").contains("outside of the bit memory"));
     assert!(job("DB9.DBX0.0").contains("DB 9 is not loaded"));
-    assert!(Settled::find("T5", "1", None, &cpu.image).unwrap_err().contains("timers"));
+    assert!(Settled::find("T5", "1", None, &cpu.image).unwrap_err().contains("T5.VALUE"));
     let many = vec![row(&cpu, "M0.0", "1", Trigger::Begin, true); ROWS_MAX + 1];
     assert!(cpu.begin_job(1, many).unwrap_err().contains("200"));
     cpu.stop_by_request();

@@ -234,14 +234,16 @@ fn values_from_outside() {
     assert_eq!(read("AIW2"), 16_000);
     assert!(set("AIW8", "5.0 V").unwrap_err().contains("analog module"));
     assert!(set("AIW2", "5.0 mA").unwrap_err().contains("0 to 10 V"));
-    // Timers and counters are read only.
+    // Timers and counters are set by their values.
     cpu.memory.set_word(SM + system::TIMER_VALUES + 74, 12);
     cpu.memory.set_byte(SM + system::TIMER_BITS + 37, 1);
     cpu.memory.set_word(SM + system::COUNTER_VALUES + 100, 50);
     assert_eq!((read("T37"), read("T37.VALUE"), read("C50"), read("Z50.VALUE")), (1, 12, 0, 50));
-    for name in ["T37", "T37.VALUE", "C50", "C50.VALUE", "HC0"] {
+    for name in ["T37", "C50", "HC0"] {
         assert!(set(name, "0").unwrap_err().contains("set"), "{name}");
     }
+    assert_eq!((set("T37.VALUE", "20"), set("C50.VALUE", "-3")), (Ok(()), Ok(())));
+    assert_eq!((read("T37.VALUE"), read("Z50.VALUE")), (20, 0xFFFD));
     // The value of an output, raw and in its unit.
     assert!(!cpu.peripheral_write(ANALOG_ADDRESS, 2, 16_000));
     assert_eq!((read("AQW0"), cpu.memory.word(SM + system::AQ)), (16_000, 16_000));
@@ -273,7 +275,7 @@ fn a_scenario_with_its_addresses() {
     assert_eq!((player.failures(), player.expectations_met()), (Vec::new(), 8));
     let message = |text: &str| parse(text).err().or_else(|| Player::new(parse(text).unwrap(), &cpu).err()).unwrap();
     assert!(message("[[at]]\ncycle = 1\nevent = \"OB40\"\n").starts_with("s.toml:3: no event starts"));
-    assert!(message("[[at]]\ncycle = 1\nset = { \"C5.VALUE\" = 1 }\n").contains("cannot be set"));
+    assert!(message("[[at]]\ncycle = 1\nset = { \"C5\" = 1 }\n").contains("set C5.VALUE"));
     assert!(message("[[at]]\ncycle = 1\nset = { \"AIW8\" = 1 }\n").contains("no module"));
     assert!(message("[[at]]\ncycle = 1\nset = { \"VB10240\" = 1 }\n").contains("outside of the V memory"));
 }

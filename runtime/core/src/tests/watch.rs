@@ -107,7 +107,7 @@ fn timers_and_counters_are_modified_by_their_values() {
     table.modify(&cpu, 1, Trigger::Begin);
     assert_eq!(
         table.text(&cpu),
-        "T5.VALUE  S5T#2S     modified\nT6.VALUE  S5T#130MS  modified\nC3.VALUE  20         modified\n\
+        "T5.VALUE  S5T#2s     modified\nT6.VALUE  S5T#130ms  modified\nC3.VALUE  20         modified\n\
          C4.VALUE  C#120      modified\nZ5.VALUE  7          modified\n"
     );
     cpu.clock.move_to(1_900_000_000);
@@ -193,5 +193,5 @@ fn what_a_table_refuses() {
     assert!(wrong("[[row]]\naddress = \"MW10\"\nformat = \"real\"").contains("16 bits"));
     assert!(wrong("[[row]]\naddress = \"MB10\"\nmodify = \"256\"\nformat = \"dec\"").contains("does not fit"));
     assert!(wrong("[[row]]\naddress = \"MB10\"\nformt = \"dec\"").contains("formt"));
-    assert!(wrong("[[row]]\naddress = \"T5\"\nmodify = \"1\"").contains("timers"));
+    assert!(wrong("[[row]]\naddress = \"T5\"\nmodify = \"1\"").contains("state of a timer"));
 }
