@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use plcc_convert::scl::Others;
 use plcc_convert::trivia::Trivia;
 use plcc_diag::{Diagnostic, FileId};
 use plcc_readers::ReadOptions;
@@ -147,7 +148,7 @@ fn scl_reads_back_as_it_was() {
     paths.retain(|path| !has_networks(path) && !path.ends_with("variants_from_stl.scl"));
     all_come_back(paths, 180, scl::comments, |unit, text| {
         let trivia = Trivia::new(text, scl::comments(text), false);
-        let (text, messages) = plcc_convert::scl::write(unit, trivia, Some(text));
+        let (text, messages) = plcc_convert::scl::write(unit, trivia, Some(text), Others::Refused);
         Written { text, texts: None, messages }
     });
 }

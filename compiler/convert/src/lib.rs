@@ -3,6 +3,7 @@
 //! - [`stl`]: sources in STL; [`awl`]: those of the S7-200.
 //! - [`scl`]: sources in SCL.
 //! - [`gr7`]: sources of GRAPH.
+//! - [`symbols`]: symbol tables.
 //! - [`sd`]: documents of SIMATIC SD.
 //! - [`xml`]: SimaticML of the TIA Portal.
 //! - [`from_scl`]: statements of SCL as statement lists.
@@ -31,6 +32,7 @@ mod out;
 pub mod scl;
 pub mod sd;
 pub mod stl;
+pub mod symbols;
 pub mod to_graph;
 pub mod to_stl;
 pub mod trivia;

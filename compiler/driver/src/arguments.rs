@@ -4,6 +4,8 @@
 use std::ffi::OsString;
 use std::path::Path;
 
+use plcc_runtime::options::split_list;
+
 /// Flags with several values, separated by commas.
 const LISTS: [&str; 3] = ["--set", "--print", "--trace-signals"];
 
@@ -51,7 +53,9 @@ fn source_for_command(first: &str) -> Option<String> {
 
 /// `DB.r=1,5`, `Q4,0`: digits alone after a comma.
 fn decimal_comma(flag: &str, value: &str) -> Option<String> {
-    let parts: Vec<&str> = value.split(',').collect();
+    // As the list is read: commas in brackets and quotes separate nothing.
+    let parts = split_list(&[value.to_string()]);
+    let parts: Vec<&str> = parts.iter().map(String::as_str).collect();
     let is_digits = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
     let at = (1..parts.len())
         .find(|at| is_digits(parts[*at].trim()) && parts[at - 1].ends_with(|c: char| c.is_ascii_digit()))?;
@@ -85,10 +89,11 @@ mod tests {
         assert!(told(&["run", "--set", "A=1.000,5"]).is_some_and(|told| told.ends_with("write --set A=1000.5")));
         assert!(told(&["run", "--print", "Q4,0"]).is_some_and(|told| told.ends_with("write --print Q4.0")));
         assert_eq!(told(&["run", "x", "--set", "A=1,B=2", "--print", "A,MW10,Q4.0"]), None);
+        assert_eq!(told(&["run", "x", "--set", "MD20=B#(1,14,100,120)", "--print", "D.a[1,2,3]"]), None);
     }
 
     #[test]
-    fn sources_are_no_commands() {
+    fn a_source_is_not_a_command() {
         assert!(told(&["main.scl"]).is_some_and(|told| told.contains("plcc check main.scl")));
         assert_eq!(told(&["check", "main.scl"]), None);
         assert_eq!(told(&["--version"]), None);

@@ -83,7 +83,7 @@ fn meant(name: &str, known: Names, everywhere: Names) -> Option<&'static str> {
         return None;
     }
     nearest(name, known.iter()).filter(|meant| {
-        // Short names resemble each other: `Gate` is no slip of `Name`.
+        // Short names resemble each other: `Gate` is not a slip of `Name`.
         let slips = between(&name.to_lowercase(), &meant.to_lowercase());
         slips <= if name.chars().count() < SHORT { 1 } else { 2 }
     })

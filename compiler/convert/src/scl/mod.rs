@@ -11,8 +11,19 @@ use plcc_syntax::stl::Mnemonics;
 use crate::trivia::Trivia;
 use crate::writer::{Notation, Writer};
 
+const LEFT_OUT: &str = "only SCL and ST are written; `--to sd` writes projects of networks only";
+
+/// What becomes of blocks in other languages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Others {
+    /// Each is an error.
+    Refused,
+    /// They are left out, each with a warning: a project with several languages in one file has no other way to SCL.
+    LeftOut,
+}
+
 /// Writes a source in SCL. `source`: the text that spans mean, if its constants are those of SCL.
-pub fn write(unit: &SourceUnit, trivia: Trivia, source: Option<&str>) -> (String, Vec<Diagnostic>) {
+pub fn write(unit: &SourceUnit, trivia: Trivia, source: Option<&str>, others: Others) -> (String, Vec<Diagnostic>) {
     let mut writer = Writer::new(Notation::Scl, Mnemonics::En, trivia, source);
     for block in &unit.blocks {
         writer.out.gap();
@@ -20,8 +31,11 @@ pub fn write(unit: &SourceUnit, trivia: Trivia, source: Option<&str>) -> (String
             Block::Code(code) => match &code.code {
                 Code::Scl(body) => writer.scl_block(code, body),
                 Code::Stl(_) | Code::Graphic(_) | Code::Chart(_) => {
-                    let name = writer.block_name(&code.name);
-                    writer.refuse(code.name.span(), format!("{name} is not in SCL"), "leave it in its language");
+                    let title = format!("{} is not in SCL", writer.block_name(&code.name));
+                    match others {
+                        Others::Refused => writer.refuse(code.name.span(), title, "leave it in its language"),
+                        Others::LeftOut => writer.warn(code.name.span(), title, LEFT_OUT),
+                    }
                 }
             },
             Block::Data(data) => writer.data_block(data),

@@ -1,19 +1,19 @@
-//! `plcc convert`: sources in another notation. [`addresses`]: with symbols or addresses; [`migration`]: what another CPU has of them;
-//! [`plcopen`]: projects in PLCopen XML as SCL.
+//! `plcc convert`: sources in another notation. [`addresses`]: with symbols or addresses; [`migration`]: what another CPU has of them.
 
 mod addresses;
 mod migration;
-mod plcopen;
 
 use std::path::{Path, PathBuf};
 
 use plcc_abi::image::Family;
 use plcc_convert::addresses::To;
+use plcc_convert::scl::Others;
 use plcc_convert::to_stl::{self, types::Types};
 use plcc_convert::trivia::Trivia;
 use plcc_convert::{from_scl, sd, to_graph, xml};
 use plcc_diag::{Diagnostic, FileId};
 use plcc_model::profile;
+use plcc_readers::plcopen;
 use plcc_runtime::files::writable;
 use plcc_syntax::ast::{Block, Code, SourceUnit};
 use plcc_syntax::network::ast::Language as Graphic;
@@ -123,7 +123,7 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
                 messages.extend(found);
                 let is_project = to == ConvertTo::Scl && plcopen::is_project(&source.text);
                 let (symbols, found) = match is_project {
-                    true => plcopen::symbols(*id, &parsed.tables),
+                    true => plcc_convert::symbols::write(*id, &parsed.tables),
                     false => (None, Vec::new()),
                 };
                 messages.extend(found);
@@ -234,14 +234,14 @@ fn written(
             (Converted { name, text, beside: None }, messages)
         }
         ConvertTo::Scl if plcopen::is_project(source) => {
-            let (made, mut messages) = plcopen::in_scl(made);
-            // Its constants and addresses have other forms.
-            let (text, more) = plcc_convert::scl::write(&made, plcopen::trivia(source, meaning), None);
-            messages.extend(more);
+            let trivia = Trivia::new(meaning, plcopen::comments(source, meaning), false);
+            // Its constants and addresses have other forms, so none is copied from the source.
+            let (text, messages) = plcc_convert::scl::write(made, trivia, None, Others::LeftOut);
             (Converted { name, text, beside: None }, messages)
         }
         ConvertTo::Scl => {
-            let (text, messages) = plcc_convert::scl::write(made, trivia(false), (!is_stl).then_some(meaning));
+            let same = (!is_stl).then_some(meaning);
+            let (text, messages) = plcc_convert::scl::write(made, trivia(false), same, Others::Refused);
             (Converted { name, text, beside: None }, messages)
         }
     }

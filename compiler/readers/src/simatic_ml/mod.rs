@@ -24,7 +24,7 @@ mod operand;
 mod order;
 mod outline;
 mod overlay;
-mod parts;
+pub mod parts;
 mod reader;
 mod schema;
 mod statements;

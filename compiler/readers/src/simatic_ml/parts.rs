@@ -319,8 +319,8 @@ fn eno(node: Node) -> Eno {
     }
 }
 
-/// Names of settings that the compiler does not need: types that follow from the operands.
-const OTHER_TEMPLATES: &[&str] = &[
+/// Names of settings that the compiler does not need: types that follow from the operands. SIMATIC SD has them too.
+pub const OTHER_TEMPLATES: &[&str] = &[
     "date_type",
     "in1_type",
     "in2_type",

@@ -4,6 +4,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 
 use super::{address, aliases, mnemonics};
 use crate::distance;
+use crate::scl::keyword::STATEMENT_WORDS;
 use crate::stl::{self, Mnemonics};
 
 /// Instructions of S7-300/400, and what the S7-200 has for them.
@@ -87,7 +88,7 @@ pub fn unknown(span: Span, word: &str, text: &str, set: Mnemonics) -> Diagnostic
     if let Some((_, help)) = FROM_S7_300.iter().find(|(known, _)| *known == word) {
         return from_s7_300(span, text).help(*help);
     }
-    if is_of_scl(word) {
+    if STATEMENT_WORDS.contains(&word) {
         return Diagnostic::new(Code::ForeignLanguage, span, format!("`{text}` begins a statement of SCL"))
             .label("the S7-200 has STL only")
             .help("write contacts and coils, as `LD I0.0` and `= Q0.0`; `JMP 1` and `LBL 1` replace IF");
@@ -129,27 +130,6 @@ pub fn unknown(span: Span, word: &str, text: &str, set: Mnemonics) -> Diagnostic
 fn from_s7_300(span: Span, text: &str) -> Diagnostic {
     Diagnostic::new(Code::UnknownInstruction, span, format!("`{text}` is an instruction of S7-300/400"))
         .label("the S7-200 does not have it")
-}
-
-/// Words that begin and end statements of SCL, and are no instructions of the S7-200.
-fn is_of_scl(word: &str) -> bool {
-    const WORDS: [&str; 14] = [
-        "IF",
-        "ELSIF",
-        "ELSE",
-        "END_IF",
-        "END_FOR",
-        "WHILE",
-        "END_WHILE",
-        "REPEAT",
-        "UNTIL",
-        "END_REPEAT",
-        "CASE",
-        "END_CASE",
-        "RETURN",
-        "EXIT",
-    ];
-    WORDS.contains(&word)
 }
 
 /// `LDI=` for `LDW=`: a comparison of words as other controllers name it.

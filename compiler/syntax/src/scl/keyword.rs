@@ -24,6 +24,29 @@ macro_rules! keywords {
     };
 }
 
+/// Words that begin and end statements of SCL, as they are found in sources that are not SCL.
+pub const STATEMENT_WORDS: &[&str] = &[
+    "IF",
+    "ELSIF",
+    "ELSE",
+    "END_IF",
+    "FOR",
+    "END_FOR",
+    "WHILE",
+    "END_WHILE",
+    "REPEAT",
+    "UNTIL",
+    "END_REPEAT",
+    "CASE",
+    "END_CASE",
+    "RETURN",
+    "GOTO",
+    "EXIT",
+    "CONTINUE",
+    "REGION",
+    "END_REGION",
+];
+
 #[allow(non_upper_case_globals)]
 mod table {
     keywords! {

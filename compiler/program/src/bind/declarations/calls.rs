@@ -96,8 +96,7 @@ impl Declarations<'_> {
         (name, span): (&str, Span),
         supplied: &[&str],
     ) -> Option<String> {
-        let block = self.globals.library_block(key);
-        let is_own = |name: &&str| !block.is_some_and(|block| plcc_stdlib::is_shared_input(block, name));
+        let is_own = |name: &&str| !self.globals.is_shared_input(key, name);
         let names = || bound.interface.parameters.iter().map(|parameter| parameter.name.as_str()).filter(is_own);
         let message = Diagnostic::new(
             Code::UnknownParameter,

@@ -153,6 +153,11 @@ impl Globals<'_> {
         }
     }
 
+    /// True of a parameter that a timer has only because all timers share a layout: no call supplies it.
+    pub fn is_shared_input(&self, key: BlockKey, name: &str) -> bool {
+        self.library_block(key).is_some_and(|block| plcc_stdlib::is_shared_input(block, name))
+    }
+
     /// The library block for `key`, if the program itself does not define it.
     pub fn library_block(&self, key: BlockKey) -> Option<&'static SystemBlock> {
         let class = class_of(key.kind)?;

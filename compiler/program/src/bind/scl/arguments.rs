@@ -134,10 +134,9 @@ impl SclBinder<'_, '_> {
         if let (true, "ret_val", Some(result)) = (output, folded.as_str(), result) {
             return Formal::Parameter(result);
         }
-        let library = self.program.globals.library_block(key);
-        let is_shared = |name: &str| library.is_some_and(|block| plcc_stdlib::is_shared_input(block, name));
+        let is_own = |name: &str| !self.program.globals.is_shared_input(key, name);
         let found = bound.interface.parameters.iter().position(|parameter| {
-            fold(&parameter.name) == own && !is_result(key, parameter) && !is_shared(&parameter.name)
+            fold(&parameter.name) == own && !is_result(key, parameter) && is_own(&parameter.name)
         });
         match (found, folded.as_str()) {
             (Some(index), _) => Formal::Parameter(index),
@@ -168,7 +167,12 @@ impl SclBinder<'_, '_> {
         given: &[Given],
         name: Span,
     ) -> Option<Vec<usize>> {
-        let all: Vec<usize> = (0..parameters.len()).filter(|&index| !is_result(key, &parameters[index])).collect();
+        let all: Vec<usize> = (0..parameters.len())
+            .filter(|&index| {
+                let parameter = &parameters[index];
+                !is_result(key, parameter) && !self.program.globals.is_shared_input(key, &parameter.name)
+            })
+            .collect();
         let inputs: Vec<usize> =
             all.iter().copied().filter(|&index| parameters[index].direction == Direction::Input).collect();
         if given.is_empty() || given.len() == inputs.len() {

@@ -173,10 +173,8 @@ impl StlBinder<'_, '_> {
                     continue;
                 }
                 false => {
-                    let library = self.program.globals.library_block(key);
-                    let is_shared = |name: &str| library.is_some_and(|block| plcc_stdlib::is_shared_input(block, name));
-                    let is_meant = |name: &str| fold(name) == folded && !is_shared(name);
-                    parameters.iter().position(|parameter| is_meant(&parameter.name))
+                    let is_own = |name: &str| !self.program.globals.is_shared_input(key, name);
+                    parameters.iter().position(|parameter| fold(&parameter.name) == folded && is_own(&parameter.name))
                 }
             };
             let Some(index) = index else {

@@ -5,6 +5,7 @@ use plcc_literal::distance;
 
 use super::Builder;
 use crate::sd::pragma::Attribute;
+use crate::simatic_ml::parts::OTHER_TEMPLATES;
 use plcc_syntax::network::ast::{Comparison, Eno, Template, TemplateKey};
 use plcc_syntax::network::elements::{Kind, Row};
 use plcc_syntax::scl::ast::Expr;
@@ -131,22 +132,10 @@ impl Builder<'_, '_> {
 
     /// Warns of a misspelt key or type of a template: the types would follow from the operands in its place.
     fn check_template(&mut self, key: &str, value: &str, span: Span) {
-        const KEYS: [&str; 6] = ["SrcType", "DestType", "Card", "value_type", "time_type", "date_type"];
-        // Keys of other elements, whose types follow from the operands.
-        const FURTHER: [&str; 9] = [
-            "in1_type",
-            "in2_type",
-            "in_out_type",
-            "operand_type",
-            "operation",
-            "res_type",
-            "result_type",
-            "string_type",
-            "type",
-        ];
+        const KEYS: [&str; 5] = ["SrcType", "DestType", "Card", "value_type", "time_type"];
         let known = |name: &str| {
             TemplateKey::of(name) != TemplateKey::Other
-                || KEYS.iter().chain(&FURTHER).any(|known| known.eq_ignore_ascii_case(name))
+                || KEYS.iter().chain(OTHER_TEMPLATES).any(|known| known.eq_ignore_ascii_case(name))
         };
         let types = || plcc_syntax::Elementary::ALL.iter().map(|ty| ty.name());
         // A data type of the program may have any name that is not a slip.

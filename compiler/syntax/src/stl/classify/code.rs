@@ -5,9 +5,9 @@
 
 use plcc_diag::{Code, Diagnostic};
 
-use super::foreign::FOREIGN_WORDS;
 use super::{Classifier, header, is_end_of_block};
 use crate::front::pragma::is_for_file;
+use crate::scl::keyword::STATEMENT_WORDS;
 use crate::stl::mnemonics::{instruction, other};
 use crate::stl::raw::{RawKind, RawToken};
 use crate::stl::token::Tok;
@@ -36,7 +36,7 @@ impl<'a> Classifier<'a, '_> {
                         self.network();
                     } else if word == "CALL" {
                         self.call();
-                    } else if FOREIGN_WORDS.contains(&word) || self.assigns_path() {
+                    } else if STATEMENT_WORDS.contains(&word) || self.assigns_path() {
                         self.foreign();
                     } else if let Some((insn, count)) = self.mnemonic() {
                         self.instruction(insn, count);

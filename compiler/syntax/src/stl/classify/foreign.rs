@@ -7,29 +7,6 @@ use crate::stl::raw::{RawKind, RawToken};
 use crate::stl::token::Tok;
 use crate::stl::{messages, suggest};
 
-/// Words that begin statements of SCL, found in sources that are not STL.
-pub(super) const FOREIGN_WORDS: &[&str] = &[
-    "IF",
-    "ELSIF",
-    "ELSE",
-    "END_IF",
-    "FOR",
-    "END_FOR",
-    "WHILE",
-    "END_WHILE",
-    "REPEAT",
-    "UNTIL",
-    "END_REPEAT",
-    "CASE",
-    "END_CASE",
-    "RETURN",
-    "GOTO",
-    "EXIT",
-    "CONTINUE",
-    "REGION",
-    "END_REGION",
-];
-
 impl Classifier<'_, '_> {
     /// Whether `name.part[1] :=` follows.
     pub(super) fn assigns_path(&self) -> bool {
