@@ -328,7 +328,8 @@ impl Reader<'_> {
         }
     }
 
-    /// Quoted or bare fields, in the order of STEP 7, or in `columns`, which the first line names. A line with a missing quote is removed first, so it does not affect other rows.
+    /// Quoted or bare fields, in the order of STEP 7, or in `columns`, which the first line names. A line with a missing quote is removed
+    /// first, so it does not affect other rows.
     fn delimited(&mut self, delimiter: u8, columns: Option<Columns>) {
         let text = self.text;
         let mut rows = Vec::new();
@@ -359,7 +360,7 @@ impl Reader<'_> {
             if let Some(columns) = &columns {
                 let field = |at: Option<usize>| at.map_or("", field);
                 if index == 0 {
-                    self.misspelt(columns, start, line);
+                    self.misspelt(columns, delimiter, start, line);
                 } else {
                     let (address, comment) = (field(columns.address), field(columns.comment));
                     // A tag whose address was not entered.
@@ -392,10 +393,9 @@ impl Reader<'_> {
     }
 
     /// Reports misspelt names of columns in the first line; their columns are read as what is meant.
-    fn misspelt(&mut self, columns: &Columns, start: usize, line: &str) {
+    fn misspelt(&mut self, columns: &Columns, delimiter: u8, start: usize, line: &str) {
         for (column, meant) in &columns.misspelt {
-            let separator = |c: char| matches!(c, ';' | ',' | '\t');
-            let cell = line.split(separator).nth(*column).unwrap_or_default();
+            let Some(cell) = line.split(delimiter as char).nth(*column) else { continue };
             let at = start + (cell.as_ptr() as usize - line.as_ptr() as usize);
             let span = self.span(at, cell);
             let written = cell.trim().trim_matches('"');
