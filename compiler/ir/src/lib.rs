@@ -22,5 +22,5 @@ pub use builder::FunctionBuilder;
 pub use entities::{Block, FuncId, Inst, Loc, Value, Var};
 pub use function::Function;
 pub use instructions::{Address, BinaryOp, BlockCall, Class, ConvertOp, FloatCc, InstData, IntCc, Region, UnaryOp};
-pub use module::{Module, StaticDb};
+pub use module::{Areas, Module, StaticDb};
 pub use plcc_abi::{RuntimeFn, Type};

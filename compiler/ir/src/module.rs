@@ -17,6 +17,16 @@ pub struct StaticDb {
     pub read_only: bool,
 }
 
+/// Lengths of the areas of the CPU in bytes; 0: not known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub struct Areas {
+    /// The process image of inputs.
+    pub inputs: u32,
+    /// The process image of outputs.
+    pub outputs: u32,
+    pub bit_memory: u32,
+}
+
 /// The functions of one PLC program and everything that they refer to.
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct Module {
@@ -29,8 +39,8 @@ pub struct Module {
     /// [`Loc`](crate::Loc) n points to `sites[n - 1]`.
     pub sites: Vec<Site>,
     pub files: Vec<String>,
-    /// Bytes of the process image of outputs; 0: not known. The text of a module does not have it.
-    pub outputs_bytes: u32,
+    /// The text of a module does not have them.
+    pub areas: Areas,
 }
 
 impl Module {

@@ -37,7 +37,7 @@ use plcc_abi::image::{AssertEntry, BlockEntry, BlockKind, DbEntry, ErrorSlot, Si
 use plcc_abi::s7200::image::S7200Image;
 use plcc_diag::SourceMap;
 use plcc_ir::entities::EntityVec;
-use plcc_ir::{FuncId, Function, Module, StaticDb};
+use plcc_ir::{Areas, FuncId, Function, Module, StaticDb};
 use plcc_model::Program;
 use plcc_model::{Assert, Body, CodeBlock};
 
@@ -208,8 +208,9 @@ impl<'s> Output<'s> {
         let place_of = |number| facts.dbs.binary_search_by_key(&number, |db: &StaticDb| db.number).ok();
         let address_of = |number| place_of(number).map_or(facts.db_end, |index| facts.dbs[index].address);
         let sites = probes.sites.clone();
-        let outputs_bytes = program.profile.outputs;
-        let module = Module { dbs: facts.dbs.clone(), files, sites, outputs_bytes, ..Module::default() };
+        let profile = &program.profile;
+        let areas = Areas { inputs: profile.inputs, outputs: profile.outputs, bit_memory: profile.bit_memory };
+        let module = Module { dbs: facts.dbs.clone(), files, sites, areas, ..Module::default() };
         let mut types = Types::default();
         let image = ProgramImage {
             name: program.name.clone(),

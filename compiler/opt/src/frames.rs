@@ -8,7 +8,7 @@
 //! accesses to `any` with it as base; those may alias region `L` anyway.
 
 use plcc_ir::entities::{Entity, EntityVec};
-use plcc_ir::{FuncId, Function, InstData, Module, Region, Value};
+use plcc_ir::{BinaryOp, FuncId, Function, InstData, Module, Region, Value};
 
 /// The frame of a function, and what its callees do with it.
 pub struct Frames<'a> {
@@ -39,7 +39,7 @@ impl Callees {
 
 impl<'a> Frames<'a> {
     pub fn new(function: &Function, callees: &'a Callees) -> Frames<'a> {
-        Frames { is_private: !is_given_away(function, &|region| region == Region::L), callees }
+        Frames { is_private: !is_given_away(function, &|region| region == Region::L, |_, _| false), callees }
     }
 
     /// True if only the function and its direct callees can reach its frame.
@@ -63,13 +63,17 @@ fn touches_caller(function: &Function) -> bool {
     touches
 }
 
-/// True if the address of local data, own ones or the caller's, goes anywhere.
-pub fn gives_address_away(function: &Function) -> bool {
-    is_given_away(function, &|region| matches!(region, Region::L | Region::V))
+/// True if the address of local data, own ones or the caller's, goes anywhere but to instructions that `keep` it.
+pub fn gives_address_away(function: &Function, keep: fn(&Function, &InstData) -> bool) -> bool {
+    is_given_away(function, &|region| matches!(region, Region::L | Region::V), keep)
 }
 
 /// True if the address of a place in a region that `is_local` names is used for more than accesses and comparisons.
-fn is_given_away(function: &Function, is_local: &dyn Fn(Region) -> bool) -> bool {
+fn is_given_away(
+    function: &Function,
+    is_local: &dyn Fn(Region) -> bool,
+    keep: fn(&Function, &InstData) -> bool,
+) -> bool {
     let is_source = |data: &InstData| match data {
         InstData::AddressOf { addr } => is_local(addr.region),
         InstData::FrameBase { .. } => true,
@@ -90,7 +94,7 @@ fn is_given_away(function: &Function, is_local: &dyn Fn(Region) -> bool) -> bool
             InstData::Binary { .. } | InstData::Select { .. } | InstData::Jump { .. } | InstData::Branch { .. } => {
                 false
             }
-            _ => uses_any(function, data, &derived),
+            _ => uses_any(function, data, &derived) && !keep(function, data),
         }
     })
 }
@@ -106,7 +110,14 @@ fn derived_values(function: &Function, is_source: &dyn Fn(&InstData) -> bool) ->
         };
         for &inst in function.layout.iter().flat_map(|&block| &function.blocks[block].insts) {
             let data = &function.insts[inst];
-            let computes = matches!(data, InstData::Binary { .. } | InstData::Select { .. });
+            let computes = match data {
+                InstData::Binary { op: BinaryOp::Isub, args } => {
+                    // The distance of two places is none.
+                    !args.iter().all(|&arg| function.defining(arg).is_some_and(is_source))
+                }
+                InstData::Binary { .. } | InstData::Select { .. } => true,
+                _ => false,
+            };
             if is_source(data) || computes && uses_any(function, data, &derived) {
                 mark(&mut derived, function.result(inst));
             }

@@ -167,11 +167,12 @@ impl<'a> Inliner<'a> {
         let module = self.module;
         let function = &module.functions[*callee];
         let is_only_call = self.graph.calls[*callee] == 1 && !self.module.entries.contains(callee);
-        let fits = shape.is_leaf
+        let knows_areas = knows_areas(caller, before);
+        let fits = (shape.is_leaf || shape.is_leaf_by_moves && knows_areas)
             && shape.caller_bytes <= caller.frame_bytes
             && caller.frame_bytes + function.local_bytes() <= plcc_abi::layout::L_CLASS_BYTES
             && !caller.blocks[block].cold;
-        (fits && self.budget.allows(&shape, is_only_call, knows_areas(caller, before))).then_some((function, shape))
+        (fits && self.budget.allows(&shape, is_only_call, knows_areas)).then_some((function, shape))
     }
 }
 

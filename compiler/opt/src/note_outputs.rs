@@ -37,7 +37,7 @@ pub fn note_outputs(function: &mut Function, surroundings: &Surroundings) -> boo
         (!is_noted).then_some((*block, last))
     };
     let mut writes: Vec<(Block, usize)> = function.layout.iter().filter_map(last_write).collect();
-    let has_few = surroundings.outputs_bytes <= FEW_BYTES;
+    let has_few = surroundings.areas.outputs <= FEW_BYTES;
     if has_few && writes.iter().any(|&(block, _)| !function.blocks[block].cold) {
         let cfg = ControlFlow::new(function);
         let loops = Loops::new(function, &cfg, &Dominators::new(function, &cfg));

@@ -8,7 +8,7 @@ use std::sync::PoisonError;
 
 use plcc_abi::layout;
 use plcc_ir::entities::EntityVec;
-use plcc_ir::{FuncId, Function, Module, Region, StaticDb};
+use plcc_ir::{Areas, FuncId, Function, Module, Region, StaticDb};
 
 use crate::effects::Effects;
 use crate::frames::{Callees, Frames};
@@ -19,8 +19,7 @@ pub struct Surroundings {
     pub dbs: Vec<StaticDb>,
     /// The same DBs, sorted by address.
     pub dbs_by_address: Vec<StaticDb>,
-    /// Bytes of the process image of outputs; 0: not known.
-    pub outputs_bytes: u32,
+    pub areas: Areas,
     /// What runs at safepoints and errors.
     pub effects: Effects,
     callees: Callees,
@@ -33,7 +32,7 @@ impl Surroundings {
         Surroundings {
             dbs: module.dbs.clone(),
             dbs_by_address,
-            outputs_bytes: module.outputs_bytes,
+            areas: module.areas,
             effects: Effects::new(module),
             callees: Callees::new(module),
         }

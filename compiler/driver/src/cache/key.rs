@@ -58,7 +58,7 @@ impl<'a> Keys<'a> {
         for db in &module.dbs {
             (db.number, db.address, db.length, db.read_only).hash(&mut bytes);
         }
-        surroundings.outputs_bytes.hash(&mut bytes);
+        surroundings.areas.hash(&mut bytes);
         surroundings.effects.hash(&mut bytes);
         let names: Vec<String> = module.functions.values().map(|function| function.name.clone()).collect();
         let common = hash(&bytes.0).to_le_bytes().to_vec();

@@ -1,6 +1,6 @@
 //! Rules for operations with two operands, and for taking words out of wider values.
 
-use plcc_ir::{BinaryOp, ConvertOp, InstData, Type, Value, eval};
+use plcc_ir::{BinaryOp, ConvertOp, InstData, Region, Type, Value, eval};
 
 use super::{Change, Folder, constant};
 use crate::known_bits::{known_zero, shift_count};
@@ -31,6 +31,7 @@ impl Folder<'_> {
             BinaryOp::Iadd => self.constant_last(a, b).or_else(|| self.constant_last(b, a)),
             BinaryOp::And | BinaryOp::Or if a == b => Some(Change::Value(a)),
             BinaryOp::Xor | BinaryOp::Isub if a == b => constant(0),
+            BinaryOp::Isub => self.distance(a, b),
             BinaryOp::And | BinaryOp::Or => self
                 .complements(op, ty, a, b)
                 .or_else(|| self.absorbed(op, a, b))
@@ -42,6 +43,19 @@ impl Folder<'_> {
             },
             _ => None,
         }
+    }
+
+    /// The distance of two places in local data.
+    fn distance(&self, a: Value, b: Value) -> Option<Change> {
+        let place = |value| match self.function.defining(value)? {
+            InstData::AddressOf { addr } if matches!(addr.region, Region::L | Region::V) => Some(*addr),
+            _ => None,
+        };
+        let (a, b) = (place(a)?, place(b)?);
+        if (a.region, a.base) != (b.region, b.base) {
+            return None;
+        }
+        constant(u64::from(a.offset.wrapping_sub(b.offset)))
     }
 
     fn binary_with_constant(&mut self, op: BinaryOp, ty: Type, a: Value, b: Value, cb: u64) -> Option<Change> {

@@ -9,7 +9,7 @@ use plcc_abi::layout::area;
 use plcc_ir::{BinaryOp, Block, Function, InstData, IntCc, Module, Region, UnaryOp};
 use rustc_hash::FxHashSet;
 
-use crate::frames;
+use crate::{block_moves, frames};
 
 /// Instructions that cost as much as a call.
 const CALL_COST: u32 = 24;
@@ -39,6 +39,8 @@ pub struct Shape {
     /// It calls no function of the module, returns, and passes no address of local data on: the caller's local data stay
     /// private then.
     pub is_leaf: bool,
+    /// The same but for block moves, which get the addresses of pointers. Where those are known it is one without calls.
+    pub is_leaf_by_moves: bool,
     /// It calls no runtime function that may run organization blocks or stop the CPU.
     pub is_quiet: bool,
     /// Bytes of the caller's frame that it addresses directly.
@@ -47,8 +49,11 @@ pub struct Shape {
 
 impl Shape {
     pub fn of(function: &Function) -> Shape {
-        let is_leaf = !frames::gives_address_away(function);
-        let mut shape = Shape { cost: 0, cost_by_area: 0, size: 0, is_leaf, is_quiet: true, caller_bytes: 0 };
+        let is_leaf = !frames::gives_address_away(function, |_, _| false);
+        let is_leaf_by_moves = is_leaf || !frames::gives_address_away(function, block_moves::is_block_move);
+        let mut shape =
+            Shape { cost: 0, cost_by_area: 0, size: 0, is_leaf, is_leaf_by_moves, is_quiet: true, caller_bytes: 0 };
+        let mut is_candidate = true;
         let mut returns = false;
         let other_areas = code_for_areas(function);
         for (id, block) in function.layout.iter().map(|&id| (id, &function.blocks[id])) {
@@ -62,7 +67,7 @@ impl Shape {
                     }
                 }
                 match data {
-                    InstData::Call { .. } => shape.is_leaf = false,
+                    InstData::Call { .. } => is_candidate = false,
                     InstData::CallRuntime { function, .. } => {
                         shape.is_quiet &= matches!(function.effect(), Effect::Pure | Effect::Cells | Effect::System);
                     }
@@ -72,7 +77,7 @@ impl Shape {
                 data.for_each_address(|addr| {
                     let is_local = matches!(addr.region, Region::L | Region::V);
                     // An offset from a base that would not fit any frame: whatever it means, it is rare.
-                    shape.is_leaf &=
+                    is_candidate &=
                         !(is_local && addr.base.is_some() && addr.offset >= plcc_abi::layout::L_CLASS_BYTES);
                     if addr.region == Region::V && addr.base.is_none() {
                         let bytes = direct_bytes(function, inst, data);
@@ -81,7 +86,8 @@ impl Shape {
                 });
             }
         }
-        shape.is_leaf &= returns;
+        shape.is_leaf &= is_candidate && returns;
+        shape.is_leaf_by_moves &= is_candidate && returns;
         shape
     }
 }
