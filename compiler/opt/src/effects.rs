@@ -151,10 +151,9 @@ fn is_alone(function: &plcc_ir::Function) -> bool {
         InstData::CallRuntime { function: RuntimeFn::S7200SpecialWritten, .. } => false,
         InstData::CallRuntime { function: RuntimeFn::S7200Operation, args } => {
             let number = args.get(1).and_then(|&value| function.constant(value));
-            number.and_then(|number| Operation::of_number(number as u32)).is_some_and(|operation| {
-                (operation as u8) < Operation::AttachInterrupt as u8
-                    || matches!(operation, Operation::RestartWatchdog | Operation::StopMode)
-            })
+            number
+                .and_then(|number| Operation::of_number(number as u32))
+                .is_some_and(|operation| !operation.concerns_hardware() || operation == Operation::StopMode)
         }
         _ => true,
     })

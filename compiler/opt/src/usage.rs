@@ -1,6 +1,7 @@
 //! What the program uses of the CPU, so that the runtime does in each cycle only what is needed.
 
 use plcc_abi::functions::Effect;
+use plcc_abi::s7200::Operation;
 use plcc_ir::entities::Entity;
 use plcc_ir::{Address, FuncId, Function, InstData, Module, Region, RuntimeFn, Value};
 use rustc_hash::FxHashMap;
@@ -17,7 +18,8 @@ pub struct Usage {
     /// The output byte from which on no code of the program changes one. Only the bytes before it are copied to the modules after
     /// each cycle; an S7-1500 has 32 KB of them.
     pub outputs: u32,
-    /// Code of an S7-200 touches neither interrupts nor counters, pulse outputs, ports or network, nor anything through pointers.
+    /// Code of an S7-200 touches neither interrupts nor high-speed counters, pulse outputs, ports or network. What it writes to special memory
+    /// and analog outputs at an address that is not known, the runtime notes when it happens.
     pub logic_only: bool,
     /// The first byte of its local data that a function reads or lets others read; `u32::MAX` if there is none. An organization block
     /// needs the start information only if that is there.
@@ -89,10 +91,15 @@ impl Usage {
             // Whoever has the address may write there.
             InstData::AddressOf { addr } if addr.region == Region::Q => ALL,
             InstData::CallRuntime { function: called, args } => match called {
-                RuntimeFn::S7200Operation
-                | RuntimeFn::S7200Pointer
-                | RuntimeFn::S7200Counter
-                | RuntimeFn::S7200SpecialWritten => {
+                RuntimeFn::S7200Operation => {
+                    let number = args.get(1).and_then(|&number| function.constant(number));
+                    let operation = number.and_then(|number| Operation::of_number(number as u32));
+                    self.logic_only &= operation.is_some_and(|operation| !operation.concerns_hardware());
+                    ALL
+                }
+                // The runtime looks where it points to.
+                RuntimeFn::S7200Pointer => ALL,
+                RuntimeFn::S7200Counter | RuntimeFn::S7200SpecialWritten => {
                     self.logic_only = false;
                     ALL
                 }

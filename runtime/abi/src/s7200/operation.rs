@@ -37,6 +37,13 @@ macro_rules! operations {
                 match self { $( Operation::$name => stringify!($name) ),* }
             }
 
+            /// True if it goes on after it has returned, or something outside the program does: interrupts, counters, pulse outputs,
+            /// ports, network, and a STOP at the end of the scan.
+            pub const fn concerns_hardware(self) -> bool {
+                self as u8 >= Operation::AttachInterrupt as u8
+                    && !matches!(self, Operation::RestartWatchdog | Operation::DiagnosticLed)
+            }
+
             /// The operation with this number.
             pub fn of_number(number: u32) -> Option<Operation> {
                 Operation::ALL.get(number as usize).copied()

@@ -34,6 +34,7 @@ pub(super) fn after_write(cpu: &Cpu, address: u32, bytes: u32) {
         cpu.s7200_analog_out(part.start, part.end - part.start);
     }
     if let Some(part) = part(address, bytes, system::SM, system::SM_BYTES) {
+        cpu.s7200_look_always();
         part.for_each(|byte| cpu.s7200_special_written(byte));
     }
 }

@@ -47,6 +47,9 @@ impl Cpu {
         if !inside || words_only && (bytes != 2 || offset % 2 != 0) {
             return 0;
         }
+        if write && matches!(tag, pointer::SM | pointer::AQ) {
+            self.s7200_look_always();
+        }
         access::before(self, start + offset, bytes);
         start + offset
     }
