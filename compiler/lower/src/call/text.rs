@@ -69,9 +69,9 @@ pub enum TextInput {
 pub struct TextOperand {
     pub(super) addr: Address,
     /// The same as offset from the memory base, an i32.
-    address: Value,
+    pub(super) address: Value,
     /// Characters that exist there, an i32 as [`plcc_abi::text`] describes it.
-    room: Value,
+    pub(super) room: Value,
     /// The declared maximum; 0 if it is not known.
     pub(super) declared: u8,
     /// The characters of a constant.
@@ -256,7 +256,7 @@ impl BlockLowering<'_, '_> {
         if self.b.constant_bits(known) != Some(1) {
             return false;
         }
-        let result = self.run_text(text.function, callee, &texts, &values);
+        let result = self.run_text_shortly(text.function, callee, &texts, &values);
         let Some((parameter, keeps)) = text.value else { return true };
         let Some(Actual::Place(place)) = actual(arguments, parameter) else {
             unreachable!("the arguments have been looked at")

@@ -41,26 +41,26 @@ impl BlockLowering<'_, '_> {
         let ([one, two], Some(relation @ (EQUAL | DIFFERENT))) = (texts, relation) else {
             return self.run_text_shortly(function, callee, texts, values);
         };
-        let is_known = |text: &TextOperand| text.characters.is_some() || text.declared != 0;
         // Where the depth of calls is counted, each call may stop the CPU.
-        if self.plan.checks_depth || !is_known(one) || !is_known(two) {
+        if self.plan.checks_depth {
             return self.run_text(function, callee, texts, values);
         }
-        let (ok_one, length_one) = self.length_as_declared(one);
-        let (ok_two, length_two) = self.length_as_declared(two);
-        let ok = self.b.and(ok_one, ok_two);
-        let mut difference = self.b.xor(length_one, length_two);
         let constant = match (&one.characters, &two.characters) {
             (None, Some(characters)) => Some((one, characters)),
             (Some(characters), None) => Some((two, characters)),
             _ => None,
         };
+        let compared = constant.map_or(0, |(_, characters)| characters.len());
+        let (ok_one, length_one) = self.length_if_right(one, compared);
+        let (ok_two, length_two) = self.length_if_right(two, compared);
+        let ok = self.b.and(ok_one, ok_two);
+        let mut difference = self.b.xor(length_one, length_two);
         // What else it takes to know the result here.
         let mut is_decided = ok;
         let result = self.b.declare_var(Type::I64);
         let (decided, call, end) = match constant {
             Some((text, characters)) if characters.len() <= CHARACTERS_MAX => {
-                if characters.len() <= usize::from(text.declared) {
+                if characters.len() <= self.most(text) as usize {
                     difference = self.differences(text.addr, characters, difference);
                 }
                 (self.b.create_block(), self.b.create_cold_block(), self.b.create_block())
@@ -91,11 +91,16 @@ impl BlockLowering<'_, '_> {
         self.b.use_var(result)
     }
 
-    /// Whether a text is as declared, and its length then, an i32.
-    fn length_as_declared(&mut self, text: &TextOperand) -> (Value, Value) {
+    /// Whether a text is as declared, and its length then, an i32. Where no maximum is declared, `compared` characters must exist.
+    fn length_if_right(&mut self, text: &TextOperand, compared: usize) -> (Value, Value) {
         if let Some(characters) = &text.characters {
             let length = self.b.i32_const(characters.len() as u32);
             return (self.b.bool_const(true), length);
+        }
+        if text.declared == 0 {
+            let (right, length, maximum) = self.head_as_found(text);
+            let exist = self.b.icmp_imm(IntCc::Uge, maximum, compared as i64);
+            return (self.b.and(right, exist), length);
         }
         self.head_as_declared(text.addr, text.declared)
     }

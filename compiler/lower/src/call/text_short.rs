@@ -9,9 +9,10 @@
 //!                                                   what follows the first n characters moves to the front
 //! ```
 //!
-//! It is only done where it is known at compile time which texts share memory: one variable that is changed in place, or texts apart.
+//! A text of a formal parameter has no declared maximum: then its head says it, and must agree with what exists there. Which texts share memory
+//! is known at compile time, one variable that is changed in place or texts apart; or a test finds that they are apart.
 
-use plcc_abi::text::{PLUS, Rules, WRITTEN};
+use plcc_abi::text::{PLUS, ROOM_MAX, Rules, WRITTEN};
 use plcc_abi::{RuntimeFn, Type};
 use plcc_ir::{Address, BinaryOp, Block, IntCc, Region, Value};
 use plcc_model::CodeBlock;
@@ -44,7 +45,9 @@ struct Text<'t> {
     start: Address,
     /// An i32.
     length: Value,
-    /// The length is not more.
+    /// The declared maximum, an i32.
+    maximum: Value,
+    /// Neither length nor maximum is more.
     most: u32,
     characters: Option<&'t [u8]>,
 }
@@ -100,29 +103,24 @@ impl BlockLowering<'_, '_> {
     /// Whether [`short_way`](Self::short_way) knows the function, and enough of its operands.
     fn has_short_way(&self, function: RuntimeFn, texts: &[TextOperand], numbers: &[Value]) -> bool {
         // Where the depth of calls is counted, each call may stop the CPU.
-        if self.plan.checks_depth || !texts.iter().all(|text| text.characters.is_some() || text.declared != 0) {
+        if self.plan.checks_depth {
             return false;
         }
         let constant = |number: &Value| self.b.constant_bits(*number);
-        let holds_word = |text: &TextOperand| u32::from(text.declared) >= WORD && text.characters.is_none();
+        let holds_word = |text: &TextOperand| self.most(text) >= WORD && text.characters.is_none();
         match (function, texts) {
             // A text that stays at its place, or that moves to the front.
-            (RuntimeFn::TextLeft | RuntimeFn::TextRight | RuntimeFn::TextMid | RuntimeFn::TextDelete, [text, out]) => {
-                places(text, out) != Places::Unknown
-            }
+            (RuntimeFn::TextLeft | RuntimeFn::TextRight | RuntimeFn::TextMid | RuntimeFn::TextDelete, [_, _]) => true,
             // One of the texts may be the one that grows.
             (RuntimeFn::TextConcat | RuntimeFn::TextConcatThree, [inputs @ .., out]) => {
-                let is = |place| inputs.iter().filter(|text| places(text, out) == place).count();
-                is(Places::Unknown) == 0 && is(Places::Same) <= 1
+                inputs.iter().filter(|text| places(text, out) == Places::Same).count() <= 1
             }
             // The text may be changed in place.
-            (RuntimeFn::TextInsert | RuntimeFn::TextReplace, [text, new, out]) => {
-                places(text, out) != Places::Unknown && places(new, out) == Places::Apart
-            }
+            (RuntimeFn::TextInsert | RuntimeFn::TextReplace, [_, new, out]) => places(new, out) != Places::Same,
             (RuntimeFn::TextFind, [text, sought]) => {
                 holds_word(text)
                     && sought.characters.as_ref().is_some_and(|sought| {
-                        (1..=SOUGHT_MAX).contains(&sought.len()) && sought.len() as u32 + WORD <= text.declared.into()
+                        (1..=SOUGHT_MAX).contains(&sought.len()) && sought.len() as u32 + WORD <= self.most(text)
                     })
             }
             (RuntimeFn::TextCompare, [text, with]) => {
@@ -143,6 +141,9 @@ impl BlockLowering<'_, '_> {
     /// What the function does where nothing is out of the ordinary; anything else goes to `call`.
     fn short_way(&mut self, function: RuntimeFn, operands: &[TextOperand], numbers: &[Value], call: Block) -> Done {
         let texts = self.texts_as_declared(operands, call);
+        if writes_text(function) {
+            self.require_apart(operands, call);
+        }
         let good = self.b.bool_const(true);
         let zero = self.b.i32_const(0);
         let done = Done { value: zero, good };
@@ -209,12 +210,14 @@ impl BlockLowering<'_, '_> {
                 return self.find(text, sought, rules, call);
             }
             (RuntimeFn::TextCompare, [text, with], &[relation]) => {
+                self.require_word(text, call);
                 let with = with.characters.expect("only compared with constants");
                 let relation = self.b.constant_bits(relation).expect("the relation is a constant");
                 let holds = self.word_relation(text.start, text.length, with, relation);
                 return Done { value: self.b.zext(Type::I32, holds), good };
             }
             (RuntimeFn::TextOfDint, [out], &[number, form]) => {
+                self.require_word(out, call);
                 let plus = self.b.constant_bits(form).is_some_and(|form| form & u64::from(PLUS) != 0);
                 let (word, count, fits) = self.decimal_word(number, plus);
                 self.require(fits, call);
@@ -222,17 +225,18 @@ impl BlockLowering<'_, '_> {
                 self.set_length(out, count);
             }
             (RuntimeFn::TextLength, [text], &[maximum]) => {
-                let most = self.b.i32_const(text.most);
-                let value = if self.b.constant_bits(maximum) == Some(0) { text.length } else { most };
+                let value = if self.b.constant_bits(maximum) == Some(0) { text.length } else { text.maximum };
                 return Done { value, good };
             }
             (RuntimeFn::TextScan, [text], &[kind]) => {
+                self.require_word(text, call);
                 let is_int = self.b.constant_bits(kind) == Some(KIND_INT);
                 // A DINT holds all that a word of characters says.
                 let range = is_int.then_some((i16::MIN.into(), i16::MAX.into()));
                 return self.number_of(text, WORD, range, call);
             }
             (RuntimeFn::TextToDint, [text], &[longest, low, high]) => {
+                self.require_word(text, call);
                 let [longest, low, high] =
                     [longest, low, high].map(|number| self.b.constant_bits(number).expect("a constant") as u32 as i32);
                 return self.number_of(text, WORD.min(longest as u32), Some((low, high)), call);
@@ -272,25 +276,76 @@ impl BlockLowering<'_, '_> {
         Some(end)
     }
 
+    /// The length that a text has at most.
+    pub(super) fn most(&self, text: &TextOperand) -> u32 {
+        match &text.characters {
+            Some(characters) => characters.len() as u32,
+            None if text.declared != 0 => text.declared.into(),
+            None => self.b.constant_bits(text.room).map_or(ROOM_MAX, |room| ROOM_MAX.min(room as u32)),
+        }
+    }
+
     /// The heads of `operands`, each looked at once.
     fn texts_as_declared<'t>(&mut self, operands: &'t [TextOperand], call: Block) -> Vec<Text<'t>> {
         let mut texts: Vec<Text> = Vec::new();
         for (index, operand) in operands.iter().enumerate() {
             let start = moved(operand.addr, HEAD_BYTES);
             let same = (0..index).find(|&other| places(&operands[other], operand) == Places::Same);
-            let length = match (&operand.characters, same) {
-                (Some(characters), _) => self.b.i32_const(characters.len() as u32),
-                (None, Some(other)) => texts[other].length,
+            let most = self.most(operand);
+            let (length, maximum) = match (&operand.characters, same) {
+                (Some(_), _) => {
+                    let length = self.b.i32_const(most);
+                    (length, length)
+                }
+                (None, Some(other)) => (texts[other].length, texts[other].maximum),
+                (None, None) if operand.declared == 0 => {
+                    let (ok, length, maximum) = self.head_as_found(operand);
+                    self.require(ok, call);
+                    (length, maximum)
+                }
                 (None, None) => {
                     let (ok, length) = self.head_as_declared(operand.addr, operand.declared);
                     self.require(ok, call);
-                    length
+                    (length, self.b.i32_const(operand.declared.into()))
                 }
             };
-            let most = operand.characters.as_ref().map_or(operand.declared.into(), |text| text.len() as u32);
-            texts.push(Text { start, length, most, characters: operand.characters.as_deref() });
+            texts.push(Text { start, length, maximum, most, characters: operand.characters.as_deref() });
         }
         texts
+    }
+
+    /// Of a text of which no maximum is declared: whether its head is right and all of it exists, and length and maximum then.
+    pub(super) fn head_as_found(&mut self, operand: &TextOperand) -> (Value, Value, Value) {
+        let head = self.b.load(Type::I16, operand.addr);
+        let head = self.b.zext(Type::I32, head);
+        let maximum = self.b.binary_imm(BinaryOp::Lshr, head, 8);
+        let length = self.b.binary_imm(BinaryOp::And, head, 0xFF);
+        // 0: nobody has set it up.
+        let before = self.b.binary_imm(BinaryOp::Iadd, maximum, -1);
+        let is_one = self.b.icmp_imm(IntCc::Ult, before, ROOM_MAX.into());
+        let fits = self.b.icmp(IntCc::Ule, length, maximum);
+        let exists = self.b.icmp(IntCc::Ule, maximum, operand.room);
+        let right = self.b.and(is_one, fits);
+        (self.b.and(right, exists), length, maximum)
+    }
+
+    /// Of the texts of which the places are not known, none shares memory with the last one.
+    fn require_apart(&mut self, operands: &[TextOperand], call: Block) {
+        /// Bytes of the longest text.
+        const LONGEST: i64 = (HEAD_BYTES + ROOM_MAX) as i64;
+        let Some((out, inputs)) = operands.split_last() else { return };
+        for text in inputs.iter().filter(|text| places(text, out) == Places::Unknown) {
+            let distance = self.b.isub(out.address, text.address);
+            let distance = self.b.binary_imm(BinaryOp::Iadd, distance, LONGEST - 1);
+            let apart = self.b.icmp_imm(IntCc::Ugt, distance, 2 * (LONGEST - 1));
+            self.require(apart, call);
+        }
+    }
+
+    /// Eight characters of the text exist, whatever its length is.
+    fn require_word(&mut self, text: &Text, call: Block) {
+        let exists = self.b.icmp_imm(IntCc::Uge, text.maximum, WORD.into());
+        self.require(exists, call);
     }
 
     /// Whether the head at `addr` is as declared, and the length then, an i32.
@@ -344,8 +399,9 @@ impl BlockLowering<'_, '_> {
                 sources.push(part.text);
             }
         }
-        if sources.iter().map(|text| text.most).sum::<u32>() > out.most {
-            let fits = self.b.icmp_imm(IntCc::Ule, total, out.most.into());
+        let is_declared = self.b.constant_bits(out.maximum).is_some();
+        if !is_declared || sources.iter().map(|text| text.most).sum::<u32>() > out.most {
+            let fits = self.b.icmp(IntCc::Ule, total, out.maximum);
             self.require(fits, call);
         }
         let mut written = self.b.i32_const(0);
@@ -391,7 +447,8 @@ impl BlockLowering<'_, '_> {
     /// Writes both bytes of the head, the first as it is: a processor waits when it reads a word of which it has just written a part, and the
     /// next function of the text reads the head.
     fn set_length(&mut self, out: &Text, length: Value) {
-        let head = self.b.binary_imm(BinaryOp::Or, length, i64::from(out.most << 8));
+        let maximum = self.b.binary_imm(BinaryOp::Shl, out.maximum, 8);
+        let head = self.b.or(length, maximum);
         let head = self.b.trunc(Type::I16, head);
         self.b.store(Address { offset: out.start.offset - HEAD_BYTES, ..out.start }, head);
     }
@@ -403,7 +460,11 @@ impl BlockLowering<'_, '_> {
         let words = (text.most - (count - 1)) / WORD;
         let starts_max = text.most - (count - 1);
         let starts = self.b.binary_imm(BinaryOp::Iadd, text.length, -i64::from(count - 1));
-        if starts_max > words * WORD {
+        if self.b.constant_bits(text.maximum).is_none() {
+            let end = self.b.binary_imm(BinaryOp::Iadd, text.length, i64::from(WORD - 1));
+            let exists = self.b.icmp(IntCc::Ule, end, text.maximum);
+            self.require(exists, call);
+        } else if starts_max > words * WORD {
             let whole = self.b.icmp_imm(IntCc::Sle, starts, i64::from(words * WORD));
             self.require(whole, call);
         }
@@ -445,6 +506,18 @@ impl BlockLowering<'_, '_> {
         }
         Done { value, good: self.b.bool_const(true) }
     }
+}
+
+/// True if the last text of the function is its result.
+fn writes_text(function: RuntimeFn) -> bool {
+    !matches!(
+        function,
+        RuntimeFn::TextFind
+            | RuntimeFn::TextCompare
+            | RuntimeFn::TextLength
+            | RuntimeFn::TextScan
+            | RuntimeFn::TextToDint
+    )
 }
 
 fn places(one: &TextOperand, two: &TextOperand) -> Places {
