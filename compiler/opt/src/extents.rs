@@ -80,6 +80,11 @@ impl<T: Copy + PartialEq> Extents<T> {
         !self.overlapping(start, end).is_empty()
     }
 
+    /// The ranges that overlap `start..end`.
+    pub fn iter_in(&self, start: u64, end: u64) -> impl Iterator<Item = &Extent<T>> {
+        self.items[self.overlapping(start, end)].iter()
+    }
+
     /// The range that contains `start..end`.
     pub fn covering(&self, start: u64, end: u64) -> Option<Extent<T>> {
         let item = self.items.get(self.overlapping(start, end).start)?;

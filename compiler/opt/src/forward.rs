@@ -11,6 +11,8 @@
 //! v5 = load.bit DB5 3.0      ; bit 0 of v3
 //! ```
 //!
+//! A load of bytes that several stores wrote is put together from their values: a processor would wait for all of them.
+//!
 //! A store invalidates the ranges that it may overlap: in the same region and with the same base the real overlaps; with another
 //! base everything in the region and in those that may alias it. A call makes everything unknown, except a private frame
 //! (see `frames`) that the callee does not touch.
@@ -38,6 +40,8 @@ use crate::words::Words;
 
 /// Ranges that are known for one base; more are forgotten.
 const RANGES_MAX: usize = 256;
+/// Values from which a load is put together at most.
+const PIECES_MAX: usize = 4;
 /// Regions with their bases.
 const BASES_MAX: usize = 64;
 const DB_FACTS_MAX: usize = 32;
@@ -167,12 +171,32 @@ fn known_at_start(
 }
 
 /// The content of a range of memory.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug)]
 enum Content {
     /// A part of the value that was in `start..end`: the rest may have been written since.
-    Value { value: Value, start: u64, end: u64 },
+    Value {
+        value: Value,
+        start: u64,
+        end: u64,
+        /// It was stored, not loaded.
+        stored: bool,
+    },
     /// All bits are 0.
     Zero,
+}
+
+/// Where the content comes from makes no difference.
+impl PartialEq for Content {
+    fn eq(&self, other: &Content) -> bool {
+        match (self, other) {
+            (
+                Content::Value { value, start, end, .. },
+                Content::Value { value: other, start: other_start, end: other_end, .. },
+            ) => (value, start, end) == (other, other_start, other_end),
+            (Content::Zero, Content::Zero) => true,
+            (Content::Value { .. }, Content::Zero) | (Content::Zero, Content::Value { .. }) => false,
+        }
+    }
 }
 
 /// The facts from each base of a region. What blocks have in common is shared until one of them changes it.
@@ -208,8 +232,8 @@ impl Memory {
     }
 
     /// Records the value that an access has read or written, for those parts that nothing is known about.
-    fn learn(&mut self, access: &Access, value: Value) {
-        self.fill(access, Content::Value { value, start: access.start, end: access.end });
+    fn learn(&mut self, access: &Access, value: Value, stored: bool) {
+        self.fill(access, Content::Value { value, start: access.start, end: access.end, stored });
     }
 
     fn fill(&mut self, access: &Access, content: Content) {
@@ -468,9 +492,71 @@ impl Forward<'_> {
                 None => Step::Keep,
             };
         }
+        if let Some(pieces) = self.pieces(access, ty) {
+            return Step::Replace(self.assembled(&pieces, access, ty));
+        }
         // Facts about its parts, above all bits, are worth more than the whole.
-        self.known.learn(access, result);
+        self.known.learn(access, result, false);
         Step::Keep
+    }
+
+    /// The known values that together are what `access` reads, if one of them was stored.
+    fn pieces(&self, access: &Access, ty: Type) -> Option<Vec<Extent<Content>>> {
+        if !ty.is_int() || access.region.is_host_order() {
+            return None;
+        }
+        let mut pieces = Vec::new();
+        let mut at = access.start;
+        let mut is_stored = false;
+        for item in self.known.find(access)?.iter_in(access.start, access.end) {
+            let (start, end) = (item.start.max(access.start), item.end.min(access.end));
+            if start != at || end % 8 != 0 || pieces.len() == PIECES_MAX {
+                return None;
+            }
+            is_stored |= match item.known {
+                Content::Zero => true,
+                Content::Value { value, .. } if !self.function.ty(value).is_int() => return None,
+                Content::Value { stored, .. } => stored,
+            };
+            pieces.push(Extent { start, end, known: item.known });
+            at = end;
+        }
+        (at == access.end && is_stored).then_some(pieces)
+    }
+
+    /// The value of type `ty` of which each of `pieces` is a part.
+    fn assembled(&mut self, pieces: &[Extent<Content>], access: &Access, ty: Type) -> Value {
+        let mut all: Option<Value> = None;
+        for piece in pieces {
+            let Content::Value { value, start, end, .. } = piece.known else { continue };
+            let value = self.function.resolve(value);
+            let whole = self.function.ty(value);
+            let mut part = self.shifted(BinaryOp::Lshr, value, whole, end - piece.end);
+            if whole.bits() > ty.bits() {
+                part = self.emit(InstData::Convert { op: ConvertOp::Trunc, arg: part }, ty);
+            } else if whole.bits() < ty.bits() {
+                part = self.emit(InstData::Convert { op: ConvertOp::Zext, arg: part }, ty);
+            }
+            // What is before the piece in its value goes, unless the shift drops it.
+            if start < piece.start && piece.start > access.start {
+                let mask = self.emit(InstData::Const { bits: (1 << (piece.end - piece.start)) - 1 }, ty);
+                part = self.emit(InstData::Binary { op: BinaryOp::And, args: [part, mask] }, ty);
+            }
+            part = self.shifted(BinaryOp::Shl, part, ty, access.end - piece.end);
+            all = Some(match all {
+                Some(all) => self.emit(InstData::Binary { op: BinaryOp::Or, args: [all, part] }, ty),
+                None => part,
+            });
+        }
+        all.unwrap_or_else(|| self.emit(InstData::Const { bits: 0 }, ty))
+    }
+
+    fn shifted(&mut self, op: BinaryOp, value: Value, ty: Type, count: u64) -> Value {
+        if count == 0 {
+            return value;
+        }
+        let count = self.emit(InstData::Const { bits: count }, ty);
+        self.emit(InstData::Binary { op, args: [value, count] }, ty)
     }
 
     /// Reads the word or byte around a bit that nothing is known about.
@@ -487,14 +573,14 @@ impl Forward<'_> {
         };
         let value = self.emit(InstData::Load { addr }, ty);
         self.changed = true;
-        self.known.learn(&Access::of_type(&addr, ty), value);
+        self.known.learn(&Access::of_type(&addr, ty), value, false);
     }
 
     /// The value of type `ty` that `access` reads from a range that contains it.
     fn part_of(&mut self, extent: Extent<Content>, access: &Access, ty: Type) -> Option<Value> {
         let (whole, start, end) = match extent.known {
             Content::Zero => return Some(self.emit(InstData::Const { bits: 0 }, ty)),
-            Content::Value { value, start, end } => (self.function.resolve(value), start, end),
+            Content::Value { value, start, end, .. } => (self.function.resolve(value), start, end),
         };
         let whole_type = self.function.ty(whole);
         if (start, end) == (access.start, access.end) {
@@ -511,12 +597,7 @@ impl Forward<'_> {
         // Memory is big-endian: bytes after the part are below it. Within its byte a bit has its own number.
         let bytes_after = (end - access.end.next_multiple_of(8)) / 8;
         let shift = bytes_after * 8 + if ty == Type::I1 { access.start % 8 } else { 0 };
-        let shifted = if shift == 0 {
-            whole
-        } else {
-            let count = self.emit(InstData::Const { bits: shift }, whole_type);
-            self.emit(InstData::Binary { op: BinaryOp::Lshr, args: [whole, count] }, whole_type)
-        };
+        let shifted = self.shifted(BinaryOp::Lshr, whole, whole_type, shift);
         Some(self.emit(InstData::Convert { op: ConvertOp::Trunc, arg: shifted }, ty))
     }
 
@@ -533,7 +614,7 @@ impl Forward<'_> {
         if let Some(extent) = self.known.find(access).and_then(|extents| extents.covering(access.start, access.end)) {
             let same = match extent.known {
                 Content::Zero => self.function.constant(value) == Some(0),
-                Content::Value { value: known, start, end } => {
+                Content::Value { value: known, start, end, .. } => {
                     (start, end) == (access.start, access.end) && self.is_same(known, value)
                 }
             };
@@ -542,7 +623,7 @@ impl Forward<'_> {
             }
         }
         self.known.forget(access);
-        self.known.learn(access, value);
+        self.known.learn(access, value, true);
         Step::Keep
     }
 
@@ -706,6 +787,26 @@ mod tests {
             "store.i32 M 0, v0\nstore.bit M 1.0, v1\nv2 = const.i32 17\nv3 = lshr v0, v2\nv4 = trunc.i1 v3\nstore.bit Q 0.0, v4\n\
              v5 = trunc.i16 v0\nstore.i16 Q 2, v5\nv6 = load.i16 M 0\nstore.i16 Q 4, v6\nret v0",
         );
+    }
+
+    #[test]
+    fn what_several_stores_wrote_is_put_together() {
+        check(
+            "v2 = trunc.i8 v0\nstore.i32 M 0, v0\nstore.i8 M 2, v2\nv3 = load.i16 M 1\nstore.i16 Q 0, v3\nv4 = load.i32 M 0\nret v4",
+            "v2 = trunc.i8 v0\nstore.i32 M 0, v0\nstore.i8 M 2, v2\nv3 = const.i32 16\nv4 = lshr v0, v3\nv5 = trunc.i16 v4\nv6 = \
+             const.i16 8\nv7 = shl v5, v6\nv8 = zext.i16 v2\nv9 = or v7, v8\nstore.i16 Q 0, v9\nv10 = const.i32 16\nv11 = lshr v0, \
+             v10\nv12 = const.i32 16\nv13 = shl v11, v12\nv14 = zext.i32 v2\nv15 = const.i32 8\nv16 = shl v14, v15\nv17 = or v13, \
+             v16\nv18 = const.i32 255\nv19 = and v0, v18\nv20 = or v17, v19\nret v20",
+        );
+        check(
+            "v2 = trunc.i8 v0\nclear M 0, 4\nstore.i8 M 3, v2\nv3 = load.i32 M 0\nret v3",
+            "v2 = trunc.i8 v0\nclear M 0, 4\nstore.i8 M 3, v2\nv3 = zext.i32 v2\nret v3",
+        );
+        // Loads do not wait for loads, and a hole may hold anything.
+        let text = "v2 = load.i8 M 0\nv3 = load.i8 M 1\nstore.i8 Q 0, v2\nstore.i8 Q 1, v3\nv4 = load.i16 M 0\nstore.i16 L 0, v4\nret v0";
+        check(text, text);
+        let text = "v2 = trunc.i8 v0\nstore.i8 M 0, v2\nstore.i8 M 2, v2\nv3 = load.i32 M 0\nret v3";
+        check(text, text);
     }
 
     #[test]
