@@ -253,8 +253,29 @@ impl Folder<'_> {
                 let not = self.emit_not(cond);
                 Some(Change::Data(InstData::Convert { op: ConvertOp::Zext, arg: not }))
             }
+            (true, None, None) => self.counted(cond, if_true, if_false, ty),
             _ => None,
         }
+    }
+
+    /// A counter that goes on by 1 or stays as it is: in a chain of them, a sum with the condition is one step, a sum and a selection are two.
+    fn counted(&mut self, cond: Value, if_true: Value, if_false: Value, ty: Type) -> Option<Change> {
+        let step = |next: Value, from: Value| match self.function.defining(next)? {
+            &InstData::Binary { op: BinaryOp::Iadd, args: [x, step] } if x == from => {
+                let step = self.constant(step)?;
+                [(1, BinaryOp::Iadd), (eval::mask(ty, u64::MAX), BinaryOp::Isub)]
+                    .into_iter()
+                    .find(|(one, _)| *one == step)
+            }
+            _ => None,
+        };
+        let (from, (_, op), counts) = match (step(if_true, if_false), step(if_false, if_true)) {
+            (Some(op), _) => (if_false, op, cond),
+            (None, Some(op)) => (if_true, op, self.emit_not(cond)),
+            (None, None) => return None,
+        };
+        let one = self.emit(InstData::Convert { op: ConvertOp::Zext, arg: counts }, ty);
+        Some(Change::Data(InstData::Binary { op, args: [from, one] }))
     }
 
     fn emit_not(&mut self, cond: Value) -> Value {

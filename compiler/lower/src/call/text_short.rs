@@ -262,7 +262,8 @@ impl BlockLowering<'_, '_> {
             let fits = self.b.icmp_imm(IntCc::Ule, length, limit.into());
             self.require(fits, call);
         }
-        self.copy_characters(moved(to, HEAD_BYTES), moved(from, HEAD_BYTES), length, most.into());
+        let room = (u32::from(most) >= WORD).then(|| self.b.i32_const(most.into()));
+        self.copy_characters(moved(to, HEAD_BYTES), moved(from, HEAD_BYTES), length, most.into(), room);
         // As in `set_length`; the maximum in memory stays.
         let most = self.b.load(Type::I8, to);
         let most = self.b.zext(Type::I32, most);
@@ -415,23 +416,37 @@ impl BlockLowering<'_, '_> {
             written = self.b.iadd(written, part.count);
         }
         let in_place = |part: &Part| part.text.start == out.start;
+        let room = |lowering: &mut Self, part: &Part, written: Value| {
+            let skipped = lowering.b.constant_bits(part.skipped).unwrap_or(0);
+            let may_be = u64::from(part.text.most.min(out.most)) >= skipped + u64::from(WORD);
+            // After another part a word would be read of which the beginning has just been written.
+            if !may_be || lowering.b.constant_bits(written) != Some(0) {
+                return None;
+            }
+            let read = lowering.b.isub(part.text.maximum, part.skipped);
+            Some(lowering.smaller(read, out.maximum))
+        };
         for &(part, to, from, written) in moves.iter().filter(|(part, ..)| in_place(part)) {
             // Characters that are kept move on where others come before them, and back where some go; REPLACE may do either.
             let kept_before = parts.iter().find(|other| in_place(other)).map(|first| first.count);
             let nothing_goes = self.b.constant_bits(part.skipped) == Some(0) || kept_before == Some(part.skipped);
+            let room = room(self, part, written);
             match (parts.iter().all(in_place), nothing_goes) {
-                (true, _) => self.copy_characters(to, from, part.count, out.most),
-                (false, true) => self.copy_from_end(to, from, part.count, out.most),
+                (true, _) => self.copy_characters(to, from, part.count, out.most, room),
+                (false, true) => self.copy_from_end(to, from, part.count, out.most, room),
                 (false, false) => {
                     let back = self.b.icmp(IntCc::Ule, written, part.skipped);
-                    self.move_characters(to, from, part.count, out.most, back);
+                    self.move_characters(to, from, part.count, out.most, room, back);
                 }
             }
         }
-        for &(part, to, from, _) in moves.iter().filter(|(part, ..)| !in_place(part)) {
+        for &(part, to, from, written) in moves.iter().filter(|(part, ..)| !in_place(part)) {
             match self.known_characters(part).filter(|characters| characters.len() <= out.most as usize) {
                 Some(characters) => self.store_bytes(to, characters),
-                None => self.copy_characters(to, from, part.count, part.text.most.min(out.most)),
+                None => {
+                    let room = room(self, part, written);
+                    self.copy_characters(to, from, part.count, part.text.most.min(out.most), room);
+                }
             }
         }
         self.set_length(out, total);

@@ -47,8 +47,9 @@ impl BlockLowering<'_, '_> {
         self.b.binary(op, value, bits)
     }
 
-    /// Copies `count` characters, an i32 of at most `most`. Where the two places share memory, `to` is not after `from`.
-    pub(super) fn copy_characters(&mut self, to: Address, from: Address, count: Value, most: u32) {
+    /// Copies `count` characters, an i32 of at most `most`. Where the two places share memory, `to` is not after `from`. `room`, an i32: the
+    /// characters, part of the text or not, that exist at both places, if there may be a word of them.
+    pub(super) fn copy_characters(&mut self, to: Address, from: Address, count: Value, most: u32, room: Option<Value>) {
         if let Some(count) = self.b.constant_bits(count) {
             // More is only where a constant position is wrong: that code never runs.
             if (1..=u64::from(most)).contains(&count) {
@@ -57,7 +58,7 @@ impl BlockLowering<'_, '_> {
             return;
         }
         if most < BLOCK {
-            return self.copy_last(to, from, count, most);
+            return self.copy_last(to, from, count, most, room);
         }
         let (left, done) = (self.b.declare_var(Type::I32), self.b.declare_var(Type::I32));
         let zero = self.b.i32_const(0);
@@ -82,30 +83,39 @@ impl BlockLowering<'_, '_> {
         self.b.switch_to(rest);
         let (at, count) = (self.b.use_var(done), self.b.use_var(left));
         let (to, from) = (self.indexed(to, at), self.indexed(from, at));
-        self.copy_last(to, from, count, BLOCK - 1);
+        let room = room.map(|room| self.b.isub(room, at));
+        self.copy_last(to, from, count, BLOCK - 1, room);
     }
 
     /// Copies `count` characters, an i32 of at most `most`, inside a text; `is_back`, an i1: `to` is not after `from`.
-    pub(super) fn move_characters(&mut self, to: Address, from: Address, count: Value, most: u32, is_back: Value) {
+    pub(super) fn move_characters(
+        &mut self,
+        to: Address,
+        from: Address,
+        count: Value,
+        most: u32,
+        room: Option<Value>,
+        is_back: Value,
+    ) {
         let (back, on, end) = (self.b.create_block(), self.b.create_block(), self.b.create_block());
         self.b.branch(is_back, back, on);
         self.b.seal_block(back);
         self.b.seal_block(on);
         self.b.switch_to(back);
-        self.copy_characters(to, from, count, most);
+        self.copy_characters(to, from, count, most, room);
         self.b.jump(end, &[]);
         self.b.switch_to(on);
-        self.copy_from_end(to, from, count, most);
+        self.copy_from_end(to, from, count, most, room);
         self.b.jump(end, &[]);
         self.b.seal_block(end);
         self.b.switch_to(end);
     }
 
     /// As [`copy_characters`](Self::copy_characters), where the two places share memory and `to` is after `from`: the last ones first.
-    pub(super) fn copy_from_end(&mut self, to: Address, from: Address, count: Value, most: u32) {
+    pub(super) fn copy_from_end(&mut self, to: Address, from: Address, count: Value, most: u32, room: Option<Value>) {
         // Fewer than a block, or a known number, are read before they are written.
         if most < BLOCK || self.b.constant_bits(count).is_some() {
-            return self.copy_characters(to, from, count, most);
+            return self.copy_characters(to, from, count, most, room);
         }
         let left = self.b.declare_var(Type::I32);
         self.b.def_var(left, count);
@@ -124,14 +134,30 @@ impl BlockLowering<'_, '_> {
         self.b.seal_block(rest);
         self.b.switch_to(rest);
         let count = self.b.use_var(left);
-        self.copy_last(to, from, count, BLOCK - 1);
+        self.copy_last(to, from, count, BLOCK - 1, room);
     }
 
-    /// Copies `count` characters, fewer than [`BLOCK`] and at most `most`: two pieces that overlap, both read before one is written.
-    fn copy_last(&mut self, to: Address, from: Address, count: Value, most: u32) {
+    /// Copies `count` characters, fewer than [`BLOCK`] and at most `most`. Fewer than a word come in a word, if there is room for one: no
+    /// branch depends on their number, and whoever reads the word does not wait for pieces. Else in two pieces that overlap, both read before
+    /// one is written.
+    fn copy_last(&mut self, to: Address, from: Address, count: Value, most: u32, room: Option<Value>) {
         let end = self.b.create_block();
         for ty in [Type::I64, Type::I32, Type::I16] {
             let bytes = ty.bytes();
+            if ty == Type::I32
+                && let Some(room) = room
+            {
+                let (word, pieces) = (self.b.create_block(), self.b.create_block());
+                let has_room = self.b.icmp_imm(IntCc::Sge, room, WORD.into());
+                self.b.branch(has_room, word, pieces);
+                self.b.seal_block(word);
+                self.b.seal_block(pieces);
+                self.b.switch_to(word);
+                let characters = self.load_word(from);
+                self.store_few(to, characters, count);
+                self.b.jump(end, &[]);
+                self.b.switch_to(pieces);
+            }
             if most < bytes {
                 continue;
             }
@@ -163,14 +189,32 @@ impl BlockLowering<'_, '_> {
 
     /// Stores the first `count` characters of `word`, at most eight and at least one, and leaves those after them, which exist, as they are.
     pub(super) fn store_some(&mut self, to: Address, word: Value, count: Value) {
-        let old = self.load_word(to);
-        let count = self.b.zext(Type::I64, count);
-        let bits = self.b.binary_imm(BinaryOp::Shl, count, 3);
+        let bits = self.bits_of(count);
         // 64 - bits, as shifts take it.
         let zero = self.word(0);
         let others = self.b.isub(zero, bits);
         let ones = self.word(u64::MAX);
         let mask = self.b.binary(BinaryOp::Lshr, ones, others);
+        self.store_masked(to, word, mask);
+    }
+
+    /// As [`store_some`](Self::store_some), for fewer than eight characters or none.
+    fn store_few(&mut self, to: Address, word: Value, count: Value) {
+        let bits = self.bits_of(count);
+        let one = self.word(1);
+        let mask = self.b.binary(BinaryOp::Shl, one, bits);
+        let mask = self.with_word(BinaryOp::Isub, mask, 1);
+        self.store_masked(to, word, mask);
+    }
+
+    fn bits_of(&mut self, count: Value) -> Value {
+        let count = self.b.zext(Type::I64, count);
+        self.b.binary_imm(BinaryOp::Shl, count, 3)
+    }
+
+    /// Stores the bits of `word` that `mask` has.
+    fn store_masked(&mut self, to: Address, word: Value, mask: Value) {
+        let old = self.load_word(to);
         let difference = self.b.xor(old, word);
         let difference = self.b.and(difference, mask);
         let new = self.b.xor(old, difference);

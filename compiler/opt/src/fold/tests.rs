@@ -145,3 +145,16 @@ fn sums_of_extended_words_are_narrow() {
         "v10 = zext.i32 v3\nv11 = const.i32 4\nv12 = shl v10, v11\nv13 = const.i32 4294967280\nv14 = iadd v12, v13\nret v14",
     );
 }
+
+#[test]
+fn a_counter_under_a_condition_is_a_sum() {
+    check(
+        "v10 = const.i16 1\nv11 = iadd v3, v10\nv12 = select v2, v11, v3\nstore.i16 M 0, v12\nv13 = const.i32 4294967295\nv14 = iadd v0, \
+         v13\nv15 = select v2, v0, v14\nret v15",
+        "v10 = zext.i16 v2\nv11 = iadd v3, v10\nstore.i16 M 0, v11\nv12 = const.i1 1\nv13 = xor v2, v12\nv14 = zext.i32 v13\nv15 = isub v0, \
+         v14\nret v15",
+    );
+    // Steps of another size need a selection anyway.
+    let text = "v10 = const.i16 2\nv11 = iadd v3, v10\nv12 = select v2, v11, v3\nstore.i16 M 0, v12\nret v0";
+    check(text, text);
+}
