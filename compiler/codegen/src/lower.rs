@@ -302,7 +302,13 @@ impl<'m, 'f> Lowering<'m, 'f> {
             InstData::IntCompare { cc, args } => self.int_compare(*cc, *args, only()?)?,
             InstData::FloatCompare { cc, args } => {
                 let [x, y] = [self.value(args[0])?, self.value(args[1])?];
-                let value = self.b.ins().fcmp(float_cc(*cc), x, y);
+                // Cranelift makes `maxss` of a selection by "less" only.
+                let (cc, x, y) = match cc {
+                    FloatCc::Gt => (FloatCc::Lt, y, x),
+                    FloatCc::Ge => (FloatCc::Le, y, x),
+                    cc => (*cc, x, y),
+                };
+                let value = self.b.ins().fcmp(float_cc(cc), x, y);
                 self.define(only()?, value);
             }
             InstData::Convert { op, arg } => self.convert(*op, *arg, only()?)?,
