@@ -113,11 +113,14 @@ impl Report {
         self.missing(MissingKey::Symbol(fold(name)), span, || {
             let message = Diagnostic::new(Code::UnknownSymbol, span, format!("the symbol `{name}` is not defined"))
                 .label("no symbol table and no block has this name");
-            if let Some(help) = bit_without_number(name) {
+            if let Some(help) = bit_without_number(name, &["I", "Q", "M", "E", "A", "SM"]) {
                 return message.help(help);
             }
             if let Some(value) = foreign_value(name) {
                 return message.help(format!("write {value}"));
+            }
+            if is_duration(name) {
+                return message.help(format!("a time is written `T#{name}`, without quotes"));
             }
             let meant = meant.filter(|_| !name.starts_with(|c: char| c.is_ascii_digit()));
             let meant = meant.or_else(|| similar(name, ["TRUE", "FALSE"].into_iter()).map(str::to_owned));
@@ -340,11 +343,27 @@ impl Report {
     }
 }
 
-/// `I0`, which is a byte or a bit without its number.
-fn bit_without_number(name: &str) -> Option<String> {
+/// `5s`, `1h30m`, `2.5s`: a time without its type.
+fn is_duration(name: &str) -> bool {
+    let mut rest = name;
+    while let Some(unit) = rest.find(|c: char| !c.is_ascii_digit() && c != '.' && c != '_') {
+        let after = rest[unit..].find(|c: char| !c.is_ascii_alphabetic()).map_or(rest.len(), |end| unit + end);
+        let is_part = unit > 0
+            && rest.starts_with(|c: char| c.is_ascii_digit())
+            && ["ms", "s", "m", "h", "d"].iter().any(|known| known.eq_ignore_ascii_case(&rest[unit..after]));
+        if !is_part {
+            return false;
+        }
+        rest = &rest[after..];
+    }
+    rest.is_empty() && !name.is_empty()
+}
+
+/// `I0`, which is a byte or a bit without its number. `areas`: the letters of areas with bits.
+pub fn bit_without_number(name: &str, areas: &[&str]) -> Option<String> {
     let digits = name.find(|c: char| c.is_ascii_digit())?;
     let (letters, number) = name.split_at(digits);
-    let known = ["I", "Q", "M", "E", "A", "SM"].iter().any(|known| known.eq_ignore_ascii_case(letters));
+    let known = areas.iter().any(|known| known.eq_ignore_ascii_case(letters));
     let fits = known && number.len() <= 5 && number.bytes().all(|byte| byte.is_ascii_digit());
     fits.then(|| format!("if you mean the address: a bit is `{name}.0` to `{name}.7`, the byte `{letters}B{number}`"))
 }

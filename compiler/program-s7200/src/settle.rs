@@ -9,7 +9,7 @@ use super::address;
 use super::interface::{Locals, Type};
 use super::names::{block_kind, fold};
 use super::{Binder, operand};
-use plcc_binding::report::MissingKey;
+use plcc_binding::report::{MissingKey, bit_without_number};
 use plcc_model::s7200::Operand;
 
 /// An operand whose names are settled.
@@ -104,6 +104,9 @@ impl Binder<'_> {
         self.report.missing(MissingKey::Symbol(fold(name)), span, || {
             let message = Diagnostic::new(Code::UnknownSymbol, span, format!("the symbol `{name}` is not defined"))
                 .label("no symbol table and no block has this name");
+            if let Some(help) = bit_without_number(name, &["I", "Q", "M", "SM", "V", "S", "L"]) {
+                return message.help(help);
+            }
             match (near.as_slice(), has_tables) {
                 ([], false) => message.help("add the symbol table of the project to the sources"),
                 ([], true) => message.help("add it to the symbol table, or write the address"),

@@ -113,7 +113,15 @@ pub fn misspelt(text: &str, raw: &[RawToken], index: usize) -> Option<Keyword> {
     if ends && !word.starts_with(['E', 'e']) {
         return None;
     }
-    Keyword::of(slip_of(word, candidates.iter().copied())?)
+    Keyword::of(slip_of(word, candidates.iter().copied()).or_else(|| shortened(word, candidates))?)
+}
+
+/// `END_TRANS`: the only one of `words` that begins so.
+fn shortened<'w>(word: &str, words: &[&'w str]) -> Option<&'w str> {
+    let begins = |full: &&&str| full.get(..word.len()).is_some_and(|head| head.eq_ignore_ascii_case(word));
+    let mut found = words.iter().filter(begins);
+    let only = found.next()?;
+    (word.len() > "END_".len() && found.next().is_none()).then_some(*only)
 }
 
 /// Words that are alone on their line.

@@ -61,9 +61,35 @@ impl<'a> Classifier<'a, '_> {
                 at += 1;
                 continue;
             }
+            if token.kind == RawKind::Stray
+                && let Some(next) = tokens.get(at)
+                && self.hexadecimal(token, *next)
+            {
+                at += 1;
+                continue;
+            }
             let token_of = self.operand(token);
             self.push(token.range(), token_of);
         }
+    }
+
+    /// `$FF`, as other assemblers write a hexadecimal number.
+    fn hexadecimal(&mut self, sign: RawToken, digits: RawToken) -> bool {
+        let number = digits.text(self.text);
+        let is_number = sign.text(self.text) == "$"
+            && sign.range().end == digits.range().start
+            && number.bytes().all(|digit| digit.is_ascii_hexdigit());
+        if is_number {
+            let range = sign.range().start..digits.range().end;
+            let (span, text) = (self.span(range.clone()), self.slice(range.clone()));
+            self.report(
+                Diagnostic::new(Code::BadLiteral, span, format!("`{text}` is not a constant of the S7-200"))
+                    .label("a hexadecimal number of another language")
+                    .help(format!("write `16#{number}`")),
+            );
+            self.push(range, Tok::BadOperand);
+        }
+        is_number
     }
 
     /// `N7:0`, `B3:0/1` of other controllers; returns their end.

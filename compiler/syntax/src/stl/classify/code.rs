@@ -225,6 +225,15 @@ impl<'a> Classifier<'a, '_> {
                 {
                     return self.pointer_list(first - 1);
                 }
+                RawKind::LeftParen
+                    if after_operand
+                        && matches!(
+                            self.out[first - 1].1,
+                            Tok::Insn(StlInsn::CallUnconditional | StlInsn::CallConditional)
+                        ) =>
+                {
+                    return self.parameters_of_jump(first - 1);
+                }
                 RawKind::LeftBracket => open_brackets += 1,
                 RawKind::RightBracket => open_brackets = open_brackets.saturating_sub(1),
                 RawKind::Word | RawKind::Equal | RawKind::RightParen
@@ -267,6 +276,35 @@ impl<'a> Classifier<'a, '_> {
         );
         let end = self.last_end();
         self.push(end, Tok::RightParen, end);
+    }
+
+    /// `UC FC 5 (a := 3)`, where only CALL passes parameters. `insn`: the token of the instruction.
+    fn parameters_of_jump(&mut self, insn: usize) {
+        let (start, end) = (self.out[insn].0, self.last_end());
+        let opening = self.raw[self.at];
+        let word = self.text[start..self.out[insn].2].to_owned();
+        let block = self.text[self.out[insn].2..end].trim();
+        self.report(
+            Diagnostic::new(Code::Syntax, self.span(opening), format!("`{word}` passes no parameters"))
+                .label("begins here")
+                .help(format!("write `CALL {block} (…)`; for a condition jump past it")),
+        );
+        // What the block makes of its parameters would be a second message.
+        self.out.truncate(insn);
+        self.push(start, Tok::BadStatement, end);
+        let mut depth = 0usize;
+        while let Some(token) = self.peek() {
+            match token.kind {
+                RawKind::LeftParen => depth += 1,
+                RawKind::RightParen => depth = depth.saturating_sub(1),
+                _ if self.ends_code(self.at) => return,
+                _ => {}
+            }
+            self.at += 1;
+            if depth == 0 {
+                return;
+            }
+        }
     }
 
     /// Another statement begins on the line without `;` before it.

@@ -105,7 +105,13 @@ impl Classifier<'_, '_> {
                     self.end_of_label();
                     return self.take_up_to(Tok::Label(slice), index + 1);
                 }
-                let help = suggest::instruction(upper.as_str(), slice, self.set);
+                // `; text`, as assemblers of other machines write a comment.
+                let is_comment = !token.first_on_line
+                    && index.checked_sub(1).and_then(|before| self.kind_at(before)) == Some(RawKind::Semicolon);
+                let help = match is_comment {
+                    true => format!("a comment begins with `//`: write `// {slice} …`"),
+                    false => suggest::instruction(upper.as_str(), slice, self.set),
+                };
                 self.report(
                     Diagnostic::new(Code::UnknownInstruction, span, format!("STL has no instruction `{slice}`"))
                         .label(format!("not a mnemonic of the {} set", messages::set_name(self.set)))
