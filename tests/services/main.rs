@@ -196,13 +196,27 @@ fn status() -> Result<(), Failed> {
     }
 }
 
-/// The watch table, forcing and the memory reset by people with roles.
+/// Watch tables, forcing and the memory reset by people with roles.
 fn watch_table() -> Result<(), Failed> {
     let port = free_port().to_string();
     let folder = tempfile::tempdir()?;
     let out = folder.path().join("table");
     process::plcc(&["build", "--quiet"], &[&here().join("watch")], &out)?;
-    talk(Plc::run(&out, &["--web", &port])?, "watch_client.js", &[&port])
+    let tables = folder.path().join("tables");
+    std::fs::create_dir(&tables)?;
+    std::fs::write(tables.join("levels.toml"), "[[row]]\naddress = \"MW10\"\nformat = \"dec\"\ncomment = \"upper\"\n")?;
+    std::fs::write(tables.join("broken.toml"), "[[row]]\naddress = \"MW10\"\nformat = \"octal\"\n")?;
+    let folder = tables.to_string_lossy();
+    talk(Plc::run(&out, &["--web", &port, "--tables", &folder])?, "watch_client.js", &[&port, &folder])?;
+    // What people have kept.
+    let kept = std::fs::read_to_string(tables.join("levels.toml"))?;
+    match kept.contains("comment = \"upper\"")
+        && kept.contains("address = \"I0.0\"")
+        && tables.join("pumps.toml").exists()
+    {
+        true => Ok(()),
+        false => Err(kept.into()),
+    }
 }
 
 fn metrics() -> Result<(), Failed> {
