@@ -3,6 +3,7 @@
 //! Clients come from PyPI and npm, into `target/clients`. A test whose client cannot be had is ignored.
 
 mod busy;
+mod change;
 mod fleet;
 mod hostile;
 mod partners;
@@ -42,6 +43,7 @@ fn main() {
         trial("s7_of_nodes7", node("nodes7@0.3.18").err(), || client(&["--s7"], "nodes7_client.js")),
         trial("modbus_of_pymodbus", modbus.err(), || client(&["--modbus"], "modbus_client.py")),
         trial("opcua_of_asyncua", asyncua.clone(), || opcua(Program::Plant, "open")),
+        trial("opcua_goes_on_when_the_program_changes", asyncua.clone(), change::sessions_go_on),
         trial("opcua_with_security_of_asyncua", asyncua, || opcua(Program::Line, "secure")),
         trial("page_of_chromium", chromium().err(), || client(&["--web", "--access=control"], "page_client.js")),
         trial("status_in_chromium", chromium().err(), status),
