@@ -369,5 +369,26 @@ async def with_users():
         assert await client.get_node("ns=3;s=%MW30").read_value() == 4711
 
 
-asyncio.run(asyncio.wait_for(without_users() if what == "open" else with_users(), 60))
+async def second_session():
+    """A session ends long after its connection has begun; the client has time for what it does next."""
+    client = Client(URL)
+    await client.connect_socket()
+    await client.send_hello()
+    await client.open_secure_channel()
+    await client.create_session()
+    await client.activate_session()
+    await asyncio.sleep(11)
+    await client.close_session()
+    await asyncio.sleep(0.5)
+    await client.create_session()
+    await client.activate_session()
+    assert await node(client, "PLC.State").read_value() in ("RUN", "STOP")
+    await client.disconnect()
+
+
+async def main():
+    await (asyncio.gather(without_users(), second_session()) if what == "open" else with_users())
+
+
+asyncio.run(asyncio.wait_for(main(), 60))
 print("done")

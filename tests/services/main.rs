@@ -3,6 +3,7 @@
 //! Clients come from PyPI and npm, into `target/clients`. A test whose client cannot be had is ignored.
 
 mod busy;
+mod change;
 mod fleet;
 mod hostile;
 mod partners;
@@ -42,6 +43,7 @@ fn main() {
         trial("s7_of_nodes7", node("nodes7@0.3.18").err(), || client(&["--s7"], "nodes7_client.js")),
         trial("modbus_of_pymodbus", modbus.err(), || client(&["--modbus"], "modbus_client.py")),
         trial("opcua_of_asyncua", asyncua.clone(), || opcua(Program::Plant, "open")),
+        trial("opcua_goes_on_when_the_program_changes", asyncua.clone(), change::sessions_go_on),
         trial("opcua_with_security_of_asyncua", asyncua, || opcua(Program::Line, "secure")),
         trial("page_of_chromium", chromium().err(), || client(&["--web", "--access=control"], "page_client.js")),
         trial("status_in_chromium", chromium().err(), status),
@@ -196,13 +198,27 @@ fn status() -> Result<(), Failed> {
     }
 }
 
-/// The watch table, forcing and the memory reset by people with roles.
+/// Watch tables, forcing and the memory reset by people with roles.
 fn watch_table() -> Result<(), Failed> {
     let port = free_port().to_string();
     let folder = tempfile::tempdir()?;
     let out = folder.path().join("table");
     process::plcc(&["build", "--quiet"], &[&here().join("watch")], &out)?;
-    talk(Plc::run(&out, &["--web", &port])?, "watch_client.js", &[&port])
+    let tables = folder.path().join("tables");
+    std::fs::create_dir(&tables)?;
+    std::fs::write(tables.join("levels.toml"), "[[row]]\naddress = \"MW10\"\nformat = \"dec\"\ncomment = \"upper\"\n")?;
+    std::fs::write(tables.join("broken.toml"), "[[row]]\naddress = \"MW10\"\nformat = \"octal\"\n")?;
+    let folder = tables.to_string_lossy();
+    talk(Plc::run(&out, &["--web", &port, "--tables", &folder])?, "watch_client.js", &[&port, &folder])?;
+    // What people have kept.
+    let kept = std::fs::read_to_string(tables.join("levels.toml"))?;
+    match kept.contains("comment = \"upper\"")
+        && kept.contains("address = \"I0.0\"")
+        && tables.join("pumps.toml").exists()
+    {
+        true => Ok(()),
+        false => Err(kept.into()),
+    }
 }
 
 fn metrics() -> Result<(), Failed> {

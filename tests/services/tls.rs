@@ -153,14 +153,18 @@ pub fn own_clients() -> Result<(), Failed> {
         Err("plcc monitor says nothing".into())
     };
     match first(&certificate)? {
-        Incoming::Connected(names) if !names.is_empty() => {}
-        Incoming::Connected(_) | Incoming::News(_) => return Err("the names were not listed".into()),
+        Incoming::Connected(names, _) if !names.is_empty() => {}
+        Incoming::Connected(..) | Incoming::Table(..) | Incoming::News(_) => {
+            return Err("the names were not listed".into());
+        }
         Incoming::Lost(why) => return Err(why.into()),
     }
     match first(&unknown)? {
         Incoming::Lost(why) if why.contains("neither that of --tls") => {}
         Incoming::Lost(why) => return Err(why.into()),
-        Incoming::Connected(_) | Incoming::News(_) => return Err("a process that is not known was believed".into()),
+        Incoming::Connected(..) | Incoming::Table(..) | Incoming::News(_) => {
+            return Err("a process that is not known was believed".into());
+        }
     }
     plc.end().map(drop)
 }

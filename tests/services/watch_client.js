@@ -1,6 +1,9 @@
 // What a person sees and does with values, in Chromium: the watch table and its files, forcing, the memory reset, and a small screen.
 const { browse, until } = require("./browser.js");
 
+const { readFileSync, writeFileSync } = require("node:fs");
+
+const folder = process.argv[3];
 const frame = `document.querySelector("#drawings").contentWindow`;
 const page = `${frame}.document`;
 const open = (tab, block) => tab(`${frame}.location.hash = "${block}"; ${frame}.fromHash()`);
@@ -83,6 +86,68 @@ async function values(tab) {
   await tab(`document.querySelector("#modify-end").click()`);
   await isValue(tab, "QB4", "16#07");
   await until(tab, "that nothing is", `document.querySelector("#modify-state").textContent === ""`);
+}
+
+const press = (tab, id) => tab(`document.querySelector("#${id}").click()`);
+const choice = `[...document.querySelector("#table-list").options].map((it) => it.textContent).join()`;
+const isShown = (tab, name, rows) => until(tab, `the table ${name}`, `table.kept.name === "${name}" && document.querySelector("#table-list").value === "${name}" && table.rows.size === ${rows}`);
+const turn = (tab, name) => tab(`{ const list = document.querySelector("#table-list"); list.value = "${name}"; list.onchange(); }`);
+const rename = (tab, name) => tab(`{ const field = document.querySelector("#table-name"); field.value = "${name}"; field.onchange(); }`);
+
+// Several tables: those of the project and those that a person makes.
+async function tables(tab) {
+  await show(tab, "table");
+  await until(tab, "the tables of the project", `${choice} === "broken,levels,watch"`);
+  await turn(tab, "levels");
+  await isShown(tab, "levels", 1);
+  await until(tab, "the comment", `document.querySelector("#watched .comment input").value === "upper"`);
+  await until(tab, "the format", `/^-?[0-9]+$/.test(${value("MW10")})`);
+  await tab(`table.add("I0.0")`);
+  await until(tab, "the star of what differs from its file", `${choice} === "broken,levels *,watch"`);
+  await turn(tab, "watch");
+  await isShown(tab, "watch", 6);
+  await isValue(tab, "Big.speed", "-2.0");
+  await turn(tab, "levels");
+  await isShown(tab, "levels", 2);
+  await press(tab, "table-keep");
+  await until(tab, "no star", `${choice} === "broken,levels,watch"`);
+
+  // A new one, which becomes one of the project.
+  await press(tab, "table-new");
+  await isShown(tab, "table 1", 0);
+  await tab(`table.add("QB4")`);
+  await rename(tab, "levels");
+  await until(tab, "why not", `/already/.test(document.querySelector("#refused").textContent)`);
+  await rename(tab, "../pumps");
+  await press(tab, "table-keep");
+  await until(tab, "why not", `/cannot be the name of a watch table/.test(document.querySelector("#refused").textContent)`);
+  await rename(tab, "pumps");
+  await press(tab, "table-keep");
+  await until(tab, "four", `${choice} === "broken,levels,pumps,watch"`);
+
+  // The file is changed by somebody else: who has changed nothing sees it.
+  await turn(tab, "levels");
+  await isShown(tab, "levels", 2);
+  const file = `${folder}/pumps.toml`;
+  writeFileSync(file, readFileSync(file, "utf8") + '[[row]]\naddress = "I0.0"\n');
+  await turn(tab, "pumps");
+  await isShown(tab, "pumps", 2);
+  await turn(tab, "broken");
+  await until(tab, "the line of the mistake", `/broken.toml: line 3: /.test(document.querySelector("#refused").textContent)`);
+  await isShown(tab, "pumps", 2);
+
+  // Not in the project: closing it is asked.
+  await turn(tab, "watch");
+  await press(tab, "table-new");
+  await tab(`table.add("QB4")`);
+  await press(tab, "table-close");
+  await answer(tab, "the question", "button[value='']");
+  await isShown(tab, "table 1", 1);
+  await press(tab, "table-close");
+  await answer(tab, "the question", "#question-yes");
+  await until(tab, "that it has gone", `${choice} === "broken,levels,pumps,watch"`);
+  await turn(tab, "watch");
+  await isShown(tab, "watch", 6);
 }
 
 const forced = (selector) => `[...${page}.querySelectorAll("${selector}")].map((part) => part.textContent).join()`;
@@ -173,6 +238,7 @@ async function small(tab) {
 async function look(tab) {
   await signIn(tab, "ben");
   await values(tab);
+  await tables(tab);
   await until(tab, "nothing to force with", `!document.querySelector(".force")?.checkVisibility() && document.querySelector("#orders").hidden`);
   await tab(`send({ do: "force", name: "I0.0", value: "1" })`);
   await until(tab, "why not", `/role .change./.test(document.querySelector("#refused").textContent)`);

@@ -13,6 +13,8 @@ pub struct Origin {
 pub enum Course {
     /// Nowhere.
     Run,
+    /// At the first statement of all.
+    Entry,
     /// At the next line; with `fine` at the next statement.
     Into { fine: bool },
     /// At the next line that is not in a block that is called from here.
@@ -50,6 +52,7 @@ impl Course {
     pub fn ends_at(self, step: Step) -> bool {
         match self {
             Course::Run | Course::Search { .. } => false,
+            Course::Entry => true,
             Course::Into { fine } => fine || step.new_line,
             Course::Over { origin, fine } => {
                 // After the end of an organization block the next one is not deeper, whatever called it.
@@ -66,6 +69,7 @@ impl Course {
     /// What the client is told of a stop.
     pub fn reason(self) -> &'static str {
         match self {
+            Course::Entry => "entry",
             Course::Cycle(_) | Course::Statement(_) => "goto",
             Course::Run | Course::Into { .. } | Course::Over { .. } | Course::Out { .. } | Course::Search { .. } => {
                 "step"

@@ -1,7 +1,10 @@
 //! Data breakpoints: who writes a value.
 
+use plcc_abi::layout;
 use plcc_runtime::address::{Address, Place, Width};
 use plcc_runtime::cpu::Cpu;
+use plcc_runtime::signal::Value;
+use plcc_runtime::typed::{self, ValueType};
 
 use crate::breakpoint::When;
 
@@ -13,6 +16,8 @@ pub struct Watched {
     pub at: Looked,
     pub when: When,
     last: Vec<u8>,
+    /// The last value as the user sees it.
+    text: String,
 }
 
 /// Where a value is that lasts from call to call.
@@ -24,7 +29,15 @@ pub enum Looked {
 }
 
 impl Looked {
-    /// As the client keeps it from one session to the next.
+    /// Whether it is at the same place in every version of the program: data blocks move when one of them changes.
+    pub fn is_fixed(self) -> bool {
+        match self {
+            Looked::Memory(range) => range.offset < layout::L,
+            Looked::Cell(_) => true,
+        }
+    }
+
+    /// As the client keeps it, from one session to the next if it is fixed.
     pub fn text(self) -> String {
         match self {
             Looked::Memory(range) => range.text(),
@@ -61,6 +74,16 @@ impl Looked {
             },
         }
     }
+
+    /// The value for a message, whose bytes these are.
+    fn shown(self, cpu: &Cpu, bytes: &[u8]) -> String {
+        match self {
+            Looked::Memory(Range { offset, bit, ty: Some(ty), .. }) => {
+                Value::at(&cpu.memory, offset, bit.unwrap_or(0), ty).text()
+            }
+            Looked::Memory(_) | Looked::Cell(_) => shown(bytes),
+        }
+    }
 }
 
 /// A value in memory.
@@ -70,23 +93,30 @@ pub struct Range {
     pub bytes: u32,
     /// Only this bit of the byte.
     pub bit: Option<u8>,
+    /// The declared type.
+    pub ty: Option<ValueType>,
 }
 
 impl Range {
     fn text(self) -> String {
         let bit = self.bit.map_or(-1, i32::from);
-        format!("{}:{}:{bit}", self.offset, self.bytes)
+        let ty = self.ty.map_or_else(String::new, |ty| format!(":{}", typed::name(ty.ty)));
+        format!("{}:{}:{bit}{ty}", self.offset, self.bytes)
     }
 
     fn parse(text: &str) -> Option<Range> {
-        let mut parts = text.splitn(3, ':');
+        let mut parts = text.splitn(4, ':');
         let (offset, bytes) = (parts.next()?.parse().ok()?, parts.next()?.parse().ok()?);
         let bit: i32 = parts.next()?.parse().ok()?;
         let bit = match bit {
             -1 => None,
             bit => Some(u8::try_from(bit).ok().filter(|bit| *bit < 8)?),
         };
-        (1..=BYTES_MAX).contains(&bytes).then_some(Range { offset, bytes, bit })
+        let ty = match parts.next() {
+            Some(word) => Some(ValueType::of(typed::from_word(word).ok()?)),
+            None => None,
+        };
+        (1..=BYTES_MAX).contains(&bytes).then_some(Range { offset, bytes, bit, ty })
     }
 
     fn read(self, cpu: &Cpu) -> Vec<u8> {
@@ -103,12 +133,16 @@ pub const BYTES_MAX: u32 = 4096;
 
 impl Watched {
     pub fn new(id: u64, name: String, at: Looked, when: When) -> Watched {
-        Watched { id, name, at, when, last: Vec::new() }
+        Watched { id, name, at, when, last: Vec::new(), text: String::new() }
     }
 
     /// From now on changes count.
     pub fn take(&mut self, cpu: &Cpu) {
-        self.last = self.at.read(cpu);
+        let now = self.at.read(cpu);
+        if now != self.last {
+            self.text = self.at.shown(cpu, &now);
+            self.last = now;
+        }
     }
 
     /// The program starts once more.
@@ -116,14 +150,17 @@ impl Watched {
         self.last.clear();
     }
 
-    /// The bytes before and now, if they differ.
-    pub fn changed(&mut self, cpu: &Cpu) -> Option<(Vec<u8>, Vec<u8>)> {
+    /// The values before and now as the user sees them, if they differ.
+    pub fn changed(&mut self, cpu: &Cpu) -> Option<(String, String)> {
         let now = self.at.read(cpu);
         if now == self.last {
             return None;
         }
-        let before = std::mem::replace(&mut self.last, now.clone());
-        (!before.is_empty()).then_some((before, now))
+        let text = self.at.shown(cpu, &now);
+        let was_known = !self.last.is_empty();
+        self.last = now;
+        let before = std::mem::replace(&mut self.text, text.clone());
+        was_known.then_some((before, text))
     }
 }
 

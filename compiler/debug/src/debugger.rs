@@ -18,7 +18,7 @@ use serde_json::json;
 
 use crate::breakpoint::{At, Breakpoint, logged};
 use crate::course::{Course, Step, Wanted};
-use crate::data::{self, Watched};
+use crate::data::Watched;
 use crate::launch::Launch;
 use crate::lookup::{Found, Here};
 use crate::places::Places;
@@ -257,7 +257,7 @@ impl Debugger {
                 continue;
             }
             let by = who.map_or_else(|| self.place_text(state.last_place), str::to_string);
-            let (name, before, now) = (&one.name, data::shown(&before), data::shown(&now));
+            let name = &one.name;
             let stop = stop.get_or_insert_with(|| Stop { reason: "data breakpoint", ..Stop::default() });
             stop.ids.push(one.id);
             stop.description = format!("{name} was {before} and is {now}, written by {by}");

@@ -194,7 +194,7 @@ impl<'a> Here<'a> {
             Found::Data(data) => {
                 let is_bit = data.value_type().is_some_and(|ty| plcc_runtime::typed::bits(ty.ty) == Some(1));
                 let bytes = plcc_model::layout::bytes(&data.ty).clamp(1, BYTES_MAX);
-                Range { offset: data.offset, bytes, bit: is_bit.then_some(data.bit) }
+                Range { offset: data.offset, bytes, bit: is_bit.then_some(data.bit), ty: data.value_type() }
             }
             Found::Value(source) => {
                 let address = source.address()?;
@@ -208,7 +208,11 @@ impl<'a> Here<'a> {
                     plcc_runtime::address::Width::Bit(bit) => Some(bit),
                     _ => None,
                 };
-                Range { offset, bytes: address.width.bytes(), bit }
+                let (ty, bytes) = match source {
+                    Source::Typed(_, ty) => (Some(*ty), ty.bytes()),
+                    _ => (None, address.width.bytes()),
+                };
+                Range { offset, bytes, bit, ty }
             }
             Found::Register(_) | Found::Number(..) | Found::Values(_) => return None,
         };

@@ -110,7 +110,7 @@ impl Debugger {
             }
             "restart" => {
                 state.changes.clear();
-                let course = self.launch.stop_on_entry.then_some(Course::Into { fine: true });
+                let course = self.launch.stop_on_entry.then_some(Course::Entry);
                 state.outcome = Some(Outcome::Again { course, silent: false });
                 runs(Ok(json!({})))
             }
@@ -212,9 +212,11 @@ impl Debugger {
                 "dataId": format!("{}={name}", looked.text()),
                 "description": name,
                 "accessTypes": ["write"],
-                "canPersist": true,
+                "canPersist": looked.is_fixed(),
             }),
-            Ok(None) => json!({ "dataId": null, "description": format!("{name} is no value in lasting memory") }),
+            Ok(None) => {
+                json!({ "dataId": null, "description": format!("{name} is not a value that lasts from call to call") })
+            }
             Err(error) => json!({ "dataId": null, "description": error }),
         };
         Ok(answer)
@@ -229,7 +231,7 @@ impl Debugger {
             let known = given.get("dataId").and_then(Value::as_str).and_then(|text| text.split_once('='));
             let looked = known.and_then(|(looked, name)| Some((Looked::parse(looked)?, name)));
             match looked
-                .ok_or_else(|| "this is no value of the program".to_string())
+                .ok_or_else(|| "this is not a value of the program".to_string())
                 .and_then(|looked| Ok((looked, When::read(given)?)))
             {
                 Ok(((looked, name), when)) => {

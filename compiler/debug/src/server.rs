@@ -104,7 +104,7 @@ fn work(debugger: Rc<Debugger>) -> Result<(), String> {
     if !between(&debugger) {
         return Ok(());
     }
-    let first = debugger.launch.stop_on_entry.then_some(Course::Into { fine: true });
+    let first = debugger.launch.stop_on_entry.then_some(Course::Entry);
     let (mut course, mut silent) = (first, false);
     loop {
         debugger.state.borrow_mut().begin(course, silent);

@@ -23,6 +23,7 @@ pub struct ServicesKeys {
     metrics: Option<Spanned<String>>,
     web: Option<Spanned<String>>,
     tls: Option<Spanned<String>>,
+    tables: Option<Spanned<String>>,
     #[serde(default)]
     user: Vec<UserKeys>,
     mqtt: Option<Spanned<String>>,
@@ -174,6 +175,7 @@ pub fn read(keys: &ServicesKeys, file: FileId) -> (ServicesConfig, Vec<Diagnosti
         opcua_unsecured: keys.opcua_unsecured,
         metrics: keys.metrics.as_ref().and_then(|key| reader.checked(key, help, address)),
         web: keys.web.as_ref().and_then(|key| reader.checked(key, help, address)),
+        tables: keys.tables.as_ref().and_then(|key| reader.file_name(key, "folder", "tables")),
         tls: keys.tls.as_ref().and_then(|key| reader.file_name(key, "folder", "tls")),
         users: reader.users(&keys.user),
         mqtt: keys.mqtt.as_ref().and_then(|key| {
@@ -301,7 +303,7 @@ mod tests {
         let (read, messages) = config(&format!(
             "[services]\ns7 = \"10102\"\nmodbus = \"0.0.0.0:502\"\naccess = \"read\"\nprotection = \"read-write\"\n\
              password = \"{hash}\"\ncommunication_load = 30\nvalues = [\"MW2\"]\ninterval = \"5s\"\n\
-             tls = \"web\"\nmqtt = \"mqtts://b\"\nmqtt_ca = \"ca.pem\"\nsparkplug = \"plant/line\"\n\
+             tls = \"web\"\ntables = \"tables\"\nmqtt = \"mqtts://b\"\nmqtt_ca = \"ca.pem\"\nsparkplug = \"plant/line\"\n\
              [services.registers]\nholding_registers = \"DB1.DBW0\"\n\
              [[services.client]]\naddress = \"10.0.0.0/8\"\naccess = \"control\"\n"
         ));
@@ -314,6 +316,7 @@ mod tests {
             [read.tls.as_deref(), read.mqtt.as_deref(), read.mqtt_ca.as_deref(), read.sparkplug.as_deref()],
             [Some("web"), Some("mqtts://b"), Some("ca.pem"), Some("plant/line")]
         );
+        assert_eq!(read.tables.as_deref(), Some("tables"));
         assert_eq!((read.access, read.protection), (Some(Right::Read), Protection::ReadWrite));
         assert_eq!((read.communication_load, read.interval_ms), (Some(30), Some(5000)));
         assert_eq!(read.clients, [Client { address: "10.0.0.0/8".to_string(), right: Right::Control }]);

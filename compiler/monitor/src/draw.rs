@@ -97,9 +97,13 @@ fn watch(model: &Model, frame: &mut Frame, area: Rect) {
             Cell::new(ty).style(Style::new().fg(Color::DarkGray)),
         ])
     };
+    let title = match &model.table {
+        Some(name) => format!("watch table {name}"),
+        None => "watch table".to_string(),
+    };
     let widths = [Constraint::Length(1), Constraint::Percentage(45), Constraint::Percentage(40), Constraint::Min(6)];
     let table = Table::new(model.watched.iter().map(row), widths)
-        .block(frame_of(model, Part::Watch, "watch table"))
+        .block(frame_of(model, Part::Watch, &title))
         .row_highlight_style(CURSOR);
     let selected = (model.part == Part::Watch).then(|| model.row(Part::Watch));
     frame.render_stateful_widget(table, area, &mut TableState::default().with_selected(selected));
@@ -107,7 +111,7 @@ fn watch(model: &Model, frame: &mut Frame, area: Rect) {
 
 fn diagnostics(model: &Model, frame: &mut Frame, area: Rect) {
     let item = |entry: &crate::messages::Entry| {
-        ListItem::new(format!("{}  {:04X}  {}  {}", time(entry.clock), entry.event, entry.text, entry.place))
+        ListItem::new(format!("{}  {}  {}", time(entry.clock), entry.text, entry.place))
     };
     let list = List::new(model.buffer.iter().map(item))
         .block(frame_of(model, Part::Diagnostics, "diagnostic buffer"))
@@ -143,5 +147,6 @@ fn foot(model: &Model) -> Line<'_> {
         Part::Diagnostics => "",
     };
     let control = if model.role() == Role::Change { "  S: stop  R: run" } else { "" };
-    Line::from(format!("Tab ↑↓  {own}  a: add{control}  q: leave"))
+    let tables = if model.has_tables() { "  t: next table" } else { "" };
+    Line::from(format!("Tab ↑↓  {own}  a: add{tables}{control}  q: leave"))
 }

@@ -39,6 +39,9 @@ fn show(terminal: &mut ratatui::DefaultTerminal, model: &mut Model, connection: 
     while !model.is_over() {
         connection.take().for_each(|message| model.take(message));
         model.orders().for_each(|order| connection.send(order));
+        if let Some(table) = model.wanted() {
+            connection.fetch(table);
+        }
         terminal.draw(|frame| draw::draw(model, frame))?;
         if event::poll(PAUSE)?
             && let Event::Key(key) = event::read()?

@@ -7,12 +7,27 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(tag = "do", rename_all = "lowercase")]
 pub enum Order {
-    Watch { names: Vec<String> },
-    Modify { name: String, value: String },
-    Force { name: String, value: String },
-    Unforce { name: Option<String> },
+    Watch {
+        names: Vec<String>,
+        /// The format of each name; without any: by their types.
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        formats: Vec<Option<String>>,
+    },
+    Modify {
+        name: String,
+        value: String,
+    },
+    Force {
+        name: String,
+        value: String,
+    },
+    Unforce {
+        name: Option<String>,
+    },
     Stop,
-    Run { restart: String },
+    Run {
+        restart: String,
+    },
 }
 
 /// What is new; what has not changed is left out.
@@ -57,13 +72,25 @@ pub struct Shown {
     pub ty: String,
 }
 
-/// An event of the diagnostic buffer; its clock in milliseconds since 1970.
+/// An event of the diagnostic buffer; its clock in milliseconds since 1970. Its text has its number.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Entry {
     pub clock: f64,
-    pub event: u16,
     pub text: String,
     pub place: String,
+}
+
+/// A watch table of the project.
+#[derive(Clone, Debug, Default, Deserialize)]
+pub struct Sheet {
+    pub row: Vec<SheetRow>,
+}
+
+/// A row of it; what is modified and when is for the page.
+#[derive(Clone, Debug, Deserialize)]
+pub struct SheetRow {
+    pub address: String,
+    pub format: Option<String>,
 }
 
 /// A value that the program uses.

@@ -57,6 +57,15 @@ pub struct Model {
     pub search: String,
     pub tree: Vec<Node>,
     pub watched: Vec<String>,
+    /// Formats of watched names, where a table has them.
+    formats: BTreeMap<String, String>,
+    /// The watch tables of the project.
+    tables: Vec<String>,
+    /// The one that is shown.
+    pub table: Option<String>,
+    /// One that is to be fetched, and the last one that was.
+    wanted: Option<String>,
+    asked: Option<String>,
     pub values: BTreeMap<String, Result<Shown, String>>,
     pub forced: Vec<Forced>,
     pub buffer: Vec<Entry>,
@@ -83,6 +92,11 @@ impl Model {
             tree: Vec::new(),
             part: if watched.is_empty() { Part::Program } else { Part::Watch },
             watched,
+            formats: BTreeMap::new(),
+            tables: Vec::new(),
+            table: None,
+            wanted: None,
+            asked: None,
             values: BTreeMap::new(),
             forced: Vec::new(),
             buffer: Vec::new(),
@@ -108,6 +122,16 @@ impl Model {
         self.hello.as_ref().map_or(Role::Look, |hello| hello.role)
     }
 
+    /// A watch table that is to be fetched, once.
+    pub fn wanted(&mut self) -> Option<String> {
+        self.wanted.take()
+    }
+
+    /// The project has watch tables.
+    pub fn has_tables(&self) -> bool {
+        !self.tables.is_empty()
+    }
+
     /// The row with the cursor.
     pub fn row(&self, part: Part) -> usize {
         self.at[part as usize]
@@ -116,12 +140,31 @@ impl Model {
     /// Takes what has come.
     pub fn take(&mut self, incoming: Incoming) {
         match incoming {
-            Incoming::Connected(names) => {
+            Incoming::Connected(names, tables) => {
                 self.lost = None;
+                self.tables = tables;
                 self.names = names.into_iter().map(|one| (one.name, one.ty)).collect();
                 self.grow();
                 self.watch();
             }
+            Incoming::Table(name, tables, Ok(sheet)) => {
+                self.tables = tables;
+                self.formats.clear();
+                self.watched.clear();
+                for row in sheet.row {
+                    // The values of a name are told once.
+                    if self.watched.contains(&row.address) {
+                        continue;
+                    }
+                    self.formats.extend(row.format.map(|format| (row.address.clone(), format)));
+                    self.watched.push(row.address);
+                }
+                self.table = Some(name);
+                self.part = Part::Watch;
+                self.go(0);
+                self.watch();
+            }
+            Incoming::Table(_, tables, Err(why)) => (self.tables, self.refused) = (tables, why),
             Incoming::Lost(why) => self.lost = Some(why),
             Incoming::News(news) => self.news(*news),
         }
@@ -157,7 +200,11 @@ impl Model {
     /// The CPU tells the values of the watch table from now on.
     fn watch(&mut self) {
         self.values.clear();
-        self.orders.push(Order::Watch { names: self.watched.clone() });
+        let formats = match self.formats.is_empty() {
+            true => Vec::new(),
+            false => self.watched.iter().map(|name| self.formats.get(name).cloned()).collect(),
+        };
+        self.orders.push(Order::Watch { names: self.watched.clone(), formats });
     }
 
     /// Makes the tree of the names: parts before the last dot are branches.
@@ -219,6 +266,12 @@ impl Model {
             KeyCode::PageDown => self.go(10),
             KeyCode::Char('S') => self.orders.push(Order::Stop),
             KeyCode::Char('R') => self.orders.push(Order::Run { restart: "warm".to_string() }),
+            KeyCode::Char('t') => {
+                let at = self.tables.iter().position(|table| Some(table) == self.asked.as_ref());
+                let next = at.map_or(0, |at| (at + 1) % self.tables.len());
+                self.wanted = self.tables.get(next).cloned();
+                self.asked.clone_from(&self.wanted);
+            }
             KeyCode::Char('a') => self.asks = Some((Asks::Name, String::new())),
             _ => match self.part {
                 Part::Program => self.key_in_program(key),

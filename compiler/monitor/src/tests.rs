@@ -40,14 +40,14 @@ fn listed() -> Incoming {
         ("Line.b.count", "INT"),
         ("MW10", "WORD"),
     ];
-    Incoming::Connected(all.map(one).to_vec())
+    Incoming::Connected(all.map(one).to_vec(), Vec::new())
 }
 
 fn news(role: &str) -> News {
     serde_json::from_str(&format!(
         r#"{{"hello": {{"program": "line", "cpu": "s7-1500", "user": "", "role": "{role}"}},
             "state": {{"running": true, "reason": "", "cycle": 1204, "generation": 0, "clock": 86399999.0}},
-            "buffer": [{{"clock": 3723004.0, "event": 17154, "text": "RUN", "place": ""}}]}}"#
+            "buffer": [{{"clock": 3723004.0, "event": 17154, "text": "16#4302 RUN", "place": ""}}]}}"#
     ))
     .expect("it is what the page gets")
 }
@@ -91,7 +91,7 @@ fn a_branch_is_opened_and_a_value_watched() {
     keys(&mut model, "\t\t↓\n↓\n↓\n");
     check("tree.txt", &model);
     let names = ["MW10", "I0.0", "Nobody", "Line.a.count"].map(str::to_string).to_vec();
-    assert_eq!(model.orders().collect::<Vec<_>>(), [Order::Watch { names }]);
+    assert_eq!(model.orders().collect::<Vec<_>>(), [Order::Watch { names, formats: Vec::new() }]);
     keys(&mut model, "/delay\n");
     check("search.txt", &model);
 }
@@ -119,6 +119,34 @@ fn values_are_modified_and_forced() {
 }
 
 #[test]
+fn watch_tables_of_the_project_are_shown_one_after_the_other() {
+    let mut model = model("operate");
+    keys(&mut model, "t");
+    assert_eq!(model.wanted(), None, "there are none");
+    let Incoming::Connected(names, _) = listed() else { unreachable!("it is the list") };
+    model.take(Incoming::Connected(names, ["level", "speed"].map(str::to_string).to_vec()));
+    let _ = model.orders().count();
+    keys(&mut model, "t");
+    assert_eq!(model.wanted().as_deref(), Some("level"));
+    assert_eq!(model.wanted(), None);
+    let sheet =
+        r#"{"row": [{"address": "MW10", "format": "dec", "comment": "x"}, {"address": "MW10"}, {"address": "I0.0"}]}"#;
+    let all = || ["level", "speed"].map(str::to_string).to_vec();
+    model.take(Incoming::Table("level".to_string(), all(), Ok(serde_json::from_str(sheet).expect("it is a table"))));
+    let names = ["MW10", "I0.0"].map(str::to_string).to_vec();
+    let formats = vec![Some("dec".to_string()), None];
+    assert_eq!(model.orders().collect::<Vec<_>>(), [Order::Watch { names, formats }]);
+    check("table.txt", &model);
+    keys(&mut model, "t");
+    assert_eq!(model.wanted().as_deref(), Some("speed"));
+    model.take(Incoming::Table("speed".to_string(), all(), Err("tables/speed.toml: line 2: wrong".to_string())));
+    assert_eq!((model.table.as_deref(), model.watched.len()), (Some("level"), 2), "the one before stays");
+    assert!(model.refused.contains("line 2"));
+    keys(&mut model, "t");
+    assert_eq!(model.wanted().as_deref(), Some("level"), "the one that cannot be shown is passed");
+}
+
+#[test]
 fn a_lost_connection_is_told_and_begins_anew() {
     let mut model = model("operate");
     model.take(Incoming::Lost("Connection refused".to_string()));
@@ -138,14 +166,14 @@ fn a_lost_connection_is_told_and_begins_anew() {
 #[test]
 fn no_key_and_no_news_do_harm() {
     let mut model = Model::new("", Vec::new());
-    let entry = Entry { clock: f64::NAN, event: 0, text: String::new(), place: String::new() };
+    let entry = Entry { clock: f64::NAN, text: String::new(), place: String::new() };
     let hello = Hello { program: String::new(), cpu: String::new(), role: plcc_abi::services::Role::Look };
     for round in 0..3 {
-        keys(&mut model, "\n↓↑\tmfud\n↑↓\t\n/x\n\ta\n");
+        keys(&mut model, "t\n↓↑\tmfud\n↑↓\t\n/x\n\ta\n");
         let _ = picture(&model);
         let mut news = News { buffer: Some(vec![entry.clone(); round]), hello: Some(hello.clone()), ..News::default() };
         news.wrong = vec![(usize::MAX, String::new())];
         model.take(Incoming::News(Box::new(news)));
-        model.take(Incoming::Connected(vec![Listed { name: "..".to_string(), ty: "".into() }]));
+        model.take(Incoming::Connected(vec![Listed { name: "..".to_string(), ty: "".into() }], vec![String::new()]));
     }
 }

@@ -29,6 +29,8 @@ pub struct ServicesConfig {
     pub probes: Option<Probes>,
     /// Folder of the certificate of the page and the metrics, seen from where the program runs.
     pub tls: Option<String>,
+    /// Folder of the watch tables of the page, seen from where the program runs.
+    pub tables: Option<String>,
     /// URL of a broker.
     pub mqtt: Option<String>,
     /// Files for a broker with TLS, seen from where the program runs: certificates of its authority, own certificate and its key.

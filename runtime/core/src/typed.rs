@@ -71,6 +71,17 @@ impl ValueType {
         ValueType { ty, length }
     }
 
+    /// Bytes that it has in memory; a BOOL is in one.
+    pub fn bytes(self) -> u32 {
+        match (bits(self.ty), self.ty) {
+            (Some(bits), _) => bits.div_ceil(8),
+            // The head has the largest length and the one of the value.
+            (None, AssertType::WideText) => 2 * (u32::from(self.length) + 2),
+            (None, AssertType::Text) => u32::from(self.length) + 2,
+            (None, _) => 12,
+        }
+    }
+
     /// The width of its address: of a text or a DTL that of a byte, where it begins.
     pub fn width(self, bit: u8) -> Width {
         match bits(self.ty) {
@@ -132,7 +143,9 @@ pub fn equal(ty: AssertType, a: &Value, b: &Value) -> bool {
 pub fn parse(text: &str, wanted: ValueType) -> Result<Value, String> {
     let text = text.trim();
     let ty = wanted.ty;
-    let wrong = || match meant(text, ty) {
+    // What is proposed must be a value itself.
+    let proposed = || meant(text, ty).filter(|meant| meant != text && parse(meant, wanted).is_ok());
+    let wrong = || match proposed() {
         Some(meant) => format!("`{text}` is not a value of type {}; write {meant}", name(ty)),
         None => format!("`{text}` is not a value of type {}, such as {}", name(ty), example(ty)),
     };
@@ -365,7 +378,9 @@ fn meant(text: &str, ty: AssertType) -> Option<String> {
         AssertType::Ltime => duration("LT"),
         AssertType::Real | AssertType::Lreal => {
             let pointed = text.replace(',', ".");
-            pointed.parse::<f64>().ok().map(|_| pointed)
+            pointed.parse::<f64>().ok()?;
+            let (sign, digits) = pointed.split_at(pointed.len() - pointed.trim_start_matches(['+', '-']).len());
+            Some(if digits.starts_with('.') { format!("{sign}0{digits}") } else { pointed })
         }
         AssertType::Bool => ["on", "yes", "high", "off", "no", "low"]
             .iter()

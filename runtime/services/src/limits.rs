@@ -52,6 +52,8 @@ pub const PROGRAM_MAX: usize = 256 << 20;
 pub const PROGRAM_TIME: Duration = Duration::from_secs(60);
 /// Bytes of a name and a password.
 pub const SIGN_IN_MAX: usize = 4096;
+/// Watch tables of the project that are listed.
+pub const TABLES_MAX: usize = 200;
 /// Values that one page may watch, and letters of a name.
 pub const WATCHED_MAX: usize = 2_000;
 pub const NAME_MAX: usize = 500;

@@ -28,7 +28,7 @@ use crate::password::Guard;
 use crate::rights::Clients;
 use crate::s7;
 use crate::tls::{self, BrokerFiles};
-use crate::web::{self, Page, Users};
+use crate::web::{self, Page, Tables, Users};
 
 /// Flags of the services. They have precedence over plc.toml.
 #[derive(Args, Clone, Debug, Default)]
@@ -48,6 +48,9 @@ pub struct ServiceOptions {
     /// Serve a page that shows the CPU in a browser
     #[arg(long, value_name = "ADDR:PORT", value_parser = address)]
     pub web: Option<SocketAddr>,
+    /// Folder of watch tables that the page and `plcc monitor` show, a TOML file for each
+    #[arg(long, value_name = "FOLDER")]
+    pub tables: Option<String>,
     /// Encrypt the page and the metrics, with the certificate in this folder; it is made if there is none
     #[arg(long, value_name = "FOLDER")]
     pub tls: Option<String>,
@@ -172,6 +175,9 @@ impl ServiceOptions {
         if self.allow_load && web.is_none() {
             return Err("--allow-load: programs are loaded through the page: add --web ADDR:PORT".to_string());
         }
+        if self.tables.is_some() && web.is_none() {
+            return Err("--tables: watch tables are shown by the page: add --web ADDR:PORT".to_string());
+        }
         // Several CPUs of one program cannot be the same partner.
         let connections = if flags_only { Vec::new() } else { image.config.connections.clone() };
         let board = (!connections.is_empty()).then(|| Arc::new(Board::new(connections)));
@@ -247,7 +253,8 @@ impl ServiceOptions {
             let scheme = if plan.tls.is_some() { "https" } else { "http" };
             opened.push(line("page", &door, who).replacen(" at ", &format!(" at {scheme}://"), 1));
             let loader = loader.filter(|_| self.allow_load);
-            plan.web = Some((door, Page::new(link.clone(), users, services, loader, plan.tls.is_some())));
+            let tables = text(&self.tables, &config.tables).map(|folder| Tables::new(&folder));
+            plan.web = Some((door, Page::new(link.clone(), users, services, loader, plan.tls.is_some(), tables)));
         }
         if let (Some(address), Some(times)) = (metrics, times) {
             let door = listen::open("metrics", address, clients.clone())?;

@@ -324,7 +324,9 @@ fn charts_go_on_at_their_step() {
     assert_eq!((changed.refused, changed.items), (Vec::new(), Vec::new()));
     assert_eq!(unchanged.values, changed.values);
     let more = run(program("", ""), vec![(4, Some(program("more", "")))], &names, 6);
-    assert_eq!(more.items, ["DB 1 \"F\": the chart has other steps or transitions; it begins at its initial step"]);
+    let begins = "DB 1 \"F\": the chart has other steps or transitions; it begins at its initial step, and what its active \
+                  steps have switched on stays on: switch the chart off before (OFF_SQ) if it must not";
+    assert_eq!(more.items, [begins]);
 }
 
 /// A program as `plcc load` sends it.

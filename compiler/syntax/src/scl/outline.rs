@@ -104,6 +104,7 @@ impl Scan<'_> {
                 RawKind::Word if depth == 0 && starts => match token.keyword {
                     Some(word) if word.begins_statement() || word.closes_statement() => scl += 1,
                     _ if self.slice(index).eq_ignore_ascii_case("NETWORK") => return Some(Language::Stl),
+                    _ if self.calls(index) => scl += 1,
                     // A mnemonic may be the name of a variable or function.
                     _ if matches!(
                         self.kind(index + 1),
@@ -129,6 +130,20 @@ impl Scan<'_> {
             std::cmp::Ordering::Less => Some(Language::Stl),
             std::cmp::Ordering::Equal => None,
         }
+    }
+
+    /// Whether the statement at `index` is a call as only SCL has it: `A()`, `A(IN := 1)`, `FB1.DB1(...)`, also of an instance that is named
+    /// like a mnemonic. In STL `A(` opens a nesting, whose statements have lines of their own.
+    fn calls(&self, index: usize) -> bool {
+        let mut open = index + 1;
+        while self.kind(open) == Some(RawKind::Dot)
+            && matches!(self.kind(open + 1), Some(RawKind::Word | RawKind::Quoted))
+        {
+            open += 2;
+        }
+        let inner = (self.kind(open + 1), self.kind(open + 2));
+        let has_parameters = matches!(inner, (Some(RawKind::RightParen), _) | (_, Some(RawKind::Assign)));
+        self.kind(open) == Some(RawKind::LeftParen) && (has_parameters || open > index + 1)
     }
 
     /// Whether the statement at `index` is an assignment that ends with `;`. Parameters of a CALL are lines without `;`.

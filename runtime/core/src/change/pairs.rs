@@ -168,7 +168,11 @@ impl Pairs<'_> {
 
     fn structure(&mut self, a: &NamedStruct, b: &NamedStruct, path: &str, place: Place, depth: u32) {
         if self.chart(Which::Old, a, place.old) != self.chart(Which::New, b, place.new) {
-            self.item(format!("{path}: the chart has other steps or transitions; it begins at its initial step"), true);
+            let text = format!(
+                "{path}: the chart has other steps or transitions; it begins at its initial step, and what its active \
+                 steps have switched on stays on: switch the chart off before (OFF_SQ) if it must not"
+            );
+            self.item(text, true);
             return;
         }
         let at = |start: u64, member: &NamedMember| start + 8 * u64::from(member.byte) + u64::from(member.bit);

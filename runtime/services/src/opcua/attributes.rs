@@ -42,7 +42,9 @@ impl Wanted {
     fn is_of_cpu(&self) -> bool {
         match self {
             Wanted::Memory(_) | Wanted::Compound(_) | Wanted::Cpu(_) => true,
-            Wanted::Ready(_) | Wanted::Wrong(_) | Wanted::Standard(_) => false,
+            // The CPU may have another program by now, which has it.
+            Wanted::Wrong(why) => *why == status::NODE_UNKNOWN,
+            Wanted::Ready(_) | Wanted::Standard(_) => false,
             Wanted::Part(all, _) => all.is_of_cpu(),
         }
     }
@@ -66,7 +68,7 @@ enum Found {
 }
 
 /// An attribute of a node: the number, and how a client wants a value.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Question {
     pub node: NodeId,
     pub attribute: u32,

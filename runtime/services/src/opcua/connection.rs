@@ -23,7 +23,7 @@ const CHUNK_MIN: u32 = 8192;
 const HELLO_MAX: usize = 8192;
 const OPEN_CHANNEL: u32 = 446;
 
-/// Answers one client until it breaks the rules, goes, or the CPU ends or gets another program.
+/// Answers one client until it breaks the rules, goes, or the CPU ends or gets a program with other types of structures.
 pub async fn serve(visitor: Visitor, server: Arc<Server>) {
     let Some(server) = server.renewed().await else { return };
     let mut connection = Connection {
@@ -33,6 +33,7 @@ pub async fn serve(visitor: Visitor, server: Arc<Server>) {
         buffer: Vec::new(),
         begun: Instant::now(),
         opened: Instant::now(),
+        renewed: Instant::now(),
         chunk: 0,
         channel: None,
         session: None,
@@ -52,6 +53,8 @@ struct Connection {
     buffer: Vec<u8>,
     begun: Instant,
     opened: Instant,
+    /// When the CPU was asked for its program.
+    renewed: Instant,
     /// Bytes of a chunk that the client takes; 0: it has not said hello.
     chunk: usize,
     channel: Option<Channel>,
@@ -111,8 +114,10 @@ impl Connection {
             return Err(Some(status::TIMEOUT));
         }
         if let Some(session) = &mut self.session {
-            let responses = session.tick(&self.server).await.ok_or(Some(status::SHUTDOWN))?;
-            self.say(responses).await?;
+            match session.tick(&self.server).await {
+                Some(responses) => self.say(responses).await?,
+                None => self.renew(true).await?,
+            }
         }
         Ok(())
     }
@@ -169,9 +174,45 @@ impl Connection {
         }
         self.chunks = 0;
         let body = std::mem::take(&mut self.parts);
-        let channel = &*channel;
-        let served = session::serve(&self.server, &mut self.session, channel, self.right, (chunk.request, &body)).await;
-        self.say(served.ok_or(Some(status::SHUTDOWN))?).await
+        let request = chunk.request;
+        if session::age_max(&body).is_some_and(|age| self.renewed.elapsed() >= age) {
+            self.renew(false).await?;
+        }
+        if let Some(responses) = self.serve(request, &body).await {
+            return self.say(responses).await;
+        }
+        self.renew(true).await?;
+        let responses = self.serve(request, &body).await.ok_or(Some(status::SHUTDOWN))?;
+        self.say(responses).await
+    }
+
+    async fn serve(&mut self, request: u32, body: &[u8]) -> Option<Vec<Response>> {
+        let channel = self.channel.as_ref()?;
+        let had_session = self.session.is_some();
+        let served = session::serve(&self.server, &mut self.session, channel, self.right, (request, body)).await;
+        if had_session && self.session.is_none() {
+            // The client closes the channel next, or opens another session: it has time for that.
+            self.opened = Instant::now();
+        }
+        served
+    }
+
+    /// Asks for the program that runs now; the session goes on with its nodes. `must`: it is another one than before. `Err`: the CPU has
+    /// ended, or what clients know of its structures is no longer true.
+    async fn renew(&mut self, must: bool) -> Result<(), End> {
+        self.renewed = Instant::now();
+        let server = self.server.renewed().await.ok_or(Some(status::SHUTDOWN))?;
+        let is_same = server.space.generation() == self.server.space.generation();
+        if is_same && must || !server.space.has_types_of(&self.server.space) {
+            return Err(Some(status::SHUTDOWN));
+        }
+        if !is_same {
+            self.server = Arc::new(server);
+            if let Some(session) = &mut self.session {
+                session.renew(&self.server);
+            }
+        }
+        Ok(())
     }
 
     async fn hello(&mut self, frame: &[u8]) -> Result<(), End> {

@@ -115,7 +115,17 @@ enum Done {
     End,
 }
 
-/// Carries out a request. `None`: the CPU has ended.
+/// How old may be what is known of the program for a request that asks the CPU for nothing. `None`: it does, or nodes do not matter.
+pub fn age_max(body: &[u8]) -> Option<Duration> {
+    match Reader(body).node().and_then(|node| node.standard()) {
+        // A client that browses sends many.
+        Some(BROWSE) => Some(Duration::from_millis(500)),
+        Some(TRANSLATE | CREATE_ITEMS) => Some(Duration::ZERO),
+        _ => None,
+    }
+}
+
+/// Carries out a request. `None`: the CPU has ended, or has another program; then the request has done nothing.
 pub async fn serve(
     server: &Arc<Server>,
     session: &mut Option<Session>,
@@ -316,7 +326,16 @@ impl Session {
         self.used + self.time <= Instant::now()
     }
 
-    /// Responses to publish requests. `None`: the CPU has ended.
+    /// After a change of the program.
+    pub fn renew(&mut self, server: &Server) {
+        // Places in the nodes of before.
+        self.continuations = Continuations::default();
+        if let Some(right) = self.right {
+            self.subscriptions.renew(server, right);
+        }
+    }
+
+    /// Responses to publish requests. `None`: the CPU has ended, or has another program.
     pub async fn tick(&mut self, server: &Server) -> Option<Vec<Response>> {
         Some(self.subscriptions.tick(server).await?.into_iter().map(published_response).collect())
     }

@@ -616,6 +616,14 @@ impl Space {
         below.find(|child| child.name == name)
     }
 
+    /// Whether what clients have learnt of another program's structures is true of this one.
+    pub fn has_types_of(&self, other: &Space) -> bool {
+        other.data_types.iter().all(|shape| {
+            let own = self.by_name.get(&shape.name).and_then(|place| self.data_types.get(*place));
+            own.is_some_and(|own| own == shape)
+        })
+    }
+
     pub fn generation(&self) -> u64 {
         self.generation
     }

@@ -29,6 +29,8 @@ const STATUS_CHANGE: u32 = 820;
 /// A variable that a client watches.
 struct Item {
     handle: u32,
+    /// What the client has asked for, and what that is in the program that runs.
+    question: Question,
     wanted: Wanted,
     /// 0: not looked at; 1: looked at; 2: also told.
     mode: u32,
@@ -109,6 +111,19 @@ impl Subscriptions {
     /// Elements that wait in all items at most.
     fn kept(&self) -> u32 {
         self.list.values().flat_map(|subscription| subscription.items.values()).map(Item::kept).sum()
+    }
+
+    /// Finds all items again after a change of the program. Those that it does not have are told with the status.
+    pub fn renew(&mut self, server: &Server, right: Right) {
+        let mut kept = 0;
+        for item in self.list.values_mut().flat_map(|subscription| subscription.items.values_mut()) {
+            item.wanted = item.question.wanted(server, right);
+            item.set_room(item.room);
+            if kept + item.kept() > OPCUA_KEPT_MAX {
+                item.wanted = Wanted::Wrong(status::TOO_MANY_ITEMS);
+            }
+            kept += item.kept();
+        }
     }
 
     /// CreateSubscription.
@@ -628,6 +643,7 @@ impl NewItem {
         }
         let mut item = Item {
             handle: self.parameters.handle,
+            question: self.question.clone(),
             wanted,
             mode: self.mode,
             interval: self.parameters.interval(publishing),

@@ -22,6 +22,7 @@ use serde::Deserialize;
 use tokio::sync::Semaphore;
 use tokio::time::timeout;
 
+use super::tables::{Tables, Wrong};
 use super::users::Users;
 use super::{info, names, session, status};
 use crate::limits::{FRAME_TIME, HTTP_BYTES_MAX, PAGE_MESSAGE_MAX, PAGES_MAX, PROGRAM_MAX, PROGRAM_TIME, SIGN_IN_MAX};
@@ -48,6 +49,8 @@ pub struct Page {
     services: Arc<[(&'static str, Open)]>,
     /// Its connections are encrypted.
     is_secure: bool,
+    /// The watch tables of the project, if it has a folder for them.
+    tables: Option<Arc<Tables>>,
 }
 
 /// What a request asks of.
@@ -65,6 +68,7 @@ impl Page {
         services: Vec<(&'static str, Open)>,
         loader: Option<Loader>,
         is_secure: bool,
+        tables: Option<Tables>,
     ) -> Page {
         let files = [
             ("/", "text/html; charset=utf-8", include_str!("page/index.html")),
@@ -85,13 +89,15 @@ impl Page {
             .route("/info", get(about))
             .route("/table/rows", post(table_rows))
             .route("/table/file", post(table_file))
+            .route("/tables", get(table_names))
+            .route("/tables/{name}", get(table_read).put(table_written))
             .route("/session", post(sign_in).delete(sign_out))
             .route("/live", get(live))
             .route("/restore", post(restored))
             .route("/load", post(loaded))
             .layer(DefaultBodyLimit::max(PAGE_MESSAGE_MAX));
         let places = Arc::new(Semaphore::new(PAGES_MAX));
-        Page { link, users, places, loader, app, services: services.into(), is_secure }
+        Page { link, users, places, loader, app, services: services.into(), is_secure, tables: tables.map(Arc::new) }
     }
 
     fn user(&self, headers: &HeaderMap) -> Result<(String, Role), StatusCode> {
@@ -342,6 +348,64 @@ async fn table_file(
     match written.await {
         Ok(Ok(text)) => Ok(([(CONTENT_TYPE, "application/toml")], text).into_response()),
         Ok(Err(why)) => Err(refused(StatusCode::UNPROCESSABLE_ENTITY, &why)),
+        Err(_) => Err(StatusCode::INTERNAL_SERVER_ERROR.into_response()),
+    }
+}
+
+/// The names of the watch tables of the project. 404: it has no folder for them.
+async fn table_names(
+    Extension(Asked { page, .. }): Extension<Asked>,
+    headers: HeaderMap,
+) -> Result<Response, StatusCode> {
+    page.user(&headers)?;
+    let tables = page.tables.ok_or(StatusCode::NOT_FOUND)?;
+    let names = tokio::task::spawn_blocking(move || tables.names()).await;
+    Ok(Json(names.map_err(|_| StatusCode::INTERNAL_SERVER_ERROR)?).into_response())
+}
+
+/// The rows of a watch table of the project. 404: there is none with this name; 422: why it cannot be read.
+async fn table_read(
+    Extension(Asked { page, .. }): Extension<Asked>,
+    headers: HeaderMap,
+    Path(name): Path<String>,
+) -> Result<Response, Response> {
+    page.user(&headers).map_err(|status| refused(status, "sign in first"))?;
+    let sheet = in_project(page, move |tables| tables.read(&name)).await?;
+    Ok(Json(sheet).into_response())
+}
+
+/// Writes a watch table of the project, whose rows are in the body.
+async fn table_written(
+    Extension(Asked { page, most }): Extension<Asked>,
+    headers: HeaderMap,
+    Path(name): Path<String>,
+    request: Request,
+) -> Result<Response, Response> {
+    let (_, role) = page.user(&headers).map_err(|status| refused(status, "sign in first"))?;
+    if role.min(most) < Role::Operate {
+        return Err(refused(StatusCode::FORBIDDEN, "only a user with the role `operate` or `change` may do this"));
+    }
+    let text = table(&page, &headers, request).await?;
+    let write = move |tables: &Tables| {
+        let sheet: Sheet = serde_json::from_str(&text).map_err(|error| Wrong::Other(error.to_string()))?;
+        tables.write(&name, &sheet)
+    };
+    in_project(page, write).await?;
+    Ok(StatusCode::NO_CONTENT.into_response())
+}
+
+/// Reads or writes a file of the project, not on the thread that serves everybody.
+async fn in_project<T: Send + 'static>(
+    page: Page,
+    job: impl FnOnce(&Tables) -> Result<T, Wrong> + Send + 'static,
+) -> Result<T, Response> {
+    let tables = page.tables.ok_or_else(|| {
+        refused(StatusCode::NOT_FOUND, "the program was started without --tables, the folder of its watch tables")
+    })?;
+    match tokio::task::spawn_blocking(move || job(&tables)).await {
+        Ok(Ok(done)) => Ok(done),
+        Ok(Err(Wrong::Missing(why))) => Err(refused(StatusCode::NOT_FOUND, &why)),
+        Ok(Err(Wrong::Other(why))) => Err(refused(StatusCode::UNPROCESSABLE_ENTITY, &why)),
         Err(_) => Err(StatusCode::INTERNAL_SERVER_ERROR.into_response()),
     }
 }

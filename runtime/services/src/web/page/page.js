@@ -96,6 +96,7 @@ function hello(it) {
   document.body.classList.toggle("change", it.role === "change");
   $("orders").hidden = it.role !== "change";
   table.job(0);
+  table.learn();
 }
 
 function lamp(kind, text) {

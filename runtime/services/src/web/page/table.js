@@ -1,5 +1,5 @@
 "use strict";
-// Views: the watch table, and what is forced. The table is kept by the browser, and in files of the project.
+// Views: the watch tables, and what is forced. Tables are kept by the browser, and in files of the project.
 
 // Formats by the width of a value in bits. Source: Programming with STEP 7, display formats.
 const FORMATS = {
@@ -34,13 +34,104 @@ async function askRelease(name) {
 
 // View: watch table
 
-// Rows are those of the file: address, format, comment, modify, trigger, every-cycle, cycle.
+const TABLES = "watch tables of the program";
+
+// Rows are those of the file: address, format, comment, modify, trigger, every-cycle, cycle. A table has `changed` if the file of the project,
+// if there is one, does not have what is here.
 const table = {
-  kept: JSON.parse(localStorage.getItem("watch table of the program") ?? "null") ?? { name: "watch", row: [] },
+  // The table that is shown, the others that are open, and the names of those in the project; null: it has no place for them.
+  kept: { name: "watch", row: [] },
+  others: [],
+  project: null,
   rows: new Map(),
+  restore() {
+    const [shown, ...others] = JSON.parse(localStorage.getItem(TABLES) ?? "[]");
+    if (shown) Object.assign(this, { kept: shown, others });
+  },
+  // What a person has done is kept.
   save() {
-    localStorage.setItem("watch table of the program", JSON.stringify(this.kept));
+    this.kept.changed = true;
+    this.store();
+  },
+  store() {
+    localStorage.setItem(TABLES, JSON.stringify([this.kept, ...this.others]));
+    this.list();
+  },
+  // Names of the tables, those of the project first; a star marks what differs from its file.
+  list() {
     $("table-name").value = this.kept.name;
+    const here = new Map([this.kept, ...this.others].map((it) => [it.name, it]));
+    const names = [...new Set([...this.project ?? [], ...[...here.keys()].sort()])];
+    $("table-list").replaceChildren(...names.map((name) => element("option", { value: name, selected: name === this.kept.name,
+      textContent: this.project?.includes(name) && here.get(name)?.changed ? `${name} *` : name })));
+    $("table-keep").hidden = !this.project || live.role === "look";
+    $("table-close").disabled = names.length < 2;
+  },
+  // Asks which tables the project has now.
+  async learn() {
+    const answer = await fetch("tables");
+    this.project = answer.ok ? await answer.json() : null;
+    this.list();
+  },
+  // Shows a table that is open, or opens that of the project.
+  async show(name) {
+    if (name === this.kept.name) return;
+    const open = this.others.find((it) => it.name === name);
+    let next = open;
+    if (this.project?.includes(name) && !open?.changed) {
+      const answer = await fetch(`tables/${encodeURIComponent(name)}`);
+      if (!answer.ok) { refused(await answer.text()); this.list(); return; }
+      next = this.table(name, await answer.json());
+      if (next) next.from = name;
+    }
+    if (!next) { this.list(); return; }
+    this.turn(next);
+  },
+  // Shows another table instead of the one with its name; the one that was shown stays open.
+  turn(next) {
+    const others = this.others.filter((it) => it.name !== next.name);
+    if (this.kept.name !== next.name && (this.kept.row.length || this.project?.includes(this.kept.name))) others.push(this.kept);
+    Object.assign(this, { kept: next, others });
+    this.store();
+    if (view === this) this.open();
+  },
+  // A table of a file; undefined: it cannot be shown.
+  table(name, { row, trace }) {
+    const twice = row.find((it, at) => row.findIndex((other) => other.address === it.address) < at);
+    if (twice) { refused(`${name}: ${twice.address} has two rows; the page shows each name once`); return; }
+    return { name, row, trace };
+  },
+  isOpen(name) { return this.others.some((it) => it.name === name) || this.project?.includes(name); },
+  fresh() {
+    let number = 1;
+    while (this.kept.name === `table ${number}` || this.isOpen(`table ${number}`)) number++;
+    this.turn({ name: `table ${number}`, row: [] });
+  },
+  rename(name) {
+    const other = name !== this.kept.name && this.isOpen(name);
+    if (other) refused(`there is a watch table ${name} already`);
+    if (name && !other) { this.kept.name = name; this.save(); } else this.list();
+  },
+  // Writes the table into the project.
+  async keep() {
+    const { name, row, trace, from } = this.kept;
+    if (from !== name && this.project.includes(name) && await ask(`Replace the watch table ${name} of the project?`, "Replace") === null) return;
+    const answer = await fetch(`tables/${encodeURIComponent(name)}`, { method: "PUT", headers: { "content-type": "application/json" }, body: JSON.stringify({ row, trace }) });
+    if (!answer.ok) { refused(await answer.text()); return; }
+    delete this.kept.changed;
+    this.kept.from = name;
+    this.store();
+    await this.learn();
+  },
+  // A table of the project can be opened again.
+  async close() {
+    const closed = this.kept;
+    const isLost = closed.changed && closed.row.length;
+    if (isLost && await ask(`Close ${closed.name}? What is not saved is lost.`, "Close") === null) return;
+    const next = this.others[0]?.name ?? this.project?.find((it) => it !== closed.name);
+    if (next) await this.show(next);
+    this.others = this.others.filter((it) => it !== closed);
+    this.store();
   },
   add(name) {
     if (!name || this.kept.row.some((it) => it.address === name)) return;
@@ -50,7 +141,7 @@ const table = {
   },
   open() {
     this.rows.clear();
-    $("table-name").value = this.kept.name;
+    this.list();
     $("empty").hidden = this.kept.row.length > 0;
     $("watched").replaceChildren(...this.kept.row.map((it) => this.row(it)));
     watch();
@@ -146,12 +237,8 @@ const table = {
   async read(name, text) {
     const answer = await fetch("table/rows", { method: "POST", body: text });
     if (!answer.ok) { refused(`${name}: ${await answer.text()}`); return; }
-    const { row, trace } = await answer.json();
-    const twice = row.find((it, at) => row.findIndex((other) => other.address === it.address) < at);
-    if (twice) { refused(`${name}: ${twice.address} has two rows; the page shows each name once`); return; }
-    this.kept = { name: name.replace(/\.toml$/i, ""), row, trace };
-    this.save();
-    if (view === this) this.open();
+    const read = this.table(name.replace(/\.toml$/i, ""), await answer.json());
+    if (read) this.turn({ ...read, changed: true });
   },
 };
 $("add").onsubmit = (event) => {
@@ -159,7 +246,12 @@ $("add").onsubmit = (event) => {
   table.add($("name").value.trim());
   $("name").value = "";
 };
-$("table-name").onchange = () => { table.kept.name = $("table-name").value.trim(); table.save(); };
+table.restore();
+$("table-name").onchange = () => table.rename($("table-name").value.trim());
+$("table-list").onchange = () => table.show($("table-list").value);
+$("table-new").onclick = () => table.fresh();
+$("table-keep").onclick = () => table.keep();
+$("table-close").onclick = () => table.close();
 $("table-save").onclick = () => table.write();
 $("table-open").onclick = () => $("table-file").click();
 $("table-file").onchange = async () => {
@@ -169,7 +261,7 @@ $("table-file").onchange = async () => {
 };
 $("table-clear").onclick = async () => {
   if (!table.kept.row.length || await ask("Remove all rows of the table?", "Remove") === null) return;
-  table.kept = { name: table.kept.name, row: [] };
+  table.kept.row = [];
   table.save();
   table.open();
 };
