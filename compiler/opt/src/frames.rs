@@ -112,7 +112,7 @@ fn derived_values(function: &Function, is_source: &dyn Fn(&InstData) -> bool) ->
             let data = &function.insts[inst];
             let computes = match data {
                 InstData::Binary { op: BinaryOp::Isub, args } => {
-                    // The distance of two places is none.
+                    // The distance between two places is not an address.
                     !args.iter().all(|&arg| function.defining(arg).is_some_and(is_source))
                 }
                 InstData::Binary { .. } | InstData::Select { .. } => true,
