@@ -244,6 +244,20 @@ mod tests {
     }
 
     #[test]
+    fn a_scan_looks_at_hardware_if_an_instruction_concerns_it() {
+        let operation = |operation: Operation| {
+            let number = operation as u8;
+            of(&format!(" v1 = const.i32 {number}\n v2 = rt @s7200_operation(v0, v1, v0, v0, v0, v0)\n")).logic_only
+        };
+        assert!(operation(Operation::StringLength) && operation(Operation::ShiftRegister));
+        assert!(operation(Operation::RestartWatchdog));
+        assert!(!operation(Operation::AttachInterrupt) && !operation(Operation::ControlPulses));
+        assert!(!operation(Operation::StopMode));
+        assert!(of(" v1 = rt @s7200_pointer(v0, v0, v0)\n").logic_only);
+        assert!(!of(" v1 = rt @s7200_operation(v0, v0, v0, v0, v0, v0)\n v2 = rt @s7200_counter(v0)\n").logic_only);
+    }
+
+    #[test]
     fn system_functions_note_outputs_themselves() {
         assert_eq!(of(" v1 = rt @system_function(v0, v0, v0, v0)\n").outputs, 0);
         assert_eq!(of(" v1 = address M 4\n v2 = rt @copy_text(v1, v1, v0, v0)\n").outputs, 0);
