@@ -6,6 +6,7 @@ use std::os::unix::ffi::OsStringExt;
 use std::rc::Rc;
 use std::sync::Arc;
 
+use clap::error::ErrorKind;
 use clap::{Args, Parser};
 use plcc_abi::ProgramImage;
 
@@ -13,7 +14,7 @@ use crate::change::{self, Loader};
 use crate::code::{Code, Entries};
 use crate::linked::{LinkedCode, linked_program};
 use crate::online::Service;
-use crate::options::RunOptions;
+use crate::options::{RunOptions, without_services};
 use crate::testing::{TEST_VARIABLE, TestJob};
 
 #[derive(Parser)]
@@ -77,7 +78,7 @@ pub unsafe fn main_of<O: Opener>(argc: c_int, argv: *const *const c_char) -> c_i
     });
     let CommandLine::<O> { run, services } = match CommandLine::try_parse_from(arguments) {
         Ok(command) => command,
-        Err(error) if error.kind() == clap::error::ErrorKind::DisplayVersion => return version(),
+        Err(error) if error.kind() == ErrorKind::DisplayVersion => return version(),
         Err(error) => return usage(&error),
     };
     match linked_program(0) {
@@ -130,7 +131,7 @@ fn usage(error: &clap::Error) -> c_int {
         let _ = error.print();
         return c_int::from(crate::run::EXIT_OK);
     }
-    let text = error.render().to_string();
+    let text = without_services(error).unwrap_or_else(|| error.render().to_string());
     // A closed standard error changes nothing.
     let _ = writeln!(std::io::stderr(), "runtime: {}", text.strip_prefix("error: ").unwrap_or(&text).trim_end());
     c_int::from(crate::run::EXIT_USAGE)

@@ -4,6 +4,7 @@ use plcc_abi::image::Config;
 use plcc_literal::duration;
 use std::path::PathBuf;
 
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Args, ValueEnum};
 
 /// The clock that a program uses.
@@ -149,6 +150,39 @@ pub const CYCLE_TIME_DEFAULT: Duration = Duration(10_000_000);
 /// Default of `--hang-limit`.
 pub const HANG_LIMIT_DEFAULT: Duration = Duration(10_000_000_000);
 
+/// The flags of services, which an executable has only if it was built with them.
+pub const SERVICE_FLAGS: &[&str] = &[
+    "--s7",
+    "--modbus",
+    "--opcua",
+    "--metrics",
+    "--web",
+    "--tables",
+    "--tls",
+    "--mqtt",
+    "--mqtt-ca",
+    "--mqtt-certificate",
+    "--mqtt-key",
+    "--sparkplug",
+    "--publish",
+    "--access",
+    "--allow-load",
+];
+
+/// The message for the flag of a service, if that is why the flags cannot be read: the executable has no services.
+pub fn without_services(error: &clap::Error) -> Option<String> {
+    let flag = match (error.kind(), error.get(ContextKind::InvalidArg)) {
+        (ErrorKind::UnknownArgument, Some(ContextValue::String(flag))) => flag.split('=').next()?,
+        _ => return None,
+    };
+    SERVICE_FLAGS.contains(&flag).then(|| {
+        format!(
+            "`{flag}` needs the services, which this executable does not contain: build it with `plcc build --services`, or with \
+             `[services]` in plcc.toml"
+        )
+    })
+}
+
 /// Parses `10ms`, `1.5s`, `500us`, `2m`, `0`. `Err`: the error.
 pub fn parse_duration(text: &str) -> Result<Duration, String> {
     let wrong = || match duration::meant_span(text) {
@@ -191,6 +225,17 @@ pub fn split_list(texts: &[String]) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn flags_of_services_say_how_to_get_them() {
+        let message = |arguments: &[&str]| {
+            let command = RunOptions::augment_args(clap::Command::new("program"));
+            without_services(&command.try_get_matches_from([&["program"], arguments].concat()).err()?)
+        };
+        assert!(message(&["--s7", "102"]).is_some_and(|message| message.starts_with("`--s7` needs the services")));
+        assert!(message(&["--web=8080"]).is_some_and(|message| message.contains("--services")));
+        assert_eq!([message(&["--cylces", "5"]), message(&["--retain"])], [None, None]);
+    }
 
     #[test]
     fn lists() {

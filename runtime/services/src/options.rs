@@ -420,6 +420,14 @@ mod tests {
     use super::*;
 
     #[test]
+    fn executables_without_services_know_the_flags() {
+        let command = ServiceOptions::augment_args(clap::Command::new("program"));
+        let flags: Vec<String> =
+            command.get_arguments().filter_map(|flag| Some(format!("--{}", flag.get_long()?))).collect();
+        assert_eq!(flags, plcc_runtime::options::SERVICE_FLAGS);
+    }
+
+    #[test]
     fn a_port_alone_is_of_this_computer() {
         assert_eq!(address("10102"), Ok("127.0.0.1:10102".parse().unwrap()));
         assert_eq!(address("0.0.0.0:102"), Ok("0.0.0.0:102".parse().unwrap()));
