@@ -1,6 +1,7 @@
 //! Messages of binding, with one list of all names that are defined nowhere.
 
 use plcc_diag::{Code, Diagnostic, Severity, Span};
+use plcc_literal::duration::{self, Fraction, Smallest};
 use plcc_syntax::ast::BlockPrefix;
 use plcc_syntax::symbols::UnreadableRow;
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -345,18 +346,8 @@ impl Report {
 
 /// `5s`, `1h30m`, `2.5s`: a time without its type.
 fn is_duration(name: &str) -> bool {
-    let mut rest = name;
-    while let Some(unit) = rest.find(|c: char| !c.is_ascii_digit() && c != '.' && c != '_') {
-        let after = rest[unit..].find(|c: char| !c.is_ascii_alphabetic()).map_or(rest.len(), |end| unit + end);
-        let is_part = unit > 0
-            && rest.starts_with(|c: char| c.is_ascii_digit())
-            && ["ms", "s", "m", "h", "d"].iter().any(|known| known.eq_ignore_ascii_case(&rest[unit..after]));
-        if !is_part {
-            return false;
-        }
-        rest = &rest[after..];
-    }
-    rest.is_empty() && !name.is_empty()
+    let reads = || duration::nanoseconds(name, Smallest::Millisecond, Fraction::Last).is_ok();
+    name.starts_with(|c: char| c.is_ascii_digit()) && reads()
 }
 
 /// `I0`, which is a byte or a bit without its number. `areas`: the letters of areas with bits.

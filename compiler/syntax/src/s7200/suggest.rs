@@ -4,7 +4,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 
 use super::{address, aliases, mnemonics};
 use crate::distance;
-use crate::scl::keyword::STATEMENT_WORDS;
+use crate::scl::keyword::is_statement_word;
 use crate::stl::{self, Mnemonics};
 
 /// Instructions of S7-300/400, and what the S7-200 has for them.
@@ -88,7 +88,7 @@ pub fn unknown(span: Span, word: &str, text: &str, set: Mnemonics) -> Diagnostic
     if let Some((_, help)) = FROM_S7_300.iter().find(|(known, _)| *known == word) {
         return from_s7_300(span, text).help(*help);
     }
-    if STATEMENT_WORDS.contains(&word) {
+    if is_statement_word(word) {
         return Diagnostic::new(Code::ForeignLanguage, span, format!("`{text}` begins a statement of SCL"))
             .label("the S7-200 has STL only")
             .help("write contacts and coils, as `LD I0.0` and `= Q0.0`; `JMP 1` and `LBL 1` replace IF");

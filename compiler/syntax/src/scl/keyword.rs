@@ -24,28 +24,12 @@ macro_rules! keywords {
     };
 }
 
-/// Words that begin and end statements of SCL, as they are found in sources that are not SCL.
-pub const STATEMENT_WORDS: &[&str] = &[
-    "IF",
-    "ELSIF",
-    "ELSE",
-    "END_IF",
-    "FOR",
-    "END_FOR",
-    "WHILE",
-    "END_WHILE",
-    "REPEAT",
-    "UNTIL",
-    "END_REPEAT",
-    "CASE",
-    "END_CASE",
-    "RETURN",
-    "GOTO",
-    "EXIT",
-    "CONTINUE",
-    "REGION",
-    "END_REGION",
-];
+/// Whether `upper`, in upper case, begins or ends a statement or a part of one; for sources that are not SCL.
+pub fn is_statement_word(upper: &str) -> bool {
+    let keyword = Keyword::lookup(upper.as_bytes());
+    keyword.is_some_and(|word| word.begins_statement() || word.closes_statement())
+        || matches!(upper, "REGION" | "END_REGION")
+}
 
 #[allow(non_upper_case_globals)]
 mod table {

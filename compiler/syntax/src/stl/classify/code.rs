@@ -7,7 +7,7 @@ use plcc_diag::{Code, Diagnostic};
 
 use super::{Classifier, header, is_end_of_block};
 use crate::front::pragma::is_for_file;
-use crate::scl::keyword::STATEMENT_WORDS;
+use crate::scl::keyword::is_statement_word;
 use crate::stl::mnemonics::{instruction, other};
 use crate::stl::raw::{RawKind, RawToken};
 use crate::stl::token::Tok;
@@ -36,7 +36,7 @@ impl<'a> Classifier<'a, '_> {
                         self.network();
                     } else if word == "CALL" {
                         self.call();
-                    } else if STATEMENT_WORDS.contains(&word) || self.assigns_path() {
+                    } else if is_statement_word(word) || self.assigns_path() {
                         self.foreign();
                     } else if let Some((insn, count)) = self.mnemonic() {
                         self.instruction(insn, count);
@@ -232,7 +232,7 @@ impl<'a> Classifier<'a, '_> {
                             Tok::Insn(StlInsn::CallUnconditional | StlInsn::CallConditional)
                         ) =>
                 {
-                    return self.parameters_of_jump(first - 1);
+                    return self.parameters_without_call(first - 1);
                 }
                 RawKind::LeftBracket => open_brackets += 1,
                 RawKind::RightBracket => open_brackets = open_brackets.saturating_sub(1),
@@ -279,10 +279,10 @@ impl<'a> Classifier<'a, '_> {
     }
 
     /// `UC FC 5 (a := 3)`, where only CALL passes parameters. `insn`: the token of the instruction.
-    fn parameters_of_jump(&mut self, insn: usize) {
+    fn parameters_without_call(&mut self, insn: usize) {
         let (start, end) = (self.out[insn].0, self.last_end());
         let opening = self.raw[self.at];
-        let word = self.text[start..self.out[insn].2].to_owned();
+        let word = &self.text[start..self.out[insn].2];
         let block = self.text[self.out[insn].2..end].trim();
         self.report(
             Diagnostic::new(Code::Syntax, self.span(opening), format!("`{word}` passes no parameters"))
@@ -297,7 +297,8 @@ impl<'a> Classifier<'a, '_> {
             match token.kind {
                 RawKind::LeftParen => depth += 1,
                 RawKind::RightParen => depth = depth.saturating_sub(1),
-                _ if self.ends_code(self.at) => return,
+                RawKind::Semicolon => return,
+                _ if self.ends_code(self.at) || token.first_on_line && self.begins_statement(self.at) => return,
                 _ => {}
             }
             self.at += 1;
