@@ -2,6 +2,7 @@
 
 use std::cell::RefCell;
 use std::rc::Rc;
+use std::sync::mpsc::Receiver;
 use std::time::Duration;
 
 use plcc_abi::ProgramImage;
@@ -50,6 +51,8 @@ struct Hand {
     names: Vec<&'static str>,
     /// Programs that are loaded after a cycle; `None`: the one before.
     loads: Vec<(u64, Option<(ProgramImage, CodeSource)>)>,
+    /// Gets what the last change says when it is done.
+    answer: Option<Receiver<Result<Vec<String>, String>>>,
     seen: Rc<RefCell<Seen>>,
 }
 
@@ -60,6 +63,8 @@ struct Seen {
     /// What the changes said before they were made, and why others were not.
     items: Vec<String>,
     refused: Vec<String>,
+    /// What they said after they were made.
+    lines: Vec<String>,
 }
 
 impl Service for Hand {
@@ -73,6 +78,9 @@ impl Service for Hand {
             Err(_) => "-".to_string(),
         };
         let mut seen = self.seen.borrow_mut();
+        if let Some(Ok(lines)) = self.answer.as_ref().and_then(|answer| answer.try_recv().ok()) {
+            seen.lines.extend(lines);
+        }
         seen.values.push(self.names.iter().map(value).collect::<Vec<_>>().join(" "));
         let Some(at) = self.loads.iter().position(|(cycle, _)| *cycle == cpu.cycle_number()) else { return };
         let (_, program) = self.loads.remove(at);
@@ -83,7 +91,7 @@ impl Service for Hand {
         match prepared {
             Ok(prepared) => {
                 seen.items.extend(prepared.items().iter().map(|item| item.text.clone()));
-                drop(self.loader.order(prepared).expect("no other order waits"));
+                self.answer = Some(self.loader.order(prepared).expect("no other order waits"));
             }
             Err(why) => seen.refused.push(why),
         }
@@ -100,7 +108,7 @@ fn run(
     let options = RunOptions { clock: ClockKind::Virtual, cycles: Some(cycles), quiet: true, ..RunOptions::default() };
     let (loader, inbox) = change::loader(&options);
     let seen = Rc::<RefCell<Seen>>::default();
-    let hand = Hand { loader, names: names.to_vec(), loads, seen: Rc::clone(&seen) };
+    let hand = Hand { loader, names: names.to_vec(), loads, answer: None, seen: Rc::clone(&seen) };
     let exit = start_changeable(first.0, first.1, &options, Some(Box::new(hand)), inbox);
     assert_eq!(exit, 0);
     Rc::into_inner(seen).expect("the run has ended").into_inner()
@@ -306,7 +314,7 @@ fn chart(further: &str) -> String {
     )
 }
 
-/// A chart goes on at its step; with other steps it begins again, and that is told.
+/// A chart goes on at its step.
 #[test]
 fn charts_go_on_at_their_step() {
     let program = |step: &str, body: &str| {
@@ -323,10 +331,41 @@ fn charts_go_on_at_their_step() {
     let changed = run(program("", ""), loads, &names, 30);
     assert_eq!((changed.refused, changed.items), (Vec::new(), Vec::new()));
     assert_eq!(unchanged.values, changed.values);
-    let more = run(program("", ""), vec![(4, Some(program("more", "")))], &names, 6);
-    let begins = "DB 1 \"F\": the chart has other steps or transitions; it begins at its initial step, and what its active \
-                  steps have switched on stays on: switch the chart off before (OFF_SQ) if it must not";
-    assert_eq!(more.items, [begins]);
+}
+
+/// A chart with a further step, or without one, goes on at its active step with its time and its static data, unless the program no longer has that step.
+#[test]
+fn charts_with_other_steps_go_on() {
+    let array = "(*$_CMPSET\n   SSBLevel: Array\n*)\n";
+    let cases = [("", "F.Fill.T", ["more", "On"]), (array, "F.G7S[2].T", ["step 3", "transition 3"])];
+    for (settings, time, [step, transition]) in cases {
+        let program = |step: &str| {
+            let chart = chart(step).replacen("INITIAL_STEP", &format!("{settings}INITIAL_STEP"), 1);
+            let chart = chart.replacen("INITIAL_STEP", "VAR\n  count : INT;\nEND_VAR\nINITIAL_STEP", 1);
+            let main = "DATA_BLOCK \"F\"\n\"Filling\"\nBEGIN\nEND_DATA_BLOCK\nORGANIZATION_BLOCK OB 1\nBEGIN\n\
+                        MW20 := INT_TO_WORD(WORD_TO_INT(MW20) + 1);\n\"F\".count := \"F\".count + 1;\n\
+                        \"F\"(Start := WORD_TO_INT(MW20) MOD 7 = 0, Full := WORD_TO_INT(MW20) MOD 5 = 0);\nEND_ORGANIZATION_BLOCK\n";
+            compiled_all(&[("filling.gr7", &chart), ("main.scl", main)])
+        };
+        let loads = vec![(8, Some(program("more"))), (15, Some(program("")))];
+        let seen = run(program(""), loads, &["F.S_NO", time, "F.Valve", "F.count"], 20);
+        let at = |cycle: usize| seen.values[cycle - 1].as_str();
+        assert_eq!([at(7), at(8), at(9)], ["2 T#0ms 1 7", "2 T#10ms 1 8", "2 T#20ms 1 9"]);
+        assert_eq!([at(10), at(14), at(15)], ["1 T#30ms 0 10", "3 T#30ms 0 14", "3 T#30ms 0 15"]);
+        assert_eq!([at(16), at(20)], ["1 T#0ms 0 16", "1 T#0ms 0 20"]);
+        let other = "DB 1 \"F\": the chart has other steps or transitions";
+        let goes_on = "it goes on at its active steps";
+        let items = [
+            format!("{other}, new: {step}, {transition}; {goes_on}"),
+            format!(
+                "{other}, gone: {step}, {transition}; {goes_on}; if {step} is one of them, it begins at its initial step, and what \
+                 its active steps have switched on stays on: switch the chart off before (OFF_SQ) if it must not"
+            ),
+        ];
+        assert_eq!(seen.items, items);
+        let begins = "was active and is gone; the chart begins at its initial step";
+        assert_eq!(seen.lines, [format!("DB 1 \"F\": {step} {begins}")]);
+    }
 }
 
 /// A program as `plcc load` sends it.

@@ -9,6 +9,7 @@
 //!
 //! Source: CPU manuals, download in RUN: all blocks of a load are exchanged together at the cycle control point.
 
+mod charts;
 mod edges;
 mod pairs;
 mod plan;

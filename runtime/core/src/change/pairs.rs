@@ -1,8 +1,9 @@
 //! Pairs of values with the same symbolic path and type in two programs.
 
 use plcc_abi::image::{AssertType, DbEntry};
-use plcc_abi::names::{Dimension, NamedMember, NamedStruct, NamedType, TypeNumber};
+use plcc_abi::names::{Dimension, NamedStruct, NamedType, TypeNumber};
 
+use super::charts::{self, Chart};
 use crate::typed;
 
 /// Bits that go from one place to another, counted from the beginning of memory; within a byte from the lowest.
@@ -31,17 +32,17 @@ pub(super) struct Side<'a> {
 }
 
 impl<'a> Side<'a> {
-    fn ty(&self, number: TypeNumber) -> Option<&'a NamedType> {
+    pub(super) fn ty(&self, number: TypeNumber) -> Option<&'a NamedType> {
         self.types.get(number as usize)
     }
 
     /// The start value of a word at this bit of the block.
-    fn word(&self, bit: u64) -> u16 {
+    pub(super) fn word(&self, bit: u64) -> u16 {
         let at = (bit / 8) as usize;
         self.db.data.get(at..at + 2).map_or(0, |bytes| u16::from_be_bytes([bytes[0], bytes[1]]))
     }
 
-    fn base(&self) -> u64 {
+    pub(super) fn base(&self) -> u64 {
         8 * u64::from(self.db.address)
     }
 }
@@ -54,6 +55,8 @@ pub(super) struct Pairs<'a> {
     pub pointers: Vec<Pointer>,
     /// Paths that only one side has, or whose types differ: text, and whether a value goes.
     pub items: Vec<(String, bool)>,
+    /// Charts with other steps or transitions that may go on.
+    pub charts: Vec<Chart>,
 }
 
 /// A place in both blocks, in bits from their beginnings.
@@ -76,7 +79,7 @@ impl Pairs<'_> {
         self.pair(old, new, name, Place { old: 0, new: 0 }, 0);
     }
 
-    fn item(&mut self, text: String, loses: bool) {
+    pub(super) fn item(&mut self, text: String, loses: bool) {
         if self.items.len() < ITEMS_MAX && !self.items.iter().any(|(known, _)| *known == text) {
             self.items.push((text, loses));
         }
@@ -109,6 +112,11 @@ impl Pairs<'_> {
                 self.item(format!("{path} is {b} instead of {a}: it gets its initial value"), true);
             }
         }
+    }
+
+    /// Compares two values at these bits from the beginnings of the blocks.
+    pub(super) fn pair_at(&mut self, old: TypeNumber, new: TypeNumber, path: &str, (was, is): (u64, u64)) {
+        self.pair(old, new, path, Place { old: was, new: is }, 0);
     }
 
     fn take(&mut self, place: Place, bits: u64) {
@@ -167,66 +175,33 @@ impl Pairs<'_> {
     }
 
     fn structure(&mut self, a: &NamedStruct, b: &NamedStruct, path: &str, place: Place, depth: u32) {
-        if self.chart(Which::Old, a, place.old) != self.chart(Which::New, b, place.new) {
-            let text = format!(
-                "{path}: the chart has other steps or transitions; it begins at its initial step, and what its active \
-                 steps have switched on stays on: switch the chart off before (OFF_SQ) if it must not"
-            );
-            self.item(text, true);
-            return;
+        let (was, is) = (charts::parts(&self.old, a, place.old), charts::parts(&self.new, b, place.new));
+        let is_other_chart = !is.is_empty() && !charts::are_same(&was, &is);
+        if is_other_chart {
+            charts::compare(self, (a, b), (place.old, place.new), path);
         }
-        let at = |start: u64, member: &NamedMember| start + 8 * u64::from(member.byte) + u64::from(member.bit);
         for member in &b.members {
+            if is_other_chart && charts::is_of_chart(&self.new, member) {
+                continue;
+            }
             let inner = format!("{path}.{}", member.name);
             match a.members.iter().find(|other| is_same(&other.name, &member.name)) {
                 Some(other) => {
-                    let place = Place { old: at(place.old, other), new: at(place.new, member) };
+                    let place = Place { old: charts::at(place.old, other), new: charts::at(place.new, member) };
                     self.pair(other.ty, member.ty, &inner, place, depth + 1);
                 }
                 None => self.item(format!("{inner} is new: it gets its initial value"), false),
             }
         }
         for member in &a.members {
+            if is_other_chart && charts::is_of_chart(&self.old, member) {
+                continue;
+            }
             if !b.members.iter().any(|other| is_same(&other.name, &member.name)) {
                 self.item(format!("{path}.{} goes", member.name), true);
             }
         }
     }
-
-    /// The steps and transitions of a chart with their numbers, in the order by which its data counts them; empty for anything else.
-    fn chart(&self, which: Which, structure: &NamedStruct, start: u64) -> Vec<(String, u16)> {
-        let side = match which {
-            Which::Old => &self.old,
-            Which::New => &self.new,
-        };
-        let number_at = |ty: TypeNumber| match side.ty(ty)? {
-            NamedType::Struct(inner) => {
-                let number = inner.members.iter().find(|member| matches!(member.name.as_str(), "SNO" | "TNO"))?;
-                Some(8 * u64::from(number.byte))
-            }
-            _ => None,
-        };
-        let mut all = Vec::new();
-        for member in &structure.members {
-            let at = start + 8 * u64::from(member.byte);
-            if let Some(number) = number_at(member.ty) {
-                all.push((member.name.clone(), side.word(at + number)));
-            } else if let Some(NamedType::Array { dimensions, element }) = side.ty(member.ty)
-                && let ([dimension], Some(number)) = (dimensions.as_slice(), number_at(*element))
-            {
-                for index in 0..=dimension.high.saturating_sub(dimension.low).max(0) as u64 {
-                    all.push((member.name.clone(), side.word(at + index * u64::from(dimension.distance) + number)));
-                }
-            }
-        }
-        all
-    }
-}
-
-#[derive(Clone, Copy)]
-enum Which {
-    Old,
-    New,
 }
 
 impl Side<'_> {

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use plcc_abi::ProgramImage;
 use plcc_abi::image::{BlockKind, DbEntry};
 
+use super::charts::Chart;
 use super::edges::{self, Edges};
 use super::fixed;
 use super::pairs::{Move, Pairs, Pointer, Side, is_same};
@@ -25,6 +26,8 @@ pub struct Plan {
     pub(super) items: Vec<Item>,
     pub(super) moves: Vec<Move>,
     pub(super) pointers: Vec<Pointer>,
+    /// With other steps or transitions, but perhaps not at their initial step.
+    pub(super) charts: Vec<Chart>,
     /// Data blocks of the old program whose layout or number is another one, or that are gone.
     pub(super) changed_dbs: Vec<u16>,
     /// Of an S7-200.
@@ -41,6 +44,7 @@ impl Plan {
             items: Vec::new(),
             moves: Vec::new(),
             pointers: Vec::new(),
+            charts: Vec::new(),
             changed_dbs: Vec::new(),
             edges: Edges::default(),
             new_dbs: new.dbs.iter().map(|db| db.number).collect(),
@@ -107,14 +111,20 @@ impl Plan {
         }
         let name = shown(to);
         let (from_side, to_side) = (Side { types: &old.types, db: from }, Side { types: &new.types, db: to });
-        let mut pairs =
-            Pairs { old: from_side, new: to_side, moves: Vec::new(), pointers: Vec::new(), items: Vec::new() };
+        let mut pairs = Pairs {
+            old: from_side,
+            new: to_side,
+            moves: Vec::new(),
+            pointers: Vec::new(),
+            items: Vec::new(),
+            charts: Vec::new(),
+        };
         match (from.ty, to.ty) {
             (Some(a), Some(b)) => pairs.compare(a, b, &name),
             (None, None) if from.data.len() == to.data.len() => {}
             _ => pairs.items.push((format!("{name} has another structure: it gets its initial values"), true)),
         }
-        let Pairs { moves, pointers, items, .. } = pairs;
+        let Pairs { moves, pointers, items, charts, .. } = pairs;
         let (a, b) = (8 * u64::from(from.address), 8 * u64::from(to.address));
         let in_place = moves.iter().all(|one| one.from - a == one.to - b)
             && pointers.iter().all(|one| one.from - from.address == one.to - to.address);
@@ -126,6 +136,7 @@ impl Plan {
             self.moves.extend(moves);
         }
         self.pointers.extend(pointers);
+        self.charts.extend(charts);
         self.items.extend(items.into_iter().map(|(text, loses)| Item { text, loses }));
     }
 

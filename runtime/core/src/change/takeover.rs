@@ -8,7 +8,7 @@ use plcc_abi::image::Site;
 use plcc_abi::layout::{self, area, state};
 use plcc_abi::s7200::system;
 
-use super::pairs::Pointer;
+use super::pairs::{Move, Pointer};
 use super::plan::Plan;
 use crate::clock::Clock;
 use crate::code::Code;
@@ -142,21 +142,10 @@ impl Cpu {
         }
     }
 
-    /// The values of data blocks. Result: pointers that begin with their initial value.
+    /// The values of data blocks. Result: charts and pointers that begin again.
     fn take_data(&self, from: &Memory, plan: &Plan) -> Vec<String> {
-        for one in &plan.moves {
-            if one.from % 8 == 0 && one.to % 8 == 0 && one.bits % 8 == 0 {
-                from.view((one.from / 8) as u32, (one.bits / 8) as u32, |data| {
-                    self.memory.load((one.to / 8) as u32, data)
-                });
-            } else {
-                for bit in 0..one.bits {
-                    let (source, target) = (one.from + bit, one.to + bit);
-                    let value = from.bit((source / 8) as u32, (source % 8) as u8);
-                    self.memory.set_bit((target / 8) as u32, (target % 8) as u8, value);
-                }
-            }
-        }
+        take_moves(from, &self.memory, &plan.moves);
+        let mut lines: Vec<String> = plan.charts.iter().filter_map(|chart| chart.take(from, &self.memory)).collect();
         let mut lost = 0;
         for pointer in &plan.pointers {
             let db = from.word(pointer.from + pointer.db);
@@ -170,10 +159,11 @@ impl Cpu {
             }
         }
         match lost {
-            0 => Vec::new(),
-            1 => vec!["a pointer into a changed data block begins with its initial value".to_string()],
-            _ => vec![format!("{lost} pointers into changed data blocks begin with their initial values")],
+            0 => {}
+            1 => lines.push("a pointer into a changed data block begins with its initial value".to_string()),
+            _ => lines.push(format!("{lost} pointers into changed data blocks begin with their initial values")),
         }
+        lines
     }
 
     /// A pointer gets its initial value.
@@ -184,5 +174,20 @@ impl Cpu {
         let Some(db) = db else { return };
         let at = (pointer.to - db.address) as usize;
         self.memory.load(pointer.to, &db.data[at..at + pointer.bytes as usize]);
+    }
+}
+
+/// Copies values from the old memory to their places in the new one.
+pub(super) fn take_moves(from: &Memory, to: &Memory, moves: &[Move]) {
+    for one in moves {
+        if one.from % 8 == 0 && one.to % 8 == 0 && one.bits % 8 == 0 {
+            from.view((one.from / 8) as u32, (one.bits / 8) as u32, |data| to.load((one.to / 8) as u32, data));
+        } else {
+            for bit in 0..one.bits {
+                let (source, target) = (one.from + bit, one.to + bit);
+                let value = from.bit((source / 8) as u32, (source % 8) as u8);
+                to.set_bit((target / 8) as u32, (target % 8) as u8, value);
+            }
+        }
     }
 }
