@@ -6,7 +6,7 @@ use plcc_syntax::network::elements::{self, Kind};
 use plcc_syntax::scl::ast::{Expr, ExprKind, NameForm};
 
 use super::access::{self, Whose};
-use super::node::Node;
+use crate::node::Node;
 use super::order::Drawing;
 use super::{Library, Uids, interface, name_of, referred};
 use crate::scl::expression;

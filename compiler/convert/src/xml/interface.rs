@@ -6,7 +6,7 @@ use plcc_syntax::ast::{
     TypeRef, ValueAssignment, Variable,
 };
 
-use super::node::Node;
+use crate::node::Node;
 use super::{Library, referred};
 use crate::frames::bare;
 use crate::scl::expression;

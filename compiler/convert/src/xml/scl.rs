@@ -7,7 +7,7 @@ use plcc_syntax::scl::ast::{NameForm, Statement};
 use plcc_syntax::scl::{self, address};
 
 use super::access::{self, Whose};
-use super::node::Node;
+use crate::node::Node;
 use super::{Library, Uids, comment_text, name_of};
 use crate::writer::Writer;
 
