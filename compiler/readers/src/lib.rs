@@ -50,7 +50,9 @@ pub fn parse(file: FileId, text: &str, options: &ReadOptions) -> (ast::SourceUni
     match xml::kind(text) {
         Some(xml::XmlKind::PlcOpen) => {
             let (mut unit, messages) = plcopen::parse(file, text);
-            if options.pragmas && let Ok(document) = xml::parse(text) {
+            if options.pragmas
+                && let Ok(document) = xml::parse(text)
+            {
                 unit.pragmas = xml::pragmas(file, &document);
             }
             return (unit, messages);

@@ -4,8 +4,8 @@
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 use plcc_literal::distance::nearest;
-use roxmltree::{Document, Error, Node};
 use plcc_syntax::ast::Pragma;
+use roxmltree::{Document, Error, Node};
 
 /// The kind of a text in XML.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -5,7 +5,8 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 use plcc_diag::Span;
 use plcc_syntax::Elementary;
 use plcc_syntax::ast::{
-    Area, CodeBlock, CodeKind, DataBlock, DataContent, OperandKind, Pragma, Section, SectionKind, TypeKind, TypeRef, Width,
+    Area, CodeBlock, CodeKind, DataBlock, DataContent, OperandKind, Pragma, Section, SectionKind, TypeKind, TypeRef,
+    Width,
 };
 use plcc_syntax::scl::ast::{
     Argument, Arm, AssignOp, BinaryOp, CaseValue, Expr, ExprKind, Literal, Name, NameForm, Statement, StatementKind,
@@ -13,7 +14,7 @@ use plcc_syntax::scl::ast::{
 use plcc_syntax::symbols::{Symbol, SymbolTarget};
 
 use super::identifier::identifier;
-use super::program::{GLOBALS, Global, Learned, Program, instance_key, local};
+use super::program::{GLOBALS, Global, Learned, Program, local};
 use super::system::{self, Function};
 use crate::scl::expression;
 use crate::to_stl::types::elementary;
@@ -39,7 +40,11 @@ pub struct Body<'p, 'a, 'w, 't> {
 pub enum Called<'a> {
     Function(&'a CodeBlock, String),
     /// The instance, and the type of it in the file.
-    Instance { instance: Expr, ty: String, block: Option<&'a CodeBlock> },
+    Instance {
+        instance: Expr,
+        ty: String,
+        block: Option<&'a CodeBlock>,
+    },
     /// A function of the system.
     System(Name),
     Refused,
@@ -128,7 +133,10 @@ impl<'p, 'a, 'w, 't> Body<'p, 'a, 'w, 't> {
         let ExprKind::Name(name) = &bit.kind else { return false };
         let is_own = |section: &Section| {
             section.kind == SectionKind::Static
-                && section.variables.iter().any(|one| one.initial.is_none() && one.name.eq_ignore_ascii_case(&name.text))
+                && section
+                    .variables
+                    .iter()
+                    .any(|one| one.initial.is_none() && one.name.eq_ignore_ascii_case(&name.text))
         };
         self.block.kind == CodeKind::Fb
             && name.form != NameForm::Quoted
@@ -206,6 +214,11 @@ impl<'p, 'a, 'w, 't> Body<'p, 'a, 'w, 't> {
             }
             None => match plcc_syntax::scl::absolute(&name.text).filter(|_| name.form == NameForm::Bare) {
                 Some(operand) => self.absolute(&operand, name.span),
+                None if name.text.ends_with(":P") => {
+                    let title = "PLCopen XML has no addresses of the periphery";
+                    self.refuse(name.span, title, "read and write the process image");
+                    bare(String::new())
+                }
                 None => {
                     let title = format!("no source declares `{}`", name.text);
                     self.refuse(name.span, title, "give the source or the table that declares it, too");
@@ -238,10 +251,8 @@ impl<'p, 'a, 'w, 't> Body<'p, 'a, 'w, 't> {
             }
             OperandKind::Block(name) => {
                 let key = self.program.key(name);
-                let bare = |text: String| Expr {
-                    kind: ExprKind::Name(Name { text, form: NameForm::Bare, span }),
-                    span,
-                };
+                let bare =
+                    |text: String| Expr { kind: ExprKind::Name(Name { text, form: NameForm::Bare, span }), span };
                 match self.program.global(&key) {
                     Some(Global::Data(_)) => return self.variable(&key, bare),
                     _ => self.refuse(span, "a block that no source declares", "give its source, too"),
@@ -251,7 +262,11 @@ impl<'p, 'a, 'w, 't> Body<'p, 'a, 'w, 't> {
                 self.refuse(span, "PLCopen XML has no addresses of the periphery", "read and write the process image");
             }
             OperandKind::Cell { .. } => {
-                self.refuse(span, "PLCopen XML has no timers and counters of the CPU", "use TON, CTU and similar blocks");
+                self.refuse(
+                    span,
+                    "PLCopen XML has no timers and counters of the CPU",
+                    "use TON, CTU and similar blocks",
+                );
             }
             _ => self.refuse(span, "PLCopen XML has no form for this operand", MEMORY),
         }
@@ -283,7 +298,8 @@ impl<'p, 'a, 'w, 't> Body<'p, 'a, 'w, 't> {
                 // `"Values".THIS[1]`: a data block that is an array.
                 if name.text.eq_ignore_ascii_case("THIS")
                     && let Some(key) = self.program.callee_key(base)
-                    && let Some(Global::Data(DataBlock { content: DataContent::Array(..), .. })) = self.program.global(&key)
+                    && let Some(Global::Data(DataBlock { content: DataContent::Array(..), .. })) =
+                        self.program.global(&key)
                 {
                     return self.expr(base);
                 }
@@ -340,7 +356,9 @@ impl<'p, 'a, 'w, 't> Body<'p, 'a, 'w, 't> {
             Literal::WideText(_) => "constants of type WSTRING in PLCopen XML".to_string(),
             Literal::DateAndTime(_) => "constants of type DATE_AND_TIME in PLCopen XML".to_string(),
             Literal::Dtl(_) => "constants of type DTL in PLCopen XML".to_string(),
-            Literal::Pointer { .. } | Literal::Any(_) | Literal::Nil | Literal::Null => "pointers in PLCopen XML".into(),
+            Literal::Pointer { .. } | Literal::Any(_) | Literal::Nil | Literal::Null => {
+                "pointers in PLCopen XML".into()
+            }
         };
         self.refuse(span, format!("plcc writes no {what}"), "use a value of another type");
     }
@@ -355,29 +373,22 @@ impl<'p, 'a, 'w, 't> Body<'p, 'a, 'w, 't> {
             && let Some(ty) = self.program.type_of(base, self.block)
             && let TypeKind::Named(word) = &ty.kind
         {
-            let (owner, of) = match &base.kind {
-                ExprKind::Name(name) if name.form != NameForm::Quoted && self.is_local(&name.text) => {
-                    (self.key.clone(), name.text.clone())
-                }
-                ExprKind::Name(name) => (String::new(), self.program.key_of(&name.text)),
-                _ => (String::new(), String::new()),
-            };
             let known = match system::of_data_type(word, call) {
-                Some(known) => {
-                    let key = instance_key(&owner, &of);
-                    match self.learned.instances.get(&key) {
-                        Some(other) if *other != call => None,
-                        _ if of.is_empty() => None,
-                        _ => {
-                            self.learned.instances.insert(key, call);
-                            Some(known)
-                        }
+                Some(known) => match self.learned.instances.get(&ty.span) {
+                    Some(other) if *other != call => None,
+                    _ => {
+                        self.learned.instances.insert(ty.span, call);
+                        Some(known)
                     }
-                }
+                },
                 None => system::block(word).filter(|known| known.split('_').next() == Some(call)),
             };
             let Some(known) = known else {
-                self.refuse(callee.span, format!("an instance of {word} is called as {call}"), "declare it as one block");
+                self.refuse(
+                    callee.span,
+                    format!("an instance of {word} is called as {call}"),
+                    "declare it as one block",
+                );
                 return Called::Refused;
             };
             let instance = self.expr(base);
@@ -390,7 +401,7 @@ impl<'p, 'a, 'w, 't> Body<'p, 'a, 'w, 't> {
                 Some(Global::Code(block)) if super::program::is_function(block) => {
                     return Called::Function(block, self.global_name(&key));
                 }
-                Some(Global::Data(data)) => return self.instance(callee, data, &key),
+                Some(Global::Data(data)) => return self.instance(callee, data),
                 Some(Global::Variable(_)) => {}
                 _ => {
                     let title = "a call of a block without an instance";
@@ -399,26 +410,15 @@ impl<'p, 'a, 'w, 't> Body<'p, 'a, 'w, 't> {
                 }
             }
         }
-        match &callee.kind {
-            ExprKind::Name(name) if name.form == NameForm::Bare && !self.is_local(&name.text) => {
-                if self.program.global(&self.program.key_of(&name.text)).is_none() {
-                    return Called::System(name.clone());
-                }
-            }
-            ExprKind::Name(name) if name.form == NameForm::Quoted => {
-                if self.program.global(&self.program.key_of(&name.text)).is_none() {
-                    return Called::System(name.clone());
-                }
-            }
-            _ => {}
+        if let ExprKind::Name(name) = &callee.kind
+            && (name.form == NameForm::Quoted || name.form == NameForm::Bare && !self.is_local(&name.text))
+            && self.program.global(&self.program.key_of(&name.text)).is_none()
+        {
+            return Called::System(name.clone());
         }
         // A multi-instance, also of a structure or an array.
         let ty = self.program.type_of(callee, self.block);
-        let (owner, of) = match &callee.kind {
-            ExprKind::Name(name) => (self.key.clone(), name.text.clone()),
-            _ => (String::new(), String::new()),
-        };
-        match ty.and_then(|ty| Some((ty, self.program.block_type(ty, &owner, &of)?))) {
+        match ty.and_then(|ty| Some((ty, self.program.block_type(ty)?))) {
             Some((ty, name)) => {
                 let key = self.program.type_key(ty);
                 let block = match key.and_then(|key| self.program.global(&key)) {
@@ -439,12 +439,12 @@ impl<'p, 'a, 'w, 't> Body<'p, 'a, 'w, 't> {
     }
 
     /// A call of an instance data block.
-    fn instance(&mut self, callee: &Expr, data: &'a DataBlock, key: &str) -> Called<'a> {
+    fn instance(&mut self, callee: &Expr, data: &'a DataBlock) -> Called<'a> {
         let DataContent::OfType(ty) = &data.content else {
             self.refuse(callee.span, "a call of a data block that is no instance", "call an instance");
             return Called::Refused;
         };
-        match self.program.block_type(ty, "", key) {
+        match self.program.block_type(ty) {
             Some(name) => {
                 let block = match self.program.instance_of(data).and_then(|key| self.program.global(&key)) {
                     Some(Global::Code(block)) => Some(block),
@@ -455,7 +455,7 @@ impl<'p, 'a, 'w, 't> Body<'p, 'a, 'w, 't> {
             None => {
                 let word = match &ty.kind {
                     TypeKind::Named(word) => word.clone(),
-                    TypeKind::Block(name) => self.program.own_name(&self.program.key(name)),
+                    TypeKind::Block(name) => self.program.shown(&self.program.key(name)),
                     _ => String::new(),
                 };
                 let title = format!("IEC 61131-3 has no function block `{word}`, and no source declares it");
@@ -506,7 +506,10 @@ impl<'p, 'a, 'w, 't> Body<'p, 'a, 'w, 't> {
         let first = arguments.first().and_then(|argument| argument.value.as_ref());
         let values: Vec<Argument> = arguments
             .iter()
-            .map(|argument| Argument { value: argument.value.as_ref().map(|value| self.expr(value)), ..argument.clone() })
+            .map(|argument| Argument {
+                value: argument.value.as_ref().map(|value| self.expr(value)),
+                ..argument.clone()
+            })
             .collect();
         // A square of a variable: computing it twice changes nothing.
         if name.text.eq_ignore_ascii_case("SQR")
@@ -687,7 +690,7 @@ impl<'p, 'a, 'w, 't> Body<'p, 'a, 'w, 't> {
             Some(Global::Data(_)) if self.program.tasks.contains_key(&key) => format!("\"{written}\""),
             // An instance is a data block of its own.
             Some(Global::Data(DataBlock { content: DataContent::OfType(ty), .. }))
-                if self.program.block_type(ty, "", &key).is_some() =>
+                if self.program.block_type(ty).is_some() =>
             {
                 format!("\"{written}\"")
             }
@@ -701,7 +704,10 @@ impl<'p, 'a, 'w, 't> Body<'p, 'a, 'w, 't> {
 /// `OB1_PREV_CYCLE`, the usual name of start information on an S7-300/400.
 pub fn is_start_name(name: &str) -> bool {
     let upper = name.to_ascii_uppercase();
-    upper.strip_prefix("OB").and_then(|rest| rest.split_once('_')).is_some_and(|(number, _)| number.parse::<u32>().is_ok())
+    upper
+        .strip_prefix("OB")
+        .and_then(|rest| rest.split_once('_'))
+        .is_some_and(|(number, _)| number.parse::<u32>().is_ok())
 }
 
 fn of_width(width: Width) -> Option<Elementary> {

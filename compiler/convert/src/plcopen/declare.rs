@@ -27,17 +27,10 @@ pub struct Declarer<'p, 'a> {
     pub attributes: Vec<(String, Span)>,
 }
 
-/// Where a variable is declared: key of the block, empty for data blocks, and the name of its parent for structures without a name.
-#[derive(Clone, Copy)]
-pub struct Place<'s> {
-    pub owner: &'s str,
-    pub parent: &'s str,
-}
-
 impl<'a> Declarer<'_, 'a> {
     /// The element inside `type` or `baseType`.
-    pub fn type_node(&mut self, ty: &'a TypeRef, name: &str, place: Place, writer: &mut Writer) -> Node {
-        if let Some(block) = self.program.block_type(ty, place.owner, name) {
+    pub fn type_node(&mut self, ty: &'a TypeRef, name: &str, parent: &str, writer: &mut Writer) -> Node {
+        if let Some(block) = self.program.block_type(ty) {
             return Node::new("derived").with("name", block);
         }
         match &ty.kind {
@@ -50,7 +43,8 @@ impl<'a> Declarer<'_, 'a> {
                 }
                 let known = self.program.members(ty).is_some();
                 if !known {
-                    let is_any = matches!(word.to_ascii_uppercase().as_str(), "IEC_TIMER" | "IEC_COUNTER" | "IEC_DCOUNTER");
+                    let is_any =
+                        matches!(word.to_ascii_uppercase().as_str(), "IEC_TIMER" | "IEC_COUNTER" | "IEC_DCOUNTER");
                     let help = match is_any {
                         true => "declare it as TON, CTU or another block: no call shows which one it is",
                         false => "declare it with a type of IEC 61131-3",
@@ -72,11 +66,11 @@ impl<'a> Declarer<'_, 'a> {
                     let dimension = Node::new("dimension").with("lower", bound(low, writer));
                     node.push(dimension.with("upper", bound(high, writer)));
                 }
-                let element = self.type_node(element, name, place, writer);
+                let element = self.type_node(element, name, parent, writer);
                 node.child(Node::new("baseType").child(element))
             }
             TypeKind::Struct(members) => {
-                let wanted = identifier(&format!("{}_{name}", place.parent));
+                let wanted = identifier(&format!("{}_{name}", parent));
                 let node = self.structure(members, &wanted, writer);
                 let same = self.structures.iter().find(|(_, known)| *known == node);
                 let name = match same {
@@ -95,7 +89,7 @@ impl<'a> Declarer<'_, 'a> {
                 Node::new("derived").with("name", self.program.name(&key))
             }
             TypeKind::Block(name) => {
-                let name = self.program.own_name(&self.program.key(name)).replace('_', " ");
+                let name = self.program.shown(&self.program.key(name));
                 let title = format!("IEC 61131-3 has no `{name}`, and no source declares it");
                 writer.refuse(ty.span, title, "give its source, too, or program it in another way");
                 Node::new("derived")
@@ -114,14 +108,13 @@ impl<'a> Declarer<'_, 'a> {
 
     /// The structure of these members; `name` is for the structures in it.
     pub fn structure(&mut self, members: &'a [Variable], name: &str, writer: &mut Writer) -> Node {
-        let place = Place { owner: "", parent: name };
         unique(members.iter().map(|member| (member.name.as_str(), member.name_span)), writer);
-        let members: Vec<Node> = members.iter().map(|member| self.variable(member, place, writer)).collect();
+        let members: Vec<Node> = members.iter().map(|member| self.variable(member, name, writer)).collect();
         Node::new("struct").children(members)
     }
 
     /// A variable with its type, its start value and its comment.
-    pub fn variable(&mut self, variable: &'a Variable, place: Place, writer: &mut Writer) -> Node {
+    pub fn variable(&mut self, variable: &'a Variable, parent: &str, writer: &mut Writer) -> Node {
         let mut node = Node::new("variable").with("name", identifier(&variable.name));
         if let Some((at, span)) = &variable.at {
             let title = format!("PLCopen XML has no variable at the place of another one, such as of `{at}`");
@@ -135,7 +128,7 @@ impl<'a> Declarer<'_, 'a> {
         let mut comments: Vec<String> = Vec::new();
         let end = variable.initial.as_ref().map_or(variable.ty.span.end, |value| value.span.end);
         let mut remarks = writer.trivia.before(variable.name_span.start);
-        let ty = self.type_node(&variable.ty, &variable.name, place, writer);
+        let ty = self.type_node(&variable.ty, &variable.name, parent, writer);
         remarks.extend(writer.trivia.on_line(end.max(variable.name_span.end)));
         node.push(Node::new("type").child(ty));
         if let Some(value) = &variable.initial {
@@ -160,18 +153,12 @@ impl<'a> Declarer<'_, 'a> {
     }
 
     /// Start values of some members of a structure without a name.
-    pub fn of_members(
-        &mut self,
-        value: &InitialValue,
-        members: &'a [Variable],
-        writer: &mut Writer,
-    ) -> Option<Node> {
+    pub fn of_members(&mut self, value: &InitialValue, members: &'a [Variable], writer: &mut Writer) -> Option<Node> {
         let InitialKind::Fields(fields) = &value.kind else { return None };
         let mut node = Node::new("structValue");
         for (name, value) in fields {
-            let is = |member: &&Variable| {
-                name.as_ref().is_some_and(|name| member.name.eq_ignore_ascii_case(&name.text))
-            };
+            let is =
+                |member: &&Variable| name.as_ref().is_some_and(|name| member.name.eq_ignore_ascii_case(&name.text));
             let Some(member) = members.iter().find(is) else {
                 self.no_value(value, writer);
                 continue;
@@ -200,7 +187,9 @@ impl<'a> Declarer<'_, 'a> {
             },
             InitialKind::Expr(value) => Some(simple(value, writer)),
             InitialKind::List(_) | InitialKind::Repeat { .. } => {
-                let TypeKind::Array { element, .. } = &self.resolved(ty).kind else { return self.no_value(value, writer) };
+                let TypeKind::Array { element, .. } = &self.resolved(ty).kind else {
+                    return self.no_value(value, writer);
+                };
                 let mut list = Vec::new();
                 if !self.flat(value, element, &mut list, writer) {
                     return self.no_value(value, writer);
@@ -291,7 +280,9 @@ impl<'a> Declarer<'_, 'a> {
             InitialKind::List(values) => values.iter().all(|value| self.flat(value, element, list, writer)),
             InitialKind::Repeat { count: Bound::Number(count, _), values } => {
                 let Ok(count) = u64::try_from(*count) else { return false };
-                if let [InitialValue { kind: InitialKind::Repeat { .. } | InitialKind::List(_), .. }] = values.as_slice() {
+                if let [InitialValue { kind: InitialKind::Repeat { .. } | InitialKind::List(_), .. }] =
+                    values.as_slice()
+                {
                     return (0..count).all(|_| self.flat(&values[0], element, list, writer));
                 }
                 if let [one] = values.as_slice() {

@@ -6,7 +6,7 @@ use plcc_syntax::scl::ast::Expr;
 use plcc_syntax::symbols::{Symbol, SymbolTarget};
 
 use super::body::tag_type;
-use super::declare::{Declarer, Place};
+use super::declare::Declarer;
 use super::program::Program;
 use super::{documentation, system};
 use crate::node::Node;
@@ -91,7 +91,9 @@ fn apart(program: &Program, symbol: &Symbol, writer: &mut Writer) {
     let overlaps = |(byte, length): (u32, u32)| byte < first + count && first < byte + length;
     let tags = program.tables.iter().flat_map(|table| &table.symbols);
     let mut others = tags.filter(|other| !std::ptr::eq(*other, symbol) && bytes(other).is_some_and(overlaps));
-    let what = format!("the {count} bytes from MB {first} have no address in PLCopen XML, which counts units of {count} bytes");
+    let what = format!(
+        "the {count} bytes from MB {first} have no address in PLCopen XML, which counts units of {count} bytes"
+    );
     if let Some(other) = others.next() {
         let title = format!("{what}, and `{}` shares bytes with `{}`", symbol.name, other.name);
         writer.refuse(symbol.span, title, "give one of them another address");
@@ -127,14 +129,13 @@ pub fn data<'a>(declarer: &mut Declarer<'_, 'a>, key: &str, block: &'a DataBlock
     let before = writer.lines_before(block.span.start);
     let mut node = Node::new("variable").with("name", &name);
     let values = declarer.values(&block.values, writer);
-    let place = Place { owner: "", parent: &name };
     let (ty, initial) = match &block.content {
         DataContent::OfType(ty) => {
-            let node = declarer.type_node(ty, key, place, writer);
+            let node = declarer.type_node(ty, key, &name, writer);
             (node, values.map(|values| declarer.initial(&values, ty, writer)))
         }
         DataContent::Array(ty, initial) => {
-            let node = declarer.type_node(ty, "values", place, writer);
+            let node = declarer.type_node(ty, "values", &name, writer);
             (node, initial.as_ref().or(values.as_ref()).map(|value| declarer.initial(value, ty, writer)))
         }
         DataContent::Struct(members) => {

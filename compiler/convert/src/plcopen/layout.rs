@@ -12,12 +12,14 @@ const LEFT: i32 = 20;
 /// Between networks.
 const BELOW: i32 = 40;
 
-/// Columns `from` to `to`, and a range of height that is taken.
+/// A range of places that is taken. Columns have even numbers, the gaps after them odd ones.
 struct Taken {
     from: usize,
     to: usize,
     top: i32,
     bottom: i32,
+    /// Objects whose signal it is: lines of one signal may share a place.
+    of: Vec<usize>,
 }
 
 /// Places the objects from `first` on below `top`; returns where the next network begins.
@@ -34,6 +36,13 @@ pub fn network(objects: &mut [Object], first: usize, top: i32) -> i32 {
     let attached = attached(objects, first);
     let mut columns: Vec<usize> = vec![0; objects.len()];
     let mut taken: Vec<Taken> = Vec::new();
+    let ends: Vec<usize> = objects[first..]
+        .iter()
+        .filter(|object| object.kind == Kind::RightRail)
+        .flat_map(|rail| &rail.inputs)
+        .flat_map(|input| &input.from)
+        .map(|origin| origin.object)
+        .collect();
     let mut bottom = top + ROW;
     for at in first..objects.len() {
         let kind = objects[at].kind;
@@ -48,7 +57,8 @@ pub fn network(objects: &mut [Object], first: usize, top: i32) -> i32 {
             .map(|origin| (origin.object, origin.pin.clone()))
             .collect();
         let is_flow = |from: &usize| attached[*from].is_none() && objects[*from].kind != Kind::LeftRail;
-        let column = sources.iter().map(|(from, _)| *from).filter(is_flow).map(|from| columns[from]).max().unwrap_or(0) + 1;
+        let column =
+            sources.iter().map(|(from, _)| *from).filter(is_flow).map(|from| columns[from]).max().unwrap_or(0) + 1;
         columns[at] = column;
         // On the line of its first source.
         let lead = objects[at].inputs.iter().enumerate().find_map(|(pin, input)| {
@@ -65,23 +75,35 @@ pub fn network(objects: &mut [Object], first: usize, top: i32) -> i32 {
         };
         y = y.max(top + above);
         let lines = |y: i32| -> Vec<Taken> {
-            let mut lines = vec![Taken { from: column, to: column, top: y - above, bottom: y + object.height + 10 }];
+            let row = |from, to, line: i32, of| Taken { from, to, top: line - 5, bottom: line + 5, of };
+            let own = 2 * column;
+            let mut lines =
+                vec![Taken { from: own, to: own, top: y - above, bottom: y + object.height + 10, of: Vec::new() }];
+            // Where signals leave it.
+            let pins = object.outputs.iter().map(|output| output.formal.as_str());
+            for pin in pins.chain(object.outputs.is_empty().then_some("")) {
+                lines.push(row(own + 1, own + 1, y + object.output_place(pin).1, vec![at]));
+            }
+            // The line from a coil to the right rail.
+            if ends.contains(&at) {
+                lines.push(row(own + 1, usize::MAX, y + ROW / 2, vec![at]));
+            }
             for (pin, input) in object.inputs.iter().enumerate() {
-                for origin in &input.from {
-                    if attached[origin.object].is_none() {
-                        let line = y + object.input_place(pin).1;
-                        let from = columns[origin.object] + 1;
-                        if from < column {
-                            lines.push(Taken { from, to: column - 1, top: line - 5, bottom: line + 5 });
-                        }
-                    }
+                let of: Vec<usize> = input.from.iter().map(|origin| origin.object).collect();
+                for origin in input.from.iter().filter(|origin| attached[origin.object].is_none()) {
+                    let from = 2 * columns[origin.object] + 1;
+                    lines.push(row(from, own - 1, y + object.input_place(pin).1, of.clone()));
                 }
             }
             lines
         };
         let clash = |wanted: &Taken| {
             taken.iter().any(|other| {
-                wanted.from <= other.to && other.from <= wanted.to && wanted.top < other.bottom && other.top < wanted.bottom
+                wanted.from <= other.to
+                    && other.from <= wanted.to
+                    && wanted.top < other.bottom
+                    && other.top < wanted.bottom
+                    && !wanted.of.iter().any(|one| other.of.contains(one))
             })
         };
         while lines(y).iter().any(clash) {
@@ -151,8 +173,14 @@ fn widths(objects: &mut [Object], first: usize, columns: &[usize], attached: &[O
         starts.push(x + left);
         x += left + middle + right;
     }
+    // Lines of different objects of a column go up and down side by side.
+    let mut lines = vec![0; count];
     for at in first..objects.len() {
         if attached[at].is_none() && columns[at] > 0 {
+            let column = columns[at];
+            let end = starts[column] + sizes[column].1 + sizes[column].2;
+            objects[at].exit = end + 5 + 5 * (lines[column] % 6);
+            lines[column] += 1;
             objects[at].x = starts[columns[at]] + (sizes[columns[at]].1 - objects[at].width) / 2;
         }
     }
@@ -222,7 +250,8 @@ mod tests {
         for (at, a) in objects.iter().enumerate().skip(1) {
             assert!(a.y >= 20 && a.y + a.height < next, "{}", a.text);
             for b in &objects[at + 1..] {
-                let apart = a.x + a.width <= b.x || b.x + b.width <= a.x || a.y + a.height <= b.y || b.y + b.height <= a.y;
+                let apart =
+                    a.x + a.width <= b.x || b.x + b.width <= a.x || a.y + a.height <= b.y || b.y + b.height <= a.y;
                 assert!(apart, "{} {}", a.text, b.text);
             }
         }

@@ -21,8 +21,10 @@ mod tasks;
 
 use std::collections::{BTreeSet, HashMap};
 
-use plcc_diag::{Diagnostic, Span};
-use plcc_syntax::ast::{Area, Block, Code, CodeBlock, CodeKind, DataBlock, Header, Retain, Section, SectionKind, TypeBlock, Width};
+use plcc_diag::{Diagnostic, Severity, Span};
+use plcc_syntax::ast::{
+    Area, Block, Code, CodeBlock, CodeKind, DataBlock, Header, Retain, Section, SectionKind, TypeBlock, Width,
+};
 use plcc_syntax::network::ast::{Content, Language};
 use plcc_syntax::scl::ast::{Dialect, Statement};
 use plcc_syntax::stl::Mnemonics;
@@ -33,7 +35,7 @@ use crate::node::{self, Node};
 use crate::trivia::Trivia;
 use crate::writer::{Notation, Writer};
 use body::Body;
-use declare::{Declarer, Place, unique};
+use declare::{Declarer, unique};
 use identifier::identifier;
 pub use program::Unit;
 use program::{Global, Learned, Program, is_function, is_globals};
@@ -52,7 +54,13 @@ pub struct Settings<'s> {
 /// Writes a program as one project.
 pub fn write(units: Vec<Unit>, tables: &[SymbolTable], settings: &Settings) -> (String, Vec<Diagnostic>) {
     let mut program = Program::new(units, tables);
-    for (data, fb) in program.code_blocks().filter(|block| block.kind == CodeKind::Ob).filter_map(|block| tasks::instances(&program, block)).flatten().collect::<Vec<_>>() {
+    for (data, fb) in program
+        .code_blocks()
+        .filter(|block| block.kind == CodeKind::Ob)
+        .filter_map(|block| tasks::instances(&program, block))
+        .flatten()
+        .collect::<Vec<_>>()
+    {
         program.tasks.insert(data, fb);
     }
     let mut rounds = 0;
@@ -129,7 +137,11 @@ impl<'p, 'a, 's> Project<'p, 'a, 's> {
 
     fn header(&mut self, header: &Header, span: Span, writer: &mut Writer) {
         if header.know_how_protect {
-            writer.warn(span, "the protection of the block is not in the file", "protect the block again in the editor");
+            writer.warn(
+                span,
+                "the protection of the block is not in the file",
+                "protect the block again in the editor",
+            );
         }
         let sets_eno = header.attributes.iter().any(|(key, value)| {
             ["S7_SetENOAutomatically", "SetENOAutomatically"].iter().any(|known| known.eq_ignore_ascii_case(key))
@@ -142,8 +154,18 @@ impl<'p, 'a, 's> Project<'p, 'a, 's> {
         if header.version.is_some() || header.author.is_some() || header.family.is_some() || header.name.is_some() {
             self.described.get_or_insert(span);
         }
+        // What the file says in its own way.
+        const SAID: [&str; 6] = [
+            "S7_EventClass",
+            "SecondaryType",
+            "S7_PreferredLanguage",
+            "S7_PreferredLang",
+            "S7_Language",
+            "ProgrammingLanguage",
+        ];
         for (key, _) in &header.attributes {
-            if !self.declarer.attributes.iter().any(|(known, _)| known.eq_ignore_ascii_case(key)) {
+            let is_said = SAID.iter().any(|known| known.eq_ignore_ascii_case(key));
+            if !is_said && !self.declarer.attributes.iter().any(|(known, _)| known.eq_ignore_ascii_case(key)) {
                 self.declarer.attributes.push((key.clone(), span));
             }
         }
@@ -154,7 +176,7 @@ impl<'p, 'a, 's> Project<'p, 'a, 's> {
         self.header(&block.header, block.name.span(), writer);
         let name = self.program.name(&self.program.key(&block.name));
         let ty = match &block.alias {
-            Some(alias) => self.declarer.type_node(alias, "values", Place { owner: "", parent: &name }, writer),
+            Some(alias) => self.declarer.type_node(alias, "values", &name, writer),
             None => self.declarer.structure(&block.members, &name, writer),
         };
         let mut node = Node::new("dataType").with("name", name).child(Node::new("baseType").child(ty));
@@ -174,7 +196,10 @@ impl<'p, 'a, 's> Project<'p, 'a, 's> {
         }
         let retained = globals::retained(block);
         if retained.is_none() {
-            let title = format!("only some components of `{}` are retentive, and PLCopen XML says it of a whole variable", self.program.own_name(&key));
+            let title = format!(
+                "only some components of `{}` are retentive, and PLCopen XML says it of a whole variable",
+                self.program.shown(&key)
+            );
             writer.refuse(block.name.span(), title, "put the retentive components into a data block of their own");
         }
         let node = globals::data(&mut self.declarer, &key, block, writer);
@@ -186,7 +211,7 @@ impl<'p, 'a, 's> Project<'p, 'a, 's> {
         let plcc_syntax::ast::DataContent::Struct(members) = &block.content else { return };
         for member in members {
             let key = member.name.to_lowercase();
-            let mut node = self.declarer.variable(member, Place { owner: "", parent: "" }, writer);
+            let mut node = self.declarer.variable(member, "", writer);
             if let Some((_, name)) = node.attributes.first_mut() {
                 *name = self.program.name(&key);
             }
@@ -217,19 +242,24 @@ impl<'p, 'a, 's> Project<'p, 'a, 's> {
         };
         let name = program.name(&key);
         let mut interface = Node::new("interface");
-        let place = Place { owner: &key, parent: &name };
         if let Some(ty) = &block.return_type {
-            let ty = self.declarer.type_node(ty, "result", place, writer);
+            let ty = self.declarer.type_node(ty, "result", &name, writer);
             interface.push(Node::new("returnType").child(ty));
         }
         let variables = block.sections.iter().flat_map(|section| &section.variables);
         let constants = block.constants.iter().map(|one| (one.name.as_str(), one.name_span));
         unique(variables.map(|one| (one.name.as_str(), one.name_span)).chain(constants), writer);
         for section in &block.sections {
-            interface.children.extend(self.section(section, block, place, writer));
+            interface.children.extend(self.section(section, block, &name, writer));
         }
-        interface.children.extend(self.constants(block, place, writer));
-        let local_names: Vec<String> = interface.children.iter().flat_map(|list| &list.children).filter_map(|one| one.attributes.first()).map(|(_, name)| name.to_lowercase()).collect();
+        interface.children.extend(self.constants(block, &name, writer));
+        let local_names: Vec<String> = interface
+            .children
+            .iter()
+            .flat_map(|list| &list.children)
+            .filter_map(|one| one.attributes.first())
+            .map(|(_, name)| name.to_lowercase())
+            .collect();
         if local_names.contains(&name.to_lowercase()) {
             self.learned.hidden.insert(key.clone());
         }
@@ -248,7 +278,7 @@ impl<'p, 'a, 's> Project<'p, 'a, 's> {
         self.pous.push(node);
     }
 
-    fn section(&mut self, section: &'a Section, block: &CodeBlock, place: Place, writer: &mut Writer) -> Option<Node> {
+    fn section(&mut self, section: &'a Section, block: &CodeBlock, name: &str, writer: &mut Writer) -> Option<Node> {
         let list = match section.kind {
             // A program has no start information; code that reads it is refused.
             SectionKind::Input if block.kind == CodeKind::Ob => return None,
@@ -265,7 +295,8 @@ impl<'p, 'a, 's> Project<'p, 'a, 's> {
             Retain::NonRetain => node.attributes.push(("nonretain", "true".to_string())),
             Retain::Unsaid => {}
             Retain::DbSpecific => {
-                let title = "each instance chooses whether these variables are retentive, which PLCopen XML does not have";
+                let title =
+                    "each instance chooses whether these variables are retentive, which PLCopen XML does not have";
                 writer.refuse(section.span, title, "declare them as retentive or not");
             }
         }
@@ -273,13 +304,13 @@ impl<'p, 'a, 's> Project<'p, 'a, 's> {
             if block.kind == CodeKind::Ob && body::is_start_name(&variable.name) {
                 continue;
             }
-            let declared = self.declarer.variable(variable, place, writer);
+            let declared = self.declarer.variable(variable, name, writer);
             node.push(declared);
         }
         (!node.children.is_empty()).then_some(node)
     }
 
-    fn constants(&mut self, block: &'a CodeBlock, place: Place, writer: &mut Writer) -> Option<Node> {
+    fn constants(&mut self, block: &'a CodeBlock, name: &str, writer: &mut Writer) -> Option<Node> {
         let mut node = Node::new("localVars").with("constant", "true");
         for constant in &block.constants {
             let (Some(ty), Some(value)) = (&constant.ty, &constant.value) else {
@@ -287,7 +318,7 @@ impl<'p, 'a, 's> Project<'p, 'a, 's> {
                 writer.refuse(constant.name_span, title, "declare it in VAR CONSTANT with its type and one value");
                 continue;
             };
-            let ty = self.declarer.type_node(ty, &constant.name, place, writer);
+            let ty = self.declarer.type_node(ty, &constant.name, name, writer);
             let mut body = Body::new(self.program, block, writer, &mut self.learned);
             let text = body.text(value);
             let mut variable = Node::new("variable").with("name", identifier(&constant.name));
@@ -305,14 +336,13 @@ impl<'p, 'a, 's> Project<'p, 'a, 's> {
 
     /// VAR_EXTERNAL of the global variables that a POU uses.
     fn externals(&mut self, used: &BTreeSet<String>, writer: &mut Writer) -> Vec<Node> {
-        let (mut variables, mut constants) = (Node::new("externalVars"), Node::new("externalVars").with("constant", "true"));
+        let (mut variables, mut constants) =
+            (Node::new("externalVars"), Node::new("externalVars").with("constant", "true"));
         for key in used {
             let name = self.program.name(key);
             let mut plain = Node::new("variable").with("name", name);
             let ty = match self.program.global(key) {
-                Some(Global::Tag(symbol)) => {
-                    body::tag_type(symbol).and_then(system::type_element).map(Node::new)
-                }
+                Some(Global::Tag(symbol)) => body::tag_type(symbol).and_then(system::type_element).map(Node::new),
                 Some(Global::Constant(constant)) => {
                     let ty = crate::to_stl::types::elementary(&constant.ty).and_then(system::type_element);
                     if let Some(ty) = ty {
@@ -329,11 +359,13 @@ impl<'p, 'a, 's> Project<'p, 'a, 's> {
                         Some((_, _, node)) => node,
                         None => globals::data(&mut self.declarer, key, block, &mut quiet),
                     };
-                    node.children.into_iter().find(|child| child.name == "type").and_then(|ty| ty.children.into_iter().next())
+                    node.children
+                        .into_iter()
+                        .find(|child| child.name == "type")
+                        .and_then(|ty| ty.children.into_iter().next())
                 }
                 Some(Global::Variable(variable)) => {
-                    let place = Place { owner: "", parent: "" };
-                    Some(self.declarer.type_node(&variable.ty, &variable.name, place, writer))
+                    Some(self.declarer.type_node(&variable.ty, &variable.name, "", writer))
                 }
                 Some(Global::Code(_) | Global::Type(_)) | None => None,
             };
@@ -371,13 +403,16 @@ impl<'p, 'a, 's> Project<'p, 'a, 's> {
         changed.sort_by_key(|(_, _, span)| (span.file.0, span.start));
         changed.dedup_by(|a, b| (&a.0, &a.1) == (&b.0, &b.1));
         if let Some((own, name, span)) = changed.first() {
-            let list: Vec<String> = changed.iter().map(|(own, name, _)| format!("`{own}` as `{name}`")).collect();
+            let list: Vec<String> = changed.iter().map(|(own, name, _)| format!("`{own}` is `{name}`")).collect();
             let title = match list.len() {
-                1 => format!("`{own}` is called `{name}` in the file"),
-                count => format!("{count} names are others in the file: {}", list.join(", ")),
+                1 => format!("`{own}` is `{name}` in the file"),
+                count => format!("{count} names are different in the file: {}", list.join(", ")),
             };
-            let help = "IEC 61131-3 has names of letters, digits and single `_`, and a local variable hides a global one";
-            writer.warn(*span, title, help);
+            let help =
+                "IEC 61131-3 has names of letters, digits and single `_`, and a local variable hides a global one";
+            let mut message = Diagnostic::new(plcc_diag::Code::NotConverted, *span, title);
+            message.severity = Severity::Warning;
+            writer.messages.push(message.label("gets another name").help(help));
         }
         let mut lost: Vec<&str> = self.declarer.attributes.iter().map(|(key, _)| key.as_str()).collect();
         if self.described.is_some() {
@@ -397,26 +432,24 @@ impl<'p, 'a, 's> Project<'p, 'a, 's> {
         self.messages.append(&mut writer.messages);
         self.messages.extend(more);
         let structures = std::mem::take(&mut self.declarer.structures);
-        let structures = structures.into_iter().map(|(name, node)| {
-            Node::new("dataType").with("name", name).child(Node::new("baseType").child(node))
-        });
+        let structures = structures
+            .into_iter()
+            .map(|(name, node)| Node::new("dataType").with("name", name).child(Node::new("baseType").child(node)));
         let types = Node::new("dataTypes").children(self.types).children(structures);
         self.tasks.sort_by_key(|task| (task.period_ms.is_some(), task.number));
         let resource = Node::new("resource").with("name", "CPU").children(self.tasks.iter().map(Task::node));
         let configuration = Node::new("configuration").with("name", "PLC").child(resource).children(globals);
         // The format wants a time; the same program gives the same file.
         const TIME: &str = "1970-01-01T00:00:00";
-        let scale = |language: &'static str| {
-            Node::new(language).child(Node::new("scaling").with("x", 1).with("y", 1))
-        };
+        let scale = |language: &'static str| Node::new(language).child(Node::new("scaling").with("x", 1).with("y", 1));
         let file = Node::new("fileHeader")
             .with("companyName", "")
             .with("productName", "plcc")
             .with("productVersion", env!("CARGO_PKG_VERSION"))
             .with("creationDateTime", TIME);
-        let content = Node::new("contentHeader").with("name", self.settings.name).child(
-            Node::new("coordinateInfo").child(scale("fbd")).child(scale("ld")).child(scale("sfc")),
-        );
+        let content = Node::new("contentHeader")
+            .with("name", self.settings.name)
+            .child(Node::new("coordinateInfo").child(scale("fbd")).child(scale("ld")).child(scale("sfc")));
         let root = Node::new("project")
             .with("xmlns", "http://www.plcopen.org/xml/tc6_0201")
             .with("xmlns:xhtml", "http://www.w3.org/1999/xhtml")
@@ -441,7 +474,9 @@ impl<'p, 'a, 's> Project<'p, 'a, 's> {
             for symbol in &table.symbols {
                 let key = symbol.name.to_lowercase();
                 let is_block = matches!(symbol.target, SymbolTarget::Block { .. });
-                if is_block || !matches!(self.program.global(&key), Some(Global::Tag(known)) if std::ptr::eq(known, symbol)) {
+                if is_block
+                    || !matches!(self.program.global(&key), Some(Global::Tag(known)) if std::ptr::eq(known, symbol))
+                {
                     continue;
                 }
                 let is_used = self.used.contains(&key);
@@ -493,10 +528,8 @@ fn body_of(body: &mut Body) -> Option<Node> {
     let span = block.name.span();
     match &block.code {
         Code::Scl(scl) if scl.dialect == Dialect::Classic => {
-            let title = format!(
-                "`{}` is SCL of STEP 7 V5, which has other rules than ST",
-                body.program.own_name(&body.key)
-            );
+            let title =
+                format!("`{}` is SCL of STEP 7 V5, which has other rules than ST", body.program.shown(&body.key));
             body.refuse(span, title, "write it as SCL of the TIA Portal first: names with `#` and quotes");
             None
         }
@@ -518,12 +551,13 @@ fn body_of(body: &mut Body) -> Option<Node> {
             Some(network::write(body, networks, if is_ladder { Language::Lad } else { Language::Fbd }))
         }
         Code::Stl(_) => {
-            let title = format!("plcc writes no STL as PLCopen XML, such as that of `{}`", body.program.own_name(&body.key));
+            let title =
+                format!("plcc writes no STL as PLCopen XML, such as that of `{}`", body.program.shown(&body.key));
             body.refuse(span, title, "write it as networks first, with `--to lad`, or as SCL");
             None
         }
         Code::Chart(_) => {
-            let title = format!("plcc writes no GRAPH as PLCopen XML, such as `{}`", body.program.own_name(&body.key));
+            let title = format!("plcc writes no GRAPH as PLCopen XML, such as `{}`", body.program.shown(&body.key));
             body.refuse(span, title, "write the steps as CASE in SCL");
             None
         }

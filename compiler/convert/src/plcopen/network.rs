@@ -255,9 +255,9 @@ impl<'a> Build<'_, '_, 'a, '_, '_> {
 
     /// The output pin of a block has the negation itself.
     fn carries_negation(&self, origins: &[Origin]) -> bool {
-        origins.iter().all(|one| {
-            self.objects[one.object].outputs.iter().any(|output| output.formal == one.pin && output.negated)
-        })
+        origins
+            .iter()
+            .all(|one| self.objects[one.object].outputs.iter().any(|output| output.formal == one.pin && output.negated))
     }
 
     fn is_bool(&self, value: &Expr) -> bool {
@@ -314,8 +314,35 @@ impl<'a> Build<'_, '_, 'a, '_, '_> {
         let graph = self.graph;
         let element = &graph.elements[at];
         match &element.target {
-            Target::Element { row, instance } => self.of_row(at, element, row, instance.as_ref()),
+            Target::Element { row, instance } => {
+                self.of_row(at, element, row, instance.as_ref());
+                if matches!(
+                    row.kind,
+                    Row::Contact
+                        | Row::Not
+                        | Row::Gate(_)
+                        | Row::EdgeContact { .. }
+                        | Row::EdgeTrigger { .. }
+                        | Row::Compare(_)
+                ) {
+                    self.results(at, element);
+                }
+            }
             Target::Block { callee, instance } => self.call(at, element, callee, instance.as_ref()),
+        }
+    }
+
+    /// Variables that the output of a gate or a comparison writes.
+    fn results(&mut self, at: usize, element: &Element) {
+        for pin in element.pins.iter().filter(|pin| pin.output) {
+            let PinValue::Operand(value) = &pin.value else { continue };
+            let from = match self.outputs.get(&(at, pin.name.to_lowercase())) {
+                Some(from) => from.clone(),
+                // Refused before.
+                None => continue,
+            };
+            let text = self.body.text(value);
+            self.coil(text, pin.negated, storage(pin), from);
         }
     }
 
@@ -419,10 +446,7 @@ impl<'a> Build<'_, '_, 'a, '_, '_> {
                     _ => "LT",
                 };
                 self.check_types(element, &["in1", "in2"]);
-                let before = match element.pin(enter) {
-                    Some(pin) => Some(self.flow(Some(pin))),
-                    None => None,
-                };
+                let before = element.pin(enter).map(|pin| self.flow(Some(pin)));
                 let (left, right) = (self.value(element.pin("in1")), self.value(element.pin("in2")));
                 let out = self.gate(name, vec![(left, false), (right, false)]);
                 let out = match before.filter(|from| !self.is_rail(from)) {
@@ -524,7 +548,11 @@ impl<'a> Build<'_, '_, 'a, '_, '_> {
     /// The one that wins comes last.
     fn flip_flop(&mut self, at: usize, element: &Element, set_wins: bool) {
         let Some((text, ..)) = self.operand(element, "operand") else { return };
-        let names = if set_wins { [("r", Storage::Reset), ("s1", Storage::Set)] } else { [("s", Storage::Set), ("r1", Storage::Reset)] };
+        let names = if set_wins {
+            [("r", Storage::Reset), ("s1", Storage::Set)]
+        } else {
+            [("s", Storage::Set), ("r1", Storage::Reset)]
+        };
         let mut inputs = Vec::new();
         for (name, storage) in names {
             if let Some(pin) = element.pin(name).filter(|pin| !matches!(pin.value, PinValue::Open)) {
@@ -574,14 +602,7 @@ impl<'a> Build<'_, '_, 'a, '_, '_> {
     // Blocks.
 
     /// Adds a block with these inputs and outputs, and the variables that its outputs write. `outputs`: pins with their names in the file.
-    fn block(
-        &mut self,
-        at: usize,
-        element: &Element,
-        mut object: Object,
-        outputs: &[(&Pin, String)],
-        has_flow: bool,
-    ) {
+    fn block(&mut self, at: usize, element: &Element, mut object: Object, outputs: &[(&Pin, String)], has_flow: bool) {
         let enable = element.pin("en").map(|pin| self.flow(Some(pin)));
         let enable = enable.filter(|from| !from.is_empty());
         let conditional = enable.clone().filter(|from| !self.is_rail(from));
@@ -610,11 +631,7 @@ impl<'a> Build<'_, '_, 'a, '_, '_> {
             match &pin.value {
                 PinValue::Operand(value) => {
                     let text = self.body.text(value);
-                    let storage = match pin.storage {
-                        PinStorage::None => Storage::None,
-                        PinStorage::Set => Storage::Set,
-                        PinStorage::Reset => Storage::Reset,
-                    };
+                    let storage = storage(pin);
                     let inputs = vec![Input { from: vec![origin(block, formal)], ..Input::default() }];
                     self.add(Object { inputs, storage, negated: pin.negated, ..Object::new(Kind::OutVariable, text) });
                 }
@@ -706,11 +723,8 @@ impl<'a> Build<'_, '_, 'a, '_, '_> {
     /// The text of an instance, and its type in the file.
     fn instance_of(&mut self, instance: &Expr, call: &str, span: Span) -> Option<(String, String)> {
         // Data of any timer are called by its name.
-        let member = plcc_syntax::scl::ast::Name {
-            text: call.to_string(),
-            form: plcc_syntax::scl::ast::NameForm::Bare,
-            span,
-        };
+        let member =
+            plcc_syntax::scl::ast::Name { text: call.to_string(), form: plcc_syntax::scl::ast::NameForm::Bare, span };
         let named = Expr { kind: ExprKind::Member { base: Box::new(instance.clone()), name: member }, span };
         let is_data = system::call_on_data(call).is_some();
         match self.body.called(if is_data { &named } else { instance }) {
@@ -727,19 +741,16 @@ impl<'a> Build<'_, '_, 'a, '_, '_> {
 
     /// The inputs that an element converts must already have its type.
     fn check_types(&mut self, element: &Element, pins: &[&str]) {
-        let Some(template) = element.template(TemplateKey::Source).or(element.template(TemplateKey::Value)) else { return };
+        let Some(template) = element.template(TemplateKey::Source).or(element.template(TemplateKey::Value)) else {
+            return;
+        };
         let Some(wanted) = elementary(&template.value) else { return };
         let mut is_there = false;
         let mut others: Option<String> = None;
         for name in pins {
             let Some(pin) = element.pin(name) else { continue };
             let ty = match &pin.value {
-                PinValue::Operand(value) if is_constant(value) => {
-                    if matches!(self.body.elementary(value), None | Some(_)) {
-                        continue;
-                    }
-                    None
-                }
+                PinValue::Operand(value) if is_constant(value) => continue,
                 PinValue::Operand(value) => self.body.elementary(value),
                 PinValue::Net(id) => self.net_type(*id),
                 PinValue::Open => continue,
@@ -926,6 +937,14 @@ impl<'a> Build<'_, '_, 'a, '_, '_> {
         let mut rail = Object::new(Kind::RightRail, "");
         rail.inputs = ends.into_iter().map(|at| Input { from: vec![origin(at, "")], ..Input::default() }).collect();
         self.add(rail);
+    }
+}
+
+fn storage(pin: &Pin) -> Storage {
+    match pin.storage {
+        PinStorage::None => Storage::None,
+        PinStorage::Set => Storage::Set,
+        PinStorage::Reset => Storage::Reset,
     }
 }
 

@@ -68,6 +68,8 @@ pub struct Object {
     pub y: i32,
     pub width: i32,
     pub height: i32,
+    /// Where lines from it go up and down, after its column.
+    pub exit: i32,
 }
 
 /// From the top of a block to its first pin, and from pin to pin.
@@ -98,6 +100,7 @@ impl Object {
             y: 0,
             width: 0,
             height: 0,
+            exit: 0,
         }
     }
 
@@ -114,7 +117,8 @@ impl Object {
                 (widest.clamp(100, 1200) + 20, 10 + 20 * i32::try_from(lines.count().max(1)).unwrap_or(1))
             }
             Kind::Block => {
-                let longest = |names: &mut dyn Iterator<Item = &String>| names.map(|name| text_width(name)).max().unwrap_or(0);
+                let longest =
+                    |names: &mut dyn Iterator<Item = &String>| names.map(|name| text_width(name)).max().unwrap_or(0);
                 let pins = longest(&mut self.inputs.iter().map(|pin| &pin.formal))
                     + longest(&mut self.outputs.iter().map(|pin| &pin.formal));
                 let rows = i32::try_from(self.inputs.len().max(self.outputs.len()).max(1)).unwrap_or(1);
@@ -259,28 +263,31 @@ fn node(at: usize, object: &Object, objects: &[Object]) -> Node {
 
 /// An input with its lines: each from its end at the input to its beginning.
 fn connection(object: &Object, at: usize, input: &Input, objects: &[Object]) -> Node {
-    let (dx, dy) = object.input_place(at);
+    let start = |origin: &Origin| {
+        let source = objects.get(origin.object)?;
+        let (x, y) = source.output_place(&origin.pin);
+        Some((source, source.x + x, source.y + y))
+    };
+    let (dx, mut dy) = object.input_place(at);
+    // Rails are lines: a branch meets them anywhere.
+    if object.kind == Kind::RightRail
+        && let Some((_, _, y)) = input.from.first().and_then(start)
+    {
+        dy = y - object.y;
+    }
+    let (tx, ty) = (object.x + dx, object.y + dy);
     let mut point = Node::new("connectionPointIn").child(place("relPosition", (dx, dy)));
     for origin in &input.from {
-        let Some(source) = objects.get(origin.object) else { continue };
-        let (sx, sy) = match source.kind {
-            // The rail is a line: a branch leaves it anywhere.
-            Kind::LeftRail => (source.x + source.width, object.y + dy),
-            _ => {
-                let (x, y) = source.output_place(&origin.pin);
-                (source.x + x, source.y + y)
-            }
-        };
-        let (tx, ty) = (object.x + dx, object.y + dy);
+        let Some((source, sx, sy)) = start(origin) else { continue };
+        let sy = if source.kind == Kind::LeftRail { ty } else { sy };
         let mut line = Node::new("connection").with("refLocalId", origin.object + 1);
         if !origin.pin.is_empty() {
             line.attributes.push(("formalParameter", origin.pin.clone()));
         }
         line.push(place("position", (tx, ty)));
         if sy != ty {
-            let middle = tx - 10;
-            line.push(place("position", (middle, ty)));
-            line.push(place("position", (middle, sy)));
+            line.push(place("position", (source.exit, ty)));
+            line.push(place("position", (source.exit, sy)));
         }
         line.push(place("position", (sx, sy)));
         point.push(line);

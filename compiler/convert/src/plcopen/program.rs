@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeSet, HashMap, HashSet};
 
+use plcc_diag::Span;
 use plcc_syntax::ast::{
     Block, BlockName, BlockPrefix, CodeBlock, CodeKind, DataBlock, DataContent, SourceUnit, TypeBlock, TypeKind,
     TypeRef, Variable,
@@ -40,8 +41,8 @@ pub enum Global<'a> {
 pub struct Learned {
     /// Keys of global names that a local variable hides.
     pub hidden: HashSet<String>,
-    /// Instances of `IEC_TIMER` and `IEC_COUNTER` by block and name, with the block that is called with them.
-    pub instances: HashMap<String, &'static str>,
+    /// Instances of `IEC_TIMER` and `IEC_COUNTER` by the place of their type, with the block that is called with them.
+    pub instances: HashMap<Span, &'static str>,
     /// Bytes of M that code names by their addresses: the first, and how many.
     pub memory: BTreeSet<(u32, u32)>,
 }
@@ -160,7 +161,8 @@ impl<'a> Program<'a> {
         let of_block = |name: &BlockName| match name {
             BlockName::Symbol { name, .. } => name.clone(),
             BlockName::Numbered { prefix, number, .. } => {
-                let is_own = |symbol: &&Symbol| symbol.target == SymbolTarget::Block { prefix: *prefix, number: *number };
+                let is_own =
+                    |symbol: &&Symbol| symbol.target == SymbolTarget::Block { prefix: *prefix, number: *number };
                 let symbol = self.tables.iter().flat_map(|table| &table.symbols).find(is_own);
                 symbol.map_or_else(|| format!("{}_{number}", prefix.letters()), |symbol| symbol.name.clone())
             }
@@ -174,6 +176,12 @@ impl<'a> Program<'a> {
             Some(Global::Variable(variable)) => variable.name.clone(),
             None => key.to_string(),
         }
+    }
+
+    /// A global as messages name it.
+    pub fn shown(&self, key: &str) -> String {
+        let name = self.own_name(key);
+        if name == key.replace(' ', "_") { key.to_string() } else { name }
     }
 
     /// Gives all globals names of IEC 61131-3, each its own.
@@ -205,7 +213,7 @@ impl<'a> Program<'a> {
             let hidden = self.learned.hidden.contains(key);
             let is_free = |name: &str| {
                 let name = name.to_lowercase();
-                !taken.contains(&name) && !(hidden && locals.contains(&name)) && !is_taken(key, &name)
+                !(taken.contains(&name) || hidden && locals.contains(&name) || is_taken(key, &name))
             };
             let mut name = wanted.clone();
             let mut number = 1;
@@ -348,7 +356,7 @@ impl<'a> Program<'a> {
     }
 
     /// The type of an instance, in the file: a function block of the program, or one of the standard.
-    pub fn block_type(&self, ty: &TypeRef, owner: &str, name: &str) -> Option<String> {
+    pub fn block_type(&self, ty: &TypeRef) -> Option<String> {
         if let Some(key) = self.type_key(ty) {
             return matches!(self.global(&key), Some(Global::Code(_))).then(|| self.name(&key));
         }
@@ -356,14 +364,9 @@ impl<'a> Program<'a> {
         if let Some(standard) = system::block(word) {
             return Some(standard.to_string());
         }
-        let learned = self.learned.instances.get(&instance_key(owner, name))?;
+        let learned = self.learned.instances.get(&ty.span)?;
         system::of_data_type(word, learned).map(str::to_string)
     }
-}
-
-/// The key of an instance in a block or, without one, of a data block.
-pub fn instance_key(owner: &str, name: &str) -> String {
-    format!("{owner}\n{}", name.to_lowercase())
 }
 
 /// A variable of a block.

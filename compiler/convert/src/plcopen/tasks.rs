@@ -68,9 +68,12 @@ pub fn of_block(
         Some(ObClass::Cyclic) => Some(period_ms(number.and_then(|number| u16::try_from(number).ok()).unwrap_or(30))),
         class => {
             let what = class.map_or("another event", |class| class.row().word);
-            let title = format!("`{}` starts at {what}, and tasks of PLCopen XML run in cycles only", program.own_name(&key));
+            let title =
+                format!("`{}` starts at {what}, and tasks of PLCopen XML run in cycles only", program.shown(&key));
             let help = match class {
-                Some(ObClass::Startup) => "do the same in the first cycle, with a variable that tells it, or give variables start values",
+                Some(ObClass::Startup) => {
+                    "do the same in the first cycle, with a variable that tells it, or give variables start values"
+                }
                 _ => "do the same in a cyclic OB",
             };
             writer.refuse(block.name.span(), title, help);
@@ -112,9 +115,7 @@ fn instance(program: &Program, statement: &Statement) -> Option<(String, String)
     let Some(Global::Code(block)) = program.global(&fb) else { return None };
     // Declared and called: each other use of the name may be another call.
     let is_fb = block.kind == CodeKind::Fb && program.uses(&program.own_name(&key)) <= 2;
-    let of_fb = |data: &&Block| {
-        matches!(data, Block::Data(data) if matches!(data.content, DataContent::OfType(_)) && program.instance_of(data).as_ref() == Some(&fb))
-    };
+    let of_fb = |data: &&Block| matches!(data, Block::Data(data) if matches!(data.content, DataContent::OfType(_)) && program.instance_of(data).as_ref() == Some(&fb));
     let blocks = program.units.iter().flat_map(|unit| &unit.unit.blocks);
     // Of a function block that is also declared elsewhere a program cannot be made.
     let only = blocks.filter(of_fb).count() == 1 && program.uses(&program.own_name(&fb)) <= 2;

@@ -29,9 +29,9 @@ use plcc_syntax::scl::ast::Dialect;
 use plcc_syntax::stl::Mnemonics;
 
 use crate::frames::bare;
+use crate::node::{self, Node};
 use crate::trivia::Trivia;
 use crate::writer::{Notation, Writer};
-use crate::node::{self, Node};
 
 /// What the sources of a program declare: blocks for calls, structures for start values.
 #[derive(Default)]

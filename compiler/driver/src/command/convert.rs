@@ -120,9 +120,7 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
                 | ConvertTo::Gr7
                 | ConvertTo::Xml
                 | ConvertTo::Plcopen
-                | ConvertTo::Awl => {
-                    (unit.clone(), Vec::new())
-                }
+                | ConvertTo::Awl => (unit.clone(), Vec::new()),
             };
             let refused = found.iter().any(Diagnostic::is_error);
             messages.extend(found);
@@ -175,9 +173,7 @@ fn other_family(unit: &SourceUnit, to: ConvertTo) -> Diagnostic {
         | ConvertTo::Gr7
         | ConvertTo::Xml
         | ConvertTo::Plcopen
-        | ConvertTo::Awl => {
-            "write it with `--to awl`; `--report s7-1200` says what an S7-1200 has of it"
-        }
+        | ConvertTo::Awl => "write it with `--to awl`; `--report s7-1200` says what an S7-1200 has of it",
     };
     Diagnostic::new(plcc_diag::Code::NotConverted, span, "a source of the S7-200 cannot be converted")
         .label("STL of the S7-200")

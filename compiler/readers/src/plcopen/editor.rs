@@ -42,8 +42,17 @@ impl Editor {
         if says(&["beremiz", "openplc", "matiec"]) {
             return Editor::Matiec;
         }
-        let foreign =
-            says(&["plcc", "phoenix", "pc worx", "kw-software", "kw software", "multiprog", "geb", "logi.cad", "isagraf"]);
+        let foreign = says(&[
+            "plcc",
+            "phoenix",
+            "pc worx",
+            "kw-software",
+            "kw software",
+            "multiprog",
+            "geb",
+            "logi.cad",
+            "isagraf",
+        ]);
         // Text in a paragraph of XHTML whose namespace has a prefix: only editors of this family write it.
         let paragraphs = document.descendants().any(|node| {
             matches!(node.tag_name().name(), "ST" | "IL" | "documentation")

@@ -12,8 +12,8 @@ use super::interface::{child, elements, is_true};
 use super::scope::Global;
 use plcc_syntax::Elementary;
 use plcc_syntax::ast::{
-    Area, Block, BlockName, Constant, DataBlock, DataContent, Header, InitialKind, InitialValue, Path, PathRoot, TypeKind,
-    TypeRef, ValueAssignment, Variable, Width,
+    Area, Block, BlockName, Constant, DataBlock, DataContent, Header, InitialKind, InitialValue, Path, PathRoot,
+    TypeKind, TypeRef, ValueAssignment, Variable, Width,
 };
 use plcc_syntax::scl::ast::{AssignOp, Expr, ExprKind, Literal, Name, NameForm, Statement, StatementKind, UnaryOp};
 

@@ -23,7 +23,13 @@ pub fn plcopen(args: &ConvertArgs) -> u8 {
     let mut parsed = pipeline::parse(read, &settings);
     let mut messages = std::mem::take(&mut parsed.diagnostics);
     messages.retain(Diagnostic::is_error);
-    messages.extend(parsed.units.iter().filter(|(_, unit)| unit.s7200.is_some()).map(|(_, unit)| other_family(unit, ConvertTo::Plcopen)));
+    messages.extend(
+        parsed
+            .units
+            .iter()
+            .filter(|(_, unit)| unit.s7200.is_some())
+            .map(|(_, unit)| other_family(unit, ConvertTo::Plcopen)),
+    );
     let mut files = Vec::new();
     if messages.is_empty() {
         // Names and types decide what a statement means, so the program must be whole.
@@ -31,7 +37,8 @@ pub fn plcopen(args: &ConvertArgs) -> u8 {
             return code;
         }
         let name = parsed.project.as_ref().and_then(|project| project.name.clone());
-        let folder = args.inputs.first().and_then(|path| path.file_stem()).map(|name| name.to_string_lossy().into_owned());
+        let folder =
+            args.inputs.first().and_then(|path| path.file_stem()).map(|name| name.to_string_lossy().into_owned());
         let (text, found) = document(&parsed, &name.or(folder).unwrap_or_default());
         messages.extend(found);
         let name = args.inputs.first().map_or_else(String::new, |path| path.to_string_lossy().into_owned());
@@ -55,7 +62,8 @@ pub fn document(parsed: &pipeline::Parsed, name: &str) -> (String, Vec<Diagnosti
     let units = parsed.units.iter().map(|(id, one)| unit(&parsed.sources.file(*id).text, one)).collect();
     let (text, messages) = plcopen::write(units, &parsed.tables, &Settings { name, period_ms: &period_ms });
     // Pragmas of files, such as the CPU, are comments after the first line.
-    let mut pragmas: Vec<&str> = parsed.units.iter().flat_map(|(_, unit)| &unit.pragmas).map(|one| one.text.trim()).collect();
+    let mut pragmas: Vec<&str> =
+        parsed.units.iter().flat_map(|(_, unit)| &unit.pragmas).map(|one| one.text.trim()).collect();
     pragmas.sort_unstable();
     pragmas.dedup();
     let lines: String = pragmas.iter().map(|text| format!("<!--@ {} -->\n", text.replace("--", "- -"))).collect();
