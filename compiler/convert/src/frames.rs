@@ -275,7 +275,7 @@ impl Writer<'_> {
         if let Some(comment) = own {
             self.out.trail(&match self.notation {
                 Notation::Gr7 => format!("(* {} *)", comment.replace("*)", "* )")),
-                Notation::Stl | Notation::Scl | Notation::Sd => format!("// {comment}"),
+                Notation::Stl | Notation::Scl | Notation::Sd | Notation::St => format!("// {comment}"),
             });
         }
         let mut remarks = self.trivia.on_line(end.max(variable.name_span.end));
@@ -361,7 +361,7 @@ impl Writer<'_> {
                     self.needs_scl(value.span, "an expression as an initial value");
                     String::new()
                 }
-                (Notation::Scl | Notation::Sd | Notation::Gr7, _) => expression::text(constant, self),
+                (Notation::Scl | Notation::Sd | Notation::Gr7 | Notation::St, _) => expression::text(constant, self),
             },
             InitialKind::Elements(elements) => {
                 self.needs_scl(value.span, "initial values of single elements");

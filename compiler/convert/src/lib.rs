@@ -6,6 +6,7 @@
 //! - [`symbols`]: symbol tables.
 //! - [`sd`]: documents of SIMATIC SD.
 //! - [`xml`]: SimaticML of the TIA Portal.
+//! - [`plcopen`]: projects in PLCopen XML.
 //! - [`from_scl`]: statements of SCL as statement lists.
 //! - [`to_stl`]: networks of LAD and FBD as statements.
 //! - [`to_graph`]: statements as networks of LAD and FBD.
@@ -27,8 +28,10 @@ pub mod gr7;
 pub mod literal;
 pub mod migration;
 mod names;
+mod node;
 mod operand;
 mod out;
+pub mod plcopen;
 pub mod scl;
 pub mod sd;
 pub mod stl;

@@ -17,6 +17,8 @@ pub enum Notation {
     Sd,
     /// GRAPH as source text.
     Gr7,
+    /// ST of IEC 61131-3.
+    St,
 }
 
 /// A source that grows.

@@ -523,6 +523,8 @@ pub enum ConvertTo {
     Gr7,
     /// XML of the TIA Portal (SimaticML).
     Xml,
+    /// A whole program as one project in PLCopen XML, for editors of IEC 61131-3.
+    Plcopen,
     /// Source text of Micro/WIN, for programs of the S7-200.
     Awl,
 }
@@ -535,7 +537,7 @@ impl ConvertTo {
             ConvertTo::Lad | ConvertTo::Fbd | ConvertTo::Sd => "s7dcl",
             ConvertTo::Scl => "scl",
             ConvertTo::Gr7 => "gr7",
-            ConvertTo::Xml => "xml",
+            ConvertTo::Xml | ConvertTo::Plcopen => "xml",
             ConvertTo::Awl => "awl",
         }
     }

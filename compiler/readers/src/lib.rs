@@ -48,7 +48,15 @@ impl ReadOptions<'_> {
 /// Parses a source. Never fails: the messages say what is wrong, in the order of the text.
 pub fn parse(file: FileId, text: &str, options: &ReadOptions) -> (ast::SourceUnit, Vec<Diagnostic>) {
     match xml::kind(text) {
-        Some(xml::XmlKind::PlcOpen) => return plcopen::parse(file, text),
+        Some(xml::XmlKind::PlcOpen) => {
+            let (mut unit, messages) = plcopen::parse(file, text);
+            if options.pragmas
+                && let Ok(document) = xml::parse(text)
+            {
+                unit.pragmas = xml::pragmas(file, &document);
+            }
+            return (unit, messages);
+        }
         Some(kind) => return simatic_ml::parse(file, text, &kind, options),
         None => {}
     }

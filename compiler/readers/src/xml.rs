@@ -4,6 +4,7 @@
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 use plcc_literal::distance::nearest;
+use plcc_syntax::ast::Pragma;
 use roxmltree::{Document, Error, Node};
 
 /// The kind of a text in XML.
@@ -288,6 +289,16 @@ pub fn head(node: Node) -> std::ops::Range<usize> {
     let range = node.range();
     let length = 1 + node.tag_name().name().len();
     range.start..(range.start + length).min(range.end)
+}
+
+/// `<!--@ cpu … -->`: settings of a test, as `//@ cpu …` in a source.
+pub fn pragmas(file: FileId, document: &Document) -> Vec<Pragma> {
+    let comments = document.root().descendants().filter(|node| node.is_comment());
+    let pragmas = comments.filter_map(|node| {
+        let text = node.text()?.trim().strip_prefix('@')?.trim().to_string();
+        Some(Pragma { text, span: Span::new(file, node.range()), assert: None })
+    });
+    pragmas.collect()
 }
 
 #[cfg(test)]

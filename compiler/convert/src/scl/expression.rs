@@ -141,6 +141,9 @@ fn width_letter(width: Width) -> &'static str {
 
 /// `%MW10`, as the author wrote it where the notation is the same.
 fn absolute(kind: &OperandKind, span: Span, writer: &mut Writer) -> String {
+    if let (Notation::St, OperandKind::Absolute { area, width, byte, bit }) = (writer.notation, kind) {
+        return crate::plcopen::address(*area, *width, *byte, *bit);
+    }
     // S7-GRAPH writes addresses without `%`.
     let is_foreign = |text: &&str| writer.notation == Notation::Gr7 && text.starts_with('%');
     let own = writer.source.and_then(|source| source.get(span.range())).filter(|text| !text.is_empty());

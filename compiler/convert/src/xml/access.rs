@@ -3,8 +3,8 @@
 use plcc_syntax::ast::{Area, BlockName, BlockPrefix, CellKind, CodeBlock, OperandKind, Width};
 use plcc_syntax::scl::ast::{Expr, ExprKind, Literal, Name, NameForm, UnaryOp};
 
-use super::node::Node;
 use super::{Uids, name_of};
+use crate::node::Node;
 use crate::scl::expression;
 use crate::writer::Writer;
 

@@ -6,9 +6,9 @@ use plcc_syntax::network::elements::{self, Kind};
 use plcc_syntax::scl::ast::{Expr, ExprKind, NameForm};
 
 use super::access::{self, Whose};
-use super::node::Node;
 use super::order::Drawing;
 use super::{Library, Uids, interface, name_of, referred};
+use crate::node::Node;
 use crate::scl::expression;
 use crate::writer::Writer;
 

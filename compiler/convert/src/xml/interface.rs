@@ -6,9 +6,9 @@ use plcc_syntax::ast::{
     TypeRef, ValueAssignment, Variable,
 };
 
-use super::node::Node;
 use super::{Library, referred};
 use crate::frames::bare;
+use crate::node::Node;
 use crate::scl::expression;
 use crate::writer::Writer;
 

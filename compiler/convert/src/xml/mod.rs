@@ -1,6 +1,5 @@
 //! SimaticML: the XML of the TIA Portal (Openness).
 //!
-//! - `node`: elements of XML, and their text.
 //! - `interface`: declarations with their start values.
 //! - `access`: operands.
 //! - `flgnet`, `wires`: networks of LAD and FBD; `order`: the order in which a reader finds their elements.
@@ -13,7 +12,6 @@ mod access;
 mod chart;
 mod flgnet;
 mod interface;
-mod node;
 mod order;
 mod scl;
 mod stl;
@@ -31,9 +29,9 @@ use plcc_syntax::scl::ast::Dialect;
 use plcc_syntax::stl::Mnemonics;
 
 use crate::frames::bare;
+use crate::node::{self, Node};
 use crate::trivia::Trivia;
 use crate::writer::{Notation, Writer};
-use node::Node;
 
 /// What the sources of a program declare: blocks for calls, structures for start values.
 #[derive(Default)]
@@ -161,7 +159,7 @@ impl Ids {
 
 impl Writer<'_> {
     /// The comments before byte `at`, without their brackets.
-    fn lines_before(&mut self, at: u32) -> Vec<String> {
+    pub(crate) fn lines_before(&mut self, at: u32) -> Vec<String> {
         let remarks = self.trivia.before(at);
         remarks.iter().flat_map(|remark| remark.text.lines().map(bare).collect::<Vec<_>>()).collect()
     }

@@ -7,8 +7,8 @@ use plcc_syntax::scl::ast::{NameForm, Statement};
 use plcc_syntax::scl::{self, address};
 
 use super::access::{self, Whose};
-use super::node::Node;
 use super::{Library, Uids, comment_text, name_of};
+use crate::node::Node;
 use crate::writer::Writer;
 
 /// How deep indices and calls may be nested; what is deeper is written as tokens.

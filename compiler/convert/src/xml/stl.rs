@@ -7,8 +7,8 @@ use plcc_syntax::ast::{
 use plcc_syntax::stl::{Mnemonics, StlInsn};
 
 use super::access::{address, area_name};
-use super::node::Node;
 use super::{Library, Uids, comment_text, name_of, referred};
+use crate::node::Node;
 use crate::operand;
 use crate::trivia::Remark;
 use crate::writer::{Notation, Writer};

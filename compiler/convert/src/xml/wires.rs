@@ -8,7 +8,7 @@ use plcc_syntax::scl::ast::{Expr, ExprKind, NameForm};
 
 use super::access::{self, Whose};
 use super::flgnet::Maker;
-use super::node::Node;
+use crate::node::Node;
 use crate::writer::Writer;
 
 /// A pin that a wire ends at.

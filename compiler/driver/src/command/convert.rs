@@ -1,7 +1,9 @@
-//! `plcc convert`: sources in another notation. [`addresses`]: with symbols or addresses; [`migration`]: what another CPU has of them.
+//! `plcc convert`: sources in another notation. [`addresses`]: with symbols or addresses; [`migration`]: what another CPU has of them;
+//! [`whole`]: programs as one document.
 
 mod addresses;
 mod migration;
+pub mod whole;
 
 use std::path::{Path, PathBuf};
 
@@ -51,6 +53,7 @@ fn texts_beside(text: String) -> Beside {
 /// nothing is written.
 pub fn convert(args: &ConvertArgs) -> u8 {
     match (args.to, &args.report) {
+        (Some(ConvertTo::Plcopen), _) => whole::plcopen(args),
         (Some(to), _) => notation(args, to),
         (None, Some(family)) => migration::report(args, family),
         (None, None) => addresses::write(args, if args.absolute { To::Absolute } else { To::Symbolic }),
@@ -112,9 +115,12 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
                 }
                 ConvertTo::Lad => to_graph::unit(unit, &types, Graphic::Lad),
                 ConvertTo::Fbd => to_graph::unit(unit, &types, Graphic::Fbd),
-                ConvertTo::Sd | ConvertTo::Scl | ConvertTo::Gr7 | ConvertTo::Xml | ConvertTo::Awl => {
-                    (unit.clone(), Vec::new())
-                }
+                ConvertTo::Sd
+                | ConvertTo::Scl
+                | ConvertTo::Gr7
+                | ConvertTo::Xml
+                | ConvertTo::Plcopen
+                | ConvertTo::Awl => (unit.clone(), Vec::new()),
             };
             let refused = found.iter().any(Diagnostic::is_error);
             messages.extend(found);
@@ -161,9 +167,13 @@ fn other_family(unit: &SourceUnit, to: ConvertTo) -> Diagnostic {
         ConvertTo::Lad | ConvertTo::Fbd => {
             "Micro/WIN keeps LAD and FBD as these statements, so there is no other file; `plcc view` draws them"
         }
-        ConvertTo::Stl | ConvertTo::Sd | ConvertTo::Scl | ConvertTo::Gr7 | ConvertTo::Xml | ConvertTo::Awl => {
-            "write it with `--to awl`; `--report s7-1200` says what an S7-1200 has of it"
-        }
+        ConvertTo::Stl
+        | ConvertTo::Sd
+        | ConvertTo::Scl
+        | ConvertTo::Gr7
+        | ConvertTo::Xml
+        | ConvertTo::Plcopen
+        | ConvertTo::Awl => "write it with `--to awl`; `--report s7-1200` says what an S7-1200 has of it",
     };
     Diagnostic::new(plcc_diag::Code::NotConverted, span, "a source of the S7-200 cannot be converted")
         .label("STL of the S7-200")
@@ -213,8 +223,8 @@ fn written(
     let meaning = unit.overlay.as_deref().unwrap_or(source);
     let name = String::new();
     match to {
-        // Sources of the S7-200 are written before.
-        ConvertTo::Awl => (Converted { name, text: source.to_string(), beside: None }, Vec::new()),
+        // Sources of the S7-200 and whole programs are written by others.
+        ConvertTo::Awl | ConvertTo::Plcopen => (Converted { name, text: source.to_string(), beside: None }, Vec::new()),
         ConvertTo::Stl => {
             let (text, messages) = plcc_convert::stl::write(made, set, trivia(true), is_stl.then_some(meaning));
             warn_of_set(file, &text, set);

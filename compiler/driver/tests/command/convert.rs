@@ -41,6 +41,25 @@ fn symbols_become_addresses_and_addresses_symbols() {
     expect(&["convert", "press", "--symbolic"], "press.symbolic");
 }
 
+/// LAD, SCL, data blocks and tags as one project, with what the format does not have.
+#[test]
+fn a_program_becomes_one_project_of_plcopen() {
+    expect(&["convert", "filler", "--to", "plcopen"], "filler.plcopen");
+}
+
+#[test]
+fn what_plcopen_does_not_have_is_refused_with_its_line() {
+    let output = plcc(&programs(), &["convert", "startup.scl", "--to", "plcopen"]);
+    assert_eq!(output.status.code(), Some(3));
+    assert!(output.stdout.is_empty(), "nothing is written");
+    let path = programs().join("startup.plcopen");
+    let found = text(&output.stderr);
+    if std::env::var_os("UPDATE_EXPECT").is_some_and(|value| value != "0") {
+        fs::write(&path, &found).expect("the tree can be written");
+    }
+    assert_eq!(found, fs::read_to_string(&path).unwrap_or_default(), "UPDATE_EXPECT=1 renews it; read the diff");
+}
+
 #[test]
 fn sources_of_the_s7_200_have_both_mnemonics() {
     expect(&["convert", "press", "--to", "awl", "--mnemonics", "de"], "press.german");

@@ -42,8 +42,17 @@ impl Editor {
         if says(&["beremiz", "openplc", "matiec"]) {
             return Editor::Matiec;
         }
-        let foreign =
-            says(&["phoenix", "pc worx", "kw-software", "kw software", "multiprog", "geb", "logi.cad", "isagraf"]);
+        let foreign = says(&[
+            "plcc",
+            "phoenix",
+            "pc worx",
+            "kw-software",
+            "kw software",
+            "multiprog",
+            "geb",
+            "logi.cad",
+            "isagraf",
+        ]);
         // Text in a paragraph of XHTML whose namespace has a prefix: only editors of this family write it.
         let paragraphs = document.descendants().any(|node| {
             matches!(node.tag_name().name(), "ST" | "IL" | "documentation")
@@ -81,6 +90,8 @@ mod tests {
         let data = r#"<project xmlns:xhtml="x"><data name="http://www.3s-software.com/plcopenxml/method"/></project>"#;
         assert_eq!(of(data), Editor::Codesys);
         assert_eq!(of(r#"<project xmlns:xhtml="x"><fileHeader companyName="Unknown"/></project>"#), Editor::Matiec);
+        let own = r#"<project xmlns:xhtml="x"><fileHeader productName="plcc"/></project>"#;
+        assert_eq!(of(own), Editor::Other);
         let prefixed = r#"<project xmlns:xhtml="x"><fileHeader productName="PC WORX"/></project>"#;
         assert_eq!(of(prefixed), Editor::Other);
     }

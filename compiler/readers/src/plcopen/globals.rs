@@ -12,7 +12,8 @@ use super::interface::{child, elements, is_true};
 use super::scope::Global;
 use plcc_syntax::Elementary;
 use plcc_syntax::ast::{
-    Area, Block, BlockName, Constant, DataBlock, DataContent, Header, InitialKind, TypeKind, TypeRef, Variable, Width,
+    Area, Block, BlockName, Constant, DataBlock, DataContent, Header, InitialKind, InitialValue, Path, PathRoot,
+    TypeKind, TypeRef, ValueAssignment, Variable, Width,
 };
 use plcc_syntax::scl::ast::{AssignOp, Expr, ExprKind, Literal, Name, NameForm, Statement, StatementKind, UnaryOp};
 
@@ -266,6 +267,15 @@ impl<'a> Reader<'a> {
                 );
             } else if let Some(mut variable) = self.variable(node, 0) {
                 variable.name = unique.clone();
+                if self.is_function_block(&variable.ty) {
+                    self.instance(variable, node);
+                    let global = Global::Tag(unique.clone());
+                    self.globals.entry(name.to_lowercase()).or_insert_with(|| global.clone());
+                    if let Some(list) = list {
+                        self.lists.entry(list.to_lowercase()).or_default().insert(name.to_lowercase(), global);
+                    }
+                    continue;
+                }
                 first.get_or_insert(variable.name_span);
                 if node.parent().is_some_and(|list| is_true(list, "retain") || is_true(list, "persistent")) {
                     retained.push(unique.clone());
@@ -292,6 +302,36 @@ impl<'a> Reader<'a> {
             let block = DataBlock { name, header: Header::default(), content, values: Vec::new(), retained, span };
             self.blocks.push(Block::Data(block));
         }
+    }
+
+    /// Whether variables of this type are instances.
+    fn is_function_block(&self, ty: &TypeRef) -> bool {
+        match &ty.kind {
+            TypeKind::Block(BlockName::Symbol { name, .. }) => self.pous.contains(&name.to_lowercase()),
+            // A standard block; a flip-flop is a BOOL.
+            TypeKind::Named(name) => Elementary::from_word(name).is_none(),
+            _ => false,
+        }
+    }
+
+    /// A global instance is a data block of its own.
+    fn instance(&mut self, variable: Variable, node: Node) {
+        let span = variable.name_span;
+        let field = |(name, value): (Option<Name>, InitialValue)| {
+            let name = name?;
+            let root = PathRoot::Bare { name: name.text.clone(), span: name.span };
+            Some(ValueAssignment { target: Path { root, parts: Vec::new(), span: name.span }, span: value.span, value })
+        };
+        let values = match variable.initial {
+            Some(InitialValue { kind: InitialKind::Fields(fields), .. }) => {
+                fields.into_iter().filter_map(field).collect()
+            }
+            _ => Vec::new(),
+        };
+        let retain = node.parent().is_some_and(|list| is_true(list, "retain") || is_true(list, "persistent"));
+        let name = BlockName::Symbol { name: variable.name, span };
+        let (header, content) = (Header { retain, ..Header::default() }, DataContent::OfType(variable.ty));
+        self.blocks.push(Block::Data(DataBlock { name, header, content, values, retained: Vec::new(), span }));
     }
 
     /// Whether a variable is at its address. Reports an address that is not complete or cannot be kept.

@@ -223,6 +223,7 @@ impl<'a> Reader<'a> {
         let span = self.place(content, "name");
         let objects = self.objects(content);
         let mut networks = Vec::new();
+        let mut tops = Vec::new();
         for group in order::groups(&objects) {
             let labels = group.labels.iter().map(|at| &objects[*at]);
             let labels: Vec<Name> =
@@ -232,6 +233,7 @@ impl<'a> Reader<'a> {
                 false => graph::build(self, body, &objects, &group.objects),
             };
             let first = group.objects.iter().chain(&group.labels).map(|at| objects[*at].span).next().unwrap_or(span);
+            tops.push(group.objects.iter().chain(&group.labels).map(|at| objects[*at].position.0).min().unwrap_or(0));
             networks.push(Network {
                 language,
                 title: None,
@@ -242,6 +244,7 @@ impl<'a> Reader<'a> {
             });
         }
         self.unknown_connectors(&objects);
+        comments(content, &tops, &mut networks);
         networks
     }
 
@@ -297,6 +300,32 @@ impl<'a> Reader<'a> {
         self.messages.append(&mut scope.messages.borrow_mut());
         (value, kind)
     }
+}
+
+/// Gives comments to the networks below them: the first line is the title. `tops`: where the networks begin.
+fn comments(content: Node, tops: &[i64], networks: &mut [Network]) {
+    let mut found: Vec<((i64, i64), Vec<String>)> = elements(content)
+        .filter(|node| node.tag_name().name() == "comment")
+        .map(|node| (objects::position(node), lines_of(node)))
+        .collect();
+    found.sort_by_key(|(position, _)| *position);
+    for ((y, _), lines) in found {
+        let below = tops.iter().enumerate().filter(|(_, top)| **top >= y).min_by_key(|(_, top)| **top);
+        let Some((at, _)) = below else { continue };
+        let network = &mut networks[at];
+        let mut lines = lines.into_iter();
+        if network.title.is_none() && network.comment.is_empty() {
+            network.title = lines.next().filter(|line| !line.is_empty());
+        }
+        network.comment.extend(lines);
+    }
+}
+
+/// The lines of a comment, without blank ones at its end.
+fn lines_of(node: Node) -> Vec<String> {
+    let texts = node.descendants().filter(|node| node.is_text()).filter_map(|node| node.text());
+    let text = texts.map(|text| if text.trim().is_empty() { "" } else { text }).collect::<Vec<_>>().concat();
+    text.trim_end().lines().map(|line| line.trim().to_string()).collect()
 }
 
 /// The language element of a body. CODESYS puts its function charts into additional data.

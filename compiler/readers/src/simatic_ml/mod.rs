@@ -33,13 +33,12 @@ mod tokens;
 mod version;
 
 use plcc_diag::{Code, Diagnostic, FileId, Severity, Span};
-use roxmltree::Document;
 
 use crate::ReadOptions;
 use crate::spelling;
 use crate::xml::{self, XmlKind, head, objects};
 use overlay::Overlay;
-use plcc_syntax::ast::{Pragma, SourceUnit};
+use plcc_syntax::ast::SourceUnit;
 use reader::Reader;
 
 /// Parses an export. The reader skips what it cannot read, and reports it.
@@ -94,7 +93,7 @@ pub fn parse(file: FileId, text: &str, kind: &XmlKind, options: &ReadOptions) ->
         }
     }
     version::check(&mut reader, &document);
-    let pragmas = if options.pragmas { pragmas(file, &document) } else { Vec::new() };
+    let pragmas = if options.pragmas { xml::pragmas(file, &document) } else { Vec::new() };
     let outlines = outline::read(&mut reader, &document);
     let mut diagnostics = reader.diagnostics;
     diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
@@ -114,16 +113,6 @@ fn misspelt_object(file: FileId, object: roxmltree::Node) -> Option<Diagnostic> 
             .label("everything in it would be left out")
             .help(format!("is `{meant}` meant? plcc does not read the file before this is corrected")),
     )
-}
-
-/// `<!--@ cpu … -->`: settings of a test, as `//@ cpu …` in a source.
-fn pragmas(file: FileId, document: &Document) -> Vec<Pragma> {
-    let comments = document.root().descendants().filter(|node| node.is_comment());
-    let pragmas = comments.filter_map(|node| {
-        let text = node.text()?.trim().strip_prefix('@')?.trim().to_string();
-        Some(Pragma { text, span: Span::new(file, node.range()), assert: None })
-    });
-    pragmas.collect()
 }
 
 /// The overlay of a file without blank lines, for `--emit tokens`.

@@ -1,0 +1,401 @@
+//! PLCopen XML that is written: it does what the sources do.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use plcc_driver::cli::Level;
+use plcc_driver::command::convert::whole;
+use plcc_driver::inputs::{self, TestInput};
+use plcc_driver::pipeline::{self, Parsed, Settings};
+use plcc_driver::testing::{self, Form, Variant};
+use plcc_syntax::ast::{Block, BlockName, Code, CodeBlock, CodeKind, Header};
+use plcc_syntax::network::ast::{Body as Networks, Content, Network};
+use plcc_syntax::scl::ast::{Body, Dialect, Expr, ExprKind, Name, NameForm, Statement, StatementKind};
+use plcc_tests::{plan, projects, root, tests_folder};
+
+use crate::{everything, has_errors, sources};
+
+/// Splits blocks of LAD or FBD with statements between their networks: each network becomes a function, which statements call.
+fn split(parsed: &mut Parsed) {
+    for (_, unit) in &mut parsed.units {
+        let mut functions = Vec::new();
+        for block in &mut unit.blocks {
+            let Block::Code(code) = block else { continue };
+            let Code::Graphic(body) = &code.code else { continue };
+            let is_text = |network: &Network| matches!(network.content, Content::Scl(_));
+            if !body.networks.iter().any(is_text) || body.networks.iter().all(is_text) {
+                continue;
+            }
+            let mut statements = Vec::new();
+            for network in &body.networks {
+                let span = network.span;
+                if let Content::Scl(list) = &network.content {
+                    statements.extend(list.iter().cloned());
+                    continue;
+                }
+                let text = format!("Network_{}", functions.len() + 1);
+                let callee = Name { text: text.clone(), form: NameForm::Quoted, span };
+                let callee = Box::new(Expr { kind: ExprKind::Name(callee), span });
+                let call = Expr { kind: ExprKind::Call { callee, arguments: Vec::new() }, span };
+                statements.push(Statement { kind: StatementKind::Expression(call), span });
+                let body = Networks { networks: vec![network.clone()] };
+                functions.push(Block::Code(CodeBlock {
+                    kind: CodeKind::Fc,
+                    name: BlockName::Symbol { name: text, span },
+                    return_type: None,
+                    header: Header::default(),
+                    sections: Vec::new(),
+                    constants: Vec::new(),
+                    code: Code::Graphic(body),
+                    span,
+                }));
+            }
+            code.code = Code::Scl(Body { dialect: Dialect::Tia, labels: Vec::new(), statements });
+        }
+        unit.blocks.splice(0..0, functions);
+    }
+}
+
+/// The temporary data of an OB in SIMATIC SD as a data block, for its networks become functions.
+fn with_global_temps(text: &str) -> String {
+    let Some(start) = text.find("ORGANIZATION_BLOCK").filter(|_| text.contains("NETWORK")) else {
+        return text.to_string();
+    };
+    let Some(begin) = text[start..].find("VAR_TEMP").map(|at| start + at) else { return text.to_string() };
+    let Some(end) = text[begin..].find("END_VAR").map(|at| begin + at) else { return text.to_string() };
+    let declared = &text[begin + "VAR_TEMP".len()..end];
+    let mut rest = format!("{}{}", &text[..begin], &text[end + "END_VAR".len()..]);
+    for name in declared.lines().filter_map(|line| line.split_once(':')).map(|(names, _)| names) {
+        for name in name.split(',').map(str::trim).filter(|name| !name.is_empty()) {
+            rest = rest.replace(&format!("#{name}"), &format!("\"Temporary\".{name}"));
+        }
+    }
+    format!("{rest}\nDATA_BLOCK \"Temporary\"\n    VAR\n{declared}    END_VAR\nEND_DATA_BLOCK\n")
+}
+
+/// A source as a project: `None` if it has errors of its own, or what PLCopen XML cannot say; otherwise what its assertions say.
+fn as_project(path: &Path, refused: &mut BTreeMap<String, usize>) -> Option<Result<(), String>> {
+    plcc_tests::bind_file(path, &Settings::default()).ok()?;
+    let settings = Settings { pragmas: true, ..Settings::default() };
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = fs::read_to_string(path).ok().filter(|text| text.contains("//@ assert"))?;
+    let source = folder.path().join(path.file_name()?);
+    fs::write(&source, with_global_temps(&text)).expect("a file");
+    let mut parsed = pipeline::parse(inputs::read(&[source]), &settings);
+    if has_errors(&parsed.diagnostics) {
+        *refused.entry("(cannot be split)".to_string()).or_default() += 1;
+        return None;
+    }
+    let is_main = |block: &Block| matches!(block, Block::Code(block) if block.kind == CodeKind::Ob);
+    if !parsed.units.iter().flat_map(|(_, unit)| &unit.blocks).any(is_main) {
+        return None;
+    }
+    split(&mut parsed);
+    let (written, messages) = whole::document(&parsed, "Test");
+    if let Some(first) = messages.iter().find(|message| message.is_error()) {
+        *refused.entry(first.title.clone()).or_default() += 1;
+        return None;
+    }
+    let file = folder.path().join("a.xml");
+    fs::write(&file, &written).expect("a file");
+    let variant = Variant { form: Form::Jit, optimization: Level::O0.into() };
+    let outcomes = testing::run(&[TestInput::File(file)], &plan(vec![variant]));
+    let failed = outcomes.iter().find(|one| one.failed > 0 || one.rejected || one.unreadable || one.passed == 0);
+    Some(match failed {
+        Some(one) => Err(format!("{}{}", one.messages, one.failures)),
+        None => Ok(()),
+    })
+}
+
+#[test]
+fn sources_as_projects_pass_their_assertions() {
+    let (mut count, mut failed, mut refused) = (0, Vec::new(), BTreeMap::new());
+    for path in ["s7dcl", "scl", "xml"].iter().flat_map(|extension| sources(extension)) {
+        match as_project(&path, &mut refused) {
+            None => {}
+            Some(Ok(())) => count += 1,
+            Some(Err(text)) => failed.push(format!("{}: {text}", path.display())),
+        }
+    }
+    println!("{count} sources; refused: {refused:#?}");
+    assert!(failed.is_empty(), "{} of {}:\n{}", failed.len(), count + failed.len(), failed.join("\n\n"));
+    assert!(count > 28, "only {count} sources; {refused:#?}");
+}
+
+/// A project with its scenarios, as one document: `None` if PLCopen XML cannot say it; otherwise what its scenarios say.
+fn project(folder: &Path, refused: &mut BTreeMap<String, usize>) -> Option<Result<(), String>> {
+    let bound = pipeline::front(inputs::read(&[folder.to_path_buf()]), &Settings::default());
+    if bound.has_errors() || inputs::project_scenarios(folder).is_empty() {
+        return None;
+    }
+    let parsed = pipeline::parse(inputs::read(&[folder.to_path_buf()]), &Settings::default());
+    if parsed.units.iter().any(|(_, unit)| unit.s7200.is_some()) {
+        return None;
+    }
+    let (written, messages) = whole::document(&parsed, "Test");
+    if let Some(first) = messages.iter().find(|message| message.is_error()) {
+        *refused.entry(first.title.clone()).or_default() += 1;
+        return None;
+    }
+    // Scenarios with names that are others in the file, or with addresses in data blocks.
+    let scenarios = everything(&folder.join("tests"));
+    let has_addresses = scenarios.iter().any(|path| fs::read_to_string(path).is_ok_and(|text| text.contains("DB1.")));
+    if has_addresses
+        || messages.iter().any(|message| message.title.contains("in the file") && !message.title.contains("no address"))
+    {
+        *refused.entry("(scenarios with other names)".to_string()).or_default() += 1;
+        return None;
+    }
+    let new = tempfile::tempdir().expect("a folder");
+    fs::write(new.path().join("project.xml"), written).expect("a file");
+    let toml = fs::read_to_string(folder.join("plc.toml")).expect("a project");
+    let is_own = |line: &&str| !line.starts_with("sources") && !line.starts_with("symbols");
+    let mut toml: String = toml.lines().filter(is_own).map(|line| format!("{line}\n")).collect();
+    // Without a CPU in the project it is that of the sources.
+    if !toml.contains("cpu") {
+        toml = format!("cpu = \"{}\"\n{toml}", bound.program.profile.name);
+    }
+    fs::write(new.path().join("plc.toml"), toml).expect("a file");
+    for scenario in scenarios {
+        let to = new.path().join(scenario.strip_prefix(folder).expect("below the folder"));
+        fs::create_dir_all(to.parent().expect("a folder")).expect("a folder");
+        fs::copy(&scenario, to).expect("a file");
+    }
+    let variant = Variant { form: Form::Jit, optimization: Level::O0.into() };
+    let outcomes = testing::run(&[TestInput::Project(new.path().to_path_buf())], &plan(vec![variant]));
+    let failed = outcomes.iter().find(|one| one.failed > 0 || one.rejected || one.unreadable || one.passed == 0);
+    Some(failed.map_or(Ok(()), |one| Err(format!("{}{}", one.messages, one.failures))))
+}
+
+#[test]
+fn projects_pass_their_scenarios() {
+    let (mut count, mut failed, mut refused) = (0, Vec::new(), BTreeMap::new());
+    for folder in [tests_folder().join("run"), root().join("samples")].iter().flat_map(|folder| projects(folder)) {
+        match project(&folder, &mut refused) {
+            None => {}
+            Some(Ok(())) => count += 1,
+            Some(Err(text)) => failed.push(format!("{}: {text}", folder.display())),
+        }
+    }
+    println!("{count} projects; refused: {refused:#?}");
+    assert!(failed.is_empty(), "{} of {}:\n{}", failed.len(), count + failed.len(), failed.join("\n\n"));
+    assert!(count > 4, "only {count} projects; {refused:#?}");
+}
+
+/// Numbers from a seed.
+struct Dice(u64);
+
+impl Dice {
+    fn roll(&mut self, sides: u64) -> u64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 33) % sides
+    }
+
+    fn bit(&mut self) -> String {
+        format!("#b{}", self.roll(8))
+    }
+
+    fn number(&mut self) -> String {
+        match self.roll(4) {
+            0 => format!("{}", self.roll(50)),
+            _ => format!("#n{}", self.roll(4)),
+        }
+    }
+}
+
+/// A rung of SIMATIC SD, with an edge bit or an instance of this number.
+fn rung(dice: &mut Dice, ladder: bool, at: u64) -> String {
+    let mut text = String::from("RUNG ");
+    text.push_str(match (ladder, dice.roll(2)) {
+        (true, _) => "wire#powerrail Contact( #b3 ) ",
+        (false, 0) => "#b0 ",
+        (false, _) => "#b5 ",
+    });
+    for _ in 0..=dice.roll(3) {
+        let bit = dice.bit();
+        text.push_str(&match (dice.roll(7), ladder) {
+            (0 | 1, true) => format!("Contact( {bit} ) "),
+            (2, true) => format!("I_Contact( {bit} ) "),
+            (0, false) => format!("A( in2 := {bit} ) "),
+            (1, false) => format!("O( in2 := {bit} ) "),
+            (2, false) => format!("X( in2 := {bit} ) "),
+            (3, _) => {
+                let name = ["GE", "LT", "EQ", "NE"][dice.roll(4) as usize];
+                let contact = if ladder { "_Contact" } else { "" };
+                match ladder {
+                    true => format!(
+                        "{{ S7_Templates := \"SrcType := Int\" }} {name}{contact}( in1 := #n{}, in2 := {} ) ",
+                        dice.roll(4),
+                        dice.number()
+                    ),
+                    false => format!("A( in2 := {bit} ) "),
+                }
+            }
+            (4, _) => format!("{}_Trig( #e{at} ) ", ["P", "N"][dice.roll(2) as usize]),
+            (5, true) => format!("{}_Contact( operand := {bit}, bit := #e{at} ) ", ["P", "N"][dice.roll(2) as usize]),
+            (_, true) => "Not() ".to_string(),
+            (_, false) => format!("A( in2 := {bit} ) "),
+        });
+        if matches!(text.trim_end().rsplit(' ').nth(2), Some(word) if word.ends_with("_Trig(")) || text.contains("#e") {
+            break;
+        }
+    }
+    let bit = dice.bit();
+    text.push_str(&match dice.roll(8) {
+        0 => format!("S_Coil( {bit} ) "),
+        1 => format!("R_Coil( {bit} ) "),
+        2 => format!("SR( operand := {bit}, r1 := {} ) Coil( {} ) ", dice.bit(), dice.bit()),
+        3 => format!("{{ S7_Templates := \"time_type := Time\" }} #t{at}.TON( pt := T#3ms, et => ) Coil( {bit} ) "),
+        4 => format!("Move( in := {}, out1 => #n{} ) ", dice.number(), dice.roll(4)),
+        5 => format!(
+            "{{ S7_Templates := \"SrcType := Int\" }} Add( in1 := #n{}, in2 := {}, out => #n{} ) ",
+            dice.roll(4),
+            dice.number(),
+            dice.roll(4)
+        ),
+        6 => format!(
+            "{{ S7_Templates := \"SrcType := Int\" }} Sub( in1 := #n{}, in2 := 3, out => #n{} ) ",
+            dice.roll(4),
+            dice.roll(4)
+        ),
+        _ => format!("Coil( {bit} ) "),
+    });
+    text + "END_RUNG"
+}
+
+/// A function block of random rungs, and an OB that calls it many times and sums up what it has.
+fn random_program(seed: u64) -> String {
+    let mut dice = Dice(seed);
+    let ladder = seed.is_multiple_of(2);
+    let count = 2 + dice.roll(8);
+    let language = if ladder { "LAD" } else { "FBD" };
+    let mut text = String::from("{ S7_PreferredLanguage := \"LAD\" }\nFUNCTION_BLOCK Random\nVAR\n");
+    for at in 0..8 {
+        text.push_str(&format!("b{at} : Bool;\n"));
+    }
+    for at in 0..4 {
+        text.push_str(&format!("n{at} : Int;\n"));
+    }
+    for at in 0..count {
+        text.push_str(&format!("e{at} : Bool;\nt{at} : TON_TIME;\n"));
+    }
+    text.push_str("END_VAR\n");
+    for at in 0..count {
+        text.push_str(&format!(
+            "{{ S7_Language := \"{language}\" }}\nNETWORK\n{}\nEND_NETWORK\n",
+            rung(&mut dice, ladder, at)
+        ));
+    }
+    text.push_str("END_FUNCTION_BLOCK\nDATA_BLOCK Random_DB : Random\nEND_DATA_BLOCK\n");
+    text.push_str(
+        "DATA_BLOCK Sum\nVAR\nseed : DInt := 1;\nsum : DInt;\nEND_VAR\nEND_DATA_BLOCK\nORGANIZATION_BLOCK Main\n",
+    );
+    text.push_str("{ S7_Language := \"SCL\" }\nNETWORK\n");
+    text.push_str("\"Sum\".seed := (\"Sum\".seed * 75 + 74) MOD 65537;\n");
+    for at in [0, 3, 5] {
+        text.push_str(&format!("\"Random_DB\".b{at} := (\"Sum\".seed / {}) MOD 2 = 1;\n", 2 + at * 7));
+    }
+    text.push_str("\"Random_DB\".n1 := DINT_TO_INT(\"Sum\".seed MOD 50);\n\"Random_DB\"();\n");
+    for at in 0..8 {
+        text.push_str(&format!(
+            "IF \"Random_DB\".b{at} THEN \"Sum\".sum := \"Sum\".sum * 3 MOD 100003 + {at}; END_IF;\n"
+        ));
+    }
+    for at in 0..4 {
+        text.push_str(&format!("\"Sum\".sum := (\"Sum\".sum + INT_TO_DINT(\"Random_DB\".n{at})) MOD 100003;\n"));
+    }
+    text + "//@ assert \"Sum\".sum == 1000000\nEND_NETWORK\nEND_ORGANIZATION_BLOCK\n"
+}
+
+/// The values of the sum in all cycles: of assertions that all fail.
+fn sums(file: PathBuf) -> Result<Vec<String>, String> {
+    let variant = Variant { form: Form::Jit, optimization: Level::O0.into() };
+    let outcomes = testing::run(&[TestInput::File(file)], &plan(vec![variant]));
+    match outcomes.iter().find(|one| one.rejected || one.unreadable || one.details.is_empty()) {
+        Some(one) => Err(format!("{}{}", one.messages, one.failures)),
+        None => Ok(outcomes.iter().flat_map(|one| &one.details).map(|one| one.left.clone()).collect()),
+    }
+}
+
+/// `PLCC_RANDOM_PROJECTS=N` sets the number of programs.
+#[test]
+fn random_networks_as_projects_do_the_same() {
+    let count = std::env::var("PLCC_RANDOM_PROJECTS").ok().and_then(|text| text.parse().ok()).unwrap_or(60);
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut failed, mut compared) = (Vec::new(), 0);
+    for seed in 0..count {
+        let text = format!("//@ cpu s7-1200\n//@ test cycles=40\n{}", random_program(seed));
+        let source = folder.path().join("a.s7dcl");
+        fs::write(&source, &text).expect("a file");
+        let settings = Settings { pragmas: true, ..Settings::default() };
+        // Some rungs are not allowed.
+        let Ok(before) = sums(source.clone()) else { continue };
+        let parsed = pipeline::parse(inputs::read(&[source]), &settings);
+        let (written, messages) = whole::document(&parsed, "Random");
+        if let Some(first) = messages.iter().find(|message| message.is_error()) {
+            failed.push(format!("{seed}: {}\n{text}", first.title));
+            continue;
+        }
+        let project = folder.path().join("a.xml");
+        fs::write(&project, &written).expect("a file");
+        match sums(project) {
+            Ok(after) if after == before => compared += 1,
+            Ok(after) => failed.push(format!("{seed}: {before:?} is {after:?}\n{text}")),
+            Err(messages) => failed.push(format!("{seed}: {messages}\n{text}")),
+        }
+    }
+    assert!(failed.is_empty(), "{} of {count}:\n{}", failed.len(), failed.join("\n\n"));
+    assert!(compared * 2 > count, "only {compared}");
+}
+
+/// Titles and comments of networks, by the names of their blocks.
+fn titles(parsed: &Parsed) -> Vec<(String, Option<String>, Vec<String>)> {
+    let blocks = parsed.units.iter().flat_map(|(_, unit)| &unit.blocks);
+    let networks = blocks.filter_map(|block| match block {
+        Block::Code(CodeBlock { name: BlockName::Symbol { name, .. }, code: Code::Graphic(body), .. }) => {
+            Some(body.networks.iter().map(|one| (name.clone(), one.title.clone(), one.comment.clone())))
+        }
+        _ => None,
+    });
+    networks.flatten().collect()
+}
+
+#[test]
+fn titles_and_comments_of_networks_are_kept() {
+    let source = r#"<project><types><dataTypes/><pous><pou name="P" pouType="program"><interface><localVars>
+        <variable name="a"><type><BOOL/></type></variable><variable name="b"><type><BOOL/></type></variable>
+        </localVars></interface><body><LD>NETWORKS</LD></body></pou></pous></types></project>"#;
+    let network = |y: i32, id: i32, comment: &str| {
+        format!(
+            r#"<comment localId="{c}" width="9" height="9"><position x="0" y="{y}"/><content><p>{comment}</p></content></comment>
+            <leftPowerRail localId="{id}"><position x="0" y="{below}"/></leftPowerRail>
+            <contact localId="{contact}"><position x="9" y="{below}"/><connectionPointIn><connection refLocalId="{id}"/>
+            </connectionPointIn><variable>a</variable></contact>
+            <coil localId="{coil}"><position x="19" y="{below}"/><connectionPointIn><connection refLocalId="{contact}"/>
+            </connectionPointIn><variable>b</variable></coil>"#,
+            c = id + 50,
+            below = y + 10,
+            contact = id + 1,
+            coil = id + 2
+        )
+    };
+    let networks = network(0, 1, "Seal-in\nof the motor\n\nthe end") + &network(50, 5, "\nonly a comment");
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("a.xml");
+    fs::write(&file, source.replace("NETWORKS", &networks)).expect("a file");
+    let parsed = pipeline::parse(inputs::read(std::slice::from_ref(&file)), &Settings::default());
+    let wanted = [("P", Some("Seal-in"), vec!["of the motor", "", "the end"]), ("P", None, vec!["only a comment"])];
+    let wanted: Vec<(String, Option<String>, Vec<String>)> = wanted
+        .into_iter()
+        .map(|(name, title, lines)| {
+            (name.to_string(), title.map(str::to_string), lines.into_iter().map(str::to_string).collect())
+        })
+        .collect();
+    assert_eq!(titles(&parsed), wanted);
+    let (written, messages) = whole::document(&parsed, "Test");
+    assert!(!has_errors(&messages), "{messages:#?}");
+    fs::write(&file, written).expect("a file");
+    let again = pipeline::parse(inputs::read(&[file]), &Settings::default());
+    assert_eq!(titles(&again), wanted);
+}
