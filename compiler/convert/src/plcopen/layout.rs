@@ -43,6 +43,9 @@ pub fn network(objects: &mut [Object], first: usize, top: i32) -> i32 {
         .flat_map(|input| &input.from)
         .map(|origin| origin.object)
         .collect();
+    // The first line of the network, where the highest object still has its text below `top`.
+    let line = objects[first..].iter().map(|object| object.above() + 10 + object.input_place(0).1).max().unwrap_or(0);
+    let line = top + line;
     let mut bottom = top + ROW;
     for at in first..objects.len() {
         let kind = objects[at].kind;
@@ -71,7 +74,7 @@ pub fn network(objects: &mut [Object], first: usize, top: i32) -> i32 {
             Some((pin, from, formal)) => {
                 objects[*from].y + objects[*from].output_place(formal).1 - object.input_place(*pin).1
             }
-            None => top + above,
+            None => line - object.input_place(0).1,
         };
         y = y.max(top + above);
         let lines = |y: i32| -> Vec<Taken> {
