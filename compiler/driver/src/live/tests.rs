@@ -17,7 +17,7 @@ use plcc_runtime::run::start_changeable;
 use plcc_runtime::signal::Source;
 
 use crate::cli::Level;
-use crate::inputs::Read;
+use crate::inputs::{self, Read};
 use crate::pipeline::Bound;
 use crate::{code, link, pipeline};
 
@@ -27,7 +27,11 @@ fn compiled(file: &str, text: &str) -> (ProgramImage, CodeSource) {
 }
 
 fn compiled_all(files: &[(&str, &str)]) -> (ProgramImage, CodeSource) {
-    let compiled = pipeline::back(&bound(files), Level::O2);
+    compiled_of(&bound(files))
+}
+
+fn compiled_of(bound: &Bound) -> (ProgramImage, CodeSource) {
+    let compiled = pipeline::back(bound, Level::O2);
     let code = code::source(&compiled, None).expect("what is lowered becomes code");
     (compiled.image, code)
 }
@@ -38,6 +42,10 @@ fn bound(files: &[(&str, &str)]) -> Bound {
         let unit = read.sources.add(SourceFile::new(*file, *text));
         read.units.push(unit);
     }
+    bound_of(read)
+}
+
+fn bound_of(read: Read) -> Bound {
     let settings = pipeline::Settings { require_main: true, ..pipeline::Settings::default() };
     let bound = pipeline::front(read, &settings);
     let errors: Vec<&str> = bound.diagnostics.iter().filter(|d| d.is_error()).map(|d| d.title.as_str()).collect();
@@ -366,6 +374,45 @@ fn charts_with_other_steps_go_on() {
         let begins = "was active and is gone; the chart begins at its initial step";
         assert_eq!(seen.lines, [format!("DB 1 \"F\": {step} {begins}")]);
     }
+}
+
+/// A chart of the TIA Portal with two active steps goes on at both, when a step is renamed and comes before all others.
+#[test]
+fn charts_of_the_portal_go_on() {
+    let source = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/run/graph/two-doses-1500");
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |path: &str, change: &dyn Fn(String) -> String| {
+        let text = std::fs::read_to_string(format!("{source}/{path}")).expect("it is a test");
+        let to = folder.path().join(path);
+        std::fs::create_dir_all(to.parent().expect("the folder")).expect("a folder");
+        std::fs::write(to, change(text)).expect("a file");
+    };
+    let same = |text: String| text;
+    let program = |change: &dyn Fn(String) -> String| {
+        for path in ["PLC tags/Default tag table.xml", "Program blocks/Doses_DB.xml", "plc.toml"] {
+            write(path, &same);
+        }
+        write("Program blocks/Doses.xml", change);
+        let main = "ORGANIZATION_BLOCK \"Main\"\nBEGIN\n%MW100 := INT_TO_WORD(WORD_TO_INT(%MW100) + 1);\n\
+                    %I1.0 := WORD_TO_INT(%MW100) = 2;\n\"Doses_DB\"();\nEND_ORGANIZATION_BLOCK\n";
+        write("Program blocks/Main.scl", &|_| main.to_string());
+        compiled_of(&bound_of(inputs::read(&[folder.path().to_path_buf()])))
+    };
+    let moved = |text: String| {
+        let text = text.replace("\"Mix\"", "\"Stir\"");
+        let (start, first) =
+            (text.find("<Step Number=\"6\"").expect("a step"), text.find("<Step Number=\"1\"").expect("a step"));
+        let end = start + text[start..].find("</Step>").expect("its end") + "</Step>".len();
+        format!("{}{}{}{}", &text[..first], &text[start..end], &text[first..start], &text[end..])
+    };
+    let names = ["DoseA", "DoseB"].map(|step| [format!("Doses_DB.{step}.X"), format!("Doses_DB.{step}.T")]).concat();
+    let names: Vec<&'static str> = names.into_iter().map(|name| &*Box::leak(name.into_boxed_str())).collect();
+    let unchanged = run(program(&same), Vec::new(), &names, 10);
+    let changed = run(program(&same), vec![(4, Some(program(&moved))), (6, Some(program(&same)))], &names, 10);
+    assert_eq!((changed.refused, changed.lines), (Vec::new(), Vec::new()));
+    assert_eq!(changed.items.len(), 2, "{:?}", changed.items);
+    assert_eq!(unchanged.values, changed.values);
+    assert_eq!(changed.values[9], "1 T#800ms 1 T#800ms");
 }
 
 /// A program as `plcc load` sends it.

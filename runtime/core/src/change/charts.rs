@@ -13,6 +13,8 @@ use crate::memory::Memory;
 
 /// Structure around the data of the engine in the TIA Portal.
 const TIA_DATA: &str = "RT_DATA";
+/// What the engine keeps of the chart as a whole.
+const WHOLE: [&str; 3] = ["MOPEDGE", "MOP", "SQ_FLAGS"];
 /// Structure of what only plcc keeps.
 const OWN_DATA: &str = "G7_DATA";
 /// Lists of positions: steps that are active, were left and were entered.
@@ -46,12 +48,17 @@ impl Part {
     }
 }
 
-/// The steps and transitions of a chart in the order by which its data counts them; empty for anything else.
-pub(super) fn parts(side: &Side<'_>, structure: &NamedStruct, start: u64) -> Vec<Part> {
-    let number_of = |ty: TypeNumber| match side.ty(ty)? {
+/// The number in the data of a step or a transition; `None` for other types.
+fn number_of<'s>(side: &Side<'s>, ty: TypeNumber) -> Option<&'s NamedMember> {
+    match side.ty(ty)? {
         NamedType::Struct(inner) => inner.members.iter().find(|member| matches!(member.name.as_str(), "SNO" | "TNO")),
         _ => None,
-    };
+    }
+}
+
+/// The steps and transitions of a chart in the order by which its data counts them; empty for anything else.
+pub(super) fn parts(side: &Side<'_>, structure: &NamedStruct, start: u64) -> Vec<Part> {
+    let number_of = |ty: TypeNumber| number_of(side, ty);
     let part = |name: Option<&str>, ty: TypeNumber, number: &NamedMember, place: u64| {
         let is_step = number.name == "SNO";
         let value = side.word(place + 8 * u64::from(number.byte));
@@ -82,14 +89,15 @@ pub(super) fn are_same(old: &[Part], new: &[Part]) -> bool {
     old.len() == new.len() && old.iter().zip(new).all(|(a, b)| a.number == b.number && a.is_same(b))
 }
 
-/// Whether a member of the instance belongs to the chart and not to the declarations of the block.
-pub(super) fn is_of_chart(side: &Side<'_>, member: &NamedMember) -> bool {
-    let is_engine = |name: &str| {
-        LISTS.contains(&name) || matches!(name, "MOPEDGE" | "MOP" | "SQ_FLAGS" | OWN_DATA | TIA_DATA | "G7S" | "G7T")
+/// Whether a member of the instance belongs to the chart and not to the declarations of the block, which may have the names of the engine
+/// where that has a structure of its own.
+pub(super) fn is_of_chart(side: &Side<'_>, structure: &NamedStruct, one: &NamedMember) -> bool {
+    let name = one.name.to_ascii_uppercase();
+    let is_engine = match member(structure, TIA_DATA) {
+        Some(_) => name == TIA_DATA,
+        None => LISTS.contains(&name.as_str()) || WHOLE.contains(&name.as_str()) || name == OWN_DATA,
     };
-    let is_part = matches!(side.ty(member.ty), Some(NamedType::Struct(inner))
-        if inner.members.iter().any(|one| matches!(one.name.as_str(), "SNO" | "TNO")));
-    is_part || is_engine(&member.name.to_ascii_uppercase())
+    is_engine || matches!(name.as_str(), "G7S" | "G7T") || number_of(side, one.ty).is_some()
 }
 
 /// A place in both programs, in bytes from the beginning of memory.
@@ -169,7 +177,7 @@ fn chart(
     (b, new, new_start): (&NamedStruct, &[Part], u64),
     path: &str,
 ) -> Option<Chart> {
-    let data = [TIA_DATA, ""].into_iter().find(|name| name.is_empty() || member(b, name).is_some())?;
+    let data = if member(b, TIA_DATA).is_some() { TIA_DATA } else { "" };
     let both = |pairs: &Pairs<'_>, names: &[&'static str]| {
         let names = path_in(data, names);
         let (old, _) = find(&pairs.old, a, old_start, &names)?;
@@ -192,7 +200,17 @@ fn chart(
         u8::try_from(at).ok()
     };
     let steps = old.iter().filter(|part| part.is_step).map(|part| (part.name.clone(), position(part))).collect();
-    let new_steps = u8::try_from(new_positions.len()).ok()?;
+    // A list has a byte more than there are steps. A variable of the type of a step is not one of them.
+    let new_steps = u8::try_from(new_positions.len()).ok().filter(|count| *count < u8::MAX)?;
+    let old_steps = old.iter().filter(|part| part.is_step).count();
+    let requested = path_in(data, &[OWN_DATA, REQUESTS[0]]);
+    let has = |side: &Side<'_>, of: &NamedStruct, steps: usize| match side.ty(find(side, of, 0, &requested)?.1)? {
+        NamedType::Array { dimensions, .. } => Some(dimensions.first()?.high == i32::try_from(steps).ok()?),
+        _ => None,
+    };
+    if !has(&pairs.old, a, old_steps)? || !has(&pairs.new, b, new_positions.len())? {
+        return None;
+    }
     let mut numbers = Vec::new();
     for part in new_positions.iter().copied().chain(new.iter().filter(|part| !part.is_step)) {
         let number = pairs.new.base() / 8 + part.place / 8 + u64::from(part.number_at);
@@ -208,7 +226,7 @@ fn chart(
         NamedType::Struct(own_data) => own_data.members.iter().map(|member| member.name.clone()).collect(),
         _ => return None,
     };
-    let mut kept: Vec<Vec<&str>> = ["MOPEDGE", "MOP", "SQ_FLAGS"].map(|name| path_in(data, &[name])).to_vec();
+    let mut kept: Vec<Vec<&str>> = WHOLE.map(|name| path_in(data, &[name])).to_vec();
     let counted = |name: &str| REQUESTS.contains(&name) || name == SET;
     let names = own_data.iter().map(String::as_str).filter(|name| !counted(name));
     kept.extend(names.map(|name| path_in(data, &[OWN_DATA, name])));

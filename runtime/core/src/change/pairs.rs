@@ -181,7 +181,7 @@ impl Pairs<'_> {
             charts::compare(self, (a, b), (place.old, place.new), path);
         }
         for member in &b.members {
-            if is_other_chart && charts::is_of_chart(&self.new, member) {
+            if is_other_chart && charts::is_of_chart(&self.new, b, member) {
                 continue;
             }
             let inner = format!("{path}.{}", member.name);
@@ -194,7 +194,7 @@ impl Pairs<'_> {
             }
         }
         for member in &a.members {
-            if is_other_chart && charts::is_of_chart(&self.old, member) {
+            if is_other_chart && charts::is_of_chart(&self.old, a, member) {
                 continue;
             }
             if !b.members.iter().any(|other| is_same(&other.name, &member.name)) {
