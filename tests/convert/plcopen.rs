@@ -8,7 +8,7 @@ use plcc_driver::cli::Level;
 use plcc_driver::command::convert::whole;
 use plcc_driver::inputs::{self, TestInput};
 use plcc_driver::pipeline::{self, Parsed, Settings};
-use plcc_driver::testing::{self, Form, Variant};
+use plcc_driver::testing::{self, Form, Outcome, Variant};
 use plcc_syntax::ast::{Block, BlockName, Code, CodeBlock, CodeKind, Header};
 use plcc_syntax::network::ast::{Body as Networks, Content, Network};
 use plcc_syntax::scl::ast::{Body, Dialect, Expr, ExprKind, Name, NameForm, Statement, StatementKind};
@@ -99,13 +99,19 @@ fn as_project(path: &Path, refused: &mut BTreeMap<String, usize>) -> Option<Resu
     }
     let file = folder.path().join("a.xml");
     fs::write(&file, &written).expect("a file");
-    let variant = Variant { form: Form::Jit, optimization: Level::O0.into() };
-    let outcomes = testing::run(&[TestInput::File(file)], &plan(vec![variant]));
+    Some(passes(TestInput::File(file)))
+}
+
+/// Runs the tests of an input.
+fn outcomes(input: TestInput) -> Vec<Outcome> {
+    testing::run(&[input], &plan(vec![Variant { form: Form::Jit, optimization: Level::O0.into() }]))
+}
+
+/// Whether all assertions hold; otherwise the messages.
+fn passes(input: TestInput) -> Result<(), String> {
+    let outcomes = outcomes(input);
     let failed = outcomes.iter().find(|one| one.failed > 0 || one.rejected || one.unreadable || one.passed == 0);
-    Some(match failed {
-        Some(one) => Err(format!("{}{}", one.messages, one.failures)),
-        None => Ok(()),
-    })
+    failed.map_or(Ok(()), |one| Err(format!("{}{}", one.messages, one.failures)))
 }
 
 #[test]
@@ -162,10 +168,7 @@ fn project(folder: &Path, refused: &mut BTreeMap<String, usize>) -> Option<Resul
         fs::create_dir_all(to.parent().expect("a folder")).expect("a folder");
         fs::copy(&scenario, to).expect("a file");
     }
-    let variant = Variant { form: Form::Jit, optimization: Level::O0.into() };
-    let outcomes = testing::run(&[TestInput::Project(new.path().to_path_buf())], &plan(vec![variant]));
-    let failed = outcomes.iter().find(|one| one.failed > 0 || one.rejected || one.unreadable || one.passed == 0);
-    Some(failed.map_or(Ok(()), |one| Err(format!("{}{}", one.messages, one.failures))))
+    Some(passes(TestInput::Project(new.path().to_path_buf())))
 }
 
 #[test]
@@ -310,8 +313,7 @@ fn random_program(seed: u64) -> String {
 
 /// The values of the sum in all cycles: of assertions that all fail.
 fn sums(file: PathBuf) -> Result<Vec<String>, String> {
-    let variant = Variant { form: Form::Jit, optimization: Level::O0.into() };
-    let outcomes = testing::run(&[TestInput::File(file)], &plan(vec![variant]));
+    let outcomes = outcomes(TestInput::File(file));
     match outcomes.iter().find(|one| one.rejected || one.unreadable || one.details.is_empty()) {
         Some(one) => Err(format!("{}{}", one.messages, one.failures)),
         None => Ok(outcomes.iter().flat_map(|one| &one.details).map(|one| one.left.clone()).collect()),

@@ -215,12 +215,7 @@ impl<'a> Program<'a> {
                 let name = name.to_lowercase();
                 !(taken.contains(&name) || hidden && locals.contains(&name) || is_taken(key, &name))
             };
-            let mut name = wanted.clone();
-            let mut number = 1;
-            while !is_free(&name) {
-                name = format!("{wanted}_{number}");
-                number += 1;
-            }
+            let name = free(&wanted, is_free);
             taken.insert(name.to_lowercase());
             names.insert(key.clone(), name);
         }
@@ -233,13 +228,7 @@ impl<'a> Program<'a> {
             let equal = |other: &String| other.eq_ignore_ascii_case(name);
             self.names.values().any(equal) || taken.iter().any(equal)
         };
-        let mut name = wanted.to_string();
-        let mut number = 1;
-        while is_taken(&name) {
-            name = format!("{wanted}_{number}");
-            number += 1;
-        }
-        name
+        free(wanted, |name| !is_taken(name))
     }
 
     pub fn code_blocks(&self) -> impl Iterator<Item = &'a CodeBlock> {
@@ -367,6 +356,12 @@ impl<'a> Program<'a> {
         let learned = self.learned.instances.get(&ty.span)?;
         system::of_data_type(word, learned).map(str::to_string)
     }
+}
+
+/// The wanted name, or the first with a number that is free.
+fn free(wanted: &str, is_free: impl Fn(&str) -> bool) -> String {
+    let numbered = (1..).map(|number| format!("{wanted}_{number}"));
+    std::iter::once(wanted.to_string()).chain(numbered).find(|name| is_free(name)).expect("numbers do not end")
 }
 
 /// A variable of a block.

@@ -17,7 +17,7 @@ mod logic;
 mod operand;
 pub(crate) mod plan;
 pub mod types;
-mod values;
+pub mod values;
 
 use std::collections::{HashMap, HashSet};
 

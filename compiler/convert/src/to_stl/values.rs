@@ -177,11 +177,16 @@ pub fn width_of(value: &PinValue) -> Option<Elementary> {
 /// The type that an absolute address has by its width.
 pub fn width_type(kind: &OperandKind) -> Option<Elementary> {
     let (OperandKind::Absolute { width, .. } | OperandKind::DbAbsolute { width, .. }) = kind else { return None };
-    Some(match width {
+    Some(of_width(*width))
+}
+
+/// The type of an operand without a type of its own.
+pub fn of_width(width: Width) -> Elementary {
+    match width {
         Width::Bit => Elementary::Bool,
         Width::Byte => Elementary::Byte,
         Width::Word => Elementary::Word,
         Width::Dword => Elementary::Dword,
         Width::Lword => Elementary::Lword,
-    })
+    }
 }
