@@ -2,7 +2,8 @@
 //!
 //! A content is a head and items. The head: 1 if everything was kept for a hot restart, else 0; the milliseconds that the timers of the CPU
 //! have counted (`u64`); the name of the program (length `u16`). An item: kind, number (`u16`), signature (`u64`), length (`u32`), and so
-//! many bytes. Numbers are little-endian. An item comes back only into one with the same signature.
+//! many bytes. Numbers are little-endian. An item comes back only into one with the same signature. Data blocks with symbolic names are found by
+//! them: their bytes begin with the name (length `u16`), and the number is only for messages.
 
 use plcc_abi::image::{DbEntry, Family, Kept};
 use plcc_abi::layout::{self, COUNTER_CELL_BYTES};
@@ -31,6 +32,8 @@ pub(super) enum Kind {
     S7200Cells = 7,
     /// V bytes in the permanent memory of an S7-200.
     Permanent = 8,
+    /// A data block of an S7-1200/1500 with a name: the number is that of the compiler, and another one after a change of the program.
+    NamedDb = 9,
 }
 
 /// A part of memory that is kept, in bits from the memory base.
@@ -75,6 +78,8 @@ enum Place {
 struct Item {
     kind: Kind,
     number: u16,
+    /// Of a [`Kind::NamedDb`], in small letters.
+    name: String,
     signature: u64,
     place: Place,
 }
@@ -108,7 +113,9 @@ impl Items {
     /// What is retentive on this CPU; with `everything`, all of its memory.
     pub(crate) fn of(cpu: &Cpu, everything: bool) -> Items {
         let mut items = Vec::new();
-        let mut add = |kind, number, signature, place| items.push(Item { kind, number, signature, place });
+        let mut add = |kind, number, signature, place| {
+            items.push(Item { kind, number, name: String::new(), signature, place });
+        };
         let (m, m_bytes) = cpu.area(Area::BitMemory);
         let profile = &cpu.image.profile;
         let config = &cpu.image.config.retain;
@@ -156,7 +163,11 @@ impl Items {
                     .map(|&(first, count)| Bits { first: start + u64::from(first), count: count.into() })
                     .collect(),
             };
-            add(Kind::Db, db.number, signature_of(db, &cpu.image.types), Place::Memory(bits));
+            let by_name = matches!(profile.family, Family::S71200 | Family::S71500) && !db.name.is_empty();
+            let kind = if by_name { Kind::NamedDb } else { Kind::Db };
+            let name = if by_name { db.name.to_lowercase() } else { String::new() };
+            let (signature, place) = (signature_of(db, &cpu.image.types), Place::Memory(bits));
+            items.push(Item { kind, number: db.number, name, signature, place });
         }
         Items { everything, items }
     }
@@ -181,6 +192,10 @@ impl Items {
             content.extend(item.signature.to_le_bytes());
             let length = content.len();
             content.extend([0; 4]);
+            if item.kind == Kind::NamedDb {
+                content.extend((item.name.len() as u16).to_le_bytes());
+                content.extend(item.name.as_bytes());
+            }
             item.collect(cpu, content);
             let bytes = (content.len() - length - 4) as u32;
             content[length..length + 4].copy_from_slice(&bytes.to_le_bytes());
@@ -197,7 +212,7 @@ impl Items {
         }
         let kept = parts(rest).ok_or(Refused::Damaged)?;
         let mut loaded = Loaded { changed: Vec::new(), complete: head[0] == u8::from(self.everything) };
-        let find = |item: &Item| kept.iter().find(|part| (part.kind, part.number) == (item.kind as u8, item.number));
+        let find = |item: &Item| kept.iter().find(|part| part.is_of(item));
         if self.everything
             && !(loaded.complete && self.items.iter().all(|item| find(item).is_some_and(|part| part.fits(item))))
         {
@@ -207,7 +222,9 @@ impl Items {
         for item in &self.items {
             match find(item) {
                 Some(part) if part.fits(item) => item.load(cpu, part.bytes),
-                Some(_) => loaded.changed.extend((item.kind == Kind::Db).then_some(item.number)),
+                Some(_) => {
+                    loaded.changed.extend(matches!(item.kind, Kind::Db | Kind::NamedDb).then_some(item.number))
+                }
                 None => {}
             }
         }
@@ -221,11 +238,21 @@ impl Items {
 struct Part<'a> {
     kind: u8,
     number: u16,
+    name: &'a [u8],
     signature: u64,
     bytes: &'a [u8],
 }
 
 impl Part<'_> {
+    /// It is of the same memory.
+    fn is_of(&self, item: &Item) -> bool {
+        self.kind == item.kind as u8
+            && match item.kind {
+                Kind::NamedDb => self.name == item.name.as_bytes(),
+                _ => self.number == item.number,
+            }
+    }
+
     fn fits(&self, item: &Item) -> bool {
         self.signature == item.signature
     }
@@ -239,7 +266,13 @@ fn parts(mut rest: &[u8]) -> Option<Vec<Part<'_>>> {
         let (length, after) = after.split_first_chunk::<4>()?;
         let (bytes, after) = after.split_at_checked(u32::from_le_bytes(*length) as usize)?;
         let signature = u64::from_le_bytes(*signature);
-        parts.push(Part { kind, number: u16::from_le_bytes([low, high]), signature, bytes });
+        let (name, bytes) = if kind == Kind::NamedDb as u8 {
+            let (length, bytes) = bytes.split_first_chunk::<2>()?;
+            bytes.split_at_checked(u16::from_le_bytes(*length).into())?
+        } else {
+            bytes.split_at(0)
+        };
+        parts.push(Part { kind, number: u16::from_le_bytes([low, high]), name, signature, bytes });
         rest = after;
     }
     rest.is_empty().then_some(parts)

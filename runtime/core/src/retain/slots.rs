@@ -11,7 +11,7 @@ use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
 
 /// Begins the file; the last digit is the version of the format.
-const MAGIC: &[u8; 8] = b"PLCRET1\n";
+const MAGIC: &[u8; 8] = b"PLCRET2\n";
 /// Where slot 0 begins: no slot shares a block of the disk with the head.
 const HEAD_BYTES: u64 = 4096;
 /// Number, length, checksum.

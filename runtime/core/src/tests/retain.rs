@@ -205,6 +205,23 @@ fn a_changed_data_block_begins_with_its_start_values() {
 }
 
 #[test]
+fn data_blocks_with_names_are_found_by_them() {
+    let path = file("named");
+    let named = |image: &mut ProgramImage, names: [&str; 2]| {
+        image.profile.family = Family::S71500;
+        image.dbs[1].kept = Kept::Everything;
+        for (db, name) in image.dbs.iter_mut().zip(names) {
+            db.name = name.to_string();
+        }
+    };
+    leave(&path, |image| named(image, ["First", "Second"]));
+    // A new block comes before them: DB 1 is another block with the same layout, and the block that was DB 1 is DB 2 now.
+    let cpu = with(&path, nothing(), |image| named(image, ["New", "first"]));
+    run(&cpu, 1);
+    assert_eq!(words(&cpu)[4..], [7, 100]);
+}
+
+#[test]
 fn another_program_finds_nothing() {
     let path = file("program");
     leave(&path, |_| {});
