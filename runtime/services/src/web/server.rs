@@ -1,5 +1,6 @@
 //! HTTP: the page's files, signing in, and the way to a connection.
 
+use std::net::IpAddr;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -101,6 +102,9 @@ impl Page {
     }
 
     fn user(&self, headers: &HeaderMap) -> Result<(String, Role), StatusCode> {
+        if self.users.is_open() && !is_of_this_computer(headers) {
+            return Err(StatusCode::FORBIDDEN);
+        }
         self.users.of(token(headers)).ok_or(StatusCode::UNAUTHORIZED)
     }
 }
@@ -152,6 +156,17 @@ async fn program(Extension(Asked { page, .. }): Extension<Asked>, headers: Heade
 fn token(headers: &HeaderMap) -> Option<&str> {
     let cookies = headers.get(COOKIE)?.to_str().ok()?;
     cookies.split(';').find_map(|cookie| cookie.trim().strip_prefix("plcc="))
+}
+
+/// Whether the page was asked for by the address of this computer. Without users that must be so: else a page of another host, whose name
+/// leads here once it has been loaded, could do all that this computer may.
+fn is_of_this_computer(headers: &HeaderMap) -> bool {
+    let Some(host) = headers.get(HOST).and_then(|host| host.to_str().ok()) else { return false };
+    let name = match host.strip_prefix('[') {
+        Some(rest) => rest.split(']').next(),
+        None => host.split(':').next(),
+    };
+    name.is_some_and(|name| name.eq_ignore_ascii_case("localhost") || name.parse::<IpAddr>().is_ok())
 }
 
 /// Requests that change something come from this page only: a browser says from which one.
@@ -439,4 +454,17 @@ async fn live(
         drop(place);
     };
     Ok(upgrade.max_message_size(PAGE_MESSAGE_MAX).on_upgrade(serve))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_other_hosts_are_not_this_computer() {
+        let asked = |host: &str| is_of_this_computer(&HeaderMap::from_iter([(HOST, host.parse().unwrap())]));
+        assert!(["localhost:8080", "LOCALHOST", "127.0.0.1:8080", "[::1]:8080", "[::1]"].map(asked).iter().all(|own| *own));
+        assert!(["plant.example:8080", "localhost.example", "", "[plant.example]"].map(asked).iter().all(|own| !*own));
+        assert!(!is_of_this_computer(&HeaderMap::new()));
+    }
 }
