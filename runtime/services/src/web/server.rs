@@ -448,9 +448,11 @@ async fn live(
         return Err(StatusCode::FORBIDDEN);
     }
     let (user, role) = page.user(&headers)?;
+    let (users, token) = (page.users.clone(), token(&headers).map(str::to_string));
+    let is_signed_in = move || users.of(token.as_deref()).is_some();
     let place = page.places.try_acquire_owned().map_err(|_| StatusCode::SERVICE_UNAVAILABLE)?;
     let serve = async move |socket| {
-        session::serve(socket, page.link, user, role.min(most)).await;
+        session::serve(socket, page.link, user, role.min(most), is_signed_in).await;
         drop(place);
     };
     Ok(upgrade.max_message_size(PAGE_MESSAGE_MAX).on_upgrade(serve))

@@ -86,12 +86,15 @@ enum Target {
 /// Tells whether the buffer has changed: number of entries and the newest one.
 type Newest = Option<(usize, diagnostics::Entry)>;
 
-/// Serves one page until it goes or the CPU ends.
-pub async fn serve(socket: WebSocket, link: Link, user: String, role: Role) {
+/// Serves one page until it goes, its user signs out or the CPU ends.
+pub async fn serve(socket: WebSocket, link: Link, user: String, role: Role, is_signed_in: impl Fn() -> bool + Send) {
     static CLIENTS: AtomicU64 = AtomicU64::new(0);
     let client = CLIENTS.fetch_add(1, Ordering::Relaxed);
     let mut recorder = Recorder::new(link.clone(), client);
-    tell_all(socket, &link, user, role, client, &mut recorder).await;
+    tokio::select! {
+        () = tell_all(socket, &link, user, role, client, &mut recorder) => {}
+        () = signed_out(is_signed_in) => {}
+    }
     recorder.stop().await;
     // From now on the code without probes runs, if nobody else watches.
     let left = link.ask(move |cpu| {
@@ -99,6 +102,14 @@ pub async fn serve(socket: WebSocket, link: Link, user: String, role: Role) {
         let _ = cpu.begin_job(client, Vec::new());
     });
     left.await;
+}
+
+/// Until the user has signed out, here or in another window.
+async fn signed_out(is_signed_in: impl Fn() -> bool) {
+    let mut tick = interval(PERIOD);
+    while is_signed_in() {
+        tick.tick().await;
+    }
 }
 
 async fn tell_all(mut socket: WebSocket, link: &Link, user: String, role: Role, client: u64, recorder: &mut Recorder) {
