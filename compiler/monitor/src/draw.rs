@@ -133,6 +133,8 @@ fn foot(model: &Model) -> Line<'_> {
             Asks::Name => "name or address",
             Asks::Modify => "new value",
             Asks::Force => "forced value",
+            Asks::Stop => "put the CPU into STOP? y",
+            Asks::Run => "start the CPU with a warm restart? y",
         };
         return Line::from(format!("{question}: {text}▏  Enter  Esc: not"));
     }

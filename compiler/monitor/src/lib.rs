@@ -20,7 +20,7 @@ use std::time::Duration;
 use connection::Connection;
 use model::Model;
 use plcc_services::client::Process;
-use ratatui::crossterm::event::{self, Event, KeyEventKind};
+use ratatui::crossterm::event::{self, Event, KeyEventKind, KeyModifiers};
 
 /// How long the terminal waits for a key before it looks for news.
 const PAUSE: Duration = Duration::from_millis(50);
@@ -47,7 +47,10 @@ fn show(terminal: &mut ratatui::DefaultTerminal, model: &mut Model, connection: 
             && let Event::Key(key) = event::read()?
             && key.kind == KeyEventKind::Press
         {
-            model.key(key.code);
+            match key.modifiers.contains(KeyModifiers::CONTROL) {
+                true => model.control(key.code),
+                false => model.key(key.code),
+            }
         }
     }
     Ok(())

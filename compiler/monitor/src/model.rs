@@ -29,6 +29,9 @@ pub enum Asks {
     Modify,
     /// A value that the row has from now on.
     Force,
+    /// Whether the CPU is to go to STOP, to RUN: `y`.
+    Stop,
+    Run,
 }
 
 /// A line of the tree: a name, or a part that several names have in common.
@@ -244,6 +247,15 @@ impl Model {
         self.at[Part::Program as usize] = self.row(Part::Program).min(self.tree.len().saturating_sub(1));
     }
 
+    /// A key was pressed together with Ctrl. Terminals send Ctrl+H for the key that deletes to the left.
+    pub fn control(&mut self, key: KeyCode) {
+        match key {
+            KeyCode::Char('c') => self.over = true,
+            KeyCode::Char('h') => self.key(KeyCode::Backspace),
+            _ => {}
+        }
+    }
+
     /// A key was pressed.
     pub fn key(&mut self, key: KeyCode) {
         if self.asks.is_some() {
@@ -252,6 +264,10 @@ impl Model {
         }
         self.refused.clear();
         match key {
+            KeyCode::Esc if !self.search.is_empty() => {
+                self.search.clear();
+                self.grow();
+            }
             KeyCode::Char('q') | KeyCode::Esc => self.over = true,
             KeyCode::Tab => {
                 self.part = match self.part {
@@ -264,8 +280,8 @@ impl Model {
             KeyCode::Down => self.go(1),
             KeyCode::PageUp => self.go(-10),
             KeyCode::PageDown => self.go(10),
-            KeyCode::Char('S') => self.orders.push(Order::Stop),
-            KeyCode::Char('R') => self.orders.push(Order::Run { restart: "warm".to_string() }),
+            KeyCode::Char('S') => self.asks = Some((Asks::Stop, String::new())),
+            KeyCode::Char('R') => self.asks = Some((Asks::Run, String::new())),
             KeyCode::Char('t') => {
                 let at = self.tables.iter().position(|table| Some(table) == self.asked.as_ref());
                 let next = at.map_or(0, |at| (at + 1) % self.tables.len());
@@ -351,6 +367,9 @@ impl Model {
                 self.search = text;
                 self.grow();
             }
+            (Asks::Stop | Asks::Run, _) if !text.eq_ignore_ascii_case("y") => {}
+            (Asks::Stop, _) => self.orders.push(Order::Stop),
+            (Asks::Run, _) => self.orders.push(Order::Run { restart: "warm".to_string() }),
             (_, _) if text.is_empty() => {}
             (Asks::Name, _) => self.add(text),
             (Asks::Modify, Some(name)) => self.orders.push(Order::Modify { name, value: text }),

@@ -101,7 +101,7 @@ fn values_are_modified_and_forced() {
     let mut model = model("change");
     let _ = model.orders().count();
     let text = str::to_string;
-    keys(&mut model, "m12←7\n↓f0\nuSR");
+    keys(&mut model, "m12←7\n↓f0\nuS\nSy\nRy\n");
     let orders = [
         Order::Modify { name: text("MW10"), value: text("17") },
         Order::Force { name: text("I0.0"), value: text("0") },
