@@ -39,6 +39,9 @@ pub(super) fn plan(
         }
         (None, Some(path)) => {
             let recording = Rc::new(Recording::read(path).map_err(|error| format!("--replay: {error}"))?);
+            if let Some(why) = &recording.cut {
+                say!("--replay: {}: {why}; the {} cycles before are repeated", path.display(), recording.cycles());
+            }
             replay(image, options, &recording).map_err(|error| format!("--replay: {error}"))
         }
         (None, None) => {

@@ -1,9 +1,10 @@
 //! The file of a recording: eight bytes that say what it is, then pieces with their lengths and checksums. The first piece is the head, each
-//! further one a cycle; the last is empty, so that a file that was cut off shows.
+//! further one a cycle; the last is empty, so that a file that was cut off shows. What was kept of such a file can be repeated.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
+use std::time::{Duration, Instant};
 
 use plcc_abi::ProgramImage;
 use serde::{Deserialize, Serialize};
@@ -16,6 +17,8 @@ const MAGIC: &[u8; 8] = b"PLCCREC\x02";
 const PREFIX_BYTES: usize = 8;
 /// Larger files are not read.
 const FILE_BYTES_MAX: u64 = 4 << 30;
+/// So much time of a recording is lost at most when the process is killed.
+const KEEP: Duration = Duration::from_secs(1);
 
 /// What a run began with.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -86,6 +89,8 @@ pub(super) struct Client {
 pub struct Recording {
     pub head: Head,
     pub(super) frames: Vec<Frame>,
+    /// Where the file was cut, if it was: cycles after that are missing.
+    pub cut: Option<String>,
 }
 
 impl Recording {
@@ -103,14 +108,21 @@ impl Recording {
     /// As [`read`](Recording::read), from bytes.
     pub fn parse(bytes: &[u8]) -> Result<Recording, String> {
         let rest = bytes.strip_prefix(MAGIC).ok_or("this is not a recording of plcc")?;
-        let mut pieces = Pieces { rest, at: MAGIC.len(), number: 0 };
+        let mut pieces = Pieces { rest, at: MAGIC.len(), number: 0, is_cut: false };
         let head = pieces.next()?.ok_or("the recording is empty")?;
         let mut frames = Vec::new();
-        while let Some(frame) = pieces.next()? {
-            frames.push(frame);
+        loop {
+            match pieces.next() {
+                Ok(Some(frame)) => frames.push(frame),
+                Ok(None) => break,
+                Err(why) if pieces.is_cut && !frames.is_empty() => {
+                    return Ok(Recording { head, frames, cut: Some(why) });
+                }
+                Err(why) => return Err(why),
+            }
         }
         match pieces.rest.len() {
-            0 => Ok(Recording { head, frames }),
+            0 => Ok(Recording { head, frames, cut: None }),
             more => Err(format!("{more} bytes after the end, at byte {}", pieces.at)),
         }
     }
@@ -127,6 +139,8 @@ struct Pieces<'a> {
     at: usize,
     /// Of the next piece.
     number: u64,
+    /// The file ends within the next piece.
+    is_cut: bool,
 }
 
 impl Pieces<'_> {
@@ -136,12 +150,16 @@ impl Pieces<'_> {
             0 => "the head".to_string(),
             cycle => format!("cycle {cycle}"),
         };
-        let damaged = |why: &str| format!("damaged at byte {}, {what}: {why}", self.at);
-        let (prefix, rest) =
-            self.rest.split_at_checked(PREFIX_BYTES).ok_or_else(|| damaged("the file ends too early"))?;
+        let at = self.at;
+        let damaged = |why: &str| format!("damaged at byte {at}, {what}: {why}");
+        let mut cut = || {
+            self.is_cut = true;
+            damaged("the file ends too early")
+        };
+        let (prefix, rest) = self.rest.split_at_checked(PREFIX_BYTES).ok_or_else(&mut cut)?;
         let number = |at: usize| u32::from_le_bytes(std::array::from_fn(|index| prefix[at + index]));
         let (length, check) = (number(0) as usize, number(4));
-        let (piece, rest) = rest.split_at_checked(length).ok_or_else(|| damaged("the file ends too early"))?;
+        let (piece, rest) = rest.split_at_checked(length).ok_or_else(&mut cut)?;
         if crc32fast::hash(piece) != check {
             return Err(damaged("the checksum is another"));
         }
@@ -161,6 +179,8 @@ impl Pieces<'_> {
 pub(super) struct Writer {
     file: BufWriter<File>,
     shown: String,
+    /// When what was written was last given to the system.
+    kept: Instant,
 }
 
 impl Writer {
@@ -168,7 +188,7 @@ impl Writer {
         let shown = path.display().to_string();
         let file =
             files::writable(path).and_then(|()| File::create(path)).map_err(|error| format!("{shown}: {error}"))?;
-        let mut writer = Writer { file: BufWriter::new(file), shown };
+        let mut writer = Writer { file: BufWriter::new(file), shown, kept: Instant::now() };
         writer.file.write_all(MAGIC).map_err(|error| writer.failed(&error))?;
         writer.piece(&postcard::to_stdvec(head).map_err(|error| error.to_string())?)?;
         Ok(writer)
@@ -185,7 +205,12 @@ impl Writer {
     }
 
     pub fn write(&mut self, frame: &Frame) -> Result<(), String> {
-        self.piece(&postcard::to_stdvec(frame).map_err(|error| error.to_string())?)
+        self.piece(&postcard::to_stdvec(frame).map_err(|error| error.to_string())?)?;
+        if self.kept.elapsed() >= KEEP {
+            self.kept = Instant::now();
+            self.file.flush().map_err(|error| self.failed(&error))?;
+        }
+        Ok(())
     }
 
     pub fn finish(mut self) -> Result<(), String> {
@@ -226,13 +251,21 @@ mod tests {
     fn each_damage_has_a_place() {
         let whole = file();
         for length in 0..whole.len() {
-            let error = Recording::parse(&whole[..length]).map(|_| ()).unwrap_err();
-            assert!(error.contains("at byte") || error.contains("not a recording"), "{length}: {error}");
+            match Recording::parse(&whole[..length]) {
+                // The first cycle is whole.
+                Ok(recording) => {
+                    assert!(recording.cycles() > 0 && recording.cut.is_some_and(|why| why.contains("at byte")), "{length}");
+                }
+                Err(error) => {
+                    assert!(error.contains("at byte") || error.contains("not a recording"), "{length}: {error}");
+                }
+            }
         }
+        assert_eq!(Recording::parse(&whole[..whole.len() - 1]).unwrap().cycles(), 2);
         for at in 0..whole.len() {
             let mut bytes = whole.clone();
             bytes[at] ^= 0x10;
-            assert!(Recording::parse(&bytes).is_err(), "byte {at}");
+            assert!(!Recording::parse(&bytes).is_ok_and(|recording| recording.cut.is_none()), "byte {at}");
         }
         let error = Recording::parse(&[&whole[..], b"x"].concat()).map(|_| ()).unwrap_err();
         assert_eq!(error, format!("1 bytes after the end, at byte {}", whole.len()));
