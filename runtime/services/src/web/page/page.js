@@ -27,9 +27,10 @@ function connect() {
   socket.onopen = () => { opened = true; Object.assign(live, { names: [], formats: [], list: 0 }); lost(false); watch(); status.again(); };
   socket.onmessage = (event) => take(JSON.parse(event.data));
   socket.onclose = async () => {
-    lost(true);
+    if (opened) lost(true);
     // Without an answer the program is away: it is tried again.
-    if (!opened && (await fetch("names").catch(() => null))?.status === 401) { signIn(); return; }
+    else if ((await fetch("names").catch(() => null))?.status === 401) { lost(false); lamp("", "not signed in"); signIn(); return; }
+    lost(true);
     setTimeout(connect, 1000);
   };
 }
