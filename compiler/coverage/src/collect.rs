@@ -182,6 +182,7 @@ impl Rules {
             | Probe::Value(_)
             | Probe::Written(_)
             | Probe::Stack(_)
+            | Probe::Ran
             | Probe::Statement(_)
             | Probe::Reached
             | Probe::Formal(_) => false,
@@ -250,6 +251,7 @@ fn block(span: Range, page: Page, text: Text<'_>, places: &[(&Place, [u64; 2])],
             | Probe::Value(_)
             | Probe::Written(_)
             | Probe::Stack(_)
+            | Probe::Ran
             | Probe::Statement(_)
             | Probe::Formal(_) => {}
         }

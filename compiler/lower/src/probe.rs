@@ -49,6 +49,8 @@ pub enum Probe {
     Value(Elementary),
     /// A value that is written.
     Written(Elementary),
+    /// A statement of SCL is about to run that may have no value to tell: a call, a text, a structure, a jump. The value is 1.
+    Ran,
     /// The logic stack of an S7-200 after a statement: S0 is bit 0, ENO bit 9. The operands of the statement that have addresses.
     Stack(Vec<String>),
     /// A statement or network is about to run.
@@ -270,7 +272,8 @@ impl BlockLowering<'_, '_> {
         match self.output.probes.asked {
             Asked::Statements => {}
             Asked::Coverage => return self.count_before(statement),
-            Asked::Nothing | Asked::Values => return,
+            Asked::Values => return self.tell_before(statement),
+            Asked::Nothing => return,
         }
         let Body::Scl(body) = &self.block.body else { return };
         if let StatementKind::Label(_) = statement.kind {
@@ -285,6 +288,39 @@ impl BlockLowering<'_, '_> {
         if network != self.scl.told_network && self.is_stepped(statement.span) {
             self.scl.told_network = network;
             self.step_at(statement.span);
+        }
+    }
+
+    /// For the status: a line whose statement has no values must not look as if it had not run.
+    fn tell_before(&mut self, statement: &Statement) {
+        let is_silent = match statement.kind {
+            StatementKind::AssignText { .. }
+            | StatementKind::Copy { .. }
+            | StatementKind::Call(_)
+            | StatementKind::Evaluate(_)
+            | StatementKind::Exit
+            | StatementKind::Continue
+            | StatementKind::Return(_)
+            | StatementKind::Goto(_) => true,
+            StatementKind::Assign { .. }
+            | StatementKind::SetFlag(_)
+            | StatementKind::If { .. }
+            | StatementKind::Case { .. }
+            | StatementKind::For { .. }
+            | StatementKind::While { .. }
+            | StatementKind::Repeat { .. }
+            | StatementKind::Stl(_)
+            | StatementKind::Label(_)
+            | StatementKind::Assert(_)
+            | StatementKind::Sleep(_) => false,
+        };
+        let is_text = matches!(&self.block.body, Body::Scl(body) if body.networks.is_empty());
+        if !is_silent || !is_text || statement.span == self.block.span || !self.is_probed(statement.span) {
+            return;
+        }
+        if let Some(place) = self.probe_place(statement.span, Probe::Ran) {
+            let one = self.b.i32_const(1);
+            value(&mut self.b, place, one);
         }
     }
 

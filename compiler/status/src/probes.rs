@@ -58,5 +58,6 @@ fn tells(probe: &Probe) -> Tells {
         Probe::Value(ty) => Tells::Value(value_type(*ty)),
         Probe::Written(ty) => Tells::Written(value_type(*ty)),
         Probe::Stack(operands) => Tells::Stack(operands.clone()),
+        Probe::Ran => Tells::Ran,
     }
 }

@@ -74,6 +74,10 @@ pub enum Kind {
         eno: Option<bool>,
         operands: Vec<(String, String)>,
     },
+    /// A statement that may have no values.
+    Ran {
+        ran: bool,
+    },
 }
 
 /// A value of a type.
@@ -136,6 +140,7 @@ pub fn status(program: &Program, sources: &SourceMap, recorder: &Recorder) -> St
         let seen = recorded.as_ref().and_then(|recorded| recorded.seen.get(&(index as u32)));
         let role = match place.probe {
             Probe::Written(_) => 1,
+            Probe::Ran => 2,
             _ => 0,
         };
         let entry = places.entry((place.span.start, place.span.end, role)).or_insert((place, None));
@@ -203,6 +208,7 @@ fn place_seen(sources: &SourceMap, place: &Place, seen: Option<&Seen>) -> PlaceS
         Probe::Variable(ty) => Kind::Read(value(*ty, bits)),
         Probe::Value(ty) => Kind::Result(value(*ty, bits)),
         Probe::Written(ty) => Kind::Written(value(*ty, bits)),
+        Probe::Ran => Kind::Ran { ran: bits.is_some() },
         Probe::Stack(_) => match seen {
             Some(Seen::Stack(bits, operands)) => Kind::Stack {
                 levels: Some(std::array::from_fn(|level| bits >> level & 1 != 0)),

@@ -133,9 +133,12 @@ fn beside(places: &[&PlaceSeen]) -> String {
             Kind::Result(value) if result.is_some_and(|result| std::ptr::eq(result, *place)) => {
                 value.shown.as_ref().map(|shown| format!("result = {shown}{flow}"))
             }
-            Kind::Result(_) => None,
+            Kind::Result(_) | Kind::Ran { .. } => None,
         };
         parts.extend(part.filter(|part| !parts.contains(part)));
+    }
+    if parts.is_empty() && places.iter().any(|place| matches!(place.kind, Kind::Ran { ran: true })) {
+        return "has run".to_string();
     }
     parts.join(", ")
 }

@@ -57,6 +57,8 @@ pub enum Tells {
     Written(AssertType),
     /// The logic stack of an S7-200 after a statement: S0 is bit 0, ENO bit 9. The operands of the statement that have addresses.
     Stack(Vec<String>),
+    /// A statement has run that may have no value.
+    Ran,
 }
 
 /// A step of a chart, by its data in the instance: bytes from its beginning.

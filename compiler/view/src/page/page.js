@@ -578,9 +578,10 @@ function told(row) {
     return [[rows.join("\n")], (seen.at(-1).v[0] & 1) !== 0];
   }
   const text = (v) => (v === true ? "TRUE" : v === false ? "FALSE" : v);
-  const list = seen.filter((p) => p.tells !== "value").map((p) => `${p.name}${p.tells === "written" ? " := " : " = "}${text(p.v)}`);
+  const list = seen.filter((p) => p.tells !== "value" && p.tells !== "ran").map((p) => `${p.name}${p.tells === "written" ? " := " : " = "}${text(p.v)}`);
   const result = seen.filter((p) => p.tells === "value" && typeof p.v === "boolean").sort((a, b) => b.to - b.from - (a.to - a.from))[0];
   if (result) list.push(`result ${text(result.v)}`);
+  if (!list.length && seen.some((p) => p.tells === "ran")) list.push("has run");
   return [[[...new Set(list)].join("   ")], false];
 }
 function lookAtLines(d) {

@@ -41,6 +41,7 @@ pub fn places(image: &ProgramImage, block: &str) -> Option<Value> {
             Tells::Value(_) => "value",
             Tells::Written(_) => "written",
             Tells::Stack(_) => "stack",
+            Tells::Ran => "ran",
         };
         json!([start, i64::from(start) + i64::from(probe.length), tells])
     });
@@ -115,6 +116,7 @@ fn shown(tells: &Tells, seen: Option<&Seen>) -> Value {
                 _ => Value::String(value.text()),
             }
         }
+        (Tells::Ran, Some(_)) => Value::Bool(true),
         (_, Some(Seen::Registers(registers, cell))) => {
             let [accu1, accu2] = registers.accu;
             let [ar1, ar2] = registers.ar;
