@@ -51,6 +51,18 @@ pub(crate) struct Retention {
     failed: Cell<bool>,
 }
 
+/// Keeps what the file has beside it: it is overwritten at once, and the user may have named the wrong file or program. Result: what to add
+/// to a message.
+fn keep_before(path: &Path) -> String {
+    let mut name = path.as_os_str().to_os_string();
+    name.push(".old");
+    let old = PathBuf::from(name);
+    match slots::check(&old).is_ok() && std::fs::copy(path, &old).is_ok() {
+        true => format!("; what it had is kept in {}", old.display()),
+        false => String::new(),
+    }
+}
+
 /// A message to the user; a closed standard error changes nothing.
 fn say(text: &str) {
     let _ = writeln!(std::io::stderr(), "runtime: {text}");
@@ -125,8 +137,8 @@ impl Cpu {
         restored
     }
 
-    fn bring_back(&self, path: &Path, items: &Items, content: Content) -> Restored {
-        let path = path.display();
+    fn bring_back(&self, file: &Path, items: &Items, content: Content) -> Restored {
+        let path = file.display();
         let lost = |text: String| {
             say(&text);
             self.log(diagnostics::RETAIN_LOST, NO_SITE, 0);
@@ -144,13 +156,14 @@ impl Cpu {
             }
             (Content::Whole(_), COLD) => Restored::Lost,
             (Content::Whole(content), _) => match items.load(self, &content) {
-                Ok(loaded) => self.note_loaded(&path.to_string(), &loaded),
+                Ok(loaded) => self.note_loaded(file, &loaded),
                 Err(Refused::Damaged) => {
                     lost(format!("{path} is incomplete: all data begins with its start values"));
                     Restored::Lost
                 }
                 Err(Refused::Program(name)) => {
-                    lost(format!("{path} is of the program `{name}`: all data begins with its start values"));
+                    let kept = keep_before(file);
+                    lost(format!("{path} is of the program `{name}`: all data begins with its start values{kept}"));
                     Restored::Lost
                 }
             },
@@ -161,7 +174,9 @@ impl Cpu {
         restored
     }
 
-    fn note_loaded(&self, path: &str, loaded: &Loaded) -> Restored {
+    fn note_loaded(&self, file: &Path, loaded: &Loaded) -> Restored {
+        let path = file.display();
+        let kept = if loaded.changed.is_empty() { String::new() } else { keep_before(file) };
         for &number in &loaded.changed {
             let name = self.image.dbs.iter().find(|db| db.number == number).map_or("", |db| db.name.as_str());
             let named = if name.is_empty() { String::new() } else { format!(" \"{name}\"") };
@@ -170,8 +185,8 @@ impl Cpu {
                 _ => "begins with its start values: its layout is another than in",
             };
             match self.image.profile.family {
-                Family::S7200 => say(&format!("{why} {path}")),
-                _ => say(&format!("DB {number}{named} {why} {path}")),
+                Family::S7200 => say(&format!("{why} {path}{kept}")),
+                _ => say(&format!("DB {number}{named} {why} {path}{kept}")),
             }
             self.log(diagnostics::RETAIN_CHANGED, NO_SITE, number.into());
         }

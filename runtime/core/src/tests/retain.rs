@@ -226,6 +226,9 @@ fn another_program_finds_nothing() {
     let path = file("program");
     leave(&path, |_| {});
     assert_eq!(found(&path, |image| image.name = "other".to_string()), START);
+    // What the first program has left is not lost.
+    std::fs::rename(path.with_file_name("retain.old"), &path).unwrap();
+    assert_eq!(found(&path, |_| {}), [2, 0, 5, 0, 100, 7]);
 }
 
 #[test]
