@@ -228,8 +228,8 @@ impl Value {
             AssertType::Signed(_) | AssertType::Unsigned(_) => self.whole(ty).to_string(),
             AssertType::Real => format!("{:?} (16#{:08X})", f32::from_bits(bits as u32), bits),
             AssertType::Lreal => format!("{:?} (16#{bits:016X})", f64::from_bits(bits)),
-            AssertType::Char | AssertType::Wchar => quoted(&self.characters(ty)),
-            AssertType::Text | AssertType::WideText => quoted(&self.characters(ty)),
+            AssertType::Char | AssertType::Text => quoted(&self.characters(ty), 2),
+            AssertType::Wchar | AssertType::WideText => quoted(&self.characters(ty), 4),
             AssertType::S5Time => match s5time_milliseconds(bits as u16) {
                 Some(ms) => format!("S5T#{}", duration(i128::from(ms) * 1_000_000)),
                 None => format!("W#16#{bits:04X} (no S5TIME)"),
@@ -320,12 +320,18 @@ fn hex(bits: u64) -> String {
     }
 }
 
-fn quoted(text: &[u16]) -> String {
+/// A text as a literal: `'it$'s$R$L'`. `digits`: those of the code of a character.
+fn quoted(text: &[u16], digits: usize) -> String {
     let mut quoted = String::from("'");
     for c in String::from_utf16_lossy(text).chars() {
-        match c.is_control() || matches!(c, '\'' | '\\') {
-            true => quoted.extend(c.escape_default()),
-            false => quoted.push(c),
+        match c {
+            '\'' | '$' => quoted.extend(['$', c]),
+            '\n' => quoted.push_str("$L"),
+            '\r' => quoted.push_str("$R"),
+            '\t' => quoted.push_str("$T"),
+            '\u{c}' => quoted.push_str("$P"),
+            c if c.is_control() => quoted.push_str(&format!("${:0digits$X}", c as u32)),
+            c => quoted.push(c),
         }
     }
     quoted + "'"

@@ -6,7 +6,7 @@ use plcc_literal::duration::{self, Fraction, Smallest};
 use plcc_literal::number;
 
 use crate::address::Width;
-use crate::assertion::{Value, compare, signed};
+use crate::assertion::{Value, compare, signed, windows_1252};
 use crate::{bcd, datetime};
 
 /// A type, with the characters that a text holds at most.
@@ -158,12 +158,12 @@ pub fn parse(text: &str, wanted: ValueType) -> Result<Value, String> {
         return if fits { Ok(Value::Bits(pattern)) } else { Err(format!("`{text}` does not fit into {}", name(ty))) };
     }
     let (prefix, body) = match text.split_once('#') {
-        Some((prefix, body)) => {
+        Some((prefix, body)) if !text.starts_with('\'') => {
             let prefix = WORDS.iter().find(|(word, _)| word.eq_ignore_ascii_case(prefix.trim())).map(|(_, ty)| *ty);
             let prefix = prefix.or(if text.starts_with(['L', 'l']) { long_prefix(text) } else { None });
             (Some(prefix.ok_or_else(wrong)?), body.trim())
         }
-        None => (None, text),
+        _ => (None, text),
     };
     let range = |value: i128, low: i128, high: i128| match (low..=high).contains(&value) {
         true => Ok(Value::Bits(value as u64 & (u64::MAX >> (64 - bits(ty).unwrap_or(64).min(64))))),
@@ -206,7 +206,8 @@ pub fn parse(text: &str, wanted: ValueType) -> Result<Value, String> {
         }
         AssertType::Char | AssertType::Wchar => {
             let inner = quoted(body).ok_or_else(wrong)?;
-            match (&units(inner)[..], ty) {
+            let expanded = expanded(inner, ty).map_err(|why| format!("`{text}` is not a character: {why}"))?;
+            match (&expanded[..], ty) {
                 ([unit], AssertType::Char) => match crate::assertion::byte_of(*unit) {
                     Some(byte) => Ok(Value::Bits(byte.into())),
                     None => Err(format!("`{text}` is not a character of the code page Windows-1252")),
@@ -290,8 +291,10 @@ fn characters(text: &str, wanted: ValueType) -> Result<Value, String> {
         .iter()
         .find(|prefix| upper.starts_with(**prefix))
         .map_or(text, |prefix| &text[prefix.len()..]);
-    let inner = quoted(bare).unwrap_or(bare);
-    let mut characters = units(inner);
+    let mut characters = match quoted(bare) {
+        Some(inner) => expanded(inner, wanted.ty).map_err(|why| format!("`{text}` is not a text: {why}"))?,
+        None => bare.encode_utf16().collect(),
+    };
     if characters.len() > usize::from(wanted.length) {
         return Err(format!("`{text}` has {} characters; there is room for {}", characters.len(), wanted.length));
     }
@@ -310,8 +313,35 @@ fn quoted(text: &str) -> Option<&str> {
     text.strip_prefix('\'').and_then(|rest| rest.strip_suffix('\''))
 }
 
-fn units(text: &str) -> Vec<u16> {
-    text.encode_utf16().collect()
+/// What is between the quotes of a literal, with its escapes expanded: `$$ $' $L $N $P $R $T`, and `$` with a code of two hexadecimal digits, of
+/// four in WSTRING and WCHAR. `Err`: the wrong escape.
+fn expanded(inner: &str, ty: AssertType) -> Result<Vec<u16>, String> {
+    let is_wide = matches!(ty, AssertType::WideText | AssertType::Wchar);
+    let digits = if is_wide { 4 } else { 2 };
+    let mut expanded = Vec::with_capacity(inner.len());
+    let mut rest = inner;
+    while let Some((plain, escape)) = rest.split_once('$') {
+        expanded.extend(plain.encode_utf16());
+        let sign = escape.chars().next();
+        let (unit, length) = match sign {
+            Some(sign @ ('$' | '\'' | '"')) => (sign as u16, 1),
+            Some('L' | 'l' | 'N' | 'n') => (10, 1),
+            Some('P' | 'p') => (12, 1),
+            Some('R' | 'r') => (13, 1),
+            Some('T' | 't') => (9, 1),
+            _ => {
+                let code = escape.get(..digits).filter(|code| code.bytes().all(|digit| digit.is_ascii_hexdigit()));
+                let code = code.and_then(|code| u16::from_str_radix(code, 16).ok());
+                let sign = sign.map_or_else(String::new, String::from);
+                let code = code.ok_or_else(|| format!("`${sign}` is not an escape; `$$` is a dollar sign"))?;
+                (if is_wide { code } else { windows_1252(code) }, digits)
+            }
+        };
+        expanded.push(unit);
+        rest = &escape[length..];
+    }
+    expanded.extend(rest.encode_utf16());
+    Ok(expanded)
 }
 
 /// `2026-01-31-6:00:00.5`, also with a blank or `T` before the time, or without a time.
@@ -464,6 +494,10 @@ mod tests {
             ("'a'", AssertType::Char, 0x61),
             ("'€'", AssertType::Char, 0x80),
             ("'€'", AssertType::Wchar, 0x20AC),
+            ("'#'", AssertType::Char, 0x23),
+            ("'$R'", AssertType::Char, 13),
+            ("'$''", AssertType::Char, 0x27),
+            ("'$20AC'", AssertType::Wchar, 0x20AC),
         ] {
             assert_eq!(bits_of(text, ty), Ok(expected), "{text} {ty:?}");
         }
@@ -472,6 +506,12 @@ mod tests {
         assert_eq!(text("abc", AssertType::Text), text("'abc'", AssertType::Text));
         assert_eq!(text("€", AssertType::Text), Ok(Value::Text(vec![0x80])));
         assert_eq!(text("€", AssertType::WideText), Ok(Value::Text(vec![0x20AC])));
+        assert_eq!(text("'a$R$l$$$80'", AssertType::Text), Ok(Value::Text(vec![0x61, 13, 10, 0x24, 0x80])));
+        assert_eq!(text("a$R", AssertType::Text), Ok(Value::Text(vec![0x61, 0x24, 0x52])), "without quotes no escapes");
+        // What is printed is read as the same.
+        let printed = "'it$'s$R$L$$$01'";
+        let read = parse(printed, ValueType::of(AssertType::Text)).unwrap();
+        assert_eq!(read.typed_text(AssertType::Text), printed);
         let dtl = parse("DTL#2026-01-31-6:07:08.5", ValueType::of(AssertType::Dtl)).unwrap();
         assert_eq!(dtl, Value::Bytes([0x07, 0xEA, 1, 31, 7, 6, 7, 8, 0x1D, 0xCD, 0x65, 0]));
     }
@@ -494,6 +534,8 @@ mod tests {
             ("TOD#25:0:0", AssertType::TimeOfDay),
             ("DT#2026-01-31-25:0:0", AssertType::DateAndTime),
             ("'ab'", AssertType::Char),
+            ("'5 $'", AssertType::Text),
+            ("'$X1'", AssertType::Text),
             ("", AssertType::Real),
         ] {
             assert!(parse(text, ValueType::of(ty)).is_err(), "{text} {ty:?}");
