@@ -102,10 +102,18 @@ impl SclBinder<'_, '_> {
                 self.member_thing(ctx, base, name, span)
             }
             NodeKind::MemberAbsolute { base, width, byte, bit } => {
-                let base = self.thing(ctx, base, intent)?;
-                let Thing::Db { db, .. } = base else {
-                    self.no_db(span);
-                    return None;
+                let base_span = base.span;
+                let db = match self.thing(ctx, base, Intent::Read)? {
+                    Thing::Db { db, .. } => db,
+                    // `#db.%DBW4`: a DB_ANY, whose value is the number of the data block.
+                    Thing::Spot(spot) if spot.ty == DataType::Elementary(Elementary::Uint) && spot.part.is_none() => {
+                        let load = ExprKind::Load(Box::new(spot.access(base_span)));
+                        Db::Dynamic(Expr { kind: load, ty: Elementary::Word, span: base_span })
+                    }
+                    _ => {
+                        self.no_db(span);
+                        return None;
+                    }
                 };
                 if let Some(untyped) = &mut ctx.scope.untyped {
                     untyped.insert(span);
