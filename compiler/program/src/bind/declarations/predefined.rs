@@ -70,12 +70,20 @@ const STRUCTURES: &[Structure] = &[
         name: "ErrorStruct",
         members: &[
             ("ERROR_ID", One(Elementary::Word)), ("FLAGS", One(Elementary::Byte)), ("REACTION", One(Elementary::Byte)),
-            ("BLOCK_TYPE", One(Elementary::Byte)), ("PAD_0", One(Elementary::Byte)), ("CODE_BLOCK_NUMBER", One(Elementary::Uint)),
-            ("ADDRESS", One(Elementary::Udint)), ("MODE", One(Elementary::Byte)), ("PAD_1", One(Elementary::Byte)),
-            ("OPERAND_NUMBER", One(Elementary::Uint)), ("POINTER_NUMBER_LOCATION", One(Elementary::Uint)),
-            ("SLOT_NUMBER_SCOPE", One(Elementary::Uint)), ("AREA", One(Elementary::Byte)), ("PAD_2", One(Elementary::Byte)),
-            ("DB_NUMBER", One(Elementary::Uint)), ("OFFSET", One(Elementary::Udint)),
+            ("CODE_ADDRESS", Part::Structure("CREF")), ("MODE", One(Elementary::Byte)), ("OPERAND_NUMBER", One(Elementary::Uint)),
+            ("POINTER_NUMBER_LOCATION", One(Elementary::Uint)), ("SLOT_NUMBER_SCOPE", One(Elementary::Uint)),
+            ("DATA_ADDRESS", Part::Structure("NREF")),
         ],
+        default: &[],
+    },
+    Structure {
+        name: "CREF",
+        members: &[("BLOCK_TYPE", One(Elementary::Byte)), ("CB_NUMBER", One(Elementary::Uint)), ("OFFSET", One(Elementary::Udint))],
+        default: &[],
+    },
+    Structure {
+        name: "NREF",
+        members: &[("AREA", One(Elementary::Byte)), ("DB_NUMBER", One(Elementary::Uint)), ("OFFSET", One(Elementary::Udint))],
         default: &[],
     },
     Structure {
