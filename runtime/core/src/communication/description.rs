@@ -1,4 +1,4 @@
-//! Connection descriptions: TCON_Param of 64 bytes and TCON_IP_v4 of 14 bytes, big-endian.
+//! Connection descriptions: TCON_Param of 64 bytes, TCON_IP_v4 of 14 bytes and TCON_IP_RFC of 78 bytes, big-endian.
 //!
 //! Source: S7-1200 reference, TSEND_C and TRCV_C, parameters of the connection.
 
@@ -8,6 +8,8 @@ use std::net::Ipv4Addr;
 pub const PARAM_BYTES: usize = 64;
 /// Length of TCON_IP_v4.
 pub const IP_V4_BYTES: usize = 14;
+/// Length of TCON_IP_RFC.
+pub const IP_RFC_BYTES: usize = 78;
 
 /// Connection types of TCON_Param.
 const TYPE_TCP: u8 = 0x11;
@@ -18,6 +20,8 @@ const TYPE_UDP: u8 = 0x13;
 const TYPE_TCP_COMPATIBLE: u8 = 0x01;
 /// Connection type of TCON_IP_v4.
 const TYPE_TCP_IP_V4: u8 = 0x0B;
+/// Connection type of TCON_IP_RFC.
+const TYPE_ISO_IP_RFC: u8 = 0x0C;
 /// Highest connection ID.
 const ID_MAX: u16 = 4095;
 /// Highest number of an interface of an S7-300/400. Source: System and standard functions, FB 65, local_device_id.
@@ -61,11 +65,12 @@ pub struct Description {
 }
 
 impl Description {
-    /// Reads either form; its length shows which. `classic`: as an S7-300/400 does. `Err`: STATUS.
+    /// Reads a description; its length shows its form. `classic`: as an S7-300/400 does. `Err`: STATUS.
     pub fn read(bytes: &[u8], classic: bool) -> Result<Description, u16> {
         match bytes.len() {
             PARAM_BYTES => param(bytes, classic),
             IP_V4_BYTES => ip_v4(bytes),
+            IP_RFC_BYTES => ip_rfc(bytes),
             _ => Err(LENGTH_WRONG),
         }
     }
@@ -147,16 +152,38 @@ fn param(bytes: &[u8], classic: bool) -> Result<Description, u16> {
 
 /// TCON_IP_v4, all of its 14 bytes.
 fn ip_v4(bytes: &[u8]) -> Result<Description, u16> {
-    // 64 is the hardware identifier of the CPU's own interface; 0 lets the CPU choose.
-    if !matches!(word(bytes, 0), 0 | 1 | 64) {
-        return Err(DEVICE_WRONG);
-    }
+    check_interface(bytes)?;
     let id = check_id(word(bytes, 2))?;
     match bytes[4] {
         TYPE_TCP_IP_V4 => tcp(id, bytes[5] & 1 != 0, word(bytes, 12), address(&bytes[6..10]), word(bytes, 10)),
         TYPE_UDP => udp(id, word(bytes, 12), address(&bytes[6..10]), word(bytes, 10)),
         _ => Err(INCONSISTENT),
     }
+}
+
+/// TCON_IP_RFC, all of its 78 bytes.
+fn ip_rfc(bytes: &[u8]) -> Result<Description, u16> {
+    check_interface(bytes)?;
+    let id = check_id(word(bytes, 2))?;
+    let active = bytes[5] & 1 != 0;
+    let remote = address(&bytes[6..10]);
+    if bytes[4] != TYPE_ISO_IP_RFC || (active && remote.is_none()) {
+        return Err(INCONSISTENT);
+    }
+    // A length, and room for 32 bytes.
+    let selector = |at: usize, open: bool| match usize::from(word(bytes, at)) {
+        length @ 2..=16 => Ok(bytes[at + 2..at + 2 + length].to_vec()),
+        0 if open => Ok(Vec::new()),
+        _ => Err(INCONSISTENT),
+    };
+    let (remote_tsap, local_tsap) = (selector(10, !active)?, selector(44, false)?);
+    let (local_port, remote_port) = (0, 0);
+    Ok(Description { id, protocol: Protocol::Iso, active, local_port, remote, remote_port, local_tsap, remote_tsap })
+}
+
+/// 64 is the hardware identifier of the CPU's own interface; 0 lets the CPU choose.
+fn check_interface(bytes: &[u8]) -> Result<(), u16> {
+    if matches!(word(bytes, 0), 0 | 1 | 64) { Ok(()) } else { Err(DEVICE_WRONG) }
 }
 
 /// UDP: what the partner is may come with each job.
@@ -210,6 +237,23 @@ pub mod tests {
         short[10..12].copy_from_slice(&2000u16.to_be_bytes());
         assert_eq!(long, Description::read(&short, false));
         assert_eq!(long.map(|found| (found.remote_port, found.local_port)), Ok((2000, 0)));
+    }
+
+    #[test]
+    fn iso_of_both_forms() {
+        let long = Description::read(&param_bytes(7, TYPE_ISO, true, b"ABC", &HOME, b"DEFG"), false);
+        let mut short = [0; IP_RFC_BYTES];
+        short[1] = 64;
+        short[3] = 7;
+        short[4..6].copy_from_slice(&[TYPE_ISO_IP_RFC, 1]);
+        short[6..10].copy_from_slice(&HOME);
+        short[11] = 4;
+        short[12..16].copy_from_slice(b"DEFG");
+        short[45] = 3;
+        short[46..49].copy_from_slice(b"ABC");
+        assert_eq!(long, Description::read(&short, false));
+        short[45] = 1;
+        assert_eq!(Description::read(&short, false), Err(INCONSISTENT));
     }
 
     #[test]

@@ -11,7 +11,7 @@ use super::any::{self, Access, Range};
 use super::parameters::Call;
 use super::{OK, Outcome, error};
 use crate::communication::{
-    DATAGRAM_BYTES_MAX, Description, IP_V4_BYTES, JOB_BYTES_MAX, PARAM_BYTES, Protocol, Receive, status,
+    DATAGRAM_BYTES_MAX, Description, IP_RFC_BYTES, IP_V4_BYTES, JOB_BYTES_MAX, PARAM_BYTES, Protocol, Receive, status,
 };
 
 /// Sending or receiving is in progress.
@@ -73,7 +73,7 @@ fn description(call: &Call) -> Result<Description, u16> {
         return Err(CONNECT_ACCESS);
     }
     let range = any::decode(call, 0, Access::Read).map_err(|_| CONNECT_AREA)?.ok_or(CONNECT_AREA)?;
-    if ![PARAM_BYTES, IP_V4_BYTES].contains(&(range.bytes as usize)) {
+    if ![PARAM_BYTES, IP_V4_BYTES, IP_RFC_BYTES].contains(&(range.bytes as usize)) {
         return Err(CONNECT_LENGTH);
     }
     if range.existing < range.bytes {

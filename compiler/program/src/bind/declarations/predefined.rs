@@ -32,6 +32,15 @@ const TCON_PARAM_DEFAULT: [u8; 64] = {
 /// The CPU's own interface, connection 1, TCP.
 const TCON_IP_V4_DEFAULT: [u8; 14] = [0, 64, 0, 1, 0x0B, 0, 0, 0, 0, 0, 0, 0, 0, 0];
 
+/// The CPU's own interface, connection 1, ISO-on-TCP.
+const TCON_IP_RFC_DEFAULT: [u8; 78] = {
+    let mut bytes = [0; 78];
+    bytes[1] = 64;
+    bytes[3] = 1;
+    bytes[4] = 0x0C;
+    bytes
+};
+
 /// Type of a component.
 #[derive(Clone, Copy)]
 enum Part {
@@ -205,6 +214,16 @@ const STRUCTURES: &[Structure] = &[
             ("RemotePort", One(Elementary::Uint)), ("LocalPort", One(Elementary::Uint)),
         ],
         default: &TCON_IP_V4_DEFAULT,
+    },
+    Structure { name: "TSelector", members: &[("TSelLength", One(Elementary::Uint)), ("TSel", Bytes(32))], default: &[] },
+    Structure {
+        name: "TCON_IP_RFC",
+        members: &[
+            ("InterfaceId", One(Elementary::Word)), ("ID", One(Elementary::Word)), ("ConnectionType", One(Elementary::Byte)),
+            ("ActiveEstablished", One(Elementary::Bool)), ("RemoteAddress", Part::Structure("IP_V4")),
+            ("RemoteTSelector", Part::Structure("TSelector")), ("LocalTSelector", Part::Structure("TSelector")),
+        ],
+        default: &TCON_IP_RFC_DEFAULT,
     },
 ];
 
