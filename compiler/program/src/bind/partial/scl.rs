@@ -101,7 +101,8 @@ impl Look<'_, '_> {
         if of_value.is_none() {
             self.expect(ctx, value, wanted.as_ref());
         }
-        let given = surest([of_value, wanted]);
+        let condition = is_condition(value).then(|| typed(Elementary::Bool));
+        let given = surest([of_value, wanted]).or(condition);
         for ((target, _), known) in targets.iter().zip(of_targets) {
             if known.is_none() {
                 self.expect(ctx, target, given.as_ref());
@@ -452,6 +453,19 @@ pub fn parameter_hint(ty: &DataType) -> Option<Hint> {
             Some(Hint::Type(DataType::Array(std::rc::Rc::new(array))))
         }
         ty => Some(Hint::Type(ty.clone())),
+    }
+}
+
+/// Whether an expression is a BOOL whatever the types of its operands are: there is a comparison in it.
+fn is_condition(node: &Node) -> bool {
+    match &node.kind {
+        NodeKind::Unary { op: UnaryOp::Not, operand } => is_condition(operand),
+        NodeKind::Binary { op, left, right, .. } => match group(*op) {
+            Group::Compare => true,
+            Group::Logic => is_condition(left) || is_condition(right),
+            Group::Number => false,
+        },
+        _ => false,
     }
 }
 
