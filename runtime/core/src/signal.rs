@@ -455,6 +455,12 @@ fn as_type(named: Named, ty: AssertType) -> Option<Source> {
 fn typed_value(cpu: &Cpu, address: &Address, ty: ValueType) -> TypedValue {
     match ty.ty {
         AssertType::Dtl => TypedValue::of_bytes(ty.ty, &cpu.read_bytes(address, 12)),
+        // On an S7-200 a text begins with its length alone.
+        AssertType::Text if cpu.s7200.is_some() => {
+            let length = cpu.read_bytes(address, 1).first().map_or(0, |length| u32::from(*length));
+            let bytes = cpu.read_bytes(address, 1 + length);
+            TypedValue::Text(bytes.iter().skip(1).map(|byte| u16::from(*byte)).collect())
+        }
         AssertType::Text => {
             let head = cpu.read_bytes(address, 2);
             let length = head.iter().min().map_or(0, |length| u32::from(*length));
@@ -473,6 +479,11 @@ fn typed_value(cpu: &Cpu, address: &Address, ty: ValueType) -> TypedValue {
 /// Writes a text with its length. Its maximum length stays, or becomes the declared one if there was none.
 fn write_text(cpu: &Cpu, address: &Address, ty: ValueType, text: &[u16]) -> Result<(), String> {
     let is_wide = ty.ty == AssertType::WideText;
+    if cpu.s7200.is_some() && !is_wide {
+        let length = std::iter::once(text.len() as u8);
+        let bytes: Vec<u8> = length.chain(text.iter().map(|unit| *unit as u8)).collect();
+        return cpu.write_bytes(address, &bytes);
+    }
     let head = cpu.read_bytes(address, 4);
     let room = if is_wide { u16::from(head[0]) << 8 | u16::from(head[1]) } else { head[0].into() };
     let room = if room == 0 { ty.length } else { room };
