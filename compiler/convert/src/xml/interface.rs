@@ -323,7 +323,7 @@ fn flatten<'a>(value: &'a InitialValue, flat: &mut Vec<&'a InitialValue>) -> boo
 }
 
 /// A simple value as text.
-pub fn text(value: &InitialValue, writer: &mut Writer) -> Option<String> {
+fn text(value: &InitialValue, writer: &mut Writer) -> Option<String> {
     match &value.kind {
         InitialKind::Expr(value) => Some(expression::text(value, writer)),
         InitialKind::Literal(literal) => {
@@ -332,6 +332,58 @@ pub fn text(value: &InitialValue, writer: &mut Writer) -> Option<String> {
         }
         _ => None,
     }
+}
+
+/// Gives a component of a data block another start value than its declaration.
+pub fn replace_value(
+    section: &mut Node,
+    value: &ValueAssignment,
+    members: &[Variable],
+    library: &Library,
+    writer: &mut Writer,
+) -> bool {
+    let first = match &value.target.root {
+        PathRoot::Local { name, .. } | PathRoot::Bare { name, .. } | PathRoot::Quoted { name, .. } => name,
+        PathRoot::Block(_) => return false,
+    };
+    let Some(known) = named(members, first) else { return false };
+    let is = |child: &&mut Node| child.attributes.iter().any(|(key, own)| *key == "Name" && *own == known.name);
+    let Some(mut node) = section.children.iter_mut().find(is) else { return false };
+    let mut ty = &known.ty;
+    let mut around = Vec::new();
+    for part in &value.target.parts {
+        match part {
+            PathPart::Member { name, .. } => {
+                let Some(known) = library.members(ty).and_then(|members| named(members, name)) else { return false };
+                node = component(node, known, ty, library, writer);
+                ty = &known.ty;
+            }
+            PathPart::Index { values, .. } => {
+                let TypeKind::Array { element, .. } = &ty.kind else { return false };
+                for value in values {
+                    let Bound::Number(number, _) = value else { return false };
+                    around.push(*number);
+                }
+                ty = element;
+            }
+        }
+    }
+    let path = around.iter().map(i64::to_string).collect::<Vec<_>>().join(",");
+    let inside = format!("{path},");
+    node.children.retain(|child| match child.name {
+        "StartValue" => !around.is_empty(),
+        "Subelement" => {
+            let own = child.attributes.iter().find(|(key, _)| *key == "Path").map_or("", |(_, own)| own.as_str());
+            !around.is_empty() && own != path && !own.starts_with(&inside)
+        }
+        _ => true,
+    });
+    values_at(&around, &value.value, ty, node, library, writer);
+    true
+}
+
+fn named<'m>(members: &'m [Variable], name: &str) -> Option<&'m Variable> {
+    members.iter().find(|member| member.name.eq_ignore_ascii_case(name))
 }
 
 /// Members of an instance with the values that differ from those of its block.

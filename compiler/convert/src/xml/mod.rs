@@ -21,8 +21,8 @@ use std::collections::HashMap;
 
 use plcc_diag::Diagnostic;
 use plcc_syntax::ast::{
-    Block, BlockName, Bound, Code, CodeBlock, CodeKind, DataBlock, DataContent, Header, PathPart, PathRoot, Section,
-    SourceUnit, TypeBlock, TypeKind, TypeRef, ValueAssignment, Variable,
+    Block, BlockName, Bound, Code, CodeBlock, CodeKind, DataBlock, DataContent, Header, Section, SourceUnit, TypeBlock,
+    TypeKind, TypeRef, Variable,
 };
 use plcc_syntax::network::ast::{Content, Language, Network};
 use plcc_syntax::scl::ast::Dialect;
@@ -398,8 +398,11 @@ fn data(block: &DataBlock, before: Vec<String>, library: &Library, ids: &mut Ids
         DataContent::Struct(members) => {
             let mut interface = interface::of_members("Static", members, &block.retained, library, writer);
             for value in &block.values {
-                if !replace_value(&mut interface, value, writer) {
-                    let help = "write the value in the declaration of the component";
+                let section = interface.children.first_mut().and_then(|sections| sections.children.first_mut());
+                let replaced =
+                    section.is_some_and(|section| interface::replace_value(section, value, members, library, writer));
+                if !replaced {
+                    let help = "give the source of its data type, too, or write the value in its declaration";
                     writer.refuse(value.span, "SimaticML has no form for this value of a component", help);
                 }
             }
@@ -437,52 +440,4 @@ fn data(block: &DataBlock, before: Vec<String>, library: &Library, ids: &mut Ids
     list.children.append(&mut more);
     let texts = Node::new("ObjectList").children(texts(&block.header, before, ids));
     Some(Node::new(kind).with("ID", ids.next()).child(list).child(texts))
-}
-
-/// Gives a component of a data block another start value than its declaration.
-fn replace_value(interface: &mut Node, value: &ValueAssignment, writer: &mut Writer) -> bool {
-    let first = match &value.target.root {
-        PathRoot::Local { name, .. } | PathRoot::Bare { name, .. } | PathRoot::Quoted { name, .. } => name,
-        PathRoot::Block(_) => return false,
-    };
-    let mut names = vec![first];
-    let mut index = None;
-    for part in &value.target.parts {
-        match part {
-            PathPart::Member { name, .. } if index.is_none() => names.push(name),
-            PathPart::Index { values, .. } if index.is_none() => index = Some(values),
-            PathPart::Member { .. } | PathPart::Index { .. } => return false,
-        }
-    }
-    let Some(mut node) = interface.children.first_mut().and_then(|sections| sections.children.first_mut()) else {
-        return false;
-    };
-    for name in names {
-        let is = |child: &&mut Node| {
-            child.attributes.iter().any(|(key, own)| *key == "Name" && own.eq_ignore_ascii_case(name))
-        };
-        match node.children.iter_mut().find(is) {
-            Some(found) => node = found,
-            None => return false,
-        }
-    }
-    let Some(text) = interface::text(&value.value, writer) else { return false };
-    let start = Node::of("StartValue", text);
-    match index {
-        None => {
-            node.children.retain(|child| !matches!(child.name, "StartValue" | "Subelement"));
-            node.push(start);
-        }
-        Some(values) => {
-            let mut path = Vec::new();
-            for value in values {
-                let Bound::Number(number, _) = value else { return false };
-                path.push(number.to_string());
-            }
-            let path = path.join(",");
-            node.children.retain(|child| !child.attributes.iter().any(|(key, own)| *key == "Path" && *own == path));
-            node.push(Node::new("Subelement").with("Path", path).child(start));
-        }
-    }
-    true
 }
