@@ -60,6 +60,13 @@ fn access_at_depth<'a, 'i>(node: Node<'a, 'i>, notation: Notation, depth: usize)
             "PredefinedVariable" => part.attribute("Name").unwrap_or_default().to_string(),
             "DataType" => quoted(text_of(part).trim_matches('"')),
             "Indirect" => indirect(part, notation, depth)?,
+            // An index may be the value of a function.
+            "Instruction" | "CallInfo" if depth > 0 && notation == Notation::Scl => {
+                let name = part.attribute("Name").unwrap_or_default();
+                let name = if is(part, "Instruction") { name.to_string() } else { quoted(name) };
+                format!("{name}{}", words(part, depth)?)
+            }
+            "Expression" if depth > 0 && notation == Notation::Scl => words(part, depth)?,
             name if is_layout(name) => continue,
             other => return refuse(part, &format!("an operand with `{other}`")),
         };
@@ -72,6 +79,29 @@ fn access_at_depth<'a, 'i>(node: Node<'a, 'i>, notation: Notation, depth: usize)
         Some(text) if !text.is_empty() => Ok(text),
         _ => refuse(node, "an operand without a name"),
     }
+}
+
+/// SCL: the tokens and operands of a call or an expression in an index, `(ARR := #a, DIM := 1)`.
+fn words<'a, 'i>(node: Node<'a, 'i>, depth: usize) -> Text<'a, 'i> {
+    if depth > DEPTH_MAX {
+        return refuse(node, "indices that are nested too deeply");
+    }
+    let mut text = String::new();
+    for part in elements(node).filter(|part| !is_informative(*part)) {
+        match part.tag_name().name() {
+            "Token" => text.push_str(&format!(" {} ", part.attribute("Text").unwrap_or_default())),
+            "Access" => text.push_str(&access_at_depth(part, Notation::Scl, depth + 1)?),
+            "Parameter" => {
+                text.push_str(&plain_or_quoted(part.attribute("Name").unwrap_or_default()));
+                text.push_str(&words(part, depth + 1)?);
+            }
+            "NamelessParameter" | "Expression" => text.push_str(&words(part, depth + 1)?),
+            "TemplateValue" | "AutomaticTyped" => {}
+            name if is_layout(name) => {}
+            other => return refuse(part, &format!("an index with `{other}`")),
+        }
+    }
+    Ok(text)
 }
 
 /// Whether an element of that name is only formatting, a comment or a setting of the editor; the schema checks these.
