@@ -9,6 +9,7 @@ use plcc_syntax::ast::{BlockPrefix, CellKind};
 use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind};
 use plcc_syntax::{Class, Elementary};
 
+use super::convert::{self, Implicit};
 use super::message::described;
 use super::value::Value;
 use super::{Intent, coerce};
@@ -147,13 +148,60 @@ impl SclBinder<'_, '_> {
             return self.wrong_actual(callee, formal, &access_type(&access), node.span);
         }
         // An output value converts as any value of the formal's type does.
+        let rules = ctx.scope.rules;
         let out = Expr { kind: ExprKind::Load(Box::new(access.clone())), ty, span: node.span };
-        match self.implicit(ctx, out, found)?.kind {
+        let converted = match convert::same_bits(rules, ty, found).filter(|_| coerce::is_untyped(ctx, node.span)) {
+            Some(bits) => convert::converted(out, bits, found),
+            None => {
+                match convert::implicit(rules, ctx.scope.strict, ty, found) {
+                    Implicit::No => return self.wrong_actual(callee, formal, &access_type(&access), node.span),
+                    Implicit::Unusual => self.output_converts(
+                        callee,
+                        formal,
+                        (ty, found),
+                        "S7-SCL of STEP 7 V5 does not convert this implicitly",
+                        node.span,
+                    ),
+                    Implicit::Yes if convert::narrows(ty, found) => {
+                        let label = format!("converts to {} without a check", found.name());
+                        self.output_converts(callee, formal, (ty, found), &label, node.span);
+                    }
+                    Implicit::Yes => {}
+                }
+                convert::explicit_expr(rules, out, found)?
+            }
+        };
+        match converted.kind {
             ExprKind::Convert { conversion, operand } if matches!(operand.kind, ExprKind::Load(_)) => {
                 Some(Actual::Variable { access, back: Some(conversion) })
             }
             _ => self.wrong_actual(callee, formal, &access_type(&access), node.span),
         }
+    }
+
+    /// An output whose value may not fit its actual parameter; `types`: of the output and of the actual.
+    fn output_converts(
+        &mut self,
+        callee: BlockKey,
+        formal: &Parameter,
+        types: (Elementary, Elementary),
+        label: &str,
+        span: Span,
+    ) {
+        let (ty, found) = (types.0.name(), types.1.name());
+        let (text, block) = (self.program.globals.text(span), self.program.globals.shown(callee));
+        self.program.report(
+            Diagnostic::new(
+                Code::Narrowing,
+                span,
+                format!(
+                    "`{}` of {block} is of type {ty} and may not fit `{text}`, which is of type {found}",
+                    formal.name
+                ),
+            )
+            .label(label)
+            .help(format!("name a variable of type {ty}")),
+        );
     }
 
     /// ARRAY[*]: an array of the same element type and number of dimensions, or a formal that is one.

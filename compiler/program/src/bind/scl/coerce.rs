@@ -478,6 +478,6 @@ fn first_difference(from: &DataType, wanted: &DataType) -> Option<String> {
 }
 
 /// Whether an operand is an address with bits only.
-fn is_untyped(ctx: &SclBlock, span: Span) -> bool {
+pub(super) fn is_untyped(ctx: &SclBlock, span: Span) -> bool {
     ctx.scope.untyped.as_ref().is_some_and(|known| known.contains(&span))
 }
