@@ -27,7 +27,7 @@ pub fn operand(text: &str, insn: StlInsn, mnemonic: Span, operand: Option<&Opera
             Diagnostic::new(Code::SurplusOperand, operand.span, format!("`{written}` takes no operand"))
                 .label("surplus operand")
                 .also(mnemonic, "works on the accumulators or the RLO")
-                .help(format!("write `{written}` alone, or another instruction")),
+                .help(surplus_help(insn, &written, shown)),
         );
     }
     if let Some(diagnostic) = constant_range(class, &written, shown, operand) {
@@ -50,6 +50,20 @@ pub fn operand(text: &str, insn: StlInsn, mnemonic: Span, operand: Option<&Opera
             .also(mnemonic, format!("takes {}", operand_phrase(class)))
             .help(help),
     )
+}
+
+/// What to write for an instruction with an operand that it does not take. To remove the operand would be another program.
+fn surplus_help(insn: StlInsn, written: &str, shown: &str) -> String {
+    match insn {
+        StlInsn::SetRlo => format!("write `S {shown}`, which sets the bit if the RLO is 1"),
+        StlInsn::ClearRlo => format!("write `R {shown}`, which resets the bit if the RLO is 1"),
+        StlInsn::Not => match shown.bytes().next().map(|letter| letter.to_ascii_uppercase()) {
+            Some(b'E' | b'A' | b'Z') => format!("write `UN {shown}` or `ON {shown}`"),
+            Some(b'I' | b'Q' | b'C') => format!("write `AN {shown}` or `ON {shown}`"),
+            _ => format!("write `AN {shown}` (in German mnemonics `UN {shown}`) or `ON {shown}`"),
+        },
+        _ => format!("write `{written}` alone, or another instruction"),
+    }
 }
 
 /// Checks target and instance of a CALL.

@@ -1,9 +1,10 @@
 //! Hints for words that are not an instruction.
 
 use crate::stl::mnemonics::{self, letters_and_digits, other};
-use crate::stl::{Mnemonics, StlInsn};
+use crate::stl::{Mnemonics, OperandClass, StlInsn};
 
-/// Words that users write for an instruction of STL: mnemonics of other controllers and frequent typing errors.
+/// Words that users write for an instruction of STL: mnemonics of other controllers and frequent typing errors. Helps have the
+/// international mnemonics.
 const KNOWN_SLIPS: &[(&str, &str)] = &[
     ("LD", "`A` begins a string of logic; `LD` belongs to S7-200"),
     ("LDN", "`AN` begins a string of logic; `LDN` belongs to S7-200"),
@@ -83,6 +84,30 @@ const KNOWN_SLIPS: &[(&str, &str)] = &[
     ("ROUND", "write `RND`"),
     ("SWAP", "write `CAW` for a word, `CAD` for a double word"),
     ("CALC", "write `CC`, or jump around `CALL`"),
+    ("UND", "write `A`"),
+    ("ODER", "write `O`"),
+    ("XODER", "write `X`"),
+    ("NICHT", "write `AN` or `ON` for a bit; `NOT` alone negates the RLO"),
+    ("LADE", "write `L`"),
+    ("LADEN", "write `L`"),
+    ("SETZE", "write `S`"),
+    ("SETZEN", "write `S`"),
+    ("ZUW", "write `=`"),
+    ("SPRINGE", "write `JU`"),
+    ("SPRUNG", "write `JU`"),
+    ("ASSIGN", "write `=`"),
+    ("JUMP", "write `JU`"),
+    ("JNC", "write `JCN`"),
+    ("JEQ", "write `JC`, which jumps if the comparison before it is true"),
+    ("LDP", "write `A` with the operand, then `FP` with an edge memory bit"),
+    ("LDF", "write `A` with the operand, then `FN` with an edge memory bit"),
+    ("EU", "write `FP` with an edge memory bit"),
+    ("ED", "write `FN` with an edge memory bit"),
+    ("ADDI", "write `+I`"),
+    ("SUBI", "write `-I`"),
+    ("MULI", "write `*I`"),
+    ("DIVI", "write `/I`"),
+    ("DTI", "a DINT from -32768 to 32767 has its INT in the low word already: remove this, and test the range before"),
 ];
 
 /// Whether a hint for exactly this word is known (upper case).
@@ -90,37 +115,75 @@ pub fn is_known(word: &str) -> bool {
     KNOWN_SLIPS.iter().any(|(slip, _)| *slip == word)
 }
 
-/// What to write instead of `word` (upper case; `text` as written).
-pub fn instruction(word: &str, text: &str, set: Mnemonics) -> String {
+/// What to write instead of `word` (upper case; `text` as written). `follows`: the rest of the statement.
+pub fn instruction(word: &str, text: &str, follows: &str, set: Mnemonics) -> String {
     if let Some((_, help)) = KNOWN_SLIPS.iter().find(|(slip, _)| *slip == word) {
-        return (*help).to_owned();
+        return in_set(help, set);
     }
     if let Some(insn) = instruction_of(word, other(set)) {
         return format!("write `{}`, as the rest of the file does", insn.mnemonic(set));
     }
     let (letters, digits) = letters_and_digits(word);
-    if !digits.is_empty() {
+    if !digits.is_empty() && follows.is_empty() {
         let split = (1..letters.len()).rev().find(|at| instruction_of(&letters[..*at], set).is_some());
         if let Some(at) = split {
             return format!("write a blank between mnemonic and operand: `{} {}`", &text[..at], &text[at..]);
         }
     }
-    match nearest(word, set) {
-        Some(insn) => format!("did you mean `{}`?", insn.mnemonic(set)),
-        None => "a statement is a mnemonic and its operand, e.g. `L MW 10`; a label ends with `:`".to_owned(),
+    match nearest(word, follows, set).as_slice() {
+        [insn] => format!("did you mean `{}`?", insn.mnemonic(set)),
+        [one, .., other] => format!("write `{}`, `{}` or another instruction", one.mnemonic(set), other.mnemonic(set)),
+        [] => "a statement is a mnemonic and its operand, e.g. `L MW 10`; a label ends with `:`".to_owned(),
     }
+}
+
+/// A help with the mnemonics of `set` between its backquotes.
+fn in_set(help: &str, set: Mnemonics) -> String {
+    let part = |(index, part): (usize, &str)| match instruction_of(part, Mnemonics::En).filter(|_| index % 2 == 1) {
+        Some(insn) => insn.mnemonic(set).to_owned(),
+        None => part.to_owned(),
+    };
+    help.split('`').enumerate().map(part).collect::<Vec<_>>().join("`")
 }
 
 fn instruction_of(word: &str, set: Mnemonics) -> Option<StlInsn> {
     mnemonics::instruction(word, set)
 }
 
-/// The instruction whose mnemonic differs by one letter, of words with three letters or more.
-fn nearest(word: &str, set: Mnemonics) -> Option<StlInsn> {
+/// The instructions whose mnemonic differs by one letter, of words with three letters or more; those with the same letters come
+/// alone. A word of three letters has the same first one. The operand must be possible: another instruction does something else.
+fn nearest(word: &str, follows: &str, set: Mnemonics) -> Vec<StlInsn> {
     if word.len() < 3 {
-        return None;
+        return Vec::new();
     }
-    StlInsn::ALL.iter().copied().find(|insn| one_edit(word.as_bytes(), insn.mnemonic(set).as_bytes()))
+    let letters = |word: &str| {
+        let mut letters = word.as_bytes().to_vec();
+        letters.sort_unstable();
+        letters
+    };
+    let near = |insn: &StlInsn| {
+        let mnemonic = insn.mnemonic(set);
+        one_edit(word.as_bytes(), mnemonic.as_bytes())
+            && (word.len() > 3 || word.as_bytes().first() == mnemonic.as_bytes().first())
+            && is_possible(insn.operand(), follows)
+    };
+    let near: Vec<StlInsn> = StlInsn::ALL.iter().copied().filter(near).collect();
+    let swapped: Vec<StlInsn> =
+        near.iter().copied().filter(|insn| letters(insn.mnemonic(set)) == letters(word)).collect();
+    if swapped.is_empty() { near } else { swapped }
+}
+
+/// Whether `follows` can be an operand of this class.
+fn is_possible(class: OperandClass, follows: &str) -> bool {
+    let number = follows.starts_with(|first: char| first.is_ascii_digit() || first == '-');
+    match class {
+        _ if follows.is_empty() => class.may_be_missing(),
+        OperandClass::None => false,
+        OperandClass::Byte | OperandClass::ShiftCount16 | OperandClass::ShiftCount32 => number,
+        OperandClass::LoadSource | OperandClass::AddConstant => true,
+        OperandClass::Label => !number && follows.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_'),
+        _ => !number,
+    }
 }
 
 /// Whether inserting, removing, changing or swapping one letter turns `a` into `b`.
@@ -133,5 +196,23 @@ fn one_edit(a: &[u8], b: &[u8]) -> bool {
         (_, [_, tail_b @ ..]) if rest_a == tail_b => true,
         ([a1, a2, tail_a @ ..], [b1, b2, tail_b @ ..]) => a1 == b2 && a2 == b1 && tail_a == tail_b,
         _ => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hints() {
+        let help = |word, follows, set| instruction(word, word, follows, set);
+        assert_eq!(help("UND", "E 0.1", Mnemonics::De), "write `U`");
+        assert_eq!(help("UND", "I 0.1", Mnemonics::En), "write `A`");
+        assert_eq!(help("JMP", "m1", Mnemonics::De), "write `SPA`");
+        assert!(help("JZN", "m1", Mnemonics::En).contains("another instruction"));
+        assert_eq!(help("TRUC", "", Mnemonics::En), "did you mean `TRUNC`?");
+        assert!(help("INT", "", Mnemonics::En).starts_with("a statement is"));
+        assert!(help("OPN1", "DB 1", Mnemonics::En).contains("OPN"));
+        assert!(help("TAW1", "", Mnemonics::De).contains("`T AW1`"));
     }
 }

@@ -92,7 +92,11 @@ impl Classifier<'_, '_> {
                 self.at += 1;
             }
             RawKind::Word => {
+                // `SDT T 1`: no statement transfers to a number, so `T` is the letter of a timer.
+                let is_timer =
+                    self.upper(index + 1).as_str() == "T" && self.kind_at(index + 2) == Some(RawKind::Number);
                 let label = self.raw_at(index + 1).is_some_and(|next| !next.first_on_line)
+                    && !is_timer
                     && self.kind_at(index + 1) == Some(RawKind::Word)
                     && self.begins_statement(index + 1)
                     && !suggest::is_known(upper.as_str());
@@ -108,9 +112,10 @@ impl Classifier<'_, '_> {
                 // `; text`, as assemblers of other machines write a comment.
                 let is_comment = !token.first_on_line
                     && index.checked_sub(1).and_then(|before| self.kind_at(before)) == Some(RawKind::Semicolon);
+                let follows = if self.ends_before(index + 1) { "" } else { self.rest_of_statement(index + 1) };
                 let help = match is_comment {
                     true => format!("a comment begins with `//`: write `// {slice} …`"),
-                    false => suggest::instruction(upper.as_str(), slice, self.set),
+                    false => suggest::instruction(upper.as_str(), slice, follows, self.set),
                 };
                 self.report(
                     Diagnostic::new(Code::UnknownInstruction, span, format!("STL has no instruction `{slice}`"))
@@ -196,6 +201,11 @@ impl Classifier<'_, '_> {
         let tokens = rest.iter().take_while(|token| !token.first_on_line && token.kind != RawKind::Semicolon);
         let Some(last) = tokens.last() else { return "..." };
         self.text.get(rest[0].start as usize..last.end as usize).unwrap_or_default()
+    }
+
+    /// Whether a statement ends before the token at `index`.
+    fn ends_before(&self, index: usize) -> bool {
+        self.raw_at(index).is_none_or(|token| token.first_on_line || token.kind == RawKind::Semicolon)
     }
 
     /// Skips declarations in code, up to END_VAR.
