@@ -82,6 +82,35 @@ impl Binder<'_> {
         file.and_then(|text| text.get(span.range())).unwrap_or_default().to_string()
     }
 
+    /// `+I VW0, VW2, VW4`, as the box has it: what to write for the result in a third operand.
+    fn three_operands(&self, insn: Insn, operands: &[ast::Operand]) -> Option<String> {
+        let [left, right, result] = operands else { return None };
+        let name = self.mnemonic(insn);
+        let kind = ["+", "-", "*", "/", "AND", "OR", "XOR"].into_iter().find_map(|sign| name.strip_prefix(sign))?;
+        let (mov, commutes) = match kind {
+            "B" => ("MOVB", true),
+            "I" | "W" => ("MOVW", !name.starts_with(['-', '/'])),
+            "D" => ("MOVD", !name.starts_with(['-', '/'])),
+            "R" => ("MOVR", !name.starts_with(['-', '/'])),
+            _ => return None,
+        };
+        let text = |operand: &ast::Operand| self.written(operand.span);
+        let (left, right, result) = (text(left), text(right), text(result));
+        Some(if result.eq_ignore_ascii_case(&left) {
+            format!("write `{name} {right}, {left}`: the second operand is also the result")
+        } else if !result.eq_ignore_ascii_case(&right) {
+            format!(
+                "write `{mov} {left}, {result}`, then `{name} {right}, {result}`: the second operand is also the result"
+            )
+        } else if commutes {
+            format!("write `{name} {left}, {right}`: the second operand is also the result")
+        } else {
+            format!(
+                "the second operand is also the result: calculate in another operand, then write `{mov}` to {result}"
+            )
+        })
+    }
+
     fn instruction(
         &mut self,
         block: usize,
@@ -126,7 +155,14 @@ impl Binder<'_> {
                 _ if matches!(classes, [OperandClass::Bit | OperandClass::InputBit]) => {
                     format!("write `{} {}` in a line of its own", self.mnemonic(insn), self.written(surplus.span))
                 }
-                _ => format!("remove it: {}", self.form(insn)),
+                _ if insn == Insn::Not => {
+                    let (and, or) = (self.mnemonic(Insn::AndNot), self.mnemonic(Insn::OrNot));
+                    format!("write `{and} {written}` or `{or} {written}`")
+                }
+                _ => match self.three_operands(insn, operands) {
+                    Some(help) => help,
+                    None => format!("remove it: {}", self.form(insn)),
+                },
             };
             self.push(
                 Diagnostic::new(Code::SurplusOperand, surplus.span, title)

@@ -26,8 +26,8 @@ const FROM_S7_300: &[(&str, &str)] = &[
     ("CD", "write `CTD C1, 10`"),
     ("ZV", "write `CTU C1, 10`"),
     ("ZR", "write `CTD C1, 10`"),
-    ("JU", "write `LD SM0.0` and `JMP 3`"),
-    ("SPA", "write `LD SM0.0` and `JMP 3`"),
+    ("JU", "write `LD SM0.0` and `JMP` with the number of the label"),
+    ("SPA", "write `LD SM0.0` and `JMP` with the number of the label"),
     ("JC", "write `JMP 3`, which is conditional"),
     ("SPB", "write `JMP 3`, which is conditional"),
     ("UC", "write `LD SM0.0` and `CALL name`"),
@@ -39,8 +39,8 @@ const FROM_S7_300: &[(&str, &str)] = &[
     ("BEB", "write `CRET`, which is conditional"),
     ("OPN", "the S7-200 has one data block and does not open it: write `VW100`"),
     ("AUF", "the S7-200 has one data block and does not open it: write `VW100`"),
-    ("SET", "write `LD SM0.0`"),
-    ("CLR", "write `LDN SM0.0`"),
+    ("SET", "write `S Q0.0, 1` for bits, `LD SM0.0` for a result that is always 1"),
+    ("CLR", "write `R Q0.0, 1` for bits, `LDN SM0.0` for a result that is always 0"),
 ];
 
 /// Names of instructions on other controllers, and frequent typing errors.
@@ -81,10 +81,36 @@ const SLIPS: &[(&str, &str)] = &[
     ("GET", "only the S7-200 SMART has it; write `NETR`"),
     ("PUT", "only the S7-200 SMART has it; write `NETW`"),
     ("TITEL", "write `TITLE=`"),
+    ("LDP", "write `LD` with the operand, then `EU` for its rising edge"),
+    ("LDF", "write `LD` with the operand, then `ED` for its falling edge"),
+    ("RST", "write `R`, with the number of bits: `R Q0.0, 1`"),
+    ("RES", "write `R`, with the number of bits: `R Q0.0, 1`"),
+    ("RESET", "write `R`, with the number of bits: `R Q0.0, 1`"),
+    ("MOVI", "write `MOVW`"),
+    ("MOVDW", "write `MOVD`"),
+    ("BMOVB", "write `BMB`"),
+    ("BMOVW", "write `BMW`"),
+    ("BMOVD", "write `BMD`"),
+    ("BLKMOVB", "write `BMB`"),
+    ("BLKMOVW", "write `BMW`"),
+    ("BLKMOVD", "write `BMD`"),
+    ("INCI", "write `INCW`"),
+    ("DECI", "write `DECW`"),
+    ("ITR", "write `ITD`, then `DTR`"),
+    ("WTR", "write `ITD`, then `DTR`"),
+    ("RTI", "write `ROUND` or `TRUNC`, then `DTI`"),
+    ("RTD", "write `ROUND` or `TRUNC`"),
+    ("BTW", "write `BTI`"),
+    ("WTB", "write `ITB`"),
+    ("WTD", "write `ITD`"),
+    ("DTW", "write `DTI`"),
+    ("WDT", "write `WDR`"),
+    ("WDTR", "write `WDR`"),
 ];
 
-/// The message for `word` (upper case; `text` as written), which begins a statement and is not a mnemonic.
-pub fn unknown(span: Span, word: &str, text: &str, set: Mnemonics) -> Diagnostic {
+/// The message for `word` (upper case; `text` as written), which begins a statement and is not a mnemonic. `alone`: no operand
+/// follows it without a comma.
+pub fn unknown(span: Span, word: &str, text: &str, alone: bool, set: Mnemonics) -> Diagnostic {
     if let Some((_, help)) = FROM_S7_300.iter().find(|(known, _)| *known == word) {
         return from_s7_300(span, text).help(*help);
     }
@@ -110,7 +136,7 @@ pub fn unknown(span: Span, word: &str, text: &str, set: Mnemonics) -> Diagnostic
     if let Some(written) = word_comparison(word) {
         return diagnostic.label("not a mnemonic").help(format!("write `{written}`, which compares words"));
     }
-    if let Some(at) = glued(word) {
+    if let Some(at) = glued(word).filter(|_| alone) {
         let (mnemonic, operand) = text.split_at_checked(at).unwrap_or((text, ""));
         return diagnostic
             .label("mnemonic and operand in one word")
@@ -148,7 +174,7 @@ fn glued(word: &str) -> Option<usize> {
     })
 }
 
-/// The mnemonic that differs least, of words with three letters or more.
+/// The mnemonic that differs least, of words with three letters or more; one with another first letter does something else.
 fn nearest(word: &str, set: Mnemonics) -> Option<String> {
     let length = word.chars().count();
     if !(3..=12).contains(&length) {
@@ -157,6 +183,7 @@ fn nearest(word: &str, set: Mnemonics) -> Option<String> {
     let limit = if length < 5 { 1 } else { 2 };
     mnemonics::all()
         .map(|insn| insn.mnemonic(set).into_owned())
+        .filter(|mnemonic| length > 4 || mnemonic.chars().next() == word.chars().next())
         .map(|mnemonic| (distance::between(word, &mnemonic), mnemonic))
         .filter(|(distance, _)| *distance <= limit)
         .min_by_key(|(distance, _)| *distance)
@@ -168,7 +195,7 @@ mod tests {
     use super::*;
 
     fn help(word: &str) -> String {
-        unknown(Span::default(), word, word, Mnemonics::En).help.unwrap_or_default()
+        unknown(Span::default(), word, word, true, Mnemonics::En).help.unwrap_or_default()
     }
 
     #[test]
@@ -179,6 +206,8 @@ mod tests {
         assert!(help("ADD_I").contains("`+I IN, OUT`"));
         assert!(help("LDW==").contains("`LDW="));
         assert!(help("QWERTZ").contains("a statement is"));
-        assert!(unknown(Span::default(), "TAK", "TAK", Mnemonics::En).title.contains("S7-300"));
+        assert!(help("LDP").contains("`EU`"));
+        assert!(help("RST").contains("`R Q0.0, 1`"));
+        assert!(unknown(Span::default(), "TAK", "TAK", true, Mnemonics::En).title.contains("S7-300"));
     }
 }

@@ -426,6 +426,7 @@ impl<'a> Classifier<'a, '_> {
                     self.span(range.clone()),
                     &head.mnemonic,
                     self.slice(range.clone()),
+                    rest.first().is_none_or(|next| next.kind == RawKind::Comma),
                     self.detected.set,
                 );
                 self.report(message);
