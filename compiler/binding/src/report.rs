@@ -459,8 +459,8 @@ pub fn known_type(name: &str) -> Option<&'static str> {
 
 /// The data type whose name resembles `name`.
 fn similar_type(name: &str) -> Option<&'static str> {
-    const OTHERS: [&str; 9] =
-        ["STRING", "WSTRING", "DATE_AND_TIME", "DTL", "TIMER", "COUNTER", "POINTER", "VARIANT", "ARRAY"];
+    const OTHERS: [&str; 10] =
+        ["STRING", "WSTRING", "DATE_AND_TIME", "DTL", "TIMER", "COUNTER", "POINTER", "VARIANT", "ARRAY", "VOID"];
     let types = plcc_model::types::Elementary::ALL.into_iter().map(|ty| ty.name());
     similar(name, types.chain(OTHERS)).filter(|_| name.len() > 2)
 }

@@ -15,8 +15,9 @@ pub fn nearest<'n>(name: &str, names: impl Iterator<Item = &'n str>) -> Option<&
     let limit = match length {
         // Names of one letter always resemble each other.
         0 | 1 => return None,
-        2 | 3 => 1,
-        4..=LENGTH_MAX => 2,
+        // Two slips in four letters leave no likeness: `LTOD` is not meant by `VIOD`.
+        2..=4 => 1,
+        5..=LENGTH_MAX => 2,
         _ => return None,
     };
     names
@@ -37,6 +38,8 @@ mod tests {
         assert_eq!(nearest("nmae", ["cpu", "name"].into_iter()), Some("name"));
         assert_eq!(nearest("speed", ["cpu", "name"].into_iter()), None);
         assert_eq!(nearest("a", ["b"].into_iter()), None);
+        assert_eq!(nearest("viod", ["ltod", "void"].into_iter()), Some("void"));
+        assert_eq!(nearest("tonn", ["dint"].into_iter()), None);
     }
 
     #[test]

@@ -6,11 +6,12 @@ use plcc_abi::image::{BlockKind, Config, Family};
 use plcc_abi::ob::ObClass;
 use plcc_diag::{Code, Diagnostic, FileId, SourceFile, SourceMap, Span};
 use plcc_stdlib::SystemBlock;
-use plcc_syntax::ast;
+use plcc_syntax::ast::{self, SectionKind};
 
 use super::chart::ChartBinder;
 use super::declarations::Declarations;
 use super::declarations::block::CurrentBlock;
+use super::declarations::interface::variables;
 use super::declarations::path::Base;
 use super::declarations::typed::BoundInterface;
 use super::globals::names::kind_prefix;
@@ -22,7 +23,7 @@ use super::trees::SYSTEM_FILE;
 use crate::bind::review::review;
 use crate::bind::trees::blocks;
 use plcc_binding::pragma::is_asserted;
-use plcc_binding::{BindInput, Bound};
+use plcc_binding::{BindInput, Bound, fold};
 use plcc_model::types::Member;
 use plcc_model::{BlockKey, Body, CodeBlock, Interface, Program, profile};
 
@@ -161,6 +162,11 @@ fn bind_block(program: &mut Declarations, key: BlockKey, fixed_span: Option<Span
     let mut current = CurrentBlock::new(key, Rc::clone(&bound));
     current.fragment = fixed_span.is_none() && blocks::is_fragment(block);
     current.fixed_span = fixed_span;
+    // What a section declares that the block cannot have is reported there, and not again at its uses.
+    if matches!(key.kind, BlockKind::Ob | BlockKind::Fc | BlockKind::Sfc) {
+        let refused = variables(block, SectionKind::Static).map(|variable| fold(&variable.name));
+        current.unknown_locals.extend(refused);
+    }
     let body = if runtime { Body::Runtime } else { bind_code(program, &mut current, block) };
     let name = match program.globals.names.block_name(kind_prefix(key.kind), key.number) {
         name if name.is_empty() => match &block.header.name {

@@ -379,7 +379,7 @@ impl Declarations<'_> {
 }
 
 /// The variables of the sections of this kind. An axis in VAR_INPUT is the axis itself and no copy of it, so it counts as VAR_IN_OUT.
-fn variables(block: &ast::CodeBlock, kind: SectionKind) -> impl Iterator<Item = &ast::Variable> {
+pub(in crate::bind) fn variables(block: &ast::CodeBlock, kind: SectionKind) -> impl Iterator<Item = &ast::Variable> {
     let of = |section: &ast::Section, variable: &ast::Variable| match section.kind {
         SectionKind::Input if predefined::is_axis(&variable.ty.kind) => SectionKind::InOut,
         other => other,

@@ -219,6 +219,8 @@ impl StlBinder<'_, '_> {
                 .iter()
                 .enumerate()
                 .filter(|(index, _)| !seen.contains_key(index) || empty.contains(index))
+                // The type of the result is not known, which is reported.
+                .filter(|(_, parameter)| parameter.name != "RET_VAL" || parameter.ty != DataType::Void)
                 .map(|(_, parameter)| parameter.name.as_str())
                 .filter(|name| !misspelt.iter().any(|other| other == name))
                 .collect();
