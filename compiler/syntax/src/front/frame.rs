@@ -2,6 +2,7 @@
 
 use plcc_diag::{Code, Diagnostic, Span};
 
+use super::frame_words;
 use crate::ast::{Block, BlockName, BlockPrefix, Code as BlockCode, CodeBlock, CodeKind, Header};
 use crate::stl::token::{CodeKeyword, HeaderField, HeaderFlag};
 
@@ -83,6 +84,29 @@ pub fn never_began(span: Span, word: &str) -> Diagnostic {
 }
 
 /// The message for `text` where the header of a data block or data type, `what`, goes on.
+/// The words that begin a line of a header.
+const HEADER_WORDS: [&str; 5] = ["TITLE", "VERSION", "AUTHOR", "FAMILY", "NAME"];
+
+/// The message for a line of a header that begins with `word` (as written) and a sign, if it stands for a word of headers.
+pub fn misspelt_in_header(span: Span, word: &str) -> Option<Diagnostic> {
+    let keyword = frame_words::slip_of(word, HEADER_WORDS).filter(|keyword| !keyword.eq_ignore_ascii_case(word))?;
+    Some(frame_words::misspelt(span, word, keyword))
+}
+
+/// `VERSION 0.1`. `word` with the text that follows it.
+pub fn no_colon_in_header(span: Span, word: &str, text: &str) -> Diagnostic {
+    Diagnostic::new(Code::BlockFrame, span, format!("`:` is missing after `{word}`"))
+        .label("a part of the header")
+        .help(format!("write `{word} : {text}`"))
+}
+
+/// `FUNCTION FC 1 INT`. `ty`: the type.
+pub fn no_colon_before_type(span: Span, ty: &str) -> Diagnostic {
+    Diagnostic::new(Code::BlockFrame, span, format!("`:` is missing before the type `{ty}`"))
+        .label("the type of the result")
+        .help(format!("write `: {ty}`"))
+}
+
 pub fn not_in_header(span: Span, what: &str, text: &str, help: &str) -> Diagnostic {
     Diagnostic::new(Code::BlockFrame, span, format!("a {what} cannot contain `{text}`"))
         .label("neither a part of the header nor a declaration")

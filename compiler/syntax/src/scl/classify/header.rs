@@ -4,7 +4,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 
 use super::expression::Run;
 use super::{Classifier, unquoted};
-use crate::front::frame::not_in_header;
+use crate::front::frame::{self, not_in_header};
 use crate::scl::address;
 use crate::scl::keyword::Keyword;
 use crate::scl::raw::{RawKind, RawToken};
@@ -37,6 +37,14 @@ impl<'a> Classifier<'a, '_> {
         if keyword == Keyword::Function {
             if self.is_at(RawKind::Colon) {
                 self.take(Tok::Colon);
+                self.type_tokens();
+            } else if let Some(ty) = self.peek().filter(|token| token.kind == RawKind::Word && !token.first_on_line)
+                && !self.header_keyword(self.at)
+                && !ty.keyword.is_some_and(|word| word.begins_section() || word.ends_block() || word == Keyword::Begin)
+            {
+                self.report(frame::no_colon_before_type(self.span(ty), self.slice(ty)));
+                let at = ty.start as usize;
+                self.push(at, Tok::Colon, at);
                 self.type_tokens();
             }
         } else if keyword == Keyword::Type && self.is_at(RawKind::Colon) {
@@ -161,11 +169,13 @@ impl<'a> Classifier<'a, '_> {
                     self.section();
                 }
                 (RawKind::Word, _) if self.header_keyword(self.at) => self.header_word(token),
+                (RawKind::Word, None) if token.first_on_line && self.misspelt_header(frame) => {}
                 (RawKind::Semicolon, _) if frame != Frame::Code => self.at += 1,
                 (RawKind::Word | RawKind::Quoted | RawKind::Local, _) if frame != Frame::Code && !has_content => {
                     has_content = true;
                     self.content();
                 }
+                _ if frame == Frame::Code && !has_content && self.header_goes_on() => self.skip_line_of_header(token),
                 _ if frame == Frame::Code => break,
                 _ => self.skip_in_header(frame),
             }
@@ -222,6 +232,64 @@ impl<'a> Classifier<'a, '_> {
             self.take(Tok::End);
         } else {
             self.push_here(Tok::End);
+        }
+    }
+
+    /// A line of the header whose word is misspelt or has no colon: reported and skipped.
+    fn misspelt_header(&mut self, frame: Frame) -> bool {
+        let token = self.raw[self.at];
+        let (span, word) = (self.span(token), self.slice(token));
+        let next = self.raw.get(self.at + 1).filter(|next| !next.first_on_line);
+        let message = match next.map(|next| next.kind) {
+            Some(RawKind::Colon | RawKind::Equal) => frame::misspelt_in_header(span, word),
+            Some(RawKind::Number | RawKind::Real | RawKind::Text)
+                if frame == Frame::Code && header_field(word).is_some() =>
+            {
+                let line = self.text[token.end as usize..].lines().next().unwrap_or_default();
+                Some(frame::no_colon_in_header(span, word, line.trim()))
+            }
+            _ => None,
+        };
+        let Some(message) = message else { return false };
+        self.report(message);
+        self.skip_line();
+        true
+    }
+
+    /// Whether declarations or BEGIN follow with no statement before them, so this is a part of the header.
+    fn header_goes_on(&self) -> bool {
+        let mut inside = false;
+        for (index, token) in self.raw.iter().enumerate().skip(self.at) {
+            match (token.kind, token.keyword) {
+                (RawKind::LeftBrace, _) => inside = true,
+                (RawKind::RightBrace, _) => inside = false,
+                (RawKind::Assign | RawKind::Semicolon, _) if !inside => return false,
+                (_, Some(Keyword::Begin)) => return token.first_on_line,
+                (_, Some(word)) if word.begins_section() => return token.first_on_line,
+                (_, Some(_)) if index > self.at => return false,
+                _ => {}
+            }
+        }
+        false
+    }
+
+    /// Reports and skips a line that no header has.
+    fn skip_line_of_header(&mut self, token: RawToken) {
+        let word = self.slice(token);
+        let help = match address::numbered_block(word) {
+            Some(_) => format!("a block has a name or a number: write one of them, such as `{word}`"),
+            None => {
+                "a header has TITLE, VERSION, AUTHOR, FAMILY and NAME; then come declarations and `BEGIN`".to_owned()
+            }
+        };
+        self.report(not_in_header(self.span(token), "header", word, &help));
+        self.skip_line();
+    }
+
+    fn skip_line(&mut self) {
+        self.at += 1;
+        while self.peek().is_some_and(|token| !token.first_on_line) {
+            self.at += 1;
         }
     }
 

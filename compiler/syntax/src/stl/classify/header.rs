@@ -3,7 +3,7 @@
 use plcc_diag::{Code, Diagnostic};
 
 use super::{Classifier, Frame, is_end_of_block, is_section, unquoted};
-use crate::front::frame::not_in_header;
+use crate::front::frame::{self, not_in_header};
 use crate::stl::mnemonics::{block_prefix, letters_and_digits};
 use crate::stl::raw::RawKind;
 use crate::stl::token::{CodeKeyword, HeaderField, HeaderFlag, Tok};
@@ -25,6 +25,15 @@ impl<'a> Classifier<'a, '_> {
         self.block_name(self.slice(opening));
         if function && self.kind_at(self.at) == Some(RawKind::Colon) {
             self.take(Tok::Colon);
+            self.type_name();
+        } else if function
+            && let Some(ty) = self.peek().filter(|token| token.kind == RawKind::Word && !token.first_on_line)
+            && !self.header_keyword(self.at)
+            && self.upper(self.at).as_str() != "TITLE"
+        {
+            self.report(frame::no_colon_before_type(self.span(ty), self.slice(ty)));
+            let at = ty.start as usize;
+            self.push(at, Tok::Colon, at);
             self.type_name();
         }
         // `FUNCTION_BLOCK FB 1 : VOID`: other blocks return nothing anyway.
@@ -165,6 +174,7 @@ impl<'a> Classifier<'a, '_> {
                     has_content = true;
                     self.top_struct();
                 }
+                RawKind::Word if token.first_on_line && self.misspelt_header(frame) => {}
                 RawKind::Word | RawKind::Quoted if frame == Frame::Data && !has_content => {
                     has_content = true;
                     self.type_name();
@@ -183,6 +193,28 @@ impl<'a> Classifier<'a, '_> {
                 _ => self.skip_in_header(frame),
             }
         }
+    }
+
+    /// A line of the header whose word is misspelt or has no colon: reported and skipped.
+    fn misspelt_header(&mut self, frame: Frame) -> bool {
+        let token = self.raw[self.at];
+        let (span, word) = (self.span(token), self.slice(token));
+        let next = self.raw_at(self.at + 1).filter(|next| !next.first_on_line);
+        let message = match next.map(|next| next.kind) {
+            Some(RawKind::Colon | RawKind::Equal) => frame::misspelt_in_header(span, word),
+            Some(_) if frame == Frame::Code && header_field(self.upper(self.at).as_str()).is_some() => {
+                let line = self.text[token.end as usize..].lines().next().unwrap_or_default();
+                Some(frame::no_colon_in_header(span, word, line.trim()))
+            }
+            _ => None,
+        };
+        let Some(message) = message else { return false };
+        self.report(message);
+        self.at += 1;
+        while self.peek().is_some_and(|token| !token.first_on_line) {
+            self.at += 1;
+        }
+        true
     }
 
     /// Skips text that no header has, up to the next line that begins with a known word.
