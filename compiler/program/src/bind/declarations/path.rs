@@ -7,6 +7,7 @@ use plcc_syntax::ast::{Area, BlockPrefix, CellKind, Path, PathPart, PathRoot, Wi
 
 use crate::bind::declarations::Declarations;
 use crate::bind::declarations::block::CurrentBlock;
+use crate::bind::globals::names::kind_prefix;
 use plcc_binding::report::MissingKey;
 use plcc_binding::{fold, similar};
 use plcc_model::Place;
@@ -198,11 +199,26 @@ impl Declarations<'_> {
             return self.globals.report.missing(MissingKey::Local(fold(name)), span, || message().help(help));
         }
         let message = message();
-        let names = ctx.bound.locals.values().map(|local| local.name.as_str());
-        self.report(match similar(name, names) {
-            Some(other) => message.help(format!("is `#{other}` meant?")),
-            None => message.help("declare it in one of the VAR sections of the block"),
-        });
+        let help = self.meant_by(ctx, name, code);
+        self.report(message.help(help));
+    }
+
+    /// What `#name` may mean: something else that the block has under a similar name, or a global name.
+    fn meant_by(&self, ctx: &CurrentBlock, name: &str, code: Code) -> String {
+        let source = self.globals.sources.code.get(&ctx.key);
+        let constants = source.into_iter().flat_map(|source| &source.block().constants);
+        let constants = constants.map(|constant| constant.name.as_str());
+        let result = ctx.bound.interface.parameters.iter().any(|parameter| parameter.name == "RET_VAL");
+        let own = self.globals.names.block_name(kind_prefix(ctx.key.kind), ctx.key.number);
+        let own = Some(own.as_str()).filter(|_| result && code == Code::UnknownLocal);
+        let locals = ctx.bound.locals.values().map(|local| local.name.as_str());
+        if let Some(other) = similar(name, locals.chain(constants).chain(own)) {
+            return format!("is `#{other}` meant?");
+        }
+        match self.globals.names.symbols.get(&fold(name)) {
+            Some(global) => format!("write `\"{}\"`: `#` is for what the block itself declares", global.name),
+            None => "declare it in one of the VAR sections of the block".to_owned(),
+        }
     }
 
     pub fn resolve_global(&mut self, ctx: &mut CurrentBlock, name: &str, span: Span) -> Option<Resolved> {

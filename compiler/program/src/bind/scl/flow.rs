@@ -113,9 +113,11 @@ impl SclBinder<'_, '_> {
             let before_end = writes.partition_point(|&(start, _)| start < end);
             before_end > 0 && writes[before_end - 1].1 > first
         };
+        // What a statement assigns that has a message of its own is not known.
+        let unread = ctx.scope.unread || !ctx.block.unknown_locals.is_empty();
         let mut told = FxHashSet::default();
         for read in reads {
-            let known = read.first < supplied || is_written(read.first, read.end);
+            let known = unread || read.first < supplied || is_written(read.first, read.end);
             if known || !told.insert((read.first, read.end)) {
                 continue;
             }
@@ -127,7 +129,7 @@ impl SclBinder<'_, '_> {
         }
         let has_value = ctx.block.bound.interface.parameters.iter().any(|parameter| parameter.name == "RET_VAL");
         let is_function = matches!(ctx.block.key.kind, BlockKind::Fc | BlockKind::Sfc) && block.return_type.is_some();
-        if is_function && has_value && !ctx.scope.value_set && !empty {
+        if is_function && has_value && !ctx.scope.value_set && !empty && !unread {
             let name = match &block.name {
                 ast::BlockName::Symbol { name, .. } => format!("#{name}"),
                 ast::BlockName::Numbered { number, .. } => format!("FC{number}"),

@@ -58,6 +58,8 @@ pub struct Scope {
     pub temp_writes: Vec<(u32, u32)>,
     /// The function's own value is assigned somewhere.
     pub value_set: bool,
+    /// A statement could not be read, which is reported; nobody knows what it assigns.
+    pub unread: bool,
     /// Variables that no source declares, under names that no source can use: values of nets in LAD and FBD.
     pub hidden: FxHashMap<String, Variable>,
     /// Statements that represent calls of these names: placeholders of a template.

@@ -39,7 +39,11 @@ impl SclBinder<'_, '_> {
         }
         let span = ctx.block.fixed_span.unwrap_or(head(tree));
         let kind = match &tree.kind {
-            TreeKind::Empty | TreeKind::Error => None,
+            TreeKind::Empty => None,
+            TreeKind::Error => {
+                ctx.scope.unread = true;
+                None
+            }
             TreeKind::Label(name) => self.label(ctx, name).map(StatementKind::Label),
             TreeKind::Expression(node) => self.lone_expression(ctx, node, bound),
             TreeKind::Assign { targets, value } => {
@@ -181,7 +185,10 @@ impl SclBinder<'_, '_> {
                 );
                 None
             }
-            NodeKind::Error => None,
+            NodeKind::Error => {
+                ctx.scope.unread = true;
+                None
+            }
             _ => {
                 let text = self.program.globals.text(node.span);
                 self.refuse(
