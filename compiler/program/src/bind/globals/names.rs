@@ -145,10 +145,17 @@ impl Globals<'_> {
                 if let Some(row) = rows.find(|row| fold(&row.name) == fold(name)) {
                     return self.report.unreadable_symbol(name, span, row);
                 }
-                let meant = self.similar_name(name, locals);
+                let meant = self.path_in_quotes(name).or_else(|| self.similar_name(name, locals));
                 self.report.missing_symbol(name, span, meant);
             }
         }
+    }
+
+    /// `"Data.speed"` for `"Data".speed`.
+    fn path_in_quotes(&self, name: &str) -> Option<String> {
+        let (block, component) = name.split_once('.')?;
+        let global = self.names.symbols.get(&fold(block))?;
+        Some(format!("\"{}\".{component}", global.name))
     }
 
     /// A name of the block or the program that resembles `name`; that of the block comes first.

@@ -13,13 +13,14 @@ use super::place::{Db, Root, Spot, Thing};
 use super::scope::TempUse;
 use super::value::Value;
 use crate::bind::declarations::path::{self, Resolved, Variable, type_of_width};
+use crate::bind::globals::names::code_kind;
 use crate::bind::scl::message::DEPTH_MAX;
 use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::fold;
-use plcc_model::Number;
 use plcc_model::layout;
 use plcc_model::scl::{Access, Complex, Expr, ExprKind, IndexedArea, Part};
 use plcc_model::types::{DataType, ParameterType};
+use plcc_model::{BlockKey, Number};
 use plcc_syntax::symbols::SymbolTarget;
 
 impl SclBinder<'_, '_> {
@@ -455,6 +456,20 @@ impl SclBinder<'_, '_> {
                 let base = Span::new(span.file, span.start as usize..name.span.start as usize);
                 let text = self.program.globals.text(base);
                 self.program.globals.report.missing_beside_type(text.trim_end().trim_end_matches('.'), span);
+                None
+            }
+            Thing::Block { prefix: prefix @ (BlockPrefix::Fb | BlockPrefix::Sfb), number: Number::Known(number) } => {
+                let base = Span::new(span.file, span.start as usize..name.span.start as usize);
+                let text = self.program.globals.text(base);
+                let text = text.trim_end().trim_end_matches('.').trim_end();
+                let base = Span::new(span.file, span.start as usize..span.start as usize + text.len());
+                let key = BlockKey { kind: code_kind(prefix)?, number };
+                let help = match self.first_instance(key) {
+                    Some(instance) => format!("write `{instance}.{}`", name.text),
+                    None => format!("name an instance of it before `.{}`", name.text),
+                };
+                let title = format!("`{text}` is a function block, and has no data");
+                self.refuse(Code::UnknownMember, base, &title, "its data are in its instances", &help);
                 None
             }
             Thing::Constant(_)

@@ -314,6 +314,16 @@ impl SclBinder<'_, '_> {
         }
     }
 
+    /// The data block with the lowest number that is an instance of the function block, as a program writes it.
+    pub(super) fn first_instance(&self, key: BlockKey) -> Option<String> {
+        let instances = self.program.data.blocks.iter().filter(|(_, db)| db.block.instance_of == Some(key));
+        let number = instances.map(|(number, _)| *number).min()?;
+        Some(match self.program.globals.names.block_name(BlockPrefix::Db, number) {
+            name if name.is_empty() => format!("DB{number}"),
+            name => format!("\"{name}\""),
+        })
+    }
+
     /// How to call a function block that the program calls as `text`, without an instance.
     fn instance_help(&self, key: BlockKey, text: &str) -> String {
         let names = &self.program.globals.names;

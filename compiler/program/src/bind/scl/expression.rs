@@ -120,6 +120,11 @@ impl SclBinder<'_, '_> {
                 value = None;
                 continue;
             }
+            // `text = "START"`.
+            if is_comparison(*op) && Self::is_local_text(ctx, left) && self.is_text_in_name_quotes(ctx, right) {
+                value = None;
+                continue;
+            }
             let right = match self.compared_type_name(ctx, *op, left, right) {
                 Some(number) => Some(number),
                 None => self.value(ctx, right),
@@ -135,15 +140,7 @@ impl SclBinder<'_, '_> {
     /// Reports `a = 5 OR 6`, which was meant as `a = 5 OR a = 6`.
     fn number_among_conditions(&mut self, op: Operator, left: &Node, right: &Node) -> bool {
         let NodeKind::Binary { op: compare, left: subject, .. } = &left.kind else { return false };
-        let compares = matches!(
-            compare,
-            Operator::Less
-                | Operator::Greater
-                | Operator::LessEqual
-                | Operator::GreaterEqual
-                | Operator::Equal
-                | Operator::NotEqual
-        );
+        let compares = is_comparison(*compare);
         let number = match &right.kind {
             NodeKind::Literal(Literal::Integer { value, .. }) => *value > 1,
             _ => false,
@@ -399,4 +396,16 @@ pub fn binary_op(op: Operator) -> BinaryOp {
         | Operator::Equal
         | Operator::NotEqual => unreachable!("comparisons are not operations"),
     }
+}
+
+const fn is_comparison(op: Operator) -> bool {
+    matches!(
+        op,
+        Operator::Less
+            | Operator::Greater
+            | Operator::LessEqual
+            | Operator::GreaterEqual
+            | Operator::Equal
+            | Operator::NotEqual
+    )
 }
