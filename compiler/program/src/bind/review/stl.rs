@@ -172,11 +172,18 @@ fn not_a_time(load: &StlStatement, timer: Span, sources: &SourceMap) -> Option<D
         return None;
     }
     let message = Diagnostic::new(Code::TimerWithoutTime, timer, format!("`{text}` is not an S5TIME"));
+    // A pattern of bits is no number of seconds.
+    let help = match text.contains("16#") && !wide {
+        true => {
+            format!("digits go from 0 to 9: `W#16#{:X}999` is the longest time with this time base", value >> 12 & 3)
+        }
+        false => rewrite::help(Elementary::S5Time, text, Form::Stl),
+    };
     Some(
         message
             .label("takes the bits of ACCU1 as time base and three BCD digits")
             .also(load.span, "loaded here")
-            .help(rewrite::help(Elementary::S5Time, text, Form::Stl)),
+            .help(help),
     )
 }
 
