@@ -249,8 +249,24 @@ fn is_number(wanted: &str) -> bool {
 fn syntax(message: &str, place: &str, line: &str) -> Wrong {
     let wrong = |title: &str, help: String| Wrong { title: title.to_owned(), help };
     let key = line.split(['=', ':']).next().unwrap_or_default().trim();
-    if message.contains("must be quoted") || message.contains("literal string") || message.contains("unquoted") {
+    let comment = ["//", "--", "/*", ";"].into_iter().find_map(|sign| line.trim_start().strip_prefix(sign));
+    if let Some(text) = comment {
+        return wrong("a comment begins with `#`", format!("write `# {}`", text.trim_end_matches("*/").trim()));
+    }
+    if message.contains("escape") {
+        let line = line.trim().replace("\\\\", "/").replace('\\', "/");
+        return wrong("`\\` begins a special character in a text", format!("write `{line}`: `/` is between folders"));
+    }
+    // `cpu = 315-2DP` begins as a date does.
+    let unquoted = message.contains("invalid date") || message.contains("invalid time");
+    if unquoted
+        || message.contains("must be quoted")
+        || message.contains("literal string")
+        || message.contains("unquoted")
+    {
         let value = line.split_once('=').map_or(place, |(_, value)| value).split('#').next().unwrap_or_default().trim();
+        // Those that word processors write.
+        let value = value.trim_matches(['“', '”', '„', '‘', '’', '«', '»']);
         if !value.is_empty() && !value.starts_with(['"', '\'', '[', '{']) {
             return wrong("a text is written in quotation marks", format!("write `{key} = \"{value}\"`"));
         }
@@ -378,5 +394,11 @@ mod tests {
             "a key and its value are joined by `=`",
             "write `name = \"x\"`",
         );
+        same(quotes, "cpu = “315-2DP”", "a text is written in quotation marks", "write `cpu = \"315-2DP\"`");
+        same("invalid date", "cpu = 315-2DP", "a text is written in quotation marks", "write `cpu = \"315-2DP\"`");
+        same("key with no value, expected `=`", "// my plant", "a comment begins with `#`", "write `# my plant`");
+        let path = "write `sources = [\"src/main.scl\"]`: `/` is between folders";
+        let escape = "missing escaped value, expected `b`, `f`";
+        same(escape, r#"sources = ["src\main.scl"]"#, "`\\` begins a special character in a text", path);
     }
 }
