@@ -112,8 +112,7 @@ pub fn in_folder(path: &Path, text: &str, is_source: bool) -> Content {
     match content {
         Content::Source | Content::Prose if is_source => Content::Source,
         Content::Source | Content::Prose if text.trim().is_empty() => Content::Nothing,
-        // A table whose form is wrong: its reader says how.
-        Content::Source | Content::Prose if is_table_by_name(path) && symbols::has_rows(text) => Content::SymbolTable,
+        Content::Source | Content::Prose if is_table_in_no_form(path, text) => Content::SymbolTable,
         Content::Source | Content::Prose => {
             let signs = Signs::of(text);
             if signs.is_source() {
@@ -137,6 +136,11 @@ pub fn in_folder(path: &Path, text: &str, is_source: bool) -> Content {
 /// An executable or a trace, which plcc itself writes next to the sources.
 fn is_output(text: &str) -> bool {
     ["\u{7f}ELF", "cycle,time_ms,", "$timescale"].iter().any(|start| text.starts_with(start))
+}
+
+/// A table whose form is wrong: its reader says how.
+pub fn is_table_in_no_form(path: &Path, text: &str) -> bool {
+    is_table_by_name(path) && symbols::has_rows(text)
 }
 
 /// Named as STEP 7 names the tables that it exports.

@@ -193,6 +193,7 @@ fn content_of(path: &Path, text: &str) -> Content {
         return Content::Other("settings or a scenario in TOML");
     }
     match content::of(text) {
+        Content::Source | Content::Prose if content::is_table_in_no_form(path, text) => Content::SymbolTable,
         Content::Prose if pipeline::language_of(&path.display().to_string()).is_some() => Content::Source,
         // For a binary file the name is the best evidence.
         Content::Other(what) => match foreign::of_name(path) {
