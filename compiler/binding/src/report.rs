@@ -3,7 +3,7 @@
 use plcc_diag::{Code, Diagnostic, Severity, Span};
 use plcc_literal::duration::{self, Fraction, Smallest};
 use plcc_syntax::ast::BlockPrefix;
-use plcc_syntax::symbols::UnreadableRow;
+use plcc_syntax::symbols::{QUOTE_MISSING, UnreadableRow};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::{fold, similar};
@@ -154,6 +154,7 @@ impl Report {
                 .label("its row in the symbol table cannot be read")
                 .also(row.span, row.reason.clone())
                 .help(match &row.meant {
+                    _ if row.reason == QUOTE_MISSING => "write the missing `\"` in that row".to_owned(),
                     Some(address) => format!("write `{address}` into that row"),
                     None => "write an address such as `I 0.0`, `MW 10` or `FC 105` into that row".to_owned(),
                 })

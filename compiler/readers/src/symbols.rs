@@ -15,8 +15,8 @@ pub use sheets::is_of_tags as is_workbook_of_tags;
 use columns::Columns;
 use plcc_diag::{Code, Diagnostic, FileId, Severity, SourceFile, Span};
 use plcc_syntax::symbols::{
-    GlobalConstant, S7200Symbol, Symbol, SymbolTable, SymbolTarget, UnreadableRow, address_fault, meant_address,
-    parse_address,
+    GlobalConstant, QUOTE_MISSING, S7200Symbol, Symbol, SymbolTable, SymbolTarget, UnreadableRow, address_fault,
+    meant_address, parse_address,
 };
 
 /// The formats of tables.
@@ -340,7 +340,13 @@ impl Reader<'_> {
                 continue;
             }
             if bare.bytes().filter(|&letter| letter == b'"').count() % 2 == 1 {
-                self.bad(start, line, "a quote is missing");
+                self.bad(start, line, QUOTE_MISSING);
+                // What uses the symbol is told of this row.
+                let name = bare.trim_start().trim_start_matches('"').split(['"', char::from(delimiter)]).next();
+                if let Some(name) = name.map(str::trim).filter(|name| !name.is_empty()) {
+                    let (reason, span) = (QUOTE_MISSING.to_string(), self.span(start, line));
+                    self.table.unreadable.push(UnreadableRow { name: name.to_string(), reason, meant: None, span });
+                }
                 continue;
             }
             rows.push((start, line));

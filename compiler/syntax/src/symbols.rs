@@ -17,6 +17,9 @@ pub struct SymbolTable {
     pub unreadable: Vec<UnreadableRow>,
 }
 
+/// The reason of a row whose quotes are not in pairs.
+pub const QUOTE_MISSING: &str = "a quote is missing";
+
 /// A row whose address nobody understands.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UnreadableRow {
