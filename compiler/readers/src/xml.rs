@@ -167,11 +167,23 @@ pub fn parse(text: &str) -> Result<Document<'_>, Fault> {
         let rest = text.get(line..).unwrap_or_default();
         let column = rest.char_indices().nth(place.col.saturating_sub(1) as usize);
         let at = (line + column.map_or(rest.len(), |(column, _)| column)).min(text.len());
+        // `IF a < 5 THEN` in a text.
+        if matches!(error, Error::InvalidName(_))
+            && let Some(before) = text.get(..at).and_then(|text| text.strip_suffix('<'))
+        {
+            let (label, help) = told_of_less();
+            return Fault { at: before.len(), text: label, help };
+        }
         Fault { at, text: label, help }
     })
 }
 
 const EXPORT_AGAIN: &str = "export it again, and copy the whole file";
+
+/// A `<` that begins no element.
+fn told_of_less() -> (String, String) {
+    ("`<` begins an element".to_string(), "write `&lt;` for the character `<` in a text".to_string())
+}
 
 /// What is wrong, and what to write.
 fn told(error: &Error) -> (String, String) {
@@ -186,9 +198,7 @@ fn told(error: &Error) -> (String, String) {
             format!("XML has no character `&{name};`"),
             "the codes are `&amp;`, `&lt;`, `&gt;`, `&quot;` and `&apos;`".to_string(),
         ),
-        Error::InvalidChar2(_, b'<', _) | Error::InvalidChar(b'<', _, _) => {
-            ("`<` begins an element".to_string(), "write `&lt;` for the character `<` in a text".to_string())
-        }
+        Error::InvalidChar2(_, b'<', _) | Error::InvalidChar(b'<', _, _) => told_of_less(),
         Error::UnexpectedCloseTag(open, closed, _) => {
             (format!("`{closed}` is closed, but `{open}` is open"), format!("write `</{open}>` where `{open}` ends"))
         }
