@@ -288,7 +288,7 @@ impl<'a> Declarations<'a> {
                         Diagnostic::new(
                             Code::SectionNotAllowed,
                             span,
-                            format!("an instance of {key} is not possible here"),
+                            format!("an instance of {} is not possible here", self.globals.shown(key)),
                         )
                         .label("only static data of a function block can be an instance")
                         .help("declare it in VAR of a FUNCTION_BLOCK"),

@@ -319,7 +319,8 @@ impl SclBinder<'_, '_> {
     fn note_use(&self, ctx: &mut SclBlock, variable: &Variable, name: &str, intent: Intent, span: Span) {
         let bytes = layout::bytes(&variable.ty);
         match variable.base {
-            path::Base::L => {
+            // Data without a type has a message at its declaration.
+            path::Base::L if variable.ty != DataType::Void => {
                 let (first, end) = (variable.byte, variable.byte + bytes);
                 match intent {
                     Intent::Read => {
