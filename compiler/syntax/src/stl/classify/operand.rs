@@ -9,7 +9,7 @@ use crate::front::foreign_address;
 use crate::stl::mnemonics::{self, letters_and_digits};
 use crate::stl::raw::{RawKind, RawToken};
 use crate::stl::token::Tok;
-use crate::stl::{Mnemonics, messages};
+use crate::stl::{Mnemonics, messages, step5};
 
 impl<'a> Classifier<'a, '_> {
     /// A side of an assertion.
@@ -68,7 +68,7 @@ impl<'a> Classifier<'a, '_> {
                 self.address(token);
             }
             RawKind::Number | RawKind::Real if matches!(self.last(), Some(Tok::Dot)) => self.number_after_dot(token),
-            RawKind::Word if self.foreign_address(token) => {}
+            RawKind::Word if self.foreign_address(token) || self.step5(token) => {}
             _ if self.is_literal(self.at) => self.literal(),
             RawKind::Word => self.operand_word(token),
             RawKind::Quoted => {
@@ -118,6 +118,29 @@ impl<'a> Classifier<'a, '_> {
             Diagnostic::new(Code::ForeignForm, self.span_of(start, end), address.title)
                 .label("not an address of STEP 7")
                 .help(address.help),
+        );
+        while self.raw_at(self.at).is_some_and(|token| (token.start as usize) < end) {
+            self.at += 1;
+        }
+        self.push(start, Tok::BadOperand, end);
+        true
+    }
+
+    /// `KT 50.1`, `FW 10`, `DW 5` of STEP 5.
+    fn step5(&mut self, token: RawToken) -> bool {
+        let beside = self.raw_at(self.at + 1).is_some_and(|next| !next.first_on_line);
+        if !beside || matches!(self.last(), Some(Tok::Dot)) {
+            return false;
+        }
+        let rest = self.text[token.end as usize..].lines().next().unwrap_or_default();
+        let upper = self.upper(self.at);
+        let Some((length, written)) = step5::meant(upper.as_str(), rest) else { return false };
+        let (start, end) = (token.start as usize, token.end as usize + length);
+        let title = format!("`{}` is an operand of STEP 5", &self.text[start..end]);
+        self.report(
+            Diagnostic::new(Code::ForeignForm, self.span_of(start, end), title)
+                .label("STEP 7 has other constants and flags, and counts the bytes of a data block")
+                .help(format!("write `{written}`")),
         );
         while self.raw_at(self.at).is_some_and(|token| (token.start as usize) < end) {
             self.at += 1;
