@@ -32,7 +32,10 @@ impl SclBinder<'_, '_> {
     pub fn call(&mut self, ctx: &mut SclBlock, node: &Node, statement: bool) -> Option<Value> {
         let NodeKind::Call { callee, arguments } = &node.kind else { return None };
         let wide = self.overload(ctx, callee, arguments).map(|key| Callee::Block { key, instance: None });
-        if self.cast(ctx, callee, arguments) || self.foreign_function(callee) {
+        if self.cast(ctx, callee, arguments)
+            || self.foreign_function(callee)
+            || self.instance_as_argument(ctx, callee, arguments)
+        {
             return None;
         }
         let Some(target) = wide.or_else(|| self.callee(ctx, callee)) else {
@@ -68,6 +71,40 @@ impl SclBinder<'_, '_> {
         let title = format!("`{}` is a data type, not a function", name.text);
         let help = format!("write `{from}TO_{}({text})`", to.name());
         self.refuse(Code::ForeignForm, name.span, &title, "a form of other languages", &help);
+        true
+    }
+
+    /// `TON(#t, IN := …)`, which hands an instance to its own function block, is reported.
+    fn instance_as_argument(&mut self, ctx: &mut SclBlock, callee: &Node, given: &[Given]) -> bool {
+        let [Given { name: None, value: Some(node), .. }, rest @ ..] = given else { return false };
+        let (NodeKind::Name(block), NodeKind::Name(instance)) = (&callee.kind, &node.kind) else { return false };
+        let local = ctx.block.bound.locals.get(&fold(&instance.text));
+        let Some(DataType::Struct(structure)) = local.map(|local| &local.ty) else { return false };
+        let Some((system, number)) = structure.instance_of else { return false };
+        let kind = if system { BlockKind::Sfb } else { BlockKind::Fb };
+        let target = self.program.globals.names.symbols.get(&fold(&block.text)).map(|global| global.target);
+        let is_own = match target {
+            Some(SymbolTarget::Block { prefix: BlockPrefix::Fb, number: own }) => !system && own == u32::from(number),
+            Some(_) => false,
+            None => self.library_function(ctx.scope.rules, &block.text) == Some(BlockKey { kind, number }),
+        };
+        if !is_own {
+            return false;
+        }
+        let (called, instance) = (self.program.globals.text(callee.span), self.program.globals.text(node.span));
+        let arguments = match rest {
+            [first, .., last] => self.program.globals.text(first.span.to(last.span)),
+            [only] => self.program.globals.text(only.span),
+            [] => String::new(),
+        };
+        self.refuse(
+            Code::MissingOperand,
+            callee.span,
+            &format!("`{called}` is called by the name of its instance"),
+            "the instance is not an argument",
+            &format!("write `{instance}({arguments})`"),
+        );
+        self.note_arguments(ctx, rest);
         true
     }
 
