@@ -403,6 +403,13 @@ impl<'a> Classifier<'a, '_> {
             Some(value) if self.at > first => self.text[value.start as usize..end].trim_matches(['\'', '"']),
             _ => "",
         };
+        if let Some(meant) = misspelt_attribute(key) {
+            self.report(
+                Diagnostic::new(Code::AttributeValue, self.span(name), format!("the attribute `{key}` is not known"))
+                    .label("has no effect")
+                    .help(format!("is `{meant}` meant?")),
+            );
+        }
         self.push(name.start as usize, Tok::Attribute(key, value), end);
     }
 
@@ -463,6 +470,25 @@ impl<'a> Classifier<'a, '_> {
     pub(super) fn tolerate(&mut self, span: Span, title: &str, label: &str, help: &str) {
         self.report(Diagnostic::new(Code::Tolerated, span, title).label(label).help(help));
     }
+}
+
+/// The attribute with an effect that `key` is a slip of. Many others are known to the tools of Siemens only.
+fn misspelt_attribute(key: &str) -> Option<&'static str> {
+    const EFFECTIVE: [&str; 9] = [
+        "S7_Optimized_Access",
+        "S7_IECCheck",
+        "SetENOAutomatically",
+        "SCL_SetOKFlag",
+        "S7_EventClass",
+        "SecondaryType",
+        "S7_StandardRetain",
+        "S7_BlockNumber",
+        "S7_PreferredLanguage",
+    ];
+    const OTHERS: [&str; 5] =
+        ["S7_SetENOAutomatically", "S7_Optimized", "BlockNumber", "ProgrammingLanguage", "S7_Language"];
+    let known = EFFECTIVE.iter().chain(&OTHERS).any(|known| known.eq_ignore_ascii_case(key));
+    if known { None } else { crate::front::frame_words::slip_of(key, EFFECTIVE) }
 }
 
 /// Text after `TITLE` and `=`, without quotes.
