@@ -396,8 +396,19 @@ impl<'t> Repair<'t> {
 
     fn misspelt(&mut self, first: usize, after: usize, keyword: Keyword) {
         let text = self.words(first, after - 1);
+        // Their results are those of the operators negated.
+        let negated = [("NAND", "AND"), ("NOR", "OR"), ("XNOR", "XOR"), ("EXNOR", "XOR")];
+        if let Some((_, operator)) = negated.into_iter().find(|(word, _)| word.eq_ignore_ascii_case(text)) {
+            let title = format!("SCL has no operator `{text}`");
+            let help = format!("write `NOT (a {operator} b)` for `a {text} b`");
+            return self.report(first, after, title, "a form of other languages", help);
+        }
         let message = crate::front::frame_words::misspelt(self.span(first, after), text, keyword.word());
-        self.messages.push(message);
+        // Without a negative step the loop would never run.
+        self.messages.push(match text.eq_ignore_ascii_case("DOWNTO") {
+            true => message.help("write `TO`, and `BY -1` before `DO`"),
+            false => message,
+        });
     }
 }
 

@@ -95,7 +95,10 @@ impl Reached<'_> {
             Diagnostic::new(Code::UnreachableCode, span, "this statement is never reached")
                 .label("no path leads here")
                 .also(reason, text)
-                .help("remove it, or look at the condition that should lead here"),
+                .help(match text {
+                    EMPTY_RANGE => "a loop counts up unless it has a negative step, as `BY -1`: look at its values",
+                    _ => "remove it, or look at the condition that should lead here",
+                }),
         );
     }
 
@@ -133,7 +136,7 @@ impl Reached<'_> {
             }
             StatementKind::For { start, end, step, body, .. } => {
                 if self.is_text && never_runs(start, end, step) {
-                    self.body_is_never_reached(body, start.span.to(end.span), "no value lies between these");
+                    self.body_is_never_reached(body, start.span.to(end.span), EMPTY_RANGE);
                 }
                 self.list(body);
                 false
@@ -183,6 +186,9 @@ impl Reached<'_> {
         is_word.then_some(value != 0)
     }
 }
+
+/// Why a FOR with these limits never runs.
+const EMPTY_RANGE: &str = "no value lies between these";
 
 /// True if the limits are known and the first value lies beyond the last one.
 fn never_runs(start: &Expr, end: &Expr, step: &Expr) -> bool {

@@ -7,7 +7,7 @@ use crate::scl::keyword::Keyword;
 use crate::scl::raw::{RawKind, RawToken};
 
 /// Words of other languages for a statement or an operator.
-const ALIASES: [(&str, Keyword); 21] = [
+const ALIASES: [(&str, Keyword); 22] = [
     ("ELIF", Keyword::Elsif),
     ("ELSE_IF", Keyword::Elsif),
     ("WENN", Keyword::If),
@@ -18,6 +18,7 @@ const ALIASES: [(&str, Keyword); 21] = [
     ("BREAK", Keyword::Exit),
     ("LEAVE", Keyword::Exit),
     ("ENDE_IF", Keyword::EndIf),
+    ("ENDE_WENN", Keyword::EndIf),
     ("FI", Keyword::EndIf),
     ("WEND", Keyword::EndWhile),
     ("ESAC", Keyword::EndCase),
