@@ -25,7 +25,7 @@ enum Meaning {
 }
 
 /// Names of elements in other editors, and what SIMATIC SD calls them.
-const FOREIGN: [(&str, &str); 18] = [
+const FOREIGN: [(&str, &str); 31] = [
     ("XIC", "Contact"),
     ("XIO", "I_Contact"),
     ("NO", "Contact"),
@@ -44,6 +44,20 @@ const FOREIGN: [(&str, &str); 18] = [
     ("ONS", "P_Contact"),
     ("Output", "Coil"),
     ("Set", "S_Coil"),
+    ("Reset", "R_Coil"),
+    ("SetCoil", "S_Coil"),
+    ("ResetCoil", "R_Coil"),
+    ("Assign", "Coil"),
+    ("NOContact", "Contact"),
+    ("NO_Contact", "Contact"),
+    ("NCContact", "I_Contact"),
+    ("NC_Contact", "I_Contact"),
+    ("NegContact", "I_Contact"),
+    // N is an edge here, and a negation elsewhere.
+    ("NContact", "I_Contact` for a negated contact, for a falling edge `N_Contact"),
+    ("NCoil", "I_Coil` for a negated coil, for a falling edge `N_Coil"),
+    ("NegCoil", "I_Coil"),
+    ("Subtract", "Sub"),
 ];
 
 impl Builder<'_, '_> {
