@@ -27,12 +27,13 @@ pub enum Term {
     All(Vec<Input>),
     Any(Vec<Input>),
     Odd(Vec<Input>),
-    /// A comparison of two operands, while the flow is 1.
+    /// A comparison of two operands, while the flow is 1; `real`: as floating-point numbers.
     Compare {
         flow: Option<usize>,
         sign: String,
         left: String,
         right: String,
+        real: bool,
     },
     Unknown,
 }
@@ -132,7 +133,8 @@ fn term(part: &Part) -> Term {
             );
             match (operands.next(), operands.next()) {
                 (Some(left), Some(right)) => {
-                    Term::Compare { flow: part.net(part.flow_in), sign: sign.clone(), left, right }
+                    let real = is_real(&part.look, [&left, &right]);
+                    Term::Compare { flow: part.net(part.flow_in), sign: sign.clone(), left, right, real }
                 }
                 _ => Term::Unknown,
             }
@@ -141,12 +143,26 @@ fn term(part: &Part) -> Term {
     }
 }
 
+/// Whether a comparison is one of floating-point numbers: by its type, or without one by a constant.
+fn is_real(look: &Look, operands: [&String; 2]) -> bool {
+    let ty = match look {
+        Look::Compare { ty, .. } => ty.trim(),
+        Look::Box { detail, .. } => detail.trim(),
+        _ => "",
+    };
+    match ty {
+        "" => operands.iter().any(|text| text.contains('.') && text.parse::<f64>().is_ok()),
+        ty => ["R", "REAL", "LREAL"].iter().any(|real| real.eq_ignore_ascii_case(ty)),
+    }
+}
+
 impl Logic {
     /// The values of nets that can be known; `value` finds the value of an operand as text.
     pub fn values(&self, value: &dyn Fn(&str) -> Option<String>) -> HashMap<usize, bool> {
         let mut known: HashMap<usize, bool> = HashMap::new();
         let bit = |key: &str| match key.to_ascii_uppercase().as_str() {
-            "TRUE" => Some(true),
+            // SM0.0 of an S7-200 is always 1.
+            "TRUE" | "SM0.0" => Some(true),
             "FALSE" => Some(false),
             _ => match value(key)?.as_str() {
                 "1" | "TRUE" => Some(true),
@@ -223,12 +239,12 @@ impl Term {
                 let sum = values.iter().flatten().filter(|value| **value).count();
                 (!values.contains(&None)).then_some(sum % 2 == 1)
             }
-            Term::Compare { flow, sign, left, right } => {
+            Term::Compare { flow, sign, left, right, real } => {
                 let flow = match flow {
                     Some(net) => nets.get(net).copied(),
                     None => Some(true),
                 };
-                let number = |text: &str| number(&operand(text).unwrap_or_else(|| text.to_string()));
+                let number = |text: &str| number(&operand(text).unwrap_or_else(|| text.to_string()), *real);
                 let result = match (number(left), number(right)) {
                     (Some(left), Some(right)) => Some(match sign.as_str() {
                         "=" | "==" => left == right,
@@ -262,23 +278,26 @@ impl Term {
             Term::All(inputs) => serde_json::Value::Array(std::iter::once(json!("&")).chain(list(inputs)).collect()),
             Term::Any(inputs) => serde_json::Value::Array(std::iter::once(json!("|")).chain(list(inputs)).collect()),
             Term::Odd(inputs) => serde_json::Value::Array(std::iter::once(json!("^")).chain(list(inputs)).collect()),
-            Term::Compare { flow, sign, left, right } => json!(["?", flow, sign, left, right]),
+            Term::Compare { flow, sign, left, right, real } => json!(["?", flow, sign, left, right, real]),
             Term::Unknown => json!(["u"]),
         }
     }
 }
 
-/// A number of a trace or a constant: `-5`, `16#00FF`, `1.5`, `INT#7`, `T#5s` in seconds is none. Words in base 16 are INT.
-fn number(text: &str) -> Option<f64> {
-    if let Some(hex) = text.strip_prefix("16#") {
-        let bits = i64::from_str_radix(&hex.replace('_', ""), 16).ok()?;
-        return Some(if hex.len() == 4 {
-            bits as i16 as f64
-        } else if hex.len() == 8 {
-            bits as i32 as f64
-        } else {
-            bits as f64
-        });
+/// A number of a trace or a constant: `-5`, `16#00FF`, `2#101`, `1.5`, `INT#7`; `T#5s` is none. Words in base 16 are
+/// INT, and double words DINT, or REAL if the comparison is one of REAL.
+fn number(text: &str, real: bool) -> Option<f64> {
+    let prefixes = [("16#", 16), ("8#", 8), ("2#", 2)];
+    let based = prefixes.into_iter().find_map(|(prefix, base)| Some((text.strip_prefix(prefix)?, base)));
+    if let Some((digits, base)) = based {
+        let bits = i64::from_str_radix(&digits.replace('_', ""), base).ok()?;
+        return match (real, base, digits.len()) {
+            (true, 16, 8) => Some(f64::from(f32::from_bits(bits as u32))),
+            (true, ..) => None,
+            (false, 16, 4) => Some(f64::from(bits as i16)),
+            (false, 16, 8) => Some(f64::from(bits as i32)),
+            (false, ..) => Some(bits as f64),
+        };
     }
     text.parse().ok().or_else(|| text.split_once('#')?.1.parse().ok())
 }
@@ -294,5 +313,25 @@ impl Logic {
             logic["contacts"] = serde_json::json!(self.contacts);
         }
         logic
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bits_are_numbers_of_the_type_that_is_compared() {
+        for (text, real, expected) in [
+            ("16#3F000000", true, Some(0.5)),
+            ("16#FFFFFFFF", false, Some(-1.0)),
+            ("16#FFFB", false, Some(-5.0)),
+            ("16#FFFB", true, None),
+            ("2#1000_0001", false, Some(129.0)),
+            ("1.500000e+000", true, Some(1.5)),
+            ("T#5s", false, None),
+        ] {
+            assert_eq!(number(text, real), expected, "{text}");
+        }
     }
 }

@@ -294,9 +294,13 @@ const VIEWS = xref
 // The state at a time of the trace.
 let shown = null;
 const bit = (v) => (v === "1" || v === "TRUE" ? true : v === "0" || v === "FALSE" ? false : null);
-const number = (t) => {
-  const m = /^16#([0-9A-F_]+)$/i.exec(t);
-  if (m) { const n = parseInt(m[1].replace(/_/g, ""), 16); return m[1].length === 4 ? (n << 16) >> 16 : m[1].length === 8 ? n | 0 : n; }
+const number = (t, real) => {
+  const m = /^(16|8|2)#([0-9A-F_]+)$/i.exec(t);
+  if (m) {
+    const n = parseInt(m[2].replace(/_/g, ""), +m[1]), digits = m[1] === "16" ? m[2].length : 0;
+    if (real) return digits === 8 ? new Float32Array(new Uint32Array([n]).buffer)[0] : null;
+    return Number.isNaN(n) ? null : digits === 4 ? (n << 16) >> 16 : digits === 8 ? n | 0 : n;
+  }
   const n = Number(t.replace(/^[A-Z]+#/, ""));
   return t === "" || Number.isNaN(n) ? null : n;
 };
@@ -304,7 +308,7 @@ const all = (vs) => (vs.includes(false) ? false : vs.includes(null) ? null : tru
 const any = (vs) => (vs.includes(true) ? true : vs.includes(null) ? null : false);
 function flow(logic) {
   const known = new Map();
-  const operand = (k) => (/^TRUE$/i.test(k) ? true : /^FALSE$/i.test(k) ? false : shown.has(k) ? bit(shown.get(k)) : null);
+  const operand = (k) => (/^TRUE$/i.test(k) ? true : /^FALSE$/i.test(k) ? false : k === "SM0.0" ? true : shown.has(k) ? bit(shown.get(k)) : null);
   const input = ([v, neg]) => { const x = typeof v === "number" ? known.get(v) ?? null : operand(v); return x === null ? null : x !== neg; };
   const term = (t) => {
     if (t[0] === "r") return true;
@@ -312,7 +316,7 @@ function flow(logic) {
     if (t[0] === "|") return any(t.slice(1).map(input));
     if (t[0] === "^") { const vs = t.slice(1).map(input); return vs.includes(null) ? null : vs.filter((v) => v).length % 2 === 1; }
     if (t[0] === "?") {
-      const [, net, sign, a, b] = t, value = (k) => number(shown.get(k) ?? k), x = value(a), y = value(b);
+      const [, net, sign, a, b, real] = t, value = (k) => number(shown.get(k) ?? k, real), x = value(a), y = value(b);
       const on = net === null ? true : known.get(net) ?? null;
       if (x === null || y === null) return all([on, null]);
       return all([on, { "=": x === y, "==": x === y, "<>": x !== y, "<": x < y, "<=": x <= y, ">": x > y, ">=": x >= y }[sign] ?? null]);
@@ -378,7 +382,7 @@ window.live = {
       if (isWatched(d)) continue;
       for (const t of d.querySelectorAll("text.v,text.o")) found.add(t.dataset.k);
       const logic = sectionOf(d).logic;
-      for (const t of logic?.nets.flat() ?? []) if (t[0] === "?") t.slice(3).forEach((k) => found.add(k)); else t.slice(1).forEach((i) => Array.isArray(i) && input(i));
+      for (const t of logic?.nets.flat() ?? []) if (t[0] === "?") t.slice(3, 5).forEach((k) => found.add(k)); else t.slice(1).forEach((i) => Array.isArray(i) && input(i));
       for (const [, k] of logic?.coils ?? []) found.add(k);
     }
     return [...found].filter((k) => k && !/^(TRUE|FALSE|[-+]?\d.*|\w+#[-+\d].*)$/i.test(k));
