@@ -9,6 +9,19 @@ pub struct Span {
     pub end: usize,
     /// It also leads elsewhere: nothing can be put beside it.
     pub shared: bool,
+    /// It has an edge or an inversion of all that is before it: nothing but the rail can come before it.
+    pub whole: bool,
+}
+
+impl Span {
+    /// A span of nothing at a net.
+    pub fn at(net: usize) -> Span {
+        Span::between(net, net)
+    }
+
+    pub fn between(start: usize, end: usize) -> Span {
+        Span { start, end, shared: false, whole: false }
+    }
 }
 
 /// Builds a sheet; nets that are joined become one at the end.
@@ -94,14 +107,14 @@ impl Rungs {
     pub fn load(&mut self, sign: &str, operands: Vec<Label>) -> Span {
         let (start, end) = (self.net(), self.net());
         self.contact(sign, operands, start, end);
-        Span { start, end, shared: false }
+        Span::between(start, end)
     }
 
     /// A contact after a span.
     pub fn then(&mut self, span: Span, sign: &str, operands: Vec<Label>) -> Span {
         let end = self.net();
         self.contact(sign, operands, span.end, end);
-        Span { end, shared: false, ..span }
+        Span { end, shared: false, whole: span.whole || matches!(sign, "NOT" | "P" | "N"), ..span }
     }
 
     pub fn coil(&mut self, sign: &str, operands: Vec<Label>, from: usize) {

@@ -113,15 +113,18 @@ impl Maker<'_> {
             Insn::AndLoad | Insn::OrLoad => {
                 let (second, first) = (self.pop()?, self.pop()?);
                 if insn == Insn::AndLoad {
+                    if second.whole {
+                        return Err("joins an edge or NOT that is not of the logic before it".to_string());
+                    }
                     self.rungs.join(first.end, second.start);
-                    self.push(Span { start: first.start, end: second.end, shared: false })?;
+                    self.push(Span { end: second.end, shared: false, ..first })?;
                 } else {
                     if first.shared || self.rungs.is_used(first.end) {
                         return Err("would be beside a branch that already leads elsewhere".to_string());
                     }
                     self.rungs.join(first.start, second.start);
                     self.rungs.join(first.end, second.end);
-                    self.push(first)?;
+                    self.push(Span { whole: first.whole || second.whole, ..first })?;
                 }
             }
             Insn::Push => {
@@ -197,7 +200,7 @@ impl Maker<'_> {
             'L' => {
                 let (start, end) = (self.rungs.net(), self.rungs.net());
                 self.rungs.part(look, meaning, pins, Some(start), Some(end));
-                self.push(Span { start, end, shared: false })
+                self.push(Span::between(start, end))
             }
             'A' => {
                 let span = self.pop()?;
@@ -239,7 +242,7 @@ impl Maker<'_> {
             }
             None => {
                 let net = self.rungs.net();
-                self.rungs.rail(Span { start: net, end: net, shared: false });
+                self.rungs.rail(Span::at(net));
                 net
             }
         };

@@ -137,8 +137,7 @@ impl Maker<'_> {
                 Ok(())
             }
             SetRlo => {
-                let net = self.rungs.net();
-                self.span = Some(Span { start: net, end: net, shared: false });
+                self.span = Some(Span::at(self.rungs.net()));
                 (self.branch, self.assigned) = (None, false);
                 Ok(())
             }
@@ -165,7 +164,7 @@ impl Maker<'_> {
                     return Err("does not depend on the logic before it".to_string());
                 }
                 let net = self.rungs.net();
-                self.rungs.rail(Span { start: net, end: net, shared: false });
+                self.rungs.rail(Span::at(net));
                 let pins = vec![side("IN", value, false), side("OUT", label.ok_or("has no operand")?, true)];
                 let look = Look::Box { title: "MOVE".to_string(), detail: String::new(), instance: None };
                 self.rungs.part(look, Meaning::Other, pins, Some(net), None);
@@ -174,7 +173,7 @@ impl Maker<'_> {
             Jump | JumpIf | JumpIfNot if !is_last => Err("is not the last statement".to_string()),
             Jump => {
                 let net = self.rungs.net();
-                self.rungs.rail(Span { start: net, end: net, shared: false });
+                self.rungs.rail(Span::at(net));
                 self.rungs.coil("JMP", label.into_iter().collect(), net);
                 Ok(())
             }
@@ -219,7 +218,7 @@ impl Maker<'_> {
         let span = self.span.take().ok_or("has an empty branch before it")?;
         self.rungs.join(branch.start, span.start);
         self.rungs.join(branch.end, span.end);
-        self.span = Some(branch);
+        self.span = Some(Span { whole: branch.whole || span.whole, ..branch });
         Ok(())
     }
 
@@ -234,15 +233,18 @@ impl Maker<'_> {
         self.branch = branch;
         self.span = Some(match (before, opened) {
             (None, _) => inner,
+            (Some(_), StlInsn::AndNest | StlInsn::AndNotNest) if inner.whole => {
+                return Err("ends an edge or an inversion that is not of the logic before it".to_string());
+            }
             (Some(before), StlInsn::AndNest | StlInsn::AndNotNest) => {
                 self.rungs.join(before.end, inner.start);
-                Span { start: before.start, end: inner.end, shared: false }
+                Span { end: inner.end, shared: false, ..before }
             }
             (Some(before), _) => {
                 self.free(before)?;
                 self.rungs.join(before.start, inner.start);
                 self.rungs.join(before.end, inner.end);
-                before
+                Span { whole: before.whole || inner.whole, ..before }
             }
         });
         Ok(())
@@ -287,7 +289,7 @@ impl Maker<'_> {
         let look = Look::Compare { sign: sign.to_string(), ty: ty.to_string() };
         let pins = vec![pin(first, Place::Above), pin(second, Place::Below)];
         self.rungs.part(look, Meaning::Compare(sign.to_string()), pins, Some(start), Some(end));
-        self.span = Some(Span { start, end, shared: false });
+        self.span = Some(Span::between(start, end));
         Ok(())
     }
 
@@ -297,7 +299,7 @@ impl Maker<'_> {
             return Err("does not depend on the logic before it".to_string());
         }
         let net = self.rungs.net();
-        self.rungs.rail(Span { start: net, end: net, shared: false });
+        self.rungs.rail(Span::at(net));
         let title = (self.label)(&call.target).text;
         let pins = call.parameters.iter().map(|parameter| {
             let label = parameter.actual.as_ref().map(self.label).unwrap_or_default();
