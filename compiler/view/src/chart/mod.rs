@@ -22,11 +22,11 @@ pub fn draw(body: &Body, tiles: &Tiles) -> Scene {
     let mut maker = Maker::new(body, tiles);
     let mut scene = Scene::default();
     let mut top = MARGIN;
-    for start in maker.starts() {
-        if maker.placed.contains(&start) {
-            continue;
-        }
-        let mut piece = maker.sequence(start);
+    while let Some(start) = maker.start() {
+        let mut piece = match start {
+            Start::Step(step) => maker.sequence(step),
+            Start::Join(transition) => maker.joined(transition),
+        };
         maker.finish(&mut piece);
         scene.width = scene.width.max(piece.width + 2 * MARGIN);
         let height = piece.height;
@@ -36,6 +36,13 @@ pub fn draw(body: &Body, tiles: &Tiles) -> Scene {
     scene.width = scene.width.max(2 * MARGIN);
     scene.height = top.max(2 * MARGIN);
     scene
+}
+
+/// What a drawing begins with.
+enum Start {
+    Step(usize),
+    /// A transition whose paths end at arrows.
+    Join(usize),
 }
 
 struct Maker<'a> {
@@ -89,12 +96,29 @@ impl<'a> Maker<'a> {
         names.iter().filter_map(|name| self.steps.get(&name.text.to_lowercase()).copied()).collect()
     }
 
-    /// Steps at which drawings begin: initial ones, then those that nothing leads to, then all others that are left.
-    fn starts(&self) -> Vec<usize> {
-        let all = 0..self.body.steps.len();
-        let initial = all.clone().filter(|at| self.body.steps[*at].initial);
-        let bare = all.clone().filter(|at| self.entries[*at] == 0);
-        initial.chain(bare).chain(all.clone()).collect()
+    /// Where the next drawing begins: at initial steps, then at those that nothing leads to, then at transitions that join paths and could
+    /// not be drawn below them, then at all steps and transitions that are left.
+    fn start(&self) -> Option<Start> {
+        let left = || (0..self.body.steps.len()).filter(move |at| !self.placed.contains(at));
+        let undrawn = || (0..self.body.transitions.len()).filter(move |at| !self.drawn.contains(at));
+        let is_placed = |at: &usize| {
+            let from = self.of(&self.body.transitions[*at].from);
+            from.len() > 1 && from.iter().all(|step| self.placed.contains(step))
+        };
+        let step = left().find(|at| self.body.steps[*at].initial).or_else(|| left().find(|at| self.entries[*at] == 0));
+        let join = || undrawn().find(is_placed).map(Start::Join);
+        let rest = || left().next().map(Start::Step).or_else(|| undrawn().next().map(Start::Join));
+        step.map(Start::Step).or_else(join).or_else(rest)
+    }
+
+    /// A transition, and what follows, below the names of the steps that it waits for.
+    fn joined(&mut self, at: usize) -> Piece {
+        let names: Vec<String> =
+            self.of(&self.body.transitions[at].from).into_iter().map(|step| self.name(step)).collect();
+        let mut piece = Piece::joint(&names.join(", "));
+        let next = self.transition_and_more(at);
+        piece.below(next);
+        piece
     }
 
     /// A step and all that follows, down to the open ends.
@@ -230,16 +254,16 @@ impl<'a> Maker<'a> {
 
     /// Ends other than `kept` become arrows.
     fn others_leave(&self, piece: &mut Piece, kept: End) {
-        let (stay, leave): (Vec<_>, Vec<_>) = piece.ends.drain(..).partition(|(_, end)| *end == kept);
-        piece.ends = stay;
-        for (x, end) in leave {
+        // From the right, so that no line crosses the text of an arrow; ends that are left go down with the piece.
+        while let Some(at) = piece.ends.iter().rposition(|(_, end)| *end != kept) {
+            let (x, end) = piece.ends.remove(at);
             piece.arrow_at(x, &self.target(end));
         }
     }
 
     /// All open ends become arrows.
     fn finish(&self, piece: &mut Piece) {
-        for (x, end) in std::mem::take(&mut piece.ends) {
+        while let Some((x, end)) = piece.ends.pop() {
             piece.arrow_at(x, &self.target(end));
         }
     }

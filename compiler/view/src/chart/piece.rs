@@ -37,6 +37,16 @@ impl Piece {
         piece
     }
 
+    /// The beginning of a transition that joins paths: what they come from, and a double line.
+    pub fn joint(text: &str) -> Piece {
+        let width = metrics::width(text, metrics::TEXT) + 40;
+        let mut piece = Piece { width, height: 18, entry: 40, ..Piece::default() };
+        piece.scene.text((30, 8), Anchor::Start, Ink::Mark, text, "");
+        piece.line((26, 14), (54, 14));
+        piece.line((26, 18), (54, 18));
+        piece
+    }
+
     /// The end of a sequence.
     pub fn stop() -> Piece {
         let mut scene = Scene::default();
