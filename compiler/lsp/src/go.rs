@@ -1,14 +1,33 @@
 //! From a word to its declaration, to all its uses, and to another name.
 
+use std::path::Path;
+
 use plcc_diag::{FileId, Span};
 use plcc_syntax::symbols::SymbolTarget;
 
 use crate::address;
+use crate::complete::SCL;
 use crate::facts::same;
 use crate::hover::target_text;
 use crate::index::Index;
 use crate::names::{Meaning, meaning};
 use crate::words::{Words, bare};
+
+/// Words of the frame of a source, which are no names without quotes.
+const FRAME: [&str; 12] = [
+    "BEGIN",
+    "NETWORK",
+    "STRUCT",
+    "TYPE",
+    "VAR",
+    "VAR_INPUT",
+    "VAR_OUTPUT",
+    "VAR_IN_OUT",
+    "VAR_TEMP",
+    "FUNCTION",
+    "FUNCTION_BLOCK",
+    "DATA_BLOCK",
+];
 
 /// A text of each file of the program, which editors show.
 pub type Texts<'t> = Vec<(FileId, Words<'t>)>;
@@ -120,6 +139,10 @@ pub fn rename(index: &Index, texts: &Texts, file: FileId, at: usize, to: &str) -
     if matches!(wanted, Meaning::Label(_)) && !is_word(to) {
         return Err("a label is a word".to_owned());
     }
+    let upper = to.to_uppercase();
+    if SCL.contains(&upper.as_str()) || FRAME.contains(&upper.as_str()) || upper.starts_with("END_") {
+        return Err(format!("`{to}` is a word of the language"));
+    }
     if taken(index, &wanted, to) && !same(&name, to) {
         return Err(format!("`{to}` is already the name of something else"));
     }
@@ -146,17 +169,23 @@ fn index_text<'t>(texts: &Texts<'t>, span: Span) -> &'t str {
 /// Whether something else has a name where `wanted` is known.
 fn taken(index: &Index, wanted: &Meaning, to: &str) -> bool {
     match wanted {
-        Meaning::Variable { owner: Some(owner), .. } => owner.variables().iter().any(|(_, own)| same(&own.name, to)),
+        Meaning::Variable { declared, .. } => {
+            let own = declared.1.name_span;
+            index.siblings(own).iter().any(|(_, other)| other.name_span != own && same(&other.name, to))
+        }
         Meaning::Label(label) => index
             .around(label.span.file, label.span.start as usize)
             .is_some_and(|entry| entry.labels().any(|own| own.name == to)),
-        Meaning::Variable { .. } => false,
         _ => index.block(to).is_some() || index.symbol(to).is_some(),
     }
 }
 
 /// The edit of a row of a symbol table: columns stay where they are, if the name has room.
 fn row_edit(index: &Index, row: Span, name: &str, to: &str) -> Result<(Span, String), String> {
+    let table = Path::new(&index.checked.sources.file(row.file).name);
+    if table.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("xlsx")) {
+        return Err(format!("`{name}` is in a workbook, which is no text: rename it there"));
+    }
     let text = index.checked.sources.text(row);
     let start = text.find(name).ok_or("the symbol table writes the name in another way")?;
     let blanks = text[start + name.len()..].chars().take_while(|c| *c == ' ').count();

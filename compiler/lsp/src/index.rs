@@ -191,6 +191,27 @@ impl<'c> Index<'c> {
         find(entry.variables(), span)
     }
 
+    /// The variables that are declared beside the one with this name, itself included.
+    pub fn siblings(&self, name: Span) -> Vec<Declared<'c>> {
+        fn find<'c>(variables: Vec<Declared<'c>>, name: Span) -> Option<Vec<Declared<'c>>> {
+            if variables.iter().any(|(_, variable)| variable.name_span == name) {
+                return Some(variables);
+            }
+            variables.into_iter().find_map(|(_, variable)| {
+                let mut ty = &variable.ty.kind;
+                while let TypeKind::Array { element, .. } = ty {
+                    ty = &element.kind;
+                }
+                match ty {
+                    TypeKind::Struct(members) => find(members.iter().map(|member| ("", member)).collect(), name),
+                    _ => None,
+                }
+            })
+        }
+        let entries = self.blocks.iter().filter(|entry| entry.file == name.file);
+        entries.filter_map(|entry| find(entry.variables(), name)).next().unwrap_or_default()
+    }
+
     /// The text of a type as it is written.
     pub fn type_text(&self, ty: &TypeRef) -> String {
         let text = self.checked.sources.text(ty.span);
