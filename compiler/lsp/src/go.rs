@@ -61,11 +61,12 @@ pub fn references(index: &Index, texts: &Texts, file: FileId, at: usize) -> Vec<
 /// The places whose word is declared where this one is.
 fn same_definition(index: &Index, texts: &Texts, wanted: &Meaning, name: &str) -> Vec<Span> {
     let Some(definition) = wanted.definition() else { return Vec::new() };
+    let is_block = matches!(wanted, Meaning::Block(_));
     let mut found = Vec::new();
     for (file, words) in texts {
         for at in 0..words.pieces.len() {
             let word = words.word(at);
-            let may_be = same(bare(word), name) || matches!(wanted, Meaning::Block(_)) && word.len() <= 8;
+            let may_be = same(bare(word), name) || is_block && may_be_number(words, at);
             if may_be
                 && let Some(other) = meaning(index, words, *file, at)
                 && other.definition() == Some(definition)
@@ -75,6 +76,14 @@ fn same_definition(index: &Index, texts: &Texts, wanted: &Meaning, name: &str) -
         }
     }
     found
+}
+
+/// Whether a piece may be part of `FC 1` or `FC1`.
+fn may_be_number(words: &Words, at: usize) -> bool {
+    let word = words.word(at);
+    let letters = word.trim_end_matches(|c: char| c.is_ascii_digit());
+    let letters = if letters.is_empty() && at > 0 { words.word(at - 1) } else { letters };
+    ["OB", "FC", "FB", "SFC", "SFB", "DB", "DI", "UDT"].iter().any(|prefix| prefix.eq_ignore_ascii_case(letters))
 }
 
 /// The places of addresses that overlap, and of their symbols.

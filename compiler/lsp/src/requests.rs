@@ -1,6 +1,6 @@
 //! What an editor asks, and the answers.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 
 use lsp_server::{ErrorCode, Request, Response};
@@ -50,8 +50,21 @@ impl<'c> View<'c> {
     }
 
     fn location(&self, span: Span) -> Option<Location> {
-        let source = self.checked.sources.file(span.file);
-        Some(Location::new(text::uri(Path::new(&source.name))?, Lines::new(&source.text).range(span.range())))
+        self.locations([span]).pop().flatten()
+    }
+
+    /// The places of spans. The lines of a file are counted once.
+    fn locations(&self, spans: impl IntoIterator<Item = Span>) -> Vec<Option<Location>> {
+        let mut files: BTreeMap<FileId, Option<(Uri, Lines)>> = BTreeMap::new();
+        let mut found = Vec::new();
+        for span in spans {
+            let file = files.entry(span.file).or_insert_with(|| {
+                let source = self.checked.sources.file(span.file);
+                Some((text::uri(Path::new(&source.name))?, Lines::new(&source.text)))
+            });
+            found.push(file.as_ref().map(|(uri, lines)| Location::new(uri.clone(), lines.range(span.range()))));
+        }
+        found
     }
 }
 
@@ -104,7 +117,7 @@ fn result<'c>(method: &str, params: Value, view: &impl Fn(&Path) -> Option<View<
                     Some((found, names)) => names.references(&found.named),
                     None => go::references(&Index::new(view.checked), &view.texts(), view.file, words.at(byte)?),
                 };
-                Some(found.into_iter().filter_map(|span| view.location(span)).collect::<Vec<_>>())
+                Some(view.locations(found).into_iter().flatten().collect::<Vec<_>>())
             })
         }
         "textDocument/documentHighlight" => {
@@ -222,8 +235,9 @@ fn rename<'c>(view: &impl Fn(&Path) -> Option<View<'c>>, place: TextDocumentPosi
         }
     };
     let mut changes: HashMap<Uri, Vec<TextEdit>> = HashMap::new();
-    for (span, text) in edits {
-        if let Some(location) = view.location(span) {
+    let places = view.locations(edits.iter().map(|(span, _)| *span));
+    for (place, (_, text)) in places.into_iter().zip(edits) {
+        if let Some(location) = place {
             changes.entry(location.uri).or_default().push(TextEdit::new(location.range, text));
         }
     }
