@@ -23,6 +23,9 @@ use crate::{Checked, Host, Open, outline, text};
 /// A program is bound when nothing has changed for so long.
 const PAUSE: Duration = Duration::from_millis(150);
 
+/// A file that takes longer to parse is not parsed at each key, but when it is asked about or the user pauses.
+const QUICK: Duration = Duration::from_millis(20);
+
 /// Stack of the thread that binds, in bytes: nesting in a source is recursion.
 const STACK_BYTES: usize = 256 << 20;
 
@@ -70,6 +73,8 @@ pub fn serve(connection: &Connection, host: Arc<dyn Host>) -> Result<(), String>
         open: Open::new(),
         programs: BTreeMap::new(),
         due: BTreeMap::new(),
+        slow: BTreeSet::new(),
+        stale: BTreeSet::new(),
         running: BTreeSet::new(),
         published: BTreeMap::new(),
         out: connection.sender.clone(),
@@ -88,6 +93,9 @@ struct Server {
     programs: BTreeMap<PathBuf, Checked>,
     /// Programs that have changed, and when they are bound.
     due: BTreeMap<PathBuf, Instant>,
+    /// Files that take long to parse, and those of them that have changed since.
+    slow: BTreeSet<PathBuf>,
+    stale: BTreeSet<PathBuf>,
     running: BTreeSet<PathBuf>,
     /// Files with messages that the editor shows, by program.
     published: BTreeMap<PathBuf, BTreeSet<PathBuf>>,
@@ -138,7 +146,12 @@ impl Server {
                     && let Some(text) = self.open.get_mut(&path)
                 {
                     text::apply(text, content_changes);
-                    self.changed(&path);
+                    if self.slow.contains(&path) {
+                        self.due.insert(self.host.root(&path), Instant::now() + PAUSE);
+                        self.stale.insert(path);
+                    } else {
+                        self.changed(&path);
+                    }
                 }
             }
             "textDocument/didClose" => {
@@ -162,7 +175,13 @@ impl Server {
         let root = self.host.root(path);
         let Some(text) = self.open.get(path) else { return };
         let checked = self.programs.entry(root.clone()).or_default();
+        let start = Instant::now();
         let messages = renew(checked, path, text);
+        if start.elapsed() > QUICK {
+            self.slow.insert(path.to_path_buf());
+        } else {
+            self.slow.remove(path);
+        }
         if messages.iter().any(Diagnostic::is_error)
             && let Some(file) = file_of(checked, path)
         {
@@ -214,6 +233,7 @@ impl Server {
         for path in before.into_iter().chain(open) {
             shown.entry(path).or_default();
         }
+        self.stale.retain(|path| file_of(&checked, path).is_none());
         self.published.insert(root.clone(), shown.keys().cloned().collect());
         self.programs.insert(root, checked);
         for (path, messages) in shown {
@@ -230,6 +250,9 @@ impl Server {
     }
 
     fn request(&mut self, request: Request) {
+        for path in std::mem::take(&mut self.stale) {
+            self.changed(&path);
+        }
         let view = |path: &Path| {
             let checked = self.programs.get(&self.host.root(path))?;
             Some(View { checked, file: file_of(checked, path)? })
