@@ -47,6 +47,16 @@ pub const SCL: [&str; 28] = [
 /// The items at a byte.
 pub fn complete(index: &Index, words: &Words, file: FileId, byte: usize, set: Mnemonics) -> Vec<CompletionItem> {
     let next = words.before(byte);
+    // Nothing is proposed in comments and texts.
+    let around = next.checked_sub(1).map(|at| (words.word(at), words.range(at).end));
+    let is_open = |(word, end): (&str, usize)| match word {
+        _ if word.starts_with("//") => byte <= end,
+        _ if word.starts_with("(*") || word.starts_with("/*") || word.starts_with('\'') => byte < end,
+        _ => false,
+    };
+    if around.is_some_and(is_open) {
+        return Vec::new();
+    }
     // The word that is being written.
     let writing = next.checked_sub(1).filter(|&at| words.range(at).end >= byte && is_name(words.word(at)));
     let first = writing.unwrap_or(next);
@@ -68,10 +78,11 @@ pub fn complete(index: &Index, words: &Words, file: FileId, byte: usize, set: Mn
     if matches!(before, "(" | ",") || language == Language::Stl && before == "(" {
         items.extend(parameters(index, words, file, first));
     }
-    let begins = first >= words.pieces.len()
-        || words.first_on_line(first)
-        || before == ":"
-        || text_before(words, byte).trim().is_empty();
+    let begins = before == ":"
+        || match writing {
+            Some(at) => words.first_on_line(at),
+            None => text_before(words, byte).trim().is_empty(),
+        };
     match language {
         Language::Stl if begins => items.extend(StlInsn::ALL.iter().map(|insn| CompletionItem {
             label: insn.mnemonic(set).to_owned(),

@@ -111,7 +111,11 @@ fn address_text(index: &Index, words: &Words, at: usize, found: &Address) -> Opt
         1 => "one bit".to_owned(),
         bits => format!("{bits} bits"),
     };
-    Some(format!("{}{bits} of {}\n\n{text}", code(words.word(at)), found.area))
+    // `M 10.3` is two pieces, and either may be under the pointer.
+    let is_it = |first: &usize| address::at(words, *first).as_ref() == Some(found);
+    let first = (at.saturating_sub(found.pieces - 1)..=at).find(is_it).unwrap_or(at);
+    let whole = words.text.get(words.range(first).start..words.range(first + found.pieces - 1).end);
+    Some(format!("{}{bits} of {}\n\n{text}", code(whole.unwrap_or_default()), found.area))
 }
 
 /// What the table says about a mnemonic.

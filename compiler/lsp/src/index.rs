@@ -214,6 +214,10 @@ impl<'c> Index<'c> {
 
     /// The text of a type as it is written.
     pub fn type_text(&self, ty: &TypeRef) -> String {
+        if let TypeKind::Struct(_) = ty.kind {
+            // Its components are in the outline.
+            return "STRUCT".to_owned();
+        }
         let text = self.checked.sources.text(ty.span);
         text.split_whitespace().collect::<Vec<_>>().join(" ")
     }

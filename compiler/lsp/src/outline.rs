@@ -72,7 +72,7 @@ fn symbol(
 }
 
 /// Words that open what `END_…` closes.
-const OPENING: [&str; 24] = [
+const OPENING: [&str; 25] = [
     "ORGANIZATION_BLOCK",
     "FUNCTION_BLOCK",
     "FUNCTION",
@@ -91,6 +91,7 @@ const OPENING: [&str; 24] = [
     "FOR",
     "WHILE",
     "REPEAT",
+    "REGION",
     "NETWORK",
     "STEP",
     "INITIAL_STEP",
@@ -115,6 +116,9 @@ pub fn folding(words: &Words, lines: &Lines) -> Vec<FoldingRange> {
                 own == what || what == "VAR" && own.starts_with("VAR_") || what == "STEP" && own == "INITIAL_STEP"
             };
             if let Some(found) = open.iter().rposition(|(own, _)| closes(own)) {
+                // The last network of a block has no end of its own.
+                let network = open[found + 1..].iter().rfind(|(own, _)| own == "NETWORK");
+                folds.extend(network.and_then(|(_, start)| fold(lines, *start, words.range(at - 1).end, None)));
                 folds.extend(fold(lines, open[found].1, range.start, None));
                 open.truncate(found);
             }
