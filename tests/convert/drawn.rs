@@ -197,6 +197,18 @@ fn constants_that_networks_would_extend_are_refused() {
     }
 }
 
+/// A block that is called by its symbol has its parameters.
+#[test]
+fn calls_by_symbol_are_drawn() {
+    let source = "FUNCTION \"Fa\" : VOID\nVAR_INPUT\n  x : INT;\nEND_VAR\nBEGIN\nNETWORK\n      NOP 0\nEND_FUNCTION\n\
+        FUNCTION FC 2 : VOID\nBEGIN\nNETWORK\n      CALL \"Fa\" (\n           x := MW 10);\nEND_FUNCTION\n";
+    let (unit, messages) = parsed(source, None);
+    assert!(!has_errors(&messages), "{messages:#?}");
+    let types = Types::new(std::iter::once(&unit), &[]);
+    let (_, messages) = to_graph::unit(&unit, &types, Language::Lad);
+    assert!(!has_errors(&messages), "{messages:#?}");
+}
+
 /// Networks of LAD and FBD become statements, and these the same networks again, with all that STEP 7 makes of several statements.
 #[test]
 fn boxes_come_back_from_statements() {

@@ -9,7 +9,7 @@ use plcc_syntax::ast::{
 };
 use plcc_syntax::literal::Literal;
 use plcc_syntax::network::elements::{Kind, Row, find_sd};
-use plcc_syntax::symbols::SymbolTable;
+use plcc_syntax::symbols::{SymbolTable, SymbolTarget};
 
 /// What the sources of a program declare.
 #[derive(Default)]
@@ -23,6 +23,8 @@ pub struct Types<'a> {
     function_blocks: HashMap<String, &'a BlockName>,
     /// Blocks with code, by folded names.
     blocks: HashMap<String, &'a CodeBlock>,
+    /// The number of a block for its symbol, and its symbol for the number.
+    other_names: HashMap<String, String>,
 }
 
 impl<'a> Types<'a> {
@@ -31,6 +33,11 @@ impl<'a> Types<'a> {
         for symbol in tables.iter().flat_map(|table| &table.symbols) {
             if let Some(ty) = elementary(&symbol.ty) {
                 types.symbols.insert(symbol.name.to_lowercase(), ty);
+            }
+            if let SymbolTarget::Block { prefix, number } = symbol.target {
+                let (name, number) = (symbol.name.to_lowercase(), format!("{} {number}", prefix.letters()));
+                types.other_names.insert(number.clone(), name.clone());
+                types.other_names.insert(name, number);
             }
         }
         for block in units.flat_map(|unit| &unit.blocks) {
@@ -73,7 +80,13 @@ impl<'a> Types<'a> {
         match &call.target.kind {
             OperandKind::Block(name) => Some(name.clone()),
             OperandKind::Path(path) => {
-                let (PathRoot::Local { name, .. }, []) = (&path.root, &path.parts[..]) else { return None };
+                let name = match (&path.root, &path.parts[..]) {
+                    (PathRoot::Local { name, .. }, []) => name,
+                    (PathRoot::Quoted { name, span }, []) => {
+                        return Some(BlockName::Symbol { name: name.clone(), span: *span });
+                    }
+                    _ => return None,
+                };
                 let mut variables = block.sections.iter().flat_map(|section| &section.variables);
                 let variable = variables.find(|variable| variable.name.eq_ignore_ascii_case(name))?;
                 match &variable.ty.kind {
@@ -88,7 +101,8 @@ impl<'a> Types<'a> {
 
     /// Where a called block of the sources declares a parameter.
     pub fn section(&self, call: &Call, parameter: &str, block: &CodeBlock) -> Option<SectionKind> {
-        let called = self.blocks.get(&key(&self.called(call, block)?))?;
+        let name = key(&self.called(call, block)?);
+        let called = self.blocks.get(&name).or_else(|| self.blocks.get(self.other_names.get(&name)?))?;
         if called.return_type.is_some() && parameter.eq_ignore_ascii_case("RET_VAL") {
             return Some(SectionKind::Output);
         }

@@ -320,7 +320,13 @@ impl Reader<'_> {
             pins.push(made);
         }
         // A function in STL looks at its operands themselves, a box at what they were before the call.
-        let is_function = call.instance.is_none() && matches!(call.target.kind, OperandKind::Block(_));
+        let is_local = |path: &ast::Path| matches!(path.root, ast::PathRoot::Local { .. });
+        let is_function = call.instance.is_none()
+            && match &call.target.kind {
+                OperandKind::Block(_) => true,
+                OperandKind::Path(path) => !is_local(path),
+                _ => false,
+            };
         let is_shared = |one: &&Operand| written.iter().any(|other| overlaps(one, other));
         if is_function && !self.is_picture && read.iter().any(is_shared) {
             return Err("a call that reads and writes one operand".to_string());
