@@ -285,7 +285,8 @@ impl<'t> Layout<'_, 't> {
             return self.stack.len() + more;
         }
         if !self.counts(start) {
-            return self.stack.len() + self.label(start);
+            self.label(start);
+            return self.stack.len();
         }
         if is_end_of_block(&piece) {
             self.stack.clear();
@@ -312,7 +313,8 @@ impl<'t> Layout<'_, 't> {
             }
             return self.stack.len();
         }
-        self.stack.len() + self.label(start)
+        self.label(start);
+        self.stack.len()
     }
 
     /// Closes the innermost, if it is one of these.
@@ -322,12 +324,11 @@ impl<'t> Layout<'_, 't> {
         }
     }
 
-    /// A label of CASE ends the branch before it. Returns 0: what the line adds to the depth.
-    fn label(&mut self, start: usize) -> usize {
+    /// A label of CASE ends the branch before it.
+    fn label(&mut self, start: usize) {
         if self.is_case_label(start) {
             self.close(&[Inside::Branch]);
         }
-        0
     }
 
     /// Whether values of CASE and a colon begin at a piece.
