@@ -158,15 +158,19 @@ impl Reduction {
             let Some(first) = edges.first() else { return false };
             let (start, order) = (first.from, first.order);
             let depth = edges.iter().map(|edge| edge.depth).max().unwrap_or(0) + 1;
-            let mut branches = Vec::new();
+            let mut branches: Vec<(usize, Block)> = Vec::new();
             for edge in edges {
                 match <[(Block, Option<usize>); 1]>::try_from(edge.items) {
-                    // Branches of branches are branches.
-                    Ok([(Block::Parallel(inner), _)]) => branches.extend(inner),
-                    Ok([item]) => branches.push(Block::Series(vec![item])),
-                    Err(items) => branches.push(Block::Series(items)),
+                    // Branches of branches are branches. They may have been joined before a branch between them was known.
+                    Ok([(Block::Parallel(inner), _)]) => {
+                        branches.extend(inner.into_iter().map(|one| (first_part(&one).unwrap_or(edge.order), one)));
+                    }
+                    Ok([item]) => branches.push((edge.order, Block::Series(vec![item]))),
+                    Err(items) => branches.push((edge.order, Block::Series(items))),
                 }
             }
+            branches.sort_by_key(|(order, _)| *order);
+            let branches = branches.into_iter().map(|(_, branch)| branch).collect();
             self.add(Edge { from: start, to: net, items: vec![(Block::Parallel(branches), Some(net))], order, depth });
             return true;
         }
@@ -242,6 +246,17 @@ impl Reduction {
             self.add(Edge { from: root, to, items: vec![(start, Some(to))], order, depth: 0 });
         }
         true
+    }
+}
+
+/// The part that a block begins with: its number is its place in the network.
+fn first_part(block: &Block) -> Option<usize> {
+    match block {
+        Block::Part(part) => Some(part.part),
+        Block::Series(items) => items.iter().find_map(|(item, _)| first_part(item)),
+        Block::Parallel(branches) => branches.iter().filter_map(first_part).min(),
+        Block::Fork { main, tails } => main.as_deref().into_iter().chain(tails).filter_map(first_part).min(),
+        Block::Connector { .. } => None,
     }
 }
 
