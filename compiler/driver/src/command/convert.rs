@@ -20,7 +20,7 @@ use plcc_runtime::files::writable;
 use plcc_syntax::ast::{Block, Code, SourceUnit};
 use plcc_syntax::network::ast::Language as Graphic;
 use plcc_syntax::stl::{self, Mnemonics};
-use plcc_syntax::{ParseOptions, ast_text, scl};
+use plcc_syntax::{Form, ParseOptions, ast_text, scl};
 
 use super::exit;
 use crate::cli::{ConvertArgs, ConvertTo};
@@ -298,12 +298,30 @@ fn store(args: &ConvertArgs, extension: Option<&str>, files: &[Converted]) -> Re
         return Err(exit::USAGE);
     }
     paths.iter().zip(files).try_for_each(|(path, file)| {
-        write(path, &file.text)?;
+        match encoded(args, file) {
+            Some(bytes) => write(path, bytes)?,
+            None => write(path, &file.text)?,
+        }
         file.beside.iter().try_for_each(|beside| write(&path.with_extension(beside.extension), &beside.text))
     })
 }
 
-fn write(path: &Path, text: &str) -> Result<(), u8> {
+/// The text in the encoding and with the line ends of its source, if both are text sources: STEP 7 V5 and Micro/WIN read them in the
+/// code page of the system only. None: it stays UTF-8.
+fn encoded(args: &ConvertArgs, file: &Converted) -> Option<Vec<u8>> {
+    let source = Path::new(&file.name);
+    let extension = source.extension().unwrap_or_default();
+    let of_portal = ["xml", "s7dcl"].iter().any(|own| extension.eq_ignore_ascii_case(own));
+    let is_text = match args.to {
+        None => true,
+        Some(ConvertTo::Stl | ConvertTo::Scl | ConvertTo::Gr7 | ConvertTo::Awl) => !of_portal,
+        Some(ConvertTo::Lad | ConvertTo::Fbd | ConvertTo::Sd | ConvertTo::Xml | ConvertTo::Plcopen) => false,
+    };
+    let bytes = is_text.then(|| std::fs::read(source).ok()).flatten()?;
+    Form::of(&bytes, args.code_page)?.write(&file.text.replace("\r\n", "\n"))
+}
+
+fn write(path: &Path, text: impl AsRef<[u8]>) -> Result<(), u8> {
     writable(path).and_then(|()| std::fs::write(path, text)).map_err(|error| {
         report::say(&format!("cannot write `{}`: {error}", path.display()));
         exit::USAGE
