@@ -452,6 +452,10 @@ impl Band<'_> {
                 bottom = y + thing.down + if matches!(thing.thing, Thing::Wire { .. }) { 2 } else { GAP };
             }
         }
+        // What has moved down to its neighbours leaves no empty space above.
+        let highest = grid.columns[base..base + count].iter().flatten().map(|thing| thing.y - thing.up).min();
+        let space = highest.map_or(0, |highest| highest - top);
+        grid.columns[base..base + count].iter_mut().flatten().for_each(|thing| thing.y -= space);
         grid.columns[base..base + count].iter().flatten().map(|thing| thing.y + thing.down).max().unwrap_or(top)
     }
 }
