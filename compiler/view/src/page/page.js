@@ -180,12 +180,12 @@ function keyOf(text) {
 const HOW = { r: "reads", w: "writes", c: "calls", R: "reads", W: "writes", RW: "reads and writes", "?": "passes on", call: "calls", open: "opens" };
 const idOf = (u) => data.pages[pageOf(u.block, u.block_name)]?.id ?? u.block;
 const crossUse = (u) => linkTo(`${esc(idOf(u))}${u.network ? ", network " + u.network : ""}: ${HOW[u.access]}${u.statement ? ` <code>${esc(u.statement)}</code>` : ""}`, u.block, u.block_name, u.network);
-function uses(text) {
+function uses(text, name = text) {
   const i = byName.get(fold(text));
   if (i !== undefined) return go(i);
   const key = keyOf(text), r = range(key), how = HOW;
   const rows = (k) => (cross.get(k)?.uses ?? []).map(crossUse).join("") + (data.uses[k] ?? []).map(([p, s, h]) => `<a data-page="${p}" data-sec="${s}">${esc(data.pages[p].id)}${data.pages[p].secs[s].n ? ", network " + data.pages[p].secs[s].n : ""}: ${how[h]}</a>`).join("");
-  let h = `<span class="x">✕</span><b>${esc(symbolOf.get(key) ?? text)}</b> ${esc(key.replace(/^.*#/, "#"))}${rows(key)}`;
+  let h = `<span class="x">✕</span><b>${esc(symbolOf.get(key) ?? name)}</b> ${esc(key.replace(/^.*#/, "#"))}${rows(key)}`;
   if (r) for (const [k, o] of ranges) if (k !== key && o[0] === r[0] && o[1] < r[2] && r[1] < o[2]) h += `<br><b>overlaps ${esc(k)}</b> ${esc(symbolOf.get(k) ?? "")}${rows(k)}`;
   if (!isUsed(key)) h += "<br>no uses";
   $("#uses").innerHTML = h;
@@ -197,7 +197,7 @@ addEventListener("click", (e) => {
   if (t.classList.contains("x") && t.closest("aside")) return void ($("#uses").hidden = true);
   if (t.dataset.view) { e.preventDefault(); return VIEWS[t.dataset.view][1](); }
   if (t.dataset.page !== undefined) { e.preventDefault(); return go(+t.dataset.page, t.dataset.sec === undefined ? undefined : +t.dataset.sec); }
-  if (t.dataset.k) return uses(t.dataset.k);
+  if (t.dataset.k) return uses(t.dataset.k, t.textContent.startsWith("#") ? t.textContent : t.dataset.k);
   if (t.classList.contains("go")) return go(byName.get(fold(t.textContent)));
 });
 

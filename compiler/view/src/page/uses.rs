@@ -15,7 +15,11 @@ pub fn uses(book: &Book, names: &Names, local_only: bool) -> Value {
     let mut uses: BTreeMap<String, Vec<(usize, usize, char)>> = BTreeMap::new();
     for (number, page) in book.pages.iter().enumerate() {
         for (at, section) in page.sections.iter().enumerate() {
-            let mut add = |key: &str, how: char| {
+            let mut add = |key: &str, text: &str, how: char| {
+                // A local name of a block with one instance has the address of that as its key.
+                if local_only && !key.starts_with('#') && !text.trim_start().starts_with('#') {
+                    return;
+                }
                 // Local names are those of their page.
                 let key = if key.starts_with('#') { format!("{}{key}", page.id) } else { key.to_string() };
                 let list = uses.entry(key).or_default();
@@ -29,7 +33,7 @@ pub fn uses(book: &Book, names: &Names, local_only: bool) -> Value {
             }
         }
     }
-    let uses = uses.into_iter().filter(|(key, _)| !local_only || key.contains('#')).map(|(key, list)| {
+    let uses = uses.into_iter().map(|(key, list)| {
         let list: Vec<Value> =
             list.into_iter().map(|(page, section, how)| json!([page, section, how.to_string()])).collect();
         (key, Value::Array(list))
@@ -37,10 +41,10 @@ pub fn uses(book: &Book, names: &Names, local_only: bool) -> Value {
     Value::Object(uses.collect())
 }
 
-fn of_sheet(sheet: &Sheet, add: &mut dyn FnMut(&str, char)) {
+fn of_sheet(sheet: &Sheet, add: &mut dyn FnMut(&str, &str, char)) {
     let mut known = |label: &Label, how: char| {
         if !label.key.is_empty() {
-            add(&label.key, how);
+            add(&label.key, &label.text, how);
         }
     };
     for part in &sheet.parts {
@@ -63,7 +67,7 @@ fn of_sheet(sheet: &Sheet, add: &mut dyn FnMut(&str, char)) {
 /// Instructions of STL that write their operand, in both sets of mnemonics.
 const WRITES: &[&str] = &["=", "S", "R", "T", "=I", "SI", "RI", "FP", "FN"];
 
-fn of_text(lines: &[String], kind: Kind, names: &Names, scope: Scope, add: &mut dyn FnMut(&str, char)) {
+fn of_text(lines: &[String], kind: Kind, names: &Names, scope: Scope, add: &mut dyn FnMut(&str, &str, char)) {
     for line in lines {
         let code = line.split("//").next().unwrap_or_default();
         match kind {
@@ -77,7 +81,7 @@ fn of_text(lines: &[String], kind: Kind, names: &Names, scope: Scope, add: &mut 
                 let how = if WRITES.contains(&mnemonic) { 'w' } else { 'r' };
                 for operand in operands.split([',', ';', '(', ')', '=']).filter(|operand| !operand.trim().is_empty()) {
                     if let Some(key) = names.key(operand, scope) {
-                        add(&key, how);
+                        add(&key, operand, how);
                     }
                 }
             }
@@ -87,7 +91,7 @@ fn of_text(lines: &[String], kind: Kind, names: &Names, scope: Scope, add: &mut 
                     for word in words(part) {
                         let is_name = word.starts_with(['"', '#', '%']) || canonical(word, scope.german).is_some();
                         if let Some(key) = names.key(word, scope).filter(|_| is_name || word.contains('.')) {
-                            add(&key, how);
+                            add(&key, word, how);
                         }
                     }
                 }
