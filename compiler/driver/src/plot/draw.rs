@@ -14,6 +14,8 @@ const BIT_HEIGHT: u32 = 34;
 const AXIS_HEIGHT: u32 = 46;
 /// Space left of the axes, so that all panels begin at the same place.
 const LABELS_WIDTH: u32 = 98;
+/// Letters of a name that fit there.
+const NAME_MAX: usize = 13;
 /// Space left of the labels.
 const MARGIN: u32 = 12;
 /// The shortest axis of time, in seconds.
@@ -151,11 +153,12 @@ fn name(
     height: f64,
 ) -> Result<(), Box<dyn std::error::Error>> {
     use plotters::style::text_anchor::{HPos, Pos, VPos};
-    // Names that are too long are cut.
-    let mut shown: String = text.chars().take(16).collect();
-    if text.chars().count() > 16 {
-        shown.push('…');
-    }
+    // Of names that are too long the end is shown, which differs within a data block.
+    let count = text.chars().count();
+    let shown: String = match count > NAME_MAX {
+        true => std::iter::once('…').chain(text.chars().skip(count - NAME_MAX + 1)).collect(),
+        false => text.to_string(),
+    };
     let (x, y) = chart.backend_coord(&(0.0, height));
     let (left, top) = area.get_base_pixel();
     let style = TextStyle::from((FONT, 13).into_font()).pos(Pos::new(HPos::Right, VPos::Center));

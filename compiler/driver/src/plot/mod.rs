@@ -38,7 +38,9 @@ pub fn picture(trace: &str, title: &str) -> Result<String, String> {
         panels.end = column.points.iter().map(|(time, _)| *time).fold(panels.end, f64::max);
         if column.is_bit {
             panels.bits.push(column);
-        } else if let Some((_, columns)) = panels.numbers.iter_mut().find(|(unit, _)| *unit == column.unit) {
+        } else if let Some((_, columns)) =
+            panels.numbers.iter_mut().find(|(unit, columns)| *unit == column.unit && columns.len() < PANEL_MAX)
+        {
             columns.push(column);
         } else {
             panels.numbers.push((column.unit.clone(), vec![column]));
@@ -46,6 +48,9 @@ pub fn picture(trace: &str, title: &str) -> Result<String, String> {
     }
     draw::svg(&panels, title)
 }
+
+/// Curves of one panel: a legend with more names is higher than the panel.
+const PANEL_MAX: usize = 12;
 
 /// The latest time of a trace: 30,000 years.
 const TIME_MS_MAX: f64 = 1e15;
