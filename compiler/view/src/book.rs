@@ -497,7 +497,14 @@ impl Maker<'_> {
         let scope = Scope { german: self.unit.mnemonics == Mnemonics::De, ..Scope::default() };
         page.scope = scope;
         for (at, network) in block.networks.iter().enumerate() {
-            let label = |operand: &s7200::Operand| self.names.label(&self.words(operand.span), scope);
+            // Micro/WIN writes symbols without quotes.
+            let label = |operand: &s7200::Operand| {
+                let label = self.names.label(&self.words(operand.span), scope);
+                match label.text.strip_prefix('"').and_then(|text| text.strip_suffix('"')) {
+                    Some(bare) if !label.key.is_empty() => sheet::Label { text: bare.to_string(), ..label },
+                    _ => label,
+                }
+            };
             let drawn = sheet::s7200::sheet(&network.statements, &label, &|name| self.parameters(name));
             let spans = network.statements.iter().map(|statement| statement.span);
             page.sections.push(Section {

@@ -83,22 +83,18 @@ impl Names {
         let text = text.trim();
         let bare = text.strip_prefix('%').unwrap_or(text);
         if let Some(address) = canonical(bare, scope.german) {
+            // `DB10.%DBX2.0` of the TIA Portal.
+            let bare = bare.replace(".%", ".");
             return match self.symbols.get(&address) {
-                Some(symbol) => Label {
-                    text: format!("\"{symbol}\""),
-                    address: bare.to_string(),
-                    key: address,
-                    value: None,
-                    place: None,
-                },
-                None => {
-                    Label { text: bare.to_string(), address: String::new(), key: address, value: None, place: None }
+                Some(symbol) => {
+                    Label { text: format!("\"{symbol}\""), address: bare, key: address, value: None, place: None }
                 }
+                None => Label { text: bare, address: String::new(), key: address, value: None, place: None },
             };
         }
         let key = self.key(text, scope).unwrap_or_default();
         let is_tag = !key.is_empty() && self.symbols.contains_key(&key) && !key.starts_with("DB");
-        let address = if is_tag { key.clone() } else { String::new() };
+        let address = if is_tag { written(&key, scope.german) } else { String::new() };
         Label { text: text.to_string(), address, key, value: None, place: None }
     }
 
@@ -206,6 +202,12 @@ const AREAS: &[&str] = &["PI", "PQ", "SM", "AI", "AQ", "I", "Q", "M", "V", "L", 
 const GERMAN: &[(&str, &str)] =
     &[("PE", "PI"), ("PA", "PQ"), ("AE", "AI"), ("AA", "AQ"), ("E", "I"), ("A", "Q"), ("Z", "C")];
 
+/// An address in the letters of a set.
+fn written(address: &str, german: bool) -> String {
+    let found = GERMAN.iter().filter(|_| german).find_map(|(de, en)| Some((de, address.strip_prefix(en)?)));
+    found.map_or(address.to_string(), |(de, rest)| format!("{de}{rest}"))
+}
+
 /// An address in one form: `I0.0`, `MW10`, `DB5.DBX2.0`, `T5`. None if it is none.
 pub fn canonical(text: &str, german: bool) -> Option<String> {
     let text: String = text.chars().filter(|c| !c.is_whitespace()).collect::<String>().to_ascii_uppercase();
@@ -268,6 +270,16 @@ mod tests {
         ];
         for (text, german, expected) in cases {
             assert_eq!(canonical(text, german).as_deref(), expected, "{text}");
+        }
+    }
+
+    #[test]
+    fn an_address_is_written_in_its_set() {
+        for (address, expected) in
+            [("I0.0", "E0.0"), ("PIW272", "PEW272"), ("QB4", "AB4"), ("M1.0", "M1.0"), ("C5", "Z5")]
+        {
+            assert_eq!(written(address, true), expected);
+            assert_eq!(written(address, false), address);
         }
     }
 
