@@ -23,8 +23,8 @@ const SHRINKING: usize = 2;
 const ADDRESS_MASK: i64 = 0x00FF_FFFF;
 /// How many steps back a condition is followed: conversions, sums with constants, conditions joined by AND and OR.
 const DEPTH_MAX: u32 = 4;
-/// Where widening stops: the numbers at which loops usually end. Pointers with an area stop at the end of that.
-const LANDMARKS: [i64; 10] = [-32768, -128, -1, 0, 1, 127, 255, 1023, 32767, 65535];
+/// Where widening stops: the numbers at which loops usually end, and the last address. Pointers with an area stop at the ends of that.
+const LANDMARKS: [i64; 11] = [-32768, -128, -1, 0, 1, 127, 255, 1023, 32767, 65535, ADDRESS_MASK];
 
 /// The knowledge of a point of the function while a sweep is there.
 pub struct Ranges<'f> {
@@ -667,16 +667,20 @@ fn reach(first: Interval, step: Step, passes: i64) -> Option<Interval> {
 
 /// The interval with ends that grew moved on to the next landmark.
 fn widened(before: Interval, now: Interval, full: Interval) -> Interval {
+    let is_pointer = |end: i64| (-0x8000_0000..-0x7800_0000).contains(&end);
     let lo = if now.lo < before.lo {
-        LANDMARKS.iter().rev().copied().find(|&mark| mark <= now.lo).map_or(full.lo, |mark| mark.max(full.lo))
+        // An address that wraps within its 24 bits may be any in its area.
+        let start_of_area = now.lo & !ADDRESS_MASK;
+        let mark =
+            LANDMARKS.iter().rev().copied().find(|&mark| mark <= now.lo).map_or(full.lo, |mark| mark.max(full.lo));
+        if is_pointer(now.lo) { start_of_area } else { mark }
     } else {
         now.lo
     };
     let hi = if now.hi > before.hi {
         let end_of_area = now.hi | ADDRESS_MASK;
-        let is_pointer = (-0x8000_0000..-0x7800_0000).contains(&now.hi) && end_of_area > before.hi;
         let mark = LANDMARKS.iter().copied().find(|&mark| mark >= now.hi).map_or(full.hi, |mark| mark.min(full.hi));
-        if is_pointer { end_of_area } else { mark }
+        if is_pointer(now.hi) && end_of_area > before.hi { end_of_area } else { mark }
     } else {
         now.hi
     };

@@ -520,3 +520,58 @@ fn the_multiple_of_an_index_is_one_of_bytes() {
         }",
     );
 }
+
+#[test]
+fn a_pointer_with_an_area_stays_in_it() {
+    // It begins at P#DBX 2.0, and nothing says how often it moves on: it may wrap, and come to the beginning of the area.
+    let text = "func @F -> i32 {
+        b0(v0: i1):
+        v1 = const.i32 2214592528
+        v2 = const.i32 16
+        v3 = const.i32 16777215
+        v4 = const.i32 4278190080
+        v5 = const.i32 24
+        v6 = const.i32 132
+        jump b1(v1)
+        b1(v7: i32):
+        v8 = lshr v7, v5
+        v9 = eq v8, v6
+        branch v9, b2, b3
+        b2:
+        v10 = iadd v7, v2
+        v11 = and v10, v3
+        v12 = and v7, v4
+        v13 = or v12, v11
+        branch v0, b1(v13), b3
+        b3:
+        ret v2
+        }";
+    let mut module = plcc_ir::parse::parse_module(text).expect("text is well formed");
+    crate::run_pass(&mut module, "ranges").expect("there is such a pass");
+    let result = plcc_ir::print::module_text(&module);
+    assert!(!result.contains("eq v"), "{result}");
+}
+
+#[test]
+fn an_address_without_an_area_has_none_later() {
+    // The high byte of a pointer of 24 bits stays 0.
+    let text = "func @F -> i32 {
+        b0(v0: i1):
+        v1 = const.i32 16
+        v2 = const.i32 16777215
+        v3 = const.i32 4278190080
+        jump b1(v1)
+        b1(v4: i32):
+        v5 = iadd v4, v1
+        v6 = and v5, v2
+        v7 = and v4, v3
+        v8 = or v7, v6
+        branch v0, b1(v8), b2
+        b2:
+        ret v7
+        }";
+    let mut module = plcc_ir::parse::parse_module(text).expect("text is well formed");
+    crate::run_pass(&mut module, "ranges").expect("there is such a pass");
+    let result = plcc_ir::print::module_text(&module);
+    assert!(!result.contains("and v4, v3"), "{result}");
+}
