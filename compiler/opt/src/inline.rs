@@ -30,7 +30,7 @@ use plcc_ir::{Address, Block, FuncId, Function, Inst, InstData, Module, Region, 
 
 use rustc_hash::FxHashSet;
 
-use cost::{Budget, Shape};
+use cost::{Budget, Known, Shape};
 use safepoint::Safepoint;
 use splice::Splice;
 
@@ -162,17 +162,20 @@ impl<'a> Inliner<'a> {
     /// The callee of the last of `insts`, which begin `block`, if it is to be inlined.
     fn chosen(&mut self, caller: &Function, block: Block, insts: &[Inst]) -> Option<(&'a Function, Shape)> {
         let (&inst, before) = insts.split_last()?;
-        let InstData::Call { callee, .. } = &caller.insts[inst] else { return None };
+        let InstData::Call { callee, args } = &caller.insts[inst] else { return None };
         let shape = self.shapes[*callee]?;
         let module = self.module;
         let function = &module.functions[*callee];
         let is_only_call = self.graph.calls[*callee] == 1 && !self.module.entries.contains(callee);
         let knows_areas = knows_areas(caller, before);
+        let is_pointer = |at: usize| at < 64 && shape.pointers >> at & 1 != 0;
+        let mut pointers = args.iter().enumerate().filter(|&(at, _)| is_pointer(at));
+        let known = Known { areas: knows_areas, pointers: pointers.all(|(_, &arg)| caller.constant(arg).is_some()) };
         let fits = (shape.is_leaf || shape.is_leaf_by_moves && knows_areas)
             && shape.caller_bytes <= caller.frame_bytes
             && caller.frame_bytes + function.local_bytes() <= plcc_abi::layout::L_CLASS_BYTES
             && !caller.blocks[block].cold;
-        (fits && self.budget.allows(&shape, is_only_call, knows_areas)).then_some((function, shape))
+        (fits && self.budget.allows(&shape, is_only_call, known)).then_some((function, shape))
     }
 }
 

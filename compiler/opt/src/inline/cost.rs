@@ -6,8 +6,8 @@
 
 use plcc_abi::functions::Effect;
 use plcc_abi::layout::area;
-use plcc_ir::{BinaryOp, Block, Function, InstData, IntCc, Module, Region, UnaryOp};
-use rustc_hash::FxHashSet;
+use plcc_ir::{BinaryOp, Block, ConvertOp, Function, Inst, InstData, IntCc, Module, Region, Type, UnaryOp, Value};
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::{block_moves, frames};
 
@@ -17,7 +17,7 @@ const CALL_COST: u32 = 24;
 const SMALL: u32 = 2 * CALL_COST;
 /// Up to this cost it is inlined as long as the program may grow.
 const MEDIUM: u32 = 4 * CALL_COST;
-/// The same of a function that gets pointers whose areas it then knows.
+/// The same of a function that gets pointers whose areas, or addresses, it then knows.
 const ONE_AREA: u32 = 6 * CALL_COST;
 /// Up to this size a function that is called once is inlined.
 const ONCE_MAX: u32 = 2000;
@@ -34,6 +34,10 @@ pub struct Shape {
     pub cost: u32,
     /// As `cost`, where pointers whose area the function looks at are known: then only the code for one area remains.
     pub cost_by_area: u32,
+    /// As `cost`, where the parameters in `pointers` are constants: what computes addresses and the numbers of bits is no code then.
+    pub cost_by_pointers: u32,
+    /// The parameters from which alone the bases of addresses are computed, a bit for each.
+    pub pointers: u64,
     /// Instructions.
     pub size: u32,
     /// It calls no function of the module, returns, and passes no address of local data on: the caller's local data stay
@@ -51,8 +55,18 @@ impl Shape {
     pub fn of(function: &Function) -> Shape {
         let is_leaf = !frames::gives_address_away(function, |_, _| false);
         let is_leaf_by_moves = is_leaf || !frames::gives_address_away(function, block_moves::is_block_move);
-        let mut shape =
-            Shape { cost: 0, cost_by_area: 0, size: 0, is_leaf, is_leaf_by_moves, is_quiet: true, caller_bytes: 0 };
+        let pointers = Pointers::of(function);
+        let mut shape = Shape {
+            cost: 0,
+            cost_by_area: 0,
+            cost_by_pointers: pointers.cost(function),
+            pointers: pointers.params,
+            size: 0,
+            is_leaf,
+            is_leaf_by_moves,
+            is_quiet: true,
+            caller_bytes: 0,
+        };
         let mut is_candidate = true;
         let mut returns = false;
         let other_areas = code_for_areas(function);
@@ -90,6 +104,123 @@ impl Shape {
         shape.is_leaf_by_moves &= is_candidate && returns;
         shape
     }
+}
+
+/// What a function computes of its parameters and constants alone. A formal parameter of an FC is the address of its actual one, in bits:
+///
+/// ```text
+/// v2 = lshr v0, 3          ; v0 is the address of a BOOL
+/// v3 = and v0, 7
+/// v4 = load.i8 any[v2]+0   ; with a constant v0 one load of a bit
+/// v5 = zext.i32 v4
+/// v6 = lshr v5, v3
+/// v7 = trunc.i1 v6
+/// ```
+struct Pointers {
+    /// Values, with the parameters from which they are computed, a bit for each.
+    made_of: FxHashMap<Value, u64>,
+    /// The parameters of bases of addresses.
+    params: u64,
+}
+
+impl Pointers {
+    fn of(function: &Function) -> Pointers {
+        let params = function.blocks[function.entry()].params.iter().take(64).enumerate();
+        let mut made_of: FxHashMap<Value, u64> = params
+            .filter(|(_, param)| function.ty(**param) == Type::I32)
+            .map(|(at, &param)| (param, 1 << at))
+            .collect();
+        let mut params = 0;
+        for inst in insts(function) {
+            let data = &function.insts[inst];
+            data.for_each_address(|addr| {
+                params |= addr.base.and_then(|base| made_of.get(&function.resolve(base))).copied().unwrap_or(0);
+            });
+            let is_computed = matches!(
+                data,
+                InstData::Binary { .. }
+                    | InstData::IntCompare { .. }
+                    | InstData::Convert { .. }
+                    | InstData::Select { .. }
+            );
+            if is_computed {
+                let mut from = Some(0);
+                data.for_each_use(|value| {
+                    let of_value = match function.constant(value) {
+                        Some(_) => Some(0),
+                        None => made_of.get(&function.resolve(value)).copied(),
+                    };
+                    from = from.zip(of_value).map(|(all, more)| all | more);
+                });
+                if let Some(from) = from {
+                    made_of.insert(function.result(inst), from);
+                }
+            }
+        }
+        Pointers { made_of, params }
+    }
+
+    /// True of what is a constant where the pointers are.
+    fn is_known(&self, function: &Function, value: Value) -> bool {
+        self.made_of.get(&function.resolve(value)).is_some_and(|&from| from != 0 && from & !self.params == 0)
+    }
+
+    /// The cost of the function where its pointers are constants.
+    fn cost(&self, function: &Function) -> u32 {
+        if self.params == 0 {
+            return u32::MAX;
+        }
+        // Bytes of which single bits are read or replaced: what moves the bits becomes part of loads and stores.
+        let mut bytes: FxHashSet<Value> = FxHashSet::default();
+        let mut all = 0;
+        for &block in &function.layout {
+            for &inst in &function.blocks[block].insts {
+                let data = &function.insts[inst];
+                let is_free = match *data {
+                    InstData::Load { addr } => {
+                        if addr.base.is_some_and(|base| self.is_known(function, base)) {
+                            bytes.insert(function.result(inst));
+                        }
+                        false
+                    }
+                    InstData::Binary { op: BinaryOp::Shl, args: [_, count] } if self.is_known(function, count) => {
+                        bytes.insert(function.result(inst));
+                        true
+                    }
+                    InstData::Binary { op: BinaryOp::Lshr | BinaryOp::And, args: [byte, with] }
+                        if bytes.contains(&function.resolve(byte)) && self.is_known(function, with) =>
+                    {
+                        bytes.insert(function.result(inst));
+                        true
+                    }
+                    InstData::Binary { op: BinaryOp::Or, args }
+                        if args.iter().all(|&arg| bytes.contains(&function.resolve(arg))) =>
+                    {
+                        bytes.insert(function.result(inst));
+                        true
+                    }
+                    InstData::Convert { op: ConvertOp::Zext | ConvertOp::Trunc, arg } => {
+                        let is_byte = bytes.contains(&function.resolve(arg));
+                        if is_byte && function.ty(function.result(inst)) != Type::I1 {
+                            bytes.insert(function.result(inst));
+                        }
+                        is_byte || function.ty(arg) == Type::I1
+                    }
+                    _ => false,
+                };
+                let is_known = matches!(&function.results[inst][..], [result] if self.is_known(function, *result));
+                if !is_free && !is_known && !function.blocks[block].cold {
+                    all += cost(data);
+                }
+            }
+        }
+        all
+    }
+}
+
+/// The instructions of a function in the order of its layout.
+fn insts(function: &Function) -> impl Iterator<Item = Inst> {
+    function.layout.iter().flat_map(|&block| function.blocks[block].insts.iter().copied())
 }
 
 /// Blocks that are only for pointers into some area that is not a DB.
@@ -142,6 +273,15 @@ fn cost(data: &InstData) -> u32 {
     }
 }
 
+/// What a caller knows of what it passes.
+#[derive(Clone, Copy)]
+pub struct Known {
+    /// Pointers in its local data have constant areas.
+    pub areas: bool,
+    /// The parameters in [`Shape::pointers`] are constants.
+    pub pointers: bool,
+}
+
 /// How much the program may still grow.
 pub struct Budget {
     growth: u32,
@@ -159,11 +299,15 @@ impl Budget {
         self.caller = size;
     }
 
-    /// Whether a callee is to be inlined; if so, it counts. `knows_areas`: the caller passes pointers with constant areas.
-    pub fn allows(&mut self, callee: &Shape, is_only_call: bool, knows_areas: bool) -> bool {
-        let by_area = knows_areas && callee.cost_by_area < callee.cost;
-        let (cost, size) =
-            if by_area { (callee.cost_by_area, callee.cost_by_area) } else { (callee.cost, callee.size) };
+    /// Whether a callee is to be inlined; if so, it counts. `known`: what the caller passes.
+    pub fn allows(&mut self, callee: &Shape, is_only_call: bool, known: Known) -> bool {
+        let by_area = known.areas && callee.cost_by_area < callee.cost;
+        let by_pointers = known.pointers && callee.cost_by_pointers < callee.cost;
+        let (cost, size) = match (by_area, by_pointers) {
+            (_, true) => (callee.cost_by_pointers, callee.cost_by_pointers),
+            (true, false) => (callee.cost_by_area, callee.cost_by_area),
+            (false, false) => (callee.cost, callee.size),
+        };
         let caller = self.caller.saturating_add(callee.size);
         let fits = caller <= CALLER_MAX;
         let small = callee.cost <= SMALL && callee.size <= 2 * SMALL;
@@ -172,7 +316,7 @@ impl Budget {
         } else if is_only_call {
             fits && callee.size <= ONCE_MAX
         } else {
-            fits && cost <= if by_area { ONE_AREA } else { MEDIUM } && size <= self.growth
+            fits && cost <= if by_area || by_pointers { ONE_AREA } else { MEDIUM } && size <= self.growth
         };
         if allowed {
             self.caller = caller;

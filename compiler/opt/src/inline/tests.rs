@@ -229,3 +229,42 @@ fn what_callees_inlined_goes_on_with_them() {
         }",
     );
 }
+
+#[test]
+fn what_gets_constant_addresses_costs_less() {
+    // Forty bits are copied: much code where their addresses are values, a load and a store each where they are constants.
+    let bits: String = (0..40)
+        .map(|number| {
+            let value = |at: usize| format!("v{}", 10 + 20 * number + at);
+            let v: Vec<String> = (0..16).map(value).collect();
+            format!(
+                "{} = lshr v0, v2\n{} = and v0, v3\n{} = load.i8 any[{}]+{number}\n{} = zext.i32 {}\n{} = lshr {}, {}\n\
+                 {} = trunc.i1 {}\nstore.bit M {number}.0, {}\n",
+                v[0], v[1], v[2], v[0], v[3], v[2], v[4], v[3], v[1], v[5], v[4], v[5]
+            )
+        })
+        .collect();
+    let calls = |argument: &str| {
+        let text = format!(
+            "entry @F
+            func @F {{
+            b0:
+            v0 = load.i32 M 100
+            v1 = const.i32 1597472
+            call @G({argument})
+            call @G({argument})
+            ret
+            }}
+            func @G {{
+            b0(v0: i32):
+            v2 = const.i32 3
+            v3 = const.i32 7
+            {bits}ret
+            }}"
+        );
+        let mut module = plcc_ir::parse::parse_module(&text).expect("text is well formed");
+        crate::run_pass(&mut module, "inline").expect("there is such a pass");
+        plcc_ir::print::module_text(&module).matches("call @G").count()
+    };
+    assert_eq!((calls("v0"), calls("v1")), (2, 0));
+}
