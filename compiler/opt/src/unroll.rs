@@ -22,7 +22,7 @@
 
 use plcc_ir::analysis::{ControlFlow, Dominators};
 use plcc_ir::function::ValueDef;
-use plcc_ir::{BinaryOp, Block, Function, Inst, InstData, IntCc, Loc, Region, Type, Value, eval};
+use plcc_ir::{Address, BinaryOp, Block, Function, Inst, InstData, IntCc, Loc, Region, Type, Value, eval};
 use rustc_hash::FxHashSet;
 
 use crate::loops::{Loop, Loops};
@@ -36,6 +36,8 @@ const INSTS_MAX: usize = 320;
 const COUNTED_MAX: usize = 1024;
 /// Passes that become one.
 const TOGETHER_MAX: usize = 8;
+/// Passes whose bits of an array are in one byte.
+const BITS_TOGETHER: usize = 8;
 /// Loads of such a pass: what they bring is in registers at the same time.
 const LOADS_MAX: usize = 8;
 /// Instructions of such a pass.
@@ -130,12 +132,45 @@ fn copies(function: &Function, each: &Loop, passes: usize, size: usize) -> Optio
         return Some(passes);
     }
     let hot = each.blocks.iter().filter(|&&block| !function.blocks[block].cold);
-    let is_load =
-        |inst: &Inst| matches!(&function.insts[*inst], InstData::Load { addr } if addr.region != Region::State);
-    let loads = hot.flat_map(|&block| &function.blocks[block].insts).filter(|inst| is_load(inst)).count();
-    (2..=TOGETHER_MAX.min(LOADS_MAX / loads.max(1)))
+    let insts: Vec<Inst> = hot.flat_map(|&block| function.blocks[block].insts.iter().copied()).collect();
+    let numbers = bit_numbers(function, &insts);
+    let (mut loads, mut bits) = (0, 0);
+    for &inst in &insts {
+        match &function.insts[inst] {
+            InstData::Load { addr } if addr.region == Region::State => {}
+            InstData::Load { addr } if has_bit(function, addr, &numbers) => bits += 1,
+            InstData::Load { .. } => loads += 1,
+            _ => {}
+        }
+    }
+    // Eight bits in a row are mostly one byte.
+    let loads = |count: usize| count * loads + if count == BITS_TOGETHER { bits } else { count * bits };
+    (2..=TOGETHER_MAX)
         .rev()
-        .find(|&count| passes.is_multiple_of(count) && count * size <= TOGETHER_INSTS_MAX)
+        .find(|&count| passes.is_multiple_of(count) && loads(count) <= LOADS_MAX && count * size <= TOGETHER_INSTS_MAX)
+}
+
+/// Computed numbers of bits: what is shifted by their lowest three bits is a byte.
+fn bit_numbers(function: &Function, insts: &[Inst]) -> FxHashSet<Value> {
+    let number = |&inst: &Inst| {
+        let InstData::Binary { op: BinaryOp::Lshr | BinaryOp::Shl, args: [_, count] } = function.insts[inst] else {
+            return None;
+        };
+        match *function.defining(count)? {
+            InstData::Binary { op: BinaryOp::And, args: [number, mask] } if function.constant(mask) == Some(7) => {
+                Some(function.resolve(number))
+            }
+            _ => None,
+        }
+    };
+    insts.iter().filter_map(number).collect()
+}
+
+/// True of the byte in which the bit with one of the numbers is.
+fn has_bit(function: &Function, addr: &Address, numbers: &FxHashSet<Value>) -> bool {
+    let byte = addr.base.and_then(|base| function.defining(base));
+    let Some(&InstData::Binary { op: BinaryOp::Lshr, args: [number, count] }) = byte else { return false };
+    function.constant(count) == Some(3) && numbers.contains(&function.resolve(number))
 }
 
 /// How many passes the loop has, if a counter with constant ends decides that.
@@ -355,6 +390,44 @@ mod tests {
         assert_eq!(result.matches("load").count(), 5, "{result}");
         // Four passes of five, of which only the new counter decides.
         assert!(result.contains("const.i32 4\n") && result.contains("ne v") && !result.contains("i16"), "{result}");
+    }
+
+    #[test]
+    fn eight_bits_are_one_load() {
+        let text = |mask: u32| {
+            format!(
+                "; passes: unroll
+                func @F -> i32 {{
+                b0:
+                v0 = const.i32 0
+                v1 = const.i32 1
+                v2 = const.i32 3
+                v3 = const.i32 {mask}
+                v4 = const.i32 32
+                jump b1(v0, v0)
+                b1(v5: i32, v6: i32):
+                v7 = lshr v5, v2
+                v8 = and v5, v3
+                v9 = load.i8 M[v7]+0
+                v10 = load.i8 M[v7]+8
+                v11 = xor v9, v10
+                v12 = zext.i32 v11
+                v13 = lshr v12, v8
+                v14 = iadd v6, v13
+                v15 = iadd v5, v1
+                v16 = slt v15, v4
+                branch v16, b1(v15, v14), b2
+                b2:
+                ret v6
+                }}"
+            )
+        };
+        let loads = |mask: u32| {
+            let result = crate::run_listed_passes(&text(mask)).expect("text is well formed");
+            result.matches("load").count()
+        };
+        // Bytes of other numbers are loaded each.
+        assert_eq!((loads(7), loads(3)), (2 * 8, 2 * 4));
     }
 
     #[test]
