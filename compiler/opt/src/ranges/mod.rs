@@ -31,6 +31,8 @@ use rustc_hash::FxHashMap;
 const INSTS_MAX: usize = 400_000;
 /// So are functions whose jumps bring more values.
 const ARGUMENTS_MAX: usize = 1_000_000;
+/// Sums with constants that are looked through: a loop that was unrolled twice has two, one for each.
+const CHAIN_MAX: usize = 3;
 
 fn is_too_large(function: &Function) -> bool {
     let mut arguments = 0;
@@ -233,10 +235,13 @@ fn binary(
     let count = (constant & i64::from(ty.bits() - 1)) as u32;
     match op {
         // The low bits of a sum with a multiple of a power of two.
+        BinaryOp::And
+            if is_low_mask(constant)
+                && let Some(low) = low_bits_of_sum(function, ranges, a, constant) =>
+        {
+            Some(Change::Constant(low))
+        }
         BinaryOp::And if is_low_mask(constant) => match sum_with_constant(function, ranges, a) {
-            Some((x, by)) if ranges.get(x)?.zeros >= constant.trailing_ones() => {
-                Some(Change::Constant((by & constant) as u64))
-            }
             // The address in a pointer that stays within its area: the constant goes into the address.
             Some((x, by))
                 if let Some(of_x) = ranges.get(x)
@@ -343,12 +348,34 @@ fn sum_with_constant(function: &Function, ranges: &Ranges<'_>, sum: Value) -> Op
 /// The operand of a sum with a constant that does not wrap, and that constant shifted right by `count`, if the bits that are shifted
 /// out do not carry.
 fn shifted_sum(function: &Function, ranges: &Ranges<'_>, sum: Value, count: u32) -> Option<(Value, Interval, i64)> {
-    let (x, by) = sum_with_constant(function, ranges, sum)?;
-    let of_x = ranges.get(x)?;
     let full = Interval::full(function.ty(sum));
-    let fits = of_x.lo.checked_add(by)? >= full.lo && of_x.hi.checked_add(by)? <= full.hi;
-    let carries = of_x.zeros < count && by & ((1i64 << count.min(62)) - 1) != 0;
-    (fits && !carries && count > 0 && function.constant(x).is_none()).then_some((x, of_x, by >> count))
+    let (mut x, mut by) = sum_with_constant(function, ranges, sum)?;
+    for _ in 0..CHAIN_MAX {
+        let of_x = ranges.get(x)?;
+        let fits = of_x.lo.checked_add(by)? >= full.lo && of_x.hi.checked_add(by)? <= full.hi;
+        // A multiple of 4 has room for 3.
+        let low = by & ((1i64 << count.min(62)) - 1);
+        let carries = low >= 1i64 << of_x.zeros.min(62);
+        if fits && !carries && count > 0 && function.constant(x).is_none() {
+            return Some((x, of_x, by >> count));
+        }
+        let (inner, more) = sum_with_constant(function, ranges, x)?;
+        (x, by) = (inner, by.checked_add(more)?);
+    }
+    None
+}
+
+/// The bits of `mask`, the low ones, of a multiple of a power of two above them and constants.
+fn low_bits_of_sum(function: &Function, ranges: &Ranges<'_>, sum: Value, mask: i64) -> Option<u64> {
+    let (mut x, mut by) = sum_with_constant(function, ranges, sum)?;
+    for _ in 0..CHAIN_MAX {
+        if ranges.get(x)?.zeros >= mask.trailing_ones() {
+            return Some((by & mask) as u64);
+        }
+        let (inner, more) = sum_with_constant(function, ranges, x)?;
+        (x, by) = (inner, by.wrapping_add(more));
+    }
+    None
 }
 
 /// The operands of a sum that does not wrap, natural numbers that were shifted left by `count` at least.

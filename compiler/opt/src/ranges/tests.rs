@@ -61,6 +61,40 @@ fn the_index_of_a_loop_needs_no_check() {
 }
 
 #[test]
+fn bits_of_a_loop_that_was_unrolled_twice_are_in_one_byte() {
+    // The counter is a multiple of 8: the second bit of the second four, and a multiple of 4 has room for 3.
+    let text = "func @F -> i32 {
+        b0:
+        v0 = const.i32 0
+        v1 = const.i32 1
+        v2 = const.i32 3
+        v3 = const.i32 4
+        v4 = const.i32 7
+        v5 = const.i32 8
+        v6 = const.i32 32
+        jump b1(v0)
+        b1(v7: i32):
+        v8 = iadd v7, v3
+        v9 = iadd v8, v1
+        v10 = lshr v9, v2
+        v11 = and v9, v4
+        v12 = load.i8 M[v10]+0
+        v13 = zext.i32 v12
+        v14 = lshr v13, v11
+        store.i32 M 100, v14
+        v15 = iadd v7, v5
+        v16 = slt v15, v6
+        branch v16, b1(v15), b2
+        b2:
+        ret v0
+        }";
+    let mut module = plcc_ir::parse::parse_module(text).expect("text is well formed");
+    crate::run_pass(&mut module, "ranges").expect("there is such a pass");
+    let result = plcc_ir::print::module_text(&module);
+    assert!(result.contains("lshr v7") && result.contains("const.i32 5") && !result.contains("and v9"), "{result}");
+}
+
+#[test]
 fn a_pointer_gets_as_far_as_the_counter_lets_it() {
     check_pass(
         "ranges",
