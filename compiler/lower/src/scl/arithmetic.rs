@@ -30,6 +30,11 @@ impl BlockLowering<'_, '_> {
                 let result = self.b.binary(op, a, b);
                 self.float_result(result, a, b, op)
             }
+            // The product of two singles is exact in double, so that both ways round once.
+            BinaryOp::Power if ty == Elementary::Real && self.b.constant_bits(b) == Some(2.0f32.to_bits().into()) => {
+                let square = self.b.binary(Ir::Fmul, a, a);
+                self.checked_float(square)
+            }
             BinaryOp::Power => {
                 let function = if ty == Elementary::Lreal { RuntimeFn::PowLong } else { RuntimeFn::Pow };
                 let result = self.b.call_pure(function, &[a, b]);
