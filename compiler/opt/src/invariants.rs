@@ -1,7 +1,8 @@
 //! What a loop looks up in the table of DBs is looked up before it.
 //!
 //! Base and length of an open DB are loaded at each access. In a loop that opens no other DB, and calls nothing that may make, delete or
-//! move one, they stay the same. Looking up a number that the loop never uses does no harm.
+//! move one, they stay the same. Looking up a number that the loop never uses does no harm; one that nothing is known of is cut to the 16
+//! bits that every number of a DB has, for the case that it is not used.
 //!
 //! ```text
 //! b1:                        ;     v2 = db_base v1
@@ -14,7 +15,7 @@ use plcc_abi::functions::Effect;
 use plcc_ir::analysis::{ControlFlow, Dominators};
 use plcc_ir::entities::Entity;
 use plcc_ir::function::ValueDef;
-use plcc_ir::{Block, Function, Inst, InstData, Value};
+use plcc_ir::{BinaryOp, Block, Function, Inst, InstData, Value};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::effects::{Effects, is_interruption};
@@ -48,7 +49,10 @@ pub fn hoist_lookups(function: &mut Function, surroundings: &Surroundings) -> bo
         let Some(before) = dominators.immediate(each.header).filter(|_| steps <= STEPS_MAX) else { continue };
         let inside: FxHashSet<Block> = each.blocks.iter().copied().collect();
         let all = |block: &Block| function.blocks[*block].insts.iter();
-        if each.blocks.iter().flat_map(all).any(|&inst| changes_table(&function.insts[inst], effects)) {
+        // What is between there and the loop must not change the table either.
+        let mut enter = cfg.predecessors(each.header).iter().copied().filter(|pred| !inside.contains(pred));
+        let blocks = if enter.all(|pred| pred == before) { &each.blocks } else { &cfg.rpo };
+        if blocks.iter().flat_map(all).any(|&inst| changes_table(&function.insts[inst], effects)) {
             continue;
         }
         let is_outside = |value: Value| match function.values[function.resolve(value)].def {
@@ -60,7 +64,6 @@ pub fn hoist_lookups(function: &mut Function, surroundings: &Surroundings) -> bo
         for &inst in each.blocks.iter().flat_map(all) {
             if let InstData::DbBase { number } | InstData::DbLength { number } = &function.insts[inst]
                 && is_outside(*number)
-                && unsigned_max(function, *number) <= u64::from(u16::MAX)
             {
                 moved.push(inst);
             }
@@ -71,6 +74,7 @@ pub fn hoist_lookups(function: &mut Function, surroundings: &Surroundings) -> bo
         changed = true;
         moved.sort_unstable_by_key(|inst| inst.index());
         let gone: FxHashSet<Inst> = moved.iter().copied().collect();
+        let moved = with_short_numbers(function, moved);
         for &block in &each.blocks {
             function.blocks[block].insts.retain(|inst| !gone.contains(inst));
         }
@@ -80,6 +84,38 @@ pub fn hoist_lookups(function: &mut Function, surroundings: &Surroundings) -> bo
         insts.splice(end..end, moved);
     }
     changed
+}
+
+/// The look-ups `moved`, after what cuts their numbers to 16 bits where they may have more.
+fn with_short_numbers(function: &mut Function, moved: Vec<Inst>) -> Vec<Inst> {
+    let mut cut: FxHashMap<Value, Value> = FxHashMap::default();
+    let mut all = Vec::new();
+    for &inst in &moved {
+        let number = match function.insts[inst] {
+            InstData::DbBase { number } | InstData::DbLength { number } => function.resolve(number),
+            _ => continue,
+        };
+        if unsigned_max(function, number) <= u64::from(u16::MAX) {
+            continue;
+        }
+        let short = match cut.get(&number) {
+            Some(&short) => short,
+            None => {
+                let (ty, loc) = (function.ty(number), function.locs[inst]);
+                let mask = function.make_inst(InstData::Const { bits: u64::from(u16::MAX) }, &[ty], loc);
+                let args = [number, function.result(mask)];
+                let and = function.make_inst(InstData::Binary { op: BinaryOp::And, args }, &[ty], loc);
+                all.extend([mask, and]);
+                function.result(and)
+            }
+        };
+        cut.insert(number, short);
+        if let InstData::DbBase { number } | InstData::DbLength { number } = &mut function.insts[inst] {
+            *number = short;
+        }
+    }
+    all.extend(moved);
+    all
 }
 
 /// True if an instruction may change the table of DBs.
@@ -117,6 +153,16 @@ mod tests {
     #[test]
     fn a_db_is_looked_up_before_the_loop() {
         check_pass("hoist-lookups", &around("", "v2 = db_base v1"), &around("v2 = db_base v1", ""));
+    }
+
+    #[test]
+    fn a_number_that_nothing_is_known_of_has_sixteen_bits() {
+        let text = |before: &str, inside: &str| around(before, inside).replace("v1 = zext.i32 v0", "v1 = load.i32 M 4");
+        check_pass(
+            "hoist-lookups",
+            &text("", "v2 = db_base v1"),
+            &text("v4 = const.i32 65535\nv5 = and v1, v4\nv2 = db_base v5", ""),
+        );
     }
 
     #[test]
