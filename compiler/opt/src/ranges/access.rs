@@ -27,8 +27,9 @@ pub fn addresses(function: &Function, ranges: &Ranges<'_>, surroundings: &Surrou
     let mut simpler = [None; 2];
     let mut index = 0;
     data.for_each_address(|addr| {
-        simpler[index] =
-            of_place(function, ranges, surroundings, addr, bytes).or_else(|| with_constant(function, ranges, addr));
+        simpler[index] = of_place(function, ranges, surroundings, addr, bytes)
+            .or_else(|| of_area(ranges, surroundings, addr, bytes))
+            .or_else(|| with_constant(function, ranges, addr));
         index += 1;
     });
     simpler.iter().any(Option::is_some).then_some(Change::Addresses(simpler))
@@ -88,4 +89,26 @@ fn of_place(
     let offset = place.offset.checked_add(addr.offset)?;
     let end = base.hi.checked_add(i64::from(offset) + i64::from(bytes))?;
     (base.is_natural() && end <= i64::from(length)).then_some(Address { offset, ..place })
+}
+
+/// What begins and ends in a DB or an area, whatever number of its range the base is, is there.
+fn of_area(ranges: &Ranges<'_>, surroundings: &Surroundings, addr: &Address, bytes: u32) -> Option<Address> {
+    let anywhere = match addr.region {
+        Region::Any => true,
+        Region::AnyDb => false,
+        _ => return None,
+    };
+    let base = ranges.get(addr.base?).filter(|base| base.is_natural())?;
+    let start = base.lo.checked_add(i64::from(addr.offset))?;
+    let end = base.hi.checked_add(i64::from(addr.offset) + i64::from(bytes))?;
+    let dbs = &surroundings.dbs_by_address;
+    let db = dbs.partition_point(|db| i64::from(db.address) <= start).checked_sub(1).map(|index| dbs[index]);
+    let db = db.map(|db| (Region::Db(db.number), db.address, db.length));
+    let areas = [(Region::I, layout::I), (Region::Q, layout::Q), (Region::M, layout::M)];
+    let areas = areas.into_iter().filter(|_| anywhere).map(|(region, first)| (region, first, layout::AREA_BYTES));
+    db.into_iter().chain(areas).find_map(|(region, first, length)| {
+        let offset = addr.offset.checked_sub(first)?;
+        let is_inside = i64::from(first) <= start && end <= i64::from(first) + i64::from(length);
+        is_inside.then_some(Address { region, base: addr.base, offset })
+    })
 }

@@ -180,6 +180,25 @@ fn what_was_tested_is_known_where_only_the_test_leads() {
 }
 
 #[test]
+fn what_is_reached_from_a_small_number_is_in_one_db() {
+    let text = |mask: u32, address: &str| {
+        format!(
+            "db 1 at 0x400000 length 100
+            func @F -> i32 {{
+            b0(v0: i32):
+            v1 = const.i32 {mask}
+            v2 = and v0, v1
+            v3 = load.i16 {address}
+            v4 = zext.i32 v3
+            ret v4
+            }}"
+        )
+    };
+    check_pass("ranges", &text(63, "any[v2]+4194308"), &text(63, "DB1[v2]+4"));
+    check_pass("ranges", &text(127, "any[v2]+4194308"), &text(127, "any[v2]+4194308"));
+}
+
+#[test]
 fn a_counter_that_may_wrap_says_nothing() {
     let text = "func @F -> i32 {
         b0(v9: i16):
