@@ -394,14 +394,19 @@ impl BlockLowering<'_, '_> {
         for part in parts {
             total = self.b.iadd(total, part.count);
         }
-        let mut sources: Vec<&Text> = Vec::new();
+        // Pieces of a text are together not longer than it; a whole text counts each time.
+        let (mut most, mut cut) = (0, Vec::new());
         for part in parts {
-            if !sources.iter().any(|source| source.start == part.text.start) {
-                sources.push(part.text);
+            let is_whole = part.count == part.text.length;
+            if is_whole || !cut.contains(&part.text.start) {
+                most += part.text.most;
+            }
+            if !is_whole {
+                cut.push(part.text.start);
             }
         }
         let is_declared = self.b.constant_bits(out.maximum).is_some();
-        if !is_declared || sources.iter().map(|text| text.most).sum::<u32>() > out.most {
+        if !is_declared || most > out.most {
             let fits = self.b.icmp(IntCc::Ule, total, out.maximum);
             self.require(fits, call);
         }
