@@ -2,7 +2,7 @@
 
 use plcc_ir::{Address, Value};
 use plcc_model::layout;
-use plcc_model::scl::Access;
+use plcc_model::scl::{Access, Conversion};
 use plcc_model::types::DataType;
 use plcc_model::{Parameter, Passing, Place, Width};
 
@@ -11,6 +11,7 @@ use crate::block::BlockLowering;
 use crate::call::has_area_pointer;
 use crate::place::{self, BitNumber, Target};
 use crate::pointer::PointerFields;
+use crate::scl::access::Located;
 
 impl BlockLowering<'_, '_> {
     /// The values that an FC gets for a formal; see [`crate::plan::parameter_types`]. Adds to `temporaries` what is copied back after the call.
@@ -90,7 +91,10 @@ impl BlockLowering<'_, '_> {
 
     /// A reference to the variable that receives the value, if it can be used directly.
     fn direct_reference(&mut self, width: Width, back: Option<&Back>) -> Option<Value> {
-        let Some(Back { access, located: Some(located), conversion: None }) = back else { return None };
+        // The same bits as another type, such as an INT in MW 10, need no copy.
+        let Some(Back { access, located: Some(located), conversion: None | Some(Conversion::Bits { .. }) }) = back else {
+            return None;
+        };
         let fits = access.part.is_none()
             && access.elementary().is_some_and(|ty| layout::width(ty) == width)
             && located.is_memory();
@@ -110,6 +114,15 @@ impl BlockLowering<'_, '_> {
         temporaries: &mut Vec<(Back<'m>, Address)>,
     ) -> Address {
         let temporary = self.temporary(width.bytes());
+        let supply = match (supply, &back) {
+            // What the FC does not write stays: the copy begins with the slice.
+            (Supply::Nothing, Some(back)) if keeps_slice(back, width) => {
+                let ty = back.access.elementary().expect("a slice is elementary");
+                let value = self.read_back(back);
+                Supply::Value(self.untyped(value, ty))
+            }
+            (supply, _) => supply,
+        };
         match supply {
             Supply::Value(value) => self.write_target(Target::at(temporary, BitNumber::Known(0)), width, value),
             _ => self.b.clear(temporary, width.bytes()),
@@ -182,4 +195,11 @@ impl BlockLowering<'_, '_> {
             _ => unreachable!("the binder gives ARRAY[*] arrays"),
         }
     }
+}
+
+/// True for a slice of a variable that can be read, with the bits of the formal.
+fn keeps_slice(back: &Back, width: Width) -> bool {
+    let is_readable = back.located.as_ref().is_none_or(Located::is_memory);
+    let same_bits = matches!(back.conversion, None | Some(Conversion::Bits { .. }));
+    back.access.part.is_some_and(|part| part.width == width) && same_bits && is_readable
 }
