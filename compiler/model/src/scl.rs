@@ -21,6 +21,8 @@ pub struct SclBody {
     pub temporary_texts: Vec<TemporaryText>,
     /// For a block in LAD or FBD: where its networks begin in the source, in order.
     pub networks: Vec<u32>,
+    /// LAD and FBD of S7-300/400: elementary inputs of FCs are the actual parameters, as in STL. Else they are copies.
+    pub inputs_in_place: bool,
 }
 
 impl SclBody {

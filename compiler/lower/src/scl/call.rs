@@ -253,12 +253,14 @@ impl BlockLowering<'_, '_> {
             }
             let own = given.iter().position(|given| given.parameter == index).map(|at| given.swap_remove(at));
             let mut backs = Vec::new();
+            let actual = call.arguments.iter().find(|argument| argument.parameter == index);
             if let (true, Passing::Elementary(width)) = (is_pointed, parameter.passing) {
-                let actual = call.arguments.iter().find(|argument| argument.parameter == index);
                 let place = actual.and_then(|argument| argument::place_of(&argument.actual));
                 let (reference, pointer) = self.pointed_reference(width, own, place, &mut backs);
                 references.push(reference);
                 pointers.push(pointer);
+            } else if let Some(reference) = actual.and_then(|actual| self.input_in_place(parameter, &actual.actual)) {
+                references.push(reference);
             } else {
                 references.extend(self.references(parameter, own, &mut backs));
             }

@@ -43,6 +43,8 @@ pub struct SclState {
     last_eno: Option<Var>,
     sets_flag: bool,
     calls_set_flag: bool,
+    /// See [`SclBody::inputs_in_place`].
+    inputs_in_place: bool,
     /// The result of the call that is lowered, if it is a text, is read by a function of texts only.
     only_text: bool,
     loops: Vec<Loop>,
@@ -95,6 +97,7 @@ impl BlockLowering<'_, '_> {
         self.scl.last_eno = Some(flags[1]);
         self.scl.sets_flag = body.sets_flag;
         self.scl.calls_set_flag = body.calls_set_flag;
+        self.scl.inputs_in_place = body.inputs_in_place;
         if matches!(self.block.kind, BlockKind::Fb | BlockKind::Sfb) {
             let (di, ar2) = (self.get(self.regs.di), self.get(self.regs.ar[1]));
             self.instance = Some(self.instance_address(di, ar2));
@@ -105,7 +108,7 @@ impl BlockLowering<'_, '_> {
         // A debugger reads and changes variables.
         let promoted = match self.output.probes.asked {
             Asked::Statements => Vec::new(),
-            Asked::Nothing | Asked::Values | Asked::Coverage => promote::promotable(block, &body.statements),
+            Asked::Nothing | Asked::Values | Asked::Coverage => promote::promotable(block, body),
         };
         for (slot, ty) in promoted {
             let var = self.b.declare_var(value_type(ty));
@@ -130,7 +133,7 @@ impl BlockLowering<'_, '_> {
     /// Elementary inputs of an FC are its own: those not in SSA values get an address in the frame.
     fn copy_inputs(&mut self) {
         let block = self.block;
-        if self.parameters.is_empty() {
+        if self.parameters.is_empty() || self.scl.inputs_in_place {
             return;
         }
         for (index, parameter) in block.interface.parameters.iter().enumerate() {

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use plcc_model::layout;
 use plcc_model::scl::walk::{self, Role, Visitor};
-use plcc_model::scl::{Access, Base, IndexBounds, Statement, StatementKind};
+use plcc_model::scl::{Access, Base, IndexBounds, SclBody, Statement, StatementKind};
 use plcc_model::types::{DataType, Elementary};
 use plcc_model::{Assert, AssertSide, CodeBlock, Direction, Operand, Passing, Place};
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -28,9 +28,9 @@ pub enum Slot {
 }
 
 /// The promoted variables of a block, in a fixed order.
-pub fn promotable(block: &CodeBlock, statements: &[Statement]) -> Vec<(Slot, Elementary)> {
+pub fn promotable(block: &CodeBlock, body: &SclBody) -> Vec<(Slot, Elementary)> {
     let mut seen = Seen::default();
-    walk::statements(statements, &mut seen);
+    walk::statements(&body.statements, &mut seen);
     if seen.everything {
         return Vec::new();
     }
@@ -39,7 +39,7 @@ pub fn promotable(block: &CodeBlock, statements: &[Statement]) -> Vec<(Slot, Ele
         let Some(ty) = ty else { continue };
         let parameter = &block.interface.parameters[index];
         let by_value = match parameter.direction {
-            Direction::Input => true,
+            Direction::Input => !body.inputs_in_place,
             Direction::Output => parameter.name == "RET_VAL",
             Direction::InOut => false,
         };

@@ -2,9 +2,9 @@
 
 use plcc_ir::{Address, Value};
 use plcc_model::layout;
-use plcc_model::scl::{Access, Conversion};
+use plcc_model::scl::{Access, Actual, Conversion, ExprKind};
 use plcc_model::types::DataType;
-use plcc_model::{Parameter, Passing, Place, Width};
+use plcc_model::{Direction, Parameter, Passing, Place, Width};
 
 use super::{Back, Given, Source, Supply};
 use crate::block::BlockLowering;
@@ -103,6 +103,31 @@ impl BlockLowering<'_, '_> {
         }
         let target = self.located_target(located, width, place::Direction::Write);
         Some(self.reference(target, width, place::Direction::Write))
+    }
+
+    /// A reference to the variable that an input is, in a block that passes inputs in place.
+    pub fn input_in_place(&mut self, parameter: &Parameter, actual: &Actual) -> Option<Value> {
+        let (true, Direction::Input, Passing::Elementary(width), Actual::Value(value)) =
+            (self.scl.inputs_in_place, parameter.direction, parameter.passing, actual)
+        else {
+            return None;
+        };
+        // An address without a type has the bits of the formal.
+        let load = match &value.kind {
+            ExprKind::Convert { conversion: Conversion::Bits { .. }, operand } => &operand.kind,
+            kind => kind,
+        };
+        let ExprKind::Load(access) = load else { return None };
+        let has_width = access.part.is_none() && access.elementary().is_some_and(|ty| layout::width(ty) == width);
+        if !has_width || !access.indices.is_empty() || self.is_promoted(access) {
+            return None;
+        }
+        let located = self.locate(access);
+        if !located.is_memory() {
+            return None;
+        }
+        let target = self.located_target(&located, width, place::Direction::Read);
+        Some(self.reference(target, width, place::Direction::Read))
     }
 
     /// Puts the value of an elementary formal into the frame.

@@ -203,6 +203,7 @@ impl ChartBinder<'_, '_> {
             calls_set_flag: false,
             temporary_texts: temporary::texts(&ctx.block.bound),
             networks: Vec::new(),
+            inputs_in_place: false,
         }
     }
 

@@ -134,6 +134,7 @@ impl NetworkBinder<'_, '_> {
             calls_set_flag: true,
             temporary_texts: temporary::texts(&ctx.block.bound),
             networks: networks.networks.iter().map(|network| network.span.start).collect(),
+            inputs_in_place: ctx.scope.rules.is_300(),
         }
     }
 

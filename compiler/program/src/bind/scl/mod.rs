@@ -113,6 +113,7 @@ impl SclBinder<'_, '_> {
             calls_set_flag: scope.rules != Rules::Classic,
             temporary_texts: temporary::texts(&ctx.block.bound),
             networks: Vec::new(),
+            inputs_in_place: false,
         }
     }
 }
