@@ -2,6 +2,7 @@
 
 use plcc_abi::RuntimeFn;
 use plcc_ir::{Address, IntCc, Region, Type};
+use plcc_model::layout;
 use plcc_model::scl::{Access, Base, Complex, SclBody};
 use plcc_model::types::{DataType, Elementary};
 use plcc_model::{Place, Width};
@@ -10,6 +11,7 @@ use super::access::Located;
 use crate::block::BlockLowering;
 use crate::fault::Substitute;
 use crate::place::Direction;
+use crate::pointer::moved;
 
 /// A limit that means the maximum in the text's own header.
 pub const OWN_MAXIMUM: u32 = u32::MAX;
@@ -42,7 +44,7 @@ pub fn result_bytes(ty: &DataType) -> u32 {
     match ty {
         DataType::String(_) => TEXT_MAX + 2,
         DataType::WideString(_) => 2 * TEXT_MAX + 4,
-        _ => plcc_model::layout::bytes(ty),
+        _ => layout::bytes(ty),
     }
 }
 
@@ -75,15 +77,36 @@ impl BlockLowering<'_, '_> {
         addr
     }
 
-    /// Room in the frame for a result of type `ty`: 0, or an empty text.
+    /// Room in the frame for a result of type `ty`: 0, and empty texts.
     pub fn result_room(&mut self, ty: &DataType) -> Address {
         let bytes = result_bytes(ty);
         let addr = self.temporary(bytes);
         self.b.clear(addr, bytes);
-        if let Some(kind) = Text::of(ty) {
-            self.store_head(addr, kind, TEXT_MAX, 0);
+        match Text::of(ty) {
+            Some(kind) => self.store_head(addr, kind, TEXT_MAX, 0),
+            None => self.store_heads(addr, ty),
         }
         addr
+    }
+
+    /// Heads of the texts in a structure or array, with their declared maxima.
+    fn store_heads(&mut self, addr: Address, ty: &DataType) {
+        match ty {
+            DataType::String(maximum) => self.store_head(addr, Text::Narrow, u32::from(*maximum), 0),
+            DataType::WideString(maximum) => self.store_head(addr, Text::Wide, u32::from(*maximum), 0),
+            DataType::Struct(structure) => {
+                for member in &structure.members {
+                    self.store_heads(moved(addr, member.byte), &member.ty);
+                }
+            }
+            DataType::Array(array) if !matches!(array.element, DataType::Elementary(_)) => {
+                for index in 0..layout::element_count(&array.bounds) {
+                    let (distance, _) = layout::element_place(array, index);
+                    self.store_heads(moved(addr, distance), &array.element);
+                }
+            }
+            _ => {}
+        }
     }
 
     /// `s := t`
