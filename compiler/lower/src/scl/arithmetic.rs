@@ -49,7 +49,7 @@ impl BlockLowering<'_, '_> {
                 let count = bits::count_as(&mut self.b, b, value_type(ty));
                 self.b.binary(op, a, count)
             }
-            BinaryOp::AddDay | BinaryOp::SubtractDay => self.day_time(op, a, b, ty, right),
+            BinaryOp::AddDay | BinaryOp::SubtractDay => self.day_time(op, a, b, ty),
             BinaryOp::Min | BinaryOp::Max => self.min_max(op, a, b, ty),
         }
     }
@@ -188,14 +188,11 @@ impl BlockLowering<'_, '_> {
 
     // Times of day.
 
-    fn day_time(&mut self, op: BinaryOp, a: Value, b: Value, ty: Elementary, right: Elementary) -> Value {
+    fn day_time(&mut self, op: BinaryOp, a: Value, b: Value, ty: Elementary) -> Value {
         let day = if ty == Elementary::Ltod { DAY_NS } else { DAY_MS };
         let a64 = if ty.bits() == 64 { a } else { self.b.zext(Type::I64, a) };
-        let b64 = match (self.b.ty(b).bits(), right.is_signed()) {
-            (64, _) => b,
-            (_, true) => self.b.sext(Type::I64, b),
-            (_, false) => self.b.zext(Type::I64, b),
-        };
+        // A TIME has a sign, whatever type its bits come as.
+        let b64 = if self.b.ty(b).bits() == 64 { b } else { self.b.sext(Type::I64, b) };
         let day_value = self.b.iconst(Type::I64, day);
         let rest = self.b.binary(Ir::Srem, b64, day_value);
         let sum = if op == BinaryOp::AddDay { self.b.iadd(a64, rest) } else { self.b.isub(a64, rest) };
