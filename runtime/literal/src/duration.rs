@@ -144,6 +144,9 @@ pub fn interval(text: &str) -> Option<u64> {
     u64::try_from(total).ok()
 }
 
+/// Numbers above this exceed every type, in each unit.
+const NUMBER_MAX: i128 = 10i128.pow(22);
+
 /// A decimal number times a unit.
 struct Scaled {
     /// Fractions are cut off.
@@ -160,8 +163,10 @@ impl Scaled {
         if whole.is_empty() && part.is_empty() || !digits(whole) || !digits(part) {
             return None;
         }
-        // With more digits every type is exceeded.
-        let whole: i128 = if whole.len() > 18 { i128::from(i64::MAX) } else { whole.parse().unwrap_or(0) };
+        let whole = match whole {
+            "" => 0,
+            digits => digits.parse().map_or(NUMBER_MAX, |whole: i128| whole.min(NUMBER_MAX)),
+        };
         // After this many digits of a day no nanosecond is left.
         let (part, below) = part.split_at(part.len().min(15));
         let scale = 10i128.pow(part.len() as u32);
@@ -197,6 +202,9 @@ mod tests {
         assert_eq!(step7("5.S"), Ok(5_000_000_000));
         assert_eq!(portal("1S_2MS_3US_4NS"), Ok(1_002_003_004));
         assert_eq!(portal("0.0000000019S"), Ok(1));
+        assert_eq!(portal("7878411002202052351NS"), Ok(7_878_411_002_202_052_351));
+        assert_eq!(portal("00000000000000000000012S"), Ok(12_000_000_000));
+        assert!(portal(&format!("{}NS", "9".repeat(20))).is_ok_and(|ns| ns > i128::from(i64::MAX)));
         assert_eq!(step7("1M_90S"), Err(Fault::Unit { number: 90, unit: "S" }));
         assert_eq!(step7("90S"), Ok(90_000_000_000));
         for text in ["", "-", "5", "S", "1.2.3S", "1S1M", "1S1S", "5US", ".S"] {
