@@ -3,12 +3,14 @@
 //! - A returned value that is always the same constant, or always the same parameter, is known to the caller without asking:
 //!   most blocks leave the address registers and many status bits as they were.
 //! - A parameter that all callers set to the same constant is that constant.
+//! - A parameter that all callers set to constants has no other bits than these have together. The address of an instance is cut to 24 bits
+//!   by the block; with the bits of all its instances in place of the 24, later passes see where it ends and that it is whole bytes.
 //!
 //! Values that are no longer needed are then dead code.
 
 use plcc_ir::entities::{Entity, EntityVec};
 use plcc_ir::function::ValueDef;
-use plcc_ir::{Block, FuncId, Function, Inst, InstData, Loc, Module, Value};
+use plcc_ir::{BinaryOp, Block, FuncId, Function, Inst, InstData, Loc, Module, Value};
 use rustc_hash::FxHashMap;
 
 /// Rounds over the module: knowledge goes up one level of calls with each.
@@ -18,15 +20,17 @@ const ROUNDS_MAX: usize = 4;
 pub fn simplify_interfaces(module: &mut Module) {
     let calls = calls(module);
     let mut before: EntityVec<FuncId, Vec<Known>> = EntityVec::new();
+    let mut params = EntityVec::new();
     for _ in 0..ROUNDS_MAX {
         let returned = returned_values(module);
         let changed = use_returned_values(module, &calls, &before, &returned);
         before = returned;
-        let constants = constant_params(module, &calls);
-        if !use_constant_params(module, &constants) && !changed {
+        params = constant_params(module, &calls);
+        if !use_constant_params(module, &params) && !changed {
             break;
         }
     }
+    narrow_masks(module, &params);
 }
 
 /// The calls in each function, with the blocks that they are in. Rounds add instructions, but no calls.
@@ -48,6 +52,8 @@ enum Known {
     /// Nothing has been seen yet.
     Nothing,
     Constant(u64),
+    /// One of several constants, which have these bits together.
+    Bits(u64),
     /// The parameter with this number.
     Param(usize),
     Unknown,
@@ -62,6 +68,7 @@ impl Known {
         match (self, other) {
             (Known::Nothing, known) | (known, Known::Nothing) => known,
             (a, b) if a == b => a,
+            (Known::Constant(a) | Known::Bits(a), Known::Constant(b) | Known::Bits(b)) => Known::Bits(a | b),
             _ => Known::Unknown,
         }
     }
@@ -131,7 +138,7 @@ fn use_returned_values(
                         replace_uses_of_result(function, result, value);
                     }
                     Known::Param(param) => replace_uses_of_result(function, result, args[param]),
-                    Known::Nothing | Known::Unknown => continue,
+                    Known::Nothing | Known::Bits(_) | Known::Unknown => continue,
                 }
                 replaced = true;
             }
@@ -253,6 +260,42 @@ fn use_constant_params(module: &mut Module, constants: &EntityVec<FuncId, Vec<Kn
     changed
 }
 
+/// Cuts the masks of parameters that have known bits to these.
+fn narrow_masks(module: &mut Module, params: &EntityVec<FuncId, Vec<Known>>) {
+    for id in module.functions.keys() {
+        let bits_of = |known: &Known| if let Known::Bits(bits) = known { Some(*bits) } else { None };
+        if !params[id].iter().any(|known| bits_of(known).is_some()) || module.entries.contains(&id) {
+            continue;
+        }
+        let function = &mut module.functions[id];
+        let entry = function.entry();
+        let bits: FxHashMap<Value, u64> = (function.blocks[entry].params.iter().copied())
+            .zip(&params[id])
+            .filter_map(|(param, known)| Some((param, bits_of(known)?)))
+            .collect();
+        for index in 0..function.layout.len() {
+            let block = function.layout[index];
+            let mut insts = Vec::with_capacity(function.blocks[block].insts.len());
+            for inst in std::mem::take(&mut function.blocks[block].insts) {
+                if let InstData::Binary { op: BinaryOp::And, args: [a, b] } = function.insts[inst]
+                    && let Some(&of_param) = bits.get(&function.resolve(a))
+                    && let Some(mask) = function.constant(b)
+                    && mask & !of_param != 0
+                {
+                    let ty = function.ty(b);
+                    let bits = InstData::Const { bits: mask & of_param };
+                    let narrow = function.make_inst(bits, &[ty], function.locs[inst]);
+                    let args = [a, function.result(narrow)];
+                    function.insts[inst] = InstData::Binary { op: BinaryOp::And, args };
+                    insts.push(narrow);
+                }
+                insts.push(inst);
+            }
+            function.blocks[block].insts = insts;
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use crate::tests::check_pass;
@@ -323,5 +366,35 @@ mod tests {
             ret
             }",
         );
+    }
+
+    #[test]
+    fn an_address_has_the_bits_of_all_instances() {
+        let text = |mask: u32| {
+            format!(
+                "func @F {{
+                b0(v0: i32):
+                v1 = const.i32 2214592528
+                call @G(v1, v0)
+                v2 = const.i32 2214592624
+                call @G(v2, v1)
+                ret
+                }}
+                func @G {{
+                b0(v0: i32, v1: i32):
+                v2 = const.i32 {mask}
+                v3 = and v0, v2
+                v4 = and v1, v2
+                store.i32 M 0, v3
+                store.i32 M 4, v4
+                ret
+                }}"
+            )
+        };
+        let mut module = plcc_ir::parse::parse_module(&text(0x00FF_FFFF)).expect("text is well formed");
+        crate::run_pass(&mut module, "interfaces").expect("there is such a pass");
+        let result = plcc_ir::print::module_text(&module);
+        // 16 and 112, of the one that gets constants only.
+        assert!(result.contains("const.i32 112") && result.contains("const.i32 16777215"), "{result}");
     }
 }
