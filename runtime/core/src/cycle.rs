@@ -358,9 +358,16 @@ impl Cpu {
     }
 
     /// The clock memory byte: bits 0-7 have periods of 0.1, 0.2, 0.4, 0.5, 0.8, 1, 1.6 and 2 s, half of each 0, then 1.
+    #[inline]
     pub(crate) fn update_clock_memory(&self) {
+        if let Some(byte) = self.image.config.clock_memory_byte {
+            self.write_clock_memory(byte);
+        }
+    }
+
+    #[inline(never)]
+    fn write_clock_memory(&self, byte: u16) {
         const HALF_PERIOD_MS: [u64; 8] = [50, 100, 200, 250, 400, 500, 800, 1000];
-        let Some(byte) = self.image.config.clock_memory_byte else { return };
         let ms = self.clock.now() / NS_PER_MS;
         let value = (0u32..).zip(HALF_PERIOD_MS).fold(0, |bits, (bit, half)| bits | ((ms / half) as u8 & 1) << bit);
         if u32::from(byte) < self.area(Area::BitMemory).1 {

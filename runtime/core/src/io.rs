@@ -2,7 +2,7 @@
 //!
 //! A driver answers at once, from memory. Exchange with real devices happens on its own threads.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 
 use plcc_abi::image::Module;
 use serde::{Deserialize, Serialize};
@@ -57,6 +57,8 @@ pub struct Change {
 pub struct Simulated {
     modules: Option<Vec<Module>>,
     bytes: RefCell<SimulatedBytes>,
+    /// There are named inputs.
+    has_named: Cell<bool>,
 }
 
 struct SimulatedBytes {
@@ -71,7 +73,7 @@ impl Simulated {
     pub fn new(modules: Option<Vec<Module>>) -> Simulated {
         let memory = || vec![0; PERIPHERAL_BYTES as usize].into_boxed_slice();
         let bytes = SimulatedBytes { inputs: memory(), outputs: memory(), named: Vec::new() };
-        let driver = Simulated { modules, bytes: RefCell::new(bytes) };
+        let driver = Simulated { modules, bytes: RefCell::new(bytes), has_named: Cell::new(false) };
         for module in driver.modules.iter().flatten() {
             driver.name_input(module.input_start, module.input_bytes);
         }
@@ -88,6 +90,32 @@ impl Simulated {
                 None => true,
                 Some(modules) => (address..address + bytes).all(|byte| covered(byte, modules)),
             }
+    }
+
+    /// Copies the process image to the modules.
+    #[inline(never)]
+    fn copy_image(&self, image: &[u8]) {
+        let outputs = &mut self.bytes.borrow_mut().outputs;
+        let mut take = |start: usize, length: usize| {
+            let end = start.saturating_add(length).min(image.len()).min(outputs.len());
+            if start < end {
+                outputs[start..end].copy_from_slice(&image[start..end]);
+            }
+        };
+        match &self.modules {
+            None => take(0, image.len()),
+            Some(modules) => {
+                modules.iter().for_each(|module| take(module.output_start as usize, module.output_bytes as usize));
+            }
+        }
+    }
+
+    #[inline(never)]
+    fn each_named(&self, limit: u32, each: &mut dyn FnMut(u32, u8)) {
+        let bytes = self.bytes.borrow();
+        for &address in bytes.named.iter().take_while(|&&address| address < limit) {
+            each(address, bytes.inputs[address as usize]);
+        }
     }
 }
 
@@ -118,19 +146,10 @@ impl Driver for Simulated {
         exists
     }
 
+    #[inline]
     fn write_image(&self, image: &[u8]) {
-        let outputs = &mut self.bytes.borrow_mut().outputs;
-        let mut take = |start: usize, length: usize| {
-            let end = start.saturating_add(length).min(image.len()).min(outputs.len());
-            if start < end {
-                outputs[start..end].copy_from_slice(&image[start..end]);
-            }
-        };
-        match &self.modules {
-            None => take(0, image.len()),
-            Some(modules) => {
-                modules.iter().for_each(|module| take(module.output_start as usize, module.output_bytes as usize));
-            }
+        if !image.is_empty() {
+            self.copy_image(image);
         }
     }
 
@@ -161,6 +180,7 @@ impl Driver for Simulated {
 
     fn name_input(&self, address: u32, bytes: u32) {
         let named = &mut self.bytes.borrow_mut().named;
+        self.has_named.set(self.has_named.get() || bytes > 0);
         for byte in address..address.saturating_add(bytes).min(PERIPHERAL_BYTES) {
             if let Err(index) = named.binary_search(&byte) {
                 named.insert(index, byte);
@@ -168,10 +188,10 @@ impl Driver for Simulated {
         }
     }
 
+    #[inline]
     fn named(&self, limit: u32, each: &mut dyn FnMut(u32, u8)) {
-        let bytes = self.bytes.borrow();
-        for &address in bytes.named.iter().take_while(|&&address| address < limit) {
-            each(address, bytes.inputs[address as usize]);
+        if self.has_named.get() {
+            self.each_named(limit, each);
         }
     }
 }

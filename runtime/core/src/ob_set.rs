@@ -8,11 +8,11 @@ use plcc_abi::ob::OB_NUMBER_MAX;
 const WORDS: usize = (OB_NUMBER_MAX as usize + 1) / 64;
 
 /// Numbers from 0 to [`OB_NUMBER_MAX`]; others are never in it.
-pub struct ObSet(Box<[Cell<u64>]>);
+pub struct ObSet(Box<[Cell<u64>; WORDS]>);
 
 impl Default for ObSet {
     fn default() -> ObSet {
-        ObSet(vec![Cell::new(0); WORDS].into_boxed_slice())
+        ObSet(Box::new([const { Cell::new(0) }; WORDS]))
     }
 }
 

@@ -82,14 +82,20 @@ impl Cpu {
     }
 
     /// As [`run_ob`](Cpu::run_ob), for an OB that was looked up. `info` has the priority.
+    #[inline]
     pub(crate) fn run_loaded(&self, loaded: &LoadedOb, priority: u8, info: &StartInfo) {
-        let Some(block) = self.block_of(loaded) else { return };
+        match self.block_of(loaded) {
+            Some(block) if self.running.priority.get() == 0 => self.run_outermost(loaded, block, priority, info),
+            Some(block) => self.run_inside(loaded, block, priority, info),
+            None => {}
+        }
+    }
+
+    /// Runs an OB that interrupts another one.
+    #[inline(never)]
+    fn run_inside(&self, loaded: &LoadedOb, block: &BlockEntry, priority: u8, info: &StartInfo) {
         let ob = loaded.number;
         let running = &self.running;
-        if running.priority.get() == 0 {
-            self.run_outermost(loaded, block, priority, info);
-            return;
-        }
         let before = (running.priority.get(), running.ob.get(), running.delayed.get(), running.error_depth.get());
         let replaceable = running.replaceable.take();
         let masks = running.masks.take();
@@ -100,7 +106,7 @@ impl Cpu {
         running.error_depth.set(0);
         running.active.set(ob, true);
         let limit = self.image.profile.local_data.min(layout::L_CLASS_BYTES);
-        self.enter(block, layout::l_stack(class), limit, loaded.depth_max, true, info);
+        self.enter(block, layout::l_stack(class), limit, loaded.depth_max, info);
         running.active.set(ob, false);
         running.priority.set(before.0);
         running.ob.set(before.1);
@@ -111,6 +117,7 @@ impl Cpu {
     }
 
     /// Runs an OB while no other runs: what it leaves behind is what there is between OBs, and nothing is kept for it.
+    #[inline]
     fn run_outermost(&self, loaded: &LoadedOb, block: &BlockEntry, priority: u8, info: &StartInfo) {
         let running = &self.running;
         running.priority.set(priority);
@@ -118,7 +125,11 @@ impl Cpu {
         running.active.set(loaded.number, true);
         let limit = self.image.profile.local_data.min(layout::L_CLASS_BYTES);
         let class = u32::from(priority).min(ERROR_CLASS - 1);
-        self.enter(block, layout::l_stack(class), limit, loaded.depth_max, false, info);
+        if self.has_local_data(block, limit) {
+            self.run_block(block, layout::l_stack(class), limit, loaded.depth_max, info);
+            // Nobody asks for start information between OBs.
+            self.memory.set_state::<{ state::DEPTH }, 4>([0; 4]);
+        }
         running.active.set(loaded.number, false);
         running.priority.set(0);
         running.ob.set(0);
@@ -143,7 +154,7 @@ impl Cpu {
         let limit = self.image.profile.local_data.min(ERROR_SLICE_BYTES);
         // The levels of the class are used up to an unknown extent; error OBs may use more in addition.
         let depth_max = self.image.profile.error_depth.max(1);
-        self.enter(block, base, limit, depth_max, true, &info.byte(2, running.priority.get()));
+        self.enter(block, base, limit, depth_max, &info.byte(2, running.priority.get()));
         running.ob.set(before);
         running.error_depth.set(depth);
         running.error_levels.set(levels);
@@ -171,14 +182,28 @@ impl Cpu {
         running.ob.set(before.1);
     }
 
-    /// `inside`: it interrupts code, whose registers must be as before afterwards.
-    fn enter(&self, block: &BlockEntry, base: u32, limit: u32, depth_max: u32, inside: bool, info: &StartInfo) {
-        let memory = &self.memory;
-        if block.frame.max(events::START_INFO_BYTES as u32) > limit {
-            self.stop_by(plcc_abi::codes::stop::LOCAL_DATA, NO_SITE, 0);
-            return;
+    /// Runs the block of an OB that interrupts code, whose registers are as before afterwards.
+    fn enter(&self, block: &BlockEntry, base: u32, limit: u32, depth_max: u32, info: &StartInfo) {
+        if self.has_local_data(block, limit) {
+            let (saved, outer_info) = (self.save(), self.running.info.get());
+            self.run_block(block, base, limit, depth_max, info);
+            self.restore(&saved);
+            self.running.info.set(outer_info);
         }
-        let saved = inside.then(|| (self.save(), self.running.info.get()));
+    }
+
+    /// Whether the local data of an OB are within the limit; else the CPU stops.
+    #[inline]
+    fn has_local_data(&self, block: &BlockEntry, limit: u32) -> bool {
+        let fits = block.frame.max(events::START_INFO_BYTES as u32) <= limit;
+        if !fits {
+            self.stop_by(plcc_abi::codes::stop::LOCAL_DATA, NO_SITE, 0);
+        }
+        fits
+    }
+
+    #[inline]
+    fn run_block(&self, block: &BlockEntry, base: u32, limit: u32, depth_max: u32, info: &StartInfo) {
         self.running.info.set(info.0);
         if matches!(block.number, 100..=102) {
             self.running.startup_info.set(info.0);
@@ -188,18 +213,10 @@ impl Cpu {
             self.fill_local_data(block, base, info, !called);
         }
         self.begin_code(depth_max, base + limit);
-        self.code.call(block.entry, memory.base(), base, base);
-        match &saved {
-            Some((saved, outer_info)) => {
-                self.restore(saved);
-                self.running.info.set(*outer_info);
-            }
-            // Nobody asks for start information between OBs.
-            None => memory.set_state::<{ state::DEPTH }, 4>([0; 4]),
-        }
+        self.code.call(block.entry, self.memory.base(), base, base);
     }
 
-    /// Local data of an OB with its start information. Apart, so that [`enter`](Cpu::enter) need not take the information to pieces.
+    /// Local data of an OB with its start information. Apart, so that [`run_block`](Cpu::run_block) need not take the information to pieces.
     #[inline(never)]
     fn fill_local_data(&self, block: &BlockEntry, base: u32, info: &StartInfo, first: bool) {
         let memory = &self.memory;

@@ -360,10 +360,11 @@ impl Cpu {
     pub(crate) fn poll(&self) {
         if self.schedule.in_run.get() && self.clock.now() >= self.schedule.quiet_until.get() {
             self.serve_due();
-            self.find_quiet_time();
         }
     }
 
+    // Apart, as what rarely happens in a cycle is everywhere: each cycle would save the registers that it needs.
+    #[inline(never)]
     fn serve_due(&self) {
         let now = self.clock.now();
         self.poll_counters();
@@ -400,6 +401,7 @@ impl Cpu {
                 self.request_timed(event);
             }
         }
+        self.find_quiet_time();
     }
 
     fn time_of_day_event(&self, time: &TimeOfDay) -> Event {
@@ -472,6 +474,7 @@ impl Cpu {
     }
 
     /// Runs waiting events of higher priority than the running one.
+    #[inline(never)]
     pub(crate) fn dispatch_by_priority(&self) {
         while !self.is_stopped() && self.running.delayed.get() == 0 {
             let Some((event, priority)) = self.take_next() else { return };
@@ -576,6 +579,16 @@ impl Cpu {
             return;
         }
         self.dispatch();
+        if monitored || self.schedule.in_run.get() && self.next_due() <= target {
+            self.advance_by_events(target, monitored);
+        }
+        self.clock.move_to(target);
+        self.update_clock_memory();
+    }
+
+    /// Time under the virtual clock until the last event that is due at `target` or before.
+    #[inline(never)]
+    fn advance_by_events(&self, target: u64, monitored: bool) {
         while !self.is_stopped() {
             let due = if self.schedule.in_run.get() { self.next_due() } else { NEVER };
             let late = if monitored { self.schedule.monitor.deadline.get() } else { NEVER };
@@ -592,8 +605,6 @@ impl Cpu {
             self.dispatch();
             self.check_hang(NO_SITE);
         }
-        self.clock.move_to(target);
-        self.update_clock_memory();
     }
 
     /// Real time: sleeps until `target`, with interrupts.

@@ -30,7 +30,7 @@ pub(super) struct Session {
 impl Observer for Session {
     fn before(&mut self, cpu: &Cpu, cycle: u64, time: u64) {
         if cycle == 0 {
-            self.set_values(cpu);
+            return self.before_startup(cpu, time);
         }
         self.player.before(cpu, cycle, time);
     }
@@ -49,12 +49,8 @@ impl Observer for Session {
 
     fn after(&mut self, cpu: &Cpu, cycle: u64, time: u64) {
         self.last = time;
-        self.player.after(cpu, cycle, time);
-        if self.recorder.is_some() {
-            self.record(cpu, cycle, time);
-        }
-        if let Some(trace) = &mut self.triggered {
-            tell(trace.look(cpu));
+        if !(self.player.is_idle() && self.recorder.is_none() && self.triggered.is_none()) {
+            self.look(cpu, cycle, time);
         }
     }
 }
@@ -91,12 +87,25 @@ impl Session {
         self.triggered.take().is_none_or(|mut trace| tell(trace.finish(cpu)))
     }
 
-    /// The values of `--set`.
+    /// The values of `--set`, and what the scenario sets first.
     #[cold]
-    fn set_values(&self, cpu: &Cpu) {
+    fn before_startup(&mut self, cpu: &Cpu, time: u64) {
         for (source, value) in &self.set {
             // Checked when the session was made.
             let _ = source.write(cpu, value);
+        }
+        self.player.before(cpu, 0, time);
+    }
+
+    /// Scenario and traces after a cycle.
+    #[inline(never)]
+    fn look(&mut self, cpu: &Cpu, cycle: u64, time: u64) {
+        self.player.after(cpu, cycle, time);
+        if self.recorder.is_some() {
+            self.record(cpu, cycle, time);
+        }
+        if let Some(trace) = &mut self.triggered {
+            tell(trace.look(cpu));
         }
     }
 

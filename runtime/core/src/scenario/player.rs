@@ -225,6 +225,12 @@ impl Observer for Player {
 }
 
 impl Player {
+    /// There is no scenario.
+    #[inline]
+    pub fn is_idle(&self) -> bool {
+        self.idle
+    }
+
     /// Sets what the scenario sets before `cycle`.
     #[inline(never)]
     fn play(&mut self, cpu: &Cpu, cycle: u64, time: u64) {

@@ -175,7 +175,15 @@ impl Cpu {
     }
 
     /// Puts the values of the counters to their input addresses.
+    #[inline]
     pub(crate) fn show_counters(&self) {
+        if !self.technology.counters.is_empty() {
+            self.write_counters();
+        }
+    }
+
+    #[inline(never)]
+    fn write_counters(&self) {
         let now = self.clock.now();
         for counter in &self.technology.counters {
             self.driver.set_input(hsc_address(counter.config.number), 4, counter.value(now) as u32);
