@@ -222,9 +222,7 @@ impl Items {
         for item in &self.items {
             match find(item) {
                 Some(part) if part.fits(item) => item.load(cpu, part.bytes),
-                Some(_) => {
-                    loaded.changed.extend(matches!(item.kind, Kind::Db | Kind::NamedDb).then_some(item.number))
-                }
+                Some(_) => loaded.changed.extend(matches!(item.kind, Kind::Db | Kind::NamedDb).then_some(item.number)),
                 None => {}
             }
         }

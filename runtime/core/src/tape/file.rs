@@ -254,7 +254,10 @@ mod tests {
             match Recording::parse(&whole[..length]) {
                 // The first cycle is whole.
                 Ok(recording) => {
-                    assert!(recording.cycles() > 0 && recording.cut.is_some_and(|why| why.contains("at byte")), "{length}");
+                    assert!(
+                        recording.cycles() > 0 && recording.cut.is_some_and(|why| why.contains("at byte")),
+                        "{length}"
+                    );
                 }
                 Err(error) => {
                     assert!(error.contains("at byte") || error.contains("not a recording"), "{length}: {error}");

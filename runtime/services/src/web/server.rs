@@ -465,7 +465,9 @@ mod tests {
     #[test]
     fn names_of_other_hosts_are_not_this_computer() {
         let asked = |host: &str| is_of_this_computer(&HeaderMap::from_iter([(HOST, host.parse().unwrap())]));
-        assert!(["localhost:8080", "LOCALHOST", "127.0.0.1:8080", "[::1]:8080", "[::1]"].map(asked).iter().all(|own| *own));
+        assert!(
+            ["localhost:8080", "LOCALHOST", "127.0.0.1:8080", "[::1]:8080", "[::1]"].map(asked).iter().all(|own| *own)
+        );
         assert!(["plant.example:8080", "localhost.example", "", "[plant.example]"].map(asked).iter().all(|own| !*own));
         assert!(!is_of_this_computer(&HeaderMap::new()));
     }
