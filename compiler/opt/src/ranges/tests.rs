@@ -91,7 +91,7 @@ fn bits_of_a_loop_that_was_unrolled_twice_are_in_one_byte() {
     let mut module = plcc_ir::parse::parse_module(text).expect("text is well formed");
     crate::run_pass(&mut module, "ranges").expect("there is such a pass");
     let result = plcc_ir::print::module_text(&module);
-    assert!(result.contains("lshr v7") && result.contains("const.i32 5") && !result.contains("and v9"), "{result}");
+    assert!(result.contains("lshr v8") && result.contains("const.i32 5") && !result.contains("and v9"), "{result}");
 }
 
 #[test]
