@@ -10,11 +10,14 @@
 
 use plcc_ir::entities::{Entity, EntityVec};
 use plcc_ir::function::ValueDef;
-use plcc_ir::{BinaryOp, Block, FuncId, Function, Inst, InstData, Loc, Module, Value};
+use plcc_ir::{BinaryOp, Block, FuncId, Function, Inst, InstData, Loc, Module, Type, Value, eval};
 use rustc_hash::FxHashMap;
 
 /// Rounds over the module: knowledge goes up one level of calls with each.
 const ROUNDS_MAX: usize = 4;
+
+/// Steps from constants to a value.
+const STEPS_MAX: u32 = 4;
 
 /// Propagates the facts about parameters and returned values.
 pub fn simplify_interfaces(module: &mut Module) {
@@ -76,12 +79,26 @@ impl Known {
 
 fn known_of(function: &Function, value: Value) -> Known {
     let value = function.resolve(value);
-    if let Some(bits) = function.constant(value) {
+    if let Some(bits) = computed(function, value, STEPS_MAX) {
         return Known::Constant(bits);
     }
     match function.values[value].def {
         ValueDef::Param(block, index) if block == function.entry() => Known::Param(index as usize),
         ValueDef::Param(..) | ValueDef::Result(..) | ValueDef::Alias(_) => Known::Unknown,
+    }
+}
+
+/// The value if it is a constant, or computed from constants in a few steps: what a round has found is not folded before the next one.
+fn computed(function: &Function, value: Value, steps: u32) -> Option<u64> {
+    if let Some(bits) = function.constant(value) {
+        return Some(bits);
+    }
+    let ty = function.ty(value);
+    match *function.defining(value)? {
+        InstData::Binary { op, args: [a, b] } if steps > 0 && ty == Type::I32 => {
+            eval::binary(op, ty, computed(function, a, steps - 1)?, computed(function, b, steps - 1)?)
+        }
+        _ => None,
     }
 }
 
