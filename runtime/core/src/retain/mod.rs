@@ -63,6 +63,21 @@ fn keep_before(path: &Path) -> String {
     }
 }
 
+/// How long a process waits at its start for the one before to end, and how often it looks.
+const WAIT_FOR_FILE: Duration = Duration::from_secs(2);
+const LOOK_FOR_FILE: Duration = Duration::from_millis(20);
+
+/// Opens the file. A process that takes the place of another may begin before that has ended.
+fn open(path: &Path) -> Result<(Slots, Content), Fault> {
+    let end = Instant::now() + WAIT_FOR_FILE;
+    loop {
+        match Slots::open(path) {
+            Err(Fault::InUse) if Instant::now() < end => std::thread::sleep(LOOK_FOR_FILE),
+            opened => return opened,
+        }
+    }
+}
+
 /// A message to the user; a closed standard error changes nothing.
 fn say(text: &str) {
     let _ = writeln!(std::io::stderr(), "runtime: {text}");
@@ -98,7 +113,7 @@ impl Cpu {
             }
             return Restored::NotKept;
         };
-        let (mut slots, content) = match Slots::open(path) {
+        let (mut slots, content) = match open(path) {
             Ok(opened) => opened,
             Err(fault) => {
                 let fault = match fault {

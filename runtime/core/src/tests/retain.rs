@@ -222,6 +222,20 @@ fn data_blocks_with_names_are_found_by_them() {
 }
 
 #[test]
+fn the_end_of_the_process_before_is_waited_for() {
+    let path = file("busy");
+    leave(&path, |_| {});
+    let other = std::fs::File::open(&path).unwrap();
+    other.lock().unwrap();
+    let before = std::thread::spawn(move || {
+        std::thread::sleep(std::time::Duration::from_millis(200));
+        drop(other);
+    });
+    assert_eq!(found(&path, |_| {}), [2, 0, 5, 0, 100, 7]);
+    before.join().unwrap();
+}
+
+#[test]
 fn another_program_finds_nothing() {
     let path = file("program");
     leave(&path, |_| {});
