@@ -254,6 +254,7 @@ impl Cpu {
     }
 
     /// Runs the routines of waiting events, if interrupts are enabled and none runs.
+    #[inline(never)]
     pub(crate) fn s7200_dispatch(&self) {
         let Some(own) = self.s7200() else { return };
         let interrupts = &own.interrupts;
