@@ -1,10 +1,17 @@
 //! Operands of STEP 5, for messages: `KT 50.1`, `KF +5`, `FW 10`, `DW 5`.
 
+/// Values are shorter: what follows a word is looked at no further.
+const VALUE_MAX: usize = 16;
+
 /// The length of the operand that begins with `word` (upper case) in `rest`, the text after it, and what STEP 7 has for it.
 pub fn meant(word: &str, rest: &str) -> Option<(usize, String)> {
     let blanks = rest.len() - rest.trim_start().len();
-    let value =
-        rest[blanks..].split(|c: char| c.is_whitespace() || c == ';').next().filter(|value| !value.is_empty())?;
+    let head = &rest[blanks..];
+    let head = &head[..head.char_indices().nth(VALUE_MAX).map_or(head.len(), |(at, _)| at)];
+    let value = head.split(|c: char| c.is_whitespace() || c == ';').next()?;
+    if value.is_empty() || value.chars().count() == VALUE_MAX {
+        return None;
+    }
     let length = blanks + value.len();
     let number = || value.parse::<u32>().ok();
     let written = match word {

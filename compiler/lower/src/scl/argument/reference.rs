@@ -92,7 +92,8 @@ impl BlockLowering<'_, '_> {
     /// A reference to the variable that receives the value, if it can be used directly.
     fn direct_reference(&mut self, width: Width, back: Option<&Back>) -> Option<Value> {
         // The same bits as another type, such as an INT in MW 10, need no copy.
-        let Some(Back { access, located: Some(located), conversion: None | Some(Conversion::Bits { .. }) }) = back else {
+        let Some(Back { access, located: Some(located), conversion: None | Some(Conversion::Bits { .. }) }) = back
+        else {
             return None;
         };
         let fits = access.part.is_none()

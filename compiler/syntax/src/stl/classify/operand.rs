@@ -132,9 +132,10 @@ impl<'a> Classifier<'a, '_> {
         if !beside || matches!(self.last(), Some(Tok::Dot)) {
             return false;
         }
-        let rest = self.text[token.end as usize..].lines().next().unwrap_or_default();
         let upper = self.upper(self.at);
-        let Some((length, written)) = step5::meant(upper.as_str(), rest) else { return false };
+        let Some((length, written)) = step5::meant(upper.as_str(), &self.text[token.end as usize..]) else {
+            return false;
+        };
         let (start, end) = (token.start as usize, token.end as usize + length);
         let title = format!("`{}` is an operand of STEP 5", &self.text[start..end]);
         self.report(
