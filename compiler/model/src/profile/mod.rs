@@ -87,12 +87,14 @@ fn ordered(number: &str) -> Option<Profile> {
 /// Help for a name that is not a CPU.
 pub fn help(name: &str) -> String {
     let wanted = normalized(name);
-    let near = PROFILES
-        .iter()
-        .map(|row| row.name)
-        .chain(s7200::cpus().iter().map(|cpu| cpu.name))
-        .map(|known| (plcc_syntax::distance::between(&wanted, &normalized(known)), known))
-        .filter(|(distance, known)| *distance <= 2 && wanted.get(..2) == normalized(known).get(..2))
+    // `S7-1214C` for `1214C`.
+    let bare = wanted.strip_prefix("S7").unwrap_or(&wanted);
+    let near = [wanted.as_str(), bare]
+        .into_iter()
+        .flat_map(|wanted| names().into_iter().map(move |known| (wanted, known, normalized(known))))
+        .filter(|(wanted, _, own)| wanted.get(..2) == own.get(..2))
+        .map(|(wanted, known, own)| (plcc_syntax::distance::between(wanted, &own), known))
+        .filter(|(distance, _)| *distance <= 2)
         .min();
     let forms = "write a family (`s7-300`, `s7-400`, `s7-1200`, `s7-1500`, `s7-200`), a CPU as STEP 7 names it (`315-2 PN/DP`), or its order number";
     match near {
