@@ -5,6 +5,7 @@
 
 use std::collections::BTreeMap;
 
+use plcc_abi::image::BlockKind;
 use plcc_abi::layout::area;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_model::scl::{Access, Complex, Expr, ExprKind, Statement, StatementKind, UnaryOp, walk};
@@ -47,7 +48,7 @@ pub fn review(program: &mut Declarations, block: &CodeBlock, found: &mut Vec<Dia
         let local = bound.locals.values().find(|local| holds(local, read.first));
         let name = local.map_or_else(|| address(read), |local| local.name.clone());
         if told.insert(name.clone()) {
-            found.push(message(read, &name));
+            found.push(message(read, &name, block.kind));
         }
     }
 }
@@ -72,14 +73,18 @@ fn address(read: &Read) -> String {
     }
 }
 
-fn message(read: &Read, name: &str) -> Diagnostic {
+fn message(read: &Read, name: &str, kind: BlockKind) -> Diagnostic {
+    let kept = match kind {
+        BlockKind::Fb | BlockKind::Sfb => "declare it as static data",
+        _ => "keep it in a data block",
+    };
     match read.is_text {
         true => Diagnostic::new(Code::NeverWritten, read.span, format!("the text `{name}` has no maximum length yet"))
             .label("the call writes no more characters than its first byte says, which is undefined on the CPU")
-            .help("write the maximum length to its first byte before, or declare the text as static data"),
+            .help(format!("write the maximum length to its first byte before, or {kept}")),
         false => Diagnostic::new(Code::NeverWritten, read.span, format!("`{name}` is read before it is written"))
             .label("temporary data is undefined on the CPU until it is written")
-            .help("assign a value to it first, or declare it as static data"),
+            .help(format!("assign a value to it first, or {kept}")),
     }
 }
 
