@@ -56,7 +56,7 @@ fn file(path: &Path, named: bool, args: &FmtArgs) -> Result<bool, u8> {
     let bytes = match regular(path).and_then(|()| fs::read(path)) {
         Ok(bytes) => bytes,
         Err(_) if !named => return Ok(false),
-        Err(error) => return fail(&error.to_string()),
+        Err(error) => return fail(&inputs::reason(&error)),
     };
     let text = decode_as(&bytes, args.code_page);
     if !named && !inputs::is_source(path, &text) {
@@ -87,7 +87,7 @@ fn file(path: &Path, named: bool, args: &FmtArgs) -> Result<bool, u8> {
     if !args.check
         && let Err(error) = fs::write(path, new)
     {
-        return fail(&error.to_string());
+        return fail(&inputs::reason(&error));
     }
     Ok(true)
 }

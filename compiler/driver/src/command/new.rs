@@ -9,6 +9,7 @@ use plcc_model::profile;
 
 use crate::cli::NewArgs;
 use crate::command::exit;
+use crate::inputs::reason;
 use crate::{project, report};
 
 /// Makes a project with a small program and its test.
@@ -34,7 +35,7 @@ pub fn new(args: &NewArgs) -> u8 {
 }
 
 /// Writes the files; none that is there already is replaced.
-fn write(folder: &Path, name: &str, cpu_name: &str, cpu: &Profile) -> std::io::Result<()> {
+fn write(folder: &Path, name: &str, cpu_name: &str, cpu: &Profile) -> Result<(), String> {
     let (source, text) = match cpu.family {
         Family::S7200 => ("main.awl", include_str!("../../templates/main.awl")),
         Family::S7300 | Family::S7400 => ("main.stl", include_str!("../../templates/main.stl")),
@@ -42,7 +43,7 @@ fn write(folder: &Path, name: &str, cpu_name: &str, cpu: &Profile) -> std::io::R
     };
     let quoted = |text: &str| toml::Value::String(text.to_owned()).to_string();
     let settings = format!("name = {}\ncpu = {}\nsources = [\"{source}\"]\n", quoted(name), quoted(cpu_name));
-    fs::create_dir_all(folder.join("tests"))?;
+    fs::create_dir_all(folder.join("tests")).map_err(|error| reason(&error))?;
     let scenario = include_str!("../../templates/motor.scenario.toml");
     let ignored = format!("/{name}\n/plc-data/\n");
     for (path, text) in [
@@ -52,9 +53,9 @@ fn write(folder: &Path, name: &str, cpu_name: &str, cpu: &Profile) -> std::io::R
         (".gitignore", &ignored),
     ] {
         let path = folder.join(path);
-        let file = fs::File::create_new(&path)
-            .map_err(|error| std::io::Error::new(error.kind(), format!("{}: {error}", path.display())));
-        file?.write_all(text.as_bytes())?;
+        fs::File::create_new(&path)
+            .and_then(|mut file| file.write_all(text.as_bytes()))
+            .map_err(|error| format!("{}: {}", path.display(), reason(&error)))?;
     }
     Ok(())
 }
