@@ -18,6 +18,9 @@ enum Frame {
     Type,
 }
 
+/// How far a header is looked through for its end: each of its lines may be one that no header has.
+const HEADER_TOKENS_MAX: usize = 200;
+
 impl<'a> Classifier<'a, '_> {
     /// A block from its keyword to its end.
     pub(super) fn block(&mut self) {
@@ -256,10 +259,10 @@ impl<'a> Classifier<'a, '_> {
         true
     }
 
-    /// Whether declarations or BEGIN follow with no statement before them, so this is a part of the header.
+    /// Whether declarations or BEGIN follow soon, with no statement before them, so this is a part of the header.
     fn header_goes_on(&self) -> bool {
         let mut inside = false;
-        for (index, token) in self.raw.iter().enumerate().skip(self.at) {
+        for (index, token) in self.raw.iter().enumerate().skip(self.at).take(HEADER_TOKENS_MAX) {
             match (token.kind, token.keyword) {
                 (RawKind::LeftBrace, _) => inside = true,
                 (RawKind::RightBrace, _) => inside = false,
