@@ -39,8 +39,8 @@ const FROM_S7_300: &[(&str, &str)] = &[
     ("BEB", "write `CRET`, which is conditional"),
     ("OPN", "the S7-200 has one data block and does not open it: write `VW100`"),
     ("AUF", "the S7-200 has one data block and does not open it: write `VW100`"),
-    ("SET", "write `S Q0.0, 1` for bits, `LD SM0.0` for a result that is always 1"),
-    ("CLR", "write `R Q0.0, 1` for bits, `LDN SM0.0` for a result that is always 0"),
+    ("SET", "write `S` with the first bit and the number of bits; `LD SM0.0` begins a network that always runs"),
+    ("CLR", "write `R` with the first bit and the number of bits; `LDN SM0.0` is always 0"),
 ];
 
 /// Names of instructions on other controllers, and frequent typing errors.
@@ -56,7 +56,7 @@ const SLIPS: &[(&str, &str)] = &[
     ("XIO", "write `LDN` for the first contact of a path, `AN` for the next ones"),
     ("OTE", "write `=`"),
     ("OTL", "write `S`, with the number of bits: `S Q0.0, 1`"),
-    ("OTU", "write `R`, with the number of bits: `R Q0.0, 1`"),
+    ("OTU", "write `R` with the first bit and the number of bits"),
     ("ANDN", "write `AN`"),
     ("ORN", "write `ON`"),
     ("ST", "write `=` for a bit, `MOVW` for a value"),
@@ -83,9 +83,9 @@ const SLIPS: &[(&str, &str)] = &[
     ("TITEL", "write `TITLE=`"),
     ("LDP", "write `LD` with the operand, then `EU` for its rising edge"),
     ("LDF", "write `LD` with the operand, then `ED` for its falling edge"),
-    ("RST", "write `R`, with the number of bits: `R Q0.0, 1`"),
-    ("RES", "write `R`, with the number of bits: `R Q0.0, 1`"),
-    ("RESET", "write `R`, with the number of bits: `R Q0.0, 1`"),
+    ("RST", "write `R` with the first bit and the number of bits"),
+    ("RES", "write `R` with the first bit and the number of bits"),
+    ("RESET", "write `R` with the first bit and the number of bits"),
     ("MOVI", "write `MOVW`"),
     ("MOVDW", "write `MOVD`"),
     ("BMOVB", "write `BMB`"),
@@ -207,7 +207,7 @@ mod tests {
         assert!(help("LDW==").contains("`LDW="));
         assert!(help("QWERTZ").contains("a statement is"));
         assert!(help("LDP").contains("`EU`"));
-        assert!(help("RST").contains("`R Q0.0, 1`"));
+        assert!(help("RST").contains("`R` with"));
         assert!(unknown(Span::default(), "TAK", "TAK", true, Mnemonics::En).title.contains("S7-300"));
     }
 }
