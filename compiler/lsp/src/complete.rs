@@ -13,7 +13,7 @@ use crate::names::{Meaning, along, callee_around, open_bracket};
 use crate::words::{Words, bare, is_name};
 
 /// Words of SCL that begin or join statements.
-pub const SCL: [&str; 28] = [
+const SCL: [&str; 28] = [
     "IF",
     "THEN",
     "ELSIF",

@@ -3,31 +3,15 @@
 use std::path::Path;
 
 use plcc_diag::{FileId, Span};
+use plcc_syntax::scl::keyword::Keyword;
 use plcc_syntax::symbols::SymbolTarget;
 
 use crate::address;
-use crate::complete::SCL;
 use crate::facts::same;
 use crate::hover::target_text;
 use crate::index::Index;
 use crate::names::{Meaning, meaning};
 use crate::words::{Words, bare};
-
-/// Words of the frame of a source, which are no names without quotes.
-const FRAME: [&str; 12] = [
-    "BEGIN",
-    "NETWORK",
-    "STRUCT",
-    "TYPE",
-    "VAR",
-    "VAR_INPUT",
-    "VAR_OUTPUT",
-    "VAR_IN_OUT",
-    "VAR_TEMP",
-    "FUNCTION",
-    "FUNCTION_BLOCK",
-    "DATA_BLOCK",
-];
 
 /// A text of each file of the program, which editors show.
 pub type Texts<'t> = Vec<(FileId, Words<'t>)>;
@@ -148,8 +132,9 @@ pub fn rename(index: &Index, texts: &Texts, file: FileId, at: usize, to: &str) -
     if matches!(wanted, Meaning::Label(_)) && !is_word(to) {
         return Err("a label is a word".to_owned());
     }
-    let upper = to.to_uppercase();
-    if SCL.contains(&upper.as_str()) || FRAME.contains(&upper.as_str()) || upper.starts_with("END_") {
+    if Keyword::from_word(to).is_some()
+        || ["REGION", "END_REGION", "NETWORK", "END_NETWORK"].iter().any(|own| same(own, to))
+    {
         return Err(format!("`{to}` is a word of the language"));
     }
     if taken(index, &wanted, to) && !same(&name, to) {
@@ -193,7 +178,7 @@ fn taken(index: &Index, wanted: &Meaning, to: &str) -> bool {
 fn row_edit(index: &Index, row: Span, name: &str, to: &str) -> Result<(Span, String), String> {
     let table = Path::new(&index.checked.sources.file(row.file).name);
     if table.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("xlsx")) {
-        return Err(format!("`{name}` is in a workbook, which is no text: rename it there"));
+        return Err(format!("`{name}` is in a workbook, which is not a text file: rename it there"));
     }
     let text = index.checked.sources.text(row);
     let start = text.find(name).ok_or("the symbol table writes the name in another way")?;
