@@ -2,7 +2,7 @@
 //!
 //! A driver answers at once, from memory. Exchange with real devices happens on its own threads.
 
-use std::cell::{Cell, RefCell};
+use std::cell::RefCell;
 
 use plcc_abi::image::Module;
 use serde::{Deserialize, Serialize};
@@ -57,8 +57,6 @@ pub struct Change {
 pub struct Simulated {
     modules: Option<Vec<Module>>,
     bytes: RefCell<SimulatedBytes>,
-    /// There are named inputs.
-    has_named: Cell<bool>,
 }
 
 struct SimulatedBytes {
@@ -73,7 +71,7 @@ impl Simulated {
     pub fn new(modules: Option<Vec<Module>>) -> Simulated {
         let memory = || vec![0; PERIPHERAL_BYTES as usize].into_boxed_slice();
         let bytes = SimulatedBytes { inputs: memory(), outputs: memory(), named: Vec::new() };
-        let driver = Simulated { modules, bytes: RefCell::new(bytes), has_named: Cell::new(false) };
+        let driver = Simulated { modules, bytes: RefCell::new(bytes) };
         for module in driver.modules.iter().flatten() {
             driver.name_input(module.input_start, module.input_bytes);
         }
@@ -180,7 +178,6 @@ impl Driver for Simulated {
 
     fn name_input(&self, address: u32, bytes: u32) {
         let named = &mut self.bytes.borrow_mut().named;
-        self.has_named.set(self.has_named.get() || bytes > 0);
         for byte in address..address.saturating_add(bytes).min(PERIPHERAL_BYTES) {
             if let Err(index) = named.binary_search(&byte) {
                 named.insert(index, byte);
@@ -190,7 +187,7 @@ impl Driver for Simulated {
 
     #[inline]
     fn named(&self, limit: u32, each: &mut dyn FnMut(u32, u8)) {
-        if self.has_named.get() {
+        if !self.bytes.borrow().named.is_empty() {
             self.each_named(limit, each);
         }
     }
