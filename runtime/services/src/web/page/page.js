@@ -29,7 +29,11 @@ function connect() {
   socket.onclose = async () => {
     if (opened) lost(true);
     // Without an answer the program is away: it is tried again.
-    else if ((await fetch("names").catch(() => null))?.status === 401) { lost(false); lamp("", "not signed in"); signIn(); return; }
+    else {
+      const status = (await fetch("names").catch(() => null))?.status;
+      if (status === 401) { lost(false); lamp("", "not signed in"); signIn(); return; }
+      if (status === 403) { lost(false); lamp("", "refused: without users, open this page by IP address or as localhost"); return; }
+    }
     lost(true);
     setTimeout(connect, 1000);
   };
