@@ -341,7 +341,7 @@ impl Reader<'_> {
             }
             if bare.bytes().filter(|&letter| letter == b'"').count() % 2 == 1 {
                 self.bad(start, line, QUOTE_MISSING);
-                // What uses the symbol is told of this row.
+                // The message for a use of the symbol names this row.
                 let name = bare.trim_start().trim_start_matches('"').split(['"', char::from(delimiter)]).next();
                 if let Some(name) = name.map(str::trim).filter(|name| !name.is_empty()) {
                     let (reason, span) = (QUOTE_MISSING.to_string(), self.span(start, line));

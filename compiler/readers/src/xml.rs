@@ -171,7 +171,7 @@ pub fn parse(text: &str) -> Result<Document<'_>, Fault> {
         if matches!(error, Error::InvalidName(_))
             && let Some(before) = text.get(..at).and_then(|text| text.strip_suffix('<'))
         {
-            let (label, help) = told_of_less();
+            let (label, help) = less_sign();
             return Fault { at: before.len(), text: label, help };
         }
         Fault { at, text: label, help }
@@ -181,7 +181,7 @@ pub fn parse(text: &str) -> Result<Document<'_>, Fault> {
 const EXPORT_AGAIN: &str = "export it again, and copy the whole file";
 
 /// A `<` that begins no element.
-fn told_of_less() -> (String, String) {
+fn less_sign() -> (String, String) {
     ("`<` begins an element".to_string(), "write `&lt;` for the character `<` in a text".to_string())
 }
 
@@ -198,7 +198,7 @@ fn told(error: &Error) -> (String, String) {
             format!("XML has no character `&{name};`"),
             "the codes are `&amp;`, `&lt;`, `&gt;`, `&quot;` and `&apos;`".to_string(),
         ),
-        Error::InvalidChar2(_, b'<', _) | Error::InvalidChar(b'<', _, _) => told_of_less(),
+        Error::InvalidChar2(_, b'<', _) | Error::InvalidChar(b'<', _, _) => less_sign(),
         Error::UnexpectedCloseTag(open, closed, _) => {
             (format!("`{closed}` is closed, but `{open}` is open"), format!("write `</{open}>` where `{open}` ends"))
         }

@@ -34,7 +34,7 @@ pub struct Shape {
     pub cost: u32,
     /// As `cost`, where pointers whose area the function looks at are known: then only the code for one area remains.
     pub cost_by_area: u32,
-    /// As `cost`, where the parameters in `pointers` are constants: what computes addresses and the numbers of bits is no code then.
+    /// As `cost`, where the parameters in `pointers` are constants: what computes addresses and the numbers of bits needs no instructions then.
     pub cost_by_pointers: u32,
     /// The parameters from which alone the bases of addresses are computed, a bit for each.
     pub pointers: u64,

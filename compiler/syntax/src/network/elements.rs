@@ -329,7 +329,7 @@ pub fn nearest_sd(name: &str) -> Option<&'static str> {
     if let Some(known) = names().find(|known| known.replace('_', "").eq_ignore_ascii_case(&name)) {
         return Some(known);
     }
-    // What is before these words says what the element does: `NCContact` is no `N_Contact`.
+    // What is before these words says what the element does: `NCContact` is not `N_Contact`.
     let before = ["contact", "coil"].into_iter().find_map(|word| name.strip_suffix(word));
     if before.is_some_and(|before| !before.is_empty()) {
         return None;

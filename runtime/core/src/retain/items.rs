@@ -163,7 +163,7 @@ impl Items {
                     .map(|&(first, count)| Bits { first: start + u64::from(first), count: count.into() })
                     .collect(),
             };
-            let by_name = matches!(profile.family, Family::S71200 | Family::S71500) && !db.name.is_empty();
+            let by_name = profile.family.is_portal() && !db.name.is_empty();
             let kind = if by_name { Kind::NamedDb } else { Kind::Db };
             let name = if by_name { db.name.to_lowercase() } else { String::new() };
             let (signature, place) = (signature_of(db, &cpu.image.types), Place::Memory(bits));

@@ -172,7 +172,7 @@ fn not_a_time(load: &StlStatement, timer: Span, sources: &SourceMap) -> Option<D
         return None;
     }
     let message = Diagnostic::new(Code::TimerWithoutTime, timer, format!("`{text}` is not an S5TIME"));
-    // A pattern of bits is no number of seconds.
+    // A pattern of bits is not a number of seconds.
     let help = match text.contains("16#") && !wide {
         true => {
             format!("digits go from 0 to 9: `W#16#{:X}999` is the longest time with this time base", value >> 12 & 3)
