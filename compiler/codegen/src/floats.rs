@@ -20,3 +20,11 @@ pub fn all_ones_if_invalid(b: &mut FunctionBuilder<'_>, float: Value) -> Value {
     let form = b.ins().bitcast(floats, flags, form);
     b.ins().extractlane(form, 0)
 }
+
+/// The bits of `float` if it is a number, else all bits 1: for values that go to memory and are compared in the meantime.
+pub fn bits_or_all_ones(b: &mut FunctionBuilder<'_>, invalid: Value, float: Value) -> Value {
+    let ty = if b.func.dfg.value_type(float) == types::F32 { types::I32 } else { types::I64 };
+    let ones = b.ins().iconst(ty, -1);
+    let bits = b.ins().bitcast(ty, MemFlagsData::new(), float);
+    b.ins().select(invalid, ones, bits)
+}

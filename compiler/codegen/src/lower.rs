@@ -497,6 +497,12 @@ impl<'m, 'f> Lowering<'m, 'f> {
             && args.map(|arg| function.resolve(arg)) == [function.resolve(if_false); 2]
     }
 
+    /// The condition and the float, if `value` is a float in whose place all bits are 1 when it is not a number.
+    fn all_ones_if_invalid(&self, value: Value) -> Option<(Value, Value)> {
+        let &InstData::Select { cond, if_true, if_false } = self.function.defining(value)? else { return None };
+        self.is_all_ones_if_invalid(cond, if_true, if_false).then_some((cond, if_false))
+    }
+
     /// The value that `value` is after a shift down by a constant number of bits, and that number.
     fn shifted_down(&self, value: Value) -> Option<(Value, u8)> {
         let function = self.function;
@@ -552,6 +558,10 @@ impl<'m, 'f> Lowering<'m, 'f> {
             ConvertOp::Trunc => {
                 let arg = self.value(arg)?;
                 if clif_type(from) == clif_to { arg } else { self.b.ins().ireduce(clif_to, arg) }
+            }
+            ConvertOp::Bitcast if let Some((cond, float)) = self.all_ones_if_invalid(arg) => {
+                let (cond, float) = (self.condition(cond)?, self.value(float)?);
+                floats::bits_or_all_ones(&mut self.b, cond, float)
             }
             ConvertOp::Bitcast => {
                 let arg = self.value(arg)?;
