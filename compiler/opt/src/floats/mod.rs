@@ -21,6 +21,7 @@ use plcc_ir::{BinaryOp, Block, ConvertOp, FloatCc, Function, Inst, InstData, Loc
 use rustc_hash::FxHashMap;
 
 use crate::loops::Loops;
+use crate::unused::remove_unused;
 
 mod numbers;
 
@@ -47,7 +48,10 @@ pub fn relax_floats(function: &mut Function) -> bool {
             let free = match &function.insts[inst] {
                 InstData::FloatCompare { .. } => true,
                 InstData::Convert { op: ConvertOp::ToSint | ConvertOp::ToUint, .. } => true,
-                data if is_arithmetic(data) => !seen[function.result(inst).index()],
+                data if hands_on(data) => {
+                    let result = function.result(inst);
+                    !seen[result.index()] && !made.contains_key(&result)
+                }
                 _ => false,
             };
             if free {
@@ -103,6 +107,8 @@ fn choose_as_floats(function: &mut Function) -> bool {
     if changed {
         function.resolve_aliases();
         drop_replaced(function);
+        // The bits that were chosen before are still made, and would show the form of each result.
+        remove_unused(function);
     }
     changed
 }
@@ -191,6 +197,11 @@ fn is_arithmetic(data: &InstData) -> bool {
     }
 }
 
+/// Instructions of which the form of an operand is seen only if that of the result is.
+fn hands_on(data: &InstData) -> bool {
+    is_arithmetic(data) || matches!(data, InstData::Select { .. })
+}
+
 /// Calls `f` with each operand whose form the instruction shows, by what is known to be seen so far.
 fn for_each_shown(
     function: &Function,
@@ -212,7 +223,7 @@ fn for_each_shown(
                 }
             });
         }
-        data if is_arithmetic(data) && !seen[function.result(inst).index()] => {}
+        data if hands_on(data) && !seen[function.result(inst).index()] => {}
         data => data.for_each_use(f),
     }
 }
@@ -429,6 +440,61 @@ mod tests {
             v8 = funo v3, v3
             v9 = const.f32 0xffffffff
             v10 = select v8, v9, v3
+            ret v10
+            }",
+        );
+    }
+
+    #[test]
+    fn bits_that_nobody_looks_at_any_more_show_no_form() {
+        check_pass(
+            "floats",
+            "func @F -> i32 {
+            b0(v0: f32, v1: f32):
+            v2 = fadd v0, v1
+            v3 = funo v2, v2
+            v4 = const.i32 0xffffffff
+            v5 = bitcast.i32 v2
+            v6 = select v3, v4, v5
+            v7 = bitcast.f32 v6
+            v8 = fmul v7, v1
+            v9 = funo v8, v8
+            v10 = bitcast.i32 v8
+            v11 = select v9, v4, v10
+            ret v11
+            }",
+            "",
+        );
+    }
+
+    #[test]
+    fn a_choice_whose_form_is_not_seen_chooses_among_results_as_the_host_made_them() {
+        check_pass(
+            "floats",
+            "func @F -> f32 {
+            b0(v0: f32, v1: f32):
+            v2 = fadd v0, v1
+            v3 = funo v2, v2
+            v4 = const.f32 0xffffffff
+            v5 = select v3, v4, v2
+            v6 = const.f32 0x42c80000
+            v7 = flt v6, v5
+            v8 = select v7, v6, v5
+            v9 = funo v8, v8
+            v10 = select v9, v4, v8
+            ret v10
+            }",
+            "func @F -> f32 {
+            b0(v0: f32, v1: f32):
+            v2 = fadd v0, v1
+            v3 = funo v2, v2
+            v4 = const.f32 0xffffffff
+            v5 = select v3, v4, v2
+            v6 = const.f32 0x42c80000
+            v7 = flt v6, v2
+            v8 = select v7, v6, v2
+            v9 = funo v8, v8
+            v10 = select v9, v4, v8
             ret v10
             }",
         );
