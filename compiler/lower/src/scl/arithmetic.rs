@@ -225,15 +225,15 @@ impl BlockLowering<'_, '_> {
     }
 
     fn min_max(&mut self, op: BinaryOp, a: Value, b: Value, ty: Elementary) -> Value {
-        let compare = if op == BinaryOp::Min { CompareOp::LessEqual } else { CompareOp::GreaterEqual };
-        let first = self.compare(compare, a, b, ty);
-        let chosen = self.b.select(first, a, b);
+        let compare = if op == BinaryOp::Min { CompareOp::Less } else { CompareOp::Greater };
+        let second = self.compare(compare, b, a, ty);
+        let chosen = self.b.select(second, b, a);
         if !ty.is_float() {
             return chosen;
         }
-        let nan = self.b.fcmp(FloatCc::Uno, a, b);
-        let sum = self.b.binary(Ir::Fadd, a, b);
-        let result = self.b.select(nan, sum, chosen);
+        // A first operand that is not a number has been chosen already.
+        let nan = self.b.fcmp(FloatCc::Uno, b, b);
+        let result = self.b.select(nan, b, chosen);
         self.checked_float(result)
     }
 

@@ -66,9 +66,10 @@ impl BlockLowering<'_, '_> {
     fn limit(&mut self, low: Value, value: Value, high: Value, ty: Elementary) -> Value {
         let wrong = self.compare(CompareOp::Greater, low, high, ty);
         self.fail_if(wrong);
-        let below = self.compare(CompareOp::Less, value, low, ty);
+        // The second comparison takes what the first has left, so that a processor does both without a branch.
         let above = self.compare(CompareOp::Greater, value, high, ty);
         let lowered = self.b.select(above, high, value);
+        let below = self.compare(CompareOp::Less, lowered, low, ty);
         let limited = self.b.select(below, low, lowered);
         let result = self.b.select(wrong, value, limited);
         if !ty.is_float() {
@@ -80,7 +81,9 @@ impl BlockLowering<'_, '_> {
         let nan = self.b.or(limits, input);
         self.fail_if(nan);
         let pattern = self.b.iconst(self.b.ty(value), float::NAN);
-        self.b.select(nan, pattern, result)
+        let invalid = self.b.fcmp(FloatCc::Uno, result, result);
+        let result = self.b.select(invalid, pattern, result);
+        self.b.select(limits, pattern, result)
     }
 
     fn mux(&mut self, chooser: Value, choices: &[Value], has_else: bool, result: Elementary) -> Value {
