@@ -1,13 +1,14 @@
 //! Conversions of numbers. Source: S7-200 system manual, conversion instructions.
 
-use plcc_ir::{BinaryOp, ConvertOp, FloatCc, IntCc, Type, UnaryOp, Value};
+use plcc_ir::{BinaryOp, ConvertOp, IntCc, Type, UnaryOp, Value};
 use plcc_model::s7200::{Operand, Width};
 
 use super::block::S7200Lowering;
 use super::math::{NOT_BCD, OVERFLOW};
 use super::plan::ir_type;
 use crate::arithmetic::bcd::Bcd;
-use crate::arithmetic::{bits, float};
+use crate::arithmetic::bits;
+use crate::arithmetic::rounding::{self, Whole};
 
 /// Segments of the digits 0 to 7 and 8 to F, the first one lowest. Source: S7-200 system manual, segment instruction.
 const SEGMENTS_LOW: u64 = 0x077D_6D66_4F5B_063F;
@@ -87,26 +88,12 @@ impl S7200Lowering<'_, '_> {
     pub fn real_to_dint(&mut self, operands: &[Operand], round: bool) {
         self.checked_conversion(operands, Width::Dword, Width::Dword, |lowering, value| {
             let real = lowering.b.bitcast(Type::F32, value);
-            let x = lowering.b.convert(ConvertOp::Fpromote, Type::F64, real);
-            let whole = lowering.b.unary(UnaryOp::Ftrunc, x);
-            let whole = if round { lowering.round_away(x, whole) } else { whole };
-            let fits = float::fits_integer(&mut lowering.b, whole, 32, true);
-            (lowering.b.convert(ConvertOp::ToSint, Type::I32, whole), fits)
+            let Whole { value, fits } = match round {
+                true => rounding::to_integer_half_away(&mut lowering.b, real),
+                false => rounding::to_integer(&mut lowering.b, real, UnaryOp::Ftrunc, 32, true),
+            };
+            (value, fits)
         });
-    }
-
-    /// `x` rounded to the nearest integer, halves away from zero; `whole` is `x` without its fraction. Exact: an f64 holds every REAL and
-    /// its fraction.
-    fn round_away(&mut self, x: Value, whole: Value) -> Value {
-        let fraction = self.b.binary(BinaryOp::Fsub, x, whole);
-        let mut constant = |value| float::constant(&mut self.b, Type::F64, value);
-        let (half, minus_half) = (constant(0.5), constant(-0.5));
-        let (one, minus_one, zero) = (constant(1.0), constant(-1.0), constant(0.0));
-        let up = self.b.fcmp(FloatCc::Ge, fraction, half);
-        let down = self.b.fcmp(FloatCc::Le, fraction, minus_half);
-        let step = self.b.select(down, minus_one, zero);
-        let step = self.b.select(up, one, step);
-        self.b.binary(BinaryOp::Fadd, whole, step)
     }
 
     /// `BCDI`, in place.

@@ -6,7 +6,7 @@ use plcc_model::types::{Class, Elementary};
 
 use super::value_type;
 use crate::arithmetic::bcd::Bcd;
-use crate::arithmetic::float;
+use crate::arithmetic::{float, rounding};
 use crate::block::BlockLowering;
 use crate::fault::Substitute;
 
@@ -111,41 +111,69 @@ impl BlockLowering<'_, '_> {
     }
 
     fn float_to_integer(&mut self, value: Value, to: Elementary, rounding: UnaryOp, overflow: Overflow) -> Value {
+        if to.bits() > 32 {
+            return self.float_to_long(value, to, rounding, overflow);
+        }
+        let ty = value_type(to);
+        let whole = rounding::to_integer(&mut self.b, value, rounding, to.bits(), to.is_signed());
+        let failed = self.b.not(whole.fits);
+        self.fail_if(failed);
+        let good = self.narrowed(whole.value, ty);
+        if overflow == Overflow::Pattern {
+            let pattern = self.pattern_of(value, ty);
+            return self.b.select(whole.fits, good, pattern);
+        }
+        let is_real = self.b.ty(value) == Type::F32;
+        let x = self.b.convert(ConvertOp::Fpromote, Type::F64, value);
+        // The conversion to 64 bits truncates by itself; a large REAL is whole.
+        let rounded = if is_real || rounding == UnaryOp::Ftrunc { x } else { self.b.unary(rounding, x) };
+        let low = self.low_bits_of(rounded, ty);
+        if !is_real || rounding == UnaryOp::Ftrunc {
+            return low;
+        }
+        let large = float::constant(&mut self.b, Type::F64, 2f64.powi(51));
+        let magnitude = self.b.unary(UnaryOp::Fabs, x);
+        let is_small = self.b.fcmp(FloatCc::Lt, magnitude, large);
+        self.b.select(is_small, good, low)
+    }
+
+    /// A float as an integer of 64 bits.
+    fn float_to_long(&mut self, value: Value, to: Elementary, rounding: UnaryOp, overflow: Overflow) -> Value {
         let rounded = self.b.unary(rounding, value);
-        let rounded = match self.b.ty(rounded) {
-            Type::F64 => rounded,
-            _ => self.b.convert(ConvertOp::Fpromote, Type::F64, rounded),
-        };
+        let rounded = self.b.convert(ConvertOp::Fpromote, Type::F64, rounded);
         let fits = float::fits_integer(&mut self.b, rounded, to.bits(), to.is_signed());
         let failed = self.b.not(fits);
         self.fail_if(failed);
-        let ty = value_type(to);
-        let unsigned_long = to.bits() == 64 && !to.is_signed();
-        let wide =
-            self.b.convert(if unsigned_long { ConvertOp::ToUint } else { ConvertOp::ToSint }, Type::I64, rounded);
-        let good = self.narrowed(wide, ty);
+        let convert = if to.is_signed() { ConvertOp::ToSint } else { ConvertOp::ToUint };
+        let good = self.b.convert(convert, Type::I64, rounded);
         let other = match overflow {
-            Overflow::Pattern => {
-                let bits = self.as_bits(value);
-                match self.b.ty(bits).bits() < ty.bits() {
-                    true => self.b.zext(ty, bits),
-                    false => self.narrowed(bits, ty),
-                }
-            }
-            Overflow::LowBits => {
-                let edge = float::constant(&mut self.b, Type::F64, 2f64.powi(63));
-                let magnitude = self.b.unary(UnaryOp::Fabs, rounded);
-                let has_bits = self.b.fcmp(FloatCc::Lt, magnitude, edge);
-                let signed = self.b.convert(ConvertOp::ToSint, Type::I64, rounded);
-                let low = self.narrowed(signed, ty);
-                let none = self.b.iconst(ty, 0);
-                self.b.select(has_bits, low, none)
-            }
+            Overflow::Pattern => self.pattern_of(value, Type::I64),
+            Overflow::LowBits => self.low_bits_of(rounded, Type::I64),
         };
         self.b.select(fits, good, other)
     }
 
+    /// The low bits of a whole f64 as a signed integer of 64 bits; 0 where that cannot hold it.
+    fn low_bits_of(&mut self, whole: Value, ty: Type) -> Value {
+        let edge = float::constant(&mut self.b, Type::F64, 2f64.powi(63));
+        let magnitude = self.b.unary(UnaryOp::Fabs, whole);
+        let has_bits = self.b.fcmp(FloatCc::Lt, magnitude, edge);
+        let signed = self.b.convert(ConvertOp::ToSint, Type::I64, whole);
+        let low = self.narrowed(signed, ty);
+        let none = self.b.iconst(ty, 0);
+        self.b.select(has_bits, low, none)
+    }
+
     // Patterns.
+
+    /// The bits of a float as an integer of type `ty`: the low ones, or with zeros before them.
+    fn pattern_of(&mut self, value: Value, ty: Type) -> Value {
+        let bits = self.as_bits(value);
+        match self.b.ty(bits).bits() < ty.bits() {
+            true => self.b.zext(ty, bits),
+            false => self.narrowed(bits, ty),
+        }
+    }
 
     /// Clears the bit if `result`, the bits of `value` in another width, is a different number. A bit string converted to a signed
     /// integer is read as signed: 16#FFFF_8000 fits an INT, 16#0000_8000 does not.

@@ -4,7 +4,8 @@ use plcc_abi::codes::sync;
 use plcc_ir::{BinaryOp, ConvertOp, IntCc, Type, UnaryOp, Value};
 
 use crate::arithmetic::bcd::Bcd;
-use crate::arithmetic::{float, integer};
+use crate::arithmetic::integer;
+use crate::arithmetic::rounding::{self, Whole};
 use crate::block::BlockLowering;
 use crate::fault::{Check, Substitute};
 
@@ -109,9 +110,7 @@ impl BlockLowering<'_, '_> {
     pub fn real_to_dint(&mut self, rounding: UnaryOp) {
         let accu1 = self.accu1();
         let x = self.accu1_real();
-        let fits = float::fits_integer(&mut self.b, x, 32, true);
-        let rounded = self.b.unary(rounding, x);
-        let value = self.b.convert(ConvertOp::ToSint, Type::I32, rounded);
+        let Whole { value, fits } = rounding::to_integer(&mut self.b, x, rounding, 32, true);
         let result = self.b.select(fits, value, accu1);
         self.set_accu1(result);
         let overflow = self.b.not(fits);
