@@ -63,6 +63,40 @@ impl Constant {
         }
     }
 
+    /// The constant as STL writes it; `None`: STL has no constants of its type.
+    pub fn in_stl(&self) -> Option<literal::Literal> {
+        use literal::Literal;
+        Some(match self {
+            Constant::Integer { value, based: false } => Literal::Int(i64::try_from(*value).ok()?),
+            Constant::Integer { value, based: true } => {
+                let value = u32::try_from(*value).ok()?;
+                Literal::Bits { value, digits: if value > 0xFFFF { 32 } else { 16 } }
+            }
+            Constant::Real(value) => Literal::Real(*value as f32),
+            Constant::Typed { ty, bits } => match ty {
+                Elementary::Bool => Literal::Bool(*bits != 0),
+                Elementary::Byte => Literal::Byte(*bits as u8),
+                Elementary::Char => Literal::Text(vec![*bits as u8]),
+                Elementary::Word => Literal::Word(*bits as u16),
+                Elementary::Dword => Literal::Dword(*bits as u32),
+                Elementary::Sint | Elementary::Int => Literal::Int(i64::try_from(fit::integer_of(*ty, *bits)?).ok()?),
+                Elementary::Usint | Elementary::Uint | Elementary::Udint => {
+                    Literal::Bits { value: *bits as u32, digits: ty.bits() as u8 }
+                }
+                Elementary::Dint => Literal::Dint(*bits as i32),
+                Elementary::Real => Literal::Real(f32::from_bits(*bits as u32)),
+                Elementary::S5Time => Literal::S5Time(*bits as u16),
+                Elementary::Time => Literal::Time(*bits as i32),
+                Elementary::Date => Literal::Date(*bits as u16),
+                Elementary::TimeOfDay => Literal::TimeOfDay(*bits as u32),
+                _ => return None,
+            },
+            Constant::Text { bytes, .. } => Literal::Text(bytes.clone()),
+            Constant::DateAndTime(bytes) => Literal::DateAndTime(*bytes),
+            Constant::WideText(_) | Constant::Dtl(_) => return None,
+        })
+    }
+
     /// The constant for a literal of SCL; none for pointers, NIL and NULL.
     pub fn of_literal(value: &Literal) -> Option<Constant> {
         match value {

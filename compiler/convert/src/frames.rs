@@ -202,7 +202,7 @@ impl Writer<'_> {
         if self.notation == Notation::Stl {
             return self.refuse(
                 first.name_span,
-                format!("STL has no constants of a block: `{}`", first.name),
+                format!("STL of STEP 7 has no constants of a block: `{}`", first.name),
                 "write its value where it is used, or define it in the symbol table",
             );
         }

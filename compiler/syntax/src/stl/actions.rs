@@ -15,6 +15,7 @@ use crate::stl::{StlInsn, check};
 pub enum Part {
     Header(HeaderPart),
     Section(Section),
+    Constants(Vec<Constant>),
     /// `STRUCT … END_STRUCT`, with the byte where it begins.
     Struct(Vec<Variable>, usize),
     OfType(BlockName),
@@ -52,11 +53,13 @@ pub fn code_block(
     wrong_letters.into_iter().for_each(|message| state.report(message));
     let body_start = body.as_ref().map_or(range.end, |body| body.start);
     let mut sections = Vec::new();
+    let mut constants = Vec::new();
     let mut header_parts = Vec::new();
     for part in parts {
         match part {
             Part::Header(part) => header_parts.push(part),
             Part::Section(section) => sections.push(section),
+            Part::Constants(list) => constants.extend(list),
             Part::Struct(..) | Part::OfType(_) => {}
         }
     }
@@ -71,7 +74,7 @@ pub fn code_block(
         return_type,
         header,
         sections,
-        constants: Vec::new(),
+        constants,
         code: crate::ast::Code::Stl(networks),
         span,
     }))
@@ -89,6 +92,18 @@ pub fn section(state: &State, kind: SectionKind, variables: Vec<Variable>, range
         _ => Retain::Unsaid,
     };
     Section { kind, retain, variables, span: state.span(range) }
+}
+
+/// `VAR CONSTANT` of newer tools.
+pub fn constants(variables: Vec<Variable>) -> Vec<Constant> {
+    let constant = |variable: Variable| Constant {
+        name: variable.name,
+        name_span: variable.name_span,
+        ty: Some(variable.ty),
+        value: None,
+        initial: variable.initial,
+    };
+    variables.into_iter().map(constant).collect()
 }
 
 pub fn implied_ob(state: &mut State, networks: Vec<Network>, range: Range<usize>) -> Block {
@@ -151,6 +166,15 @@ fn data_parts(state: &mut State, parts: Vec<Part>, range: Range<usize>) -> (Head
                     DataContent::OfType(_) | DataContent::Array(..) | DataContent::Empty => {
                         content = DataContent::Struct(section.variables)
                     }
+                }
+            }
+            Part::Constants(constants) => {
+                if let Some(first) = constants.first() {
+                    state.report(
+                        Diagnostic::new(Code::DeclarationSyntax, first.name_span, "data declares no constants")
+                            .label("only blocks with statements have them")
+                            .help("declare it as data with an initial value"),
+                    );
                 }
             }
             Part::Struct(members, start) => {

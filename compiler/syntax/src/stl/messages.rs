@@ -171,7 +171,14 @@ fn ends(token: &Tok) -> bool {
 fn begins(token: &Tok) -> bool {
     matches!(
         token,
-        Tok::Label(_) | Tok::Begin | Tok::Network | Tok::Title(_) | Tok::Section(_) | Tok::Struct | Tok::LeftBrace
+        Tok::Label(_)
+            | Tok::Begin
+            | Tok::Network
+            | Tok::Title(_)
+            | Tok::Section(_)
+            | Tok::Constants
+            | Tok::Struct
+            | Tok::LeftBrace
     )
 }
 

@@ -52,6 +52,8 @@ pub enum Tok<'a> {
     HeaderText(HeaderField, &'a str),
     HeaderFlag(HeaderFlag),
     Section(SectionKind),
+    /// `VAR CONSTANT`
+    Constants,
     EndVar,
 
     // Declarations.

@@ -171,6 +171,8 @@ impl Look<'_, '_> {
 
     /// The type of an operand of STL, if known.
     fn operand_hint(&mut self, ctx: &mut SclBlock, operand: &Operand) -> Option<Hint> {
+        let constant = StlBinder::new(self.program).constant_operand(ctx.block, operand);
+        let operand = constant.as_ref().unwrap_or(operand);
         let settled = self.quietly(|program| StlBinder::new(program).settle(ctx.block, operand))?;
         Some(match settled {
             Settled::Memory { ty: Some(ty), .. } => typed(ty),

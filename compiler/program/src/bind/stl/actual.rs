@@ -35,6 +35,8 @@ impl StlBinder<'_, '_> {
         formal: &Parameter,
         actual: &ast::Operand,
     ) -> Option<Actual> {
+        let named = self.constant_operand(ctx, actual);
+        let actual = named.as_ref().unwrap_or(actual);
         let settled = self.settle(ctx, actual)?;
         let span = actual.span;
         if let Settled::Memory { place: Place::Indirect { .. } | Place::Register { .. }, .. } = &settled {

@@ -1,12 +1,13 @@
 //! Binding of STL.
 //!
 //! - [`statement`]: labels, jump lists and the instructions of a block; [`move_call`]: `CALL MOVE`.
-//! - [`settle`]: what an operand is; [`operand`] checks it against the instruction table.
+//! - [`settle`]: what an operand is, [`constant`] if it names one; [`operand`] checks it against the instruction table.
 //! - [`call`]: `CALL`; [`actual`]: what it passes.
 //! - [`pragma`]: assertions of tests, in SCL too.
 
 mod actual;
 mod call;
+mod constant;
 mod move_call;
 mod operand;
 mod pragma;

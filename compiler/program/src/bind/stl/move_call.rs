@@ -68,6 +68,8 @@ impl StlBinder<'_, '_> {
             );
             return None;
         };
+        let constant = self.constant_operand(ctx, from);
+        let from = constant.as_ref().unwrap_or(from);
         let Settled::Memory { width, ty, .. } = self.settle(ctx, to)? else { return self.no_move(span) };
         let load = match self.settle(ctx, from)? {
             Settled::Literal(literal) => {

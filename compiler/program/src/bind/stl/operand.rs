@@ -84,6 +84,8 @@ impl StlBinder<'_, '_> {
             );
             return None;
         }
+        let constant = self.constant_operand(ctx, operand);
+        let operand = constant.as_ref().unwrap_or(operand);
         let settled = self.settle(ctx, operand)?;
         if let (StlInsn::Load | StlInsn::Transfer, Settled::Memory { ty: Some(ty), .. }) = (insn, &settled)
             && matches!(ty.class(), Class::Signed | Class::Unsigned | Class::Float)

@@ -19,22 +19,13 @@ impl<'a> Classifier<'a, '_> {
             "VAR_TEMP" => SectionKind::Temp,
             _ => SectionKind::Static,
         };
-        self.take(Tok::Section(kind));
-        // `VAR RETAIN`, `VAR NON_RETAIN` and `VAR DB_SPECIFIC` of newer tools; `VAR CONSTANT` belongs to SCL.
-        let constants = self.upper(self.at).as_str() == "CONSTANT"
-            && !matches!(self.kind_at(self.at + 1), Some(RawKind::Colon | RawKind::Comma | RawKind::LeftBrace));
-        if constants {
-            let token = self.raw[self.at];
-            self.report(
-                Diagnostic::new(Code::DeclarationSyntax, self.span(token), "STL declares no constants")
-                    .label("a section of SCL")
-                    .help("declare static data with an initial value, or write the value where it is used"),
-            );
-            self.at += 1;
-        }
-        if matches!(self.upper(self.at).as_str(), "RETAIN" | "NON_RETAIN" | "DB_SPECIFIC")
-            && !matches!(self.kind_at(self.at + 1), Some(RawKind::Colon | RawKind::Comma | RawKind::LeftBrace))
-        {
+        // `VAR RETAIN`, `VAR NON_RETAIN`, `VAR DB_SPECIFIC` and `VAR CONSTANT` of newer tools, but not a variable of this name.
+        let upper = self.upper(self.at + 1);
+        let is_name = matches!(self.kind_at(self.at + 2), Some(RawKind::Colon | RawKind::Comma | RawKind::LeftBrace));
+        let modifier = if is_name { "" } else { upper.as_str() };
+        let constants = modifier == "CONSTANT" && kind == SectionKind::Static;
+        self.take(if constants { Tok::Constants } else { Tok::Section(kind) });
+        if constants || matches!(modifier, "RETAIN" | "NON_RETAIN" | "DB_SPECIFIC") {
             self.at += 1;
         }
         self.declarations(0);
@@ -91,7 +82,7 @@ impl<'a> Classifier<'a, '_> {
             let upper = self.upper(self.at);
             let word = upper.as_str();
             let next = self.kind_at(self.at + 1);
-            let at_start = matches!(self.last(), Some(Tok::Semicolon | Tok::Struct | Tok::Section(_)));
+            let at_start = matches!(self.last(), Some(Tok::Semicolon | Tok::Struct | Tok::Section(_) | Tok::Constants));
             match token.kind {
                 RawKind::Word if self.ends_declarations(word) => break,
                 RawKind::Word if word == "END_STRUCT" => {
@@ -180,7 +171,11 @@ impl<'a> Classifier<'a, '_> {
 
     /// Reports a missing `;` of the last declaration.
     fn close_declaration(&mut self) {
-        if !matches!(self.last(), Some(Tok::Semicolon | Tok::Struct | Tok::Section(_) | Tok::EndStruct)) {
+        let complete = matches!(
+            self.last(),
+            Some(Tok::Semicolon | Tok::Struct | Tok::Section(_) | Tok::Constants | Tok::EndStruct)
+        );
+        if !complete {
             self.missing_semicolon("declaration");
         }
     }
