@@ -5,11 +5,12 @@ use std::rc::Rc;
 use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{self, BlockPrefix, OperandKind};
+use plcc_syntax::symbols::SymbolTarget;
 use rustc_hash::FxHashMap;
 
 use crate::bind::declarations::block::CurrentBlock;
 use crate::bind::declarations::calls::InstanceId;
-use crate::bind::declarations::path::Base;
+use crate::bind::declarations::path::{Base, Variable};
 use crate::bind::declarations::typed::BoundInterface;
 use crate::bind::globals::names::code_kind;
 use crate::bind::stl::StlBinder;
@@ -49,17 +50,17 @@ impl StlBinder<'_, '_> {
         call: &ast::Call,
     ) -> Option<(BlockKey, Option<u32>, Rc<BoundInterface>)> {
         let span = call.target.span;
-        let (key, multi) = match self.settle(ctx, &call.target)? {
+        let settled = match self.named_before_instance(call) {
+            Some((prefix, number)) => Settled::Block { prefix, number: Number::Known(number) },
+            None => self.settle(ctx, &call.target)?,
+        };
+        let (key, multi) = match settled {
             Settled::Block { prefix, number: Number::Known(number) } if callable(prefix).is_some() => {
                 (BlockKey { kind: callable(prefix)?, number }, None)
             }
-            Settled::Complex(variable) => match (&variable.ty, variable.base) {
-                (DataType::Struct(structure), Base::Instance) if structure.instance_of.is_some() => {
-                    let (sfb, number) = structure.instance_of?;
-                    let kind = if sfb { BlockKind::Sfb } else { BlockKind::Fb };
-                    (BlockKey { kind, number }, Some(variable.byte))
-                }
-                _ => return self.not_callable(span),
+            Settled::Complex(variable) => match multi_instance(&variable) {
+                Some((key, byte)) => (key, Some(byte)),
+                None => return self.not_callable(span),
             },
             _ => return self.not_callable(span),
         };
@@ -69,6 +70,19 @@ impl StlBinder<'_, '_> {
             return None;
         }
         Some((key, multi, bound))
+    }
+
+    /// The block of `CALL TON, #ton`: a name before an instance is that of a block, also if the block declares a variable `ton`.
+    fn named_before_instance(&self, call: &ast::Call) -> Option<(BlockPrefix, u16)> {
+        let OperandKind::Path(path) = &call.target.kind else { return None };
+        let ast::PathRoot::Bare { name, .. } = &path.root else { return None };
+        if call.instance.is_none() || !path.parts.is_empty() {
+            return None;
+        }
+        match self.program.globals.global(name)? {
+            SymbolTarget::Block { prefix, number } => Some((prefix, u16::try_from(number).ok()?)),
+            SymbolTarget::Memory { .. } | SymbolTarget::Cell { .. } => None,
+        }
     }
 
     /// Names in a call that cannot be checked are still looked up, so that all undefined ones are reported.
@@ -133,7 +147,13 @@ impl StlBinder<'_, '_> {
             );
             return None;
         }
-        let number = match self.settle(ctx, operand)? {
+        let settled = self.settle(ctx, operand)?;
+        if let Settled::Complex(variable) = &settled
+            && let Some((own, byte)) = multi_instance(variable)
+        {
+            return self.named_instance(key, own, byte, operand.span);
+        }
+        let number = match settled {
             Settled::Block { prefix: BlockPrefix::Db, number: Number::Known(number) } if number != 0 => number,
             _ => {
                 let text = self.program.globals.text(operand.span);
@@ -146,6 +166,22 @@ impl StlBinder<'_, '_> {
         };
         self.program.check_instance_db(key, number, operand.span)?;
         Some(Some(Instance::Db(number)))
+    }
+
+    /// `CALL TON, #timer` of the TIA Portal, which names the block of a multi-instance, too. `own`: the block of the instance.
+    fn named_instance(&mut self, key: BlockKey, own: BlockKey, byte: u32, span: Span) -> Option<Option<Instance>> {
+        if own == key {
+            return Some(Some(Instance::Multi { byte }));
+        }
+        let globals = &self.program.globals;
+        let (own, key) = (globals.shown(own), globals.shown(key));
+        let title = format!("`{}` is an instance of {own}, not of {key}", globals.text(span));
+        self.program.report(
+            Diagnostic::new(Code::NoBlockFits, span, title)
+                .label("an instance of the block is expected here")
+                .help("call the instance by its name alone, or name one of the block"),
+        );
+        None
     }
 
     fn call_arguments(
@@ -321,6 +357,14 @@ fn area_bits(place: &Place) -> Option<(Area, u32)> {
         | Place::Register { .. } => return None,
     };
     Some((area, byte * 8 + u32::from(*bit)))
+}
+
+/// The block and the first byte of a multi-instance.
+fn multi_instance(variable: &Variable) -> Option<(BlockKey, u32)> {
+    let DataType::Struct(structure) = &variable.ty else { return None };
+    let (sfb, number) = structure.instance_of.filter(|_| variable.base == Base::Instance)?;
+    let kind = if sfb { BlockKind::Sfb } else { BlockKind::Fb };
+    Some((BlockKey { kind, number }, variable.byte))
 }
 
 fn callable(prefix: BlockPrefix) -> Option<BlockKind> {
