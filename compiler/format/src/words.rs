@@ -490,6 +490,12 @@ fn is_region(piece: &Piece) -> bool {
     piece.text.len() >= 6 && piece.text.is_char_boundary(6) && piece.text[..6].eq_ignore_ascii_case("REGION")
 }
 
+/// `END_REGION`, also with the name of the region or a `;`.
+fn is_end_of_region(piece: &Piece) -> bool {
+    let word = piece.text.split(|c: char| !c.is_alphanumeric() && c != '_').next().unwrap_or_default();
+    word.eq_ignore_ascii_case("END_REGION")
+}
+
 fn is_end_of_block(piece: &Piece) -> bool {
     piece.text.len() > 4
         && piece.text.is_char_boundary(4)
@@ -505,7 +511,7 @@ fn closes(piece: &Piece) -> Option<Inside> {
         () if piece.is("END_IF") => Some(Inside::If),
         () if piece.is_any(&["END_FOR", "END_WHILE", "END_REPEAT"]) => Some(Inside::Loop),
         () if piece.is("END_CASE") => Some(Inside::Case),
-        () if piece.is("END_REGION") => Some(Inside::Region),
+        () if is_end_of_region(piece) => Some(Inside::Region),
         () if piece.is("END_NETWORK") => Some(Inside::Network),
         () if piece.is("END_RUNG") => Some(Inside::Rung),
         () if piece.is_any(&[

@@ -40,6 +40,16 @@ fn a_source_with_errors_is_left_alone() {
     assert_eq!(fs::read_to_string(folder.join("a.stl")).expect("it is there"), wrong);
 }
 
+#[test]
+fn the_end_of_a_region_may_have_its_name() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let tidy = "FUNCTION \"F\" : Void\nBEGIN\n  REGION a\n    REGION b\n      ;\n    END_REGION b\n    ;\n  END_REGION;\n  ;\nEND_FUNCTION\n";
+    fs::write(folder.join("a.scl"), tidy.replace("  ", "")).expect("the folder can be written");
+    assert_eq!(plcc(folder, &["fmt", "a.scl"]).status.code(), Some(0));
+    assert_eq!(fs::read_to_string(folder.join("a.scl")).expect("it is there"), tidy);
+}
+
 /// Every so many files of tests/run are laid out and compiled.
 const STRIDE: usize = 61;
 

@@ -41,6 +41,7 @@ pub enum RawKind {
     Title,
     /// `REGION name`
     Region,
+    /// `END_REGION`, `END_REGION name`
     EndRegion,
     #[regex(r"[0-9][0-9_]*", number)]
     Number,
@@ -144,6 +145,8 @@ pub struct Past {
     flat_comments: bool,
     /// Structured text of IEC 61131-3.
     iec: bool,
+    /// Names of the regions that are open.
+    regions: Vec<String>,
 }
 
 /// Structured text of IEC 61131-3, which shares the grammar of SCL, but not all of its words.
@@ -423,16 +426,37 @@ fn word(lexer: &mut Lexer<RawKind>) -> RawKind {
     if slice.eq_ignore_ascii_case("region") && next != Some(':') {
         let line = rest.find('\n').unwrap_or(rest.len());
         let line = rest[..line].find("//").unwrap_or(line);
+        lexer.extras.regions.push(rest[..line].trim().to_owned());
         lexer.bump(line);
         return RawKind::Region;
     }
     if slice.eq_ignore_ascii_case("end_region") {
+        let opened = lexer.extras.regions.pop().unwrap_or_default();
         if next == Some(';') {
             lexer.bump(blanks + 1);
+        } else {
+            lexer.bump(repeated_name(rest, &opened));
         }
         return RawKind::EndRegion;
     }
     RawKind::Word
+}
+
+/// The length of the name that a region repeats at its end: `END_REGION Outputs`. `rest`: the text after the keyword, `opened`: the name.
+///
+/// A line that may be a statement is none.
+fn repeated_name(rest: &str, opened: &str) -> usize {
+    let line = rest.split('\n').next().unwrap_or_default();
+    let line = line.split("//").next().unwrap_or_default();
+    let line = line.split("(*").next().unwrap_or_default().trim_end();
+    let name = line.trim_start_matches([' ', '\t']);
+    let first = name.split(|c: char| !c.is_alphanumeric() && c != '_').next().unwrap_or_default();
+    let is_text = !first.is_empty()
+        && Keyword::from_word(first).is_none()
+        && !matches!(first.to_ascii_uppercase().as_str(), "REGION" | "END_REGION")
+        && !name.contains([':', ';', '=', '(', '[', '{']);
+    let is_repeated = !name.is_empty() && name.eq_ignore_ascii_case(opened);
+    if name.len() < line.len() && (is_repeated || is_text) { line.len() } else { 0 }
 }
 
 /// `%` and letters: an address or a part of a value.
