@@ -9,6 +9,7 @@
 //!            │          ├────► declarations (VAR … END_VAR, STRUCT … END_STRUCT)   declaration.rs
 //!            │          ├────► statements                                      code.rs
 //!            │          └────► values of a data block                          declaration.rs
+//!            ├── options of the compiler                                       options.rs
 //!            └── statements without a header: OB 1
 //! expressions                                                                  expression.rs
 //! ```
@@ -17,6 +18,7 @@ mod code;
 mod declaration;
 mod expression;
 mod header;
+mod options;
 
 use plcc_diag::FileId;
 use std::collections::HashSet;
@@ -34,6 +36,7 @@ pub fn classify<'a>(file: FileId, text: &'a str, raw: &RawText, obey_pragmas: bo
         iec: raw.iec,
         labels: HashSet::new(),
         constants: HashSet::new(),
+        sets_ok: None,
     };
     classifier.file();
     classifier.cursor.finish()
@@ -47,6 +50,8 @@ struct Classifier<'a, 'r> {
     labels: HashSet<String>,
     /// Constants that the block declares, in upper case.
     constants: HashSet<String>,
+    /// The value of the option `SCL_SetOKFlag` for the blocks that follow.
+    sets_ok: Option<&'a str>,
 }
 
 crate::moves_cursor!(Classifier, RawKind, Option<Keyword>, Tok);
@@ -61,6 +66,7 @@ impl<'a> Classifier<'a, '_> {
             };
             match token.keyword {
                 _ if token.kind == RawKind::Semicolon => self.at += 1,
+                _ if token.kind == RawKind::LeftBrace && self.options() => {}
                 Some(_) if self.block_begins(self.at) => {
                     self.file_pragmas(token.start);
                     self.block();

@@ -53,6 +53,9 @@ impl<'a> Classifier<'a, '_> {
         } else if keyword == Keyword::Type && self.is_at(RawKind::Colon) {
             self.at += 1;
         }
+        if frame == Frame::Code {
+            self.options_of_block();
+        }
         self.header(frame);
         self.end_of_block(opening, keyword);
     }
