@@ -16,6 +16,16 @@ use plcc_model::profile;
 use plcc_model::types::Elementary;
 use plcc_syntax::symbols::SymbolTarget;
 
+/// Hardware identifiers that each CPU has, by folded name.
+const OF_EACH_CPU: [(&str, u16); 6] = [
+    ("local", 49),
+    ("local~common", 50),
+    ("local~mc", 51),
+    ("local~exec", 52),
+    ("local~profinet_interface_1", 64),
+    ("local~profinet-schnittstelle_1", 64),
+];
+
 impl Globals<'_> {
     /// Reports the name of a fast counter or pulse generator that the CPU does not have; false: the name means something else.
     pub fn missing_hardware(&mut self, name: &str, span: Span) -> bool {
@@ -77,13 +87,16 @@ impl Globals<'_> {
         );
     }
 
-    /// The system constant `name`: `Local~HSC_1`, `Local~Pulse_1`, an event of plc.toml, `OB_Main`.
+    /// The system constant `name`: `Local~Common`, `Local~HSC_1`, `Local~Pulse_1`, an event of plc.toml, `OB_Main`.
     pub fn system_constant(&self, name: &str) -> Option<Constant> {
         if !self.input.profile.family.is_portal() {
             return None;
         }
         let name = fold(name);
         let word = |bits: u16| Some(Constant::Typed { ty: Elementary::Word, bits: u64::from(bits) });
+        if let Some((_, id)) = OF_EACH_CPU.iter().find(|(own, _)| *own == name) {
+            return word(*id);
+        }
         let board = profile::on_board(&self.input.profile);
         let numbered = |prefix: &str, count: u8| {
             let number: u8 = name.strip_prefix(prefix)?.parse().ok()?;
