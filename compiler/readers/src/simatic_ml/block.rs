@@ -183,8 +183,8 @@ fn code(reader: &mut Reader, object: Node, name: BlockName, kind: CodeKind, span
     let shown = text_of_name(&name);
     let interface = interface::read(reader, interface::sections(object), is_chart, &format!("`{shown}`"));
     let code = match refused(&header, &language, is_chart) {
-        Some((what, help)) => {
-            let message = Diagnostic::new(Code::ForeignContent, name.span(), format!("`{shown}` {what}"));
+        Some((code, what, help)) => {
+            let message = Diagnostic::new(code, name.span(), format!("`{shown}` {what}"));
             reader.diagnostics.push(message.label("plcc reads only its interface").help(help));
             BlockCode::Graphic(Body::default())
         }
@@ -201,18 +201,27 @@ fn code(reader: &mut Reader, object: Node, name: BlockName, kind: CodeKind, span
 }
 
 /// Why the code of a block cannot be read, and what to do.
-fn refused(header: &Header, language: &str, is_chart: bool) -> Option<(String, &'static str)> {
+fn refused(header: &Header, language: &str, is_chart: bool) -> Option<(Code, String, &'static str)> {
     match language {
         _ if header.know_how_protect => Some((
+            Code::ForeignContent,
             "is know-how protected: the file does not contain its code".to_string(),
             "remove the protection in the TIA Portal and export it again",
         )),
         "GRAPH" if is_chart => None,
         "GRAPH" => Some((
+            Code::ForeignContent,
             "is written in GRAPH, but only function blocks can be written in GRAPH".to_string(),
             "write the block in LAD, FBD, STL or SCL",
         )),
-        "SFC" | "CEM" | "ProDiag" | "ProDiag_OB" => Some((
+        // Supervision reports what it finds; the program goes on as without it.
+        "ProDiag" | "ProDiag_OB" => Some((
+            Code::NotRead,
+            format!("is written in {language}, which only supervises: it is left out"),
+            "its supervisions report nothing; test their conditions with assertions or a scenario",
+        )),
+        "SFC" | "CEM" => Some((
+            Code::ForeignContent,
             format!("is written in {language}, which plcc does not read"),
             "write the block in LAD, FBD, STL or SCL",
         )),
