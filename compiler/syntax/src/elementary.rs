@@ -165,12 +165,12 @@ impl Elementary {
         }
     }
 
-    /// The type that a word names, in upper case; `TOD`, `LTIME_OF_DAY` and `LDATE_AND_TIME` too.
+    /// The type that a word names, in upper case; `TOD`, `LTIME_OF_DAY`, `DATE_AND_LTIME` and `LDATE_AND_TIME` too.
     pub fn from_word(word: &str) -> Option<Elementary> {
         match word {
             "TOD" => Some(Elementary::TimeOfDay),
             "LTIME_OF_DAY" => Some(Elementary::Ltod),
-            "LDATE_AND_TIME" => Some(Elementary::Ldt),
+            "DATE_AND_LTIME" | "LDATE_AND_TIME" => Some(Elementary::Ldt),
             _ => Elementary::ALL.into_iter().find(|ty| ty.name() == word),
         }
     }

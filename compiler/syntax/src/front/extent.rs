@@ -63,6 +63,7 @@ const PREFIXES: &[(&str, Form)] = &[
     ("DT", Form::Date),
     ("DATE_AND_TIME", Form::Date),
     ("LDT", Form::Date),
+    ("DATE_AND_LTIME", Form::Date),
     ("LDATE_AND_TIME", Form::Date),
     ("DTL", Form::Date),
     ("P", Form::Pointer),

@@ -42,7 +42,7 @@ pub fn parse(text: &str) -> Result<Read, LiteralError> {
         "LT" | "LTIME" => time::long_duration(text, value).map(Read::from),
         "LDATE" => shared(text, &format!("D#{value}")),
         "LTOD" | "LTIME_OF_DAY" => time::long_time_of_day(text, value).map(Read::from),
-        "LDT" | "LDATE_AND_TIME" => time::long_date_and_time(text, value).map(Read::from),
+        "LDT" | "DATE_AND_LTIME" | "LDATE_AND_TIME" => time::long_date_and_time(text, value).map(Read::from),
         "DTL" => time::dtl(text, value).map(Read::from),
         "STRING" => text::string(text, value).map(|bytes| Literal::Text { bytes, typed: true }.into()),
         "WSTRING" => text::wide(text, value).map(|units| Literal::WideText(units).into()),

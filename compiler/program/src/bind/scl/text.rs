@@ -48,7 +48,7 @@ fn short(word: &str) -> &str {
         "DATE_AND_TIME" => "DT",
         "TIME_OF_DAY" => "TOD",
         "LTIME_OF_DAY" => "LTOD",
-        "LDATE_AND_TIME" => "LDT",
+        "DATE_AND_LTIME" | "LDATE_AND_TIME" => "LDT",
         other => other,
     }
 }
