@@ -21,6 +21,9 @@ use crate::bind::trees::{SYSTEM_FILE, mentions};
 use plcc_binding::fold;
 use plcc_model::{BlockKey, Parameter};
 
+/// The first number of SFCs that are written for calls in STL; those of the library are below.
+const WRITTEN_NUMBERS: u16 = 60_000;
+
 /// A system block that is used.
 pub struct SystemUse {
     pub key: BlockKey,
@@ -37,6 +40,8 @@ pub struct Library {
     pub known: FxHashSet<BlockKey>,
     /// Blocks whose numbers the program uses for its own, by their new numbers.
     pub moved: FxHashMap<BlockKey, &'static SystemBlock>,
+    /// Functions for calls of instructions in STL, from [`WRITTEN_NUMBERS`] on: the instruction and the source.
+    written: Vec<(&'static str, String)>,
     /// Blocks whose numbers or names mean missing blocks of the program: their calls have other parameters.
     pub foreign: FxHashSet<(BlockClass, u16)>,
 }
@@ -45,6 +50,12 @@ impl Library {
     /// Whether the program means its own block with the name and number of this one: see [`Globals::find_foreign`].
     pub fn is_foreign(&self, block: &SystemBlock) -> bool {
         self.foreign.contains(&(block.class, block.number))
+    }
+
+    /// The instruction for whose calls in STL the block is.
+    fn instruction(&self, key: BlockKey) -> Option<&'static str> {
+        let at = key.number.checked_sub(WRITTEN_NUMBERS).filter(|_| key.kind == BlockKind::Sfc)?;
+        self.written.get(usize::from(at)).map(|(name, _)| *name)
     }
 
     /// Kind and number of a library block in this program.
@@ -203,6 +214,9 @@ impl Globals<'_> {
 
     /// A block as its author knows it: by its symbol, and a block of the CPU or of a library by its number, too, if it has one.
     pub fn shown(&self, key: BlockKey) -> String {
+        if let Some(instruction) = self.library.instruction(key) {
+            return format!("`{instruction}`");
+        }
         let library = self.library_block(key).map(|block| block.name.to_string());
         let own = self.names.block_name(kind_prefix(key.kind), key.number);
         let system = matches!(key.kind, BlockKind::Sfc | BlockKind::Sfb);
@@ -261,6 +275,21 @@ impl Globals<'_> {
         true
     }
 
+    /// A function in SCL for calls of an instruction in STL. Calls with the same source share it.
+    pub fn write_function(&mut self, instruction: &'static str, source: String, span: Span) -> BlockKey {
+        let known = self.library.written.iter().position(|(_, text)| *text == source);
+        let at = known.unwrap_or(self.library.written.len());
+        let key = BlockKey { kind: BlockKind::Sfc, number: WRITTEN_NUMBERS + at as u16 };
+        if known.is_none() {
+            let code = parsed(Language::Scl, &source);
+            self.library.known.insert(key);
+            self.sources.code.insert(key, CodeSource::System(Rc::new(code)));
+            self.library.used.push(SystemUse { key, span, runtime: false });
+            self.library.written.push((instruction, source));
+        }
+        key
+    }
+
     /// Notes the use of a library block; false if it does not exist, which is reported.
     pub fn use_system(&mut self, key: BlockKey, span: Span) -> bool {
         if self.library.known.contains(&key) {
@@ -278,7 +307,7 @@ impl Globals<'_> {
                 return false;
             }
         }
-        let code = parsed(block);
+        let code = parsed(block.language, block.source);
         // Blocks that a library block uses also have a position in the program.
         let span = match self.library.used.last() {
             Some(last) if span.file == SYSTEM_FILE => last.span,
@@ -296,7 +325,7 @@ fn parameters(block: &SystemBlock) -> Vec<(String, bool)> {
     if block.form == Form::NotShipped {
         return Vec::new();
     }
-    let code = parsed(block);
+    let code = parsed(block.language, block.source);
     let is_parameter = |section: &&ast::Section| {
         matches!(section.kind, ast::SectionKind::Input | ast::SectionKind::Output | ast::SectionKind::InOut)
     };
@@ -308,11 +337,11 @@ fn parameters(block: &SystemBlock) -> Vec<(String, bool)> {
 }
 
 /// The syntax tree of a block of the library.
-fn parsed(block: &SystemBlock) -> ast::CodeBlock {
+fn parsed(language: Language, source: &str) -> ast::CodeBlock {
     let options = ParseOptions { mnemonics: Some(stl::Mnemonics::En), ..ParseOptions::default() };
-    let (unit, _) = match block.language {
-        Language::Stl => stl::parse(SYSTEM_FILE, block.source, &options),
-        Language::Scl => scl::parse(SYSTEM_FILE, block.source, &options),
+    let (unit, _) = match language {
+        Language::Stl => stl::parse(SYSTEM_FILE, source, &options),
+        Language::Scl => scl::parse(SYSTEM_FILE, source, &options),
     };
     let code = unit.blocks.into_iter().find_map(|block| match block {
         ast::Block::Code(code) => Some(code),

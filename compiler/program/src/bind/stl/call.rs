@@ -14,6 +14,7 @@ use crate::bind::declarations::path::{Base, Variable};
 use crate::bind::declarations::typed::BoundInterface;
 use crate::bind::globals::names::code_kind;
 use crate::bind::stl::StlBinder;
+use crate::bind::stl::move_call::{called_name, names_a_type};
 use crate::bind::stl::settle::Settled;
 use plcc_binding::fold;
 use plcc_model::types::DataType;
@@ -50,6 +51,13 @@ impl StlBinder<'_, '_> {
         call: &ast::Call,
     ) -> Option<(BlockKey, Option<u32>, Rc<BoundInterface>)> {
         let span = call.target.span;
+        if let Some(instruction) = self.called_instruction(call) {
+            let key = self.instruction_function(ctx, call, instruction)?;
+            return Some((key, None, self.program.interface(key, span)?));
+        }
+        if called_name(call).is_some_and(|name| self.program.globals.missing_in_stl(name, span)) {
+            return None;
+        }
         let settled = match self.named_before_instance(call) {
             Some((prefix, number)) => Settled::Block { prefix, number: Number::Known(number) },
             None => self.settle(ctx, &call.target)?,
@@ -87,7 +95,8 @@ impl StlBinder<'_, '_> {
 
     /// Names in a call that cannot be checked are still looked up, so that all undefined ones are reported.
     fn note_names(&mut self, ctx: &mut CurrentBlock, call: &ast::Call) {
-        let actuals = call.parameters.iter().filter_map(|parameter| parameter.actual.as_ref());
+        let values = call.parameters.iter().filter(|parameter| !names_a_type(parameter));
+        let actuals = values.filter_map(|parameter| parameter.actual.as_ref());
         for operand in call.instance.iter().chain(actuals) {
             if !matches!(operand.kind, OperandKind::Block(_)) {
                 self.settle(ctx, operand);
@@ -215,7 +224,7 @@ impl StlBinder<'_, '_> {
             };
             let Some(index) = index else {
                 // `time_type := Time` names the type of an instruction of the TIA Portal; all instructions here have one.
-                if crate::bind::stl::move_call::names_a_type(given) {
+                if names_a_type(given) {
                     continue;
                 }
                 good = false;

@@ -13,31 +13,37 @@ use plcc_model::layout;
 use plcc_model::types::Elementary;
 use plcc_model::{Operand, StlStatementKind};
 
-/// Whether an actual names the data type of an instruction: `value_type := Int`.
-pub fn names_a_type(parameter: &ast::Parameter) -> bool {
-    let folded = fold(&parameter.name);
-    let Some(OperandKind::Path(path)) = parameter.actual.as_ref().map(|actual| &actual.kind) else { return false };
+/// The data type that an actual names for an instruction: `value_type := Int`.
+pub fn named_type(parameter: &ast::Parameter) -> Option<Elementary> {
+    let Some(OperandKind::Path(path)) = parameter.actual.as_ref().map(|actual| &actual.kind) else { return None };
     match &path.root {
-        PathRoot::Bare { name, .. } if path.parts.is_empty() => {
-            folded.ends_with("_type") && Elementary::from_word(&name.to_ascii_uppercase()).is_some()
+        PathRoot::Bare { name, .. } if path.parts.is_empty() && fold(&parameter.name).ends_with("type") => {
+            Elementary::from_word(&name.to_ascii_uppercase())
         }
-        _ => false,
+        _ => None,
+    }
+}
+
+/// Whether an actual names the data type of an instruction.
+pub fn names_a_type(parameter: &ast::Parameter) -> bool {
+    named_type(parameter).is_some()
+}
+
+/// The name of what is called without an instance; none: it is not called by a name.
+pub fn called_name(call: &ast::Call) -> Option<&str> {
+    let OperandKind::Path(path) = &call.target.kind else { return None };
+    match &path.root {
+        PathRoot::Quoted { name, .. } | PathRoot::Bare { name, .. } => {
+            (path.parts.is_empty() && call.instance.is_none()).then_some(name.as_str())
+        }
+        PathRoot::Local { .. } | PathRoot::Block(_) => None,
     }
 }
 
 impl StlBinder<'_, '_> {
     /// Whether a call means the instruction MOVE: no block of the program has the name.
     pub fn is_move(&self, call: &ast::Call) -> bool {
-        let OperandKind::Path(path) = &call.target.kind else { return false };
-        match &path.root {
-            PathRoot::Quoted { name, .. } | PathRoot::Bare { name, .. } => {
-                path.parts.is_empty()
-                    && call.instance.is_none()
-                    && fold(name) == "move"
-                    && self.program.globals.global(name).is_none()
-            }
-            PathRoot::Local { .. } | PathRoot::Block(_) => false,
-        }
+        called_name(call).is_some_and(|name| fold(name) == "move" && self.program.globals.global(name).is_none())
     }
 
     /// `CALL MOVE (IN := …, OUT := …)` as load and transfer; `None` after a message.
