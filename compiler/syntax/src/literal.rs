@@ -125,7 +125,13 @@ pub fn parse(text: &str) -> Result<Literal, LiteralError> {
         "DW" | "DWORD" => number::dword(text, value),
         "L" | "DINT" => number::dint(text, value),
         "INT" => number::int(text, value),
-        "REAL" => number::typed_real(text, value),
+        "SINT" => number::whole(text, value, -0x80, 0x7F),
+        "USINT" => number::whole(text, value, 0, 0xFF),
+        "UINT" => number::whole(text, value, 0, 0xFFFF),
+        "UDINT" => number::whole(text, value, 0, 0xFFFF_FFFF),
+        "LINT" => number::whole(text, value, i64::MIN, i64::MAX),
+        "ULINT" => number::whole(text, value, 0, i64::MAX),
+        "REAL" | "LREAL" => number::typed_real(text, value),
         "BOOL" => number::typed_bool(text, value),
         "C" | "Z" => number::counter(text, value),
         "S5T" | "S5TIME" => time::s5time(text, value),
@@ -229,6 +235,12 @@ mod tests {
         check("B#(1,14,100,120)", Literal::Bytes4([1, 14, 100, 120]));
         check("L#-7", Literal::Dint(-7));
         check("c#20", Literal::Counter(0x20));
+        check("UINT#40_000", Literal::Int(40_000));
+        check("usint#16#FF", Literal::Int(255));
+        check("LINT#-5", Literal::Int(-5));
+        check("LREAL#0.5", Literal::Real(0.5));
+        refuse("SINT#128", Code::LiteralRange);
+        refuse("UDINT#-1", Code::LiteralRange);
         refuse("W#A2EB", Code::BadLiteral);
         refuse("W#16#1_0000", Code::LiteralRange);
     }

@@ -72,6 +72,20 @@ pub fn int(text: &str, value: &str) -> Result<Literal, LiteralError> {
         .map_err(|_| LiteralError::range(text, "not an INT", "an INT is a number from -32768 to 32767"))
 }
 
+/// `UINT#40000`, `USINT#16#FF`: a number of a type whose values go from `low` to `high`.
+pub fn whole(text: &str, value: &str, low: i64, high: i64) -> Result<Literal, LiteralError> {
+    let number = match value.split_once('#') {
+        Some((base, digits)) => i64::from(base_digits(text, base, digits)?.0),
+        None => integer(text, value)?,
+    };
+    match (low..=high).contains(&number) {
+        true => Ok(Literal::Int(number)),
+        false => {
+            Err(LiteralError::range(text, "not a number of this type", format!("its numbers go from {low} to {high}")))
+        }
+    }
+}
+
 pub fn typed_real(text: &str, value: &str) -> Result<Literal, LiteralError> {
     real(text, value).map(Literal::Real)
 }
