@@ -26,10 +26,15 @@ impl Globals<'_> {
             .collect();
         obs.sort_unstable_by_key(|(number, _)| *number);
         for (number, block) in obs {
-            let Some((class, text)) = class_attribute(&block.header) else { continue };
             if self.config.ob_classes.iter().any(|(ob, _)| *ob == number) {
                 continue;
             }
+            let Some((class, text)) = class_attribute(&block.header) else {
+                if self.input.profile.family.is_portal() && ObClass::of_number(number) == Some(ObClass::Motion) {
+                    self.not_started(number, ObClass::Motion, block.name.span());
+                }
+                continue;
+            };
             match class {
                 None => {
                     let names: Vec<&str> = OB_CLASSES.iter().map(|row| row.names[0]).collect();
