@@ -4,13 +4,14 @@
 //!            ┌─────────── 5 ───────────┐
 //!            ▼                         │
 //! passive: Listening ──── 1 ────────► Up     1 a partner has connected        `accept`, `take_caller`
-//! active:  Connecting ─ 2 ─► Greeting ─┘     2 TCP is connected: ISO sends its CR   `connected`
+//! active:  Connecting ─ 2 ─► Greeting ─┘     2 TCP is connected: ISO sends its CR   `connected`; `resolved` before it
 //!            │    ▲            │ 3           3 the partner's CC has come      `greeted`
 //!            4    │            4             4 refused                        `fail`
 //!            └─► Resting ◄─────┘             5 lost: set up again             `restart`
 //! ```
 
-use std::net::{Ipv4Addr, SocketAddr, SocketAddrV4, TcpListener};
+use std::net::{Ipv4Addr, SocketAddr, SocketAddrV4, TcpListener, ToSocketAddrs};
+use std::sync::mpsc::{self, Receiver, TryRecvError};
 
 use socket2::{Domain, Protocol as IpProtocol, Socket, Type};
 
@@ -32,6 +33,11 @@ const MESSAGES_MAX: usize = 4;
 enum State {
     /// Passive TCP with its own listener; passive ISO-on-TCP shares one.
     Listening(Option<TcpListener>),
+    /// The address of a partner with a name is asked for.
+    Resolving {
+        answer: Receiver<Option<Ipv4Addr>>,
+        until: u64,
+    },
     Connecting {
         socket: Socket,
         until: u64,
@@ -144,6 +150,7 @@ impl Connection {
                 datagrams.work();
                 State::Datagrams(datagrams)
             }
+            State::Resolving { answer, until } => self.resolved(answer, until, now),
             State::Connecting { socket, until } => self.connected(socket, until, now),
             State::Greeting { link, until } => self.greeted(link, until, now),
             State::Up { mut link, mut transport, ended_at } => {
@@ -184,6 +191,17 @@ impl Connection {
             }
         }
         State::Listening(Some(listener))
+    }
+
+    fn resolved(&mut self, answer: Receiver<Option<Ipv4Addr>>, until: u64, now: u64) -> State {
+        match answer.try_recv() {
+            Ok(Some(remote)) => match connect(&self.description, remote, self.iso_port, now) {
+                Ok(state) => state,
+                Err(_) => self.fail(now),
+            },
+            Err(TryRecvError::Empty) if now < until => State::Resolving { answer, until },
+            Ok(None) | Err(_) => self.fail(now),
+        }
     }
 
     fn connected(&mut self, socket: Socket, until: u64, now: u64) -> State {
@@ -340,9 +358,34 @@ fn begin(description: &Description, iso_port: u16, now: u64) -> Result<State, u1
     if description.protocol == Protocol::Udp {
         return Datagrams::open(description.local_port).map(State::Datagrams);
     }
-    let Some(remote) = description.remote.filter(|_| description.active) else {
-        return Ok(State::Listening(if iso { None } else { Some(listen(description.local_port)?) }));
-    };
+    if description.active && !description.remote_name.is_empty() {
+        let answer = ask_for(description.remote_name.clone());
+        return Ok(State::Resolving { answer, until: now.saturating_add(ATTEMPT_NS) });
+    }
+    match description.remote.filter(|_| description.active) {
+        Some(remote) => connect(description, remote, iso_port, now),
+        None => Ok(State::Listening(if iso { None } else { Some(listen(description.local_port)?) })),
+    }
+}
+
+/// Asks the host for the address of a name, which may take seconds.
+fn ask_for(name: String) -> Receiver<Option<Ipv4Addr>> {
+    let (sender, answer) = mpsc::channel();
+    std::thread::spawn(move || {
+        let found = (name.as_str(), 0u16).to_socket_addrs().ok().and_then(|mut all| {
+            all.find_map(|address| match address {
+                SocketAddr::V4(address) => Some(*address.ip()),
+                SocketAddr::V6(_) => None,
+            })
+        });
+        // Nobody waits for it if the connection has ended.
+        let _ = sender.send(found);
+    });
+    answer
+}
+
+/// Begins to connect to the partner. `Err`: STATUS.
+fn connect(description: &Description, remote: Ipv4Addr, iso_port: u16, now: u64) -> Result<State, u16> {
     let socket = Socket::new(Domain::IPV4, Type::STREAM, Some(IpProtocol::TCP)).map_err(|_| status::RESOURCES)?;
     socket.set_nonblocking(true).map_err(|_| status::TEMPORARY)?;
     if description.local_port != 0 {
@@ -351,7 +394,7 @@ fn begin(description: &Description, iso_port: u16, now: u64) -> Result<State, u1
         let own = SocketAddr::from((Ipv4Addr::UNSPECIFIED, description.local_port));
         socket.bind(&own.into()).map_err(|_| status::INCONSISTENT)?;
     }
-    let port = if iso { iso_port } else { description.remote_port };
+    let port = if description.protocol == Protocol::Iso { iso_port } else { description.remote_port };
     let until = now.saturating_add(ATTEMPT_NS);
     match socket.connect(&SocketAddr::from((remote, port)).into()) {
         Ok(()) => Ok(State::Connecting { socket, until }),

@@ -1,15 +1,21 @@
-//! Connection descriptions: TCON_Param of 64 bytes, TCON_IP_v4 of 14 bytes and TCON_IP_RFC of 78 bytes, big-endian.
+//! Connection descriptions, big-endian, each of another length: TCON_Param, TCON_IP_v4, TCON_IP_RFC, TCON_QDN, and the `_SEC` of two.
 //!
-//! Source: S7-1200 reference, TSEND_C and TRCV_C, parameters of the connection.
+//! Source: S7-1200 reference, TSEND_C and TRCV_C, parameters of the connection; S7-1500 information system, structure of the address data.
 
 use std::net::Ipv4Addr;
 
 /// Length of TCON_Param, which is also in its first word.
-pub const PARAM_BYTES: usize = 64;
-/// Length of TCON_IP_v4.
-pub const IP_V4_BYTES: usize = 14;
-/// Length of TCON_IP_RFC.
-pub const IP_RFC_BYTES: usize = 78;
+const PARAM_BYTES: usize = 64;
+const IP_V4_BYTES: usize = 14;
+const IP_RFC_BYTES: usize = 78;
+const QDN_BYTES: usize = 266;
+/// What TCON_IP_v4_SEC and TCON_QDN_SEC have after the description itself.
+const SECURITY_BYTES: usize = 12;
+const IP_V4_SEC_BYTES: usize = IP_V4_BYTES + SECURITY_BYTES;
+const QDN_SEC_BYTES: usize = QDN_BYTES + SECURITY_BYTES;
+
+/// Lengths of descriptions.
+pub const LENGTHS: [usize; 6] = [PARAM_BYTES, IP_V4_BYTES, IP_RFC_BYTES, QDN_BYTES, IP_V4_SEC_BYTES, QDN_SEC_BYTES];
 
 /// Connection types of TCON_Param.
 const TYPE_TCP: u8 = 0x11;
@@ -35,6 +41,8 @@ const LENGTH_WRONG: u16 = 0x809A;
 const DEVICE_WRONG: u16 = 0x809B;
 const INCONSISTENT: u16 = 0x80B3;
 const TSAP_WRONG: u16 = 0x80B4;
+/// There is no such certificate.
+const CERTIFICATE: u16 = 0x80E2;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Protocol {
@@ -56,6 +64,8 @@ pub struct Description {
     pub local_port: u16,
     /// `None` only on a passive side: anyone.
     pub remote: Option<Ipv4Addr>,
+    /// Name of the partner if its address is not in the description; only on an active side.
+    pub remote_name: String,
     /// TCP: port of the partner; 0 only on a passive side: any. UDP: where TSEND sends; 0: nowhere.
     pub remote_port: u16,
     /// ISO-on-TCP: 2 to 16 bytes.
@@ -71,6 +81,9 @@ impl Description {
             PARAM_BYTES => param(bytes, classic),
             IP_V4_BYTES => ip_v4(bytes),
             IP_RFC_BYTES => ip_rfc(bytes),
+            QDN_BYTES => qdn(bytes),
+            IP_V4_SEC_BYTES => ip_v4(not_secured(bytes)?),
+            QDN_SEC_BYTES => qdn(not_secured(bytes)?),
             _ => Err(LENGTH_WRONG),
         }
     }
@@ -141,6 +154,7 @@ fn param(bytes: &[u8], classic: bool) -> Result<Description, u16> {
                 active,
                 local_port: 0,
                 remote,
+                remote_name: String::new(),
                 remote_port: 0,
                 local_tsap: local[..local_length].to_vec(),
                 remote_tsap: far[..remote_length].to_vec(),
@@ -161,6 +175,37 @@ fn ip_v4(bytes: &[u8]) -> Result<Description, u16> {
     }
 }
 
+/// The description in front of the parameters for TLS, which must be off: the program has no certificates.
+fn not_secured(bytes: &[u8]) -> Result<&[u8], u16> {
+    let (description, security) = bytes.split_at(bytes.len() - SECURITY_BYTES);
+    if security[0] & 1 == 0 { Ok(description) } else { Err(CERTIFICATE) }
+}
+
+/// TCON_QDN, all of its 266 bytes. A name may be an address in numbers.
+fn qdn(bytes: &[u8]) -> Result<Description, u16> {
+    check_interface(bytes)?;
+    let id = check_id(word(bytes, 2))?;
+    let active = bytes[5] & 1 != 0;
+    let length = usize::from(bytes[7].min(bytes[6]));
+    let name = std::str::from_utf8(&bytes[8..8 + length]).map_err(|_| INCONSISTENT)?.trim();
+    let remote = address_of_name(name);
+    let (remote_port, local_port) = (word(bytes, 262), word(bytes, 264));
+    let complete = if active { !name.is_empty() && remote_port != 0 } else { local_port != 0 };
+    let known = remote.is_some() || name.is_empty();
+    if bytes[4] != TYPE_TCP_IP_V4 || !complete || !active && !known {
+        return Err(INCONSISTENT);
+    }
+    let remote_name = if known { String::new() } else { name.to_owned() };
+    let (local_tsap, remote_tsap) = (Vec::new(), Vec::new());
+    let protocol = Protocol::Tcp;
+    Ok(Description { id, protocol, active, local_port, remote, remote_name, remote_port, local_tsap, remote_tsap })
+}
+
+/// `192.168.0.1` or `192.168.0.1.`
+fn address_of_name(name: &str) -> Option<Ipv4Addr> {
+    name.strip_suffix('.').unwrap_or(name).parse().ok().filter(|address: &Ipv4Addr| !address.is_unspecified())
+}
+
 /// TCON_IP_RFC, all of its 78 bytes.
 fn ip_rfc(bytes: &[u8]) -> Result<Description, u16> {
     check_interface(bytes)?;
@@ -177,8 +222,17 @@ fn ip_rfc(bytes: &[u8]) -> Result<Description, u16> {
         _ => Err(INCONSISTENT),
     };
     let (remote_tsap, local_tsap) = (selector(10, !active)?, selector(44, false)?);
-    let (local_port, remote_port) = (0, 0);
-    Ok(Description { id, protocol: Protocol::Iso, active, local_port, remote, remote_port, local_tsap, remote_tsap })
+    Ok(Description {
+        id,
+        protocol: Protocol::Iso,
+        active,
+        local_port: 0,
+        remote,
+        remote_name: String::new(),
+        remote_port: 0,
+        local_tsap,
+        remote_tsap,
+    })
 }
 
 /// 64 is the hardware identifier of the CPU's own interface; 0 lets the CPU choose.
@@ -193,7 +247,8 @@ fn udp(id: u16, local_port: u16, remote: Option<Ipv4Addr>, remote_port: u16) -> 
     }
     let (local_tsap, remote_tsap) = (Vec::new(), Vec::new());
     let (protocol, active) = (Protocol::Udp, false);
-    Ok(Description { id, protocol, active, local_port, remote, remote_port, local_tsap, remote_tsap })
+    let remote_name = String::new();
+    Ok(Description { id, protocol, active, local_port, remote, remote_name, remote_port, local_tsap, remote_tsap })
 }
 
 fn tcp(id: u16, active: bool, local_port: u16, remote: Option<Ipv4Addr>, remote_port: u16) -> Result<Description, u16> {
@@ -203,7 +258,8 @@ fn tcp(id: u16, active: bool, local_port: u16, remote: Option<Ipv4Addr>, remote_
     }
     let protocol = Protocol::Tcp;
     let (local_tsap, remote_tsap) = (Vec::new(), Vec::new());
-    Ok(Description { id, protocol, active, local_port, remote, remote_port, local_tsap, remote_tsap })
+    let remote_name = String::new();
+    Ok(Description { id, protocol, active, local_port, remote, remote_name, remote_port, local_tsap, remote_tsap })
 }
 
 #[cfg(test)]
@@ -254,6 +310,35 @@ pub mod tests {
         assert_eq!(long, Description::read(&short, false));
         short[45] = 1;
         assert_eq!(Description::read(&short, false), Err(INCONSISTENT));
+    }
+
+    fn qdn_bytes(active: bool, name: &str) -> Vec<u8> {
+        let mut bytes = vec![0; QDN_BYTES];
+        bytes[1] = 64;
+        bytes[3] = 7;
+        bytes[4..8].copy_from_slice(&[TYPE_TCP_IP_V4, u8::from(active), 254, name.len() as u8]);
+        bytes[8..8 + name.len()].copy_from_slice(name.as_bytes());
+        bytes[262..264].copy_from_slice(&2000u16.to_be_bytes());
+        bytes
+    }
+
+    #[test]
+    fn partners_by_name() {
+        let read = |bytes: &[u8]| Description::read(bytes, false).map(|found| (found.remote, found.remote_name));
+        assert_eq!(read(&qdn_bytes(true, "plc.example.")), Ok((None, "plc.example.".to_owned())));
+        assert_eq!(read(&qdn_bytes(true, "127.0.0.1.")), Ok((Some(Ipv4Addr::from(HOME)), String::new())));
+        assert_eq!(read(&qdn_bytes(true, "")), Err(INCONSISTENT));
+        assert_eq!(read(&qdn_bytes(false, "")), Err(INCONSISTENT), "no local port");
+    }
+
+    #[test]
+    fn security_must_be_off() {
+        let mut bytes = qdn_bytes(true, "127.0.0.1");
+        let plain = Description::read(&bytes, false);
+        bytes.extend([0; SECURITY_BYTES]);
+        assert_eq!(Description::read(&bytes, false), plain);
+        bytes[QDN_BYTES] = 1;
+        assert_eq!(Description::read(&bytes, false), Err(CERTIFICATE));
     }
 
     #[test]

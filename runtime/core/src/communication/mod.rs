@@ -19,7 +19,7 @@ use std::time::Duration;
 
 pub use connection::{Connection, Receive};
 pub use datagrams::DATAGRAM_BYTES_MAX;
-pub use description::{Description, IP_RFC_BYTES, IP_V4_BYTES, PARAM_BYTES, Protocol};
+pub use description::{Description, LENGTHS, Protocol};
 use iso::Offer;
 use link::Link;
 

@@ -10,9 +10,7 @@ use plcc_abi::layout::area;
 use super::any::{self, Access, Range};
 use super::parameters::Call;
 use super::{OK, Outcome, error};
-use crate::communication::{
-    DATAGRAM_BYTES_MAX, Description, IP_RFC_BYTES, IP_V4_BYTES, JOB_BYTES_MAX, PARAM_BYTES, Protocol, Receive, status,
-};
+use crate::communication::{DATAGRAM_BYTES_MAX, Description, JOB_BYTES_MAX, LENGTHS, Protocol, Receive, status};
 
 /// Sending or receiving is in progress.
 const RUNNING: u16 = 0x7002;
@@ -73,7 +71,7 @@ fn description(call: &Call) -> Result<Description, u16> {
         return Err(CONNECT_ACCESS);
     }
     let range = any::decode(call, 0, Access::Read).map_err(|_| CONNECT_AREA)?.ok_or(CONNECT_AREA)?;
-    if ![PARAM_BYTES, IP_V4_BYTES, IP_RFC_BYTES].contains(&(range.bytes as usize)) {
+    if !LENGTHS.contains(&(range.bytes as usize)) {
         return Err(CONNECT_LENGTH);
     }
     if range.existing < range.bytes {

@@ -21,6 +21,7 @@ fn tcp(id: u16, active: bool, local_port: u16, remote_port: u16) -> Description 
         active,
         local_port,
         remote: active.then_some(HOME),
+        remote_name: String::new(),
         remote_port,
         local_tsap: Vec::new(),
         remote_tsap: Vec::new(),
@@ -89,6 +90,18 @@ fn read(stream: &mut TcpStream, count: usize) -> Vec<u8> {
     let mut bytes = vec![0; count];
     stream.read_exact(&mut bytes).expect("the partner sends");
     bytes
+}
+
+#[test]
+fn client_finds_its_partner_by_name() {
+    let partner = TcpListener::bind((HOME, 0)).unwrap();
+    let port = partner.local_addr().unwrap().port();
+    let mut plc = Plc::new();
+    plc.open(Description { remote: None, remote_name: "localhost".to_owned(), ..tcp(1, true, 0, port) }).unwrap();
+    plc.until_up(1);
+    plc.send(1, b"name");
+    let (mut stream, _) = partner.accept().unwrap();
+    assert_eq!(read(&mut stream, 4), b"name");
 }
 
 #[test]

@@ -41,6 +41,16 @@ const TCON_IP_RFC_DEFAULT: [u8; 78] = {
     bytes
 };
 
+/// The CPU's own interface, connection 1, TCP, no name.
+const TCON_QDN_DEFAULT: [u8; 266] = {
+    let mut bytes = [0; 266];
+    bytes[1] = 64;
+    bytes[3] = 1;
+    bytes[4] = 0x0B;
+    bytes[6] = 254;
+    bytes
+};
+
 /// Type of a component.
 #[derive(Clone, Copy)]
 enum Part {
@@ -224,6 +234,33 @@ const STRUCTURES: &[Structure] = &[
             ("RemoteTSelector", Part::Structure("TSelector")), ("LocalTSelector", Part::Structure("TSelector")),
         ],
         default: &TCON_IP_RFC_DEFAULT,
+    },
+    Structure {
+        name: "TCON_QDN",
+        members: &[
+            ("InterfaceId", One(Elementary::Word)), ("ID", One(Elementary::Word)), ("ConnectionType", One(Elementary::Byte)),
+            ("ActiveEstablished", One(Elementary::Bool)), ("RemoteQDN", Text(254)),
+            ("RemotePort", One(Elementary::Uint)), ("LocalPort", One(Elementary::Uint)),
+        ],
+        default: &TCON_QDN_DEFAULT,
+    },
+    Structure {
+        name: "TCON_IP_v4_SEC",
+        members: &[
+            ("ConnPara", Part::Structure("TCON_IP_v4")), ("ActivateSecureConn", One(Elementary::Bool)),
+            ("TLSServerReqClientCert", One(Elementary::Bool)), ("ExtTLSCapabilities", One(Elementary::Word)),
+            ("TLSServerCertRef", One(Elementary::Udint)), ("TLSClientCertRef", One(Elementary::Udint)),
+        ],
+        default: &[],
+    },
+    Structure {
+        name: "TCON_QDN_SEC",
+        members: &[
+            ("ConnPara", Part::Structure("TCON_QDN")), ("ActivateSecureConn", One(Elementary::Bool)),
+            ("TLSServerReqClientCert", One(Elementary::Bool)), ("ExtTLSCapabilities", One(Elementary::Word)),
+            ("TLSServerCertRef", One(Elementary::Udint)), ("TLSClientCertRef", One(Elementary::Udint)),
+        ],
+        default: &[],
     },
 ];
 
