@@ -56,6 +56,7 @@ const SOURCES: &[(Language, &str)] = &[
     (Language::Scl, include_str!("../scl/modbus.scl")),
     (Language::Scl, include_str!("../scl/modbus_serial.scl")),
     (Language::Scl, include_str!("../scl/serial.scl")),
+    (Language::Scl, include_str!("../scl/serial_settings.scl")),
     (Language::Scl, include_str!("../scl/uss.scl")),
     (Language::Scl, include_str!("../scl/motion/axis.scl")),
     (Language::Scl, include_str!("../scl/motion/commands.scl")),

@@ -59,13 +59,17 @@ enum Part {
     Bytes(u16),
     /// ARRAY[1..n] OF UINT.
     Uints(u16),
+    /// ARRAY[1..n] OF CHAR.
+    Chars(u16),
     /// STRING[n].
     Text(u8),
     /// Another structure of the table.
     Structure(&'static str),
+    /// ARRAY[1..n] of another structure of the table.
+    Structures(&'static str, u16),
 }
 
-use Part::{Bytes, One, Text, Uints};
+use Part::{Bytes, Chars, One, Text, Uints};
 
 struct Structure {
     name: &'static str,
@@ -208,6 +212,34 @@ const STRUCTURES: &[Structure] = &[
             ("Profile_Specific_Type", One(Elementary::Uint)), ("IM_Version", One(Elementary::Word)),
             ("IM_Supported", One(Elementary::Word)),
         ],
+        default: &[],
+    },
+    Structure { name: "MESSAGE_SEQUENCE", members: &[("CTL", One(Elementary::Byte)), ("STR", Chars(5))], default: &[] },
+    Structure {
+        name: "MESSAGE_START",
+        members: &[
+            ("STARTCOND", One(Elementary::Uint)), ("IDLETIME", One(Elementary::Uint)), ("STARTCHAR", One(Elementary::Byte)),
+            ("SEQ", Part::Structures("MESSAGE_SEQUENCE", 4)),
+        ],
+        default: &[],
+    },
+    Structure {
+        name: "MESSAGE_END",
+        members: &[
+            ("ENDCOND", One(Elementary::Uint)), ("MAXLEN", One(Elementary::Uint)), ("N", One(Elementary::Uint)),
+            ("LENGTHSIZE", One(Elementary::Uint)), ("LENGTHM", One(Elementary::Uint)), ("RCVTIME", One(Elementary::Uint)),
+            ("MSGTIME", One(Elementary::Uint)), ("CHARGAP", One(Elementary::Uint)), ("SEQ", Part::Structure("MESSAGE_SEQUENCE")),
+        ],
+        default: &[],
+    },
+    Structure {
+        name: "CONDITIONS",
+        members: &[("START", Part::Structure("MESSAGE_START")), ("END", Part::Structure("MESSAGE_END"))],
+        default: &[],
+    },
+    Structure {
+        name: "Receive_Conditions",
+        members: &[("START", Part::Structure("MESSAGE_START")), ("END", Part::Structure("MESSAGE_END"))],
         default: &[],
     },
     Structure {
@@ -371,7 +403,9 @@ impl Declarations<'_> {
                 Bytes(count) => array_typed(Elementary::Byte, *count, 1),
                 Uints(count) => array_typed(Elementary::Uint, *count, 2),
                 Text(length) => text_typed(*length),
+                Chars(count) => array_typed(Elementary::Char, *count, 1),
                 Part::Structure(other) => self.predefined(other, span)?,
+                Part::Structures(other, count) => array_of(self.predefined(other, span)?, *count),
             };
             builder.add((*name).to_string(), &typed);
         }
@@ -392,10 +426,18 @@ fn text_typed(length: u8) -> Typed {
 
 /// ARRAY[1..count] OF a type of so many bytes.
 fn array_typed(element: Elementary, count: u16, bytes: u16) -> Typed {
-    let bytes = usize::from(count * bytes);
+    let bytes = usize::from(count * bytes).next_multiple_of(2);
     let bounds = vec![(1, i32::from(count))];
     let array = ArrayType { bounds, element: DataType::Elementary(element), bytes: bytes as u32 };
     Typed { ty: DataType::Array(Rc::new(array)), image: vec![0; bytes].into() }
+}
+
+/// ARRAY[1..count] of a structure.
+fn array_of(element: Typed, count: u16) -> Typed {
+    let bounds = vec![(1, i32::from(count))];
+    let image = element.image.repeat(usize::from(count));
+    let array = ArrayType { bounds, element: element.ty, bytes: image.len() as u32 };
+    Typed { ty: DataType::Array(Rc::new(array)), image: image.into() }
 }
 
 /// True of blocks that can be components of data blocks and PLC data types: those of the system.
