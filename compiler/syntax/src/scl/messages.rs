@@ -66,7 +66,8 @@ impl Place<Tok<'_>, Dialect> for Recovery {
 }
 
 impl Recovery {
-    /// A form that has only one meaning: an ARRAY without OF, `STRING(20)`, a misspelt STRING, a value of CASE without `:`.
+    /// A form that has only one meaning: an ARRAY without OF, `STRING(20)`, a misspelt STRING, a value of CASE without `:`, a `,`
+    /// without a parameter.
     fn slip(self, state: &State, index: usize) -> Option<Diagnostic> {
         let at = state.tokens.get(index).filter(|(start, _, end)| start < end)?;
         let before = index.checked_sub(1).and_then(|before| state.tokens.get(before))?;
@@ -149,6 +150,27 @@ impl Recovery {
                     format!("as a value of CASE write `{value}:` before the statement"),
                 )
             }
+            (Recovery::Argument, Tok::Comma, Tok::RightParen | Tok::Comma) => told(
+                before.0,
+                before.2,
+                "no parameter follows `,`".to_owned(),
+                "one sign too many",
+                format!("remove `,` before `{}`", text(at)),
+            ),
+            (Recovery::Argument, Tok::LeftParen, Tok::Comma) => told(
+                at.0,
+                at.2,
+                "no parameter stands before `,`".to_owned(),
+                "one sign too many",
+                "remove `,` after `(`".to_owned(),
+            ),
+            (Recovery::Statement | Recovery::Condition, Tok::Comma, Tok::RightBracket) => told(
+                before.0,
+                before.2,
+                "no index follows `,`".to_owned(),
+                "one sign too many",
+                "remove `,` before `]`".to_owned(),
+            ),
             (Recovery::Declaration, Tok::Name(name), Tok::LeftBracket) => {
                 let Some(near) = crate::distance::nearest(name, ["STRING", "WSTRING", "ARRAY"].into_iter()) else {
                     let rest = state.text.get(at.2..)?;
