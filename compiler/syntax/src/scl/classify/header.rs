@@ -4,6 +4,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 
 use super::expression::Run;
 use super::{Classifier, unquoted};
+use crate::front;
 use crate::front::frame::{self, not_in_header};
 use crate::scl::address;
 use crate::scl::keyword::Keyword;
@@ -65,6 +66,18 @@ impl<'a> Classifier<'a, '_> {
         match self.peek() {
             Some(token) if token.kind == RawKind::Quoted => {
                 let name = unquoted(self.slice(token));
+                self.take(Tok::Quoted(name));
+            }
+            Some(token)
+                if token.kind == RawKind::UnterminatedQuoted && !token.first_on_line && self.slice(token).len() > 1 =>
+            {
+                // The rest of the line is in it.
+                let (name, result) = match self.slice(token)[1..].split_once(':') {
+                    Some((name, ty)) => (name.trim_end(), format!(" : {}", ty.trim())),
+                    None => (self.slice(token)[1..].trim_end(), String::new()),
+                };
+                let help = format!("write `{} \"{name}\"{result}`", self.slice(keyword));
+                self.report(front::unterminated_name(self.span(token), "name").help(help));
                 self.take(Tok::Quoted(name));
             }
             Some(token)
