@@ -2,8 +2,8 @@
 //!
 //! ```text
 //! raw tokens ──► raw tokens of SCL, and a message for each repair
-//!              words.rs: THENN, ENDIF, UND, break          signs.rs: ==, &&, i++, 0x1F, { }          foreign.rs: METHOD, LOOP, N7:0
-//!              statements.rs: let x = 5, do … while, (INT)x      cases.rs: 1 := x := 2
+//!              words.rs: THENN, ENDIF, UND                 signs.rs: ==, &&, i++, 0x1F, { }          foreign.rs: METHOD, LOOP, N7:0
+//!              statements.rs: let x = 5, do … while, (INT)x      cases.rs: 1 := x := 2          leave.rs: break, EXIT FOR
 //! ```
 //!
 //! Each rule looks for something that is wrong in SCL wherever it is, so correct sources pass unchanged; most have no repairs at all, and
@@ -12,6 +12,7 @@
 mod cases;
 mod foreign;
 mod heads;
+mod leave;
 mod signs;
 mod statements;
 mod words;
@@ -177,6 +178,7 @@ impl<'t> Repair<'t> {
                 || self.late_condition(token)
                 || self.pascal(token)
                 || self.endless(token)
+                || self.leaving(token)
                 || self.short_circuit(token)
                 || self.foreign_statement(token)
                 || self.bare_argument(token)

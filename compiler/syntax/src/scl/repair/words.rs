@@ -74,7 +74,7 @@ impl Repair<'_> {
     /// A word at the beginning of a statement.
     fn first_word(&mut self, token: RawToken, word: &str) -> bool {
         let at = self.at;
-        if word.eq_ignore_ascii_case("BREAK") && self.end_of_branch() {
+        if self.break_word(word) {
             return true;
         }
         let next = self.token(at + 1);
@@ -131,27 +131,6 @@ impl Repair<'_> {
             &[Keyword::If, Keyword::Case, Keyword::For, Keyword::While, Keyword::Repeat, Keyword::Goto]
         };
         self.take_slip(word, starts)
-    }
-
-    /// `BREAK;` at the end of a branch of CASE, outside of a loop.
-    fn end_of_branch(&mut self) -> bool {
-        let is_loop = |keyword| matches!(keyword, Keyword::For | Keyword::While | Keyword::Repeat);
-        let inner = self.open.iter().rev().find(|open| open.keyword == Keyword::Case || is_loop(open.keyword));
-        if inner.is_none_or(|open| open.keyword != Keyword::Case) {
-            return false;
-        }
-        let has_end = self.kind(self.at + 1) == Some(RawKind::Semicolon);
-        // A block may have this name.
-        if !has_end && self.beside(self.at + 1).is_some() {
-            return false;
-        }
-        let after = if has_end { self.at + 2 } else { self.at + 1 };
-        let word = self.words(self.at, after - 1).to_owned();
-        let title = "a branch of CASE ends before the next value".to_owned();
-        self.report(self.at, self.at + 1, title, "a form of other languages", format!("remove `{word}`"));
-        // The branch may have no other statement.
-        self.replace(self.at, after, RawKind::Semicolon, None);
-        true
     }
 
     /// `SWITCH x … END_SWITCH`
