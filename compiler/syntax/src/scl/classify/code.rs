@@ -482,7 +482,9 @@ impl<'a> Classifier<'a, '_> {
         let closes =
             token.is_none_or(|token| token.keyword.is_some_and(|word| word.closes_statement() || word.ends_block()));
         let reported = self.last_token().is_none_or(|last| {
-            self.diagnostics.last().is_some_and(|diagnostic| diagnostic.primary.span.start >= last.start)
+            // A whole statement of another language may end with `}` or a word.
+            let given_up = last.kind == RawKind::Reported && last.first_on_line;
+            given_up || self.diagnostics.last().is_some_and(|diagnostic| diagnostic.primary.span.start >= last.start)
         });
         let complete = self.out.last().is_some_and(|(_, token, _)| {
             ends_operand(token) || matches!(token, Tok::Exit | Tok::Continue | Tok::Return)

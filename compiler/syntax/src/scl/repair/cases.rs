@@ -1,8 +1,9 @@
-//! Values of CASE that end with another sign than `:`: `1 := x := 2;`, `2 = x := 3;`, `3 => x := 4;`.
+//! CASE as other languages write it: `SELECT CASE x … END SELECT`, and values that end with another sign than `:`, as in `1 := x := 2;`.
 
+use super::words::alias;
 use super::{Repair, ends_operand};
 use crate::scl::keyword::Keyword;
-use crate::scl::raw::RawKind;
+use crate::scl::raw::{RawKind, RawToken};
 
 impl Repair<'_> {
     /// A sign for `:` after the values of CASE.
@@ -18,6 +19,62 @@ impl Repair<'_> {
         self.replace(at, at + 1, RawKind::Colon, None);
         true
     }
+
+    /// `SWITCH x … END_SWITCH`, `SELECT CASE x … END SELECT`
+    pub(super) fn switch_in_words(&mut self, word: &str) -> bool {
+        if !is_switch(word) {
+            return false;
+        }
+        let at = self.at;
+        // `SELECT CASE x`, `SWITCH x CASE 1: …`
+        let first = if self.keyword(at + 1) == Some(Keyword::Case) { at + 2 } else { at + 1 };
+        let end = (first..self.tokens.len()).find(|index| self.end_of_switch(*index) > 0 || self.leaves_block(*index));
+        let Some(end) = end.filter(|end| *end > first) else { return false };
+        let next_line = (first..end).find(|index| self.tokens[*index].first_on_line);
+        let case = (first..end).find(|index| self.keyword(*index) == Some(Keyword::Case));
+        // After the value: `CASE 1:`, or the next line.
+        let head = next_line.unwrap_or(end).min(case.unwrap_or(end)).max(first + 1);
+        let value = self.words(first, head - 1).trim_end_matches([';', ':']).trim();
+        self.report_switch(word, value, head, end + self.end_of_switch(end));
+        true
+    }
+
+    /// Number of tokens of `END_SWITCH`, `END SELECT` at the index; 0: something else.
+    fn end_of_switch(&self, at: usize) -> usize {
+        let Some(token) = self.token(at) else { return 0 };
+        let word = self.slice(token).to_ascii_uppercase().replace('_', "");
+        let of_switch = |word: &str| is_switch(word) || word.eq_ignore_ascii_case("CASE");
+        match word.strip_prefix("END") {
+            Some("") if self.beside(at + 1).is_some_and(|next| of_switch(self.slice(next))) => 2,
+            Some(rest) if of_switch(rest) => 1,
+            _ => 0,
+        }
+    }
+
+    fn leaves_block(&self, at: usize) -> bool {
+        self.keyword(at).is_some_and(Keyword::ends_block)
+    }
+
+    /// Reports a choice whose head ends before `head`, and gives up its statements, which end before `after`.
+    pub(super) fn report_switch(&mut self, word: &str, value: &str, head: usize, after: usize) {
+        let is_value = |kind| is_part_of_values(kind) || kind == RawKind::Word;
+        let cases = (head..after.saturating_sub(1)).filter(|index| self.keyword(*index) == Some(Keyword::Case));
+        let mut values = cases.map(|case| case + 1).filter(|index| self.keyword(*index).is_none());
+        let first = values.find(|index| self.kind(*index).is_some_and(is_value));
+        let first = first.map_or("1", |first| self.words(first, first));
+        let is_else =
+            |token: &RawToken| token.keyword == Some(Keyword::Else) || alias(self.slice(*token)) == Some(Keyword::Else);
+        let otherwise = if self.tokens[head..after].iter().any(is_else) { " ELSE …" } else { "" };
+        let help = format!("write `CASE {value} OF {first}: …{otherwise} END_CASE;`");
+        let title = format!("SCL chooses with CASE, not with `{word}`");
+        self.report(self.at, head, title, "a form of other languages", help);
+        self.give_up(after);
+    }
+}
+
+/// Whether other languages choose with the word.
+pub(super) fn is_switch(word: &str) -> bool {
+    ["SWITCH", "SELECT"].iter().any(|known| known.eq_ignore_ascii_case(word))
 }
 
 fn is_part_of_values(kind: RawKind) -> bool {

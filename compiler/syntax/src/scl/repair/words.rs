@@ -1,5 +1,6 @@
 //! Words of statements that are misspelt, or that other languages have.
 
+use super::cases::is_switch;
 use super::{Repair, begins_operand, closer, ends_operand};
 use crate::front::frame_words::slip_of;
 use crate::scl::address;
@@ -107,7 +108,7 @@ impl Repair<'_> {
             let at_line_end = !matches!(next.kind, RawKind::Assign | RawKind::Dot | RawKind::LeftBracket);
             return at_line_end && self.last_word(word);
         }
-        if begins_operand(next) && self.switch_in_words(word) {
+        if (begins_operand(next) || next.keyword == Some(Keyword::Case)) && self.switch_in_words(word) {
             return true;
         }
         // `FC 7`
@@ -131,33 +132,6 @@ impl Repair<'_> {
             &[Keyword::If, Keyword::Case, Keyword::For, Keyword::While, Keyword::Repeat, Keyword::Goto]
         };
         self.take_slip(word, starts)
-    }
-
-    /// `SWITCH x … END_SWITCH`
-    fn switch_in_words(&mut self, word: &str) -> bool {
-        if !["SWITCH", "SELECT"].iter().any(|known| known.eq_ignore_ascii_case(word)) {
-            return false;
-        }
-        let last = (self.at + 1..self.tokens.len()).take_while(|index| !self.tokens[*index].first_on_line).last();
-        // `SELECT CASE x`, `SWITCH x CASE 1: …`
-        let first = if self.keyword(self.at + 1) == Some(Keyword::Case) { self.at + 2 } else { self.at + 1 };
-        let case = (first..self.tokens.len()).find(|index| self.keyword(*index) == Some(Keyword::Case));
-        let head = last.unwrap_or(self.at).min(case.map_or(usize::MAX, |case| case - 1)).max(first);
-        let value = self.words(first, head).trim_end_matches([';', ':']).trim().to_owned();
-        let ends = |token: &RawToken| {
-            let text = self.slice(*token).to_ascii_uppercase().replace('_', "");
-            matches!(text.as_str(), "ENDSWITCH" | "ENDSELECT" | "ENDCASE")
-        };
-        let leaves = |token: &RawToken| token.keyword.is_some_and(Keyword::ends_block);
-        let rest = &self.tokens[self.at..];
-        let Some(end) = rest.iter().position(|token| ends(token) || leaves(token)) else { return false };
-        let end = self.at + end;
-        let after = if leaves(&self.tokens[end]) { end } else { end + 1 };
-        let help = format!("write `CASE {value} OF 1: … ELSE … END_CASE;`");
-        let title = format!("SCL chooses with CASE, not with `{word}`");
-        self.report(self.at, head + 1, title, "a form of other languages", help);
-        self.give_up(after);
-        true
     }
 
     /// `END IF`, and `END` alone.
@@ -200,13 +174,10 @@ impl Repair<'_> {
         let Some(close) = self.closing(self.at + 1) else { return false };
         let after = self.token(close + 1);
         let brace = after.is_some_and(|token| token.kind == RawKind::LeftBrace);
-        if brace && (word.eq_ignore_ascii_case("switch") || word.eq_ignore_ascii_case("select")) {
-            let value = self.words(self.at + 1, close).trim_start_matches('(').trim_end_matches(')').trim().to_owned();
+        if brace && is_switch(word) {
+            let value = self.words(self.at + 1, close).trim_start_matches('(').trim_end_matches(')').trim();
             let after = self.closing_brace(close + 1).map_or(self.tokens.len(), |brace| brace + 1);
-            let help = format!("write `CASE {value} OF 1: … ELSE … END_CASE;`");
-            let title = format!("SCL chooses with CASE, not with `{word}`");
-            self.report(self.at, close + 1, title, "a form of other languages", help);
-            self.give_up(after);
+            self.report_switch(word, value, close + 1, after);
             return true;
         }
         let known: &[Keyword] = match after.and_then(|token| token.keyword) {
