@@ -190,36 +190,6 @@ impl Repair<'_> {
         true
     }
 
-    /// `FOR (i = 0; i < 10; i++) {`
-    fn for_of_c(&mut self) -> bool {
-        let at = self.at;
-        let Some(close) =
-            self.closing(at).filter(|close| (at..*close).any(|index| self.kind(index) == Some(RawKind::Semicolon)))
-        else {
-            return false;
-        };
-        let (variable, start) = match (self.token(at + 1), self.token(at + 3)) {
-            (Some(variable), Some(start)) if start.kind == RawKind::Number => (self.slice(variable), self.slice(start)),
-            _ => ("i", "first"),
-        };
-        let limit = (at..close).find(|index| matches!(self.kind(*index), Some(RawKind::Less | RawKind::LessEqual)));
-        let limit = limit.and_then(|less| {
-            let value = self.token(less + 1)?;
-            let text = self.slice(value);
-            Some(match (self.kind(less), text.parse::<i64>()) {
-                (Some(RawKind::Less), Ok(value)) => (value - 1).to_string(),
-                (Some(RawKind::Less), Err(_)) => format!("{text} - 1"),
-                _ => text.to_owned(),
-            })
-        });
-        let last = limit.unwrap_or_else(|| "last".to_owned());
-        let help = format!("write `FOR {variable} := {start} TO {last} DO … END_FOR;`");
-        self.report(at, close + 1, "FOR counts with `:=` and TO".to_owned(), "a form of other languages", help);
-        self.brackets.clear();
-        self.replace(at, close + 1, RawKind::Reported, None);
-        true
-    }
-
     /// `{` for THEN or DO, or after ELSE.
     fn opening_brace(&mut self) -> bool {
         let at = self.at;
@@ -232,7 +202,10 @@ impl Repair<'_> {
         let Some(open) = self.open.last_mut() else { return false };
         let (statement, end) = (open.keyword, super::closer(open.keyword));
         open.brace = true;
-        if !std::mem::replace(&mut self.braces_reported, true) {
+        // The message for the head of C says how the statements end.
+        let told = statement == Keyword::For
+            && self.last.is_some_and(|last| last.kind == RawKind::Reported && self.slice(last).starts_with('('));
+        if !told && !std::mem::replace(&mut self.braces_reported, true) {
             let help = match wanted {
                 Some(wanted) => format!("write `{}` for `{{` and `{};` for `}}`", wanted.word(), end.word()),
                 None => format!("remove `{{`, and write `{};` for `}}`", end.word()),

@@ -412,7 +412,7 @@ impl Repair<'_> {
     }
 }
 
-fn is_comparison(kind: RawKind) -> bool {
+pub(super) fn is_comparison(kind: RawKind) -> bool {
     matches!(
         kind,
         RawKind::Less

@@ -1,0 +1,67 @@
+//! The head of a loop of C: `for (i = 0; i < 10; i++)`.
+
+use std::ops::Range;
+
+use super::Repair;
+use crate::scl::raw::RawKind;
+
+impl Repair<'_> {
+    /// `FOR (i = 0; i < 10; i++) {`
+    pub(super) fn for_of_c(&mut self) -> bool {
+        let at = self.at;
+        let Some(close) = self.closing(at) else { return false };
+        let mut ends = (at..close).filter(|index| self.kind(*index) == Some(RawKind::Semicolon));
+        let (Some(first), second) = (ends.next(), ends.next()) else { return false };
+        let assigned =
+            (at + 2..first).find(|index| matches!(self.kind(*index), Some(RawKind::Equal | RawKind::Assign)));
+        let (variable, start) = match assigned.filter(|assigned| *assigned + 1 < first) {
+            Some(assigned) => (self.words(assigned - 1, assigned - 1), self.words(assigned + 1, first - 1)),
+            None => ("i", "first"),
+        };
+        let second = second.unwrap_or(close);
+        let last = self.last_of_c(first + 1..second).unwrap_or_else(|| "last".to_owned());
+        let step = self.step_of_c((second + 1).min(close)..close, variable);
+        let help = format!("write `FOR {variable} := {start} TO {last}{step} DO … END_FOR;`");
+        self.report(at, close + 1, "FOR counts with `:=` and TO".to_owned(), "a form of other languages", help);
+        self.brackets.clear();
+        self.replace(at, close + 1, RawKind::Reported, None);
+        true
+    }
+
+    /// The last value that `i < 10` lets through.
+    fn last_of_c(&self, condition: Range<usize>) -> Option<String> {
+        let end = condition.end;
+        let (sign, kind) = condition
+            .filter_map(|index| Some((index, self.kind(index)?)))
+            .find(|(_, kind)| super::signs::is_comparison(*kind))?;
+        let limit = if sign + 1 < end { self.words(sign + 1, end - 1) } else { return None };
+        let by = match kind {
+            RawKind::Less => -1,
+            RawKind::Greater => 1,
+            RawKind::LessEqual | RawKind::GreaterEqual => 0,
+            _ => return None,
+        };
+        Some(match limit.parse::<i32>() {
+            Ok(value) => (i64::from(value) + by).to_string(),
+            Err(_) if by < 0 => format!("{limit} - 1"),
+            Err(_) if by > 0 => format!("{limit} + 1"),
+            Err(_) => limit.to_owned(),
+        })
+    }
+
+    /// ` BY -2` for `i -= 2`; nothing for a step of 1.
+    fn step_of_c(&self, step: Range<usize>, variable: &str) -> String {
+        let end = step.end;
+        let is_sign =
+            |kind| matches!(kind, RawKind::Plus | RawKind::Minus | RawKind::AddAssign | RawKind::SubtractAssign);
+        let Some(sign) = step.rev().find(|index| self.kind(*index).is_some_and(is_sign)) else { return String::new() };
+        let down = matches!(self.kind(sign), Some(RawKind::Minus | RawKind::SubtractAssign));
+        // `i++` has nothing after its signs, `++i` the variable.
+        let value = if sign + 1 < end { self.words(sign + 1, end - 1) } else { variable };
+        match (down, if value == variable { "1" } else { value }) {
+            (false, "1") => String::new(),
+            (false, value) => format!(" BY {value}"),
+            (true, value) => format!(" BY -{value}"),
+        }
+    }
+}
