@@ -4,13 +4,14 @@
 //! raw tokens ──► raw tokens of SCL, and a message for each repair
 //!              words.rs: THENN, ENDIF, UND                 signs.rs: ==, &&, i++, 0x1F, { }          foreign.rs: METHOD, LOOP, N7:0
 //!              statements.rs: let x = 5, do … while, (INT)x      cases.rs: 1 := x := 2, SELECT CASE
-//!              leave.rs: break, EXIT FOR                   loops.rs: for (i = 0; …)
+//!              leave.rs: break, EXIT FOR                   loops.rs: for (i = 0; …)                  declare.rs: POINTER TO, AT %MW10
 //! ```
 //!
 //! Each rule looks for something that is wrong in SCL wherever it is, so correct sources pass unchanged; most have no repairs at all, and
 //! their tokens are not even copied.
 
 mod cases;
+mod declare;
 mod foreign;
 mod heads;
 mod leave;

@@ -259,6 +259,9 @@ impl Repair<'_> {
             self.area = if word.ends_block() { Area::Head } else { Area::Statements };
             return self.pass(token);
         }
+        if self.foreign_declaration(token) {
+            return;
+        }
         match token.kind {
             RawKind::Word | RawKind::Local
                 if matches!(

@@ -247,7 +247,7 @@ impl Repair<'_> {
     }
 
     /// Index of the `}` that closes the `{` at `at`, within the block.
-    fn closing_brace(&self, at: usize) -> Option<usize> {
+    pub(super) fn closing_brace(&self, at: usize) -> Option<usize> {
         let mut depth = 0usize;
         for (index, token) in self.tokens.iter().enumerate().skip(at) {
             match token.kind {

@@ -1,0 +1,103 @@
+//! Declarations of other languages: `POINTER TO INT`, `speed AT %MW10 : INT;`, `ARRAY[1..3] OF INT := (1, 2, 3)`.
+
+use super::{Edit, Repair};
+use crate::Elementary;
+use crate::ast::OperandKind;
+use crate::scl::address;
+use crate::scl::keyword::Keyword;
+use crate::scl::raw::{RawKind, RawToken};
+
+impl Repair<'_> {
+    /// A part of a declaration that another language has.
+    pub(super) fn foreign_declaration(&mut self, token: RawToken) -> bool {
+        self.pointer_to(token) || self.address_of_variable(token) || self.list_in_parentheses(token)
+    }
+
+    /// `p : POINTER TO INT;`
+    fn pointer_to(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        let is_type = self.last.is_some_and(|last| last.kind == RawKind::Colon || last.keyword == Some(Keyword::Of));
+        if token.kind != RawKind::Word
+            || !self.slice(token).eq_ignore_ascii_case("POINTER")
+            || !is_type
+            || self.keyword(at + 1) != Some(Keyword::To)
+        {
+            return false;
+        }
+        let ty = self.words(at + 2, at + 2);
+        let help = format!("write `REF_TO {ty}`; its value is `REF(variable)`");
+        self.report(at, at + 2, "SCL has no POINTER TO".to_owned(), "read as `REF_TO`", help);
+        self.replace(at, at + 2, RawKind::Word, Some(Keyword::RefTo));
+        true
+    }
+
+    /// `speed AT %MW10 : INT;`: AT of SCL names a variable.
+    fn address_of_variable(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        let Some(named) = at.checked_sub(1).and_then(|before| self.token(before)) else { return false };
+        if token.keyword != Some(Keyword::At) || !matches!(named.kind, RawKind::Word | RawKind::Local | RawKind::Quoted)
+        {
+            return false;
+        }
+        let Some(place) = self.token(at + 1) else { return false };
+        let word = self.slice(place);
+        let is_address = place.kind == RawKind::Absolute
+            || place.kind == RawKind::Word
+                && !self.is_declared(word)
+                && matches!(address::absolute(word), Some(OperandKind::Absolute { .. }));
+        // `AT %I*`
+        let open = self.kind(at + 2) == Some(RawKind::Star);
+        let after = if open { at + 3 } else { at + 2 };
+        if !is_address || self.kind(after) != Some(RawKind::Colon) {
+            return false;
+        }
+        let name = self.slice(named);
+        let help = match open {
+            true => format!("remove the variable, and write the address, or its tag, where `{name}` is used"),
+            false => format!("remove the variable, and write `{word}`, or its tag, where `{name}` is used"),
+        };
+        let title = "a variable of a block has no address".to_owned();
+        self.report(at, after, title, "AT names another variable of the block", help);
+        self.declared.insert(name.trim_start_matches('#').to_uppercase(), at - 1);
+        self.drop_tokens(at, after);
+        true
+    }
+
+    /// `:= (1, 2, 3)`, `:= {1, 2, 3}` for an array.
+    fn list_in_parentheses(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        if !self.last.is_some_and(|last| last.kind == RawKind::Assign) {
+            return false;
+        }
+        let close = match token.kind {
+            RawKind::LeftParen => self.closing(at),
+            RawKind::LeftBrace => self.closing_brace(at),
+            _ => return false,
+        };
+        let Some(close) = close.filter(|close| *close > at + 1 && self.kind(*close + 1) == Some(RawKind::Semicolon))
+        else {
+            return false;
+        };
+        let elements = (self.statement..at).rev().find(|index| self.keyword(*index) == Some(Keyword::Of));
+        let elementary = elements.and_then(|of| self.token(of + 1)).is_some_and(|ty| {
+            let word = self.slice(ty).to_ascii_uppercase();
+            Elementary::from_word(&word).is_some()
+        });
+        let nested =
+            (at + 1..close).any(|index| matches!(self.kind(index), Some(RawKind::LeftParen | RawKind::LeftBrace)));
+        if !elementary || nested {
+            return false;
+        }
+        let values = self.words(at + 1, close - 1);
+        let help = format!("write `[{values}]`, in a source of STEP 7 V5 `{values}`");
+        let title = "the start values of an array are written in brackets".to_owned();
+        self.report(at, close + 1, title, "read as a list", help);
+        let mut with = self.tokens[at..=close].to_vec();
+        with[0].kind = RawKind::LeftBracket;
+        with[close - at].kind = RawKind::RightBracket;
+        self.last = with.last().copied();
+        self.edits.push(Edit { first: at, after: close + 1, with });
+        self.at = close + 1;
+        true
+    }
+}
