@@ -5,6 +5,7 @@
 //!              words.rs: THENN, ENDIF, UND                 signs.rs: ==, &&, i++, 0x1F, { }          foreign.rs: METHOD, LOOP, N7:0
 //!              statements.rs: let x = 5, do … while, (INT)x      cases.rs: 1 := x := 2, SELECT CASE
 //!              leave.rs: break, EXIT FOR                   loops.rs: for (i = 0; …)                  declare.rs: POINTER TO, AT %MW10
+//!              sections.rs: VAR_GLOBAL
 //! ```
 //!
 //! Each rule looks for something that is wrong in SCL wherever it is, so correct sources pass unchanged; most have no repairs at all, and
@@ -16,6 +17,7 @@ mod foreign;
 mod heads;
 mod leave;
 mod loops;
+mod sections;
 mod signs;
 mod statements;
 mod words;
@@ -109,8 +111,12 @@ struct Repair<'t> {
     declared: HashMap<String, usize>,
     /// Those with hyphens, which were reported.
     with_hyphens: HashSet<String>,
+    /// Names of sections that were reported; true: those of a section of the block.
+    absent: HashMap<String, bool>,
     edits: Vec<Edit>,
     messages: Vec<Diagnostic>,
+    /// BEGIN of the block has been passed.
+    statements_begun: bool,
     /// `{` for THEN was reported.
     braces_reported: bool,
     /// BEGIN inside of a statement was reported in this block.
@@ -136,8 +142,10 @@ impl<'t> Repair<'t> {
             statement: 0,
             declared: HashMap::new(),
             with_hyphens: HashSet::new(),
+            absent: HashMap::new(),
             edits: Vec::new(),
             messages: Vec::new(),
+            statements_begun: false,
             braces_reported: false,
             begins_reported: false,
             loops: 0,
@@ -156,7 +164,9 @@ impl<'t> Repair<'t> {
                 }
                 Area::Declarations => self.declaration_token(token),
                 Area::Statements => {
+                    self.note_late_section(token);
                     if !(self.commented_divisor(token)
+                        || self.absent_use(token)
                         || self.foreign(token)
                         || self.hyphenated_use(token)
                         || self.repair_word(token)
@@ -263,6 +273,7 @@ impl<'t> Repair<'t> {
             Keyword::Then | Keyword::Do | Keyword::Of | Keyword::Else | Keyword::Begin => {
                 if keyword == Keyword::Begin {
                     self.area = Area::Statements;
+                    self.statements_begun = true;
                 }
                 self.head = None;
                 self.begin_statement();
@@ -283,6 +294,8 @@ impl<'t> Repair<'t> {
                 self.area = if keyword.ends_block() { Area::Statements } else { Area::Head };
                 self.open.clear();
                 self.begins_reported = false;
+                self.statements_begun = false;
+                self.absent.retain(|_, of_block| !*of_block);
                 self.head = None;
                 self.begin_statement();
             }

@@ -13,6 +13,9 @@ use crate::scl::token::Tok;
 /// How many tokens the values of an arm of CASE may have.
 const ARM_TOKENS_MAX: usize = 500;
 
+/// A section that is longer than this is not shown in a help.
+const SECTION_MAX: usize = 80;
+
 /// A structured statement that is open.
 struct Open {
     /// Its first word.
@@ -173,7 +176,7 @@ impl<'a> Classifier<'a, '_> {
         self.push_here(tok);
     }
 
-    /// A head as written, on one line.
+    /// A head or a section as written, on one line.
     fn head_text(&self, first: RawToken, last: RawToken) -> String {
         let text = self.text.get(first.start as usize..last.end as usize).unwrap_or_default();
         text.split_whitespace().collect::<Vec<_>>().join(" ")
@@ -379,15 +382,7 @@ impl<'a> Classifier<'a, '_> {
         {
             return false;
         }
-        self.report(
-            Diagnostic::new(
-                Code::BlockFrame,
-                self.span(token),
-                format!("`{}` cannot stand among the statements", self.slice(token)),
-            )
-            .label("declarations must come before BEGIN")
-            .help("move the section to the other declarations of the block"),
-        );
+        let first = self.at;
         while let Some(token) = self.peek() {
             if token.keyword.is_some_and(|word| word.ends_block() || word.begins_block() && self.block_begins(self.at))
             {
@@ -398,6 +393,14 @@ impl<'a> Classifier<'a, '_> {
                 break;
             }
         }
+        let word = self.slice(token);
+        let section = self.head_text(token, self.raw[self.at.max(first + 1) - 1]);
+        let section = if section.len() > SECTION_MAX { format!("{word} …") } else { section };
+        self.report(
+            Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{word}` cannot stand among the statements"))
+                .label("declarations must come before BEGIN")
+                .help(format!("write `{section}` before BEGIN")),
+        );
         true
     }
 

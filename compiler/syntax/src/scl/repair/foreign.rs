@@ -8,17 +8,6 @@ use crate::scl::address;
 use crate::scl::keyword::Keyword;
 use crate::scl::raw::{RawKind, RawToken};
 
-/// Sections of variables that belong to no block, and what is there instead.
-const GLOBALS: [(&str, &str); 4] = [
-    (
-        "VAR_GLOBAL",
-        "declare these variables in a global data block, `DATA_BLOCK \"Name\" … END_DATA_BLOCK`, or in the tag table",
-    ),
-    ("VAR_EXTERNAL", "remove the section: data blocks and tags are known in each block by their names"),
-    ("VAR_CONFIG", "give each variable its address in the tag table"),
-    ("VAR_ACCESS", "remove the section"),
-];
-
 /// Parts of a block that SCL does not have, with the words that end them and what takes their place.
 const PARTS: [(&str, &[&str], &str); 4] = [
     ("METHOD", &["END_METHOD"], "write a FUNCTION or a FUNCTION_BLOCK with these statements, and call it"),
@@ -51,24 +40,6 @@ impl Repair<'_> {
         self.report(at, at + 2, title, "a form of other languages", (*help).to_owned());
         let after = if self.kind(end + 1) == Some(RawKind::Semicolon) { end + 2 } else { end + 1 };
         self.drop_tokens(at, after);
-        self.statement = self.at;
-        true
-    }
-
-    /// `VAR_GLOBAL … END_VAR`
-    pub(super) fn global_section(&mut self, token: RawToken) -> bool {
-        if self.iec || token.kind != RawKind::Word || !token.first_on_line || !self.brackets.is_empty() {
-            return false;
-        }
-        let word = self.slice(token);
-        let Some((name, help)) = GLOBALS.iter().find(|(known, _)| known.eq_ignore_ascii_case(word)) else {
-            return false;
-        };
-        let at = self.at;
-        let ends = |token: &RawToken| token.keyword.is_some_and(Keyword::ends_section);
-        let Some(end) = self.tokens[at..].iter().position(ends) else { return false };
-        self.report(at, at + 1, format!("a block has no {name}"), "a form of other languages", (*help).to_owned());
-        self.drop_tokens(at, at + end + 1);
         self.statement = self.at;
         true
     }
