@@ -9,6 +9,7 @@ use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind, Name, NameForm};
 use plcc_syntax::scl::{absolute, area_word, db_address, db_area_word};
 
 use super::Intent;
+use super::flow::own_value;
 use super::place::{Db, Root, Spot, Thing};
 use super::scope::TempUse;
 use super::value::Value;
@@ -56,15 +57,18 @@ impl SclBinder<'_, '_> {
                 );
                 None
             }
-            Thing::Cell { .. } | Thing::Block { .. } | Thing::Db { .. } | Thing::Flag | Thing::LastEno => {
+            thing @ (Thing::Cell { .. } | Thing::Block { .. } | Thing::Db { .. } | Thing::Flag | Thing::LastEno) => {
                 let text = self.program.globals.text(node.span);
-                self.refuse(
-                    Code::OperandKind,
-                    node.span,
-                    &format!("`{text}` is not a variable"),
-                    "a variable is expected here",
-                    "name a variable or an address such as `MW10`",
-                );
+                // The value of another function is assigned: that of this one is meant.
+                let function = matches!(thing, Thing::Block { prefix: BlockPrefix::Fc, .. });
+                let own = if function && intent == Intent::Write { self.own_value(ctx) } else { None };
+                ctx.scope.value_set |= own.is_some();
+                let help = match own {
+                    Some(own) => format!("the value of this function is `{own}`: write `{own} := …`"),
+                    None => "name a variable or an address such as `MW10`".to_string(),
+                };
+                let title = format!("`{text}` is not a variable");
+                self.refuse(Code::OperandKind, node.span, &title, "a variable is expected here", &help);
                 None
             }
             Thing::Area(..) | Thing::DbArea(..) => {
@@ -294,6 +298,13 @@ impl SclBinder<'_, '_> {
         }
         let (area, width) = area_word(word)?;
         Some(Some(Thing::Area(area, width)))
+    }
+
+    /// How the block writes its own value, if it is a function that has one.
+    fn own_value(&self, ctx: &SclBlock) -> Option<String> {
+        let has_value = ctx.block.bound.interface.parameters.iter().any(|parameter| parameter.name == "RET_VAL");
+        let source = self.program.globals.sources.code.get(&ctx.block.key).filter(|_| has_value)?;
+        Some(own_value(&source.block().name))
     }
 
     /// The name is that of the function itself.

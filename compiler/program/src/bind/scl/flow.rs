@@ -130,15 +130,20 @@ impl SclBinder<'_, '_> {
         let has_value = ctx.block.bound.interface.parameters.iter().any(|parameter| parameter.name == "RET_VAL");
         let is_function = matches!(ctx.block.key.kind, BlockKind::Fc | BlockKind::Sfc) && block.return_type.is_some();
         if is_function && has_value && !ctx.scope.value_set && !empty && !unread {
-            let name = match &block.name {
-                ast::BlockName::Symbol { name, .. } => format!("#{name}"),
-                ast::BlockName::Numbered { number, .. } => format!("FC{number}"),
-            };
+            let name = own_value(&block.name);
             self.program.report(
                 Diagnostic::new(Code::ValueNeverSet, block.name.span(), "the value of this function is never set")
                     .label("it is always 0")
                     .help(format!("assign it: `{name} := …;`, or make the function VOID")),
             );
         }
+    }
+}
+
+/// How a function writes its own value.
+pub(in crate::bind) fn own_value(name: &ast::BlockName) -> String {
+    match name {
+        ast::BlockName::Symbol { name, .. } => format!("#{name}"),
+        ast::BlockName::Numbered { number, .. } => format!("FC{number}"),
     }
 }
