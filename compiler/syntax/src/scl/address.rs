@@ -100,7 +100,6 @@ pub fn numbered_block(word: &str) -> Option<(BlockPrefix, u32)> {
     Some((block_prefix(letters)?, number))
 }
 
-/// The operand of an address token: `I0.0`, `%MW10`, `%DB1.DBX1.0`, `%IW4:P`, `DX0.7` after a point.
 /// The address that a bit number above 7 means, `M2.0` for `M1.8`; otherwise none.
 pub fn with_carried_bit(text: &str) -> Option<String> {
     let (before, bit) = text.rsplit_once('.')?;
@@ -111,6 +110,40 @@ pub fn with_carried_bit(text: &str) -> Option<String> {
     Some(format!("{letters}{}.{}", byte + bit / 8, bit % 8))
 }
 
+/// An address of more than a bit that has the number of a bit: `%MW10.3`.
+pub struct Numbered<'t> {
+    /// `%MW10`
+    pub whole: &'t str,
+    pub width: Width,
+    pub byte: u32,
+    pub number: u32,
+    /// The bit of the first byte: `%M10.3`.
+    pub bit: String,
+}
+
+/// The parts of an address of more than a bit that has the number of a bit; otherwise none.
+pub fn numbered(text: &str) -> Option<Numbered<'_>> {
+    let (whole, number) = text.rsplit_once('.')?;
+    let number = number.parse().ok()?;
+    let start = whole.rfind(['.', '%']).map_or(0, |sign| sign + 1);
+    let (block, word) = whole.split_at(start);
+    let (letters, byte) = letters_and_number(word)?;
+    let (width, of_bit) = match area_word(letters) {
+        Some((Area::Pi | Area::Pq, _)) => return None,
+        Some((_, width)) => (width, &letters[..letters.len() - 1]),
+        None if block.ends_with('.') => (db_area_word(letters)?, "DBX"),
+        None => return None,
+    };
+    (width != Width::Bit).then(|| Numbered {
+        whole,
+        width,
+        byte,
+        number,
+        bit: format!("{block}{of_bit}{byte}.{number}"),
+    })
+}
+
+/// The operand of an address token: `I0.0`, `%MW10`, `%DB1.DBX1.0`, `%IW4:P`, `DX0.7` after a point.
 pub fn token(text: &str, span: Span) -> Option<OperandKind> {
     let text = text.strip_prefix('%').unwrap_or(text);
     let (text, peripheral) = match text.strip_suffix(['P', 'p']).and_then(|text| text.strip_suffix(':')) {

@@ -1,8 +1,9 @@
 //! Classifies the words of expressions: operands, operators, balanced brackets.
 
-use plcc_diag::{Code, Diagnostic};
+use plcc_diag::{Code, Diagnostic, Span};
 
 use super::{Classifier, unquoted};
+use crate::ast::Width;
 use crate::front::{self, NESTING_MAX};
 use crate::scl::address;
 use crate::scl::ast::{AssignOp, BinaryOp, Literal};
@@ -164,13 +165,13 @@ impl<'a> Classifier<'a, '_> {
             RawKind::Quoted => Tok::Quoted(self.quoted_name(token)),
             // `status.3`, a bit of a variable.
             RawKind::Number if self.iec && matches!(self.out.last(), Some((_, Tok::Dot, _))) => {
-                Tok::Slice(crate::ast::Width::Bit, self.slice(token).parse().unwrap_or(u32::MAX))
+                Tok::Slice(Width::Bit, self.slice(token).parse().unwrap_or(u32::MAX))
             }
             RawKind::Number | RawKind::Real | RawKind::Literal | RawKind::Text => return self.literal(token),
             RawKind::Absolute => return self.absolute(token),
             RawKind::Slice => match address::slice(self.slice(token)) {
                 Some((width, index)) => Tok::Slice(width, index),
-                None => Tok::Slice(crate::ast::Width::Bit, u32::MAX),
+                None => Tok::Slice(Width::Bit, u32::MAX),
             },
             RawKind::Assign => Tok::Assign,
             RawKind::AddAssign => Tok::Combine(AssignOp::Add),
@@ -309,11 +310,12 @@ impl<'a> Classifier<'a, '_> {
             None => {
                 let message =
                     Diagnostic::new(Code::AddressRange, self.span(token), format!("`{text}` is not an address"));
-                self.report(match address::with_carried_bit(text) {
-                    Some(meant) => message.label("a byte has the bits 0 to 7").help(format!(
+                self.report(match (address::numbered(text), address::with_carried_bit(text)) {
+                    (Some(numbered), _) => bit_of_wider(self.span(token), text, &numbered),
+                    (None, Some(meant)) => message.label("a byte has the bits 0 to 7").help(format!(
                         "is `{meant}` meant, the bit after those of the byte, or another bit from 0 to 7?"
                     )),
-                    None => message
+                    (None, None) => message
                         .label("no area has this address")
                         .help("write e.g. `%MW10`, `%I0.7`, `%DB1.DBX2.0`; bits go from 0 to 7"),
                 });
@@ -365,6 +367,28 @@ impl<'a> Classifier<'a, '_> {
         self.report(diagnostic);
         self.take(Tok::Bad);
     }
+}
+
+/// `%MW10.3`, whose bit has two addresses.
+fn bit_of_wider(span: Span, text: &str, found: &address::Numbered) -> Diagnostic {
+    let address::Numbered { whole, width, byte, number, bit } = found;
+    let name = match width {
+        Width::Byte => "byte",
+        Width::Word => "word",
+        Width::Bit | Width::Dword | Width::Lword => "double word",
+    };
+    let of_whole = *width != Width::Byte && *number < width.bits();
+    let help = match (of_whole, *number < 8) {
+        (true, true) => format!(
+            "write `{bit}` for bit {number} of byte {byte}, `{whole}.%X{number}` for bit {number} of the {name}, or remove `.{number}`"
+        ),
+        (true, false) => format!("write `{whole}.%X{number}` for bit {number} of the {name}, or remove `.{number}`"),
+        (false, true) => format!("write `{bit}`, or remove `.{number}`"),
+        (false, false) => format!("remove `.{number}`"),
+    };
+    Diagnostic::new(Code::AddressRange, span, format!("`{text}` has the number of a bit, but names a {name}"))
+        .label("only the address of a bit has a number after the point")
+        .help(help)
 }
 
 /// Whether an operand may end with the token.
