@@ -6,7 +6,7 @@ use plcc_diag::{Code, Diagnostic};
 
 use crate::front::{ParseState, Place};
 use crate::stl::token::{Spanned, Tok};
-use crate::stl::{Mnemonics, mnemonics};
+use crate::stl::{Mnemonics, mnemonics, start_values};
 
 /// State of a parse of STL, with the mnemonic set of the file.
 pub type State<'a> = ParseState<'a, Tok<'a>, Mnemonics>;
@@ -30,7 +30,9 @@ impl Place<Tok<'_>, Mnemonics> for Recovery {
         match self {
             Recovery::Statement => statement_error(state, index, at, before),
             Recovery::Parameter => parameter_error(state, at, before),
-            Recovery::Declaration => declaration_error(state, at, before),
+            Recovery::Declaration => {
+                start_values::slip(state, index).unwrap_or_else(|| declaration_error(state, at, before))
+            }
             Recovery::Assignment => assignment_error(state, at, before),
             Recovery::Attribute => message(state, at, before, Code::DeclarationSyntax, "attribute")
                 .help("write attributes as `{ name := 'value'; name := 'value' }`"),

@@ -15,6 +15,7 @@ mod messages;
 mod mnemonics;
 pub mod pragma;
 mod raw;
+mod start_values;
 mod step5;
 mod suggest;
 pub(crate) mod token;

@@ -72,6 +72,11 @@ impl Declarations<'_> {
                 InitialKind::List(_) | InitialKind::Elements(_) | InitialKind::Repeat { .. } | InitialKind::Fields(_),
                 _,
             ) => {
+                let real = matches!(ty, DataType::Elementary(elementary) if elementary.is_float());
+                let help = match with_point(&self.globals.text(value.span)).filter(|_| real) {
+                    Some(number) => format!("a decimal number has a point: write `{number}`"),
+                    None => "write one constant; lists and repetition factors are for arrays".to_string(),
+                };
                 self.report(
                     Diagnostic::new(
                         Code::InitialValue,
@@ -79,7 +84,7 @@ impl Declarations<'_> {
                         "this is a list of values, but one value is expected",
                     )
                     .label(format!("the variable is of type {}", layout::type_name(ty)))
-                    .help("write one constant; lists and repetition factors are for arrays"),
+                    .help(help),
                 );
                 None
             }
@@ -504,4 +509,11 @@ fn leaf(array: &ArrayType, number: u64) -> (u32, u8, DataType) {
         }
         ty => (byte, bit, ty.clone()),
     }
+}
+
+/// `1,5` as `1.5`.
+fn with_point(text: &str) -> Option<String> {
+    let (whole, fraction) = text.split_once(',')?;
+    let digits = |part: &str| !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_digit());
+    (digits(whole.trim_start_matches('-')) && digits(fraction)).then(|| format!("{whole}.{fraction}"))
 }
