@@ -171,6 +171,9 @@ impl<'a> Classifier<'a, '_> {
                 RawKind::Word | RawKind::Quoted | RawKind::Local
                     if matches!(self.kind_at(self.at + 1), Some(RawKind::Assign | RawKind::Arrow)) =>
                 {
+                    if matches!(self.out.last(), Some((_, Tok::Value | Tok::Connected(_), _))) {
+                        self.missing_comma(token);
+                    }
                     self.take(Tok::Pin);
                 }
                 _ if self.is_word("NOT") => self.take(Tok::Negated),
@@ -187,20 +190,26 @@ impl<'a> Classifier<'a, '_> {
         self.push_here(Tok::RightParen);
     }
 
+    /// `in := #a out => #b`
+    fn missing_comma(&mut self, token: RawToken) {
+        let text = |token: RawToken| &self.text[token.range()];
+        let (before, sign) = (text(self.raw[self.at - 1]), text(self.raw[self.at + 1]));
+        let help = format!("write `{before}, {} {sign} …`", text(token));
+        self.foreign(token, "the pins of an element are separated by `,`", &help);
+        self.push_here(Tok::Comma);
+    }
+
+    /// Whether a pin begins directly after an operand, so that `,` is missing between them.
+    fn is_next_pin(&self) -> bool {
+        let before = self.at.checked_sub(1).and_then(|before| self.kind_at(before));
+        before.is_some_and(|kind| kind == RawKind::Word || ends_value(kind))
+            && self.kind_at(self.at) == Some(RawKind::Word)
+            && matches!(self.kind_at(self.at + 1), Some(RawKind::Assign | RawKind::Arrow))
+    }
+
     /// Whether an element begins directly after an operand, so that a parenthesis is missing between them.
     fn is_next_element(&self) -> bool {
-        let after_operand = self.at.checked_sub(1).and_then(|before| self.kind_at(before)).is_some_and(|kind| {
-            matches!(
-                kind,
-                RawKind::Local
-                    | RawKind::Quoted
-                    | RawKind::Absolute
-                    | RawKind::Number
-                    | RawKind::Real
-                    | RawKind::Literal
-                    | RawKind::RightBracket
-            )
-        });
+        let after_operand = self.at.checked_sub(1).and_then(|before| self.kind_at(before)).is_some_and(ends_value);
         after_operand
             && self.kind_at(self.at) == Some(RawKind::Word)
             && self.kind_at(self.at + 1) == Some(RawKind::LeftParen)
@@ -262,7 +271,7 @@ impl<'a> Classifier<'a, '_> {
                 RawKind::RightParen | RawKind::Comma | RawKind::Assign | RawKind::Arrow if depth == 0 => break,
                 RawKind::Semicolon | RawKind::LeftBrace | RawKind::RightBrace => break,
                 _ if self.is_word("RUNG") || self.is_word("END_RUNG") => break,
-                _ if depth == 0 && self.at > first && self.is_next_element() => break,
+                _ if depth == 0 && self.at > first && (self.is_next_element() || self.is_next_pin()) => break,
                 _ => {}
             }
             self.at += 1;
@@ -318,6 +327,20 @@ impl<'a> Classifier<'a, '_> {
         let cursor = &mut self.cursor;
         pragma::read(cursor.file, cursor.text, cursor.raw, open, &mut cursor.diagnostics)
     }
+}
+
+/// Whether an operand that is not a word may end with the token.
+fn ends_value(kind: RawKind) -> bool {
+    matches!(
+        kind,
+        RawKind::Local
+            | RawKind::Quoted
+            | RawKind::Absolute
+            | RawKind::Number
+            | RawKind::Real
+            | RawKind::Literal
+            | RawKind::RightBracket
+    )
 }
 
 /// Whether `word` is at `index`, as a separate word, or a slip of it.
