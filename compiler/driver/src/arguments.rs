@@ -1,5 +1,5 @@
 //! Mistakes in arguments that the parser of the command line takes for something else: a decimal comma in `--set X=1,5`, where commas
-//! separate values, and a source where a command is expected.
+//! separate values, a source where a command is expected, and words of other tools for a command.
 
 use std::ffi::OsString;
 use std::path::Path;
@@ -9,10 +9,33 @@ use plcc_runtime::options::split_list;
 /// Flags with several values, separated by commas.
 const LISTS: [&str; 3] = ["--set", "--print", "--trace-signals"];
 
+/// Words of other tools, and the command.
+const COMMANDS: [(&str, &str); 16] = [
+    ("compile", "build"),
+    ("make", "build"),
+    ("link", "build"),
+    ("exec", "run"),
+    ("simulate", "run"),
+    ("start", "run"),
+    ("lint", "check"),
+    ("validate", "check"),
+    ("verify", "check"),
+    ("format", "fmt"),
+    ("create", "new"),
+    ("init", "new"),
+    ("export", "convert"),
+    ("import", "convert"),
+    ("translate", "convert"),
+    ("draw", "view"),
+];
+
 /// What is wrong, as one sentence for people.
 pub fn fault(args: &[OsString]) -> Option<String> {
     let args: Vec<&str> = args.iter().filter_map(|arg| arg.to_str()).collect();
     if let Some(told) = args.get(1).and_then(|first| source_for_command(first)) {
+        return Some(told);
+    }
+    if let Some(told) = args.get(1..).and_then(other_command) {
         return Some(told);
     }
     let mut at = 0;
@@ -49,6 +72,14 @@ fn source_for_command(first: &str) -> Option<String> {
              `plcc build {first}` for an executable"
         )
     })
+}
+
+/// `plcc compile main.scl`
+fn other_command(args: &[&str]) -> Option<String> {
+    let (first, rest) = args.split_first()?;
+    let (_, command) = COMMANDS.iter().find(|(word, _)| word == first)?;
+    let meant = [&["plcc", *command][..], rest].concat().join(" ");
+    Some(format!("`{first}` is not a command: write `{meant}`"))
 }
 
 /// `DB.r=1,5`, `Q4,0`: digits alone after a comma.
@@ -97,5 +128,13 @@ mod tests {
         assert!(told(&["main.scl"]).is_some_and(|told| told.contains("plcc check main.scl")));
         assert_eq!(told(&["check", "main.scl"]), None);
         assert_eq!(told(&["--version"]), None);
+    }
+
+    #[test]
+    fn words_of_other_tools() {
+        let meant = "`compile` is not a command: write `plcc build main.scl -o main`".to_string();
+        assert_eq!(told(&["compile", "main.scl", "-o", "main"]), Some(meant));
+        assert_eq!(told(&["lint"]), Some("`lint` is not a command: write `plcc check`".to_string()));
+        assert_eq!(told(&["build", "compile"]), None);
     }
 }
