@@ -83,11 +83,12 @@ fn all_quoted(text: &str) -> Vec<&str> {
 }
 
 fn unknown(what: &str, plural: &str, name: &str, known: &[&str]) -> Wrong {
-    // A key may be written with `_`, too.
+    // A key may be written with `_` and with `-`: the documents have `_`.
+    let (other, own) = if name.contains('-') { ('_', "-") } else { ('-', "_") };
     let known: Vec<&str> = known
         .iter()
         .copied()
-        .filter(|key| !key.contains('_') || !known.contains(&key.replace('_', "-").as_str()))
+        .filter(|key| !key.contains(other) || !known.contains(&key.replace(other, own).as_str()))
         .collect();
     let known = known.as_slice();
     let title = format!("`{name}` is not a {what}");
@@ -346,6 +347,9 @@ mod tests {
             ("the keys of a project have no heading", "remove `[project]`: the keys stand at the top of the file");
         assert_eq!(of(&format!("unknown field `project`, {known}"), "[project]"), (title.to_owned(), help.to_owned()));
         same("missing field `slot`", "", "the key `slot` is missing here", "add `slot = …`");
+        let twice = "expected one of `every`, `bit-memory`, `bit_memory`";
+        same(&format!("unknown field `bitmemory`, {twice}"), "", "`bitmemory` is not a key here", "write `bit_memory`");
+        same(&format!("unknown field `bit-memry`, {twice}"), "", "`bit-memry` is not a key here", "write `bit-memory`");
     }
 
     #[test]
