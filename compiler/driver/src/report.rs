@@ -57,7 +57,7 @@ pub fn print(text: &str) -> Result<(), u8> {
 
 /// Writes another text to standard error, after the name of the program.
 pub fn say(text: &str) {
-    line_free(&format!("plcc: {text}\n"));
+    line_free(&format!("plcc: {}\n", plcc_runtime::files::without_numbers(text)));
 }
 
 /// Writes to standard error; a failure cannot be reported.

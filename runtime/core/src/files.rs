@@ -29,3 +29,29 @@ pub fn writable(path: &Path) -> Result<()> {
         Err(_) => Ok(()),
     }
 }
+
+/// A message without the numbers that the operating system gives its errors, as in `No such file or directory (os error 2)`.
+pub fn without_numbers(message: &str) -> String {
+    const BEFORE: &str = " (os error ";
+    let mut parts = message.split(BEFORE);
+    let mut plain = parts.next().unwrap_or_default().to_string();
+    for part in parts {
+        match part.split_once(')') {
+            Some((number, rest)) if number.bytes().all(|digit| digit.is_ascii_digit()) => plain.push_str(rest),
+            _ => plain.extend([BEFORE, part]),
+        }
+    }
+    plain
+}
+
+#[cfg(test)]
+mod tests {
+    use super::without_numbers;
+
+    #[test]
+    fn numbers_of_errors_are_left_out() {
+        assert_eq!(without_numbers("a.rec: No such file (os error 2)"), "a.rec: No such file");
+        assert_eq!(without_numbers("a (os error 13) at b (os error x)"), "a at b (os error x)");
+        assert_eq!(without_numbers("a.rec"), "a.rec");
+    }
+}

@@ -39,5 +39,5 @@ pub use options::ServiceOptions;
 /// A message to the user; a closed standard error changes nothing.
 fn say(text: &str) {
     use std::io::Write;
-    let _ = writeln!(std::io::stderr(), "runtime: {text}");
+    let _ = writeln!(std::io::stderr(), "runtime: {}", plcc_runtime::files::without_numbers(text));
 }

@@ -24,7 +24,7 @@ pub fn run(args: &RunArgs) -> u8 {
                 plcc_runtime::run::start(image, &*code, &args.run, service)
             }
             Err(message) => {
-                eprintln!("runtime: {message}");
+                eprintln!("runtime: {}", plcc_runtime::files::without_numbers(&message));
                 plcc_runtime::run::EXIT_USAGE
             }
         },

@@ -26,6 +26,7 @@ fn both(folder: &Path, flags: &[&str], code: i32) -> String {
     assert_eq!(run.status.code(), Some(code), "{errors}");
     assert_eq!(built.stdout, run.stdout);
     assert!(!errors.lines().any(|line| line.starts_with("error")), "{errors}");
+    assert!(!errors.contains("os error"), "{errors}");
     errors
 }
 
@@ -47,6 +48,7 @@ fn wrong_flags_are_usage_errors() {
         (&["--print", "L0.0"], "`L0.0` is neither an address"),
         (&["--trace", "trace.txt"], ".vcd, .csv or .html"),
         (&["--scenario", "missing.toml"], "missing.toml"),
+        (&["--replay", "missing.rec"], "missing.rec: No such file or directory"),
         (&["--scenario", "pipe.toml"], "pipe.toml: a pipe, a socket or a device"),
         (&["--scenario", "/dev/zero"], "/dev/zero: a pipe, a socket or a device"),
         (&["--scenario", "."], "a folder or a link to one"),

@@ -40,7 +40,8 @@ pub const EXIT_USAGE: u8 = 2;
 /// Writes a line to standard error; a closed one must not stop a plant.
 macro_rules! say {
     ($($arg:tt)*) => {{
-        let _ = std::io::Write::write_fmt(&mut std::io::stderr(), format_args!("{}\n", format_args!($($arg)*)));
+        let text = $crate::files::without_numbers(&std::fmt::format(format_args!($($arg)*)));
+        let _ = std::io::Write::write_fmt(&mut std::io::stderr(), format_args!("{text}\n"));
     }};
 }
 
