@@ -258,7 +258,7 @@ fn sync_error_text(image: &ProgramImage, code: u8, info: u32, access: u32) -> St
         sync::ALIGN_WRITE => format!("bit address is not 0 in a pointer (byte {info}), on writing"),
         sync::WRITE_PROTECTED_DB => format!("DB {info} is write-protected"),
         sync::WRITE_PROTECTED_DI => format!("instance DB {info} is write-protected"),
-        sync::DB_NUMBER => "no DB is open, or its number is wrong".to_string(),
+        sync::DB_NUMBER => "no DB is open, its number is wrong, or a reference is NULL".to_string(),
         sync::DI_NUMBER => "no instance DB is open, or its number is wrong".to_string(),
         sync::FC_NUMBER => format!("FC number {info} is too large"),
         sync::FB_NUMBER => format!("FB number {info} is too large"),
