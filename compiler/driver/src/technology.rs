@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use plcc_abi::image::{Config, Profile};
 use plcc_abi::technology::{CountMode, EventSource, FastCounter, HardwareEvent, PulseGenerator};
 use plcc_diag::{Code, Diagnostic, FileId, Span};
+use plcc_literal::article::with_article;
 use plcc_model::profile;
 use serde::Deserialize;
 use toml::Spanned;
@@ -151,7 +152,8 @@ impl Reader {
         let found = words.iter().find(|(word, _)| word == key.get_ref()).map(|(_, value)| *value);
         if found.is_none() {
             let all: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
-            self.report(key, format!("`{}` is not a {what}", key.get_ref()), format!("one of {}", all.join(", ")));
+            let title = format!("`{}` is not {}", key.get_ref(), with_article(what));
+            self.report(key, title, format!("one of {}", all.join(", ")));
         }
         found
     }

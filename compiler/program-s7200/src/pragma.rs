@@ -2,6 +2,7 @@
 
 use plcc_diag::Span;
 use plcc_syntax::Elementary;
+use plcc_syntax::article::with_article;
 use plcc_syntax::ast::{Pragma, Side as WrittenSide, Width};
 use plcc_syntax::s7200::ast::{Area, Assert, AssertSide, Constant as Written};
 
@@ -110,7 +111,7 @@ impl Binder<'_> {
         if let Some((ty, at)) = ty
             && (ty.width() > bits || ty.width() < bits && !accumulator)
         {
-            let title = format!("the address has {bits} bits, a {} has {}", ty.name(), ty.width());
+            let title = format!("the address has {bits} bits, {} has {}", with_article(ty.name()), ty.width());
             bad_pragma(&mut self.report, at, &title, "name an address of the width of the type: `VW10 as INT`");
             return None;
         }

@@ -4,12 +4,14 @@
 //! - [`calendar`]: days of months and years, `2000-6-20`, `5:45:00.5`.
 //! - [`number`]: `-5`, `1_000`, `16#FF`.
 //! - [`distance`]: the name that somebody meant.
+//! - [`article`]: `a` or `an`.
 //! - [`toml_words`]: what is wrong in a TOML file, in plain words.
 //!
 //! Everything is computed in integers, so `1.001s` is 1001 ms. Ranges of types and messages are the caller's.
 //!
 //! **Invariant**: depends on nothing; independent of the language.
 
+pub mod article;
 pub mod calendar;
 pub mod distance;
 pub mod duration;

@@ -2,6 +2,7 @@
 
 use plcc_diag::{Code, Diagnostic, Span};
 
+use crate::article::with_article;
 use crate::ast::{
     AddressRegister, Area, BlockName, BlockPrefix, CellKind, Operand, OperandKind, SpecialRegister, Width,
 };
@@ -355,7 +356,10 @@ fn mismatch(insn: StlInsn, written: &str, shown: &str, operand: &Operand) -> (St
                 _ => String::new(),
             };
             (
-                format!("`{written}` works on one bit, but `{shown}` is a {}-bit {}", width.bits(), width_name(width)),
+                format!(
+                    "`{written}` works on one bit, but `{shown}` is {}",
+                    with_article(&format!("{}-bit {}", width.bits(), width_name(width)))
+                ),
                 format!("name one bit, e.g. {one_bit}{combine}"),
             )
         }

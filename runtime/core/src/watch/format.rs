@@ -1,6 +1,7 @@
 //! Display formats of watch tables. Source: Programming with STEP 7, display formats of the variable table.
 
 use plcc_abi::image::AssertType;
+use plcc_literal::article::with_article;
 use plcc_literal::duration::s5time_milliseconds;
 use plcc_literal::number;
 use serde::{Deserialize, Serialize};
@@ -101,7 +102,8 @@ impl Format {
         match source {
             // A text has the address of its first byte.
             Source::Typed(_, ty) if typed::bits(ty.ty).is_none() => {
-                Err(format!("{name} is a {}, which no format shows: leave the format out", typed::name(ty.ty)))
+                let ty = with_article(typed::name(ty.ty));
+                Err(format!("{name} is {ty}, which no format shows: leave the format out"))
             }
             _ if !self.fits(width) => Err(format!("{name} has {} bits, which this format does not show", width.bits())),
             _ => Ok(self),

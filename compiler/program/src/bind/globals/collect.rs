@@ -2,6 +2,7 @@
 
 use plcc_abi::ob::{OB_FREE, ObClass};
 use plcc_diag::{Code, Diagnostic, Severity, Span};
+use plcc_syntax::article::with_article;
 use plcc_syntax::ast::{self, BlockName, BlockPrefix, CodeKind};
 use plcc_syntax::scl::ast::Dialect;
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -43,8 +44,13 @@ fn type_fault(symbol: &Symbol, ty: Elementary) -> Option<Diagnostic> {
         return None;
     }
     let bits = |count: u32| if count == 1 { "one bit".to_owned() } else { format!("{count} bits") };
-    let title =
-        format!("`{}` is a {} of {} at an address of {}", symbol.name, ty.name(), bits(ty.bits()), bits(width.bits()));
+    let title = format!(
+        "`{}` is {} of {} at an address of {}",
+        symbol.name,
+        with_article(ty.name()),
+        bits(ty.bits()),
+        bits(width.bits())
+    );
     Some(
         Diagnostic::new(Code::SymbolTable, symbol.span, title)
             .label("the address counts")
@@ -284,13 +290,14 @@ impl<'a> Globals<'a> {
                 }
                 Some(global) => {
                     let row = global.span;
+                    let wanted = with_article(prefix.letters());
                     self.report.push(
                         Diagnostic::new(
                             Code::DuplicateName,
                             span,
-                            format!("`{name}` is not a {} in the symbol table", prefix.letters()),
+                            format!("`{name}` is not {wanted} in the symbol table"),
                         )
-                        .label(format!("a {} with this name", prefix.letters()))
+                        .label(format!("{wanted} with this name"))
                         .also(row, "the symbol"),
                     );
                 }

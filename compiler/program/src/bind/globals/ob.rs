@@ -5,6 +5,7 @@
 use plcc_abi::image::BlockKind;
 use plcc_abi::ob::{OB_CLASSES, OB_FREE, ObClass};
 use plcc_diag::{Code, Diagnostic, Severity, Span};
+use plcc_syntax::article::with_article;
 use plcc_syntax::ast;
 
 use crate::bind::globals::Globals;
@@ -67,7 +68,7 @@ impl Globals<'_> {
         let mut message = Diagnostic::new(
             Code::BlockFrame,
             span,
-            format!("nothing starts OB {number}: it is a {} OB", class.row().word),
+            format!("nothing starts OB {number}: it is {} OB", with_article(class.row().word)),
         )
         .label("compiled, but never called")
         .help("call its blocks in a cyclic OB if the program needs them");
@@ -81,7 +82,7 @@ impl Globals<'_> {
         let numbers = if first == last { format!("OB {first}") } else { format!("OB {first} to OB {last}") };
         let free = if row.free { format!(", or OB {OB_FREE} and above") } else { String::new() };
         self.report.push(
-            Diagnostic::new(Code::BlockFrame, span, format!("OB {number} cannot be a {} OB", row.word))
+            Diagnostic::new(Code::BlockFrame, span, format!("OB {number} cannot be {} OB", with_article(row.word)))
                 .label(format!("the block states {}", row.names[0]))
                 .help(format!("{} OBs are {numbers}{free}", row.word)),
         );

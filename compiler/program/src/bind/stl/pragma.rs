@@ -1,6 +1,7 @@
 //! Assertion pragmas.
 
 use plcc_diag::Span;
+use plcc_syntax::article::with_article;
 use plcc_syntax::ast::{self, Pragma, Width};
 
 use crate::bind::declarations::block::CurrentBlock;
@@ -259,7 +260,7 @@ impl StlBinder<'_, '_> {
     }
 
     fn other_width<T>(&mut self, ty: Type, bits: u8, at: Span) -> Option<T> {
-        let title = format!("the address has {bits} bits, but a {} has another width", ty.name());
+        let title = format!("the address has {bits} bits, but {} has another width", with_article(ty.name()));
         let help = "name an address of the width of the type; larger types begin at a byte: `DB1.DBB 4 as LREAL`";
         self.bad_pragma(at, &title, help);
         None

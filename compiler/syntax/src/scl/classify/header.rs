@@ -4,6 +4,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 
 use super::expression::Run;
 use super::{Classifier, unquoted};
+use crate::article::with_article;
 use crate::front;
 use crate::front::frame::{self, not_in_header};
 use crate::scl::address;
@@ -468,10 +469,14 @@ impl<'a> Classifier<'a, '_> {
             if word != end_word {
                 let found = self.slice(token);
                 self.report(
-                    Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{found}` cannot end a `{text}`"))
-                        .label("the block ends here")
-                        .also(self.span(opening), "the block begins here")
-                        .help(format!("write `{}`", end_word.word())),
+                    Diagnostic::new(
+                        Code::BlockFrame,
+                        self.span(token),
+                        format!("`{found}` cannot end {}", with_article(&format!("`{text}`"))),
+                    )
+                    .label("the block ends here")
+                    .also(self.span(opening), "the block begins here")
+                    .help(format!("write `{}`", end_word.word())),
                 );
             }
             return self.take(Tok::EndBlock);

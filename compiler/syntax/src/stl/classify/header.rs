@@ -3,6 +3,7 @@
 use plcc_diag::{Code, Diagnostic};
 
 use super::{Classifier, Frame, is_end_of_block, is_section, unquoted};
+use crate::article::with_article;
 use crate::front::frame::{self, not_in_header};
 use crate::stl::mnemonics::{block_prefix, letters_and_digits};
 use crate::stl::raw::RawKind;
@@ -353,10 +354,14 @@ impl<'a> Classifier<'a, '_> {
             if is_end_of_block(upper.as_str()) {
                 let found = self.slice(token);
                 self.report(
-                    Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{found}` cannot end a `{keyword}`"))
-                        .label("the block ends here")
-                        .also(self.span(opening), "the block begins here")
-                        .help(format!("write `{end_word}`")),
+                    Diagnostic::new(
+                        Code::BlockFrame,
+                        self.span(token),
+                        format!("`{found}` cannot end {}", with_article(&format!("`{keyword}`"))),
+                    )
+                    .label("the block ends here")
+                    .also(self.span(opening), "the block begins here")
+                    .help(format!("write `{end_word}`")),
                 );
                 return self.take(Tok::EndBlock);
             }
