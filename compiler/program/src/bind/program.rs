@@ -14,6 +14,7 @@ use super::declarations::block::CurrentBlock;
 use super::declarations::interface::variables;
 use super::declarations::path::Base;
 use super::declarations::typed::BoundInterface;
+use super::globals::Globals;
 use super::globals::names::kind_prefix;
 use super::globals::sources::CodeSource;
 use super::network::NetworkBinder;
@@ -208,6 +209,19 @@ fn bind_code(program: &mut Declarations, current: &mut CurrentBlock, block: &ast
     }
 }
 
+/// Whether a block is a PROGRAM of another language, which the parser has reported.
+fn has_program(globals: &Globals) -> bool {
+    const WORD: &[u8] = b"PROGRAM";
+    globals.input.units.iter().flat_map(|(_, unit)| &unit.blocks).any(|block| {
+        let ast::Block::Code(code) = block else { return false };
+        let span = code.name.span();
+        let source = globals.input.sources.files().nth(span.file.0 as usize);
+        let before = source.and_then(|(_, source)| source.text.get(..span.start as usize));
+        let word = before.map(|text| text.trim_end().as_bytes()).and_then(|text| text.rchunks(WORD.len()).next());
+        word.is_some_and(|word| word.eq_ignore_ascii_case(WORD))
+    })
+}
+
 fn no_main_block(program: &mut Declarations) {
     // A text without any block is not a source, which the parser has reported.
     let is_code = |line: &str| !line.trim().is_empty() && !line.trim_start().starts_with("//");
@@ -215,7 +229,7 @@ fn no_main_block(program: &mut Declarations) {
         let source = program.globals.input.sources.files().nth(file.0 as usize);
         unit.blocks.is_empty() && source.is_some_and(|(_, source)| source.text.lines().any(is_code))
     });
-    if unread {
+    if unread || has_program(&program.globals) {
         return;
     }
     let first = program.globals.input.units.iter().flat_map(|(_, unit)| &unit.blocks).next();

@@ -38,6 +38,9 @@ impl<'a> Classifier<'a, '_> {
         self.labels.clear();
         self.constants.clear();
         self.take(tok);
+        if keyword == Keyword::Program && !self.iec {
+            self.no_program(opening);
+        }
         self.block_name(opening);
         if keyword == Keyword::Function {
             if self.is_at(RawKind::Colon) {
@@ -60,6 +63,24 @@ impl<'a> Classifier<'a, '_> {
         }
         self.header(frame);
         self.end_of_block(opening, keyword);
+    }
+
+    /// `PROGRAM Main`, which no CPU calls.
+    fn no_program(&mut self, opening: RawToken) {
+        let name = self.peek().map_or("Main", |name| unquoted(self.slice(name)));
+        let help = format!(
+            "write `FUNCTION_BLOCK \"{name}\"`, `DATA_BLOCK \"{name}_DB\" \"{name}\" BEGIN END_DATA_BLOCK`, \
+             and `\"{name}_DB\"();` in ORGANIZATION_BLOCK OB 1"
+        );
+        self.report(
+            Diagnostic::new(
+                Code::ForeignForm,
+                self.span(opening),
+                "the program of a CPU is in its organization blocks",
+            )
+            .label("read as FUNCTION_BLOCK")
+            .help(help),
+        );
     }
 
     /// `FC 7`, `FC7`, `"Tank control"`, `TankControl`.
