@@ -4,6 +4,7 @@
 //!
 //! - [`stl`]: labels, unreachable statements, timers and assignments in STL; [`tree`]: labels and unreachable statements in the other
 //!   languages.
+//! - [`endless`]: loops that nothing leaves.
 //! - [`numbers`]: whole numbers and REALs in one calculation in STL.
 //! - [`temporary`]: temporary data that is read before it is written.
 //! - [`assigned`]: variables in SCL that are assigned again before anything reads them.
@@ -12,6 +13,7 @@
 //! - [`timers`]: IEC timers without a time.
 
 mod assigned;
+mod endless;
 mod numbers;
 mod outputs;
 mod overlaps;
@@ -48,12 +50,14 @@ pub fn review(program: &mut Declarations, blocks: &[CodeBlock], mains: &[BlockKe
                 stl::labels(statements, sources, &mut found);
                 stl::unreachable(statements, &mut found);
                 stl::values(statements, sources, &mut found);
+                endless::jumps(statements, &mut found);
                 numbers::review(statements, &program.numbers, sources, &mut found);
             }
             Body::Scl(body) if *language != Language::Chart => {
                 tree::labels(body, sources, &mut found);
                 tree::unreachable(body, block.span, *language == Language::Scl, sources, &mut found);
                 if *language == Language::Scl {
+                    endless::loops(&body.statements, &mut found);
                     assigned::review(&body.statements, &|span| program.globals.text(span), &mut found);
                 }
             }

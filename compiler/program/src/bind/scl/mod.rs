@@ -65,6 +65,7 @@ pub use crate::bind::globals::rules::Rules;
 use crate::bind::stl::StlBinder;
 use plcc_model::scl::SclBody;
 pub use scope::Scope;
+pub(in crate::bind) use statement::leaves;
 
 /// The purpose of an access.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

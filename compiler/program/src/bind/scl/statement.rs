@@ -336,7 +336,7 @@ fn has_enable(tree: &Tree) -> bool {
 }
 
 /// A statement that may leave the loop around it.
-fn leaves(statement: &Statement) -> bool {
+pub(in crate::bind) fn leaves(statement: &Statement) -> bool {
     match &statement.kind {
         StatementKind::Exit | StatementKind::Return(_) | StatementKind::Goto(_) => true,
         // EXIT leaves the inner loop only.
