@@ -5,6 +5,7 @@
 //! - [`stl`]: labels, unreachable statements, timers and assignments in STL; [`tree`]: labels and unreachable statements in the other
 //!   languages.
 //! - [`endless`]: loops that nothing leaves.
+//! - [`indices`]: loops that go beyond the bounds of an array.
 //! - [`numbers`]: whole numbers and REALs in one calculation in STL.
 //! - [`temporary`]: temporary data that is read before it is written.
 //! - [`assigned`]: variables in SCL that are assigned again before anything reads them.
@@ -14,6 +15,7 @@
 
 mod assigned;
 mod endless;
+mod indices;
 mod numbers;
 mod outputs;
 mod overlaps;
@@ -58,7 +60,9 @@ pub fn review(program: &mut Declarations, blocks: &[CodeBlock], mains: &[BlockKe
                 tree::unreachable(body, block.span, *language == Language::Scl, sources, &mut found);
                 if *language == Language::Scl {
                     endless::loops(&body.statements, &mut found);
-                    assigned::review(&body.statements, &|span| program.globals.text(span), &mut found);
+                    let text = |span| program.globals.text(span);
+                    indices::review(&body.statements, &text, &mut found);
+                    assigned::review(&body.statements, &text, &mut found);
                 }
             }
             Body::Scl(_) | Body::S7200(_) | Body::Runtime => {}

@@ -190,17 +190,21 @@ impl Reached<'_> {
 /// Why a FOR with these limits never runs.
 const EMPTY_RANGE: &str = "no value lies between these";
 
-/// True if the limits are known and the first value lies beyond the last one.
-fn never_runs(start: &Expr, end: &Expr, step: &Expr) -> bool {
-    let value = |expr: &Expr| match expr.kind {
+/// The number that a constant is.
+pub(super) fn known(expr: &Expr) -> Option<i128> {
+    match expr.kind {
         ExprKind::Const(bits) if expr.ty.is_signed() => {
             let unused = 64 - expr.ty.bits().clamp(1, 64);
             Some(i128::from((bits << unused) as i64 >> unused))
         }
         ExprKind::Const(bits) => Some(i128::from(bits)),
         _ => None,
-    };
-    match (value(start), value(end), value(step)) {
+    }
+}
+
+/// True if the limits are known and the first value lies beyond the last one.
+fn never_runs(start: &Expr, end: &Expr, step: &Expr) -> bool {
+    match (known(start), known(end), known(step)) {
         (Some(start), Some(end), Some(step)) => (step > 0 && start > end) || (step < 0 && start < end),
         _ => false,
     }

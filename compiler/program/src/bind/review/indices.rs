@@ -1,0 +1,115 @@
+//! Loops in SCL whose variable is an index beyond the bounds of an array: `FOR i := 0 TO 10` and `ARRAY[0..9]`.
+//!
+//! Only statements that each pass reaches count, in loops with constant limits that nothing leaves.
+
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_model::scl::{Access, Conversion, Expr, ExprKind, IndexBounds, Statement, StatementKind, walk};
+
+use super::region::Bits;
+use super::tree::known;
+
+/// Reports the loops in `list` and in the lists inside it. `text`: what is written at a place.
+pub fn review(list: &[Statement], text: &dyn Fn(Span) -> String, found: &mut Vec<Diagnostic>) {
+    for statement in list {
+        if let StatementKind::For { variable, start, end, step, body } = &statement.kind
+            && let (Some(start), Some(end), Some(step)) = (known(start), known(end), known(step))
+            && (step > 0 && start <= end || step < 0 && start >= end)
+            && let Some(counted) = Bits::of(variable).filter(|_| variable.indices.is_empty())
+            && walk::find(body, &|one| leads_away(one).then_some(())).is_none()
+        {
+            let last = start + (end - start) / step * step;
+            let mut used = Used { counted, low: start.min(last), high: start.max(last), beyond: None };
+            used.passed(body);
+            if let Some((index, low, high)) = used.beyond {
+                let (from, to) = (start.clamp(low, high), last.clamp(low, high));
+                let by = if step == 1 { String::new() } else { format!(" BY {step}") };
+                let help = format!(
+                    "write `FOR {} := {from} TO {to}{by} DO`, or declare the array with more elements",
+                    text(variable.span)
+                );
+                found.push(
+                    Diagnostic::new(Code::IndexOfLoop, index, "the loop goes beyond the bounds of this array")
+                        .label(format!("{start} to {last}, but the elements are {low} to {high}"))
+                        .also(statement.span, "the loop")
+                        .help(help),
+                );
+            }
+        }
+        statement.kind.bodies().into_iter().for_each(|body| review(body, text, found));
+    }
+}
+
+/// A statement after which a pass may not reach the next one.
+fn leads_away(statement: &Statement) -> bool {
+    matches!(
+        statement.kind,
+        StatementKind::Exit
+            | StatementKind::Continue
+            | StatementKind::Return(_)
+            | StatementKind::Goto(_)
+            | StatementKind::Label(_)
+    )
+}
+
+/// Looks for an array with the variable of a loop as its index.
+struct Used {
+    /// The variable.
+    counted: Bits,
+    /// Its values.
+    low: i128,
+    high: i128,
+    /// The first index that goes beyond its array, with the bounds.
+    beyond: Option<(Span, i128, i128)>,
+}
+
+impl Used {
+    /// The statements that each pass reaches.
+    fn passed(&mut self, list: &[Statement]) {
+        for statement in list {
+            match &statement.kind {
+                // A condition may keep the index within the bounds.
+                StatementKind::If { branches, .. } => {
+                    if let Some((condition, _)) = branches.first() {
+                        walk::expr(condition, self);
+                    }
+                }
+                StatementKind::For { start, end, step, body, .. } => {
+                    walk::own_part(&statement.kind, self);
+                    if let (Some(start), Some(end), Some(step)) = (known(start), known(end), known(step))
+                        && (step > 0 && start <= end || step < 0 && start >= end)
+                    {
+                        self.passed(body);
+                    }
+                }
+                // EN may keep a call from reading its parameters.
+                StatementKind::Call(call) if call.enable.is_some() => {}
+                other => walk::own_part(other, self),
+            }
+        }
+    }
+
+    fn is_counted(&self, index: &Expr) -> bool {
+        match &index.kind {
+            ExprKind::Load(access) => access.part.is_none() && Bits::of(access) == Some(self.counted),
+            ExprKind::Convert { conversion: Conversion::Value(_), operand } => self.is_counted(operand),
+            _ => false,
+        }
+    }
+}
+
+impl walk::Visitor for Used {
+    fn access(&mut self, access: &Access, _role: walk::Role) {
+        for index in &access.indices {
+            if let IndexBounds::Known(low, high) = index.bounds
+                && self.beyond.is_none()
+                && self.is_counted(&index.value)
+            {
+                let (low, high) = (i128::from(low), i128::from(high));
+                // An array whose elements are all elsewhere has no loop of its own that would fit.
+                if (self.low < low || self.high > high) && self.low <= high && self.high >= low {
+                    self.beyond = Some((index.value.span, low, high));
+                }
+            }
+        }
+    }
+}
