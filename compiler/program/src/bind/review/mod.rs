@@ -6,6 +6,7 @@
 //!   languages.
 //! - [`endless`]: loops that nothing leaves.
 //! - [`indices`]: loops that go beyond the bounds of an array.
+//! - [`division`]: divisions of whole numbers in SCL that become a REAL.
 //! - [`numbers`]: whole numbers and REALs in one calculation in STL.
 //! - [`temporary`]: temporary data that is read before it is written.
 //! - [`assigned`]: variables in SCL that are assigned again before anything reads them.
@@ -14,6 +15,7 @@
 //! - [`timers`]: IEC timers without a time.
 
 mod assigned;
+mod division;
 mod endless;
 mod indices;
 mod numbers;
@@ -61,6 +63,7 @@ pub fn review(program: &mut Declarations, blocks: &[CodeBlock], mains: &[BlockKe
                 if *language == Language::Scl {
                     endless::loops(&body.statements, &mut found);
                     let text = |span| program.globals.text(span);
+                    division::review(&body.statements, &text, &mut found);
                     indices::review(&body.statements, &text, &mut found);
                     assigned::review(&body.statements, &text, &mut found);
                 }
