@@ -7,6 +7,7 @@
 //! - [`endless`]: loops that nothing leaves.
 //! - [`indices`]: loops that go beyond the bounds of an array.
 //! - [`division`]: divisions of whole numbers in SCL that become a REAL.
+//! - [`negation`]: NOT before a comparison of bit strings in SCL.
 //! - [`numbers`]: whole numbers and REALs in one calculation in STL.
 //! - [`temporary`]: temporary data that is read before it is written.
 //! - [`assigned`]: variables in SCL that are assigned again before anything reads them.
@@ -18,6 +19,7 @@ mod assigned;
 mod division;
 mod endless;
 mod indices;
+mod negation;
 mod numbers;
 mod outputs;
 mod overlaps;
@@ -64,6 +66,7 @@ pub fn review(program: &mut Declarations, blocks: &[CodeBlock], mains: &[BlockKe
                     endless::loops(&body.statements, &mut found);
                     let text = |span| program.globals.text(span);
                     division::review(&body.statements, &text, &mut found);
+                    negation::review(&body.statements, &text, &mut found);
                     indices::review(&body.statements, &text, &mut found);
                     assigned::review(&body.statements, &text, &mut found);
                 }
