@@ -33,7 +33,7 @@ impl SclBinder<'_, '_> {
         let NodeKind::Call { callee, arguments } = &node.kind else { return None };
         let wide = self.overload(ctx, callee, arguments).map(|key| Callee::Block { key, instance: None });
         if self.cast(ctx, callee, arguments)
-            || self.foreign_function(callee)
+            || self.foreign_function(ctx, callee)
             || self.instance_as_argument(ctx, callee, arguments)
         {
             return None;

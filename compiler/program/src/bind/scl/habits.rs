@@ -105,13 +105,15 @@ impl SclBinder<'_, '_> {
     }
 
     /// Reports a call of a function that other languages have and no block of the program; false: it is none.
-    pub(super) fn foreign_function(&mut self, callee: &Node) -> bool {
+    pub(super) fn foreign_function(&mut self, ctx: &SclBlock, callee: &Node) -> bool {
         let NodeKind::Name(name) = &callee.kind else { return false };
         let known = |(names, _): &&(&[&str], &str)| names.iter().any(|own| own.eq_ignore_ascii_case(&name.text));
         let Some((_, help)) = FUNCTIONS.iter().find(known).filter(|_| name.form == NameForm::Bare) else {
             return false;
         };
-        if self.program.globals.names.symbols.contains_key(&fold(&name.text))
+        let folded = fold(&name.text);
+        if ctx.block.bound.locals.contains_key(&folded)
+            || self.program.globals.names.symbols.contains_key(&folded)
             || plcc_stdlib::find_tia(&name.text).or_else(|| plcc_stdlib::find_name(&name.text)).is_some()
             || self.program.globals.input.partial
         {
