@@ -7,6 +7,7 @@
 //! - [`endless`]: loops that nothing leaves.
 //! - [`indices`]: loops that go beyond the bounds of an array.
 //! - [`division`]: divisions of whole numbers in SCL that become a REAL.
+//! - [`instances`]: IEC timers and counters in SCL that two calls share.
 //! - [`negation`]: NOT before a comparison of bit strings in SCL.
 //! - [`numbers`]: whole numbers and REALs in one calculation in STL.
 //! - [`temporary`]: temporary data that is read before it is written.
@@ -19,6 +20,7 @@ mod assigned;
 mod division;
 mod endless;
 mod indices;
+mod instances;
 mod negation;
 mod numbers;
 mod outputs;
@@ -66,6 +68,7 @@ pub fn review(program: &mut Declarations, blocks: &[CodeBlock], mains: &[BlockKe
                     endless::loops(&body.statements, &mut found);
                     let text = |span| program.globals.text(span);
                     division::review(&body.statements, &text, &mut found);
+                    instances::review(program, &body.statements, &mut found);
                     negation::review(&body.statements, &text, &mut found);
                     indices::review(&body.statements, &text, &mut found);
                     assigned::review(&body.statements, &text, &mut found);
