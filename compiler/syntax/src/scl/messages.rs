@@ -195,9 +195,58 @@ impl Recovery {
                     format!("is `{near}` meant?"),
                 )
             }
+            (Recovery::Statement | Recovery::Condition | Recovery::Argument, operator, after)
+                if is_operator(operator) && (ends(after) || is_closing(after)) =>
+            {
+                let sign = text(before);
+                told(
+                    before.0,
+                    before.2,
+                    format!("`{sign}` has no right side"),
+                    "an operand is missing after this",
+                    format!("write a variable or a constant after `{sign}`, or remove it"),
+                )
+            }
+            (
+                Recovery::Statement | Recovery::Condition | Recovery::Argument,
+                Tok::Assign | Tok::LeftParen,
+                operator,
+            ) if is_operator(operator) => {
+                let sign = text(at);
+                told(
+                    at.0,
+                    at.2,
+                    format!("`{sign}` has no left side"),
+                    "an operand is missing before this",
+                    format!("write a variable or a constant before `{sign}`, or remove it"),
+                )
+            }
             _ => None,
         }
     }
+}
+
+/// Whether the token combines or compares values.
+fn is_operator(token: &Tok) -> bool {
+    matches!(
+        token,
+        Tok::Or
+            | Tok::Xor
+            | Tok::And
+            | Tok::Not
+            | Tok::Equality(_)
+            | Tok::Relation(_)
+            | Tok::Plus
+            | Tok::Minus
+            | Tok::Star
+            | Tok::Factor(_)
+            | Tok::Power
+    )
+}
+
+/// Whether a part in brackets, or one of several, ends before the token.
+fn is_closing(token: &Tok) -> bool {
+    matches!(token, Tok::RightParen | Tok::RightBracket | Tok::Comma)
 }
 
 /// Whether a statement, condition or declaration ends with the token.
