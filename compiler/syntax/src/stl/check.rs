@@ -16,10 +16,18 @@ pub fn operand(text: &str, insn: StlInsn, mnemonic: Span, operand: Option<&Opera
     let class = insn.operand();
     let written = text[mnemonic.range()].to_owned();
     let Some(operand) = operand else {
+        // `+` alone was meant as `-` and `*` are: an instruction with a type.
+        let help = match insn {
+            StlInsn::AddConst => {
+                "write `+I` for INT, `+D` for DINT or `+R` for REAL, or the number that is added, as in `+ 5`"
+                    .to_owned()
+            }
+            _ => format!("`{written}` takes {}", operand_phrase(class)),
+        };
         return (!class.may_be_missing()).then(|| {
             Diagnostic::new(Code::MissingOperand, mnemonic, format!("`{written}` has no operand"))
                 .label("an operand is missing after this")
-                .help(format!("`{written}` takes {}", operand_phrase(class)))
+                .help(help)
         });
     };
     let shown = &text[operand.span.range()];
