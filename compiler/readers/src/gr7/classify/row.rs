@@ -184,7 +184,14 @@ impl<'a> Classifier<'a, '_> {
             // `N Q0.0`
             let first = slice(row, row + 1)?;
             if row < last && qualifier::parse(first).is_some() && !self.joins(row) {
-                return Some(format!("write `{} ({first})`", slice(row + 1, last + 1)?));
+                // `D Q0.0 T#5S`
+                let value = slice(last, last + 1).filter(|value| value.contains('#') && !value.starts_with('#'));
+                return Some(match (slice(row + 1, last), value) {
+                    (Some(operand), Some(value)) => {
+                        format!("write `{}, {value} ({first})`", operand.trim_end_matches([',', ' ']))
+                    }
+                    _ => format!("write `{} ({first})`", slice(row + 1, last + 1)?),
+                });
             }
             let (operand, mark) = (slice(row, last)?, slice(last, last + 1)?);
             qualifier::parse(mark).filter(|_| !self.joins(last - 1))?;
