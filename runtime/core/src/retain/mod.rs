@@ -2,11 +2,13 @@
 //!
 //! A copy of retentive memory is made between two cycles, so it is that of one completed cycle. It is written to the file by a
 //! [thread](writer) that the cycle never waits for, as often as `every` says, or by the cycle itself if each cycle counts. When the CPU goes to
-//! STOP or the run ends, the last copy is written before the process ends. Writing goes on after it has failed once.
+//! STOP or the run ends, the last copy is written before the process ends. Writing goes on after it has failed once, also
+//! if the file could not be opened at the start; what can be read of it then comes back nevertheless.
 //!
 //! Sources: CPU manuals, retentive memory and restart types; S7-200 system manual, storing and restoring data.
 
 mod items;
+mod late;
 mod slots;
 mod writer;
 
@@ -23,7 +25,8 @@ use crate::restart::{COLD, HOT, WARM};
 use crate::s7200::errors::INTERNAL_ERROR;
 pub(crate) use items::Items;
 use items::{Loaded, Refused};
-use slots::{Content, Fault, Slots};
+use late::{LateFile, Opened};
+use slots::{Content, Fault};
 use writer::Writer;
 
 /// Whether the data of a CPU came back.
@@ -68,10 +71,10 @@ const WAIT_FOR_FILE: Duration = Duration::from_secs(2);
 const LOOK_FOR_FILE: Duration = Duration::from_millis(20);
 
 /// Opens the file. A process that takes the place of another may begin before that has ended.
-fn open(path: &Path) -> Result<(Slots, Content), Fault> {
+fn open(path: &Path) -> Result<Opened, Fault> {
     let end = Instant::now() + WAIT_FOR_FILE;
     loop {
-        match Slots::open(path) {
+        match LateFile::open(path) {
             Err(Fault::InUse) if Instant::now() < end => std::thread::sleep(LOOK_FOR_FILE),
             opened => return opened,
         }
@@ -113,7 +116,7 @@ impl Cpu {
             }
             return Restored::NotKept;
         };
-        let (mut slots, content) = match open(path) {
+        let Opened { mut file, content, error } = match open(path) {
             Ok(opened) => opened,
             Err(fault) => {
                 let fault = match fault {
@@ -127,6 +130,9 @@ impl Cpu {
                 return Restored::Lost;
             }
         };
+        if !file.is_read() && !self.is_restarted {
+            self.note_lost(&format!("{} cannot be read: all data begins with its start values", path.display()));
+        }
         let config = &self.image.config.retain;
         let hot = self.startup.get() == HOT && self.image.profile.family == Family::S7400;
         let items = Items::of(self, hot);
@@ -135,12 +141,16 @@ impl Cpu {
         // Cycles are not to wait for a file that must be made.
         let mut first = Vec::new();
         items.collect(self, &mut first);
-        let made = if slots.is_short_for(first.len()) { slots.write(&first) } else { Ok(()) };
+        let made = match error {
+            Some(error) => Err(error),
+            None if file.is_short_for(first.len()) => file.write(&first),
+            None => Ok(()),
+        };
         let retention = Retention {
             path: path.to_path_buf(),
             items,
             interval: config.interval,
-            writer: RefCell::new(Writer::new(slots, config.interval)),
+            writer: RefCell::new(Writer::new(file, config.interval)),
             written: RefCell::default(),
             next: RefCell::default(),
             last: Cell::new(None),
@@ -154,11 +164,6 @@ impl Cpu {
 
     fn bring_back(&self, file: &Path, items: &Items, content: Content) -> Restored {
         let path = file.display();
-        let lost = |text: String| {
-            say(&text);
-            self.log(diagnostics::RETAIN_LOST, NO_SITE, 0);
-            self.retentive_lost.set(true);
-        };
         let restored = match (content, self.startup.get()) {
             (_, _) if self.image.config.retain.reset && !self.is_restarted => {
                 self.log(diagnostics::MEMORY_RESET, NO_SITE, 0);
@@ -166,19 +171,21 @@ impl Cpu {
             }
             (Content::Nothing, _) => Restored::Lost,
             (Content::Damaged, _) => {
-                lost(format!("{path} is damaged: all data begins with its start values"));
+                self.note_lost(&format!("{path} is damaged: all data begins with its start values"));
                 Restored::Lost
             }
             (Content::Whole(_), COLD) => Restored::Lost,
             (Content::Whole(content), _) => match items.load(self, &content) {
                 Ok(loaded) => self.note_loaded(file, &loaded),
                 Err(Refused::Damaged) => {
-                    lost(format!("{path} is incomplete: all data begins with its start values"));
+                    self.note_lost(&format!("{path} is incomplete: all data begins with its start values"));
                     Restored::Lost
                 }
                 Err(Refused::Program(name)) => {
                     let kept = keep_before(file);
-                    lost(format!("{path} is of the program `{name}`: all data begins with its start values{kept}"));
+                    let text =
+                        format!("{path} is of the program `{name}`: all data begins with its start values{kept}");
+                    self.note_lost(&text);
                     Restored::Lost
                 }
             },
@@ -187,6 +194,13 @@ impl Cpu {
             self.refuse_hot_restart("no state of this program was kept");
         }
         restored
+    }
+
+    /// What was kept does not come back.
+    fn note_lost(&self, text: &str) {
+        say(text);
+        self.log(diagnostics::RETAIN_LOST, NO_SITE, 0);
+        self.retentive_lost.set(true);
     }
 
     fn note_loaded(&self, file: &Path, loaded: &Loaded) -> Restored {

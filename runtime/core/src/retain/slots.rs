@@ -74,16 +74,16 @@ impl Slots {
         check(path)?;
         let mut file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path)?;
         lock(&file)?;
-        let mut bytes = Vec::new();
-        Read::by_ref(&mut file).take(HEAD_BYTES + 2 * CONTENT_MAX).read_to_end(&mut bytes)?;
-        let slot_bytes = slot_bytes_of(&bytes);
-        let newest = (0..2).filter_map(|slot| copy(&bytes, slot, slot_bytes)).max_by_key(|(number, _)| *number);
-        let (number, content) = match newest {
-            Some((number, content)) => (number, Content::Whole(content.to_vec())),
-            None if bytes.is_empty() => (0, Content::Nothing),
-            None => (0, Content::Damaged),
-        };
+        let Found { slot_bytes, number, content } = read_all(&mut file)?;
         Ok((Slots { path: path.to_path_buf(), file, slot_bytes, number, buffer: Vec::new() }, content))
+    }
+
+    /// What a file has that can be read and not written.
+    pub(crate) fn read(path: &Path) -> Result<Content, Fault> {
+        check(path)?;
+        let mut file = File::open(path)?;
+        found_free(file.try_lock_shared())?;
+        Ok(read_all(&mut file)?.content)
     }
 
     /// Writes a copy over the older one. It is with the system then, not yet on the disk, see [`Slots::disk`].
@@ -147,8 +147,33 @@ impl Slots {
     }
 }
 
+/// What was read from a file.
+struct Found {
+    slot_bytes: u64,
+    /// Number of the newest copy, 0: there is none.
+    number: u64,
+    content: Content,
+}
+
+fn read_all(file: &mut File) -> std::io::Result<Found> {
+    let mut bytes = Vec::new();
+    Read::by_ref(file).take(HEAD_BYTES + 2 * CONTENT_MAX).read_to_end(&mut bytes)?;
+    let slot_bytes = slot_bytes_of(&bytes);
+    let newest = (0..2).filter_map(|slot| copy(&bytes, slot, slot_bytes)).max_by_key(|(number, _)| *number);
+    let (number, content) = match newest {
+        Some((number, content)) => (number, Content::Whole(content.to_vec())),
+        None if bytes.is_empty() => (0, Content::Nothing),
+        None => (0, Content::Damaged),
+    };
+    Ok(Found { slot_bytes, number, content })
+}
+
 fn lock(file: &File) -> Result<(), Fault> {
-    match file.try_lock() {
+    found_free(file.try_lock())
+}
+
+fn found_free(locked: Result<(), TryLockError>) -> Result<(), Fault> {
+    match locked {
         Ok(()) => Ok(()),
         Err(TryLockError::WouldBlock) => Err(Fault::InUse),
         Err(TryLockError::Error(error)) => Err(Fault::Host(error)),
@@ -265,6 +290,17 @@ mod tests {
         let path = path("lock");
         let (_slots, _) = Slots::open(&path).unwrap();
         assert!(matches!(Slots::open(&path), Err(Fault::InUse)));
+        assert!(matches!(Slots::read(&path), Err(Fault::InUse)));
+    }
+
+    #[test]
+    fn a_file_is_read_without_being_written() {
+        let path = path("read");
+        assert!(matches!(Slots::read(&path), Err(Fault::Host(_))));
+        let (mut slots, _) = Slots::open(&path).unwrap();
+        slots.write(b"content").unwrap();
+        drop(slots);
+        assert_eq!(Slots::read(&path).unwrap(), Content::Whole(b"content".to_vec()));
     }
 
     #[test]

@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use plcc_abi::image::RetainInterval;
 
-use super::slots::Slots;
+use super::late::LateFile;
 
 /// From one time to the next at which copies of each cycle are brought to the disk.
 const DISK_PAUSE: Duration = Duration::from_millis(100);
@@ -17,7 +17,7 @@ const DISK_PAUSE: Duration = Duration::from_millis(100);
 /// What the cycle and the thread share.
 struct State {
     /// `None` while the thread works with it.
-    slots: Option<Slots>,
+    file: Option<LateFile>,
     /// The copy to be written, and room for the next one.
     copy: Vec<u8>,
     pending: bool,
@@ -47,16 +47,16 @@ pub(super) struct Writer {
 }
 
 impl Writer {
-    pub(super) fn new(slots: Slots, interval: RetainInterval) -> Writer {
+    pub(super) fn new(file: LateFile, interval: RetainInterval) -> Writer {
         let state =
-            State { slots: Some(slots), copy: Vec::new(), pending: false, unsettled: false, end: false, outcome: None };
+            State { file: Some(file), copy: Vec::new(), pending: false, unsettled: false, end: false, outcome: None };
         let shared = Arc::new(Shared { state: Mutex::new(state), changed: Condvar::new() });
         Writer { shared, thread: None, each_cycle: interval == RetainInterval::Cycle }
     }
 
     /// A copy is still being written.
     pub(super) fn is_busy(&self) -> bool {
-        !self.each_cycle && self.shared.state.try_lock().map_or(true, |state| state.pending || state.slots.is_none())
+        !self.each_cycle && self.shared.state.try_lock().map_or(true, |state| state.pending || state.file.is_none())
     }
 
     /// How the last copy fared; `None`: nothing new.
@@ -67,8 +67,8 @@ impl Writer {
     /// Takes over a copy.
     pub(super) fn write(&mut self, content: &[u8]) {
         let mut state = self.shared.state();
-        if let (true, Some(slots)) = (self.each_cycle, &mut state.slots) {
-            let written = slots.write(content);
+        if let (true, Some(file)) = (self.each_cycle, &mut state.file) {
+            let written = file.write(content);
             state.unsettled |= written.is_ok();
             state.outcome = Some(written);
         } else {
@@ -114,13 +114,13 @@ fn write_copies(shared: &Shared) {
         if !state.pending {
             return;
         }
-        let Some(mut slots) = state.slots.take() else { return };
+        let Some(mut file) = state.file.take() else { return };
         std::mem::swap(&mut copy, &mut state.copy);
         state.pending = false;
         drop(state);
-        let outcome = slots.write(&copy).and_then(|()| slots.disk()?.sync_data());
+        let outcome = file.write(&copy).and_then(|()| file.disk()?.sync_data());
         state = shared.state();
-        state.slots = Some(slots);
+        state.file = Some(file);
         state.outcome = Some(outcome);
     }
 }
@@ -133,7 +133,7 @@ fn settle(shared: &Shared) {
             state = shared.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
         }
         let end = state.end;
-        if let Some(disk) = state.slots.as_ref().filter(|_| state.unsettled).map(Slots::disk) {
+        if let Some(disk) = state.file.as_ref().filter(|_| state.unsettled).map(LateFile::disk) {
             state.unsettled = false;
             drop(state);
             let outcome = disk.and_then(|disk| disk.sync_data());

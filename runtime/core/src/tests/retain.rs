@@ -304,6 +304,50 @@ fn a_file_that_cannot_be_written_does_not_stop_the_cpu() {
     }
 }
 
+/// Whether an event is in the diagnostic buffer.
+fn has_logged(cpu: &Cpu, event: u16) -> bool {
+    cpu.diagnostics.newest_first().iter().any(|entry| entry.event == event)
+}
+
+#[test]
+fn a_folder_that_comes_later_gets_the_file() {
+    for interval in [RetainInterval::Cycle, RetainInterval::Milliseconds(100)] {
+        let path = file("later").join("folder").join("retain");
+        let before = file("earlier");
+        leave(&before, |image| image.config.retain.bit_memory = Some(2));
+        let kept = std::fs::read(&before).unwrap();
+        let mut obs = nothing();
+        let later = path.clone();
+        obs[0].1 = Box::new(move |cpu, _| {
+            fill(cpu);
+            std::fs::create_dir_all(later.parent().unwrap()).unwrap();
+            // What another run has left there must not be lost.
+            std::fs::write(&later, &kept).unwrap();
+        });
+        let cpu = with(&path, obs, |image| image.config.retain.interval = interval);
+        run(&cpu, 1);
+        let logged = [crate::diagnostics::RETAIN_LOST, crate::diagnostics::RETAIN_WRITTEN];
+        assert!(logged.iter().all(|event| has_logged(&cpu, *event)), "{interval:?}");
+        drop(cpu);
+        assert_eq!(found(&path, |_| {}), [2, 0, 5, 0, 100, 7], "{interval:?}");
+        assert_eq!(std::fs::read(path.with_file_name("retain.old")).unwrap(), std::fs::read(&before).unwrap());
+    }
+}
+
+#[test]
+fn a_file_that_can_only_be_read_comes_back() {
+    use std::os::unix::fs::PermissionsExt;
+    let path = file("read-only");
+    leave(&path, |_| {});
+    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o444)).unwrap();
+    // The administrator may write it all the same.
+    let is_denied = std::fs::File::options().write(true).open(&path).is_err();
+    let cpu = with(&path, nothing(), |_| {});
+    run(&cpu, 1);
+    assert_eq!(words(&cpu), [2, 0, 5, 0, 100, 7]);
+    assert_eq!(has_logged(&cpu, crate::diagnostics::RETAIN_NOT_WRITTEN), is_denied);
+}
+
 /// A CPU that has run and was stopped by a client.
 fn stopped_by_a_client(path: &Path, change: impl FnOnce(&mut ProgramImage)) -> Rc<Cpu> {
     let mut obs = nothing();
