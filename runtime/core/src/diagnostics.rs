@@ -29,9 +29,10 @@ pub const MEMORY_RESET: u16 = 0xC025;
 /// The program was changed while it ran; no event of a CPU has this number.
 pub const PROGRAM_CHANGED: u16 = 0xC031;
 
-/// Values are forced, or no longer; no event of a CPU has these numbers.
+/// Values are forced, or no longer, or were forced by another version of the program; no event of a CPU has these numbers.
 pub const FORCE_ACTIVE: u16 = 0xC032;
 pub const FORCE_ENDED: u16 = 0xC033;
+pub const FORCE_LEFT_OUT: u16 = 0xC034;
 
 /// No place in the program is known.
 pub const NO_SITE: u32 = u32::MAX;
@@ -192,6 +193,10 @@ pub fn event_text(image: &ProgramImage, entry: &Entry) -> String {
         FORCE_ACTIVE if info == 1 => "1 value is forced".to_string(),
         FORCE_ACTIVE => format!("{info} values are forced"),
         FORCE_ENDED => "no value is forced any more".to_string(),
+        FORCE_LEFT_OUT if info == 1 => {
+            "1 value that was forced is not forced any more: the program has changed".to_string()
+        }
+        FORCE_LEFT_OUT => format!("{info} values that were forced are not forced any more: the program has changed"),
         PROGRAM_CHANGED => "the program was changed".to_string(),
         event => format!("event of class {}", event >> 12),
     };

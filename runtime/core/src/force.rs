@@ -11,35 +11,27 @@
 //! counts until it has ended.
 //!
 //! Forced values stay until they are ended: through STOP, restarts and changes of the program, and with a file also through the end of the
-//! process. A table is a TOML file:
-//!
-//! ```toml
-//! [[force]]
-//! address = "I0.0"     # or a name
-//! value = "1"          # in the format, or with a prefix
-//! format = "bool"      # default: as in a watch table
-//! comment = "gate"
-//! ```
+//! process, see [`file`].
 //!
 //! Source: CPU manuals, test functions; Programming with STEP 7, 20.8; S7-200 system manual, forcing values.
 
+mod file;
+
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use plcc_abi::image::Family;
 use plcc_abi::layout;
 use plcc_abi::s7200::ANALOG_ADDRESS;
-use plcc_literal::toml_words;
-use serde::{Deserialize, Serialize};
 
 use crate::address::{Address, Place, Width};
 use crate::cpu::Cpu;
 use crate::diagnostics::{self, NO_SITE};
-use crate::files;
 use crate::s7200::Part;
 use crate::watch::format::Format;
 use crate::watch::{self, Settled};
+pub(crate) use file::Table;
 
 /// A forced value as a user sees it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -83,24 +75,6 @@ pub(crate) struct Force {
     memory: RefCell<BTreeMap<u32, Mask>>,
     /// Where the table is kept.
     file: RefCell<Option<PathBuf>>,
-}
-
-#[derive(Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-struct FileText {
-    #[serde(default)]
-    force: Vec<RowText>,
-}
-
-#[derive(Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-struct RowText {
-    address: toml::Spanned<String>,
-    value: String,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    format: Option<Format>,
-    #[serde(default, skip_serializing_if = "String::is_empty")]
-    comment: String,
 }
 
 /// Values that can be forced; of an S7-200 those in M, V, AI and AQ. Source: technical data of the CPUs.
@@ -405,55 +379,6 @@ impl Cpu {
         {
             crate::run::say!("runtime: cannot write forced values to {}: {error}", path.display());
         }
-    }
-
-    fn write_force(&self, path: &Path) -> Result<(), String> {
-        let row = |one: &Forced| RowText {
-            address: toml::Spanned::new(0..0, one.name.clone()),
-            value: one.value.clone(),
-            format: one.format,
-            comment: one.comment.clone(),
-        };
-        let all = FileText { force: self.force.table.borrow().iter().map(row).collect() };
-        let text = toml::to_string(&all).map_err(|error| error.to_string())?;
-        // Whole or not at all.
-        let new = path.with_extension("new");
-        std::fs::write(&new, text).and_then(|()| std::fs::rename(&new, path)).map_err(|error| error.to_string())
-    }
-
-    /// Forces what a file says, and keeps there what is forced from now on. With `may_be_missing` the file need not exist. `Err`: the error with
-    /// its place.
-    pub(crate) fn force_from(&self, path: &Path, may_be_missing: bool) -> Result<(), String> {
-        let shown = path.display();
-        if !may_be_missing || path.exists() {
-            let text = files::regular(path)
-                .and_then(|()| std::fs::read_to_string(path))
-                .map_err(|error| format!("{shown}: {error}"))?;
-            self.force_text(&text).map_err(|(offset, message)| {
-                let line = text.get(..offset).map_or(1, |before| before.matches('\n').count() + 1);
-                format!("{shown}:{line}: {message}")
-            })?;
-            self.renew_force();
-        }
-        if self.is_forcing() {
-            self.log(diagnostics::FORCE_ACTIVE, NO_SITE, self.force.table.borrow().len() as u32);
-        }
-        self.force.file.replace(Some(path.to_path_buf()));
-        Ok(())
-    }
-
-    /// `Err`: the offset and the error.
-    fn force_text(&self, text: &str) -> Result<(), (usize, String)> {
-        let file: FileText = toml::from_str(text).map_err(|error| {
-            let offset = error.span().map_or(0, |span| span.start);
-            let wrong = toml_words::plain_at(error.message(), text, offset);
-            (offset, format!("{}; {}", wrong.title, wrong.help))
-        })?;
-        for row in &file.force {
-            self.force_row(row.address.get_ref(), &row.value, row.format, &row.comment)
-                .map_err(|message| (row.address.span().start, message))?;
-        }
-        Ok(())
     }
 
     /// The inputs were read.

@@ -19,6 +19,7 @@ use crate::code::Code;
 use crate::cpu::Cpu;
 use crate::cycle::Pace;
 use crate::faults::{STOP_BY_CLIENT, STOP_BY_REQUEST};
+use crate::force::Table;
 use crate::io::{Driver, Simulated};
 use crate::online::Service;
 use crate::options::{ClockKind, HANG_LIMIT_DEFAULT, Restart, RunOptions};
@@ -265,8 +266,8 @@ fn furnish(cpu: &Cpu, options: &RunOptions) -> Result<(), String> {
     // After a restart what is forced stays so.
     if !cpu.is_restarted {
         match (&options.force, &cpu.image.config.retain.file) {
-            (Some(path), _) => cpu.force_from(path, false)?,
-            (None, Some(file)) => cpu.force_from(Path::new(&format!("{file}.force")), true)?,
+            (Some(path), _) => cpu.force_from(path, Table::Named)?,
+            (None, Some(file)) => cpu.force_from(Path::new(&format!("{file}.force")), Table::Kept)?,
             (None, None) => {}
         }
         if cpu.is_forcing() {

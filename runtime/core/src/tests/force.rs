@@ -7,6 +7,7 @@ use plcc_abi::layout;
 
 use super::helpers::{Block, cpu_with, run};
 use crate::cpu::Cpu;
+use crate::force::Table;
 
 /// OB 1 copies IB 0 to MB 0 and PIB 0 to MB 1, reads back QB 0 to MB 2, writes 16#0F to QB 0, and 16#AA to PQB 4.
 fn cpu(family: Family) -> Rc<Cpu> {
@@ -139,12 +140,12 @@ fn a_file_keeps_what_is_forced() {
     let path = std::env::temp_dir().join(format!("plcc-force-{}-gate.toml", std::process::id()));
     let _ = std::fs::remove_file(&path);
     let before = cpu(Family::S71500);
-    assert!(before.force_from(&path, false).is_err());
-    assert_eq!(before.force_from(&path, true), Ok(()));
+    assert!(before.force_from(&path, Table::Named).is_err());
+    assert_eq!(before.force_from(&path, Table::Kept), Ok(()));
     assert_eq!(before.force("I0.3:P", "1"), Ok(()));
     assert_eq!(before.force("QW6", "16#0102"), Ok(()));
     let after = cpu(Family::S71500);
-    assert_eq!(after.force_from(&path, false), Ok(()));
+    assert_eq!(after.force_from(&path, Table::Named), Ok(()));
     assert_eq!(after.forced(), before.forced());
     run(&after, 1);
     assert_eq!((seen(&after)[0], after.driver.output(6, 2)), (0x0B, 0x0102));
@@ -153,7 +154,29 @@ fn a_file_keeps_what_is_forced() {
         "[[force]]\naddress = \"I0.0\"\nvalue = \"1\"\n[[force]]\naddress = \"M0.0\"\nvalue = \"1\"\n",
     )
     .unwrap();
-    let message = cpu(Family::S71500).force_from(&path, false).unwrap_err();
-    let _ = std::fs::remove_file(&path);
+    let message = cpu(Family::S71500).force_from(&path, Table::Named).unwrap_err();
     assert!(message.contains("gate.toml:5: M0.0 is neither"), "{message}");
+    let _ = std::fs::remove_file(&path);
+}
+
+/// The run before was of another version of the program.
+#[test]
+fn what_the_program_does_not_have_any_more_is_left_out() {
+    let path = std::env::temp_dir().join(format!("plcc-force-{}-stale.toml", std::process::id()));
+    let row = |name: &str, value: &str| format!("[[force]]\naddress = \"{name}\"\nvalue = \"{value}\"\n");
+    let text = [row("\\\"Gate\\\"", "1"), row("I0.2", "1"), row("M0.0", "1"), row("QB0", "16#55")].concat();
+    std::fs::write(&path, text).unwrap();
+    let cpu = cpu(Family::S71500);
+    assert_eq!(cpu.force_from(&path, Table::Kept), Ok(()));
+    let names: Vec<String> = cpu.forced().into_iter().map(|one| one.name).collect();
+    assert_eq!(names, ["I0.2", "QB0"]);
+    let entries: Vec<(u16, u32)> =
+        cpu.diagnostics.newest_first().iter().map(|entry| (entry.event, entry.info)).collect();
+    assert_eq!(entries, [(0xC032, 2), (0xC034, 2)]);
+    // The table is renewed with the next change, and leaves nothing beside it.
+    assert_eq!(cpu.unforce(Some("I0.2")), Ok(()));
+    assert_eq!(std::fs::read_to_string(&path).unwrap().matches("address").count(), 1);
+    let beside = std::env::temp_dir().join(format!("plcc-force-{}-stale.toml.new", std::process::id()));
+    assert!(!beside.exists());
+    let _ = std::fs::remove_file(&path);
 }
