@@ -197,6 +197,25 @@ async function forcing(tab) {
   await until(tab, "nothing", `document.querySelector("#forced").hidden && document.querySelectorAll("#forces tr").length === 0`);
 }
 
+// Outputs in STOP, to test the wiring.
+async function outputs(tab) {
+  const enabled = `document.querySelector("#enabled").checkVisibility()`;
+  await tab(`table.add("PQB4")`);
+  await until(tab, "the value of the module", `/^16#/.test(${value("PQB4")})`);
+  await enter(tab, "PQB4", "A5");
+  await modify(tab, "PQB4");
+  await until(tab, "why not", `/outputs are disabled/.test(document.querySelector("#refused").textContent)`);
+  await press(tab, "outputs");
+  await answer(tab, "the question", "#question-yes");
+  await until(tab, "that outputs are enabled", enabled);
+  await isValue(tab, "PQB4", "16#00");
+  await modify(tab, "PQB4");
+  await isValue(tab, "PQB4", "16#A5");
+  await press(tab, "outputs");
+  await until(tab, "that outputs are disabled", `!${enabled}`);
+  await isValue(tab, "PQB4", "16#00");
+}
+
 async function reset(tab) {
   await show(tab, "table");
   await isValue(tab, "MW10", "120");
@@ -211,6 +230,7 @@ async function reset(tab) {
   await isValue(tab, "MW10", "0");
   await until(tab, "the event", `/memory reset/.test(document.querySelector("#events tr")?.textContent)`);
   await until(tab, "STOP as before", `document.querySelector("#state").textContent === "STOP"`);
+  await outputs(tab);
   await tab(`document.querySelector("#run").click()`);
   await answer(tab, "the question", "#question-yes");
   await until(tab, "RUN", `document.querySelector("#state").textContent === "RUN"`);

@@ -316,6 +316,7 @@ impl Cpu {
         self.check_address(address)?;
         address.check_settable()?;
         address.check_value(value)?;
+        self.check_enabled(address.place)?;
         match address.place {
             Place::Timer(_) | Place::Counter(_) => {}
             Place::TimerValue(number) => timers::set_value(&self.memory, &self.clock, number, value as u16),
@@ -353,7 +354,11 @@ impl Cpu {
                     self.peripheral_write(byte, width.bytes(), value as u32);
                 }
             },
-            Place::Output(_) | Place::BitMemory(_) | Place::Db(..) => self.write_memory(address, value),
+            Place::Output(byte) => {
+                self.write_memory(address, value);
+                self.show_enabled(byte, address.width);
+            }
+            Place::BitMemory(_) | Place::Db(..) => self.write_memory(address, value),
         }
         Ok(())
     }

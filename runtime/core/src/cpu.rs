@@ -19,6 +19,7 @@ use crate::clock::{Clock, NS_PER_MS};
 use crate::code::Code;
 use crate::communication::Communication;
 use crate::diagnostics::{Diagnostics, Entry};
+use crate::enabled::Enabled;
 use crate::family::{Family, Step7};
 use crate::force::Force;
 use crate::io::Driver;
@@ -135,6 +136,8 @@ pub struct Cpu {
     pub(crate) force: Force,
     /// Values that clients modify in the cycle.
     pub(crate) jobs: Jobs,
+    /// Outputs in STOP.
+    pub(crate) enabled: Enabled,
     /// How often the program was changed.
     pub(crate) generation: u64,
     /// Run-time meters.
@@ -235,6 +238,7 @@ impl Cpu {
             meters: Default::default(),
             force: Force::default(),
             jobs: Jobs::default(),
+            enabled: Enabled::default(),
             generation: 0,
             outputs_changed: Cell::new(u32::MAX),
             cycle_obs,

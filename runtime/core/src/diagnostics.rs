@@ -34,6 +34,10 @@ pub const FORCE_ACTIVE: u16 = 0xC032;
 pub const FORCE_ENDED: u16 = 0xC033;
 pub const FORCE_LEFT_OUT: u16 = 0xC034;
 
+/// Outputs are enabled in STOP, or disabled again; no event of a CPU has these numbers.
+pub const OUTPUTS_ENABLED: u16 = 0xC035;
+pub const OUTPUTS_DISABLED: u16 = 0xC036;
+
 /// No place in the program is known.
 pub const NO_SITE: u32 = u32::MAX;
 
@@ -197,6 +201,8 @@ pub fn event_text(image: &ProgramImage, entry: &Entry) -> String {
             "1 value that was forced is not forced any more: the program has changed".to_string()
         }
         FORCE_LEFT_OUT => format!("{info} values that were forced are not forced any more: the program has changed"),
+        OUTPUTS_ENABLED => "a client has enabled the outputs in STOP".to_string(),
+        OUTPUTS_DISABLED => "outputs are disabled again".to_string(),
         PROGRAM_CHANGED => "the program was changed".to_string(),
         event => format!("event of class {}", event >> 12),
     };

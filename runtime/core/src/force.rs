@@ -369,6 +369,7 @@ impl Cpu {
     }
 
     fn force_changed(&self) {
+        self.end_enabling();
         self.renew_force();
         // Outputs fall to what the image says, also those that no code writes.
         self.note_outputs(u32::MAX);
@@ -406,6 +407,13 @@ impl Cpu {
             if let Some(value) = image.get_mut(byte as usize) {
                 *value = mask.over(*value);
             }
+        }
+    }
+
+    /// Forced outputs go to their modules; the bits beside them stay.
+    pub(crate) fn write_forced_outputs(&self) {
+        for (&byte, mask) in &*self.force.outputs.borrow() {
+            self.driver.write(byte, 1, u32::from(mask.over(self.driver.output(byte, 1) as u8)));
         }
     }
 

@@ -20,6 +20,10 @@ pub trait Driver {
     fn write_image(&self, image: &[u8]);
     /// The CPU is in STOP: outputs of modules in a station show 0 or their substitute values.
     fn stop(&self);
+    /// In STOP: outputs have their values of STOP, and what is written from now on reaches the modules, until [`Driver::stop`].
+    fn enable(&self);
+    /// In STOP: what was written since the outputs were enabled goes to the devices.
+    fn hand_over(&self) {}
     /// The value last written to an output, for `--print PQW 256`.
     fn output(&self, address: u32, bytes: u32) -> u32;
     /// Sets the value of an input module; from then on the byte is [named](Driver::named).
@@ -165,6 +169,11 @@ impl Driver for Simulated {
                 (0..length / 2).for_each(|word| put(outputs, start + 2 * word, 2, station.substitute));
             }
         }
+    }
+
+    fn enable(&self) {
+        self.bytes.borrow_mut().outputs.fill(0);
+        self.stop();
     }
 
     fn output(&self, address: u32, bytes: u32) -> u32 {

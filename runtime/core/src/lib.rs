@@ -39,6 +39,7 @@ pub mod cpu;
 pub mod cycle;
 pub mod datetime;
 pub mod diagnostics;
+mod enabled;
 pub mod events;
 #[cfg(all(feature = "executable", not(test)))]
 pub mod executable;

@@ -39,6 +39,7 @@ impl Cpu {
     pub fn check_modifiable(&self, settled: &Settled) -> Result<(), String> {
         self.check_address(&settled.address)?;
         settled.address.check_settable()?;
+        self.check_enabled(settled.address.place)?;
         match settled.address.place {
             Place::Db(number, _) if self.is_read_only(number) => Err(format!("DB {number} is write-protected")),
             _ => Ok(()),

@@ -109,6 +109,7 @@ impl Cpu {
     /// # Panics
     /// If the CPU has another owner.
     pub(crate) fn restarted(cpu: Rc<Cpu>, kind: Restart) -> Rc<Cpu> {
+        cpu.end_enabling();
         let carried = (kind == Restart::Warm).then(|| Carried::of(&cpu));
         let stopped = Rc::into_inner(cpu).expect("only the run owns its CPU");
         // The rest ends here, with its threads, files and connections.

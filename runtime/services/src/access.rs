@@ -210,6 +210,10 @@ impl Plc for Access<'_> {
                 if place.bit.is_some() {
                     return Err(ItemError::OutOfRange);
                 }
+                // Outputs are disabled then.
+                if self.0.is_stopped() {
+                    return Err(ItemError::NotAllowed);
+                }
                 let missing =
                     (place.start..).zip(data).any(|(byte, value)| self.0.peripheral_write(byte, 1, u32::from(*value)));
                 return if missing { Err(ItemError::Hardware) } else { Ok(()) };

@@ -28,6 +28,7 @@ impl Cpu {
         mut image: ProgramImage,
         code: Rc<dyn Code>,
     ) -> Vec<String> {
+        cpu.end_enabling();
         let renamed = cpu.keep_sites(&mut image);
         // Clock and driver of the old one take the places of these.
         let mut next = Cpu::new(image, code, Clock::simulated(), Box::new(Simulated::new(None)));

@@ -24,7 +24,7 @@ use crate::cpu::Cpu;
 use crate::diagnostics::NO_SITE;
 use crate::events::{Event, StartInfo};
 use crate::io::{Change, Driver, Simulated};
-use station::Station;
+use station::{Shared, Station};
 
 /// How long the startup waits for devices. Source: parameters of the CPU, monitoring time for the ready message; here shorter.
 const STARTUP_WAIT: Duration = Duration::from_secs(2);
@@ -155,12 +155,30 @@ impl Remote {
         if device.stopped.get() || !device.config.channels.iter().any(|channel| channel.output) {
             return;
         }
-        let Some(mut shared) = device.station.try_shared() else { return };
+        // If the thread is at work, then next time.
+        if let Some(mut shared) = device.station.try_shared() {
+            self.fill(device, &mut shared);
+        }
+    }
+
+    fn fill(&self, device: &Device, shared: &mut Shared) {
         for (channel, exchanged) in device.config.channels.iter().zip(&mut shared.channels) {
             if channel.output {
                 for (address, byte) in (channel.byte..).zip(&mut exchanged.bytes) {
                     *byte = self.own.output(address, 1) as u8;
                 }
+            }
+        }
+    }
+
+    /// The outputs of a device get the substitute values that it shows in STOP.
+    fn substitute_outputs(&self, device: &Device) {
+        for channel in device.config.channels.iter().filter(|channel| channel.output) {
+            let addresses = channel.byte..channel.byte + channel.bytes();
+            let mut bytes: Vec<u8> = addresses.clone().map(|address| self.own.output(address, 1) as u8).collect();
+            data::substitute(channel, &mut bytes);
+            for (address, byte) in addresses.zip(bytes) {
+                self.own.write(address, 1, byte.into());
             }
         }
     }
@@ -230,6 +248,20 @@ impl Driver for Remote {
     fn stop(&self) {
         self.own.stop();
         self.devices.iter().for_each(|device| self.give_substitutes(device));
+    }
+
+    fn enable(&self) {
+        self.own.enable();
+        for device in &self.devices {
+            self.substitute_outputs(device);
+            device.stopped.set(false);
+        }
+    }
+
+    fn hand_over(&self) {
+        for device in self.devices.iter().filter(|device| !device.stopped.get()) {
+            self.fill(device, &mut device.station.shared());
+        }
     }
 
     fn output(&self, address: u32, bytes: u32) -> u32 {

@@ -116,6 +116,10 @@ impl Driver for Repeated {
         self.own.stop();
     }
 
+    fn enable(&self) {
+        self.own.enable();
+    }
+
     fn output(&self, address: u32, bytes: u32) -> u32 {
         self.own.output(address, bytes)
     }

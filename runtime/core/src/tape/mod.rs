@@ -296,6 +296,14 @@ impl Driver for Noted {
         self.inner.stop();
     }
 
+    fn enable(&self) {
+        self.inner.enable();
+    }
+
+    fn hand_over(&self) {
+        self.inner.hand_over();
+    }
+
     fn output(&self, address: u32, bytes: u32) -> u32 {
         self.inner.output(address, bytes)
     }

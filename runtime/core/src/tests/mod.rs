@@ -2,6 +2,7 @@
 
 mod communication;
 mod cycle;
+mod enabled;
 mod faults;
 mod force;
 mod helpers;

@@ -51,6 +51,10 @@ pub enum Order {
         name: Option<String>,
     },
     Stop,
+    /// Outputs in STOP: what this page modifies reaches the modules, or no page does that any more.
+    Outputs {
+        enable: bool,
+    },
     /// Memory reset, in STOP.
     Reset,
     /// A restart by one of the words `warm`, `cold`.
@@ -161,6 +165,8 @@ pub struct State {
     pub running: bool,
     /// Why it is in STOP.
     pub reason: String,
+    /// Outputs are enabled nevertheless.
+    pub outputs: bool,
     pub cycle: u64,
     /// How often the program was changed while it ran.
     pub generation: u64,

@@ -99,6 +99,7 @@ pub async fn serve(socket: WebSocket, link: Link, user: String, role: Role, is_s
     // From now on the code without probes runs, if nobody else watches.
     let left = link.ask(move |cpu| {
         cpu.unwatch_block(client);
+        cpu.disable_outputs(client);
         let _ = cpu.begin_job(client, Vec::new());
     });
     left.await;
@@ -418,6 +419,7 @@ fn state(cpu: &Cpu) -> State {
     State {
         running: !cpu.is_stopped(),
         reason: reason.unwrap_or_default(),
+        outputs: cpu.has_enabled_outputs(),
         cycle: cpu.cycle_number(),
         generation: cpu.generation(),
         clock: milliseconds(cpu.clock.wall()),
@@ -464,6 +466,9 @@ impl Changed {
             Changed::Value(source, _) => {
                 source.check(cpu)?;
                 source.check_settable()?;
+                if let Some(address) = source.address() {
+                    cpu.check_enabled(address.place)?;
+                }
                 match source.address().map(|address| address.place) {
                     Some(Place::Db(number, _)) if cpu.is_read_only(number) => {
                         Err(format!("DB {number} is write-protected"))
@@ -515,8 +520,10 @@ fn prepare(order: Order, client: u64, image: &Arc<ProgramImage>) -> Result<Act, 
         let is_same = is_same.clone();
         Ok(Box::new(move |cpu| {
             is_same(cpu)?;
-            changed.iter().try_for_each(|one| one.check(cpu))?;
-            changed.iter().try_for_each(|one| one.write(cpu))
+            cpu.for_client(client, || {
+                changed.iter().try_for_each(|one| one.check(cpu))?;
+                changed.iter().try_for_each(|one| one.write(cpu))
+            })
         }))
     };
     let act: Act = match order {
@@ -549,6 +556,12 @@ fn prepare(order: Order, client: u64, image: &Arc<ProgramImage>) -> Result<Act, 
             cpu.stop_by_request();
             Ok(())
         }),
+        Order::Outputs { enable: true } => Box::new(move |cpu| cpu.enable_outputs(client)),
+        // Whoever has enabled them: it is the safe side.
+        Order::Outputs { enable: false } => Box::new(|cpu| {
+            cpu.end_enabling();
+            Ok(())
+        }),
         Order::Reset => Box::new(Cpu::request_memory_reset),
         Order::Run { restart } => Box::new(move |cpu| run(cpu, &restart)),
     };
@@ -567,7 +580,12 @@ async fn carry_out(
         Order::Watch { .. } | Order::Status { .. } | Order::Obs | Order::Trace(_) => Role::Look,
         Order::Modify(_) | Order::All { .. } | Order::Job { .. } => Role::Operate,
         // It outlasts the connection: a right to write programs, not values. Source: CPU manuals, protection levels.
-        Order::Force(_) | Order::Unforce { .. } | Order::Stop | Order::Reset | Order::Run { .. } => Role::Change,
+        Order::Force(_)
+        | Order::Unforce { .. }
+        | Order::Stop
+        | Order::Outputs { .. }
+        | Order::Reset
+        | Order::Run { .. } => Role::Change,
     };
     if role < needed {
         return Some(Some(match needed {

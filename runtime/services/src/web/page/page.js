@@ -119,6 +119,10 @@ function state(it) {
   $("stop").disabled = !it.running;
   $("run").disabled = $("restart").disabled = it.running;
   $("reset").hidden = it.running || !live.resets;
+  $("outputs").hidden = it.running;
+  $("outputs").textContent = it.outputs ? "disable outputs" : "enable outputs";
+  $("enabled").hidden = !it.outputs;
+  live.outputs = it.outputs;
   $("clock").textContent = time(it.clock);
   $("cycle").textContent = `cycle ${it.cycle.toLocaleString("en")}`;
 }
@@ -402,6 +406,11 @@ $("run").onclick = async () => { if (await ask(`Start the CPU with a ${$("restar
 $("reset").onclick = async () => {
   const question = "Reset the memory of the CPU? All data begins with its start values, also what is retentive. This cannot be undone. The program stays.";
   if (await ask(question, "Reset memory") !== null) send({ do: "reset" });
+};
+$("outputs").onclick = async () => {
+  const question = "Enable the peripheral outputs in STOP? What you modify there reaches the plant, until RUN or the end of this page.";
+  if (live.outputs) send({ do: "outputs", enable: false });
+  else if (await ask(question, "Enable") !== null) send({ do: "outputs", enable: true });
 };
 $("forced").onclick = () => { location.hash = "force"; };
 
