@@ -90,10 +90,16 @@ fn watch(model: &Model, frame: &mut Frame, area: Rect) {
             Some(Err(why)) => (why.clone(), String::new(), Style::new().fg(Color::Red)),
             None => (String::new(), String::new(), Style::new()),
         };
+        let arrow = match (model.entered.get(name), value.is_empty()) {
+            (Some(entered), true) => format!("→ {entered}"),
+            (Some(entered), false) => format!("  → {entered}"),
+            (None, _) => String::new(),
+        };
+        let arrow = Span::styled(arrow, Style::new().fg(Color::DarkGray));
         Row::new([
             Cell::new(if forced { "F" } else { "" }).style(Style::new().fg(Color::Yellow)),
             Cell::new(name.clone()),
-            Cell::new(value).style(style),
+            Cell::new(Line::from(vec![Span::styled(value, style), arrow])),
             Cell::new(ty).style(Style::new().fg(Color::DarkGray)),
         ])
     };
@@ -143,12 +149,17 @@ fn foot(model: &Model) -> Line<'_> {
     }
     let own = match model.part {
         Part::Program => "Enter: open, watch  /: search",
-        Part::Watch if model.role() == Role::Look => "d: remove",
-        Part::Watch if model.role() == Role::Operate => "m: modify  d: remove",
-        Part::Watch => "m: modify  f: force  u: end forcing  d: remove",
+        Part::Watch if model.role() == Role::Change => "f: force  u: end forcing  d: remove",
+        Part::Watch => "d: remove",
         Part::Diagnostics => "",
+    };
+    let may_modify = model.part == Part::Watch && model.role() != Role::Look;
+    let modify = match (may_modify, model.entered.is_empty()) {
+        (true, true) => "m: modify  ",
+        (true, false) => "m: modify  M: all  ",
+        (false, _) => "",
     };
     let control = if model.role() == Role::Change { "  S: stop  R: run" } else { "" };
     let tables = if model.has_tables() { "  t: next table" } else { "" };
-    Line::from(format!("Tab ↑↓  {own}  a: add{tables}{control}  q: leave"))
+    Line::from(format!("Tab ↑↓  {modify}{own}  a: add{tables}{control}  q: leave"))
 }

@@ -13,14 +13,12 @@ pub enum Order {
         #[serde(skip_serializing_if = "Vec::is_empty")]
         formats: Vec<Option<String>>,
     },
-    Modify {
-        name: String,
-        value: String,
+    Modify(Change),
+    /// All of them at one moment, or none.
+    All {
+        rows: Vec<Change>,
     },
-    Force {
-        name: String,
-        value: String,
-    },
+    Force(Change),
     Unforce {
         name: Option<String>,
     },
@@ -28,6 +26,16 @@ pub enum Order {
     Run {
         restart: String,
     },
+}
+
+/// A value that something gets.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Change {
+    pub name: String,
+    pub value: String,
+    /// `None`: as its type is written.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub format: Option<String>,
 }
 
 /// What is new; what has not changed is left out.
@@ -70,6 +78,9 @@ pub struct Shown {
     pub text: String,
     #[serde(rename = "type")]
     pub ty: String,
+    /// Its width, if it can have other formats; else 0.
+    #[serde(default)]
+    pub bits: u32,
 }
 
 /// An event of the diagnostic buffer; its clock in milliseconds since 1970. Its text has its number.
@@ -86,11 +97,12 @@ pub struct Sheet {
     pub row: Vec<SheetRow>,
 }
 
-/// A row of it; what is modified and when is for the page.
+/// A row of it; values are modified at once here, in the cycle by the page.
 #[derive(Clone, Debug, Deserialize)]
 pub struct SheetRow {
     pub address: String,
     pub format: Option<String>,
+    pub modify: Option<String>,
 }
 
 /// A value that the program uses.

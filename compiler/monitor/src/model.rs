@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::messages::{Entry, Forced, Hello, News, Order, Shown, State};
+use crate::messages::{Change, Entry, Forced, Hello, News, Order, Shown, State};
 use plcc_abi::services::Role;
 use ratatui::crossterm::event::KeyCode;
 
@@ -62,6 +62,8 @@ pub struct Model {
     pub watched: Vec<String>,
     /// Formats of watched names, where a table has them.
     formats: BTreeMap<String, String>,
+    /// Modify values of watched names, of a table or as they were entered.
+    pub entered: BTreeMap<String, String>,
     /// The watch tables of the project.
     tables: Vec<String>,
     /// The one that is shown.
@@ -96,6 +98,7 @@ impl Model {
             part: if watched.is_empty() { Part::Program } else { Part::Watch },
             watched,
             formats: BTreeMap::new(),
+            entered: BTreeMap::new(),
             tables: Vec::new(),
             table: None,
             wanted: None,
@@ -153,6 +156,7 @@ impl Model {
             Incoming::Table(name, tables, Ok(sheet)) => {
                 self.tables = tables;
                 self.formats.clear();
+                self.entered.clear();
                 self.watched.clear();
                 for row in sheet.row {
                     // The values of a name are told once.
@@ -160,6 +164,7 @@ impl Model {
                         continue;
                     }
                     self.formats.extend(row.format.map(|format| (row.address.clone(), format)));
+                    self.entered.extend(row.modify.map(|value| (row.address.clone(), value)));
                     self.watched.push(row.address);
                 }
                 self.table = Some(name);
@@ -317,16 +322,40 @@ impl Model {
         let at = self.row(Part::Watch);
         let Some(name) = self.watched.get(at).cloned() else { return };
         match key {
-            KeyCode::Char('m') => self.asks = Some((Asks::Modify, String::new())),
+            KeyCode::Char('m') => {
+                self.asks = Some((Asks::Modify, self.entered.get(&name).cloned().unwrap_or_default()));
+            }
+            KeyCode::Char('M') => self.modify_all(),
             KeyCode::Char('f') => self.asks = Some((Asks::Force, String::new())),
             KeyCode::Char('u') => self.orders.push(Order::Unforce { name: Some(name) }),
             KeyCode::Char('d') | KeyCode::Delete => {
                 self.watched.remove(at);
+                self.entered.remove(&name);
                 self.go(0);
                 self.watch();
             }
             _ => {}
         }
+    }
+
+    /// All rows get their modify values, once, as `modify all now` of the page does.
+    fn modify_all(&mut self) {
+        let change = |name: &String| Some(self.change(name.clone(), self.entered.get(name)?.clone()));
+        let rows: Vec<Change> = self.watched.iter().filter_map(change).collect();
+        match rows.is_empty() {
+            true => self.refused = "no row has a modify value".to_string(),
+            false => self.orders.push(Order::All { rows }),
+        }
+    }
+
+    /// A value as it was entered: in the format of the row; an address without a declared type is written as it is shown, hexadecimal.
+    fn change(&self, name: String, value: String) -> Change {
+        let is_untyped =
+            |shown: &Shown| shown.bits > 0 && matches!(shown.ty.as_str(), "BYTE" | "WORD" | "DWORD" | "LWORD");
+        let shown = self.values.get(&name).and_then(|shown| shown.as_ref().ok());
+        let usual = || shown.is_some_and(is_untyped).then(|| "hex".to_string());
+        let format = self.formats.get(&name).cloned().or_else(usual);
+        Change { name, value, format }
     }
 
     /// A value becomes a row of the watch table.
@@ -370,10 +399,20 @@ impl Model {
             (Asks::Stop | Asks::Run, _) if !text.eq_ignore_ascii_case("y") => {}
             (Asks::Stop, _) => self.orders.push(Order::Stop),
             (Asks::Run, _) => self.orders.push(Order::Run { restart: "warm".to_string() }),
+            (Asks::Modify, Some(name)) if text.is_empty() => {
+                self.entered.remove(&name);
+            }
             (_, _) if text.is_empty() => {}
             (Asks::Name, _) => self.add(text),
-            (Asks::Modify, Some(name)) => self.orders.push(Order::Modify { name, value: text }),
-            (Asks::Force, Some(name)) => self.orders.push(Order::Force { name, value: text }),
+            (Asks::Modify, Some(name)) => {
+                self.entered.insert(name.clone(), text.clone());
+                let change = self.change(name, text);
+                self.orders.push(Order::Modify(change));
+            }
+            (Asks::Force, Some(name)) => {
+                let change = self.change(name, text);
+                self.orders.push(Order::Force(change));
+            }
             (Asks::Modify | Asks::Force, None) => {}
         }
     }

@@ -1,6 +1,6 @@
 //! Pictures of models, and what keys order. `UPDATE_EXPECT=1` renews the pictures.
 
-use crate::messages::{Entry, Forced, Hello, Listed, News, Order, Shown, State};
+use crate::messages::{Change, Entry, Forced, Hello, Listed, News, Order, Shown, State};
 use ratatui::Terminal;
 use ratatui::backend::TestBackend;
 use ratatui::crossterm::event::KeyCode;
@@ -56,7 +56,7 @@ fn model(role: &str) -> Model {
     let mut model = Model::new("127.0.0.1:8080", vec!["MW10".to_string(), "I0.0".to_string(), "Nobody".to_string()]);
     model.take(listed());
     model.take(Incoming::News(Box::new(news(role))));
-    let shown = |text: &str, ty: &'static str| Shown { text: text.to_string(), ty: ty.to_string() };
+    let shown = |text: &str, ty: &'static str| Shown { text: text.to_string(), ty: ty.to_string(), bits: 16 };
     model.take(Incoming::News(Box::new(News {
         values: vec![(0, shown("16#002A", "WORD")), (1, shown("1", "BOOL"))],
         wrong: vec![(2, "`Nobody` is not a name".to_string())],
@@ -77,6 +77,10 @@ fn keys(model: &mut Model, keys: &str) {
             letter => KeyCode::Char(letter),
         });
     }
+}
+
+fn change(name: &str, value: &str, format: Option<&str>) -> Change {
+    Change { name: name.to_string(), value: value.to_string(), format: format.map(str::to_string) }
 }
 
 #[test]
@@ -103,8 +107,8 @@ fn values_are_modified_and_forced() {
     let text = str::to_string;
     keys(&mut model, "m12←7\n↓f0\nuS\nSy\nRy\n");
     let orders = [
-        Order::Modify { name: text("MW10"), value: text("17") },
-        Order::Force { name: text("I0.0"), value: text("0") },
+        Order::Modify(change("MW10", "17", Some("hex"))),
+        Order::Force(change("I0.0", "0", None)),
         Order::Unforce { name: Some(text("I0.0")) },
         Order::Stop,
         Order::Run { restart: text("warm") },
@@ -129,14 +133,29 @@ fn watch_tables_of_the_project_are_shown_one_after_the_other() {
     keys(&mut model, "t");
     assert_eq!(model.wanted().as_deref(), Some("level"));
     assert_eq!(model.wanted(), None);
-    let sheet =
-        r#"{"row": [{"address": "MW10", "format": "dec", "comment": "x"}, {"address": "MW10"}, {"address": "I0.0"}]}"#;
+    let sheet = r#"{"row": [{"address": "MW10", "format": "dec", "comment": "x", "modify": "120", "trigger": "end"},
+        {"address": "MW10"}, {"address": "I0.0"}]}"#;
     let all = || ["level", "speed"].map(str::to_string).to_vec();
     model.take(Incoming::Table("level".to_string(), all(), Ok(serde_json::from_str(sheet).expect("it is a table"))));
     let names = ["MW10", "I0.0"].map(str::to_string).to_vec();
     let formats = vec![Some("dec".to_string()), None];
     assert_eq!(model.orders().collect::<Vec<_>>(), [Order::Watch { names, formats }]);
     check("table.txt", &model);
+    keys(&mut model, "M↓m1\nMm←\nM");
+    let (speed, input) = (change("MW10", "120", Some("dec")), change("I0.0", "1", None));
+    let orders = [
+        Order::All { rows: vec![speed.clone()] },
+        Order::Modify(input.clone()),
+        Order::All { rows: vec![speed.clone(), input] },
+        Order::All { rows: vec![speed] },
+    ];
+    assert_eq!(model.orders().collect::<Vec<_>>(), orders);
+    let text = serde_json::to_string(&orders[0]).expect("it is JSON");
+    assert_eq!(text, r#"{"do":"all","rows":[{"name":"MW10","value":"120","format":"dec"}]}"#);
+    keys(&mut model, "↑dM");
+    assert!(model.refused.contains("no row has a modify value"));
+    keys(&mut model, "aMW10\n");
+    let _ = model.orders().count();
     keys(&mut model, "t");
     assert_eq!(model.wanted().as_deref(), Some("speed"));
     model.take(Incoming::Table("speed".to_string(), all(), Err("tables/speed.toml: line 2: wrong".to_string())));
