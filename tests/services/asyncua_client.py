@@ -282,6 +282,45 @@ async def subscriptions(client):
     await subscription.delete()
 
 
+class Events:
+    def __init__(self):
+        self.seen = []
+
+    def event_notification(self, event):
+        self.seen.append(event)
+
+
+# The diagnostic buffer.
+async def events(client):
+    all_events, stops = Events(), Events()
+    subscription = await client.create_subscription(50, all_events)
+    await subscription.subscribe_events()
+    chosen = await client.create_subscription(50, stops)
+    await chosen.subscribe_events(evtypes=ua.ObjectIds.SystemEventType)
+    state = node(client, "PLC.State")
+    await state.write_value("STOP", V.String)
+    await until(lambda: any("STOP" in event.Message.Text for event in all_events.seen), all_events.seen)
+    await asyncio.sleep(0.1)
+    await state.write_value("RUN", V.String)
+    await until(lambda: any("RUN" in event.Message.Text for event in all_events.seen), all_events.seen)
+    texts = [event.Message.Text.split(";")[0] for event in all_events.seen]
+    assert [text for text in texts if text.startswith("16#43")] == [
+        "16#4304 STOP by a client",
+        "16#4301 startup",
+        "16#4302 RUN",
+    ], texts
+    await until(lambda: len(stops.seen) == len(all_events.seen), stops.seen)
+    stop = next(event for event in all_events.seen if "STOP" in event.Message.Text)
+    assert (stop.SourceName, stop.Severity, stop.EventType.Identifier) == ("PLC", 100, 2130), stop
+    assert len({event.EventId for event in all_events.seen}) == len(all_events.seen)
+    assert (await client.nodes.server.read_event_notifier()) == {ua.EventNotifier.SubscribeToEvents}
+    await refused(
+        ua.StatusCodes.BadAttributeIdInvalid, subscription.subscribe_events(sourcenode=ua.ObjectIds.ObjectsFolder)
+    )
+    await subscription.delete()
+    await chosen.delete()
+
+
 async def control(client):
     cycle, all_values = node(client, '"Counted"."cycle"'), node(client, '"Counted"."all"')
     for _ in range(50):
@@ -311,6 +350,7 @@ async def without_users():
         await structures(client)
         await units(client)
         await subscriptions(client)
+        await events(client)
         await control(client)
 
 

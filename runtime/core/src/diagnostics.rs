@@ -73,12 +73,18 @@ pub fn is_fault(event: u16) -> bool {
 pub struct Diagnostics {
     entries: RefCell<Vec<Entry>>,
     next: Cell<usize>,
+    count: Cell<u64>,
     faults: Cell<u64>,
 }
 
 impl Default for Diagnostics {
     fn default() -> Self {
-        Diagnostics { entries: RefCell::new(Vec::with_capacity(CAPACITY)), next: Cell::new(0), faults: Cell::new(0) }
+        Diagnostics {
+            entries: RefCell::new(Vec::with_capacity(CAPACITY)),
+            next: Cell::new(0),
+            count: Cell::new(0),
+            faults: Cell::new(0),
+        }
     }
 }
 
@@ -87,6 +93,7 @@ impl Diagnostics {
         if is_fault(entry.event) {
             self.faults.set(self.faults.get() + 1);
         }
+        self.count.set(self.count.get() + 1);
         let mut entries = self.entries.borrow_mut();
         if entries.len() < CAPACITY {
             entries.push(entry);
@@ -94,6 +101,11 @@ impl Diagnostics {
             entries[self.next.get()] = entry;
         }
         self.next.set((self.next.get() + 1) % CAPACITY);
+    }
+
+    /// Entries since the CPU was switched on, those that the ring does not hold any more included.
+    pub fn count(&self) -> u64 {
+        self.count.get()
     }
 
     /// Faults that came since the CPU was switched on.
@@ -301,7 +313,7 @@ mod tests {
             diagnostics.push(Entry { event: 1, info, access: 0, site: NO_SITE, ob: 0, wall: 0 });
         }
         let infos: Vec<u32> = diagnostics.newest_first().iter().map(|entry| entry.info).collect();
-        assert_eq!(infos.len(), CAPACITY);
+        assert_eq!((infos.len(), diagnostics.count()), (CAPACITY, CAPACITY as u64 + 3));
         assert_eq!(infos[0], CAPACITY as u32 + 2);
         assert_eq!(infos[CAPACITY - 1], 3);
     }

@@ -87,6 +87,11 @@ pub const OPCUA_KEPT_MAX: u32 = 256 * 1024;
 pub const OPCUA_PUBLISHES_MAX: usize = 20;
 pub const OPCUA_UNACKNOWLEDGED_MAX: usize = 20;
 pub const OPCUA_UNACKNOWLEDGED_BYTES_MAX: usize = 1024 * 1024;
+/// Of a session: items that watch events; of such an item: fields, and conditions with their operands; events of one message.
+pub const OPCUA_EVENT_ITEMS_MAX: usize = 10;
+pub const OPCUA_EVENT_FIELDS_MAX: usize = 100;
+pub const OPCUA_EVENT_OPERANDS_MAX: usize = 1_000;
+pub const OPCUA_EVENTS_MAX: usize = 50;
 /// The shortest time from one look at a value to the next.
 pub const OPCUA_SAMPLING_MIN: Duration = Duration::from_millis(50);
 /// How long a session lasts without a request, and a channel until its keys are renewed.

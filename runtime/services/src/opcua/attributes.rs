@@ -6,6 +6,7 @@ use plcc_runtime::options::Restart;
 
 use super::Server;
 use super::code::{DataValue, NodeId, Reader, Scalar, Variant, Writer, moment_of, now, time_of};
+use super::events::EVENT_NOTIFIER;
 use super::range::Range;
 use super::space::{Content, CpuValue, DATA, NAMESPACES, Node};
 use super::standard;
@@ -199,7 +200,10 @@ fn constant(node: &Node, attribute: u32, right: Right) -> Result<Variant, Status
         8 if is_type => Scalar::Bool(false),
         9 if is_reference => Scalar::Bool(false),
         10 if is_reference => Scalar::Localized(String::new()),
-        12 if node.class == standard::OBJECT => Scalar::Byte(0),
+        // It has events that can be subscribed to.
+        EVENT_NOTIFIER if node.class == standard::OBJECT => {
+            Scalar::Byte(u8::from(node.id.standard() == Some(standard::SERVER)))
+        }
         14 if is_variable => Scalar::Node(value_type(node)),
         15 if is_variable => Scalar::Int32(if dimensions.is_empty() { -1 } else { dimensions.len() as i32 }),
         16 if is_variable && !dimensions.is_empty() => {

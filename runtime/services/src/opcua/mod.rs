@@ -5,7 +5,7 @@
 //! - [`connection`]: one client; [`session`]: who it is; [`identity`]: endpoints and users.
 //! - [`standard`], [`space`]: the nodes; [`values`], [`structures`]: PLC values as variants; [`range`]: parts of arrays; [`attributes`]: reading
 //!   and writing; [`view`]: browsing.
-//! - [`subscription`]: values as they change.
+//! - [`subscription`]: values as they change; [`events`]: the diagnostic buffer as events.
 //!
 //! A session belongs to its connection: what a client has is gone when the connection is. So nothing is shared between clients. A connection
 //! ends when the program is changed while it runs, as on an S7-1500: its nodes may mean other places.
@@ -16,6 +16,7 @@ mod channel;
 pub(crate) mod code;
 mod connection;
 pub(crate) mod crypto;
+mod events;
 mod identity;
 mod range;
 mod session;

@@ -377,7 +377,14 @@ impl Session {
             MODIFY_SUBSCRIPTION => subscriptions.modify(reader, &mut out),
             SET_PUBLISHING => subscriptions.set_publishing(reader, &mut out),
             DELETE_SUBSCRIPTIONS => subscriptions.delete(reader, &mut out),
-            CREATE_ITEMS => subscriptions.create_items(server, right, reader, &mut out),
+            CREATE_ITEMS => {
+                let done = subscriptions.create_items(server, right, reader, &mut out);
+                if subscriptions.has_new_events() {
+                    let count = server.link.ask(|cpu| cpu.diagnostics.count()).await?;
+                    subscriptions.begin_events(count);
+                }
+                done
+            }
             MODIFY_ITEMS => subscriptions.modify_items(reader, &mut out),
             SET_MODE => subscriptions.set_mode(reader, &mut out),
             DELETE_ITEMS => subscriptions.delete_items(reader, &mut out),

@@ -19,8 +19,13 @@ pub const HAS_PROPERTY: u32 = 46;
 pub const HAS_COMPONENT: u32 = 47;
 
 pub const OBJECTS: u32 = 85;
+/// The server itself, which has the events.
+pub const SERVER: u32 = 2253;
 pub const FOLDER_TYPE: u32 = 61;
 pub const BASE_OBJECT_TYPE: u32 = 58;
+pub const BASE_EVENT_TYPE: u32 = 2041;
+pub const SYSTEM_EVENT_TYPE: u32 = 2130;
+pub const EVENT_QUEUE_OVERFLOW: u32 = 3035;
 pub const DATA_VARIABLE_TYPE: u32 = 63;
 pub const PROPERTY_TYPE: u32 = 68;
 /// Of a variable with a unit, and of the encoding of a structure.
@@ -65,7 +70,7 @@ pub const ROWS: &[Row] = &[
     object(OBJECTS, "Objects", 84, ORGANIZES, FOLDER_TYPE),
     object(86, "Types", 84, ORGANIZES, FOLDER_TYPE),
     object(87, "Views", 84, ORGANIZES, FOLDER_TYPE),
-    object(2253, "Server", OBJECTS, ORGANIZES, 2004),
+    object(SERVER, "Server", OBJECTS, ORGANIZES, 2004),
     property(2254, "ServerArray", 2253, 12),
     property(2255, "NamespaceArray", 2253, 12),
     component(2256, "ServerStatus", 2253, 2138, 862),
@@ -95,6 +100,17 @@ pub const ROWS: &[Row] = &[
     ty(OBJECT_TYPE, 2013, "ServerCapabilitiesType", BASE_OBJECT_TYPE),
     ty(OBJECT_TYPE, 11564, "OperationLimitsType", FOLDER_TYPE),
     ty(OBJECT_TYPE, ENCODING_TYPE, "DataTypeEncodingType", BASE_OBJECT_TYPE),
+    ty(OBJECT_TYPE, BASE_EVENT_TYPE, "BaseEventType", BASE_OBJECT_TYPE),
+    property(2042, "EventId", BASE_EVENT_TYPE, 15),
+    property(2043, "EventType", BASE_EVENT_TYPE, 17),
+    property(2044, "SourceNode", BASE_EVENT_TYPE, 17),
+    property(2045, "SourceName", BASE_EVENT_TYPE, 12),
+    property(2046, "Time", BASE_EVENT_TYPE, 294),
+    property(2047, "ReceiveTime", BASE_EVENT_TYPE, 294),
+    property(2050, "Message", BASE_EVENT_TYPE, 21),
+    property(2051, "Severity", BASE_EVENT_TYPE, 5),
+    ty(OBJECT_TYPE, SYSTEM_EVENT_TYPE, "SystemEventType", BASE_EVENT_TYPE),
+    ty(OBJECT_TYPE, EVENT_QUEUE_OVERFLOW, "EventQueueOverflowEventType", BASE_EVENT_TYPE),
     root(VARIABLE_TYPE, 62, "BaseVariableType", 89),
     ty(VARIABLE_TYPE, DATA_VARIABLE_TYPE, "BaseDataVariableType", 62),
     ty(VARIABLE_TYPE, PROPERTY_TYPE, "PropertyType", 62),
@@ -120,6 +136,8 @@ pub const ROWS: &[Row] = &[
     ty(DATA_TYPE, 13, "DateTime", 24),
     ty(DATA_TYPE, 294, "UtcTime", 13),
     ty(DATA_TYPE, 15, "ByteString", 24),
+    ty(DATA_TYPE, 17, "NodeId", 24),
+    ty(DATA_TYPE, 21, "LocalizedText", 24),
     ty(DATA_TYPE, 22, "Structure", 24),
     ty(DATA_TYPE, 862, "ServerStatusDataType", 22),
     ty(DATA_TYPE, 887, "EUInformation", 22),

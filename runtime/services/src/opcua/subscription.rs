@@ -2,6 +2,7 @@
 //! Source: OPC 10000-4, sections 5.13 and 5.14.
 
 use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use plcc_abi::services::Right;
@@ -9,11 +10,13 @@ use plcc_abi::services::Right;
 use super::Server;
 use super::attributes::{self, Question, VALUE, Wanted};
 use super::code::{DataValue, Reader, Scalar, Variant, Writer, now};
+use super::events::{self, EVENT_FILTER, EVENT_NOTIFIER, EVENTS, EventItem, Filter};
+use super::standard::SERVER;
 use super::status::{self, Status};
 use super::view::check_count;
 use crate::limits::{
-    OPCUA_ITEMS_MAX, OPCUA_KEPT_MAX, OPCUA_NODES_MAX, OPCUA_PUBLISHES_MAX, OPCUA_QUEUE_MAX, OPCUA_SAMPLING_MIN,
-    OPCUA_SUBSCRIPTIONS_MAX, OPCUA_UNACKNOWLEDGED_BYTES_MAX, OPCUA_UNACKNOWLEDGED_MAX,
+    OPCUA_EVENT_ITEMS_MAX, OPCUA_ITEMS_MAX, OPCUA_KEPT_MAX, OPCUA_NODES_MAX, OPCUA_PUBLISHES_MAX, OPCUA_QUEUE_MAX,
+    OPCUA_SAMPLING_MIN, OPCUA_SUBSCRIPTIONS_MAX, OPCUA_UNACKNOWLEDGED_BYTES_MAX, OPCUA_UNACKNOWLEDGED_MAX,
 };
 
 /// Longest time between two looks or two publications.
@@ -54,6 +57,7 @@ struct Subscription {
     enabled: bool,
     most: usize,
     items: BTreeMap<u32, Item>,
+    events: BTreeMap<u32, EventItem>,
     /// Number of the next message.
     next: u32,
     /// Messages that the client has not acknowledged.
@@ -99,7 +103,8 @@ impl Subscriptions {
         let all = self.list.values();
         all.flat_map(|subscription| {
             let items = subscription.items.values().filter(|item| item.mode != 0).map(|item| item.due);
-            items.chain([subscription.due])
+            let events = subscription.events.values().filter(|item| item.mode != 0).map(|item| item.due);
+            items.chain(events).chain([subscription.due])
         })
         .min()
     }
@@ -146,6 +151,7 @@ impl Subscriptions {
             enabled,
             most: message_size(most),
             items: BTreeMap::new(),
+            events: BTreeMap::new(),
             next: 1,
             sent: VecDeque::new(),
             // The first message comes at once.
@@ -209,11 +215,29 @@ impl Subscriptions {
         let (id, times, asked) = read(reader).ok_or(status::DECODING)?;
         check_count(asked.len())?;
         check_times(times)?;
-        let (mut count, mut kept) = (self.items(), self.kept());
+        let (mut count, mut kept, mut events) = (self.items(), self.kept(), self.event_items().count());
         let subscription = self.list.get_mut(&id).ok_or(status::SUBSCRIPTION_INVALID)?;
         subscription.lonely = 0;
         out.u32(asked.len() as u32);
         for asked in asked {
+            if asked.question.attribute == EVENT_NOTIFIER {
+                let made = match events < OPCUA_EVENT_ITEMS_MAX {
+                    true => asked.event_item(subscription.interval),
+                    false => Err(status::TOO_MANY_ITEMS),
+                };
+                match made {
+                    Ok(item) => {
+                        events += 1;
+                        self.last_item += 1;
+                        out.u32(status::GOOD);
+                        out.u32(self.last_item);
+                        put_revised(out, item.interval, item.room);
+                        subscription.events.insert(self.last_item, item);
+                    }
+                    Err(status) => put_refused(out, status, true),
+                }
+                continue;
+            }
             let made = match count < OPCUA_ITEMS_MAX {
                 true => asked.item(server, right, times, subscription.interval),
                 false => Err(status::TOO_MANY_ITEMS),
@@ -228,7 +252,7 @@ impl Subscriptions {
                     self.last_item += 1;
                     out.u32(status::GOOD);
                     out.u32(self.last_item);
-                    put_revised(out, &item);
+                    put_revised(out, item.interval, item.room);
                     subscription.items.insert(self.last_item, item);
                 }
                 Err(status) => put_refused(out, status, true),
@@ -248,6 +272,20 @@ impl Subscriptions {
         let subscription = self.list.get_mut(&id).ok_or(status::SUBSCRIPTION_INVALID)?;
         out.u32(asked.len() as u32);
         for (item, parameters) in asked {
+            if let Some(item) = subscription.events.get_mut(&item) {
+                match parameters.event_filter() {
+                    Ok(filter) => {
+                        (item.handle, item.filter) = (parameters.handle, filter);
+                        item.interval = parameters.interval(subscription.interval);
+                        item.set_room(parameters.room);
+                        item.discard_oldest = parameters.discard_oldest;
+                        out.u32(status::GOOD);
+                        put_revised(out, item.interval, item.room);
+                    }
+                    Err(status) => put_refused(out, status, false),
+                }
+                continue;
+            }
             let found = subscription.items.get_mut(&item).ok_or(status::ITEM_INVALID);
             match found.and_then(|item| Ok((parameters.filter()?, item))) {
                 Ok((filter, item)) => {
@@ -259,7 +297,7 @@ impl Subscriptions {
                     (item.trigger, item.deadband) = filter;
                     item.times = times;
                     out.u32(status::GOOD);
-                    put_revised(out, item);
+                    put_revised(out, item.interval, item.room);
                 }
                 Err(status) => put_refused(out, status, false),
             }
@@ -277,8 +315,8 @@ impl Subscriptions {
             return Err(status::MODE_INVALID);
         }
         let subscription = self.list.get_mut(&id).ok_or(status::SUBSCRIPTION_INVALID)?;
-        let set = |id: &u32| match subscription.items.get_mut(id) {
-            Some(item) => {
+        let set = |id: &u32| match (subscription.items.get_mut(id), subscription.events.get_mut(id)) {
+            (Some(item), _) => {
                 if mode == 0 {
                     item.queue.clear();
                     item.last = None;
@@ -287,7 +325,11 @@ impl Subscriptions {
                 item.due = Instant::now();
                 status::GOOD
             }
-            None => status::ITEM_INVALID,
+            (None, Some(item)) => {
+                item.set_mode(mode);
+                status::GOOD
+            }
+            (None, None) => status::ITEM_INVALID,
         };
         out.statuses(&items.iter().map(set).collect::<Vec<_>>());
         Ok(())
@@ -299,10 +341,11 @@ impl Subscriptions {
         let (id, items) = read(reader).ok_or(status::DECODING)?;
         check_count(items.len())?;
         let subscription = self.list.get_mut(&id).ok_or(status::SUBSCRIPTION_INVALID)?;
-        let delete = |id: &u32| match subscription.items.remove(id) {
-            Some(_) => status::GOOD,
-            None => status::ITEM_INVALID,
-        };
+        let delete =
+            |id: &u32| match subscription.items.remove(id).is_some() || subscription.events.remove(id).is_some() {
+                true => status::GOOD,
+                false => status::ITEM_INVALID,
+            };
         out.statuses(&items.iter().map(delete).collect::<Vec<_>>());
         Ok(())
     }
@@ -365,10 +408,11 @@ impl Subscriptions {
                 }
             }
         }
+        self.look_at_events(server, time).await?;
         let mut out = Vec::new();
         let ids: Vec<u32> = self.list.keys().copied().collect();
         for id in ids {
-            self.publish_one(id, time, &mut out);
+            self.publish_one(server, id, time, &mut out);
         }
         while let Some(id) = self.ended.front().copied().filter(|_| !self.waiting.is_empty()) {
             self.ended.pop_front();
@@ -383,13 +427,39 @@ impl Subscriptions {
         Some(out)
     }
 
-    fn publish_one(&mut self, id: u32, time: Instant, out: &mut Vec<Published>) {
+    fn event_items(&mut self) -> impl Iterator<Item = &mut EventItem> {
+        self.list.values_mut().flat_map(|subscription| subscription.events.values_mut())
+    }
+
+    /// Items that watch events have just been made: what is logged from now on is for them.
+    pub fn has_new_events(&mut self) -> bool {
+        self.event_items().any(|item| item.told.is_none())
+    }
+
+    /// So many entries were logged when new items began.
+    pub fn begin_events(&mut self, count: u64) {
+        self.event_items().for_each(|item| item.told = item.told.or(Some(count)));
+    }
+
+    /// Gives new entries of the diagnostic buffer to the items whose time has come. `None`: the CPU has ended.
+    async fn look_at_events(&mut self, server: &Server, time: Instant) -> Option<()> {
+        let due = self.event_items().filter(|item| item.mode != 0 && item.due <= time);
+        let Some(told) = due.map(|item| item.told.unwrap_or(u64::MAX)).min() else { return Some(()) };
+        let (count, found) = server.link.ask(move |cpu| events::since(cpu, told)).await?;
+        let found: Vec<_> = found.into_iter().map(Arc::new).collect();
+        for item in self.event_items().filter(|item| item.mode != 0 && item.due <= time) {
+            item.due = (item.due + item.interval).max(time);
+            item.take(count, &found, server.started);
+        }
+        Some(())
+    }
+
+    fn publish_one(&mut self, server: &Server, id: u32, time: Instant, out: &mut Vec<Published>) {
         let Some(subscription) = self.list.get_mut(&id).filter(|subscription| subscription.due <= time) else { return };
         subscription.due = (subscription.due + subscription.interval).max(time);
         subscription.silent = subscription.silent.saturating_add(1);
         loop {
-            let has_news = subscription.enabled
-                && subscription.items.values().any(|item| item.mode == 2 && !item.queue.is_empty());
+            let has_news = subscription.enabled && (subscription.has_changes() || subscription.has_events());
             if !has_news && subscription.silent < subscription.keep_alive {
                 return;
             }
@@ -412,10 +482,16 @@ impl Subscriptions {
                 out.push(answer(waiting, id, &numbers, false, &notification(subscription.next, None)));
                 return;
             }
-            let (changes, more) = subscription.changes();
+            let (ty, content) = match subscription.has_changes() {
+                true => (DATA_CHANGE, subscription.changes()),
+                false => {
+                    (EVENTS, events::notification(subscription.events.values_mut(), subscription.most, server.started))
+                }
+            };
+            let more = subscription.has_changes() || subscription.has_events();
             let number = subscription.next;
             subscription.next = number.checked_add(1).unwrap_or(1);
-            let message = notification(number, Some((DATA_CHANGE, &changes)));
+            let message = notification(number, Some((ty, &content)));
             subscription.sent.push_back((number, message.clone()));
             subscription.forget();
             let numbers: Vec<u32> = subscription.sent.iter().map(|(number, _)| *number).collect();
@@ -486,21 +562,28 @@ impl Subscription {
         }
     }
 
-    /// DataChangeNotification, and whether there is more.
-    fn changes(&mut self) -> (Vec<u8>, bool) {
+    fn has_changes(&self) -> bool {
+        self.items.values().any(|item| item.mode == 2 && !item.queue.is_empty())
+    }
+
+    fn has_events(&self) -> bool {
+        self.events.values().any(EventItem::has_news)
+    }
+
+    /// DataChangeNotification.
+    fn changes(&mut self) -> Vec<u8> {
         let mut changes: Vec<(u32, u32, DataValue)> = Vec::new();
         for item in self.items.values_mut().filter(|item| item.mode == 2) {
             let count = item.queue.len().min(self.most - changes.len());
             changes.extend(item.queue.drain(..count).map(|value| (item.handle, item.times, value)));
         }
-        let more = self.items.values().any(|item| item.mode == 2 && !item.queue.is_empty());
         let mut out = Writer::default();
         out.list(&changes, |out, (handle, times, value)| {
             out.u32(*handle);
             out.data_value(value, *times);
         });
         out.null();
-        (out.0, more)
+        out.0
     }
 }
 
@@ -615,6 +698,13 @@ impl Parameters {
             _ => Err(status::FILTER_UNSUPPORTED),
         }
     }
+
+    fn event_filter(&self) -> Result<Filter, Status> {
+        match &self.filter {
+            (EVENT_FILTER, body) => Filter::read(body),
+            _ => Err(status::EVENT_FILTER_INVALID),
+        }
+    }
 }
 
 /// An item that a client wants.
@@ -629,6 +719,22 @@ fn new_item(reader: &mut Reader) -> Option<NewItem> {
 }
 
 impl NewItem {
+    /// Events are those of the server itself.
+    fn event_item(&self, publishing: Duration) -> Result<EventItem, Status> {
+        if self.question.node.standard() != Some(SERVER) {
+            return Err(status::ATTRIBUTE_INVALID);
+        }
+        if self.mode > 2 {
+            return Err(status::MODE_INVALID);
+        }
+        let Parameters { handle, room, discard_oldest, .. } = self.parameters;
+        let mut item = EventItem::new(handle, self.parameters.event_filter()?, self.parameters.interval(publishing));
+        item.set_room(room);
+        item.discard_oldest = discard_oldest;
+        item.mode = self.mode;
+        Ok(item)
+    }
+
     fn item(&self, server: &Server, right: Right, times: u32, publishing: Duration) -> Result<Item, Status> {
         let wanted = self.question.wanted(server, right);
         if let Wanted::Wrong(status) = wanted {
@@ -661,9 +767,9 @@ impl NewItem {
     }
 }
 
-fn put_revised(out: &mut Writer, item: &Item) {
-    out.f64(milliseconds(item.interval));
-    out.u32(item.room as u32);
+fn put_revised(out: &mut Writer, interval: Duration, room: usize) {
+    out.f64(milliseconds(interval));
+    out.u32(room as u32);
     out.object(0, &[]);
 }
 
