@@ -133,7 +133,11 @@ pub struct Hello {
     pub program: String,
     pub cpu: String,
     pub user: String,
+    /// What the user may do here.
     pub role: Role,
+    /// That is less than the role of the user, by the right of the computer.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub limited: bool,
     /// When this process began to serve pages, in nanoseconds since 1970: another one has another number.
     pub started: String,
     /// The program has code with probes.

@@ -24,7 +24,7 @@ use tokio::sync::Semaphore;
 use tokio::time::timeout;
 
 use super::tables::{Tables, Wrong};
-use super::users::Users;
+use super::users::{May, Users};
 use super::{info, names, session, status};
 use crate::limits::{FRAME_TIME, HTTP_BYTES_MAX, PAGE_MESSAGE_MAX, PAGES_MAX, PROGRAM_MAX, PROGRAM_TIME, SIGN_IN_MAX};
 use crate::link::Link;
@@ -397,9 +397,7 @@ async fn table_written(
     request: Request,
 ) -> Result<Response, Response> {
     let (_, role) = page.user(&headers).map_err(|status| refused(status, "sign in first"))?;
-    if role.min(most) < Role::Operate {
-        return Err(refused(StatusCode::FORBIDDEN, "only a user with the role `operate` or `change` may do this"));
-    }
+    May { role, most }.check(Role::Operate).map_err(|why| refused(StatusCode::FORBIDDEN, why))?;
     let text = table(&page, &headers, request).await?;
     let write = move |tables: &Tables| {
         let sheet: Sheet = serde_json::from_str(&text).map_err(|error| Wrong::Other(error.to_string()))?;
@@ -452,7 +450,7 @@ async fn live(
     let is_signed_in = move || users.of(token.as_deref()).is_some();
     let place = page.places.try_acquire_owned().map_err(|_| StatusCode::SERVICE_UNAVAILABLE)?;
     let serve = async move |socket| {
-        session::serve(socket, page.link, user, role.min(most), is_signed_in).await;
+        session::serve(socket, page.link, user, May { role, most }, is_signed_in).await;
         drop(place);
     };
     Ok(upgrade.max_message_size(PAGE_MESSAGE_MAX).on_upgrade(serve))

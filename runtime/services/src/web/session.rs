@@ -24,6 +24,7 @@ use tokio::time::{MissedTickBehavior, interval, timeout};
 use super::messages::{Change, Entry, Forced, Hello, JobRow, News, Order, Shown, State, exact};
 use super::status::Known;
 use super::trace::{PART_MAX, Recorder};
+use super::users::May;
 use crate::limits::{ANSWER_TIME, MODIFIED_LETTERS_MAX, MODIFIED_MAX, NAME_MAX, WATCHED_MAX};
 use crate::link::Link;
 
@@ -87,12 +88,12 @@ enum Target {
 type Newest = Option<(usize, diagnostics::Entry)>;
 
 /// Serves one page until it goes, its user signs out or the CPU ends.
-pub async fn serve(socket: WebSocket, link: Link, user: String, role: Role, is_signed_in: impl Fn() -> bool + Send) {
+pub async fn serve(socket: WebSocket, link: Link, user: String, may: May, is_signed_in: impl Fn() -> bool + Send) {
     static CLIENTS: AtomicU64 = AtomicU64::new(0);
     let client = CLIENTS.fetch_add(1, Ordering::Relaxed);
     let mut recorder = Recorder::new(link.clone(), client);
     tokio::select! {
-        () = tell_all(socket, &link, user, role, client, &mut recorder) => {}
+        () = tell_all(socket, &link, user, may, client, &mut recorder) => {}
         () = signed_out(is_signed_in) => {}
     }
     recorder.stop().await;
@@ -113,11 +114,11 @@ async fn signed_out(is_signed_in: impl Fn() -> bool) {
     }
 }
 
-async fn tell_all(mut socket: WebSocket, link: &Link, user: String, role: Role, client: u64, recorder: &mut Recorder) {
+async fn tell_all(mut socket: WebSocket, link: &Link, user: String, may: May, client: u64, recorder: &mut Recorder) {
     let Some(mut image) = link.ask(|cpu| cpu.image.clone()).await else { return };
     let mut target = Target::Nothing;
     let mut known_status = Known::default();
-    let Some(hello) = link.ask(move |cpu| hello(cpu, user, role)).await else { return };
+    let Some(hello) = link.ask(move |cpu| hello(cpu, user, may)).await else { return };
     if tell(&mut socket, &News { hello: Some(hello), ..News::default() }).await.is_none() {
         return;
     }
@@ -169,7 +170,7 @@ async fn tell_all(mut socket: WebSocket, link: &Link, user: String, role: Role, 
                     }
                     Ok(Order::Trace(wanted)) => News { refused: recorder.start(wanted).await.err(), ..News::default() },
                     Ok(order) => {
-                        let Some(refused) = carry_out(link, order, role, client, &image).await else { return };
+                        let Some(refused) = carry_out(link, order, may, client, &image).await else { return };
                         News { refused, ..News::default() }
                     }
                     Err(error) => News { refused: Some(format!("not understood: {error}")), ..News::default() },
@@ -240,7 +241,7 @@ async fn tell(socket: &mut WebSocket, news: &News) -> Option<()> {
     timeout(ANSWER_TIME, socket.send(Message::Text(text.into()))).await.ok()?.ok()
 }
 
-fn hello(cpu: &Cpu, user: String, role: Role) -> Hello {
+fn hello(cpu: &Cpu, user: String, may: May) -> Hello {
     static STARTED: OnceLock<String> = OnceLock::new();
     let now = || {
         SystemTime::now().duration_since(UNIX_EPOCH).map_or_else(|_| String::new(), |now| now.as_nanos().to_string())
@@ -251,7 +252,8 @@ fn hello(cpu: &Cpu, user: String, role: Role) -> Hello {
         program: cpu.image.name.clone(),
         cpu: cpu.image.profile.name.clone(),
         user,
-        role,
+        role: may.role(),
+        limited: may.is_limited(),
         watchable: cpu.probes().is_some(),
         force_max: force::count_max(family),
         force_modules: family != Family::S7300,
@@ -572,7 +574,7 @@ fn prepare(order: Order, client: u64, image: &Arc<ProgramImage>) -> Result<Act, 
 async fn carry_out(
     link: &Link,
     order: Order,
-    role: Role,
+    may: May,
     client: u64,
     image: &Arc<ProgramImage>,
 ) -> Option<Option<String>> {
@@ -587,11 +589,8 @@ async fn carry_out(
         | Order::Reset
         | Order::Run { .. } => Role::Change,
     };
-    if role < needed {
-        return Some(Some(match needed {
-            Role::Change => "only a user with the role `change` may do this".to_string(),
-            Role::Operate | Role::Look => "only a user with the role `operate` or `change` may do this".to_string(),
-        }));
+    if let Err(why) = may.check(needed) {
+        return Some(Some(why.to_string()));
     }
     let program = Arc::clone(image);
     let prepared = tokio::task::spawn_blocking(move || prepare(order, client, &program)).await.ok()?;

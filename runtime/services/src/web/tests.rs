@@ -3,7 +3,7 @@
 use plcc_abi::services::{Role, User};
 
 use super::messages::exact;
-use super::users::{NOBODY, Users};
+use super::users::{May, NOBODY, Users};
 use crate::password;
 
 fn user(name: &str, text: &str, role: Role) -> User {
@@ -30,6 +30,17 @@ fn a_token_belongs_to_who_has_signed_in_until_the_session_ends() {
     assert_eq!(users.of(Some(&token)), Some(("ben".to_string(), Role::Operate)));
     users.sign_out(&token);
     assert_eq!(users.of(Some(&token)), None);
+}
+
+#[test]
+fn user_and_computer_are_both_allowed_what_is_done() {
+    let check = |role, most| May { role, most }.check(Role::Change);
+    assert_eq!(check(Role::Change, Role::Change), Ok(()));
+    assert!(check(Role::Change, Role::Operate).is_err_and(|why| why.contains("the right `control`")));
+    assert!(check(Role::Operate, Role::Change).is_err_and(|why| why.contains("the role `change`")));
+    let may = May { role: Role::Operate, most: Role::Look };
+    assert!(may.is_limited() && may.check(Role::Operate).is_err_and(|why| why.contains("the right `write`")));
+    assert_eq!((may.role(), may.check(Role::Look)), (Role::Look, Ok(())));
 }
 
 #[test]

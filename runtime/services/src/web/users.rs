@@ -16,6 +16,44 @@ pub struct Users {
     sessions: Arc<Mutex<HashMap<String, Session>>>,
 }
 
+/// What somebody may do.
+#[derive(Clone, Copy, Debug)]
+pub struct May {
+    /// By the role of the user.
+    pub role: Role,
+    /// At most, by the right of the computer.
+    pub most: Role,
+}
+
+impl May {
+    /// What both allow.
+    pub fn role(self) -> Role {
+        self.role.min(self.most)
+    }
+
+    /// The computer may do less than the user.
+    pub fn is_limited(self) -> bool {
+        self.most < self.role
+    }
+
+    /// Whether it is as much as `needed`. `Err`: why not.
+    pub fn check(self, needed: Role) -> Result<(), &'static str> {
+        match (self.role >= needed, self.most >= needed, needed) {
+            (true, true, _) => Ok(()),
+            (true, false, Role::Change) => {
+                Err("clients need the right `control` for this: `access` in plc.toml and --access say what they may do")
+            }
+            (true, false, Role::Operate | Role::Look) => {
+                Err("clients need the right `write` for this: `access` in plc.toml and --access say what they may do")
+            }
+            (false, _, Role::Change) => Err("only a user with the role `change` may do this"),
+            (false, _, Role::Operate | Role::Look) => {
+                Err("only a user with the role `operate` or `change` may do this")
+            }
+        }
+    }
+}
+
 struct Session {
     user: usize,
     until: Instant,

@@ -93,7 +93,8 @@ function hello(it) {
   document.title = `${it.program} – plcc`;
   $("title").textContent = it.program;
   $("cpu").textContent = it.cpu;
-  $("user").textContent = it.user;
+  $("user").textContent = it.limited ? `${it.user} (${it.role})` : it.user;
+  $("user").title = it.limited ? "clients may do no more: access in plc.toml and --access say what" : "";
   $("sign-out").hidden = !it.user;
   live.role = it.role;
   Object.assign(live, { watchable: it.watchable, force: { max: it.force_max, modules: it.force_modules, areas: it.force_areas }, resets: it.has_reset });
