@@ -7,7 +7,7 @@
 //!
 //! - `places`: lines, networks, steps and the probes there; `breakpoint`, `condition`, `data`: when to stop.
 //! - `course`: how far the program runs on: steps, cycles, and back to an earlier statement.
-//! - `lookup`: what a name means in a block; `variables`, `registers`: what a client sees and changes.
+//! - `lookup`, `indices`: what a name means in a block; `variables`, `registers`: what a client sees and changes.
 //!
 //! The clock is virtual, so a run can be repeated to the byte. That is how the debugger goes back: it starts the program once more, with
 //! the same inputs and the same changes of the user, and stops it at the statement with the wanted number.
@@ -19,6 +19,7 @@ mod condition;
 mod course;
 mod data;
 mod debugger;
+mod indices;
 mod launch;
 mod lookup;
 mod places;

@@ -10,7 +10,9 @@ use plcc_runtime::names::path::{Part, parts};
 use plcc_runtime::signal::{self, Signal, Source, Value};
 use plcc_runtime::typed::ValueType;
 
+use crate::condition::Condition;
 use crate::data::{BYTES_MAX, Looked, Range};
+use crate::indices;
 use crate::places::Places;
 use crate::registers::{self, Register};
 use crate::stack::Frame;
@@ -61,7 +63,8 @@ impl<'a> Here<'a> {
 
     /// Finds what a text names. `Err`: the error as a sentence.
     pub fn find(&self, text: &str) -> Result<Found, String> {
-        let text = text.trim();
+        let settled = indices::settled(text.trim(), &|index| self.index(index))?;
+        let text = &*settled;
         let (local, only_local) = match text.strip_prefix('#') {
             Some(local) => (local, true),
             None => (text, false),
@@ -88,6 +91,15 @@ impl<'a> Here<'a> {
                 Ok(values) => Ok(Found::Values(values)),
                 Err(_) => Err(wrong),
             },
+        }
+    }
+
+    /// The value of an index, which may be computed. `Err`: the error as a sentence.
+    fn index(&self, text: &str) -> Result<i64, String> {
+        let number = Condition::parse(text)?.value(&|name| self.number(name))?;
+        match number.fract() == 0.0 {
+            true => Ok(number as i64),
+            false => Err(format!("the index `{text}` is {number}; an index is a whole number")),
         }
     }
 
