@@ -26,6 +26,7 @@ use crate::io::Driver;
 use crate::memory::Memory;
 use crate::modify::Jobs;
 use crate::monitor::Monitor;
+use crate::ob_starts::ObStarts;
 use crate::online::Service;
 use crate::options::{CYCLE_TIME_DEFAULT, Restart};
 use crate::organization::Running;
@@ -138,6 +139,7 @@ pub struct Cpu {
     pub(crate) jobs: Jobs,
     /// Outputs in STOP.
     pub(crate) enabled: Enabled,
+    pub(crate) ob_starts: ObStarts,
     /// How often the program was changed.
     pub(crate) generation: u64,
     /// Run-time meters.
@@ -239,6 +241,7 @@ impl Cpu {
             force: Force::default(),
             jobs: Jobs::default(),
             enabled: Enabled::default(),
+            ob_starts: ObStarts::default(),
             generation: 0,
             outputs_changed: Cell::new(u32::MAX),
             cycle_obs,

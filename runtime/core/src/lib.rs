@@ -60,6 +60,7 @@ pub mod modify;
 pub mod monitor;
 pub mod names;
 pub mod ob_set;
+mod ob_starts;
 pub mod online;
 pub mod options;
 pub mod organization;

@@ -209,6 +209,9 @@ impl Cpu {
             self.running.startup_info.set(info.0);
         }
         let called = self.running.called.set(block.number, true);
+        if self.is_served.get() {
+            self.note_start(block.number, info);
+        }
         if block.local_data_used {
             self.fill_local_data(block, base, info, !called);
         }

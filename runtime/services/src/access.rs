@@ -304,6 +304,10 @@ impl Plc for Access<'_> {
         self.0.diagnostics.newest_first().into_iter().take(count).map(|entry| self.event(&entry)).collect()
     }
 
+    fn ob_status(&self, ob: u16) -> Option<Vec<u8>> {
+        self.0.ob_status(ob)
+    }
+
     fn last_mode_change(&self) -> Option<Event> {
         let entries = self.0.diagnostics.newest_first();
         entries.iter().find(|entry| modes(entry.event).is_some()).map(|entry| self.event(entry))

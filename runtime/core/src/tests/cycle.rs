@@ -187,3 +187,20 @@ fn code_changes_between_two_cycles() {
     run(&cpu, 6);
     assert_eq!(*teller.entries.borrow(), ["plain", "plain", "probes", "probes", "plain", "plain"]);
 }
+
+/// Source: System and standard functions, list xy22.
+#[test]
+fn clients_are_told_how_an_ob_began() {
+    let nothing = || Box::new(|_: &Cpu, _: u32| {}) as Block;
+    let cpu = cpu(vec![(1, nothing()), (80, nothing())]);
+    cpu.is_served.set(true);
+    run(&cpu, 2);
+    let status = cpu.ob_status(1).unwrap();
+    // Event of the second cycle, and the year of the virtual clock.
+    assert_eq!((&status[..4], status[12]), (&[0x11, 3, 1, 1][..], 0x94));
+    // Loaded; nothing would happen without it.
+    assert_eq!(status[20..], [0, 0x10, 0, 8, 0, 0, 0, 0]);
+    let not_run = cpu.ob_status(80).unwrap();
+    assert_eq!((&not_run[..20], &not_run[20..]), (&[0; 20][..], &[0, 0x10, 0, 4, 0, 0, 0, 0][..]));
+    assert_eq!(cpu.ob_status(82), None);
+}

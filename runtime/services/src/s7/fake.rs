@@ -107,6 +107,10 @@ impl Plc for Fake {
         vec![Event { event: 0x4302, ob: 0x68, priority: 0xFF, info: 0, time: self.clock() }; count.min(30)]
     }
 
+    fn ob_status(&self, ob: u16) -> Option<Vec<u8>> {
+        (ob == 1).then(|| vec![0x11; 28])
+    }
+
     fn last_mode_change(&self) -> Option<Event> {
         self.events(1).pop()
     }

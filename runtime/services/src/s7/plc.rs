@@ -141,6 +141,9 @@ pub trait Plc {
     /// The newest entries of the diagnostic buffer, newest first.
     fn events(&self, count: usize) -> Vec<Event>;
 
+    /// The status of an OB, a record of list 0222. `None`: it is not loaded.
+    fn ob_status(&self, ob: u16) -> Option<Vec<u8>>;
+
     /// The newest change of mode in the diagnostic buffer.
     fn last_mode_change(&self) -> Option<Event>;
 

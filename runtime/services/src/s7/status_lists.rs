@@ -11,15 +11,15 @@ const UNKNOWN_LIST: u16 = 0xD401;
 const UNKNOWN_INDEX: u16 = 0xD402;
 
 /// The lists that are answered: list 0000 names them.
-const LISTS: [u16; 31] = [
+const LISTS: [u16; 32] = [
     0x0000, 0x0011, 0x0111, 0x0F11, 0x0012, 0x0013, 0x0113, 0x0F13, 0x0014, 0x0114, 0x0015, 0x0115, 0x0019, 0x0119,
     0x001C, 0x011C, 0x0F1C, 0x0074, 0x0174, 0x0091, 0x0C91, 0x0D91, 0x0F91, 0x00A0, 0x01A0, 0x0FA0, 0x0124, 0x0424,
-    0x0131, 0x0132, 0x0232,
+    0x0131, 0x0132, 0x0232, 0x0222,
 ];
 
 /// Lists that say what CPU it is and whether it runs, which everyone may know.
 pub fn identifies(id: u16) -> bool {
-    !matches!(id & 0x00FF, 0x00A0 | 0x0013..=0x0015 | 0x0091)
+    !matches!(id & 0x00FF, 0x00A0 | 0x0013..=0x0015 | 0x0022 | 0x0091)
 }
 
 /// Events that change the mode.
@@ -104,6 +104,7 @@ fn list(plc: &dyn Plc, levels: (u16, u16), id: u16, index: u16) -> Option<List> 
         0x0132 | 0x0232 => one(40, vec![protection(levels)], if index == 0 { 4 } else { index }),
         0x0424 => all(20, vec![mode(plc)]),
         0x0124 => all(20, vec![plc.last_mode_change().map_or_else(|| mode(plc), |event| entry(&event))]),
+        0x0222 => all(28, vec![plc.ob_status(index)?]),
         0x00A0 | 0x0FA0 => all(20, events(plc, EVENTS_MAX)),
         0x01A0 => all(20, events(plc, usize::from(index).min(EVENTS_MAX))),
         _ => None,

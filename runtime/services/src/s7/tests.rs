@@ -300,7 +300,8 @@ fn list_0000_names_what_is_answered() {
         assert!(found.iter().any(Result::is_ok), "{id}: {found:04X?}");
         assert!(found.iter().flatten().any(|records| !records.is_empty()) != id.starts_with("0F"), "{id}");
     }
-    assert_eq!(status_list(&mut session, &plc, "0222", "0001"), Err(0xD401));
+    assert_eq!(status_list(&mut session, &plc, "0025", "0001"), Err(0xD401));
+    assert_eq!(status_list(&mut session, &plc, "0222", "0050"), Err(0xD402), "OB 80 is not loaded");
     assert_eq!(status_list(&mut session, &plc, "0111", "0003"), Err(0xD402));
 }
 
@@ -316,6 +317,7 @@ fn status_lists_tell_what_there_is() {
     assert_eq!(list("0131", "0003")[..14], hex("0003 47 00 00 00 00DE 0010 0001 639C"));
     assert_eq!(list("0115", "0A00"), hex("0A00 FFFF 0040 FFFFFFFF"), "blocks of 64 KB");
     assert_eq!(list("01A0", "0002").len(), 40);
+    assert_eq!(list("0222", "0001"), [0x11; 28]);
     assert_eq!(list("0131", "0002")[..5], hex("0002 04 00 41"), "status of variables, jobs, LEDs");
     assert_eq!(list("0113", "0001")[..24], hex("0001 0001 00010000 0009 0000 00010000 000000A0 0000FF60"));
     assert_eq!(list("0091", "0000").len(), 32);
@@ -333,6 +335,7 @@ fn complete_protection_leaves_the_identification() {
         assert!(status_list(&mut session, &plc, id, index).is_ok(), "{id}");
     }
     assert_eq!(status_list(&mut session, &plc, "00A0", "0000"), Err(0x8104));
+    assert_eq!(status_list(&mut session, &plc, "0222", "0001"), Err(0x8104));
     for request in ["43 01 00 0A 00 0000", "47 01 00 0A 00 0000", "41 10 00 0A 00 0000"] {
         let answer = session.answer(&hex(&format!("32 07 0000 0001 0008 0004 00 01 12 04 11 {request}")), &plc);
         assert_eq!(answer.unwrap().unwrap()[20..22], [0x81, 0x04], "{request}");
