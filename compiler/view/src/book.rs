@@ -421,7 +421,7 @@ impl Maker<'_> {
                 if let Some(values) = self.options.values {
                     sheet.show(&|key| values.get(key).cloned());
                 }
-                let scene = ladder::draw(&sheet, self.options.width);
+                let scene = ladder::draw(&mut sheet, self.options.width);
                 let code = self.options.is_live.then(|| self.listing(spans, listing::Kind::Stl));
                 Section { content: Body::Drawing { scene, sheet }, code, ..Section::default() }
             }
@@ -539,7 +539,7 @@ impl Maker<'_> {
                 }
                 let scene = match network.language {
                     Language::Fbd => diagram::draw(&sheet, self.options.width),
-                    Language::Lad | Language::Scl | Language::Stl => ladder::draw(&sheet, self.options.width),
+                    Language::Lad | Language::Scl | Language::Stl => ladder::draw(&mut sheet, self.options.width),
                 };
                 Body::Drawing { scene, sheet }
             }

@@ -127,8 +127,9 @@ fn shrunk(area: Area, by: i32) -> Area {
     Area { x: area.x + by, y: area.y + by, w: area.w - 2 * by, h: area.h - 2 * by }
 }
 
-/// All nets at the rail are one, and stand for one that no net is.
+/// All nets at the rail are one, and stand for one that no net is. Wires before a join belong to the net of the join.
 fn one(sheet: &Sheet, net: Option<usize>) -> Option<usize> {
+    let net = net.and_then(|net| sheet.nets.get(net)?.joins).or(net);
     let rail =
         |net: &usize| sheet.nets.get(*net).is_none_or(|net| net.sources.iter().all(|source| *source == Source::Rail));
     net.map(|net| if rail(&net) { sheet.nets.len() } else { net })
@@ -141,7 +142,7 @@ fn unconnected(sheet: &Sheet, wires: &[Wire]) -> Vec<String> {
         if one(sheet, Some(net)) != Some(net) {
             continue;
         }
-        let mine: Vec<Wire> = wires.iter().filter(|wire| wire.net == Some(net)).copied().collect();
+        let mine: Vec<Wire> = wires.iter().filter(|wire| one(sheet, wire.net) == Some(net)).copied().collect();
         let Some(first) = mine.first() else {
             let is_read = |part: &Part| part.pins.iter().any(|pin| pin.link == Link::Net(net));
             if sheet.parts.iter().any(is_read) {

@@ -183,19 +183,24 @@ impl Scene {
 
     /// Adds `by` to the numbers of all nets.
     pub fn renumber(&mut self, by: usize) {
-        for item in &mut self.items {
-            match item {
-                Item::Wire { net, .. } | Item::Dot { net, .. } | Item::Circle { net, .. } => {
-                    *net = net.map(|net| net + by);
-                }
-                Item::Rail { .. }
-                | Item::Frame { .. }
-                | Item::Glyph { .. }
-                | Item::Text { .. }
-                | Item::Stroke { .. }
-                | Item::Zone { .. } => {}
-            }
-        }
+        self.nets().for_each(|net| *net = net.map(|net| net + by));
+    }
+
+    /// What belongs to one net belongs to another.
+    pub fn exchange(&mut self, net: usize, other: usize) {
+        self.nets().filter(|known| **known == Some(net)).for_each(|known| *known = Some(other));
+    }
+
+    fn nets(&mut self) -> impl Iterator<Item = &mut Option<usize>> {
+        self.items.iter_mut().filter_map(|item| match item {
+            Item::Wire { net, .. } | Item::Dot { net, .. } | Item::Circle { net, .. } => Some(net),
+            Item::Rail { .. }
+            | Item::Frame { .. }
+            | Item::Glyph { .. }
+            | Item::Text { .. }
+            | Item::Stroke { .. }
+            | Item::Zone { .. } => None,
+        })
     }
 
     /// Adds `other` at a place.

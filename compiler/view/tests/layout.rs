@@ -58,8 +58,7 @@ fn part(kind: usize, from: usize, to: Option<usize>, reset: Option<usize>, furth
 
 /// Fills in the sources of nets.
 fn finished(parts: Vec<Part>, nets: usize) -> Sheet {
-    let mut sheet =
-        Sheet { parts, nets: (0..nets).map(|n| Net { name: format!("w{n}"), sources: Vec::new() }).collect() };
+    let mut sheet = Sheet { parts, nets: (0..nets).map(|n| Net { name: format!("w{n}"), ..Net::default() }).collect() };
     sheet.nets[0].sources.push(Source::Rail);
     for at in 0..sheet.parts.len() {
         for index in 0..sheet.parts[at].pins.len() {
@@ -173,18 +172,21 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn rungs_of_editors(sheet in editor_sheet(), width in 300i32..1400) {
-        check("LAD", &ladder::draw(&sheet, width), &sheet);
+    fn rungs_of_editors(mut sheet in editor_sheet(), width in 300i32..1400) {
+        let scene = ladder::draw(&mut sheet, width);
+        check("LAD", &scene, &sheet);
     }
 
     #[test]
-    fn rungs_of_any_graph(sheet in any_sheet(true), width in 300i32..1400) {
-        check("LAD", &ladder::draw(&sheet, width), &sheet);
+    fn rungs_of_any_graph(mut sheet in any_sheet(true), width in 300i32..1400) {
+        let scene = ladder::draw(&mut sheet, width);
+        check("LAD", &scene, &sheet);
     }
 
     #[test]
-    fn rungs_with_loops(sheet in any_sheet(false), width in 300i32..1400) {
-        check("LAD", &ladder::draw(&sheet, width), &sheet);
+    fn rungs_with_loops(mut sheet in any_sheet(false), width in 300i32..1400) {
+        let scene = ladder::draw(&mut sheet, width);
+        check("LAD", &scene, &sheet);
     }
 
     #[test]

@@ -177,7 +177,7 @@ impl Tiles<'_> {
         }
         let mut scene = match language {
             Language::Fbd => diagram::draw(&sheet, NETWORK),
-            Language::Lad | Language::Scl | Language::Stl => ladder::draw(&sheet, NETWORK),
+            Language::Lad | Language::Scl | Language::Stl => ladder::draw(&mut sheet, NETWORK),
         };
         let mut all = self.all.borrow_mut();
         scene.renumber_parts(all.parts.len());

@@ -6,20 +6,21 @@ mod paint;
 pub mod reduce;
 
 use crate::scene::{Item, Scene};
-use crate::sheet::Sheet;
+use crate::sheet::{Net, Sheet, Source};
 use measure::{Measure, RAIL};
+use paint::Painter;
 
 /// Free space between rungs.
 const GAP: i32 = 12;
 /// Free space around a drawing.
 const MARGIN: i32 = 10;
 
-/// Draws a network. Rungs wider than `width` pixels go on in a second line.
-pub fn draw(sheet: &Sheet, width: i32) -> Scene {
+/// Draws a network. Rungs wider than `width` pixels go on in a second line. Where branches join, the sheet gets nets for the wires before.
+pub fn draw(sheet: &mut Sheet, width: i32) -> Scene {
     let mut measure = Measure::new(sheet);
     let room = (width - RAIL - 2 * MARGIN).max(200);
     let rungs: Vec<_> = reduce::rungs(sheet).iter().map(|rung| measure.rung(rung, room)).collect();
-    let mut scene = Scene::default();
+    let mut painter = Painter::new(sheet);
     let widest = rungs.iter().map(|rung| rung.width).max().unwrap_or(0);
     let left = MARGIN + RAIL;
     let mut top = MARGIN;
@@ -29,11 +30,15 @@ pub fn draw(sheet: &Sheet, width: i32) -> Scene {
         if !rung.loose {
             let first = rail.map_or(y - 12, |(first, _)| first);
             rail = Some((first, y + rung.down.min(12)));
-            paint::rung(sheet, rung, left, y, widest, &mut scene);
-        } else {
-            paint::loose(sheet, rung, left, y, widest, &mut scene);
         }
+        painter.rung(rung, (left, y), widest);
         top = y + rung.down + GAP;
+    }
+    let (mut scene, branches) = painter.finish();
+    if !branches.is_empty() {
+        // The rail is the net before them.
+        sheet.nets.push(Net { sources: vec![Source::Rail], ..Net::default() });
+        sheet.nets.extend(branches);
     }
     if let Some((first, last)) = rail {
         let last = scene

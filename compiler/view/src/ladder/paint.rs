@@ -2,34 +2,90 @@
 
 use super::measure::{Kind, LEAD, Laid, RAIL};
 use crate::scene::{Anchor, Item, Scene};
-use crate::sheet::Sheet;
+use crate::sheet::{Net, Sheet, Source};
 
 /// Height of the short rail at which an inner rung begins, above and below its line.
 const SHORT_RAIL: i32 = 7;
 
-/// Paints a rung whose flow comes from the rail, `RAIL` left of `x`.
-pub fn rung(sheet: &Sheet, laid: &Laid, x: i32, y: i32, width: i32, scene: &mut Scene) {
-    scene.wire((x - RAIL, y), (x, y), Some(sheet.nets.len()));
-    Painter { sheet, scene, rail: Some(x - RAIL) }.block(laid, (x, y), width, Some(sheet.nets.len()), None);
-}
-
-/// Paints a rung that begins at a connector.
-pub fn loose(sheet: &Sheet, laid: &Laid, x: i32, y: i32, width: i32, scene: &mut Scene) {
-    Painter { sheet, scene, rail: Some(x - RAIL) }.block(laid, (x, y), width, None, None);
-}
-
-struct Painter<'a> {
+/// Paints rungs.
+pub struct Painter<'a> {
     sheet: &'a Sheet,
-    scene: &'a mut Scene,
+    scene: Scene,
     /// Where the power rail is.
     rail: Option<i32>,
+    /// Nets of wires before joins; the first has the number after that of the rail.
+    branches: Vec<Net>,
 }
 
-impl Painter<'_> {
+impl<'a> Painter<'a> {
+    pub fn new(sheet: &'a Sheet) -> Painter<'a> {
+        Painter { sheet, scene: Scene::default(), rail: None, branches: Vec::new() }
+    }
+
+    /// The drawing, and the nets of wires before joins.
+    pub fn finish(self) -> (Scene, Vec<Net>) {
+        (self.scene, self.branches)
+    }
+
+    /// Paints a rung. Its flow comes from the rail, `RAIL` left of `x`, unless it begins at a connector.
+    pub fn rung(&mut self, laid: &Laid, (x, y): (i32, i32), width: i32) {
+        let before = (!laid.loose).then_some(self.sheet.nets.len());
+        if before.is_some() {
+            self.scene.wire((x - RAIL, y), (x, y), before);
+        }
+        self.rail = Some(x - RAIL);
+        self.block(laid, (x, y), width, before, None);
+    }
+
+    fn net(&self, net: usize) -> Option<&Net> {
+        match net.checked_sub(self.sheet.nets.len() + 1) {
+            Some(branch) => self.branches.get(branch),
+            None => self.sheet.nets.get(net),
+        }
+    }
+
+    /// The net of the wires between a block and `net`, which it leads to: `net`, unless others join it.
+    fn own(&mut self, laid: &Laid, net: Option<usize>) -> Option<usize> {
+        let of = self.net(net?);
+        let (all, joined) = of.map_or((0, None), |of| (of.sources.len(), of.joins.or(net)));
+        let mut sources = Vec::new();
+        if all < 2 || !self.feeders(laid, joined?, &mut sources) || sources.len() >= all {
+            return net;
+        }
+        self.branches.push(Net { sources, joins: joined, ..Net::default() });
+        Some(self.sheet.nets.len() + self.branches.len())
+    }
+
+    /// Adds what feeds `net` from inside of a block that leads to it. False: it is not known.
+    fn feeders(&self, laid: &Laid, net: usize, sources: &mut Vec<Source>) -> bool {
+        match &laid.kind {
+            Kind::Part { part, .. } => {
+                let of = &self.sheet.parts[*part];
+                let (Some(pin), Some(to)) = (of.flow_out, of.net(of.flow_out)) else { return false };
+                sources.push(if to == net { Source::Pin { part: *part, pin } } else { Source::Net(to) });
+                true
+            }
+            Kind::Series(items) => match items.last() {
+                Some((_, Some(to))) if *to != net => {
+                    sources.push(Source::Net(*to));
+                    true
+                }
+                Some((item, _)) => self.feeders(item, net, sources),
+                None => false,
+            },
+            Kind::Lines(lines) => lines.last().is_some_and(|line| self.feeders(line, net, sources)),
+            Kind::Parallel(branches) => {
+                branches.iter().filter(|branch| !branch.ends).all(|branch| self.feeders(branch, net, sources))
+            }
+            Kind::Fork { main, .. } => main.as_ref().is_some_and(|main| self.feeders(main, net, sources)),
+            Kind::Connector { .. } => false,
+        }
+    }
+
     /// Paints a block in a space of `width`, which is at least its own. `before` and `after`: the nets at its ends.
     fn block(&mut self, laid: &Laid, (x, y): (i32, i32), width: i32, before: Option<usize>, after: Option<usize>) {
         match &laid.kind {
-            Kind::Part { .. } => self.part(laid, (x, y)),
+            Kind::Part { .. } => self.part(laid, (x, y), after),
             Kind::Series(items) => self.series(laid, items, (x, y), width, before, after),
             Kind::Lines(lines) => {
                 let end = x + width - LEAD;
@@ -51,9 +107,10 @@ impl Painter<'_> {
                     if !branch.loose {
                         self.scene.wire((x, y + row), (left, y + row), before);
                     }
-                    self.block(branch, (left, y + row), right - left, before, after);
+                    let own = self.own(branch, after);
+                    self.block(branch, (left, y + row), right - left, before, own);
                     if !branch.ends {
-                        self.scene.wire((right, y + row), (x + width, y + row), after);
+                        self.scene.wire((right, y + row), (x + width, y + row), own);
                     }
                 }
                 self.spine(branches.iter().zip(&rows).filter(|(b, _)| !b.loose).map(|(_, r)| *r), x, y, before);
@@ -117,7 +174,7 @@ impl Painter<'_> {
         let outer = self.rail;
         for (index, (item, next)) in items.iter().enumerate() {
             let is_last = index + 1 == items.len();
-            let next = if is_last { after.or(*next) } else { *next };
+            let next = self.own(item, if is_last { after.or(*next) } else { *next });
             let free = x + width - at - item.width;
             let mut space = item.width;
             if is_last && free > 0 {
@@ -144,9 +201,13 @@ impl Painter<'_> {
         }
     }
 
-    fn part(&mut self, laid: &Laid, (x, y): (i32, i32)) {
+    fn part(&mut self, laid: &Laid, (x, y): (i32, i32), after: Option<usize>) {
         let Kind::Part { shape, feeds, tails, connectors, railed, .. } = &laid.kind else { return };
-        self.scene.add(shape.scene.clone(), (x, y));
+        let mut drawn = shape.scene.clone();
+        if let Some((own, joined)) = after.and_then(|own| Some((own, self.net(own)?.joins?))) {
+            drawn.exchange(joined, own);
+        }
+        self.scene.add(drawn, (x, y));
         let rail_net = Some(self.sheet.nets.len());
         let place = |pin: &usize| shape.ends.get(pin).map(|end| (x + end.0, y + end.1));
         for (pin, net, feed) in feeds {

@@ -26,7 +26,7 @@ struct Maker<'a> {
 impl Maker<'_> {
     fn net(&mut self) -> usize {
         let name = format!("n{}", self.sheet.nets.len());
-        self.sheet.nets.push(Net { name, sources: Vec::new() });
+        self.sheet.nets.push(Net { name, ..Net::default() });
         self.sheet.nets.len() - 1
     }
 

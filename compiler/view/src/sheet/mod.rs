@@ -22,6 +22,8 @@ pub struct Net {
     /// Shown where no line leads to it.
     pub name: String,
     pub sources: Vec<Source>,
+    /// Of wires that lead to where branches join: the net that they join. They have some of its sources.
+    pub joins: Option<usize>,
 }
 
 /// What feeds a net.
@@ -137,6 +139,7 @@ impl Sheet {
     pub fn append(&mut self, other: Sheet) -> usize {
         let (nets, parts) = (self.nets.len(), self.parts.len());
         for mut net in other.nets {
+            net.joins = net.joins.map(|whole| whole + nets);
             for source in &mut net.sources {
                 match source {
                     Source::Pin { part, .. } => *part += parts,
@@ -146,7 +149,7 @@ impl Sheet {
             }
             self.nets.push(net);
         }
-        self.nets.push(Net { name: String::new(), sources: vec![Source::Rail] });
+        self.nets.push(Net { sources: vec![Source::Rail], ..Net::default() });
         for mut part in other.parts {
             for pin in &mut part.pins {
                 if let Link::Net(net) = &mut pin.link {

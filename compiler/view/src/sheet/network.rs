@@ -49,7 +49,7 @@ fn sheet_with(graph: &Graph, language: Language, names: &Names, scope: Scope, la
             GraphSource::Operand { value, negated } => Source::Operand { label: label(value), negated: *negated },
             GraphSource::Net(id) => Source::Net(id.0 as usize),
         });
-        nets.push(Net { name, sources: sources.collect() });
+        nets.push(Net { name, sources: sources.collect(), joins: None });
     }
     let parts = graph.elements.iter().map(|element| part(element, language, label)).collect();
     let mut sheet = Sheet { parts, nets };
