@@ -7,8 +7,10 @@ use plcc_diag::FileId;
 use plcc_syntax::stl::{Mnemonics, StlInsn};
 use plcc_syntax::{Language, s7200};
 
+use crate::constants::{self, Constant};
 use crate::facts::same;
-use crate::index::{Declared, Index};
+use crate::index::{Declared, Entry, Index};
+use crate::labels;
 use crate::names::{Meaning, along, callee_around, open_bracket};
 use crate::words::{Words, bare, is_name};
 
@@ -63,12 +65,11 @@ pub fn complete(index: &Index, words: &Words, file: FileId, byte: usize, set: Mn
     let before = first.checked_sub(1).map_or("", |at| words.word(at));
     let written = writing.map_or("", |at| words.word(at));
     let entry = index.around(file, byte);
-    let variables = |all: Vec<Declared>| all.into_iter().map(|one| variable(index, one)).collect::<Vec<_>>();
     if before == "." {
-        return variables(members_before(index, words, file, first - 1));
+        return members_before(index, words, file, first - 1).into_iter().map(|one| variable(index, one)).collect();
     }
     if before == "#" || written.starts_with('#') || words.word(first) == "#" && words.range(first).end == byte {
-        return variables(entry.map_or(Vec::new(), |entry| entry.variables()));
+        return locals(index, entry);
     }
     if written.starts_with('"') || text_before(words, byte).ends_with('"') {
         return globals(index);
@@ -91,15 +92,19 @@ pub fn complete(index: &Index, words: &Words, file: FileId, byte: usize, set: Mn
             ..CompletionItem::default()
         })),
         Language::Stl => {
-            let labels = entry.into_iter().flat_map(|entry| entry.labels());
-            items.extend(labels.map(|label| item(&label.name, CompletionItemKind::REFERENCE, "jump label")));
+            let labels = entry.into_iter().flat_map(labels::of);
+            items.extend(labels.map(|label| item(label.name, CompletionItemKind::REFERENCE, "jump label")));
         }
         Language::S7200 => {
             items.extend(s7200::mnemonics(set).map(|(name, doc)| item(&name, CompletionItemKind::OPERATOR, doc.trim())))
         }
+        Language::Scl if before.eq_ignore_ascii_case("GOTO") => {
+            let labels = entry.into_iter().flat_map(labels::of);
+            items.extend(labels.map(|label| item(label.name, CompletionItemKind::REFERENCE, "jump label")));
+        }
         Language::Scl => {
             items.extend(SCL.iter().map(|word| item(word, CompletionItemKind::KEYWORD, "")));
-            items.extend(variables(entry.map_or(Vec::new(), |entry| entry.variables())));
+            items.extend(locals(index, entry));
         }
         Language::Sd | Language::Graph => {}
     }
@@ -125,14 +130,28 @@ fn variable(index: &Index, (direction, variable): Declared) -> CompletionItem {
     }
 }
 
-/// Blocks and symbols.
+/// Variables and constants of a block.
+fn locals(index: &Index, entry: Option<Entry>) -> Vec<CompletionItem> {
+    let Some(entry) = entry else { return Vec::new() };
+    let mut items: Vec<CompletionItem> = entry.variables().into_iter().map(|one| variable(index, one)).collect();
+    items.extend(constants::of(entry).iter().map(|one| constant(index, Constant::Local(entry, one))));
+    items
+}
+
+fn constant(index: &Index, constant: Constant) -> CompletionItem {
+    item(constant.name(), CompletionItemKind::CONSTANT, &constant.value(index))
+}
+
+/// Blocks, symbols and constants.
 fn globals(index: &Index) -> Vec<CompletionItem> {
-    let block = |entry: &crate::index::Entry| item(&entry.text(), CompletionItemKind::MODULE, entry.keyword());
+    let block = |entry: &Entry| item(&entry.text(), CompletionItemKind::MODULE, entry.keyword());
     let mut items: Vec<CompletionItem> = index.blocks.iter().map(block).collect();
     for symbol in index.checked.tables.iter().flat_map(|table| &table.symbols) {
         let detail = format!("{} {} {}", crate::hover::target_text(symbol.target), symbol.ty, symbol.comment);
         items.push(item(&symbol.name, CompletionItemKind::VARIABLE, detail.trim()));
     }
+    let constants = index.checked.tables.iter().flat_map(|table| &table.constants);
+    items.extend(constants.map(|one| constant(index, Constant::Global(one))));
     items
 }
 

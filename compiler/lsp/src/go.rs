@@ -7,9 +7,11 @@ use plcc_syntax::scl::keyword::Keyword;
 use plcc_syntax::symbols::SymbolTarget;
 
 use crate::address;
+use crate::constants::{self, Constant};
 use crate::facts::same;
 use crate::hover::target_text;
-use crate::index::Index;
+use crate::index::{Entry, Index};
+use crate::labels;
 use crate::names::{Meaning, meaning};
 use crate::words::{Words, bare};
 
@@ -29,9 +31,12 @@ pub fn references(index: &Index, texts: &Texts, file: FileId, at: usize) -> Vec<
             }
             SymbolTarget::Block { .. } => None,
         },
-        Meaning::Variable { .. } | Meaning::Block(_) | Meaning::Library(_) | Meaning::Label(_) | Meaning::Word(_) => {
-            None
-        }
+        Meaning::Variable { .. }
+        | Meaning::Block(_)
+        | Meaning::Library(_)
+        | Meaning::Constant(_)
+        | Meaning::Label(_)
+        | Meaning::Word(_) => None,
     };
     let mut found = match address {
         Some(address) => overlapping(index, texts, &address),
@@ -119,14 +124,15 @@ pub fn rename(index: &Index, texts: &Texts, file: FileId, at: usize, to: &str) -
     };
     let name = match &wanted {
         Meaning::Variable { declared, .. } => declared.1.name.clone(),
-        Meaning::Label(label) => label.name.clone(),
+        Meaning::Constant(constant) => constant.name().to_owned(),
+        Meaning::Label(label) => label.name.to_owned(),
         Meaning::Symbol(symbol) => symbol.name.clone(),
         Meaning::Block(entry) => match entry.name() {
             plcc_syntax::ast::BlockName::Symbol { name, .. } => name.clone(),
             plcc_syntax::ast::BlockName::Numbered { .. } => return Err("a block number is not a name".to_owned()),
         },
         Meaning::Library(_) | Meaning::Address(_) | Meaning::Word(_) => {
-            return Err("only names of blocks, variables, labels and symbols can change".to_owned());
+            return Err("only names of blocks, variables, constants, labels and symbols can change".to_owned());
         }
     };
     if matches!(wanted, Meaning::Label(_)) && !is_word(to) {
@@ -152,6 +158,9 @@ pub fn rename(index: &Index, texts: &Texts, file: FileId, at: usize, to: &str) -
     {
         edits.push(row_edit(index, symbol.span, &name, to)?);
     }
+    if let Meaning::Constant(Constant::Global(constant)) = wanted {
+        edits.push(row_edit(index, constant.span, &name, to)?);
+    }
     Ok(edits)
 }
 
@@ -165,21 +174,33 @@ fn taken(index: &Index, wanted: &Meaning, to: &str) -> bool {
     match wanted {
         Meaning::Variable { declared, .. } => {
             let own = declared.1.name_span;
+            let entry = index.around(own.file, own.start as usize);
+            let of_block = |entry: Entry| entry.variables().iter().any(|(_, variable)| variable.name_span == own);
             index.siblings(own).iter().any(|(_, other)| other.name_span != own && same(&other.name, to))
+                || entry.is_some_and(|entry| of_block(entry) && constants::named(entry, to).is_some())
         }
-        Meaning::Label(label) => index
-            .around(label.span.file, label.span.start as usize)
-            .is_some_and(|entry| entry.labels().any(|own| own.name == to)),
-        _ => index.block(to).is_some() || index.symbol(to).is_some(),
+        Meaning::Constant(Constant::Local(entry, _)) => {
+            constants::named(*entry, to).is_some() || entry.variables().iter().any(|(_, other)| same(&other.name, to))
+        }
+        Meaning::Label(label) => {
+            let entry = index.around(label.span.file, label.span.start as usize);
+            entry.is_some_and(|entry| {
+                let is_cased = labels::are_cased(entry);
+                labels::of(entry).iter().any(|own| own.name == to || !is_cased && same(own.name, to))
+            })
+        }
+        _ => index.block(to).is_some() || index.symbol(to).is_some() || index.constant(to).is_some(),
     }
 }
 
 /// The edit of a row of a symbol table: columns stay where they are, if the name has room.
 fn row_edit(index: &Index, row: Span, name: &str, to: &str) -> Result<(Span, String), String> {
     let table = Path::new(&index.checked.sources.file(row.file).name);
-    if table.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("xlsx")) {
+    let is = |wanted: &str| table.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted));
+    if is("xlsx") {
         return Err(format!("`{name}` is in a workbook, which is not a text file: rename it there"));
     }
+    let to = if is("xml") { to.replace('&', "&amp;").replace('<', "&lt;") } else { to.to_owned() };
     let text = index.checked.sources.text(row);
     let start = text.find(name).ok_or("the symbol table writes the name in another way")?;
     let blanks = text[start + name.len()..].chars().take_while(|c| *c == ' ').count();
@@ -188,7 +209,7 @@ fn row_edit(index: &Index, row: Span, name: &str, to: &str) -> Result<(Span, Str
     if blanks > 0 && length > room {
         return Err("the column of the symbol table is too narrow for this name".to_owned());
     }
-    let padded = if blanks > 0 { format!("{to}{}", " ".repeat(room - length)) } else { to.to_owned() };
+    let padded = if blanks > 0 { format!("{to}{}", " ".repeat(room - length)) } else { to };
     let first = row.start as usize + start;
     Ok((Span::new(row.file, first..first + name.len() + blanks), padded))
 }

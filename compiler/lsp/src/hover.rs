@@ -34,7 +34,13 @@ pub fn hover(index: &Index, words: &Words, file: FileId, at: usize) -> Option<St
             Some(format!("{}{}\n", code(&callee.name()), parameters(index, &callee)))
         }
         Meaning::Symbol(symbol) => Some(symbol_text(symbol)),
-        Meaning::Label(label) => Some(format!("{}jump label\n", code(&label.name))),
+        Meaning::Constant(constant) => {
+            let value = constant.value(index);
+            let colon = if value.starts_with(":=") { "" } else { ": " };
+            let text = code(&format!("{} {colon}{value}", constant.name()));
+            Some(format!("{text}constant of {}\n", constant.owner()))
+        }
+        Meaning::Label(label) => Some(format!("{}jump label\n", code(label.name))),
         Meaning::Address(found) => address_text(index, words, at, &found),
         Meaning::Word(word) => instruction(words.language(at), &word),
     }

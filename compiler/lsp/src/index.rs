@@ -1,10 +1,8 @@
 //! The blocks, variables and symbols of a program, by name and by place.
 
 use plcc_diag::{FileId, Span};
-use plcc_syntax::ast::{
-    Block, BlockName, CodeKind, DataContent, Label, SectionKind, Statement, TypeKind, TypeRef, Variable,
-};
-use plcc_syntax::symbols::{Symbol, SymbolTarget};
+use plcc_syntax::ast::{Block, BlockName, CodeKind, DataContent, SectionKind, Statement, TypeKind, TypeRef, Variable};
+use plcc_syntax::symbols::{GlobalConstant, Symbol, SymbolTarget};
 
 use crate::Checked;
 use crate::facts::same;
@@ -82,10 +80,6 @@ impl<'c> Entry<'c> {
         };
         networks.iter().flat_map(|network| &network.statements)
     }
-
-    pub fn labels(&self) -> impl Iterator<Item = &'c Label> + use<'c> {
-        self.statements().filter_map(|statement| statement.label.as_deref())
-    }
 }
 
 const fn direction(kind: SectionKind) -> &'static str {
@@ -135,6 +129,11 @@ impl<'c> Index<'c> {
     /// A row of a symbol table.
     pub fn symbol(&self, name: &str) -> Option<&'c Symbol> {
         self.checked.tables.iter().flat_map(|table| &table.symbols).find(|symbol| same(&symbol.name, name))
+    }
+
+    /// A constant of a tag table.
+    pub fn constant(&self, name: &str) -> Option<&'c GlobalConstant> {
+        self.checked.tables.iter().flat_map(|table| &table.constants).find(|constant| same(&constant.name, name))
     }
 
     /// The components of a type.

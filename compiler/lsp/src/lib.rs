@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! messages ──► server.rs ──► text.rs: open files        ──► Host: the program, in a thread of its own
-//!                        └─► words.rs, index.rs, names.rs, s7200.rs ──► hover, go, complete, outline, fixes
+//!                        └─► words.rs, index.rs, labels.rs, constants.rs, names.rs, s7200.rs
+//!                            ──► hover, go, complete, outline, fixes
 //! ```
 //!
 //! - A change is answered twice: at once with the syntax errors of the file, and with all messages when the program is bound.
@@ -12,11 +13,13 @@
 
 mod address;
 mod complete;
+mod constants;
 mod facts;
 mod fixes;
 mod go;
 mod hover;
 mod index;
+mod labels;
 mod names;
 mod outline;
 mod requests;

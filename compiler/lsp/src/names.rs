@@ -2,12 +2,13 @@
 
 use plcc_diag::{FileId, Span};
 use plcc_syntax::Language;
-use plcc_syntax::ast::Label;
 use plcc_syntax::symbols::{Symbol, SymbolTarget};
 
 use crate::address::{self, Address};
+use crate::constants::{self, Constant};
 use crate::facts::{BlockFacts, same};
 use crate::index::{Declared, Entry, Index};
+use crate::labels::{self, Label};
 use crate::words::{Words, bare, is_name};
 
 /// What a word means.
@@ -22,7 +23,8 @@ pub enum Meaning<'c> {
     /// A block of the library.
     Library(&'c BlockFacts),
     Symbol(&'c Symbol),
-    Label(&'c Label),
+    Constant(Constant<'c>),
+    Label(Label<'c>),
     Address(Address),
     /// A mnemonic or another word of the language.
     Word(String),
@@ -35,6 +37,7 @@ impl Meaning<'_> {
             Meaning::Variable { declared, .. } => Some(declared.1.name_span),
             Meaning::Block(entry) => Some(entry.name().span()),
             Meaning::Symbol(symbol) => Some(symbol.span),
+            Meaning::Constant(constant) => Some(constant.span()),
             Meaning::Label(label) => Some(label.span),
             Meaning::Library(_) | Meaning::Address(_) | Meaning::Word(_) => None,
         }
@@ -47,9 +50,7 @@ pub fn meaning<'c>(index: &Index<'c>, words: &Words, file: FileId, at: usize) ->
     let range = words.range(at);
     let entry = index.around(file, range.start);
     let named = bare(word);
-    if let Some(label) = entry.and_then(|entry| entry.labels().find(|label| label.name == word))
-        && (label.span.range() == range || is_jump_target(words, at))
-    {
+    if let Some(label) = entry.and_then(|entry| labels::at(entry, words, at)) {
         return Some(Meaning::Label(label));
     }
     if let Some(address) = address_at(words, at) {
@@ -68,6 +69,9 @@ pub fn meaning<'c>(index: &Index<'c>, words: &Words, file: FileId, at: usize) ->
         }
         if let Some(declared) = index.declared_at(entry, span) {
             return Some(Meaning::Variable { declared, path: vec![declared.1.name.clone()], owner: Some(entry) });
+        }
+        if let Some(constant) = constants::of(entry).iter().find(|constant| constant.name_span == span) {
+            return Some(Meaning::Constant(Constant::Local(entry, constant)));
         }
     }
     if matches!(words.word(at + 1), ":=" | "=>")
@@ -93,6 +97,15 @@ pub fn along<'c>(index: &Index<'c>, entry: Option<Entry<'c>>, names: &[&str], lo
         Some((found, entry))
     });
     let own = own.filter(|_| local || !root.starts_with('"'));
+    let is_global =
+        || root.starts_with('"') && (index.block(bare(root)).is_some() || index.symbol(bare(root)).is_some());
+    if own.is_none()
+        && rest.is_empty()
+        && let Some(constant) = entry.and_then(|entry| constants::named(entry, bare(root)))
+        && (local || !is_global())
+    {
+        return Some(Meaning::Constant(constant));
+    }
     let path = || names.iter().map(|name| bare(name).to_owned()).collect();
     let (mut members, owner) = match own {
         Some((declared, entry)) if rest.is_empty() => {
@@ -103,7 +116,10 @@ pub fn along<'c>(index: &Index<'c>, entry: Option<Entry<'c>>, names: &[&str], lo
         None => match (index.block(bare(root)), index.symbol(bare(root))) {
             (Some(entry), _) if rest.is_empty() => return Some(Meaning::Block(entry)),
             (None, Some(symbol)) if rest.is_empty() => return Some(Meaning::Symbol(symbol)),
-            (None, None) if rest.is_empty() => return index.checked.facts.block(bare(root)).map(Meaning::Library),
+            (None, None) if rest.is_empty() => {
+                let constant = index.constant(bare(root)).map(|constant| Meaning::Constant(Constant::Global(constant)));
+                return constant.or_else(|| index.checked.facts.block(bare(root)).map(Meaning::Library));
+            }
             (Some(entry), _) => (index.inside(entry), Some(entry)),
             (None, _) => return None,
         },
@@ -137,11 +153,6 @@ fn numbered_block<'c>(index: &Index<'c>, words: &Words, at: usize) -> Option<Ent
     };
     let text = joined(at).or_else(|| joined(at.checked_sub(1)?)).unwrap_or_else(|| word.to_owned());
     text.ends_with(|c: char| c.is_ascii_digit()).then(|| index.block(&text))?
-}
-
-/// Whether a label is jumped to at a piece: a mnemonic is before it.
-fn is_jump_target(words: &Words, at: usize) -> bool {
-    at > 0 && !matches!(words.word(at - 1), "." | "#") && !words.first_on_line(at)
 }
 
 /// A mnemonic with its signs: `A(`, `+I`, `==I`.
@@ -262,7 +273,7 @@ fn callee_at<'c>(index: &Index<'c>, words: &Words, file: FileId, at: usize) -> O
                 None => index.checked.facts.block(ty).map(Callee::Library),
             }
         }
-        Meaning::Label(_) | Meaning::Address(_) | Meaning::Word(_) => None,
+        Meaning::Constant(_) | Meaning::Label(_) | Meaning::Address(_) | Meaning::Word(_) => None,
     }
 }
 

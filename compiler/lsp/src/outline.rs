@@ -5,6 +5,7 @@ use plcc_diag::FileId;
 use plcc_syntax::Language;
 use plcc_syntax::ast::{Block, Code};
 
+use crate::constants::{self, Constant};
 use crate::index::{Entry, Index};
 use crate::text::Lines;
 use crate::words::Words;
@@ -25,6 +26,10 @@ fn block(index: &Index, lines: &Lines, entry: Entry) -> DocumentSymbol {
             symbol(lines, variable.name.clone(), detail, SymbolKind::VARIABLE, range.clone(), range)
         })
         .collect();
+    children.extend(constants::of(entry).iter().map(|constant| {
+        let (detail, range) = (Constant::Local(entry, constant).value(index), constant.name_span.range());
+        symbol(lines, constant.name.clone(), detail, SymbolKind::CONSTANT, range.clone(), range)
+    }));
     if let Block::Code(code) = entry.block
         && let Code::Stl(networks) = &code.code
     {

@@ -292,6 +292,62 @@ fn words_and_parameters_are_proposed() {
 }
 
 #[test]
+fn constants_and_labels_of_scl_are_names() {
+    let mut editor = Editor::new("press");
+    editor.open("press.scl");
+    assert_eq!(editor.messages("press.scl"), Vec::<String>::new());
+    for (piece, texts) in [
+        ("#n < #LI|MIT", &["LIMIT : Int := 10", "constant of FUNCTION Count"][..]),
+        ("> \"STRO|KES\"", &["STROKES : Int := 12", "constant of the tag tables"]),
+        ("GOTO ag|ain", &["again", "jump label"]),
+    ] {
+        let found = editor.at("textDocument/hover", "press.scl", piece);
+        let found = found["contents"]["value"].as_str().unwrap_or_default().to_owned();
+        for text in texts {
+            assert!(found.contains(text), "{piece}: {text} is not in {found}");
+        }
+    }
+    for (piece, place) in [
+        ("#forces[#LA|ST]", "press.scl:7 LAST"),
+        ("> STRO|KES;", "tags.xml:4 STROKES"),
+        ("GOTO ov|er", "press.scl:25 over"),
+    ] {
+        let found = editor.at("textDocument/definition", "press.scl", piece);
+        assert_eq!(editor.covered(&json!([found])), [place]);
+    }
+    for (piece, places) in [
+        (
+            "  LI|MIT : Int",
+            &["press.scl:6 LIMIT", "press.scl:7 LIMIT", "press.scl:10 LIMIT", "press.scl:18 #LIMIT"][..],
+        ),
+        ("> STRO|KES;", &["press.scl:21 \"STROKES\"", "press.scl:24 STROKES"]),
+        ("  ag|ain:", &["press.scl:15 again", "press.scl:19 again"]),
+    ] {
+        let found = editor.at("textDocument/references", "press.scl", piece);
+        assert_eq!(editor.covered(&found), places);
+    }
+    let mut rename = |piece: &str, to: &str| {
+        let mut params = editor.position("press.scl", piece);
+        params["newName"] = json!(to);
+        let edits = editor.ask_or("textDocument/rename", params)?;
+        let files = edits["changes"].as_object().expect("changes");
+        Ok::<_, String>(files.values().map(|edits| edits.as_array().expect("a list").len()).sum::<usize>())
+    };
+    assert_eq!(rename("  LI|MIT : Int", "BOUND"), Ok(4));
+    assert_eq!(rename("> STRO|KES;", "HITS"), Ok(3));
+    assert_eq!(rename("  ag|ain:", "back"), Ok(2));
+    for (piece, to) in
+        [("  LI|MIT : Int", "force"), ("  LI|MIT : Int", "Last"), ("  fo|rce : Int", "limit"), ("  ag|ain:", "OVER")]
+    {
+        assert!(rename(piece, to).expect_err("it is taken").contains("already"), "{piece} {to}");
+    }
+    let found = editor.at("textDocument/completion", "press.scl", "GOTO |again");
+    assert_eq!(labels(&found), ["again", "over"]);
+    let found = editor.at("textDocument/completion", "press.scl", "IF #n < #|LIMIT");
+    assert_eq!(labels(&found), ["force", "forces", "n", "LIMIT", "LAST"]);
+}
+
+#[test]
 fn names_of_an_s7_200_are_known() {
     let mut editor = Editor::new("wash");
     editor.open("main.awl");

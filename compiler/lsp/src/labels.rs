@@ -1,0 +1,106 @@
+//! Jump labels of STL and SCL.
+
+use std::ops::Range;
+
+use plcc_diag::Span;
+use plcc_syntax::ast::{Block, Code};
+use plcc_syntax::scl::ast::{Body, Statement, StatementKind};
+
+use crate::facts::same;
+use crate::index::Entry;
+use crate::words::Words;
+
+/// A label before a statement; of SCL also one that is only declared.
+#[derive(Clone, Copy)]
+pub struct Label<'c> {
+    pub name: &'c str,
+    pub span: Span,
+}
+
+/// The labels of a block.
+pub fn of(entry: Entry<'_>) -> Vec<Label<'_>> {
+    let Some(body) = scl(entry) else {
+        let labels = entry.statements().filter_map(|statement| statement.label.as_deref());
+        return labels.map(|label| Label { name: &label.name, span: label.span }).collect();
+    };
+    let mut found = Vec::new();
+    collect(&body.statements, &mut found);
+    for declared in &body.labels {
+        if !found.iter().any(|label: &Label| same(label.name, &declared.text)) {
+            found.push(Label { name: &declared.text, span: declared.span });
+        }
+    }
+    found
+}
+
+/// The label that a piece inside a block is, or that it jumps to.
+pub fn at<'c>(entry: Entry<'c>, words: &Words, at: usize) -> Option<Label<'c>> {
+    let (word, range) = (words.word(at), words.range(at));
+    let stands = |label: &Label| label.span.range() == range;
+    let Some(body) = scl(entry) else {
+        let label = of(entry).into_iter().find(|label| label.name == word)?;
+        return (stands(&label) || is_jump_target(words, at)).then_some(label);
+    };
+    // All statements are looked through only for a word that can be a label.
+    let is_use = at > 0 && words.word(at - 1).eq_ignore_ascii_case("GOTO") || is_declared(body, &range);
+    if !is_use && words.word(at + 1) != ":" {
+        return None;
+    }
+    let label = of(entry).into_iter().find(|label| same(label.name, word))?;
+    (is_use || stands(&label)).then_some(label)
+}
+
+/// Whether label names of a block differ by letter case alone.
+pub fn are_cased(entry: Entry) -> bool {
+    scl(entry).is_none()
+}
+
+fn scl(entry: Entry<'_>) -> Option<&Body> {
+    match entry.block {
+        Block::Code(block) => match &block.code {
+            Code::Scl(body) => Some(body),
+            Code::Stl(_) | Code::Graphic(_) | Code::Chart(_) => None,
+        },
+        Block::Data(_) | Block::Type(_) => None,
+    }
+}
+
+fn is_declared(body: &Body, range: &Range<usize>) -> bool {
+    body.labels.iter().any(|name| name.span.range() == *range)
+}
+
+/// The labels before statements, also before those inside others.
+fn collect<'c>(statements: &'c [Statement], found: &mut Vec<Label<'c>>) {
+    for statement in statements {
+        match &statement.kind {
+            StatementKind::Label(name) => found.push(Label { name: &name.text, span: name.span }),
+            StatementKind::If { branches, otherwise } => {
+                branches.iter().for_each(|(_, body)| collect(body, found));
+                collect(otherwise, found);
+            }
+            StatementKind::Case { arms, otherwise, .. } => {
+                arms.iter().for_each(|arm| collect(&arm.body, found));
+                collect(otherwise, found);
+            }
+            StatementKind::For { body, .. }
+            | StatementKind::While { body, .. }
+            | StatementKind::Repeat { body, .. } => {
+                collect(body, found);
+            }
+            StatementKind::Empty
+            | StatementKind::Expression(_)
+            | StatementKind::Assign { .. }
+            | StatementKind::Exit
+            | StatementKind::Continue
+            | StatementKind::Return(_)
+            | StatementKind::Goto(_)
+            | StatementKind::Pragma(_)
+            | StatementKind::Error => {}
+        }
+    }
+}
+
+/// Whether a label of STL is jumped to at a piece: a mnemonic is before it.
+fn is_jump_target(words: &Words, at: usize) -> bool {
+    at > 0 && !matches!(words.word(at - 1), "." | "#") && !words.first_on_line(at)
+}
