@@ -1,6 +1,8 @@
 //! The places that the code of a program names: what a trace records if nobody says what.
 
+use plcc_abi::layout;
 use plcc_abi::names::{UsedArea, UsedPlace};
+use plcc_abi::s7200::{COUNTERS, TIMERS, system};
 use plcc_ir::{Address, Function, InstData, Region};
 use rustc_hash::FxHashSet;
 
@@ -36,16 +38,37 @@ impl Places {
     }
 }
 
+/// Bits and values of the timers and counters of an S7-200: the first one, the bytes of each, how many there are.
+const SYSTEM_CELLS: [(UsedArea, u32, u32, u32); 4] = [
+    (UsedArea::Timer, system::TIMER_BITS, 1, TIMERS),
+    (UsedArea::Timer, system::TIMER_VALUES, 2, TIMERS),
+    (UsedArea::Counter, system::COUNTER_BITS, 1, COUNTERS),
+    (UsedArea::Counter, system::COUNTER_VALUES, 2, COUNTERS),
+];
+
 fn place(address: &Address, bit: u8, bits: u32) -> Option<UsedPlace> {
+    if address.base.is_some() {
+        return None;
+    }
+    let cell = |area: UsedArea, number: u32| Some(UsedPlace { area, byte: number, bit: 0, bits: 1 });
     let area = match address.region {
         Region::I => UsedArea::Input,
         Region::Q => UsedArea::Output,
         Region::M => UsedArea::BitMemory,
         Region::Db(number) => UsedArea::Db(number),
-        Region::State | Region::System | Region::Cells | Region::L | Region::V | Region::AnyDb | Region::Any => {
-            return None;
+        Region::Cells => {
+            return match address.offset.checked_sub(layout::C - layout::T) {
+                Some(counters) => cell(UsedArea::Counter, counters / layout::COUNTER_CELL_BYTES),
+                None => cell(UsedArea::Timer, address.offset / layout::TIMER_CELL_BYTES),
+            };
         }
+        Region::System => {
+            return SYSTEM_CELLS.iter().find_map(|&(area, start, bytes, count)| {
+                let number = address.offset.checked_sub(start)? / bytes;
+                if number < count { cell(area, number) } else { None }
+            });
+        }
+        Region::State | Region::L | Region::V | Region::AnyDb | Region::Any => return None,
     };
-    let bits = u8::try_from(bits).ok()?;
-    address.base.is_none().then_some(UsedPlace { area, byte: address.offset, bit, bits })
+    Some(UsedPlace { area, byte: address.offset, bit, bits: u8::try_from(bits).ok()? })
 }

@@ -62,6 +62,7 @@ pub struct NamedMember {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct UsedPlace {
     pub area: UsedArea,
+    /// Of a timer or counter its number.
     pub byte: u32,
     pub bit: u8,
     /// 1, 8, 16, 32 or 64.
@@ -74,6 +75,8 @@ pub enum UsedArea {
     Input,
     Output,
     BitMemory,
+    Timer,
+    Counter,
     Db(u16),
 }
 

@@ -93,6 +93,33 @@ fn a_signal_ends_an_endless_startup() {
 }
 
 #[test]
+fn a_trace_has_timers_and_counters() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let stl = "      A     I 0.0\n      L     S5T#2s\n      SD    T 5\n      A     I 0.1\n      CU    C 3\n";
+    let awl = "ORGANIZATION_BLOCK MAIN:OB1\nBEGIN\nNetwork 1\nLD I0.0\nTON T37, 10\nNetwork 2\nLD T37\n= Q0.0\n\
+               Network 3\nLD I0.1\nLD I0.2\nCTU C5, 3\nEND_ORGANIZATION_BLOCK\n";
+    let scl = "DATA_BLOCK \"G\"\nSTRUCT\n  t : TON_TIME;\n  c : CTU_INT;\nEND_STRUCT\nBEGIN\nEND_DATA_BLOCK\n\
+               ORGANIZATION_BLOCK \"Main\"\nBEGIN\n  \"G\".t(IN := %I0.0, PT := T#1s);\n  \
+               \"G\".c(CU := %I0.1, R := FALSE, PV := 3);\nEND_ORGANIZATION_BLOCK\n";
+    for (file, cpu, source, columns) in [
+        ("t.stl", "315-2DP", stl, &["I0.0", "I0.1", "T5", "T5.VALUE", "C3", "C3.VALUE"][..]),
+        ("t.awl", "CPU 224", awl, &["Q0.0", "T37", "T37.VALUE", "C5", "C5.VALUE"]),
+        ("t.scl", "1214C", scl, &["I0.0", "G.t.IN", "G.t.ET", "G.t.PT", "G.c.CU", "G.c.CV", "G.c.PV"]),
+    ] {
+        std::fs::write(folder.join(file), source).expect("the folder can be written");
+        let flags = ["run", file, "--cpu", cpu, "--cycles", "2", "--clock", "virtual", "--quiet", "--trace", "t.csv"];
+        let output = command(PLCC, folder, &flags);
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        let trace = std::fs::read_to_string(folder.join("t.csv")).expect("there is a trace");
+        let head: Vec<&str> = trace.lines().next().unwrap_or_default().split(',').collect();
+        for column in columns {
+            assert!(head.contains(column), "{file}: {column} is not in {head:?}");
+        }
+    }
+}
+
+#[test]
 fn a_trace_that_is_a_pipe_is_not_drawn() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     assert!(command("mkfifo", folder.path(), &["pipe.csv"]).status.success());

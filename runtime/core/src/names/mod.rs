@@ -94,12 +94,27 @@ pub fn neighbours(text: &str, image: &ProgramImage, most: usize) -> Vec<(String,
 /// Values of an instance DB among those that a program uses.
 const INSTANCE_VALUES_MAX: usize = 64;
 
-/// The values that the program uses, with their names: what its code names, and those of its instance DBs.
+/// The value that an IEC timer or counter has, by a parameter of it that a call names.
+const CURRENT: [(&str, &str); 5] = [(".IN", ".ET"), (".PT", ".ET"), (".CU", ".CV"), (".CD", ".CV"), (".PV", ".CV")];
+
+/// The values that the program uses, with their names: what its code names, the values of its timers and counters, and those of its
+/// instance DBs.
 pub fn used(image: &ProgramImage) -> Vec<(String, Named)> {
     let finder = Finder { image };
     let symbols: HashMap<Address, &SymbolEntry> =
         image.symbols.iter().filter_map(|symbol| Some((address::parse_for(&symbol.address, image)?, symbol))).collect();
-    let mut list: Vec<(String, Named)> = image.used.iter().filter_map(|used| finder.used(used, &symbols)).collect();
+    let mut list: Vec<(String, Named)> = Vec::new();
+    for (name, named) in image.used.iter().filter_map(|used| finder.used(used, &symbols)) {
+        let value = current_value(named.address).map(|address| {
+            let ty = usual_type(address.place);
+            (format!("{}.VALUE", written(&name)), Named { address, ty })
+        });
+        let current =
+            CURRENT.iter().find_map(|&(given, current)| Some(format!("{}{current}", name.strip_suffix(given)?)));
+        let current = current.and_then(|name| find(&name, image).ok().map(|named| (name, named)));
+        list.push((name, named));
+        list.extend(value.into_iter().chain(current));
+    }
     for db in &image.dbs {
         let Some(ty) = db.ty else { continue };
         if matches!(finder.ty(ty), Some(NamedType::Struct(structure)) if !structure.name.is_empty()) {
@@ -409,11 +424,16 @@ impl<'a> Finder<'a> {
 
     /// A place of the code, as a symbol or a value of a DB where it is one.
     fn used(&self, used: &UsedPlace, symbols: &HashMap<Address, &SymbolEntry>) -> Option<(String, Named)> {
+        let is_s7200 = self.image.s7200.is_some();
         let (letter, place) = match used.area {
             UsedArea::Input => ("I".to_string(), Place::Input(used.byte)),
             UsedArea::Output => ("Q".to_string(), Place::Output(used.byte)),
             UsedArea::BitMemory => ("M".to_string(), Place::BitMemory(used.byte)),
-            UsedArea::Db(V_DB) if self.image.s7200.is_some() => ("V".to_string(), Place::Db(V_DB, used.byte)),
+            UsedArea::Timer if is_s7200 => ("T".to_string(), Place::S7200(S7200Part::TimerBit, used.byte)),
+            UsedArea::Timer => ("T".to_string(), Place::Timer(used.byte)),
+            UsedArea::Counter if is_s7200 => ("C".to_string(), Place::S7200(S7200Part::CounterBit, used.byte)),
+            UsedArea::Counter => ("C".to_string(), Place::Counter(used.byte)),
+            UsedArea::Db(V_DB) if is_s7200 => ("V".to_string(), Place::Db(V_DB, used.byte)),
             UsedArea::Db(number) => (format!("DB{number}.DB"), Place::Db(number, used.byte)),
         };
         let (width, size) = match used.bits {
@@ -442,10 +462,11 @@ impl<'a> Finder<'a> {
                 return found.filter(|(_, named)| named.address.width == width);
             }
         }
-        let name = match bit {
-            Some(bit) if letter.ends_with("DB") => format!("{letter}X{}.{bit}", used.byte),
-            Some(bit) => format!("{letter}{}.{bit}", used.byte),
-            None => format!("{letter}{size}{}", used.byte),
+        let name = match (used.area, bit) {
+            (UsedArea::Timer | UsedArea::Counter, _) => format!("{letter}{}", used.byte),
+            (_, Some(bit)) if letter.ends_with("DB") => format!("{letter}X{}.{bit}", used.byte),
+            (_, Some(bit)) => format!("{letter}{}.{bit}", used.byte),
+            (_, None) => format!("{letter}{size}{}", used.byte),
         };
         Some((name, Named { address, ty: None }))
     }

@@ -297,7 +297,10 @@ impl Space {
         }
         for (name, named) in names::used(&self.image) {
             let is_address = address::parse_for(&name, &self.image) == Some(named.address);
-            if is_address && !matches!(named.address.place, Place::Db(..)) {
+            // A timer or counter of an S7-300/400 is its value.
+            if is_address
+                && !matches!(named.address.place, Place::Db(..) | Place::TimerValue(_) | Place::CounterValue(_))
+            {
                 tags.push(self.tag(format!("%{name}"), &name, named.address, Ty::Plain(plain(named.address.width))));
             }
         }
