@@ -1,10 +1,14 @@
-//! Conditions that are written as expressions, as sheets: AND is a series, OR parallel branches, a comparison its contact.
+//! Conditions that are written as expressions, as sheets: AND is a series, OR parallel branches, XOR one operand in series with the negated
+//! other one in each of two branches, a comparison its contact.
 
 use plcc_syntax::network::draw;
 use plcc_syntax::scl::ast::{BinaryOp, Expr, ExprKind, UnaryOp};
 
 use super::{Label, Link, Look, Meaning, Net, Part, Pin, Place, Sheet, Source};
 use crate::names::{Names, Scope};
+
+/// An XOR with more contacts than this is one contact with its text.
+const XOR_MAX: usize = 16;
 
 /// The rung of a condition, which ends in a coil with `sign`.
 pub fn condition(value: &Expr, sign: &str, names: &Names, scope: Scope) -> Sheet {
@@ -44,6 +48,13 @@ impl Maker<'_> {
                 (BinaryOp::Or, false) | (BinaryOp::And, true) => {
                     self.add(left, negated, from, to);
                     self.add(right, negated, from, to);
+                }
+                (BinaryOp::Xor, _) if contacts(value) <= XOR_MAX => {
+                    for first in [false, true] {
+                        let middle = self.net();
+                        self.add(left, first, from, middle);
+                        self.add(right, first == negated, middle, to);
+                    }
                 }
                 _ => match comparison(*op, negated) {
                     Some(sign) => {
@@ -92,6 +103,20 @@ impl Maker<'_> {
             _ => None,
         });
         self.sheet.parts.push(Part { look, meaning, pins, flow_in, flow_out, place: operand, statement: None });
+    }
+}
+
+/// How many contacts an expression is drawn with.
+fn contacts(value: &Expr) -> usize {
+    match &value.kind {
+        ExprKind::Unary { op: UnaryOp::Not, operand } => contacts(operand),
+        ExprKind::Binary { op: BinaryOp::And | BinaryOp::Or, left, right, .. } => {
+            contacts(left).saturating_add(contacts(right))
+        }
+        ExprKind::Binary { op: BinaryOp::Xor, left, right, .. } => {
+            contacts(left).saturating_add(contacts(right)).saturating_mul(2)
+        }
+        _ => 1,
     }
 }
 
