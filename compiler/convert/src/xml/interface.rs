@@ -285,15 +285,18 @@ fn component<'n>(
     if let Some(at) = node.children.iter().position(is) {
         return &mut node.children[at];
     }
-    let sections = match node.children.iter().position(|child| child.name == "Sections") {
-        Some(at) => at,
+    let section = match structure(ty) {
+        // The members of a structure are right below it.
+        Some(_) => node,
         None => {
-            let section = Node::new("Section").with("Name", "None");
-            node.push(Node::new("Sections").with("Datatype", type_text(ty, library, writer)).child(section));
-            node.children.len() - 1
+            let sections = node.children.iter().position(|child| child.name == "Sections").unwrap_or_else(|| {
+                let section = Node::new("Section").with("Name", "None");
+                node.push(Node::new("Sections").with("Datatype", type_text(ty, library, writer)).child(section));
+                node.children.len() - 1
+            });
+            &mut node.children[sections].children[0]
         }
     };
-    let section = &mut node.children[sections].children[0];
     let at = section.children.iter().position(is).unwrap_or_else(|| {
         let member = Node::new("Member").with("Name", &known.name);
         section.children.push(member.with("Datatype", type_text(&known.ty, library, writer)));
@@ -334,7 +337,8 @@ fn text(value: &InitialValue, writer: &mut Writer) -> Option<String> {
     }
 }
 
-/// Gives a component of a data block another start value than its declaration.
+/// Gives a component of a data block another start value than its declaration. `members`: what the block consists of; the section has
+/// all of them, or gets those that have values.
 pub fn replace_value(
     section: &mut Node,
     value: &ValueAssignment,
@@ -347,8 +351,13 @@ pub fn replace_value(
         PathRoot::Block(_) => return false,
     };
     let Some(known) = named(members, first) else { return false };
-    let is = |child: &&mut Node| child.attributes.iter().any(|(key, own)| *key == "Name" && *own == known.name);
-    let Some(mut node) = section.children.iter_mut().find(is) else { return false };
+    let is = |child: &Node| child.attributes.iter().any(|(key, own)| *key == "Name" && *own == known.name);
+    let at = section.children.iter().position(is).unwrap_or_else(|| {
+        let member = Node::new("Member").with("Name", &known.name);
+        section.push(member.with("Datatype", type_text(&known.ty, library, writer)));
+        section.children.len() - 1
+    });
+    let mut node = &mut section.children[at];
     let mut ty = &known.ty;
     let mut around = Vec::new();
     for part in &value.target.parts {
@@ -389,49 +398,12 @@ fn named<'m>(members: &'m [Variable], name: &str) -> Option<&'m Variable> {
 /// Members of an instance with the values that differ from those of its block.
 pub fn of_values(values: &[ValueAssignment], ty: &TypeRef, library: &Library, writer: &mut Writer) -> Node {
     let mut section = Node::new("Section").with("Name", "Static");
+    let members = library.members(ty).unwrap_or_default();
     for value in values {
-        let first = match &value.target.root {
-            PathRoot::Local { name, .. } | PathRoot::Bare { name, .. } | PathRoot::Quoted { name, .. } => Some(name),
-            PathRoot::Block(_) => None,
-        };
-        let placed = first.is_some_and(|first| place_value(&mut section, first, value, ty, library, writer));
-        if !placed {
+        if !replace_value(&mut section, value, members, library, writer) {
             let help = "give the source of its function block, too, or assign the value in the program";
             writer.refuse(value.span, "SimaticML has no form for this value of an instance", help);
         }
     }
     Node::new("Interface").child(sections().child(section))
-}
-
-fn place_value(
-    section: &mut Node,
-    first: &str,
-    value: &ValueAssignment,
-    ty: &TypeRef,
-    library: &Library,
-    writer: &mut Writer,
-) -> bool {
-    let mut names = vec![first];
-    for part in &value.target.parts {
-        match part {
-            PathPart::Member { name, .. } => names.push(name),
-            PathPart::Index { .. } => return false,
-        }
-    }
-    let mut node = section;
-    let mut ty = ty;
-    for name in names {
-        let Some(members) = structure(ty).or_else(|| library.members(ty)) else { return false };
-        let Some(known) = members.iter().find(|member| member.name.eq_ignore_ascii_case(name)) else { return false };
-        let at = node.children.iter().position(|child| child.attributes.iter().any(|(_, own)| own == &known.name));
-        let at = at.unwrap_or_else(|| {
-            let member = Node::new("Member").with("Name", &known.name);
-            node.children.push(member.with("Datatype", type_text(&known.ty, library, writer)));
-            node.children.len() - 1
-        });
-        node = &mut node.children[at];
-        ty = &known.ty;
-    }
-    start_values(&value.value, ty, node, library, writer);
-    true
 }

@@ -5,6 +5,7 @@
 //! - `flgnet`, `wires`: networks of LAD and FBD; `order`: the order in which a reader finds their elements.
 //! - `scl`, `stl`: statements as tokens.
 //! - `chart`: charts of GRAPH.
+//! - `system`: components of timers and counters.
 //!
 //! Source: LAD/FBD reference A2.
 
@@ -15,6 +16,7 @@ mod interface;
 mod order;
 mod scl;
 mod stl;
+mod system;
 mod wires;
 
 use std::collections::HashMap;
@@ -38,7 +40,7 @@ use crate::writer::{Notation, Writer};
 pub struct Library {
     /// Declarations of function blocks and functions, by folded names.
     blocks: HashMap<String, (CodeKind, Vec<Section>, Option<TypeRef>)>,
-    /// Members of data types and function blocks.
+    /// Members of data types and function blocks, also of timers and counters of the system.
     members: HashMap<String, Vec<Variable>>,
     /// Data types.
     types: Vec<String>,
@@ -50,7 +52,7 @@ pub struct Library {
 
 impl Library {
     pub fn new<'a>(units: impl Iterator<Item = &'a SourceUnit>) -> Library {
-        let mut library = Library::default();
+        let mut library = Library { members: system::members().collect(), ..Library::default() };
         for block in units.flat_map(|unit| &unit.blocks) {
             match block {
                 Block::Code(block) => {
