@@ -4,6 +4,7 @@ use lsp_types::{
     CompletionItem, CompletionItemKind, ParameterInformation, ParameterLabel, SignatureHelp, SignatureInformation,
 };
 use plcc_diag::FileId;
+use plcc_syntax::scl::keyword::Keyword;
 use plcc_syntax::stl::{Mnemonics, StlInsn};
 use plcc_syntax::{Language, s7200};
 
@@ -14,37 +15,8 @@ use crate::labels;
 use crate::names::{Meaning, along, callee_around, open_bracket};
 use crate::words::{Words, bare, is_name};
 
-/// Words of SCL that begin or join statements.
-const SCL: [&str; 28] = [
-    "IF",
-    "THEN",
-    "ELSIF",
-    "ELSE",
-    "END_IF",
-    "CASE",
-    "OF",
-    "END_CASE",
-    "FOR",
-    "TO",
-    "BY",
-    "DO",
-    "END_FOR",
-    "WHILE",
-    "END_WHILE",
-    "REPEAT",
-    "UNTIL",
-    "END_REPEAT",
-    "EXIT",
-    "CONTINUE",
-    "RETURN",
-    "REGION",
-    "END_REGION",
-    "AND",
-    "OR",
-    "XOR",
-    "NOT",
-    "MOD",
-];
+/// Words of SCL that the grammar reads as lines of their own.
+const REGION: [&str; 2] = ["REGION", "END_REGION"];
 
 /// The items at a byte.
 pub fn complete(index: &Index, words: &Words, file: FileId, byte: usize, set: Mnemonics) -> Vec<CompletionItem> {
@@ -103,7 +75,8 @@ pub fn complete(index: &Index, words: &Words, file: FileId, byte: usize, set: Mn
             items.extend(labels.map(|label| item(label.name, CompletionItemKind::REFERENCE, "jump label")));
         }
         Language::Scl => {
-            items.extend(SCL.iter().map(|word| item(word, CompletionItemKind::KEYWORD, "")));
+            let keywords = Keyword::ALL.iter().filter(|word| word.is_in_statements()).map(|word| word.word());
+            items.extend(keywords.chain(REGION).map(|word| item(word, CompletionItemKind::KEYWORD, "")));
             items.extend(locals(index, entry));
         }
         Language::Sd | Language::Graph => {}

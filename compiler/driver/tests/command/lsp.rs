@@ -341,6 +341,11 @@ fn constants_and_labels_of_scl_are_names() {
     {
         assert!(rename(piece, to).expect_err("it is taken").contains("already"), "{piece} {to}");
     }
+    let found = editor.at("textDocument/completion", "press.scl", "  |#n := 0;");
+    for word in ["IF", "THEN", "END_REPEAT", "GOTO", "DIV", "TRUE", "END_REGION"] {
+        assert!(labels(&found).contains(&word), "{word} is not in {found}");
+    }
+    assert!(!labels(&found).contains(&"ELSEIF") && !labels(&found).contains(&"VAR_INPUT"));
     let found = editor.at("textDocument/completion", "press.scl", "GOTO |again");
     assert_eq!(labels(&found), ["again", "over"]);
     let found = editor.at("textDocument/completion", "press.scl", "IF #n < #|LIMIT");

@@ -7,6 +7,9 @@ macro_rules! keywords {
         pub enum Keyword { $( $variant ),* }
 
         impl Keyword {
+            /// In the order of their words.
+            pub const ALL: &[Keyword] = &[$( Keyword::$variant ),*];
+
             /// The keyword that `upper`, in upper case, is.
             pub(super) fn lookup(upper: &[u8]) -> Option<Keyword> {
                 $( const $variant: &[u8] = $word.as_bytes(); )*
@@ -232,6 +235,24 @@ impl Keyword {
                     | Keyword::FunctionBlock
                     | Keyword::DataBlock
             )
+    }
+
+    /// The word of a statement or an expression; not the other spelling of ELSIF.
+    pub const fn is_in_statements(self) -> bool {
+        !matches!(self, Keyword::ElseIf)
+            && (self.begins_statement()
+                || self.closes_statement()
+                || self.is_operator()
+                || matches!(
+                    self,
+                    Keyword::Then
+                        | Keyword::Of
+                        | Keyword::To
+                        | Keyword::By
+                        | Keyword::Do
+                        | Keyword::True
+                        | Keyword::False
+                ))
     }
 
     /// The word that comes between operands or before one.
