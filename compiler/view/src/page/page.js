@@ -80,7 +80,7 @@ function html(i) {
   h += `<div class="reason callers">${callers(i)}</div>`;
   if (p.rows.length) {
     const code = p.rows.some((r) => r[0]);
-    h += `<details ${code && p.secs.length ? "" : "open"}><summary>${code ? "Interface" : "Components"} (${p.rows.length})</summary><table><tr>${code ? "<th></th>" : ""}<th>Name</th><th>Type</th><th>Address</th><th>Initial value</th><th>Comment</th></tr>`;
+    h += `<details ${code && p.secs.length ? "" : "open"}><summary>${code ? "Interface" : "Components"} (${p.rows.length})</summary><table><thead><tr>${code ? "<th></th>" : ""}<th>Name</th><th>Type</th><th>Address</th><th>Initial value</th><th>Comment</th></tr></thead>`;
     let last = "";
     for (const [sec, name, ty, init, com, addr, depth] of p.rows) {
       h += `<tr>${code ? `<td>${sec === last ? "" : sec}</td>` : ""}<td style="padding-left:${8 + depth * 14}px">${esc(name)}</td><td>${esc(ty)}</td><td${addr ? ` data-k="${esc(addr)}"` : ""}>${esc(addr)}</td><td>${esc(init)}</td><td>${esc(com)}</td></tr>`;
@@ -604,13 +604,35 @@ main.addEventListener("scroll", () => {
   moved = requestAnimationFrame(() => { for (const d of inSight()) if (isWatched(d)) look(d); });
 }, { passive: true });
 
-// Paper gets everything.
+// Paper gets everything. A drawing that is higher than a sheet is cut where no element is: between rungs, branches and steps.
+const PAPER = { width: 700, height: 900 };
+function cut(svg) {
+  const width = svg.width.baseVal.value, height = svg.height.baseVal.value, most = PAPER.height / Math.min(1, PAPER.width / width);
+  if (height <= most) return;
+  const boxes = [...svg.querySelectorAll("text,rect,circle,path.g,path.w,path.r")].map((el) => el.getBBox());
+  // A long line down may be cut; a short one belongs to a small network.
+  const taken = boxes.filter((b) => b.height < (b.width > 0 ? most : most / 4)).map((b) => [b.y, b.y + b.height]).sort((a, b) => a[0] - b[0]);
+  const free = [], tops = [0];
+  let end = taken[0]?.[1] ?? 0;
+  for (const [from, to] of taken) {
+    if (from > end + 6) free.push((from + end) / 2);
+    end = Math.max(end, to);
+  }
+  for (let top = 0; height - top > most; tops.push(top)) top = free.findLast((y) => y > top && y <= top + most) ?? top + most;
+  svg.replaceWith(...tops.map((top, i) => {
+    const part = svg.cloneNode(true), bottom = tops[i + 1] ?? height;
+    part.setAttribute("height", bottom - top);
+    part.setAttribute("viewBox", `0 ${top} ${width} ${bottom - top}`);
+    return part;
+  }));
+}
 addEventListener("beforeprint", () => {
   main.innerHTML = data.pages.map((p, i) => html(i)).join("");
   for (const d of main.querySelectorAll(".draw")) fill(d);
   for (const d of main.querySelectorAll("details")) d.open = true;
+  main.querySelectorAll(".draw svg").forEach(cut);
 });
-addEventListener("afterprint", () => here >= 0 && go(here));
+addEventListener("afterprint", () => (here >= 0 ? go(here) : fromHash()));
 
 show("");
 if (!fromHash() && data.pages.length) go(Math.max(0, data.pages.findIndex((p) => p.id === "OB 1")));
