@@ -10,7 +10,7 @@ use crate::address;
 use crate::constants::{self, Constant};
 use crate::facts::same;
 use crate::hover::target_text;
-use crate::index::{Entry, Index};
+use crate::index::{Declared, Entry, Index};
 use crate::labels;
 use crate::names::{Meaning, meaning};
 use crate::words::{Words, bare};
@@ -146,6 +146,11 @@ pub fn rename(index: &Index, texts: &Texts, file: FileId, at: usize, to: &str) -
     if taken(index, &wanted, to) && !same(&name, to) {
         return Err(format!("`{to}` is already the name of something else"));
     }
+    if let Some(file) = xml_with(index, &wanted, &name) {
+        return Err(format!(
+            "`{name}` is in {file}, too, and blocks in XML are not edited: rename it where they come from"
+        ));
+    }
     let mut edits = Vec::new();
     for span in same_definition(index, texts, &wanted, &name) {
         let word = index_text(texts, span);
@@ -191,6 +196,37 @@ fn taken(index: &Index, wanted: &Meaning, to: &str) -> bool {
         }
         _ => index.block(to).is_some() || index.symbol(to).is_some() || index.constant(to).is_some(),
     }
+}
+
+/// The file with blocks in XML that has a name, too: nothing can be renamed there.
+fn xml_with(index: &Index, wanted: &Meaning, name: &str) -> Option<String> {
+    // Only a block that calls it can have a parameter of a function.
+    let caller = match wanted {
+        Meaning::Variable { declared: ("TEMP", _), .. }
+        | Meaning::Constant(Constant::Local(..))
+        | Meaning::Label(_) => {
+            return None;
+        }
+        Meaning::Variable { declared, owner: Some(owner), .. } if owner.keyword() == "FUNCTION" => {
+            let is_own = |(_, own): &Declared| own.name_span == declared.1.name_span;
+            owner.variables().iter().any(is_own).then(|| owner.text())
+        }
+        _ => None,
+    };
+    let is_part = |c: char| c.is_alphanumeric() || c == '_';
+    let has = |text: &str, name: &str| {
+        let name = name.to_lowercase();
+        let ends = |at: usize| !text[..at].ends_with(is_part) && !text[at + name.len()..].starts_with(is_part);
+        !name.is_empty() && text.match_indices(&name).any(|(at, _)| ends(at))
+    };
+    index.checked.units.iter().find_map(|(file, _)| {
+        let source = index.checked.sources.file(*file);
+        let path = Path::new(&source.name);
+        path.extension().filter(|extension| extension.eq_ignore_ascii_case("xml"))?;
+        let text = source.text.to_lowercase();
+        let found = has(&text, name) && caller.as_ref().is_none_or(|caller| has(&text, caller));
+        found.then(|| path.file_name().unwrap_or_default().to_string_lossy().into_owned())
+    })
 }
 
 /// The edit of a row of a symbol table: columns stay where they are, if the name has room.

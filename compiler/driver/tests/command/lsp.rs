@@ -336,6 +336,9 @@ fn constants_and_labels_of_scl_are_names() {
     assert_eq!(rename("  LI|MIT : Int", "BOUND"), Ok(4));
     assert_eq!(rename("> STRO|KES;", "HITS"), Ok(3));
     assert_eq!(rename("  ag|ain:", "back"), Ok(2));
+    // The function in XML writes the tag, and has an input of its own with the name of the other one.
+    assert!(rename("  \"Ho|rn\" :=", "Siren").expect_err("XML has it").contains("Guard.xml"));
+    assert_eq!(rename("  fo|rce : Int", "power"), Ok(4));
     for (piece, to) in
         [("  LI|MIT : Int", "force"), ("  LI|MIT : Int", "Last"), ("  fo|rce : Int", "limit"), ("  ag|ain:", "OVER")]
     {
