@@ -386,7 +386,14 @@ impl Repair<'_> {
 
     /// Whether one number stands here: after `:=` or an operator of a statement, or as the initial value of a REAL.
     fn is_real_value(&self) -> bool {
-        let Some(last) = self.last else { return false };
+        let Some(mut last) = self.last else { return false };
+        // What counts is before the sign of the number: `-2..-1,7:` are values of CASE.
+        if matches!(last.kind, RawKind::Plus | RawKind::Minus)
+            && let Some(before) = self.at.checked_sub(2).and_then(|before| self.token(before))
+            && !ends_operand(before)
+        {
+            last = before;
+        }
         match self.area {
             super::Area::Statements | super::Area::Head => matches!(
                 last.kind,
