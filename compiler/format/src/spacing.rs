@@ -77,6 +77,12 @@ const OPERATORS: [&str; 27] = [
     "RETAIN",
 ];
 
+/// Operators of two operands that are words.
+const BINARY: [&str; 5] = ["AND", "OR", "XOR", "MOD", "DIV"];
+
+/// Words of statements after a value.
+const AFTER_VALUE: [&str; 5] = ["THEN", "OF", "DO", "TO", "BY"];
+
 /// Whether a piece ends an operand, so that a sign after it has two operands.
 fn ends_operand(piece: &Piece) -> bool {
     match piece.text {
@@ -121,6 +127,14 @@ pub fn between(language: Language, place: Place, open: Open, before: &Piece, pie
     match (before.text, piece.text) {
         _ if open.sign => "",
         ("(" | "[", _) | (_, ")" | "]") => "",
+        (".", _) | (_, ".") => same,
+        ("]", _) if piece.is("OF") => " ",
+        _ if place == Place::Code
+            && (before.is_any(&BINARY) || piece.is_any(&BINARY) || piece.is_any(&AFTER_VALUE)) =>
+        {
+            " "
+        }
+        _ if place == Place::Code && before.is_any(&OPERATORS) && piece.text.starts_with(is_word) => " ",
         (_, "[") if stl && before.is("ARRAY") => " ",
         (_, "[") => {
             if before.is_any(&["ARRAY"]) || before.text.ends_with(is_word) && !before.is_any(&OPERATORS) {

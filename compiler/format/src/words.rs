@@ -374,6 +374,11 @@ impl<'t> Layout<'_, 't> {
             self.continued = false;
             return;
         }
+        if piece.text == ":" && at == start + 1 && self.language == Language::Scl && self.zone == Zone::Code {
+            // A jump label, or `ELSE:`.
+            self.continued = false;
+            return;
+        }
         if !self.counts(at) {
             self.continued |= self.language != Language::Graph || self.zone == Zone::Declarations;
             return;
@@ -463,7 +468,7 @@ impl<'t> Layout<'_, 't> {
                 || piece.begins == Begins::Nothing
                     && (is_end_of_block(piece) || piece.is("NETWORK") && before.text == ";" || before.is("BEGIN"));
         }
-        if self.open.any() || piece.text == ";" {
+        if self.open.any() || matches!(piece.text, ";" | ":") {
             return false;
         }
         if self.zone == Zone::Head {
@@ -474,7 +479,7 @@ impl<'t> Layout<'_, 't> {
         }
         before.text == ";"
             || self.counts(at - 1)
-                && before.is_any(&["THEN", "DO", "ELSE", "REPEAT", "BEGIN", "END_VAR"])
+                && before.is_any(&["THEN", "DO", "OF", "ELSE", "REPEAT", "BEGIN", "END_VAR"])
                 && self.zone == Zone::Code
             || self.zone == Zone::Declarations
                 && self.counts(at - 1)

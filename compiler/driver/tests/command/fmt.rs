@@ -29,6 +29,23 @@ fn encoding_and_line_ends_stay() {
 }
 
 #[test]
+fn words_of_scl_have_blanks_around_them() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let ugly = "FUNCTION \"F\" : VOID\nVAR_INPUT a:BOOL;x:INT; END_VAR\nVAR_TEMP y:ARRAY[0..3]OF INT;q:BOOL; END_VAR\nBEGIN\n\
+                again:\nIF(#a)AND(NOT#q)OR#q THEN#q:=TRUE;END_IF;\n#q:=#x>3AND#x<5;\n#y[0]:=(#x)MOD(3);\n\
+                CASE #x OF 1:#q:=TRUE;ELSE:#q:=FALSE;END_CASE;\nGOTO again;\nEND_FUNCTION\n";
+    let tidy = "FUNCTION \"F\" : VOID\nVAR_INPUT\n  a : BOOL;\n  x : INT;\nEND_VAR\nVAR_TEMP\n  y : ARRAY[0..3] OF INT;\n  \
+                q : BOOL;\nEND_VAR\nBEGIN\n  again:\n  IF(#a) AND (NOT #q) OR #q THEN\n    #q := TRUE;\n  END_IF;\n  \
+                #q := #x > 3 AND #x < 5;\n  #y[0] := (#x) MOD (3);\n  CASE #x OF\n    1: #q := TRUE;\n    ELSE: #q := FALSE;\n  \
+                END_CASE;\n  GOTO again;\nEND_FUNCTION\n";
+    fs::write(folder.join("a.scl"), ugly).expect("the folder can be written");
+    assert_eq!(plcc(folder, &["fmt", "a.scl"]).status.code(), Some(0));
+    assert_eq!(fs::read_to_string(folder.join("a.scl")).expect("it is there"), tidy);
+    assert_eq!(plcc(folder, &["fmt", "--check", "a.scl"]).status.code(), Some(0));
+}
+
+#[test]
 fn a_source_with_errors_is_left_alone() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
