@@ -138,6 +138,22 @@ fn ladder_shapes_keep_their_logic() {
     }
 }
 
+/// A BOOL of the block is not a timer, and one of an FB is not a bit in M.
+#[test]
+fn variables_of_a_block_feed_boxes() {
+    let body = "A #go; L S5T#1S; SD T 1; A #stop; R T 1; L T 1; T MW 10; NOP 0; A T 1; = Q 0.0;
+        A #go; S M 6.0; A #stop; R M 6.0; A M 6.0; = Q 0.1; A I 0.0; S #on; A I 0.1; R #on; A #on; = Q 0.2;";
+    let head = "FUNCTION_BLOCK FB 1\nVAR_INPUT\n  go : BOOL;\n  stop : BOOL;\nEND_VAR\nVAR\n  on : BOOL;\nEND_VAR\nBEGIN\nNETWORK";
+    let source = format!("{head}\n{}\nEND_FUNCTION_BLOCK\n", body.replace("; ", ";\n"));
+    let (unit, messages) = parsed(&source, Some(Mnemonics::En));
+    assert!(!has_errors(&messages), "{messages:#?}\n{source}");
+    let types = Types::new(std::iter::once(&unit), &[]);
+    let (drawn, messages) = to_graph::unit(&unit, &types, Language::Lad);
+    assert!(!has_errors(&messages), "{messages:#?}");
+    let text = plcc_convert::sd::write(&drawn, Trivia::none(), None).text;
+    assert!(text.contains("S_ODT(") && text.matches("S_SR(").count() == 2, "{text}");
+}
+
 /// `L` does not extend or convert a constant as elements of networks do: no network is drawn where the bits would be others.
 #[test]
 fn constants_that_networks_would_change_are_refused() {

@@ -1,12 +1,13 @@
 //! Timers, counters and flip-flops with all pins.
 
 use plcc_syntax::Elementary;
-use plcc_syntax::ast::{Operand, OperandKind, Statement, StatementKind};
+use plcc_syntax::ast::{Area, CodeKind, Operand, OperandKind, PathRoot, Statement, StatementKind};
 use plcc_syntax::network::ast::{Pin, PinValue};
 use plcc_syntax::stl::StlInsn;
 
 use super::overlap::{is_same, may_be_same};
 use super::{Logic, Reader, Reason, Refused, instruction, is_nop, operand_pin, pin};
+use crate::to_graph::operand::Kind;
 
 impl Reader<'_> {
     /// `SD T 1; A r; R T 1; L T 1; T bi; LC T 1; T bcd; A T 1`, each part present or `NOP 0`.
@@ -34,7 +35,7 @@ impl Reader<'_> {
                 (at, is_box) = (at + 1, true);
                 continue;
             }
-            let Some(len) = slot.len(&rest[at..], cell) else { continue };
+            let Some(len) = slot.len(&rest[at..], cell, &|read| self.is_apart(read, cell)) else { continue };
             is_box |= matches!(slot, Slot::Value(..));
             found.push((slot, at..at + len));
             at += len;
@@ -94,6 +95,22 @@ impl Reader<'_> {
         Ok(Some(at))
     }
 
+    /// Whether a BOOL that is read cannot be what is written: it is not a timer or counter, and what an FB has of its own is not in I, Q, M.
+    fn is_apart(&self, read: &Operand, written: &Operand) -> bool {
+        // A part of a structure in IN_OUT may be anywhere.
+        let is_local = |operand: &Operand| match &operand.kind {
+            OperandKind::Path(path) => matches!(path.root, PathRoot::Local { .. }) && path.parts.is_empty(),
+            _ => false,
+        };
+        let is_image =
+            |operand: &Operand| matches!(operand.kind, OperandKind::Absolute { area: Area::I | Area::Q | Area::M, .. });
+        let is_bool = |operand: &Operand| self.kind_of(operand) == Kind::Type(Elementary::Bool);
+        let is_own = |operand: &Operand| self.block.kind == CodeKind::Fb && is_local(operand) && is_bool(operand);
+        matches!(written.kind, OperandKind::Cell { .. }) && is_bool(read)
+            || is_own(read) && is_image(written)
+            || is_image(read) && is_own(written)
+    }
+
     /// The value that is loaded for a timer or a counter.
     fn cell_value(&mut self) -> Result<plcc_syntax::scl::ast::Expr, Reason> {
         match &self.loads[..] {
@@ -117,11 +134,12 @@ impl Reader<'_> {
             return Ok(None);
         }
         let other = if insn == StlInsn::Set { StlInsn::Reset } else { StlInsn::Set };
-        let Some(len) = Slot::Logic(other, "").len(&rest[1..], operand) else { return Ok(None) };
+        let is_apart = |read: &Operand| self.is_apart(read, operand);
+        let Some(len) = Slot::Logic(other, "").len(&rest[1..], operand, &is_apart) else { return Ok(None) };
         let end = 1 + len;
         // Coils have no statement after them.
         let Some(after) = rest.get(end).filter(|after| after.label.is_none()) else { return Ok(None) };
-        let is_used = Slot::Result.len(&rest[end..], operand).is_some();
+        let is_used = Slot::Result.len(&rest[end..], operand, &is_apart).is_some();
         if !is_used && !is_nop(after) {
             return Ok(None);
         }
@@ -161,8 +179,8 @@ impl Slot {
         }
     }
 
-    /// The number of statements that are this part of the box of `cell`.
-    fn len(self, rest: &[&Statement], cell: &Operand) -> Option<usize> {
+    /// The number of statements that are this part of the box of `cell`. `is_apart`: an operand cannot be the cell.
+    fn len(self, rest: &[&Statement], cell: &Operand, is_apart: &dyn Fn(&Operand) -> bool) -> Option<usize> {
         let is_cell = |operand: &Option<Operand>| operand.as_ref().is_some_and(|own| is_same(own, cell));
         match self {
             Slot::Logic(wanted, _) => {
@@ -189,7 +207,7 @@ impl Slot {
                         _ => return None,
                     }
                     // All pins of a box count as they are before the box writes.
-                    if operand.as_ref().is_some_and(|operand| may_be_same(operand, cell)) {
+                    if operand.as_ref().is_some_and(|operand| may_be_same(operand, cell) && !is_apart(operand)) {
                         return None;
                     }
                 }
