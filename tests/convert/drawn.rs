@@ -86,7 +86,8 @@ fn statements_as_networks_do_the_same() {
 /// All combinations of five inputs: the statements, and the networks that are drawn from them.
 #[test]
 fn ladder_shapes_keep_their_logic() {
-    const SHAPES: [&str; 26] = [
+    const SHAPES: [&str; 27] = [
+        "A I 0.0; = L 20.0; A L 20.0; BLD 102; A I 0.1; = Q 0.0; A L 20.0; AN I 0.1; S Q 0.1; A L 20.0; O I 0.2; = Q 0.2;",
         "A I 0.0; A I 0.1; = Q 0.0;",
         "A I 0.0; AN I 0.1; O; AN I 0.2; A I 0.3; = Q 0.0;",
         "A( ; O I 0.0; O I 0.1; ) ; A I 0.2; = Q 0.0;",
@@ -135,6 +136,20 @@ fn ladder_shapes_keep_their_logic() {
             let results = [("a.stl", &source), ("a.s7dcl", &document.text)].map(|(name, text)| truth_table(name, text));
             assert_eq!(results[0], results[1], "{shape} in {language:?}:\n{}", document.text);
         }
+    }
+}
+
+/// A byte of the local data, and a bit of a variable: networks have no form for these.
+#[test]
+fn addresses_in_the_local_data_are_refused() {
+    for body in ["L LB 20; T MB 4;", "A L 0.3; = Q 0.0;"] {
+        let head = "FUNCTION FC 1 : VOID\nVAR_TEMP\n  a : INT;\nEND_VAR\nBEGIN\nNETWORK";
+        let source = format!("{head}\n{}\nEND_FUNCTION\n", body.replace("; ", ";\n"));
+        let (unit, messages) = parsed(&source, Some(Mnemonics::En));
+        assert!(!has_errors(&messages), "{messages:#?}\n{source}");
+        let types = Types::new(std::iter::once(&unit), &[]);
+        let (_, messages) = to_graph::unit(&unit, &types, Language::Lad);
+        assert!(messages.iter().any(|one| one.is_error() && one.title.contains("local data")), "{messages:#?}");
     }
 }
 

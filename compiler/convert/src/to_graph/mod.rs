@@ -3,11 +3,13 @@
 //! - [`drawing`]: signals as contacts in series and parallel, or as gates.
 //! - [`redraw`]: networks of LAD in FBD and back.
 //! - `statements`: what statements do, network by network; `logic` and `operand` are their parts, `boxes` what several statements are.
+//! - `local_data`: addresses that become variables.
 //!
 //! Source: LAD/FBD reference, chapter F.3.
 
 mod boxes;
 pub mod drawing;
+mod local_data;
 mod logic;
 mod operand;
 pub mod redraw;
@@ -48,6 +50,8 @@ pub fn block(
     language: Language,
     notes: &mut Vec<Diagnostic>,
 ) -> Result<CodeBlock, Vec<Diagnostic>> {
+    let named = local_data::named(block)?;
+    let block = named.as_ref().unwrap_or(block);
     let ast::Code::Stl(networks) = &block.code else { return Ok(block.clone()) };
     let mut messages = Vec::new();
     let mut body = Body::default();
