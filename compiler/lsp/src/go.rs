@@ -36,6 +36,7 @@ pub fn references(index: &Index, texts: &Texts, file: FileId, at: usize) -> Vec<
         | Meaning::Library(_)
         | Meaning::Constant(_)
         | Meaning::Label(_)
+        | Meaning::Chart(_)
         | Meaning::Word(_) => None,
     };
     let mut found = match address {
@@ -126,12 +127,16 @@ pub fn rename(index: &Index, texts: &Texts, file: FileId, at: usize, to: &str) -
         Meaning::Variable { declared, .. } => declared.1.name.clone(),
         Meaning::Constant(constant) => constant.name().to_owned(),
         Meaning::Label(label) => label.name.to_owned(),
+        // A block of the sources would be the meaning.
+        Meaning::Symbol(symbol) if matches!(symbol.target, SymbolTarget::Block { .. }) => {
+            return Err(format!("`{}` is a block of the library, which is found by this name", symbol.name));
+        }
         Meaning::Symbol(symbol) => symbol.name.clone(),
         Meaning::Block(entry) => match entry.name() {
             plcc_syntax::ast::BlockName::Symbol { name, .. } => name.clone(),
             plcc_syntax::ast::BlockName::Numbered { .. } => return Err("a block number is not a name".to_owned()),
         },
-        Meaning::Library(_) | Meaning::Address(_) | Meaning::Word(_) => {
+        Meaning::Library(_) | Meaning::Chart(_) | Meaning::Address(_) | Meaning::Word(_) => {
             return Err("only names of blocks, variables, constants, labels and symbols can change".to_owned());
         }
     };

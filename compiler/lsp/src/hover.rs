@@ -40,6 +40,9 @@ pub fn hover(index: &Index, words: &Words, file: FileId, at: usize) -> Option<St
             let text = code(&format!("{} {colon}{value}", constant.name()));
             Some(format!("{text}constant of {}\n", constant.owner()))
         }
+        Meaning::Chart(part) => {
+            Some(format!("{}\n{}\n", code(&format!("{} {}", part.kind(), part.name())), part.comment()))
+        }
         Meaning::Label(label) => Some(format!("{}jump label\n", code(label.name))),
         Meaning::Address(found) => address_text(index, words, at, &found),
         Meaning::Word(word) => instruction(words.language(at), &word),

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! messages ──► server.rs ──► text.rs: open files        ──► Host: the program, in a thread of its own
-//!                        └─► words.rs, index.rs, labels.rs, constants.rs, names.rs, s7200.rs
+//!                        └─► words.rs, index.rs, labels.rs, constants.rs, chart.rs, names.rs, s7200.rs
 //!                            ──► hover, go, complete, outline, fixes
 //! ```
 //!
@@ -12,6 +12,7 @@
 //! **Invariant**: no message of an editor ends the server; what it asks about and is not there has no answer.
 
 mod address;
+mod chart;
 mod complete;
 mod constants;
 mod facts;

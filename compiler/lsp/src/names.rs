@@ -5,6 +5,7 @@ use plcc_syntax::Language;
 use plcc_syntax::symbols::{Symbol, SymbolTarget};
 
 use crate::address::{self, Address};
+use crate::chart;
 use crate::constants::{self, Constant};
 use crate::facts::{BlockFacts, same};
 use crate::index::{Declared, Entry, Index};
@@ -25,6 +26,8 @@ pub enum Meaning<'c> {
     Symbol(&'c Symbol),
     Constant(Constant<'c>),
     Label(Label<'c>),
+    /// A step or a transition.
+    Chart(chart::Part<'c>),
     Address(Address),
     /// A mnemonic or another word of the language.
     Word(String),
@@ -39,6 +42,7 @@ impl Meaning<'_> {
             Meaning::Symbol(symbol) => Some(symbol.span),
             Meaning::Constant(constant) => Some(constant.span()),
             Meaning::Label(label) => Some(label.span),
+            Meaning::Chart(part) => Some(part.span()),
             Meaning::Library(_) | Meaning::Address(_) | Meaning::Word(_) => None,
         }
     }
@@ -105,6 +109,13 @@ pub fn along<'c>(index: &Index<'c>, entry: Option<Entry<'c>>, names: &[&str], lo
         && (local || !is_global())
     {
         return Some(Meaning::Constant(constant));
+    }
+    if own.is_none()
+        && rest.is_empty()
+        && let Some(part) = entry.and_then(|entry| chart::named(entry, bare(root)))
+        && (local || !is_global())
+    {
+        return Some(Meaning::Chart(part));
     }
     let path = || names.iter().map(|name| bare(name).to_owned()).collect();
     let (mut members, owner) = match own {
@@ -273,7 +284,7 @@ fn callee_at<'c>(index: &Index<'c>, words: &Words, file: FileId, at: usize) -> O
                 None => index.checked.facts.block(ty).map(Callee::Library),
             }
         }
-        Meaning::Constant(_) | Meaning::Label(_) | Meaning::Address(_) | Meaning::Word(_) => None,
+        Meaning::Constant(_) | Meaning::Label(_) | Meaning::Chart(_) | Meaning::Address(_) | Meaning::Word(_) => None,
     }
 }
 

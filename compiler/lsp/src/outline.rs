@@ -5,6 +5,7 @@ use plcc_diag::FileId;
 use plcc_syntax::Language;
 use plcc_syntax::ast::{Block, Code};
 
+use crate::chart;
 use crate::constants::{self, Constant};
 use crate::index::{Entry, Index};
 use crate::text::Lines;
@@ -29,6 +30,12 @@ fn block(index: &Index, lines: &Lines, entry: Entry) -> DocumentSymbol {
     children.extend(constants::of(entry).iter().map(|constant| {
         let (detail, range) = (Constant::Local(entry, constant).value(index), constant.name_span.range());
         symbol(lines, constant.name.clone(), detail, SymbolKind::CONSTANT, range.clone(), range)
+    }));
+    children.extend(chart::of(entry).iter().map(|part| {
+        let kind = if matches!(part, chart::Part::Step(_)) { SymbolKind::OBJECT } else { SymbolKind::EVENT };
+        let (name, whole) = (part.span().range(), part.whole().range());
+        let name = if whole.start <= name.start && name.end <= whole.end { name } else { whole.start..whole.start };
+        symbol(lines, part.name().to_owned(), part.kind(), kind, whole, name)
     }));
     if let Block::Code(code) = entry.block
         && let Code::Stl(networks) = &code.code

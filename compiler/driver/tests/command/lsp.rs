@@ -356,6 +356,34 @@ fn constants_and_labels_of_scl_are_names() {
 }
 
 #[test]
+fn steps_and_blocks_of_the_library_are_known() {
+    let mut editor = Editor::new("door");
+    editor.open("door.gr7");
+    editor.open("main.stl");
+    assert_eq!(editor.messages("main.stl"), Vec::<String>::new());
+    let found = editor.at("textDocument/hover", "door.gr7", "FROM Open|ing");
+    let found = found["contents"]["value"].as_str().unwrap_or_default();
+    assert!(found.contains("step S2 Opening") && found.contains("The motor runs"), "{found}");
+    let found = editor.at("textDocument/definition", "door.gr7", "TO Open|ing");
+    assert_eq!(editor.covered(&json!([found])), ["door.gr7:10 Opening"]);
+    let found = editor.at("textDocument/references", "door.gr7", "STEP Open|ing");
+    let lines = [10, 17, 22, 24].map(|line| format!("door.gr7:{line} Opening"));
+    assert_eq!(editor.covered(&found), lines);
+    let file = json!({ "textDocument": { "uri": editor.uri("door.gr7") } });
+    let symbols = editor.ask("textDocument/documentSymbol", file);
+    let parts = symbols[0]["children"].as_array().expect("a list");
+    let names: Vec<&str> = parts.iter().filter_map(|one| one["name"].as_str()).collect();
+    assert_eq!(names, ["Request", "Closed", "Opening", "Ask", "Opened"]);
+    let mut rename = |file: &str, piece: &str| {
+        let mut params = editor.position(file, piece);
+        params["newName"] = json!("Other");
+        editor.ask_or("textDocument/rename", params)
+    };
+    assert!(rename("door.gr7", "STEP Open|ing").is_err());
+    assert!(rename("main.stl", "CALL  \"SC|ALE\"").expect_err("it is not ours").contains("library"));
+}
+
+#[test]
 fn names_of_an_s7_200_are_known() {
     let mut editor = Editor::new("wash");
     editor.open("main.awl");
