@@ -102,6 +102,9 @@ pub enum RawKind {
     Stray,
 }
 
+/// What may be inside of an address.
+pub const BLANKS: [char; 2] = [' ', '\t'];
+
 /// Whether the lexer is in the head of a block, where a field includes its line.
 #[derive(Default)]
 pub struct Head(bool);
@@ -181,7 +184,7 @@ fn word(lexer: &mut Lexer<RawKind>) -> RawKind {
 
 /// Whether a field of the head begins with the word `field`.
 fn is_field(field: &str, rest: &str) -> bool {
-    let next = rest.trim_start_matches([' ', '\t']).as_bytes();
+    let next = rest.trim_start_matches(BLANKS).as_bytes();
     if field.eq_ignore_ascii_case("TITLE") {
         return next.first() == Some(&b'=');
     }
@@ -221,12 +224,13 @@ fn constant(word: &str, rest: &str, member: bool) -> Option<(RawKind, usize)> {
     }
 }
 
-/// `I 0.0`, `MW 10`, `T 5`, `FB 1`, `DBX 1.0` after a point: one blank between prefix and number.
+/// `I 0.0`, `MW 10`, `T 5`, `FB 1`, `DBX 1.0` after a point: blanks between prefix and number.
 fn spaced_address(letters: &str, rest: &str, member: bool) -> Option<(RawKind, usize)> {
-    let number = rest.strip_prefix(' ')?;
+    let number = rest.trim_start_matches(BLANKS);
+    let blanks = rest.len() - number.len();
     let digits = |text: &str| text.bytes().take_while(u8::is_ascii_digit).count();
     let byte = digits(number);
-    if byte == 0 {
+    if byte == 0 || blanks == 0 {
         return None;
     }
     let width =
@@ -250,7 +254,7 @@ fn spaced_address(letters: &str, rest: &str, member: bool) -> Option<(RawKind, u
         }
     };
     // `T 5_name` is not an address.
-    (extent::word(&number[length..]) == 0).then_some((kind, 1 + length))
+    (extent::word(&number[length..]) == 0).then_some((kind, blanks + length))
 }
 
 /// `%MW10`, `%I0.0`

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use plcc_diag::{Code, Diagnostic};
 
+use super::lexer::BLANKS;
 use super::token::{Spanned, Tok};
 use plcc_syntax::front::{Comment, CommentForm, ParseState, Place};
 use plcc_syntax::scl::ast::{Name, NameForm};
@@ -89,7 +90,7 @@ impl Recovery {
 
 /// A name; blanks in an address such as `MW 10` are not part of it.
 pub fn name(state: &State, text: &str, form: NameForm, range: Range<usize>) -> Name {
-    let text = if form == NameForm::Bare { text.replace(' ', "") } else { text.to_owned() };
+    let text = if form == NameForm::Bare { text.replace(BLANKS, "") } else { text.to_owned() };
     Name { text, form, span: state.span(range) }
 }
 

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use plcc_diag::{Code, Diagnostic, Span};
 
+use crate::gr7::lexer::BLANKS;
 use crate::gr7::messages::State;
 use plcc_syntax::Elementary;
 use plcc_syntax::ast::{Area, OperandKind};
@@ -87,7 +88,7 @@ pub fn absolute(state: &mut State, text: &str, range: Range<usize>) -> Sub {
 
 /// The operand that an address names; text that is not an address is reported.
 fn address_of(state: &mut State, text: &str, span: Span) -> Option<OperandKind> {
-    let operand = address::token(&text.replace(' ', ""), span);
+    let operand = address::token(&text.replace(BLANKS, ""), span);
     if operand.is_none() {
         let message = Diagnostic::new(Code::AddressRange, span, format!("`{text}` is not an address"));
         state.report(match address::with_carried_bit(text) {
