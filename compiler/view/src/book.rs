@@ -235,8 +235,12 @@ impl Maker<'_> {
         page.scope = scope;
         match &block.code {
             Code::Graphic(body) => {
-                let is_fbd = body.networks.iter().any(|network| network.language == Language::Fbd);
-                page.language = if is_fbd { "FBD" } else { "LAD" };
+                let has = |language: Language| body.networks.iter().any(|network| network.language == language);
+                page.language = match (has(Language::Lad), has(Language::Fbd)) {
+                    (true, true) => "LAD, FBD",
+                    (false, true) => "FBD",
+                    (_, false) => "LAD",
+                };
                 page.sections = body
                     .networks
                     .iter()

@@ -12,3 +12,4 @@ mod new;
 mod partial;
 mod partners;
 mod stations;
+mod view;
