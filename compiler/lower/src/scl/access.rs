@@ -11,7 +11,7 @@ use plcc_model::{Place, PlaceArea, Width};
 use super::promote;
 use super::value_type;
 use crate::block::BlockLowering;
-use crate::fault::Check;
+use crate::fault::{Check, Substitute};
 use crate::place::crossing::Crossing;
 use crate::place::{BitNumber, Direction, Target, TargetKind};
 use crate::pointer::PointerFields;
@@ -211,26 +211,35 @@ impl BlockLowering<'_, '_> {
         if let Some(offset) = located.offset {
             self.move_target(target, offset);
         }
-        if let Some(ok) = located.in_bounds
-            && self.b.constant_bits(ok) != Some(1)
-        {
-            let code = if direction == Direction::Read { sync::LENGTH_READ } else { sync::LENGTH_WRITE };
-            let code = self.b.i32_const(u32::from(code));
-            let area = match &located.base {
-                LocatedBase::Place(place) => place_area(place),
-                LocatedBase::Indexed { .. } => PlaceArea::Db,
-            };
-            let (form, info) = match (located.index, located.offset, &located.base) {
-                (Some(index), ..) => (fault_info::INDEX, index),
-                (None, Some(_), LocatedBase::Place(_)) => (fault_info::INDICES, self.b.i32_const(0)),
-                (None, Some(offset), LocatedBase::Indexed { .. }) => {
-                    (fault_info::ADDRESS, self.b.binary_imm(BinaryOp::Lshr, offset, 3))
-                }
-                (None, None, _) => (fault_info::ADDRESS, self.b.i32_const(0)),
-            };
-            let access = self.access_about(width, area, form);
-            target.checks.insert(0, Check { ok, code, access, info, db: None });
+        if let Some(check) = self.index_check(located, width, direction) {
+            target.checks.insert(0, check);
         }
+    }
+
+    /// The check of the indices; none if they cannot be outside.
+    fn index_check(&mut self, located: &Located, width: Width, direction: Direction) -> Option<Check> {
+        let ok = self.open_question(located)?;
+        let code = if direction == Direction::Read { sync::LENGTH_READ } else { sync::LENGTH_WRITE };
+        let code = self.b.i32_const(u32::from(code));
+        let area = match &located.base {
+            LocatedBase::Place(place) => place_area(place),
+            LocatedBase::Indexed { .. } => PlaceArea::Db,
+        };
+        let (form, info) = match (located.index, located.offset, &located.base) {
+            (Some(index), ..) => (fault_info::INDEX, index),
+            (None, Some(_), LocatedBase::Place(_)) => (fault_info::INDICES, self.b.i32_const(0)),
+            (None, Some(offset), LocatedBase::Indexed { .. }) => {
+                (fault_info::ADDRESS, self.b.binary_imm(BinaryOp::Lshr, offset, 3))
+            }
+            (None, None, _) => (fault_info::ADDRESS, self.b.i32_const(0)),
+        };
+        let access = self.access_about(width, area, form);
+        Some(Check { ok, code, access, info, db: None })
+    }
+
+    /// Whether the indices are in bounds, if that is not known before the program runs.
+    fn open_question(&self, located: &Located) -> Option<Value> {
+        located.in_bounds.filter(|&ok| self.b.constant_bits(ok) != Some(1))
     }
 
     fn indexed_target(
@@ -310,7 +319,7 @@ impl BlockLowering<'_, '_> {
         *bit = BitNumber::Dynamic(self.b.binary_imm(BinaryOp::And, total, 7));
     }
 
-    /// A pointer to a located place, for a called block.
+    /// A pointer to a located place, for a called block; only right if the indices are in their bounds.
     pub fn located_pointer(&mut self, located: &Located) -> PointerFields {
         let fields = match &located.base {
             LocatedBase::Place(place) => {
@@ -347,6 +356,22 @@ impl BlockLowering<'_, '_> {
             Some(offset) => PointerFields { pointer: self.b.iadd(fields.pointer, offset), ..fields },
             None => fields,
         }
+    }
+
+    /// As [`located_pointer`](Self::located_pointer), but with an index outside its bounds the pointer is into no data block.
+    pub fn pointer_in_bounds(&mut self, located: &Located) -> PointerFields {
+        let fields = self.located_pointer(located);
+        let Some(ok) = self.open_question(located) else { return fields };
+        let (no_db, nowhere) = (self.b.i32_const(0), self.b.i32_const(u32::from(area::DB) << 24));
+        PointerFields { db: self.b.select(ok, fields.db, no_db), pointer: self.b.select(ok, fields.pointer, nowhere) }
+    }
+
+    /// As [`pointer_in_bounds`](Self::pointer_in_bounds), for a pointer that nothing else checks: an index outside its bounds is an error.
+    pub fn checked_pointer(&mut self, located: &Located) -> PointerFields {
+        let check = self.index_check(located, Width::Byte, Direction::Read);
+        let guard = self.begin_guard(check.into_iter().collect(), Substitute::None);
+        self.end_guard(guard);
+        self.pointer_in_bounds(located)
     }
 
     // Values.

@@ -37,7 +37,7 @@ impl BlockLowering<'_, '_> {
                 self.copy_source(addr, &parameter.ty, source, bytes);
             }
             (Supply::Complex(Source::Variable { access, located }), Passing::OpenArray { dimensions }) => {
-                let fields = self.located_pointer(located);
+                let fields = self.checked_pointer(located);
                 self.store_pointer_fields(addr, fields);
                 for dimension in 0..dimensions {
                     let (low, high) = self.bounds_of(access, dimension);

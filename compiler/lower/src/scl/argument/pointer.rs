@@ -40,7 +40,7 @@ impl BlockLowering<'_, '_> {
             Actual::PointerBytes(bytes) => PointerSource::Bytes(bytes),
             Actual::PointerTo { access, type_code, count } if matches!(access.ty, DataType::OpenArray(_)) => {
                 let located = self.locate(access);
-                let fields = self.located_pointer(&located);
+                let fields = self.checked_pointer(&located);
                 let elements = self.elements_of(access);
                 PointerSource::Counted { type_code: *type_code, elements, each: *count, fields }
             }
@@ -49,7 +49,7 @@ impl BlockLowering<'_, '_> {
                     Some(width) => self.pointer_to_copy(access, width),
                     None => {
                         let located = self.locate(access);
-                        self.located_pointer(&located)
+                        self.checked_pointer(&located)
                     }
                 };
                 PointerSource::Fields { head: head(*type_code, *count), fields }
@@ -67,7 +67,7 @@ impl BlockLowering<'_, '_> {
             }
             Actual::PointerToComplex { value, type_code, count } => {
                 let fields = match self.source(value) {
-                    Source::Variable { located, .. } => self.located_pointer(&located),
+                    Source::Variable { located, .. } => self.checked_pointer(&located),
                     Source::Frame(addr) => self.pointer_fields(&Place::L { byte: addr.offset, bit: 0 }),
                 };
                 PointerSource::Fields { head: head(*type_code, *count), fields }

@@ -162,7 +162,7 @@ impl BlockLowering<'_, '_> {
     pub(super) fn complex_reference(&mut self, source: &Source) -> (PointerFields, Value) {
         match source {
             Source::Variable { located, .. } => {
-                let fields = self.located_pointer(located);
+                let fields = self.pointer_in_bounds(located);
                 let target = self.located_target(located, Width::Byte, place::Direction::Read);
                 (fields, self.reference(target, Width::Byte, place::Direction::Read))
             }
@@ -190,7 +190,7 @@ impl BlockLowering<'_, '_> {
             }
         };
         let pointer = self.temporary(6);
-        let fields = self.located_pointer(&located);
+        let fields = self.pointer_in_bounds(&located);
         self.store_pointer_fields(pointer, fields);
         let target = self.located_target(&located, Width::Byte, place::Direction::Write);
         let reference = self.reference(target, Width::Byte, place::Direction::Write);
