@@ -470,22 +470,25 @@ impl BlockLowering<'_, '_> {
             unreachable!("the binder writes elementary variables as values")
         };
         let width = layout::width(ty);
-        if let (Base::Place(Place::Pq { .. }), Some(part)) = (&access.base, access.part)
-            && part.width == Width::Bit
-        {
+        let Some(part) = access.part else { return self.store_whole(located, ty, value) };
+        if matches!(access.base, Base::Place(Place::Pq { .. })) && part.width == Width::Bit {
             let target = self.located_target(located, width, Direction::Write);
             if let TargetKind::Peripheral { address, .. } = target.kind {
                 return self.write_peripheral_bit(address, part.index, value);
             }
         }
-        let value = match access.part {
-            Some(part) => {
-                let before = self.read_at(located, width);
-                let before = self.typed(before, ty);
-                self.with_part(before, part, value)
-            }
-            None => value,
-        };
+        // An index outside its bounds is one error, that of the write: the rest of the variable is not read.
+        let check = self.index_check(located, width, Direction::Write);
+        let guard = self.begin_guard(check.into_iter().collect(), Substitute::None);
+        let before = self.read_at(located, width);
+        let before = self.typed(before, ty);
+        let whole = self.with_part(before, part, value);
+        self.store_whole(located, ty, whole);
+        self.end_guard(guard);
+    }
+
+    fn store_whole(&mut self, located: &Located, ty: Elementary, value: Value) {
+        let width = layout::width(ty);
         let value = self.untyped(value, ty);
         let by_reference = self.by_located_reference(located, width, Direction::Write, &mut |this, target| {
             this.write_target(target, width, value);
