@@ -4,7 +4,7 @@ use plcc_syntax::{Class, Elementary};
 
 use super::Rules;
 use Elementary::*;
-use plcc_model::scl::{BinaryOp, Conversion, Expr, ExprKind, Overflow};
+use plcc_model::scl::{BinaryOp, Conversion, Expr, ExprKind, Function, Overflow};
 
 /// Days from 1990-01-01 to 2168-12-31, the last DATE.
 const DATE_MAX: u32 = 65_378;
@@ -218,6 +218,26 @@ pub fn explicit_expr(rules: Rules, value: Expr, to: Elementary) -> Option<Expr> 
     };
     let step = explicit_expr(rules, value, through)?;
     explicit_expr(rules, step, to)
+}
+
+/// An index or a count as a DINT. A number of 64 bits that a DINT cannot hold becomes the nearest that it can, which no array has.
+pub fn index(rules: Rules, value: Expr) -> Option<Expr> {
+    let value = match value.ty {
+        _ if matches!(value.kind, ExprKind::Const(_)) => value,
+        Lint => up_to_dint(value, i64::from(i32::MIN)),
+        Ulint => up_to_dint(value, 0),
+        Lword => up_to_dint(converted(value, Conversion::Bits { checked: false }, Ulint), 0),
+        _ => value,
+    };
+    explicit_expr(rules, value, Dint)
+}
+
+/// A number of 64 bits, from `low` to the largest DINT.
+fn up_to_dint(value: Expr, low: i64) -> Expr {
+    let (ty, span) = (value.ty, value.span);
+    let limit = |bound: i64| Expr { kind: ExprKind::Const(bound as u64), ty, span };
+    let arguments = vec![limit(low), value, limit(i64::from(i32::MAX))];
+    Expr { kind: ExprKind::Function { function: Function::Limit, arguments }, ty, span }
 }
 
 /// Days from 1970-01-01 to 1990-01-01: 20 years, five of them leap years.

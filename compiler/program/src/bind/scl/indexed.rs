@@ -206,7 +206,7 @@ impl SclBinder<'_, '_> {
         }
         match value {
             Value::Elementary(expr) if is_index(ctx, expr.ty) => {
-                let dint = convert::explicit_expr(ctx.scope.rules, expr, Elementary::Dint)?;
+                let dint = convert::index(ctx.scope.rules, expr)?;
                 Some(Position::Dynamic(dint))
             }
             other => {

@@ -308,7 +308,7 @@ impl SclBinder<'_, '_> {
         match Shape::of(&value) {
             Shape::Of(ty) if ty.is_integer() || (ty.class() == Class::Bits && ty != Elementary::Bool) => {
                 let value = self.own_type(ctx, value)?;
-                convert::explicit_expr(ctx.scope.rules, value, Elementary::Dint)
+                convert::index(ctx.scope.rules, value)
             }
             _ => self.convert(ctx, value, Elementary::Dint),
         }
