@@ -5,8 +5,8 @@
 //! at once. Source: STL reference, synchronous errors.
 
 use plcc_abi::RuntimeFn;
-use plcc_abi::layout::state;
-use plcc_ir::{BinaryOp, Block, Value};
+use plcc_abi::layout::{self, state};
+use plcc_ir::{Address, BinaryOp, Block, Region, Value};
 
 use crate::block::BlockLowering;
 
@@ -35,6 +35,8 @@ pub enum Substitute {
     Bit,
     /// 0 in [`BlockLowering::result_long`].
     Long,
+    /// 0 in this many bytes of scratch memory, which a reference refers to then.
+    Scratch(u32),
 }
 
 impl BlockLowering<'_, '_> {
@@ -83,8 +85,15 @@ impl BlockLowering<'_, '_> {
                 let zero = self.b.iconst(plcc_abi::Type::I64, 0);
                 self.b.def_var(self.result_long, zero);
             }
+            Substitute::Scratch(bytes) => self.clear_scratch(bytes),
         }
         self.stop_exit.leave_if(&mut self.b, stop, after);
+    }
+
+    /// Sets the first `bytes` bytes of scratch memory to 0.
+    pub fn clear_scratch(&mut self, bytes: u32) {
+        let scratch = self.b.i32_const(layout::SCRATCH);
+        self.b.clear(Address::indexed(Region::Any, scratch, 0), bytes);
     }
 
     /// The access byte of OB 121, and the data block in the upper half, which messages name.

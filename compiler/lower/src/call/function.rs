@@ -100,7 +100,7 @@ impl BlockLowering<'_, '_> {
                     pointers.push(pointer);
                 }
             }
-            Passing::Complex { .. } => self.complex_argument(actual, references),
+            Passing::Complex { bytes } => self.complex_argument(actual, bytes, references),
             Passing::Number => {
                 let Actual::Number(number) = actual else { unreachable!("the binder gives numbers") };
                 references.push(self.number(number));
@@ -115,14 +115,14 @@ impl BlockLowering<'_, '_> {
     }
 
     /// POINTER in the frame, and the variable itself.
-    fn complex_argument(&mut self, actual: &Actual, references: &mut Vec<Value>) {
+    fn complex_argument(&mut self, actual: &Actual, bytes: u32, references: &mut Vec<Value>) {
         let pointer = self.temporary(6);
         match actual {
             Actual::Place(place) => {
                 let fields = self.pointer_fields(place);
                 self.store_pointer_fields(pointer, fields);
                 let target = self.target(place, Width::Byte, place::Direction::Read);
-                let reference = self.reference(target, Width::Byte, place::Direction::Read);
+                let reference = self.reference_to(target, Width::Byte, bytes, place::Direction::Read);
                 references.push(self.b.i32_const(pointer.offset));
                 references.push(reference);
             }
@@ -148,9 +148,12 @@ impl BlockLowering<'_, '_> {
     /// `UC` of an FC with parameters passes nothing: reads yield 0, writes have no effect.
     pub(super) fn no_argument(&mut self, parameter: &Parameter, references: &mut Vec<Value>) {
         let scratch = match parameter.passing {
-            Passing::Elementary(Width::Bit) => layout::SCRATCH * 8,
-            Passing::Elementary(_) => layout::SCRATCH,
-            Passing::Complex { .. } => {
+            Passing::Elementary(width) => {
+                self.clear_scratch(width.bytes());
+                if width == Width::Bit { layout::SCRATCH * 8 } else { layout::SCRATCH }
+            }
+            Passing::Complex { bytes } => {
+                self.clear_scratch(bytes);
                 let pointer = self.temporary(6);
                 self.b.clear(pointer, 6);
                 references.push(self.b.i32_const(pointer.offset));
@@ -179,8 +182,13 @@ impl BlockLowering<'_, '_> {
         references.push(self.b.i32_const(scratch));
     }
 
-    /// A reference to `target` for an FC. If the address is faulty, it refers to scratch memory.
+    /// A reference to `target` for an FC. If the address is faulty, it refers to scratch memory, which begins with 0.
     pub fn reference(&mut self, target: Target, width: Width, direction: place::Direction) -> Value {
+        self.reference_to(target, width, width.bytes(), direction)
+    }
+
+    /// As [`reference`](Self::reference), to a variable of `bytes` bytes.
+    pub fn reference_to(&mut self, target: Target, width: Width, bytes: u32, direction: place::Direction) -> Value {
         let (addr, bit, mut checks) = self.in_memory(target, width, direction);
         checks.retain(|check| self.b.constant_bits(check.ok) != Some(1));
         let reference = |lowering: &mut Self| {
@@ -200,7 +208,7 @@ impl BlockLowering<'_, '_> {
         let scratch = if width == Width::Bit { layout::SCRATCH * 8 } else { layout::SCRATCH };
         let scratch = self.b.i32_const(scratch);
         self.set(self.reference, scratch);
-        let guard = self.begin_guard(checks, Substitute::None);
+        let guard = self.begin_guard(checks, Substitute::Scratch(bytes));
         let value = reference(self);
         self.set(self.reference, value);
         self.end_guard(guard);

@@ -161,10 +161,11 @@ impl BlockLowering<'_, '_> {
 
     pub(super) fn complex_reference(&mut self, source: &Source) -> (PointerFields, Value) {
         match source {
-            Source::Variable { located, .. } => {
+            Source::Variable { access, located } => {
                 let fields = self.pointer_in_bounds(located);
                 let target = self.located_target(located, Width::Byte, place::Direction::Read);
-                (fields, self.reference(target, Width::Byte, place::Direction::Read))
+                let bytes = layout::bytes(&access.ty);
+                (fields, self.reference_to(target, Width::Byte, bytes, place::Direction::Read))
             }
             Source::Frame(addr) => {
                 let fields = self.pointer_fields(&Place::L { byte: addr.offset, bit: 0 });
@@ -193,7 +194,8 @@ impl BlockLowering<'_, '_> {
         let fields = self.pointer_in_bounds(&located);
         self.store_pointer_fields(pointer, fields);
         let target = self.located_target(&located, Width::Byte, place::Direction::Write);
-        let reference = self.reference(target, Width::Byte, place::Direction::Write);
+        let bytes = layout::bytes(&access.ty);
+        let reference = self.reference_to(target, Width::Byte, bytes, place::Direction::Write);
         let mut values = vec![self.b.i32_const(pointer.offset), reference];
         for dimension in 0..dimensions {
             let (low, high) = self.bounds_of(access, dimension);
