@@ -17,10 +17,10 @@ use plcc_tests::{files, native_variants, passes_of, plan, projects, root, shown,
 const GROUP: usize = 40;
 
 /// Of so many files one is run without a pass, unless all are.
-const STRIDE: usize = 2;
+const STRIDE: usize = 3;
 
 /// Of so many files one is run with all instructions of this processor.
-const NATIVE_STRIDE: usize = 5;
+const NATIVE_STRIDE: usize = 8;
 
 const LANGUAGES: [&str; 6] = ["stl", "awl", "scl", "s7dcl", "gr7", "xml"];
 

@@ -130,7 +130,7 @@ fn settings() -> Settings {
 
 /// How many changed programs: `PLCC_RANDOM_EXPORTS`, else as many as some seconds take.
 fn cases() -> u32 {
-    u32::try_from(setting("PLCC_RANDOM_EXPORTS", 100)).unwrap_or(u32::MAX)
+    u32::try_from(setting("PLCC_RANDOM_EXPORTS", 60)).unwrap_or(u32::MAX)
 }
 
 proptest! {

@@ -157,7 +157,7 @@ fn check(path: &Path, seed: u64) -> Result<(), String> {
 #[test]
 fn the_rest_of_a_program_builds_and_runs() {
     let programs = programs();
-    let (count, first) = (setting("PLCC_RANDOM_PARTIAL", 120), setting("PLCC_RANDOM_PARTIAL_FROM", 1));
+    let (count, first) = (setting("PLCC_RANDOM_PARTIAL", 80), setting("PLCC_RANDOM_PARTIAL_FROM", 1));
     let all = std::env::var_os("PLCC_RANDOM_PARTIAL_ALL").is_some();
     let mut failures = Vec::new();
     for seed in first..first + count {

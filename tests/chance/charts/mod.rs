@@ -17,7 +17,7 @@ use run::{FORMS, Failure, Form};
 #[test]
 fn charts_do_what_the_model_does() {
     let first = setting("PLCC_RANDOM_CHARTS_FROM", 1);
-    for seed in first..first + setting("PLCC_RANDOM_CHARTS", 60) {
+    for seed in first..first + setting("PLCC_RANDOM_CHARTS", 40) {
         let result = plcc_driver::on_large_stack(move || {
             let case = generate::case(seed);
             run::check(&case, &FORMS).map_err(|failure| {
@@ -41,7 +41,7 @@ fn both_ways_leave_the_same() {
     /// IL_PERM in its byte of MOP, and in that of the last MOP.
     const IL_PERM: u8 = 0x20;
     let first = setting("PLCC_RANDOM_CHARTS_FROM", 1);
-    for seed in first..first + setting("PLCC_RANDOM_CHARTS", 60) {
+    for seed in first..first + setting("PLCC_RANDOM_CHARTS", 40) {
         let result = plcc_driver::on_large_stack(move || {
             let case = generate::case(seed);
             let [short, long] = [false, true].map(|long| run::instances(&case, long).expect("it runs"));
@@ -66,7 +66,7 @@ fn both_ways_leave_the_same() {
 #[test]
 fn any_pass_may_be_off() {
     let first = setting("PLCC_RANDOM_CHARTS_FROM", 1);
-    for seed in first..first + setting("PLCC_RANDOM_CHARTS", 60) {
+    for seed in first..first + setting("PLCC_RANDOM_CHARTS", 40) {
         let forms: Vec<Form> = passes_of(seed as usize, 1).into_iter().flat_map(Form::without).collect();
         let result = plcc_driver::on_large_stack(move || run::check(&generate::case(seed), &forms));
         if let Err(failure) = result.expect("no panic") {

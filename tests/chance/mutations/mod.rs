@@ -1,7 +1,7 @@
 //! Sources of all languages with random damage: words and lines cut out, doubled, exchanged, numbers at their ends, brackets torn, files cut
 //! off and spliced. Checking, compiling and running them ends soon, without a panic.
 //!
-//! `PLCC_RANDOM_SOURCES=N` sets how many (300), `PLCC_RANDOM_SOURCES_FROM` the number of the first, and `PLCC_RANDOM_SOURCES_FOLDER` a further folder
+//! `PLCC_RANDOM_SOURCES=N` sets how many (200), `PLCC_RANDOM_SOURCES_FROM` the number of the first, and `PLCC_RANDOM_SOURCES_FOLDER` a further folder
 //! whose sources are damaged, too. `PLCC_RANDOM_FILES=N` sets how many other files (100), `PLCC_RANDOM_FILES_FROM` the number of the first.
 
 use std::path::{Path, PathBuf};
@@ -45,7 +45,7 @@ fn damaged(seed: u64, sources: &[PathBuf]) -> (PathBuf, String) {
 #[test]
 fn damaged_sources_do_no_harm() {
     let sources = sources();
-    let (from, count) = (setting("PLCC_RANDOM_SOURCES_FROM", 0), setting("PLCC_RANDOM_SOURCES", 300));
+    let (from, count) = (setting("PLCC_RANDOM_SOURCES_FROM", 0), setting("PLCC_RANDOM_SOURCES", 200));
     let mut failures = Vec::new();
     let mut good = 0;
     for seed in from..from + count {

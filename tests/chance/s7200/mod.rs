@@ -20,7 +20,7 @@ use run::{Failure, Form};
 fn programs_do_what_the_model_does() {
     let first = setting("PLCC_RANDOM_S7200_FROM", 1);
     let mut failures = Vec::new();
-    for seed in first..first + setting("PLCC_RANDOM_S7200", 100) {
+    for seed in first..first + setting("PLCC_RANDOM_S7200", 60) {
         let result = plcc_driver::on_large_stack(move || {
             let case = generate::case(seed);
             run::check(&case, &run::FORMS).map_err(|failure| {
@@ -47,7 +47,7 @@ fn programs_do_what_the_model_does() {
 #[test]
 fn changed_sources_are_read() {
     let first = setting("PLCC_RANDOM_S7200_FROM", 1);
-    for seed in first..first + setting("PLCC_RANDOM_S7200", 100) * 2 {
+    for seed in first..first + setting("PLCC_RANDOM_S7200", 60) * 2 {
         let source = robust::source(seed);
         let text = source.clone();
         let result = plcc_driver::on_large_stack(move || robust::compile(&text));
@@ -59,7 +59,7 @@ fn changed_sources_are_read() {
 #[test]
 fn any_pass_may_be_off() {
     let first = setting("PLCC_RANDOM_S7200_FROM", 1);
-    for seed in first..first + setting("PLCC_RANDOM_S7200", 100) {
+    for seed in first..first + setting("PLCC_RANDOM_S7200", 60) {
         let forms: Vec<Form> = passes_of(seed as usize, 1).into_iter().flat_map(Form::without).collect();
         let result = plcc_driver::on_large_stack(move || run::check(&generate::case(seed), &forms));
         if let Err(failure) = result.expect("no panic") {
