@@ -77,7 +77,7 @@ pub(crate) fn parse(text: &str) -> Option<Address> {
 impl Part {
     /// The current value next to a status bit.
     pub(crate) fn current_value(self) -> Option<Part> {
-        NUMBERED.iter().find(|(_, part, ..)| *part == self).and_then(|(.., value)| *value)
+        NUMBERED.iter().filter(|(_, part, ..)| *part == self).find_map(|(.., value)| *value)
     }
 
     /// Whether a value can be set there from outside. `Err`: why not.
