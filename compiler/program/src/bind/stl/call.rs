@@ -58,6 +58,9 @@ impl StlBinder<'_, '_> {
         if called_name(call).is_some_and(|name| self.program.globals.missing_in_stl(name, span)) {
             return None;
         }
+        if let Some(key) = self.block_of_instance(ctx, call) {
+            return Some((key, None, self.program.interface(key, span)?));
+        }
         let settled = match self.named_before_instance(call) {
             Some((prefix, number)) => Settled::Block { prefix, number: Number::Known(number) },
             None => self.settle(ctx, &call.target)?,
@@ -78,6 +81,25 @@ impl StlBinder<'_, '_> {
             return None;
         }
         Some((key, multi, bound))
+    }
+
+    /// The block of `CALL TON, #timer` where the library has several blocks of this name: that of the instance.
+    fn block_of_instance(&mut self, ctx: &mut CurrentBlock, call: &ast::Call) -> Option<BlockKey> {
+        let instance = call.instance.as_ref()?;
+        let (OperandKind::Path(path), OperandKind::Path(place)) = (&call.target.kind, &instance.kind) else {
+            return None;
+        };
+        let (ast::PathRoot::Bare { name, .. }, ast::PathRoot::Local { name: local, .. }) = (&path.root, &place.root)
+        else {
+            return None;
+        };
+        if !path.parts.is_empty() || !ctx.bound.locals.contains_key(&fold(local)) {
+            return None;
+        }
+        let Settled::Complex(variable) = self.settle(ctx, instance)? else { return None };
+        let (own, _) = multi_instance(&variable)?;
+        let library = self.program.globals.library_block(own)?;
+        library.name.eq_ignore_ascii_case(name).then_some(own)
     }
 
     /// The block of `CALL TON, #ton`: a name before an instance is that of a block, also if the block declares a variable `ton`.
