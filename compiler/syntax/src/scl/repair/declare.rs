@@ -7,6 +7,9 @@ use crate::scl::address;
 use crate::scl::keyword::Keyword;
 use crate::scl::raw::{RawKind, RawToken};
 
+/// Tokens of a list of start values.
+const LIST_MAX: usize = 300;
+
 impl Repair<'_> {
     /// A part of a declaration that another language has.
     pub(super) fn foreign_declaration(&mut self, token: RawToken) -> bool {
@@ -71,14 +74,15 @@ impl Repair<'_> {
         }
         let close = match token.kind {
             RawKind::LeftParen => self.closing(at),
-            RawKind::LeftBrace => self.closing_brace(at),
+            RawKind::LeftBrace => self.closing_brace(at, LIST_MAX),
             _ => return false,
         };
         let Some(close) = close.filter(|close| *close > at + 1 && self.kind(*close + 1) == Some(RawKind::Semicolon))
         else {
             return false;
         };
-        let elements = (self.statement..at).rev().find(|index| self.keyword(*index) == Some(Keyword::Of));
+        let elements =
+            (self.statement..at).rev().take(LIST_MAX).find(|index| self.keyword(*index) == Some(Keyword::Of));
         let elementary = elements.and_then(|of| self.token(of + 1)).is_some_and(|ty| {
             let word = self.slice(ty).to_ascii_uppercase();
             Elementary::from_word(&word).is_some()

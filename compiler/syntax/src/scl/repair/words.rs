@@ -176,7 +176,7 @@ impl Repair<'_> {
         let brace = after.is_some_and(|token| token.kind == RawKind::LeftBrace);
         if brace && is_switch(word) {
             let value = self.words(self.at + 1, close).trim_start_matches('(').trim_end_matches(')').trim();
-            let after = self.closing_brace(close + 1).map_or(self.tokens.len(), |brace| brace + 1);
+            let after = self.closing_brace(close + 1, usize::MAX).map_or(self.tokens.len(), |brace| brace + 1);
             self.report_switch(word, value, close + 1, after);
             return true;
         }
@@ -246,10 +246,10 @@ impl Repair<'_> {
         None
     }
 
-    /// Index of the `}` that closes the `{` at `at`, within the block.
-    pub(super) fn closing_brace(&self, at: usize) -> Option<usize> {
+    /// Index of the `}` that closes the `{` at `at`, within the block and `most` tokens.
+    pub(super) fn closing_brace(&self, at: usize, most: usize) -> Option<usize> {
         let mut depth = 0usize;
-        for (index, token) in self.tokens.iter().enumerate().skip(at) {
+        for (index, token) in self.tokens.iter().enumerate().skip(at).take(most) {
             match token.kind {
                 RawKind::LeftBrace => depth += 1,
                 RawKind::RightBrace => {
