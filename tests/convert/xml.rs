@@ -105,7 +105,7 @@ fn as_xml(path: &Path, refused: &mut BTreeMap<String, usize>) -> Option<Result<(
 /// Values of elements of arrays, of components of structures, and of timers and counters.
 #[test]
 fn values_of_instances_stay() {
-    let source = r#"
+    let source = r#"//@ cpu s7-1500
 FUNCTION_BLOCK "Pump"
 VAR_INPUT
   start : Bool;

@@ -199,10 +199,13 @@ impl Writer<'_> {
 
     pub(crate) fn constants(&mut self, constants: &[Constant]) {
         let Some(first) = constants.first() else { return };
-        if self.notation == Notation::Stl {
+        // Those of STL in the TIA Portal have start values; expressions are of SCL.
+        if self.notation == Notation::Stl
+            && let Some(scl) = constants.iter().find(|constant| constant.initial.is_none())
+        {
             return self.refuse(
-                first.name_span,
-                format!("STL of STEP 7 has no constants of a block: `{}`", first.name),
+                scl.name_span,
+                format!("STL of STEP 7 has no constants of a block: `{}`", scl.name),
                 "write its value where it is used, or define it in the symbol table",
             );
         }
