@@ -463,7 +463,19 @@ mod tests {
             v11 = select v9, v4, v10
             ret v11
             }",
-            "",
+            "func @F -> i32 {
+            b0(v0: f32, v1: f32):
+            v2 = fadd v0, v1
+            v3 = funo v2, v2
+            v4 = const.f32 0xffffffff
+            v5 = select v3, v4, v2
+            v6 = fmul v2, v1
+            v7 = funo v6, v6
+            v8 = const.f32 0xffffffff
+            v9 = select v7, v8, v6
+            v10 = bitcast.i32 v9
+            ret v10
+            }",
         );
     }
 
