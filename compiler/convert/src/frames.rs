@@ -347,6 +347,7 @@ impl Writer<'_> {
                 self.needs_scl(value.span, "an expression as a bound");
                 expression::text(value, self)
             }
+            Bound::Path(path) => operand::path_text(path, self),
         }
     }
 

@@ -47,12 +47,27 @@ impl BlockLowering<'_, '_> {
                 let pointer = self.handed_on(pointer);
                 return PointerFields { db, pointer };
             }
+            Place::Element { ref base, ref indices } => {
+                let located = self.located_element(base, indices);
+                return self.pointer_in_bounds(&located);
+            }
             Place::Indirect { .. } | Place::Register { .. } => {
                 unreachable!("the binder passes no indirect address as an actual parameter")
             }
         };
         let db = db.unwrap_or_else(|| self.b.i32_const(0));
         PointerFields { db, pointer: self.b.i32_const(pointer) }
+    }
+
+    /// As [`pointer_fields`](Self::pointer_fields), for a pointer that nothing else checks: an index outside its bounds is an error.
+    pub fn checked_pointer_fields(&mut self, place: &Place) -> PointerFields {
+        match place {
+            Place::Element { base, indices } => {
+                let located = self.located_element(base, indices);
+                self.checked_pointer(&located)
+            }
+            place => self.pointer_fields(place),
+        }
     }
 
     /// In this FB's instance: in the DB of DI, at AR2.
@@ -131,7 +146,7 @@ impl BlockLowering<'_, '_> {
         match actual {
             Actual::PointerBytes(bytes) | Actual::Const(bytes) => self.store_pointer_bytes(addr, bytes),
             Actual::PointerTo { place, type_code, count } => {
-                let fields = self.pointer_fields(place);
+                let fields = self.checked_pointer_fields(place);
                 if any {
                     let head = ANY_S7 << 24 | u32::from(*type_code) << 16 | u32::from(*count);
                     let head = self.b.i32_const(head);

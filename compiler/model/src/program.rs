@@ -12,7 +12,7 @@ pub use plcc_syntax::ast::{AddressRegister, AssertRegister, CellKind, SpecialReg
 use plcc_syntax::stl::StlInsn;
 
 use crate::layout;
-use crate::types::{DataType, Member, ParameterType};
+use crate::types::{DataType, Elementary, Member, ParameterType};
 use crate::{s7200, scl};
 
 /// A whole program.
@@ -364,6 +364,48 @@ pub enum Place {
         register: AddressRegister,
         offset: u32,
     },
+    /// `"Data".list[#i].speed`, on an S7-1500: at `base` with the lowest indices. At least one index is a variable.
+    Element {
+        base: Box<Place>,
+        indices: Vec<ElementIndex>,
+    },
+}
+
+impl Place {
+    /// The place itself, or an element after it.
+    pub fn with_indices(self, indices: Vec<ElementIndex>) -> Place {
+        if indices.is_empty() { self } else { Place::Element { base: Box::new(self), indices } }
+    }
+
+    /// The variable indices of an element.
+    pub fn indices(&self) -> &[ElementIndex] {
+        if let Place::Element { indices, .. } = self { indices } else { &[] }
+    }
+
+    /// Where an element is with the lowest indices; otherwise the place itself.
+    pub fn root(&self) -> &Place {
+        if let Place::Element { base, .. } = self { base } else { self }
+    }
+}
+
+/// An index of an array that is read when its element is accessed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ElementIndex {
+    pub place: Place,
+    /// An integer or a bit string of up to 32 bits.
+    pub ty: Elementary,
+    pub low: i32,
+    pub high: i32,
+    /// Distance of elements, in bits.
+    pub stride: u32,
+}
+
+impl ElementIndex {
+    /// Distance of the first and the last element, in bits.
+    pub fn reach(&self) -> u32 {
+        let steps = u32::try_from(i64::from(self.high) - i64::from(self.low)).unwrap_or(0);
+        steps.saturating_mul(self.stride)
+    }
 }
 
 pub use plcc_syntax::ast::Area as PlaceArea;
@@ -420,6 +462,14 @@ impl Actual {
         match self {
             Actual::Variant(any, _) => any,
             other => other,
+        }
+    }
+
+    /// The variable indices of what is passed or pointed at.
+    pub fn indices(&self) -> &[ElementIndex] {
+        match self.pointer() {
+            Actual::Place(place) | Actual::PointerTo { place, .. } | Actual::PointerCopy(place) => place.indices(),
+            Actual::Const(_) | Actual::Number(_) | Actual::PointerBytes(_) | Actual::Variant(..) => &[],
         }
     }
 }

@@ -320,6 +320,8 @@ pub enum Bound {
     Name(String, Span),
     /// A constant expression.
     Expr(Box<scl::ast::Expr>),
+    /// In code of STL: an index that may be a variable.
+    Path(Box<Path>),
 }
 
 /// A value after `:=` in a declaration or after `BEGIN`.
@@ -618,6 +620,18 @@ pub struct Path {
     pub root: PathRoot,
     pub parts: Vec<PathPart>,
     pub span: Span,
+}
+
+impl Path {
+    /// The name alone, if nothing comes after it.
+    pub fn name(&self) -> Option<&str> {
+        match &self.root {
+            PathRoot::Local { name, .. } | PathRoot::Quoted { name, .. } | PathRoot::Bare { name, .. } => {
+                self.parts.is_empty().then_some(name)
+            }
+            PathRoot::Block(_) => None,
+        }
+    }
 }
 
 /// What a path begins with.

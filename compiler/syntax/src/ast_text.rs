@@ -356,6 +356,7 @@ fn bound(bound: &Bound) -> String {
         Bound::Number(number, _) => number.to_string(),
         Bound::Name(name, _) => name.clone(),
         Bound::Expr(value) => scl::text::expr(value),
+        Bound::Path(name) => path(name),
     }
 }
 

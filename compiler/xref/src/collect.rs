@@ -69,7 +69,7 @@ impl Collector<'_> {
         self.found.push(Found { operand, block: self.index, network: self.network, span, access });
     }
 
-    /// A place with the number of bits that is used there; the pointer of an indirect address is read.
+    /// A place with the number of bits that is used there; pointers and indices are read. An element may be any of its array.
     fn place(&mut self, place: &Place, bits: u32, access: Access, span: Span) {
         let (area, byte, bit) = match *place {
             Place::I { byte, bit } => (Area::I, byte, bit),
@@ -80,6 +80,14 @@ impl Collector<'_> {
             Place::Db { number, byte, bit } => (Area::Db(number), byte, bit),
             Place::Indirect { ref pointer, .. } => {
                 return self.place(pointer, Width::Dword.bits(), Access::Read, span);
+            }
+            Place::Element { ref base, ref indices } => {
+                let mut reach = 0u32;
+                for index in indices {
+                    self.place(&index.place, index.ty.bits(), Access::Read, span);
+                    reach = reach.saturating_add(index.reach());
+                }
+                return self.place(base, bits.saturating_add(reach), access, span);
             }
             // Local data, what is known at run time only, and variables of the block.
             Place::L { .. }

@@ -141,7 +141,7 @@ fn inside<'t>(ty: &'t DataType, parts: &[PathPart]) -> Option<(&'t Elementary, u
                 .iter()
                 .map(|value| match value {
                     Bound::Number(number, _) => Some(*number),
-                    Bound::Name(..) | Bound::Expr(_) => None,
+                    Bound::Name(..) | Bound::Expr(_) | Bound::Path(_) => None,
                 })
                 .collect();
             let indices = indices.filter(|indices| indices.len() == array.bounds.len())?;

@@ -200,9 +200,11 @@ impl Maker<'_> {
                 self.add_ar2();
                 Some(self.through_pointer(&stored))
             }
-            Place::OpenDb { .. } | Place::OpenDi { .. } | Place::Indirect { .. } | Place::Register { .. } => {
-                self.no_address(access.span)
-            }
+            Place::OpenDb { .. }
+            | Place::OpenDi { .. }
+            | Place::Indirect { .. }
+            | Place::Register { .. }
+            | Place::Element { .. } => self.no_address(access.span),
         }
     }
 

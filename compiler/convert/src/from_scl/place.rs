@@ -119,7 +119,8 @@ impl Maker<'_> {
             | Place::OpenDb { .. }
             | Place::OpenDi { .. }
             | Place::Indirect { .. }
-            | Place::Register { .. } => self.unnamed(span),
+            | Place::Register { .. }
+            | Place::Element { .. } => self.unnamed(span),
         }
     }
 

@@ -349,7 +349,7 @@ impl<'a> Declarer<'_, 'a> {
                             .iter()
                             .map(|value| match value {
                                 Bound::Number(number, _) => Some(*number),
-                                Bound::Name(..) | Bound::Expr(_) => None,
+                                Bound::Name(..) | Bound::Expr(_) | Bound::Path(_) => None,
                             })
                             .collect();
                         let Some(numbers) = numbers else {
@@ -426,6 +426,7 @@ pub fn bound(bound: &Bound, writer: &mut Writer) -> String {
         Bound::Number(number, _) => number.to_string(),
         Bound::Name(name, _) => identifier(name),
         Bound::Expr(value) => expression::text(value, writer),
+        Bound::Path(path) => crate::operand::path_text(path, writer),
     }
 }
 

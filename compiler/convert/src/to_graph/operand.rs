@@ -193,8 +193,8 @@ pub fn expression(operand: &Operand) -> Result<Expr, Reason> {
                         for bound in values {
                             match bound {
                                 Bound::Number(number, _) => indices.push(whole(*number, span)),
-                                Bound::Name(..) | Bound::Expr(_) => {
-                                    return Err("an index that is a constant".to_string());
+                                Bound::Name(..) | Bound::Expr(_) | Bound::Path(_) => {
+                                    return Err("an index that is a name".to_string());
                                 }
                             }
                         }

@@ -178,6 +178,7 @@ fn bound(bound: &Bound, writer: &mut Writer) -> String {
         Bound::Number(number, _) => number.to_string(),
         Bound::Name(name, _) => format!("\"{name}\""),
         Bound::Expr(value) => expression::text(value, writer),
+        Bound::Path(path) => crate::operand::path_text(path, writer),
     }
 }
 

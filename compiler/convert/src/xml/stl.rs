@@ -332,9 +332,19 @@ impl Maker<'_, '_, '_> {
                 PathPart::Index { values, .. } => {
                     let mut list = Vec::new();
                     for value in values {
-                        let Bound::Number(number, _) = value else { return None };
-                        let value = Node::new("Constant").child(Node::of("ConstantValue", number.to_string()));
-                        list.push(self.numbered("Access").with("Scope", "LiteralConstant").child(value));
+                        let access = self.numbered("Access");
+                        list.push(match value {
+                            Bound::Number(number, _) => {
+                                let value = Node::new("Constant").child(Node::of("ConstantValue", number.to_string()));
+                                access.with("Scope", "LiteralConstant").child(value)
+                            }
+                            Bound::Path(path) => {
+                                let (local, symbol) = self.path(path, "Symbol")?;
+                                let scope = if local { "LocalVariable" } else { "GlobalVariable" };
+                                access.with("Scope", scope).child(symbol)
+                            }
+                            Bound::Name(..) | Bound::Expr(_) => return None,
+                        });
                     }
                     let last = node.children.last_mut()?;
                     last.attributes.push(("AccessModifier", "Array".to_string()));

@@ -95,7 +95,8 @@ impl BlockLowering<'_, '_> {
                 | Place::Parameter { .. }
                 | Place::ThroughPointer { .. }
                 | Place::Indirect { .. }
-                | Place::Register { .. } => None,
+                | Place::Register { .. }
+                | Place::Element { .. } => None,
             },
             Actual::Const(_) | Actual::Place(_) | Actual::Number(_) | Actual::PointerCopy(_) | Actual::Variant(..) => {
                 None

@@ -240,6 +240,7 @@ pub fn has_area_pointer(place: &Place) -> bool {
         | Place::Parameter { .. }
         | Place::ThroughPointer { .. }
         | Place::Indirect { .. }
-        | Place::Register { .. } => false,
+        | Place::Register { .. }
+        | Place::Element { .. } => false,
     }
 }

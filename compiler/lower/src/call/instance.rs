@@ -73,7 +73,7 @@ impl BlockLowering<'_, '_> {
             }
             (Passing::Complex { .. }, actual) if is_reference(parameter) => {
                 let Actual::Place(place) = actual else { unreachable!("the binder gives IN_OUT variables") };
-                let fields = self.pointer_fields(place);
+                let fields = self.checked_pointer_fields(place);
                 let target = self.instance_target(base, byte, Width::Dword);
                 self.store_at(target, |lowering, addr| lowering.store_pointer_fields(addr, fields));
             }

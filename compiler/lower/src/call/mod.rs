@@ -3,12 +3,14 @@
 //! - `function`: each formal of an FC is a reference to its actual, so the FC sees changes during its run and an OUT that it does not write
 //!   does not change the actual. Constants and peripheral inputs are put into the caller's frame first.
 //! - `instance`: for an FB, elementary and complex values are copied into the instance and back; complex IN_OUT are POINTERs there.
+//! - `indices`: variable indices of actual parameters are read where the call begins.
 //! - `block_move`: SFC 20, 21 and 81 in place, where the areas are known.
 //! - `text`: functions of texts with addresses instead of ANY pointers.
 //! - `system`: system functions get a structure of parameters in the caller's frame.
 
 mod block_move;
 mod function;
+mod indices;
 mod instance;
 mod system;
 mod text;
@@ -37,15 +39,17 @@ impl BlockLowering<'_, '_> {
         let Some((callee, function)) = plan.block(call.target) else {
             unreachable!("the binder only passes calls of known blocks");
         };
+        let kept = self.with_kept_indices(&call.arguments);
+        let arguments = kept.as_deref().unwrap_or(&call.arguments);
         match (function, &call.instance) {
-            (Some(function), Some(instance)) => self.call_instance(callee, function, instance, &call.arguments),
+            (Some(function), Some(instance)) => self.call_instance(callee, function, instance, arguments),
             (Some(function), None) => {
                 let text = text_call(plan, callee);
-                if !text.is_some_and(|text| self.call_known_texts(&text, callee, &call.arguments)) {
-                    self.call_fc(callee, function, &call.arguments);
+                if !text.is_some_and(|text| self.call_known_texts(&text, callee, arguments)) {
+                    self.call_fc(callee, function, arguments);
                 }
             }
-            (None, _) => self.call_system_function(callee, &call.arguments),
+            (None, _) => self.call_system_function(callee, arguments),
         }
         self.bring_back();
         self.after_block();

@@ -4,10 +4,12 @@
 //! rest carries [`Check`]s for the synchronous errors of OB 121. Source: STL reference, addressing and OB 121.
 //!
 //! - `area`: addresses in one area; `crossing`: those whose area is in a pointer.
+//! - `element`: elements of arrays with a variable index.
 //! - `reference`: variables that IN_OUT parameters refer to; `transfer`: reads and writes.
 
 mod area;
 pub mod crossing;
+mod element;
 pub mod reference;
 mod transfer;
 
@@ -107,6 +109,7 @@ impl BlockLowering<'_, '_> {
                 let effective = self.effective(pointer, offset);
                 self.in_area(area, effective, width, direction)
             }
+            Place::Element { ref base, ref indices } => self.element_target(base, indices, width, direction),
         };
         target.checks.retain(|check| self.b.constant_bits(check.ok) != Some(1));
         target

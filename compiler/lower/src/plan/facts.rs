@@ -204,7 +204,7 @@ fn hands_on_pointer(actual: &Actual) -> bool {
     match actual.pointer() {
         Actual::PointerCopy(_) => true,
         Actual::Place(place) | Actual::PointerTo { place, .. } => {
-            matches!(place, Place::Parameter { .. } | Place::ThroughPointer { .. })
+            matches!(place.root(), Place::Parameter { .. } | Place::ThroughPointer { .. })
         }
         Actual::Const(_) | Actual::Number(_) | Actual::PointerBytes(_) | Actual::Variant(..) => false,
     }

@@ -10,6 +10,9 @@ pub(super) const ALIGNMENT: u32 = 1;
 /// Bytes of the copy of an elementary parameter that a pointer points at.
 pub const POINTED_COPY_BYTES: u32 = 8;
 
+/// Bytes of the copy of a variable index of an actual parameter.
+pub const INDEX_COPY_BYTES: u32 = 4;
+
 /// Upper bound of what a call from SCL puts into the frame of the calling block, in bytes: the result, references with their values,
 /// or a structure of parameters.
 pub(super) fn scl_temporary_bytes(callee: &CodeBlock) -> u32 {
@@ -28,7 +31,7 @@ pub(super) fn scl_temporary_bytes(callee: &CodeBlock) -> u32 {
 }
 
 /// Maximum that a call puts into the frame of the calling block, in bytes: pointers, constants and copies for an FC, the structure
-/// of parameters for a system function, copies that pointers point at for all.
+/// of parameters for a system function, copies of indices and of what pointers point at for all.
 pub(super) fn temporary_bytes(callee: &CodeBlock, call: &Call) -> u32 {
     let points_at_copy = |argument: &Argument| match argument.actual.pointer() {
         Actual::PointerTo { place, .. } => matches!(place, Place::Parameter { .. }),
@@ -39,7 +42,9 @@ pub(super) fn temporary_bytes(callee: &CodeBlock, call: &Call) -> u32 {
         | Actual::PointerCopy(_)
         | Actual::Variant(..) => false,
     };
-    let copies = call.arguments.iter().filter(|argument| points_at_copy(argument)).count() as u32 * POINTED_COPY_BYTES;
+    let indices = call.arguments.iter().map(|argument| argument.actual.indices().len()).sum::<usize>() as u32;
+    let pointed = call.arguments.iter().filter(|argument| points_at_copy(argument)).count() as u32;
+    let copies = indices * INDEX_COPY_BYTES + pointed * POINTED_COPY_BYTES;
     if matches!(callee.body, Body::Runtime) {
         return copies + callee.interface.bytes.max(2).next_multiple_of(2);
     }
@@ -77,6 +82,7 @@ fn is_copied(place: &Place) -> bool {
             | Place::Instance { .. }
             | Place::Parameter { .. }
             | Place::ThroughPointer { .. }
+            | Place::Element { .. }
     )
 }
 

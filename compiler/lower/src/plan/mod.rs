@@ -17,7 +17,7 @@ use rustc_hash::FxHashMap;
 
 use self::facts::BlockFacts;
 pub use self::facts::changes_ar2;
-pub use self::frame::{POINTED_COPY_BYTES, local_bytes};
+pub use self::frame::{INDEX_COPY_BYTES, POINTED_COPY_BYTES, local_bytes};
 
 /// Facts about the whole program.
 pub struct Plan<'a> {

@@ -48,7 +48,12 @@ enum LocatedArea {
     },
 }
 
-impl Located<'_> {
+impl<'m> Located<'m> {
+    /// An element of the array at `place`, `offset` bits after its first one. `index`: if there is only one.
+    pub fn element(place: &'m Place, offset: Value, in_bounds: Value, index: Option<Value>) -> Located<'m> {
+        Located { base: LocatedBase::Place(place), offset: Some(offset), in_bounds: Some(in_bounds), index }
+    }
+
     /// False for places that are, or may be, in the peripheral area.
     pub fn is_memory(&self) -> bool {
         match &self.base {
@@ -154,12 +159,7 @@ impl BlockLowering<'_, '_> {
     /// Distance of the index `value`, an i32, from the first element in bits, and whether it is within its bounds.
     fn index(&mut self, index: &Index, value: Value, after: &[Index]) -> (Value, Value) {
         match index.bounds {
-            IndexBounds::Known(low, high) => {
-                let from_low = self.b.binary_imm(BinaryOp::Iadd, value, -i64::from(low));
-                let last = i64::from(high) - i64::from(low);
-                let ok = self.b.icmp_imm(IntCc::Ule, from_low, last);
-                (self.b.binary_imm(BinaryOp::Imul, from_low, i64::from(index.stride)), ok)
-            }
+            IndexBounds::Known(low, high) => self.index_in_bounds(value, (low, high), index.stride),
             IndexBounds::Open { parameter, dimension } => {
                 let (low, high) = self.open_bounds(parameter, dimension);
                 let above = self.b.icmp(IntCc::Sge, value, low);
@@ -177,6 +177,14 @@ impl BlockLowering<'_, '_> {
                 (self.b.binary_imm(BinaryOp::Imul, distance, i64::from(index.stride)), ok)
             }
         }
+    }
+
+    /// As [`index`](Self::index), with bounds that are known.
+    pub fn index_in_bounds(&mut self, value: Value, (low, high): (i32, i32), stride: u32) -> (Value, Value) {
+        let from_low = self.b.binary_imm(BinaryOp::Iadd, value, -i64::from(low));
+        let last = i64::from(high) - i64::from(low);
+        let ok = self.b.icmp_imm(IntCc::Ule, from_low, last);
+        (self.b.binary_imm(BinaryOp::Imul, from_low, i64::from(stride)), ok)
     }
 
     /// Low and high bound of a dimension of the ARRAY[*] formal `parameter`, i32.
@@ -207,7 +215,7 @@ impl BlockLowering<'_, '_> {
     }
 
     /// Moves a target at the base to the located place, and checks the indices.
-    fn move_located(&mut self, target: &mut Target, located: &Located, width: Width, direction: Direction) {
+    pub fn move_located(&mut self, target: &mut Target, located: &Located, width: Width, direction: Direction) {
         if let Some(offset) = located.offset {
             self.move_target(target, offset);
         }
@@ -585,7 +593,8 @@ const fn place_area(place: &Place) -> PlaceArea {
         | Place::Parameter { .. }
         | Place::ThroughPointer { .. }
         | Place::Indirect { .. }
-        | Place::Register { .. } => PlaceArea::Db,
+        | Place::Register { .. }
+        | Place::Element { .. } => PlaceArea::Db,
     }
 }
 

@@ -4,7 +4,7 @@
 //! - `access`: variables; `promote`: those in SSA values.
 //! - `call`, `argument`: calls of blocks; `text`: STRING and WSTRING; `cell`: timers and counters.
 
-mod access;
+pub mod access;
 mod argument;
 mod arithmetic;
 mod call;

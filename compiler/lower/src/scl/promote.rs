@@ -142,6 +142,11 @@ impl Seen {
                 self.parameters.insert(*parameter, None);
             }
             Place::Indirect { pointer, .. } => self.memory(pointer, 32),
+            Place::Element { base, indices } => {
+                let reach: u32 = indices.iter().map(|index| index.reach()).fold(0, u32::saturating_add);
+                self.memory(base, bits.saturating_add(reach));
+                indices.iter().for_each(|index| self.memory(&index.place, 32));
+            }
             _ => {}
         }
     }

@@ -119,6 +119,10 @@ impl Uses<'_> {
             Place::Pi { byte, .. } => (Area::PeripheralInput, byte),
             Place::Pq { byte, .. } => (Area::PeripheralOutput, byte),
             Place::Indirect { ref pointer, .. } => return self.place(pointer, 4, span),
+            Place::Element { ref base, ref indices } => {
+                indices.iter().for_each(|index| self.place(&index.place, index.ty.bits().div_ceil(8), span));
+                return self.place(base, bytes, span);
+            }
             _ => return,
         };
         let missing: Vec<u32> =

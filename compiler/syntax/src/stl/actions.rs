@@ -259,6 +259,14 @@ pub fn bound(state: &mut State, value: Literal, range: Range<usize>) -> Bound {
     Bound::Number(number, span)
 }
 
+/// The name of an index: a constant or a variable.
+pub fn index(path: Path) -> Bound {
+    match path {
+        Path { root: PathRoot::Bare { name, span }, parts, .. } if parts.is_empty() => Bound::Name(name, span),
+        path => Bound::Path(Box::new(path)),
+    }
+}
+
 /// One value is kept as it is, several become a list; `None`: all were reported.
 pub fn initial_list(state: &State, values: Vec<Option<InitialValue>>, range: Range<usize>) -> Option<InitialValue> {
     let bad = values.iter().any(Option::is_none);

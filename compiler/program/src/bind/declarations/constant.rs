@@ -1,7 +1,7 @@
 //! Constants in declarations: bounds of arrays, lengths of texts, constants of the block that is declared.
 
 use plcc_binding::constant::Constant;
-use plcc_diag::{Code, Diagnostic};
+use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::Bound;
 use plcc_syntax::scl::ast::Expr;
 
@@ -32,25 +32,36 @@ impl Declarations<'_> {
                     }
                 }
             }
-            Bound::Name(name, span) => {
-                let folded = plcc_binding::fold(name);
-                let constant =
-                    self.types.scope.constants.get(&folded).or_else(|| self.globals.names.constants.get(&folded));
-                if let Some(number) = constant.and_then(Constant::integer) {
-                    return i64::try_from(number).ok();
+            Bound::Name(name, span) => self.constant_number(name).or_else(|| self.not_a_constant(name, *span)),
+            Bound::Path(path) => match path.name() {
+                Some(name) => self.constant_number(name).or_else(|| self.not_a_constant(name, path.span)),
+                None => {
+                    let text = self.globals.text(path.span);
+                    self.not_a_constant(&text, path.span)
                 }
-                if self.types.scope.scl || self.globals.input.partial {
-                    self.globals.unknown_constant(name, false, *span);
-                    return None;
-                }
-                self.report(
-                    Diagnostic::new(Code::ConstantRequired, *span, format!("`{name}` is not a constant"))
-                        .label("a number is expected here")
-                        .help("for an index that changes at run time, use a pointer, e.g. `L DBW [AR1,P#0.0]`"),
-                );
-                None
-            }
+            },
         }
+    }
+
+    /// The value of a constant of the block or of the program that is an integer.
+    pub fn constant_number(&self, name: &str) -> Option<i64> {
+        let folded = plcc_binding::fold(name);
+        let constant = self.types.scope.constants.get(&folded).or_else(|| self.globals.names.constants.get(&folded));
+        constant.and_then(Constant::integer).and_then(|number| i64::try_from(number).ok())
+    }
+
+    /// Reports a name that is not a constant, where one is needed.
+    pub fn not_a_constant<T>(&mut self, name: &str, span: Span) -> Option<T> {
+        if self.types.scope.scl || self.globals.input.partial {
+            self.globals.unknown_constant(name, false, span);
+            return None;
+        }
+        self.report(
+            Diagnostic::new(Code::ConstantRequired, span, format!("`{name}` is not a constant"))
+                .label("a number is expected here")
+                .help("an index that changes needs an S7-1500; other CPUs use a pointer, e.g. `L DBW [AR1,P#0.0]`"),
+        );
+        None
     }
 
     /// A constant expression among the declarations of a block.

@@ -5,7 +5,7 @@
 //! - [`types`] resolves data types ([`typed`]), [`predefined`] those of the language and the CPU; [`constant`] their bounds, [`initial`] start values.
 //! - [`interface`] lays out the interface of a block, [`start_inputs`] the inputs of organization blocks, [`block_constants`] its constants;
 //!   [`data`] makes the data blocks.
-//! - [`path`] turns names into places; [`pointer`] has the bytes of pointers.
+//! - [`path`] turns names into places, [`element`] their indices; [`pointer`] has the bytes of pointers.
 //! - [`block`] is the block whose statements are bound; [`calls`] is what calls of all languages check.
 
 pub mod block;
@@ -13,6 +13,7 @@ pub mod block_constants;
 pub mod calls;
 pub mod constant;
 pub mod data;
+pub mod element;
 pub mod initial;
 pub mod interface;
 pub mod path;

@@ -10,13 +10,10 @@ use crate::bind::declarations::block::CurrentBlock;
 use crate::bind::globals::names::kind_prefix;
 use plcc_binding::report::MissingKey;
 use plcc_binding::{fold, similar};
-use plcc_model::Place;
 use plcc_model::layout;
 use plcc_model::types::{DataType, Elementary, StructType};
+use plcc_model::{ElementIndex, Place};
 use plcc_syntax::symbols::SymbolTarget;
-
-/// Maximum and actual length, before the characters.
-const STRING_HEADER_BYTES: u32 = 2;
 
 /// Where a variable is, without its offset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -108,8 +105,8 @@ pub const fn type_of_width(width: Width) -> Elementary {
 }
 
 impl Declarations<'_> {
-    /// Determines what `path` means; reports unknown names.
-    pub fn resolve(&mut self, ctx: &mut CurrentBlock, path: &Path) -> Option<Resolved> {
+    /// Determines what `path` means, and the variable indices that move a variable; reports unknown names.
+    pub fn resolve(&mut self, ctx: &mut CurrentBlock, path: &Path) -> Option<(Resolved, Vec<ElementIndex>)> {
         let start = match &path.root {
             PathRoot::Local { name, span } => match self.local(ctx, name) {
                 Some(variable) => Resolved::Variable(variable),
@@ -133,7 +130,7 @@ impl Declarations<'_> {
             }
         };
         if path.parts.is_empty() {
-            return Some(start);
+            return Some((start, Vec::new()));
         }
         let variable = match start {
             Resolved::Variable(variable) => variable,
@@ -166,7 +163,8 @@ impl Declarations<'_> {
                 return None;
             }
         };
-        self.walk(variable, &path.parts).map(Resolved::Variable)
+        let (variable, indices) = self.walk_in(Some(ctx), variable, &path.parts)?;
+        Some((Resolved::Variable(variable), indices))
     }
 
     pub fn local(&self, ctx: &CurrentBlock, name: &str) -> Option<Variable> {
@@ -292,7 +290,18 @@ impl Declarations<'_> {
     }
 
     /// Follows components and constant indices. A component of unknown type ends it silently: its type is reported.
-    pub fn walk(&mut self, mut variable: Variable, parts: &[PathPart]) -> Option<Variable> {
+    pub fn walk(&mut self, variable: Variable, parts: &[PathPart]) -> Option<Variable> {
+        self.walk_in(None, variable, parts).map(|(variable, _)| variable)
+    }
+
+    /// The same, also with variable indices in the statements of a block.
+    fn walk_in(
+        &mut self,
+        mut ctx: Option<&mut CurrentBlock>,
+        mut variable: Variable,
+        parts: &[PathPart],
+    ) -> Option<(Variable, Vec<ElementIndex>)> {
+        let mut moved = Vec::new();
         for part in parts {
             match (part, &variable.ty) {
                 (_, DataType::Void) => return None,
@@ -308,46 +317,13 @@ impl Declarations<'_> {
                 }
                 (PathPart::Index { values, span }, DataType::Array(array)) => {
                     let array = Rc::clone(array);
-                    let mut indices = Vec::with_capacity(values.len());
-                    for value in values {
-                        indices.push(self.bound(value)?);
-                    }
-                    if indices.len() != array.bounds.len() {
-                        self.report(index_count(indices.len(), array.bounds.len(), *span));
-                        return None;
-                    }
-                    match layout::element_index(&array, &indices) {
-                        Ok(index) => {
-                            let (byte, bit) = layout::element_place(&array, index);
-                            variable.byte += byte;
-                            variable.bit = bit;
-                            variable.ty = array.element.clone();
-                        }
-                        Err(dimension) => {
-                            let (low, high) = array.bounds[dimension];
-                            self.report(
-                                Diagnostic::new(
-                                    Code::ArrayIndex,
-                                    *span,
-                                    format!("index {} is outside the array", indices[dimension]),
-                                )
-                                .label(format!("the array goes from {low} to {high}"))
-                                .help(format!("write an index from {low} to {high}, or declare a larger array")),
-                            );
-                            return None;
-                        }
-                    }
+                    let positions = self.positions(ctx.as_deref_mut(), values)?;
+                    self.element(&mut variable, &mut moved, &array, positions, *span)?;
                 }
                 (PathPart::Index { values, span }, DataType::String(length)) => {
-                    let (length, place) = (*length, *span);
-                    let [index] = values.as_slice() else { return self.bad_character(place, length) };
-                    match self.bound(index)? {
-                        index if (1..=i64::from(length)).contains(&index) => {
-                            variable.byte += STRING_HEADER_BYTES + index as u32 - 1;
-                            variable.ty = DataType::Elementary(Elementary::Char);
-                        }
-                        _ => return self.bad_character(place, length),
-                    }
+                    let length = *length;
+                    let positions = self.positions(ctx.as_deref_mut(), values)?;
+                    self.character(&mut variable, &mut moved, length, positions, *span)?;
                 }
                 (PathPart::Member { name, span }, DataType::Elementary(ty)) if name.starts_with('%') => {
                     let Some((byte, bit, part)) = slice(name, *ty) else {
@@ -375,15 +351,7 @@ impl Declarations<'_> {
                 }
             }
         }
-        Some(variable)
-    }
-
-    fn bad_character(&mut self, span: Span, length: u8) -> Option<Variable> {
-        self.report(
-            Diagnostic::new(Code::ArrayIndex, span, "this character is outside the STRING")
-                .label(format!("the STRING has the characters 1 to {length}")),
-        );
-        None
+        Some((variable, moved))
     }
 
     pub fn unknown_member(&mut self, structure: &StructType, name: &str, span: Span) {

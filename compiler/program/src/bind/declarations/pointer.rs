@@ -51,7 +51,8 @@ pub fn known_pointer(place: &Place) -> Option<(u16, u32)> {
         | Place::Parameter { .. }
         | Place::ThroughPointer { .. }
         | Place::Indirect { .. }
-        | Place::Register { .. } => None,
+        | Place::Register { .. }
+        | Place::Element { .. } => None,
     }
 }
 

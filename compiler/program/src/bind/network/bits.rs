@@ -411,7 +411,8 @@ fn moved_bit(access: &Access, bits: u32, whole: bool) -> Option<(Access, Width)>
         | Place::OpenDb { .. }
         | Place::OpenDi { .. }
         | Place::Indirect { .. }
-        | Place::Register { .. } => return None,
+        | Place::Register { .. }
+        | Place::Element { .. } => return None,
     };
     let moved = 8 * *byte + u32::from(*bit) + bits;
     *byte = moved / 8;

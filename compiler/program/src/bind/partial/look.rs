@@ -556,6 +556,8 @@ impl<'a> Look<'_, 'a> {
             Bound::Number(..) => {}
             Bound::Name(name, span) => self.missing_constant(name, *span, None),
             Bound::Expr(value) => self.constant_names(value, None),
+            // Only indices in code of STL are paths.
+            Bound::Path(_) => {}
         }
     }
 
@@ -673,7 +675,7 @@ pub fn step_of_part(part: &PathPart) -> Step {
                 .iter()
                 .map(|value| match value {
                     Bound::Number(number, _) => Some(*number),
-                    Bound::Name(..) | Bound::Expr(_) => None,
+                    Bound::Name(..) | Bound::Expr(_) | Bound::Path(_) => None,
                 })
                 .collect(),
         ),

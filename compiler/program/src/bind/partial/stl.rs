@@ -2,7 +2,9 @@
 
 use plcc_diag::Span;
 use plcc_syntax::Elementary;
-use plcc_syntax::ast::{self, Area, BlockName, BlockPrefix, CellKind, Operand, OperandKind, PathRoot, Statement};
+use plcc_syntax::ast::{
+    self, Area, BlockName, BlockPrefix, Bound, CellKind, Operand, OperandKind, PathPart, PathRoot, Statement,
+};
 use plcc_syntax::stl::{OperandClass, StlInsn};
 
 use super::evidence::Hint;
@@ -10,6 +12,7 @@ use super::look::{Look, Start, Step, of_constant, of_width, step_of_part};
 use super::scl::{parameter_hint, typed};
 use crate::bind::scl::SclBlock;
 use crate::bind::stl::StlBinder;
+use crate::bind::stl::instance::instance_key;
 use crate::bind::stl::settle::Settled;
 use plcc_binding::constant::Constant;
 use plcc_binding::fold;
@@ -178,7 +181,7 @@ impl Look<'_, '_> {
             Settled::Memory { ty: Some(ty), .. } => typed(ty),
             Settled::Memory { width: ast::Width::Bit, ty: None, .. } => typed(Elementary::Bool),
             Settled::Memory { width, ty: None, .. } => Hint::Width(of_width(width)),
-            Settled::Complex(variable) => Hint::Type(variable.ty),
+            Settled::Complex { ty, .. } => Hint::Type(ty),
             Settled::Cell { kind, .. } => Hint::Cell(kind),
             Settled::Block { prefix: BlockPrefix::Db | BlockPrefix::Di, .. } => Hint::DataBlock,
             Settled::Block { prefix, .. } => Hint::Type(DataType::Parameter(match prefix {
@@ -212,6 +215,9 @@ impl Look<'_, '_> {
                 self.operand(ctx, pointer, Some(&typed(Elementary::Word)));
             }
             _ => {
+                for index in indices(operand) {
+                    self.operand(ctx, &index, Some(&typed(Elementary::Int)));
+                }
                 let Some((start, steps, span)) = start_of_operand(ctx, operand) else { return };
                 let known = match &start {
                     // Only another use may show whether a missing name is a cell or a bit.
@@ -247,14 +253,7 @@ impl Look<'_, '_> {
             Settled::Block { prefix, number: Number::Known(number) } => {
                 Some(BlockKey { kind: crate::bind::globals::names::code_kind(prefix)?, number })
             }
-            Settled::Complex(variable) => match &variable.ty {
-                DataType::Struct(structure) => {
-                    let (sfb, number) = structure.instance_of?;
-                    let kind = if sfb { plcc_abi::image::BlockKind::Sfb } else { plcc_abi::image::BlockKind::Fb };
-                    Some(BlockKey { kind, number })
-                }
-                _ => None,
-            },
+            Settled::Complex { ty, .. } => instance_key(&ty),
             _ => None,
         });
         let mut is_missing = false;
@@ -322,6 +321,20 @@ fn start_of_block(name: &BlockName) -> Start {
         BlockName::Numbered { prefix, number, .. } => Start::Block(*prefix, *number),
         BlockName::Symbol { name, .. } => Start::Global(name.clone()),
     }
+}
+
+/// The names of its indices, as operands.
+fn indices(operand: &Operand) -> Vec<Operand> {
+    let OperandKind::Path(path) = &operand.kind else { return Vec::new() };
+    let values = path.parts.iter().flat_map(|part| match part {
+        PathPart::Index { values, .. } => values.as_slice(),
+        PathPart::Member { .. } => &[],
+    });
+    let named = |value: &Bound| match value {
+        Bound::Path(path) => Some(Operand { kind: OperandKind::Path((**path).clone()), span: path.span }),
+        Bound::Number(..) | Bound::Name(..) | Bound::Expr(_) => None,
+    };
+    values.filter_map(named).collect()
 }
 
 /// The start of an operand, and its steps; none for operands without a name.

@@ -32,7 +32,7 @@ pub struct Bits {
 }
 
 impl Bits {
-    /// `None`: the address is only known at run time.
+    /// Of an element, all that its indices can choose. `None`: the address is only known at run time.
     pub fn at(place: &Place, bits: u64) -> Option<Bits> {
         let (region, byte, bit) = match place {
             Place::I { byte, bit } => (Region::I, byte, bit),
@@ -47,6 +47,10 @@ impl Bits {
             Place::Instance { byte, bit } => (Region::Instance, byte, bit),
             Place::Parameter { parameter, byte, bit } => (Region::Parameter(*parameter), byte, bit),
             Place::ThroughPointer { pointer, byte, bit } => (Region::ThroughPointer(*pointer), byte, bit),
+            Place::Element { base, indices } => {
+                let reach: u64 = indices.iter().map(|index| u64::from(index.reach())).sum();
+                return Bits::at(base, bits.saturating_add(reach));
+            }
             Place::Indirect { .. } | Place::Register { .. } => return None,
         };
         let first = u64::from(*byte) * 8 + u64::from(*bit);

@@ -11,8 +11,8 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_model::scl::{Access, Complex, Expr, ExprKind, Statement, StatementKind, UnaryOp, walk};
 use plcc_model::types::DataType;
 use plcc_model::{
-    Actual, Body, Call, CodeBlock, Direction, LabelId, Number, Operand, Passing, Place, PlaceArea, StlStatement,
-    StlStatementKind,
+    Actual, Body, Call, CodeBlock, Direction, ElementIndex, LabelId, Number, Operand, Passing, Place, PlaceArea,
+    StlStatement, StlStatementKind,
 };
 use plcc_syntax::stl::{OperandClass, StlInsn};
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -220,6 +220,7 @@ impl Flow {
                 {
                     self.read(bits, span);
                 }
+                self.indices(place.indices(), span);
                 match Bits::at(place, width.bits().into()) {
                     Some(_) if is_read && is_constant => {}
                     Some(bits) if is_read => self.read(bits, span),
@@ -250,6 +251,14 @@ impl Flow {
         }
     }
 
+    fn indices(&mut self, indices: &[ElementIndex], span: Span) {
+        for index in indices {
+            if let Some(bits) = Bits::at(&index.place, index.ty.bits().into()) {
+                self.read(bits, span);
+            }
+        }
+    }
+
     fn call(&mut self, call: &Call, program: &mut Declarations, span: Span) {
         let Some(bound) = program.interface(call.target, span) else { return self.write_anything() };
         let is_classic = !program.globals.input.profile.family.is_portal();
@@ -257,10 +266,11 @@ impl Flow {
         for argument in &call.arguments {
             let parameter = bound.interface.parameters.get(argument.parameter);
             let at = argument.span;
+            self.indices(argument.actual.indices(), at);
             match argument.actual.pointer() {
                 Actual::Place(place) => {
                     let Some(bits) = Bits::at(place, 1) else { continue };
-                    let sized = |bits: Bits, size: u64| Bits { end: bits.first + size, ..bits };
+                    let sized = |bits: Bits, size: u64| Bits { end: bits.end - 1 + size, ..bits };
                     match parameter.map(|parameter| (parameter.direction, parameter.passing, &parameter.ty)) {
                         Some((Direction::Input, Passing::Elementary(width), _)) => {
                             self.read(sized(bits, width.bits().into()), at)

@@ -394,7 +394,13 @@ pub fn elementary_at(access: &Access, by: u32, at: u8, ty: Elementary) -> Option
             *bit = at;
             Some(moved)
         }
-        Base::Place(Place::Pi { .. } | Place::Pq { .. } | Place::Indirect { .. } | Place::Register { .. })
+        Base::Place(
+            Place::Pi { .. }
+            | Place::Pq { .. }
+            | Place::Indirect { .. }
+            | Place::Register { .. }
+            | Place::Element { .. },
+        )
         | Base::Indexed { .. } => None,
     }
 }

@@ -153,7 +153,8 @@ pub fn shifted(access: &Access, byte: u32, bit: u8, ty: &DataType) -> Option<Acc
         | Place::OpenDb { .. }
         | Place::OpenDi { .. }
         | Place::Indirect { .. }
-        | Place::Register { .. } => return None,
+        | Place::Register { .. }
+        | Place::Element { .. } => return None,
     }
     Some(Access { base: Base::Place(place), ty: ty.clone(), ..access.clone() })
 }

@@ -9,7 +9,7 @@ use plcc_syntax::ast::{self, Area, BlockPrefix, CellKind, OperandKind, Width};
 use plcc_syntax::literal::Literal;
 
 use crate::bind::declarations::block::CurrentBlock;
-use crate::bind::declarations::path::{Base, type_of_width};
+use crate::bind::declarations::path::type_of_width;
 use crate::bind::declarations::pointer::{
     CODE_BYTE, CODE_DATE_AND_TIME, POINTS_AT_NOTHING, any_bytes, any_number_of_block, any_number_of_cell, code_for,
     for_formal, known_pointer, local_place, pointed_at, pointed_at_by_literal, pointer_bytes,
@@ -122,7 +122,7 @@ impl StlBinder<'_, '_> {
                 Width::Lword => "a long word",
             }
             .to_string(),
-            Settled::Complex(variable) => layout::type_name(&variable.ty),
+            Settled::Complex { ty, .. } => layout::type_name(ty),
             Settled::Cell { kind: CellKind::Timer, .. } => "a timer".to_string(),
             Settled::Cell { kind: CellKind::Counter, .. } => "a counter".to_string(),
             Settled::Block { .. } => "a block".to_string(),
@@ -348,8 +348,8 @@ impl StlBinder<'_, '_> {
         settled: Settled,
         span: Span,
     ) -> Option<Actual> {
-        let variable = match &settled {
-            Settled::Complex(variable) => variable,
+        let (place, ty) = match &settled {
+            Settled::Complex { place, ty } => (place, ty),
             // The caller keeps the constant in its local data.
             Settled::Literal(literal @ (Literal::DateAndTime(_) | Literal::Text(_)))
                 if formal.direction == Direction::Input =>
@@ -372,14 +372,14 @@ impl StlBinder<'_, '_> {
         };
         // The first byte of a STRING has its maximum length, which a function reads.
         let any_length = matches!(callee.kind, BlockKind::Fc | BlockKind::Sfc) || formal.direction == Direction::InOut;
-        let fits = match (&formal.ty, &variable.ty) {
+        let fits = match (&formal.ty, ty) {
             (DataType::String(_), DataType::String(_)) if any_length => true,
             (formal, actual) => layout::same_type(formal, actual),
         };
         if !fits {
             return self.mismatch(callee, formal, &settled, span);
         }
-        Some(Actual::Place(variable.place()))
+        Some(Actual::Place(place.clone()))
     }
 
     fn number_actual(
@@ -449,9 +449,9 @@ impl StlBinder<'_, '_> {
             }
             Settled::Literal(Literal::Pointer(pointer)) => Some(Actual::PointerBytes(pointer_bytes(0, *pointer))),
             Settled::Memory { place, .. } => Some(to(place.clone())),
-            Settled::Complex(variable) => match &variable.ty {
-                DataType::Parameter(ParameterType::Pointer) => Some(Actual::PointerCopy(variable.place())),
-                ty if is_complex(ty) => Some(to(variable.place())),
+            Settled::Complex { place, ty } => match ty {
+                DataType::Parameter(ParameterType::Pointer) => Some(Actual::PointerCopy(place.clone())),
+                ty if is_complex(ty) => Some(to(place.clone())),
                 _ => self.mismatch(callee, formal, &settled, span),
             },
             _ => self.mismatch(callee, formal, &settled, span),
@@ -490,22 +490,22 @@ impl StlBinder<'_, '_> {
                 Some(bytes) => Some(for_formal(formal, Actual::PointerBytes(bytes), POINTS_AT_NOTHING)),
                 None => self.mismatch(callee, formal, &settled, span),
             },
-            Settled::Complex(variable) => match &variable.ty {
+            Settled::Complex { place, ty } => match ty {
                 DataType::Parameter(ParameterType::Any) => {
-                    Some(for_formal(formal, Actual::PointerCopy(variable.place()), POINTS_AT_NOTHING))
+                    Some(for_formal(formal, Actual::PointerCopy(place.clone()), POINTS_AT_NOTHING))
                 }
                 DataType::Parameter(ParameterType::Variant) => {
-                    Some(for_formal(formal, Actual::PointerCopy(variable.place()), Pointed::Copied))
+                    Some(for_formal(formal, Actual::PointerCopy(place.clone()), Pointed::Copied))
                 }
                 DataType::Parameter(ParameterType::Pointer) => self.mismatch(callee, formal, &settled, span),
                 ty => {
                     let longest = DataType::String(254);
                     // A STRING parameter of an FC has the length of the actual; the pointer covers the longest.
-                    let code_of = match variable.base {
-                        Base::Parameter(_) if matches!(ty, DataType::String(_)) => &longest,
+                    let code_of = match place {
+                        Place::Parameter { .. } if matches!(ty, DataType::String(_)) => &longest,
                         _ => ty,
                     };
-                    Some(to(variable.place(), ty, code_of))
+                    Some(to(place.clone(), ty, code_of))
                 }
             },
             _ => self.mismatch(callee, formal, &settled, span),

@@ -10,7 +10,6 @@ use rustc_hash::FxHashMap;
 
 use crate::bind::declarations::block::CurrentBlock;
 use crate::bind::declarations::calls::InstanceId;
-use crate::bind::declarations::path::{Base, Variable};
 use crate::bind::declarations::typed::BoundInterface;
 use crate::bind::globals::names::code_kind;
 use crate::bind::stl::StlBinder;
@@ -69,7 +68,7 @@ impl StlBinder<'_, '_> {
             Settled::Block { prefix, number: Number::Known(number) } if callable(prefix).is_some() => {
                 (BlockKey { kind: callable(prefix)?, number }, None)
             }
-            Settled::Complex(variable) => match multi_instance(&variable) {
+            Settled::Complex { place, ty } => match multi_instance(&place, &ty) {
                 Some((key, byte)) => (key, Some(byte)),
                 None => return self.not_callable(span),
             },
@@ -179,8 +178,8 @@ impl StlBinder<'_, '_> {
             return None;
         }
         let settled = self.settle(ctx, operand)?;
-        if let Settled::Complex(variable) = &settled
-            && let Some((own, byte)) = multi_instance(variable)
+        if let Settled::Complex { place, ty } = &settled
+            && let Some((own, byte)) = multi_instance(place, ty)
         {
             return self.named_instance(key, own, byte, operand.span);
         }
@@ -385,17 +384,18 @@ fn area_bits(place: &Place) -> Option<(Area, u32)> {
         | Place::Parameter { .. }
         | Place::ThroughPointer { .. }
         | Place::Indirect { .. }
-        | Place::Register { .. } => return None,
+        | Place::Register { .. }
+        | Place::Element { .. } => return None,
     };
     Some((area, byte * 8 + u32::from(*bit)))
 }
 
 /// The block and the first byte of a multi-instance.
-fn multi_instance(variable: &Variable) -> Option<(BlockKey, u32)> {
-    let DataType::Struct(structure) = &variable.ty else { return None };
-    let (sfb, number) = structure.instance_of.filter(|_| variable.base == Base::Instance)?;
+fn multi_instance(place: &Place, ty: &DataType) -> Option<(BlockKey, u32)> {
+    let (DataType::Struct(structure), Place::Instance { byte, .. }) = (ty, place) else { return None };
+    let (sfb, number) = structure.instance_of?;
     let kind = if sfb { BlockKind::Sfb } else { BlockKind::Fb };
-    Some((BlockKey { kind, number }, variable.byte))
+    Some((BlockKey { kind, number }, *byte))
 }
 
 fn callable(prefix: BlockPrefix) -> Option<BlockKind> {

@@ -94,7 +94,8 @@ impl StlBinder<'_, '_> {
         }
         let bound = self.check_class(insn, class, mnemonic, operand.span, settled)?;
         if matches!(insn, StlInsn::EdgePositive | StlInsn::EdgeNegative)
-            && matches!(bound, Operand::Memory { place: Place::L { .. }, .. })
+            && let Operand::Memory { place, .. } = &bound
+            && matches!(place.root(), Place::L { .. })
         {
             self.program.report(
                 Diagnostic::new(
@@ -130,9 +131,7 @@ impl StlBinder<'_, '_> {
         let (code, is) = match settled {
             // The declared type does not fit; the address alone would be fine.
             Settled::Memory { ty: Some(ty), .. } => (Code::WidthMismatch, format!("is of type {}", ty.name())),
-            Settled::Complex(variable) => {
-                (Code::WidthMismatch, format!("is of type {}", layout::type_name(&variable.ty)))
-            }
+            Settled::Complex { ty, .. } => (Code::WidthMismatch, format!("is of type {}", layout::type_name(ty))),
             Settled::Memory { width, .. } => (
                 Code::OperandKind,
                 match width {
@@ -403,6 +402,7 @@ fn is_peripheral(place: &Place, area: Area) -> bool {
         Place::Pi { .. } => area == Area::Pi,
         Place::Pq { .. } => area == Area::Pq,
         Place::Indirect { area: found, .. } | Place::Register { area: Some(found), .. } => *found == area,
+        Place::Element { base, .. } => is_peripheral(base, area),
         Place::I { .. }
         | Place::Q { .. }
         | Place::M { .. }

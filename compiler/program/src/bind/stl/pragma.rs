@@ -161,15 +161,14 @@ impl StlBinder<'_, '_> {
                     _ => self.other_width(ty, bits, at),
                 }
             }
-            Settled::Complex(variable) => {
-                let own = match &variable.ty {
+            Settled::Complex { place, ty: declared } => {
+                let own = match &declared {
                     DataType::String(_) => Some(Type::Text),
                     DataType::WideString(_) => Some(Type::WideText),
                     DataType::DateAndTime => Some(Type::DateAndTime),
                     DataType::Struct(structure) if structure.name == DTL => Some(Type::Dtl),
                     _ => None,
                 };
-                let place = variable.place();
                 match own {
                     Some(own) if ty.is_some_and(|(ty, _)| ty != own) => {
                         let (ty, at) = ty?;

@@ -13,7 +13,7 @@ use crate::bind::declarations::typed::is_complex;
 use crate::bind::stl::StlBinder;
 use plcc_model::layout;
 use plcc_model::types::{DataType, Elementary, ParameterType};
-use plcc_model::{Number, Place};
+use plcc_model::{ElementIndex, Number, Place};
 
 /// Largest offset of a register-indirect address, P#4095.7, in bits.
 pub const OFFSET_MAX: u32 = 4095 * 8 + 7;
@@ -28,7 +28,10 @@ pub enum Settled<'o> {
         ty: Option<Elementary>,
     },
     /// A variable that is larger than an accumulator, or a POINTER or ANY parameter.
-    Complex(Variable),
+    Complex {
+        place: Place,
+        ty: DataType,
+    },
     Cell {
         kind: CellKind,
         number: Number,
@@ -149,7 +152,11 @@ impl StlBinder<'_, '_> {
 
     /// `"sym":P`: the input or output itself, past the process image.
     fn peripheral(&mut self, ctx: &mut CurrentBlock, path: &Path, span: Span) -> Option<Settled<'static>> {
-        let settled = match self.program.resolve(ctx, path)? {
+        let (resolved, indices) = self.program.resolve(ctx, path)?;
+        if !indices.is_empty() {
+            return self.no_variable_index(span, "`:P` needs an address that is known");
+        }
+        let settled = match resolved {
             Resolved::Variable(variable) => match variable.base {
                 Base::I => Some(Variable { base: Base::Pi, ..variable }),
                 Base::Q => Some(Variable { base: Base::Pq, ..variable }),
@@ -158,7 +165,7 @@ impl StlBinder<'_, '_> {
             Resolved::Cell { .. } | Resolved::Block { .. } => None,
         };
         match settled {
-            Some(variable) => self.settle_variable(ctx, variable),
+            Some(variable) => self.settle_variable(ctx, variable, Vec::new()),
             None => {
                 let text = self.program.globals.text(span);
                 self.program.report(
@@ -171,42 +178,63 @@ impl StlBinder<'_, '_> {
         }
     }
 
+    fn no_variable_index<T>(&mut self, span: Span, label: &str) -> Option<T> {
+        let text = self.program.globals.text(span);
+        self.program.report(
+            Diagnostic::new(Code::OperandKind, span, format!("`{text}` cannot have a variable as index"))
+                .label(label)
+                .help("write a number in the brackets"),
+        );
+        None
+    }
+
     pub fn settle_path(&mut self, ctx: &mut CurrentBlock, path: &Path) -> Option<Settled<'static>> {
-        match self.program.resolve(ctx, path)? {
+        let (resolved, indices) = self.program.resolve(ctx, path)?;
+        match resolved {
             Resolved::Cell { kind, number } => {
                 let number = Number::Known(self.program.globals.check_cell(kind, number, path.span)?);
                 Some(Settled::Cell { kind, number })
             }
             Resolved::Block { prefix, number } => Some(Settled::Block { prefix, number: Number::Known(number) }),
-            Resolved::Variable(variable) => self.settle_variable(ctx, variable),
+            Resolved::Variable(variable) => self.settle_variable(ctx, variable, indices),
         }
     }
 
-    fn settle_variable(&mut self, ctx: &mut CurrentBlock, variable: Variable) -> Option<Settled<'static>> {
-        let number = || match variable.base {
-            Base::Parameter(parameter) => Number::Parameter(parameter),
-            base => Number::Word(Box::new(base.at(variable.byte, variable.bit))),
+    fn settle_variable(
+        &mut self,
+        ctx: &mut CurrentBlock,
+        variable: Variable,
+        indices: Vec<ElementIndex>,
+    ) -> Option<Settled<'static>> {
+        let place = variable.place().with_indices(indices);
+        let number = |place: Place| match place {
+            Place::Parameter { parameter, .. } => Number::Parameter(parameter),
+            place => Number::Word(Box::new(place)),
         };
-        Some(match &variable.ty {
+        Some(match variable.ty {
             DataType::Elementary(ty) => {
                 if variable.base == Base::L {
                     ctx.local_bytes = ctx.local_bytes.max(variable.byte + ty.bits().div_ceil(8));
                 }
-                let ty = *ty;
-                let width = layout::width(ty);
-                Settled::Memory { place: variable.place(), width, ty: (!variable.untyped).then_some(ty) }
+                Settled::Memory { place, width: layout::width(ty), ty: (!variable.untyped).then_some(ty) }
             }
-            DataType::Parameter(ParameterType::Timer) => Settled::Cell { kind: CellKind::Timer, number: number() },
-            DataType::Parameter(ParameterType::Counter) => Settled::Cell { kind: CellKind::Counter, number: number() },
-            DataType::Parameter(ParameterType::BlockFb) => Settled::Block { prefix: BlockPrefix::Fb, number: number() },
-            DataType::Parameter(ParameterType::BlockFc) => Settled::Block { prefix: BlockPrefix::Fc, number: number() },
+            DataType::Parameter(ParameterType::Timer) => Settled::Cell { kind: CellKind::Timer, number: number(place) },
+            DataType::Parameter(ParameterType::Counter) => {
+                Settled::Cell { kind: CellKind::Counter, number: number(place) }
+            }
+            DataType::Parameter(ParameterType::BlockFb) => {
+                Settled::Block { prefix: BlockPrefix::Fb, number: number(place) }
+            }
+            DataType::Parameter(ParameterType::BlockFc) => {
+                Settled::Block { prefix: BlockPrefix::Fc, number: number(place) }
+            }
             DataType::Parameter(ParameterType::BlockDb | ParameterType::BlockSdb) => {
-                Settled::Block { prefix: BlockPrefix::Db, number: number() }
+                Settled::Block { prefix: BlockPrefix::Db, number: number(place) }
             }
-            ty if is_complex(ty) => Settled::Complex(variable),
-            DataType::Parameter(ParameterType::Pointer | ParameterType::Any | ParameterType::Variant) => {
-                Settled::Complex(variable)
+            ty @ DataType::Parameter(ParameterType::Pointer | ParameterType::Any | ParameterType::Variant) => {
+                Settled::Complex { place, ty }
             }
+            ty if is_complex(&ty) => Settled::Complex { place, ty },
             // Its type is unknown and reported.
             _ => return None,
         })
@@ -218,7 +246,11 @@ impl StlBinder<'_, '_> {
     /// parameters the place of the POINTER or ANY, for elementary ones the area pointer of the actual. Source: STL reference, access to
     /// formal parameters.
     fn address_of(&mut self, ctx: &mut CurrentBlock, path: &Path, span: Span) -> Option<Settled<'static>> {
-        let Resolved::Variable(variable) = self.program.resolve(ctx, path)? else {
+        let (resolved, indices) = self.program.resolve(ctx, path)?;
+        if !indices.is_empty() {
+            return self.no_variable_index(span, "`P##` is the address of a whole variable");
+        }
+        let Resolved::Variable(variable) = resolved else {
             self.program.report(
                 Diagnostic::new(Code::OperandKind, span, "`P##` needs a variable of this block")
                     .label("this is not a variable of this block"),
@@ -288,6 +320,7 @@ pub fn holds_pointer(place: &Place) -> bool {
         | Place::Instance { .. }
         | Place::Parameter { .. }
         | Place::ThroughPointer { .. } => true,
+        Place::Element { base, .. } => holds_pointer(base),
         Place::I { .. }
         | Place::Q { .. }
         | Place::Pi { .. }

@@ -79,8 +79,23 @@ fn written_number(name: &str) -> Option<(BlockPrefix, u32)> {
 fn operand_number(kind: &OperandKind, numbers: &mut Vec<(BlockPrefix, u32)>) {
     match kind {
         OperandKind::Block(name) | OperandKind::DbAbsolute { db: name, .. } => note(name, numbers),
-        OperandKind::Path(ast::Path { root: ast::PathRoot::Block(name), .. }) => note(name, numbers),
+        OperandKind::Path(path) => path_numbers(path, numbers),
         _ => {}
+    }
+}
+
+fn path_numbers(path: &ast::Path, numbers: &mut Vec<(BlockPrefix, u32)>) {
+    if let ast::PathRoot::Block(name) = &path.root {
+        note(name, numbers);
+    }
+    for part in &path.parts {
+        if let ast::PathPart::Index { values, .. } = part {
+            for value in values {
+                if let ast::Bound::Path(index) = value {
+                    path_numbers(index, numbers);
+                }
+            }
+        }
     }
 }
 
