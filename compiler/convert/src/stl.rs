@@ -119,7 +119,9 @@ impl Writer<'_> {
             // An instance is a data block: `DB 5`, `"Motor_DB"`.
             format!(", {}", operand::operand(instance, self))
         });
-        let head = with_operand("CALL", &format!("{target}{instance}"));
+        let types: Vec<String> = call.types.iter().map(|one| format!("{} := {}", one.name, one.ty)).collect();
+        let types = if types.is_empty() { String::new() } else { format!(" {{{}}}", types.join("; ")) };
+        let head = with_operand("CALL", &format!("{target}{instance}{types}"));
         if call.parameters.is_empty() {
             return self.instruction(label, &head);
         }

@@ -393,12 +393,22 @@ pub enum StatementKind {
     Error,
 }
 
-/// `CALL target , instance ( name := actual, ... )`.
+/// `CALL target {type := name}, instance ( name := actual, ... )`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Call {
     pub target: Operand,
+    /// The data types for which an instruction is called.
+    pub types: Vec<CallType>,
     pub instance: Option<Operand>,
     pub parameters: Vec<Parameter>,
+}
+
+/// `src_type := Int`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CallType {
+    pub name: String,
+    /// The name of the data type, as written.
+    pub ty: String,
 }
 
 /// `name := actual`; `None`: left empty.

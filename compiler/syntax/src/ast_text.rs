@@ -266,7 +266,9 @@ impl Out {
             StatementKind::Call(call) => {
                 let instance =
                     call.instance.as_ref().map_or(String::new(), |instance| format!(", {}", operand(instance)));
-                self.line(format_args!("{label}call {}{instance}", operand(&call.target)));
+                let types = call.types.iter().map(|one| format!(" {{{} {}}}", one.name, one.ty));
+                let types: String = types.collect();
+                self.line(format_args!("{label}call {}{instance}{types}", operand(&call.target)));
                 self.inside(|out| {
                     for parameter in &call.parameters {
                         let actual = parameter.actual.as_ref().map_or(String::new(), operand);

@@ -62,7 +62,8 @@ impl Maker<'_> {
             .map(|(_, name, actual)| ast::Parameter { name, name_span: self.span, actual })
             .collect();
         let (target, instance) = self.callee(call, callee)?;
-        self.push_kind(ast::StatementKind::Call(Box::new(ast::Call { target, instance, parameters })));
+        let made = ast::Call { target, types: Vec::new(), instance, parameters };
+        self.push_kind(ast::StatementKind::Call(Box::new(made)));
         self.note_eno(call);
         for back in backs {
             self.take_back(&back);

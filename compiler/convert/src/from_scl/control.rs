@@ -133,6 +133,7 @@ impl Maker<'_> {
         let name = BlockName::Numbered { prefix: BlockPrefix::Sfc, number: BLOCK_MOVE, span: self.span };
         let call = ast::Call {
             target: Operand { kind: OperandKind::Block(name), span: self.span },
+            types: Vec::new(),
             instance: None,
             parameters: vec![parameter("SRCBLK", from), parameter("RET_VAL", result), parameter("DSTBLK", to)],
         };

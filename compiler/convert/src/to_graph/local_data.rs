@@ -68,7 +68,7 @@ fn operands(statement: &mut Statement) -> Vec<&mut Operand> {
     match &mut statement.kind {
         StatementKind::Instruction { operand, .. } => operand.iter_mut().collect(),
         StatementKind::Call(call) => {
-            let ast::Call { target, instance, parameters } = &mut **call;
+            let ast::Call { target, types: _, instance, parameters } = &mut **call;
             let actuals = parameters.iter_mut().filter_map(|parameter| parameter.actual.as_mut());
             std::iter::once(target).chain(instance).chain(actuals).collect()
         }

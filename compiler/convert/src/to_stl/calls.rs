@@ -162,7 +162,7 @@ impl Maker<'_> {
         }
         let enable = self.input(graph, plan, at, "en");
         let wanted = self.is_wanted(graph, plan, at, "eno");
-        let call = StatementKind::Call(Box::new(ast::Call { target, instance, parameters }));
+        let call = StatementKind::Call(Box::new(ast::Call { target, types: Vec::new(), instance, parameters }));
         self.sets_br = true;
         match enable {
             Logic::Constant(true) => {

@@ -5,7 +5,7 @@ use roxmltree::Node;
 use super::operand::{self, Notation};
 use super::reader::{Reader, Refused};
 use super::tokens;
-use crate::xml::{attribute_range, child, children, elements, is};
+use crate::xml::{attribute_range, child, children, elements, is, text_of};
 use plcc_syntax::ast::Statement;
 use plcc_syntax::stl::fragment;
 
@@ -79,13 +79,22 @@ fn call(reader: &mut Reader, info: Node, whose: &str) -> Result<(), Refused> {
         text = if local { path } else { format!("{text}, {path}") };
     }
     let mut parameters = Vec::new();
+    let mut types = Vec::new();
     for part in elements(info) {
         match part.tag_name().name() {
             "Parameter" => parameters.push(part),
+            // The type of an instance is known from its declaration.
+            "TemplateValue" if instance.is_none() && part.attribute("Type") == Some("Type") => {
+                let name = operand::plain_or_quoted(part.attribute("Name").unwrap_or_default());
+                types.push(format!("{name} := {}", operand::plain_or_quoted(&text_of(part))));
+            }
             "Instance" | "Blank" | "NewLine" | "Comment" | "LineComment" | "IntegerAttribute" | "DateAttribute"
             | "StringAttribute" | "BooleanAttribute" | "TemplateValue" | "AutomaticTyped" => {}
             other => return Err(reader.refuse(part, whose, &format!("a call with `{other}`"))),
         }
+    }
+    if !types.is_empty() {
+        text.push_str(&format!(" {{{}}}", types.join("; ")));
     }
     if parameters.is_empty() {
         return tokens::put(reader, info, &text, info.range().start, whose);

@@ -352,17 +352,19 @@ pub fn instruction(
 pub fn call(
     state: &mut State,
     keyword: Range<usize>,
-    target: Operand,
-    instance: Option<Operand>,
+    (target, mut types): (Operand, Vec<CallType>),
+    instance: Option<(Operand, Vec<CallType>)>,
     parameters: Vec<Parameter>,
 ) -> StatementKind {
+    let (instance, more) = instance.unzip();
+    types.extend(more.into_iter().flatten());
     let keyword = state.span(keyword.start..keyword.end);
     match check::call(state.text, keyword, &target, instance.as_ref()) {
         Some(diagnostic) => {
             state.report(diagnostic);
             StatementKind::Error
         }
-        None => StatementKind::Call(Box::new(Call { target, instance, parameters })),
+        None => StatementKind::Call(Box::new(Call { target, types, instance, parameters })),
     }
 }
 

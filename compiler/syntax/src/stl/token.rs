@@ -80,6 +80,8 @@ pub enum Tok<'a> {
     /// Operand of a jump.
     Target(&'a str),
     Call,
+    /// `src_type := Int` in braces: both names.
+    CallType(&'a str, &'a str),
     /// A line end before `name :=` of a call without parentheses.
     ParameterLine,
     Pragma(Box<Pragma>),

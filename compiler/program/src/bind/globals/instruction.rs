@@ -33,8 +33,8 @@ pub struct Instruction {
     pins: &'static [(&'static str, PinType)],
     /// The number of the last one: a call may add inputs with the numbers after it.
     last: Option<u16>,
-    /// An input that a call may leave out.
-    optional: &'static str,
+    /// The names of an input that a call may leave out, and how a declaration writes them; the first one is that of SCL.
+    optional: &'static [(&'static str, &'static str)],
     /// The result has a type of its own.
     pub converts: bool,
 }
@@ -47,49 +47,49 @@ const INSTRUCTIONS: &[Instruction] = &[
         name: "NORM_X",
         pins: &[("MIN", PinType::Value), ("VALUE", PinType::Value), ("MAX", PinType::Value)],
         last: None,
-        optional: "",
+        optional: &[],
         converts: true,
     },
     Instruction {
         name: "SCALE_X",
         pins: &[("MIN", PinType::Result), ("VALUE", PinType::Value), ("MAX", PinType::Result)],
         last: None,
-        optional: "",
+        optional: &[],
         converts: true,
     },
     Instruction {
         name: "LIMIT",
         pins: &[("MN", PinType::Value), ("IN", PinType::Value), ("MX", PinType::Value)],
         last: None,
-        optional: "",
+        optional: &[],
         converts: false,
     },
     Instruction {
         name: "SEL",
         pins: &[("G", PinType::Bool), ("IN0", PinType::Value), ("IN1", PinType::Value)],
         last: None,
-        optional: "",
+        optional: &[],
         converts: false,
     },
     Instruction {
         name: "MUX",
         pins: &[("K", PinType::Index), ("IN0", PinType::Value), ("IN1", PinType::Value)],
         last: Some(1),
-        optional: "INELSE",
+        optional: &[("INELSE", "INELSE"), ("ELSE", "\"ELSE\"")],
         converts: false,
     },
     Instruction {
         name: "MIN",
         pins: &[("IN1", PinType::Value), ("IN2", PinType::Value)],
         last: Some(2),
-        optional: "",
+        optional: &[],
         converts: false,
     },
     Instruction {
         name: "MAX",
         pins: &[("IN1", PinType::Value), ("IN2", PinType::Value)],
         last: Some(2),
-        optional: "",
+        optional: &[],
         converts: false,
     },
 ];
@@ -125,7 +125,7 @@ impl Instruction {
         match self.pins.iter().find(|(known, _)| is(known)) {
             Some((_, ty)) => Some(*ty),
             None => {
-                let optional = !self.optional.is_empty() && is(self.optional);
+                let optional = self.optional.iter().any(|(known, _)| is(known));
                 (optional || self.number(name).is_some()).then_some(PinType::Value)
             }
         }
@@ -158,20 +158,24 @@ impl Instruction {
             let end = given.clone().filter_map(|name| self.number(name)).max().unwrap_or(last);
             inputs.extend((last + 1..=end).map(|number| (format!("IN{number}"), PinType::Value)));
         }
-        if !self.optional.is_empty() && given.clone().any(|name| name.eq_ignore_ascii_case(self.optional)) {
-            inputs.push((self.optional.to_owned(), PinType::Value));
+        // What the instruction calls them in SCL, and their declarations.
+        let mut inputs: Vec<(String, String, PinType)> =
+            inputs.into_iter().map(|(name, ty)| (name.clone(), name, ty)).collect();
+        let is_given = |name: &str| given.clone().any(|given| given.trim().eq_ignore_ascii_case(name));
+        if let Some((_, declared)) = self.optional.iter().find(|(name, _)| is_given(name)) {
+            inputs.push((self.optional[0].0.to_owned(), (*declared).to_owned(), PinType::Value));
         }
         let mut declarations = String::new();
         let mut arguments = String::new();
-        for (name, ty) in &inputs {
+        for (name, declared, ty) in &inputs {
             let ty = match ty {
                 PinType::Value => types.value,
                 PinType::Result => types.result,
                 PinType::Bool => Elementary::Bool,
                 PinType::Index => types.index,
             };
-            let _ = writeln!(declarations, "  {name} : {} ;", ty.name());
-            let _ = write!(arguments, "{name} := #{name}, ");
+            let _ = writeln!(declarations, "  {declared} : {} ;", ty.name());
+            let _ = write!(arguments, "{name} := #{declared}, ");
         }
         let (name, result) = (self.name, types.result.name());
         format!(
@@ -223,5 +227,8 @@ mod tests {
         let function = mux.function(types, ["K", "IN0", "IN1", "IN3", "INELSE"].into_iter());
         assert!(function.contains("IN1 := #IN1, IN2 := #IN2, IN3 := #IN3, INELSE := #INELSE,"));
         assert!(function.contains("  K : USINT ;\n  IN0 : INT ;\n"));
+        let function = mux.function(types, ["K", "IN0", "IN1", "else"].into_iter());
+        assert!(function.contains("IN1 := #IN1, INELSE := #\"ELSE\","));
+        assert!(function.contains("  \"ELSE\" : INT ;\n"));
     }
 }

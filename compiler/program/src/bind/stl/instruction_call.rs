@@ -69,11 +69,14 @@ impl StlBinder<'_, '_> {
         wanted: PinType,
     ) -> Option<Elementary> {
         let of_result = |name: &str| fold(name).starts_with("dest");
-        let named = call.parameters.iter().find_map(|parameter| {
-            named_type(parameter).filter(|_| of_result(&parameter.name) == (wanted == PinType::Result))
+        let in_braces = call.types.iter().filter_map(|one| {
+            let ty = Elementary::from_word(&one.ty.trim().to_ascii_uppercase())?;
+            Some((one.name.as_str(), ty))
         });
-        if named.is_some() {
-            return named;
+        let in_list = call.parameters.iter().filter_map(|one| Some((one.name.as_str(), named_type(one)?)));
+        let named = in_braces.chain(in_list).find(|one| of_result(one.0) == (wanted == PinType::Result));
+        if let Some((_, ty)) = named {
+            return Some(ty);
         }
         for parameter in &call.parameters {
             let Some(actual) = parameter.actual.as_ref().filter(|_| instruction.pin(&parameter.name) == Some(wanted))

@@ -37,13 +37,22 @@ impl Classifier<'_, '_> {
         self.end_statement();
     }
 
-    /// `{time_type := Time}` of newer tools: the data type for which a block of the system is called. All blocks here have
-    /// one type, so it is ignored.
+    /// `{time_type := Time}` of newer tools: the data types for which an instruction or a block of the system is called.
     pub(super) fn call_template(&mut self) {
         let opening = self.raw[self.at];
         while let Some(token) = self.peek() {
             if token.kind == RawKind::Semicolon && !self.closes_brace() || self.ends_code(self.at) {
                 break;
+            }
+            let value = self.kind_at(self.at + 2);
+            if matches!(token.kind, RawKind::Word | RawKind::Quoted)
+                && self.kind_at(self.at + 1) == Some(RawKind::Assign)
+                && matches!(value, Some(RawKind::Word | RawKind::Quoted | RawKind::Text))
+            {
+                let (name, after) = (unquoted(self.slice(token)), self.at + 3);
+                let ty = self.slice(self.raw[self.at + 2]).trim_matches(['\'', '"']);
+                self.take_up_to(Tok::CallType(name, ty), after);
+                continue;
             }
             self.at += 1;
             if token.kind == RawKind::RightBrace {
