@@ -426,6 +426,8 @@ pub enum Instance {
     Db(u16),
     /// `CALL #mi`: at `byte` of this FB's instance.
     Multi { byte: u32 },
+    /// `CALL "Data".timer`: at `byte` of a data block with other data.
+    Inner { db: u16, byte: u32 },
 }
 
 /// An actual parameter.

@@ -21,6 +21,7 @@ impl BlockLowering<'_, '_> {
         let base = match instance {
             Instance::Db(number) => Place::Db { number: *number, byte: 0, bit: 0 },
             Instance::Multi { byte } => Place::Instance { byte: *byte, bit: 0 },
+            Instance::Inner { db, byte } => Place::Db { number: *db, byte: *byte, bit: 0 },
         };
         let (db, di, ar2) = (self.get(self.regs.db), self.get(self.regs.di), self.get(self.regs.ar[1]));
         for argument in arguments {
@@ -33,6 +34,10 @@ impl BlockLowering<'_, '_> {
             Instance::Db(number) => {
                 let start = self.b.i32_const(u32::from(area::DB) << 24);
                 (self.b.i32_const(u32::from(*number)), start)
+            }
+            Instance::Inner { db, byte } => {
+                let start = self.b.i32_const((u32::from(area::DB) << 24) | (8 * byte));
+                (self.b.i32_const(u32::from(*db)), start)
             }
             Instance::Multi { byte } => {
                 let moved = self.b.binary_imm(BinaryOp::Iadd, ar2, 8 * i64::from(*byte));
@@ -139,7 +144,7 @@ impl BlockLowering<'_, '_> {
     fn instance_bit_target(&mut self, base: &Place, byte: u32, bit: u8, width: Width) -> Target {
         let place = match base {
             Place::Instance { byte: start, .. } => Place::Instance { byte: start + byte, bit },
-            Place::Db { number, .. } => Place::Db { number: *number, byte, bit },
+            Place::Db { number, byte: start, .. } => Place::Db { number: *number, byte: start + byte, bit },
             _ => unreachable!("instances are in a DB or in this block's instance"),
         };
         let db = self.get(self.regs.db);

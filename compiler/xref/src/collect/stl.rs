@@ -1,7 +1,7 @@
 //! Uses in STL.
 
 use plcc_abi::image::BlockKind;
-use plcc_model::{Actual, BlockKey, Call, CellKind, Instance, Number, Operand as Settled, StlStatementKind};
+use plcc_model::{Actual, BlockKey, Call, CellKind, Instance, Number, Operand as Settled, Place, StlStatementKind};
 use plcc_syntax::stl::{OperandClass, StlInsn};
 
 use super::Collector;
@@ -66,10 +66,18 @@ impl Collector<'_> {
 
     fn stl_call(&mut self, call: &Call) {
         self.add(Operand::Block(call.target), Access::Call);
-        if let Some(Instance::Db(number)) = call.instance {
-            self.add(Operand::Block(BlockKey { kind: BlockKind::Db, number }), Access::Call);
-        }
         let program = self.program;
+        match call.instance {
+            Some(Instance::Db(number)) => {
+                self.add(Operand::Block(BlockKey { kind: BlockKind::Db, number }), Access::Call);
+            }
+            Some(Instance::Inner { db, byte }) => {
+                let place = Place::Db { number: db, byte, bit: 0 };
+                let bytes = program.block(call.target).map_or(0, |callee| callee.interface.bytes);
+                self.place(&place, 8 * bytes, Access::Call, self.span);
+            }
+            Some(Instance::Multi { .. }) | None => {}
+        }
         let Some(callee) = program.block(call.target) else { return };
         for argument in &call.arguments {
             let Some(parameter) = callee.interface.parameters.get(argument.parameter) else { continue };

@@ -15,6 +15,8 @@ pub enum InstanceId {
     Db(u16),
     /// In the instances of a block, at a byte.
     Multi(BlockKey, u32),
+    /// In a data block, at a byte.
+    Inner(u16, u32),
 }
 
 /// Calls of an instance and one of its pointer parameters.
@@ -126,8 +128,13 @@ impl Declarations<'_> {
 
     /// Whether the data block gives the parameter a start value.
     fn has_start_value(&self, id: InstanceId, pointer: &PointerUse) -> bool {
-        let InstanceId::Db(number) = id else { return false };
-        let range = pointer.byte as usize..(pointer.byte + pointer.bytes) as usize;
+        let (number, start) = match id {
+            InstanceId::Db(number) => (number, 0),
+            InstanceId::Inner(number, start) => (number, start),
+            InstanceId::Multi(..) => return false,
+        };
+        let first = start + pointer.byte;
+        let range = first as usize..(first + pointer.bytes) as usize;
         let data = self.data.blocks.get(&number).and_then(|db| db.block.data.get(range));
         // `P#P 0.0 VOID 0`, as STEP 7 writes it, points nowhere.
         data.is_some_and(|bytes| {

@@ -5,7 +5,6 @@ use std::rc::Rc;
 use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{self, BlockPrefix, OperandKind};
-use plcc_syntax::symbols::SymbolTarget;
 use rustc_hash::FxHashMap;
 
 use crate::bind::declarations::block::CurrentBlock;
@@ -13,6 +12,7 @@ use crate::bind::declarations::calls::InstanceId;
 use crate::bind::declarations::typed::BoundInterface;
 use crate::bind::globals::names::code_kind;
 use crate::bind::stl::StlBinder;
+use crate::bind::stl::instance::{instance_key, named_instance};
 use crate::bind::stl::move_call::{called_name, names_a_type};
 use crate::bind::stl::settle::Settled;
 use plcc_binding::fold;
@@ -21,11 +21,11 @@ use plcc_model::{Actual, Argument, BlockKey, Call, Direction, Instance, Number, 
 
 impl StlBinder<'_, '_> {
     pub fn bind_call(&mut self, ctx: &mut CurrentBlock, call: &ast::Call, span: Span) -> Option<Call> {
-        let Some((key, multi, bound)) = self.call_target(ctx, call) else {
+        let Some((key, own, bound)) = self.call_target(ctx, call) else {
             self.note_names(ctx, call);
             return None;
         };
-        let instance = self.instance(ctx, call, key, multi);
+        let instance = self.instance(ctx, call, key, own);
         let mut arguments = self.call_arguments(ctx, call, key, &bound)?;
         arguments.sort_by_key(|argument| argument.parameter);
         self.check_overlaps(&bound, &arguments);
@@ -36,6 +36,7 @@ impl StlBinder<'_, '_> {
             let id = match instance {
                 Instance::Db(number) => InstanceId::Db(*number),
                 Instance::Multi { byte } => InstanceId::Multi(ctx.key, *byte),
+                Instance::Inner { db, byte } => InstanceId::Inner(*db, *byte),
             };
             let supplied: Vec<usize> = arguments.iter().map(|argument| argument.parameter).collect();
             self.program.pointers.note(id, key, &bound, &supplied, span);
@@ -43,12 +44,12 @@ impl StlBinder<'_, '_> {
         Some(Call { target: key, instance, arguments })
     }
 
-    /// The block of a call, the place of a multi-instance, and the interface; `None` after a message.
+    /// The block of a call, the instance that is called by its own name, and the interface; `None` after a message.
     fn call_target(
         &mut self,
         ctx: &mut CurrentBlock,
         call: &ast::Call,
-    ) -> Option<(BlockKey, Option<u32>, Rc<BoundInterface>)> {
+    ) -> Option<(BlockKey, Option<Instance>, Rc<BoundInterface>)> {
         let span = call.target.span;
         if let Some(instruction) = self.called_instruction(call) {
             let key = self.instruction_function(ctx, call, instruction)?;
@@ -57,20 +58,18 @@ impl StlBinder<'_, '_> {
         if called_name(call).is_some_and(|name| self.program.globals.missing_in_stl(name, span)) {
             return None;
         }
-        if let Some(key) = self.block_of_instance(ctx, call) {
-            return Some((key, None, self.program.interface(key, span)?));
-        }
-        let settled = match self.named_before_instance(call) {
+        let settled = match self.named_before_instance(ctx, call) {
             Some((prefix, number)) => Settled::Block { prefix, number: Number::Known(number) },
             None => self.settle(ctx, &call.target)?,
         };
-        let (key, multi) = match settled {
+        let (key, own) = match settled {
             Settled::Block { prefix, number: Number::Known(number) } if callable(prefix).is_some() => {
                 (BlockKey { kind: callable(prefix)?, number }, None)
             }
-            Settled::Complex { place, ty } => match multi_instance(&place, &ty) {
-                Some((key, byte)) => (key, Some(byte)),
-                None => return self.not_callable(span),
+            Settled::Complex { place, ty } => match (instance_key(&ty), named_instance(&place)) {
+                (Some(key), Some(instance)) => (key, Some(instance)),
+                (Some(_), None) if !place.indices().is_empty() => return self.computed_instance(span),
+                _ => return self.not_callable(span),
             },
             _ => return self.not_callable(span),
         };
@@ -79,39 +78,7 @@ impl StlBinder<'_, '_> {
         if self.program.globals.is_own_of_program(key, &bound.interface.parameters, names, span) {
             return None;
         }
-        Some((key, multi, bound))
-    }
-
-    /// The block of `CALL TON, #timer` where the library has several blocks of this name: that of the instance.
-    fn block_of_instance(&mut self, ctx: &mut CurrentBlock, call: &ast::Call) -> Option<BlockKey> {
-        let instance = call.instance.as_ref()?;
-        let (OperandKind::Path(path), OperandKind::Path(place)) = (&call.target.kind, &instance.kind) else {
-            return None;
-        };
-        let (ast::PathRoot::Bare { name, .. }, ast::PathRoot::Local { name: local, .. }) = (&path.root, &place.root)
-        else {
-            return None;
-        };
-        if !path.parts.is_empty() || !ctx.bound.locals.contains_key(&fold(local)) {
-            return None;
-        }
-        let Settled::Complex(variable) = self.settle(ctx, instance)? else { return None };
-        let (own, _) = multi_instance(&variable)?;
-        let library = self.program.globals.library_block(own)?;
-        library.name.eq_ignore_ascii_case(name).then_some(own)
-    }
-
-    /// The block of `CALL TON, #ton`: a name before an instance is that of a block, also if the block declares a variable `ton`.
-    fn named_before_instance(&self, call: &ast::Call) -> Option<(BlockPrefix, u16)> {
-        let OperandKind::Path(path) = &call.target.kind else { return None };
-        let ast::PathRoot::Bare { name, .. } = &path.root else { return None };
-        if call.instance.is_none() || !path.parts.is_empty() {
-            return None;
-        }
-        match self.program.globals.global(name)? {
-            SymbolTarget::Block { prefix, number } => Some((prefix, u16::try_from(number).ok()?)),
-            SymbolTarget::Memory { .. } | SymbolTarget::Cell { .. } => None,
-        }
+        Some((key, own, bound))
     }
 
     /// Names in a call that cannot be checked are still looked up, so that all undefined ones are reported.
@@ -129,87 +96,8 @@ impl StlBinder<'_, '_> {
         let text = self.program.globals.text(span);
         self.program.report(
             Diagnostic::new(Code::OperandKind, span, format!("`CALL` calls a block, but `{text}` is not a block"))
-                .label("an FC, FB, SFC, SFB or a multi-instance is expected here")
+                .label("an FC, FB, SFC, SFB or an instance is expected here")
                 .help("to call a block whose number is only known at run time, use `UC FC [MW 10]`"),
-        );
-        None
-    }
-
-    /// The instance of a call; the outer `None` after a message.
-    fn instance(
-        &mut self,
-        ctx: &mut CurrentBlock,
-        call: &ast::Call,
-        key: BlockKey,
-        multi: Option<u32>,
-    ) -> Option<Option<Instance>> {
-        let needs = matches!(key.kind, BlockKind::Fb | BlockKind::Sfb);
-        let Some(operand) = &call.instance else {
-            if let Some(byte) = multi {
-                return Some(Some(Instance::Multi { byte }));
-            }
-            if needs {
-                self.program.report(
-                    Diagnostic::new(
-                        Code::MissingOperand,
-                        call.target.span,
-                        format!("the call of {} names no instance data block", self.program.globals.shown(key)),
-                    )
-                    .label("a function block keeps its data in a DB")
-                    .help(format!(
-                        "write `CALL {}, DB …` with the number or the symbol of its instance data block",
-                        self.program.globals.text(call.target.span)
-                    )),
-                );
-                return None;
-            }
-            return Some(None);
-        };
-        if multi.is_some() || !needs {
-            self.program.report(
-                Diagnostic::new(Code::SurplusOperand, operand.span, "this call cannot have an instance data block")
-                    .label(if needs {
-                        "a multi-instance is in the data of its block"
-                    } else {
-                        "a function has no instance"
-                    })
-                    .help("remove the data block"),
-            );
-            return None;
-        }
-        let settled = self.settle(ctx, operand)?;
-        if let Settled::Complex { place, ty } = &settled
-            && let Some((own, byte)) = multi_instance(place, ty)
-        {
-            return self.named_instance(key, own, byte, operand.span);
-        }
-        let number = match settled {
-            Settled::Block { prefix: BlockPrefix::Db, number: Number::Known(number) } if number != 0 => number,
-            _ => {
-                let text = self.program.globals.text(operand.span);
-                self.program.report(
-                    Diagnostic::new(Code::OperandKind, operand.span, format!("`{text}` is not a data block"))
-                        .label("the instance data block is expected here"),
-                );
-                return None;
-            }
-        };
-        self.program.check_instance_db(key, number, operand.span)?;
-        Some(Some(Instance::Db(number)))
-    }
-
-    /// `CALL TON, #timer` of the TIA Portal, which names the block of a multi-instance, too. `own`: the block of the instance.
-    fn named_instance(&mut self, key: BlockKey, own: BlockKey, byte: u32, span: Span) -> Option<Option<Instance>> {
-        if own == key {
-            return Some(Some(Instance::Multi { byte }));
-        }
-        let globals = &self.program.globals;
-        let (own, key) = (globals.shown(own), globals.shown(key));
-        let title = format!("`{}` is an instance of {own}, not of {key}", globals.text(span));
-        self.program.report(
-            Diagnostic::new(Code::NoBlockFits, span, title)
-                .label("an instance of the block is expected here")
-                .help("call the instance by its name alone, or name one of the block"),
         );
         None
     }
@@ -388,14 +276,6 @@ fn area_bits(place: &Place) -> Option<(Area, u32)> {
         | Place::Element { .. } => return None,
     };
     Some((area, byte * 8 + u32::from(*bit)))
-}
-
-/// The block and the first byte of a multi-instance.
-fn multi_instance(place: &Place, ty: &DataType) -> Option<(BlockKey, u32)> {
-    let (DataType::Struct(structure), Place::Instance { byte, .. }) = (ty, place) else { return None };
-    let (sfb, number) = structure.instance_of?;
-    let kind = if sfb { BlockKind::Sfb } else { BlockKind::Fb };
-    Some((BlockKey { kind, number }, *byte))
 }
 
 fn callable(prefix: BlockPrefix) -> Option<BlockKind> {

@@ -178,7 +178,7 @@ impl StlBinder<'_, '_> {
         }
     }
 
-    fn no_variable_index<T>(&mut self, span: Span, label: &str) -> Option<T> {
+    pub fn no_variable_index<T>(&mut self, span: Span, label: &str) -> Option<T> {
         let text = self.program.globals.text(span);
         self.program.report(
             Diagnostic::new(Code::OperandKind, span, format!("`{text}` cannot have a variable as index"))
