@@ -106,36 +106,44 @@ impl SclBinder<'_, '_> {
         }
     }
 
-    /// The preset of a counter: a WORD in BCD. A decimal number would be read as BCD, which is hardly intended.
+    /// The preset of a counter: a WORD in BCD. Of a decimal number the counter takes the bits, which is hardly intended.
     fn counter_value(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Expr> {
         let value = self.value(ctx, node)?;
-        if let Value::Constant(Constant::Integer { value: number, based: false }, span) = &value
-            && *number > 9
+        if let Value::Constant(Constant::Integer { value: number, based }, span) = &value
+            && let Ok(number) = u32::try_from(*number)
         {
-            let (number, span) = (*number, *span);
-            self.program.report(
-                Diagnostic::new(Code::BadLiteral, span, "a counter needs its value in BCD")
-                    .label("this is a decimal number")
-                    .help(format!("write `C#{number}` or `16#{number}`")),
-            );
-            return None;
-        }
-        if let Value::Constant(Constant::Integer { value: number, based: true }, span) = &value
-            && let (Ok(number), span) = (u32::try_from(*number), *span)
-            && (0..3).any(|digit| number >> (4 * digit) & 0xF > 9)
-        {
-            let text = self.program.globals.text(span);
-            let help = match number {
-                0..=999 => format!("write `C#{number}`"),
-                _ => "write a value from 0 to 999 after `C#`".to_owned(),
-            };
-            self.program.report(
-                Diagnostic::new(Code::BadLiteral, span, "a counter needs its value in BCD")
-                    .label(format!("`{text}` has a digit above 9"))
-                    .help(help),
-            );
-            return None;
+            self.check_count(number, *based, *span)?;
         }
         self.convert(ctx, value, Elementary::Word)
+    }
+
+    fn check_count(&mut self, number: u32, based: bool, span: Span) -> Option<()> {
+        let digit = |at: u32| number >> (4 * at) & 0xF;
+        let is_bcd = (0..3).all(|at| digit(at) <= 9);
+        if is_bcd && (based || number <= 9) {
+            return Some(());
+        }
+        let text = self.program.globals.text(span);
+        let help = match number {
+            0..=999 => format!("write `C#{number}`"),
+            _ => "write a value from 0 to 999 after `C#`".to_owned(),
+        };
+        if is_bcd {
+            let count = digit(2) * 100 + digit(1) * 10 + digit(0);
+            self.program.report(
+                Diagnostic::new(Code::TimerWithoutTime, span, format!("`{text}` is not the value of a counter"))
+                    .label(format!("takes its BCD digits, 16#{number:04X}: starts at {count}"))
+                    .help(help),
+            );
+            return Some(());
+        }
+        let label = match based {
+            true => format!("`{text}` has a digit above 9"),
+            false => format!("a decimal number, whose bits 16#{number:04X} are not BCD"),
+        };
+        self.program.report(
+            Diagnostic::new(Code::BadLiteral, span, "a counter needs its value in BCD").label(label).help(help),
+        );
+        None
     }
 }
