@@ -1,7 +1,7 @@
 //! Data types of the language or the CPU: DTL, ErrorStruct, connection descriptions, numbers of hardware objects and OBs, and the instance
 //! types of IEC timers and counters, which are blocks of the standard library.
 //!
-//! Source: LAD/FBD reference for S7-1200, data types, date and time, and GET_ERROR.
+//! Source: LAD/FBD reference for S7-1200, data types, date and time, GET_ERROR, and CTRL_HSC_EXT.
 
 use std::rc::Rc;
 
@@ -245,6 +245,41 @@ const STRUCTURES: &[Structure] = &[
     Structure {
         name: "USS_BASE",
         members: &[("Port", One(Elementary::Uint)), ("Baud", One(Elementary::Dint)), ("Drives", One(Elementary::Word))],
+        default: &[],
+    },
+    Structure {
+        name: "HSC_Count",
+        members: &[
+            ("CurrentCount", One(Elementary::Dint)), ("CapturedCount", One(Elementary::Dint)), ("SyncActive", One(Elementary::Bool)),
+            ("DirChange", One(Elementary::Bool)), ("CmpResult_1", One(Elementary::Bool)), ("CmpResult_2", One(Elementary::Bool)),
+            ("OverflowNeg", One(Elementary::Bool)), ("OverflowPos", One(Elementary::Bool)), ("EnHSC", One(Elementary::Bool)),
+            ("EnCapture", One(Elementary::Bool)), ("EnSync", One(Elementary::Bool)), ("EnDir", One(Elementary::Bool)),
+            ("EnCV", One(Elementary::Bool)), ("EnSV", One(Elementary::Bool)), ("EnReference1", One(Elementary::Bool)),
+            ("EnReference2", One(Elementary::Bool)), ("EnUpperLmt", One(Elementary::Bool)), ("EnLowerLmt", One(Elementary::Bool)),
+            ("EnOpMode", One(Elementary::Bool)), ("EnLmtBehavior", One(Elementary::Bool)),
+            ("EnSyncBehavior", One(Elementary::Bool)), ("NewDirection", One(Elementary::Int)),
+            ("NewOpModeBehavior", One(Elementary::Int)), ("NewLimitBehavior", One(Elementary::Int)),
+            ("NewSyncBehavior", One(Elementary::Int)), ("NewCurrentCount", One(Elementary::Dint)),
+            ("NewStartValue", One(Elementary::Dint)), ("NewReference1", One(Elementary::Dint)),
+            ("NewReference2", One(Elementary::Dint)), ("NewUpperLimit", One(Elementary::Dint)),
+            ("New_Lower_Limit", One(Elementary::Dint)),
+        ],
+        default: &[],
+    },
+    Structure {
+        name: "HSC_Period",
+        members: &[
+            ("ElapsedTime", One(Elementary::Udint)), ("EdgeCount", One(Elementary::Udint)), ("EnHSC", One(Elementary::Bool)),
+            ("EnPeriod", One(Elementary::Bool)), ("NewPeriod", One(Elementary::Int)),
+        ],
+        default: &[],
+    },
+    Structure {
+        name: "HSC_Frequency",
+        members: &[
+            ("Frequency", One(Elementary::Dint)), ("EnHSC", One(Elementary::Bool)), ("EnPeriod", One(Elementary::Bool)),
+            ("NewPeriod", One(Elementary::Int)),
+        ],
         default: &[],
     },
     Structure { name: "IP_V4", members: &[("ADDR", Bytes(4))], default: &[] },
