@@ -492,7 +492,7 @@ pub struct ConvertArgs {
     /// Report what another family of CPUs has of the program: `s7-1200` for one of an S7-200, `s7-1500` for one of an S7-300/400.
     #[arg(long, value_name = "FAMILY", group = "what")]
     pub report: Option<String>,
-    /// Output file; for several sources a folder [default: standard output].
+    /// Output file; for several sources, or with `/` at the end, a folder [default: standard output].
     #[arg(short, value_name = "OUT")]
     pub output: Option<PathBuf>,
     /// Mnemonics of the statement lists that are written [default: those of the source].

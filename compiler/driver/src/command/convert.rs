@@ -278,8 +278,9 @@ fn store(args: &ConvertArgs, extension: Option<&str>, files: &[Converted]) -> Re
         }
         return files.iter().try_for_each(|file| report::print(&file.text));
     };
+    let is_folder = output.is_dir() || output.as_os_str().as_encoded_bytes().ends_with(b"/");
     let paths: Vec<PathBuf> = match files {
-        [_] if !output.is_dir() => vec![output.clone()],
+        [_] if !is_folder => vec![output.clone()],
         _ => {
             if let Err(error) = std::fs::create_dir_all(output) {
                 report::say(&format!("cannot make the folder `{}`: {error}", output.display()));

@@ -153,6 +153,17 @@ fn a_report_is_refused_where_there_is_none() {
 
 /// The notation that is written belongs to a command line with one of them only.
 #[test]
+fn a_single_source_goes_into_a_folder_whose_name_ends_with_a_slash() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    fs::write(folder.path().join("lamp.stl"), "      A     I 0.0\n      =     Q 4.0\n")
+        .expect("the folder can be written");
+    let output = plcc(folder.path(), &["convert", "lamp.stl", "--to", "stl", "--mnemonics", "de", "-o", "german/"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let written = fs::read_to_string(folder.path().join("german/lamp.stl")).expect("it is written");
+    assert!(written.contains("E 0.0"), "{written}");
+}
+
+#[test]
 fn one_conversion_at_a_time() {
     for arguments in [&["convert", "plant"][..], &["convert", "plant", "--to", "stl", "--absolute"]] {
         assert_eq!(plcc(&programs(), arguments).status.code(), Some(2), "{arguments:?}");
