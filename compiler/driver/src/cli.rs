@@ -557,15 +557,16 @@ pub struct PlotArgs {
 }
 
 #[derive(Args, Debug)]
+#[command(group = clap::ArgGroup::new("drawn").required(true).multiple(true))]
 pub struct ViewArgs {
-    /// Source files, or the folder of a project.
-    #[arg(value_name = "FILE")]
+    /// Sources, symbol tables, folders of these, or a project [default: the project in this folder].
+    #[arg(value_name = "FILE|DIR")]
     pub inputs: Vec<PathBuf>,
     /// Folder for SVG files, one for each network and chart.
-    #[arg(short, long = "out", value_name = "DIR")]
+    #[arg(short, long = "out", value_name = "DIR", group = "drawn")]
     pub output: Option<PathBuf>,
     /// One HTML document for the whole program.
-    #[arg(long, value_name = "FILE.html", required_unless_present = "output")]
+    #[arg(long, value_name = "FILE.html", group = "drawn")]
     pub html: Option<PathBuf>,
     /// Show the state that a trace (`--trace FILE.csv` of a run) has at a time, by default at its end: power flow, active steps, values.
     #[arg(long, value_name = "TRACE.csv[@TIME]")]

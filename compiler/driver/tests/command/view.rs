@@ -26,3 +26,15 @@ fn a_page_names_all_languages_of_a_block() {
         assert!(page.contains(&format!("\"lang\":\"{language}\"")), "{language}: {messages}");
     }
 }
+
+#[test]
+fn a_view_without_an_output_names_both_kinds() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    fs::write(folder.path().join("lamp.stl"), "      A     I 0.0\n      =     Q 4.0\n")
+        .expect("the folder can be written");
+    let output =
+        Command::new(PLCC).current_dir(folder.path()).args(["view", "lamp.stl"]).output().expect("plcc starts");
+    assert_eq!(output.status.code(), Some(2));
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(message.contains("--out <DIR>|--html <FILE.html>"), "{message}");
+}
