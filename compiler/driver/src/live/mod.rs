@@ -31,9 +31,7 @@ enum Event {
 /// Runs the program and watches its sources; the exit code is that of the program.
 pub fn run(args: &RunArgs) -> u8 {
     if let Some(flag) = unfit(args) {
-        report::say(&format!(
-            "runtime: {flag} knows the program that it begins with: leave out {flag}, or --watch and --allow-load"
-        ));
+        report::say(&format!("runtime: {flag} belongs to one program: leave out {flag}, or --watch and --allow-load"));
         return EXIT_USAGE;
     }
     let paths = match inputs::or_here(&args.inputs) {
