@@ -6,7 +6,7 @@
 //! is as a rule empty in machine code as well, and jumps to it are led on to where it jumps.
 //!
 //! Gates of gates do not keep the values apart: the allocator joins the parameters of all gates first, and then compares each jump with
-//! that whole. Where there are so many jumps, the first gates leave their arguments in memory, and the block is entered with what lies there.
+//! that whole. Where there are so many jumps, the first gates leave their arguments in memory, and the block is entered with what is there.
 
 use cranelift_codegen::ir::{self, BlockArg, InstBuilder, SourceLoc, StackSlot, StackSlotData, StackSlotKind, types};
 use cranelift_frontend::FunctionBuilder;

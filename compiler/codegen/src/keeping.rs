@@ -14,13 +14,13 @@ use plcc_abi::{RuntimeFn, Type};
 use crate::abi::{clif_type, runtime_signature};
 use crate::lower::Target;
 
-/// The functions that are called so.
+/// The functions that are called with this convention.
 const KEEPING: [RuntimeFn; 4] = [RuntimeFn::Safepoint, RuntimeFn::SyncError, RuntimeFn::LocalError, RuntimeFn::Stop];
 
 /// Where the result is.
 pub const RESULT: u32 = layout::STATE + state::KEPT_RESULT;
 
-/// How many they are.
+/// Number of these functions.
 pub const COUNT: u32 = KEEPING.len() as u32;
 
 /// The bit of [`Facts::keeping`](crate::facts::Facts) that stands for `function`; 0 if it is called like others.
@@ -38,7 +38,7 @@ pub fn symbol(function: RuntimeFn) -> String {
     format!("plcc_keep_{}", function.name())
 }
 
-/// How generated code calls it.
+/// Signature of the function that calls `function`, for generated code.
 pub fn signature(function: RuntimeFn, isa: &dyn TargetIsa) -> Signature {
     let mut signature = runtime_signature(function, isa);
     signature.call_conv = CallConv::PreserveAll;
@@ -46,7 +46,7 @@ pub fn signature(function: RuntimeFn, isa: &dyn TargetIsa) -> Signature {
     signature
 }
 
-/// The function itself; `number` is the one under which the linker knows it.
+/// The function that calls `function`; `number` is its number for the linker.
 pub fn function(
     target: &Target<'_>,
     function: RuntimeFn,

@@ -4,7 +4,7 @@
 //! PLC areas are big-endian: a load or store of more than one byte goes with a byte swap; the CPU state and the DB
 //! table are in the byte order of the host. No access traps: whoever builds the IR checks ranges.
 //!
-//! Cranelift gets the information which accesses cannot overlap. Its alias regions are disjoint, while an access of `Region::Any` may
+//! Cranelift is informed of accesses that cannot overlap. Its alias regions are disjoint, while an access of `Region::Any` may
 //! touch every area; so in a function that has one, all areas are one alias region. The CPU state and the DB table
 //! are never reached through an area.
 
@@ -23,7 +23,7 @@ use crate::bits::Bit;
 /// Clearing and copying up to this many bytes is done with inline stores.
 const INLINE_BYTES_MAX: u32 = 128;
 
-/// Sets of bytes that no two different ones of share a byte.
+/// Sets of bytes: two different ones have no byte in common.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum AliasClass {
     State,

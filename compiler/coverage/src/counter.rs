@@ -9,7 +9,7 @@ use plcc_runtime::probe::Watcher;
 
 use crate::chart::ChartCounts;
 
-/// How often each probe has told 0, and another value.
+/// How often each probe has shown 0, and another value.
 pub type Counts = Vec<[u64; 2]>;
 
 /// See the module comment.

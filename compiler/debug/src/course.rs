@@ -66,7 +66,7 @@ impl Course {
         }
     }
 
-    /// What the client is told of a stop.
+    /// What the client gets to know of a stop.
     pub fn reason(self) -> &'static str {
         match self {
             Course::Entry => "entry",

@@ -52,7 +52,7 @@ pub struct State {
     /// Statements since the start.
     pub count: u64,
     pub course: Option<Course>,
-    /// The program runs once more to a point of the past: the client is told nothing.
+    /// The program runs once more to a point of the past, without messages to the client.
     pub silent: bool,
     /// By the file that the client named; the empty one has those that name blocks.
     pub breakpoints: HashMap<String, Vec<Breakpoint>>,

@@ -237,7 +237,7 @@ impl<'t> Layout<'_, 't> {
         !member && !named && !self.open.any()
     }
 
-    /// The zone that a line is in, told by its first piece.
+    /// The zone that a line is in, by its first piece.
     fn enter(&mut self, start: usize) {
         let pieces = self.pieces;
         let piece = &pieces[start];

@@ -7,7 +7,7 @@
 //! - `s7200` lowers programs of an S7-200, with its own state of a block.
 //! - For all families: `arithmetic`, `stop` has the safepoints and the way out of a function, `labels` the targets of jumps.
 //! - `assertion`: code that assertions of all languages share.
-//! - [`probe`]: what statements see, told to who looks at the program.
+//! - [`probe`]: what statements see, for a watcher of the program.
 //! - `shapes`: what data blocks look like, for blocks that write them to files.
 //! - `entry` creates the functions that the runtime calls.
 //!

@@ -398,7 +398,7 @@ impl BlockLowering<'_, '_> {
         }
     }
 
-    /// Lowers a statement of STL with the probe after it. One that leaves, or may leave, is also told before.
+    /// Lowers a statement of STL with the probe after it. One that leaves, or may leave, also has a probe before it.
     pub fn probed_statement(&mut self, statement: &StlStatement, lower: impl FnOnce(&mut Self)) {
         let is_code = matches!(
             statement.kind,

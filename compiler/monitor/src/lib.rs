@@ -3,7 +3,7 @@
 //! - [`model`]: what is known and shown, and what keys do.
 //! - [`draw`]: the picture of it.
 //! - [`messages`]: what the connection tells, as JSON.
-//! - [`connection`]: the thread that speaks with the CPU, and begins anew when the connection is lost.
+//! - [`connection`]: the thread that speaks with the CPU, and starts again when the connection is lost.
 //!
 //! **Invariant**: the model knows neither terminal nor network.
 

@@ -1,4 +1,4 @@
-//! What the page's connection tells, and what it is told, as JSON: the part of it that is shown here. See `web/messages.rs` of the services.
+//! What comes and goes over the page's connection, as JSON: the part of it that is shown here. See `web/messages.rs` of the services.
 
 use plcc_abi::services::Role;
 use serde::{Deserialize, Serialize};

@@ -159,7 +159,7 @@ impl Model {
                 self.entered.clear();
                 self.watched.clear();
                 for row in sheet.row {
-                    // The values of a name are told once.
+                    // The values of a name come once.
                     if self.watched.contains(&row.address) {
                         continue;
                     }

@@ -1,8 +1,8 @@
 //! Functions whose checks are decided at their beginning are there twice.
 //!
-//! A block in SCL finds out where its IN_OUT parameters lie before its first statement, and asks for the result at each access: the cold
-//! side goes on where the other one does, so that nothing is known afterwards. If a function asks several times for what it computes at its
-//! beginning, a copy of it, all cold, is for the case that one of the checks fails. The other copy asks no more.
+//! A block in SCL finds out where its IN_OUT parameters are before its first statement, and tests the result at each access: the cold
+//! side goes on where the hot one does, so nothing is known after it. If a function asks several times for what it computes at its
+//! beginning, a copy of it, all cold, is for the case that one of the checks fails. The other copy tests nothing.
 //!
 //! ```text
 //! b0: v1 = ...                    ; b0: v1 = ...  branch v1, b1, b7

@@ -306,7 +306,7 @@ fn run_each_on(passes: &[Pass], without: Without, mut run: impl FnMut(Run) -> bo
     changes > 0
 }
 
-/// Numbers a function anew; its code stays as it is.
+/// Renumbers a function; its code stays as it is.
 fn compact(function: &mut Function) -> bool {
     function.compact();
     false

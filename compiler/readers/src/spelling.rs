@@ -92,7 +92,7 @@ fn meant(name: &str, known: Names, everywhere: Names) -> Option<&'static str> {
 /// Names of fewer letters have one slip at most.
 const SHORT: usize = 6;
 
-/// Further names are not told; the file is not read anyway.
+/// Further names are not reported; the file is not read anyway.
 const FAULTS_MAX: usize = 100;
 
 struct Fault {

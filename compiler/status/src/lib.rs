@@ -6,7 +6,7 @@
 //!
 //! - [`graph`]: where steps and transitions of a chart have their data; [`probes`]: the places of probes for the runtime, where clients watch a program that goes on running.
 //!
-//! The probes come from `plcc_lower::lower_with_probes`; the recorder is told of them by the runtime.
+//! The probes come from `plcc_lower::lower_with_probes`; the runtime reports them to the recorder.
 //!
 //! **Invariant**: all values of a status are of one call in one cycle.
 

@@ -15,7 +15,7 @@ use plcc_runtime::probe::{Registers, Watcher};
 use crate::choice::Choice;
 use crate::graph;
 
-/// What a probe has told last.
+/// What a probe has shown last.
 #[derive(Clone, Debug)]
 pub enum Seen {
     /// The registers, and the timer or counter of the statement as a text.

@@ -1,4 +1,4 @@
-//! Drawings with what tests have seen of them: behind a contact its two values, behind all else whether it has run.
+//! Drawings with what tests have seen of them: the background of a contact shows its two values, that of all else whether it has run.
 
 use std::collections::HashSet;
 use std::fmt::Write;

@@ -16,7 +16,7 @@ pub struct Trace {
 }
 
 impl Trace {
-    /// Reads a trace. `Err`: why it is none.
+    /// Reads a trace. `Err`: why the text is not a trace.
     pub fn parse(text: &str, names: &Names) -> Result<Trace, String> {
         let mut lines = text.lines();
         let header = fields(lines.next().unwrap_or_default());

@@ -288,7 +288,7 @@ impl Cpu {
 
     fn force_row(&self, name: &str, value: &str, format: Option<Format>, comment: &str) -> Result<(), String> {
         let family = self.image.profile.family;
-        // As STEP 7 writes the module behind an address.
+        // As STEP 7 writes the module of an address.
         let plain = name.trim().strip_suffix(":P").or_else(|| name.trim().strip_suffix(":p")).unwrap_or(name.trim());
         let Settled { address, bits } = watch::settle(plain, value, format, self)?;
         let is_module = matches!(address.place, Place::PeripheralInput(_) | Place::PeripheralOutput(_));

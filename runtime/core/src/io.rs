@@ -34,7 +34,7 @@ pub trait Driver {
     fn named(&self, limit: u32, each: &mut dyn FnMut(u32, u8));
     /// Takes over what devices have sent. `changed` gets each that went away or came back.
     fn exchange(&self, _changed: &mut dyn FnMut(Change)) {}
-    /// What is away, as the changes that told it.
+    /// What is away, as the changes that reported it.
     fn away(&self) -> Vec<Change> {
         Vec::new()
     }

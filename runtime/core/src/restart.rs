@@ -137,7 +137,7 @@ impl Cpu {
     }
 }
 
-/// What a startup OB of an S7-1200/1500 is told, in byte 4 of its start information, which its input parameters come from.
+/// What a startup OB of an S7-1200/1500 gets in byte 4 of its start information, which its input parameters come from.
 pub(crate) mod retained {
     /// Retentive data came back.
     pub(crate) const REMANENCE: u8 = 1;

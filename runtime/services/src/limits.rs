@@ -43,7 +43,7 @@ pub const STATE_TIME: Duration = Duration::from_secs(1);
 /// sign of life.
 pub const SESSIONS_MAX: usize = 64;
 pub const SESSION_TIME: Duration = Duration::from_secs(12 * 3600);
-/// Browsers that are told values at once.
+/// Browsers that get values at the same time.
 pub const PAGES_MAX: usize = 16;
 /// The longest message of a page.
 pub const PAGE_MESSAGE_MAX: usize = 256 * 1024;
@@ -72,7 +72,7 @@ pub const OPCUA_OPEN_MAX: usize = 8192;
 pub const OPCUA_NODES_MAX: usize = 1_000;
 pub const OPCUA_BROWSED_MAX: usize = 100;
 pub const OPCUA_READ_MAX: u32 = 512 * 1024;
-/// Elements of an array that is one value, and elements that a browser is told of.
+/// Elements of an array that is one value, and elements that a browser gets.
 pub const OPCUA_ELEMENTS_MAX: u32 = 65_536;
 pub const OPCUA_LISTED_MAX: usize = 1_000;
 /// References in one response; the rest is asked for with a continuation point.

@@ -104,7 +104,7 @@ pub async fn accept<F: Future<Output = ()> + Send + 'static>(door: Door, serve: 
             continue;
         };
         let from = from.ip().to_canonical();
-        // Who may not come in is told so by a closed connection.
+        // A client that may not come in gets a closed connection.
         let Some((right, place)) = door.clients.of(from).zip(door.open.enter(from)) else {
             door.open.refused.fetch_add(1, Ordering::Relaxed);
             continue;

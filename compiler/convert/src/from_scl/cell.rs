@@ -15,7 +15,7 @@ enum Input {
 }
 
 impl Maker<'_> {
-    /// `S_ODT` and others: start, reset, then the time that is left, in ACCU1.
+    /// `S_ODT` and others: start, reset, then the time that is left, as S5TIME in ACCU1.
     pub fn timer(&mut self, call: &TimerCall) {
         let Some(cell) = self.cell(CellKind::Timer, &call.timer, self.span) else { return };
         let start = call.start.as_ref().and_then(|start| self.input(start));

@@ -352,7 +352,7 @@ impl<'p, 'a, 's> Project<'p, 'a, 's> {
                     continue;
                 }
                 Some(Global::Data(block)) => {
-                    // Its type is that of its declaration; messages about it are told there.
+                    // Its type is that of its declaration, where messages about it are.
                     let mut quiet = Writer::new(Notation::St, Mnemonics::En, Trivia::none(), None);
                     let known = self.data.iter().find(|(other, ..)| other == key).cloned();
                     let node = match known {

@@ -200,7 +200,7 @@ impl<'g> Redrawer<'g> {
         Ok(signal)
     }
 
-    /// An element that stays, with its pins connected anew.
+    /// An element that stays, with new connections of its pins.
     fn effect(&mut self, at: usize) -> Result<(), Reason> {
         self.copy(at, None).map(drop)
     }

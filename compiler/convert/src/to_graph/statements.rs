@@ -96,7 +96,7 @@ pub struct Reader<'a> {
     pub nesting: Vec<(Logic, Join, bool)>,
     /// Values that are loaded.
     pub loads: Vec<(Expr, Span, Kind)>,
-    /// The RLO has been used: the next scan begins anew, another coil shares it.
+    /// The RLO has been used: the next scan begins a new string of logic, another coil shares it.
     pub fresh: bool,
     /// The last coil, and its flow.
     pub chain: Option<(usize, Signal)>,

@@ -2,7 +2,7 @@
 //!
 //! The code of a function is kept under a key of all that it depends on (`key`). An executable has one file of code, in
 //! `$XDG_CACHE_HOME/plcc` or `~/.cache/plcc`: what its last build used. Nobody has to clean up: a file that is damaged or of
-//! another plcc is written anew, and when all files together are too large, those go that were used longest ago. Files are
+//! another plcc is written again, and when all files together are too large, the least recently used ones go. Files are
 //! replaced as a whole, so builds at the same time do not disturb each other. Without a folder for it nothing is kept.
 
 mod key;

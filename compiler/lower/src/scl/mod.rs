@@ -52,7 +52,7 @@ pub struct SclState {
     conditions: u32,
     /// Elementary formals whose pointers are passed on, and the copies in the frame that these point at.
     pointed_copies: Vec<(Access, Address)>,
-    /// The network whose beginning a debugger is told last; 0: none.
+    /// The network that has the last probe of a beginning for a debugger; 0: none.
     pub told_network: u16,
     /// The promoted result, written when the block ends.
     result: Option<(usize, Elementary, Var)>,

@@ -58,7 +58,7 @@ impl Place {
             area::Q => in_area(Region::Q, surroundings.areas.outputs),
             area::M => in_area(Region::M, surroundings.areas.bit_memory),
             area::L | area::V => {
-                // What a block hands on lies before its own frame: addresses wrap.
+                // What a block passes on is before its own frame: addresses wrap.
                 let start = frame.base.wrapping_add(byte) % AREA_BYTES;
                 let is_free = start + bytes <= frame.structure || frame.structure + STRUCTURE_BYTES <= start;
                 let is_there = start + bytes <= function.local_bytes() && is_free;

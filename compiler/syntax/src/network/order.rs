@@ -31,7 +31,7 @@ fn enter(graph: &Graph, element: usize, seen: &mut [bool], open: &mut Vec<(usize
     }
 }
 
-/// The elements that feed the inputs of one, in order of its pins and their sources.
+/// The elements that feed the inputs of an element, in order of its pins and their sources.
 fn needs(graph: &Graph, element: usize) -> Vec<usize> {
     let mut found = Vec::new();
     for pin in graph.elements[element].pins.iter().filter(|pin| !pin.output) {

@@ -18,7 +18,7 @@ struct Maker<'a> {
     label: &'a dyn Fn(&Operand) -> Label,
     /// Whether the block of that name has an output of that name.
     is_output: &'a dyn Fn(&str, &str) -> bool,
-    /// The result of logic; none: the next scan begins anew.
+    /// The result of logic; none: the next scan begins a new string.
     span: Option<Span>,
     /// The branches before an `O` without operand.
     branch: Option<Span>,

@@ -46,7 +46,7 @@ pub struct Instance {
     course: Option<Course>,
     /// What was set before the startup.
     start: Start,
-    /// A STOP was told.
+    /// A STOP was reported.
     told: bool,
 }
 

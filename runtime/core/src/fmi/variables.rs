@@ -12,11 +12,11 @@ use crate::s7200::Part;
 use crate::signal::{self, Source};
 use crate::typed;
 
-/// Variables of a unit at most; inputs and outputs come first.
+/// Maximum number of variables of a unit; inputs and outputs come first.
 pub const VARIABLES_MAX: usize = 20_000;
 /// Number of the time in a unit of version 3.0, after those of all variables.
 pub const TIME_NUMBER: u32 = 1 << 31;
-/// Values of one data block.
+/// Maximum number of values of one data block.
 const DB_VALUES_MAX: usize = 4096;
 
 /// Who sets a variable.

@@ -91,7 +91,7 @@ impl Cpu {
     pub(crate) fn check_retentive_file(&self) -> Result<(), String> {
         let Some(path) = &self.image.config.retain.file else { return Ok(()) };
         match slots::check(Path::new(path)) {
-            // What else may be wrong is told when the file is opened, and the CPU runs without it.
+            // Any other error is reported when the file is opened, and the CPU runs without it.
             Ok(()) | Err(Fault::Host(_) | Fault::InUse) => Ok(()),
             Err(Fault::Foreign(text)) => Err(format!("{text}; name another file for retentive memory")),
         }

@@ -21,7 +21,7 @@ const EXTENDED_BYTES: u32 = BUFFER_BYTES + daylight::BYTES as u32;
 pub struct Calendar {
     /// Settings of daylight-saving time.
     daylight: Cell<[u8; daylight::BYTES]>,
-    /// Days by which the day of the week is behind the one of the calendar, 0 to 6.
+    /// Days by which the day of the week lags that of the calendar, 0 to 6.
     weekday_shift: Cell<u8>,
     /// Set to 0: the clock has no day of the week.
     no_weekday: Cell<bool>,

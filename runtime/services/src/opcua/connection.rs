@@ -64,7 +64,7 @@ struct Connection {
     chunks: usize,
 }
 
-/// Why a connection ends: with an error that the client is told, or without.
+/// Why a connection ends: with an error that the client gets, or without.
 type End = Option<Status>;
 
 impl Connection {

@@ -241,7 +241,7 @@ fn is_equal(a: &Variant, b: &Variant) -> bool {
 pub struct EventItem {
     pub handle: u32,
     pub filter: Filter,
-    /// 0: not looked at; 1: looked at; 2: also told.
+    /// 0: not looked at; 1: looked at; 2: also reported.
     pub mode: u32,
     pub interval: Duration,
     pub due: Instant,

@@ -86,7 +86,7 @@ impl Node {
     }
 }
 
-/// What the CPU tells of itself.
+/// Properties of the CPU itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CpuValue {
     State,

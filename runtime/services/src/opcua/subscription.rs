@@ -35,7 +35,7 @@ struct Item {
     /// What the client has asked for, and what that is in the program that runs.
     question: Question,
     wanted: Wanted,
-    /// 0: not looked at; 1: looked at; 2: also told.
+    /// 0: not looked at; 1: looked at; 2: also reported.
     mode: u32,
     interval: Duration,
     due: Instant,
@@ -118,7 +118,7 @@ impl Subscriptions {
         self.list.values().flat_map(|subscription| subscription.items.values()).map(Item::kept).sum()
     }
 
-    /// Finds all items again after a change of the program. Those that it does not have are told with the status.
+    /// Finds all items again after a change of the program. Those that it does not have are reported with the status.
     pub fn renew(&mut self, server: &Server, right: Right) {
         let mut kept = 0;
         for item in self.list.values_mut().flat_map(|subscription| subscription.items.values_mut()) {
@@ -603,7 +603,7 @@ impl Item {
         self.queue.drain(..surplus);
     }
 
-    /// A value that was read: it waits to be told if it is a change.
+    /// A value that was read: it waits to be reported if it is a change.
     fn take(&mut self, value: DataValue) {
         let is_same = self.last.as_ref().is_some_and(|last| {
             last.status == value.status

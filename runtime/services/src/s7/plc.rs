@@ -71,7 +71,7 @@ impl Family {
 /// Kinds of blocks, with their codes in lists.
 pub const BLOCK_KINDS: [u8; 7] = [0x08, 0x0E, 0x0C, 0x0A, 0x0B, 0x0D, 0x0F];
 
-/// What clients are told of a block.
+/// What clients get to know of a block.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BlockInfo {
     pub number: u16,

@@ -1,5 +1,6 @@
 //! The status of variables: what a programming device shows in a watch table (VAT). The answer to a request has the number of a job; the
-//! values come after it, once, as they are at the cycle control point. A device that goes on watching asks again.
+//! values come after it, once, as they are at the cycle control point. A device that goes on watching asks again. Source: S7comm reference,
+//! test functions.
 //!
 //! Layout of requests, answers and values: lengths of a head and of what comes after it, then both.
 //!
@@ -34,7 +35,7 @@ const AROUND: usize = 10 + 12 + 4 + LENGTHS + HEAD + 2 + 1;
 /// What [`variables::read`] counts besides data.
 const READ_AROUND: usize = 14;
 
-/// Programming devices of other families speak otherwise.
+/// Programming devices of other families use another protocol.
 pub fn is_served(family: Family) -> bool {
     matches!(family, Family::S7300 | Family::S7400)
 }

@@ -33,10 +33,10 @@ pub enum Order {
     /// From now on tell what the statements of this block see, and of no other; `None`: of none.
     Status {
         block: Option<String>,
-        /// One of the calls that were told; `None`: the first one in a cycle.
+        /// One of the calls that the page has got; `None`: the first one in a cycle.
         #[serde(default)]
         call: Option<String>,
-        /// Comes back with what is told: news of an earlier block are others.
+        /// Comes back with the values, so that values of an earlier block are recognised.
         #[serde(default)]
         turn: u64,
     },
@@ -110,7 +110,7 @@ pub struct News {
     /// What a block sees, when something of it is new.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub status: Option<Status>,
-    /// What the recording has that was not told yet.
+    /// What the recording has that the page has not got yet.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub trace: Option<Part>,
     /// The forced values, when they have changed.

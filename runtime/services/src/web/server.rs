@@ -41,7 +41,7 @@ const WRONG_PASSWORD_PAUSE: Duration = Duration::from_secs(1);
 pub struct Page {
     link: Link,
     users: Users,
-    /// A permit for each browser that is told values.
+    /// A permit for each browser that gets values.
     places: Arc<Semaphore>,
     /// Loads programs, if that is allowed.
     loader: Option<Loader>,

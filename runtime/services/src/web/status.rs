@@ -1,4 +1,4 @@
-//! The status of a block as a page is told it: first the places of its probes, then what has changed.
+//! The status of a block for a page: first the places of its probes, then what has changed.
 
 use plcc_abi::ProgramImage;
 use plcc_abi::monitor::{BlockProbes, Probes, Tells};
@@ -27,7 +27,7 @@ pub struct Status {
     pub steps: Option<Vec<StepSeen>>,
 }
 
-/// The places of a block as the page asks for them: first byte, last byte, what is told there.
+/// The places of a block as the page asks for them: first byte, last byte, kind of value.
 pub fn places(image: &ProgramImage, block: &str) -> Option<Value> {
     let named = |of: &&BlockProbes| format!("{}{}", of.kind.prefix(), of.number) == block;
     let of = probes(image)?.blocks.iter().find(named)?;

@@ -1,4 +1,4 @@
-//! Recordings of a page: what it asks for, and what it is told as the recording grows.
+//! Recordings of a page: what it asks for, and what it gets as the recording grows.
 
 use plcc_runtime::cpu::Cpu;
 use plcc_runtime::monitor::recording::{Plan, Progress, SAMPLES_MAX, SIGNALS_MAX, Trigger};

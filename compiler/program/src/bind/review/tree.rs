@@ -202,7 +202,7 @@ pub(super) fn known(expr: &Expr) -> Option<i128> {
     }
 }
 
-/// True if the limits are known and the first value lies beyond the last one.
+/// True if the limits are known and the first value is beyond the last one.
 fn never_runs(start: &Expr, end: &Expr, step: &Expr) -> bool {
     match (known(start), known(end), known(step)) {
         (Some(start), Some(end), Some(step)) => (step > 0 && start > end) || (step < 0 && start < end),

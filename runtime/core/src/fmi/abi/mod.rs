@@ -75,7 +75,7 @@ struct Component {
     instance: Instance,
     program: &'static Program,
     tell: Tell,
-    /// Also what is not a problem is told.
+    /// Messages that are not problems are sent too.
     talkative: bool,
     phase: Phase,
     /// Time of the simulator at the startup of the CPU, and now.
@@ -86,7 +86,7 @@ struct Component {
 }
 
 impl Component {
-    /// A new instance; `None`: the simulator was told why not.
+    /// A new instance; `None`: a message to the simulator says why not.
     fn new(token: *const c_char, tell: Tell, talkative: bool) -> Option<Box<Component>> {
         let refuse = |message: &str| {
             tell(Status::Error, c"logStatusError", &c_text(message));

@@ -15,7 +15,7 @@ pub struct Payload {
     pub seq: Option<u64>,
 }
 
-/// A value with what is told of it.
+/// A value with its properties.
 #[derive(Clone, PartialEq, prost::Message)]
 pub struct Metric {
     #[prost(string, optional, tag = "1")]
