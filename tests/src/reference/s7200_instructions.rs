@@ -58,7 +58,7 @@ pub fn reference() -> String {
          Printed from the tables of instructions, CPUs, events and errors; do not edit.\n\n\
          **S0**: an instruction acts *always*, or *if 1*: if the top of the logic stack is 1, which is its EN. **SM1**: bits of SMB1\n\
          that it writes: 0 zero, 1 overflow, illegal value or last bit shifted out, 2 negative, 3 division by zero, 4 table full,\n\
-         5 table empty, 6 no BCD value, 7 no hexadecimal digit. **ENO**: `-` it has none; otherwise ENO is 0 where EN is 0, on a bad\n\
+         5 table empty, 6 not a BCD value, 7 not hexadecimal. **ENO**: `-` it has none; otherwise ENO is 0 where EN is 0, on a bad\n\
          pointer (0006), on errors of its own, and if this bit of SM1 is 1, or on these errors: *range* (0091; a count 0092), *index* (009B),\n\
          *format* (an illegal format byte), *nesting* (0008).\n\n\
          | operand | takes |\n| --- | --- |\n",
