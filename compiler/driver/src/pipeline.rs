@@ -360,20 +360,22 @@ fn profile_of(
         (None, None) => return generic,
     };
     let is_s7200 = plcc_program::is_s7200(units);
-    let title = match profile::lookup(&name) {
+    let one_of = || format!("one of {}", profile::s7200::names().join(", "));
+    let (title, help) = match profile::lookup(&name) {
         Some(profile) if plcc_program::runs(&profile, units) => return profile,
-        Some(profile) if is_s7200 => format!("`{}` does not run programs of the S7-200", profile.name),
-        Some(profile) if profile.family == Family::S71200 => {
-            format!("`{}` has no STL; it runs LAD, FBD and SCL", profile.name)
-        }
-        Some(profile) => format!("`{}` is an S7-200, which runs sources of Micro/WIN only", profile.name),
-        None => format!("plcc does not know the CPU `{name}`"),
+        Some(profile) if is_s7200 => (format!("`{}` does not run programs of the S7-200", profile.name), one_of()),
+        Some(profile) if profile.family == Family::S71200 => (
+            format!("`{}` has no STL; it runs LAD, FBD and SCL", profile.name),
+            "choose a CPU with STL, such as an S7-1500, or write the blocks in SCL".to_string(),
+        ),
+        Some(profile) => (
+            format!("`{}` is an S7-200, which runs sources of Micro/WIN only", profile.name),
+            "choose another CPU; a source of Micro/WIN has instructions such as `LD` and `MOVW`".to_string(),
+        ),
+        None if is_s7200 => (format!("plcc does not know the CPU `{name}`"), one_of()),
+        None => (format!("plcc does not know the CPU `{name}`"), profile::help(&name)),
     };
     let span = span.unwrap_or_else(|| Span::new(sources.add(SourceFile::new("--cpu", name.clone())), 0..name.len()));
-    let help = match is_s7200 {
-        true => format!("one of {}", profile::s7200::names().join(", ")),
-        false => profile::help(&name),
-    };
     diagnostics.push(Diagnostic::new(Code::UnknownCpu, span, title).help(help));
     generic
 }
