@@ -248,10 +248,10 @@ pub struct RunArgs {
     pub run: RunOptions,
     #[command(flatten)]
     pub services: ServiceOptions,
-    /// Change the running program whenever a source is saved; `r` and Enter restores the one before (see docs/changing-a-program.md).
+    /// Change the running program whenever a source is saved; `r` and Enter restores the previous program (see docs/changing-a-program.md).
     #[arg(long)]
     pub watch: bool,
-    /// With `--watch`: what to do if values of the running program would go.
+    /// With `--watch`: what to do if values of the running program would be lost.
     #[arg(long, value_name = "ANSWER", default_value = "ask", requires = "watch")]
     pub lose: Lose,
 }
@@ -264,11 +264,11 @@ pub struct MonitorArgs {
     /// Name of a user of the page; the password is read from the environment variable PLCC_PASSWORD, else one line from standard input.
     #[arg(long, value_name = "NAME")]
     pub user: Option<String>,
-    /// The process has `--tls`: encrypt the connection. FILE has the certificate of the process, in the form PEM, or that of the authority which
-    /// signed it for this address; of a folder its `certificate.pem`.
+    /// The process has `--tls`: encrypt the connection. FILE has the certificate of the process (PEM), or that of the authority that has
+    /// signed it for this address; in a folder it is `certificate.pem`.
     #[arg(long, value_name = "FILE")]
     pub tls: Option<PathBuf>,
-    /// Values in the watch table at first.
+    /// Values in the watch table at the start.
     #[arg(long, value_name = "ADDR,...")]
     pub watch: Vec<String>,
 }
@@ -285,14 +285,14 @@ pub struct LoadArgs {
     /// Name of a user of the page; the password is read from the environment variable PLCC_PASSWORD, else one line from standard input.
     #[arg(long, value_name = "NAME")]
     pub user: Option<String>,
-    /// The process has `--tls`: encrypt the connection. FILE has the certificate of the process, in the form PEM, or that of the authority which
-    /// signed it for this address; of a folder its `certificate.pem`.
+    /// The process has `--tls`: encrypt the connection. FILE has the certificate of the process (PEM), or that of the authority that has
+    /// signed it for this address; in a folder it is `certificate.pem`.
     #[arg(long, value_name = "FILE")]
     pub tls: Option<PathBuf>,
     /// Bring back the program from before the last change, instead of loading one.
     #[arg(long, conflicts_with = "inputs")]
     pub restore: bool,
-    /// What to do if values of the running program would go.
+    /// What to do if values of the running program would be lost.
     #[arg(long, value_name = "ANSWER", default_value = "ask")]
     pub lose: Lose,
     #[command(flatten)]

@@ -60,7 +60,7 @@ pub struct ServiceOptions {
     /// Certificates of the authority of an mqtts broker [default: those that this computer knows]
     #[arg(long, value_name = "FILE")]
     pub mqtt_ca: Option<String>,
-    /// Certificate that an mqtts broker wants to see
+    /// Certificate for an mqtts broker that requires one
     #[arg(long, value_name = "FILE")]
     pub mqtt_certificate: Option<String>,
     /// Private key of this certificate
@@ -72,7 +72,7 @@ pub struct ServiceOptions {
     /// Values to publish [default: `values` in `[services]` of plc.toml]
     #[arg(long, value_name = "ADDR,...")]
     pub publish: Vec<String>,
-    /// The most that clients may do [default: what plc.toml says, else write]
+    /// What clients may do at most [default: what plc.toml says, else write]
     #[arg(long, value_name = "RIGHT", value_enum)]
     pub access: Option<Access>,
     /// Let users with the role `change` load another program with `plcc load`; without users, everyone on this computer

@@ -64,7 +64,7 @@ fn send(args: &LoadArgs, program: &[u8]) -> Result<u8, String> {
             Lose::Ask => is_answered(),
         };
         if !is_allowed {
-            report::say("not changed: values of the running program would go");
+            report::say("not changed: values of the running program would be lost");
             return Ok(exit::FAILED);
         }
         answer = post(true)?;
@@ -84,7 +84,7 @@ fn tell(answer: &Answer) {
 }
 
 fn is_answered() -> bool {
-    report::say("values of the running program go: y and Enter changes it, anything else leaves it as it is");
+    report::say("values of the running program would be lost: y and Enter changes it, anything else leaves it");
     line().is_ok_and(|line| line.trim() == "y")
 }
 

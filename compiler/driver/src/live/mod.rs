@@ -106,7 +106,7 @@ struct Watch {
 
 impl Watch {
     fn work(mut self, events: &Receiver<Event>) {
-        report::say("a saved source changes the program; r and Enter restores the one before");
+        report::say("a saved source changes the program; r and Enter restores the previous program");
         for event in events {
             match event {
                 Event::Saved => self.saved(),
@@ -162,12 +162,12 @@ impl Watch {
         prepared.items().iter().for_each(|item| report::say(&format!("  {}", item.text)));
         match (prepared.loses(), self.args.lose) {
             (false, _) | (true, Lose::Allow) => self.change(prepared),
-            (true, Lose::Refuse) => report::say("not changed: values would go, and --lose is refuse"),
+            (true, Lose::Refuse) => report::say("not changed: values would be lost, and --lose is refuse"),
             (true, Lose::Ask) if !self.can_ask => {
-                report::say("not changed: values would go, and nobody answers on standard input; add --lose allow");
+                report::say("not changed: values would be lost, and standard input has no answer; add --lose allow");
             }
             (true, Lose::Ask) => {
-                report::say("values of the running program go: y and Enter changes it, n leaves it as it is");
+                report::say("values of the running program would be lost: y and Enter changes it, n leaves it");
                 self.pending = Some(prepared);
             }
         }
