@@ -389,12 +389,15 @@ fn add_project(read: &mut Read, folder: &Path) {
     }
     project.symbols.iter().for_each(|table| add_named(read, folder, table));
     if !project.axes.is_empty() {
-        let name = format!("{} (axes).scl", path.display());
+        let name = format!("{}{AXES_ENDING}", path.display());
         let file = read.sources.add(SourceFile::new(name, project.axes.clone()));
         read.units.push(file);
     }
     read.project = Some(project);
 }
+
+/// What follows the path of plc.toml in the name of the source that its axes are.
+pub(crate) const AXES_ENDING: &str = " (axes).scl";
 
 /// A file or folder that plc.toml names.
 fn add_named(read: &mut Read, folder: &Path, (name, span): &(String, Span)) {

@@ -46,6 +46,7 @@ pub mod station;
 pub mod statistics;
 pub mod technology;
 pub mod testing;
+mod value_names;
 mod variables;
 
 use cli::{Cli, Command};

@@ -12,10 +12,11 @@ use crate::facts::same;
 use crate::hover::target_text;
 use crate::index::{Declared, Entry, Index};
 use crate::labels;
-use crate::names::{Meaning, meaning};
+use crate::names::{Meaning, along, meaning};
+use crate::values;
 use crate::words::{Words, bare};
 
-/// A text of each file of the program, which editors show.
+/// A text of each file of the program, which editors show; then their assertions.
 pub type Texts<'t> = Vec<(FileId, Words<'t>)>;
 
 /// Every place that means the same, the declaration included. Absolute addresses: every one that has a bit in common, and symbols
@@ -171,6 +172,13 @@ pub fn rename(index: &Index, texts: &Texts, file: FileId, at: usize, to: &str) -
     if let Meaning::Constant(Constant::Global(constant)) = wanted {
         edits.push(row_edit(index, constant.span, &name, to)?);
     }
+    let definition = wanted.definition();
+    let is_it = |names: &[&str]| {
+        names.last().is_some_and(|last| same(last, &name))
+            && along(index, None, names, false).and_then(|found| found.definition()) == definition
+    };
+    edits.extend(values::edits(index.checked, to, is_it)?);
+    edits.retain(|(span, _)| !index.checked.made.contains(&span.file));
     Ok(edits)
 }
 

@@ -3,7 +3,7 @@
 //! ```text
 //! messages ──► server.rs ──► text.rs: open files        ──► Host: the program, in a thread of its own
 //!                        └─► words.rs, index.rs, labels.rs, constants.rs, chart.rs, names.rs, s7200.rs
-//!                            ──► hover, go, complete, outline, fixes
+//!                            ──► hover, go, values.rs, complete, outline, fixes
 //! ```
 //!
 //! - A change is answered twice: at once with the syntax errors of the file, and with all messages when the program is bound.
@@ -27,6 +27,7 @@ mod requests;
 mod s7200;
 mod server;
 mod text;
+mod values;
 mod words;
 
 use std::collections::BTreeMap;
@@ -38,6 +39,7 @@ use plcc_syntax::symbols::SymbolTable;
 
 pub use facts::Facts;
 pub use server::serve;
+pub use values::{StringForm, ValueName, ValuePart};
 
 /// The texts of open files, by their paths.
 pub type Open = BTreeMap<PathBuf, String>;
@@ -51,6 +53,10 @@ pub struct Checked {
     pub tables: Vec<SymbolTable>,
     pub facts: Facts,
     pub diagnostics: Vec<Diagnostic>,
+    /// Names of values in files that are not sources.
+    pub values: Vec<ValueName>,
+    /// Sources that are made from other files, and are not files themselves.
+    pub made: Vec<FileId>,
 }
 
 /// Who reads and binds programs.

@@ -40,7 +40,7 @@ impl<'c> View<'c> {
 
     /// The words of all sources.
     fn texts(&self) -> go::Texts<'c> {
-        self.checked.units.iter().map(|(file, _)| (*file, self.words(*file))).collect()
+        with_assertions(self.checked.units.iter().map(|(file, _)| (*file, self.words(*file))).collect())
     }
 
     /// What is written at a byte of a source for the S7-200, and all its names.
@@ -66,6 +66,13 @@ impl<'c> View<'c> {
         }
         found
     }
+}
+
+/// Texts, and after them the words of their assertions.
+fn with_assertions(mut texts: go::Texts<'_>) -> go::Texts<'_> {
+    let asserted: go::Texts = texts.iter().map(|(file, words)| (*file, words.asserted())).collect();
+    texts.extend(asserted);
+    texts
 }
 
 /// Answers a request. `view` finds the file at a path.
@@ -123,7 +130,7 @@ fn result<'c>(method: &str, params: Value, view: &impl Fn(&Path) -> Option<View<
         "textDocument/documentHighlight" => {
             let DocumentHighlightParams { text_document_position_params, .. } = read(params)?;
             at(view, text_document_position_params, |view, words, byte| {
-                let own = vec![(view.file, view.words(view.file))];
+                let own = with_assertions(vec![(view.file, view.words(view.file))]);
                 let mut found = match view.s7200(byte) {
                     Some((found, names)) => names.references(&found.named),
                     None => go::references(&Index::new(view.checked), &own, view.file, words.at(byte)?),

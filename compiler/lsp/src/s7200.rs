@@ -15,6 +15,7 @@ use plcc_syntax::symbols::S7200Symbol;
 use crate::Checked;
 use crate::address::{self, Address};
 use crate::facts::same;
+use crate::values;
 use crate::words::{Words, bare};
 
 /// What is written at a place.
@@ -275,7 +276,12 @@ impl<'c> Names<'c> {
             let end = one.span.end - u32::from(text.len() > 1 && text.ends_with('"'));
             (Span { start, end, ..one.span }, to.to_owned())
         };
-        Ok(self.uses().into_iter().filter(|one| one.is_name && one.named.is(wanted)).map(edit).collect())
+        let mut edits: Vec<_> =
+            self.uses().into_iter().filter(|one| one.is_name && one.named.is(wanted)).map(edit).collect();
+        if let Named::Symbol(row) = wanted {
+            edits.extend(values::edits(self.checked, to, |names| matches!(names, [one] if same(one, &row.name)))?);
+        }
+        Ok(edits)
     }
 
     fn is_global(&self, name: &str) -> bool {

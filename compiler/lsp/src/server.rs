@@ -281,14 +281,15 @@ fn renew(checked: &mut Checked, path: &Path, text: &str) -> Vec<Diagnostic> {
         }
         None => checked.sources.add(SourceFile::new(name.clone(), text)),
     };
-    let options = ReadOptions { language: hint(path), ..ReadOptions::default() };
+    let options = ReadOptions { language: hint(path), pragmas: true, ..ReadOptions::default() };
     let (unit, messages) = plcc_readers::parse(file, text, &options);
     match checked.units.iter_mut().find(|(own, _)| *own == file) {
         Some(slot) => slot.1 = unit,
         None => checked.units.push((file, unit)),
     }
-    // Positions of messages about the text before are not those of this one.
+    // Places in the text before are not those of this one.
     checked.diagnostics.retain(|message| message.primary.span.file != file);
+    checked.values.retain(|name| name.iter().all(|part| part.span.file != file));
     checked.diagnostics.extend(messages.iter().cloned());
     messages
 }

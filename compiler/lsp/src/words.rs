@@ -21,6 +21,20 @@ impl<'t> Words<'t> {
         Words { text, pieces: all }
     }
 
+    /// The words of assertions, which are in comments.
+    pub fn asserted(&self) -> Words<'t> {
+        let mut all = Vec::new();
+        for at in (0..self.pieces.len()).filter(|&at| self.first_on_line(at)) {
+            let text = self.word(at).strip_prefix("//@").and_then(|text| text.trim_start().strip_prefix("assert"));
+            let is_end = |text: &&str| !text.starts_with(|c: char| c.is_alphanumeric() || c == '_');
+            let Some(text) = text.filter(is_end) else { continue };
+            let (start, language) = (self.range(at).end - text.len(), self.language(at));
+            let ranges = pieces(text, language).into_iter();
+            all.extend(ranges.map(|piece| (piece.start + start..piece.end + start, language)));
+        }
+        Words { text: self.text, pieces: all }
+    }
+
     /// Index of the piece at a byte, or which ends there.
     pub fn at(&self, byte: usize) -> Option<usize> {
         let first = self.pieces.partition_point(|(range, _)| range.end < byte);

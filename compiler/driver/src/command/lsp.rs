@@ -8,7 +8,7 @@ use plcc_lsp::{Checked, Facts, Host, Open};
 
 use crate::command::exit;
 use crate::pipeline::{self, Settings};
-use crate::{inputs, project, report};
+use crate::{inputs, project, report, value_names};
 
 /// Serves an editor over standard input and output.
 pub fn lsp() -> u8 {
@@ -44,6 +44,10 @@ impl Host for Files {
         let (units, tables) = (parsed.units.clone(), parsed.tables.clone());
         let bound = pipeline::bind(parsed, &settings);
         let facts = Facts::of(&bound.program);
-        Checked { sources: bound.sources, units, tables, facts, diagnostics: bound.diagnostics }
+        let mut sources = bound.sources;
+        let made = sources.files().filter(|(_, source)| source.name.ends_with(inputs::AXES_ENDING));
+        let made = made.map(|(file, _)| file).collect();
+        let values = value_names::read(root, open, &tables, &mut sources);
+        Checked { sources, units, tables, facts, diagnostics: bound.diagnostics, values, made }
     }
 }

@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 /// A check of the programs of these tests takes less.
 const LONGEST: Duration = Duration::from_secs(60);
 
-struct Editor {
+pub(crate) struct Editor {
     connection: Connection,
     server: Option<std::thread::JoinHandle<Result<(), String>>>,
     folder: tempfile::TempDir,
@@ -23,7 +23,7 @@ struct Editor {
 
 impl Editor {
     /// An editor with a copy of a folder of tests/lsp.
-    fn new(name: &str) -> Editor {
+    pub(crate) fn new(name: &str) -> Editor {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/lsp").join(name);
         for file in fs::read_dir(source).into_iter().flatten().flatten() {
@@ -55,7 +55,7 @@ impl Editor {
         self.ask_or(method, params).unwrap_or_else(|error| panic!("{method}: {error}"))
     }
 
-    fn ask_or(&mut self, method: &str, params: Value) -> Result<Value, String> {
+    pub(crate) fn ask_or(&mut self, method: &str, params: Value) -> Result<Value, String> {
         self.next += 1;
         let id = RequestId::from(self.next);
         let request = Request::new(id.clone(), method.to_owned(), params);
@@ -76,7 +76,7 @@ impl Editor {
         }
     }
 
-    fn open(&mut self, file: &str) {
+    pub(crate) fn open(&mut self, file: &str) {
         let text = fs::read_to_string(self.path(file)).expect("the file is there");
         let document = json!({ "uri": self.uri(file), "languageId": "plc", "version": 1, "text": text });
         self.tell("textDocument/didOpen", json!({ "textDocument": document }));
@@ -105,12 +105,12 @@ impl Editor {
     }
 
     /// Asks about the `|` in a piece of an open file.
-    fn at(&mut self, method: &str, file: &str, piece: &str) -> Value {
+    pub(crate) fn at(&mut self, method: &str, file: &str, piece: &str) -> Value {
         let params = self.position(file, piece);
         self.ask(method, params)
     }
 
-    fn position(&self, file: &str, piece: &str) -> Value {
+    pub(crate) fn position(&self, file: &str, piece: &str) -> Value {
         let before = piece.find('|').expect("a bar marks the place");
         let piece = piece.replace('|', "");
         let start = self.texts[file].find(&piece).unwrap_or_else(|| panic!("{piece} is in {file}"));
@@ -122,7 +122,7 @@ impl Editor {
     }
 
     /// The next messages about a file, as `CODE line`.
-    fn messages(&mut self, file: &str) -> Vec<String> {
+    pub(crate) fn messages(&mut self, file: &str) -> Vec<String> {
         let uri = self.uri(file);
         loop {
             match self.connection.receiver.recv_timeout(LONGEST).expect("the server publishes") {
@@ -436,7 +436,10 @@ fn names_of_an_s7_200_are_known() {
     };
     let lines = |names: &[&str]| Ok(names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>());
     assert_eq!(rename("LDW<   #n|ow", "level"), lines(&["main.awl:17", "main.awl:24", "main.awl:26"]));
-    assert_eq!(rename("R      Pu|mp", "Valve"), lines(&["main.awl:32", "main.awl:8", "symbols.txt:3"]));
+    assert_eq!(
+        rename("R      Pu|mp", "Valve"),
+        lines(&["main.awl:32", "main.awl:8", "main.scenario.toml:3", "symbols.txt:3"])
+    );
     assert_eq!(rename("CALL   Fi|ll", "Top_up"), lines(&["main.awl:14", "main.awl:8"]));
     assert!(rename("R      Pu|mp", "Level").expect_err("it is taken").contains("already"));
     assert!(rename("R      Pu|mp", "VW8").expect_err("it is an address").contains("address"));

@@ -11,5 +11,6 @@ mod mistakes;
 mod new;
 mod partial;
 mod partners;
+mod rename;
 mod stations;
 mod view;

@@ -1,5 +1,7 @@
 //! The parts of a symbolic name: `"Station_DB".D1.m[2, 3].%X3`.
 
+use std::ops::Range;
+
 use crate::address::digits;
 
 /// A part of a name.
@@ -14,29 +16,37 @@ pub enum Part {
 
 /// Splits a name at points and brackets outside of quotes. `None`: it is not a name.
 pub fn parts(text: &str) -> Option<Vec<Part>> {
+    Some(placed(text)?.into_iter().map(|(part, _)| part).collect())
+}
+
+/// The parts of a name as [`parts`] finds them, each with its bytes in the text; those of a name are without its quotes.
+pub fn placed(text: &str) -> Option<Vec<(Part, Range<usize>)>> {
+    let text = text.trim_end();
+    let at = |rest: &str| text.len() - rest.len();
     let mut parts = Vec::new();
-    let mut rest = text.trim();
+    let mut rest = text.trim_start();
     loop {
-        let (part, after) = match rest.strip_prefix('"') {
+        let (part, start, length, after) = match rest.strip_prefix('"') {
             Some(quoted) => {
                 let (name, after) = quoted.split_once('"')?;
-                (Part::Name(name.to_string()), after)
+                (Part::Name(name.to_string()), at(quoted), name.len(), after)
             }
             None => {
                 let (name, after) = rest.split_at(rest.find(['.', '[']).unwrap_or(rest.len()));
-                let slice = name.trim().strip_prefix('%').filter(|_| !parts.is_empty()).and_then(slice);
-                (slice.unwrap_or_else(|| Part::Name(name.trim().to_string())), after)
+                let name = name.trim_end();
+                let slice = name.strip_prefix('%').filter(|_| !parts.is_empty()).and_then(slice);
+                (slice.unwrap_or_else(|| Part::Name(name.to_string())), at(rest), name.len(), after)
             }
         };
         if part == Part::Name(String::new()) {
             return None;
         }
-        parts.push(part);
+        parts.push((part, start..start + length));
         rest = after.trim_start();
         while let Some(list) = rest.strip_prefix('[') {
             let (list, after) = list.split_once(']')?;
             let indices = list.split(',').map(|index| index.trim().parse().ok()).collect::<Option<_>>()?;
-            parts.push(Part::Index(indices));
+            parts.push((Part::Index(indices), at(rest)..at(after)));
             rest = after.trim_start();
         }
         match rest.strip_prefix('.') {
@@ -87,6 +97,13 @@ mod tests {
         ];
         assert_eq!(all.as_deref(), Some(&expected[..]));
         assert_eq!(parts("Tag.%w1"), Some(vec![name("Tag"), Part::Slice(16, 1)]));
+    }
+
+    #[test]
+    fn parts_have_places() {
+        let text = " \"Station.1\" . m [2].%X3 ";
+        let places: Vec<&str> = placed(text).into_iter().flatten().map(|(_, place)| &text[place]).collect();
+        assert_eq!(places, ["Station.1", "m", "[2]", "%X3"]);
     }
 
     #[test]

@@ -1,0 +1,67 @@
+//! Names that an editor changes, in everything that has them.
+
+use serde_json::{Value, json};
+
+use crate::lsp::Editor;
+
+/// The edits that give the name at the `|` of a piece another one, as `file:line text`.
+fn rename(editor: &mut Editor, file: &str, piece: &str, to: &str) -> Result<Vec<String>, String> {
+    let mut params = editor.position(file, piece);
+    params["newName"] = json!(to);
+    let edits = editor.ask_or("textDocument/rename", params)?;
+    let mut texts = Vec::new();
+    for (uri, edits) in edits["changes"].as_object().expect("changes") {
+        let name = uri.rsplit('/').next().unwrap_or_default();
+        let line = |edit: &Value| edit["range"]["start"]["line"].as_u64().expect("a line") + 1;
+        let text = |edit: &Value| edit["newText"].as_str().expect("a text").to_owned();
+        let edits = edits.as_array().expect("a list").iter();
+        texts.extend(edits.map(|edit| format!("{name}:{:02} {}", line(edit), text(edit))));
+    }
+    texts.sort();
+    Ok(texts)
+}
+
+#[test]
+fn assertions_scenarios_and_tables_follow() {
+    let mut editor = Editor::new("mixer");
+    editor.open("mixer.scl");
+    assert_eq!(editor.messages("mixer.scl"), Vec::<String>::new());
+    assert_eq!(
+        rename(&mut editor, "mixer.scl", "  sp|eed : Int", "rate"),
+        Ok([
+            "mixer.scenario.toml:03 rate",
+            "mixer.scenario.toml:04 rate",
+            "mixer.scenario.toml:04 rate",
+            "mixer.scl:06 rate",
+            "mixer.scl:10 #rate",
+            "mixer.scl:10 #rate",
+            "mixer.scl:13 #rate",
+            "mixer.scl:24 rate",
+            "plc.toml:08 rate",
+            "watch.toml:02 rate",
+        ]
+        .map(str::to_owned)
+        .to_vec())
+    );
+    // What is not a word is in quotes where a name would end.
+    assert_eq!(
+        rename(&mut editor, "mixer.scl", "\"La|mp\" :=", "Lamp.1"),
+        Ok([
+            "mixer.scenario.toml:03 \"\\\"Lamp.1\\\"\"",
+            "mixer.scl:12 \"Lamp.1\"",
+            "mixer.scl:13 \"Lamp.1\"",
+            "plc.toml:08 \\\"Lamp.1\\\"",
+            "tags.xml:03 Lamp.1",
+            "watch.toml:06 \\\"Lamp.1\\\"",
+        ]
+        .map(str::to_owned)
+        .to_vec())
+    );
+    let blocks = rename(&mut editor, "mixer.scl", "DATA_BLOCK \"Mixer|_DB\"", "Big mixer").expect("it can change");
+    assert!(blocks.contains(&"mixer.scenario.toml:03 \"Big mixer\"".to_owned()), "{blocks:?}");
+    assert!(blocks.contains(&"mixer.scenario.toml:04 Big mixer".to_owned()), "{blocks:?}");
+    assert!(blocks.contains(&"watch.toml:02 Big mixer".to_owned()), "{blocks:?}");
+    // References have the assertions, too.
+    let found = editor.at("textDocument/references", "mixer.scl", "  sp|eed : Int");
+    assert_eq!(found.as_array().map(Vec::len), Some(5));
+}
