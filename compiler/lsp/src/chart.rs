@@ -5,7 +5,8 @@ use plcc_syntax::ast::{Block, Code};
 use plcc_syntax::chart::ast::{Body, Step, Transition};
 
 use crate::facts::same;
-use crate::index::Entry;
+use crate::index::{Entry, Index};
+use crate::words::{Words, bare};
 
 /// A step or a transition.
 #[derive(Clone, Copy)]
@@ -28,6 +29,18 @@ impl<'c> Part<'c> {
             Part::Step(step) => step.name.span,
             Part::Transition(transition) => transition.name.span,
         }
+    }
+
+    /// `S002` is also the name of step 2, and `T002` that of transition 2.
+    pub fn is_number(&self, text: &str) -> bool {
+        let (letter, number) = match self {
+            Part::Step(step) => ('S', step.number),
+            Part::Transition(transition) => ('T', transition.number),
+        };
+        let digits = text.strip_prefix([letter, letter.to_ascii_lowercase()]);
+        digits.is_some_and(|digits| {
+            digits.bytes().all(|digit| digit.is_ascii_digit()) && digits.parse::<u32>() == Ok(number)
+        })
     }
 
     pub fn whole(&self) -> Span {
@@ -59,17 +72,49 @@ pub fn of(entry: Entry<'_>) -> Vec<Part<'_>> {
     body.steps.iter().map(Part::Step).chain(body.transitions.iter().map(Part::Transition)).collect()
 }
 
-/// The one with a name; `S002` is also the name of step 2, and `T002` that of transition 2.
-pub fn named<'c>(entry: Entry<'c>, name: &str) -> Option<Part<'c>> {
-    let numbered = |part: &Part| {
-        let own = match part {
-            Part::Step(step) => format!("S{:03}", step.number),
-            Part::Transition(transition) => format!("T{:03}", transition.number),
-        };
-        own.eq_ignore_ascii_case(name)
-    };
+/// Components of transitions; all others are those of steps.
+const OF_TRANSITIONS: [&str; 8] = ["TV", "TT", "TS", "CF_IV", "TNO", "CRIT", "CRIT_OLD", "CRIT_FLT"];
+
+/// The step or transition that a piece of its block is for its place: a declaration, a step after FROM or TO, or what is before
+/// the point of a component.
+pub fn at<'c>(index: &Index<'c>, entry: Entry<'c>, words: &Words, at: usize) -> Option<Part<'c>> {
+    let body = body(entry)?;
+    let (word, range) = (words.word(at), words.range(at));
+    let name = bare(word);
     let all = of(entry);
-    all.iter().find(|part| same(part.name(), name)).or_else(|| all.iter().find(|&part| numbered(part))).copied()
+    if let Some(part) = all.iter().find(|part| part.span().range() == range) {
+        return Some(*part);
+    }
+    let (steps, transitions): (Vec<_>, Vec<_>) = all.into_iter().partition(|part| matches!(part, Part::Step(_)));
+    let mut ends = body.transitions.iter().flat_map(|one| one.from.iter().chain(&one.to));
+    if ends.any(|end| end.span.range() == range) {
+        return steps.iter().find(|step| same(step.name(), name)).copied();
+    }
+    let has_component = words.word(at + 1) == "." && !(at > 0 && words.word(at - 1) == ".");
+    let is_global = || word.starts_with('"') && (index.block(name).is_some() || index.symbol(name).is_some());
+    if !has_component || is_global() || entry.variables().iter().any(|(_, variable)| same(&variable.name, name)) {
+        return None;
+    }
+    let of_transition = OF_TRANSITIONS.iter().any(|own| own.eq_ignore_ascii_case(words.word(at + 2)));
+    of_transition.then(|| find(&transitions, name)).flatten().or_else(|| find(&steps, name))
+}
+
+/// The one with a name, or with the number of a name such as `S002`.
+pub fn named<'c>(entry: Entry<'c>, name: &str) -> Option<Part<'c>> {
+    find(&of(entry), name)
+}
+
+/// The one that a component of an instance holds. Transitions get their names first.
+pub fn in_instance<'c>(entry: Entry<'c>, name: &str) -> Option<Part<'c>> {
+    let mut all = of(entry);
+    all.sort_by_key(|part| matches!(part, Part::Step(_)));
+    find(&all, name)
+}
+
+/// The first with a name; if there is none, with its number.
+fn find<'c>(parts: &[Part<'c>], name: &str) -> Option<Part<'c>> {
+    let named = parts.iter().find(|part| same(part.name(), name));
+    named.or_else(|| parts.iter().find(|part| part.is_number(name))).copied()
 }
 
 fn body(entry: Entry<'_>) -> Option<&Body> {

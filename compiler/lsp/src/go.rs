@@ -3,10 +3,12 @@
 use std::path::Path;
 
 use plcc_diag::{FileId, Span};
+use plcc_readers::gr7;
 use plcc_syntax::scl::keyword::Keyword;
 use plcc_syntax::symbols::SymbolTarget;
 
 use crate::address;
+use crate::chart;
 use crate::constants::{self, Constant};
 use crate::facts::same;
 use crate::hover::target_text;
@@ -57,7 +59,8 @@ fn same_definition(index: &Index, texts: &Texts, wanted: &Meaning, name: &str) -
     for (file, words) in texts {
         for at in 0..words.pieces.len() {
             let word = words.word(at);
-            let may_be = same(bare(word), name) || is_block && may_be_number(words, at);
+            let is_number = || matches!(wanted, Meaning::Chart(part) if part.is_number(bare(word)));
+            let may_be = same(bare(word), name) || is_block && may_be_number(words, at) || is_number();
             if may_be
                 && let Some(other) = meaning(index, words, *file, at)
                 && other.definition() == Some(definition)
@@ -137,8 +140,11 @@ pub fn rename(index: &Index, texts: &Texts, file: FileId, at: usize, to: &str) -
             plcc_syntax::ast::BlockName::Symbol { name, .. } => name.clone(),
             plcc_syntax::ast::BlockName::Numbered { .. } => return Err("a block number is not a name".to_owned()),
         },
-        Meaning::Library(_) | Meaning::Chart(_) | Meaning::Address(_) | Meaning::Word(_) => {
-            return Err("only names of blocks, variables, constants, labels and symbols can change".to_owned());
+        Meaning::Chart(part) if part.name().is_empty() => return Err("this has only a number".to_owned()),
+        Meaning::Chart(part) => part.name().to_owned(),
+        Meaning::Library(_) | Meaning::Address(_) | Meaning::Word(_) => {
+            let names = "blocks, variables, constants, labels, steps, transitions and symbols";
+            return Err(format!("only names of {names} can change"));
         }
     };
     if matches!(wanted, Meaning::Label(_)) && !is_word(to) {
@@ -146,8 +152,15 @@ pub fn rename(index: &Index, texts: &Texts, file: FileId, at: usize, to: &str) -
     }
     if Keyword::from_word(to).is_some()
         || ["REGION", "END_REGION", "NETWORK", "END_NETWORK"].iter().any(|own| same(own, to))
+        || matches!(wanted, Meaning::Chart(_)) && gr7::is_keyword(to)
     {
         return Err(format!("`{to}` is a word of the language"));
+    }
+    if let Meaning::Chart(part) = &wanted
+        && !part.is_number(to)
+        && address::plain(&to.to_uppercase()).is_some()
+    {
+        return Err(format!("`{to}` is an address"));
     }
     if taken(index, &wanted, to) && !same(&name, to) {
         return Err(format!("`{to}` is already the name of something else"));
@@ -157,9 +170,15 @@ pub fn rename(index: &Index, texts: &Texts, file: FileId, at: usize, to: &str) -
             "`{name}` is in {file}, too, and blocks in XML are not edited: rename it where they come from"
         ));
     }
+    // `S002` stays step 2 in its block. In an instance it is a name, of a step whose own name something else has.
+    let is_number = |word: &str| matches!(&wanted, Meaning::Chart(part) if part.is_number(word));
     let mut edits = Vec::new();
     for span in same_definition(index, texts, &wanted, &name) {
         let word = index_text(texts, span);
+        let before = Span { start: 0, end: span.start, ..span };
+        if !same(bare(word), &name) && is_number(bare(word)) && !index_text(texts, before).trim_end().ends_with('.') {
+            continue;
+        }
         let hash = if word.starts_with('#') { "#" } else { "" };
         let quoted = word.trim_start_matches('#').starts_with('"') || !is_word(to);
         edits.push((span, if quoted { format!("{hash}\"{to}\"") } else { format!("{hash}{to}") }));
@@ -174,7 +193,7 @@ pub fn rename(index: &Index, texts: &Texts, file: FileId, at: usize, to: &str) -
     }
     let definition = wanted.definition();
     let is_it = |names: &[&str]| {
-        names.last().is_some_and(|last| same(last, &name))
+        names.last().is_some_and(|last| same(last, &name) || is_number(last))
             && along(index, None, names, false).and_then(|found| found.definition()) == definition
     };
     edits.extend(values::edits(index.checked, to, is_it)?);
@@ -207,8 +226,26 @@ fn taken(index: &Index, wanted: &Meaning, to: &str) -> bool {
                 labels::of(entry).iter().any(|own| own.name == to || !is_cased && same(own.name, to))
             })
         }
-        _ => index.block(to).is_some() || index.symbol(to).is_some() || index.constant(to).is_some(),
+        Meaning::Chart(part) => {
+            let own = part.span();
+            let entry = index.around(own.file, own.start as usize);
+            entry.is_some_and(|entry| in_chart(index, entry, own, to)) || is_global(index, to)
+        }
+        _ => is_global(index, to),
     }
+}
+
+fn is_global(index: &Index, name: &str) -> bool {
+    index.block(name).is_some() || index.symbol(name).is_some() || index.constant(name).is_some()
+}
+
+/// Whether something else than the step or transition at `own` has a name in the block of a chart or in its instance.
+fn in_chart(index: &Index, entry: Entry, own: Span, name: &str) -> bool {
+    let is_other = |other: &chart::Part| other.span() != own && (same(other.name(), name) || other.is_number(name));
+    let facts = index.checked.facts.block(&entry.text());
+    chart::of(entry).iter().any(is_other)
+        || entry.variables().iter().any(|(_, variable)| same(&variable.name, name))
+        || facts.is_some_and(|facts| facts.instance.iter().any(|value| same(&value.name, name)))
 }
 
 /// The file with blocks in XML that has a name, too: nothing can be renamed there.

@@ -143,15 +143,33 @@ impl<'c> Index<'c> {
             TypeKind::Array { element, .. } | TypeKind::OpenArray { element, .. } | TypeKind::Reference(element) => {
                 self.members(element)
             }
-            TypeKind::Named(name) => self.block(name).map_or(Vec::new(), |entry| self.inside(entry)),
-            TypeKind::Block(BlockName::Symbol { name, .. }) => {
-                self.block(name).map_or(Vec::new(), |entry| self.inside(entry))
-            }
-            TypeKind::Block(BlockName::Numbered { prefix, number, .. }) => {
-                let name = format!("{}{number}", prefix.letters());
-                self.block(&name).map_or(Vec::new(), |entry| self.inside(entry))
-            }
+            TypeKind::Named(_) | TypeKind::Block(_) => self.block_of(ty).map_or(Vec::new(), |entry| self.inside(entry)),
             TypeKind::String(_) | TypeKind::WideString(_) | TypeKind::Error => Vec::new(),
+        }
+    }
+
+    /// The block or data type that a type is.
+    pub fn block_of(&self, ty: &TypeRef) -> Option<Entry<'c>> {
+        match &ty.kind {
+            TypeKind::Array { element, .. } | TypeKind::OpenArray { element, .. } | TypeKind::Reference(element) => {
+                self.block_of(element)
+            }
+            TypeKind::Named(name) | TypeKind::Block(BlockName::Symbol { name, .. }) => self.block(name),
+            TypeKind::Block(BlockName::Numbered { prefix, number, .. }) => {
+                self.block(&format!("{}{number}", prefix.letters()))
+            }
+            TypeKind::Struct(_) | TypeKind::String(_) | TypeKind::WideString(_) | TypeKind::Error => None,
+        }
+    }
+
+    /// The block of an instance; otherwise the block itself.
+    pub fn instance_of(&self, entry: Entry<'c>) -> Entry<'c> {
+        match entry.block {
+            Block::Data(block) => match &block.content {
+                DataContent::OfType(ty) | DataContent::Array(ty, _) => self.block_of(ty).unwrap_or(entry),
+                DataContent::Struct(_) | DataContent::Empty => entry,
+            },
+            Block::Code(_) | Block::Type(_) => entry,
         }
     }
 

@@ -57,6 +57,9 @@ pub fn meaning<'c>(index: &Index<'c>, words: &Words, file: FileId, at: usize) ->
     if let Some(label) = entry.and_then(|entry| labels::at(entry, words, at)) {
         return Some(Meaning::Label(label));
     }
+    if let Some(part) = entry.and_then(|entry| chart::at(index, entry, words, at)) {
+        return Some(Meaning::Chart(part));
+    }
     if let Some(address) = address_at(words, at) {
         return Some(Meaning::Address(address));
     }
@@ -118,11 +121,11 @@ pub fn along<'c>(index: &Index<'c>, entry: Option<Entry<'c>>, names: &[&str], lo
         return Some(Meaning::Chart(part));
     }
     let path = || names.iter().map(|name| bare(name).to_owned()).collect();
-    let (mut members, owner) = match own {
+    let (mut members, mut around, owner) = match own {
         Some((declared, entry)) if rest.is_empty() => {
             return Some(Meaning::Variable { declared, path: path(), owner: Some(entry) });
         }
-        Some((declared, entry)) => (index.members(&declared.1.ty), Some(entry)),
+        Some((declared, entry)) => (index.members(&declared.1.ty), index.block_of(&declared.1.ty), Some(entry)),
         None if local => return None,
         None => match (index.block(bare(root)), index.symbol(bare(root))) {
             (Some(entry), _) if rest.is_empty() => return Some(Meaning::Block(entry)),
@@ -131,16 +134,21 @@ pub fn along<'c>(index: &Index<'c>, entry: Option<Entry<'c>>, names: &[&str], lo
                 let constant = index.constant(bare(root)).map(|constant| Meaning::Constant(Constant::Global(constant)));
                 return constant.or_else(|| index.checked.facts.block(bare(root)).map(Meaning::Library));
             }
-            (Some(entry), _) => (index.inside(entry), Some(entry)),
+            (Some(entry), _) => (index.inside(entry), Some(index.instance_of(entry)), Some(entry)),
             (None, _) => return None,
         },
     };
     for (at, name) in rest.iter().enumerate() {
-        let declared = members.into_iter().find(|(_, variable)| same(&variable.name, bare(name)))?;
-        if at + 1 == rest.len() {
+        let is_last = at + 1 == rest.len();
+        let Some(declared) = members.into_iter().find(|(_, variable)| same(&variable.name, bare(name))) else {
+            let part = around.filter(|_| is_last).and_then(|entry| chart::in_instance(entry, bare(name)));
+            return part.map(Meaning::Chart);
+        };
+        if is_last {
             return Some(Meaning::Variable { declared, path: path(), owner });
         }
         members = index.members(&declared.1.ty);
+        around = index.block_of(&declared.1.ty);
     }
     None
 }

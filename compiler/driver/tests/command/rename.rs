@@ -65,3 +65,40 @@ fn assertions_scenarios_and_tables_follow() {
     let found = editor.at("textDocument/references", "mixer.scl", "  sp|eed : Int");
     assert_eq!(found.as_array().map(Vec::len), Some(5));
 }
+
+#[test]
+fn steps_and_transitions_have_names() {
+    let mut editor = Editor::new("door");
+    editor.open("door.gr7");
+    editor.open("main.stl");
+    assert_eq!(editor.messages("main.stl"), Vec::<String>::new());
+    assert_eq!(
+        rename(&mut editor, "door.gr7", "STEP Open|ing", "Lifting"),
+        Ok([
+            "door.gr7:10 Lifting",
+            "door.gr7:17 Lifting",
+            "door.gr7:22 Lifting",
+            "door.gr7:24 Lifting",
+            "door.scenario.toml:03 Lifting",
+            "main.stl:23 Lifting",
+            "main.stl:25 Lifting",
+        ]
+        .map(str::to_owned)
+        .to_vec())
+    );
+    assert_eq!(
+        rename(&mut editor, "door.gr7", "TRANSITION A|sk", "On request"),
+        Ok(["door.gr7:15 \"On request\"", "door.gr7:24 \"On request\""].map(str::to_owned).to_vec())
+    );
+    for (to, why) in [
+        ("Closed", "already"),
+        ("S1", "already"),
+        ("Request", "already"),
+        ("MOP", "already"),
+        ("MW10", "an address"),
+        ("END_STEP", "is a word"),
+    ] {
+        let wrong = rename(&mut editor, "door.gr7", "STEP Open|ing", to).expect_err("it cannot have it");
+        assert!(wrong.contains(why), "{to}: {wrong}");
+    }
+}

@@ -82,6 +82,11 @@ pub fn pieces(text: &str) -> Vec<Range<usize>> {
     lexer::scan(text).pieces()
 }
 
+/// Whether a word begins or ends a part of a chart.
+pub fn is_keyword(word: &str) -> bool {
+    classify::Keyword::of(word).is_some()
+}
+
 /// The tokens of the charts as the grammar sees them, one per line, for `--emit tokens`.
 pub fn tokens_text(text: &str) -> String {
     let file = FileId::default();

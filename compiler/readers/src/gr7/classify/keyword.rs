@@ -54,7 +54,7 @@ const WORDS: [(&str, Keyword); 23] = [
 ];
 
 impl Keyword {
-    fn of(word: &str) -> Option<Keyword> {
+    pub fn of(word: &str) -> Option<Keyword> {
         WORDS.iter().find(|(known, _)| known.eq_ignore_ascii_case(word)).map(|(_, keyword)| *keyword)
     }
 
