@@ -1,8 +1,8 @@
 //! Symbols and addresses of a program: what stands above and below a contact, and by which key a value and the uses of an address are found.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
-use plcc_model::types::{DataType, Member};
+use plcc_model::types::{DataType, Elementary, Member};
 use plcc_model::{BlockKey, DataBlock, Program};
 
 use crate::sheet::Label;
@@ -17,6 +17,10 @@ pub struct Names {
     dbs: Vec<Db>,
     /// Names of blocks that have one.
     blocks: HashMap<BlockKey, String>,
+    /// Variables of the instances and the local data of FBs.
+    locals: HashMap<BlockKey, Vec<Member>>,
+    /// Addresses of symbols that are floating-point numbers.
+    floats: HashSet<String>,
 }
 
 /// A data block.
@@ -32,6 +36,7 @@ struct Db {
 pub struct Scope {
     /// The instance DB that its static variables are in, if it has only one.
     pub(crate) instance: Option<usize>,
+    pub(crate) block: Option<BlockKey>,
     /// Addresses are written in the German set of mnemonics.
     pub german: bool,
 }
@@ -43,11 +48,18 @@ impl Names {
         for symbol in &program.symbols {
             let address = canonical(&symbol.address, false).unwrap_or_else(|| symbol.address.clone());
             names.symbols.entry(address.clone()).or_insert_with(|| symbol.name.clone());
+            if symbol.ty.as_ref().is_some_and(is_float) {
+                names.floats.insert(address.clone());
+            }
             names.addresses.insert(symbol.name.to_lowercase(), address);
         }
         names.dbs = program.dbs.iter().map(db).collect();
         let named = program.blocks.iter().filter(|block| !block.name.is_empty());
         names.blocks = named.map(|block| (block.key(), block.name.clone())).collect();
+        for block in &program.blocks {
+            let variables = block.interface.instance.iter().chain(&block.interface.temporaries);
+            names.locals.insert(block.key(), variables.cloned().collect());
+        }
         names
     }
 
@@ -75,7 +87,7 @@ impl Names {
             (Some((at, _)), None) => Some(at),
             _ => None,
         };
-        Scope { instance, german }
+        Scope { instance, block: Some(block), german }
     }
 
     /// An operand as it is drawn: `"Start"` with I0.0 below, `#Level`, `I0.0` with the symbol that it has.
@@ -113,12 +125,7 @@ impl Names {
                     return rest.is_empty().then(|| address.clone());
                 }
             }
-            let is_root = |db: &&Db| {
-                db.name.eq_ignore_ascii_case(root)
-                    || root.eq_ignore_ascii_case(&format!("DB{}", db.number))
-                    || self.addresses.get(&root.to_lowercase()).is_some_and(|a| *a == format!("DB{}", db.number))
-            };
-            if let Some(db) = self.dbs.iter().find(is_root) {
+            if let Some(db) = self.db_named(root) {
                 return match rest.is_empty() {
                     true => Some(format!("DB{}", db.number)),
                     false => address_in(db, rest),
@@ -131,6 +138,72 @@ impl Names {
             return Some(address);
         }
         (local).then(|| format!("#{}", parts.join(".")))
+    }
+
+    fn db_named(&self, root: &str) -> Option<&Db> {
+        self.dbs.iter().find(|db| {
+            db.name.eq_ignore_ascii_case(root)
+                || root.eq_ignore_ascii_case(&format!("DB{}", db.number))
+                || self.addresses.get(&root.to_lowercase()).is_some_and(|a| *a == format!("DB{}", db.number))
+        })
+    }
+
+    /// Whether `text` names a floating-point number, or an array of them.
+    pub fn is_float(&self, text: &str, scope: Scope) -> bool {
+        let text = text.trim();
+        if let Some(address) = canonical(text.strip_prefix('%').unwrap_or(text), scope.german) {
+            return self.floats.contains(&address);
+        }
+        let Some((local, parts)) = path(text) else { return false };
+        let Some((root, rest)) = parts.split_first() else { return false };
+        if !local {
+            if self.addresses.get(&root.to_lowercase()).is_some_and(|address| self.floats.contains(address)) {
+                return rest.is_empty();
+            }
+            if let Some(db) = self.db_named(root) {
+                return type_of(&db.members, rest).is_some_and(is_float);
+            }
+        }
+        let variables = scope.block.and_then(|block| self.locals.get(&block));
+        variables.and_then(|variables| type_of(variables, &parts)).is_some_and(is_float)
+    }
+}
+
+/// Whether values of a type are floating-point numbers; of an array those in it.
+fn is_float(ty: &DataType) -> bool {
+    match ty {
+        DataType::Elementary(ty) => matches!(ty, Elementary::Real | Elementary::Lreal),
+        DataType::Array(array) => is_float(&array.element),
+        DataType::OpenArray(array) => is_float(&array.element),
+        DataType::Struct(_)
+        | DataType::DateAndTime
+        | DataType::String(_)
+        | DataType::WideString(_)
+        | DataType::Parameter(_)
+        | DataType::Void => false,
+    }
+}
+
+/// The type of the member at the end of a path. Indices of arrays are left out.
+fn type_of<'m>(members: &'m [Member], path: &[String]) -> Option<&'m DataType> {
+    let (first, rest) = path.split_first()?;
+    let mut ty = &members.iter().find(|member| member.name.eq_ignore_ascii_case(first))?.ty;
+    if rest.is_empty() {
+        return Some(ty);
+    }
+    while let DataType::Array(array) = ty {
+        ty = &array.element;
+    }
+    match ty {
+        DataType::Struct(structure) => type_of(&structure.members, rest),
+        DataType::Array(_)
+        | DataType::OpenArray(_)
+        | DataType::Elementary(_)
+        | DataType::DateAndTime
+        | DataType::String(_)
+        | DataType::WideString(_)
+        | DataType::Parameter(_)
+        | DataType::Void => None,
     }
 }
 

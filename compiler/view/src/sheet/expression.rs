@@ -1,8 +1,10 @@
 //! Conditions that are written as expressions, as sheets: AND is a series, OR parallel branches, XOR one operand in series with the negated
-//! other one in each of two branches, a comparison its contact.
+//! other one in each of two branches, a comparison its contact. The negation of `<` is `>=`, but not for floating-point numbers: one that is
+//! not a number satisfies neither.
 
+use plcc_syntax::Elementary;
 use plcc_syntax::network::draw;
-use plcc_syntax::scl::ast::{BinaryOp, Expr, ExprKind, UnaryOp};
+use plcc_syntax::scl::ast::{BinaryOp, Expr, ExprKind, Literal, UnaryOp};
 
 use super::{Label, Link, Look, Meaning, Net, Part, Pin, Place, Sheet, Source};
 use crate::names::{Names, Scope};
@@ -57,6 +59,9 @@ impl Maker<'_> {
                     }
                 }
                 _ => match comparison(*op, negated) {
+                    Some(_) if negated && is_order(*op) && (self.is_float(left) || self.is_float(right)) => {
+                        self.contact(value, negated, from, to);
+                    }
                     Some(sign) => {
                         let pins = vec![self.operand(Place::Above, left), self.operand(Place::Below, right)];
                         let look = Look::Compare { sign: sign.to_string(), ty: " ".to_string() };
@@ -69,8 +74,41 @@ impl Maker<'_> {
         }
     }
 
+    /// Whether a value is a floating-point number, as far as its names tell.
+    fn is_float(&self, value: &Expr) -> bool {
+        match &value.kind {
+            ExprKind::Literal(literal) => {
+                matches!(literal, Literal::Real(_) | Literal::Typed { ty: Elementary::Real | Elementary::Lreal, .. })
+            }
+            ExprKind::Name(_) | ExprKind::Absolute(_) | ExprKind::Member { .. } => {
+                self.names.is_float(&without_indices(value), self.scope)
+            }
+            ExprKind::Index { base, .. } => self.is_float(base),
+            ExprKind::Unary { operand, .. } => self.is_float(operand),
+            ExprKind::Binary { left, right, .. } => self.is_float(left) || self.is_float(right),
+            ExprKind::Call { callee, arguments } => {
+                let name = draw::whole(callee).to_ascii_uppercase();
+                let mut given = arguments.iter().filter_map(|argument| argument.value.as_ref());
+                match name.split_once("_TO_") {
+                    Some((_, to)) => to.ends_with("REAL"),
+                    None => given.any(|value| self.is_float(value)),
+                }
+            }
+            ExprKind::MemberAbsolute { .. }
+            | ExprKind::Slice { .. }
+            | ExprKind::Dereference(_)
+            | ExprKind::Reference(_)
+            | ExprKind::Error => false,
+        }
+    }
+
     fn contact(&mut self, value: &Expr, negated: bool, from: usize, to: usize) {
-        let pins = vec![self.operand(Place::Above, value)];
+        let mut pin = self.operand(Place::Above, value);
+        // What is at the place of an expression is its first operand.
+        if let (ExprKind::Binary { .. }, Link::Operand(label)) = (&value.kind, &mut pin.link) {
+            label.place = None;
+        }
+        let pins = vec![pin];
         let sign = if negated { "/" } else { "" }.to_string();
         self.part(Look::Contact { sign }, Meaning::Contact { negated }, pins, from, Some(to));
     }
@@ -118,6 +156,19 @@ fn contacts(value: &Expr) -> usize {
         }
         _ => 1,
     }
+}
+
+/// The text of a variable, that of an element of an array as if it were the array.
+fn without_indices(value: &Expr) -> String {
+    match &value.kind {
+        ExprKind::Member { base, name } => format!("{}.\"{}\"", without_indices(base), name.text),
+        ExprKind::Index { base, .. } => without_indices(base),
+        _ => draw::whole(value),
+    }
+}
+
+const fn is_order(op: BinaryOp) -> bool {
+    matches!(op, BinaryOp::Less | BinaryOp::LessEqual | BinaryOp::Greater | BinaryOp::GreaterEqual)
 }
 
 /// The sign of a comparison, or that of its negation.
