@@ -81,7 +81,10 @@ const OPERATORS: [&str; 27] = [
 const BINARY: [&str; 5] = ["AND", "OR", "XOR", "MOD", "DIV"];
 
 /// Words of statements after a value.
-const AFTER_VALUE: [&str; 5] = ["THEN", "OF", "DO", "TO", "BY"];
+const AFTER_VALUE: [&str; 6] = ["THEN", "OF", "DO", "TO", "BY", "END_REPEAT"];
+
+/// Words with a blank before a bracket; after other words it may be that of a call.
+const BEFORE_VALUE: [&str; 8] = ["IF", "ELSIF", "WHILE", "UNTIL", "CASE", "NOT", "TO", "BY"];
 
 /// Whether a piece ends an operand, so that a sign after it has two operands.
 fn ends_operand(piece: &Piece) -> bool {
@@ -135,6 +138,7 @@ pub fn between(language: Language, place: Place, open: Open, before: &Piece, pie
             " "
         }
         _ if place == Place::Code && before.is_any(&OPERATORS) && piece.text.starts_with(is_word) => " ",
+        (_, "(") if place == Place::Code && before.is_any(&BEFORE_VALUE) => " ",
         (_, "[") if stl && before.is("ARRAY") => " ",
         (_, "[") => {
             if before.is_any(&["ARRAY"]) || before.text.ends_with(is_word) && !before.is_any(&OPERATORS) {

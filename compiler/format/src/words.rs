@@ -449,12 +449,21 @@ impl<'t> Layout<'_, 't> {
         }
     }
 
-    /// Whether the piece before is the last one of the keywords of a section.
-    fn opens_section(&self, at: usize) -> bool {
-        let before = self.piece(at - 1);
-        let section = before.is_any(&SECTIONS)
-            || before.is_any(&MODIFIERS) && at > 1 && self.piece(at - 2).is_any(&[&SECTIONS[..], &MODIFIERS].concat());
-        section && !self.piece(at).is_any(&MODIFIERS)
+    /// Whether a piece is the last one of the keywords of a section, if the piece `next` follows.
+    fn opens_section(&self, at: usize, next: &Piece) -> bool {
+        let piece = self.piece(at);
+        let section = piece.is_any(&SECTIONS)
+            || piece.is_any(&MODIFIERS) && at > 0 && self.piece(at - 1).is_any(&[&SECTIONS[..], &MODIFIERS].concat());
+        section && !next.is_any(&MODIFIERS)
+    }
+
+    /// The piece before a piece, in its line without comments.
+    fn before(&self, at: usize) -> usize {
+        let mut before = at - 1;
+        while before > 0 && self.piece(before).is_comment() && self.piece(before).line_ends == 0 {
+            before -= 1;
+        }
+        before
     }
 
     /// Whether the piece begins a line, though it does not in the source.
@@ -477,13 +486,15 @@ impl<'t> Layout<'_, 't> {
         if self.stack.last() == Some(&Inside::Rung) {
             return false;
         }
+        let last = self.before(at);
+        let before = self.piece(last);
         before.text == ";"
-            || self.counts(at - 1)
+            || self.counts(last)
                 && before.is_any(&["THEN", "DO", "OF", "ELSE", "REPEAT", "BEGIN", "END_VAR"])
                 && self.zone == Zone::Code
             || self.zone == Zone::Declarations
-                && self.counts(at - 1)
-                && (before.is_any(&["STRUCT", "END_VAR"]) || self.opens_section(at))
+                && self.counts(last)
+                && (before.is_any(&["STRUCT", "END_VAR"]) || self.opens_section(last, piece))
             || is_end_of_block(piece)
     }
 }

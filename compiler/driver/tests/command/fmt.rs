@@ -36,9 +36,26 @@ fn words_of_scl_have_blanks_around_them() {
                 again:\nIF(#a)AND(NOT#q)OR#q THEN#q:=TRUE;END_IF;\n#q:=#x>3AND#x<5;\n#y[0]:=(#x)MOD(3);\n\
                 CASE #x OF 1:#q:=TRUE;ELSE:#q:=FALSE;END_CASE;\nGOTO again;\nEND_FUNCTION\n";
     let tidy = "FUNCTION \"F\" : VOID\nVAR_INPUT\n  a : BOOL;\n  x : INT;\nEND_VAR\nVAR_TEMP\n  y : ARRAY[0..3] OF INT;\n  \
-                q : BOOL;\nEND_VAR\nBEGIN\n  again:\n  IF(#a) AND (NOT #q) OR #q THEN\n    #q := TRUE;\n  END_IF;\n  \
+                q : BOOL;\nEND_VAR\nBEGIN\n  again:\n  IF (#a) AND (NOT #q) OR #q THEN\n    #q := TRUE;\n  END_IF;\n  \
                 #q := #x > 3 AND #x < 5;\n  #y[0] := (#x) MOD (3);\n  CASE #x OF\n    1: #q := TRUE;\n    ELSE: #q := FALSE;\n  \
                 END_CASE;\n  GOTO again;\nEND_FUNCTION\n";
+    fs::write(folder.join("a.scl"), ugly).expect("the folder can be written");
+    assert_eq!(plcc(folder, &["fmt", "a.scl"]).status.code(), Some(0));
+    assert_eq!(fs::read_to_string(folder.join("a.scl")).expect("it is there"), tidy);
+    assert_eq!(plcc(folder, &["fmt", "--check", "a.scl"]).status.code(), Some(0));
+}
+
+#[test]
+fn statements_begin_lines_after_comments_too() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let ugly = "FUNCTION \"F\" : VOID\nVAR_TEMP (* a *) x : INT; (* b *) y : INT;\nEND_VAR\nBEGIN\n\
+                WHILE(#x<3)DO (* c *) #x:=#x+1; (* d *) #y:=1;END_WHILE;\n\
+                IF NOT(#x=1) THEN (* e *) #x:=1; ELSE (* f *) #x:=2;END_IF;\nREPEAT (* h *) #x:=1;\nUNTIL(#x=1)END_REPEAT;\nEND_FUNCTION\n";
+    let tidy = "FUNCTION \"F\" : VOID\nVAR_TEMP (* a *)\n  x : INT; (* b *)\n  y : INT;\nEND_VAR\nBEGIN\n  \
+                WHILE (#x < 3) DO (* c *)\n    #x := #x + 1; (* d *)\n    #y := 1;\n  END_WHILE;\n  \
+                IF NOT (#x = 1) THEN (* e *)\n    #x := 1;\n  ELSE (* f *)\n    #x := 2;\n  END_IF;\n  \
+                REPEAT (* h *)\n    #x := 1;\n  UNTIL (#x = 1) END_REPEAT;\nEND_FUNCTION\n";
     fs::write(folder.join("a.scl"), ugly).expect("the folder can be written");
     assert_eq!(plcc(folder, &["fmt", "a.scl"]).status.code(), Some(0));
     assert_eq!(fs::read_to_string(folder.join("a.scl")).expect("it is there"), tidy);
