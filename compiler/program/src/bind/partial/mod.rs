@@ -8,7 +8,9 @@
 //!
 //! Meaning: docs/decisions/0082 and 0083.
 
+mod declared;
 mod evidence;
+mod inside;
 mod leave_out;
 mod look;
 mod network;
