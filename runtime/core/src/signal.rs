@@ -12,20 +12,25 @@
 //!
 //! After the last four ` in UNIT` may name their unit, for the axis of a picture; it changes nothing.
 
+mod channels;
+mod reading;
+
 use plcc_abi::ProgramImage;
-use plcc_abi::image::{AnalogChannel, AssertType, Module, StationModule};
+use plcc_abi::image::AssertType;
 
 use crate::address::{Address, Bits, Place, Width};
 use crate::analog::{self, Scale};
 use crate::assertion::Value as TypedValue;
 use crate::cpu::Cpu;
-use crate::memory::Memory;
 use crate::names::{self, Named};
 use crate::plant::Plant;
-use crate::s7200::{self, Part};
+use crate::s7200::Part;
 use crate::typed::{self, ValueType};
-use crate::value;
 use crate::watch::format::Format;
+
+pub(crate) use channels::channel;
+pub use channels::{analog_channel, has_module, parse_value, scale};
+pub use reading::{Value, number_text};
 
 /// Where a value comes from and how it is read.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,130 +64,6 @@ pub enum Shape {
 pub struct Signal {
     pub name: String,
     pub source: Source,
-}
-
-/// A value that was read.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Value {
-    Bits(Bits, Width),
-    /// A whole number of a type.
-    Whole(i128),
-    Number(f64),
-    /// A value of another type.
-    Typed(AssertType, TypedValue),
-}
-
-impl Value {
-    /// Of a type.
-    fn typed(ty: AssertType, value: TypedValue, width: Width) -> Value {
-        match (ty, &value) {
-            (AssertType::Bool | AssertType::Bits(_), TypedValue::Bits(bits)) => Value::Bits(*bits, width),
-            (AssertType::Real, TypedValue::Bits(bits)) => Value::Number(f32::from_bits(*bits as u32).into()),
-            (_, TypedValue::Bits(bits)) => match typed::whole(ty, *bits) {
-                Some(whole) => Value::Whole(whole),
-                None => Value::Typed(ty, value),
-            },
-            _ => Value::Typed(ty, value),
-        }
-    }
-
-    /// The value of an elementary type with these bits, zero-extended.
-    pub fn of_type(ty: AssertType, bits: u64) -> Value {
-        Value::typed(ty, TypedValue::Bits(bits), ValueType::of(ty).width(0))
-    }
-
-    /// The value of a type at an offset in memory; of a BOOL the bit.
-    pub fn at(memory: &Memory, offset: u32, bit: u8, ty: ValueType) -> Value {
-        let given = match typed::bits(ty.ty) {
-            Some(1) => u64::from(memory.bit(offset, bit)),
-            Some(8) => u64::from(memory.byte(offset)),
-            Some(16) => u64::from(memory.word(offset)),
-            Some(32) => u64::from(memory.dword(offset)),
-            Some(_) => u64::from_be_bytes(memory.bytes(offset)),
-            None => u64::from(offset),
-        };
-        Value::typed(ty.ty, TypedValue::read(ty.ty, given, memory), ty.width(bit))
-    }
-
-    /// Writes the text of a value of a type to an offset in memory. `Err`: the error as a sentence.
-    pub fn put(memory: &Memory, offset: u32, bit: u8, ty: ValueType, text: &str) -> Result<(), String> {
-        match (typed::parse(text, ty)?, typed::bits(ty.ty)) {
-            (TypedValue::Bits(bits), Some(1)) => memory.set_bit(offset, bit, bits != 0),
-            (TypedValue::Bits(bits), Some(8)) => memory.set_byte(offset, bits as u8),
-            (TypedValue::Bits(bits), Some(16)) => memory.set_word(offset, bits as u16),
-            (TypedValue::Bits(bits), Some(32)) => memory.set_dword(offset, bits as u32),
-            (TypedValue::Bits(bits), _) => memory.set_bytes(offset, bits.to_be_bytes()),
-            (TypedValue::Bytes(bytes), _) => memory.load(offset, &bytes),
-            // The head has the declared length, then the one of the value.
-            (TypedValue::Text(text), _) if ty.ty == AssertType::WideText => {
-                memory.set_word(offset + 2, text.len() as u16);
-                (0u32..).zip(&text).for_each(|(number, unit)| memory.set_word(offset + 4 + 2 * number, *unit));
-            }
-            (TypedValue::Text(text), _) => {
-                memory.set_byte(offset + 1, text.len() as u8);
-                (0u32..).zip(&text).for_each(|(number, unit)| memory.set_byte(offset + 2 + number, *unit as u8));
-            }
-        }
-        Ok(())
-    }
-
-    /// As `--print` writes it.
-    pub fn text(&self) -> String {
-        match self {
-            Value::Bits(bits, width) => value::text(*bits, *width),
-            Value::Whole(whole) => whole.to_string(),
-            Value::Number(number) => number_text(*number),
-            Value::Typed(AssertType::Lreal, _) => self.number().map_or_else(String::new, |number| number.to_string()),
-            Value::Typed(ty, value) => value.typed_text(*ty),
-        }
-    }
-
-    /// As a number, a duration in seconds; `None`: a text or a date.
-    pub fn number(&self) -> Option<f64> {
-        match self {
-            Value::Bits(bits, _) => Some(*bits as f64),
-            Value::Whole(whole) => Some(*whole as f64),
-            Value::Number(number) => Some(*number),
-            Value::Typed(AssertType::Lreal, TypedValue::Bits(bits)) => Some(f64::from_bits(*bits)),
-            Value::Typed(ty, value) => value.seconds(*ty),
-        }
-    }
-
-    /// As JSON: a number, true or false where it is one, else a text.
-    pub fn json(&self) -> serde_json::Value {
-        match self {
-            Value::Bits(bits, Width::Bit(_)) => (*bits != 0).into(),
-            Value::Bits(bits, _) => (*bits).into(),
-            Value::Whole(whole) => match (i64::try_from(*whole), u64::try_from(*whole)) {
-                (Ok(whole), _) => whole.into(),
-                (_, Ok(whole)) => whole.into(),
-                _ => whole.to_string().into(),
-            },
-            // NaN and infinite numbers are null.
-            Value::Number(number) => number_text(*number).parse::<f64>().unwrap_or(*number).into(),
-            Value::Typed(AssertType::Lreal, _) => self.number().into(),
-            Value::Typed(
-                AssertType::Text | AssertType::WideText | AssertType::Char | AssertType::Wchar,
-                TypedValue::Bits(_) | TypedValue::Text(_) | TypedValue::Bytes(_),
-            ) => self.plain_text().into(),
-            Value::Typed(..) => self.text().into(),
-        }
-    }
-
-    /// A text without quotes.
-    pub fn plain_text(&self) -> String {
-        match self {
-            Value::Typed(ty, value) => value.plain_text(*ty),
-            Value::Bits(..) | Value::Whole(_) | Value::Number(_) => self.text(),
-        }
-    }
-}
-
-/// Six digits, the precision of a REAL.
-pub fn number_text(number: f64) -> String {
-    let rounded = format!("{number:.5e}").parse::<f64>().unwrap_or(number);
-    // No `-0`.
-    (rounded + 0.0).to_string()
 }
 
 fn without_unit(text: &str) -> &str {
@@ -554,90 +435,5 @@ fn whole(number: f64, width: Width) -> Bits {
         Width::Word => u64::from(number as i16 as u16),
         Width::Dword => u64::from(number as i32 as u32),
         Width::Lword => number as i64 as u64,
-    }
-}
-
-/// The scale of the channel at `address` in `unit`. `Err`: the error as a sentence.
-pub fn scale(address: &Address, unit: &str, image: &ProgramImage) -> Result<Scale, String> {
-    if image.s7200.is_some() {
-        return s7200::scale(address, unit, image).map(Scale::Module);
-    }
-    if let Some(digits) = unit.strip_prefix(['x', 'X']).filter(|digits| u64::from_str_radix(digits, 16).is_ok()) {
-        return Err(format!("a hexadecimal number begins with `16#`: write 16#{digits}"));
-    }
-    let none = "a unit needs an analog channel: a station with this address in plc.toml, and a word address";
-    if address.width != Width::Word {
-        return Err(none.to_string());
-    }
-    channel(address, image).ok_or_else(|| none.to_string()).and_then(|channel| Scale::new(channel, unit))
-}
-
-/// The modules of the station that have a place, in the order of racks and slots.
-fn station(image: &ProgramImage) -> Vec<(&Module, &StationModule)> {
-    let modules = image.config.modules.iter().flatten();
-    let mut modules: Vec<_> =
-        modules.filter_map(|module| module.station.as_ref().map(|station| (module, station))).collect();
-    modules.sort_by_key(|(_, station)| (station.rack, station.slot));
-    modules
-}
-
-/// The analog channel whose word is at `address`.
-pub(crate) fn channel<'a>(address: &Address, image: &'a ProgramImage) -> Option<&'a AnalogChannel> {
-    let at = |start: u32, byte: u32, channels: &'a [AnalogChannel]| {
-        byte.checked_sub(start).filter(|offset| offset % 2 == 0).and_then(|offset| channels.get(offset as usize / 2))
-    };
-    station(image).into_iter().find_map(|(module, station)| match address.place {
-        Place::PeripheralInput(byte) | Place::Input(byte) => at(module.input_start, byte, &station.analog_inputs),
-        Place::PeripheralOutput(byte) | Place::Output(byte) => at(module.output_start, byte, &station.analog_outputs),
-        Place::BitMemory(_)
-        | Place::Db(..)
-        | Place::Timer(_)
-        | Place::Counter(_)
-        | Place::TimerValue(_)
-        | Place::CounterValue(_)
-        | Place::S7200(..) => None,
-    })
-}
-
-/// False for an input that no module has, if plc.toml describes the station.
-pub fn has_module(address: &Address, image: &ProgramImage) -> bool {
-    if let Place::S7200(Part::AnalogInput, byte) = address.place {
-        return s7200::has_module(&image.config.s7200, byte);
-    }
-    let (Place::Input(start) | Place::PeripheralInput(start)) = address.place else { return true };
-    let modules = image.config.modules.as_deref().unwrap_or_default();
-    let covers = |byte: u32| {
-        modules.iter().any(|module| byte >= module.input_start && byte - module.input_start < module.input_bytes)
-    };
-    station(image).is_empty() || (start..start + address.width.bytes()).all(covers)
-}
-
-/// `AI0`: the first analog input channel of the station, in the order of racks, slots and channels. `AO0`: of the outputs.
-pub fn analog_channel(text: &str, image: &ProgramImage) -> Option<Address> {
-    let upper = text.trim().to_ascii_uppercase();
-    let (is_input, digits) = match (upper.strip_prefix("AI"), upper.strip_prefix("AO")) {
-        (Some(digits), _) => (true, digits),
-        (_, Some(digits)) => (false, digits),
-        (None, None) => return None,
-    };
-    let wanted = digits.bytes().all(|byte| byte.is_ascii_digit()).then(|| digits.parse::<usize>().ok()).flatten()?;
-    let modules = station(image);
-    let words = modules.iter().flat_map(|(module, station)| {
-        let (start, channels) = match is_input {
-            true => (module.input_start, &station.analog_inputs),
-            false => (module.output_start, &station.analog_outputs),
-        };
-        (0..channels.len() as u32).map(move |index| start + 2 * index)
-    });
-    let byte = words.into_iter().nth(wanted)?;
-    let place = if is_input { Place::PeripheralInput(byte) } else { Place::PeripheralOutput(byte) };
-    Some(Address { place, width: Width::Word })
-}
-
-/// A value for an address: a literal, or a number with a unit if an analog channel is there. `Err`: the error.
-pub fn parse_value(text: &str, address: &Address, image: &ProgramImage) -> Result<Bits, String> {
-    match (value::parse(text, address.width), analog::with_unit(text)) {
-        (Err(_), Some((number, unit))) => Ok(u64::from(scale(address, unit, image)?.word(number) as u16)),
-        (parsed, _) => parsed,
     }
 }
