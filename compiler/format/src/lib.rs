@@ -11,6 +11,7 @@
 //! **Invariant**: what comes out is laid out again to itself.
 
 mod check;
+mod keywords;
 mod lines;
 mod piece;
 mod s7200;
