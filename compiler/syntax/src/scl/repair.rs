@@ -5,7 +5,7 @@
 //!              words.rs: THENN, ENDIF, UND                 signs.rs: ==, &&, i++, 0x1F, { }          foreign.rs: METHOD, LOOP, N7:0
 //!              statements.rs: let x = 5, do … while, (INT)x      cases.rs: 1 := x := 2, SELECT CASE
 //!              leave.rs: break, EXIT FOR                   loops.rs: for (i = 0; …)                  declare.rs: POINTER TO, AT %MW10
-//!              sections.rs: VAR_GLOBAL
+//!              sections.rs: VAR_GLOBAL                     values.rs: a IN [1, 2], a, b := 1
 //! ```
 //!
 //! Each rule looks for something that is wrong in SCL wherever it is, so correct sources pass unchanged; most have no repairs at all, and
@@ -20,6 +20,7 @@ mod loops;
 mod sections;
 mod signs;
 mod statements;
+mod values;
 mod words;
 
 use std::collections::{HashMap, HashSet};
@@ -194,6 +195,7 @@ impl<'t> Repair<'t> {
                 || self.leaving(token)
                 || self.short_circuit(token)
                 || self.foreign_statement(token)
+                || self.foreign_value(token)
                 || self.bare_argument(token)
                 || self.cast(token)
                 || self.file_address(token)

@@ -27,7 +27,11 @@ impl Repair<'_> {
             RawKind::Caret => self.power(),
             RawKind::Text => self.doubled_quote(token),
             RawKind::Dot => self.bare_fraction() || self.bit_after_point(),
-            RawKind::Plus | RawKind::Minus => self.step(token) || self.comment_with_minus(token),
+            RawKind::Plus | RawKind::Minus => {
+                self.step(token) || self.step_before(token) || self.comment_with_minus(token)
+            }
+            RawKind::Comma => self.several_targets(),
+            RawKind::DotDot => self.open_range(),
             kind if is_comparison(kind) && self.half_comparison(token) => true,
             RawKind::Equal if self.value_with_sign() => true,
             RawKind::Less | RawKind::Greater if self.shift(token) || self.back_arrow(token) => true,

@@ -1,0 +1,192 @@
+//! Values and targets of other languages: `a := IF c THEN 1 ELSE 2`, `a IN [1, 2]`, `a, b := 1`, `++a`, and `1..:` in CASE.
+
+use super::{Repair, ends_operand};
+use crate::scl::keyword::Keyword;
+use crate::scl::raw::{RawKind, RawToken};
+
+/// More values of a list than this are not written out in a message.
+const VALUES_MAX: usize = 4;
+
+impl Repair<'_> {
+    /// A value that begins with a word, or has one between its operands.
+    pub(super) fn foreign_value(&mut self, token: RawToken) -> bool {
+        token.kind == RawKind::Word && (self.chosen_value(token) || self.membership(token))
+    }
+
+    /// `a := IF c THEN 1 ELSE 2;`
+    fn chosen_value(&mut self, token: RawToken) -> bool {
+        const LOOK_MAX: usize = 200;
+        let at = self.at;
+        let assigned = self.last.is_some_and(|last| last.kind == RawKind::Assign) && at >= self.statement + 2;
+        if token.keyword != Some(Keyword::If) || !assigned || !self.brackets.is_empty() || self.head.is_some() {
+            return false;
+        }
+        let is_end = |token: &RawToken| {
+            matches!(token.kind, RawKind::Semicolon | RawKind::Assign) || token.keyword.is_some_and(Keyword::ends_block)
+        };
+        let Some(end) = self.tokens[at..].iter().take(LOOK_MAX).position(is_end).map(|end| at + end) else {
+            return false;
+        };
+        let find = |keyword, first| (first..end).find(|index| self.keyword(*index) == Some(keyword));
+        let Some(then) = find(Keyword::Then, at) else { return false };
+        let Some(other) = find(Keyword::Else, then) else { return false };
+        let last = find(Keyword::EndIf, other).unwrap_or(end);
+        // An assignment in a branch: the value before IF is missing.
+        let two = find(Keyword::Elsif, at).or(find(Keyword::ElseIf, at)).is_none();
+        if !two || self.kind(end) != Some(RawKind::Semicolon) || then < at + 2 || other < then + 2 || last < other + 2 {
+            return false;
+        }
+        let target = self.words(self.statement, at - 2);
+        let (condition, yes, no) =
+            (self.words(at + 1, then - 1), self.words(then + 1, other - 1), self.words(other + 1, last - 1));
+        let help = format!("write `IF {condition} THEN {target} := {yes}; ELSE {target} := {no}; END_IF;`");
+        self.report(at, at + 1, "IF is a statement, not a value".to_owned(), "a form of other languages", help);
+        self.give_up(end);
+        true
+    }
+
+    /// `a IN [1, 2, 5..7]`, `a IN (1, 2)`
+    fn membership(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        let word = self.slice(token);
+        let counts = self.head.as_ref().is_some_and(|head| head.keyword == Keyword::For);
+        if !word.eq_ignore_ascii_case("IN")
+            || token.first_on_line
+            || counts
+            || !self.last.is_some_and(ends_operand)
+            || !matches!(self.kind(at + 1), Some(RawKind::LeftBracket | RawKind::LeftParen))
+        {
+            return false;
+        }
+        let end = self.end_of_statement(at);
+        let Some(close) = self.closing(at + 1).filter(|close| *close < end && *close > at + 2) else { return false };
+        let first = self.operand_start(at);
+        let value = self.words(first, at - 1);
+        let conditions: Vec<String> =
+            self.parts(at + 2, close).into_iter().map(|(first, last)| self.is_one_of(value, first, last)).collect();
+        let more = if conditions.len() > VALUES_MAX { " OR …" } else { "" };
+        let shown = &conditions[..conditions.len().min(VALUES_MAX)];
+        let help = format!("write `{}{more}`", shown.join(" OR "));
+        self.report(at, close + 1, "SCL has no operator `IN`".to_owned(), "a form of other languages", help);
+        self.replace(first, close + 1, RawKind::Reported, None);
+        true
+    }
+
+    /// The condition for one part of a list, from token `first` to `last`: a value, or a range.
+    fn is_one_of(&self, value: &str, first: usize, last: usize) -> String {
+        match (first + 1..last).find(|index| self.kind(*index) == Some(RawKind::DotDot)) {
+            Some(points) => {
+                let (low, high) = (self.words(first, points - 1), self.words(points + 1, last));
+                format!("({value} >= {low} AND {value} <= {high})")
+            }
+            None => format!("{value} = {}", self.words(first, last)),
+        }
+    }
+
+    /// What commas separate from token `first` up to `after`, exclusive: the first and last token of each part.
+    fn parts(&self, first: usize, after: usize) -> Vec<(usize, usize)> {
+        let (mut depth, mut begin, mut found) = (0usize, first, Vec::new());
+        for index in first..after {
+            match self.kind(index) {
+                Some(RawKind::LeftParen | RawKind::LeftBracket) => depth += 1,
+                Some(RawKind::RightParen | RawKind::RightBracket) => depth = depth.saturating_sub(1),
+                Some(RawKind::Comma) if depth == 0 => {
+                    if index > begin {
+                        found.push((begin, index - 1));
+                    }
+                    begin = index + 1;
+                }
+                _ => {}
+            }
+        }
+        if after > begin {
+            found.push((begin, after - 1));
+        }
+        found
+    }
+
+    /// `a, b := 1;`, `a, b := c, d;`
+    pub(super) fn several_targets(&mut self) -> bool {
+        const LOOK_MAX: usize = 40;
+        let (first, at) = (self.statement, self.at);
+        let outside = self.brackets.is_empty() && self.head.is_none();
+        let named =
+            matches!(self.kind(first), Some(RawKind::Word | RawKind::Local | RawKind::Quoted | RawKind::Absolute));
+        if !outside || !named || first >= at || !self.last.is_some_and(ends_operand) {
+            return false;
+        }
+        let after = self.tokens.len().min(at + LOOK_MAX);
+        let is_sign = |index: &usize| {
+            let token = self.tokens[*index];
+            matches!(token.kind, RawKind::Assign | RawKind::Colon | RawKind::Semicolon)
+                || token.keyword.is_some_and(Keyword::ends_expression)
+        };
+        let assign = (at..after).find(is_sign).filter(|sign| self.kind(*sign) == Some(RawKind::Assign));
+        let Some(assign) = assign else { return false };
+        let end = self.end_of_statement(assign);
+        let (targets, values) = (self.parts(first, assign), self.parts(assign + 1, end));
+        let text = |part: &(usize, usize)| self.words(part.0, part.1);
+        let targets: Vec<&str> = targets.iter().map(text).collect();
+        let values: Vec<&str> = values.iter().map(text).collect();
+        let mentioned = |value: &&str| targets.iter().any(|target| value.contains(target));
+        let help = match values.as_slice() {
+            [value] if !value.contains('(') => {
+                let all: Vec<String> = targets.iter().map(|target| format!("{target} := {value};")).collect();
+                format!("write `{}`", all.join(" "))
+            }
+            values if values.len() == targets.len() && !values.iter().any(mentioned) => {
+                let all: Vec<String> =
+                    targets.iter().zip(values).map(|(target, value)| format!("{target} := {value};")).collect();
+                format!("write `{}`", all.join(" "))
+            }
+            _ => format!("write one assignment for each: `{} := …;`", targets.join(" := …; ")),
+        };
+        let title = "an assignment has one variable before `:=`".to_owned();
+        self.report(first, assign, title, "a form of other languages", help);
+        self.give_up(end);
+        true
+    }
+
+    /// `++i;`, `--i;`
+    pub(super) fn step_before(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        let twice = self.token(at + 1).is_some_and(|next| next.kind == token.kind) && self.adjacent(at);
+        let begins = self.brackets.is_empty() && self.head.is_none() && at == self.statement;
+        let variable = self.token(at + 2).filter(|next| {
+            matches!(next.kind, RawKind::Word | RawKind::Local | RawKind::Quoted) && next.keyword.is_none()
+        });
+        if !twice || !begins || variable.is_none() || !self.adjacent(at + 1) {
+            return false;
+        }
+        let after = self.operand_end(at + 2);
+        if self.kind(after) != Some(RawKind::Semicolon) {
+            return false;
+        }
+        let variable = self.words(at + 2, after - 1);
+        let sign = self.slice(token);
+        let help = format!("write `{variable} := {variable} {sign} 1;`");
+        self.report(at, at + 2, format!("SCL has no `{sign}{sign}`"), "a form of other languages", help);
+        self.give_up(after);
+        true
+    }
+
+    /// `1..:` and `..5:` as values of CASE.
+    pub(super) fn open_range(&mut self) -> bool {
+        let at = self.at;
+        let inside = self.open.last().is_some_and(|open| open.keyword == Keyword::Case) && self.head.is_none();
+        if !inside || !self.brackets.is_empty() {
+            return false;
+        }
+        let ends = |kind| matches!(kind, Some(RawKind::Colon | RawKind::Comma));
+        let is_value = |kind| matches!(kind, Some(RawKind::Number | RawKind::Literal | RawKind::Minus));
+        let (title, written) = match (at == self.statement, ends(self.kind(at + 1))) {
+            (false, true) => ("this range has no last value", self.words(at - 1, at)),
+            (true, false) if is_value(self.kind(at + 1)) => ("this range has no first value", self.words(at, at + 1)),
+            _ => return false,
+        };
+        let help = format!("write both ends of `{written}`, or put these statements after ELSE");
+        self.report(at, at + 1, title.to_owned(), "a range of CASE has two ends", help);
+        self.drop_tokens(at, at + 1);
+        true
+    }
+}
