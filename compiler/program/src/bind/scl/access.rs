@@ -552,15 +552,34 @@ impl SclBinder<'_, '_> {
         if index >= count {
             let label = match count {
                 0 => format!("the variable has {whole} bits"),
+                1 => "only 0 is possible".to_owned(),
                 _ => format!("0 to {} are possible", count - 1),
             };
-            self.refuse(Code::ArrayIndex, span, "this slice is outside the variable", &label, "");
+            let help = self.possible_slices(span, width, count);
+            self.refuse(Code::ArrayIndex, span, "this slice is outside the variable", &label, &help);
             return None;
         }
         let before = spot.part.map_or(0, |part| u32::from(part.index) * part.width.bits());
         let index = before / width.bits() + index;
         spot.part = Some(Part { width, index: index as u8 });
         Some(Thing::Spot(spot))
+    }
+
+    /// Which slices of a width the variable of the slice at `span` has.
+    fn possible_slices(&self, span: Span, width: Width, count: u32) -> String {
+        let letter = match width {
+            Width::Bit => 'X',
+            Width::Byte => 'B',
+            Width::Word => 'W',
+            Width::Dword | Width::Lword => 'D',
+        };
+        let text = self.program.globals.text(span);
+        let (variable, part) = text.rsplit_once('.').unwrap_or((&text, ""));
+        match count {
+            0 => format!("remove `.{part}`"),
+            1 => format!("write `{variable}.%{letter}0`"),
+            _ => format!("write one from `{variable}.%{letter}0` to `{variable}.%{letter}{}`", count - 1),
+        }
     }
 
     /// The value of an expression of names.

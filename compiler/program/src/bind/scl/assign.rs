@@ -137,6 +137,10 @@ impl SclBinder<'_, '_> {
                 let value = self.complex_value(ctx, value, &ty)?;
                 Some(StatementKind::AssignText { target, value })
             }
+            DataType::Array(_) if matches!(value, Value::Constant(..) | Value::Elementary(_)) => {
+                self.single_value_for_array(ctx.scope.rules, &ty, target.span, &value);
+                None
+            }
             DataType::DateAndTime | DataType::Array(_) | DataType::Struct(_) | DataType::Parameter(_) => {
                 let source = self.complex_value(ctx, value, &ty)?;
                 Some(StatementKind::Copy { target, source, bytes: copied_bytes(&ty) })
@@ -149,6 +153,24 @@ impl SclBinder<'_, '_> {
                 None
             }
         }
+    }
+
+    /// Reports `array := 0`.
+    fn single_value_for_array(&mut self, rules: Rules, ty: &DataType, target: Span, value: &Value) {
+        let DataType::Array(array) = ty else { return };
+        let text = |span| self.program.globals.text(span);
+        let (target, written) = (text(target), text(value.span()));
+        let low: Vec<String> = array.bounds.iter().map(|(low, _)| low.to_string()).collect();
+        let element = format!("{target}[{}]", low.join(","));
+        let count = layout::element_count(&array.bounds);
+        let single = array.bounds.len() == 1 && matches!(array.element, DataType::Elementary(_));
+        let help = match rules != Rules::Classic && single {
+            true => format!(
+                "write `FILL_BLK(IN := {written}, COUNT := {count}, OUT => {element});`, or for one element `{element} := {written};`"
+            ),
+            false => format!("assign the elements in a loop, each as in `{element} := {written};`"),
+        };
+        self.wrong_type(value.span(), &message::described(value), &layout::type_name(ty), Some(help));
     }
 
     /// The target is `OK` or `ENO`.

@@ -2,7 +2,7 @@
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::BlockPrefix;
-use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind, NameForm};
+use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind, Literal, NameForm};
 use plcc_syntax::{Class, Elementary};
 
 use super::convert::{self, Implicit};
@@ -197,6 +197,11 @@ impl SclBinder<'_, '_> {
         let NodeKind::Name(name) = &node.kind else { return false };
         let local = ctx.block.bound.locals.get(&plcc_binding::fold(&name.text));
         local.is_some_and(|local| matches!(local.ty, DataType::String(_)))
+    }
+
+    /// Whether the node is a text, or the name of a local STRING.
+    pub(super) fn is_text_node(ctx: &SclBlock, node: &Node) -> bool {
+        matches!(node.kind, NodeKind::Literal(Literal::Text { .. })) || Self::is_local_text(ctx, node)
     }
 
     /// Reports `"hello"` where a text is expected, if nothing has that name.

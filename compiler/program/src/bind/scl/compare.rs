@@ -45,7 +45,11 @@ impl SclBinder<'_, '_> {
         let op = compare_op(op)?;
         let (left, right) =
             if ctx.scope.address_numbers { self.address_operands(ctx, left, right) } else { (left, right) };
-        if let Some(ty) = self.compared_type(ctx, &left, &right) {
+        let compared = match Self::is_compared_again(&left, &right) {
+            true => None,
+            false => self.compared_type(ctx, &left, &right),
+        };
+        if let Some(ty) = compared {
             self.decided_before(op, op_span, &left, &right, ty);
             let left = self.convert(ctx, left, ty);
             let right = self.convert(ctx, right, ty);
@@ -88,6 +92,15 @@ impl SclBinder<'_, '_> {
                 None
             }
         }
+    }
+
+    /// `1 < x < 5`: the result of a comparison without brackets, next to a number.
+    fn is_compared_again(left: &Value, right: &Value) -> bool {
+        let Value::Elementary(Expr { kind: ExprKind::Compare { left: first, .. }, span, .. }) = left else {
+            return false;
+        };
+        let in_brackets = span.start < first.span.start;
+        !in_brackets && matches!(Shape::of(right), Shape::Integer(_))
     }
 
     /// The type in which two single values are compared.

@@ -48,13 +48,21 @@ impl SclBinder<'_, '_> {
                 None => self.call(ctx, node, false),
             },
             NodeKind::Reference(target) => self.reference(ctx, target, node.span),
-            NodeKind::Unary { op, operand } => self.unary(ctx, node, *op, operand),
+            NodeKind::Unary { op, operand } => self.unary(ctx, node, *op, operand, None),
             NodeKind::Binary { .. } => self.chain(ctx, node),
             NodeKind::Error => None,
         }
     }
 
-    fn unary(&mut self, ctx: &mut SclBlock, node: &Node, op: Sign, operand: &Node) -> Option<Value> {
+    /// `compared`: the comparison whose left side this is.
+    fn unary(
+        &mut self,
+        ctx: &mut SclBlock,
+        node: &Node,
+        op: Sign,
+        operand: &Node,
+        compared: Option<&Node>,
+    ) -> Option<Value> {
         let value = self.value(ctx, operand)?;
         let shape = Shape::of(&value);
         if shape.is_untyped() && !matches!((op, shape), (Sign::Not, Shape::Real)) {
@@ -68,16 +76,24 @@ impl SclBinder<'_, '_> {
         };
         let Some(ty) = ty else {
             let is = message::described(&value);
-            let help = match (op, &operand.kind) {
-                (Sign::Not, _) => "NOT needs a BOOL or a bit string; of a comparison write `NOT (a = b)`",
-                (Sign::Minus | Sign::Plus, _) => "only numbers of signed types and TIME can have a sign",
+            let text = |span| self.program.globals.text(span);
+            let help = match (op, compared.map(|node| &node.kind)) {
+                (Sign::Not, Some(NodeKind::Binary { op: sign, right, .. })) => {
+                    format!("write `NOT ({} {} {})`", text(operand.span), sign.sign(), text(right.span))
+                }
+                (Sign::Not, _) if shape.elementary().is_some_and(|ty| ty.is_integer() || ty.is_float()) => {
+                    let zero = if shape.elementary().is_some_and(Elementary::is_float) { "0.0" } else { "0" };
+                    format!("NOT needs a BOOL or a bit string: write `{} = {zero}`", text(operand.span))
+                }
+                (Sign::Not, _) => "NOT needs a BOOL or a bit string".to_owned(),
+                (Sign::Minus | Sign::Plus, _) => "only numbers of signed types and TIME can have a sign".to_owned(),
             };
             self.refuse(
                 Code::TypeMismatch,
                 node.span,
                 &format!("`{name}` is not possible with a value {}", is.trim_start_matches("a value ")),
                 &is,
-                help,
+                &help,
             );
             return None;
         };
@@ -102,7 +118,21 @@ impl SclBinder<'_, '_> {
             self.too_deep(node.span);
             return None;
         }
-        let mut value = self.value(ctx, first);
+        let mut value = match (&first.kind, operators.last().map(|next| (&next.kind, *next))) {
+            // `NOT a = b`
+            (NodeKind::Unary { op, operand }, Some((NodeKind::Binary { op: next, .. }, whole)))
+                if is_comparison(*next) =>
+            {
+                self.unary(ctx, first, *op, operand, Some(whole))
+            }
+            // `"text" + 'a'`
+            (_, Some((NodeKind::Binary { op, right, .. }, _)))
+                if joins_texts(*op) && Self::is_text_node(ctx, right) && self.is_text_in_name_quotes(ctx, first) =>
+            {
+                None
+            }
+            _ => self.value(ctx, first),
+        };
         for node in operators.into_iter().rev() {
             let NodeKind::Binary { op, left, right, op_span } = &node.kind else { continue };
             if let Some(compared) = self.compared_with_null(*op, value.as_ref(), right, node.span) {
@@ -121,7 +151,7 @@ impl SclBinder<'_, '_> {
                 continue;
             }
             // `text = "START"`.
-            if is_comparison(*op) && Self::is_local_text(ctx, left) && self.is_text_in_name_quotes(ctx, right) {
+            if joins_texts(*op) && Self::is_text_node(ctx, left) && self.is_text_in_name_quotes(ctx, right) {
                 value = None;
                 continue;
             }
@@ -318,9 +348,12 @@ impl SclBinder<'_, '_> {
     pub(super) fn operator_types(&mut self, op_span: Span, left: &Value, right: &Value, help: &str) {
         let op = self.program.globals.text(op_span);
         let (left_is, right_is) = (message::described(left), message::described(right));
-        let joined = op == "+"
-            && !help.contains("CONCAT")
-            && [&left_is, &right_is].iter().any(|is| is.contains("STRING") || is.contains("a text"));
+        let of_text = |is: &String| is.contains("STRING") || is.contains("a text");
+        let joined = match op.as_str() {
+            "+" => of_text(&left_is) || of_text(&right_is),
+            "&" => of_text(&left_is) && of_text(&right_is),
+            _ => false,
+        } && !help.contains("CONCAT");
         let of_texts = joined.then(|| {
             let text = |value: &Value| self.program.globals.text(value.span());
             format!("texts are joined with `CONCAT(IN1 := {}, IN2 := {})`", text(left), text(right))
@@ -396,6 +429,11 @@ pub fn binary_op(op: Operator) -> BinaryOp {
         | Operator::Equal
         | Operator::NotEqual => unreachable!("comparisons are not operations"),
     }
+}
+
+/// Whether the operator stands between texts, or is meant to.
+const fn joins_texts(op: Operator) -> bool {
+    is_comparison(op) || matches!(op, Operator::Add)
 }
 
 const fn is_comparison(op: Operator) -> bool {
