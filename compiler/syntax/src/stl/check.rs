@@ -71,7 +71,12 @@ fn surplus_help(insn: StlInsn, written: &str, shown: &str) -> String {
             Some(b'I' | b'Q' | b'C') => format!("write `AN {shown}` or `ON {shown}`"),
             _ => format!("write `AN {shown}` (in German mnemonics `UN {shown}`) or `ON {shown}`"),
         },
-        _ => format!("write `{written}` alone, or another instruction"),
+        _ => match written.strip_suffix('(').map(str::trim_end) {
+            Some(single) => format!(
+                "write `{single} {shown}` for one operand; several have lines of their own between `{written}` and `)`"
+            ),
+            None => format!("write `{written}` alone, or another instruction"),
+        },
     }
 }
 

@@ -240,6 +240,13 @@ fn statement_error(state: &State, index: usize, at: Option<&Spanned>, before: Op
     {
         return told;
     }
+    if let (Some((start, next, _)), Some((_, Tok::Insn(insn), _)), Some((_, last, last_end))) = (at, first, before)
+        && last_end < start
+        && is_operand_end(last)
+        && matches!(next, Tok::Local(_) | Tok::Quoted(_) | Tok::Area(..) | Tok::Cell(_) | Tok::Block(..))
+    {
+        return surplus_operand(state, insn.mnemonic(state.rules), *start);
+    }
     let help = match first.map(|(_, token, _)| token) {
         Some(Tok::Call) => {
             "write `CALL block, instance ( name := operand, … )`, or each `name := operand` on a separate line"
@@ -250,6 +257,20 @@ fn statement_error(state: &State, index: usize, at: Option<&Spanned>, before: Op
         _ => "a statement is: label `:`, mnemonic, operand, and `;` or the end of the line".to_owned(),
     };
     message(state, at, before, Code::Syntax, "statement").help(help)
+}
+
+/// Whether an operand ends with the token, whatever follows.
+fn is_operand_end(token: &Tok) -> bool {
+    matches!(
+        token,
+        Tok::Local(_)
+            | Tok::Quoted(_)
+            | Tok::Literal(_)
+            | Tok::BitAddress(..)
+            | Tok::Address(_)
+            | Tok::Block(..)
+            | Tok::RightBracket
+    )
 }
 
 /// `A NOT #a`
@@ -296,7 +317,7 @@ fn operator(state: &State, word: &str, range: Range<usize>, class: crate::stl::O
     )
 }
 
-/// `A I 0.0, I 0.1`: an instruction of STL has one operand. `start`: the byte after the comma.
+/// `A I 0.0, I 0.1`, `T #a #b`: an instruction of STL has one operand. `start`: the byte after the comma, or of the second operand.
 fn surplus_operand(state: &State, mnemonic: &str, start: usize) -> Diagnostic {
     let line = state.text[start..].find(['\n', ';', '/']).map_or(state.text.len(), |length| start + length);
     let rest = state.text[start..line].trim_end();

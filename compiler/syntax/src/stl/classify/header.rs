@@ -6,7 +6,7 @@ use super::{Classifier, Frame, is_end_of_block, is_section, unquoted};
 use crate::article::with_article;
 use crate::front::frame::{self, not_in_header};
 use crate::stl::mnemonics::{block_prefix, letters_and_digits};
-use crate::stl::raw::RawKind;
+use crate::stl::raw::{RawKind, RawToken};
 use crate::stl::token::{CodeKeyword, HeaderField, HeaderFlag, Tok};
 
 impl<'a> Classifier<'a, '_> {
@@ -14,7 +14,9 @@ impl<'a> Classifier<'a, '_> {
     pub(super) fn block(&mut self) {
         let opening = self.raw[self.at];
         let keyword = self.block_keyword(self.at).expect("the caller saw the keyword");
+        let program = self.upper(self.at).as_str() == "PROGRAM";
         let (frame, end_word) = match keyword {
+            _ if program => (Frame::Code, "END_PROGRAM"),
             Tok::Code(CodeKeyword::OrganizationBlock) => (Frame::Code, "END_ORGANIZATION_BLOCK"),
             Tok::Code(CodeKeyword::Function) => (Frame::Code, "END_FUNCTION"),
             Tok::Code(CodeKeyword::FunctionBlock) => (Frame::Code, "END_FUNCTION_BLOCK"),
@@ -23,6 +25,9 @@ impl<'a> Classifier<'a, '_> {
         };
         let function = keyword == Tok::Code(CodeKeyword::Function);
         self.take(keyword);
+        if program {
+            self.no_program(opening);
+        }
         self.block_name(self.slice(opening));
         if function && self.kind_at(self.at) == Some(RawKind::Colon) {
             self.take(Tok::Colon);
@@ -45,8 +50,39 @@ impl<'a> Classifier<'a, '_> {
         {
             self.at += 2;
         }
-        self.header(frame);
+        if !program || !self.statements_of_program() {
+            self.header(frame);
+        }
         self.end_of_block(opening, end_word);
+    }
+
+    /// `PROGRAM Main`, which no CPU of STEP 7 calls; read as a function block.
+    fn no_program(&mut self, opening: RawToken) {
+        self.report(
+            Diagnostic::new(
+                Code::ForeignForm,
+                self.span(opening),
+                "the program of a CPU is in its organization blocks",
+            )
+            .label("a form of other languages")
+            .help(
+                "write `ORGANIZATION_BLOCK OB 1`, after the declarations `BEGIN`, and `END_ORGANIZATION_BLOCK` at the end",
+            ),
+        );
+    }
+
+    /// The declarations and statements of a PROGRAM, which has no BEGIN; `false`: it has one.
+    fn statements_of_program(&mut self) -> bool {
+        while is_section(self.upper(self.at).as_str()) {
+            self.section();
+        }
+        if self.header_keyword(self.at) && self.upper(self.at).as_str() != "NETWORK" {
+            return false;
+        }
+        let end = self.last_end();
+        self.push(end, Tok::Begin, end);
+        self.code();
+        true
     }
 
     /// `FC 7`, `FC7`, `"Tank control"`, `TankControl`.
@@ -343,7 +379,7 @@ impl<'a> Classifier<'a, '_> {
     }
 
     /// The block's own end, or whatever is there instead.
-    fn end_of_block(&mut self, opening: crate::stl::raw::RawToken, end_word: &str) {
+    fn end_of_block(&mut self, opening: RawToken, end_word: &str) {
         let end = self.last_end();
         let keyword = self.slice(opening);
         if let Some(token) = self.peek() {

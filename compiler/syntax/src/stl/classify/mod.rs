@@ -162,6 +162,7 @@ impl<'a> Classifier<'a, '_> {
             "FUNCTION_BLOCK" => Tok::Code(CodeKeyword::FunctionBlock),
             "DATA_BLOCK" => Tok::DataBlock,
             "TYPE" => Tok::Type,
+            "PROGRAM" if self.names_program(index) => Tok::Code(CodeKeyword::FunctionBlock),
             _ => return None,
         };
         let before = index.checked_sub(1).and_then(|before| self.kind_at(before));
@@ -176,6 +177,13 @@ impl<'a> Classifier<'a, '_> {
             },
             Some(_) => None,
         }
+    }
+
+    /// `PROGRAM Main` in a line of its own.
+    fn names_program(&self, index: usize) -> bool {
+        let alone = |at: usize| self.raw_at(at).is_none_or(|token| token.first_on_line);
+        let is_name = matches!(self.kind_at(index + 1), Some(RawKind::Word | RawKind::Quoted));
+        alone(index) && is_name && !alone(index + 1) && alone(index + 2)
     }
 
     // Constants, common to declarations, values and operands.
@@ -332,7 +340,9 @@ pub fn not_a_source(span: Span, label: &str) -> Diagnostic {
 
 /// Whether the word (upper case) ends a block.
 fn is_end_of_block(word: &str) -> bool {
-    matches!(word, "END_ORGANIZATION_BLOCK" | "END_FUNCTION" | "END_FUNCTION_BLOCK" | "END_DATA_BLOCK" | "END_TYPE")
+    const ENDS: [&str; 6] =
+        ["END_ORGANIZATION_BLOCK", "END_FUNCTION", "END_FUNCTION_BLOCK", "END_DATA_BLOCK", "END_TYPE", "END_PROGRAM"];
+    ENDS.contains(&word)
 }
 
 /// Whether the word (upper case) begins a declaration section.
