@@ -112,29 +112,39 @@ impl<'a> Classifier<'a, '_> {
         let commas = tokens.iter().filter(|token| token.kind == RawKind::Comma).count();
         let mut rest = tokens;
         if commas == insn.operands().len()
-            && let [word, comma, bit, after @ ..] = tokens
-            && (word.kind, comma.kind, bit.kind) == (RawKind::Word, RawKind::Comma, RawKind::Integer)
-            && word.range().end == comma.range().start
-            && comma.range().end == bit.range().start
+            && let Some((count, joined)) = self.decimal_comma(tokens)
+            && let Some(Ok(direct)) = address::parse(&joined.to_ascii_uppercase())
         {
-            let joined = format!("{}.{}", word.text(self.text), bit.text(self.text));
-            if let Some(Ok(direct)) = address::parse(&joined.to_ascii_uppercase()) {
-                let range = word.range().start..bit.range().end;
-                let (span, text) = (self.span(range.clone()), self.slice(range.clone()));
-                self.report(
-                    Diagnostic::new(
-                        Code::AddressRange,
-                        span,
-                        format!("`{text}` has a comma before the number of its bit"),
-                    )
+            let range = tokens[0].range().start..tokens[count - 1].range().end;
+            let (span, text) = (self.span(range.clone()), self.slice(range.clone()));
+            self.report(
+                Diagnostic::new(Code::AddressRange, span, format!("`{text}` has a comma before the number of its bit"))
                     .label("a comma separates operands")
                     .help(format!("write `{joined}`")),
-                );
-                self.push(range, Tok::Direct(direct));
-                rest = after;
-            }
+            );
+            self.push(range, Tok::Direct(direct));
+            rest = &tokens[count..];
         }
         self.operands(rest);
+    }
+
+    /// `I0,0` or `I 0,0` at the beginning: how many tokens it has, and the address with a point.
+    fn decimal_comma(&self, tokens: &[RawToken]) -> Option<(usize, String)> {
+        let text = |token: &RawToken| token.text(self.text);
+        let (count, byte, bit, before) = match tokens {
+            [letters, byte, comma, bit, ..]
+                if (byte.kind, comma.kind) == (RawKind::Integer, RawKind::Comma)
+                    && address::are_letters(&text(letters).to_ascii_uppercase()) =>
+            {
+                (4, *byte, *bit, format!("{}{}", text(letters), text(byte)))
+            }
+            [word, comma, bit, ..] if comma.kind == RawKind::Comma => (3, *word, *bit, text(word).to_owned()),
+            _ => return None,
+        };
+        let comma = tokens[count - 2];
+        let words = tokens[0].kind == RawKind::Word && bit.kind == RawKind::Integer;
+        let adjacent = byte.range().end == comma.range().start && comma.range().end == bit.range().start;
+        (words && adjacent).then(|| (count, format!("{before}.{}", text(&bit))))
     }
 
     /// `LD NOT I0.0` without its NOT, after a message.
