@@ -307,9 +307,10 @@ fn forget_doubtful(diagnostics: &mut Vec<Diagnostic>) {
         diagnostics.iter().filter(is_unread).map(|message| message.primary.span.file).collect();
     let is_doubtful =
         |code| matches!(code, Code::UnusedLabel | Code::TimerWithoutTime | Code::UnreachableCode | Code::MixedNumbers);
-    // A comment or text that is not closed may hide OB 1.
-    let is_open = diagnostics.iter().any(|message| message.code == Code::UnterminatedText);
-    diagnostics.retain(|message| !(is_open && message.code == Code::NoMainBlock));
+    // What could not be read may be OB 1, or hide it, as a comment that is not closed does.
+    let hides = |message: &Diagnostic| matches!(message.code, Code::UnterminatedText | Code::BlockFrame);
+    let is_hidden = !unread.is_empty() || diagnostics.iter().any(hides);
+    diagnostics.retain(|message| !(is_hidden && message.code == Code::NoMainBlock));
     diagnostics.retain(|message| !is_doubtful(message.code) || !unread.contains(&message.primary.span.file));
 }
 
