@@ -318,6 +318,22 @@ impl<'a> Classifier<'a, '_> {
         }
     }
 
+    /// The type of the result in a name that is not closed, `"Level : Int`, if it is one word.
+    pub(super) fn result_in_name(&mut self, name: RawToken, ty: &'a str) {
+        if ty.is_empty() || !ty.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_') {
+            return;
+        }
+        let end = name.start as usize + self.slice(name).trim_end().len();
+        let start = end - ty.len();
+        let tok = match ty {
+            _ if ty.eq_ignore_ascii_case("STRING") => Tok::StringType,
+            _ if ty.eq_ignore_ascii_case("WSTRING") => Tok::WideStringType,
+            _ => Tok::Name(ty),
+        };
+        self.push(start, Tok::Colon, start);
+        self.push(start, tok, end);
+    }
+
     /// `INT`, `"Motor"`, `FB 10`, `_.TankUdt`.
     fn type_name(&mut self) {
         let first = self.raw[self.at];

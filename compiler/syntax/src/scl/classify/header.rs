@@ -94,13 +94,16 @@ impl<'a> Classifier<'a, '_> {
                 if token.kind == RawKind::UnterminatedQuoted && !token.first_on_line && self.slice(token).len() > 1 =>
             {
                 // The rest of the line is in it.
-                let (name, result) = match self.slice(token)[1..].split_once(':') {
-                    Some((name, ty)) => (name.trim_end(), format!(" : {}", ty.trim())),
-                    None => (self.slice(token)[1..].trim_end(), String::new()),
-                };
+                let text = self.slice(token);
+                let (name, ty) = text[1..].split_once(':').unwrap_or((&text[1..], ""));
+                let (name, ty) = (name.trim_end(), ty.trim());
+                let result = if ty.is_empty() { String::new() } else { format!(" : {ty}") };
                 let help = format!("write `{} \"{name}\"{result}`", self.slice(keyword));
                 self.report(front::unterminated_name(self.span(token), "name").help(help));
                 self.take(Tok::Quoted(name));
+                if keyword.keyword == Some(Keyword::Function) {
+                    self.result_in_name(token, ty);
+                }
             }
             Some(token)
                 if token.kind == RawKind::Word
