@@ -180,7 +180,7 @@ impl Declarations<'_> {
 
     /// `code`: in STL a `#` before a symbol is ignored, so an unknown name is also an unknown symbol.
     fn undeclared(&mut self, ctx: &mut CurrentBlock, name: &str, span: Span, code: Code) {
-        if !ctx.unknown_locals.insert(fold(name)) {
+        if !ctx.unknown_locals.insert(fold(name)) || self.is_refused_constant(ctx, name) {
             return;
         }
         let message = || match code {
@@ -199,6 +199,14 @@ impl Declarations<'_> {
         let message = message();
         let help = self.meant_by(ctx, name, code);
         self.report(message.help(help));
+    }
+
+    /// Whether the block declares a constant of that name, with a type or value that has been reported.
+    fn is_refused_constant(&self, ctx: &CurrentBlock, name: &str) -> bool {
+        let source = self.globals.sources.code.get(&ctx.key);
+        let mut constants = source.into_iter().flat_map(|source| &source.block().constants);
+        constants.any(|constant| fold(&constant.name) == fold(name))
+            && self.globals.report.diagnostics.iter().any(Diagnostic::is_error)
     }
 
     /// What `#name` may mean: something else that the block has under a similar name, or a global name.
