@@ -174,10 +174,14 @@ fn wrong_type(found: &str, wanted: &str, line: &str) -> Wrong {
                 b'i' => "a whole number",
                 _ => "a number",
             };
-            match number().parse::<f64>() {
-                Ok(_) if kind == "string" => (expected, format!("write `{}`", number())),
-                _ => (expected, "write digits, without quotation marks".to_owned()),
-            }
+            let help = match number().parse::<f64>() {
+                Ok(_) if kind == "string" => format!("write `{}`", number()),
+                _ if kind == "integer" || kind == "floating" => {
+                    number_in_range(is.trim_start_matches("the number "), wanted)
+                }
+                _ => "write digits, without quotation marks".to_owned(),
+            };
+            (expected, help)
         }
         wanted if wanted.contains("map") || wanted.contains("struct") => {
             let key = line.split('=').next().unwrap_or_default().trim();
@@ -190,7 +194,14 @@ fn wrong_type(found: &str, wanted: &str, line: &str) -> Wrong {
             let plain =
                 !key.is_empty() && key.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"_-.".contains(&byte));
             let heading = if plain { format!("`[{key}]`") } else { "`[…]`".to_owned() };
-            ("a table", format!("write its keys below {heading}, or between `{{` and `}}`"))
+            let help = match text.split_once('=').filter(|_| plain && kind == "string") {
+                // `set = "I0.0 = 1"`
+                Some((name, value)) => {
+                    format!("write `{key} = {{ \"{}\" = {} }}`", name.trim_end_matches([':', ' ']).trim(), value.trim())
+                }
+                None => format!("write its keys below {heading}, or between `{{` and `}}`"),
+            };
+            ("a table", help)
         }
         wanted => (wanted, "write a value of that kind".to_owned()),
     };
@@ -241,9 +252,44 @@ fn address_range(key: &str, kind: &str, text: &str) -> String {
     }
 }
 
+/// What to write for a number that the key cannot have; `wanted`: `u8`, `i64`, `f64`.
+fn number_in_range(number: &str, wanted: &str) -> String {
+    let value = number.parse::<f64>().unwrap_or_default();
+    let unsigned = wanted.starts_with('u');
+    match wanted[1..].parse::<u32>() {
+        _ if wanted.starts_with('f') => "write a number".to_owned(),
+        _ if unsigned && value < 0.0 => "write 0 or a larger number".to_owned(),
+        _ if value.fract() != 0.0 => format!("write `{}` or `{}`", value.floor(), value.ceil()),
+        Ok(bits @ 1..=32) if unsigned => format!("write a number from 0 to {}", (1u64 << bits) - 1),
+        Ok(bits @ 1..=32) => format!("write a number from -{0} to {1}", 1u64 << (bits - 1), (1u64 << (bits - 1)) - 1),
+        _ => "write another number".to_owned(),
+    }
+}
+
 fn is_number(wanted: &str) -> bool {
     let mut letters = wanted.chars();
     matches!(letters.next(), Some('i' | 'u' | 'f')) && letters.as_str().parse::<u8>().is_ok()
+}
+
+/// What other languages write: `key := value`, `key = value;`, `{ "key": value }`; and a text in single quotes that is not closed.
+fn habit(line: &str) -> Option<Wrong> {
+    let wrong = |title: &str, help: String| Some(Wrong { title: title.to_owned(), help });
+    let plain = line.split(" #").next().unwrap_or_default().trim();
+    let in_text = |at: usize| plain[..at].matches('"').count() % 2 == 1;
+    if plain.find(":=").is_some_and(|at| !in_text(at)) {
+        return wrong("a key and its value are joined by `=`", format!("write `{}`", plain.replace(":=", "=")));
+    }
+    if plain.ends_with(';') && plain.starts_with(|c: char| c == '[' || c.is_alphanumeric()) {
+        return wrong("a line has no `;` at its end", format!("write `{}`", plain.trim_end_matches(';').trim_end()));
+    }
+    if plain.starts_with('{') && plain.contains("\":") {
+        return wrong("the file is not JSON", "write each key in a line of its own, `key = value`".to_owned());
+    }
+    let value = plain.split_once('=').map_or("", |(_, value)| value.trim());
+    if value.starts_with('\'') && value.matches('\'').count() == 1 {
+        return wrong("the text is not closed on its line", format!("write `{plain}'`"));
+    }
+    None
 }
 
 /// An error in the form of the file.
@@ -257,6 +303,9 @@ fn syntax(message: &str, place: &str, line: &str) -> Wrong {
     if message.contains("escape") {
         let line = line.trim().replace("\\\\", "/").replace('\\', "/");
         return wrong("`\\` begins a special character in a text", format!("write `{line}`: `/` is between folders"));
+    }
+    if let Some(told) = habit(line) {
+        return told;
     }
     // `cpu = 315-2DP` begins as a date does.
     let unquoted = message.contains("invalid date") || message.contains("invalid time");
@@ -282,6 +331,13 @@ fn syntax(message: &str, place: &str, line: &str) -> Wrong {
         return wrong("a text is written in quotation marks", format!("write `\"{written}\"`"));
     }
     if message.contains("key with no value") {
+        if let Some((key, "")) = line.split_once(':') {
+            let key = key.trim();
+            return wrong(
+                "a key and its value are joined by `=`",
+                format!("write `{key} = …`, or the heading `[{key}]` before several keys"),
+            );
+        }
         if let Some((key, value)) = line.split_once(':') {
             return wrong(
                 "a key and its value are joined by `=`",
@@ -386,6 +442,28 @@ mod tests {
         same(switch, "file = true", "a text in quotation marks is expected here, not true", "write `file = \"…\"`");
         let yes = "invalid type: string \"yes\", expected a boolean";
         same(yes, "", "true or false is expected here, not the text \"yes\"", "write `true`, without quotation marks");
+    }
+
+    #[test]
+    fn tells_which_numbers_are_possible() {
+        let number = |message: &str| of(message, "").1;
+        assert_eq!(number("invalid value: integer `-1`, expected u64"), "write 0 or a larger number");
+        assert_eq!(number("invalid value: integer `300`, expected u8"), "write a number from 0 to 255");
+        assert_eq!(number("invalid type: floating point `1.5`, expected u64"), "write `1` or `2`");
+        let table = "invalid type: string \"I0.0 = 1\", expected a map";
+        assert_eq!(of(table, "set = \"I0.0 = 1\"").1, "write `set = { \"I0.0\" = 1 }`");
+    }
+
+    #[test]
+    fn knows_habits_of_other_languages() {
+        let joined = "a key and its value are joined by `=`";
+        let missing = "missing assignment between key-value pairs, expected `=`";
+        same(missing, "set = { \"I0.1\" := 1 }", joined, "write `set = { \"I0.1\" = 1 }`");
+        same("key with no value, expected `=`", "cpu := \"1214C\"", joined, "write `cpu = \"1214C\"`");
+        same("unexpected key or value", "cycle = 5;", "a line has no `;` at its end", "write `cycle = 5`");
+        same("invalid literal string", "name = 'p", "the text is not closed on its line", "write `name = 'p'`");
+        let heading = "write `at = …`, or the heading `[at]` before several keys";
+        same("key with no value, expected `=`", "at:", joined, heading);
     }
 
     #[test]

@@ -72,7 +72,8 @@ impl Cpu {
         };
         let file: FileText = toml::from_str(&text).map_err(|error| {
             let offset = error.span().map_or(0, |span| span.start);
-            let wrong = toml_words::plain_at(error.message(), &text, offset);
+            let wrong = value_at_top(error.message(), &text, offset)
+                .unwrap_or_else(|| toml_words::plain_at(error.message(), &text, offset));
             placed(offset, &format!("{}; {}", wrong.title, wrong.help))
         })?;
         let mut left_out = 0;
@@ -109,4 +110,22 @@ impl Cpu {
         let new = PathBuf::from(new);
         std::fs::write(&new, text).and_then(|()| std::fs::rename(&new, path)).map_err(|error| error.to_string())
     }
+}
+
+/// `"I0.0" = 1` or `force = { "I0.0" = 1 }`, where each value has a table of its own.
+fn value_at_top(message: &str, text: &str, offset: usize) -> Option<toml_words::Wrong> {
+    let start = text.get(..offset)?.rfind('\n').map_or(0, |at| at + 1);
+    let line = text.get(start..)?.lines().next()?.split(" #").next()?.trim();
+    let row = match line.strip_prefix("force").map(|rest| rest.trim_start_matches([' ', '=']).trim()) {
+        Some(table) if message.starts_with("invalid type: map") => table.strip_prefix('{')?.split([',', '}']).next()?,
+        None if message.starts_with("unknown field") && message.contains("expected `force`") => line,
+        _ => return None,
+    };
+    let (name, value) = row.split_once('=')?;
+    let plain = |text: &str| text.trim().trim_matches(['"', '\'']).to_owned();
+    let (name, value) = (plain(name), plain(value));
+    Some(toml_words::Wrong {
+        title: "each forced value has a table `[[force]]`".to_owned(),
+        help: format!("write `[[force]]`, and below it `address = \"{name}\"` and `value = \"{value}\"`"),
+    })
 }

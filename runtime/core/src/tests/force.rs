@@ -159,6 +159,18 @@ fn a_file_keeps_what_is_forced() {
     let _ = std::fs::remove_file(&path);
 }
 
+#[test]
+fn each_forced_value_has_a_table() {
+    let path = std::env::temp_dir().join(format!("plcc-force-{}-short.toml", std::process::id()));
+    for text in ["\"I0.0\" = 1\n", "force = { \"I0.0\" = 1 }\n"] {
+        std::fs::write(&path, text).unwrap();
+        let message = cpu(Family::S71500).force_from(&path, Table::Named).unwrap_err();
+        let help = "write `[[force]]`, and below it `address = \"I0.0\"` and `value = \"1\"`";
+        assert!(message.ends_with(help), "{message}");
+    }
+    let _ = std::fs::remove_file(&path);
+}
+
 /// The run before was of another version of the program.
 #[test]
 fn what_the_program_does_not_have_any_more_is_left_out() {
