@@ -21,7 +21,7 @@ pub enum ClockKind {
 #[derive(Args, Clone, Debug, Default)]
 pub struct RunOptions {
     /// End after N cycles of OB 1 [default: run until STOP, SIGINT or SIGTERM]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = parse_cycles, allow_negative_numbers = true)]
     pub cycles: Option<u64>,
     /// Clock of the program
     #[arg(long, value_enum, default_value_t)]
@@ -181,6 +181,11 @@ pub fn without_services(error: &clap::Error) -> Option<String> {
              `[services]` in plcc.toml"
         )
     })
+}
+
+/// Parses a number of cycles. `Err`: the error.
+fn parse_cycles(text: &str) -> Result<u64, String> {
+    text.parse().map_err(|_| "write a whole number of cycles, as in --cycles 100".to_string())
 }
 
 /// Parses `10ms`, `1.5s`, `500us`, `2m`, `0`. `Err`: the error.

@@ -160,6 +160,11 @@ impl<'a> Finder<'a> {
                 let address = current_value(address).ok_or_else(|| format!("`{root}` has no `{value}`"))?;
                 Named { address, ty: usual_type(address.place) }
             }
+            (Root::Address(Address { width, .. }, _), [Part::Name(bit)])
+                if !matches!(width, Width::Bit(_)) && digits(bit).is_some() =>
+            {
+                return Err(bit_of_word(root, bit));
+            }
             (Root::Address(..), [part, ..]) => return Err(format!("`{root}` is a value without {}", what(part))),
             (Root::Variable(variable), rest) => {
                 let found = self.walk(variable, rest, root)?;
@@ -437,6 +442,18 @@ fn no_member(so_far: &str, structure: &NamedStruct, name: &str) -> String {
         }
     };
     format!("`{so_far}`{is} has no member `{name}`; {help}")
+}
+
+/// The message for `MW20.5`.
+fn bit_of_word(root: &str, bit: &str) -> String {
+    let of_word = format!("`{root}.%X{bit}` for bit {bit} of the value");
+    let plain = root.trim_start_matches('%');
+    let byte = plain.get(2..).filter(|byte| digits(byte).is_some() && digits(bit).is_some_and(|bit| bit < 8));
+    let help = match byte {
+        Some(byte) => format!("write `{}{byte}.{bit}` for bit {bit} of byte {byte}, {of_word}", &plain[..1]),
+        None => format!("write {of_word}"),
+    };
+    format!("`{root}.{bit}` has the number of a bit, but `{root}` names no bit; {help}")
 }
 
 fn what(part: &Part) -> String {

@@ -163,13 +163,25 @@ fn tell(outcome: Option<Result<String, String>>) -> bool {
 fn signals(cpu: &Cpu, plant: Option<&Plant>, list: &[String]) -> Result<Vec<Signal>, String> {
     let mut signals = Vec::new();
     for name in split_list(list) {
-        let found = signal::all(&name, &cpu.image, plant)?;
+        let found = signal::all(&name, &cpu.image, plant).map_err(|message| match separated(&name) {
+            Some(list) => format!("`{name}`: names are separated by `,`; write {list}"),
+            None => message,
+        })?;
         for Signal { name, source } in &found {
             source.check(cpu).map_err(|message| format!("{name}: {message}"))?;
         }
         signals.extend(found);
     }
     Ok(signals)
+}
+
+/// `Q0.0,MW2` for the list `Q0.0;MW2` or `Q0.0 MW2`; none: it is one name.
+fn separated(list: &str) -> Option<String> {
+    let words: Vec<&str> = list.split([';', ' ']).filter(|word| !word.is_empty()).collect();
+    let is_name = |word: &&str| word.chars().all(|c| c.is_alphanumeric() || "_.%[]".contains(c));
+    // `MW2 as INT`, `AO0 in %`
+    let is_format = words.iter().any(|word| ["as", "in"].iter().any(|own| own.eq_ignore_ascii_case(word)));
+    (words.len() > 1 && !is_format && words.iter().all(is_name)).then(|| words.join(","))
 }
 
 /// Splits at the first `=` that is not in quotes.
@@ -185,8 +197,18 @@ fn split_setting(item: &str) -> Option<(&str, &str)> {
 /// The settings of `--set`. Inputs among them are copied into the process image from the start.
 fn settings(cpu: &Cpu, list: &[String]) -> Result<Vec<(Source, Value)>, String> {
     let one = |item: String| {
-        let (name, text) = split_setting(&item).ok_or_else(|| format!("--set {item}: write ADDR=VALUE, as I0.0=1"))?;
-        setting(cpu, name, text).map_err(|message| format!("--set {item}: {message}"))
+        let (name, text) = split_setting(&item).ok_or_else(|| {
+            let meant = if item.contains(':') { item.replacen(':', "=", 1) } else { format!("{item}=1") };
+            format!("--set {item}: write ADDR=VALUE, as {meant}")
+        })?;
+        if let Some(name) = name.trim_end().strip_suffix(':') {
+            return Err(format!("--set {item}: write {}={}", name.trim_end(), text.trim_start()));
+        }
+        let several = text.contains('=') && text.contains(' ') && !text.contains(['"', '\'']);
+        setting(cpu, name, text).map_err(|message| match several {
+            true => format!("--set {item}: values are separated by `,`; write {}", item.replace(' ', ",")),
+            false => format!("--set {item}: {message}"),
+        })
     };
     split_list(list).into_iter().map(one).collect()
 }
