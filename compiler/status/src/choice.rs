@@ -44,7 +44,10 @@ pub fn block(program: &Program, text: &str) -> Result<BlockKey, String> {
                 .blocks
                 .iter()
                 .filter(|block| !block.library)
-                .map(|block| format!("{}{}", block.kind.prefix(), block.number))
+                .map(|block| {
+                    let name = if block.name.is_empty() { String::new() } else { format!(" ({})", block.name) };
+                    format!("{}{}{name}", block.kind.prefix(), block.number)
+                })
                 .collect();
             Err(format!("the program has no block {text}; its blocks are {}", names.join(", ")))
         }
@@ -56,7 +59,9 @@ pub fn block_and_network(program: &Program, text: &str) -> Result<(BlockKey, Opt
     match text.rsplit_once(':') {
         Some((name, network)) => match network.trim().parse() {
             Ok(network) => Ok((block(program, name)?, Some(network))),
-            Err(_) => Err(format!("`{network}` is not the number of a network; write FB1:3")),
+            Err(_) => {
+                Err(format!("`{network}` is not the number of a network; write {name}:1, with a number from 1 on"))
+            }
         },
         None => Ok((block(program, text)?, None)),
     }

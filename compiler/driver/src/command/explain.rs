@@ -13,11 +13,17 @@ pub fn explain(code: &str) -> u8 {
     match Code::from_name(code.trim()).or_else(|| Code::from_name(&padded)) {
         Some(code) => report::print(code.page()).err().unwrap_or(exit::OK),
         None => {
-            report::say(&format!(
-                "unknown code `{code}`; codes go from {} to {}",
-                Code::ALL.first().map_or("", |code| code.name()),
-                Code::ALL.last().map_or("", |code| code.name())
-            ));
+            // `E0203`, `P0203.`
+            let number: String = code.chars().filter(char::is_ascii_digit).collect();
+            let meant = match Code::from_name(&format!("P{number:0>4}")) {
+                Some(meant) => format!("is {} meant?", meant.name()),
+                None => format!(
+                    "codes go from {} to {}",
+                    Code::ALL.first().map_or("", |code| code.name()),
+                    Code::ALL.last().map_or("", |code| code.name())
+                ),
+            };
+            report::say(&format!("unknown code `{code}`; {meant}"));
             exit::USAGE
         }
     }

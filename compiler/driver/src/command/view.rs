@@ -1,7 +1,7 @@
 //! `plcc view`.
 
 use std::collections::HashMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use plcc_literal::duration;
 use plcc_runtime::files::{regular, writable};
@@ -35,7 +35,8 @@ pub fn view(args: &ViewArgs) -> u8 {
     };
     report::messages(&mut drawn.bound.diagnostics, &drawn.bound.sources, MessageFormat::Human);
     let Drawn { book, names, bound, state, values } = drawn;
-    let folder = args.output.as_ref().map_or(Ok(()), |folder| write_folder(&book, folder, values.as_ref()));
+    let drawn = |folder: &PathBuf| write_folder(&book, folder, values.as_ref()).map(tell_of_none);
+    let folder = args.output.as_ref().map_or(Ok(()), drawn);
     let html = args.html.as_ref().map_or(Ok(()), |path| {
         let reference = (!bound.has_errors()).then(|| drawings::reference(&bound));
         let state = state.as_ref().map(|(trace, time)| (trace, *time));
@@ -97,8 +98,15 @@ fn state(text: &str, names: &Names) -> Result<(Trace, Option<f64>), String> {
     Ok((Trace::parse(&text, names).map_err(|error| format!("{}: {error}", path.display()))?, time))
 }
 
-/// One file for each drawing: `FC_1_network_2.svg`.
-fn write_folder(book: &Book, folder: &Path, values: Option<&HashMap<String, String>>) -> Result<(), String> {
+/// Says why a folder has no drawings.
+fn tell_of_none(drawings: usize) {
+    if drawings == 0 {
+        report::say("there are no networks and no charts to draw; `--html FILE.html` shows code as well");
+    }
+}
+
+/// One file for each drawing: `FC_1_network_2.svg`. Returns how many there are.
+fn write_folder(book: &Book, folder: &Path, values: Option<&HashMap<String, String>>) -> Result<usize, String> {
     std::fs::create_dir_all(folder).map_err(|error| format!("cannot write `{}`: {error}", folder.display()))?;
     let mut used: HashMap<String, usize> = HashMap::new();
     for page in &book.pages {
@@ -119,7 +127,7 @@ fn write_folder(book: &Book, folder: &Path, values: Option<&HashMap<String, Stri
             write(&folder.join(format!("{stem}.svg")), &svg::file(scene, shown.as_ref()))?;
         }
     }
-    Ok(())
+    Ok(used.values().sum())
 }
 
 fn write(path: &Path, text: &str) -> Result<(), String> {

@@ -76,6 +76,14 @@ fn wrong_flags_are_usage_errors() {
 }
 
 #[test]
+fn a_code_with_another_letter_is_recognized() {
+    let output = Command::new(env!("CARGO_BIN_EXE_plcc")).args(["explain", "E0203"]).output().expect("plcc starts");
+    assert_eq!(output.status.code(), Some(2));
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(errors.contains("is P0203 meant?"), "{errors}");
+}
+
+#[test]
 fn an_endless_loop_is_named_by_its_line() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     build(folder.path(), "      NOP   0\nm:    L     MW 0\n      JU    m\n");

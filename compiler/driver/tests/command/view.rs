@@ -38,3 +38,18 @@ fn a_view_without_an_output_names_both_kinds() {
     let message = String::from_utf8_lossy(&output.stderr);
     assert!(message.contains("--out <DIR>|--html <FILE.html>"), "{message}");
 }
+
+#[test]
+fn a_folder_without_drawings_is_explained() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    fs::write(
+        folder.join("main.scl"),
+        "ORGANIZATION_BLOCK \"Main\"\nBEGIN\n  %Q0.0 := %I0.0;\nEND_ORGANIZATION_BLOCK\n",
+    )
+    .expect("the folder can be written");
+    let output = Command::new(PLCC).current_dir(folder).args(["view", "main.scl", "-o", "drawings"]).output();
+    let output = output.expect("plcc starts");
+    let messages = String::from_utf8_lossy(&output.stderr);
+    assert!(messages.contains("no networks and no charts"), "{messages}");
+}
