@@ -95,6 +95,9 @@ pub fn misspelt(text: &str, raw: &[RawToken], index: usize) -> Option<Keyword> {
     if section && next.is_some_and(|next| next.first_on_line) {
         return Some(Keyword::Var);
     }
+    if let Some(keyword) = section_of_condition(text, raw, index) {
+        return Some(keyword);
+    }
     let candidates: &[&str] = match next {
         None => ENDS,
         Some(next) if next.first_on_line => ENDS,
@@ -115,6 +118,21 @@ pub fn misspelt(text: &str, raw: &[RawToken], index: usize) -> Option<Keyword> {
     }
     Keyword::of(slip_of(word, candidates.iter().copied()).or_else(|| shortened(word, candidates))?)
 }
+
+/// `SUPERVISON`, `INTERLOCK_CONDITION`, alone before a line with `CONDITION :=`.
+fn section_of_condition(text: &str, raw: &[RawToken], index: usize) -> Option<Keyword> {
+    let (token, next, sign) = (raw.get(index)?, raw.get(index + 1)?, raw.get(index + 2)?);
+    let condition = next.first_on_line && Keyword::of(&text[next.range()]) == Some(Keyword::Condition);
+    if !condition || !matches!(sign.kind, RawKind::Assign | RawKind::Equal) {
+        return None;
+    }
+    let word = &text[token.range()];
+    let begins = |full: &&str| word.get(..full.len()).is_some_and(|head| head.eq_ignore_ascii_case(full));
+    Keyword::of(slip_of(word, SECTIONS).or_else(|| SECTIONS.into_iter().find(begins))?)
+}
+
+/// Parts of a step with a condition.
+const SECTIONS: [&str; 2] = ["INTERLOCK", "SUPERVISION"];
 
 /// `END_TRANS`: the only one of `words` that begins so.
 fn shortened<'w>(word: &str, words: &[&'w str]) -> Option<&'w str> {
