@@ -51,6 +51,10 @@ impl<'a> Classifier<'a, '_> {
         } else if token.kind == RawKind::Semicolon {
             self.at += 1;
             return;
+        } else if token.kind == RawKind::Number && self.at == 0 && !token.first_on_line {
+            Diagnostic::new(Code::ForeignForm, self.span(token), "a network has no number")
+                .label("a form of other languages")
+                .help("write `NETWORK` alone; its title is in the attribute `S7_NetworkTitle` before it")
         } else {
             let text = &self.text[token.range()];
             let title = if self.is_word("END_RUNG") {

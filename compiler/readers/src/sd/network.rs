@@ -3,7 +3,7 @@
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
 use super::frame::{Frame, NetworkSource};
-use super::{blocks, classify, grammar, graph, messages, pragma, texts};
+use super::{blocks, classify, grammar, graph, messages, pragma, settings, texts};
 use plcc_syntax::front::{self, Comment, ParseState, Place};
 use plcc_syntax::network::ast::{Content, Language, Network};
 use plcc_syntax::scl::fragment;
@@ -54,7 +54,7 @@ pub fn read(
 /// From the attributes of the network, otherwise of the block, otherwise from its contents.
 fn language(source: &Source, frame: &Frame, network: &NetworkSource) -> Language {
     let named = |attributes: &[pragma::Attribute], key: &str| {
-        let value = pragma::find(attributes, key)?.value.trim();
+        let value = settings::meant(attributes, key)?;
         let value = value.strip_prefix("F_").unwrap_or(value);
         [("LAD", Language::Lad), ("FBD", Language::Fbd), ("SCL", Language::Scl)]
             .into_iter()

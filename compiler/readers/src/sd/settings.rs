@@ -7,7 +7,7 @@ use plcc_diag::{Code, Diagnostic};
 use plcc_literal::distance;
 
 use super::frame::Document;
-use super::pragma::Attribute;
+use super::pragma::{self, Attribute};
 
 const TRUTH: &[&str] = &["TRUE", "FALSE"];
 const OF_NETWORK: &[&str] = &["LAD", "FBD", "SCL", "F_LAD", "F_FBD"];
@@ -35,6 +35,27 @@ const ATTRIBUTES: &[(&str, &[&str])] = &[
     ("S7_NetworkComment", &[]),
 ];
 
+/// The value of an attribute with a list of values, even if its name or value is misspelt, which [`check`] reports.
+pub fn meant<'p>(attributes: &'p [Attribute], key: &str) -> Option<&'p str> {
+    let names = || ATTRIBUTES.iter().map(|(name, _)| *name);
+    let is_slip = |attribute: &&Attribute| {
+        !names().any(|name| attribute.is(name)) && distance::nearest(&attribute.key, names()) == Some(key)
+    };
+    let value = pragma::find(attributes, key).or_else(|| attributes.iter().find(is_slip))?.value.trim();
+    let values = ATTRIBUTES.iter().find(|(name, _)| *name == key).map_or(&[][..], |(_, values)| *values);
+    let is_known = values.iter().any(|known| known.eq_ignore_ascii_case(value));
+    let near = if is_known { None } else { distance::nearest(value, values.iter().copied()) };
+    Some(near.unwrap_or(value))
+}
+
+/// What a slip in an attribute does.
+fn effect(name: &str, meant: &str) -> String {
+    match name {
+        "S7_Language" | "S7_PreferredLanguage" => format!("read as `{meant}`"),
+        _ => "has no effect".to_owned(),
+    }
+}
+
 /// Warns about attributes of blocks and networks that are misspelt, or have a value that they cannot have.
 pub fn check(document: &Document, diagnostics: &mut Vec<Diagnostic>) {
     for block in &document.blocks {
@@ -49,7 +70,7 @@ fn fault(attribute: &Attribute) -> Option<Diagnostic> {
         let meant = distance::nearest(key, ATTRIBUTES.iter().map(|(name, _)| *name))?;
         return Some(
             Diagnostic::new(Code::AttributeValue, attribute.key_span, format!("the attribute `{key}` is not known"))
-                .label("has no effect")
+                .label(effect(meant, meant))
                 .help(format!("is `{meant}` meant?")),
         );
     };
@@ -57,13 +78,13 @@ fn fault(attribute: &Attribute) -> Option<Diagnostic> {
     if values.is_empty() || value.is_empty() || values.iter().any(|known| known.eq_ignore_ascii_case(value)) {
         return None;
     }
-    let help = match distance::nearest(value, values.iter().copied()) {
-        Some(meant) => format!("is `{name} := \"{meant}\"` meant?"),
-        None => format!("write one of {}", values.join(", ")),
+    let (label, help) = match distance::nearest(value, values.iter().copied()) {
+        Some(meant) => (effect(name, meant), format!("is `{name} := \"{meant}\"` meant?")),
+        None => ("has no effect".to_owned(), format!("write one of {}", values.join(", "))),
     };
     Some(
         Diagnostic::new(Code::AttributeValue, attribute.value_span, format!("`{name}` cannot be `{value}`"))
-            .label("has no effect")
+            .label(label)
             .help(help),
     )
 }

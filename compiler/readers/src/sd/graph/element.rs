@@ -25,7 +25,7 @@ enum Meaning {
 }
 
 /// Names of elements in other editors, and what SIMATIC SD calls them.
-const FOREIGN: [(&str, &str); 31] = [
+const FOREIGN: [(&str, &str); 33] = [
     ("XIC", "Contact"),
     ("XIO", "I_Contact"),
     ("NO", "Contact"),
@@ -51,6 +51,8 @@ const FOREIGN: [(&str, &str); 31] = [
     ("NOContact", "Contact"),
     ("NO_Contact", "Contact"),
     ("NCContact", "I_Contact"),
+    ("ContactNO", "Contact"),
+    ("ContactNC", "I_Contact"),
     ("NC_Contact", "I_Contact"),
     ("NegContact", "I_Contact"),
     // N is an edge here, and a negation elsewhere.
