@@ -152,7 +152,7 @@ impl Binder<'_> {
                 .find(|(word, _)| *word == written);
             let help = match (joined, next) {
                 (Some((_, mnemonic)), Some(next)) => format!("write `{mnemonic} {next}` in a line of its own"),
-                _ if matches!(classes, [OperandClass::Bit | OperandClass::InputBit]) => {
+                _ if matches!(classes, [OperandClass::Bit | OperandClass::BitWrite | OperandClass::InputBit]) => {
                     format!("write `{} {}` in a line of its own", self.mnemonic(insn), self.written(surplus.span))
                 }
                 _ if insn == Insn::Not => {

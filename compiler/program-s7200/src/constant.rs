@@ -67,12 +67,31 @@ impl Binder<'_> {
             (Target::Integer(_) | Target::Signed(_) | Target::Bits(_), Constant::Text(_)) => {
                 self.wrong_constant("a string is not possible here", "write characters in single quotes: 'AB'", span)
             }
+            (Target::Integer(width) | Target::Signed(width) | Target::Bits(width), Constant::Characters(bytes))
+                if (width.bytes() as usize + 1..=4).contains(&bytes.len()) =>
+            {
+                self.too_many_characters(bytes, width, span)
+            }
             (Target::Signed(width), Constant::Integer(value)) => self.signed(*value, width, span),
             (Target::Integer(width) | Target::Signed(width) | Target::Bits(width), _) => match whole(constant) {
                 Some(value) => self.integer(value, width, span),
                 None => self.wrong_constant("too many characters", "four of them fill a double word", span),
             },
         }
+    }
+
+    /// `'AB'` for a byte.
+    fn too_many_characters(&mut self, bytes: &[u8], width: Width, span: Span) -> Option<u32> {
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        let name = if width.bytes() == 1 { "a byte" } else { "a word" };
+        let larger = if bytes.len() == 2 { "words" } else { "double words" };
+        let (all, first) = (text(bytes), text(&bytes[..width.bytes() as usize]));
+        self.push(
+            Diagnostic::new(Code::LiteralRange, span, format!("`'{all}'` does not fit into {name} (0090)"))
+                .label(format!("{} characters", bytes.len()))
+                .help(format!("write `'{first}'`, or use an instruction for {larger}")),
+        );
+        None
     }
 
     /// A decimal number where the instruction has a sign. 40000 would be the INT -25536.
@@ -127,7 +146,8 @@ impl Binder<'_> {
             Some(value) => {
                 self.push(
                     Diagnostic::new(Code::LiteralRange, span, format!("`{value}` is outside the range (0090)"))
-                        .label(format!("0 to {max} are possible here")),
+                        .label(format!("0 to {max} are possible here"))
+                        .help(format!("write a number from 0 to {max}")),
                 );
                 None
             }

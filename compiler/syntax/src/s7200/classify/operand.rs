@@ -390,9 +390,20 @@ impl<'a> Classifier<'a, '_> {
             }
             AddressError::DataBlock => ("not data block 1", "the S7-200 has one data block: `DB1.DBW100` is `VW100`"),
         };
+        let help = match (error, bit_of_byte(text)) {
+            (AddressError::BitOfWord, Some(bit)) => format!("name the bit by its byte: `{bit}`"),
+            _ => help.to_owned(),
+        };
         let span = self.span(token.range());
         let title = format!("`{text}` is not an address of the S7-200");
         self.report(Diagnostic::new(Code::AddressRange, span, title).label(label).help(help));
         Tok::BadOperand
     }
+}
+
+/// `V10.3` for `VB10.3`.
+fn bit_of_byte(text: &str) -> Option<String> {
+    let (letters, number) = text.split_at(text.find(|c: char| c.is_ascii_digit())?);
+    let address = format!("{}{number}", letters.strip_suffix(['B', 'W', 'D', 'b', 'w', 'd'])?);
+    matches!(address::parse(&address.to_ascii_uppercase()), Some(Ok(_))).then_some(address)
 }
