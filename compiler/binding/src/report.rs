@@ -117,7 +117,8 @@ impl Report {
             if let Some(help) = bit_without_number(name, &["I", "Q", "M", "E", "A", "SM"]) {
                 return message.help(help);
             }
-            if let Some(value) = foreign_value(name) {
+            let quoted = span.end - span.start == name.len() as u32 + 2;
+            if let Some(value) = foreign_value(name).filter(|_| !quoted) {
                 return message.help(format!("write {value}"));
             }
             if is_duration(name) {
@@ -366,6 +367,8 @@ pub fn bit_without_number(name: &str, areas: &[&str]) -> Option<String> {
 /// A value of another language, as SCL writes it.
 fn foreign_value(name: &str) -> Option<&'static str> {
     Some(match name.to_ascii_lowercase().as_str() {
+        "on" | "yes" => "`TRUE`",
+        "off" | "no" => "`FALSE`",
         "none" | "nil" | "nullptr" => "NULL for a reference, FALSE for a BOOL, 0 for a number",
         _ => return None,
     })

@@ -5,13 +5,14 @@
 //!              words.rs: THENN, ENDIF, UND                 signs.rs: ==, &&, i++, 0x1F, { }          foreign.rs: METHOD, LOOP, N7:0
 //!              statements.rs: let x = 5, do … while, (INT)x      cases.rs: 1 := x := 2, SELECT CASE
 //!              leave.rs: break, EXIT FOR                   loops.rs: for (i = 0; …)                  declare.rs: POINTER TO, AT %MW10
-//!              sections.rs: VAR_GLOBAL                     values.rs: a IN [1, 2], a, b := 1
+//!              sections.rs: VAR_GLOBAL                     values.rs: a IN [1, 2], a, b := 1        choices.rs: if (x) a = 1
 //! ```
 //!
 //! Each rule looks for something that is wrong in SCL wherever it is, so correct sources pass unchanged; most have no repairs at all, and
 //! their tokens are not even copied.
 
 mod cases;
+mod choices;
 mod declare;
 mod foreign;
 mod heads;
@@ -116,6 +117,8 @@ struct Repair<'t> {
     absent: HashMap<String, bool>,
     edits: Vec<Edit>,
     messages: Vec<Diagnostic>,
+    /// The block is a data block.
+    data: bool,
     /// BEGIN of the block has been passed.
     statements_begun: bool,
     /// `{` for THEN was reported.
@@ -146,6 +149,7 @@ impl<'t> Repair<'t> {
             absent: HashMap::new(),
             edits: Vec::new(),
             messages: Vec::new(),
+            data: false,
             statements_begun: false,
             braces_reported: false,
             begins_reported: false,
@@ -294,6 +298,7 @@ impl<'t> Repair<'t> {
             }
             _ if keyword.ends_block() || self.begins_block(keyword) => {
                 self.area = if keyword.ends_block() { Area::Statements } else { Area::Head };
+                self.data = keyword == Keyword::DataBlock;
                 self.open.clear();
                 self.begins_reported = false;
                 self.statements_begun = false;

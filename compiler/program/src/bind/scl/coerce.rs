@@ -59,7 +59,12 @@ impl SclBinder<'_, '_> {
                         ))
                     }
                     (Value::Complex { ty: DataType::Struct(structure), .. }, _) if structure.instance_of.is_some() => {
-                        Some("name one of its outputs: `instance.output`".to_string())
+                        let text = self.program.globals.text(other.span());
+                        let has_q = structure.members.iter().any(|member| member.name.eq_ignore_ascii_case("Q"));
+                        Some(match has_q && ty == Elementary::Bool {
+                            true => format!("name one of its outputs, as in `{text}.Q`"),
+                            false => format!("name one of its outputs: `{text}.output`"),
+                        })
                     }
                     _ => None,
                 };
@@ -287,7 +292,9 @@ impl SclBinder<'_, '_> {
                     (Value::Elementary(expr), DataType::String(_) | DataType::WideString(_))
                         if !matches!(expr.ty.class(), Class::Bits | Class::Character) =>
                     {
-                        Some(format!("convert it: {}_TO_STRING(…)", expr.ty.name()))
+                        let wide = if matches!(ty, DataType::WideString(_)) { "W" } else { "" };
+                        let text = self.program.globals.text(span);
+                        Some(format!("convert it: `{}_TO_{wide}STRING({text})`", expr.ty.name()))
                     }
                     _ => None,
                 };

@@ -38,6 +38,9 @@ impl SclBinder<'_, '_> {
         let text = self.program.globals.text(span);
         let help = match (from, to) {
             _ if let Some(help) = rewrite::of_constant(to, &text, rewrite::Form::Scl) => Some(help),
+            (Elementary::Time, _) if to.is_float() => {
+                Some(format!("as a number of milliseconds it is `DINT_TO_{}(TIME_TO_DINT({text}))`", to.name()))
+            }
             (_, Elementary::Bool) => Some(compared_with_zero(from, &text)),
             _ if convert::explicit(rules, from, to).is_some() => {
                 Some(format!("convert it: {}", conversion(from, to, &text)))

@@ -41,6 +41,9 @@ impl Repair<'_> {
                     if for_head && !assigned && word.eq_ignore_ascii_case("IN") {
                         return self.for_in();
                     }
+                    if for_head && !assigned && word.eq_ignore_ascii_case("FROM") {
+                        return self.for_from();
+                    }
                     slip(word, &known).is_some_and(|keyword| self.take_keyword(keyword))
                 }
                 _ => false,

@@ -1,4 +1,4 @@
-//! The head of a loop of C: `for (i = 0; i < 10; i++)`.
+//! Heads of loops of other languages: `for (i = 0; i < 10; i++)`, `FOR i FROM 0 TO 9 DO`.
 
 use std::ops::Range;
 
@@ -6,6 +6,17 @@ use super::Repair;
 use crate::scl::raw::RawKind;
 
 impl Repair<'_> {
+    /// `FOR i FROM 0 TO 9 DO`
+    pub(super) fn for_from(&mut self) -> bool {
+        let at = self.at;
+        let variable = self.words(self.operand_start(at), at - 1);
+        let start = self.token(at + 1).map_or("first", |token| self.slice(token));
+        let help = format!("write `{variable} := {start}`");
+        self.report(at, at + 1, "the first value of FOR is given with `:=`".to_owned(), "read as `:=`", help);
+        self.replace(at, at + 1, RawKind::Assign, None);
+        true
+    }
+
     /// `FOR (i = 0; i < 10; i++) {`
     pub(super) fn for_of_c(&mut self) -> bool {
         let at = self.at;

@@ -32,8 +32,10 @@ impl Repair<'_> {
             }
             RawKind::Comma => self.several_targets(),
             RawKind::DotDot => self.open_range(),
-            kind if is_comparison(kind) && self.half_comparison(token) => true,
-            RawKind::Equal if self.value_with_sign() => true,
+            RawKind::LeftBracket => self.list_of_values(),
+            RawKind::LeftBrace => self.index_in_braces(),
+            kind if is_comparison(kind) && (self.half_comparison(token) || self.compared_case(token)) => true,
+            RawKind::Equal if self.value_with_sign() || self.exchanged_assignment() => true,
             RawKind::Less | RawKind::Greater if self.shift(token) || self.back_arrow(token) => true,
             RawKind::Equal | RawKind::Greater | RawKind::Ampersand => self.pair(token),
             _ => false,
@@ -128,10 +130,14 @@ impl Repair<'_> {
         if !twice || !ends || !self.last.is_some_and(ends_operand) || at == self.statement {
             return false;
         }
-        let variable = self.words(self.statement, at - 1).to_owned();
+        let first = self.operand_start(at);
+        let variable = self.words(first, at - 1);
         let sign = self.slice(token);
         let title = format!("SCL has no `{sign}{sign}`");
-        let help = format!("write `{variable} := {variable} {sign} 1;`");
+        // `a := i++;`
+        let before = if first > self.statement { self.words(self.statement, at - 1) } else { "" };
+        let before = if before.is_empty() { String::new() } else { format!("{before}; ") };
+        let help = format!("write `{before}{variable} := {variable} {sign} 1;`");
         self.report(at, at + 2, title, "a form of other languages", help);
         self.give_up(at + 2);
         true
@@ -376,7 +382,8 @@ impl Repair<'_> {
             }
             RawKind::Comma => {
                 let digits = self.token(at + 2).filter(|next| next.kind == RawKind::Number && self.adjacent(at + 1));
-                let value = self.brackets.is_empty() && self.is_real_value();
+                let alone = self.kind(at + 3) != Some(RawKind::Comma);
+                let value = alone && self.brackets.is_empty() && self.is_real_value();
                 let Some(digits) = digits.filter(|_| value) else { return false };
                 let written = format!("{number}.{}", self.slice(digits));
                 let help = format!("write `{written}`");

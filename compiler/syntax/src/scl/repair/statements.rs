@@ -278,15 +278,17 @@ impl Repair<'_> {
     }
 
     /// Whether `:=` is before the current token in its statement; of a long statement only the last tokens are looked at.
-    fn is_assigned(&self) -> bool {
+    pub(super) fn is_assigned(&self) -> bool {
         const LOOK_MAX: usize = 100;
         let first = self.statement.max(self.at.saturating_sub(LOOK_MAX));
         (first..self.at).any(|index| self.kind(index) == Some(RawKind::Assign))
     }
 
-    fn assignment(&mut self, count: usize) -> bool {
+    pub(super) fn assignment(&mut self, count: usize) -> bool {
         let at = self.at;
-        let (left, right) = self.sides(at, at + count);
+        let end = self.end_of_statement(at + count);
+        let left = self.words(self.operand_start(at), at - 1);
+        let right = if end > at + count { self.words(at + count, end - 1) } else { "…" };
         let help = format!("write `{left} := {right};`");
         self.report(at, at + count, "a value is assigned with `:=`".to_owned(), "read as `:=`", help);
         self.replace(at, at + count, RawKind::Assign, None);

@@ -10,7 +10,7 @@ const VALUES_MAX: usize = 4;
 impl Repair<'_> {
     /// A value that begins with a word, or has one between its operands.
     pub(super) fn foreign_value(&mut self, token: RawToken) -> bool {
-        token.kind == RawKind::Word && (self.chosen_value(token) || self.membership(token))
+        token.kind == RawKind::Word && (self.chosen_value(token) || self.if_of_c(token) || self.membership(token))
     }
 
     /// `a := IF c THEN 1 ELSE 2;`
@@ -84,7 +84,7 @@ impl Repair<'_> {
     }
 
     /// What commas separate from token `first` up to `after`, exclusive: the first and last token of each part.
-    fn parts(&self, first: usize, after: usize) -> Vec<(usize, usize)> {
+    pub(super) fn parts(&self, first: usize, after: usize) -> Vec<(usize, usize)> {
         let (mut depth, mut begin, mut found) = (0usize, first, Vec::new());
         for index in first..after {
             match self.kind(index) {
