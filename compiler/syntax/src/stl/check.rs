@@ -52,6 +52,16 @@ pub fn operand(text: &str, insn: StlInsn, mnemonic: Span, operand: Option<&Opera
     if fits(class, &operand.kind) {
         return None;
     }
+    if class == OperandClass::DataBlock
+        && let Some((block, part)) = shown.split_once('.')
+        && block.get(..2).is_some_and(|letters| letters.eq_ignore_ascii_case("DB"))
+    {
+        return Some(
+            Diagnostic::new(Code::OperandKind, operand.span, format!("`{written}` opens a whole data block"))
+                .label(describe(&operand.kind))
+                .help(format!("write `{written} {block}`, and `{part}` in the statements after it")),
+        );
+    }
     let (title, help) = mismatch(insn, &written, shown, operand);
     Some(
         Diagnostic::new(Code::OperandKind, operand.span, title)
@@ -71,6 +81,9 @@ fn surplus_help(insn: StlInsn, written: &str, shown: &str) -> String {
             Some(b'I' | b'Q' | b'C') => format!("write `AN {shown}` or `ON {shown}`"),
             _ => format!("write `AN {shown}` (in German mnemonics `UN {shown}`) or `ON {shown}`"),
         },
+        _ if written.starts_with(['+', '-', '*', '/', '<', '>', '=']) => {
+            format!("write `L {shown}` in the line before, and `{written}` alone")
+        }
         _ => match written.strip_suffix('(').map(str::trim_end) {
             Some(single) => format!(
                 "write `{single} {shown}` for one operand; several have lines of their own between `{written}` and `)`"

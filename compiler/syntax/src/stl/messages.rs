@@ -324,9 +324,17 @@ fn surplus_operand(state: &State, mnemonic: &str, start: usize) -> Diagnostic {
     let written: Vec<&str> = rest.split(',').map(str::trim).filter(|operand| !operand.is_empty()).collect();
     let lines: Vec<String> = written.iter().map(|operand| format!("`{mnemonic} {operand}`")).collect();
     // A time or a count, which an instruction of bits takes from ACCU1.
-    let constant = |text: &str| text.contains('#') && !text.starts_with('#') || text.parse::<i64>().is_ok();
+    let constant = |text: &str| {
+        text.contains('#') && !text.starts_with('#') || text.starts_with(|c: char| c.is_ascii_digit() || c == '-')
+    };
+    // `5s`
+    let unit = |text: &str| text.trim_start_matches(|c: char| c.is_ascii_digit()).to_ascii_uppercase();
+    let is_time = |text: &str| matches!(unit(text).as_str(), "S" | "MS" | "M" | "H");
     let help = match lines.as_slice() {
         [] => "remove the comma".to_owned(),
+        [_] if constant(written[0]) && is_time(written[0]) => {
+            format!("write `L S5T#{}` in the line before", written[0])
+        }
         [_] if constant(written[0]) => format!("write `L {}` in the line before", written[0]),
         [one] => format!("write {one} in a line of its own"),
         several => format!("write {} in lines of their own", several.join(", ")),

@@ -111,6 +111,8 @@ impl Classifier<'_, '_> {
                 }
                 // `; text`, as assemblers of other machines write a comment.
                 let is_comment = !token.first_on_line
+                    && !suggest::is_known(upper.as_str())
+                    && self.kind_at(index + 1) != Some(RawKind::Semicolon)
                     && index.checked_sub(1).and_then(|before| self.kind_at(before)) == Some(RawKind::Semicolon);
                 let follows = if self.ends_before(index + 1) { "" } else { self.rest_of_statement(index + 1) };
                 let help = match is_comment {
@@ -143,6 +145,9 @@ impl Classifier<'_, '_> {
                             .label("assigns in calls and declarations")
                             .help(format!("write `= {operand}` for a bit, `T {operand}` for a value"))
                     }
+                    _ if let Some(label) = self.label_with_digit(index) => message
+                        .label("a label begins with a letter")
+                        .help(format!("write another label, such as `m{label}:`")),
                     _ if let Some((title, label, help)) = self.sign_of_other_languages(index) => {
                         Diagnostic::new(Code::ForeignForm, span, title).label(label).help(help)
                     }
@@ -153,6 +158,14 @@ impl Classifier<'_, '_> {
                 self.bad_statement();
             }
         }
+    }
+
+    /// `1lab` of `1lab:` at `index`.
+    fn label_with_digit(&self, index: usize) -> Option<&str> {
+        let (number, word) = (self.raw_at(index)?, self.raw_at(index + 1)?);
+        let adjacent = number.end == word.start && self.kind_at(index + 2) == Some(RawKind::Colon);
+        let kinds = number.kind == RawKind::Number && word.kind == RawKind::Word;
+        (adjacent && kinds).then(|| &self.text[number.start as usize..word.end as usize])
     }
 
     /// `- 5`, `*`, `#o = #a`, `# text`, `-- text`: title, label and help.
@@ -193,6 +206,29 @@ impl Classifier<'_, '_> {
             )),
             _ => None,
         }
+    }
+
+    /// `L #a + #b`: what to write for the sign at the current token, if an operand is before and after it.
+    pub(super) fn operator_between(&self, sign: &str) -> Option<String> {
+        let after_operand = matches!(
+            self.last(),
+            Some(
+                Tok::Local(_) | Tok::Quoted(_) | Tok::Name(_) | Tok::Literal(_) | Tok::Address(_) | Tok::BitAddress(..)
+            )
+        );
+        let rest = self.rest_of_statement(self.at + 1);
+        let compares = matches!(sign, ">" | "<" | ">=" | "<=" | "==" | "<>");
+        let in_list = rest == "..." || rest.contains([')', ',']);
+        if !after_operand || in_list || !compares && !matches!(sign, "+" | "-" | "*" | "/") {
+            return None;
+        }
+        Some(match rest.split_once(' ') {
+            // `>I #b`
+            Some((ty @ ("I" | "D" | "R"), operand)) => {
+                format!("write `L {}` and `{sign}{ty}` in lines of their own", operand.trim())
+            }
+            _ => format!("write `L {rest}`, then `{sign}I` for INT, `{sign}D` for DINT or `{sign}R` for REAL"),
+        })
     }
 
     /// The text from the token at `index` to the end of its statement or line.

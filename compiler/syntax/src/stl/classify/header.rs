@@ -193,6 +193,9 @@ impl<'a> Classifier<'a, '_> {
                     }
                     return;
                 }
+                RawKind::Word if word == "CONST" && token.first_on_line && frame == Frame::Code => {
+                    self.no_constants(token)
+                }
                 RawKind::Word if is_section(word) => {
                     has_content = true;
                     self.section();
@@ -228,6 +231,23 @@ impl<'a> Classifier<'a, '_> {
                     return self.code();
                 }
                 _ => self.skip_in_header(frame),
+            }
+        }
+    }
+
+    /// `CONST … END_CONST` of SCL, which is reported and skipped.
+    fn no_constants(&mut self, token: RawToken) {
+        self.report(
+            Diagnostic::new(Code::ForeignForm, self.span(token), "STL has no section CONST")
+                .label("a form of SCL")
+                .help("write `VAR CONSTANT`, `name : type := value;` for each constant, and `END_VAR`"),
+        );
+        self.at += 1;
+        while self.peek().is_some() && !self.header_keyword(self.at) {
+            let ends = self.upper(self.at).as_str() == "END_CONST";
+            self.at += 1;
+            if ends {
+                return;
             }
         }
     }

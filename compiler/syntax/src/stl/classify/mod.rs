@@ -304,6 +304,11 @@ impl<'a> Classifier<'a, '_> {
                 }
                 return;
             }
+            _ if let Some(help) = self.operator_between(slice) => {
+                Diagnostic::new(Code::Syntax, span, format!("a statement has no `{slice}` between operands"))
+                    .label("a form of other languages")
+                    .help(help)
+            }
             _ => Diagnostic::new(Code::Syntax, span, format!("`{slice}` cannot stand here"))
                 .label("not expected")
                 .help("an operand is an address (`M 10.0`), a name (`#name`, `\"symbol\"`) or a constant"),
