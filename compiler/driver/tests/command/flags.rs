@@ -73,6 +73,14 @@ fn wrong_flags_are_usage_errors() {
         let errors = both(folder, &["--clock", "virtual", "--cycles", "2", "--scenario", "s.toml"], 2);
         assert!(errors.contains(says), "{errors}");
     }
+    for (text, says) in [
+        ("MW0;MW2\n1;2\n", "i.csv:1: columns are separated by `,`; write MW0,MW2"),
+        ("MW0,MW2\n1\n", "i.csv:2: 2 values are expected, as the first line has names, but here are 1"),
+    ] {
+        std::fs::write(folder.join("i.csv"), text).expect("the folder can be written");
+        let errors = both(folder, &["--clock", "virtual", "--cycles", "2", "--instance-values", "i.csv"], 2);
+        assert!(errors.contains(says), "{errors}");
+    }
 }
 
 #[test]

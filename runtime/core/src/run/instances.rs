@@ -58,11 +58,27 @@ impl Table {
             reader.headers().map_err(|error| format!("{shown}: {error}"))?.iter().map(str::to_string).collect();
         let rows: Result<Vec<Vec<String>>, csv::Error> =
             reader.records().map(|row| row.map(|row| row.iter().map(str::to_string).collect())).collect();
-        let rows = rows.map_err(|error| format!("{shown}: {error}"))?;
+        let rows = rows.map_err(|error| format!("{shown}{}", plain(&error)))?;
+        if let [name] = names.as_slice()
+            && name.contains(';')
+        {
+            return Err(format!("{shown}:1: columns are separated by `,`; write {}", name.replace(';', ",")));
+        }
         if rows.is_empty() {
             return Err(format!("{shown}: no values; the first line has names, each further line is an instance"));
         }
         Ok(Table { names, rows })
+    }
+}
+
+/// What is wrong with a line of the file, after its name.
+fn plain(error: &csv::Error) -> String {
+    match error.kind() {
+        csv::ErrorKind::UnequalLengths { pos, expected_len, len } => {
+            let line = pos.as_ref().map_or(0, csv::Position::line);
+            format!(":{line}: {expected_len} values are expected, as the first line has names, but here are {len}")
+        }
+        _ => format!(": {error}"),
     }
 }
 

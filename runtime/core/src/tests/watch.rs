@@ -122,6 +122,14 @@ fn timers_and_counters_are_modified_by_their_values() {
 }
 
 #[test]
+fn each_address_has_a_table() {
+    let cpu = cpu(Vec::new());
+    let message = Table::parse("\"I0.0\" = 1\n", &cpu).expect_err("no row").1;
+    let help = "write `[[row]]`, and below it `address = \"I0.0\"` and `modify = \"1\"`";
+    assert!(message.ends_with(help), "{message}");
+}
+
+#[test]
 fn forced_values_win_over_the_table() {
     let seen: Rc<RefCell<Vec<u8>>> = Rc::default();
     let keep = seen.clone();

@@ -96,11 +96,26 @@ pub(super) type Placed = Sheet<toml::Spanned<String>, toml::Spanned<TraceText>>;
 pub(super) fn parse(text: &str) -> Result<Placed, (usize, String)> {
     let sheet: Placed = toml::from_str(text).map_err(|error| {
         let offset = error.span().map_or(0, |span| span.start);
-        let wrong = toml_words::plain_at(error.message(), text, offset);
+        let wrong = value_at_top(error.message(), text, offset)
+            .unwrap_or_else(|| toml_words::plain_at(error.message(), text, offset));
         (offset, format!("{}; {}", wrong.title, wrong.help))
     })?;
     check(sheet.row.len()).map_err(|error| (0, error))?;
     Ok(sheet)
+}
+
+/// `"I0.0" = 1` outside of tables, where each address has a row.
+fn value_at_top(message: &str, text: &str, offset: usize) -> Option<toml_words::Wrong> {
+    if !message.starts_with("unknown field") || !message.contains("expected `row`") {
+        return None;
+    }
+    let start = text.get(..offset)?.rfind('\n').map_or(0, |at| at + 1);
+    let (name, value) = text.get(start..)?.lines().next()?.split(" #").next()?.split_once('=')?;
+    let (name, value) = (name.trim().trim_matches(['"', '\'']), value.trim().trim_matches(['"', '\'']));
+    Some(toml_words::Wrong {
+        title: "each address has a table `[[row]]`".to_owned(),
+        help: format!("write `[[row]]`, and below it `address = \"{name}\"` and `modify = \"{value}\"`"),
+    })
 }
 
 fn check(rows: usize) -> Result<(), String> {
