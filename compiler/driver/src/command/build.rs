@@ -129,9 +129,12 @@ fn runtime(bound: &Bound, args: &BuildArgs) -> Runtime {
     }
 }
 
-/// Where to write, which is neither a folder nor a source.
+/// Where to write, which is neither a folder nor a source. Without `-o`, `plcc build tank` writes into the folder `tank`.
 fn checked_output(args: &BuildArgs, name: &str, what: &str) -> Result<PathBuf, u8> {
-    let output = args.output.clone().unwrap_or_else(|| PathBuf::from(name));
+    let output = args.output.clone().unwrap_or_else(|| {
+        let folder = Path::new(name);
+        if folder.is_dir() { folder.join(name) } else { folder.to_path_buf() }
+    });
     if output.is_dir() {
         report::say(&format!("`{}` is a folder; name {what} with -o", output.display()));
         return Err(exit::USAGE);
