@@ -105,6 +105,9 @@ impl SclBinder<'_, '_> {
                 return None;
             }
             Implicit::Unusual => self.unusual(span, from, ty),
+            Implicit::Yes if from == Elementary::Lreal && self.follows_target(rules, &value, ty) => {
+                return convert::explicit_expr(rules, with_real_constants(value), ty);
+            }
             Implicit::Yes if convert::narrows(from, ty) && !self.follows_target(rules, &value, ty) => {
                 match constant::computed(&value).filter(|_| ty.is_integer()) {
                     Some(number) if constant::fits(number, false, ty) => {}
@@ -492,4 +495,23 @@ fn first_difference(from: &DataType, wanted: &DataType) -> Option<String> {
 /// Whether an operand is an address with bits only.
 pub(super) fn is_untyped(ctx: &SclBlock, span: Span) -> bool {
     ctx.scope.untyped.as_ref().is_some_and(|known| known.contains(&span))
+}
+
+/// SCALE_X, SEL or MUX of constants that are REAL instead of LREAL, and so computed in REAL; another value stays.
+fn with_real_constants(mut value: Expr) -> Expr {
+    let ExprKind::Function { function: Function::ScaleX | Function::Select | Function::Mux { .. }, arguments } =
+        &mut value.kind
+    else {
+        return value;
+    };
+    for argument in arguments {
+        if let ExprKind::Const(bits) = &mut argument.kind
+            && argument.ty == Elementary::Lreal
+        {
+            *bits = u64::from((f64::from_bits(*bits) as f32).to_bits());
+            argument.ty = Elementary::Real;
+        }
+    }
+    value.ty = Elementary::Real;
+    value
 }
