@@ -84,21 +84,32 @@ fn ordered(number: &str) -> Option<Profile> {
     row.or_else(|| s7200::cpus().iter().find(|cpu| matches(s7200::orders(cpu.name))).map(s7200::profile))
 }
 
+/// Fewer digits or letters do not tell a CPU from others.
+const DIGITS_MIN: usize = 3;
+
 /// Help for a name that is not a CPU.
 pub fn help(name: &str) -> String {
     let wanted = normalized(name);
     // `S7-1214C` for `1214C`.
     let bare = wanted.strip_prefix("S7").unwrap_or(&wanted);
+    // `1214C DC/DC/DC`, `1517F`: what stands before its additions, or the same number.
+    let begins = |own: &str| own.len() >= DIGITS_MIN && (wanted.starts_with(own) || bare.starts_with(own));
+    let longest = names().into_iter().filter(|known| begins(&normalized(known))).max_by_key(|known| known.len());
+    let digits = &bare[..bare.bytes().take_while(u8::is_ascii_digit).count()];
+    let is_alike = |known: &&str| digits.len() >= DIGITS_MIN && normalized(known).starts_with(digits);
+    let begun = names().into_iter().find(|known| bare.len() >= DIGITS_MIN && normalized(known).starts_with(bare));
     let near = [wanted.as_str(), bare]
         .into_iter()
         .flat_map(|wanted| names().into_iter().map(move |known| (wanted, known, normalized(known))))
         .filter(|(wanted, _, own)| wanted.get(..2) == own.get(..2))
         .map(|(wanted, known, own)| (plcc_syntax::distance::between(wanted, &own), known))
         .filter(|(distance, _)| *distance <= 2)
-        .min();
+        .min()
+        .map(|(_, known)| known);
     let forms = "write a family (`s7-300`, `s7-400`, `s7-1200`, `s7-1500`, `s7-200`), a CPU as STEP 7 names it (`315-2 PN/DP`), or its order number";
-    match near {
-        Some((_, near)) => format!("is `{near}` meant? Otherwise {forms}"),
+    let numbered = || names().into_iter().find(is_alike);
+    match longest.or(begun).or(near.filter(is_alike)).or_else(numbered).or(near) {
+        Some(near) => format!("is `{near}` meant? Otherwise {forms}"),
         None => forms.to_string(),
     }
 }
@@ -198,6 +209,8 @@ mod tests {
             assert_eq!(lookup(short).map(|profile| profile.name).as_deref(), Some(name), "{short}");
         }
         assert!(help("315-2DB").contains("315-2DP"));
+        assert!(help("1214C DC/DC/DC").contains("`1214C`"));
+        assert!(help("S7-1517F").contains("`1517F-3PN/DP`"));
     }
 
     /// No order number identifies two CPUs, and each row is found by its name.
