@@ -97,6 +97,18 @@ pub fn located(types: &HashMap<String, Node>, addresses: &Addresses, variable: N
     Some((Place { width, ..place }, ty))
 }
 
+/// Whether the type of a variable is an element that is not one of IEC 61131-3, such as `<BOOLEAN/>`.
+fn has_unknown_type(variable: Node) -> bool {
+    const COMPOSED: [&str; 9] =
+        ["derived", "array", "string", "wstring", "struct", "enum", "subrangeSigned", "subrangeUnsigned", "pointer"];
+    let ty = child(variable, "type").and_then(|ty| elements(ty).next());
+    ty.is_some_and(|ty| {
+        let name = ty.tag_name().name();
+        !COMPOSED.iter().any(|known| known.eq_ignore_ascii_case(name))
+            && Elementary::from_word(&name.to_ascii_uppercase()).is_none()
+    })
+}
+
 /// Names of lists of global variables with the lists: the names of lists distinguish variables with equal names.
 pub fn global_lists<'a, 'i>(root: Node<'a, 'i>) -> impl Iterator<Item = Node<'a, 'i>> {
     let lists = root.descendants().filter(|node| node.tag_name().name() == "globalVars");
@@ -343,6 +355,10 @@ impl<'a> Reader<'a> {
             Read::At(location) => {
                 if located(&self.types, &self.addresses, node).is_some() {
                     return true;
+                }
+                // A word that is no type at all is reported as such.
+                if has_unknown_type(node) {
+                    return false;
                 }
                 let text = format!("`{name}` is not of an elementary type, so it cannot have an address");
                 let mut message = Diagnostic::new(Code::ForeignContent, span, text);

@@ -198,7 +198,11 @@ fn split_setting(item: &str) -> Option<(&str, &str)> {
 fn settings(cpu: &Cpu, list: &[String]) -> Result<Vec<(Source, Value)>, String> {
     let one = |item: String| {
         let (name, text) = split_setting(&item).ok_or_else(|| {
-            let meant = if item.contains(':') { item.replacen(':', "=", 1) } else { format!("{item}=1") };
+            // `I0.0:1`, but not `I0.0:P`.
+            let meant = match item.rsplit_once(':') {
+                Some((name, value)) if !value.trim().eq_ignore_ascii_case("P") => format!("{name}={value}"),
+                _ => format!("{item}=1"),
+            };
             format!("--set {item}: write ADDR=VALUE, as {meant}")
         })?;
         if let Some(name) = name.trim_end().strip_suffix(':') {

@@ -175,6 +175,17 @@ impl SclBinder<'_, '_> {
                 }
                 _ => None,
             },
+            NodeKind::Binary { .. } if let Some((target, sign)) = compared_first(node) => {
+                let value = Span { start: sign.end, end: node.span.end, ..sign };
+                let (target, value) = (self.program.globals.text(target.span), self.program.globals.text(value));
+                ctx.scope.value_set = true;
+                self.program.report(
+                    Diagnostic::new(Code::AssignSign, sign, "this compares and does nothing with the result")
+                        .label("a comparison")
+                        .help(format!("to assign write `{target} := {value};`")),
+                );
+                None
+            }
             NodeKind::Binary { op: Operator::Equal, op_span, left, right } => {
                 let (target, value) = (self.program.globals.text(left.span), self.program.globals.text(right.span));
                 ctx.scope.value_set = true;
@@ -353,4 +364,25 @@ fn hole(ctx: &SclBlock, callee: &Node) -> Option<Vec<Statement>> {
         NodeKind::Name(name) => ctx.scope.holes.get(name.text.as_str()).cloned(),
         _ => None,
     }
+}
+
+/// The variable that a lone expression begins with, and the `=` after it: `x = a AND b`.
+fn compared_first(node: &Node) -> Option<(&Node, Span)> {
+    let mut current = node;
+    while let NodeKind::Binary { op, left, op_span, .. } = &current.kind {
+        let is_variable = matches!(
+            left.kind,
+            NodeKind::Name(_)
+                | NodeKind::Absolute(_)
+                | NodeKind::Member { .. }
+                | NodeKind::MemberAbsolute { .. }
+                | NodeKind::Slice { .. }
+                | NodeKind::Index { .. }
+        );
+        if *op == Operator::Equal && is_variable {
+            return (left.span.start == node.span.start).then_some((&**left, *op_span));
+        }
+        current = left;
+    }
+    None
 }

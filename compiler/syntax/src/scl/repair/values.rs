@@ -112,7 +112,7 @@ impl Repair<'_> {
         let outside = self.brackets.is_empty() && self.head.is_none();
         let named =
             matches!(self.kind(first), Some(RawKind::Word | RawKind::Local | RawKind::Quoted | RawKind::Absolute));
-        if !outside || !named || first >= at || !self.last.is_some_and(ends_operand) {
+        if !outside || !named || first >= at || self.is_assigned() || !self.last.is_some_and(ends_operand) {
             return false;
         }
         let after = self.tokens.len().min(at + LOOK_MAX);
