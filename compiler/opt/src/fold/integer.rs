@@ -126,8 +126,11 @@ impl Folder<'_> {
             | BinaryOp::Fmul
             | BinaryOp::Fdiv => {}
         }
-        self.reassociated(op, ty, a, cb)
-            .or_else(|| if op == BinaryOp::And { self.and_of_parts(a, b, cb) } else { None })
+        let change = self.reassociated(op, ty, a, cb);
+        if change.is_some() || op != BinaryOp::And {
+            return change;
+        }
+        self.and_of_parts(a, b, cb).or_else(|| self.and_of_pointer(ty, a, b, cb))
     }
 
     /// `(x op c1) op c2` is `x op (c1 op c2)`.
@@ -216,6 +219,34 @@ impl Folder<'_> {
     fn and_of_parts(&self, a: Value, b: Value, mask: u64) -> Option<Change> {
         let part = self.part_with(a, mask)?;
         Some(Change::Data(InstData::Binary { op: BinaryOp::And, args: [part, b] }))
+    }
+
+    /// `((x | c) + y) & mask`, where `mask` has the low bits and c only others, is `(x + y) & mask`; of `(x + c) & mask` only the low
+    /// bits of c matter. The area of a pointer does not reach its address, which then is a sum of small numbers.
+    fn and_of_pointer(&mut self, ty: Type, a: Value, b: Value, mask: u64) -> Option<Change> {
+        let &InstData::Binary { op: BinaryOp::Iadd, args: [x, y] } = self.function.defining(a)? else { return None };
+        if !is_low_mask(mask) {
+            return None;
+        }
+        let args = match (self.without_area(x, mask), self.without_area(y, mask)) {
+            (None, None) => [x, self.address_in(ty, y, mask)?],
+            (of_x, of_y) => [of_x.unwrap_or(x), of_y.unwrap_or(y)],
+        };
+        let sum = self.emit(InstData::Binary { op: BinaryOp::Iadd, args }, ty);
+        Some(Change::Data(InstData::Binary { op: BinaryOp::And, args: [sum, b] }))
+    }
+
+    /// The operand of `or x, c`, if c has no bits of `mask`.
+    fn without_area(&self, value: Value, mask: u64) -> Option<Value> {
+        let (x, area) = self.with_constant(BinaryOp::Or, value)?;
+        (area & mask == 0).then_some(x)
+    }
+
+    /// The low bits of a constant that has others, too. A negative one stays: in a sum it is a small number.
+    fn address_in(&mut self, ty: Type, value: Value, mask: u64) -> Option<Value> {
+        let bits = self.constant(value)?;
+        let low = bits & mask;
+        (low != bits && low <= mask >> 1).then(|| self.emit_const(ty, low))
     }
 
     /// A shift whose other part is shifted out.

@@ -40,6 +40,17 @@ fn pointers_to_parts_of_instances() {
         "v10 = const.i32 2214592512\nv11 = iadd v0, v10\nv12 = const.i32 16777215\nv13 = and v11, v12\nret v13",
         "v12 = const.i32 16777215\nv13 = and v0, v12\nret v13",
     );
+    check(
+        "v10 = const.i32 2214592576\nv11 = iadd v0, v10\nv12 = const.i32 16777215\nv13 = and v11, v12\nret v13",
+        "v12 = const.i32 16777215\nv10 = const.i32 64\nv11 = iadd v0, v10\nv13 = and v11, v12\nret v13",
+    );
+    check(
+        "v10 = const.i32 2214592512\nv11 = or v0, v10\nv12 = iadd v11, v1\nv13 = const.i32 16777215\nv14 = and v12, v13\nret v14",
+        "v13 = const.i32 16777215\nv12 = iadd v0, v1\nv14 = and v12, v13\nret v14",
+    );
+    // A pointer that moves back.
+    let text = "v10 = const.i32 4294967288\nv11 = iadd v0, v10\nv12 = const.i32 16777215\nv13 = and v11, v12\nret v13";
+    check(text, text);
     // Bits above the mask do reach a mask that has holes.
     let text = "v10 = const.i32 3\nv11 = iadd v0, v10\nv12 = const.i32 12\nv13 = and v11, v12\nret v13";
     check(text, text);

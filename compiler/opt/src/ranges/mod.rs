@@ -159,11 +159,23 @@ fn use_once(function: &mut Function, surroundings: &Surroundings) -> Done {
     if !passes.is_empty() {
         polls::remove(function, &cfg, &Loops::new(function, &cfg, &dominators), &passes);
     }
-    let has_sums =
-        changes.iter().any(|(_, _, change)| matches!(change, Change::ExtendAndAdd(..) | Change::MaskAndAdd(..)));
+    let has_sums = changes.iter().any(|(_, inst, change)| match change {
+        Change::ExtendAndAdd(..) | Change::MaskAndAdd(..) => true,
+        // A sum that has lost its mask is shifted in parts.
+        Change::Value(sum) => is_mask(&function.insts[*inst]) && is_sum(function, *sum),
+        _ => false,
+    });
     let changed = !changes.is_empty() || !passes.is_empty();
     apply(function, changes);
     Done { changed, has_sums }
+}
+
+fn is_mask(data: &InstData) -> bool {
+    matches!(data, InstData::Binary { op: BinaryOp::And, .. })
+}
+
+fn is_sum(function: &Function, value: Value) -> bool {
+    matches!(function.defining(value), Some(InstData::Binary { op: BinaryOp::Iadd, .. }))
 }
 
 fn change_of(function: &Function, ranges: &Ranges<'_>, inst: Inst) -> Option<Change> {
@@ -378,7 +390,8 @@ fn low_bits_of_sum(function: &Function, ranges: &Ranges<'_>, sum: Value, mask: i
     None
 }
 
-/// The operands of a sum that does not wrap, natural numbers that were shifted left by `count` at least.
+/// The operands of a sum that does not wrap, natural numbers that were shifted left by `count` at least. One of them may be a masked
+/// number: the address of an instance, which other accesses shift as well.
 fn shifted_parts(function: &Function, ranges: &Ranges<'_>, sum: Value, count: u32) -> Option<[Value; 2]> {
     let &InstData::Binary { op: BinaryOp::Iadd, args } = function.defining(sum)? else { return None };
     let [a, b] = [ranges.get(args[0])?, ranges.get(args[1])?];
@@ -392,7 +405,15 @@ fn shifted_parts(function: &Function, ranges: &Ranges<'_>, sum: Value, count: u3
         Some(InstData::Binary { op: BinaryOp::Iadd, .. }) => shifted_parts(function, ranges, value, count).is_some(),
         _ => false,
     };
-    (count > 0 && fits && a.zeros >= count && b.zeros >= count && args.into_iter().all(is_shifted)).then_some(args)
+    let is_masked = |value: Value| function.defining(value).is_some_and(is_mask);
+    let [first, second] = args;
+    let is_cheap = match (is_shifted(first), is_shifted(second)) {
+        (true, true) => true,
+        (true, false) => is_masked(second),
+        (false, true) => is_masked(first),
+        (false, false) => false,
+    };
+    (count > 0 && fits && a.zeros >= count && b.zeros >= count && is_cheap).then_some(args)
 }
 
 /// `arg` shifted right: what was shifted left without a wrap is shifted less, and a product has a smaller factor.

@@ -288,6 +288,54 @@ fn sums_with_multiples_are_shifted_in_parts() {
     );
 }
 
+#[test]
+fn an_element_of_an_instance_is_at_the_address_of_the_instance() {
+    // The instance is at one of the multiples of 32 bytes up to 224, an element has 26 bytes, and the first is at 14.
+    check_pass(
+        "ranges",
+        "func @F {
+        b0(v0: i32, v1: i32):
+        v2 = const.i32 1792
+        v3 = and v0, v2
+        v4 = const.i32 3
+        v5 = and v1, v4
+        v6 = const.i32 208
+        v7 = imul v5, v6
+        v8 = iadd v3, v7
+        v9 = const.i32 112
+        v10 = iadd v8, v9
+        v11 = const.i32 16777215
+        v12 = and v10, v11
+        v13 = lshr v12, v4
+        store.i32 M[v13]+0, v0
+        ret
+        }",
+        "func @F {
+        b0(v0: i32, v1: i32):
+        v2 = const.i32 1792
+        v3 = and v0, v2
+        v4 = const.i32 3
+        v5 = and v1, v4
+        v6 = const.i32 208
+        v7 = imul v5, v6
+        v8 = iadd v3, v7
+        v9 = const.i32 112
+        v10 = iadd v8, v9
+        v11 = const.i32 16777215
+        v12 = const.i32 3
+        v13 = const.i32 3
+        v14 = lshr v3, v13
+        v15 = const.i32 26
+        v16 = imul v5, v15
+        v17 = iadd v14, v16
+        v18 = const.i32 14
+        v19 = iadd v17, v18
+        store.i32 M[v17]+14, v0
+        ret
+        }",
+    );
+}
+
 /// A loop of so many passes that ends each of them in this way.
 fn watched_loop(last: u16, end_of_pass: &str) -> String {
     format!(
