@@ -91,6 +91,12 @@ impl Folder<'_> {
             let cc = int_cc(mirrored(outcomes), sign)?;
             return Some(Change::Data(InstData::IntCompare { cc, args: [b, a] }));
         }
+        // Places in one frame lie as their offsets do.
+        if let (Some((in_a, first)), Some((in_b, second))) = (self.local_place(a), self.local_place(b))
+            && in_a == in_b
+        {
+            return constant(u64::from(eval::int_compare(cc, ty, first, second)));
+        }
         match cb {
             Some(cb) => self.compare_with_constant(cc, ty, a, b, cb),
             None => self.compare_extended(cc, a, b),

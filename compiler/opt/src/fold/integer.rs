@@ -1,6 +1,7 @@
 //! Rules for operations with two operands, and for taking words out of wider values.
 
-use plcc_ir::{BinaryOp, ConvertOp, InstData, Region, Type, Value, eval};
+use plcc_abi::layout::L_CLASS_BYTES;
+use plcc_ir::{Address, BinaryOp, ConvertOp, InstData, Region, Type, Value, eval};
 
 use super::{Change, Folder, constant};
 use crate::known_bits::{known_zero, shift_count};
@@ -35,7 +36,8 @@ impl Folder<'_> {
             BinaryOp::And | BinaryOp::Or => self
                 .complements(op, ty, a, b)
                 .or_else(|| self.absorbed(op, a, b))
-                .or_else(|| if ty == Type::I1 { self.combined_compares(op, a, b) } else { self.disjoint(op, a, b) }),
+                .or_else(|| if ty == Type::I1 { self.combined_compares(op, a, b) } else { self.disjoint(op, a, b) })
+                .or_else(|| self.wrapped_place(op, a, b)),
             BinaryOp::Xor => match (self.negated(a), self.negated(b)) {
                 (Some(x), Some(y)) => Some(Change::Data(InstData::Binary { op, args: [x, y] })),
                 _ if ty == Type::I1 => self.combined_compares(op, a, b),
@@ -56,6 +58,35 @@ impl Folder<'_> {
             return None;
         }
         constant(u64::from(a.offset.wrapping_sub(b.offset)))
+    }
+
+    /// The region and the offset of a place in local data.
+    pub(super) fn local_place(&self, value: Value) -> Option<(Region, u64)> {
+        let (value, by) = self.with_constant(BinaryOp::Iadd, value).unwrap_or((value, 0));
+        match *self.function.defining(value)? {
+            InstData::AddressOf { addr: Address { region: region @ (Region::L | Region::V), base: None, offset } } => {
+                let offset = u64::from(offset) + by;
+                (offset <= u64::from(L_CLASS_BYTES)).then_some((region, offset))
+            }
+            _ => None,
+        }
+    }
+
+    /// `(p & stack) | (q & inside)` of two places in the own frame, where `inside` has the bits of an address in an L stack and `stack` the
+    /// others, is q: no frame lies across the end of a stack.
+    fn wrapped_place(&self, op: BinaryOp, a: Value, b: Value) -> Option<Change> {
+        const INSIDE: u64 = L_CLASS_BYTES as u64 - 1;
+        const STACK: u64 = !INSIDE & u32::MAX as u64;
+        let (one, kept) = self.with_constant(BinaryOp::And, a)?;
+        let (other, more) = self.with_constant(BinaryOp::And, b)?;
+        let (stack, place) = match (op, kept, more) {
+            (BinaryOp::Or, STACK, INSIDE) => (one, other),
+            (BinaryOp::Or, INSIDE, STACK) => (other, one),
+            _ => return None,
+        };
+        let bytes = u64::from(self.function.local_bytes());
+        let is_own = |value| matches!(self.local_place(value), Some((Region::L, offset)) if offset < bytes);
+        (is_own(stack) && is_own(place)).then_some(Change::Value(place))
     }
 
     fn binary_with_constant(&mut self, op: BinaryOp, ty: Type, a: Value, b: Value, cb: u64) -> Option<Change> {

@@ -67,6 +67,26 @@ fn pointers_to_parts_of_instances() {
 }
 
 #[test]
+fn addresses_in_the_own_frame_do_not_wrap() {
+    let text = |added: u32| {
+        format!(
+            "v2 = address L 0\nv3 = const.i32 4294901760\nv4 = and v2, v3\nv5 = const.i32 {added}\nv6 = iadd v2, v5\nv7 = \
+             const.i32 65535\nv8 = and v6, v7\nv9 = or v4, v8\nv10 = const.i32 4\nv11 = iadd v9, v10\nv12 = ule v11, \
+             v2\nstore.bit M 0.0, v12\nret v9"
+        )
+    };
+    crate::tests::check_body(
+        "fold",
+        &text(10),
+        "v2 = address L 0\nv3 = const.i32 4294901760\nv4 = and v2, v3\nv5 = const.i32 10\nv6 = iadd v2, v5\nv7 = const.i32 \
+         65535\nv8 = and v6, v7\nv9 = const.i32 4\nv10 = const.i32 14\nv11 = iadd v2, v10\nv12 = const.i1 0\nstore.bit M 0.0, \
+         v12\nret v6",
+    );
+    // The frame has 16 bytes.
+    crate::tests::check_body("fold", &text(16), &text(16));
+}
+
+#[test]
 fn comparisons_combine() {
     check(
         "v10 = slt v0, v1\nv11 = sgt v0, v1\nv12 = or v10, v11\nstore.bit M 0.0, v12\nret v0",
