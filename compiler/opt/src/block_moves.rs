@@ -33,7 +33,7 @@ use plcc_abi::any::{self, Access};
 use plcc_ir::{Address, BinaryOp, Block, BlockCall, Function, Inst, InstData, Region, Type, Value};
 
 use place::{Builder, Frame, Place};
-use structure::Structure;
+use structure::{STRUCTURE_BYTES, Structure};
 
 use crate::surroundings::Surroundings;
 
@@ -86,6 +86,26 @@ fn block_move<'f>(function: &Function, data: &'f InstData) -> Option<(u16, &'f [
 /// True if the instruction is a block move, which uses the addresses of local data that it gets, and does not keep them.
 pub fn is_block_move(function: &Function, data: &InstData) -> bool {
     block_move(function, data).is_some()
+}
+
+/// What a block move after the instructions `before` of its block may change, if it is known: its destination and its structure of
+/// parameters, each with its length. It runs no organization block.
+pub fn written(
+    function: &Function,
+    before: &[Inst],
+    data: &InstData,
+    surroundings: &Surroundings,
+) -> Option<[(Address, u32); 2]> {
+    let (_, args) = block_move(function, data)?;
+    let at_frame = local_offset(function, args[2])?;
+    let frame = Frame { base: local_offset(function, args[3])?, structure: at_frame };
+    let to = Structure::before(function, before, at_frame).pointed(1, Access::Write)?;
+    match Place::of(function, &to, to.any.bytes, frame, surroundings)? {
+        Place::Known(addr) if to.any.type_code != any::STRING => {
+            Some([(addr, to.any.bytes), (Address::direct(Region::L, at_frame), STRUCTURE_BYTES)])
+        }
+        _ => None,
+    }
 }
 
 /// The byte of region L that an address is the one of.

@@ -19,7 +19,8 @@
 //!
 //! A block with one predecessor begins with the facts at its end; a join with the facts that all predecessors share; a loop
 //! head with none. A safepoint or an error makes unknown what other organization blocks write (see `effects`). A cold block that may
-//! change all memory but a private frame begins with the facts about that. The number of facts is bounded, so time stays linear.
+//! change all memory but a private frame begins with the facts about that. A block move with a constant destination changes only that. The
+//! number of facts is bounded, so time stays linear.
 
 mod memory;
 #[cfg(test)]
@@ -33,12 +34,14 @@ use plcc_ir::{
     Address, BinaryOp, Block, Class, ConvertOp, Function, Inst, InstData, Loc, Region, StaticDb, Type, Value,
 };
 
+use crate::block_moves;
 use crate::effects::{Effects, is_interruption};
 use crate::extents::{Access, Extent};
 use crate::frames::Frames;
 use crate::surroundings::Surroundings;
 use crate::words::Words;
 use memory::{Content, Memory};
+
 /// Values from which a load is put together at most.
 const PIECES_MAX: usize = 4;
 const DB_FACTS_MAX: usize = 32;
@@ -62,6 +65,7 @@ fn forward(function: &mut Function, surroundings: &Surroundings, whole_words: Op
     let mut pass = Forward {
         function,
         frames,
+        surroundings,
         effects,
         words: None,
         known: Memory::default(),
@@ -179,6 +183,7 @@ enum Step {
 struct Forward<'a> {
     function: &'a mut Function,
     frames: &'a Frames<'a>,
+    surroundings: &'a Surroundings,
     /// Words that are read for their bits, if any are.
     words: Option<Words<'a>>,
     effects: &'a Effects,
@@ -256,9 +261,7 @@ impl Forward<'_> {
                     Effect::All if is_interruption(*function) => {
                         self.known.interrupt(*function, self.effects, self.frames.is_private());
                     }
-                    Effect::All => {
-                        self.known.forget_all(self.frames.is_private(), self.function);
-                    }
+                    Effect::All => self.call_system(data),
                 }
                 Step::Keep
             }
@@ -275,6 +278,18 @@ impl Forward<'_> {
             | InstData::Branch { .. }
             | InstData::Switch { .. }
             | InstData::Return { .. } => Step::Keep,
+        }
+    }
+
+    /// Forgets what a runtime function changes that may change anything.
+    fn call_system(&mut self, data: &InstData) {
+        let Some(written) = block_moves::written(self.function, &self.out, data, self.surroundings) else {
+            self.known.forget_all(self.frames.is_private(), self.function);
+            return;
+        };
+        self.known.regions.remove(&Region::State);
+        for (addr, len) in written {
+            self.known.forget(&Access::bytes(&addr, len));
         }
     }
 
