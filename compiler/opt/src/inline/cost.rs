@@ -18,7 +18,7 @@ const SMALL: u32 = 2 * CALL_COST;
 /// Up to this cost it is inlined as long as the program may grow.
 const MEDIUM: u32 = 4 * CALL_COST;
 /// The same of a function that gets pointers whose areas, or addresses, it then knows.
-const ONE_AREA: u32 = 6 * CALL_COST;
+const ONE_AREA: u32 = 7 * CALL_COST;
 /// Up to this size a function that is called once is inlined.
 const ONCE_MAX: u32 = 2000;
 /// No function grows beyond this size, but for small callees: code generation takes more than linear time for large ones.
@@ -32,7 +32,8 @@ const GROWTH_FREE: u32 = 2000;
 pub struct Shape {
     /// Instructions on paths that are not cold, weighted.
     pub cost: u32,
-    /// As `cost`, where pointers whose area the function looks at are known: then only the code for one area remains.
+    /// As `cost`, where pointers whose area the function looks at are known: then only the code for one area remains, and none for the
+    /// distance of its frame from the caller's, by which it tests pointers into that.
     pub cost_by_area: u32,
     /// As `cost`, where the parameters in `pointers` are constants: what computes addresses and the numbers of bits needs no instructions then.
     pub cost_by_pointers: u32,
@@ -70,13 +71,18 @@ impl Shape {
         let mut is_candidate = true;
         let mut returns = false;
         let other_areas = code_for_areas(function);
+        let mut places = FxHashSet::default();
         for (id, block) in function.layout.iter().map(|&id| (id, &function.blocks[id])) {
             for &inst in &block.insts {
                 let data = &function.insts[inst];
                 shape.size += 1;
+                let is_place = is_made_of_places(function, data, &places);
+                if is_place {
+                    places.extend(&function.results[inst]);
+                }
                 if !block.cold {
                     shape.cost += cost(data);
-                    if !other_areas.contains(&id) {
+                    if !is_place && !other_areas.contains(&id) {
                         shape.cost_by_area += cost(data);
                     }
                 }
@@ -221,6 +227,25 @@ impl Pointers {
 /// The instructions of a function in the order of its layout.
 fn insts(function: &Function) -> impl Iterator<Item = Inst> {
     function.layout.iter().flat_map(|&block| function.blocks[block].insts.iter().copied())
+}
+
+/// True of the address of a place in local data, of what is computed of `places` and constants alone, and of a branch by that.
+fn is_made_of_places(function: &Function, data: &InstData, places: &FxHashSet<Value>) -> bool {
+    let is_place = |value: Value| places.contains(&function.resolve(value));
+    match data {
+        InstData::AddressOf { addr } => addr.base.is_none() && matches!(addr.region, Region::L | Region::V),
+        InstData::FrameBase { .. } => true,
+        InstData::Branch { cond, .. } => is_place(*cond),
+        InstData::Binary { .. } | InstData::IntCompare { .. } | InstData::Convert { .. } | InstData::Select { .. } => {
+            let (mut any, mut all) = (false, true);
+            data.for_each_use(|value| {
+                any |= is_place(value);
+                all &= is_place(value) || function.constant(value).is_some();
+            });
+            any && all
+        }
+        _ => false,
+    }
 }
 
 /// Blocks that are only for pointers into some area that is not a DB.

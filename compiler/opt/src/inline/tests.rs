@@ -268,3 +268,40 @@ fn what_gets_constant_addresses_costs_less() {
     };
     assert_eq!((calls("v0"), calls("v1")), (2, 0));
 }
+
+#[test]
+fn what_tests_pointers_into_the_frame_of_a_caller_that_knows_them_costs_less() {
+    // Twenty words of the caller are copied, each after a test of how far its frame is away.
+    let words: String = (0..20)
+        .map(|number| {
+            let v: Vec<String> = (0..7).map(|at| format!("v{}", 10 + 10 * number + at)).collect();
+            format!(
+                "{} = address L 0\n{} = address V 0\n{} = isub {}, {}\n{} = uge {}, v1\n{} = iadd {}, v1\n{} = select {}, {}, {}\n\
+                 {} = load.i16 any[{}]+0\nstore.i16 M {number}, {}\n",
+                v[0], v[1], v[2], v[0], v[1], v[3], v[2], v[4], v[1], v[5], v[3], v[4], v[1], v[6], v[5], v[6]
+            )
+        })
+        .collect();
+    let calls = |pointer: u32| {
+        let text = format!(
+            "entry @F
+            func @F frame 32 {{
+            b0:
+            v0 = const.i32 {pointer}
+            store.i32 L 0, v0
+            call @G()
+            call @G()
+            ret
+            }}
+            func @G frame 8 {{
+            b0:
+            v1 = const.i32 20
+            {words}ret
+            }}"
+        );
+        let mut module = plcc_ir::parse::parse_module(&text).expect("text is well formed");
+        crate::run_pass(&mut module, "inline").expect("there is such a pass");
+        plcc_ir::print::module_text(&module).matches("call @G").count()
+    };
+    assert_eq!((calls(5), calls(0x8700_0000)), (2, 0));
+}
