@@ -143,8 +143,8 @@ fn copies(function: &Function, each: &Loop, passes: usize, size: usize) -> Optio
             _ => {}
         }
     }
-    // Eight bits in a row are mostly one byte.
-    let loads = |count: usize| count * loads + if count == BITS_TOGETHER { bits } else { count * bits };
+    // Eight bits in a row are mostly one byte, which is there when the first of them is.
+    let loads = |count: usize| count * if count == BITS_TOGETHER { loads } else { loads + bits };
     (2..=TOGETHER_MAX)
         .rev()
         .find(|&count| passes.is_multiple_of(count) && loads(count) <= LOADS_MAX && count * size <= TOGETHER_INSTS_MAX)
@@ -428,6 +428,39 @@ mod tests {
         };
         // Bytes of other numbers are loaded each.
         assert_eq!((loads(7), loads(3)), (2 * 8, 2 * 4));
+    }
+
+    #[test]
+    fn eight_bits_may_have_a_word_each() {
+        let text = "; passes: unroll
+            func @F {
+            b0:
+            v0 = const.i32 0
+            v1 = const.i32 1
+            v2 = const.i32 3
+            v3 = const.i32 7
+            v4 = const.i32 64
+            jump b1(v0)
+            b1(v5: i32):
+            v6 = shl v5, v1
+            v7 = load.i16 M[v6]+100
+            v8 = zext.i32 v7
+            v9 = lshr v5, v2
+            v10 = and v5, v3
+            v11 = load.i8 M[v9]+0
+            v12 = zext.i32 v11
+            v13 = shl v8, v10
+            v14 = xor v12, v13
+            v15 = trunc.i8 v14
+            store.i8 M[v9]+0, v15
+            v16 = iadd v5, v1
+            v17 = slt v16, v4
+            branch v17, b1(v16), b2
+            b2:
+            ret
+            }";
+        let result = crate::run_listed_passes(text).expect("text is well formed");
+        assert_eq!(result.matches("store").count(), 8, "{result}");
     }
 
     #[test]
