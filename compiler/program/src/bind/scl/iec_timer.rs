@@ -5,12 +5,12 @@ use plcc_syntax::Elementary;
 use plcc_syntax::scl::ast::Expr as Node;
 
 use super::Intent;
-use super::expression::constant_expr;
+use super::expression::{binary_expr, constant_expr};
 use super::pins::Pins;
 use super::place::shifted;
 use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_model::layout;
-use plcc_model::scl::{Access, StatementKind};
+use plcc_model::scl::{Access, BinaryOp, StatementKind};
 use plcc_model::types::DataType;
 
 impl SclBinder<'_, '_> {
@@ -24,15 +24,19 @@ impl SclBinder<'_, '_> {
         members.into_iter().map(zero).collect()
     }
 
-    /// The running time then also ends with the new PT.
+    /// The running time then also ends with the new PT; a negative one is 0, as at a start.
     pub(super) fn preset_timer(&mut self, ctx: &mut SclBlock, pins: &Pins) -> Option<Vec<StatementKind>> {
         let members = self.timer_members(ctx, pins.get("TIMER")?, &["PT", "LATCHED"])?;
+        let Ok([preset, latched]) = <[Access; 2]>::try_from(members) else { return None };
         // LTIME of a TON_LTIME.
-        let ty = members.first().and_then(Access::elementary).unwrap_or(Elementary::Time);
+        let ty = preset.elementary().unwrap_or(Elementary::Time);
         let value = self.of_type(ctx, pins.get("PT")?, ty);
         let mut code = Vec::new();
         let value = self.kept(ctx, &mut code, value?);
-        code.extend(members.into_iter().map(|target| StatementKind::Assign { target, value: value.clone() }));
+        let zero = constant_expr(0, ty, value.span);
+        let duration = binary_expr(BinaryOp::Max, value.clone(), zero, ty, value.span);
+        code.push(StatementKind::Assign { target: preset, value });
+        code.push(StatementKind::Assign { target: latched, value: duration });
         Some(code)
     }
 
