@@ -27,8 +27,13 @@ pub fn civil(moment: i64) -> DateTime {
 
 /// The moment of a calendar form; 0 for one outside the years 1678..2262.
 pub fn moment(datetime: DateTime) -> i64 {
-    let timestamp = Offset::UTC.to_timestamp(datetime).map(Timestamp::as_nanosecond).unwrap_or(0);
-    i64::try_from(timestamp).unwrap_or(0)
+    moment_in_range(datetime).unwrap_or(0)
+}
+
+/// The moment of a calendar form; `None` for one outside 1677-09-21 to 2262-04-11.
+pub fn moment_in_range(datetime: DateTime) -> Option<i64> {
+    let timestamp = Offset::UTC.to_timestamp(datetime).ok()?;
+    i64::try_from(timestamp.as_nanosecond()).ok()
 }
 
 /// The eight bytes of a DATE_AND_TIME. Source: Programming with STEP 7, format of DATE_AND_TIME.

@@ -13,9 +13,11 @@ const NS_PER_MS: i64 = 1_000_000;
 const MS_PER_DAY: i64 = 86_400_000;
 /// Days from 1970-01-01 to 1990-01-01, where DATE begins.
 const FIRST_DAY: i64 = 7305;
-const YEARS: std::ops::RangeInclusive<u16> = 1970..=2261;
+const YEARS: std::ops::RangeInclusive<u16> = 1970..=LAST_YEAR;
+/// The year in which the moments end: the clock cannot be set to it.
+const LAST_YEAR: u16 = 2262;
 
-/// The moment of a DTL; `Err`: the error code of WR_SYS_T. The weekday does not count.
+/// The moment of a DTL, up to 2262-04-11-23:47:16.854775807; `Err`: the error code of WR_SYS_T. The weekday does not count.
 pub(crate) fn decode(bytes: [u8; 12]) -> Result<i64, u16> {
     let [year_high, year_low, month, day, _, hour, minute, second, ns @ ..] = bytes;
     let (year, ns) = (u16::from_be_bytes([year_high, year_low]), u32::from_be_bytes(ns));
@@ -33,7 +35,15 @@ pub(crate) fn decode(bytes: [u8; 12]) -> Result<i64, u16> {
     }
     let ns = i32::try_from(ns).ok().filter(|&ns| ns <= 999_999_999).ok_or(0x8087u16)?;
     let time = Time::new(hour as i8, minute as i8, second as i8, ns).map_err(|_| 0x8087u16)?;
-    Ok(datetime::moment(date.to_datetime(time)))
+    datetime::moment_in_range(date.to_datetime(time)).ok_or(0x8081)
+}
+
+/// The moment of a DTL to which the clock is set; `Err` as from [`decode`].
+fn clock_time(bytes: [u8; 12]) -> Result<i64, u16> {
+    if u16::from_be_bytes([bytes[0], bytes[1]]) == LAST_YEAR {
+        return Err(0x8081);
+    }
+    decode(bytes)
 }
 
 pub(crate) fn encode(moment: i64) -> [u8; 12] {
@@ -60,7 +70,7 @@ pub(super) fn read_clock_local(call: &Call) -> Outcome {
 
 /// IN -> RET_VAL: 8081 year to 8087 nanoseconds.
 pub(super) fn set_clock(call: &Call) -> Outcome {
-    match decode(call.dtl(0)) {
+    match clock_time(call.dtl(0)) {
         Ok(moment) => {
             call.cpu.clock.set_wall(moment);
             call.cpu.wall_clock_was_set();
@@ -73,7 +83,7 @@ pub(super) fn set_clock(call: &Call) -> Outcome {
 /// LOCTIME, DST -> RET_VAL, as [`set_clock`]; 8080, 8089 of [`zone::system_time`].
 pub(super) fn set_clock_local(call: &Call) -> Outcome {
     let summer = call.byte(1) & 1 != 0;
-    let system = decode(call.dtl(0)).and_then(|local| zone::system_time(&call.cpu.zone.get(), local, summer));
+    let system = clock_time(call.dtl(0)).and_then(|local| zone::system_time(&call.cpu.zone.get(), local, summer));
     match system {
         Ok(moment) => {
             call.cpu.clock.set_wall(moment);
@@ -152,7 +162,7 @@ pub(super) fn add(call: &Call) -> Outcome {
     let moment = decode(call.dtl(0)).ok();
     let sum =
         moment.and_then(|moment| if call.byte(2) & 1 != 0 { moment.checked_sub(ns) } else { moment.checked_add(ns) });
-    give(call, 3, sum.filter(|&sum| YEARS.contains(&(datetime::civil(sum).year() as u16))))
+    give(call, 3, sum.filter(|&sum| sum >= 0))
 }
 
 /// DTL, DTL -> TIME: IN1 - IN2.
