@@ -487,8 +487,8 @@ impl SclBinder<'_, '_> {
             _ => (left, right),
         };
         // T_DIFF yields a TIME on every CPU.
-        if op == NodeOp::Subtract && Self::is_dtl_value(&left) && Self::is_dtl_value(&right) {
-            return self.dtl_difference(ctx, left, right, Elementary::Time, span);
+        if op == NodeOp::Subtract && Self::has_short_difference(ctx.scope.rules, &left, &right) {
+            return self.date_difference(ctx, left, right, Elementary::Time, span);
         }
         // A result that does not fit the type is 0. Source: S7-1200 reference, date and time; decision 67.
         let subtract = op == NodeOp::Subtract;

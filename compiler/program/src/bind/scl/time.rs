@@ -225,8 +225,12 @@ impl SclBinder<'_, '_> {
                     convert::explicit_expr(ctx.scope.rules, days, *ty).map(Value::Elementary)
                 })
             }
-            (Moment::Dtl, Moment::Dtl, DataType::Elementary(Ltime)) => {
-                self.dtl_difference(ctx, left, right, Ltime, span)
+            (Moment::Of(Date), Moment::Of(Date), DataType::Elementary(Time)) => {
+                self.date_difference(ctx, left, right, Time, span)
+            }
+            (Moment::Dtl, Moment::Dtl, DataType::Elementary(Ltime))
+            | (Moment::DateAndTime, Moment::DateAndTime, DataType::Elementary(Ltime)) => {
+                self.date_difference(ctx, left, right, Ltime, span)
             }
             _ => self.operation(ctx, Operator::Subtract, name.span, left, right, span),
         })
@@ -260,9 +264,39 @@ impl SclBinder<'_, '_> {
         }
     }
 
-    /// True of a DTL.
-    pub(super) fn is_dtl_value(value: &Value) -> bool {
-        moment(value) == Moment::Dtl
+    /// True of dates whose T_DIFF is a TIME: two DTL, on an S7-1200 or S7-1500 two DATE_AND_TIME, on an S7-1200 two DATE.
+    pub(super) fn has_short_difference(rules: Rules, left: &Value, right: &Value) -> bool {
+        let kind = moment(left);
+        let short = match kind {
+            Moment::Dtl => true,
+            Moment::DateAndTime => !rules.is_300(),
+            Moment::Of(Date) => rules == Rules::Tia1200,
+            _ => false,
+        };
+        short && kind == moment(right)
+    }
+
+    /// T_DIFF of two DTL, DATE_AND_TIME or DATE: a TIME or LTIME; 0 if it does not fit.
+    pub(super) fn date_difference(
+        &mut self,
+        ctx: &mut SclBlock,
+        left: Value,
+        right: Value,
+        ty: Elementary,
+        span: Span,
+    ) -> Option<Value> {
+        let (left, right) = (self.as_dtl(ctx, left)?, self.as_dtl(ctx, right)?);
+        self.dtl_difference(ctx, left, right, ty, span)
+    }
+
+    /// A DATE or DATE_AND_TIME as DTL; anything else as it is.
+    fn as_dtl(&mut self, ctx: &mut SclBlock, value: Value) -> Option<Value> {
+        let span = value.span();
+        match moment(&value) {
+            Moment::DateAndTime => self.instruction_value(ctx, "DT_TO_DTL", vec![value], span),
+            Moment::Of(Date) => self.instruction_value(ctx, "DATE_TO_DTL", vec![value], span),
+            _ => Some(value),
+        }
     }
 
     /// DTL and TIME or LTIME: a DTL.
@@ -288,7 +322,7 @@ impl SclBinder<'_, '_> {
     }
 
     /// The time between two DTL: a TIME, or an LTIME, which can hold every one.
-    pub(super) fn dtl_difference(
+    fn dtl_difference(
         &mut self,
         ctx: &mut SclBlock,
         left: Value,
@@ -310,7 +344,7 @@ impl SclBinder<'_, '_> {
         match moment(&value) {
             Moment::Of(Ldt) => self.convert(ctx, value, Ldt),
             Moment::DateAndTime => {
-                let dtl = self.instruction_value(ctx, "DT_TO_DTL", vec![value], span)?;
+                let dtl = self.as_dtl(ctx, value)?;
                 self.as_ldt(ctx, dtl)
             }
             Moment::Dtl => match self.instruction_value(ctx, "DTL_TO_LDT", vec![value], span)? {
