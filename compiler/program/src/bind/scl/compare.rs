@@ -32,6 +32,15 @@ const fn library(op: CompareOp) -> (u16, u16) {
     }
 }
 
+/// The instruction that returns -1, 0 or 1 for values of this kind.
+fn order_of(left: &Value, right: &Value) -> Option<&'static str> {
+    if time::is_dtl_value(left) && time::is_dtl_value(right) {
+        return Some("COMPARE_DTL");
+    }
+    let wide = text::is_wide_text(left) && is_any_text(right) || text::is_wide_text(right) && is_any_text(left);
+    wide.then_some("COMPARE_WSTRING")
+}
+
 impl SclBinder<'_, '_> {
     pub(in crate::bind) fn compare(
         &mut self,
@@ -55,15 +64,15 @@ impl SclBinder<'_, '_> {
             let right = self.convert(ctx, right, ty);
             return Some(comparison(op, left?, right?, span));
         }
-        if time::compare_as_dates(&left, &right) {
-            let (left, right) = (self.as_ldt(ctx, left), self.as_ldt(ctx, right));
-            return Some(comparison(op, left?, right?, span));
-        }
-        if text::is_wide_text(&left) && is_any_text(&right) || text::is_wide_text(&right) && is_any_text(&left) {
-            let order = self.instruction_value(ctx, "COMPARE_WSTRING", vec![left, right], span)?;
+        if let Some(name) = order_of(&left, &right) {
+            let order = self.instruction_value(ctx, name, vec![left, right], span)?;
             let Value::Elementary(order) = order else { return None };
             let zero = constant_expr(0, order.ty, span);
             return Some(comparison(op, order, zero, span));
+        }
+        if time::compare_as_dates(&left, &right) {
+            let (left, right) = (self.as_ldt(ctx, left), self.as_ldt(ctx, right));
+            return Some(comparison(op, left?, right?, span));
         }
         match (complex_type(&left), complex_type(&right)) {
             (Some(DataType::String(_)), _) | (_, Some(DataType::String(_))) if is_text(&left) && is_text(&right) => {

@@ -58,11 +58,16 @@ fn days_of(date: Expr) -> Expr {
     convert::converted(days, Conversion::Bits { checked: false }, Dint)
 }
 
-/// True if two values compare as dates, one of them a DTL, or of two types.
+/// True of a DTL.
+pub fn is_dtl_value(value: &Value) -> bool {
+    moment(value) == Moment::Dtl
+}
+
+/// True if two values compare as dates of two types.
 pub fn compare_as_dates(left: &Value, right: &Value) -> bool {
     let (a, b) = (moment(left), moment(right));
     let date = |moment| matches!(moment, Moment::Dtl | Moment::DateAndTime | Moment::Of(Ldt));
-    (a == Moment::Dtl || a != b) && date(a) && date(b)
+    a != b && date(a) && date(b)
 }
 
 impl SclBinder<'_, '_> {
