@@ -12,9 +12,9 @@ use crate::fault::Substitute;
 
 /// Nanoseconds in a millisecond.
 const MS: i64 = 1_000_000;
-/// Longest S5TIME, and the longest of each finer time base, in milliseconds.
+/// Longest S5TIME, and the longest time that each finer time base holds after cutting, in milliseconds.
 const S5_MAX: i64 = 9_990_000;
-const S5_BASES: [(i64, i64); 3] = [(9_990, 10), (99_900, 100), (999_000, 1_000)];
+const S5_BASES: [(i64, i64); 3] = [(9_999, 10), (99_999, 100), (999_999, 1_000)];
 
 impl BlockLowering<'_, '_> {
     /// Converts `value` of type `from` to type `to`.
