@@ -158,7 +158,15 @@ pub(super) fn to_ldt(call: &Call) -> Outcome {
 
 /// DTL, TIME, BACK -> DTL: IN1 + IN2, or with BACK IN1 - IN2.
 pub(super) fn add(call: &Call) -> Outcome {
-    let ns = i64::from(call.dword(1) as i32) * NS_PER_MS;
+    step(call, i64::from(call.dword(1) as i32) * NS_PER_MS)
+}
+
+/// DTL, LTIME, BACK -> DTL, as [`add`].
+pub(super) fn add_long(call: &Call) -> Outcome {
+    step(call, call.lword(1) as i64)
+}
+
+fn step(call: &Call, ns: i64) -> Outcome {
     let moment = decode(call.dtl(0)).ok();
     let sum =
         moment.and_then(|moment| if call.byte(2) & 1 != 0 { moment.checked_sub(ns) } else { moment.checked_add(ns) });
@@ -167,8 +175,19 @@ pub(super) fn add(call: &Call) -> Outcome {
 
 /// DTL, DTL -> TIME: IN1 - IN2.
 pub(super) fn difference(call: &Call) -> Outcome {
-    let difference = decode(call.dtl(0)).ok().zip(decode(call.dtl(1)).ok());
-    let ms = difference.and_then(|(one, two)| i32::try_from((one - two) / NS_PER_MS).ok());
+    let ms = between(call).and_then(|ns| i32::try_from(ns / NS_PER_MS).ok());
     call.set_dword(2, ms.unwrap_or(0) as u32);
     Outcome::Flag(ms.is_some())
+}
+
+/// DTL, DTL -> LTIME: IN1 - IN2.
+pub(super) fn long_difference(call: &Call) -> Outcome {
+    let ns = between(call);
+    call.set_lword(2, ns.unwrap_or(0) as u64);
+    Outcome::Flag(ns.is_some())
+}
+
+/// Nanoseconds from the second DTL to the first; `None`: one is not a date.
+fn between(call: &Call) -> Option<i64> {
+    Some(decode(call.dtl(0)).ok()? - decode(call.dtl(1)).ok()?)
 }

@@ -175,6 +175,8 @@ system_functions! {
     1162 SUB_DTL_DTL (Dtl, Dtl)             -> (Dword)           = dtl::difference;
     1163 CONCAT_DATE_TOD (Word, Dword)      -> (Dtl)             = dtl::combine;
     1164 WR_LOC_T (Dtl, Bool)               -> (Word)            = dtl::set_clock_local;
+    1168 ADD_DTL_LTIME (Dtl, Lword, Bool)   -> (Dtl)             = dtl::add_long;
+    1169 SUB_DTL_DTL_LTIME (Dtl, Dtl)       -> (Lword)           = dtl::long_difference;
     1320 Serialize (Variant)                -> (Word, Variant, Dword) = variants::serialize;
     1321 Deserialize (Variant)              -> (Word, Variant, Dword) = variants::deserialize;
     1322 VariantGet (Variant)               -> (Variant)             = variants::get;

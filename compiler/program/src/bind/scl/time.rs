@@ -314,16 +314,9 @@ impl SclBinder<'_, '_> {
         back: bool,
         span: Span,
     ) -> Option<Value> {
-        if step == Time {
-            let back = Value::Constant(Constant::Typed { ty: Bool, bits: back.into() }, span);
-            return self.instruction_value(ctx, "ADD_DTL_TIME", vec![left, right, back], span);
-        }
-        let left = self.instruction_value(ctx, "DTL_TO_LDT", vec![left], span)?;
-        let left = self.convert(ctx, left, Ldt)?;
-        let right = self.convert(ctx, right, Ltime)?;
-        let op = if back { BinaryOp::Subtract } else { BinaryOp::Add };
-        let sum = binary_expr(op, as_bits(left, Lint), as_bits(right, Lint), Lint, span);
-        self.instruction_value(ctx, "LDT_TO_DTL", vec![Value::Elementary(as_bits(sum, Ldt))], span)
+        let name = if step == Time { "ADD_DTL_TIME" } else { "ADD_DTL_LTIME" };
+        let back = Value::Constant(Constant::Typed { ty: Bool, bits: back.into() }, span);
+        self.instruction_value(ctx, name, vec![left, right, back], span)
     }
 
     /// The time between two DTL: a TIME, or an LTIME, which can hold every one.
@@ -335,12 +328,8 @@ impl SclBinder<'_, '_> {
         ty: Elementary,
         span: Span,
     ) -> Option<Value> {
-        if ty == Time {
-            return self.instruction_value(ctx, "SUB_DTL_DTL", vec![left, right], span);
-        }
-        let left = self.instruction_value(ctx, "DTL_TO_LDT", vec![left], span)?;
-        let right = self.instruction_value(ctx, "DTL_TO_LDT", vec![right], span)?;
-        self.difference(ctx, Ldt, left, right, span)
+        let name = if ty == Time { "SUB_DTL_DTL" } else { "SUB_DTL_DTL_LTIME" };
+        self.instruction_value(ctx, name, vec![left, right], span)
     }
 
     /// A DTL, DATE_AND_TIME or LDT as LDT, in which TIA computes and compares them all; `None` for anything else.
