@@ -66,7 +66,14 @@ impl Declarations<'_> {
             let known =
                 START_VALUES.iter().find(|(of, name, ..)| Some(*of) == class && same_start_value(name, &variable.name));
             let Some(&(_, _, bits, value)) = known else {
-                self.no_start_value(number, class, variable);
+                if has_known_inputs(class) {
+                    self.no_start_value(number, class, variable);
+                } else {
+                    // It is 0, as all local data of the OB at its start.
+                    let (byte, bit) = placer.place(&typed.ty);
+                    let local = Local { name: variable.name.clone(), ty: typed.ty, base: Base::L, byte, bit };
+                    bound.locals.entry(fold(&variable.name)).or_insert(local);
+                }
                 continue;
             };
             // Versions of the TIA Portal differ in whether a small number is a byte or a word.
@@ -116,4 +123,10 @@ impl Declarations<'_> {
             .help(help),
         );
     }
+}
+
+/// Whether it is known which inputs the OBs of a class have. Those of motion control, of synchronous cycles and of interrupts that are
+/// defined by a device have others in each version of the TIA Portal, and nothing here supplies their values.
+fn has_known_inputs(class: Option<ObClass>) -> bool {
+    class.is_none_or(|class| START_VALUES.iter().any(|(of, ..)| *of == class))
 }
