@@ -39,18 +39,25 @@ impl Globals<'_> {
             match class {
                 None => {
                     let names: Vec<&str> = OB_CLASSES.iter().map(|row| row.names[0]).collect();
-                    self.report.push(
-                        Diagnostic::new(
-                            Code::BlockFrame,
-                            block.name.span(),
-                            format!("`{text}` is not a class of organization blocks"),
-                        )
-                        .label(format!("it is not known what starts OB {number}"))
-                        .help(match plcc_binding::similar(text, names.iter().copied()) {
-                            Some(meant) => format!("is `{meant}` meant?"),
-                            None => format!("one of {}", names.join(", ")),
-                        }),
-                    );
+                    // The number of an OB below 123 says what starts it.
+                    let own = ObClass::of_number(number).map(|own| with_article(own.row().word));
+                    let mut message = Diagnostic::new(
+                        Code::BlockFrame,
+                        block.name.span(),
+                        format!("`{text}` is not a class of organization blocks"),
+                    )
+                    .label(match &own {
+                        Some(own) => format!("by its number OB {number} is {own} OB"),
+                        None => format!("it is not known what starts OB {number}"),
+                    })
+                    .help(match plcc_binding::similar(text, names.iter().copied()) {
+                        Some(meant) => format!("is `{meant}` meant?"),
+                        None => format!("one of {}", names.join(", ")),
+                    });
+                    if own.is_some() {
+                        message.severity = Severity::Warning;
+                    }
+                    self.report.push(message);
                 }
                 Some(class) if !class.is_started() => {
                     self.not_started(number, class, block.name.span());
