@@ -12,6 +12,9 @@ const GLOBALS: [(&str, Option<&str>); 4] = [
     ("VAR_ACCESS", Some("remove the section")),
 ];
 
+/// Words between the one that begins a section and its declarations.
+const MODIFIERS: [&str; 5] = ["CONSTANT", "RETAIN", "NON_RETAIN", "PERSISTENT", "DB_SPECIFIC"];
+
 /// A first declaration that is longer than this is not shown in a help.
 const DECLARATION_MAX: usize = 60;
 
@@ -38,16 +41,32 @@ impl Repair<'_> {
         true
     }
 
-    /// The declarations between the tokens as those of a data block.
+    /// The declarations between the tokens as those of a data block; constants have another place.
     fn as_data_block(&self, first: usize, end: usize) -> String {
-        let semicolon = (first..end).find(|index| self.kind(*index) == Some(RawKind::Semicolon));
-        let declaration = semicolon.map_or("…", |semicolon| self.words(first, semicolon));
+        let begin = self.first_declaration(first, end);
+        let has = |word: &str| (first..begin).any(|index| self.words(index, index).eq_ignore_ascii_case(word));
+        if has("CONSTANT") {
+            return "give the constants their values in the tag table, or in `VAR CONSTANT … END_VAR` of the blocks that use them"
+                .to_owned();
+        }
+        let section = if has("RETAIN") || has("PERSISTENT") { "VAR RETAIN" } else { "VAR" };
+        let semicolon = (begin..end).find(|index| self.kind(*index) == Some(RawKind::Semicolon));
+        let declaration = semicolon.map_or("…", |semicolon| self.words(begin, semicolon));
         let declaration = if declaration.len() > DECLARATION_MAX { "…" } else { declaration };
         let more = if semicolon.is_some_and(|semicolon| semicolon + 1 < end) { " …" } else { "" };
-        let name = self.words(first, first);
-        format!(
-            "write `DATA_BLOCK \"Globals\" VAR {declaration}{more} END_VAR BEGIN END_DATA_BLOCK`, and `\"Globals\".{name}` for `{name}`"
-        )
+        let name = self.words(begin, begin);
+        let block = format!("DATA_BLOCK \"Globals\" {section} {declaration}{more} END_VAR BEGIN END_DATA_BLOCK");
+        format!("write `{block}`, and `\"Globals\".{name}` for `{name}`")
+    }
+
+    /// Index of the first declaration between the tokens: behind `CONSTANT` or `RETAIN`, which may also be the name of a variable.
+    fn first_declaration(&self, first: usize, end: usize) -> usize {
+        let is_modifier = |index: &usize| {
+            let word = self.words(*index, *index);
+            let names = matches!(self.kind(index + 1), Some(RawKind::Colon | RawKind::Comma));
+            !names && MODIFIERS.iter().any(|known| known.eq_ignore_ascii_case(word))
+        };
+        (first..end).find(|index| !is_modifier(index)).unwrap_or(first)
     }
 
     /// `VAR … END_VAR` after BEGIN, which the classifier reports.
@@ -70,6 +89,7 @@ impl Repair<'_> {
 
     /// Notes the names that are declared between the tokens.
     fn note_absent(&mut self, first: usize, end: usize, of_block: bool) {
+        let first = self.first_declaration(first, end);
         for index in first..end {
             let begins = index == first || matches!(self.kind(index - 1), Some(RawKind::Semicolon | RawKind::Comma));
             let declares = matches!(self.kind(index + 1), Some(RawKind::Colon | RawKind::Comma | RawKind::LeftBrace));
