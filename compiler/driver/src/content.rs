@@ -65,6 +65,9 @@ pub fn of(text: &str) -> Content {
     if let Some(kind) = xml::kind(text) {
         return of_xml(kind, text);
     }
+    if let Some(what) = foreign::of_marks(text) {
+        return Content::Program(what);
+    }
     if symbols::is_symbol_table(text) {
         return Content::SymbolTable;
     }

@@ -19,6 +19,8 @@ const TIA_LIBRARY: &str = "a library of the TIA Portal: export its blocks as sou
 const TWINCAT_POU: &str = "a POU of TwinCAT: export it as PLCopen XML";
 const TWINCAT_PROJECT: &str = "a project of TwinCAT: export it as PLCopen XML";
 const CODESYS: &str = "an export of CODESYS: export it as PLCopen XML";
+const CODESYS_2: &str =
+    "an export of CoDeSys 2.3 with networks: open the project in CODESYS 3 and export it as PLCopen XML";
 const LOGIX: &str = "a project of Logix 5000";
 const CONTROL_EXPERT: &str = "a project of Control Expert";
 
@@ -152,6 +154,14 @@ pub fn siemens_project(path: &Path) -> Option<(&'static str, &'static str)> {
     Some((what, how))
 }
 
+/// A program of another tool, recognized by the marks that the tool writes into a text: what it is.
+pub fn of_marks(text: &str) -> Option<&'static str> {
+    // Such an export is structured text, except for its networks.
+    let is_drawn =
+        text.contains("@END_DECLARATION") && text.lines().any(|line| line.trim_start().starts_with("_NETWORKS"));
+    is_drawn.then_some(CODESYS_2)
+}
+
 /// What XML with a root of this name is.
 pub fn of_root(root: &str) -> Option<Foreign> {
     Some(match root {
@@ -187,6 +197,13 @@ mod tests {
         }
         assert_eq!(siemens_project(Path::new("a.stl")), None);
         assert_eq!(siemens_project(Path::new("a.L5X")), None);
+    }
+
+    #[test]
+    fn marks_tell_of_networks() {
+        let drawn = "PROGRAM Main\nVAR\nEND_VAR\n(* @END_DECLARATION := '0' *)\n_LD_BODY\n_NETWORKS : 1\n_NETWORK\n";
+        assert_eq!(of_marks(drawn), Some(CODESYS_2));
+        assert_eq!(of_marks("FUNCTION F : INT\n(* @END_DECLARATION := '0' *)\nF := 1;\nEND_FUNCTION\n"), None);
     }
 
     #[test]
