@@ -153,7 +153,8 @@ fn is_table_by_name(path: &Path) -> bool {
 }
 
 fn has_addresses(text: &str) -> bool {
-    let fields = |line: &str| line.split(',').map(|field| field.trim().trim_matches('"').to_string()).nth(1);
+    let separators = [',', ';', '\t'];
+    let fields = |line: &str| line.split(separators).map(|field| field.trim().trim_matches('"').to_string()).nth(1);
     text.lines().filter_map(fields).any(|field| {
         plcc_syntax::symbols::parse_address(&field).is_some()
             || s7200::parse_address(&field).is_some()
@@ -316,5 +317,7 @@ mod tests {
             );
         }
         assert!(matches!(of("t.csv", "\"Start\",\"I 0.0\",\"BOOL\",\"\"\n"), Content::SymbolTable));
+        let quoted = "\"Symbol\"\t\"Adresse\"\t\"Kommentar\"\n\"Start\"\t\"E0.0\"\t\"\"\n\"Level\"\t\"VW100\"\t\"\"\n";
+        assert!(matches!(of("t.txt", quoted), Content::SymbolTable));
     }
 }

@@ -110,16 +110,14 @@ fn format(text: &str) -> Option<Format> {
     let second = fields.nth(1).unwrap_or_default();
     let is_type =
         fields.next().is_some_and(|ty| plcc_syntax::Elementary::from_word(&ty.to_ascii_uppercase()).is_some());
-    if second.eq_ignore_ascii_case("address") && first.trim_start().starts_with('"')
-        || is_type && parse_address(second).is_some()
-    {
+    if names_addresses(second) && first.trim_start().starts_with('"') || is_type && parse_address(second).is_some() {
         return Some(Format::Sdf);
     }
     // The same with `;`, as a spreadsheet saves it.
     let address = first.split(';').nth(1).map(|field| field.trim().trim_matches('"'));
     if first.trim_start().starts_with('"')
         && first.contains("\";")
-        && address.is_some_and(|address| parse_address(address).is_some() || address.eq_ignore_ascii_case("address"))
+        && address.is_some_and(|address| parse_address(address).is_some() || names_addresses(address))
     {
         return Some(Format::Semicolon);
     }
@@ -143,6 +141,11 @@ fn format(text: &str) -> Option<Format> {
         Some(separator) => Some(Format::Columns(separator)),
         None => plain(),
     }
+}
+
+/// Whether a cell of the first line is the title of the addresses, in English or German.
+fn names_addresses(cell: &str) -> bool {
+    ["address", "adresse"].iter().any(|title| cell.eq_ignore_ascii_case(title))
 }
 
 /// The columns that the first line names.
@@ -388,7 +391,7 @@ impl Reader<'_> {
                 continue;
             }
             // The header of a table that is kept by hand.
-            let is_header = delimiter == b';' || field(1).eq_ignore_ascii_case("address");
+            let is_header = delimiter == b';' || names_addresses(field(1));
             if index == 0 && is_header && parse_address(field(1)).is_none() {
                 continue;
             }
@@ -615,6 +618,8 @@ mod tests {
             rows_of_s7200("Level;VW100;text\nStop;I0.1;\n"),
             [row("Level", "VW100", "text"), row("Stop", "I0.1", "")]
         );
+        let german = "\"Symbol\",\"Adresse\",\"Kommentar\"\n\"Motor\",\"A0.0\",\"Pumpe\"\n\"Level\",\"VW100\",\"\"\n";
+        assert_eq!(rows_of_s7200(german), [row("Motor", "A0.0", ""), row("Level", "VW100", "")]);
         // Both families can read these.
         let (table, _) = parse(FileId(0), &SourceFile::new("table", "Key\tI0.0\t\nLamp\tM1.5\t\n"));
         assert_eq!((table.symbols.len(), table.s7200.len()), (2, 2));
