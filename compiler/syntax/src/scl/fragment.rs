@@ -7,7 +7,7 @@ use std::ops::Range;
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
 use super::ast::{Expr, ExprKind, Statement, StatementKind};
-use super::raw;
+use super::{extensions, raw};
 use crate::ast::{Block, Code as BlockCode, Pragma};
 
 /// The statements in a part of a text. `pragmas`: assertions are read.
@@ -23,8 +23,12 @@ pub fn iec_statements(
     range: Range<usize>,
     rules: raw::Iec,
 ) -> (Vec<Statement>, Vec<Diagnostic>) {
-    let raw = raw::scan_iec(text.get(range.clone()).unwrap_or_default(), rules);
-    scanned(file, text, range, raw, true)
+    let part = text.get(range.clone()).unwrap_or_default();
+    let mut raw = raw::scan_iec(part, rules);
+    let mut diagnostics = extensions::replace(file, part, range.start as u32, &mut raw);
+    let (statements, more) = scanned(file, text, range, raw, true);
+    diagnostics.extend(more);
+    (statements, diagnostics)
 }
 
 fn scanned(

@@ -10,6 +10,7 @@ pub mod address;
 pub mod ast;
 mod classify;
 mod dialect;
+mod extensions;
 pub mod fragment;
 pub mod keyword;
 pub mod literal;
