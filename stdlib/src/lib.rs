@@ -165,6 +165,14 @@ pub fn find(class: BlockClass, number: u16) -> Option<&'static SystemBlock> {
     blocks().iter().find(|block| block.class == class && block.number == number)
 }
 
+/// Blocks of libraries that are found only by their names have their numbers of STEP 7 plus this one: there other blocks are more common.
+const NAMED_NUMBERS: u16 = 5000;
+
+/// The block with this kind and number in STEP 7 that is found only by its name: FC 5 is AG_SEND.
+pub fn find_named(class: BlockClass, number: u16) -> Option<&'static SystemBlock> {
+    find(class, number.checked_add(NAMED_NUMBERS)?)
+}
+
 /// Names of the IEC functions in symbol tables, FC 1 to FC 40, with their standard names.
 #[rustfmt::skip]
 const LONG_NAMES: &[(&str, &str)] = &[
@@ -330,6 +338,8 @@ mod tests {
         assert_eq!(find(BlockClass::Sfc, 64).map(|block| block.form), Some(Form::Runtime));
         assert_eq!(find(BlockClass::Sfc, 78).map(|block| block.form), Some(Form::NotShipped));
         assert!(find(BlockClass::Sfc, 9999).is_none());
+        assert_eq!(find_named(BlockClass::Fb, 14).map(|block| block.name), Some("GET"));
+        assert_eq!(find_named(BlockClass::Fc, 5).map(|block| block.name), Some("AG_SEND"));
     }
 
     #[test]

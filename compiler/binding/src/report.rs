@@ -263,6 +263,18 @@ impl Report {
             let library = plcc_stdlib::LIBRARY.iter().find(|block| {
                 block.number == number && block.fb == (prefix == BlockPrefix::Fb) && number > LOW_NUMBERS
             });
+            let named = match prefix {
+                BlockPrefix::Fc => plcc_stdlib::find_named(plcc_stdlib::BlockClass::Fc, number),
+                BlockPrefix::Fb => plcc_stdlib::find_named(plcc_stdlib::BlockClass::Fb, number),
+                _ => None,
+            };
+            if let Some(block) = named {
+                let library = block.name;
+                let row = format!("`\"{library}\",\"{name}\",\"{name}\",\"\"`");
+                return message.help(format!(
+                    "add the source that defines it; if it is `{library}` of the library, write {row} into a symbol table"
+                ));
+            }
             match (prefix, library) {
                 (BlockPrefix::Fc | BlockPrefix::Fb, Some(block)) => message.help(format!(
                     "add the source that defines it; {name} is often the number of the library block `{}`, which plcc does not include yet",
