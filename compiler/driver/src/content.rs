@@ -57,6 +57,9 @@ const FRAME_WORDS: [&str; 22] = [
     "END_TRANSITION",
 ];
 
+const TECHNOLOGY_OBJECT: &str =
+    "a technology object: describe an axis in plc.toml, and write other objects as data blocks of their type";
+
 /// Finds out what `text` is.
 pub fn of(text: &str) -> Content {
     if is_binary(text) {
@@ -181,7 +184,7 @@ fn of_xml(kind: XmlKind, text: &str) -> Content {
                 Content::Other("a watch or force table")
             }
             (false, false, Some(name)) if name.starts_with("SW.TechnologicalObjects.") => {
-                Content::Other("a technology object")
+                Content::Other(TECHNOLOGY_OBJECT)
             }
             (false, false, Some(_)) => {
                 Content::Other("an export of the TIA Portal without blocks, data types and tags")
@@ -253,6 +256,8 @@ mod tests {
         assert_eq!(of("<?xml version=\"1.0\"?>\n<Document/>"), Content::Other("XML that is not an export of blocks"));
         assert_eq!(of("<Document><SW.Blocks.FC ID=\"0\"/></Document>"), Content::Source);
         assert_eq!(of("<Document><SW.Tags.PlcTagTable ID=\"0\"/></Document>"), Content::SymbolTable);
+        let object = "<Document><SW.TechnologicalObjects.TechnologicalInstanceDB ID=\"0\"/></Document>";
+        assert_eq!(of(object), Content::Other(TECHNOLOGY_OBJECT));
         assert_eq!(of("<Tagtable name='t'><Tag addr='%I0.0'>a</Tag></Tagtable>"), Content::SymbolTable);
         assert_eq!(of("<FlgNet/>"), Content::Source);
         assert_eq!(of("<SW.Blocks.CompileUnit ID='1'/>"), Content::Source);
