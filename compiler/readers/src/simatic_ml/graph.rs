@@ -4,7 +4,7 @@
 
 use super::order;
 use super::parts::{End, Part, Parts};
-use plcc_syntax::network::ast::{Element, Graph, Language, NetId, Pin, PinValue, Source, Storage};
+use plcc_syntax::network::ast::{Element, Graph, Language, NetId, Pin, PinValue, Source, Storage, Target};
 use plcc_syntax::network::elements::{Kind, PinDirection};
 use plcc_syntax::scl::ast::Expr;
 
@@ -181,9 +181,13 @@ impl Builder {
                 });
                 let mut operands: Vec<Expr> = operands.collect();
                 if *output {
+                    let before = pins.len();
                     pins.extend(operands.drain(..).map(|operand| pin(PinValue::Operand(operand))));
                     if ends.iter().any(|end| matches!(end, End::Pin { output: false, .. })) {
                         pins.push(pin(PinValue::Net(self.net(wire))));
+                    }
+                    if pins.len() == before && self.may_stay_open(at, name) {
+                        pins.push(pin(PinValue::Open));
                     }
                 } else if ends.iter().any(|end| matches!(end, End::Rail | End::Pin { output: true, .. })) {
                     pins.push(pin(PinValue::Net(self.net(wire))));
@@ -197,11 +201,18 @@ impl Builder {
         pins
     }
 
+    /// Whether the pin is an output of a function, which the editor shows without an operand: its value is not needed.
+    fn may_stay_open(&self, at: usize, name: &str) -> bool {
+        let part = &self.parts.parts[at];
+        let is_function = matches!(part.target, Target::Block { instance: None, .. });
+        is_function && name != part.flow().1 && !name.eq_ignore_ascii_case("RET_VAL")
+    }
+
     /// Open pins that may be open are left out; the others are shown.
     fn open_pins(&self, at: usize, pins: &mut Vec<Pin>) {
         let part = &self.parts.parts[at];
         let Some(row) = part.row() else {
-            return pins.retain(|pin| pin.value != PinValue::Open);
+            return pins.retain(|pin| pin.value != PinValue::Open || pin.output);
         };
         pins.retain(|pin| pin.value != PinValue::Open || row.pin(&pin.name).is_some_and(|(known, _)| !known.optional));
         for known in row.pins().filter(|known| !known.optional) {
