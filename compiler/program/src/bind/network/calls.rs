@@ -274,9 +274,10 @@ impl NetworkBinder<'_, '_> {
                 }
                 continue;
             }
-            // Other editors call the result OUT.
-            let is_result =
-                pin.name.eq_ignore_ascii_case(RESULT) || formal.is_none() && pin.name.eq_ignore_ascii_case("OUT");
+            // Other editors call the result OUT, or by the name of the function.
+            let is_own = matches!(&node.kind, NodeKind::Name(own) if own.text.eq_ignore_ascii_case(&pin.name));
+            let is_result = pin.name.eq_ignore_ascii_case(RESULT)
+                || formal.is_none() && (is_own || pin.name.eq_ignore_ascii_case("OUT"));
             if pin.output && is_result {
                 result = Some(pin.name.clone());
                 continue;
