@@ -7,6 +7,9 @@ use crate::scl::raw::{RawKind, RawToken};
 /// More elements of an array than this are not written out in a message.
 const ELEMENTS_MAX: usize = 4;
 
+/// Tokens of an index in braces.
+const INDEX_MAX: usize = 100;
+
 impl Repair<'_> {
     /// `IF (x) a := 1;` without THEN and END_IF, perhaps with an ELSE of the same form.
     pub(super) fn if_of_c(&mut self, token: RawToken) -> bool {
@@ -100,13 +103,14 @@ impl Repair<'_> {
     /// `a{1}`
     pub(super) fn index_in_braces(&mut self) -> bool {
         let at = self.at;
-        let close = (at + 1..self.tokens.len())
-            .take_while(|index| self.beside(*index).is_some())
-            .find(|index| self.kind(*index) == Some(RawKind::RightBrace));
-        let Some(close) = close.filter(|close| *close > at + 1) else { return false };
         if at == self.statement || !self.last.is_some_and(ends_operand) || !self.adjacent(at - 1) {
             return false;
         }
+        let close = (at + 1..self.tokens.len())
+            .take(INDEX_MAX)
+            .take_while(|index| self.beside(*index).is_some())
+            .find(|index| self.kind(*index) == Some(RawKind::RightBrace));
+        let Some(close) = close.filter(|close| *close > at + 1) else { return false };
         let first = self.operand_start(at);
         let (name, index) = (self.words(first, at - 1), self.words(at + 1, close - 1));
         let help = format!("write `{name}[{index}]`");
