@@ -18,6 +18,8 @@ const TABLE_MIN: usize = 4;
 const TABLE_SPREAD: i128 = 8;
 /// Largest table.
 const TABLE_MAX: i128 = 4096;
+/// A range counts as at most so many values: two comparisons find it, however long it is.
+const RANGE_COUNTED: i128 = 16;
 
 /// A range of values, and the arm that it belongs to.
 type Range = (i128, i128, usize);
@@ -190,7 +192,7 @@ impl BlockLowering<'_, '_> {
     /// A jump table, if the values are close together.
     fn case_table(&mut self, value: Value, ty: Elementary, ranges: &[Range], blocks: &[Block], default: Block) -> bool {
         let (Some(first), Some(last)) = (ranges.first(), ranges.last()) else { return false };
-        let count: i128 = ranges.iter().map(|(low, high, _)| (high - low + 1).min(TABLE_MAX)).sum();
+        let count: i128 = ranges.iter().map(|(low, high, _)| (high - low + 1).min(RANGE_COUNTED)).sum();
         let spread = last.1 - first.0 + 1;
         if ranges.len() < TABLE_MIN || spread > TABLE_MAX || spread > TABLE_SPREAD * count {
             return false;
