@@ -177,6 +177,9 @@ pub const ALONE: &[Pass] = &[
     function("turn-loops", duplicate::turn_loops),
     function("fold", fold::fold),
     function("control-flow", control_flow::simplify_control_flow),
+    // The test before the first pass of a loop that was turned may be known.
+    function("fold", fold::fold),
+    function("control-flow", control_flow::simplify_control_flow),
     surrounded("dead-stores", dead_stores::eliminate_dead_stores),
     function("unused", unused::remove_unused),
     function("control-flow", control_flow::simplify_control_flow),
