@@ -9,55 +9,95 @@ use plcc_runtime::typed::{self, ValueType};
 
 /// An expression that was parsed.
 pub struct Condition {
-    expression: Expression,
-    /// Names of values, by their numbers in the expression.
+    /// What AND joins, in order: after one that is false no other is looked at. Otherwise the whole.
+    parts: Vec<Part>,
+    /// Names of values, by their numbers in the expressions.
     names: Vec<String>,
     pub text: String,
+}
+
+struct Part {
+    expression: Expression,
+    /// Numbers of its names.
+    names: Vec<usize>,
 }
 
 impl Condition {
     /// `Err`: the error as a sentence.
     pub fn parse(text: &str) -> Result<Condition, String> {
         let mut names: Vec<String> = Vec::new();
-        let mut plain = String::new();
+        let mut parts = vec![(String::new(), Vec::new())];
+        let (mut depth, mut joins_only_by_and) = (0usize, true);
         let mut rest = text.trim();
         while let Some(first) = rest.chars().next() {
             let (token, after) = token(rest, first)?;
-            plain.push(' ');
+            let last = parts.last_mut().expect("there is one from the beginning");
+            last.0.push(' ');
             match token {
                 Token::Name(name) => {
                     let number = names.iter().position(|own| own == name).unwrap_or_else(|| {
                         names.push(name.to_string());
                         names.len() - 1
                     });
-                    plain.push_str(&format!("n{number}"));
+                    last.0.push_str(&format!("n{number}"));
+                    last.1.push(number);
                 }
-                Token::Text(text) => plain.push_str(&text),
+                Token::Text(text) => {
+                    match text.as_str() {
+                        "(" => depth += 1,
+                        ")" => depth = depth.saturating_sub(1),
+                        "||" if depth == 0 => joins_only_by_and = false,
+                        _ => {}
+                    }
+                    match text.as_str() {
+                        "&&" if depth == 0 => parts.push((String::new(), Vec::new())),
+                        text => last.0.push_str(text),
+                    }
+                }
             }
             rest = after.trim_start();
         }
-        let is_known = |name: &str| {
-            name.strip_prefix('n').and_then(|number| number.parse::<usize>().ok()).is_some_and(|at| at < names.len())
+        if !joins_only_by_and {
+            let whole = parts.iter().map(|(plain, _)| plain.as_str()).collect::<Vec<_>>().join(" && ");
+            parts = vec![(whole, (0..names.len()).collect())];
+        }
+        let is_known = |name: &str| number_of(name).is_some_and(|at| at < names.len());
+        let parse = |(plain, names): (String, Vec<usize>)| {
+            let expression = Expression::parse(&plain, is_known)
+                .map_err(|_| format!("`{text}` is not a condition; write MW10 > 5"))?;
+            Ok(Part { expression, names })
         };
-        let expression =
-            Expression::parse(&plain, is_known).map_err(|_| format!("`{text}` is not a condition; write MW10 > 5"))?;
-        Ok(Condition { expression, names, text: text.to_string() })
+        let parts = parts.into_iter().map(parse).collect::<Result<_, String>>()?;
+        Ok(Condition { parts, names, text: text.to_string() })
     }
 
     /// Its value with `of` as the values of names. `Err`: the error.
     pub fn value(&self, of: &dyn Fn(&str) -> Result<f64, String>) -> Result<f64, String> {
-        let values = self.names.iter().map(|name| of(name)).collect::<Result<Vec<f64>, String>>()?;
-        let at = |name: &str| {
-            let number = name.strip_prefix('n').and_then(|number| number.parse::<usize>().ok());
-            number.and_then(|number| values.get(number)).copied().unwrap_or(0.0)
-        };
-        self.expression.value(&at)
+        let mut values = vec![0.0; self.names.len()];
+        let mut value = 0.0;
+        for part in &self.parts {
+            for &number in &part.names {
+                values[number] = of(&self.names[number])?;
+            }
+            value = part
+                .expression
+                .value(&|name: &str| number_of(name).and_then(|number| values.get(number)).copied().unwrap_or(0.0))?;
+            if self.parts.len() > 1 && value == 0.0 {
+                return Ok(0.0);
+            }
+        }
+        Ok(if self.parts.len() > 1 { 1.0 } else { value })
     }
 
     /// A name alone.
     pub fn is_name(&self) -> bool {
         matches!(&self.names[..], [name] if name.trim() == self.text.trim())
     }
+}
+
+/// The number of a name in an expression.
+fn number_of(name: &str) -> Option<usize> {
+    name.strip_prefix('n')?.parse().ok()
 }
 
 enum Token<'a> {
