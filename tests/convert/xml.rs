@@ -105,8 +105,10 @@ fn as_xml(path: &Path, refused: &mut BTreeMap<String, usize>) -> Option<Result<(
 /// Values of elements of arrays, of components of structures, and of timers and counters.
 #[test]
 fn values_of_instances_stay() {
-    let source = r#"//@ cpu s7-1500
+    let source = r#"
 FUNCTION_BLOCK "Pump"
+{ S7_Optimized_Access := 'TRUE' }
+VERSION : 0.1
 VAR_INPUT
   start : Bool;
   speed : Int := 7;
