@@ -18,6 +18,9 @@ const MODIFIERS: [&str; 5] = ["CONSTANT", "RETAIN", "NON_RETAIN", "PERSISTENT", 
 /// A first declaration that is longer than this is not shown in a help.
 const DECLARATION_MAX: usize = 60;
 
+/// Tokens of a section in the wrong place.
+const SECTION_MAX: usize = 10_000;
+
 impl Repair<'_> {
     /// `VAR_GLOBAL … END_VAR`
     pub(super) fn global_section(&mut self, token: RawToken) -> bool {
@@ -59,7 +62,7 @@ impl Repair<'_> {
         format!("write `{block}`, and `\"Globals\".{name}` for `{name}`")
     }
 
-    /// Index of the first declaration between the tokens: behind `CONSTANT` or `RETAIN`, which may also be the name of a variable.
+    /// Index of the first declaration between the tokens: after `CONSTANT` or `RETAIN`, which may also be the name of a variable.
     fn first_declaration(&self, first: usize, end: usize) -> usize {
         let is_modifier = |index: &usize| {
             let word = self.words(*index, *index);
@@ -83,7 +86,7 @@ impl Repair<'_> {
     /// Index of the word that ends the section at `at`, within its block.
     fn end_of_section(&self, at: usize) -> Option<usize> {
         let ends = |index: &usize| self.keyword(*index).is_some_and(|word| word.ends_section() || word.ends_block());
-        let end = (at + 1..self.tokens.len()).find(ends)?;
+        let end = (at + 1..self.tokens.len()).take(SECTION_MAX).find(ends)?;
         self.keyword(end).filter(|word| word.ends_section()).map(|_| end)
     }
 
