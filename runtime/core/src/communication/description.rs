@@ -148,17 +148,7 @@ fn param(bytes: &[u8], classic: bool) -> Result<Description, u16> {
             if !fits(local_length, false) || !fits(remote_length, !active) {
                 return Err(INCONSISTENT);
             }
-            Ok(Description {
-                id,
-                protocol: Protocol::Iso,
-                active,
-                local_port: 0,
-                remote,
-                remote_name: String::new(),
-                remote_port: 0,
-                local_tsap: local[..local_length].to_vec(),
-                remote_tsap: far[..remote_length].to_vec(),
-            })
+            Ok(iso(id, active, remote, &local[..local_length], &far[..remote_length]))
         }
         _ => Err(INCONSISTENT),
     }
@@ -222,7 +212,12 @@ fn ip_rfc(bytes: &[u8]) -> Result<Description, u16> {
         _ => Err(INCONSISTENT),
     };
     let (remote_tsap, local_tsap) = (selector(10, !active)?, selector(44, false)?);
-    Ok(Description {
+    Ok(iso(id, active, remote, &local_tsap, &remote_tsap))
+}
+
+/// A connection on ISO-on-TCP, which has selectors in place of ports.
+fn iso(id: u16, active: bool, remote: Option<Ipv4Addr>, local_tsap: &[u8], remote_tsap: &[u8]) -> Description {
+    Description {
         id,
         protocol: Protocol::Iso,
         active,
@@ -230,9 +225,9 @@ fn ip_rfc(bytes: &[u8]) -> Result<Description, u16> {
         remote,
         remote_name: String::new(),
         remote_port: 0,
-        local_tsap,
-        remote_tsap,
-    })
+        local_tsap: local_tsap.to_vec(),
+        remote_tsap: remote_tsap.to_vec(),
+    }
 }
 
 /// 64 is the hardware identifier of the CPU's own interface; 0 lets the CPU choose.
