@@ -356,7 +356,7 @@ impl<'a> Reader<'a> {
                 if located(&self.types, &self.addresses, node).is_some() {
                     return true;
                 }
-                // A word that is no type at all is reported as such.
+                // A word that is not a type is reported as such.
                 if has_unknown_type(node) {
                     return false;
                 }

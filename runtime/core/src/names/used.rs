@@ -121,7 +121,7 @@ impl Finder<'_> {
             && let Some(ty) = db.ty
         {
             let found = self.at(db_name(db), Variable { place: place.start(), bit: 0, ty }, used.byte, bit);
-            // Pointers to actuals are no values.
+            // Pointers to actuals are not values.
             if found.is_some()
                 || matches!(self.ty(ty), Some(NamedType::Struct(structure)) if !structure.name.is_empty())
             {
