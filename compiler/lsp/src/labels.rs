@@ -72,31 +72,10 @@ fn is_declared(body: &Body, range: &Range<usize>) -> bool {
 /// The labels before statements, also before those inside others.
 fn collect<'c>(statements: &'c [Statement], found: &mut Vec<Label<'c>>) {
     for statement in statements {
-        match &statement.kind {
-            StatementKind::Label(name) => found.push(Label { name: &name.text, span: name.span }),
-            StatementKind::If { branches, otherwise } => {
-                branches.iter().for_each(|(_, body)| collect(body, found));
-                collect(otherwise, found);
-            }
-            StatementKind::Case { arms, otherwise, .. } => {
-                arms.iter().for_each(|arm| collect(&arm.body, found));
-                collect(otherwise, found);
-            }
-            StatementKind::For { body, .. }
-            | StatementKind::While { body, .. }
-            | StatementKind::Repeat { body, .. } => {
-                collect(body, found);
-            }
-            StatementKind::Empty
-            | StatementKind::Expression(_)
-            | StatementKind::Assign { .. }
-            | StatementKind::Exit
-            | StatementKind::Continue
-            | StatementKind::Return(_)
-            | StatementKind::Goto(_)
-            | StatementKind::Pragma(_)
-            | StatementKind::Error => {}
+        if let StatementKind::Label(name) = &statement.kind {
+            found.push(Label { name: &name.text, span: name.span });
         }
+        statement.kind.bodies().into_iter().for_each(|body| collect(body, found));
     }
 }
 

@@ -103,6 +103,35 @@ pub enum StatementKind {
     Error,
 }
 
+impl StatementKind {
+    /// The lists of statements inside, in the order of the source.
+    pub fn bodies(&self) -> Vec<&[Statement]> {
+        match self {
+            StatementKind::If { branches, otherwise } => {
+                branches.iter().map(|(_, body)| body.as_slice()).chain([otherwise.as_slice()]).collect()
+            }
+            StatementKind::Case { arms, otherwise, .. } => {
+                arms.iter().map(|arm| arm.body.as_slice()).chain([otherwise.as_slice()]).collect()
+            }
+            StatementKind::For { body, .. }
+            | StatementKind::While { body, .. }
+            | StatementKind::Repeat { body, .. } => {
+                vec![body]
+            }
+            StatementKind::Empty
+            | StatementKind::Label(_)
+            | StatementKind::Expression(_)
+            | StatementKind::Assign { .. }
+            | StatementKind::Exit
+            | StatementKind::Continue
+            | StatementKind::Return(_)
+            | StatementKind::Goto(_)
+            | StatementKind::Pragma(_)
+            | StatementKind::Error => Vec::new(),
+        }
+    }
+}
+
 /// Operators of assignments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum AssignOp {

@@ -22,30 +22,10 @@ impl SclBinder<'_, '_> {
                 continue;
             }
             for statement in list {
-                let mut inside = |body| open.push((body, depth + 1));
-                match &statement.kind {
-                    StatementKind::Label(name) => self.define_jump_label(ctx, name, list),
-                    StatementKind::If { branches, otherwise } => {
-                        branches.iter().for_each(|(_, body)| inside(body));
-                        inside(otherwise);
-                    }
-                    StatementKind::Case { arms, otherwise, .. } => {
-                        arms.iter().for_each(|arm| inside(&arm.body));
-                        inside(otherwise);
-                    }
-                    StatementKind::For { body, .. }
-                    | StatementKind::While { body, .. }
-                    | StatementKind::Repeat { body, .. } => inside(body),
-                    StatementKind::Empty
-                    | StatementKind::Expression(_)
-                    | StatementKind::Assign { .. }
-                    | StatementKind::Exit
-                    | StatementKind::Continue
-                    | StatementKind::Return(_)
-                    | StatementKind::Goto(_)
-                    | StatementKind::Pragma(_)
-                    | StatementKind::Error => {}
+                if let StatementKind::Label(name) = &statement.kind {
+                    self.define_jump_label(ctx, name, list);
                 }
+                open.extend(statement.kind.bodies().into_iter().map(|body| (body, depth + 1)));
             }
         }
     }
