@@ -1,10 +1,11 @@
 //! SSA construction: shapes that are easy to get wrong, and random programs against their direct interpretation.
 
-use plcc_abi::layout;
+use plcc_abi::{RuntimeFn, layout};
 use proptest::prelude::*;
 
 use super::*;
-use crate::entities::EntityVec;
+use crate::entities::{Entity, FuncId};
+use crate::instructions::{BinaryOp, IntCc};
 use crate::interpreter::{Host, Interpreter};
 use crate::module::Module;
 use crate::print::function_text;
