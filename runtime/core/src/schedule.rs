@@ -5,6 +5,10 @@
 //! first and first come first served among equals. Under the virtual clock only `Cpu::advance` moves time, and it
 //! stops at every due time; so the number of safepoints in the code changes nothing.
 
+mod passing;
+mod sources;
+mod time_of_day;
+
 use std::cell::{Cell, RefCell};
 
 use plcc_abi::ProgramImage;
@@ -13,106 +17,18 @@ use plcc_abi::ob::ObClass;
 
 use crate::clock::NS_PER_MS;
 use crate::cpu::Cpu;
-use crate::datetime::{self, Period};
+use crate::datetime::Period;
 use crate::diagnostics::NO_SITE;
 use crate::events::{self, Event, StartInfo};
 use crate::ob_set::ObSet;
 
+pub(crate) use sources::{Cyclic, Delay, Monitor, TimeOfDay};
+
 /// Events that can wait.
 const QUEUE_MAX: usize = 64;
 
-/// How often a startup under the real clock checks whether the process must end.
-const STARTUP_LOOK: u64 = 100 * NS_PER_MS;
-
-const NS_PER_US: u64 = 1000;
-
 /// Never due.
 pub(crate) const NEVER: u64 = u64::MAX;
-
-/// A cyclic interrupt.
-pub(crate) struct Cyclic {
-    pub ob: u16,
-    /// In nanoseconds; 0: it does not run.
-    period: Cell<u64>,
-    phase: Cell<u64>,
-    due: Cell<u64>,
-    /// Events that were lost since the OB last ran.
-    lost: Cell<u16>,
-}
-
-impl Cyclic {
-    /// RUN begins at `now`, or period and phase are new.
-    fn start(&self, now: u64) {
-        self.due.set(match self.period.get() {
-            0 => NEVER,
-            period => now.saturating_add(period).saturating_add(self.phase.get()),
-        });
-    }
-
-    /// New period and phase in microseconds, SET_CINT.
-    pub fn set(&self, now: u64, period_us: u32, phase_us: u32, in_run: bool) {
-        self.period.set(u64::from(period_us) * NS_PER_US);
-        self.phase.set(u64::from(phase_us) * NS_PER_US);
-        if in_run {
-            self.start(now);
-        }
-    }
-
-    /// Period and phase in microseconds.
-    pub fn times_us(&self) -> (u32, u32) {
-        ((self.period.get() / NS_PER_US) as u32, (self.phase.get() / NS_PER_US) as u32)
-    }
-}
-
-/// A time-delay interrupt.
-pub(crate) struct Delay {
-    pub ob: u16,
-    pub due: Cell<u64>,
-    pub delay_ms: Cell<u32>,
-    pub sign: Cell<u16>,
-}
-
-/// A time-of-day interrupt. Moments are of the wall clock.
-pub(crate) struct TimeOfDay {
-    pub ob: u16,
-    pub set: Cell<bool>,
-    pub active: Cell<bool>,
-    pub start: Cell<i64>,
-    pub period: Cell<Period>,
-    pub period_code: Cell<u16>,
-    pub next: Cell<i64>,
-}
-
-/// Cycle-time monitoring.
-pub(crate) struct Monitor {
-    limit: u64,
-    /// When the cycle is too long; [`NEVER`] outside cycles.
-    pub deadline: Cell<u64>,
-    /// Since when it counts.
-    pub since: Cell<u64>,
-    pub overruns: Cell<u32>,
-}
-
-impl Monitor {
-    /// Counts from `now` again, as SFC 43.
-    pub fn restart(&self, now: u64) {
-        if self.deadline.get() != NEVER {
-            self.since.set(now);
-            self.deadline.set(now.saturating_add(self.limit));
-        }
-    }
-
-    /// A new cycle.
-    pub fn begin(&self, now: u64) {
-        self.overruns.set(0);
-        self.since.set(now);
-        self.deadline.set(now.saturating_add(self.limit));
-    }
-
-    pub fn end(&self) {
-        self.deadline.set(NEVER);
-    }
-}
 
 /// See the module comment.
 pub struct Schedule {
@@ -131,17 +47,6 @@ pub struct Schedule {
     pub(crate) hang_limit: Cell<u64>,
     /// Nothing is due before this time; see [`Cpu::rearm`].
     quiet_until: Cell<u64>,
-}
-
-/// Nanoseconds that a cycle may take. The scan watchdog of an S7-200 can be off.
-fn cycle_limit(image: &ProgramImage) -> u64 {
-    match &image.s7200 {
-        Some(own) => match image.config.s7200.watchdog_ms.unwrap_or(own.cpu.watchdog_ms) {
-            0 => NEVER,
-            ms => u64::from(ms) * NS_PER_MS,
-        },
-        None => u64::from(image.config.cycle_time_max_ms.max(1)) * NS_PER_MS,
-    }
 }
 
 impl Schedule {
@@ -189,7 +94,7 @@ impl Schedule {
             delays: delays.collect(),
             times_of_day: times_of_day.collect(),
             monitor: Monitor {
-                limit: cycle_limit(image),
+                limit: sources::cycle_limit(image),
                 deadline: Cell::new(NEVER),
                 since: Cell::new(0),
                 overruns: Cell::new(0),
@@ -306,36 +211,6 @@ impl Cpu {
         self.rearm();
     }
 
-    /// Time-of-day interrupts from plc.toml.
-    pub(crate) fn set_configured_times(&self) {
-        for entry in &self.image.config.time_of_day {
-            let (Some(time), Some(start), Some(period)) =
-                (self.schedule.time_of_day(entry.ob), datetime::parse(&entry.start), Period::from_code(entry.period))
-            else {
-                continue;
-            };
-            time.set.set(true);
-            time.start.set(start);
-            time.period.set(period);
-            time.period_code.set(entry.period);
-            self.activate_time_of_day(time);
-        }
-    }
-
-    /// Activates a time-of-day interrupt that is set; false: it is once only and in the past.
-    pub(crate) fn activate_time_of_day(&self, time: &TimeOfDay) -> bool {
-        let now = self.clock.wall();
-        match time.period.get().next_after(time.start.get(), now.saturating_sub(1)) {
-            Some((next, _)) => {
-                time.next.set(next);
-                time.active.set(true);
-                self.rearm();
-                true
-            }
-            None => false,
-        }
-    }
-
     /// When the next timed interrupt is due.
     #[inline]
     fn next_due(&self) -> u64 {
@@ -404,44 +279,6 @@ impl Cpu {
         self.find_quiet_time();
     }
 
-    fn time_of_day_event(&self, time: &TimeOfDay) -> Event {
-        let ob = time.ob;
-        let info = StartInfo::new(0x11, events::cause(0x11, 10, ob), ob).word(6, time.period_code.get());
-        Event { ob, info }
-    }
-
-    /// The next moment after `wall`; a single one is done.
-    fn step_time_of_day(&self, time: &TimeOfDay, wall: i64) {
-        match time.period.get().next_after(time.start.get(), wall) {
-            Some((next, _)) => time.next.set(next),
-            None => time.active.set(false),
-        }
-    }
-
-    /// The wall clock was set. Skipped time-of-day interrupts are a time error, and each runs once, unless OB 80 cancels it; those that
-    /// are in the future again run again.
-    ///
-    /// Source: System and standard functions, OB 10 and OB 80: bits 0 to 7 of the error information show which ones.
-    pub(crate) fn wall_clock_was_set(&self) {
-        let wall = self.clock.wall();
-        let mut skipped = Vec::new();
-        for time in &self.schedule.times_of_day {
-            if !time.active.get() {
-                continue;
-            }
-            if time.next.get() < wall {
-                let event = self.time_of_day_event(time);
-                self.step_time_of_day(time, wall.saturating_sub(1));
-                skipped.push(event);
-            } else if time.period.get() != Period::Once {
-                self.step_time_of_day(time, wall.saturating_sub(1));
-            }
-        }
-        self.times_skipped(&skipped);
-        skipped.into_iter().for_each(|event| self.request_timed(event));
-        self.rearm();
-    }
-
     /// Something that is due at a certain time was added, moved or taken out: finds the next time at which to look again.
     pub(crate) fn rearm(&self) {
         self.find_quiet_time();
@@ -452,20 +289,6 @@ impl Cpu {
     fn find_quiet_time(&self) {
         let quiet = self.schedule.in_run.get() && self.technology.is_unused() && self.family.is_timed_only(self);
         self.schedule.quiet_until.set(if quiet { self.find_next_due() } else { 0 });
-    }
-
-    /// Sets the time at which the watchdog raises the attention flag. Under the virtual clock it watches beats instead.
-    pub(crate) fn arm_watchdog(&self) {
-        let schedule = &self.schedule;
-        if self.clock.is_virtual() {
-            return;
-        }
-        let now = self.clock.now();
-        // Startup has no time limit; it only checks whether the process must end.
-        let due = if schedule.in_run.get() { self.next_due() } else { now.saturating_add(STARTUP_LOOK) };
-        let due = due.min(schedule.monitor.deadline.get());
-        let left = due.saturating_sub(now);
-        self.watchdog.set(if due == NEVER { NEVER } else { self.watchdog.host_now().saturating_add(left) });
     }
 
     /// Runs the waiting interrupts that may run now.
@@ -534,112 +357,5 @@ impl Cpu {
             self.memory.raise_attention();
         }
         self.stop_result() | u32::from(leaving)
-    }
-
-    fn check_cycle_time(&self, site: u32) {
-        let monitor = &self.schedule.monitor;
-        let now = self.clock.now();
-        if now >= monitor.deadline.get() {
-            let ms = (now.saturating_sub(monitor.since.get()) / NS_PER_MS) as u32;
-            self.family.cycle_too_long(self, ms, site);
-        }
-    }
-
-    fn check_hang(&self, site: u32) {
-        if !self.is_stopped() && self.watchdog.is_overdue() {
-            self.family.hang(self, site);
-        }
-    }
-
-    /// An endless loop under the virtual clock: OB 80 once, then STOP.
-    pub(crate) fn hang_limit_exceeded(&self, site: u32) {
-        let schedule = &self.schedule;
-        let ms = (schedule.hang_limit.get() / NS_PER_MS) as u32;
-        let cause = self.log(0x3501, site, ms);
-        let in_time_error = self.running.active.contains(80);
-        if self.has_ob(80) && !in_time_error {
-            self.arm_hang();
-            let info = self.overrun_info(ms);
-            self.run_ob(80, self.priority_of(80).max(self.running.priority.get()), info);
-        }
-        self.stop_because(0x4568, site, crate::faults::TIME_ERROR_HANG, Some(cause));
-    }
-
-    /// Starts the hang limit again.
-    #[inline]
-    pub(crate) fn arm_hang(&self) {
-        self.watchdog.beat();
-    }
-
-    /// Lets time pass until `target`. Interrupts run at their due times. `monitored`: the cycle monitor
-    /// counts this time.
-    pub(crate) fn advance(&self, target: u64, monitored: bool) {
-        if !self.clock.is_virtual() {
-            self.wait_until(target, monitored);
-            return;
-        }
-        self.dispatch();
-        if monitored || self.schedule.in_run.get() && self.next_due() <= target {
-            self.advance_by_events(target, monitored);
-        }
-        self.clock.move_to(target);
-        self.update_clock_memory();
-    }
-
-    /// Time under the virtual clock until the last event that is due at `target` or before.
-    #[inline(never)]
-    fn advance_by_events(&self, target: u64, monitored: bool) {
-        while !self.is_stopped() {
-            let due = if self.schedule.in_run.get() { self.next_due() } else { NEVER };
-            let late = if monitored { self.schedule.monitor.deadline.get() } else { NEVER };
-            let next = due.min(late);
-            if next > target {
-                break;
-            }
-            self.clock.move_to(next);
-            self.update_clock_memory();
-            self.poll();
-            if monitored {
-                self.check_cycle_time(NO_SITE);
-            }
-            self.dispatch();
-            self.check_hang(NO_SITE);
-        }
-    }
-
-    /// Real time: sleeps until `target`, with interrupts.
-    fn wait_until(&self, target: u64, monitored: bool) {
-        /// Longest sleep, so that signals are seen soon.
-        const SLICE: u64 = 20 * NS_PER_MS;
-        while !self.is_stopped() && !self.schedule_ended() {
-            self.poll();
-            if monitored {
-                self.check_cycle_time(NO_SITE);
-            }
-            self.dispatch();
-            self.update_clock_memory();
-            let now = self.clock.now();
-            if now >= target {
-                break;
-            }
-            let due = if self.schedule.in_run.get() { self.next_due() } else { NEVER };
-            let until = target.min(due).min(now + SLICE);
-            if until > now {
-                std::thread::sleep(std::time::Duration::from_nanos(until - now));
-            }
-        }
-        self.rearm();
-    }
-
-    /// SFC 47 and `//@ sleep`: `ns` nanoseconds pass. Result for generated code.
-    pub(crate) fn pass_time(&self, ns: u64, monitored: bool) -> u32 {
-        let monitor = &self.schedule.monitor;
-        if !monitored && monitor.deadline.get() != NEVER {
-            monitor.deadline.set(monitor.deadline.get().saturating_add(ns));
-            monitor.since.set(monitor.since.get().saturating_add(ns));
-        }
-        self.advance(self.clock.now().saturating_add(ns), monitored);
-        self.show_clock();
-        self.stop_result()
     }
 }
