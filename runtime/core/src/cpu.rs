@@ -116,6 +116,8 @@ pub struct Cpu {
     pub(crate) partners: Partners,
     /// Data logs, recipes and files.
     pub(crate) records: RefCell<Records>,
+    /// The program has begun to use connections, data logs or files: the ends of cycles serve them.
+    pub(crate) has_jobs: Cell<bool>,
     /// Alarms that came and went.
     pub(crate) alarms: RefCell<Alarms>,
     /// Fast counters, pulse generators, hardware interrupts.
@@ -211,6 +213,7 @@ impl Cpu {
             retention: OnceCell::new(),
             service: RefCell::default(),
             is_served: Cell::new(false),
+            has_jobs: Cell::new(false),
             restart_requested: Cell::new(None),
             is_restarted: false,
             restored: Cell::default(),

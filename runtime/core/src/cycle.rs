@@ -4,14 +4,19 @@
 //!
 //! Interrupts enter at safepoints of OB 1 and while time passes between cycles.
 
-use plcc_abi::image::Family;
+use std::cell::RefMut;
+
+use plcc_abi::image;
 use plcc_abi::layout::{self, state};
 use plcc_abi::ob::{OB_FREE, ObClass};
 
 use crate::clock::NS_PER_MS;
+use crate::communication::Communication;
 use crate::cpu::{Area, Cpu};
 use crate::diagnostics::NO_SITE;
 use crate::events::StartInfo;
+use crate::family::Family;
+use crate::records::Records;
 use crate::restart::{COLD, HOT};
 use crate::watch::Trigger;
 
@@ -28,6 +33,10 @@ pub trait Observer {
     fn end(&mut self, _cpu: &Cpu, _cycle: u64) {}
     /// After the outputs of `cycle`; cycle 0 is after the startup OB.
     fn after(&mut self, cpu: &Cpu, cycle: u64, time: u64);
+    /// True if it only needs to see the last cycle: it does nothing in the others.
+    fn rests(&self) -> bool {
+        false
+    }
 }
 
 /// How to run.
@@ -44,13 +53,19 @@ pub struct Pace {
 /// Shortest, longest and last time from cycle start to cycle start, in milliseconds.
 #[derive(Default)]
 pub(crate) struct CycleTimes {
+    /// The last one in nanoseconds: the same once more changes nothing.
+    last_ns: Option<u64>,
     pub last: u16,
     pub shortest: Option<u16>,
     pub longest: u16,
 }
 
 impl CycleTimes {
+    #[inline]
     fn add(&mut self, ns: u64) {
+        if self.last_ns.replace(ns) == Some(ns) {
+            return;
+        }
         let ms = (ns / NS_PER_MS).min(0x7FFF) as u16;
         self.last = ms;
         self.shortest = Some(self.shortest.map_or(ms, |shortest| shortest.min(ms)));
@@ -89,6 +104,38 @@ impl Cpu {
 
     /// Cycles until the end of the run or STOP, or, between two of them, until `is_wanted` says so. Then it may be called again.
     pub(crate) fn go_on(&self, course: &mut Course, observer: &mut dyn Observer, is_wanted: &dyn Fn() -> bool) {
+        if !self.is_alone(observer) {
+            return self.go_through::<dyn Family, false>(self.family, course, observer, is_wanted);
+        }
+        let before = course.cycle;
+        self.family.go_on_alone(self, course, observer, is_wanted);
+        if let Some(start) = course.last_start.filter(|_| course.cycle > before) {
+            observer.after(self, course.cycle, start);
+        }
+    }
+
+    /// Nobody but the program takes part in the cycles, and nobody can join until they end: no scenario or trace, client, recording,
+    /// retentive file or forced value, under the virtual clock.
+    fn is_alone(&self, observer: &dyn Observer) -> bool {
+        self.clock.is_virtual()
+            && observer.rests()
+            && self.driver.is_still()
+            && self.tape.get().is_none()
+            && self.retention.get().is_none()
+            && !self.is_served.get()
+            && !self.partners.is_attached()
+            && !self.is_interfered()
+    }
+
+    /// [`go_on`](Cpu::go_on). `ALONE`: [`is_alone`](Cpu::is_alone); the cycles do not ask for others.
+    #[inline]
+    pub(crate) fn go_through<F: Family + ?Sized, const ALONE: bool>(
+        &self,
+        family: &F,
+        course: &mut Course,
+        observer: &mut dyn Observer,
+        is_wanted: &dyn Fn() -> bool,
+    ) {
         loop {
             if course.pauses && !self.is_stopped() {
                 course.pauses = false;
@@ -98,9 +145,9 @@ impl Cpu {
             if self.is_stopped() || !has_more || crate::run::end_requested() {
                 return;
             }
-            self.step(course, observer);
+            self.step::<F, ALONE>(family, course, observer);
             course.pauses = true;
-            if let Some(tape) = self.tape.get() {
+            if let Some(tape) = self.tape.get().filter(|_| !ALONE) {
                 match tape.end_cycle(self, course.next) {
                     Some(next) => course.next = next,
                     None => return,
@@ -139,7 +186,7 @@ impl Cpu {
                 self.advance(course.next, false);
             }
             if !self.is_stopped() {
-                self.step(course, observer);
+                self.step::<dyn Family, false>(self.family, course, observer);
             }
         }
         if !self.is_stopped() && self.clock.now() < end {
@@ -165,19 +212,33 @@ impl Cpu {
     }
 
     /// A cycle, and what happens at its end.
-    fn step(&self, course: &mut Course, observer: &mut dyn Observer) {
+    #[inline]
+    fn step<F: Family + ?Sized, const ALONE: bool>(
+        &self,
+        family: &F,
+        course: &mut Course,
+        observer: &mut dyn Observer,
+    ) {
         course.cycle += 1;
         let start = self.clock.now();
         let period = course.last_start.replace(start).map(|last| start.saturating_sub(last));
         if let Some(period) = period {
             course.times.add(period);
         }
-        self.exchange();
-        self.run_cycle(course.cycle, start, &course.times, observer);
-        self.communicate();
-        self.serve_clients(&course.pace, start, period);
-        self.records.borrow_mut().work(self);
-        if self.retention.get().is_some() && !self.is_stopped() {
+        if !ALONE {
+            self.exchange();
+        }
+        self.run_cycle::<F, ALONE>(family, course.cycle, start, &course.times, observer);
+        if !ALONE || self.has_jobs.get() {
+            self.communicate();
+        }
+        if !ALONE {
+            self.serve_clients(&course.pace, start, period);
+        }
+        if self.has_jobs.get() {
+            self.records.borrow_mut().work(self);
+        }
+        if !ALONE && self.retention.get().is_some() && !self.is_stopped() {
             self.keep_retentive(false);
         }
         // Under the real clock this is the time between cycle starts. Virtual time moves by it, in addition to the time
@@ -232,43 +293,67 @@ impl Cpu {
         observer.after(self, 0, self.clock.now());
     }
 
-    fn run_cycle(&self, cycle: u64, start: u64, times: &CycleTimes, observer: &mut dyn Observer) {
+    #[inline]
+    fn run_cycle<F: Family + ?Sized, const ALONE: bool>(
+        &self,
+        family: &F,
+        cycle: u64,
+        start: u64,
+        times: &CycleTimes,
+        observer: &mut dyn Observer,
+    ) {
         self.arm_hang();
         self.cycle.set(cycle);
-        observer.before(self, cycle, start);
+        if !ALONE {
+            observer.before(self, cycle, start);
+        }
         self.update_clock_memory();
         self.update_system_memory(cycle == 1);
-        self.read_inputs();
-        observer.begin(self, cycle);
-        if self.is_interfered() {
-            self.interfere(Trigger::Begin);
+        if !ALONE || !self.driver.is_still() {
+            self.read_inputs();
+        }
+        if !ALONE {
+            observer.begin(self, cycle);
+            if self.is_interfered() {
+                self.interfere(Trigger::Begin);
+            }
         }
         self.schedule.monitor.begin(start);
-        self.arm_watchdog();
-        self.family.begin_cycle(self, cycle, times);
+        if !ALONE {
+            self.arm_watchdog();
+        }
+        family.begin_cycle(self, cycle, times);
         self.look_at_inputs();
         self.poll();
-        self.dispatch();
-        self.family.run_program(self, cycle, times);
+        family.dispatch(self);
+        family.run_program(self, cycle, times);
         self.schedule.monitor.end();
-        self.family.end_program(self);
-        observer.end(self, cycle);
+        family.end_program(self);
+        if !ALONE {
+            observer.end(self, cycle);
+        }
         if self.is_stopped() {
             self.stop_outputs();
         } else {
-            if self.is_interfered() {
+            if !ALONE && self.is_interfered() {
                 self.interfere(Trigger::End);
             }
-            self.write_outputs();
+            if !ALONE && self.is_forcing() {
+                self.force_memory();
+            }
+            family.write_outputs(self);
         }
-        observer.after(self, cycle, start);
+        if !ALONE {
+            observer.after(self, cycle, start);
+        }
     }
 
     /// OB 1. On an S7-1200/1500, then the other OBs of the program cycle in the order of their numbers.
+    #[inline]
     pub(crate) fn run_program_cycle(&self, cycle: u64, times: &CycleTimes) {
         for ob in &self.cycle_obs {
             if !self.is_stopped() {
-                self.run_loaded(ob, CYCLE_PRIORITY, &self.cycle_info(ob.number, cycle, times));
+                self.run_in_cycle(ob, CYCLE_PRIORITY, &self.cycle_info(ob.number, cycle, times));
             }
         }
     }
@@ -281,6 +366,18 @@ impl Cpu {
             (_, _) => 3,
         };
         StartInfo::of_cycle(scan, CYCLE_PRIORITY, ob, [times.last, times.shortest.unwrap_or(0), times.longest])
+    }
+
+    /// Connections for a block of the program.
+    pub(crate) fn connections(&self) -> RefMut<'_, Communication> {
+        self.has_jobs.set(true);
+        self.communication.borrow_mut()
+    }
+
+    /// Data logs, recipes and files for a block of the program.
+    pub(crate) fn record_jobs(&self) -> RefMut<'_, Records> {
+        self.has_jobs.set(true);
+        self.records.borrow_mut()
     }
 
     /// Moves connections on, or ends them in STOP. Without a real clock the partner gets some time here if a block waits for it.
@@ -338,18 +435,27 @@ impl Cpu {
         self.family.write_outputs(self);
     }
 
-    /// Copies the process image of outputs to the modules as it is: the part that the program uses, unless more has changed.
+    /// Copies the process image of outputs to the modules as it is.
+    #[inline]
     pub(crate) fn write_output_image(&self) {
+        let (base, length) = self.changed_outputs();
+        if self.is_forcing() {
+            return self.write_forced_image(base, length);
+        }
+        if length > 0 {
+            self.memory.view(base, length, |image| self.driver.write_image(image));
+        }
+    }
+
+    /// Where the process image of outputs is, and the bytes of it that can have changed: those that the program uses, unless others wrote more.
+    #[inline]
+    pub(crate) fn changed_outputs(&self) -> (u32, u32) {
         let (base, length) = self.area(Area::Outputs);
         if self.memory.state32::<{ state::OUTPUTS_WRITTEN }>() != 0 {
             self.memory.set_state::<{ state::OUTPUTS_WRITTEN }, 4>([0; 4]);
             self.note_outputs(u32::MAX);
         }
-        let length = length.min(self.image.outputs_used.max(self.outputs_changed.take()));
-        if self.is_forcing() {
-            return self.write_forced_image(base, length);
-        }
-        self.memory.view(base, length, |image| self.driver.write_image(image));
+        (base, length.min(self.image.outputs_used.max(self.outputs_changed.take())))
     }
 
     /// Something besides the code of the program may change outputs before byte `end` in the process image.
@@ -409,7 +515,7 @@ impl Cpu {
         if !self.driver.write(address, bytes, self.at_module(address, bytes, forced)) {
             return true;
         }
-        let value = if self.image.profile.family == Family::S7400 { forced } else { value };
+        let value = if self.image.profile.family == image::Family::S7400 { forced } else { value };
         self.family.output_written(self, address, bytes, value);
         let (base, length) = self.area(Area::Outputs);
         for index in 0..bytes {

@@ -3,12 +3,15 @@
 use plcc_abi::image;
 
 use crate::cpu::{Area, Cpu};
-use crate::cycle::CycleTimes;
+use crate::cycle::{Course, CycleTimes, Observer};
 use crate::events::StartInfo;
 use crate::schedule::NEVER;
 
 /// The hooks of startup, cycle and interrupts. They are called in this order.
 pub(crate) trait Family {
+    /// Cycles in which only the program takes part, as [`Cpu::go_through`] with this family: its hooks are part of the loop.
+    fn go_on_alone(&self, cpu: &Cpu, course: &mut Course, observer: &mut dyn Observer, is_wanted: &dyn Fn() -> bool);
+
     /// The CPU is switched on. Its inputs have no values yet.
     fn power_on(&self, _cpu: &Cpu) {}
 
@@ -79,6 +82,10 @@ pub(crate) trait Family {
 pub(crate) struct Step7;
 
 impl Family for Step7 {
+    fn go_on_alone(&self, cpu: &Cpu, course: &mut Course, observer: &mut dyn Observer, is_wanted: &dyn Fn() -> bool) {
+        cpu.go_through::<Step7, true>(self, course, observer, is_wanted);
+    }
+
     fn power_on(&self, cpu: &Cpu) {
         cpu.power_on_retentive();
     }

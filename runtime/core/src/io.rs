@@ -32,6 +32,10 @@ pub trait Driver {
     fn name_input(&self, address: u32, bytes: u32);
     /// Calls `each` with every input byte below `limit` that is copied into the process image, in order, and its value.
     fn named(&self, limit: u32, each: &mut dyn FnMut(u32, u8));
+    /// True if no input is copied into the process image, and none changes by itself.
+    fn is_still(&self) -> bool {
+        false
+    }
     /// Takes over what devices have sent. `changed` gets each that went away or came back.
     fn exchange(&self, _changed: &mut dyn FnMut(Change)) {}
     /// What is away, as the changes that reported it.
@@ -192,6 +196,11 @@ impl Driver for Simulated {
                 named.insert(index, byte);
             }
         }
+    }
+
+    #[inline]
+    fn is_still(&self) -> bool {
+        self.bytes.borrow().named.is_empty()
     }
 
     #[inline]

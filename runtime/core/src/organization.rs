@@ -38,7 +38,7 @@ pub struct Running {
     pub(crate) ob: Cell<u16>,
     /// Active asynchronous OBs.
     pub(crate) active: ObSet,
-    /// OBs that have run since the change to RUN.
+    /// OBs that have got start information since the change to RUN.
     pub(crate) called: ObSet,
     /// SFC 41 calls that SFC 42 has not undone, in the running OB.
     pub(crate) delayed: Cell<u16>,
@@ -116,13 +116,28 @@ impl Cpu {
         running.masks.set(masks);
     }
 
+    /// Runs an OB of the program cycle, which no event starts.
+    #[inline]
+    pub(crate) fn run_in_cycle(&self, loaded: &LoadedOb, priority: u8, info: &StartInfo) {
+        if let Some(block) = self.block_of(loaded) {
+            self.run_first(loaded, block, priority, info);
+        }
+    }
+
+    /// Runs an OB of an event while no other runs.
+    #[inline(never)]
+    fn run_outermost(&self, loaded: &LoadedOb, block: &BlockEntry, priority: u8, info: &StartInfo) {
+        self.running.active.set(loaded.number, true);
+        self.run_first(loaded, block, priority, info);
+        self.running.active.set(loaded.number, false);
+    }
+
     /// Runs an OB while no other runs: what it leaves behind is what there is between OBs, and nothing is kept for it.
     #[inline]
-    fn run_outermost(&self, loaded: &LoadedOb, block: &BlockEntry, priority: u8, info: &StartInfo) {
+    fn run_first(&self, loaded: &LoadedOb, block: &BlockEntry, priority: u8, info: &StartInfo) {
         let running = &self.running;
         running.priority.set(priority);
         running.ob.set(loaded.number);
-        running.active.set(loaded.number, true);
         let limit = self.image.profile.local_data.min(layout::L_CLASS_BYTES);
         let class = u32::from(priority).min(ERROR_CLASS - 1);
         if self.has_local_data(block, limit) {
@@ -130,7 +145,6 @@ impl Cpu {
             // Nobody asks for start information between OBs.
             self.memory.set_state::<{ state::DEPTH }, 4>([0; 4]);
         }
-        running.active.set(loaded.number, false);
         running.priority.set(0);
         running.ob.set(0);
         running.delayed.set(0);
@@ -202,18 +216,17 @@ impl Cpu {
         fits
     }
 
-    #[inline]
+    #[inline(always)]
     fn run_block(&self, block: &BlockEntry, base: u32, limit: u32, depth_max: u32, info: &StartInfo) {
         self.running.info.set(info.0);
         if matches!(block.number, 100..=102) {
             self.running.startup_info.set(info.0);
         }
-        let called = self.running.called.set(block.number, true);
         if self.is_served.get() {
             self.note_start(block.number, info);
         }
         if block.local_data_used {
-            self.fill_local_data(block, base, info, !called);
+            self.fill_local_data(block, base, info);
         }
         self.begin_code(depth_max, base + limit);
         self.code.call(block.entry, self.memory.base(), base, base);
@@ -221,7 +234,8 @@ impl Cpu {
 
     /// Local data of an OB with its start information. Apart, so that [`run_block`](Cpu::run_block) need not take the information to pieces.
     #[inline(never)]
-    fn fill_local_data(&self, block: &BlockEntry, base: u32, info: &StartInfo, first: bool) {
+    fn fill_local_data(&self, block: &BlockEntry, base: u32, info: &StartInfo) {
+        let first = !self.running.called.set(block.number, true);
         let memory = &self.memory;
         memory.clear(base, block.frame.max(events::START_INFO_BYTES as u32));
         memory.set_bytes(base, info.0);

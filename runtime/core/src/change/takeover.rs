@@ -40,6 +40,7 @@ impl Cpu {
         take!(clock, driver, diagnostics, running, watcher, stop, load_memory, diagnostics_changed, startup, service);
         take!(
             is_served,
+            has_jobs,
             is_restarted,
             restart_requested,
             communication,

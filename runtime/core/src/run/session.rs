@@ -53,6 +53,10 @@ impl Observer for Session {
             self.look(cpu, cycle, time);
         }
     }
+
+    fn rests(&self) -> bool {
+        self.player.is_idle() && self.recorder.is_none() && self.triggered.is_none() && self.watch.is_none()
+    }
 }
 
 impl Session {

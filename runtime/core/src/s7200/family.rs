@@ -3,7 +3,7 @@
 use super::ENDLESS;
 use super::scan::ScanTimes;
 use crate::cpu::Cpu;
-use crate::cycle::CycleTimes;
+use crate::cycle::{Course, CycleTimes, Observer};
 use crate::family::Family;
 use crate::schedule::NEVER;
 
@@ -11,6 +11,10 @@ use crate::schedule::NEVER;
 pub(crate) struct ScanCycle;
 
 impl Family for ScanCycle {
+    fn go_on_alone(&self, cpu: &Cpu, course: &mut Course, observer: &mut dyn Observer, is_wanted: &dyn Fn() -> bool) {
+        cpu.go_through::<ScanCycle, true>(self, course, observer, is_wanted);
+    }
+
     fn power_on(&self, cpu: &Cpu) {
         cpu.s7200_start();
     }
@@ -20,7 +24,7 @@ impl Family for ScanCycle {
     }
 
     fn begin_cycle(&self, cpu: &Cpu, cycle: u64, times: &CycleTimes) {
-        let CycleTimes { last, shortest, longest } = *times;
+        let CycleTimes { last, shortest, longest, .. } = *times;
         cpu.s7200_begin_scan(cycle, ScanTimes { last, shortest: shortest.unwrap_or(0), longest });
     }
 

@@ -195,13 +195,18 @@ impl Cpu {
 
     /// Copies the process image of outputs to the modules.
     pub(crate) fn s7200_write_outputs(&self) {
-        let (base, length) = self.area(Area::Outputs);
+        let (base, changed) = self.changed_outputs();
         let (mask, levels) = self.pulse_bits();
-        self.memory.view(base, length, |image| {
-            if mask == 0 && !self.is_forcing() {
-                self.driver.write_image(image);
-                return;
+        if mask == 0 && !self.is_forcing() {
+            if changed > 0 {
+                self.memory.view(base, changed, |image| self.driver.write_image(image));
             }
+            return;
+        }
+        // When pulses and forcing end, the modules get the image again.
+        self.note_outputs(u32::MAX);
+        let (base, length) = self.area(Area::Outputs);
+        self.memory.view(base, length, |image| {
             let mut bytes = image.to_vec();
             self.force_image(&mut bytes);
             self.write_forced_analog();

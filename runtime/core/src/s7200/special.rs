@@ -101,9 +101,8 @@ impl Cpu {
             | bit(!own.config.mode_switch_term, MODE_SWITCH_RUN);
         self.memory.set_byte(special(0), status);
         set_special(&self.memory, STATUS, ERROR_BIT, false);
-        for (word, time) in (0u32..).zip([times.last, times.shortest, times.longest]) {
-            self.memory.set_word(special(SCAN_TIMES + 2 * word), time);
-        }
+        let [[a, b], [c, d], [e, f]] = [times.last, times.shortest, times.longest].map(u16::to_be_bytes);
+        self.memory.set_bytes(special(SCAN_TIMES), [a, b, c, d, e, f]);
     }
 
     /// See [`RuntimeFn::S7200SpecialWritten`](plcc_abi::RuntimeFn::S7200SpecialWritten).

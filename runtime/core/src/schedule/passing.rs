@@ -60,6 +60,7 @@ impl Cpu {
 
     /// Lets time pass until `target`. Interrupts run at their due times. `monitored`: the cycle monitor
     /// counts this time.
+    #[inline]
     pub(crate) fn advance(&self, target: u64, monitored: bool) {
         if !self.clock.is_virtual() {
             self.wait_until(target, monitored);
@@ -95,6 +96,7 @@ impl Cpu {
     }
 
     /// Real time: sleeps until `target`, with interrupts.
+    #[inline(never)]
     fn wait_until(&self, target: u64, monitored: bool) {
         /// Longest sleep, so that signals are seen soon.
         const SLICE: u64 = 20 * NS_PER_MS;

@@ -55,7 +55,7 @@ pub(super) fn open(call: &Call) -> Outcome {
     };
     call.set_word(4, description.id);
     let now = call.cpu.clock.now();
-    status(call.cpu.communication.borrow_mut().open(description, call.byte(2) & 1 != 0, now))
+    status(call.cpu.connections().open(description, call.byte(2) & 1 != 0, now))
 }
 
 fn description(call: &Call) -> Result<Description, u16> {
@@ -85,7 +85,7 @@ fn description(call: &Call) -> Result<Description, u16> {
 
 /// HANDLE -> RET_VAL: 0 there is none, 1 being established, 2 established; LOSSES and FAILURES, counted.
 pub(super) fn state(call: &Call) -> Outcome {
-    let mut communication = call.cpu.communication.borrow_mut();
+    let mut communication = call.cpu.connections();
     let Some(connection) = communication.connection(call.word(0)) else { return Outcome::RetVal(MISSING) };
     connection.work(call.cpu.clock.now());
     call.set_word(2, connection.losses);
@@ -103,7 +103,7 @@ pub(super) fn diagnosis(call: &Call) -> Outcome {
     if !(1..=4095).contains(&id) {
         return error(ID);
     }
-    let mut communication = call.cpu.communication.borrow_mut();
+    let mut communication = call.cpu.connections();
     let Some(connection) = communication.connection(id) else { return error(status::NO_SUCH) };
     let kind = match connection.description.protocol {
         Protocol::Tcp => 0x0B,
@@ -123,7 +123,7 @@ pub(super) fn close(call: &Call) -> Outcome {
     if !(1..=4095).contains(&id) {
         return error(ID);
     }
-    status(call.cpu.communication.borrow_mut().close(id, call.byte(1) & 1 != 0))
+    status(call.cpu.connections().close(id, call.byte(1) & 1 != 0))
 }
 
 /// HANDLE -> RET_VAL: 0, 8086, 80A3.
@@ -133,7 +133,7 @@ pub(super) fn reset(call: &Call) -> Outcome {
         return error(ID);
     }
     let now = call.cpu.clock.now();
-    match call.cpu.communication.borrow_mut().connection(id) {
+    match call.cpu.connections().connection(id) {
         Some(connection) => {
             connection.reset(now);
             status(Ok(()))
@@ -153,7 +153,7 @@ pub(super) fn send(call: &Call) -> Outcome {
     };
     let mut bytes = Vec::new();
     call.cpu.memory.view(range.offset, range.bytes, |data| bytes.extend_from_slice(data));
-    let mut communication = call.cpu.communication.borrow_mut();
+    let mut communication = call.cpu.connections();
     if !communication.connection(call.word(0)).is_some_and(|connection| connection.send(&bytes)) {
         return error(status::NOT_CONNECTED);
     }
@@ -174,7 +174,7 @@ pub(super) fn send_to(call: &Call) -> Outcome {
     let bytes = call.cpu.memory.view(range.offset, range.bytes, <[u8]>::to_vec);
     let [a, b, c, d, high, low, ..] = call.cpu.memory.bytes::<{ PARTNER_BYTES as usize }>(partner.offset);
     let to = SocketAddrV4::new(Ipv4Addr::new(a, b, c, d), u16::from_be_bytes([high, low]));
-    let mut communication = call.cpu.communication.borrow_mut();
+    let mut communication = call.cpu.connections();
     let Some(connection) = communication.connection(call.word(0)) else { return error(status::NOT_CONNECTED) };
     if to.ip().is_unspecified() || to.port() == 0 {
         return error(PARTNER_ADDRESS);
@@ -193,7 +193,7 @@ pub(super) fn receive_from(call: &Call) -> Outcome {
             Ok(found) => found,
             Err(code) => return error(code),
         };
-    let mut communication = call.cpu.communication.borrow_mut();
+    let mut communication = call.cpu.connections();
     let Some(connection) = communication.connection(call.word(0)) else { return error(status::NOT_CONNECTED) };
     match connection.receive_from(range.bytes as usize) {
         None => error(status::INCONSISTENT),
@@ -226,7 +226,7 @@ fn partner(call: &Call, index: usize, access: Access) -> Result<Range, u16> {
 
 /// HANDLE -> RET_VAL: 0 all is sent, 7002 not yet, 80A1 not connected.
 pub(super) fn sent(call: &Call) -> Outcome {
-    let mut communication = call.cpu.communication.borrow_mut();
+    let mut communication = call.cpu.connections();
     match communication.connection(call.word(0)).and_then(|connection| connection.is_sent()) {
         Some(true) => OK,
         Some(false) => {
@@ -244,7 +244,7 @@ pub(super) fn receive(call: &Call) -> Outcome {
         Ok(range) => range,
         Err(code) => return error(code),
     };
-    let mut communication = call.cpu.communication.borrow_mut();
+    let mut communication = call.cpu.connections();
     let Some(connection) = communication.connection(call.word(0)) else { return error(status::NOT_CONNECTED) };
     if !connection.is_up() {
         return error(status::NOT_CONNECTED);

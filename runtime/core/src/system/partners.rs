@@ -62,7 +62,7 @@ pub(super) fn bsend(call: &Call) -> Outcome {
 pub(super) fn take(call: &Call) -> Outcome {
     match call.cpu.partners.state(call.dword(0)) {
         State::Running => {
-            call.cpu.communication.borrow_mut().note_waiting();
+            call.cpu.connections().note_waiting();
             Outcome::RetVal(status::RUNNING)
         }
         State::Ended(Ok(areas)) => Outcome::RetVal(store(call, 2, &areas)),
@@ -74,7 +74,7 @@ pub(super) fn take(call: &Call) -> Outcome {
 pub(super) fn state(call: &Call) -> Outcome {
     match call.cpu.partners.state(call.dword(0)) {
         State::Running => {
-            call.cpu.communication.borrow_mut().note_waiting();
+            call.cpu.connections().note_waiting();
             Outcome::RetVal(status::RUNNING)
         }
         State::Ended(ended) => Outcome::RetVal(ended.err().unwrap_or(status::DONE)),
@@ -136,7 +136,7 @@ fn arrived(call: &Call, kind: Kind, room: usize) -> Result<Arrived, u16> {
     let (handle, arrived) = call.cpu.partners.receive(call.word(1), slot, &Receive { enabled, room });
     call.set_dword(5, handle);
     if enabled {
-        call.cpu.communication.borrow_mut().note_waiting();
+        call.cpu.connections().note_waiting();
     }
     arrived
 }
@@ -145,7 +145,7 @@ fn begin(call: &Call, job: usize, id: u16, work: Result<Work, u16>) -> Outcome {
     match work.and_then(|work| call.cpu.partners.start(id, work)) {
         Ok(number) => {
             call.set_dword(job, number);
-            call.cpu.communication.borrow_mut().note_waiting();
+            call.cpu.connections().note_waiting();
             OK
         }
         Err(code) => Outcome::RetVal(code),

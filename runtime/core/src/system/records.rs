@@ -37,7 +37,7 @@ fn result<T>(result: Result<T, u16>, good: impl FnOnce(T) -> u16) -> Outcome {
 
 /// Asks for a job; parameter `number` gets its number.
 fn ask(call: &Call, number: usize, job: Result<Job, u16>) -> Outcome {
-    let asked = job.and_then(|job| call.cpu.records.borrow_mut().ask(job).ok_or(NO_ROOM));
+    let asked = job.and_then(|job| call.cpu.record_jobs().ask(job).ok_or(NO_ROOM));
     result(asked, |job| {
         call.set_dword(number, job);
         STARTED
@@ -73,7 +73,7 @@ fn place(call: &Call, index: usize, unlinked: bool) -> Option<Place> {
 /// JOB -> RET_VAL: 7002 not done yet, else the STATUS of the end; VALUE.
 pub(super) fn job_state(call: &Call) -> Outcome {
     let job = call.dword(0);
-    let mut records = call.cpu.records.borrow_mut();
+    let mut records = call.cpu.record_jobs();
     if records.waits(job) {
         return Outcome::RetVal(RUNNING);
     }
@@ -85,7 +85,7 @@ pub(super) fn job_state(call: &Call) -> Outcome {
 /// As [`job_state`], and DATA takes the bytes of the file.
 pub(super) fn job_bytes(call: &Call) -> Outcome {
     let job = call.dword(0);
-    let mut records = call.cpu.records.borrow_mut();
+    let mut records = call.cpu.record_jobs();
     if records.waits(job) {
         return Outcome::RetVal(RUNNING);
     }
@@ -171,7 +171,7 @@ pub(super) fn log_action(call: &Call) -> Outcome {
 }
 
 fn record(call: &Call, id: u32) -> Result<String, u16> {
-    let mut records = call.cpu.records.borrow_mut();
+    let mut records = call.cpu.record_jobs();
     let definition = &records.logs.find(id).ok_or(status::MISSING)?.definition;
     let (address, length) = call.cpu.memory.db(definition.db);
     if definition.start + definition.bytes > length {
@@ -187,7 +187,7 @@ fn record(call: &Call, id: u32) -> Result<String, u16> {
 pub(super) fn log_new(call: &Call) -> Outcome {
     let id = call.dword(2);
     let job = name(call, 1).and_then(|name| {
-        let definition = call.cpu.records.borrow_mut().logs.find(id).map(|log| log.definition.clone());
+        let definition = call.cpu.record_jobs().logs.find(id).map(|log| log.definition.clone());
         let width = width(call, &definition.ok_or(status::MISSING)?)?;
         Ok(Job::NewLog { id, name, records: call.dword(0), width })
     });

@@ -92,7 +92,15 @@ impl Cpu {
     }
 
     /// Edges of inputs since the last look.
+    #[inline]
     pub(crate) fn look_at_inputs(&self) {
+        if !self.technology.is_unused() {
+            self.look_at_edges();
+        }
+    }
+
+    #[inline(never)]
+    fn look_at_edges(&self) {
         for (index, event) in self.image.config.hardware_events.iter().enumerate() {
             let (EventSource::Edge { byte, bit, falling }, Some(interrupt)) =
                 (event.source, self.technology.interrupts.get(index))
