@@ -114,8 +114,10 @@ impl Scan<'_> {
                         scl += usize::from(self.assigns(index));
                     }
                     _ if self.kind(index + 1) != Some(RawKind::Colon) => {
-                        let mnemonic = is_mnemonic(self.slice(index));
                         let call = self.kind(index + 1) == Some(RawKind::LeftParen);
+                        // `MCR(` is a mnemonic only with its parenthesis.
+                        let zone = call && self.slice(index).eq_ignore_ascii_case("MCR");
+                        let mnemonic = zone || is_mnemonic(self.slice(index));
                         stl += usize::from(mnemonic);
                         scl += usize::from(call && !mnemonic);
                     }
