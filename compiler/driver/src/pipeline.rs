@@ -151,7 +151,7 @@ const SHARED_BYTES_MIN: usize = 100_000;
 pub fn parse(read: Read, settings: &Settings) -> Parsed {
     let Read { name, sources, units, tables, texts, project, mut diagnostics, .. } = read;
     let options = settings.parse_options(project.as_ref());
-    let parse_unit = |&file: &FileId| {
+    let parse_with = |file: FileId, mnemonics: Option<Mnemonics>| {
         let source = sources.file(file);
         let mut diagnostics = Vec::new();
         let texts = texts.iter().find(|(unit, _)| *unit == file).map(|&(_, texts)| {
@@ -159,16 +159,25 @@ pub fn parse(read: Read, settings: &Settings) -> Parsed {
             diagnostics.extend(messages);
             texts
         });
-        let options = ReadOptions { language: language_of(&source.name), texts: texts.as_ref(), ..options };
+        let options = ReadOptions { mnemonics, language: language_of(&source.name), texts: texts.as_ref(), ..options };
         let (unit, messages) = plcc_readers::parse(file, &source.text, &options);
         diagnostics.extend(messages);
         ((file, unit), diagnostics)
     };
+    let parse_unit = |&file: &FileId| parse_with(file, options.mnemonics);
     let bytes: usize = units.iter().map(|&file| sources.file(file).text.len()).sum();
-    let parsed = match bytes < SHARED_BYTES_MIN {
+    let mut parsed: Vec<((FileId, SourceUnit), Vec<Diagnostic>)> = match bytes < SHARED_BYTES_MIN {
         true => units.iter().map(parse_unit).collect(),
         false => parallel::map(&units, parse_unit),
     };
+    if is_german(parsed.iter().map(|((_, unit), _)| unit)) {
+        for entry in &mut parsed {
+            let (file, unit) = &entry.0;
+            if unit.shows_mnemonics == Some(false) {
+                *entry = parse_with(*file, Some(Mnemonics::De));
+            }
+        }
+    }
     let (units, messages): (Vec<_>, Vec<_>) = parsed.into_iter().unzip();
     diagnostics.extend(messages.into_iter().flatten());
     let mut parse_table = |file| {
@@ -178,6 +187,16 @@ pub fn parse(read: Read, settings: &Settings) -> Parsed {
     };
     let tables = tables.into_iter().map(&mut parse_table).collect();
     Parsed { name, sources, units, tables, project, diagnostics }
+}
+
+/// Whether the sources that show their mnemonic set show the German one. Those that do not, with nothing but `SE`, `S` and `=`, are then
+/// German too.
+fn is_german<'a>(units: impl Iterator<Item = &'a SourceUnit>) -> bool {
+    let mut counts = [0usize; 2];
+    for unit in units.filter(|unit| unit.shows_mnemonics == Some(true)) {
+        counts[unit.mnemonics as usize] += 1;
+    }
+    counts[Mnemonics::De as usize] > counts[Mnemonics::En as usize]
 }
 
 /// The language that the name of a file implies.

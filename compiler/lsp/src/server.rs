@@ -282,7 +282,12 @@ fn renew(checked: &mut Checked, path: &Path, text: &str) -> Vec<Diagnostic> {
         None => checked.sources.add(SourceFile::new(name.clone(), text)),
     };
     let options = ReadOptions { language: hint(path), pragmas: true, ..ReadOptions::default() };
-    let (unit, messages) = plcc_readers::parse(file, text, &options);
+    let (mut unit, mut messages) = plcc_readers::parse(file, text, &options);
+    // A source that does not show its mnemonics has those of the program.
+    let before = checked.units.iter().find(|(own, _)| *own == file).map(|(_, unit)| unit.mnemonics);
+    if unit.shows_mnemonics == Some(false) && before.is_some_and(|set| set != unit.mnemonics) {
+        (unit, messages) = plcc_readers::parse(file, text, &ReadOptions { mnemonics: before, ..options });
+    }
     match checked.units.iter_mut().find(|(own, _)| *own == file) {
         Some(slot) => slot.1 = unit,
         None => checked.units.push((file, unit)),

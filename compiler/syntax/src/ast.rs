@@ -27,6 +27,8 @@ use crate::stl::Mnemonics;
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct SourceUnit {
     pub mnemonics: Mnemonics,
+    /// Whether words of STL in the file show its set. `None`: the set was given, or the file has no STL.
+    pub shows_mnemonics: Option<bool>,
     /// Statements without a block header form OB 1.
     pub blocks: Vec<Block>,
     /// `//@ cpu`, `//@ test` and other pragmas that apply to the file.

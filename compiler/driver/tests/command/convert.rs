@@ -163,6 +163,25 @@ fn a_single_source_goes_into_a_folder_whose_name_ends_with_a_slash() {
     assert!(written.contains("E 0.0"), "{written}");
 }
 
+/// `SE` starts an on-delay in one set and an extended pulse in the other.
+#[test]
+fn a_source_that_does_not_show_its_mnemonics_has_those_of_the_others() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let write = |name: &str, source: &str| fs::write(folder.join(name), source).expect("the folder can be written");
+    let delay = "      O     M 0.0\n      L     S5T#1S\n      SE    T 1\n";
+    write("delay.awl", &format!("FUNCTION FC 2 : VOID\nBEGIN\n{delay}END_FUNCTION\n"));
+    let main = |set: &str, and: &str, status: u8| {
+        let code = "      SET\n      =     M 0.0\n      UC    FC 2\n";
+        let check = format!("      {and}     T 1\n//@ assert STW.RLO == {status}\n");
+        write("main.awl", &format!("ORGANIZATION_BLOCK OB 1\nBEGIN\n{code}{check}END_ORGANIZATION_BLOCK\n"));
+        let output = plcc(folder, &["test", "main.awl", "delay.awl"]);
+        assert_eq!(output.status.code(), Some(0), "{set}: {}{}", text(&output.stdout), text(&output.stderr));
+    };
+    main("German", "U", 0);
+    main("international", "A", 1);
+}
+
 #[test]
 fn one_conversion_at_a_time() {
     for arguments in [&["convert", "plant"][..], &["convert", "plant", "--to", "stl", "--absolute"]] {

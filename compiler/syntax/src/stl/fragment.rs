@@ -15,7 +15,7 @@ use crate::front;
 pub fn statements(file: FileId, text: &str, range: Range<usize>, pragmas: bool) -> (Vec<Statement>, Vec<Diagnostic>) {
     let mut raw = raw::scan(text.get(range.clone()).unwrap_or_default());
     front::shift(&mut raw.tokens, &mut raw.comments, range.start as u32);
-    let detected = Detected { set: Mnemonics::En, first: [None, None] };
+    let detected = Detected { set: Mnemonics::En, is_shown: false, first: [None, None] };
     let parsed = super::parse_raw(file, text, &raw, &detected, pragmas, Vec::new());
     let mut found = Vec::new();
     for block in parsed.blocks {

@@ -172,6 +172,8 @@ pub fn letters_and_digits(word: &str) -> (&str, &str) {
 /// The set of a file, and where a token of each set is.
 pub struct Detected {
     pub set: Mnemonics,
+    /// A word of the file shows the set.
+    pub is_shown: bool,
     /// Of the set, and of the other one if the file is mixed.
     pub first: [Option<RawToken>; 2],
 }
@@ -203,7 +205,7 @@ pub fn detect(text: &str, raw: &RawText, wanted: Option<Mnemonics>) -> Detected 
     }
     let decided = if counts != [0, 0] { counts } else { operand_counts };
     let set = wanted.unwrap_or(if decided[1] > decided[0] { Mnemonics::De } else { Mnemonics::En });
-    Detected { set, first: [first[set as usize], first[other(set) as usize]] }
+    Detected { set, is_shown: decided != [0, 0], first: [first[set as usize], first[other(set) as usize]] }
 }
 
 /// The set, if only one has the mnemonic, and if the next token can follow a mnemonic.

@@ -59,7 +59,8 @@ pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, V
     report_slips(file, text, &raw, &mut diagnostics);
     report_mixture(file, text, &detected, options, &mut diagnostics);
     let Parsed { blocks, pragmas, diagnostics } = parse_raw(file, text, &raw, &detected, options.pragmas, diagnostics);
-    (SourceUnit { mnemonics: detected.set, blocks, pragmas, ..SourceUnit::default() }, diagnostics)
+    let shows_mnemonics = options.mnemonics.is_none().then_some(detected.is_shown);
+    (SourceUnit { mnemonics: detected.set, shows_mnemonics, blocks, pragmas, ..SourceUnit::default() }, diagnostics)
 }
 
 /// The comments of a source, in the order of the text.
