@@ -430,6 +430,9 @@ pub struct Call {
     pub enable: Option<Expr>,
     /// `ENO => x`: a BOOL variable.
     pub eno: Option<Access>,
+    /// An operator or a conversion that a block of the library carries out. In S7-SCL its error clears OK, and it is not the
+    /// call that ENO is about.
+    pub is_operation: bool,
     pub span: Span,
 }
 

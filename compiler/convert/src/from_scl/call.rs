@@ -104,7 +104,7 @@ impl Maker<'_> {
         label
     }
 
-    /// ENO of the callee is the BR.
+    /// ENO of the callee is the BR. That of an operation is not what ENO of S7-SCL is about.
     fn note_eno(&mut self, call: &Call) {
         let br = Operand { kind: OperandKind::Status(StatusOperand::Br), span: self.span };
         if let Some(access) = &call.eno
@@ -114,7 +114,7 @@ impl Maker<'_> {
             let operand = self.reach(&target, Elementary::Bool);
             self.push(StlInsn::Assign, Some(operand));
         }
-        if let Some(last) = self.last_eno.clone() {
+        if let Some(last) = self.last_eno.clone().filter(|_| !call.is_operation) {
             self.push(StlInsn::And, Some(br));
             self.push(StlInsn::Assign, Some(last));
         }

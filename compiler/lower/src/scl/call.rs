@@ -124,9 +124,11 @@ impl BlockLowering<'_, '_> {
 
     /// ENO of a callee, or of a skipped callee.
     fn note_eno(&mut self, call: &Call, eno: Value) {
-        let last = self.last_eno();
-        self.b.def_var(last, eno);
-        if self.scl.calls_set_flag {
+        if self.scl.calls_set_flag || !call.is_operation {
+            let last = self.last_eno();
+            self.b.def_var(last, eno);
+        }
+        if self.scl.calls_set_flag || call.is_operation {
             let failed = self.b.not(eno);
             self.fail_if(failed);
         }

@@ -135,7 +135,15 @@ impl SclBinder<'_, '_> {
             let supplied: Vec<usize> = list.arguments.iter().map(|argument| argument.parameter).collect();
             self.program.pointers.note(id, key, &bound, &supplied, span);
         }
-        Some(Call { target: key, instance, arguments: list.arguments, enable: list.enable, eno: list.eno, span })
+        Some(Call {
+            target: key,
+            instance,
+            arguments: list.arguments,
+            enable: list.enable,
+            eno: list.eno,
+            is_operation: false,
+            span,
+        })
     }
 
     /// The value of a bound call.

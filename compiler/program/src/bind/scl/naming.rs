@@ -83,7 +83,7 @@ impl SclBinder<'_, '_> {
         ];
         let argument = |(parameter, actual)| Argument { parameter, actual, span };
         let arguments = actuals.into_iter().enumerate().map(argument).collect();
-        let call = Call { target: part, instance: None, arguments, enable: None, eno: None, span };
+        let call = Call { target: part, instance: None, arguments, enable: None, eno: None, is_operation: false, span };
         self.call_value(call, false, pins.name)
     }
 

@@ -341,6 +341,9 @@ impl SclBinder<'_, '_> {
         let mut joined = values.next()?;
         for value in values {
             joined = self.library_call(ctx, key, vec![joined, value], name, span)?;
+            if let Value::Complex { value: Complex::Call(call), .. } = &mut joined {
+                call.is_operation = false;
+            }
         }
         if let (Some(eno), Value::Complex { value: Complex::Call(call), .. }) = (pins.eno, &mut joined) {
             call.eno = Some(self.variable_of_type(ctx, eno, Elementary::Bool, Intent::Write)?);
@@ -369,7 +372,7 @@ impl SclBinder<'_, '_> {
             };
             arguments.push(Argument { parameter, actual, span });
         }
-        let call = Call { target: key, instance: None, arguments, enable: None, eno: None, span };
+        let call = Call { target: key, instance: None, arguments, enable: None, eno: None, is_operation: true, span };
         self.call_value(call, false, name)
     }
 }

@@ -88,7 +88,7 @@ impl SclBinder<'_, '_> {
             Some(node) => Some(self.variable_of_type(ctx, node, Elementary::Bool, Intent::Write)?),
             None => None,
         };
-        Some(Call { target: key, instance: None, arguments, enable: None, eno, span })
+        Some(Call { target: key, instance: None, arguments, enable: None, eno, is_operation: false, span })
     }
 
     /// VAL_STRG to a text of wide characters: first to a narrow text, which then replaces some of the wide characters.
@@ -117,7 +117,8 @@ impl SclBinder<'_, '_> {
             };
             arguments.push(Argument { parameter, actual, span: node.span });
         }
-        let field = Call { target: writer, instance: None, arguments, enable: None, eno: None, span };
+        let field =
+            Call { target: writer, instance: None, arguments, enable: None, eno: None, is_operation: false, span };
         let mut values = vec![self.call_value(field, false, pins.name)?, self.value(ctx, output)?].into_iter();
         let bound = self.program.interface(key, pins.name)?;
         let mut arguments = Vec::with_capacity(bound.interface.parameters.len());
@@ -133,7 +134,7 @@ impl SclBinder<'_, '_> {
             Some(node) => Some(self.variable_of_type(ctx, node, Elementary::Bool, Intent::Write)?),
             None => None,
         };
-        Some(Call { target: key, instance: None, arguments, enable: None, eno, span })
+        Some(Call { target: key, instance: None, arguments, enable: None, eno, is_operation: false, span })
     }
 
     /// An argument: a position that is a number does not advance, and a text of wide characters is read as one of narrow ones.

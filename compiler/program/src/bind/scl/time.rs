@@ -430,7 +430,8 @@ impl SclBinder<'_, '_> {
         let inputs = bound.interface.parameters.iter().enumerate().filter(|(_, formal)| formal.name != "RET_VAL");
         let arguments =
             inputs.zip(actuals).map(|((parameter, _), actual)| Argument { parameter, actual, span }).collect();
-        let call = Box::new(Call { target, instance: None, arguments, enable: None, eno: None, span });
+        let call =
+            Box::new(Call { target, instance: None, arguments, enable: None, eno: None, is_operation: true, span });
         Some(match result {
             DataType::Elementary(ty) => Value::Elementary(Expr { kind: ExprKind::Call(call), ty, span }),
             ty => Value::Complex { value: Complex::Call(call), ty, span },
