@@ -37,6 +37,10 @@ fn head(model: &Model) -> Line<'_> {
         (None, true) => parts.push(Span::styled(" RUN ", colored(Color::Green))),
         (None, false) => parts.push(Span::styled(" STOP ", colored(Color::Yellow))),
     }
+    if model.lost.is_none() && model.state.outputs {
+        parts.push(Span::raw(" "));
+        parts.push(Span::styled(" outputs enabled ", colored(Color::Yellow)));
+    }
     if !model.forced.is_empty() {
         parts.push(Span::raw(" "));
         parts.push(Span::styled(format!(" F {} ", model.forced.len()), colored(Color::Yellow)));
@@ -141,6 +145,8 @@ fn foot(model: &Model) -> Line<'_> {
             Asks::Force => "forced value",
             Asks::Stop => "put the CPU into STOP? y",
             Asks::Run => "start the CPU with a warm restart? y",
+            Asks::Outputs => "enable outputs? what you modify then reaches the modules: y",
+            Asks::Reset => "reset the memory? all data gets its start values, retentive data too: y",
         };
         return Line::from(format!("{question}: {text}▏  Enter  Esc: not"));
     }
@@ -159,7 +165,12 @@ fn foot(model: &Model) -> Line<'_> {
         (true, false) => "m: modify  M: all  ",
         (false, _) => "",
     };
-    let control = if model.role() == Role::Change { "  S: stop  R: run" } else { "" };
+    let control = match (model.role(), model.lost.is_none() && !model.state.running, model.state.outputs) {
+        (Role::Change, true, false) => "  R: run  O: enable outputs  C: reset memory",
+        (Role::Change, true, true) => "  R: run  O: disable outputs  C: reset memory",
+        (Role::Change, false, _) => "  S: stop  R: run",
+        (Role::Look | Role::Operate, ..) => "",
+    };
     let tables = if model.has_tables() { "  t: next table" } else { "" };
     Line::from(format!("Tab ↑↓  {modify}{own}  a: add{tables}{control}  q: leave"))
 }

@@ -23,6 +23,12 @@ pub enum Order {
         name: Option<String>,
     },
     Stop,
+    /// Outputs in STOP: what is modified here reaches the modules, or no more.
+    Outputs {
+        enable: bool,
+    },
+    /// Memory reset, in STOP.
+    Reset,
     Run {
         restart: String,
     },
@@ -70,6 +76,9 @@ pub struct Hello {
 pub struct State {
     pub running: bool,
     pub reason: String,
+    /// Somebody has enabled the outputs of the CPU in STOP.
+    #[serde(default)]
+    pub outputs: bool,
     pub cycle: u64,
 }
 

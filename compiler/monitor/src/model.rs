@@ -32,6 +32,9 @@ pub enum Asks {
     /// Whether the CPU is to go to STOP, to RUN: `y`.
     Stop,
     Run,
+    /// Whether the outputs are to be enabled in STOP, the memory to be reset: `y`.
+    Outputs,
+    Reset,
 }
 
 /// A line of the tree: a name, or a part that several names have in common.
@@ -287,6 +290,10 @@ impl Model {
             KeyCode::PageDown => self.go(10),
             KeyCode::Char('S') => self.asks = Some((Asks::Stop, String::new())),
             KeyCode::Char('R') => self.asks = Some((Asks::Run, String::new())),
+            // It is the safe side, so nothing is asked.
+            KeyCode::Char('O') if self.state.outputs => self.orders.push(Order::Outputs { enable: false }),
+            KeyCode::Char('O') => self.asks = Some((Asks::Outputs, String::new())),
+            KeyCode::Char('C') => self.asks = Some((Asks::Reset, String::new())),
             KeyCode::Char('t') => {
                 let at = self.tables.iter().position(|table| Some(table) == self.asked.as_ref());
                 let next = at.map_or(0, |at| (at + 1) % self.tables.len());
@@ -396,9 +403,11 @@ impl Model {
                 self.search = text;
                 self.grow();
             }
-            (Asks::Stop | Asks::Run, _) if !text.eq_ignore_ascii_case("y") => {}
+            (Asks::Stop | Asks::Run | Asks::Outputs | Asks::Reset, _) if !text.eq_ignore_ascii_case("y") => {}
             (Asks::Stop, _) => self.orders.push(Order::Stop),
             (Asks::Run, _) => self.orders.push(Order::Run { restart: "warm".to_string() }),
+            (Asks::Outputs, _) => self.orders.push(Order::Outputs { enable: true }),
+            (Asks::Reset, _) => self.orders.push(Order::Reset),
             (Asks::Modify, Some(name)) if text.is_empty() => {
                 self.entered.remove(&name);
             }

@@ -123,6 +123,29 @@ fn values_are_modified_and_forced() {
 }
 
 #[test]
+fn outputs_are_enabled_and_the_memory_is_reset_in_stop() {
+    let mut model = model("change");
+    let _ = model.orders().count();
+    let state = |outputs| State { reason: "STOP by a client".to_string(), outputs, ..State::default() };
+    let stop = |outputs| Incoming::News(Box::new(News { state: Some(state(outputs)), ..News::default() }));
+    model.take(stop(false));
+    keys(&mut model, "\t");
+    check("stop.txt", &model);
+    keys(&mut model, "On\nOy\nC\nCY\n");
+    assert_eq!(model.orders().collect::<Vec<_>>(), [Order::Outputs { enable: true }, Order::Reset]);
+    model.take(stop(true));
+    check("outputs.txt", &model);
+    keys(&mut model, "O");
+    let orders: Vec<_> = model.orders().collect();
+    assert_eq!(orders, [Order::Outputs { enable: false }], "at once");
+    let texts: Vec<_> =
+        orders.iter().chain([&Order::Reset]).filter_map(|one| serde_json::to_string(one).ok()).collect();
+    assert_eq!(texts, [r#"{"do":"outputs","enable":false}"#, r#"{"do":"reset"}"#]);
+    let read = |text: &str| serde_json::from_str::<State>(text).expect("it is what the page gets").outputs;
+    assert!(read(r#"{"running": false, "reason": "", "outputs": true, "cycle": 1}"#));
+}
+
+#[test]
 fn watch_tables_of_the_project_are_shown_one_after_the_other() {
     let mut model = model("operate");
     keys(&mut model, "t");
