@@ -59,6 +59,7 @@ fn main() {
         trial("fleet_manifests_name_what_is_there", None, fleet::manifests),
         trial("controller_and_plant_play_together", None, tank::plays_together),
         trial("metrics_tell_the_state", None, metrics),
+        trial("the_page_lists_clients_of_opc_ua", None, listed_clients),
         trial("services_are_only_where_they_are_asked_for", None, only_where_asked_for),
         trial("recorded_timers_and_interrupts_are_repeated", None, record::timers_and_interrupts),
         trial("recorded_writes_of_clients_are_repeated", None, record::client_writes),
@@ -246,6 +247,24 @@ fn metrics() -> Result<(), Failed> {
     let (head, posted) = (asked("HEAD")?, asked("POST")?);
     if !head.starts_with(b"HTTP/1.1 200 OK") || !head.ends_with(b"\r\n\r\n") || !posted.starts_with(b"HTTP/1.1 405") {
         return Err(format!("{}{}", String::from_utf8_lossy(&head), String::from_utf8_lossy(&posted)).into());
+    }
+    plc.end()?;
+    Ok(())
+}
+
+/// What the view CPU of the page lists.
+fn listed_clients() -> Result<(), Failed> {
+    let (folder, opcua, web) = (tempfile::tempdir()?, free_port(), free_port());
+    let plc = Plc::run_in(
+        folder.path(),
+        Program::Plant.path()?,
+        &["--opcua", &opcua.to_string(), "--web", &web.to_string()],
+    )?;
+    let answer = get(web, "/info")?;
+    for service in ["opcua", "web"] {
+        if !answer.contains(&format!("\"service\":\"{service}\"")) {
+            return Err(format!("no {service} in {answer}").into());
+        }
     }
     plc.end()?;
     Ok(())

@@ -242,8 +242,12 @@ impl ServiceOptions {
                 ));
             }
             let door = listen::open("web", address, clients.clone())?;
-            let services =
-                [plan.s7.as_ref().map(|(door, _)| door), plan.modbus.as_ref().map(|(door, ..)| door), Some(&door)];
+            let services = [
+                plan.s7.as_ref().map(|(door, _)| door),
+                plan.modbus.as_ref().map(|(door, ..)| door),
+                plan.opcua.as_ref().map(|(door, _)| door),
+                Some(&door),
+            ];
             let services = services.into_iter().flatten().map(|door| (door.service, door.open.clone())).collect();
             let who = match (users.is_open(), self.allow_load) {
                 (true, false) => "everyone on this computer may look",
