@@ -55,6 +55,9 @@ async function look(tab) {
   await until(tab, "its time", `/^Filling\\d+\\.\\d s/.test(${page}.querySelector(".steps tr:nth-child(2)")?.textContent ?? "")`);
   await until(tab, "what is forced", `[...${page}.querySelectorAll("text.forced")].map((text) => text.textContent).join() === "I0.7"`);
   await until(tab, "the condition", `${page}.querySelectorAll("path.w.off").length > 0`);
+  await until(tab, "the time that it compares", `[...${page}.querySelectorAll("text.v")].some((text) => /^T#\\d/.test(text.textContent))`);
+  // The last wire leads to the coil of the last transition: after a contact and beside it a comparison.
+  await until(tab, "that nothing flows", `[...${page}.querySelectorAll("path.w")].pop().getAttribute("class") === "w off"`);
 
   // Each cycle of a value that changes all the time, with what was before an event.
   await tab(`location.hash = "table"; table.add("MW30"); 0`);

@@ -34,8 +34,19 @@ pub enum Term {
         left: String,
         right: String,
         real: bool,
+        told: Option<Told>,
     },
     Unknown,
+}
+
+/// Where a program that is watched tells the result of a comparison: in an expression, it is the value that begins with the left operand and
+/// has the right one in it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Told {
+    pub left: u32,
+    pub right: u32,
+    /// It is that of the opposite sign.
+    pub inverse: bool,
 }
 
 /// An input of a term.
@@ -121,20 +132,21 @@ fn term(part: &Part) -> Term {
         Meaning::Or => Term::Any(inputs().collect()),
         Meaning::Xor => Term::Odd(inputs().collect()),
         Meaning::Through => flow.map_or(Term::Unknown, Term::Same),
-        Meaning::Compare(sign) => {
+        Meaning::Compare { sign, inverse } => {
             let mut operands = part.pins.iter().enumerate().filter(|(at, _)| Some(*at) != part.flow_in).filter_map(
                 |(_, pin)| match (&pin.link, pin.output) {
                     (Link::Operand(label), false) => match operand(label) {
-                        Value::Operand(key) => Some(key),
+                        Value::Operand(key) => Some((key, label.place)),
                         Value::Net(_) => None,
                     },
                     _ => None,
                 },
             );
             match (operands.next(), operands.next()) {
-                (Some(left), Some(right)) => {
+                (Some((left, at)), Some((right, other))) => {
                     let real = is_real(&part.look, [&left, &right]);
-                    Term::Compare { flow: part.net(part.flow_in), sign: sign.clone(), left, right, real }
+                    let told = at.zip(other).map(|(left, right)| Told { left, right, inverse: *inverse });
+                    Term::Compare { flow: part.net(part.flow_in), sign: sign.clone(), left, right, real, told }
                 }
                 _ => Term::Unknown,
             }
@@ -239,7 +251,7 @@ impl Term {
                 let sum = values.iter().flatten().filter(|value| **value).count();
                 (!values.contains(&None)).then_some(sum % 2 == 1)
             }
-            Term::Compare { flow, sign, left, right, real } => {
+            Term::Compare { flow, sign, left, right, real, .. } => {
                 let flow = match flow {
                     Some(net) => nets.get(net).copied(),
                     None => Some(true),
@@ -278,7 +290,12 @@ impl Term {
             Term::All(inputs) => serde_json::Value::Array(std::iter::once(json!("&")).chain(list(inputs)).collect()),
             Term::Any(inputs) => serde_json::Value::Array(std::iter::once(json!("|")).chain(list(inputs)).collect()),
             Term::Odd(inputs) => serde_json::Value::Array(std::iter::once(json!("^")).chain(list(inputs)).collect()),
-            Term::Compare { flow, sign, left, right, real } => json!(["?", flow, sign, left, right, real]),
+            Term::Compare { flow, sign, left, right, real, told } => match told.filter(|_| places) {
+                None => json!(["?", flow, sign, left, right, real]),
+                Some(Told { left: from, right: inside, inverse }) => {
+                    json!(["?", flow, sign, left, right, real, [from, inside, inverse]])
+                }
+            },
             Term::Unknown => json!(["u"]),
         }
     }
@@ -319,6 +336,20 @@ impl Logic {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_comparison_says_where_its_result_is_told() {
+        let term = Term::Compare {
+            flow: None,
+            sign: "<".to_string(),
+            left: "MW10".to_string(),
+            right: "7".to_string(),
+            real: false,
+            told: Some(Told { left: 10, right: 20, inverse: true }),
+        };
+        assert_eq!(term.json(true), serde_json::json!(["?", null, "<", "MW10", "7", false, [10, 20, true]]));
+        assert_eq!(term.json(false), serde_json::json!(["?", null, "<", "MW10", "7", false]));
+    }
 
     #[test]
     fn bits_are_numbers_of_the_type_that_is_compared() {

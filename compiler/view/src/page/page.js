@@ -456,6 +456,16 @@ function seenAt(from, ...kinds) {
   }
   return best?.value;
 }
+// The result of a comparison in an expression: of the values that begin with its left operand the shortest one that has the right one in it.
+function comparedAt(from, inside) {
+  let best;
+  for (const i of status.at.get(from) ?? []) {
+    const [, to, tells] = status.places[i];
+    if (tells !== "value" || to <= inside || best && best.to < to || best?.to === to && status.seen[i] == null) continue;
+    best = { to, value: status.seen[i] };
+  }
+  return best?.value;
+}
 const truth = (v) => (typeof v === "boolean" ? v : null);
 const operandAt = (from) => seenAt(from, "variable", "written", "value");
 // The power flow: the program tells it after each contact and gate; what it does not tell follows from the operands at their places.
@@ -470,6 +480,10 @@ function flowSeen(logic) {
     if (t[0] === "&") return all(t.slice(1).map(input));
     if (t[0] === "|") return any(t.slice(1).map(input));
     if (t[0] === "^") { const vs = t.slice(1).map(input); return vs.includes(null) ? null : vs.filter((v) => v).length % 2 === 1; }
+    if (t[0] === "?" && t[6]) {
+      const [from, inside, inverse] = t[6], result = truth(comparedAt(from, inside));
+      return all([t[1] === null ? true : known.get(t[1]) ?? null, result === null ? null : result !== inverse]);
+    }
     return null;
   };
   for (let round = 0; round <= logic.nets.length; round++) {

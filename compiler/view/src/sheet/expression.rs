@@ -65,7 +65,8 @@ impl Maker<'_> {
                     Some(sign) => {
                         let pins = vec![self.operand(Place::Above, left), self.operand(Place::Below, right)];
                         let look = Look::Compare { sign: sign.to_string(), ty: " ".to_string() };
-                        self.part(look, Meaning::Compare(sign.to_string()), pins, from, Some(to));
+                        let meaning = Meaning::Compare { sign: sign.to_string(), inverse: negated };
+                        self.part(look, meaning, pins, from, Some(to));
                     }
                     None => self.contact(value, negated, from, to),
                 },

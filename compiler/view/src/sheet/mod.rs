@@ -78,8 +78,11 @@ pub enum Meaning {
     Xor,
     /// The flow goes on as it came.
     Through,
-    /// Compares its first two inputs.
-    Compare(String),
+    /// Compares its first two inputs. `inverse`: the source has the opposite sign, after a NOT.
+    Compare {
+        sign: String,
+        inverse: bool,
+    },
     /// The flow that leaves is not computed here; it is the member `Q` of the instance, if there is one.
     Other,
 }

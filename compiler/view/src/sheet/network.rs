@@ -163,7 +163,7 @@ fn meaning(row: &Row, negated: bool) -> Meaning {
         Kind::Gate(Gate::And) => Meaning::And,
         Kind::Gate(Gate::Or) => Meaning::Or,
         Kind::Gate(Gate::Xor) => Meaning::Xor,
-        Kind::Compare(sign) => Meaning::Compare(sign.to_string()),
+        Kind::Compare(sign) => Meaning::Compare { sign: sign.to_string(), inverse: false },
         Kind::Coil
         | Kind::SetCoil
         | Kind::ResetCoil

@@ -195,7 +195,7 @@ impl Maker<'_> {
             pins.push(Pin { name: String::new(), place, output: false, link: Link::Operand(label), negated: false });
         }
         let look = Look::Compare { sign: sign.to_string(), ty: ty.to_string() };
-        let meaning = Meaning::Compare(sign.to_string());
+        let meaning = Meaning::Compare { sign: sign.to_string(), inverse: false };
         match joins {
             'L' => {
                 let (start, end) = (self.rungs.net(), self.rungs.net());

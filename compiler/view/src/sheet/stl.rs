@@ -288,7 +288,8 @@ impl Maker<'_> {
         let (start, end) = (self.rungs.net(), self.rungs.net());
         let look = Look::Compare { sign: sign.to_string(), ty: ty.to_string() };
         let pins = vec![pin(first, Place::Above), pin(second, Place::Below)];
-        self.rungs.part(look, Meaning::Compare(sign.to_string()), pins, Some(start), Some(end));
+        let meaning = Meaning::Compare { sign: sign.to_string(), inverse: false };
+        self.rungs.part(look, meaning, pins, Some(start), Some(end));
         self.span = Some(Span::between(start, end));
         Ok(())
     }
