@@ -269,6 +269,7 @@ impl Maker<'_> {
                     scope,
                     values: self.options.values,
                     is_live: self.options.is_live,
+                    steps: &body.steps,
                     all: Default::default(),
                 };
                 page.sections = self.chart(body, &tiles);

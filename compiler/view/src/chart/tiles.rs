@@ -30,6 +30,8 @@ pub struct Tiles<'a> {
     pub values: Option<&'a HashMap<String, String>>,
     /// Leave room for values.
     pub is_live: bool,
+    /// The steps of the chart.
+    pub steps: &'a [Step],
     /// All networks of the chart, with the numbers that their nets have in its drawing.
     pub all: RefCell<Sheet>,
 }
@@ -150,7 +152,7 @@ impl Tiles<'_> {
     pub fn condition(&self, condition: &Condition, sign: &str) -> (Option<Scene>, Vec<String>) {
         match condition {
             Condition::Expression(value) => {
-                let sheet = expression::condition(value, sign, self.names, self.scope);
+                let sheet = expression::condition(value, sign, self.names, self.scope, self.steps);
                 (Some(self.drawn(sheet, Language::Lad)), Vec::new())
             }
             Condition::Network(network) => match &network.content {

@@ -3,6 +3,7 @@
 //! not a number satisfies neither.
 
 use plcc_syntax::Elementary;
+use plcc_syntax::chart::ast::Step;
 use plcc_syntax::network::draw;
 use plcc_syntax::scl::ast::{BinaryOp, Expr, ExprKind, Literal, UnaryOp};
 
@@ -12,9 +13,9 @@ use crate::names::{Names, Scope};
 /// An XOR with more contacts than this is one contact with its text.
 const XOR_MAX: usize = 16;
 
-/// The rung of a condition, which ends in a coil with `sign`.
-pub fn condition(value: &Expr, sign: &str, names: &Names, scope: Scope) -> Sheet {
-    let mut maker = Maker { sheet: Sheet::default(), names, scope };
+/// The rung of a condition in a chart with these steps; it ends in a coil with `sign`.
+pub fn condition(value: &Expr, sign: &str, names: &Names, scope: Scope, steps: &[Step]) -> Sheet {
+    let mut maker = Maker { sheet: Sheet::default(), names, scope, steps };
     let rail = maker.net();
     maker.sheet.nets[rail].sources.push(Source::Rail);
     let end = maker.net();
@@ -27,6 +28,7 @@ struct Maker<'a> {
     sheet: Sheet,
     names: &'a Names,
     scope: Scope,
+    steps: &'a [Step],
 }
 
 impl Maker<'_> {
@@ -115,9 +117,27 @@ impl Maker<'_> {
     }
 
     fn operand(&self, place: Place, value: &Expr) -> Pin {
-        let label = self.names.label(&draw::whole(value), self.scope);
+        let mut label = self.names.label(&draw::whole(value), self.scope);
+        if label.key.is_empty()
+            && let Some(local) = self.of_step(value)
+        {
+            label.key = self.names.key(&local, self.scope).unwrap_or_default();
+        }
         let label = Label { place: Some(value.span.start), ..label };
         Pin { name: String::new(), place, output: false, link: Link::Operand(label), negated: false }
+    }
+
+    /// A value of a step as a variable of the block, `#Run.T`: code names the step, or gives its number, as `S002`.
+    fn of_step(&self, value: &Expr) -> Option<String> {
+        let ExprKind::Member { base, name: value } = &value.kind else { return None };
+        let ExprKind::Name(name) = &base.kind else { return None };
+        let named = self.steps.iter().find(|step| step.name.text.eq_ignore_ascii_case(&name.text));
+        let numbered = || {
+            let digits = name.text.strip_prefix(['S', 's'])?;
+            let number: u32 = digits.bytes().all(|digit| digit.is_ascii_digit()).then(|| digits.parse().ok())??;
+            self.steps.iter().find(|step| step.number == number)
+        };
+        Some(format!("#{}.{}", named.or_else(numbered)?.name.text, value.text))
     }
 
     fn part(&mut self, look: Look, meaning: Meaning, mut pins: Vec<Pin>, from: usize, to: Option<usize>) {
