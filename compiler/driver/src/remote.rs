@@ -273,11 +273,13 @@ impl Reader {
     fn place(&mut self, at: &Spanned<String>, table: RemoteTable) -> Option<(bool, u32, u8, Width)> {
         let text = at.get_ref();
         let found = address::parse(text).and_then(|address| match address.place {
-            Place::Input(byte) | Place::PeripheralInput(byte) => Some((false, byte, address.width)),
-            Place::Output(byte) | Place::PeripheralOutput(byte) => Some((true, byte, address.width)),
+            Place::Input(byte) => Some((false, byte, address.width, "I")),
+            Place::PeripheralInput(byte) => Some((false, byte, address.width, "PI")),
+            Place::Output(byte) => Some((true, byte, address.width, "Q")),
+            Place::PeripheralOutput(byte) => Some((true, byte, address.width, "PQ")),
             _ => None,
         });
-        let Some((output, byte, width)) = found else {
+        let Some((output, byte, width, area)) = found else {
             self.report(at, format!("`{text}` is not an input or output"), "write `I4.0`, `QB4`, `IW256` or `PQW256`");
             return None;
         };
@@ -286,11 +288,14 @@ impl Reader {
             (true, Width::Byte) => 0,
             (false, Width::Word | Width::Dword) => 0,
             (true, _) => {
-                self.report(at, format!("`{text}`: elements of this table are bits"), "write `I4.0` or `IB4`");
+                let first = if area.starts_with('P') { String::new() } else { format!("`{area}{byte}.0` or ") };
+                let help = format!("write {first}`{area}B{byte}`");
+                self.report(at, format!("`{text}`: elements of this table are bits"), &help);
                 return None;
             }
             (false, _) => {
-                self.report(at, format!("`{text}`: elements of this table are words"), "write `IW256` or `PQW256`");
+                let help = format!("write `{area}W{byte}`, or `{area}D{byte}` for two of them");
+                self.report(at, format!("`{text}`: elements of this table are words"), &help);
                 return None;
             }
         };
@@ -390,6 +395,19 @@ mod tests {
             [(RemoteTable::DiscreteInputs, 3, 1, false, 4, 2), (RemoteTable::HoldingRegisters, 0, 2, true, 300, 0)]
         );
         assert_eq!(station.channels[1].substitute, 0xFFFF);
+    }
+
+    #[test]
+    fn help_has_the_address_of_the_user() {
+        let help = |table: &str, at: &str| {
+            let text = format!("[io.a]\nmodbus = \"h\"\n[[io.a.data]]\n{table} = 0\nat = \"{at}\"\n");
+            let (_, diagnostics) = project::parse(FileId(0), &SourceFile::new("plc.toml", text.as_str()));
+            diagnostics.into_iter().flat_map(|diagnostic| diagnostic.help).collect::<Vec<_>>()
+        };
+        assert_eq!(help("holding", "IB4"), ["write `IW4`, or `ID4` for two of them"]);
+        assert_eq!(help("input", "I4.0"), ["write `IW4`, or `ID4` for two of them"]);
+        assert_eq!(help("coils", "QW6"), ["write `Q6.0` or `QB6`"]);
+        assert_eq!(help("discrete", "PIW300"), ["write `PIB300`"]);
     }
 
     #[test]
