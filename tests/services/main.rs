@@ -286,5 +286,10 @@ fn only_where_asked_for() -> Result<(), Failed> {
     if accepts(&plain) || !accepts(&with) || bytes(&plain)? + 200_000 > bytes(&with)? {
         return Err("services in the wrong program".into());
     }
+    let said = Command::new(&with).args(["--publish", "MW10", "--cycles", "3"]).output()?;
+    if said.status.code() != Some(2) || !String::from_utf8_lossy(&said.stderr).contains("--publish: there is no broker")
+    {
+        return Err(format!("values for nobody: {said:?}").into());
+    }
     Ok(())
 }

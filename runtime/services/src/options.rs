@@ -135,6 +135,18 @@ pub fn check_registers(text: &str, has_bits: bool, image: &ProgramImage) -> Resu
 pub type Opened = (Option<Box<dyn Service>>, Vec<String>);
 
 impl ServiceOptions {
+    /// A flag that is given and means nothing without a broker.
+    fn flag_of_broker(&self) -> Option<&'static str> {
+        let flags = [
+            (self.sparkplug.is_some(), "--sparkplug"),
+            (!self.publish.is_empty(), "--publish"),
+            (self.mqtt_ca.is_some(), "--mqtt-ca"),
+            (self.mqtt_certificate.is_some(), "--mqtt-certificate"),
+            (self.mqtt_key.is_some(), "--mqtt-key"),
+        ];
+        flags.into_iter().find_map(|(is_given, flag)| is_given.then_some(flag))
+    }
+
     /// Opens what the flags and, unless `flags_only`, plc.toml ask for. `Err`: why not.
     ///
     /// `loader` changes the program, if clients may do that.
@@ -156,8 +168,8 @@ impl ServiceOptions {
             (None, Some(text)) if !flags_only => Some(NodeName::parse(text)?),
             (flag, _) => flag.clone(),
         };
-        if broker.is_none() && self.sparkplug.is_some() {
-            return Err("--sparkplug: there is no broker: add --mqtt mqtt://HOST:PORT".to_string());
+        if let (None, None, Some(flag)) = (&self.mqtt, &config.mqtt, self.flag_of_broker()) {
+            return Err(format!("{flag}: there is no broker: add --mqtt mqtt://HOST:PORT"));
         }
         let [authority, certificate, key] = [
             text(&self.mqtt_ca, &config.mqtt_ca),
@@ -429,6 +441,16 @@ mod tests {
         let flags: Vec<String> =
             command.get_arguments().filter_map(|flag| Some(format!("--{}", flag.get_long()?))).collect();
         assert_eq!(flags, plcc_runtime::options::SERVICE_FLAGS);
+    }
+
+    #[test]
+    fn flags_that_need_a_broker() {
+        let flag = |options: ServiceOptions| options.flag_of_broker();
+        assert_eq!(flag(ServiceOptions { s7: address("1").ok(), ..ServiceOptions::default() }), None);
+        let publish = vec!["MW10".to_string()];
+        assert_eq!(flag(ServiceOptions { publish, ..ServiceOptions::default() }), Some("--publish"));
+        let mqtt_key = Some("line.key".to_string());
+        assert_eq!(flag(ServiceOptions { mqtt_key, ..ServiceOptions::default() }), Some("--mqtt-key"));
     }
 
     #[test]
