@@ -131,6 +131,9 @@ pub fn check_registers(text: &str, has_bits: bool, image: &ProgramImage) -> Resu
     modbus::check(text, has_bits, image)
 }
 
+/// What clients with the right `control` may do, if the protocol has it.
+const CONTROL: &str = "read, write, stop and start the CPU";
+
 /// What answers on the side of the CPU, and what was opened, a line each.
 pub type Opened = (Option<Box<dyn Service>>, Vec<String>);
 
@@ -223,7 +226,12 @@ impl ServiceOptions {
         let server = s7::Server { link: link.clone(), guard, protection: config.protection, board: board.clone() };
         if let Some(address) = s7 {
             let door = listen::open("s7", address, clients.clone())?;
-            opened.push(line("S7 clients", &door, &clients.text()));
+            let control = match image.profile.family.is_portal() {
+                // They refuse STOP and restarts, as the CPUs do.
+                true => "read, write and set the clock",
+                false => CONTROL,
+            };
+            opened.push(line("S7 clients", &door, &clients.text(control)));
             plan.s7 = Some((door, server.clone()));
         }
         for (number, connection) in board.iter().flat_map(|board| board.connections().iter().enumerate()) {
@@ -237,13 +245,13 @@ impl ServiceOptions {
         if let Some(address) = modbus {
             let map = Map::new(&config.registers, image)?;
             let door = listen::open("modbus", address, clients.clone())?;
-            opened.push(line("Modbus TCP clients", &door, &clients.text()));
+            opened.push(line("Modbus TCP clients", &door, &clients.text("read and write")));
             plan.modbus = Some((door, link.clone(), map));
         }
         if let Some(address) = opcua {
             let server = opcua::Server::new(link.clone(), config, image, address)?;
             let door = listen::open("opcua", address, clients.clone())?;
-            opened.push(line("OPC UA clients", &door, &server.text(&clients.text())));
+            opened.push(line("OPC UA clients", &door, &server.text(&clients.text(CONTROL))));
             plan.opcua = Some((door, Arc::new(server)));
         }
         if let Some(address) = web {

@@ -74,12 +74,12 @@ impl Clients {
         found.or(self.others).map(|right| right.min(self.most))
     }
 
-    /// As a line about what was opened tells it.
-    pub fn text(&self) -> String {
+    /// As a line about what was opened tells it. `control`: what a client with this right may do, which the protocol decides.
+    pub fn text(&self, control: &str) -> String {
         let may = |right: Right| match right.min(self.most) {
-            Right::Read => "read",
-            Right::Write => "read and write",
-            Right::Control => "read, write, stop and start the CPU",
+            Right::Read => "read".to_string(),
+            Right::Write => "read and write".to_string(),
+            Right::Control => control.to_string(),
         };
         match (self.list.len(), self.others) {
             (0, others) => format!("clients may {}", may(others.unwrap_or(Right::Read))),
@@ -107,6 +107,15 @@ mod tests {
         assert_eq!(of(&clients, "10.0.0.1"), Some(Right::Write));
         let clients = Clients::new(&ServicesConfig::default(), Some(Right::Read));
         assert_eq!(of(&clients, "::1"), Some(Right::Read));
+    }
+
+    #[test]
+    fn the_protocol_decides_what_control_means() {
+        let clients = Clients::new(&ServicesConfig::default(), Some(Right::Control));
+        assert_eq!(clients.text("read and write"), "clients may read and write");
+        assert_eq!(clients.text("read, write and set the clock"), "clients may read, write and set the clock");
+        let clients = Clients::new(&ServicesConfig::default(), Some(Right::Read));
+        assert_eq!(clients.text("read and write"), "clients may read");
     }
 
     #[test]

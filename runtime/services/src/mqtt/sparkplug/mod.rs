@@ -138,7 +138,12 @@ impl Node {
     /// As a line about what was opened tells it.
     pub fn text(&self) -> String {
         let count = self.tags.len();
-        format!("{count} values as Sparkplug B {} to {}: {}", self.name, self.target.broker, self.clients.text())
+        format!(
+            "{count} values as Sparkplug B {} to {}: {}",
+            self.name,
+            self.target.broker,
+            self.clients.text("read and write")
+        )
     }
 }
 
