@@ -456,5 +456,16 @@ pub fn idle() -> Result<(), Failed> {
     // After five seconds the silent ones are closed.
     asks(port, &[CONNECT, SETUP, READ])?;
     plc.end()?;
+    // Browsers open six connections each, and several people may be behind one address.
+    let port = free_port();
+    let plc = Plc::start(&["--web", &port.to_string()])?;
+    let mut browsers: Vec<_> = (0..36).map(|_| TcpStream::connect(("127.0.0.1", port))).collect::<Result<_, _>>()?;
+    for stream in &mut browsers {
+        stream.set_read_timeout(Some(Duration::from_millis(20)))?;
+        if matches!(stream.read(&mut [0; 8]), Ok(0)) {
+            return Err("the page refuses a browser".into());
+        }
+    }
+    plc.end()?;
     Ok(())
 }

@@ -5,6 +5,9 @@ use std::time::Duration;
 /// Connections of one service at once, and those of one computer among them.
 pub const CONNECTIONS_MAX: usize = 32;
 pub const CONNECTIONS_OF_ONE_MAX: usize = 8;
+/// Those of the page: a browser opens six at once, and people behind one address open it at the same time.
+pub const PAGE_CONNECTIONS_MAX: usize = 96;
+pub const PAGE_CONNECTIONS_OF_ONE_MAX: usize = 48;
 
 /// How long an S7 client may take to ask for a connection, and to agree on the length of PDUs.
 pub const CONNECT_TIME: Duration = Duration::from_secs(5);

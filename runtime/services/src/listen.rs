@@ -9,7 +9,7 @@ use std::time::Duration;
 use plcc_abi::services::Right;
 use tokio::net::{TcpListener, TcpStream};
 
-use crate::limits::{CONNECTIONS_MAX, CONNECTIONS_OF_ONE_MAX};
+use crate::limits::{CONNECTIONS_MAX, CONNECTIONS_OF_ONE_MAX, PAGE_CONNECTIONS_MAX, PAGE_CONNECTIONS_OF_ONE_MAX};
 use crate::rights::Clients;
 
 /// An open port.
@@ -31,7 +31,11 @@ pub fn open(service: &'static str, address: SocketAddr, clients: Clients) -> Res
     };
     let listener = std::net::TcpListener::bind(address).map_err(failed)?;
     listener.set_nonblocking(true).map_err(failed)?;
-    Ok(Door { service, listener, clients, open: Open::default() })
+    let most = match service {
+        "web" => (PAGE_CONNECTIONS_MAX, PAGE_CONNECTIONS_OF_ONE_MAX),
+        _ => (CONNECTIONS_MAX, CONNECTIONS_OF_ONE_MAX),
+    };
+    Ok(Door { service, listener, clients, open: Open { most, ..Open::default() } })
 }
 
 /// Connections by computer, and how many there have been.
@@ -40,6 +44,8 @@ pub struct Open {
     now: Arc<Mutex<HashMap<IpAddr, usize>>>,
     accepted: Arc<AtomicU64>,
     refused: Arc<AtomicU64>,
+    /// How many there may be at once, and how many of one computer.
+    most: (usize, usize),
 }
 
 impl Open {
@@ -54,7 +60,8 @@ impl Open {
         let mut open = self.now.lock().unwrap_or_else(PoisonError::into_inner);
         let all: usize = open.values().sum();
         let own = open.get(&from).copied().unwrap_or(0);
-        if all >= CONNECTIONS_MAX || own >= CONNECTIONS_OF_ONE_MAX {
+        let (most, most_of_one) = self.most;
+        if all >= most || own >= most_of_one {
             return None;
         }
         open.insert(from, own + 1);
@@ -117,5 +124,24 @@ pub async fn accept<F: Future<Output = ()> + Send + 'static>(door: Door, serve: 
             served.await;
             drop(place);
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_computer_leaves_room_for_others() {
+        let open = Open { most: (3, 2), ..Open::default() };
+        let [one, other] = [1u8, 2].map(|last| IpAddr::from([10, 0, 0, last]));
+        let first = open.enter(one);
+        let _second = open.enter(one);
+        assert!(first.is_some() && open.enter(one).is_none());
+        let _third = open.enter(other);
+        assert!(open.enter(other).is_none(), "all places are taken");
+        drop(first);
+        assert!(open.enter(other).is_some());
+        assert_eq!(open.counts().0, 2);
     }
 }
