@@ -190,6 +190,7 @@ async function forcing(tab) {
   await answer(tab, "the question", "#question-yes", "16#0102");
   await until(tab, "both", `document.querySelectorAll("#forces tr").length === 2`);
   await tab(`document.querySelector("#release-all").click()`);
+  await until(tab, "a question that asks for no value", `document.querySelector("#question").open && !document.querySelector("#question-value").checkVisibility()`);
   await answer(tab, "the question", "button[value='']");
   await until(tab, "both as before", `document.querySelectorAll("#forces tr").length === 2`);
   await tab(`document.querySelector("#release-all").click()`);
