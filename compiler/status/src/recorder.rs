@@ -58,7 +58,15 @@ struct State {
     /// Number of blocks that run when the chosen one runs.
     depth: Option<usize>,
     recorded: Option<Recorded>,
+    /// Calls of the block in this cycle that were not the chosen one.
+    others: Vec<Other>,
 }
+
+/// A call that was not the chosen one: the blocks on the way to it, by the places of their probes, and the DB of its instance.
+pub type Other = (Vec<u32>, Option<u16>);
+
+/// So many of them are kept.
+const OTHERS_MAX: usize = 10;
 
 impl Recorder {
     pub fn new(program: &Program, places: Rc<[Place]>, choice: Choice) -> Recorder {
@@ -69,6 +77,11 @@ impl Recorder {
     /// What the call has seen; `None`: there was no such call.
     pub fn recorded(&self) -> Option<Recorded> {
         self.state.borrow().recorded.clone()
+    }
+
+    /// Calls of the block in the cycle before the chosen one, at most as many as a message can name.
+    pub fn others(&self) -> Vec<Other> {
+        self.state.borrow().others.clone()
     }
 
     pub fn choice(&self) -> &Choice {
@@ -111,14 +124,18 @@ impl Watcher for Recorder {
             return;
         }
         let db = cpu.db_at(instance).map(|(db, _)| db.number);
-        if !self.fits(&state.running, db) {
-            return;
+        let path: Vec<u32> = state.running.iter().map(|(place, _)| *place).collect();
+        if self.fits(&state.running, db) {
+            state.calls += 1;
+            if state.calls == self.choice.call.number.max(1) {
+                state.depth = Some(state.running.len());
+                state.recorded = Some(Recorded { path, instance: db, time: cpu.clock.now(), ..Recorded::default() });
+                return;
+            }
         }
-        state.calls += 1;
-        if state.calls == self.choice.call.number.max(1) {
-            state.depth = Some(state.running.len());
-            let path = state.running.iter().map(|(place, _)| *place).collect();
-            state.recorded = Some(Recorded { path, instance: db, time: cpu.clock.now(), ..Recorded::default() });
+        let is_block = self.places.get(place as usize).is_some_and(|place| place.block == self.choice.block);
+        if is_block && state.others.len() < OTHERS_MAX {
+            state.others.push((path, db));
         }
     }
 

@@ -27,6 +27,9 @@ pub struct Status {
     pub instance: Option<String>,
     /// The organization block first, the block itself last.
     pub path: Vec<String>,
+    /// Without the chosen call: who called the block, `OB1/FB2 with DB1`; at most ten.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub calls: Vec<String>,
     /// Places that the block has, in the order of the source, whether they have run or not.
     pub places: Vec<PlaceSeen>,
     /// Of a chart.
@@ -154,7 +157,20 @@ pub fn status(program: &Program, sources: &SourceMap, recorder: &Recorder) -> St
         note_flow(&mut places);
     }
     let file = block.map(|block| sources.file(block.span.file));
-    let path = recorded.iter().flat_map(|recorded| &recorded.path);
+    let blocks = |path: &[u32]| -> Vec<String> {
+        path.iter().filter_map(|&place| recorder.places().get(place as usize)).map(|at| address(at.block)).collect()
+    };
+    let call = |(path, instance): &(Vec<u32>, Option<u16>)| {
+        let callers = match path.split_last().map(|(_, callers)| callers).unwrap_or_default() {
+            [] => "the operating system".to_string(),
+            callers => blocks(callers).join("/"),
+        };
+        match instance {
+            Some(number) => format!("{callers} with DB{number}"),
+            None => callers,
+        }
+    };
+    let others = if recorded.is_none() { recorder.others() } else { Vec::new() };
     Status {
         block: address(choice.block),
         name: block.map(|block| block.name.clone()).unwrap_or_default(),
@@ -163,7 +179,8 @@ pub fn status(program: &Program, sources: &SourceMap, recorder: &Recorder) -> St
         cycle: choice.cycle,
         time_ms: recorded.as_ref().map(|recorded| recorded.time as f64 / 1e6),
         instance: recorded.as_ref().and_then(|recorded| recorded.instance).map(|number| format!("DB{number}")),
-        path: path.filter_map(|&place| recorder.places().get(place as usize)).map(|at| address(at.block)).collect(),
+        path: recorded.as_ref().map(|recorded| blocks(&recorded.path)).unwrap_or_default(),
+        calls: others.iter().map(call).collect(),
         places,
         steps: recorded.map(|recorded| recorded.steps).unwrap_or_default(),
     }

@@ -19,7 +19,12 @@ pub fn document(status: &Status, file: &SourceFile) -> String {
         lines.entry(place.line).or_default().push(place);
     }
     let (Some((&first, _)), Some((&last, _))) = (lines.first_key_value(), lines.last_key_value()) else {
-        text.push_str("nothing to see here\n");
+        match status.network {
+            Some(number) => {
+                let _ = writeln!(text, "nothing to see here: there is no network {number}, or it has no statements");
+            }
+            None => text.push_str("nothing to see here\n"),
+        }
         return text;
     };
     let source = |line: u32| -> String {
@@ -55,7 +60,10 @@ fn head(status: &Status) -> String {
     let name = if status.name.is_empty() { String::new() } else { format!(" ({})", status.name) };
     let mut head = format!("{}{name}, cycle {}", status.block, status.cycle);
     match status.time_ms {
-        None => head.push_str(": not called"),
+        None if status.calls.is_empty() => head.push_str(": not called"),
+        None => {
+            let _ = write!(head, ": no such call; it is called by {}", status.calls.join(", "));
+        }
         Some(time) => {
             let _ = write!(head, ", {time} ms");
             if let Some(instance) = &status.instance {
