@@ -1,7 +1,9 @@
 //! Attributes of nodes: reading many of them in one cycle, and writing values.
 
+use plcc_abi::image::Family;
 use plcc_abi::services::Right;
 use plcc_runtime::cpu::Cpu;
+use plcc_runtime::datetime;
 use plcc_runtime::options::Restart;
 
 use super::Server;
@@ -363,7 +365,29 @@ fn apply(cpu: &Cpu, change: &Change) -> Result<(), Status> {
         Change::Run(true) if cpu.is_stopped() && !cpu.request_restart(Restart::Warm) => return Err(status::INTERNAL),
         Change::Run(true) => {}
         Change::Run(false) => cpu.stop_by_request(),
+        Change::Clock(moment) if !has_moment(cpu.image.profile.family, *moment) => return Err(status::OUT_OF_RANGE),
         Change::Clock(moment) => cpu.set_wall_clock(*moment),
     }
     Ok(())
+}
+
+/// Whether the clock of a CPU can be set to a moment. Programs of an S7-200/300/400 read it as DATE_AND_TIME, from 1990 to 2089.
+fn has_moment(family: Family, moment: i64) -> bool {
+    const NS_PER_MS: u64 = 1_000_000;
+    let is_near = |back: i64| back.abs_diff(moment) < NS_PER_MS;
+    family.is_portal() || datetime::decode(datetime::encode(moment)).is_ok_and(is_near)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_clock_has_the_years_of_its_family() {
+        let year = |year: i64| (year - 1970) * 365 * 86_400 * 1_000_000_000 + 40 * 86_400 * 1_000_000_000;
+        for (moment, is_old) in [(year(1975), false), (year(1991), true), (year(2088), true), (year(2095), false)] {
+            assert_eq!(has_moment(Family::S7300, moment), is_old, "{moment}");
+            assert!(has_moment(Family::S71500, moment));
+        }
+    }
 }
