@@ -488,3 +488,16 @@ pub struct ProgramImage {
     /// Of an S7-200.
     pub s7200: Option<S7200Image>,
 }
+
+impl ProgramImage {
+    /// Milliseconds that a cycle may take; `None`: any time. An S7-200 has a scan watchdog, which can be off, others a cycle monitoring time.
+    pub fn cycle_limit_ms(&self) -> Option<u32> {
+        match &self.s7200 {
+            Some(own) => {
+                let ms = self.config.s7200.watchdog_ms.unwrap_or(own.cpu.watchdog_ms);
+                (ms != 0).then_some(ms.into())
+            }
+            None => Some(self.config.cycle_time_max_ms.max(1)),
+        }
+    }
+}

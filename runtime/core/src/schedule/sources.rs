@@ -95,13 +95,7 @@ impl Monitor {
     }
 }
 
-/// Nanoseconds that a cycle may take. The scan watchdog of an S7-200 can be off.
+/// Nanoseconds that a cycle may take.
 pub(super) fn cycle_limit(image: &ProgramImage) -> u64 {
-    match &image.s7200 {
-        Some(own) => match image.config.s7200.watchdog_ms.unwrap_or(own.cpu.watchdog_ms) {
-            0 => NEVER,
-            ms => u64::from(ms) * NS_PER_MS,
-        },
-        None => u64::from(image.config.cycle_time_max_ms.max(1)) * NS_PER_MS,
-    }
+    image.cycle_limit_ms().map_or(NEVER, |ms| u64::from(ms) * NS_PER_MS)
 }

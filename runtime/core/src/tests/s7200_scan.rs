@@ -207,6 +207,16 @@ fn scan_watchdog() {
     assert_eq!(watched(looping(90, false), 0), 0, "it is off");
 }
 
+/// What clients are told.
+#[test]
+fn the_limit_of_a_cycle_is_that_of_the_family() {
+    let mut image = s7200_image(&[(BlockKind::Ob, 1)]);
+    assert_eq!(image.cycle_limit_ms(), Some(500));
+    image.config.s7200.watchdog_ms = Some(0);
+    assert_eq!(image.cycle_limit_ms(), None);
+    assert_eq!(super::helpers::image(&[]).cycle_limit_ms(), Some(150));
+}
+
 #[test]
 fn values_from_outside() {
     let cpu = s7200_with(nothing(), Vec::new(), |image| {

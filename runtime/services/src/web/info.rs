@@ -88,7 +88,7 @@ fn of_cpu(cpu: &Cpu) -> Value {
         "cpu": profile.name,
         "order": image.config.cpu_order,
         "program": image.name,
-        "cycle_time_max_ms": image.config.cycle_time_max_ms,
+        "cycle_limit_ms": image.cycle_limit_ms(),
         "faults": cpu.diagnostics.faults(),
         "blocks": blocks,
         "modules": modules.collect::<Vec<_>>(),

@@ -115,7 +115,7 @@ const cpuInfo = {
     const { bounds_us: bounds, period, work } = it.cycles;
     $("cpu-info").replaceChildren(
       this.table("CPU", [["CPU", it.cpu], ["order number", it.order], ["program", it.program],
-        ["cycle monitoring", `${it.cycle_time_max_ms} ms`], ["faults so far", it.faults]].filter(([, value]) => value !== "")),
+        ["cycle monitoring", it.cycle_limit_ms === null ? "off" : `${it.cycle_limit_ms} ms`], ["faults so far", it.faults]].filter(([, value]) => value !== "")),
       this.times("Work of a cycle", bounds, work),
       this.times("From cycle to cycle", bounds, period),
       this.table("Memory in bytes", Object.entries(it.memory)),
