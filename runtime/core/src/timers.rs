@@ -70,10 +70,11 @@ impl Cell {
         }
     }
 
-    /// Stops with `status` and keeps the remaining value.
+    /// Stops with `status` and keeps the remaining value. The cell becomes what generated code makes of it.
     fn freeze(&mut self, status: bool) {
         self.deadline = None;
         self.status = status;
+        self.status_after = false;
     }
 
     /// Loads the time and runs with `status`; a time of 0 is over at once.

@@ -108,6 +108,8 @@ fn on_delay_broken_off_freezes() {
     bench.pass(100_000);
     assert!(!bench.q());
     assert_eq!(bench.value_and_base(), (8, 2));
+    // As generated code leaves the cell, which recordings compare.
+    assert_eq!(bench.info(), 8 | 2 << timer_cell::BASE_SHIFT);
 }
 
 #[test]
