@@ -7,8 +7,8 @@
 //!   and writing; [`view`]: browsing.
 //! - [`subscription`]: values as they change; [`events`]: the diagnostic buffer as events.
 //!
-//! A session belongs to its connection: what a client has is gone when the connection is. So nothing is shared between clients. A connection
-//! ends when the program is changed while it runs, as on an S7-1500: its nodes may mean other places.
+//! A session belongs to its connection: what a client has is gone when the connection is. So nothing is shared between clients. When the program
+//! is changed while it runs, a connection goes on with the new nodes, unless a structure that clients know has changed.
 
 mod attributes;
 mod certificate;

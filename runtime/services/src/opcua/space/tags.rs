@@ -1,0 +1,76 @@
+//! Which names and addresses a program has.
+
+use plcc_abi::image::{AssertType, DbEntry};
+use plcc_runtime::address::{self, Address, Place, Width};
+use plcc_runtime::names;
+use plcc_runtime::typed::ValueType;
+
+use super::Space;
+use super::node::Folder;
+use super::thing::{Form, Thing, Ty, quoted};
+
+impl Space {
+    pub(super) fn block(&self, db: &DbEntry) -> Option<Thing> {
+        let absolute = format!("DB{}", db.number);
+        let symbol =
+            || self.image.symbols.iter().find(|symbol| symbol.address == absolute).map(|symbol| symbol.name.clone());
+        let name = Some(db.name.clone()).filter(|name| !name.is_empty()).or_else(symbol).unwrap_or(absolute);
+        Some(Thing {
+            id: quoted(&name),
+            name,
+            parent: Folder::DataBlocks.name().to_string(),
+            place: Place::Db(db.number, 0),
+            bit: 0,
+            ty: Ty::Declared(db.ty?),
+            read_only: db.read_only,
+        })
+    }
+
+    pub(super) fn find_tags(&self) -> Vec<(Folder, Thing)> {
+        let mut tags: Vec<(Folder, Thing)> = Vec::new();
+        for symbol in &self.image.symbols {
+            let Some(address) = address::parse_for(&symbol.address, &self.image) else { continue };
+            let named = names::find(&symbol.name, &self.image).ok().and_then(|named| named.ty);
+            let ty = match (symbol.ty, named) {
+                (Some(ty), _) if !matches!(self.form(ty), Form::Value(_) | Form::Other) => Ty::Declared(ty),
+                (_, named) => Ty::Plain(named.unwrap_or(plain(address.width))),
+            };
+            tags.push(self.tag(quoted(&symbol.name), &symbol.name, address, ty));
+        }
+        for (name, named) in names::used(&self.image) {
+            let is_address = address::parse_for(&name, &self.image) == Some(named.address);
+            // A timer or counter of an S7-300/400 is its value.
+            if is_address
+                && !matches!(named.address.place, Place::Db(..) | Place::TimerValue(_) | Place::CounterValue(_))
+            {
+                tags.push(self.tag(format!("%{name}"), &name, named.address, Ty::Plain(plain(named.address.width))));
+            }
+        }
+        tags
+    }
+
+    pub(super) fn tag(&self, id: String, name: &str, address: Address, ty: Ty) -> (Folder, Thing) {
+        // Clients want to know how long a timer runs; that it runs, they see by that.
+        let (place, ty) = match address.place {
+            Place::Timer(number) | Place::TimerValue(number) => {
+                (Place::TimerValue(number), Ty::Plain(ValueType::of(AssertType::S5Time)))
+            }
+            Place::Counter(number) | Place::CounterValue(number) => {
+                (Place::CounterValue(number), Ty::Plain(ValueType::of(AssertType::Signed(16))))
+            }
+            place => (place, ty),
+        };
+        let bit = if let Width::Bit(bit) = address.width { bit } else { 0 };
+        let folder = Folder::of(place);
+        let parent = folder.name().to_string();
+        (folder, Thing { id, name: name.to_string(), parent, place, bit, ty, read_only: false })
+    }
+}
+
+/// Bits of a width.
+pub(super) fn plain(width: Width) -> ValueType {
+    ValueType::of(match width {
+        Width::Bit(_) => AssertType::Bool,
+        width => AssertType::Bits(width.bits() as u8),
+    })
+}
