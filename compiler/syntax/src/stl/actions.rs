@@ -368,6 +368,17 @@ pub fn call(
     }
 }
 
+/// A parameter whose operand cannot be read: the call passes it, so it is not missing too.
+pub fn bad_parameter(state: &State, range: Range<usize>) -> Option<Parameter> {
+    let tokens = state.tokens.get(state.index_of(range.start)..)?;
+    let (name, name_span) = tokens.iter().take(2).find_map(|(start, token, end)| match token {
+        Tok::Name(name) if *start == range.start => Some(((*name).to_owned(), state.span(*start..*end))),
+        _ => None,
+    })?;
+    let actual = Some(Operand { kind: OperandKind::Error, span: state.span(range) });
+    Some(Parameter { name, name_span, actual })
+}
+
 /// An operand; an address that does not fit its area letters is reported.
 pub fn operand(state: &mut State, kind: OperandKind, range: Range<usize>) -> Operand {
     let span = state.span(range);

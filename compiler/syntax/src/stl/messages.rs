@@ -350,9 +350,51 @@ fn surplus_operand(state: &State, mnemonic: &str, start: usize) -> Diagnostic {
 }
 
 fn parameter_error(state: &State, at: Option<&Spanned>, before: Option<&Spanned>) -> Diagnostic {
-    message(state, at, before, Code::Syntax, "parameter list")
-        .help("write `name := operand` for each parameter, separated by `,`")
+    let told = message(state, at, before, Code::Syntax, "parameter list");
+    told.help(
+        match (at, before) {
+            (Some(at), Some(before)) => parameter_help(state, at, before),
+            _ => None,
+        }
+        .unwrap_or_else(|| "write `name := operand` for each parameter, separated by `,`".to_owned()),
+    )
 }
+
+/// What to write for an expression or an incomplete pointer after `name :=`.
+fn parameter_help(state: &State, at: &Spanned, before: &Spanned) -> Option<String> {
+    let text = |(start, _, end): &Spanned| state.text.get(*start..*end).unwrap_or_default();
+    let (word, last) = (text(at).to_ascii_uppercase(), text(before));
+    if last.eq_ignore_ascii_case("NOT") {
+        return Some(
+            "a parameter has one operand: write the negated bit with `NOT` and `=` before the call".to_owned(),
+        );
+    }
+    if word.starts_with(['+', '-', '*', '/']) || matches!(word.as_str(), "AND" | "OR" | "XOR" | "DIV" | "MOD") {
+        return Some(
+            "a parameter has one operand: calculate the value before the call, and pass the result".to_owned(),
+        );
+    }
+    let is_type = |word: &str| {
+        matches!(word, "BOOL" | "BYTE" | "CHAR" | "WORD" | "INT" | "DWORD" | "DINT" | "REAL" | "TIME" | "S5TIME")
+    };
+    let index = state.index_of(at.0);
+    let start = index.saturating_sub(POINTER_TOKENS);
+    let first = start + state.tokens[start..index].iter().rposition(|(_, token, _)| matches!(token, Tok::Assign))? + 1;
+    let operand = state.text.get(state.tokens.get(first)?.0..at.0)?.trim_end();
+    let is_pointer = operand.get(..2).is_some_and(|letters| letters.eq_ignore_ascii_case("P#"));
+    let count = state.tokens.get(index + 1).map(text).filter(|count| count.bytes().all(|digit| digit.is_ascii_digit()));
+    let count = count.filter(|count| !count.is_empty()).unwrap_or("1");
+    match word.strip_suffix('S').filter(|singular| is_type(singular)) {
+        Some(singular) if is_pointer => Some(format!("write `{operand} {singular} {count}`")),
+        None if is_type(&word) && !is_pointer => {
+            Some(format!("a pointer begins with `P#`: write `P#{operand} {word} {count}`"))
+        }
+        _ => None,
+    }
+}
+
+/// How many tokens an address in a data block has, with `:=`.
+const POINTER_TOKENS: usize = 8;
 
 fn declaration_error(state: &State, at: Option<&Spanned>, before: Option<&Spanned>) -> Diagnostic {
     let after_bounds = matches!((before, at), (Some((_, Tok::RightBracket, _)), Some((start, _, end))) if start < end);

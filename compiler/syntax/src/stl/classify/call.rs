@@ -103,11 +103,24 @@ impl Classifier<'_, '_> {
     pub(super) fn parameter_name(&mut self) {
         let name = unquoted(self.slice(self.raw[self.at]));
         self.take(Tok::Name(name));
-        if self.kind_at(self.at) == Some(RawKind::Equal) {
-            self.equal_for_assign();
-        } else {
-            self.take(Tok::Assign);
+        match (self.kind_at(self.at), self.kind_at(self.at + 1)) {
+            (Some(RawKind::Equal), Some(RawKind::Greater)) => self.arrow_for_assign(name),
+            (Some(RawKind::Equal), _) => self.equal_for_assign(),
+            _ => self.take(Tok::Assign),
         }
+    }
+
+    /// `name =>`, as SCL writes outputs.
+    fn arrow_for_assign(&mut self, name: &str) {
+        let (start, end) = (self.raw[self.at].start as usize, self.raw[self.at + 1].end as usize);
+        let span = self.span_of(start, end);
+        self.report(
+            Diagnostic::new(Code::AssignSign, span, "a call of STL has `:=` for outputs too")
+                .label("a form of SCL")
+                .help(format!("write `{name} := …`")),
+        );
+        self.at += 2;
+        self.push(start, Tok::Assign, end);
     }
 
     /// One `name := operand` per line, up to the first line that has another form.
