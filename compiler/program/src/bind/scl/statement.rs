@@ -306,11 +306,14 @@ impl SclBinder<'_, '_> {
         if !endless || body.iter().any(leaves) {
             return Some(());
         }
-        let label = match step {
-            0 => "the step is 0".to_string(),
-            _ => format!("after {end} the variable of type {} begins again at its other end", ty.name()),
+        let (label, help) = match step {
+            0 => ("the step is 0".to_string(), "write another number after BY; without BY the loop counts by 1"),
+            _ => (
+                format!("after {end} the variable of type {} begins again at its other end", ty.name()),
+                "use a longer type for its variable",
+            ),
         };
-        self.refuse(Code::EndlessLoop, span, "this loop cannot end", &label, "use a longer type for its variable");
+        self.refuse(Code::EndlessLoop, span, "this loop cannot end", &label, help);
         None
     }
 }

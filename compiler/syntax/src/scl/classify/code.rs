@@ -13,8 +13,31 @@ use crate::scl::token::Tok;
 /// How many tokens the values of an arm of CASE may have.
 const ARM_TOKENS_MAX: usize = 500;
 
+/// How many tokens a condition may have that is found by looking ahead.
+const CONDITION_TOKENS_MAX: usize = 200;
+
+/// Statements that are opened and not closed in a block, less those that are closed and not opened: IF, CASE, FOR, WHILE, REPEAT.
+type Unclosed = [i32; 5];
+
 /// A section that is longer than this is not shown in a help.
 const SECTION_MAX: usize = 80;
+
+/// The kind of structured statement of a word, and whether the word opens it; else it closes it.
+fn structure(word: Keyword) -> Option<(usize, bool)> {
+    Some(match word {
+        Keyword::If => (0, true),
+        Keyword::Case => (1, true),
+        Keyword::For => (2, true),
+        Keyword::While => (3, true),
+        Keyword::Repeat => (4, true),
+        Keyword::EndIf => (0, false),
+        Keyword::EndCase => (1, false),
+        Keyword::EndFor => (2, false),
+        Keyword::EndWhile => (3, false),
+        Keyword::EndRepeat => (4, false),
+        _ => return None,
+    })
+}
 
 /// A structured statement that is open.
 struct Open {
@@ -35,6 +58,7 @@ impl<'a> Classifier<'a, '_> {
     /// Statements up to the end of the block, which is not consumed.
     pub(super) fn code(&mut self) {
         let mut open: Vec<Open> = Vec::new();
+        let mut unclosed = self.unclosed();
         loop {
             let limit = self.peek().map_or(u32::MAX, |token| token.start);
             self.statement_pragmas(limit);
@@ -46,8 +70,16 @@ impl<'a> Classifier<'a, '_> {
                 (_, Some(word)) if word.ends_block() => break,
                 (_, Some(word)) if word.begins_block() && self.block_begins(self.at) => break,
                 (_, Some(word)) if word.begins_section() && self.section_in_code(token) => {}
-                (_, Some(word)) if word.begins_statement() => self.statement_keyword(word, token, &mut open),
-                (_, Some(word)) if word.closes_statement() => self.closing_keyword(word, token, &mut open),
+                (_, Some(word)) if word.begins_statement() => {
+                    if word == Keyword::While && self.is_condition_of_repeat(token, &open) {
+                        self.closing_keyword(Keyword::Until, token, &mut open, &mut unclosed);
+                    } else {
+                        self.statement_keyword(word, token, &mut open);
+                    }
+                }
+                (_, Some(word)) if word.closes_statement() => {
+                    self.closing_keyword(word, token, &mut open, &mut unclosed);
+                }
                 (
                     _,
                     Some(
@@ -182,7 +214,102 @@ impl<'a> Classifier<'a, '_> {
         text.split_whitespace().collect::<Vec<_>>().join(" ")
     }
 
-    fn closing_keyword(&mut self, word: Keyword, token: RawToken, open: &mut Vec<Open>) {
+    /// What the rest of the block leaves unclosed.
+    fn unclosed(&self) -> Unclosed {
+        let mut unclosed = [0; 5];
+        for (index, token) in self.raw.iter().enumerate().skip(self.at) {
+            match token.keyword {
+                Some(word) if word.ends_block() || word.begins_block() && self.block_begins(index) => break,
+                Some(word) => {
+                    if let Some((kind, opens)) = structure(word) {
+                        unclosed[kind] += if opens { 1 } else { -1 };
+                    }
+                }
+                None => {}
+            }
+        }
+        unclosed
+    }
+
+    /// The end that `word` is meant as: the innermost statement has no end in this block, and nothing in the block needs this one.
+    fn misnamed_end(
+        &mut self,
+        word: Keyword,
+        token: RawToken,
+        open: &[Open],
+        unclosed: &mut Unclosed,
+    ) -> Option<Keyword> {
+        let (written, false) = structure(word)? else { return None };
+        let innermost = open.last()?;
+        let (kind, _) = structure(innermost.keyword)?;
+        if kind == written || unclosed[kind] <= 0 || unclosed[written] >= 0 {
+            return None;
+        }
+        unclosed[kind] -= 1;
+        unclosed[written] += 1;
+        let meant = match innermost.keyword {
+            Keyword::If => Keyword::EndIf,
+            Keyword::Case => Keyword::EndCase,
+            Keyword::For => Keyword::EndFor,
+            Keyword::While => Keyword::EndWhile,
+            _ => Keyword::EndRepeat,
+        };
+        let (text, opener) = (self.slice(token), innermost.keyword.word());
+        self.report(
+            Diagnostic::new(Code::Syntax, self.span(token), format!("`{text}` cannot end {opener}"))
+                .label(format!("read as `{}`", meant.word()))
+                .also(self.span(innermost.token), format!("this {opener} is open here"))
+                .help(format!("write `{};`", meant.word())),
+        );
+        Some(meant)
+    }
+
+    /// `WHILE condition;` before END_REPEAT, as other languages end this loop. It is reported.
+    fn is_condition_of_repeat(&mut self, token: RawToken, open: &[Open]) -> bool {
+        if open.last().is_none_or(|statement| statement.keyword != Keyword::Repeat || statement.until) {
+            return false;
+        }
+        let first = self.at + 1;
+        let ahead = self.raw.get(first..).unwrap_or_default();
+        let end = ahead.iter().take(CONDITION_TOKENS_MAX).position(|token| {
+            token.kind == RawKind::Semicolon
+                || token.keyword.is_some_and(|word| word.begins_statement() || word.closes_statement())
+                || matches!(token.keyword, Some(Keyword::Do | Keyword::Then))
+        });
+        let Some(end) = end.map(|end| first + end).filter(|&end| {
+            end > first
+                && self.kind_at(end) == Some(RawKind::Semicolon)
+                && self.keyword_at(end + 1) == Some(Keyword::EndRepeat)
+        }) else {
+            return false;
+        };
+        let condition = self.head_text(self.raw[first], self.raw[end - 1]);
+        self.report(
+            Diagnostic::new(
+                Code::ForeignForm,
+                self.span(token),
+                "REPEAT ends with UNTIL and the condition for its end",
+            )
+            .label("read as `UNTIL`")
+            .help(format!("write `UNTIL NOT ({condition})`")),
+        );
+        true
+    }
+
+    /// `ELSE a = 2 THEN`: THEN follows before anything that a condition does not have.
+    fn is_else_with_condition(&self) -> bool {
+        let ahead = self.raw.get(self.at + 1..).unwrap_or_default();
+        let end = ahead.iter().take(CONDITION_TOKENS_MAX).position(|token| {
+            matches!(token.kind, RawKind::Semicolon | RawKind::Assign)
+                || token.keyword.is_some_and(|word| {
+                    word == Keyword::Then || word.begins_statement() || word.closes_statement() || word.ends_block()
+                })
+        });
+        end.is_some_and(|end| end > 0 && ahead[end].keyword == Some(Keyword::Then))
+    }
+
+    fn closing_keyword(&mut self, word: Keyword, token: RawToken, open: &mut Vec<Open>, unclosed: &mut Unclosed) {
+        let word = self.misnamed_end(word, token, open, unclosed).unwrap_or(word);
         let fits = |statement: &Open| match word {
             Keyword::Else => matches!(statement.keyword, Keyword::If | Keyword::Case) && !statement.otherwise,
             Keyword::Elsif | Keyword::ElseIf => statement.keyword == Keyword::If && !statement.otherwise,
@@ -200,6 +327,16 @@ impl<'a> Classifier<'a, '_> {
         }
         let statement = &mut open[index];
         match word {
+            Keyword::Else if statement.keyword == Keyword::If && self.is_else_with_condition() => {
+                self.report(
+                    Diagnostic::new(Code::Syntax, self.span(token), "ELSE has no condition")
+                        .label("read as `ELSIF`")
+                        .help("write `ELSIF` for another condition"),
+                );
+                self.take(Tok::Elsif);
+                self.run(Run::If);
+                self.wanted(Tok::Then, Keyword::Then, token);
+            }
             Keyword::Else => {
                 statement.otherwise = true;
                 let case = statement.keyword == Keyword::Case;
@@ -233,10 +370,12 @@ impl<'a> Classifier<'a, '_> {
                 } else {
                     self.push_here(Tok::End);
                 }
-                if self.keyword_at(self.at) == Some(Keyword::EndRepeat) {
+                let opening = statement.token;
+                let end = self.peek().and_then(|token| Some((token, token.keyword?)));
+                let end = end.map(|(token, word)| self.misnamed_end(word, token, open, unclosed).unwrap_or(word));
+                if end == Some(Keyword::EndRepeat) {
                     self.closed(token, Tok::EndRepeat);
                 } else {
-                    let opening = statement.token;
                     self.report_unclosed(opening, Keyword::Repeat, None);
                     self.push_here(Tok::EndRepeat);
                 }
