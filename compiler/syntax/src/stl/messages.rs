@@ -404,6 +404,11 @@ fn declaration_error(state: &State, at: Option<&Spanned>, before: Option<&Spanne
             .label("the type of the elements")
             .help(format!("write `OF {ty}`"));
     }
+    if let (Some(at), Some(before)) = (at, before)
+        && let Some(told) = other_brackets(state, at, before)
+    {
+        return told;
+    }
     let help = match before.map(|(_, token, _)| token) {
         Some(Tok::Name(_)) if !matches!(at, Some((_, Tok::Colon, _))) => {
             "write `:` between name and data type, e.g. `speed : INT;`"
@@ -413,6 +418,42 @@ fn declaration_error(state: &State, at: Option<&Spanned>, before: Option<&Spanne
         _ => "write `name : type := value;`, e.g. `speed : INT := 5;`",
     };
     message(state, at, before, Code::DeclarationSyntax, "declaration").help(help)
+}
+
+/// `ARRAY[10]`, `ARRAY[1-10]`, `STRING(20)`.
+fn other_brackets(state: &State, at: &Spanned, before: &Spanned) -> Option<Diagnostic> {
+    let text = |(start, _, end): &Spanned| state.text.get(*start..*end).unwrap_or_default();
+    let told = |from: usize, to: usize, title: &str, help: String| {
+        Some(
+            Diagnostic::new(Code::DeclarationSyntax, state.span(from..to), title)
+                .label("a form of other languages")
+                .help(help),
+        )
+    };
+    let next = state.tokens.get(state.index_of(at.0) + 1);
+    let is_number = |text: &str| !text.is_empty() && text.bytes().all(|digit| digit.is_ascii_digit());
+    let opens = |bracket: char| state.text.get(..before.0).is_some_and(|text| text.trim_end().ends_with(bracket));
+    match (&before.1, &at.1) {
+        (Tok::Literal(_), Tok::RightBracket) if opens('[') && is_number(text(before)) => {
+            let bound = text(before);
+            told(
+                before.0,
+                before.2,
+                "an array has a lower and an upper bound",
+                format!("write `1..{bound}`, or another range"),
+            )
+        }
+        (Tok::Literal(_), Tok::Literal(_)) if opens('[') && is_number(text(before)) => {
+            let high = text(at).strip_prefix('-').map(str::trim).filter(|high| is_number(high))?;
+            let help = format!("write `{}..{high}`", text(before));
+            told(before.0, at.2, "two points are between the bounds of an array", help)
+        }
+        (_, Tok::LeftParen) if text(before).eq_ignore_ascii_case("STRING") => {
+            let length = next.map(text).filter(|length| is_number(length))?;
+            told(at.0, at.2, "the length of a STRING is written in brackets", format!("write `STRING[{length}]`"))
+        }
+        _ => None,
+    }
 }
 
 fn assignment_error(state: &State, at: Option<&Spanned>, before: Option<&Spanned>) -> Diagnostic {

@@ -222,6 +222,13 @@ impl Declarations<'_> {
             return format!("is `#{other}` meant?");
         }
         match self.globals.names.symbols.get(&fold(name)) {
+            Some(global)
+                if kind_prefix(ctx.key.kind) == BlockPrefix::Fc
+                    && global.target
+                        == (SymbolTarget::Block { prefix: BlockPrefix::Fc, number: u32::from(ctx.key.number) }) =>
+            {
+                format!("this function has no value: give it a type, as in `FUNCTION \"{}\" : Int`", global.name)
+            }
             Some(global) => format!("write `\"{}\"`: `#` is for what the block itself declares", global.name),
             None => "declare it in one of the VAR sections of the block".to_owned(),
         }

@@ -14,6 +14,7 @@ use super::{Intent, Rules};
 use crate::bind::globals::names::{Global, code_kind};
 use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::fold;
+use plcc_binding::report::known_type;
 use plcc_binding::similar;
 use plcc_model::layout;
 use plcc_model::scl::{Access, Argument, Base, Call, Complex, Expr, ExprKind, Instance};
@@ -620,7 +621,7 @@ fn similar_conversion(name: &str) -> Option<String> {
     let (from, to) = upper.split_once("_TO_")?;
     let own = |word: &str| {
         let names = || plcc_syntax::Elementary::ALL.into_iter().map(|ty| ty.name());
-        names().find(|name| *name == word).or_else(|| similar(word, names()))
+        names().find(|name| *name == word).or_else(|| similar(word, names())).or_else(|| known_type(word))
     };
     Some(format!("{}_TO_{}", own(from)?, own(to)?))
 }

@@ -10,7 +10,7 @@ use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::fold;
 
 /// Functions of other languages, and what a program of a PLC does instead.
-const FUNCTIONS: [(&[&str], &str); 13] = [
+const FUNCTIONS: [(&[&str], &str); 14] = [
     (
         &["printf", "print", "println", "puts", "echo", "writeln", "write", "cout"],
         "a PLC has no console: assign the value to a variable, and watch it in a watch table or in the trace",
@@ -34,6 +34,7 @@ const FUNCTIONS: [(&[&str], &str); 13] = [
     ),
     (&["str", "itoa", "to_str", "tostring"], "write the conversion, as in `INT_TO_STRING(…)` or `REAL_TO_STRING(…)`"),
     (&["atoi", "parseint", "atof", "val"], "write the conversion, as in `STRING_TO_INT(…)` or `STRING_TO_REAL(…)`"),
+    (&["convert", "cast"], "write the conversion with both types, as in `REAL_TO_INT(…)`"),
     (&["strlen"], "the number of characters is `LEN(…)`"),
     (&["strcat"], "texts are joined by `CONCAT(IN1 := …, IN2 := …)`"),
     (

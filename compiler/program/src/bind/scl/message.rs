@@ -28,7 +28,7 @@ impl SclBinder<'_, '_> {
         let text = self.program.globals.text(span);
         let message = Diagnostic::new(Code::TypeMismatch, span, format!("`{text}` is {is}, but {wanted} is expected"))
             .label(is.to_string());
-        self.program.report(match help {
+        self.program.report(match help.or_else(|| part_of(&text, is, wanted)) {
             Some(help) => message.help(help),
             None => message,
         });
@@ -70,6 +70,24 @@ impl SclBinder<'_, '_> {
     pub(in crate::bind) fn refuse(&mut self, code: Code, span: Span, title: &str, label: &str, help: &str) {
         let message = Diagnostic::new(code, span, title).label(label);
         self.program.report(if help.is_empty() { message } else { message.help(help) });
+    }
+}
+
+/// What to name in place of `text`, a whole array or a block, where one value is expected.
+fn part_of(text: &str, is: &str, wanted: &str) -> Option<String> {
+    let is_name = !text.is_empty() && !text.contains(|c: char| c.is_whitespace() || c == '(');
+    if !is_name || wanted.contains("ARRAY") || wanted.contains("STRING") {
+        return None;
+    }
+    match is {
+        "a block (FC)" => Some(format!("call it with its parameters: `{text}(…)`")),
+        "a block (DB)" => Some(format!("name a value in it, as in `{text}.name`")),
+        _ => {
+            let bounds = is.strip_prefix("of type ARRAY[")?.split(']').next()?;
+            let first: Vec<&str> =
+                bounds.split(',').map(|range| range.split("..").next().unwrap_or(range).trim()).collect();
+            Some(format!("name an element, as in `{text}[{}]`", first.join(", ")))
+        }
     }
 }
 

@@ -41,8 +41,8 @@ impl<'a> Classifier<'a, '_> {
             && !matches!(self.kind_at(self.at + 2 + count), Some(RawKind::Colon | RawKind::Comma | RawKind::LeftBrace))
             && self.keyword_at(self.at + 2 + count) != Some(Keyword::At)
         {
-            let text = self.slice(*word);
-            if text.eq_ignore_ascii_case("CONSTANT") {
+            let (text, word) = (self.slice(*word), *word);
+            if text.eq_ignore_ascii_case("CONSTANT") || self.short_constant(word) {
                 self.at += count + 1;
                 return self.constant_section(opening, Keyword::EndVar);
             }
@@ -50,7 +50,7 @@ impl<'a> Classifier<'a, '_> {
                 () if text.eq_ignore_ascii_case("RETAIN") => Retain::Retain,
                 () if text.eq_ignore_ascii_case("NON_RETAIN") => Retain::NonRetain,
                 () if text.eq_ignore_ascii_case("DB_SPECIFIC") => Retain::DbSpecific,
-                () => match self.misspelt_retain(*word, self.at + 2 + count) {
+                () => match self.misspelt_retain(word, self.at + 2 + count) {
                     Some(retain) => retain,
                     None => break,
                 },
@@ -63,6 +63,20 @@ impl<'a> Classifier<'a, '_> {
         self.at += 1;
         self.declarations(0);
         self.end_of_section(opening, Keyword::EndVar);
+    }
+
+    /// `VAR CONST`, which is reported.
+    fn short_constant(&mut self, word: RawToken) -> bool {
+        let is_short = word.keyword == Some(Keyword::Const) && !word.first_on_line;
+        if is_short {
+            let message = Diagnostic::new(
+                Code::MisspeltKeyword,
+                self.span(word),
+                format!("the word is `CONSTANT`, not `{}`", self.slice(word)),
+            );
+            self.report(message.label("read as `CONSTANT`").help("write `VAR CONSTANT`"));
+        }
+        is_short
     }
 
     /// A word like `RETAN` after VAR, alone on its line, which is reported and read as meant.

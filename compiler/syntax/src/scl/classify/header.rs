@@ -320,6 +320,19 @@ impl<'a> Classifier<'a, '_> {
     /// Reports and skips a line that no header has.
     fn skip_line_of_header(&mut self, token: RawToken) {
         let word = self.slice(token);
+        if self.kind_at(self.at + 1) == Some(RawKind::Equal) && header_field(word).is_some() {
+            let line = self.text[self.raw[self.at + 1].end as usize..].lines().next().unwrap_or_default();
+            self.report(
+                Diagnostic::new(
+                    Code::BlockFrame,
+                    self.span(token),
+                    format!("`{word}` is given with `:`, not with `=`"),
+                )
+                .label("a part of the header")
+                .help(format!("write `{word} : {}`", line.trim())),
+            );
+            return self.skip_line();
+        }
         let help = match address::numbered_block(word) {
             Some(_) => format!("a block has a name or a number: write one of them, such as `{word}`"),
             None => {
