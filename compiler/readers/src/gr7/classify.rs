@@ -244,9 +244,13 @@ impl<'a> Classifier<'a, '_> {
         self.end(opening, end);
     }
 
-    /// What to write for a condition whose line begins with the current token, or with `=`.
+    /// What to write for a condition whose line begins with the current token, or after its `=` or `:`.
     fn condition_help(&self) -> String {
-        let from = self.raw.get(self.at).filter(|token| token.kind == RawKind::Equal).map_or(self.at, |_| self.at + 1);
+        let from = self
+            .raw
+            .get(self.at)
+            .filter(|token| matches!(token.kind, RawKind::Equal | RawKind::Colon))
+            .map_or(self.at, |_| self.at + 1);
         let line =
             self.raw.get(from).map_or("", |token| self.text[token.start as usize..].lines().next().unwrap_or(""));
         match line.trim() {
@@ -261,11 +265,10 @@ impl<'a> Classifier<'a, '_> {
         self.take(Tok::Condition);
         if self.is_at(RawKind::Assign) {
             self.at += 1;
-        } else if self.is_at(RawKind::Equal) {
-            let span = self.span(self.raw[self.at]);
+        } else if let Some(sign) = self.peek().filter(|sign| matches!(sign.kind, RawKind::Equal | RawKind::Colon)) {
             self.report(
-                Diagnostic::new(Code::AssignSign, span, "a condition is written with `:=`")
-                    .label("`=` compares")
+                Diagnostic::new(Code::AssignSign, self.span(sign), "a condition is written with `:=`")
+                    .label(if sign.kind == RawKind::Equal { "`=` compares" } else { "only a part of the sign" })
                     .help(self.condition_help()),
             );
             self.at += 1;

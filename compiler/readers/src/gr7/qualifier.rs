@@ -22,8 +22,15 @@ fn instruction(letters: &str) -> Option<Qualifier> {
 }
 
 /// What to write instead of a qualifier that GRAPH does not have.
-pub fn help(text: &str) -> &'static str {
-    match text.trim().to_ascii_uppercase().as_str() {
+pub fn help(text: &str) -> String {
+    let words: Vec<&str> = text.split([' ', '_', '\t']).filter(|word| !word.is_empty()).collect();
+    if let [instruction, event] = words.as_slice()
+        && Event::of(event).is_some()
+        && parse(instruction).is_some()
+    {
+        return format!("write `({event} {instruction})`: the event comes first");
+    }
+    let help = match text.trim().to_ascii_uppercase().as_str() {
         "" => "write a qualifier such as `(N)`, `(S)`, `(R)`, `(D)` or `(S1_CU)` after the operand",
         "C" => {
             "C marks the interlock and follows an instruction, as in `NC`; counters are written `CS`, `CU`, `CD` and `CR`"
@@ -32,10 +39,13 @@ pub fn help(text: &str) -> &'static str {
             "write `S1_N` for an action that runs once when the step is entered, `S0_N` for one that runs when it is left"
         }
         "SD" | "DS" | "SL" => "set the operand in a separate step after a transition that waits, or use `D` or `L`",
+        "SET" => "write `(S)`",
+        "RESET" | "RST" | "RES" => "write `(R)`",
         _ => {
             "qualifiers are N, S, R, D, L, CALL, ON, OFF, CS, CU, CD, CR, TL, TD, TR and TF; an event such as `S1_` may come before it, and C after it"
         }
-    }
+    };
+    help.to_owned()
 }
 
 #[cfg(test)]

@@ -48,12 +48,18 @@ impl ChartBinder<'_, '_> {
             return self.scl().convert(ctx, value, Elementary::Bool);
         }
         let (text, is) = (self.program.globals.text(node.span), described(&value));
+        let is_structure = is == "of type STRUCT";
         self.program.report(
             Diagnostic::new(Code::ConditionType, node.span, format!("`{text}` is {is}, but {what} needs a BOOL"))
                 .label(is)
-                .help(match text.contains(char::is_whitespace) {
-                    true => "compare it, for example with `> 0`, or name a bit".to_string(),
-                    false => format!("compare it, as in `{text} <> 0`, or name a bit"),
+                .help(match text.as_str() {
+                    "1" => "write `TRUE`".to_string(),
+                    "0" => "write `FALSE`".to_string(),
+                    _ if is_structure => format!("name a bit in it; a step is active while `{text}.X` is TRUE"),
+                    _ if text.contains(char::is_whitespace) => {
+                        "compare it, for example with `> 0`, or name a bit".to_string()
+                    }
+                    _ => format!("compare it, as in `{text} <> 0`, or name a bit"),
                 }),
         );
         None

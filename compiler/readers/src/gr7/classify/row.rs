@@ -8,7 +8,7 @@ use crate::gr7::lexer::RawKind;
 use crate::gr7::pragma::{self, Tag};
 use crate::gr7::qualifier;
 use crate::gr7::token::Tok;
-use plcc_syntax::chart::ast::Coil;
+use plcc_syntax::chart::ast::{Coil, Event};
 
 /// Where a row ends.
 struct Extent {
@@ -25,6 +25,9 @@ impl<'a> Classifier<'a, '_> {
         let Extent { end, qualifier } = self.action_extent(call);
         let body = qualifier.unwrap_or(end);
         let empty = self.at == body;
+        if let Some(open) = qualifier.filter(|_| !call) {
+            self.leading_event(open, end);
+        }
         if call {
             self.take(Tok::Call);
         }
@@ -39,6 +42,35 @@ impl<'a> Classifier<'a, '_> {
         }
         self.comment_of_row();
         self.push_here(Tok::RowEnd);
+    }
+
+    /// `S1 Q0.0 (N)`: an event before the operand is reported and skipped. `open`: index of the parenthesis of the qualifier.
+    fn leading_event(&mut self, open: usize, end: usize) {
+        let (first, operand) = (self.raw[self.at], self.at + 1);
+        let event = self.slice(first);
+        let is_operand = operand < open
+            && matches!(
+                self.kind_at(operand),
+                Some(RawKind::Word | RawKind::Quoted | RawKind::Local | RawKind::Absolute)
+            )
+            && !is_operator(self.raw[operand], self.slice(self.raw[operand]));
+        if first.kind != RawKind::Word || Event::of(event).is_none() || !is_operand {
+            return;
+        }
+        let text = |from: u32, to: u32| self.text[from as usize..to as usize].trim();
+        let row = text(self.raw[operand].start, self.raw[open].start);
+        let mark = text(self.raw[open].end, self.raw[end - 1].start);
+        let help = format!("write `{row} ({event} {mark})`");
+        self.report(
+            Diagnostic::new(
+                Code::Qualifier,
+                self.span(first),
+                "an event comes before the instruction in the parenthesis",
+            )
+            .label("before the operand")
+            .help(help),
+        );
+        self.at += 1;
     }
 
     fn is_call(&self) -> bool {
@@ -163,7 +195,7 @@ impl<'a> Classifier<'a, '_> {
         // A bracket or character that was reported may include it.
         if !self.reported_in_row() {
             let help = self.meant_row().or_else(|| self.foreign_row()).or_else(|| self.assigned_row());
-            let help = help.unwrap_or_else(|| qualifier::help("").to_owned());
+            let help = help.unwrap_or_else(|| qualifier::help(""));
             self.report(
                 Diagnostic::new(Code::Qualifier, self.span(last), "the action has no qualifier")
                     .label("after this")
@@ -206,6 +238,12 @@ impl<'a> Classifier<'a, '_> {
             _ => open + 2,
         };
         let value = slice(first, last)?;
+        // `(N, S1)`, `(S1, ON)`
+        for (event, instruction) in [(mark, value), (value, mark)] {
+            if Event::of(event).is_some() && qualifier::parse(instruction).is_some() {
+                return Some(format!("write `{operand} ({event} {instruction})`"));
+            }
+        }
         qualifier::parse(mark)?;
         Some(format!("write `{operand}, {value} ({mark})`"))
     }

@@ -192,6 +192,9 @@ fn names(chart: &Chart, messages: &mut Vec<Diagnostic>) {
 /// False if a transition names a step that does not exist.
 fn unknown(chart: &Chart, index: &Index, messages: &mut Vec<Diagnostic>) -> bool {
     let mut told: FxHashSet<String> = FxHashSet::default();
+    // One of two steps with the same name has another name, which transitions use.
+    let mut known: FxHashSet<String> = FxHashSet::default();
+    let is_twice = !chart.steps.iter().all(|step| known.insert(fold(&step.name.text)));
     for transition in &chart.transitions {
         for (word, list) in [("FROM", &transition.from), ("TO", &transition.to)] {
             for name in list.iter().filter(|name| index.step(&name.text).is_none()) {
@@ -202,6 +205,9 @@ fn unknown(chart: &Chart, index: &Index, messages: &mut Vec<Diagnostic>) -> bool
                 let label = format!("{word} of {} names a step", transition_title(transition));
                 let steps = chart.steps.iter().map(|step| step.name.text.as_str());
                 let similar = (told.len() <= SIMILAR_MAX).then(|| similar(&name.text, steps)).flatten();
+                if is_twice && similar.is_none() {
+                    continue;
+                }
                 let help = match (index.step_reference(&name.text), similar) {
                     (Some(step), _) => format!("write its name: \"{}\"", chart.steps[step].name.text),
                     (None, Some(step)) => format!("is \"{step}\" meant?"),

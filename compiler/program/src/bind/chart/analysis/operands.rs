@@ -87,6 +87,10 @@ pub fn check_reset(chart: &Chart, facts: &Facts, messages: &mut Vec<Diagnostic>)
     for (step, action) in steps_and_actions(chart) {
         let Some((Write::Set, value)) = written(action) else { continue };
         let Some(place) = place(value, facts) else { continue };
+        // A row of S writes a bit; anything else is reported as such.
+        if matches!(place, Place::Memory { bits, .. } if bits != 1) {
+            continue;
+        }
         if place.with_wholes().any(|whole| resets.contains(&whole)) || !told.insert(place) {
             continue;
         }
