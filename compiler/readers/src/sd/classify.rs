@@ -14,6 +14,10 @@ use plcc_syntax::network::elements;
 use plcc_syntax::scl::keyword::Keyword;
 use plcc_syntax::scl::raw::{RawKind, RawToken};
 
+/// Where statements go.
+const STATEMENTS: &str =
+    "write statements of SCL in a network of their own, with `{ S7_Language := \"SCL\" }` before it";
+
 /// Classifies the tokens between `NETWORK` and `END_NETWORK`.
 pub fn classify<'a>(file: FileId, text: &'a str, raw: &[RawToken]) -> Classified<Tok<'a>> {
     let mut classifier = Classifier { cursor: Cursor::new(file, text, raw, &[]) };
@@ -62,9 +66,17 @@ impl<'a> Classifier<'a, '_> {
             } else {
                 format!("`{text}` cannot stand outside a rung")
             };
-            Diagnostic::new(Code::Syntax, self.span(token), title)
-                .label("no rung is open here")
-                .help("a network of LAD or FBD contains rungs from `RUNG` to `END_RUNG`")
+            let next = self.raw.get(self.at + 1).map_or("", |next| &self.text[next.range()]);
+            let help = match token.keyword {
+                _ if self.kind_at(self.at + 1) == Some(RawKind::Colon) => format!("write `Label( {text} )`"),
+                _ if self.is_word("LABEL") => format!("write `Label( {next} )`"),
+                Some(word) if word.begins_statement() => STATEMENTS.to_owned(),
+                _ if self.operand_end().is_some_and(|after| self.kind_at(after) == Some(RawKind::Assign)) => {
+                    STATEMENTS.to_owned()
+                }
+                _ => "a network of LAD or FBD contains rungs from `RUNG` to `END_RUNG`".to_owned(),
+            };
+            Diagnostic::new(Code::Syntax, self.span(token), title).label("no rung is open here").help(help)
         };
         self.report(diagnostic);
         self.at += 1;
@@ -75,6 +87,7 @@ impl<'a> Classifier<'a, '_> {
 
     /// A rung from `RUNG` to its end.
     fn rung(&mut self, opening: RawToken) {
+        let first = self.at;
         self.take(Tok::Rung);
         let mut separated = false;
         while let Some(token) = self.raw.get(self.at).copied() {
@@ -94,7 +107,10 @@ impl<'a> Classifier<'a, '_> {
             } else if self.is_word("NOT") && self.kind_at(self.at + 1) != Some(RawKind::LeftParen) {
                 self.take(Tok::Not);
             } else if let Some(after) = self.operand_end() {
-                self.operand_or_element(after);
+                match self.kind_at(after) {
+                    Some(RawKind::Assign) => self.assignment(after),
+                    _ => self.operand_or_element(after),
+                }
             } else if matches!(token.kind, RawKind::Semicolon | RawKind::Comma) {
                 if !std::mem::replace(&mut separated, true) {
                     let sign = &self.text[token.range()];
@@ -113,12 +129,52 @@ impl<'a> Classifier<'a, '_> {
                 self.take(Tok::Stray);
             }
         }
-        self.report(
-            Diagnostic::new(Code::Syntax, self.span(opening), "`END_RUNG` is missing")
-                .label("this rung is not closed")
-                .help("write `END_RUNG`, or `END_RUNG wire#w1`, after its last element"),
-        );
+        if !self.has_open_text(first) {
+            self.report(
+                Diagnostic::new(Code::Syntax, self.span(opening), "`END_RUNG` is missing")
+                    .label("this rung is not closed")
+                    .help("write `END_RUNG`, or `END_RUNG wire#w1`, after its last element"),
+            );
+        }
         self.push_here(Tok::EndRung);
+    }
+
+    /// Whether a name or a text since index `first` is not closed: the rest of its line is in it, which is reported.
+    fn has_open_text(&self, first: usize) -> bool {
+        let since = self.raw.get(first..self.at).unwrap_or_default();
+        since.iter().any(|token| matches!(token.kind, RawKind::UnterminatedQuoted | RawKind::UnterminatedText))
+    }
+
+    /// `#q := #a` in a rung, up to its `;` or the next element. The operand ends before index `after`.
+    fn assignment(&mut self, after: usize) {
+        let text = |first: usize, after: usize| {
+            self.text.get(self.raw[first].start as usize..self.raw[after - 1].end as usize).unwrap_or_default()
+        };
+        let target = text(self.at, after);
+        let mut end = after + 1;
+        while let Some(token) = self.raw.get(end) {
+            let element = token.kind == RawKind::Word
+                && self.kind_at(end + 1) == Some(RawKind::LeftParen)
+                && elements::find_sd(&self.text[token.range()]).is_some();
+            let ends = ["RUNG", "END_RUNG", "wire"].iter().any(|word| is_word(self.text, self.raw, end, word));
+            if token.kind == RawKind::Semicolon || element || ends {
+                break;
+            }
+            end += 1;
+        }
+        let value = if end > after + 1 { text(after + 1, end) } else { "…" };
+        let value = if value.contains(char::is_whitespace) { "…" } else { value };
+        let help = format!(
+            "write `Contact( {value} ) Coil( {target} )` for a bit, `Move( in := {value}, out1 => {target} )` for a number"
+        );
+        let message = Diagnostic::new(Code::Syntax, self.span(self.raw[after]), "a rung has no assignments")
+            .label("a statement of SCL")
+            .help(help);
+        self.report(message);
+        if self.kind_at(end) == Some(RawKind::Semicolon) {
+            end += 1;
+        }
+        self.take_up_to(Tok::Stray, end);
     }
 
     /// The name of the current wire, `wire#w1`, which is two raw tokens.
@@ -153,7 +209,7 @@ impl<'a> Classifier<'a, '_> {
 
     /// `( pin := value, pin => value )`
     fn arguments(&mut self) {
-        let opening = self.raw[self.at];
+        let (opening, first) = (self.raw[self.at], self.at);
         self.take(Tok::LeftParen);
         while let Some(token) = self.raw.get(self.at).copied() {
             match token.kind {
@@ -186,11 +242,13 @@ impl<'a> Classifier<'a, '_> {
                 _ => self.value_of_pin(),
             }
         }
-        self.report(
-            Diagnostic::new(Code::Syntax, self.span(opening), "`(` is not closed")
-                .label("opened here")
-                .help("write `)` after the last pin"),
-        );
+        if !self.has_open_text(first) {
+            self.report(
+                Diagnostic::new(Code::Syntax, self.span(opening), "`(` is not closed")
+                    .label("opened here")
+                    .help("write `)` after the last pin"),
+            );
+        }
         self.push_here(Tok::RightParen);
     }
 

@@ -13,6 +13,9 @@ const TRUTH: &[&str] = &["TRUE", "FALSE"];
 const OF_NETWORK: &[&str] = &["LAD", "FBD", "SCL", "F_LAD", "F_FBD"];
 const OF_BLOCK: &[&str] = &["LAD", "FBD", "SCL", "STL", "GRAPH", "DB", "F_LAD", "F_FBD", "F_STL", "F_DB"];
 
+/// German names of languages.
+const GERMAN: [(&str, &str); 3] = [("KOP", "LAD"), ("FUP", "FBD"), ("AWL", "STL")];
+
 /// Names of attributes, each with its values; without values: any.
 const ATTRIBUTES: &[(&str, &[&str])] = &[
     ("S7_Language", OF_NETWORK),
@@ -44,8 +47,14 @@ pub fn meant<'p>(attributes: &'p [Attribute], key: &str) -> Option<&'p str> {
     let value = pragma::find(attributes, key).or_else(|| attributes.iter().find(is_slip))?.value.trim();
     let values = ATTRIBUTES.iter().find(|(name, _)| *name == key).map_or(&[][..], |(_, values)| *values);
     let is_known = values.iter().any(|known| known.eq_ignore_ascii_case(value));
-    let near = if is_known { None } else { distance::nearest(value, values.iter().copied()) };
+    let near = if is_known { None } else { nearest(value, values) };
     Some(near.unwrap_or(value))
+}
+
+/// The value of a list that a misspelt one means, or a German one.
+fn nearest(value: &str, values: &[&'static str]) -> Option<&'static str> {
+    let german = GERMAN.iter().find(|(german, _)| german.eq_ignore_ascii_case(value)).map(|(_, own)| *own);
+    german.filter(|own| values.contains(own)).or_else(|| distance::nearest(value, values.iter().copied()))
 }
 
 /// What a slip in an attribute does.
@@ -78,7 +87,7 @@ fn fault(attribute: &Attribute) -> Option<Diagnostic> {
     if values.is_empty() || value.is_empty() || values.iter().any(|known| known.eq_ignore_ascii_case(value)) {
         return None;
     }
-    let (label, help) = match distance::nearest(value, values.iter().copied()) {
+    let (label, help) = match nearest(value, values) {
         Some(meant) => (effect(name, meant), format!("is `{name} := \"{meant}\"` meant?")),
         None => ("has no effect".to_owned(), format!("write one of {}", values.join(", "))),
     };

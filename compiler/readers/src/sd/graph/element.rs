@@ -25,7 +25,16 @@ enum Meaning {
 }
 
 /// Names of elements in other editors, and what SIMATIC SD calls them.
-const FOREIGN: [(&str, &str); 33] = [
+const FOREIGN: [(&str, &str); 42] = [
+    ("Jump", "JumpCoil"),
+    ("JMP", "JumpCoil"),
+    ("JumpNot", "I_JumpCoil"),
+    ("JMPN", "I_JumpCoil"),
+    ("Ret", "Return"),
+    ("S", "S_Coil"),
+    ("R", "R_Coil"),
+    ("Calc", "Calculate"),
+    ("PContact", "P_Contact"),
     ("XIC", "Contact"),
     ("XIO", "I_Contact"),
     ("NO", "Contact"),

@@ -40,7 +40,7 @@ pub fn build(
         }
     }
     builder.finish_nets();
-    builder.graph.broken = builder.diagnostics[told..].iter().any(Diagnostic::is_error);
+    builder.graph.broken |= builder.diagnostics[told..].iter().any(Diagnostic::is_error);
     (labels, builder.graph)
 }
 
@@ -178,7 +178,11 @@ impl Builder<'_, '_> {
                     settings_span = None;
                     self.element(&mut carried, node, std::mem::take(&mut settings));
                 }
-                Item::Error => carried.flow = Flow::Lost,
+                // It was reported, and what it was meant as is not known.
+                Item::Error => {
+                    carried.flow = Flow::Lost;
+                    self.graph.broken = true;
+                }
             }
             first = false;
         }
