@@ -24,7 +24,33 @@ pub fn plain_at(message: &str, text: &str, offset: usize) -> Wrong {
     if let Some(wrong) = heading_of_a_text(message, text, &text[start..end], end) {
         return wrong;
     }
+    if let Some(wrong) = heading_without_name(message, &text[..start]) {
+        return wrong;
+    }
     plain(message, text[offset..end].trim_end(), &text[start..end])
+}
+
+/// Tables with a number or a name in their heading, and an example of it.
+const NAMED: [(&str, &str); 7] = [
+    ("ob", "35"),
+    ("hsc", "1"),
+    ("pulse", "1"),
+    ("connection", "1"),
+    ("axis", "Axis_1"),
+    ("io", "NAME"),
+    ("hardware_interrupt", "\"NAME\""),
+];
+
+/// `[axis]` with the keys of one axis below it. `before`: the text before the line of the first of them.
+fn heading_without_name(message: &str, before: &str) -> Option<Wrong> {
+    let (_, wanted) = message.lines().next()?.strip_prefix("invalid type: ")?.rsplit_once(", expected ")?;
+    if !wanted.contains("map") && !wanted.contains("struct") {
+        return None;
+    }
+    let heading = before.lines().rev().map(str::trim).find(|line| line.starts_with('['))?;
+    let key = heading.strip_prefix('[')?.strip_suffix(']')?.trim();
+    let (_, example) = NAMED.into_iter().find(|(own, _)| *own == key)?;
+    Some(Wrong { title: format!("`[{key}]` does not say which one"), help: format!("write `[{key}.{example}]`") })
 }
 
 /// `[cpu]` with keys below it, where `cpu = "…"` is a key of its own. `end`: of the line of the heading.
@@ -66,6 +92,12 @@ pub fn plain(message: &str, place: &str, line: &str) -> Wrong {
         let (found, wanted) = rest.rsplit_once(", expected ").unwrap_or((rest, "another value"));
         return wrong_type(found, wanted, line.trim());
     }
+    if let Some((name, _)) = quoted_after(message, "duplicate field ") {
+        return wrong(
+            format!("the key `{name}` is here twice, under two names"),
+            "remove one of them: both mean the same".to_owned(),
+        );
+    }
     if message.starts_with("duplicate key") {
         let key = place.split(['=', ']']).next().unwrap_or_default().trim();
         return wrong(format!("`{key}` is here twice"), "remove one of them".to_owned());
@@ -97,7 +129,9 @@ fn unknown(what: &str, plural: &str, name: &str, known: &[&str]) -> Wrong {
         let rest = name.strip_prefix(**key).map(|rest| rest.trim_start_matches(['_', '-', ' ']));
         rest.is_some_and(|rest| !rest.is_empty() && rest.bytes().all(|digit| digit.is_ascii_digit()))
     });
-    let help = match (numbered, distance::nearest(name, known.iter().copied())) {
+    let meant = MEANT.iter().find(|(word, own)| word.eq_ignore_ascii_case(name) && known.contains(own));
+    let near = meant.map(|(_, own)| *own).or_else(|| distance::nearest(name, known.iter().copied()));
+    let help = match (numbered, near) {
         (Some(key), _) => format!("write `{key}.{}`", name[key.len()..].trim_start_matches(['_', '-', ' '])),
         (None, Some(near)) => format!("write `{near}`"),
         (None, None) if known.is_empty() => "remove it".to_owned(),
@@ -112,6 +146,17 @@ fn unknown(what: &str, plural: &str, name: &str, known: &[&str]) -> Wrong {
     Wrong { title, help }
 }
 
+/// Other words for values.
+const MEANT: [(&str, &str); 7] = [
+    ("german", "de"),
+    ("deutsch", "de"),
+    ("english", "en"),
+    ("international", "en"),
+    ("OB100", "warm"),
+    ("OB101", "hot"),
+    ("OB102", "cold"),
+];
+
 fn first_letter(name: &str) -> Option<u8> {
     name.bytes().next().map(|letter| letter.to_ascii_lowercase())
 }
@@ -120,7 +165,8 @@ fn first_letter(name: &str) -> Option<u8> {
 fn is_of_time(line: &str) -> bool {
     let key = line.split('=').next().unwrap_or_default().trim().trim_matches('"').to_ascii_lowercase();
     let key = key.rsplit('.').next().unwrap_or_default();
-    ["time", "period", "offset", "timeout", "delay", "interval", "phase"].iter().any(|word| key.contains(word))
+    matches!(key, "cycle" | "step" | "poll")
+        || ["time", "period", "offset", "timeout", "delay", "interval", "phase"].iter().any(|word| key.contains(word))
 }
 
 /// `found`: `integer `50``, `string "x"`, `map`; `wanted`: `a string`, `a sequence`, `i64`.
@@ -260,6 +306,7 @@ fn number_in_range(number: &str, wanted: &str) -> String {
         _ if wanted.starts_with('f') => "write a number".to_owned(),
         _ if unsigned && value < 0.0 => "write 0 or a larger number".to_owned(),
         _ if value.fract() != 0.0 => format!("write `{}` or `{}`", value.floor(), value.ceil()),
+        _ if number.contains('.') => format!("write `{value}`"),
         Ok(bits @ 1..=32) if unsigned => format!("write a number from 0 to {}", (1u64 << bits) - 1),
         Ok(bits @ 1..=32) => format!("write a number from -{0} to {1}", 1u64 << (bits - 1), (1u64 << (bits - 1)) - 1),
         _ => "write another number".to_owned(),
@@ -271,6 +318,9 @@ fn is_number(wanted: &str) -> bool {
     matches!(letters.next(), Some('i' | 'u' | 'f')) && letters.as_str().parse::<u8>().is_ok()
 }
 
+/// How many colons of a line are looked at.
+const COLONS_MAX: usize = 50;
+
 /// What other languages write: `key := value`, `key = value;`, `{ "key": value }`; and a text in single quotes that is not closed.
 fn habit(line: &str) -> Option<Wrong> {
     let wrong = |title: &str, help: String| Some(Wrong { title: title.to_owned(), help });
@@ -278,6 +328,20 @@ fn habit(line: &str) -> Option<Wrong> {
     let in_text = |at: usize| plain[..at].matches('"').count() % 2 == 1;
     if plain.find(":=").is_some_and(|at| !in_text(at)) {
         return wrong("a key and its value are joined by `=`", format!("write `{}`", plain.replace(":=", "=")));
+    }
+    if let Some(at) = plain.find("==").filter(|at| !in_text(*at)) {
+        let meant = format!("{}={}", &plain[..at], &plain[at + 2..]);
+        return wrong("a key and its value are joined by `=`", format!("write `{meant}`"));
+    }
+    // `{ "I0.0" : 1 }`
+    let colon = plain
+        .match_indices(':')
+        .take(COLONS_MAX)
+        .map(|(at, _)| at)
+        .find(|at| plain[..*at].trim_end().ends_with('"') && !in_text(*at));
+    if let Some(at) = colon.filter(|_| !plain.starts_with('{')) {
+        let (key, value) = (plain[..at].trim_end(), plain[at + 1..].trim_start());
+        return wrong("a key and its value are joined by `=`", format!("write `{key} = {value}`"));
     }
     if plain.ends_with(';') && plain.starts_with(|c: char| c == '[' || c.is_alphanumeric()) {
         return wrong("a line has no `;` at its end", format!("write `{}`", plain.trim_end_matches(';').trim_end()));
@@ -307,6 +371,17 @@ fn syntax(message: &str, place: &str, line: &str) -> Wrong {
     if let Some(told) = habit(line) {
         return told;
     }
+    if place == "," {
+        let line = line.trim_end_matches(',').trim_end();
+        return wrong("a line has no `,` at its end", format!("write `{line}`"));
+    }
+    // `expect = { "MW10" > 5 }`
+    if message.contains("missing assignment") && place.starts_with(['<', '>']) {
+        return wrong(
+            "a key has a value, not a comparison",
+            "write `key = value`; a value may have a tolerance, as in `\"5 +- 1\"`".to_owned(),
+        );
+    }
     // `cpu = 315-2DP` begins as a date does.
     let unquoted = message.contains("invalid date") || message.contains("invalid time");
     if unquoted
@@ -318,6 +393,9 @@ fn syntax(message: &str, place: &str, line: &str) -> Wrong {
         // Those that word processors write.
         let value = value.trim_matches(['“', '”', '„', '‘', '’', '«', '»']);
         if !value.is_empty() && !value.starts_with(['"', '\'', '[', '{']) {
+            if matches!(key, "sources" | "symbols" | "print" | "values" | "equations") {
+                return wrong("a text is written in quotation marks", format!("write `{key} = [\"{value}\"]`"));
+            }
             return wrong("a text is written in quotation marks", format!("write `{key} = \"{value}\"`"));
         }
         let word = |c: char| c.is_alphanumeric() || matches!(c, '_' | '.' | '#' | '-' | '%');
@@ -343,6 +421,13 @@ fn syntax(message: &str, place: &str, line: &str) -> Wrong {
                 "a key and its value are joined by `=`",
                 format!("write `{} = {}`", key.trim(), value.trim()),
             );
+        }
+        // `cpu "s7-300"`
+        let parts = line.split_once(char::is_whitespace).map(|(key, value)| (key, value.trim()));
+        let is_key = |key: &str| key.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"_-.".contains(&byte));
+        if let Some((key, value)) = parts.filter(|(key, value)| is_key(key) && value.starts_with(['"', '\'', '[', '{']))
+        {
+            return wrong("`=` is missing between the key and its value", format!("write `{key} = {value}`"));
         }
         return wrong("this key has no value", format!("write `{key} = …`"));
     }
@@ -464,6 +549,36 @@ mod tests {
         same("invalid literal string", "name = 'p", "the text is not closed on its line", "write `name = 'p'`");
         let heading = "write `at = …`, or the heading `[at]` before several keys";
         same("key with no value, expected `=`", "at:", joined, heading);
+    }
+
+    #[test]
+    fn headings_say_which_one() {
+        let text = "[axis]\nmax_velocity = 5\n";
+        let wrong = plain_at("invalid type: integer `5`, expected struct AxisKeys", text, 22);
+        assert_eq!(
+            (wrong.title.as_str(), wrong.help.as_str()),
+            ("`[axis]` does not say which one", "write `[axis.Axis_1]`")
+        );
+    }
+
+    #[test]
+    fn proposes_what_is_meant() {
+        let languages = "unknown variant `german`, expected `en` or `de`";
+        same(languages, "", "`german` is not a value here", "write `de`");
+        let missing = "`=` is missing between the key and its value";
+        same("key with no value, expected `=`", "cpu \"s7-300\"", missing, "write `cpu = \"s7-300\"`");
+        let joined = "a key and its value are joined by `=`";
+        same("extra `=`, expected nothing", "cpu == \"s7-300\"", joined, "write `cpu = \"s7-300\"`");
+        let pairs = "missing assignment between key-value pairs, expected `=`";
+        same(pairs, "set = { \"I0.0\" : 1 }", joined, "write `set = { \"I0.0\" = 1 }`");
+        let Wrong { title, help } = plain("unexpected key or value", ",", "cpu = \"s7-300\",");
+        assert_eq!((title.as_str(), help.as_str()), ("a line has no `,` at its end", "write `cpu = \"s7-300\"`"));
+        let quotes = "string values must be quoted, expected literal string";
+        same(quotes, "sources = main.stl", "a text is written in quotation marks", "write `sources = [\"main.stl\"]`");
+        let number = "invalid type: floating point `100.0`, expected i64";
+        same(number, "", "a whole number is expected here, not the number 100.0", "write `100`");
+        let twice = "the key `clock_memory` is here twice, under two names";
+        same("duplicate field `clock_memory`", "", twice, "remove one of them: both mean the same");
     }
 
     #[test]
