@@ -16,7 +16,7 @@ const STEP: u32 = 100;
 
 /// Bytes of I, Q and M that every CPU of this kind of project has.
 const IMAGE_BYTES: u32 = 1024;
-const MEMORY_BYTES: u32 = 8192;
+pub const MEMORY_BYTES: u32 = 8192;
 
 /// An address as a project writes it.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -72,6 +72,22 @@ impl Location {
             Some(path) => Read::At(Location { area, width, path }),
             None => Read::Not,
         }
+    }
+
+    /// The address that `text` resembles: `%IX0.0` for `IX0.0`, `%IXX0.0` and `%EX0.0`.
+    pub fn meant(text: &str) -> Option<String> {
+        let text = text.trim().trim_start_matches('%').to_ascii_uppercase();
+        let (letters, numbers) = text.split_at(text.find(|c: char| c.is_ascii_digit())?);
+        let mut letters = letters.chars();
+        let area = match letters.next()? {
+            'I' | 'E' => 'I',
+            'Q' | 'A' => 'Q',
+            'M' => 'M',
+            _ => return None,
+        };
+        let width = letters.find(|letter| matches!(letter, 'X' | 'B' | 'W' | 'D' | 'L')).unwrap_or('X');
+        let meant = format!("%{area}{width}{numbers}");
+        matches!(Location::read(&meant), Read::At(_)).then_some(meant)
     }
 
     /// The address that the lexer reads as one token.

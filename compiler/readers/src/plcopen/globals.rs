@@ -6,7 +6,7 @@ use plcc_diag::{Code, Diagnostic, FileId, Severity, Span};
 use roxmltree::{Document, Node};
 
 use super::Reader;
-use super::address::{Addresses, Location, Place, Read, mentioned};
+use super::address::{Addresses, Location, MEMORY_BYTES, Place, Read, mentioned};
 use super::editor::Editor;
 use super::interface::{child, elements, is_true};
 use super::scope::Global;
@@ -87,14 +87,18 @@ pub fn located(types: &HashMap<String, Node>, addresses: &Addresses, variable: N
     let Read::At(location) = Location::read(variable.attribute("address")?) else { return None };
     let ty = elementary(types, variable)?;
     let place = addresses.place(&location)?;
-    let width = match Elementary::from_word(&ty)?.bits() {
+    Some((Place { width: width_of(&ty)?, ..place }, ty))
+}
+
+/// The width of an elementary type.
+fn width_of(ty: &str) -> Option<Width> {
+    Some(match Elementary::from_word(ty)?.bits() {
         1 => Width::Bit,
         8 => Width::Byte,
         16 => Width::Word,
         32 => Width::Dword,
         _ => Width::Lword,
-    };
-    Some((Place { width, ..place }, ty))
+    })
 }
 
 /// Whether the type of a variable is an element that is not one of IEC 61131-3, such as `<BOOLEAN/>`.
@@ -159,6 +163,7 @@ pub fn tags(file: FileId, text: &str) -> (Vec<Tag>, Vec<Diagnostic>) {
         let pou = node.ancestors().find(|node| node.tag_name().name() == "pou")?.attribute("name")?;
         Some((node, tag_name(Some(pou), node.attribute("name")?)))
     });
+    let mut refused = 0u32;
     for (node, name) in globals.chain(locals) {
         let Some(place) = node.attribute_node("address") else { continue };
         let span = Span::new(file, place.range_value());
@@ -172,7 +177,18 @@ pub fn tags(file: FileId, text: &str) -> (Vec<Tag>, Vec<Diagnostic>) {
             Read::Not => {
                 let text = format!("`{}` is not an address of this CPU", place.value());
                 let message = Diagnostic::new(Code::AddressRange, span, text).label(format!("address of `{name}`"));
-                messages.push(message.help("give a complete address in I, Q or M: %IX0.0, %QW2, %MD4"));
+                messages.push(message.help(match Location::meant(place.value()) {
+                    Some(meant) => format!("write `{meant}`"),
+                    None => "give a complete address in I, Q or M: %IX0.0, %QW2, %MD4".to_string(),
+                }));
+                // The uses of the variable are not mistakes.
+                if let Some(ty) = elementary(&types, node)
+                    && let Some(width) = width_of(&ty)
+                {
+                    refused += 1;
+                    let byte = MEMORY_BYTES.saturating_sub(8u32.saturating_mul(refused));
+                    tag(name, Place { area: Area::M, width, byte, bit: 0 }, ty, span);
+                }
             }
         }
     }
