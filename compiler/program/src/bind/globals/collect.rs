@@ -40,7 +40,9 @@ fn own_global<'g>(globals: &'g FxHashMap<String, Global>, prefix: BlockPrefix, n
 /// The message about a row whose address has another width than its data type. Types of more than 32 bits are at the address of their first bit.
 fn type_fault(symbol: &Symbol, ty: Elementary) -> Option<Diagnostic> {
     let SymbolTarget::Memory { width, .. } = symbol.target else { return None };
-    if ty.bits() > 32 || ty.bits() == width.bits() {
+    // Bytes and words that are too narrow are reported for tags of all kinds.
+    let is_narrow = width != ast::Width::Bit && ty.bits() > width.bits();
+    if ty.bits() > 32 || ty.bits() == width.bits() || is_narrow {
         return None;
     }
     let bits = |count: u32| if count == 1 { "one bit".to_owned() } else { format!("{count} bits") };
