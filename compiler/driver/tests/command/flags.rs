@@ -52,6 +52,8 @@ fn wrong_flags_are_usage_errors() {
         (&["--print", "MW20.5"], "write `M20.5` for bit 5 of byte 20, `MW20.%X5` for bit 5 of the value"),
         (&["--print", "L0.0"], "`L0.0` is neither an address"),
         (&["--trace", "trace.txt"], ".vcd, .csv or .html"),
+        (&["--trace-signals", "MW0"], "--trace-signals is about a trace, and there is none: add --trace FILE.csv"),
+        (&["--trace-step", "1s"], "add --trace FILE.csv"),
         (&["--scenario", "missing.toml"], "missing.toml"),
         (&["--replay", "missing.rec"], "missing.rec: No such file or directory"),
         (&["--scenario", "pipe.toml"], "pipe.toml: a pipe, a socket or a device"),

@@ -129,6 +129,12 @@ pub(super) fn prepare(cpu: &Cpu, options: &RunOptions, out: Box<dyn Write>) -> R
     let player = Player::new(scenario.unwrap_or_default(), cpu)?.print_to(out, options.json);
     let printed = signals(cpu, player.plant(), &options.print)?;
     let asked = signals(cpu, player.plant(), &options.trace_signals)?;
+    if options.trace.is_none() {
+        let without = [("--trace-signals", !asked.is_empty()), ("--trace-step", options.trace_step.is_some())];
+        if let Some((flag, _)) = without.iter().find(|(_, given)| *given) {
+            return Err(format!("{flag} is about a trace, and there is none: add --trace FILE.csv"));
+        }
+    }
     // A wrong flag leaves the trace of an earlier run as it is.
     let set = settings(cpu, &options.set)?;
     let watch = options.watch_table.as_deref().map(|path| Table::read(path, cpu)).transpose()?;
