@@ -1,6 +1,7 @@
 //! Blocks and data types: attributes, interface and networks.
 
 use plcc_diag::{Code, Diagnostic, Severity, Span};
+use plcc_literal::distance;
 use roxmltree::Node;
 
 use super::reader::{Reader, multilingual, setting, setting_text};
@@ -70,6 +71,9 @@ pub const SETTINGS: &[&str] = &[
     "WithAlarmHandling",
 ];
 
+/// Values of `MemoryLayout`.
+const LAYOUTS: [&str; 2] = ["Optimized", "Standard"];
+
 /// Reports unknown settings of a block, and unknown objects below it.
 fn settings(reader: &mut Reader, object: Node, shown: &str) {
     let list = child(object, "AttributeList");
@@ -108,6 +112,19 @@ fn settings(reader: &mut Reader, object: Node, shown: &str) {
                 "no action is needed, unless the program depends on it",
             );
         }
+    }
+    if let Some(node) = setting(object, "MemoryLayout")
+        && !text_of(node).is_empty()
+        && !LAYOUTS.iter().any(|known| known.eq_ignore_ascii_case(&text_of(node)))
+    {
+        let text = text_of(node);
+        let span = place(reader, node, &text);
+        let help = match distance::nearest(&text, LAYOUTS.into_iter()) {
+            Some(meant) => format!("is `{meant}` meant?"),
+            None => "write `Optimized` or `Standard`".to_string(),
+        };
+        let message = Diagnostic::new(Code::ForeignContent, span, format!("`{text}` is not a memory layout"));
+        reader.diagnostics.push(message.label(format!("of {shown}")).help(help));
     }
     if let Some(node) = setting(object, "Number")
         && text_of(node).parse::<u32>().is_err()

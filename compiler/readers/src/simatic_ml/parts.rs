@@ -373,11 +373,39 @@ fn negate(reader: &mut Reader, node: Node, part: &mut Part, whose: &str) -> Resu
     Ok(())
 }
 
+/// Sections of the parameters of a call.
+const SECTIONS: [&str; 8] = ["Input", "Output", "InOut", "Return", "Static", "Temp", "Constant", "None"];
+
+/// Reports a value of an attribute that the attribute does not have.
+fn value_of(reader: &mut Reader, node: Node, attribute: &str, known: &[&str], whose: &str) -> Result<(), Refused> {
+    let Some(value) = node.attribute(attribute).filter(|value| !known.contains(value)) else { return Ok(()) };
+    let title = format!("`{value}` is not a value of `{attribute}`, in {whose}");
+    let help = match nearest(value, known.iter().copied()) {
+        Some(meant) => format!("is `{meant}` meant?"),
+        None => format!("its values are {}", known.join(", ")),
+    };
+    Err(reader.fault(attribute_range(node, attribute), title, format!("of `{}`", node.tag_name().name()), help))
+}
+
 fn call(reader: &mut Reader, node: Node, uid: UId, whose: &str) -> Result<Part, Refused> {
     let Some(info) = child(node, "CallInfo") else {
         return Err(reader.refuse(node, whose, "a call without `CallInfo`"));
     };
+    value_of(reader, info, "BlockType", &["FB", "FC"], whose)?;
+    for parameter in children(info, "Parameter") {
+        value_of(reader, parameter, "Section", &SECTIONS, whose)?;
+    }
     let name = info.attribute("Name").unwrap_or_default();
+    if info.attribute("BlockType") == Some("FC") && child(info, "Instance").is_some() {
+        let title = format!("{whose} calls `{name}` as an FC, but with an instance");
+        let help = "remove `Instance`, or write `BlockType=\"FB\"`";
+        return Err(reader.fault(attribute_range(info, "BlockType"), title, "a function has no instance", help));
+    }
+    if info.attribute("BlockType") == Some("FB") && child(info, "Instance").is_none() {
+        let title = format!("{whose} calls `{name}` as an FB, but without an instance");
+        let help = "add `Instance` with the data block or the variable, or write `BlockType=\"FC\"`";
+        return Err(reader.fault(attribute_range(info, "BlockType"), title, "its data is in an instance", help));
+    }
     let range = attribute_range(info, "Name");
     let callee = reader.expression(info, range.start.saturating_sub(1), &operand::quoted(name));
     let mut instance = None;
