@@ -39,6 +39,9 @@ impl Binder<'_> {
                         };
                         let name = self.mnemonic(*insn);
                         stack.visit(*insn, level, &name, *mnemonic_span, &mut self.report);
+                        if bound.is_none() && insn.operands().is_empty() {
+                            stack.doubt();
+                        }
                         structure.visit(*insn, known, span, &mut self.report);
                         bound
                     }

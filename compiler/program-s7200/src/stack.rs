@@ -86,6 +86,11 @@ impl Stack {
         Stack { kind, depth: 0, lost: 0, loaded: false, told: false, read_told: false, unused: Vec::new() }
     }
 
+    /// An operand that an instruction does not have may have been meant as the use of the result: `EU Q0.0`.
+    pub fn doubt(&mut self) {
+        self.read_told = true;
+    }
+
     /// The statements of a network are over; the next one begins at `end`.
     pub fn end_network(&mut self, end: u32, sources: &SourceMap, report: &mut Report) {
         let left = std::mem::take(&mut self.unused).into_iter().flatten().next();

@@ -161,10 +161,12 @@ impl Structure {
                     .help("end it with SCRE"),
             });
         }
+        // A jump to a label that is not there is reported: it may mean one of these.
+        let is_lost = self.jumps.iter().any(|jump| !self.labels.contains_key(&jump.0));
         let mut unused: Vec<Span> = self
             .labels
             .iter()
-            .filter(|(number, _)| !self.jumps.iter().any(|jump| jump.0 == **number))
+            .filter(|(number, _)| !is_lost && !self.jumps.iter().any(|jump| jump.0 == **number))
             .map(|(_, (_, span))| *span)
             .collect();
         unused.sort_by_key(|span| span.start);

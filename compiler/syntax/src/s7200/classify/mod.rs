@@ -125,6 +125,10 @@ impl<'a> Classifier<'a, '_> {
         if word == "TITLE" && self.title(line) {
             return;
         }
+        let code = if self.mode == Mode::Skipped { code } else { self.without_block_comment(code) };
+        if code.is_empty() {
+            return;
+        }
         let meant = self.misspelt_frame(&word, code);
         if let Some(keyword) = meant {
             self.report(frame_words::misspelt(self.span(first.range()), first.text(self.text), keyword));
@@ -141,6 +145,24 @@ impl<'a> Classifier<'a, '_> {
             self.comment(comment);
         }
         self.end_line();
+    }
+
+    /// `LD I0.0 (* start *)`: what is before the comment, which is reported.
+    fn without_block_comment<'l>(&mut self, code: &'l [RawToken]) -> &'l [RawToken] {
+        let opens = |pair: &[RawToken]| {
+            pair[0].text(self.text) == "("
+                && pair[1].kind == RawKind::Star
+                && pair[0].range().end == pair[1].range().start
+        };
+        let (Some(at), Some(last)) = (code.windows(2).position(opens), code.last()) else { return code };
+        let range = code[at].range().start..last.range().end;
+        let text = self.slice(range.clone()).trim_start_matches("(*").trim_end_matches("*)").trim();
+        self.report(
+            Diagnostic::new(Code::ForeignForm, self.span(range), "a comment begins with `//`")
+                .label("a form of other languages")
+                .help(format!("write `// {text}`")),
+        );
+        &code[..at]
     }
 
     fn comment(&mut self, comment: RawToken) {
@@ -213,7 +235,13 @@ impl<'a> Classifier<'a, '_> {
             return None;
         }
         match without_semicolon(code) {
-            [_] => frame_words::slip_of(word, ALONE),
+            [_] => match word {
+                "END_ORGANIZATION" => Some("END_ORGANIZATION_BLOCK"),
+                "END_SUBROUTINE" | "END_SBR" => Some("END_SUBROUTINE_BLOCK"),
+                "END_INTERRUPT" | "END_INT" => Some("END_INTERRUPT_BLOCK"),
+                "END_DATA" => Some("END_DATA_BLOCK"),
+                _ => frame_words::slip_of(word, ALONE),
+            },
             [_, next, ..] if word.len() > LENGTH_LEAST && next.kind == RawKind::Word => {
                 frame_words::slip_of(word, HEADERS)
             }
