@@ -9,9 +9,11 @@ use plcc_abi::image::BlockKind;
 use plcc_syntax::ast::{BlockName, BlockPrefix, TypeKind, TypeRef};
 
 use crate::bind::declarations::Declarations;
+use crate::bind::declarations::block::CurrentBlock;
 use crate::bind::declarations::typed::{StructBuilder, Typed, TypedStruct, Use, elementary_typed};
 use crate::bind::globals::names;
-use plcc_diag::Span;
+use plcc_binding::fold;
+use plcc_diag::{Code, Diagnostic, Span};
 use plcc_model::types::{ArrayType, DTL, DataType, Elementary};
 use plcc_stdlib::BlockClass;
 use plcc_syntax::symbols::{SymbolTarget, parse_address};
@@ -406,6 +408,41 @@ impl Declarations<'_> {
         let block = if self.types.scope.tia { tia().or_else(classic) } else { classic().or_else(tia) }?;
         let key = self.globals.library.key_of(block);
         Some((names::kind_prefix(key.kind), key.number))
+    }
+
+    /// Whether the block declares `name` with the common data type of several instructions, so that a call of the variable alone
+    /// does not say which of them it means. It is reported then. `write`: a call with the instruction.
+    pub fn has_common_data(
+        &mut self,
+        ctx: &CurrentBlock,
+        name: &str,
+        span: Span,
+        write: impl Fn(&str) -> String,
+    ) -> bool {
+        let Some(source) = self.globals.sources.code.get(&ctx.key) else { return false };
+        let mut variables = source.block().sections.iter().flat_map(|section| &section.variables);
+        let Some(TypeKind::Named(ty)) = variables.find(|own| fold(&own.name) == fold(name)).map(|own| &own.ty.kind)
+        else {
+            return false;
+        };
+        let (instruction, own, all) = match ty.as_str() {
+            "IEC_TIMER" => ("TON", "TON_TIME", "TON, TOF, TP and TONR"),
+            "IEC_LTIMER" => ("TON", "TON_LTIME", "TON, TOF, TP and TONR"),
+            "IEC_COUNTER" => ("CTU", "CTU_INT", "CTU, CTD and CTUD"),
+            _ => return false,
+        };
+        let names = &self.globals.names;
+        if names.types.contains_key(&fold(ty)) || names.symbols.contains_key(&fold(ty)) {
+            return false;
+        }
+        let (ty, text) = (ty.clone(), self.globals.text(span));
+        let write = write(instruction);
+        self.report(
+            Diagnostic::new(Code::NoBlockFits, span, format!("`{text}` is of type {ty}, which is not an instruction"))
+                .label(format!("{all} have this data"))
+                .help(format!("write `{write}`, or declare the variable with a type such as {own}")),
+        );
+        true
     }
 
     /// A type of the language or the CPU that is not a block.

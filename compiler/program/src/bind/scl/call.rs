@@ -222,6 +222,11 @@ impl SclBinder<'_, '_> {
             return None;
         }
         if self.is_instance(ctx, name) {
+            let text = self.program.globals.text(name.span);
+            let write = |instruction: &str| format!("{text}.{instruction}(…)");
+            if self.program.has_common_data(ctx.block, &name.text, name.span, write) {
+                return None;
+            }
             return self.variable_callee(ctx, node);
         }
         if let Some(block) = block_of_name(name) {

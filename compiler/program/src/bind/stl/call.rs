@@ -58,6 +58,16 @@ impl StlBinder<'_, '_> {
         if called_name(call).is_some_and(|name| self.program.globals.missing_in_stl(name, span)) {
             return None;
         }
+        if let (OperandKind::Path(path), None) = (&call.target.kind, &call.instance)
+            && let Some(name) = path.name()
+            && ctx.bound.locals.contains_key(&fold(name))
+        {
+            let text = self.program.globals.text(span);
+            let write = |instruction: &str| format!("CALL {instruction}, {text}");
+            if self.program.has_common_data(ctx, name, span, write) {
+                return None;
+            }
+        }
         let settled = match self.named_before_instance(ctx, call) {
             Some((prefix, number)) => Settled::Block { prefix, number: Number::Known(number) },
             None => self.settle(ctx, &call.target)?,
