@@ -59,6 +59,25 @@ impl<'a> Classifier<'a, '_> {
         }
     }
 
+    /// Components of a data block or data type without STRUCT before them; END_STRUCT may be missing too.
+    pub(super) fn struct_not_opened(&mut self, first: RawToken) {
+        self.report(
+            Diagnostic::new(Code::BlockFrame, self.span(first), "`STRUCT` is missing before the components")
+                .label("the first component")
+                .help("write `STRUCT` on a line before it, and `END_STRUCT;` after the last component"),
+        );
+        let start = first.start as usize;
+        self.push(start, Tok::Struct, start);
+        self.declarations(1);
+        if !matches!(self.last(), Some(Tok::EndStruct)) {
+            let end = self.last_end();
+            self.push(end, Tok::EndStruct, end);
+        }
+        if self.kind_at(self.at) == Some(RawKind::Semicolon) {
+            self.at += 1;
+        }
+    }
+
     fn struct_not_closed(&mut self, opening: RawToken) {
         self.report(
             Diagnostic::new(Code::BlockFrame, self.span(opening), "`STRUCT` is not closed with `END_STRUCT`")

@@ -215,6 +215,12 @@ impl<'a> Classifier<'a, '_> {
                     self.top_struct();
                 }
                 RawKind::Word if token.first_on_line && self.misspelt_header(frame) => {}
+                RawKind::Word | RawKind::Quoted
+                    if frame != Frame::Code && !has_content && self.kind_at(self.at + 1) == Some(RawKind::Colon) =>
+                {
+                    has_content = true;
+                    self.struct_not_opened(token);
+                }
                 RawKind::Word | RawKind::Quoted if frame == Frame::Data && !has_content => {
                     has_content = true;
                     self.type_name();
