@@ -4,6 +4,7 @@
 //! `exp` and `ln` are defined here.
 
 use fasteval::{Error, Evaler, ExpressionI, Parser, Slab};
+use plcc_literal::distance::nearest;
 
 /// Functions in addition to those of the crate: name and number of arguments.
 const FUNCTIONS: [(&str, usize); 5] = [("if", 3), ("clamp", 3), ("sqrt", 1), ("exp", 1), ("ln", 1)];
@@ -69,6 +70,11 @@ impl Expression {
         let names = root.from(&slab.ps).var_names(&slab);
         let values = names.iter().filter_map(|name| name.strip_prefix(MARK));
         if let Some(name) = values.into_iter().find(|name| !is_known(name)) {
+            let functions = BUILT_IN.into_iter().chain(FUNCTIONS.map(|(function, _)| function));
+            let is_called = text.replace(' ', "").contains(&format!("{name}("));
+            if let Some(meant) = nearest(name, functions).filter(|_| is_called) {
+                return Err(format!("`{name}` is not a known function; did you mean `{meant}`?"));
+            }
             return Err(format!(
                 "`{name}` is not known here; use values that are read, earlier equations, states or parameters"
             ));
@@ -107,6 +113,9 @@ fn wrong(text: &str, error: &Error) -> String {
     match error {
         Error::UnparsedTokensRemaining(rest) => {
             format!("`{text}`: `{}` is not understood", rest.replace(MARK, "").trim())
+        }
+        Error::EOF | Error::EofWhileParsing(_) if text.matches('(').count() > text.matches(')').count() => {
+            format!("`{text}` ends too early: a `)` is missing")
         }
         Error::EOF | Error::EofWhileParsing(_) => format!("`{text}` ends too early"),
         Error::TooLong | Error::TooDeep | Error::SlabOverflow => format!("`{text}` is too large"),
@@ -152,6 +161,8 @@ mod tests {
             ("", "ends too early"),
             ("level level", "`level` is not understood"),
             ("lvel", "`lvel` is not known here"),
+            ("sqr(level)", "`sqr` is not a known function; did you mean `sqrt`?"),
+            ("(level + 1", "ends too early: a `)` is missing"),
             ("sqrt(1, 2)", "sqrt takes 1 arguments"),
             ("if(1)", "if takes 3 arguments"),
             ("clamp", "clamp takes 3 arguments"),

@@ -132,7 +132,17 @@ impl Reader<'_> {
     fn equation(&mut self, equation: &Spanned<String>, is_state: impl Fn(&str) -> bool) -> Result<(), Wrong> {
         let at = equation.span().start;
         let text = equation.get_ref();
+        if text.contains(';') {
+            let parts: Vec<String> = text.split(';').map(|part| format!("\"{}\"", part.trim())).collect();
+            let list = parts.iter().filter(|part| part.len() > 2).map(String::as_str).collect::<Vec<&str>>().join(", ");
+            return Err((at, format!("`{text}`: each equation is a text; write {list}")));
+        }
         let (name, value) = text.split_once('=').ok_or_else(|| (at, format!("`{text}`: write `name = expression`")))?;
+        // `level := 1`, `level == 1`
+        let (plain, rest) = (name.trim_end_matches(':').trim(), value.trim_start_matches('=').trim());
+        if name.trim_end().ends_with(':') || value.starts_with('=') {
+            return Err((at, format!("`{text}`: an equation has one `=`; write `{plain} = {rest}`")));
+        }
         let name = name.trim();
         let expression = self.expression(value, at)?;
         let target = match self.plant.find(name) {

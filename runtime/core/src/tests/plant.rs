@@ -129,6 +129,12 @@ fn what_is_wrong_in_a_plant_has_its_line() {
         ("[plant]\nstep = \"0\"\n", "s.toml:2: the step of a plant must be at least 1ms"),
         ("[plant]\nequations = [\n  \"x = y\",\n]\n", "s.toml:3: `y` is not known here"),
         ("[plant]\nequations = [\"x\"]\n", "s.toml:2: `x`: write `name = expression`"),
+        ("[plant]\nequations = [\"x := 1\"]\n", "s.toml:2: `x := 1`: an equation has one `=`; write `x = 1`"),
+        ("[plant]\nequations = [\"x == 1\"]\n", "s.toml:2: `x == 1`: an equation has one `=`; write `x = 1`"),
+        (
+            "[plant]\nequations = [\"x = 1; y = 2\"]\n",
+            "s.toml:2: `x = 1; y = 2`: each equation is a text; write \"x = 1\", \"y = 2\"",
+        ),
         ("[plant]\nequations = [\"x = 1\", \"x = 2\"]\n", "s.toml:2: `x` already has a value"),
         ("[plant]\nequations = [\"x = (1\"]\n", "s.toml:2: `(1` ends too early"),
         ("[plant.state]\nmin = 1\n", "s.toml:2: `min` cannot be the name"),
