@@ -81,6 +81,10 @@ fn surplus_help(insn: StlInsn, written: &str, shown: &str) -> String {
             Some(b'I' | b'Q' | b'C') => format!("write `AN {shown}` or `ON {shown}`"),
             _ => format!("write `AN {shown}` (in German mnemonics `UN {shown}`) or `ON {shown}`"),
         },
+        // `BE U`
+        StlInsn::BlockEnd if matches!(shown.to_ascii_uppercase().as_str(), "U" | "C" | "A" | "B") => {
+            format!("write `{written}{}`, as one word", shown.to_ascii_uppercase())
+        }
         _ if written.starts_with(['+', '-', '*', '/', '<', '>', '=']) => {
             format!("write `L {shown}` in the line before, and `{written}` alone")
         }

@@ -123,6 +123,21 @@ fn slip(state: &State, index: usize, before: Option<&Spanned>) -> Option<Diagnos
             };
             told(Code::ForeignForm, *b_start..*end, title.to_owned(), "not a constant of STL", help)
         }
+        // `5.`
+        (Tok::Literal(_), Tok::Dot, _) if adjacent => {
+            let number = &state.text[*b_start..*before_end];
+            let digits = number.trim_start_matches(['-', '+']);
+            if digits.is_empty() || !digits.bytes().all(|digit| digit.is_ascii_digit()) {
+                return None;
+            }
+            told(
+                Code::ForeignForm,
+                *b_start..*end,
+                "a decimal number has a digit after its point".to_owned(),
+                "not a number of STL",
+                format!("write `{number}.0`"),
+            )
+        }
         (Tok::Cell(cell), Tok::BitAddress(number, _), _) => {
             let letters = state.text.get(*b_start..*before_end)?;
             let what = match cell {
@@ -253,6 +268,10 @@ fn statement_error(state: &State, index: usize, at: Option<&Spanned>, before: Op
                 .to_owned()
         }
         Some(Tok::Insn(insn)) => format!("`{}` takes {}", insn.mnemonic(state.rules), operand_phrase(insn.operand())),
+        Some(Tok::Jump(insn)) if matches!(at, Some((_, Tok::Colon, _))) => {
+            let label = before.and_then(|(start, _, end)| state.text.get(*start..*end)).unwrap_or("…");
+            format!("write `{} {label}`: only the label itself has a `:`", insn.mnemonic(state.rules))
+        }
         Some(Tok::Jump(insn)) => format!("`{}` takes a label", insn.mnemonic(state.rules)),
         _ => "a statement is: label `:`, mnemonic, operand, and `;` or the end of the line".to_owned(),
     };

@@ -35,6 +35,7 @@ const KNOWN_SLIPS: &[(&str, &str)] = &[
     ("SUB", "write `-I`, `-D` or `-R`"),
     ("MUL", "write `*I`, `*D` or `*R`"),
     ("DIV", "write `/I`, `/D` or `/R`"),
+    ("MCR", "write `MCR(` where a zone begins, `)MCR` where it ends"),
     ("TITEL", "write `TITLE =`"),
     ("CMP", "write `==I`, `<>I`, `>I`, `<I`, `>=I` or `<=I`, with D for DINT and R for REAL"),
     ("COMP", "write `==I`, `<>I`, `>I`, `<I`, `>=I` or `<=I`, with D for DINT and R for REAL"),

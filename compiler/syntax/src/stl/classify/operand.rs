@@ -186,8 +186,36 @@ impl<'a> Classifier<'a, '_> {
                 self.at += 2;
                 self.push(token.start as usize, Tok::Status(status), zero.end as usize);
             }
+            _ if self.is_reversed(token) => self.reversed(token),
             _ => self.stray(),
         }
+    }
+
+    /// `=>I`, `=<I`: the sign follows an `=` that begins the statement.
+    fn is_reversed(&self, token: RawToken) -> bool {
+        let before = self.at.checked_sub(1).and_then(|before| self.raw_at(before));
+        matches!(token.kind, RawKind::Greater | RawKind::Less)
+            && before.is_some_and(|equal| equal.kind == RawKind::Equal && equal.end == token.start)
+            && matches!(self.last(), Some(Tok::Insn(_)))
+    }
+
+    fn reversed(&mut self, token: RawToken) {
+        let (sign, words) = match token.kind {
+            RawKind::Greater => (">=", "greater or equal"),
+            _ => ("<=", "less or equal"),
+        };
+        let ty = self.raw_at(self.at + 1).map_or("", |next| self.slice(next));
+        let help = match ty.to_ascii_uppercase().as_str() {
+            ty @ ("I" | "D" | "R") => format!("write `{sign}{ty}`"),
+            _ => format!("write `{sign}I` for INT, `{sign}D` for DINT, `{sign}R` for REAL"),
+        };
+        let span = self.span_of(token.start as usize - 1, token.end as usize);
+        self.report(
+            Diagnostic::new(Code::ForeignForm, span, format!("{words} is `{sign}`"))
+                .label("a form of other languages")
+                .help(help),
+        );
+        self.skip_stray();
     }
 
     /// The set whose area letters are accepted; `None`: both.
