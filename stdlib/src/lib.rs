@@ -99,10 +99,17 @@ pub fn own_member(instance: Option<(bool, u16)>, name: &str) -> Option<&'static 
     }
 }
 
-/// True of an input that a timer has only because all timers share a layout: R belongs to TONR alone.
+/// True of a parameter that a timer or counter has only because all of them share a layout: R of timers belongs to TONR alone, and
+/// CD, LD and QD do not belong to CTU, nor CU, R and QU to CTD.
 pub fn is_shared_input(block: &SystemBlock, name: &str) -> bool {
     let timer = block.name.trim_end_matches("_LTIME");
-    block.is_tia() && matches!(timer, "TP" | "TON" | "TOF") && name.eq_ignore_ascii_case("R")
+    let shared: &[&str] = match timer {
+        "TP" | "TON" | "TOF" => &["R"],
+        counter if counter.starts_with("CTU_") => &["CD", "LD", "LOAD", "QD"],
+        counter if counter.starts_with("CTD_") => &["CU", "R", "QU"],
+        _ => &[],
+    };
+    block.is_tia() && shared.iter().any(|own| own.eq_ignore_ascii_case(name))
 }
 
 /// True of a parameter whose pointer names an area of a partner, which need not exist here.

@@ -106,7 +106,7 @@ impl Declarations<'_> {
             format!("{} has no parameter `{name}`", self.globals.shown(key)),
         )
         .label("no such parameter");
-        let is_static = bound.locals.contains_key(&fold(name));
+        let is_static = bound.locals.contains_key(&fold(name)) && is_own(&name);
         // Those that the call supplies are not meant.
         let is_free = |name: &&str| !supplied.iter().any(|other| other.eq_ignore_ascii_case(name));
         let meant = similar(name, names().filter(is_free)).filter(|_| !is_static);
