@@ -125,10 +125,12 @@ fn described(row: &Row) -> (usize, &'static str) {
         Kind::Float(function) => (0, float(function)),
         Kind::Absolute => (0, "absolute value, in the type of IN"),
         Kind::Round => match row.name {
-            "ROUND" => (0, "nearest integer, halves to the even one; a DINT"),
-            "TRUNC" => (0, "integer toward 0; a DINT"),
-            "CEIL" => (0, "integer above; a DINT"),
-            _ => (0, "integer below; a DINT"),
+            "ROUND" => {
+                (0, "nearest integer, halves to the even one; a DINT, in the TIA Portal of the type of its target")
+            }
+            "TRUNC" => (0, "integer toward 0; of the type of ROUND"),
+            "CEIL" => (0, "integer above; of the type of ROUND"),
+            _ => (0, "integer below; of the type of ROUND"),
         },
         Kind::NormX => (0, "(VALUE - MIN) / (MAX - MIN), a float; MAX not above MIN is an error"),
         Kind::ScaleX => (0, "VALUE * (MAX - MIN) + MIN, in the type of the limits; MAX not above MIN is an error"),

@@ -76,8 +76,15 @@ impl BlockLowering<'_, '_> {
     ) -> Value {
         match (from.is_float(), to.is_float()) {
             (true, true) => {
-                let value =
-                    if rounding == UnaryOp::Fnearest && from != to { value } else { self.b.unary(rounding, value) };
+                let value = if rounding == UnaryOp::Fnearest && from != to {
+                    value
+                } else {
+                    // The sum makes 0 of -0, which an integer does not have either.
+                    let whole = self.b.unary(rounding, value);
+                    let zero = self.b.iconst(value_type(from), 0);
+                    let whole = self.b.binary(BinaryOp::Fadd, whole, zero);
+                    self.checked_float(whole)
+                };
                 match (from.bits(), to.bits()) {
                     (32, 64) => self.b.convert(ConvertOp::Fpromote, Type::F64, value),
                     (64, 32) => {

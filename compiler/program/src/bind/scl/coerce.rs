@@ -117,6 +117,13 @@ impl SclBinder<'_, '_> {
             }
             Implicit::Yes => {}
         }
+        if let ExprKind::Convert { conversion, operand } = &value.kind
+            && (ty.is_integer() || ty.is_float())
+            && !ctx.scope.is_network()
+            && self.is_rounding_without_type(rules, &value)
+        {
+            return Some(Expr { span, ..convert::rounded((**operand).clone(), *conversion, ty) });
+        }
         convert::explicit_expr(rules, value, ty)
     }
 
@@ -165,11 +172,7 @@ impl SclBinder<'_, '_> {
             _ => false,
         };
         match &value.kind {
-            ExprKind::Convert { operand, .. } if operand.ty.is_float() && !rules.is_300() => {
-                let text = self.program.globals.text(value.span);
-                let name = text.split('(').next().unwrap_or("").trim();
-                ["ROUND", "TRUNC", "CEIL", "FLOOR"].iter().any(|own| own.eq_ignore_ascii_case(name))
-            }
+            ExprKind::Convert { .. } => self.is_rounding_without_type(rules, value),
             ExprKind::Function { function: Function::ScaleX, arguments } => {
                 arguments.first().is_some_and(fits) && arguments.last().is_some_and(fits)
             }
@@ -178,6 +181,17 @@ impl SclBinder<'_, '_> {
             }
             _ => false,
         }
+    }
+
+    /// True of ROUND, TRUNC, CEIL and FLOOR without a type in the name, in the TIA Portal.
+    fn is_rounding_without_type(&self, rules: Rules, value: &Expr) -> bool {
+        let ExprKind::Convert { operand, .. } = &value.kind else { return false };
+        if rules.is_300() || !operand.ty.is_float() {
+            return false;
+        }
+        let text = self.program.globals.text(value.span);
+        let name = text.split('(').next().unwrap_or("").trim();
+        ["ROUND", "TRUNC", "CEIL", "FLOOR"].iter().any(|own| own.eq_ignore_ascii_case(name))
     }
 
     fn unusual(&mut self, span: Span, from: Elementary, to: Elementary) {

@@ -312,5 +312,14 @@ pub fn rounding(rules: Rules, name: &str) -> Option<Conversion> {
     })
 }
 
+/// A float, rounded to a number of type `ty`. If that is a float too, the value is rounded in its own type first.
+pub fn rounded(value: Expr, rounding: Conversion, ty: Elementary) -> Expr {
+    let own = value.ty;
+    if !ty.is_float() || ty == own {
+        return converted(value, rounding, ty);
+    }
+    converted(converted(value, rounding, own), Conversion::Value(Overflow::LowBits), ty)
+}
+
 #[cfg(test)]
 mod tests;

@@ -269,11 +269,11 @@ impl SclBinder<'_, '_> {
     ) -> Option<Expr> {
         let ty = suffix.unwrap_or(Elementary::Dint);
         let value = self.float_value(ctx, pins.get("IN")?, None)?;
-        if !ty.is_integer() {
+        if !ty.is_integer() && (!ty.is_float() || ctx.scope.rules.is_300()) {
             return self.bad_suffix(row, ty, pins.name);
         }
         let conversion = convert::rounding(ctx.scope.rules, row.name)?;
-        Some(Expr { span, ..converted(value, conversion, ty) })
+        Some(Expr { span, ..convert::rounded(value, conversion, ty) })
     }
 
     /// Shifts and rotates. In the classic form integers are bit strings, so zeros are shifted in.
