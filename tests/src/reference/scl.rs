@@ -154,7 +154,7 @@ fn described(row: &Row) -> (usize, &'static str) {
         Kind::Shift(_) => (2, "rotated right by N"),
         Kind::Swap => (2, "bytes in reverse order"),
         Kind::Encode => (2, "number of the lowest bit that is 1, an INT; none is an error"),
-        Kind::Decode => (2, "bit number IN alone is 1; a DWORD"),
+        Kind::Decode => (2, "bit number IN alone is 1; of the type of ROUND, if that is a bit string, else a DWORD"),
         Kind::BitSum => (2, "how many bits are 1, an INT"),
         Kind::Scatter => (2, "writes the bits of IN to an array or structure of BOOL"),
         Kind::Gather => (2, "writes an array or structure of BOOL to a bit string"),

@@ -15,7 +15,7 @@ use plcc_binding::constant::Constant;
 use plcc_model::Number;
 use plcc_model::layout;
 use plcc_model::scl::walk::{self, Role, Visitor};
-use plcc_model::scl::{Access, Complex, Expr, ExprKind, Function};
+use plcc_model::scl::{Access, BinaryOp, Complex, Expr, ExprKind, Function};
 use plcc_model::types::{DataType, ParameterType, StructType};
 
 /// The type of a VARIANT as the result of a function of the library.
@@ -99,7 +99,14 @@ impl SclBinder<'_, '_> {
         if is_address && let Some(bits) = convert::same_bits(rules, from, ty) {
             return Some(convert::converted(value, bits, ty));
         }
-        match convert::implicit(rules, ctx.scope.strict, from, ty) {
+        let implicit = convert::implicit(rules, ctx.scope.strict, from, ty);
+        if implicit == Implicit::Yes
+            && !ctx.scope.is_network()
+            && let Some(own) = self.of_target_type(rules, &value, ty)
+        {
+            return Some(own);
+        }
+        match implicit {
             Implicit::No => {
                 self.no_conversion(rules, span, from, ty);
                 return None;
@@ -116,13 +123,6 @@ impl SclBinder<'_, '_> {
                 }
             }
             Implicit::Yes => {}
-        }
-        if let ExprKind::Convert { conversion, operand } = &value.kind
-            && (ty.is_integer() || ty.is_float())
-            && !ctx.scope.is_network()
-            && self.is_rounding_without_type(rules, &value)
-        {
-            return Some(Expr { span, ..convert::rounded((**operand).clone(), *conversion, ty) });
         }
         convert::explicit_expr(rules, value, ty)
     }
@@ -183,15 +183,53 @@ impl SclBinder<'_, '_> {
         }
     }
 
+    /// In the TIA Portal a function without a type in its name takes the type of its target, if no argument tells the type: ROUND, TRUNC,
+    /// CEIL, FLOOR, DECO, and the shifts and rotates of a number without a type.
+    fn of_target_type(&self, rules: Rules, value: &Expr, ty: Elementary) -> Option<Expr> {
+        if rules.is_300() {
+            return None;
+        }
+        let span = value.span;
+        let is_bits = ty.class() == Class::Bits && ty != Elementary::Bool;
+        match &value.kind {
+            ExprKind::Convert { conversion, operand }
+                if (ty.is_integer() || ty.is_float()) && self.is_rounding_without_type(rules, value) =>
+            {
+                Some(Expr { span, ..convert::rounded((**operand).clone(), *conversion, ty) })
+            }
+            ExprKind::Function { function: Function::Decode, .. } if is_bits && self.is_call_of(value, &["DECO"]) => {
+                Some(Expr { ty, ..value.clone() })
+            }
+            ExprKind::Binary {
+                op: op @ (BinaryOp::ShiftLeft | BinaryOp::ShiftRight | BinaryOp::RotateLeft | BinaryOp::RotateRight),
+                left,
+                right,
+            } if is_bits || ty.is_integer() => {
+                let ExprKind::Const(bits) = left.kind else { return None };
+                let fits = i128::from(bits) <= constant::range(ty).1;
+                let untyped = self.program.globals.text(left.span).starts_with(|sign: char| sign.is_ascii_digit());
+                if !fits || !untyped || !self.is_call_of(value, &["SHL", "SHR", "ROL", "ROR"]) {
+                    return None;
+                }
+                let left = Box::new(constant_expr(bits, ty, left.span));
+                Some(Expr { kind: ExprKind::Binary { op: *op, left, right: right.clone() }, ty, span })
+            }
+            _ => None,
+        }
+    }
+
     /// True of ROUND, TRUNC, CEIL and FLOOR without a type in the name, in the TIA Portal.
     fn is_rounding_without_type(&self, rules: Rules, value: &Expr) -> bool {
         let ExprKind::Convert { operand, .. } = &value.kind else { return false };
-        if rules.is_300() || !operand.ty.is_float() {
-            return false;
-        }
+        let rounding = ["ROUND", "TRUNC", "CEIL", "FLOOR"];
+        !rules.is_300() && operand.ty.is_float() && self.is_call_of(value, &rounding)
+    }
+
+    /// True of the value of a call of one of these functions, by its text.
+    fn is_call_of(&self, value: &Expr, names: &[&str]) -> bool {
         let text = self.program.globals.text(value.span);
         let name = text.split('(').next().unwrap_or("").trim();
-        ["ROUND", "TRUNC", "CEIL", "FLOOR"].iter().any(|own| own.eq_ignore_ascii_case(name))
+        names.iter().any(|own| own.eq_ignore_ascii_case(name))
     }
 
     fn unusual(&mut self, span: Span, from: Elementary, to: Elementary) {
