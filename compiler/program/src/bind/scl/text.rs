@@ -109,13 +109,15 @@ pub fn is_wide_text(value: &Value) -> bool {
 /// The key that selects among the blocks of an instruction.
 enum Overload<'n> {
     Clock,
+    /// A time of day.
+    TimeOfDay(Option<&'n Node>),
     /// A text.
     Text(Option<&'n Node>),
 }
 
-/// The argument of Chars_TO_Strg that is a text: `Strg`, or the last.
-fn text_argument(given: &[Given]) -> Option<&Node> {
-    let named = given.iter().find(|argument| argument.name.as_ref().is_some_and(|name| fold(&name.text) == "strg"));
+/// The argument with this name (lower case), or the last: the text of Chars_TO_Strg, the time of day of T_COMBINE.
+fn named_or_last<'n>(given: &'n [Given], own: &str) -> Option<&'n Node> {
+    let named = given.iter().find(|argument| argument.name.as_ref().is_some_and(|name| fold(&name.text) == own));
     named.or_else(|| given.last().filter(|argument| argument.name.is_none()))?.value.as_ref()
 }
 
@@ -232,14 +234,15 @@ impl SclBinder<'_, '_> {
     }
 
     /// An instruction with a separate block for the type of an operand: LEN, MID and others of a WSTRING, RD_SYS_T and related ones of
-    /// DATE_AND_TIME and LDT. CONCAT selects by itself.
+    /// DATE_AND_TIME and LDT, T_COMBINE of an LTOD. CONCAT selects by itself.
     pub(super) fn overload(&mut self, ctx: &mut SclBlock, callee: &Node, given: &[Given]) -> Option<BlockKey> {
         let NodeKind::Name(name) = &callee.kind else { return None };
         let own = name.text.trim();
         let deciding = first_text(given);
         let kind = match plcc_stdlib::find_tia(own).filter(|_| Named::find(own).is_none())?.name {
             "RD_SYS_T" | "RD_LOC_T" | "WR_SYS_T" | "WR_LOC_T" => Overload::Clock,
-            "Chars_TO_Strg" => Overload::Text(text_argument(given)),
+            "T_COMBINE" => Overload::TimeOfDay(named_or_last(given, "in2")),
+            "Chars_TO_Strg" => Overload::Text(named_or_last(given, "strg")),
             _ => Overload::Text(deciding),
         };
         if self.is_instance(ctx, name) || self.program.globals.names.symbols.contains_key(&fold(own)) {
@@ -251,6 +254,19 @@ impl SclBinder<'_, '_> {
                 DataType::Elementary(Elementary::Ldt) => "LDT",
                 _ => return None,
             },
+            Overload::TimeOfDay(node) => {
+                let node = node?;
+                let is_long = match &node.kind {
+                    // Calls are not bound for this, as in `is_wide`.
+                    NodeKind::Call { callee, .. } => matches!(
+                        &callee.kind,
+                        NodeKind::Name(name) if name.text.to_ascii_uppercase().ends_with("TO_LTOD")
+                    ),
+                    _ => self.quiet_type(ctx, node) == Some(DataType::Elementary(Elementary::Ltod)),
+                };
+                let block = plcc_stdlib::find_tia("CONCAT_DATE_LTOD").filter(|_| is_long)?;
+                return Some(self.program.globals.library.key_of(block));
+            }
             Overload::Text(node) => {
                 plcc_stdlib::find_tia(&format!("{own}_WSTRING"))?;
                 if !self.is_wide(ctx, node?) {
