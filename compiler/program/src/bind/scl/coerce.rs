@@ -24,6 +24,9 @@ const VARIANT_DATA: &str = "VARIANT_DATA";
 /// Longest STRING.
 const STRING_MAX: usize = 254;
 
+/// Functions of a REAL or LREAL.
+const OF_FLOATS: &[&str] = &["SQR", "SQRT", "EXP", "EXPD", "LN", "LOG", "SIN", "COS", "TAN", "ASIN", "ACOS", "ATAN"];
+
 impl SclBinder<'_, '_> {
     /// Binds an expression whose value must have type `ty`, with an implicit conversion if needed.
     pub(in crate::bind) fn of_type(&mut self, ctx: &mut SclBlock, node: &Node, ty: Elementary) -> Option<Expr> {
@@ -184,7 +187,7 @@ impl SclBinder<'_, '_> {
     }
 
     /// In the TIA Portal a function without a type in its name takes the type of its target, if no argument tells the type: ROUND, TRUNC,
-    /// CEIL, FLOOR, DECO, and the shifts and rotates of a number without a type.
+    /// CEIL, FLOOR, DECO, shifts and rotates of a number without a type, NORM_X and functions of floats with integers.
     fn of_target_type(&self, rules: Rules, value: &Expr, ty: Elementary) -> Option<Expr> {
         if rules.is_300() {
             return None;
@@ -199,6 +202,23 @@ impl SclBinder<'_, '_> {
             }
             ExprKind::Function { function: Function::Decode, .. } if is_bits && self.is_call_of(value, &["DECO"]) => {
                 Some(Expr { ty, ..value.clone() })
+            }
+            ExprKind::Function { function: Function::NormX, arguments }
+                if ty == Elementary::Lreal
+                    && arguments.iter().all(|argument| argument.ty.is_integer())
+                    && self.is_call_of(value, &["NORM_X"]) =>
+            {
+                Some(Expr { ty, ..value.clone() })
+            }
+            ExprKind::Function { function, arguments }
+                if ty == Elementary::Lreal && value.ty == Elementary::Real && self.is_call_of(value, OF_FLOATS) =>
+            {
+                let [Expr { kind: ExprKind::Convert { operand, .. }, .. }] = arguments.as_slice() else { return None };
+                if !operand.ty.is_integer() {
+                    return None;
+                }
+                let argument = convert::explicit_expr(rules, (**operand).clone(), ty)?;
+                Some(Expr { kind: ExprKind::Function { function: *function, arguments: vec![argument] }, ty, span })
             }
             ExprKind::Binary {
                 op: op @ (BinaryOp::ShiftLeft | BinaryOp::ShiftRight | BinaryOp::RotateLeft | BinaryOp::RotateRight),
