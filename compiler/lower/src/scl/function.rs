@@ -105,16 +105,21 @@ impl BlockLowering<'_, '_> {
     fn norm(&mut self, low: Value, value: Value, high: Value, ty: Elementary, result: Elementary) -> Value {
         let wrong = self.compare(CompareOp::LessEqual, high, low, ty);
         self.fail_if(wrong);
+        // Wide integers only keep their digits in LREAL, and their differences are what counts.
+        let inner = if ty.is_integer() && ty.bits() > 16 { Elementary::Lreal } else { result };
         let mut as_float = |x| {
-            if ty == result { x } else { self.convert(Conversion::Value(Overflow::LowBits), x, ty, result) }
+            if ty == inner { x } else { self.convert(Conversion::Value(Overflow::LowBits), x, ty, inner) }
         };
         let (low, value, high) = (as_float(low), as_float(value), as_float(high));
         let (above, range) = (self.b.binary(BinaryOp::Fsub, value, low), self.b.binary(BinaryOp::Fsub, high, low));
-        let one = float::constant(&mut self.b, value_type(result), 1.0);
+        let one = float::constant(&mut self.b, value_type(inner), 1.0);
         let range = self.b.select(wrong, one, range);
         let part = self.b.binary(BinaryOp::Fdiv, above, range);
         let part = self.b.select(wrong, value, part);
-        self.checked_float(part)
+        match inner == result {
+            true => self.checked_float(part),
+            false => self.convert(Conversion::Value(Overflow::LowBits), part, inner, result),
+        }
     }
 
     fn scale(&mut self, low: Value, value: Value, high: Value, result: Elementary) -> Value {
