@@ -28,6 +28,9 @@ impl SclBinder<'_, '_> {
     }
 
     fn value_inner(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Value> {
+        if let Some(call) = self.constant_character(ctx, node) {
+            return self.call(ctx, &call, false);
+        }
         match &node.kind {
             NodeKind::Literal(literal) => self.literal_value(literal, node.span),
             NodeKind::Name(_)

@@ -30,11 +30,11 @@ fn target_of(ty: &DataType) -> Option<&DataType> {
     }
 }
 
-fn bare(text: &str, span: Span) -> Name {
+pub(super) fn bare(text: &str, span: Span) -> Name {
     Name { text: text.to_string(), form: NameForm::Bare, span }
 }
 
-fn argument(name: &str, value: Node) -> Argument {
+pub(super) fn argument(name: &str, value: Node) -> Argument {
     let span = value.span;
     Argument { name: Some(bare(name, span)), output: false, value: Some(value), span }
 }

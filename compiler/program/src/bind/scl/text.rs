@@ -3,11 +3,12 @@
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::Elementary;
-use plcc_syntax::scl::ast::{Argument as Given, Expr as Node, ExprKind as NodeKind, Name};
+use plcc_syntax::scl::ast::{Argument as Given, Expr as Node, ExprKind as NodeKind, Literal, Name, NameForm};
 
 use super::call::{Callee, is_result};
 use super::function::Named;
 use super::pins::Pins;
+use super::reference::{argument, bare};
 use super::value::Value;
 use super::{Intent, Rules, convert};
 use crate::bind::scl::{SclBinder, SclBlock};
@@ -276,6 +277,29 @@ impl SclBinder<'_, '_> {
             }
         };
         plcc_stdlib::find_tia(&format!("{own}_{suffix}")).map(|block| self.program.globals.library.key_of(block))
+    }
+
+    /// `TABLE[i]` of a constant text, which is not in memory, as the call that gives this character; `None`: something else.
+    pub(super) fn constant_character(&self, ctx: &SclBlock, node: &Node) -> Option<Node> {
+        let NodeKind::Index { base, indices } = &node.kind else { return None };
+        let (NodeKind::Name(name), [index]) = (&base.kind, indices.as_slice()) else { return None };
+        if name.form == NameForm::Quoted || self.program.local(ctx.block, &name.text).is_some() {
+            return None;
+        }
+        let conversion = match ctx.block.bound.constants.get(&fold(&name.text))? {
+            Constant::Text { .. } => "STRING_TO_CHAR",
+            Constant::WideText(_) => "WSTRING_TO_WCHAR",
+            _ => return None,
+        };
+        let span = node.span;
+        let call = |name: &str, arguments: Vec<Given>| {
+            let callee = Box::new(Node { kind: NodeKind::Name(bare(name, span)), span });
+            Node { kind: NodeKind::Call { callee, arguments }, span }
+        };
+        let one = Node { kind: NodeKind::Literal(Literal::Typed { ty: Elementary::Int, bits: 1 }), span };
+        let text = (**base).clone();
+        let part = call("MID", vec![argument("IN", text), argument("L", one), argument("P", index.clone())]);
+        Some(call(conversion, vec![argument("IN", part)]))
     }
 
     /// The type of an expression; reports no mistakes in it.
