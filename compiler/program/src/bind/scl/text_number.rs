@@ -6,7 +6,6 @@ use plcc_diag::Span;
 use plcc_syntax::Elementary;
 use plcc_syntax::scl::ast::Expr as Node;
 
-use super::Intent;
 use super::actual::is_variable;
 use super::call::is_result;
 use super::expression::constant_expr;
@@ -14,6 +13,7 @@ use super::function::TextNumber;
 use super::pins::Pins;
 use super::text::is_wide_text;
 use super::value::Value;
+use super::{Intent, message};
 use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
 use plcc_model::layout;
@@ -38,6 +38,19 @@ const fn written_as(ty: Elementary) -> Option<&'static str> {
     }
 }
 
+/// The type of the number that a value of type `ty` stands for.
+const fn number_of(ty: Elementary) -> Option<Elementary> {
+    match ty {
+        Elementary::Byte => Some(Elementary::Usint),
+        Elementary::Word => Some(Elementary::Uint),
+        Elementary::Dword => Some(Elementary::Udint),
+        Elementary::Lword => Some(Elementary::Ulint),
+        Elementary::Time => Some(Elementary::Dint),
+        Elementary::Ltime => Some(Elementary::Lint),
+        _ => None,
+    }
+}
+
 impl SclBinder<'_, '_> {
     pub fn text_number(&mut self, ctx: &mut SclBlock, kind: TextNumber, pins: &Pins, span: Span) -> Option<Call> {
         let (input, output) = (pins.get("IN")?, pins.get("OUT")?);
@@ -48,8 +61,8 @@ impl SclBinder<'_, '_> {
         let to_text = matches!(target.ty, DataType::String(_));
         let block = match (kind, target.elementary()) {
             (TextNumber::Convert | TextNumber::Write, None) if to_text => {
-                let name = written_as(self.number_type(ctx, input)?);
-                let Some(name) = name else { return self.wrong_pin(input.span, "a number") };
+                let value = self.value(ctx, input)?;
+                let name = self.written_type(&value, input.span)?;
                 let first = if kind == TextNumber::Convert { "S_CONV" } else { "VAL_STRG" };
                 format!("{first}_{name}")
             }
@@ -94,9 +107,8 @@ impl SclBinder<'_, '_> {
     /// VAL_STRG to a text of wide characters: first to a narrow text, which then replaces some of the wide characters.
     fn write_wide(&mut self, ctx: &mut SclBlock, pins: &Pins, target: Access, span: Span) -> Option<Call> {
         let (input, output) = (pins.get("IN")?, pins.get("OUT")?);
-        let Some(name) = self.number_type(ctx, input).map(written_as)? else {
-            return self.wrong_pin(input.span, "a number");
-        };
+        let value = self.value(ctx, input)?;
+        let name = self.written_type(&value, input.span)?;
         let (narrow, wide) = (format!("VAL_STRG_{name}"), "VAL_STRG_WSTRING");
         let (Some(writer), Some(key)) =
             (self.library_function(ctx.scope.rules, &narrow), self.library_function(ctx.scope.rules, wide))
@@ -183,8 +195,7 @@ impl SclBinder<'_, '_> {
         let text = if from_wide || narrow {
             Some(value)
         } else {
-            let number = self.number_type_of(&value, input.span).and_then(written_as);
-            let name = number.map(|name| format!("S_CONV_{name}"));
+            let name = self.written_type(&value, input.span).map(|name| format!("S_CONV_{name}"));
             name.and_then(|name| self.instruction_value(ctx, &name, vec![value], span))
         };
         let change = match (&text, wide_target) {
@@ -199,25 +210,22 @@ impl SclBinder<'_, '_> {
         Some(text.and_then(|text| self.assignment(ctx, target, text)))
     }
 
-    /// The type of a number that is to be written; a constant has one that can hold it.
-    fn number_type(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Elementary> {
-        let value = self.value(ctx, node)?;
-        self.number_type_of(&value, node.span)
-    }
-
-    fn number_type_of(&mut self, value: &Value, span: Span) -> Option<Elementary> {
-        match value {
+    /// The type whose function writes this number; a constant has one that can hold it. Anything else is reported.
+    fn written_type(&mut self, value: &Value, span: Span) -> Option<&'static str> {
+        let ty = match value {
             Value::Elementary(expr) => Some(expr.ty),
             Value::Constant(Constant::Typed { ty, .. }, _) => Some(*ty),
             Value::Constant(Constant::Integer { .. }, _) => Some(Elementary::Lint),
             Value::Constant(Constant::Real(_), _) => Some(Elementary::Real),
-            _ => self.wrong_pin(span, "a number"),
+            _ => None,
+        };
+        let name = ty.and_then(written_as);
+        if name.is_none() {
+            let text = self.program.globals.text(span);
+            let help = ty.and_then(|ty| Some(message::conversion(ty, number_of(ty)?, &text)));
+            let help = help.map(|conversion| format!("convert it: {conversion}"));
+            self.wrong_type(span, &message::described(value), "a number", help);
         }
-    }
-
-    fn wrong_pin<T>(&mut self, span: Span, wanted: &str) -> Option<T> {
-        let text = self.program.globals.text(span);
-        self.wrong_type(span, &format!("`{text}`"), wanted, None);
-        None
+        name
     }
 }
