@@ -140,6 +140,47 @@ fn all_come_back(
 }
 
 #[test]
+fn comments_stay_in_their_branch() {
+    let source = r#"FUNCTION "Branches" : VOID
+VAR_TEMP
+    n : INT;
+END_VAR
+BEGIN
+    IF #n = 1 THEN
+        // nothing to do
+    ELSE
+        #n := 2;                // two
+        // after two
+    END_IF;
+    IF #n = 2 THEN
+        #n := 3;
+        // end of THEN
+    ELSIF #n = 3 THEN
+        ;
+        (* end
+           of ELSIF: no ELSE *)
+    ELSE                        // else
+        // only a remark: END_IF ELSE
+    END_IF;
+    CASE #n OF
+        1:
+            #n := 4;
+        // end of 1
+    ELSE
+        // begin of ELSE
+        #n := 5;
+    END_CASE;
+END_FUNCTION
+"#;
+    let (unit, messages) = plcc_readers::parse(FileId::default(), source, &ReadOptions::default());
+    assert!(!has_errors(&messages), "{messages:#?}");
+    let trivia = Trivia::new(source, scl::comments(source), false);
+    let (written, messages) = plcc_convert::scl::write(&unit, trivia, Some(source), Others::Refused);
+    assert!(!has_errors(&messages), "{messages:#?}");
+    assert_eq!(written, source);
+}
+
+#[test]
 fn scl_reads_back_as_it_was() {
     let mut paths = sources("scl");
     // Sources that also have blocks in other languages.

@@ -47,6 +47,40 @@ impl<'a> Trivia<'a> {
         self.before(at + end as u32)
     }
 
+    /// Whether the next comment begins before byte `at`.
+    pub fn has_before(&self, at: u32) -> bool {
+        self.comments.get(self.next).is_some_and(|comment| comment.start < at)
+    }
+
+    /// Where a word begins between two places, outside of comments.
+    pub fn word(&self, word: &str, from: u32, to: u32) -> Option<u32> {
+        let mut at = from as usize;
+        let first = self.comments.partition_point(|comment| comment.end <= from);
+        let comments = self.comments[first..].iter().map(|comment| comment.range());
+        let end = to as usize;
+        for comment in comments.take_while(|comment| comment.start < end).chain(std::iter::once(end..end)) {
+            let gap = self.source.get(at..comment.start).unwrap_or_default();
+            if let Some(found) = word_in(gap, word) {
+                return u32::try_from(at + found).ok();
+            }
+            at = at.max(comment.end);
+        }
+        None
+    }
+
+    /// Takes out `//@ cpu` and `//@ test`, which mean the whole file: their texts.
+    pub fn take_pragmas_of_file(&mut self) -> Vec<String> {
+        let source = self.source;
+        let mut found = Vec::new();
+        self.comments.retain(|comment| {
+            let text = source.get(comment.range()).and_then(|text| text.strip_prefix("//@")).map(str::trim);
+            let text = text.filter(|text| matches!(text.split_whitespace().next(), Some("cpu" | "test")));
+            found.extend(text.map(str::to_string));
+            text.is_none()
+        });
+        found
+    }
+
     /// Skips the comments before byte `at`, which belong to something that is written by itself.
     pub fn skip_to(&mut self, at: u32) {
         self.before(at);
@@ -63,6 +97,19 @@ impl<'a> Trivia<'a> {
             CommentForm::Block | CommentForm::Slash | CommentForm::Unterminated => remark,
         }
     }
+}
+
+/// Where a word begins in a text, in either letter case.
+fn word_in(text: &str, word: &str) -> Option<usize> {
+    let mut at = 0;
+    for part in text.split(|c: char| !c.is_alphanumeric() && c != '_') {
+        if part.eq_ignore_ascii_case(word) {
+            return Some(at);
+        }
+        at += part.len();
+        at += text.get(at..).and_then(|rest| rest.chars().next()).map_or(0, char::len_utf8);
+    }
+    None
 }
 
 /// A comment in brackets as `//` comments.

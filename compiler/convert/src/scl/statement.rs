@@ -45,14 +45,18 @@ impl Writer<'_> {
             }
             StatementKind::If { branches, otherwise } => {
                 for (at, (condition, body)) in branches.iter().enumerate() {
+                    // Those before ELSIF end the branch before it.
+                    self.out.indent();
                     self.remarks_before(condition.span.start);
+                    self.out.dedent();
                     let word = if at == 0 { "IF" } else { "ELSIF" };
                     let condition_text = text(condition, self);
                     self.out.line(format!("{word} {condition_text} THEN"));
                     self.remarks_on_line(condition.span.end);
                     self.body(body);
                 }
-                self.otherwise(otherwise);
+                let last = branches.last().map(|(condition, body)| end_of(body, condition.span.end));
+                self.otherwise(last.unwrap_or(end), otherwise, end);
                 self.close(end, "END_IF;");
             }
             StatementKind::Case { selector, arms, otherwise } => {
@@ -70,7 +74,11 @@ impl Writer<'_> {
                     self.body(&arm.body);
                 }
                 self.out.dedent();
-                self.otherwise(otherwise);
+                let last = arms.last().map_or(selector.span.end, |arm| {
+                    let value = arm.values.last().map(|value| value.high.as_ref().unwrap_or(&value.low).span.end);
+                    end_of(&arm.body, value.unwrap_or(arm.span.end))
+                });
+                self.otherwise(last, otherwise, end);
                 self.close(end, "END_CASE;");
             }
             StatementKind::For { variable, start, end: last, step, body } => {
@@ -117,8 +125,16 @@ impl Writer<'_> {
         self.remarks_on_line(end);
     }
 
-    fn otherwise(&mut self, statements: &[Statement]) {
-        if !statements.is_empty() {
+    /// ELSE of a statement that ends at byte `end`. Comments between byte `last`, the end of the branch before it, and the word belong to
+    /// that branch; those after it to ELSE, even if it has no statements.
+    fn otherwise(&mut self, last: u32, statements: &[Statement], end: u32) {
+        let place = self.trivia.word("ELSE", last, statements.first().map_or(end, |first| first.span.start));
+        if let Some(place) = place {
+            self.out.indent();
+            self.remarks_before(place);
+            self.out.dedent();
+        }
+        if !statements.is_empty() || place.is_some() && self.trivia.has_before(end) {
             self.out.line("ELSE");
             self.body(statements);
         }
@@ -158,6 +174,11 @@ impl Writer<'_> {
         }
         self.out.dedent();
     }
+}
+
+/// The end of the last statement; `otherwise` if there is none.
+fn end_of(body: &[Statement], otherwise: u32) -> u32 {
+    body.last().map_or(otherwise, |last| last.span.end)
 }
 
 fn sign(op: AssignOp) -> &'static str {
