@@ -42,4 +42,5 @@ pub mod trivia;
 mod writer;
 pub mod xml;
 
+pub use node::with_pragmas;
 pub use writer::Notation;

@@ -53,6 +53,13 @@ pub fn document(root: &Node) -> String {
     String::from_utf8(bytes).expect("texts are UTF-8")
 }
 
+/// A document with pragmas of the file, such as the CPU, in comments after its first line.
+pub fn with_pragmas(document: &str, pragmas: &[String]) -> String {
+    let lines: String = pragmas.iter().map(|text| format!("<!--@ {} -->\n", text.replace("--", "- -"))).collect();
+    let (head, rest) = document.split_once('\n').unwrap_or(("", document));
+    format!("{head}\n{lines}{rest}")
+}
+
 fn write(writer: &mut Writer<Vec<u8>>, node: &Node) {
     const WHY: &str = "memory takes all that is written";
     let attributes: Vec<(&str, String)> =

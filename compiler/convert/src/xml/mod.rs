@@ -32,7 +32,7 @@ use plcc_syntax::stl::Mnemonics;
 
 use crate::frames::bare;
 use crate::node::{self, Node};
-use crate::trivia::Trivia;
+use crate::trivia::{Remark, Trivia};
 use crate::writer::{Notation, Writer};
 
 /// What the sources of a program declare: blocks for calls, structures for start values.
@@ -133,7 +133,19 @@ impl Uids {
 }
 
 /// Writes a document. `source`: the text that spans mean, if its constants are those of SCL.
-pub fn write(unit: &SourceUnit, library: &Library, trivia: Trivia, source: Option<&str>) -> (String, Vec<Diagnostic>) {
+pub fn write(
+    unit: &SourceUnit,
+    library: &Library,
+    mut trivia: Trivia,
+    source: Option<&str>,
+) -> (String, Vec<Diagnostic>) {
+    // Those of a document are in its tree.
+    let mut pragmas: Vec<String> = unit.pragmas.iter().map(|one| one.text.trim().to_string()).collect();
+    for text in trivia.take_pragmas_of_file() {
+        if !pragmas.contains(&text) {
+            pragmas.push(text);
+        }
+    }
     let mut writer = Writer::new(Notation::Scl, Mnemonics::En, trivia, source);
     let mut root = Node::new("Document").child(Node::new("Engineering").with("version", "V17"));
     let mut ids = Ids(0);
@@ -146,7 +158,7 @@ pub fn write(unit: &SourceUnit, library: &Library, trivia: Trivia, source: Optio
         };
         root.children.extend(object);
     }
-    (node::document(&root), writer.messages)
+    (node::with_pragmas(&node::document(&root), &pragmas), writer.messages)
 }
 
 /// Numbers of objects.
@@ -314,7 +326,7 @@ fn code(block: &CodeBlock, before: Vec<String>, library: &Library, ids: &mut Ids
         Code::Graphic(body) => {
             for (at, network) in body.networks.iter().enumerate() {
                 let end = body.networks.get(at + 1).map_or(block.span.end, |next| next.span.start);
-                units.push(network_unit(network, block, library, end, ids, writer));
+                units.extend(network_units(network, block, library, end, ids, writer));
             }
             body.networks.first().map_or("LAD", |network| language_name(network.language))
         }
@@ -341,14 +353,17 @@ fn language_name(language: Language) -> &'static str {
     }
 }
 
-fn network_unit(
+/// A network that ends at byte `end`, with the assertions before and after it.
+fn network_units(
     network: &Network,
     block: &CodeBlock,
     library: &Library,
     end: u32,
     ids: &mut Ids,
     writer: &mut Writer,
-) -> Node {
+) -> Vec<Node> {
+    let mut comment = network.comment.clone();
+    let mut units = Vec::from_iter(between_networks(network.span.start, &mut comment, ids, writer));
     let source = match &network.content {
         Content::Graphic(graph) if graph.elements.is_empty() && network.labels.is_empty() => None,
         Content::Graphic(graph) => flgnet::network(graph, network, block, library, writer),
@@ -356,9 +371,19 @@ fn network_unit(
         Content::Stl(list) => Some(stl::statements(list, block, library, writer)),
     };
     // Networks have no place for comments between their elements.
-    let mut comment = network.comment.clone();
-    comment.extend(writer.lines_before(end));
-    unit(language_name(network.language), source, network.title.as_deref(), &comment, ids)
+    let after = between_networks(end, &mut comment, ids, writer);
+    units.push(unit(language_name(network.language), source, network.title.as_deref(), &comment, ids));
+    units.extend(after);
+    units
+}
+
+/// The comments before byte `at` that are assertions, as a network: a reader finds them only among statements. The others become part of
+/// the comment of a network.
+fn between_networks(at: u32, comment: &mut Vec<String>, ids: &mut Ids, writer: &mut Writer) -> Option<Node> {
+    let (assertions, remarks): (Vec<Remark>, Vec<Remark>) =
+        writer.trivia.before(at).into_iter().partition(|remark| remark.text.starts_with("//@"));
+    comment.extend(remarks.iter().flat_map(|remark| remark.text.lines().map(bare).collect::<Vec<_>>()));
+    (!assertions.is_empty()).then(|| unit("SCL", Some(scl::remarks(&assertions)), None, &[], ids))
 }
 
 fn unit(language: &str, source: Option<Node>, title: Option<&str>, comment: &[String], ids: &mut Ids) -> Node {

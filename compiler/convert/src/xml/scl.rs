@@ -9,6 +9,7 @@ use plcc_syntax::scl::{self, address};
 use super::access::{self, Whose};
 use super::{Library, Uids, comment_text, name_of};
 use crate::node::Node;
+use crate::trivia::Remark;
 use crate::writer::Writer;
 
 /// How deep indices and calls may be nested; what is deeper is written as tokens.
@@ -21,13 +22,33 @@ pub fn statements(list: &[Statement], block: &CodeBlock, library: &Library, end:
     writer.remarks_before(end);
     let text = std::mem::replace(&mut writer.out, around).into_text();
     let pieces: Vec<&str> = with_lines(&text);
-    let mut node = Node::new("StructuredText")
-        .with("xmlns", "http://www.siemens.com/automation/Openness/SW/NetworkSource/StructuredText/v4");
+    let mut node = structured_text();
     let mut maker = Maker { pieces, at: 0, block, library, uids: Uids::new(), depth: 0 };
     while maker.at < maker.pieces.len() {
         maker.piece(&mut node);
     }
     node
+}
+
+/// Comments alone.
+pub fn remarks(list: &[Remark]) -> Node {
+    let mut uids = Uids::new();
+    let mut node = structured_text();
+    for remark in list {
+        node.push(line_comment(&remark.text, &mut uids));
+        node.push(Node::new("NewLine").with("UId", uids.next()));
+    }
+    node
+}
+
+fn structured_text() -> Node {
+    Node::new("StructuredText")
+        .with("xmlns", "http://www.siemens.com/automation/Openness/SW/NetworkSource/StructuredText/v4")
+}
+
+fn line_comment(comment: &str, uids: &mut Uids) -> Node {
+    let text = Node::of("Text", comment_text(comment)).with("UId", uids.next());
+    Node::new("LineComment").with("UId", uids.next()).child(text)
 }
 
 /// Adds the tokens of a row of a chart's actions, without blanks at their ends.
@@ -97,8 +118,7 @@ impl<'a> Maker<'a> {
         }
         if piece.starts_with("//") || piece.starts_with("(*") || piece.starts_with("/*") || piece.starts_with("(/*") {
             self.at += 1;
-            let text = Node::of("Text", comment_text(piece)).with("UId", self.uids.next());
-            return list.push(self.numbered("LineComment").child(text));
+            return list.push(line_comment(piece, &mut self.uids));
         }
         let is_call = self.peek(1) == "(" && self.depth < DEPTH_MAX;
         let is_keyword = KEYWORDS.iter().any(|word| word.eq_ignore_ascii_case(piece));

@@ -1,6 +1,7 @@
 //! `plcc convert --to plcopen`: a whole program as one document.
 
 use plcc_convert::plcopen::{self, Settings, Unit};
+use plcc_convert::with_pragmas;
 use plcc_diag::Diagnostic;
 use plcc_readers::plcopen as reader;
 use plcc_runtime::events::default_period_ms;
@@ -62,13 +63,11 @@ pub fn document(parsed: &pipeline::Parsed, name: &str) -> (String, Vec<Diagnosti
     let units = parsed.units.iter().map(|(id, one)| unit(&parsed.sources.file(*id).text, one)).collect();
     let (text, messages) = plcopen::write(units, &parsed.tables, &Settings { name, period_ms: &period_ms });
     // Pragmas of files, such as the CPU, are comments after the first line.
-    let mut pragmas: Vec<&str> =
-        parsed.units.iter().flat_map(|(_, unit)| &unit.pragmas).map(|one| one.text.trim()).collect();
+    let mut pragmas: Vec<String> =
+        parsed.units.iter().flat_map(|(_, unit)| &unit.pragmas).map(|one| one.text.trim().to_string()).collect();
     pragmas.sort_unstable();
     pragmas.dedup();
-    let lines: String = pragmas.iter().map(|text| format!("<!--@ {} -->\n", text.replace("--", "- -"))).collect();
-    let (head, rest) = text.split_once('\n').unwrap_or(("", &text));
-    (format!("{head}\n{lines}{rest}"), messages)
+    (with_pragmas(&text, &pragmas), messages)
 }
 
 /// A source with the text that its spans mean.
