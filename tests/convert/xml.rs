@@ -165,6 +165,49 @@ END_ORGANIZATION_BLOCK
     assert!(matches!(outcome, Some(Ok(()))), "{outcome:?} {refused:?}");
 }
 
+/// Load memory only, write-protected and retentive data blocks.
+#[test]
+fn flags_of_data_blocks_stay() {
+    let source = r#"DATA_BLOCK "Kept"
+RETAIN
+VAR
+  a, b : Int;
+END_VAR
+BEGIN
+END_DATA_BLOCK
+
+DATA_BLOCK "Loaded"
+UNLINKED
+VAR
+  a : Int;
+END_VAR
+BEGIN
+END_DATA_BLOCK
+
+DATA_BLOCK "Fixed"
+READ_ONLY
+VAR
+  a : Int;
+END_VAR
+BEGIN
+END_DATA_BLOCK
+"#;
+    let (unit, messages) = plcc_readers::parse(FileId::default(), source, &ReadOptions::default());
+    assert!(!has_errors(&messages), "{messages:#?}");
+    let library = plcc_convert::xml::Library::new(std::iter::once(&unit));
+    let (written, messages) = plcc_convert::xml::write(&unit, &library, Trivia::none(), Some(source));
+    assert!(!has_errors(&messages), "{messages:#?}");
+    let (again, messages) = plcc_readers::parse(FileId::default(), &written, &ReadOptions::default());
+    assert!(!has_errors(&messages), "{messages:#?}");
+    let flags = again.blocks.iter().filter_map(|block| match block {
+        Block::Data(data) => Some((data.retained.join(" "), data.header.unlinked, data.header.read_only)),
+        Block::Code(_) | Block::Type(_) => None,
+    });
+    let wanted = [("a b", false, false), ("", true, false), ("", false, true)];
+    let wanted = wanted.map(|(retained, unlinked, read_only)| (retained.to_string(), unlinked, read_only));
+    assert_eq!(flags.collect::<Vec<_>>(), wanted, "{written}");
+}
+
 /// Pragmas of the file are in comments of the document; assertions and pauses between networks are networks.
 #[test]
 fn pragmas_come_through() {

@@ -211,6 +211,11 @@ fn attributes(name: &BlockName, header: &Header, interface: Option<Node>, langua
         set(&mut list, "HeaderVersion", version.as_str());
     }
     list.children.extend(interface);
+    for (key, is_set) in [("IsOnlyStoredInLoadMemory", header.unlinked), ("IsWriteProtectedInAS", header.read_only)] {
+        if is_set {
+            set(&mut list, key, "true");
+        }
+    }
     let safety = attribute(&["ProgrammingLanguage", "S7_PreferredLanguage", "S7_Language"]);
     let safety = safety.filter(|language| language.starts_with("F_"));
     if let Some(optimized) = attribute(&["S7_Optimized_Access", "S7_Optimized"]) {
@@ -423,7 +428,9 @@ fn data(block: &DataBlock, before: Vec<String>, library: &Library, ids: &mut Ids
     check_header(&block.name, &block.header, writer);
     let (kind, interface, mut more) = match &block.content {
         DataContent::Struct(members) => {
-            let mut interface = interface::of_members("Static", members, &block.retained, library, writer);
+            let all = || -> Vec<String> { members.iter().map(|member| member.name.clone()).collect() };
+            let retained = if block.header.retain { all() } else { block.retained.clone() };
+            let mut interface = interface::of_members("Static", members, &retained, library, writer);
             for value in &block.values {
                 let section = interface.children.first_mut().and_then(|sections| sections.children.first_mut());
                 let replaced =
@@ -439,6 +446,11 @@ fn data(block: &DataBlock, before: Vec<String>, library: &Library, ids: &mut Ids
             ("SW.Blocks.GlobalDB", interface::of_members("Static", &[], &[], library, writer), Vec::new())
         }
         DataContent::OfType(ty) => {
+            if block.header.retain {
+                let title = format!("RETAIN of `{}` is not in the file", name_of(&block.name));
+                let help = "declare the variables of its type as retentive, or set it in the editor again";
+                writer.warn(block.name.span(), title, help);
+            }
             let more = match &ty.kind {
                 TypeKind::Block(of) => {
                     let is_type = library.types.contains(&folded(of));

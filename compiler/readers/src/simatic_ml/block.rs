@@ -167,6 +167,7 @@ fn place(reader: &mut Reader, node: Node, text: &str) -> Span {
 
 fn header(object: Node) -> Header {
     let text = |name| setting_text(object, name);
+    let is = |name| text(name).is_some_and(|value| value == "true");
     let mut attributes = Vec::new();
     if let Some(layout) = text("MemoryLayout") {
         let optimized = if layout.eq_ignore_ascii_case("Optimized") { "TRUE" } else { "FALSE" };
@@ -186,9 +187,11 @@ fn header(object: Node) -> Header {
         family: text("HeaderFamily"),
         name: text("HeaderName"),
         number: text("Number").and_then(|number| number.parse().ok()).filter(|number| *number > 0),
-        auto_number: text("AutoNumber").is_some_and(|value| value == "true"),
+        auto_number: is("AutoNumber"),
         version: text("HeaderVersion"),
-        know_how_protect: text("IsKnowHowProtected").is_some_and(|value| value == "true"),
+        know_how_protect: is("IsKnowHowProtected"),
+        unlinked: is("IsOnlyStoredInLoadMemory"),
+        read_only: is("IsWriteProtectedInAS"),
         ..Header::default()
     }
 }
