@@ -49,6 +49,6 @@ pub mod tables {
 
     /// Operating parameters of charts, and their bits.
     pub mod chart {
-        pub use crate::bind::trees::chart_data::parameters::{Effect, OPERATING_BITS, PARAMETERS, Parameter, Set};
+        pub use plcc_syntax::chart::parameters::{Effect, OPERATING_BITS, PARAMETERS, Parameter, Set};
     }
 }

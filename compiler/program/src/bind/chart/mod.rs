@@ -32,6 +32,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::Elementary;
 use plcc_syntax::ast::{self, SectionKind};
 use plcc_syntax::chart::ast::{Body as Chart, Condition as Tree, Dialect, Qualifier};
+use plcc_syntax::chart::parameters::{self, Effect, PARAMETERS, Parameter};
 use plcc_syntax::scl;
 
 use super::scl::Scope;
@@ -40,7 +41,6 @@ use crate::bind::declarations::Declarations;
 use crate::bind::declarations::block::CurrentBlock;
 use crate::bind::network::NetworkBinder;
 use crate::bind::scl::{SclBinder, SclBlock};
-use crate::bind::trees::chart_data::parameters::{self, Effect, PARAMETERS, Parameter};
 use crate::bind::trees::chart_data::{self, Members};
 use assemble::{Assembly, Condition, Features, Parts};
 use build::number;

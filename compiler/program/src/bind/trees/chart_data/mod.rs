@@ -1,18 +1,16 @@
 //! Data of a chart in the instance of its block: declarations that every language can name, and their addresses.
 //! Source: GRAPH reference, chapter F.
 
-pub mod parameters;
-
 use plcc_diag::Span;
 use plcc_syntax::ParseOptions;
 use plcc_syntax::ast::{self, InitialKind, InitialValue, Section, SectionKind, TypeKind, TypeRef, Variable};
 use plcc_syntax::chart::ast::{Body as Chart, Dialect, StepData};
+use plcc_syntax::chart::parameters::{self, OPERATING_BITS};
 use plcc_syntax::scl;
 use plcc_syntax::scl::ast::{Expr, ExprKind, Literal};
 use rustc_hash::FxHashSet;
 
 use crate::bind::trees::SYSTEM_FILE;
-use parameters::OPERATING_BITS;
 use plcc_binding::fold;
 
 /// Components of a step, as S7-GRAPH of STEP 7 V5 lays them out.

@@ -1,8 +1,8 @@
 //! Operating parameters of a GRAPH function block, and their bits in the instance.
 //! Source: GRAPH reference E.1, E.2, F.2.
 
-use plcc_syntax::ast::SectionKind;
-use plcc_syntax::chart::ast::{Dialect, Interface};
+use crate::ast::SectionKind;
+use crate::chart::ast::{Dialect, Interface};
 
 /// An operating parameter.
 #[derive(Debug)]
