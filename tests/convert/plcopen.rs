@@ -308,16 +308,27 @@ fn random_program(seed: u64) -> String {
     for at in 0..4 {
         text.push_str(&format!("\"Sum\".sum := (\"Sum\".sum + INT_TO_DINT(\"Random_DB\".n{at})) MOD 100003;\n"));
     }
-    text + "//@ assert \"Sum\".sum == 1000000\nEND_NETWORK\nEND_ORGANIZATION_BLOCK\n"
+    text + "END_NETWORK\nEND_ORGANIZATION_BLOCK\n"
 }
 
-/// The values of the sum in all cycles: of assertions that all fail.
-fn sums(file: PathBuf) -> Result<Vec<String>, String> {
-    let outcomes = outcomes(TestInput::File(file));
+/// A scenario that expects in each cycle what the sum never is.
+fn each_cycle(sum: &str, cycles: u32) -> String {
+    (1..=cycles).map(|cycle| format!("[[at]]\ncycle = {cycle}\nexpect = {{ '{sum}' = -1 }}\n")).collect()
+}
+
+/// The values of the sum in all cycles.
+fn sums(input: TestInput) -> Result<Vec<String>, String> {
+    let outcomes = outcomes(input);
     match outcomes.iter().find(|one| one.rejected || one.unreadable || one.details.is_empty()) {
         Some(one) => Err(format!("{}{}", one.messages, one.failures)),
         None => Ok(outcomes.iter().flat_map(|one| &one.details).map(|one| one.left.clone()).collect()),
     }
+}
+
+/// The same of a file.
+fn sums_of_file(file: PathBuf, sum: &str, cycles: u32) -> Result<Vec<String>, String> {
+    fs::write(file.with_extension("scenario.toml"), each_cycle(sum, cycles)).expect("a file");
+    sums(TestInput::File(file))
 }
 
 /// `PLCC_RANDOM_PROJECTS=N` sets the number of programs.
@@ -332,7 +343,8 @@ fn random_networks_as_projects_do_the_same() {
         fs::write(&source, &text).expect("a file");
         let settings = Settings { pragmas: true, ..Settings::default() };
         // Some rungs are not allowed.
-        let Ok(before) = sums(source.clone()) else { continue };
+        let Ok(before) = sums_of_file(source.clone(), "\"Sum\".sum", 40) else { continue };
+        assert_eq!(before.len(), 40, "{seed}");
         let parsed = pipeline::parse(inputs::read(&[source]), &settings);
         let (written, messages) = whole::document(&parsed, "Random");
         if let Some(first) = messages.iter().find(|message| message.is_error()) {
@@ -341,7 +353,7 @@ fn random_networks_as_projects_do_the_same() {
         }
         let project = folder.path().join("a.xml");
         fs::write(&project, &written).expect("a file");
-        match sums(project) {
+        match sums_of_file(project, "\"GlobalVariables\".Sum.sum", 40) {
             Ok(after) if after == before => compared += 1,
             Ok(after) => failed.push(format!("{seed}: {before:?} is {after:?}\n{text}")),
             Err(messages) => failed.push(format!("{seed}: {messages}\n{text}")),
@@ -349,6 +361,271 @@ fn random_networks_as_projects_do_the_same() {
     }
     assert!(failed.is_empty(), "{} of {count}:\n{}", failed.len(), failed.join("\n\n"));
     assert!(compared * 2 > count, "only {compared}");
+}
+
+/// Simultaneous and alternative paths that begin and end together, jumps, each kind of action.
+const CHART: &str = r##"FUNCTION_BLOCK "Line"
+(*$_CMPSET
+   FBInterface: Minimum
+*)
+VAR_INPUT
+  start : BOOL;
+  full_a : BOOL;
+  full_b : BOOL;
+  ready : BOOL;
+  skip : BOOL;
+END_VAR
+VAR_OUTPUT
+  valve_a : BOOL;
+  valve_b : BOOL;
+  mixer : BOOL;
+  lamp : BOOL;
+  late : BOOL;
+  pulse : BOOL;
+  kept : BOOL;
+  begun : BOOL;
+  count : INT;
+  calls : INT;
+  idle_time : TIME;
+END_VAR
+VAR
+  pause : TIME := T#300ms;
+END_VAR
+INITIAL_STEP Idle (*$_NUM 1*):
+(*$_COM waits for start*)
+#idle_time := Idle.T   (N)
+#begun   (S0_S)
+END_STEP
+STEP "Fill A" (*$_NUM 2*):
+#valve_a   (N)
+#count := #count + 1   (S1_N)
+END_STEP
+STEP FillB (*$_NUM 3*):
+#valve_b   (N)
+END_STEP
+STEP WaitA (*$_NUM 4*):
+END_STEP
+STEP WaitB (*$_NUM 5*):
+#begun   (S1_R)
+END_STEP
+STEP Mix (*$_NUM 6*):
+#mixer   (N)
+#late := T#100MS   (D)
+#kept   (S)
+CALL "Calls" (IN := #calls, RET_VAL := #calls)   (N)
+END_STEP
+STEP Empty (*$_NUM 7*):
+#lamp := #pause   (L)
+#pulse   (S0_N)
+END_STEP
+STEP Clean (*$_NUM 8*):
+#kept   (R)
+#valve_a   (N)
+END_STEP
+TRANSITION Again (*$_NUM 10*)
+  FROM Clean
+  TO Idle (*$_JUMP*)
+CONDITION := NOT #start
+END_TRANSITION
+TRANSITION Back (*$_NUM 9*)
+  FROM Empty
+  TO Idle (*$_JUMP*)
+CONDITION := Empty.U >= #pause
+END_TRANSITION
+TRANSITION Cleaning (*$_NUM 8*)
+  FROM Empty
+  TO Clean
+CONDITION := #skip AND NOT #ready
+END_TRANSITION
+TRANSITION Mixed (*$_NUM 7*)
+  FROM Mix
+  TO Empty
+CONDITION := S006.T >= T#200MS OR #skip
+END_TRANSITION
+TRANSITION Skipped (*$_NUM 6*)
+  FROM (WaitA, WaitB)
+  TO Empty
+CONDITION := #skip
+END_TRANSITION
+TRANSITION Both (*$_NUM 5*)
+  FROM (WaitA, WaitB)
+  TO Mix
+CONDITION := #ready
+END_TRANSITION
+TRANSITION Full_B (*$_NUM 4*)
+  FROM FillB
+  TO WaitB
+CONDITION := #full_b
+END_TRANSITION
+TRANSITION Full_A (*$_NUM 3*)
+  FROM "Fill A"
+  TO WaitA
+CONDITION := #full_a AND "Fill A".T >= T#50MS
+END_TRANSITION
+TRANSITION Stop (*$_NUM 2*)
+  FROM Idle
+  TO Clean
+CONDITION := NOT #start AND #skip
+END_TRANSITION
+TRANSITION Go (*$_NUM 1*)
+  FROM Idle
+  TO ("Fill A", FillB)
+CONDITION := #start
+END_TRANSITION
+END_FUNCTION_BLOCK
+"##;
+
+/// A program that gives a chart inputs by chance, and sums up its outputs.
+const AROUND: &str = r##"//@ test cycles=300
+FUNCTION "Calls" : INT
+VAR_INPUT
+  IN : INT;
+END_VAR
+BEGIN
+  #Calls := #IN + 1;
+END_FUNCTION
+
+DATA_BLOCK "Line_DB" "Line"
+BEGIN
+END_DATA_BLOCK
+
+DATA_BLOCK "Sum_DB"
+STRUCT
+  seed : DINT := 1;
+  sum : DINT;
+END_STRUCT;
+BEGIN
+END_DATA_BLOCK
+
+ORGANIZATION_BLOCK "Main"
+BEGIN
+  "Sum_DB".seed := ("Sum_DB".seed * 75 + 74) MOD 65537;
+  "Line_DB"(start := "Sum_DB".seed MOD 2 = 1, full_a := ("Sum_DB".seed / 4) MOD 2 = 1, full_b := ("Sum_DB".seed / 16) MOD 2 = 1,
+    ready := ("Sum_DB".seed / 64) MOD 2 = 1, skip := ("Sum_DB".seed / 256) MOD 4 = 1);
+  IF "Line_DB".valve_a THEN "Sum_DB".sum := ("Sum_DB".sum * 3 + 1) MOD 100003; END_IF;
+  IF "Line_DB".valve_b THEN "Sum_DB".sum := ("Sum_DB".sum * 3 + 2) MOD 100003; END_IF;
+  IF "Line_DB".mixer THEN "Sum_DB".sum := ("Sum_DB".sum * 3 + 3) MOD 100003; END_IF;
+  IF "Line_DB".lamp THEN "Sum_DB".sum := ("Sum_DB".sum * 3 + 4) MOD 100003; END_IF;
+  IF "Line_DB".late THEN "Sum_DB".sum := ("Sum_DB".sum * 3 + 5) MOD 100003; END_IF;
+  IF "Line_DB".pulse THEN "Sum_DB".sum := ("Sum_DB".sum * 3 + 6) MOD 100003; END_IF;
+  IF "Line_DB".kept THEN "Sum_DB".sum := ("Sum_DB".sum * 3 + 7) MOD 100003; END_IF;
+  IF "Line_DB".begun THEN "Sum_DB".sum := ("Sum_DB".sum * 3 + 8) MOD 100003; END_IF;
+  "Sum_DB".sum := ("Sum_DB".sum + INT_TO_DINT("Line_DB".count) + INT_TO_DINT("Line_DB".calls) + TIME_TO_DINT("Line_DB".idle_time)) MOD 100003;
+END_ORGANIZATION_BLOCK
+"##;
+
+const NUMBERS: &str = "\
+\"Line\",\"FB 1\",\"FB 1\",\"\"\n\
+\"Line_DB\",\"DB 1\",\"FB 1\",\"\"\n\
+\"Calls\",\"FC 7\",\"FC 7\",\"\"\n\
+\"Sum_DB\",\"DB 2\",\"DB 2\",\"\"\n";
+
+/// A project of a chart, the block that calls it, and the numbers of all blocks.
+fn chart_project(folder: &Path, chart: &str) -> PathBuf {
+    let project = folder.join("project");
+    fs::create_dir_all(&project).expect("a folder");
+    let toml = "cpu = \"s7-300\"\nsources = [\"chart.gr7\", \"main.scl\"]\nsymbols = [\"tags.sdf\"]\n";
+    for (name, text) in [("plc.toml", toml), ("chart.gr7", chart), ("main.scl", AROUND), ("tags.sdf", NUMBERS)] {
+        fs::write(project.join(name), text).expect("a file");
+    }
+    project
+}
+
+/// The project as a document, and messages.
+fn chart_document(project: &Path) -> (String, Vec<plcc_diag::Diagnostic>) {
+    let settings = Settings { pragmas: true, ..Settings::default() };
+    let parsed = pipeline::parse(inputs::read(&[project.to_path_buf()]), &settings);
+    assert!(!has_errors(&parsed.diagnostics), "{:#?}", parsed.diagnostics);
+    whole::document(&parsed, "Line")
+}
+
+#[test]
+fn charts_as_projects_do_the_same() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let project = chart_project(folder.path(), CHART);
+    fs::create_dir(project.join("tests")).expect("a folder");
+    fs::write(project.join("tests/sum.toml"), each_cycle("\"Sum_DB\".sum", 300)).expect("a file");
+    let before = sums(TestInput::Project(project.clone())).expect("a program");
+    assert_eq!(before.len(), 300);
+    let (written, messages) = chart_document(&project);
+    assert!(!has_errors(&messages), "{messages:#?}");
+    for part in [
+        "targetName=\"Idle\"",
+        "<selectionConvergence",
+        "<simultaneousConvergence",
+        "<simultaneousDivergence",
+        "<selectionDivergence",
+        "qualifier=\"D\" duration=\"T#100MS\"",
+        "<xhtml:p>waits for start</xhtml:p>",
+    ] {
+        assert!(written.contains(part), "{part} in\n{written}");
+    }
+    let file = folder.path().join("a.xml");
+    let pragma = plcc_convert::with_pragmas(&written, &["cpu s7-300".to_string()]);
+    fs::write(&file, &pragma).expect("a file");
+    let after = sums_of_file(file, "\"GlobalVariables\".Sum_DB.sum", 300);
+    let after = after.unwrap_or_else(|messages| panic!("{messages}\n{written}"));
+    assert_eq!(before, after, "{written}");
+}
+
+#[test]
+fn charts_of_projects_come_back() {
+    for name in ["star-delta", "two-doses"] {
+        let folder = tests_folder().join("run/plcopen").join(name);
+        let (written, messages) = chart_document(&folder);
+        assert!(!has_errors(&messages), "{name}: {messages:#?}");
+        let new = tempfile::tempdir().expect("a folder");
+        for from in everything(&folder) {
+            let to = new.path().join(from.strip_prefix(&folder).expect("below the folder"));
+            fs::create_dir_all(to.parent().expect("a folder")).expect("a folder");
+            fs::copy(&from, &to).expect("a copy");
+        }
+        fs::write(new.path().join("project.xml"), &written).expect("a file");
+        let result = passes(TestInput::Project(new.path().to_path_buf()));
+        assert!(result.is_ok(), "{name}: {result:?}\n{written}");
+    }
+}
+
+/// Parts of the chart that are other ones, and what is told of them.
+#[test]
+fn what_sfc_does_not_have_is_refused() {
+    let step = "STEP Mix (*$_NUM 6*):\n";
+    let cases = [
+        (
+            step,
+            "STEP Mix (*$_NUM 6*):\nSUPERVISION\nCONDITION := #skip\nEND_SUPERVISION\n",
+            "SFC has no supervision, such as that of step `Mix`",
+        ),
+        (
+            step,
+            "STEP Mix (*$_NUM 6*):\nINTERLOCK\nCONDITION := #skip\nEND_INTERLOCK\n#valve_b   (NC)\n",
+            "SFC has no interlocks, such as that of step `Mix`",
+        ),
+        ("#mixer   (N)", "#mixer   (V1_S)", "SFC has no actions at the event V1"),
+        ("#mixer   (N)", "S_ALL   (S1_OFF)", "SFC has no actions that activate or deactivate steps"),
+        ("#mixer   (N)", "C5   (S1_CU)", "PLCopen XML has no timers and counters of the CPU"),
+        (
+            "#mixer   (N)",
+            "MW2 := MW4 + 1   (N)",
+            "GRAPH computes here with the bits of an operand as a number, and ST does not",
+        ),
+        ("#late := T#100MS", "#late := MD20", "the time of an action is in an operand that is not of type TIME"),
+        ("S006.T >=", "S006.LA AND S006.T >=", "SFC has no `LA` of a step, only X and T"),
+        ("CONDITION := #ready\n", "CONDITION := #ready AND NOT Go.TT\n", "SFC has no `TT` of a transition"),
+        (
+            "INITIAL_STEP",
+            "PERM_CONDITION_AT_BEGIN\nM9.0 (=) := #skip\nEND_PERM_CONDITION\nINITIAL_STEP",
+            "SFC has no permanent instructions",
+        ),
+    ];
+    for (old, new, wanted) in cases {
+        assert!(CHART.contains(old), "{old}");
+        let folder = tempfile::tempdir().expect("a folder");
+        let project = chart_project(folder.path(), &CHART.replacen(old, new, 1));
+        let (_, messages) = chart_document(&project);
+        let titles: Vec<&str> = messages.iter().filter(|one| one.is_error()).map(|one| one.title.as_str()).collect();
+        assert_eq!(titles, [wanted], "{new}");
+    }
 }
 
 /// Titles and comments of networks, by the names of their blocks.

@@ -13,7 +13,7 @@ use plcc_syntax::network::elements::{Gate, Kind};
 use plcc_syntax::scl::ast::{BinaryOp, Expr, ExprKind, Literal, UnaryOp};
 
 use crate::scl::expression;
-use crate::writer::Writer;
+use crate::writer::{Notation, Writer};
 
 /// What a network cannot be, and where.
 type Refused = (Span, String);
@@ -52,7 +52,13 @@ pub fn coils(network: &Network, writer: &mut Writer) -> Vec<(Expr, Coil, Expr)> 
 
 fn report((span, what): Refused, writer: &mut Writer) {
     let help = "write the network with contacts, comparisons and coils, or call a block with it";
-    writer.refuse(span, format!("GRAPH sources have no form for {what}"), help);
+    let title = match writer.notation {
+        Notation::St => format!("plcc writes conditions of SFC as expressions, which have no form for {what}"),
+        Notation::Gr7 | Notation::Scl | Notation::Stl | Notation::Sd => {
+            format!("GRAPH sources have no form for {what}")
+        }
+    };
+    writer.refuse(span, title, help);
 }
 
 fn graph_of(network: &Network) -> Result<&Graph, Refused> {

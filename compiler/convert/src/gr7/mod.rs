@@ -5,7 +5,7 @@
 //!
 //! Source: GRAPH reference, chapter A.
 
-mod logic;
+pub(crate) mod logic;
 mod rows;
 
 use plcc_diag::Diagnostic;

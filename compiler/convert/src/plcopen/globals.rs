@@ -7,8 +7,8 @@ use plcc_syntax::symbols::{Symbol, SymbolTarget};
 
 use super::body::tag_type;
 use super::declare::Declarer;
-use super::program::Program;
-use super::{documentation, system};
+use super::program::{Global, Program};
+use super::{chart, documentation, system};
 use crate::node::Node;
 use crate::scl::expression;
 use crate::writer::Writer;
@@ -128,7 +128,10 @@ pub fn data<'a>(declarer: &mut Declarer<'_, 'a>, key: &str, block: &'a DataBlock
     let name = declarer.program.name(key);
     let before = writer.lines_before(block.span.start);
     let mut node = Node::new("variable").with("name", &name);
-    let values = declarer.values(&block.values, writer);
+    let values = match declarer.program.instance_of(block).and_then(|key| declarer.program.global(&key)) {
+        Some(Global::Code(of)) => declarer.values(&chart::own_values(of, &block.values), writer),
+        _ => declarer.values(&block.values, writer),
+    };
     let (ty, initial) = match &block.content {
         DataContent::OfType(ty) => {
             let node = declarer.type_node(ty, key, &name, writer);

@@ -3,12 +3,14 @@
 //! - `program`: what the sources declare, and `identifier`: the names of the file.
 //! - `declare`: types, variables and start values; `globals`: tags, constants and data blocks.
 //! - `body`: statements and expressions as ST, with the functions of `system`.
+//! - `chart`: charts of GRAPH as SFC.
 //! - `network`: networks as the objects of LD and FBD, which `layout` places and `objects` writes.
 //! - `tasks`: organization blocks as tasks.
 //!
 //! Source: PLCopen TC6, XML schema 2.01; LAD/FBD reference, chapter A3.
 
 mod body;
+mod chart;
 mod declare;
 mod globals;
 mod identifier;
@@ -248,7 +250,15 @@ impl<'p, 'a, 's> Project<'p, 'a, 's> {
         }
         let variables = block.sections.iter().flat_map(|section| &section.variables);
         let constants = block.constants.iter().map(|one| (one.name.as_str(), one.name_span));
-        unique(variables.map(|one| (one.name.as_str(), one.name_span)).chain(constants), writer);
+        let steps = chart::of_block(block).into_iter().flat_map(|chart| &chart.steps);
+        let steps = steps.map(|step| (step.name.text.as_str(), step.name.span));
+        unique(variables.map(|one| (one.name.as_str(), one.name_span)).chain(constants).chain(steps), writer);
+        let operating = chart::operating(block);
+        if !operating.is_empty() {
+            let title = format!("the operating parameters of `{name}` are not in the file: {}", operating.join(", "));
+            let help = "SFC has no operating modes; draw what the program needs of them as steps and transitions";
+            writer.warn(block.name.span(), title, help);
+        }
         for section in &block.sections {
             interface.children.extend(self.section(section, block, &name, writer));
         }
@@ -260,7 +270,9 @@ impl<'p, 'a, 's> Project<'p, 'a, 's> {
             .filter_map(|one| one.attributes.first())
             .map(|(_, name)| name.to_lowercase())
             .collect();
-        if local_names.contains(&name.to_lowercase()) {
+        let mut steps = chart::of_block(block).into_iter().flat_map(|chart| &chart.steps);
+        let is_step = steps.any(|step| identifier(&step.name.text).eq_ignore_ascii_case(&name));
+        if is_step || local_names.contains(&name.to_lowercase()) {
             self.learned.hidden.insert(key.clone());
         }
         let mut body = Body::new(program, block, writer, &mut self.learned);
@@ -274,7 +286,9 @@ impl<'p, 'a, 's> Project<'p, 'a, 's> {
         self.used.extend(used);
         let mut node = Node::new("pou").with("name", name).with("pouType", kind).child(interface);
         node.push(Node::new("body").children(code));
-        node.children.extend(comment_of(before, &block.header));
+        // Those after the last part of a chart.
+        let comments = before.into_iter().chain(writer.lines_before(block.span.end)).collect();
+        node.children.extend(comment_of(comments, &block.header));
         self.pous.push(node);
     }
 
@@ -301,7 +315,9 @@ impl<'p, 'a, 's> Project<'p, 'a, 's> {
             }
         }
         for variable in &section.variables {
-            if block.kind == CodeKind::Ob && body::is_start_name(&variable.name) {
+            if block.kind == CodeKind::Ob && body::is_start_name(&variable.name)
+                || chart::is_operating(block, &variable.name)
+            {
                 continue;
             }
             let declared = self.declarer.variable(variable, name, writer);
@@ -556,11 +572,7 @@ fn body_of(body: &mut Body) -> Option<Node> {
             body.refuse(span, title, "write it as networks first, with `--to lad`, or as SCL");
             None
         }
-        Code::Chart(_) => {
-            let title = format!("plcc writes no GRAPH as PLCopen XML, such as `{}`", body.program.shown(&body.key));
-            body.refuse(span, title, "write the steps as CASE in SCL");
-            None
-        }
+        Code::Chart(chart) => chart::write(body, chart),
     }
 }
 

@@ -12,7 +12,7 @@ use plcc_syntax::scl::ast::{Expr, ExprKind, NameForm};
 use plcc_syntax::symbols::{GlobalConstant, Symbol, SymbolTable, SymbolTarget};
 
 use super::identifier::{identifier, is_standard};
-use super::system;
+use super::{chart, system};
 
 /// The data block in which a reader of PLCopen XML keeps global variables without an address.
 pub const GLOBALS: &str = "GlobalVariables";
@@ -190,7 +190,10 @@ impl<'a> Program<'a> {
             .code_blocks()
             .flat_map(|block| {
                 let constants = block.constants.iter().map(|constant| &constant.name);
-                block.sections.iter().flat_map(|section| &section.variables).map(|one| &one.name).chain(constants)
+                let steps = chart::of_block(block).into_iter().flat_map(|chart| &chart.steps);
+                let steps = steps.map(|step| &step.name.text);
+                let variables = block.sections.iter().flat_map(|section| &section.variables);
+                variables.map(|one| &one.name).chain(constants).chain(steps)
             })
             .map(|name| identifier(name).to_lowercase())
             .collect();

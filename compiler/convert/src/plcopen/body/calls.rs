@@ -146,8 +146,11 @@ impl<'a> Body<'_, 'a, '_, '_> {
                 let arguments = arguments_of(self, &identifier);
                 ExprKind::Call { callee: named(name, callee.span), arguments }
             }
-            Called::Instance { instance, block: Some(_), .. } => {
-                let arguments = arguments_of(self, &identifier);
+            Called::Instance { instance, block: Some(block), .. } => {
+                let left: Vec<bool> = arguments.iter().map(|argument| self.is_left_out(block, argument)).collect();
+                let mut arguments = arguments_of(self, &identifier);
+                let mut left = left.into_iter();
+                arguments.retain(|_| !left.next().unwrap_or(false));
                 ExprKind::Call { callee: Box::new(instance), arguments }
             }
             Called::Instance { instance, block: None, .. } => {

@@ -15,6 +15,7 @@ use plcc_syntax::ast::{
 use plcc_syntax::scl::ast::{BinaryOp, Expr, ExprKind, Literal, Name, NameForm};
 use plcc_syntax::symbols::{Symbol, SymbolTarget};
 
+use super::chart::{self, Names};
 use super::identifier::identifier;
 use super::program::{GLOBALS, Global, Learned, Program, local};
 use super::system;
@@ -38,6 +39,8 @@ pub struct Body<'p, 'a, 'w, 't> {
     pub retyped: HashMap<String, Option<&'static str>>,
     /// Names of local variables in the file, in lower case.
     locals: HashSet<String>,
+    /// Steps and transitions of a chart.
+    pub names: Names,
 }
 
 const MEMORY: &str = "name it in a symbol table, and write the name";
@@ -51,9 +54,10 @@ impl<'p, 'a, 'w, 't> Body<'p, 'a, 'w, 't> {
     ) -> Body<'p, 'a, 'w, 't> {
         let constants = block.constants.iter().map(|constant| &constant.name);
         let variables = block.sections.iter().flat_map(|section| &section.variables).map(|one| &one.name);
-        let locals = variables.chain(constants).map(|name| identifier(name).to_lowercase()).collect();
-        let key = program.key(&block.name);
-        Body { program, block, key, writer, learned, used: BTreeSet::new(), retyped: HashMap::new(), locals }
+        let steps = chart::of_block(block).into_iter().flat_map(|chart| &chart.steps).map(|step| &step.name.text);
+        let locals = variables.chain(constants).chain(steps).map(|name| identifier(name).to_lowercase()).collect();
+        let (key, names) = (program.key(&block.name), Names::new(block));
+        Body { program, block, key, writer, learned, used: BTreeSet::new(), retyped: HashMap::new(), locals, names }
     }
 
     pub fn refuse(&mut self, span: Span, title: impl Into<String>, help: &str) {
@@ -87,10 +91,15 @@ impl<'p, 'a, 'w, 't> Body<'p, 'a, 'w, 't> {
             },
             ExprKind::Name(name) => match self.program.type_of(value, self.block) {
                 Some(ty) => elementary_of(ty),
-                None => match self.program.global(&self.program.key_of(&name.text))? {
-                    Global::Tag(symbol) => tag_type(symbol),
-                    Global::Constant(constant) => elementary(&constant.ty),
-                    _ => None,
+                None => match self.program.global(&self.program.key_of(&name.text)) {
+                    Some(Global::Tag(symbol)) => tag_type(symbol),
+                    Some(Global::Constant(constant)) => elementary(&constant.ty),
+                    Some(_) => None,
+                    // `MW2` of a chart or classic source.
+                    None => match plcc_syntax::scl::absolute(&name.text).filter(|_| name.form == NameForm::Bare)? {
+                        OperandKind::Absolute { width, .. } => Some(of_width(width)),
+                        _ => None,
+                    },
                 },
             },
             ExprKind::Call { callee, .. } => match &callee.kind {
@@ -100,6 +109,12 @@ impl<'p, 'a, 'w, 't> Body<'p, 'a, 'w, 't> {
                 _ => self.program.type_of(value, self.block).and_then(elementary_of),
             },
             ExprKind::Member { base, name } => {
+                if let ExprKind::Name(owner) = &base.kind
+                    && let Some(ty) = self.names.flag_type(&owner.text, &name.text)
+                    && local(self.block, &owner.text).is_none()
+                {
+                    return Some(ty);
+                }
                 let declared = self.program.type_of(value, self.block);
                 declared.and_then(elementary_of).or_else(|| {
                     let of = self.program.type_of(base, self.block)?;
@@ -169,6 +184,7 @@ impl<'p, 'a, 'w, 't> Body<'p, 'a, 'w, 't> {
                 let title = format!("a program of PLCopen XML has no start information, such as `{}`", name.text);
                 self.refuse(name.span, title, "use a variable of your own");
             }
+            self.check_operating(name);
             return bare(identifier(&name.text));
         }
         if self.is_result(&name.text) {
@@ -278,6 +294,9 @@ impl<'p, 'a, 'w, 't> Body<'p, 'a, 'w, 't> {
                 })
             }
             ExprKind::Member { base, name } => {
+                if let Some(flag) = self.step_flag(base, name) {
+                    return flag;
+                }
                 if let ExprKind::Name(of) = &base.kind
                     && of.form != NameForm::Local
                     && of.text.eq_ignore_ascii_case(GLOBALS)
@@ -294,6 +313,7 @@ impl<'p, 'a, 'w, 't> Body<'p, 'a, 'w, 't> {
                     return self.expr(base);
                 }
                 self.check_member(base, name);
+                self.check_chart(base, name);
                 let base = Box::new(self.expr(base));
                 let name = Name { text: identifier(&name.text), form: NameForm::Bare, span: name.span };
                 ExprKind::Member { base, name }

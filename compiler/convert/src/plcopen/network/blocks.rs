@@ -5,7 +5,7 @@ use plcc_syntax::Elementary;
 use plcc_syntax::ast::{CodeBlock, Section, SectionKind};
 use plcc_syntax::network::ast::{Element, Eno, NetId, Pin, PinValue, Source, TemplateKey};
 use plcc_syntax::network::elements::{Kind as RowKind, Row};
-use plcc_syntax::scl::ast::{Expr, ExprKind, Name, NameForm};
+use plcc_syntax::scl::ast::{Argument, Expr, ExprKind, Name, NameForm};
 
 use super::{Build, origin, storage};
 use crate::plcopen::body::Called;
@@ -310,6 +310,11 @@ impl<'a> Build<'_, '_, 'a, '_, '_> {
         let mut outputs: Vec<(&Pin, String)> = Vec::new();
         let mut in_outs: Vec<String> = Vec::new();
         for pin in element.pins.iter().filter(|pin| !matches!(pin.name.as_str(), "en" | "eno")) {
+            if let Some(block) = block
+                && self.is_left_out(block, pin)
+            {
+                continue;
+            }
             let formal = if block.is_some() { identifier(&pin.name) } else { pin.name.to_uppercase() };
             match section(&pin.name) {
                 Some(SectionKind::InOut) => {
@@ -329,6 +334,20 @@ impl<'a> Build<'_, '_, 'a, '_, '_> {
             input.in_out = in_outs.contains(&input.formal);
         }
         self.block(at, element, object, &outputs, false);
+    }
+}
+
+impl Build<'_, '_, '_, '_, '_> {
+    /// Whether a pin is an operating parameter of a chart, which the file does not have.
+    fn is_left_out(&mut self, block: &CodeBlock, pin: &Pin) -> bool {
+        let span = pin.span;
+        let value = match &pin.value {
+            PinValue::Operand(value) => Some(value.clone()),
+            PinValue::Net(_) => Some(Expr { kind: ExprKind::Error, span }),
+            PinValue::Open => None,
+        };
+        let name = Name { text: pin.name.clone(), form: NameForm::Bare, span };
+        self.body.is_left_out(block, &Argument { name: Some(name), output: pin.output, value, span })
     }
 }
 

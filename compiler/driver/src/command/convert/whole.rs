@@ -5,7 +5,7 @@ use plcc_convert::with_pragmas;
 use plcc_diag::Diagnostic;
 use plcc_readers::plcopen as reader;
 use plcc_runtime::events::default_period_ms;
-use plcc_syntax::ast::SourceUnit;
+use plcc_syntax::ast::{Block, Code, SourceUnit};
 use plcc_syntax::scl;
 
 use super::{Converted, bound, exit, other_family, store};
@@ -75,7 +75,11 @@ fn unit<'a>(source: &'a str, unit: &'a SourceUnit) -> Unit<'a> {
     let text = unit.overlay.as_deref().unwrap_or(source);
     let comments = match plcc_readers::xml::kind(source) {
         None => {
-            let mut comments = scl::comments(source);
+            let is_chart = |block: &Block| matches!(block, Block::Code(code) if matches!(code.code, Code::Chart(_)));
+            let mut comments = match unit.blocks.iter().any(is_chart) {
+                true => plcc_readers::gr7::comments(source),
+                false => scl::comments(source),
+            };
             comments.retain(|comment| !source[comment.range()].starts_with("//@"));
             comments
         }
