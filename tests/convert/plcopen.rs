@@ -586,6 +586,28 @@ fn charts_of_projects_come_back() {
     }
 }
 
+/// Operands and calls that PLCopen XML does not have are told once.
+#[test]
+fn what_is_refused_is_told_once() {
+    let cases = [
+        ("#n := \"D\".%DBW0;", "PLCopen XML has no addresses in data blocks"),
+        ("\"Main\"();", "a call of a block without an instance"),
+    ];
+    for (statement, wanted) in cases {
+        let source = format!(
+            "DATA_BLOCK \"D\"\nSTRUCT\n  a : Int;\nEND_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n\
+             ORGANIZATION_BLOCK \"Main\"\nVAR_TEMP\n  n : Int;\nEND_VAR\nBEGIN\n  {statement}\nEND_ORGANIZATION_BLOCK\n"
+        );
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("a.scl");
+        fs::write(&file, source).expect("a file");
+        let parsed = pipeline::parse(inputs::read(&[file]), &Settings::default());
+        let (_, messages) = whole::document(&parsed, "Test");
+        let titles: Vec<&str> = messages.iter().filter(|one| one.is_error()).map(|one| one.title.as_str()).collect();
+        assert_eq!(titles, [wanted], "{statement}");
+    }
+}
+
 /// Parts of the chart that are other ones, and what is told of them.
 #[test]
 fn what_sfc_does_not_have_is_refused() {

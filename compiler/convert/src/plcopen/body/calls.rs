@@ -4,7 +4,7 @@ use plcc_diag::Span;
 use plcc_syntax::ast::{CodeBlock, DataBlock, DataContent, TypeKind};
 use plcc_syntax::scl::ast::{Argument, BinaryOp, Expr, ExprKind, Name, NameForm};
 
-use super::Body;
+use super::{Body, nothing};
 use crate::plcopen::identifier::identifier;
 use crate::plcopen::program::{Global, is_function};
 use crate::plcopen::system::{self, Function};
@@ -158,7 +158,7 @@ impl<'a> Body<'_, 'a, '_, '_> {
                 ExprKind::Call { callee: Box::new(instance), arguments }
             }
             Called::System(name) => return self.function(&name, arguments, span),
-            Called::Refused => ExprKind::Error,
+            Called::Refused => nothing(span),
         };
         Expr { kind, span }
     }

@@ -320,7 +320,7 @@ impl<'p, 'a, 'w, 't> Body<'p, 'a, 'w, 't> {
             }
             ExprKind::MemberAbsolute { .. } => {
                 self.refuse(span, "PLCopen XML has no addresses in data blocks", "name the component");
-                ExprKind::Error
+                nothing(span)
             }
             ExprKind::Slice { base, width, index } => {
                 ExprKind::Slice { base: Box::new(self.expr(base)), width: *width, index: *index }
@@ -332,7 +332,7 @@ impl<'p, 'a, 'w, 't> Body<'p, 'a, 'w, 't> {
             ExprKind::Call { callee, arguments } => return self.call(callee, arguments, span),
             ExprKind::Dereference(_) | ExprKind::Reference(_) => {
                 self.refuse(span, "PLCopen XML has no references", "use an in-out parameter");
-                ExprKind::Error
+                nothing(span)
             }
             ExprKind::Unary { op, operand } => ExprKind::Unary { op: *op, operand: Box::new(self.expr(operand)) },
             ExprKind::Binary { op, left, right, op_span } => {
@@ -372,6 +372,11 @@ impl<'p, 'a, 'w, 't> Body<'p, 'a, 'w, 't> {
         };
         self.refuse(span, format!("plcc writes no {what}"), "use a value of another type");
     }
+}
+
+/// What stands for something that was refused; nothing more is told of it.
+fn nothing(span: Span) -> ExprKind {
+    ExprKind::Name(Name { text: String::new(), form: NameForm::Bare, span })
 }
 
 /// `OB1_PREV_CYCLE`, the usual name of start information on an S7-300/400.
