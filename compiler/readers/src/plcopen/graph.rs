@@ -14,7 +14,7 @@ use super::types::Ty;
 use super::{Body, Reader};
 use plcc_syntax::Elementary;
 use plcc_syntax::network::ast::{Element, Eno, Graph, NetId, Pin, PinValue, Storage, Target, Template, TemplateKey};
-use plcc_syntax::network::elements::{self, PinDirection, Row};
+use plcc_syntax::network::elements::{self, Kind as RowKind, PinDirection, Row};
 use plcc_syntax::scl::ast::{Argument, Expr, ExprKind, Name, NameForm};
 use plcc_syntax::scl::fragment;
 
@@ -53,6 +53,8 @@ pub struct Build<'r, 'a, 'b> {
     passed: HashMap<(usize, String), Vec<Origin>>,
     /// The line that is being followed leads to a variable, which may have any type.
     direct: bool,
+    /// The last element that names each variable, by words in lower case.
+    named: HashMap<String, usize>,
 }
 
 /// The graph of the objects `order`, which run in this order.
@@ -69,12 +71,19 @@ pub fn build(reader: &mut Reader, body: &mut Body, objects: &[Object], order: &[
         carried: HashMap::new(),
         passed: HashMap::new(),
         direct: false,
+        named: HashMap::new(),
     };
     for at in order {
         build.object(*at);
     }
     build.keep();
     build.finish()
+}
+
+/// The words of a text, in lower case.
+fn words(text: &str) -> impl Iterator<Item = String> {
+    let words = text.split(|c: char| !c.is_alphanumeric() && c != '_').filter(|word| !word.is_empty());
+    words.map(str::to_lowercase)
 }
 
 fn name(text: impl Into<String>, form: NameForm, span: Span) -> Expr {
@@ -116,6 +125,10 @@ impl Build<'_, '_, '_> {
 
     /// The expression in a part of the file.
     fn expr(&mut self, range: Range<usize>) -> Expr {
+        let next = self.graph.elements.len();
+        for word in words(self.reader.overlay.get(range.clone()).unwrap_or_default()) {
+            self.named.insert(word, next);
+        }
         self.reader.expression(range, Some(&self.body.scope))
     }
 
@@ -226,6 +239,7 @@ impl Build<'_, '_, '_> {
                 .any(|(block, object)| object.kind == Kind::Block && self.made.get(&block) == Some(element))
             && object.modifiers.edge == Edge::None
             && input.modifiers.edge == Edge::None
+            && !self.is_overtaken(*element, object)
         {
             return self.write(at, object, origins);
         }
@@ -249,6 +263,17 @@ impl Build<'_, '_, '_> {
         if let Some(target) = self.row(row) {
             self.element(Some(at), target, pins, span);
         }
+    }
+
+    /// Whether an element after a block names the variable to which a BOOL of the block goes: the variable then changes when its turn comes.
+    fn is_overtaken(&self, element: usize, object: &Object) -> bool {
+        let is_bool = match &self.graph.elements[element].target {
+            Target::Element { row, .. } => matches!(row.kind, RowKind::Gate(_) | RowKind::Compare(_)),
+            Target::Block { .. } => false,
+        };
+        let text = object.text.clone().and_then(|range| self.reader.overlay.get(range)).unwrap_or_default();
+        let last = words(text).next().and_then(|word| self.named.get(&word).copied());
+        (is_bool || object.modifiers.storage != Storage::None) && last.is_some_and(|last| last > element)
     }
 
     /// The output of a block goes to a variable: another pin of the block.
