@@ -281,6 +281,12 @@ fn renew(checked: &mut Checked, path: &Path, text: &str) -> Vec<Diagnostic> {
         }
         None => checked.sources.add(SourceFile::new(name.clone(), text)),
     };
+    // Places in the text before are not those of this one.
+    checked.diagnostics.retain(|message| message.primary.span.file != file);
+    checked.values.retain(|name| name.iter().all(|part| part.span.file != file));
+    if !may_have_blocks(path) {
+        return Vec::new();
+    }
     let options = ReadOptions { language: hint(path), pragmas: true, ..ReadOptions::default() };
     let (mut unit, mut messages) = plcc_readers::parse(file, text, &options);
     // A source that does not show its mnemonics has those of the program.
@@ -292,11 +298,15 @@ fn renew(checked: &mut Checked, path: &Path, text: &str) -> Vec<Diagnostic> {
         Some(slot) => slot.1 = unit,
         None => checked.units.push((file, unit)),
     }
-    // Places in the text before are not those of this one.
-    checked.diagnostics.retain(|message| message.primary.span.file != file);
-    checked.values.retain(|name| name.iter().all(|part| part.span.file != file));
     checked.diagnostics.extend(messages.iter().cloned());
     messages
+}
+
+/// False for files of a project that are never sources: settings and scenarios, symbol tables, texts of networks, traces.
+fn may_have_blocks(path: &Path) -> bool {
+    const OTHERS: [&str; 8] = ["toml", "sdf", "asc", "dif", "seq", "s7res", "csv", "md"];
+    let extension = path.extension().map(|extension| extension.to_string_lossy()).unwrap_or_default();
+    !OTHERS.iter().any(|known| known.eq_ignore_ascii_case(&extension))
 }
 
 /// The language that the name of a file implies.

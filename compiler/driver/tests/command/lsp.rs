@@ -170,6 +170,22 @@ impl Drop for Editor {
     }
 }
 
+/// Without a check of the whole program they would be statements of STL with an error in each line.
+#[test]
+fn files_without_blocks_are_not_sources() {
+    let mut editor = Editor::new("door");
+    ["door.scenario.toml", "plc.toml", "symbols.sdf", "main.stl"].iter().for_each(|file| editor.open(file));
+    let (main, mut told) = (json!(editor.uri("main.stl")), Vec::new());
+    loop {
+        match editor.connection.receiver.recv_timeout(LONGEST).expect("the server publishes") {
+            Message::Notification(note) if note.params["uri"] == main => break,
+            Message::Notification(note) if note.params["diagnostics"] != json!([]) => told.push(note.params),
+            _ => {}
+        }
+    }
+    assert_eq!(told, Vec::<Value>::new());
+}
+
 fn labels(items: &Value) -> Vec<&str> {
     items.as_array().expect("a list").iter().filter_map(|item| item["label"].as_str()).collect()
 }
