@@ -95,8 +95,10 @@ impl<'t> Layout<'_, 't> {
                 code.push_str(spacing::between(self.language, place, self.open, &self.pieces[at - 1], piece));
             }
             code.push_str(piece.text);
-            let before = at.checked_sub(1).map(|before| &self.pieces[before]);
             if !self.is_stl_code() {
+                // Only a sign asks what is before it.
+                let is_sign = matches!(piece.text, "+" | "-");
+                let before = self.pieces[..at].iter().rev().find(|before| !is_sign || !before.is_comment());
                 self.open.pass(before, piece);
             }
             self.pass(start, at);
@@ -105,7 +107,7 @@ impl<'t> Layout<'_, 't> {
                 break;
             }
             let next = &self.pieces[at];
-            if !next.is_comment() && self.breaks_before(at) {
+            if !next.is_comment() && (self.breaks_before(at) || self.closes_after_comments(start, at)) {
                 break;
             }
         }
@@ -453,6 +455,20 @@ impl<'t> Layout<'_, 't> {
                 && self.counts(last)
                 && (before.is_any(&["STRUCT", "END_VAR"]) || self.opens_section(last, piece))
             || is_end_of_block(piece)
+    }
+}
+
+impl Layout<'_, '_> {
+    /// Whether a word that closes something has only comments before it in its line, which then get a line of their own.
+    fn closes_after_comments(&self, start: usize, at: usize) -> bool {
+        let piece = self.piece(at);
+        (piece.is_any(&["ELSE", "ELSIF", "UNTIL"]) || closes(piece).is_some())
+            && self.zone == Zone::Code
+            && !matches!(self.language, Language::Graph | Language::Stl)
+            && self.stack.last() != Some(&Inside::Rung)
+            && !self.continued
+            && self.counts(at)
+            && self.pieces[start..at].iter().all(Piece::is_comment)
     }
 }
 

@@ -63,6 +63,20 @@ fn statements_begin_lines_after_comments_too() {
 }
 
 #[test]
+fn comments_before_words_that_close_have_lines() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let ugly = "FUNCTION \"F\" : VOID\nVAR_TEMP\nx : INT;\nEND_VAR\nBEGIN\nIF #x=1 THEN\n#x:=2;\n(* c *) ELSE\n\
+                #x:=#x (* d *) +1;\n(* e *) END_IF;\nEND_FUNCTION\n";
+    let tidy = "FUNCTION \"F\" : VOID\nVAR_TEMP\n  x : INT;\nEND_VAR\nBEGIN\n  IF #x = 1 THEN\n    #x := 2;\n  (* c *)\n  \
+                ELSE\n    #x := #x (* d *) + 1;\n    (* e *)\n  END_IF;\nEND_FUNCTION\n";
+    fs::write(folder.join("a.scl"), ugly).expect("the folder can be written");
+    assert_eq!(plcc(folder, &["fmt", "a.scl"]).status.code(), Some(0));
+    assert_eq!(fs::read_to_string(folder.join("a.scl")).expect("it is there"), tidy);
+    assert_eq!(plcc(folder, &["fmt", "--check", "a.scl"]).status.code(), Some(0));
+}
+
+#[test]
 fn a_source_with_errors_is_left_alone() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
