@@ -217,6 +217,7 @@ fn written(
     let comments = match unit.blocks.iter().any(is_chart) {
         true => plcc_readers::gr7::comments(source),
         false if is_stl => stl::comments(source),
+        false if to == ConvertTo::Scl => scl::comments_and_regions(source),
         false => scl::comments(source),
     };
     let trivia = |only_lines| if is_text { Trivia::new(source, comments, only_lines) } else { Trivia::none() };

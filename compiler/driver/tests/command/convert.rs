@@ -41,6 +41,20 @@ fn symbols_become_addresses_and_addresses_symbols() {
     expect(&["convert", "press", "--symbolic"], "press.symbolic");
 }
 
+#[test]
+fn regions_stay() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "FUNCTION \"F\" : VOID\nVAR_TEMP\n    n : INT;\nEND_VAR\nBEGIN\n    REGION Start values   // c\n    #n := 1;\n    \
+                  IF #n = 1 THEN\n        REGION inside\n        #n := 2;\n        END_REGION inside\n    END_IF;\n    \
+                  END_REGION\nEND_FUNCTION\n";
+    fs::write(folder.join("a.scl"), source).expect("the folder can be written");
+    let output = plcc(folder, &["convert", "a.scl", "--to", "scl"]);
+    let words = |text: &str| text.lines().map(|line| line.split_whitespace().collect::<Vec<_>>().join(" ")).collect();
+    let (found, wanted): (Vec<String>, Vec<String>) = (words(&text(&output.stdout)), words(source));
+    assert_eq!(found, wanted);
+}
+
 /// LAD, SCL, data blocks and tags as one project, with what the format does not have.
 #[test]
 fn a_program_becomes_one_project_of_plcopen() {

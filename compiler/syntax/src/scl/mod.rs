@@ -142,6 +142,21 @@ pub fn comments(text: &str) -> Vec<crate::front::Comment> {
     raw::scan(text).comments
 }
 
+/// The comments of a source and the lines of its regions, which are folds of the editor, in the order of the text.
+pub fn comments_and_regions(text: &str) -> Vec<front::Comment> {
+    let raw = raw::scan(text);
+    let mut all = raw.comments;
+    let line = |region: &raw::Region| front::Comment {
+        start: region.start,
+        end: region.end,
+        own_line: true,
+        form: CommentForm::Line,
+    };
+    all.extend(raw.regions.iter().map(line));
+    all.sort_by_key(|one| one.start);
+    all
+}
+
 /// The tokens of a source as the grammar sees them, one per line, for `--emit tokens`.
 pub fn tokens_text(text: &str, options: &ParseOptions) -> String {
     let classified = classify::classify(FileId::default(), text, &raw::scan(text), options.pragmas);
