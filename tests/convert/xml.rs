@@ -165,6 +165,37 @@ END_ORGANIZATION_BLOCK
     assert!(matches!(outcome, Some(Ok(()))), "{outcome:?} {refused:?}");
 }
 
+/// SCL has no values of single elements; those of XML become lists, with the values that elements without one have.
+#[test]
+fn values_of_elements_become_lists_of_scl() {
+    let source = r#"DATA_BLOCK "Values"
+VAR
+  b : Array[1..2, 0..1] of Int := [1, 2, 3];
+  c : Array[0..2] of Bool := [TRUE, FALSE];
+  d : Array[0..9] of Real;
+END_VAR
+BEGIN
+  b[2, 1] := 7;
+  d[2] := 1.5;
+END_DATA_BLOCK
+"#;
+    let (unit, messages) = plcc_readers::parse(FileId::default(), source, &ReadOptions::default());
+    assert!(!has_errors(&messages), "{messages:#?}");
+    let library = plcc_convert::xml::Library::new(std::iter::once(&unit));
+    let (document, messages) = plcc_convert::xml::write(&unit, &library, Trivia::none(), Some(source));
+    assert!(!has_errors(&messages), "{messages:#?}");
+    let (again, messages) = plcc_readers::parse(FileId::default(), &document, &ReadOptions::default());
+    assert!(!has_errors(&messages), "{messages:#?}");
+    let others = plcc_convert::scl::Others::Refused;
+    let (written, messages) = plcc_convert::scl::write(&again, Trivia::none(), again.overlay.as_deref(), others);
+    assert!(!has_errors(&messages), "{messages:#?}");
+    for line in ["OF INT := [1, 2, 3, 7];", "OF BOOL := [TRUE, FALSE];", "OF REAL := [2(0.0), 1.5];"] {
+        assert!(written.contains(line), "{line} in\n{written}");
+    }
+    let (_, messages) = plcc_readers::parse(FileId::default(), &written, &ReadOptions::default());
+    assert!(!has_errors(&messages), "{messages:#?}");
+}
+
 /// Load memory only, write-protected and retentive data blocks.
 #[test]
 fn flags_of_data_blocks_stay() {

@@ -1,6 +1,7 @@
 //! Frames of blocks, their headers and declarations, which STL and SCL share.
 
 use plcc_diag::Span;
+use plcc_syntax::Elementary;
 use plcc_syntax::ast::{
     Block, BlockName, BlockPrefix, Bound, Code, CodeBlock, CodeKind, Constant, DataBlock, DataContent, Header,
     InitialKind, InitialValue, Retain, Section, SectionKind, TypeBlock, TypeKind, TypeRef, ValueAssignment, Variable,
@@ -8,6 +9,7 @@ use plcc_syntax::ast::{
 
 use crate::operand;
 use crate::scl::expression;
+use crate::to_stl::types::elementary;
 use crate::writer::{Notation, Writer};
 use crate::{literal, names};
 
@@ -257,7 +259,8 @@ impl Writer<'_> {
         if let Some((at, _)) = &variable.at {
             head.push_str(&format!(" AT {}", names::declared(at)));
         }
-        let initial = variable.initial.as_ref().map_or(String::new(), |value| format!(" := {}", self.initial(value)));
+        let initial = variable.initial.as_ref();
+        let initial = initial.map_or(String::new(), |value| format!(" := {}", self.initial_of(value, &variable.ty)));
         match structure(&variable.ty) {
             None => {
                 let ty = self.type_text(&variable.ty);
@@ -349,6 +352,36 @@ impl Writer<'_> {
             }
             Bound::Path(path) => operand::path_text(path, self),
         }
+    }
+
+    /// The start value of a variable. Text has those of an array as a list from its first element on, XML those of single elements.
+    fn initial_of(&mut self, value: &InitialValue, ty: &TypeRef) -> String {
+        let (InitialKind::Elements(elements), TypeKind::Array { bounds, element }) = (&value.kind, &ty.kind) else {
+            return self.initial(value);
+        };
+        // STL has none of them.
+        if self.notation == Notation::Stl {
+            return self.initial(value);
+        }
+        let list = places(elements, bounds).and_then(|places| {
+            let texts = places.into_iter().map(|place| match place {
+                Some(value) => Some(self.initial_of(value, element)),
+                None => default_text(element).map(str::to_string),
+            });
+            texts.collect::<Option<Vec<String>>>()
+        });
+        let Some(list) = list else {
+            let title = "a declaration has no start values of single elements of this array";
+            self.refuse(value.span, title, "give all elements before them a value, too");
+            return String::new();
+        };
+        let runs = list.chunk_by(|a, b| a == b).map(|run| match run {
+            [one] => one.clone(),
+            // Lists in lists are not repeated.
+            several if several[0].starts_with(['[', '(']) => several.join(", "),
+            several => format!("{}({})", several.len(), several[0]),
+        });
+        format!("[{}]", runs.collect::<Vec<_>>().join(", "))
     }
 
     pub(crate) fn initial(&mut self, value: &InitialValue) -> String {
@@ -465,5 +498,54 @@ pub(crate) fn is_implied(block: &Block) -> bool {
             BlockName::Numbered { prefix: BlockPrefix::Ob, number: 1, span } if span.start == span.end
         ),
         Block::Data(_) | Block::Type(_) => false,
+    }
+}
+
+/// No array has more start values than this.
+const VALUES_MAX: usize = 100_000;
+
+/// The values of elements in the order of the array, up to the last one; `None`: they have no such order.
+fn places<'v>(
+    elements: &'v [(Vec<i64>, InitialValue)],
+    bounds: &[(Bound, Bound)],
+) -> Option<Vec<Option<&'v InitialValue>>> {
+    let mut found: Vec<Option<&InitialValue>> = Vec::new();
+    for (index, value) in elements {
+        if index.len() != bounds.len() {
+            return None;
+        }
+        let mut at: usize = 0;
+        for (index, bounds) in index.iter().zip(bounds) {
+            let (Bound::Number(low, _), Bound::Number(high, _)) = bounds else { return None };
+            if index < low || index > high {
+                return None;
+            }
+            let size = usize::try_from(high.checked_sub(*low)?).ok()?.checked_add(1)?;
+            at = at.checked_mul(size)?.checked_add(usize::try_from(index.checked_sub(*low)?).ok()?)?;
+        }
+        if at >= VALUES_MAX {
+            return None;
+        }
+        if found.len() <= at {
+            found.resize(at + 1, None);
+        }
+        found[at] = Some(value);
+    }
+    Some(found)
+}
+
+/// The value that an element without a start value has.
+fn default_text(ty: &TypeRef) -> Option<&'static str> {
+    match &ty.kind {
+        TypeKind::String(_) => Some("''"),
+        TypeKind::Named(word) => match elementary(word)? {
+            Elementary::Bool => Some("FALSE"),
+            Elementary::Real | Elementary::Lreal => Some("0.0"),
+            Elementary::Time => Some("T#0ms"),
+            Elementary::Byte | Elementary::Word | Elementary::Dword | Elementary::Lword => Some("16#0"),
+            ty if ty.is_integer() => Some("0"),
+            _ => None,
+        },
+        _ => None,
     }
 }
