@@ -231,6 +231,10 @@ fn taken(index: &Index, wanted: &Meaning, to: &str) -> bool {
             let entry = index.around(own.file, own.start as usize);
             entry.is_some_and(|entry| in_chart(index, entry, own, to)) || is_global(index, to)
         }
+        // The result of a function is a name in it.
+        Meaning::Block(entry) if entry.keyword() == "FUNCTION" => {
+            is_global(index, to) || entry.variables().iter().any(|(_, variable)| same(&variable.name, to))
+        }
         _ => is_global(index, to),
     }
 }

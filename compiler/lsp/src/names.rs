@@ -126,7 +126,11 @@ pub fn along<'c>(index: &Index<'c>, entry: Option<Entry<'c>>, names: &[&str], lo
             return Some(Meaning::Variable { declared, path: path(), owner: Some(entry) });
         }
         Some((declared, entry)) => (index.members(&declared.1.ty), index.block_of(&declared.1.ty), Some(entry)),
-        None if local => return None,
+        // `#Sum := 1` in the function Sum: its result.
+        None if local => {
+            let is_own = |entry: &Entry| entry.keyword() == "FUNCTION" && same(&entry.text(), bare(root));
+            return entry.filter(|entry| rest.is_empty() && is_own(entry)).map(Meaning::Block);
+        }
         None => match (index.block(bare(root)), index.symbol(bare(root))) {
             (Some(entry), _) if rest.is_empty() => return Some(Meaning::Block(entry)),
             (None, Some(symbol)) if rest.is_empty() => return Some(Meaning::Symbol(symbol)),

@@ -67,6 +67,27 @@ fn assertions_scenarios_and_tables_follow() {
 }
 
 #[test]
+fn the_result_of_a_function_has_its_name() {
+    let mut editor = Editor::new("press");
+    editor.open("press.scl");
+    assert_eq!(editor.messages("press.scl"), Vec::<String>::new());
+    for piece in ["FUNCTION \"Co|unt\"", "#Co|unt := #n", "\"Co|unt\"(force"] {
+        assert_eq!(
+            rename(&mut editor, "press.scl", piece, "Strokes so far"),
+            Ok([
+                "press.scl:01 \"Strokes so far\"",
+                "press.scl:26 #\"Strokes so far\"",
+                "press.scl:34 \"Strokes so far\"",
+            ]
+            .map(str::to_owned)
+            .to_vec())
+        );
+    }
+    let wrong = rename(&mut editor, "press.scl", "FUNCTION \"Co|unt\"", "force").expect_err("it cannot have it");
+    assert_eq!(wrong, "`force` is already the name of something else");
+}
+
+#[test]
 fn steps_and_transitions_have_names() {
     let mut editor = Editor::new("door");
     editor.open("door.gr7");
