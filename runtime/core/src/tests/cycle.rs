@@ -144,6 +144,39 @@ fn observer_sees_the_phases() {
     assert_eq!(phases.0, [('<', 0, 0), ('>', 0, 0), ('<', 1, 0), ('>', 1, 0), ('<', 2, ms10), ('>', 2, ms10)]);
 }
 
+/// The cycle, OB 35 and OB 1 are in the same order whether or not somebody looks at each cycle.
+#[test]
+fn a_resting_observer_sees_the_last_cycle() {
+    #[derive(Default)]
+    struct Looker {
+        rests: bool,
+        seen: Vec<(u64, u64)>,
+    }
+    impl Observer for Looker {
+        fn before(&mut self, _: &Cpu, _: u64, _: u64) {}
+        fn after(&mut self, _: &Cpu, cycle: u64, time: u64) {
+            self.seen.push((cycle, time));
+        }
+        fn rests(&self) -> bool {
+            self.rests
+        }
+    }
+    let of = |rests: bool| {
+        let entries = Rc::default();
+        let cpu = cpu_with(vec![(1, log(&entries, "OB1")), (35, log(&entries, "OB35"))], |image| {
+            image.config.cyclic_period_ms = vec![(35, 15)];
+        });
+        let mut looker = Looker { rests, ..Looker::default() };
+        run_observed(&cpu, 4, &mut looker);
+        (entries.take(), cpu.clock.now(), looker.seen)
+    };
+    let ((busy, busy_end, all), (resting, end, last)) = (of(false), of(true));
+    assert_eq!(busy, ["OB1", "OB1", "OB35", "OB1", "OB35", "OB1"]);
+    assert_eq!((resting, end), (busy, busy_end));
+    assert_eq!(all.last(), Some(&(4, 30_000_000)));
+    assert_eq!(last, [(0, 0), (4, 30_000_000)]);
+}
+
 /// Code with one block, which tells whether it is the one with probes.
 #[derive(Default)]
 struct Teller {

@@ -101,6 +101,9 @@ struct Nobody;
 impl Observer for Nobody {
     fn before(&mut self, _: &Cpu, _: u64, _: u64) {}
     fn after(&mut self, _: &Cpu, _: u64, _: u64) {}
+    fn rests(&self) -> bool {
+        true
+    }
 }
 
 /// Runs this many cycles of 10 ms.
