@@ -1,0 +1,210 @@
+//! Adds files, folders and projects to a program that is being read.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use plcc_diag::{Code, Diagnostic, FileId, SourceFile, Span};
+use plcc_runtime::files::regular;
+use plcc_syntax::Language;
+
+use super::Read;
+use super::disk::{files_below, read_text, read_text_as, reason, stem};
+use super::kinds::{TEXTS_SUFFIX, content_in_folder, content_of, is_toml};
+use crate::content::Content;
+use crate::content::foreign;
+use crate::near;
+use crate::pipeline;
+use crate::project;
+use crate::sheets;
+
+/// Whether a file that is not a source is a mistake.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Wanted {
+    /// The user named it.
+    Yes,
+    /// It is only in a folder.
+    No,
+}
+
+pub(super) fn add_file(read: &mut Read, path: &Path, wanted: Wanted) {
+    if wanted == Wanted::No
+        && let Err(why) = regular(path)
+    {
+        return read.unread.push((path.to_path_buf(), reason(&why)));
+    }
+    if wanted == Wanted::Yes
+        && path.is_file()
+        && let Some((what, how)) = foreign::siemens_project(path)
+    {
+        return read.report(
+            Code::NotASource,
+            path,
+            format!("`{}` is {what}, which only that tool reads", path.display()),
+            how,
+        );
+    }
+    if sheets::is_workbook(path) {
+        return add_workbook(read, path, wanted);
+    }
+    let text = match read.open.get(path).map_or_else(|| read_text_as(path, read.code_page), |text| Ok(text.clone())) {
+        Ok(text) => text,
+        Err(error) => {
+            return read.unreadable(path, &error);
+        }
+    };
+    let content = match wanted {
+        Wanted::Yes => content_of(path, &text),
+        Wanted::No => content_in_folder(path, &text),
+    };
+    if wanted == Wanted::No {
+        let named = |what: &str| (path.to_path_buf(), what.to_string());
+        match content {
+            Content::Source | Content::SourceAndTable | Content::SymbolTable => {}
+            Content::Nothing => return,
+            Content::Other(_) if is_toml(path) => return,
+            Content::Program(what) => return read.foreign.push(named(what)),
+            Content::Prose => return read.unread.push(named("text that is not a source")),
+            Content::Other(what) => return read.unread.push(named(what)),
+        }
+    }
+    let source = SourceFile::new(path.display().to_string(), text);
+    match content {
+        // The parser reports best why a text is not a source.
+        Content::Source | Content::SourceAndTable | Content::Prose | Content::Nothing => {
+            if read.name.is_empty() {
+                read.name = stem(path);
+            }
+            let file = read.sources.add(source);
+            read.units.push(file);
+            if content == Content::SourceAndTable {
+                read.tables.push(file);
+            }
+            add_texts(read, path, file);
+        }
+        Content::SymbolTable => {
+            let file = read.sources.add(source);
+            read.tables.push(file);
+        }
+        Content::Other(what) | Content::Program(what) => {
+            let title = format!("`{}` is not a PLC source but {what}", path.display());
+            let help = "give a source in STL (S7-200 or S7-300/400), SCL, SIMATIC SD or GRAPH, blocks exported as XML, or a symbol table";
+            read.report(Code::NotASource, path, title, help);
+        }
+    }
+}
+
+pub(super) fn add_folder(read: &mut Read, folder: &Path) {
+    let before = read.units.len();
+    let files = files_below(folder);
+    let is_project = |path: &&PathBuf| path.file_name().is_some_and(|name| name == project::FILE_NAME);
+    let projects: Vec<&PathBuf> = files.iter().filter(is_project).collect();
+    if let [_, .., last] = projects.as_slice() {
+        let title = format!("the folder `{}` contains {} projects", folder.display(), projects.len());
+        let one = last.parent().unwrap_or(folder).display();
+        return read.report(Code::Project, folder, title, &format!("give the folder of one of them, such as `{one}`"));
+    }
+    for path in &files {
+        add_file(read, path, Wanted::No);
+    }
+    if read.units.len() == before {
+        let title = format!("the folder `{}` contains no PLC source", folder.display());
+        read.report(Code::NotASource, folder, title, "give a file, a folder of sources, or a folder with a plc.toml");
+    }
+}
+
+pub(super) fn add_project(read: &mut Read, folder: &Path) {
+    let path = folder.join(project::FILE_NAME);
+    if read.project.is_some() {
+        let title = format!("`{}` is a second project", folder.display());
+        return read.report(Code::Project, &path, title, "give one project at a time");
+    }
+    let text = match read_text(&path) {
+        Ok(text) => text,
+        Err(error) => {
+            let title = format!("cannot read `{}`: {}", path.display(), reason(&error));
+            return read.report(Code::Unreadable, &path, title, "check the permission to read the file");
+        }
+    };
+    let source = SourceFile::new(path.display().to_string(), text);
+    let file = read.sources.add(source.clone());
+    let (project, diagnostics) = project::parse(file, &source);
+    read.diagnostics.extend(diagnostics);
+    read.name = project.name.clone().unwrap_or_else(|| stem(folder));
+    match &project.sources {
+        None if project.unread => {}
+        None => {
+            for path in files_below(folder) {
+                if !path.starts_with(folder.join("tests")) && path.file_name() != Some(project::FILE_NAME.as_ref()) {
+                    add_file(read, &path, Wanted::No);
+                }
+            }
+        }
+        Some(sources) => sources.iter().for_each(|source| add_named(read, folder, source)),
+    }
+    project.symbols.iter().for_each(|table| add_named(read, folder, table));
+    if !project.axes.is_empty() {
+        let name = format!("{}{AXES_ENDING}", path.display());
+        let file = read.sources.add(SourceFile::new(name, project.axes.clone()));
+        read.units.push(file);
+    }
+    read.project = Some(project);
+}
+
+/// A file or folder that plc.toml names.
+fn add_named(read: &mut Read, folder: &Path, (name, span): &(String, Span)) {
+    let path = folder.join(name);
+    if path.is_dir() {
+        files_below(&path).iter().for_each(|path| add_file(read, path, Wanted::No));
+    } else if path.is_file() {
+        add_file(read, &path, Wanted::Yes);
+    } else {
+        let message = Diagnostic::new(Code::Project, *span, format!("`{name}` is not a file or folder in the project"));
+        read.diagnostics.push(match near::below(folder, name) {
+            Some(near) => message.help(format!("is `{near}` meant?")),
+            None => message.help("names are relative to the folder of plc.toml"),
+        });
+    }
+}
+
+/// A workbook, if it holds tag tables.
+fn add_workbook(read: &mut Read, path: &Path, wanted: Wanted) {
+    let bytes = match regular(path).and_then(|()| fs::read(path)) {
+        Ok(bytes) => bytes,
+        Err(error) => {
+            return read.unreadable(path, &error);
+        }
+    };
+    match sheets::text(bytes) {
+        Ok(Some(text)) => {
+            let file = read.sources.add(SourceFile::new(path.display().to_string(), text));
+            read.tables.push(file);
+        }
+        Ok(None) if wanted == Wanted::No => read.unread.push((
+            path.to_path_buf(),
+            "a workbook without tags: no sheet has the columns Name, Data Type and Logical Address".to_string(),
+        )),
+        Ok(None) => {
+            let title = format!("`{}` contains no tag table", path.display());
+            let help = "a sheet with tags needs the columns Name, Data Type and Logical Address; a sheet with constants needs Name, Data Type and Value";
+            read.report(Code::NotASource, path, title, help);
+        }
+        Err(fault) => {
+            let title = format!("the workbook `{}` cannot be read: {}", path.display(), fault.why);
+            read.report(Code::NotASource, path, title, fault.help);
+        }
+    }
+}
+
+/// The texts of titles and comments next to a source in SIMATIC SD.
+fn add_texts(read: &mut Read, path: &Path, unit: FileId) {
+    let beside = path.with_extension(TEXTS_SUFFIX);
+    if pipeline::language_of(&path.display().to_string()) == Some(Language::Sd)
+        && let Ok(text) = read_text_as(&beside, read.code_page)
+    {
+        let texts = read.sources.add(SourceFile::new(beside.display().to_string(), text));
+        read.texts.push((unit, texts));
+    }
+}
+
+/// What follows the path of plc.toml in the name of the source that its axes are.
+pub(crate) const AXES_ENDING: &str = " (axes).scl";
