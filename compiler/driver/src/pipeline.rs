@@ -1,17 +1,28 @@
 //! The stages of a compilation: read, parse, bind, lower, optimise, generate code. Each stage is one function, from one type to another.
+//!
+//! - [`cpu`]: the CPU that a program is for.
+//! - [`consequences`]: messages that only follow from others.
+//! - [`optimization`]: how code is made of the IR.
+//! - [`object_file`]: the last stage, with the cache.
+
+mod consequences;
+mod cpu;
+mod object_file;
+mod optimization;
+
+pub use object_file::{object, objects};
+pub use optimization::Optimization;
 
 use std::path::Path;
 
-use plcc_abi::image::{BlockKind, Config, Family, Profile, ProgramImage};
-use plcc_abi::linked;
+use plcc_abi::image::{BlockKind, Config, ProgramImage};
 use plcc_binding::BindInput;
-use plcc_codegen::{CodegenError, CodegenOptions, Finishing};
+use plcc_codegen::CodegenOptions;
 use plcc_diag::{Code, Diagnostic, FileId, Severity, SourceFile, SourceMap, Span};
+use plcc_ir::Module;
 use plcc_ir::entities::Entity;
-use plcc_ir::{Function, Module};
 use plcc_model::Program;
-use plcc_model::profile;
-use plcc_opt::{Usage, Without};
+use plcc_opt::Usage;
 use plcc_readers::ReadOptions;
 use plcc_readers::sd::Texts;
 use plcc_readers::symbols;
@@ -21,15 +32,16 @@ use plcc_syntax::stl::Mnemonics;
 use plcc_syntax::symbols::SymbolTable;
 use rustc_hash::FxHashSet;
 
+use consequences::{forget_doubtful, forget_lost};
+use cpu::{pragma_profile, profile_of};
+
 use crate::beginning;
-use crate::cache::{Cache, Keys};
 use crate::cli::{CompileArgs, CpuFeatures, Deny, Level};
 use crate::inputs::Read;
 use crate::parallel;
 use crate::project::Project;
 use crate::s7200;
 use crate::technology;
-use crate::variables;
 
 /// Settings of the stages up to the bound program.
 #[derive(Clone, Debug, Default)]
@@ -109,39 +121,6 @@ pub struct Compiled {
     pub optimization: Optimization,
     /// The first passes have run.
     begun: bool,
-}
-
-/// How code is made of the IR.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Optimization {
-    pub level: Level,
-    /// Passes that do not run at -O2.
-    pub without: Without,
-    pub cpu_features: CpuFeatures,
-}
-
-/// All passes, for every processor.
-impl From<Level> for Optimization {
-    fn from(level: Level) -> Optimization {
-        Optimization { level, without: Without::NOTHING, cpu_features: CpuFeatures::Baseline }
-    }
-}
-
-/// `-O2 without fold --cpu-features native`.
-impl std::fmt::Display for Optimization {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self.level {
-            Level::O0 => "-O0",
-            Level::O2 => "-O2",
-        })?;
-        if self.without != Without::NOTHING {
-            write!(f, " {}", self.without)?;
-        }
-        match self.cpu_features {
-            CpuFeatures::Baseline => Ok(()),
-            CpuFeatures::Native => f.write_str(" --cpu-features native"),
-        }
-    }
 }
 
 /// Sources of fewer bytes are parsed before a thread has started.
@@ -280,59 +259,6 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
     Bound { sources, program, diagnostics }
 }
 
-/// How many missing names are looked for in files that could not be read.
-const LOOKED_FOR_MAX: usize = 500;
-
-/// Removes messages about names that a file defines which could not be read: the message for that file says why they are missing.
-fn forget_lost(diagnostics: &mut Vec<Diagnostic>, sources: &SourceMap) {
-    let is_lost =
-        |message: &&Diagnostic| message.is_error() && matches!(message.code, Code::ForeignContent | Code::NotASource);
-    let lost: FxHashSet<FileId> = diagnostics.iter().filter(is_lost).map(|message| message.primary.span.file).collect();
-    if lost.is_empty() {
-        return;
-    }
-    let is_missing = |code| matches!(code, Code::UnknownSymbol | Code::UnknownBlock | Code::UnknownType);
-    let mut left = LOOKED_FOR_MAX;
-    diagnostics.retain(|message| {
-        if !is_missing(message.code) || left == 0 {
-            return true;
-        }
-        left -= 1;
-        let span = message.primary.span;
-        let name = sources.file(span.file).text.get(span.range()).unwrap_or_default().trim_matches(['#', '"']);
-        let defines = |file: &FileId| {
-            let text = &sources.file(*file).text;
-            // Nothing is known of a workbook that could not be opened.
-            *file != span.file && (text.is_empty() || text.contains(name))
-        };
-        name.is_empty() || !lost.iter().any(defines)
-    });
-}
-
-/// Removes warnings about what a file lacks where a statement of it could not be read: that may be what is missing.
-fn forget_doubtful(diagnostics: &mut Vec<Diagnostic>) {
-    let is_unread = |message: &&Diagnostic| {
-        let codes = [
-            Code::Syntax,
-            Code::UnknownInstruction,
-            Code::ForeignForm,
-            Code::UnexpectedCharacter,
-            Code::BadLiteral,
-            Code::LiteralRange,
-        ];
-        message.is_error() && codes.contains(&message.code)
-    };
-    let unread: FxHashSet<FileId> =
-        diagnostics.iter().filter(is_unread).map(|message| message.primary.span.file).collect();
-    let is_doubtful =
-        |code| matches!(code, Code::UnusedLabel | Code::TimerWithoutTime | Code::UnreachableCode | Code::MixedNumbers);
-    // What could not be read may be OB 1, or hide it, as a comment that is not closed does.
-    let hides = |message: &Diagnostic| matches!(message.code, Code::UnterminatedText | Code::BlockFrame);
-    let is_hidden = !unread.is_empty() || diagnostics.iter().any(hides);
-    diagnostics.retain(|message| !(is_hidden && message.code == Code::NoMainBlock));
-    diagnostics.retain(|message| !is_doubtful(message.code) || !unread.contains(&message.primary.span.file));
-}
-
 /// Name of the file in which stand-ins for missing parts have their places.
 const STAND_INS: &str = "stand-ins of --partial";
 
@@ -344,60 +270,6 @@ fn pragma_partial(settings: &Settings, units: &[(FileId, SourceUnit)]) -> bool {
         words.next() == Some("test") && words.any(|word| word == "partial")
     };
     settings.pragmas && pragmas.any(|pragma| words(&pragma.text))
-}
-
-/// The CPU of a test file: the last `//@ cpu` that can be understood. Binding reports the others.
-fn pragma_profile(settings: &Settings, units: &[(FileId, SourceUnit)]) -> Option<Profile> {
-    if !settings.pragmas {
-        return None;
-    }
-    let pragmas = units.iter().flat_map(|(_, unit)| &unit.pragmas);
-    let names = pragmas.filter_map(|pragma| pragma.text.strip_prefix("cpu")).map(str::trim);
-    names.filter_map(profile_named).rfind(|profile| plcc_program::runs(profile, units))
-}
-
-fn profile_named(name: &str) -> Option<Profile> {
-    match name.strip_prefix("accus=") {
-        Some("2") => Some(profile::generic(Family::S7300)),
-        Some("4") => Some(profile::generic(Family::S7400)),
-        Some(_) => None,
-        None => profile::lookup(name),
-    }
-}
-
-/// The CPU: from the command line, else from plc.toml, else the one that the sources imply.
-fn profile_of(
-    settings: &Settings,
-    project: Option<&Project>,
-    units: &[(FileId, SourceUnit)],
-    sources: &mut SourceMap,
-    diagnostics: &mut Vec<Diagnostic>,
-) -> Profile {
-    let generic = plcc_program::implied_profile(units);
-    let (name, span) = match (&settings.cpu, project.and_then(|project| project.cpu.clone())) {
-        (Some(name), _) => (name.clone(), None),
-        (None, Some((name, span))) => (name, Some(span)),
-        (None, None) => return generic,
-    };
-    let is_s7200 = plcc_program::is_s7200(units);
-    let one_of = || format!("one of {}", profile::s7200::names().join(", "));
-    let (title, help) = match profile::lookup(&name) {
-        Some(profile) if plcc_program::runs(&profile, units) => return profile,
-        Some(profile) if is_s7200 => (format!("`{}` does not run programs of the S7-200", profile.name), one_of()),
-        Some(profile) if profile.family == Family::S71200 => (
-            format!("`{}` has no STL; it runs LAD, FBD and SCL", profile.name),
-            "choose a CPU with STL, such as an S7-1500, or write the blocks in SCL".to_string(),
-        ),
-        Some(profile) => (
-            format!("`{}` is an S7-200, which runs sources of Micro/WIN only", profile.name),
-            "choose another CPU; a source of Micro/WIN has instructions such as `LD` and `MOVW`".to_string(),
-        ),
-        None if is_s7200 => (format!("plcc does not know the CPU `{name}`"), one_of()),
-        None => (format!("plcc does not know the CPU `{name}`"), profile::help(&name)),
-    };
-    let span = span.unwrap_or_else(|| Span::new(sources.add(SourceFile::new("--cpu", name.clone())), 0..name.len()));
-    diagnostics.push(Diagnostic::new(Code::UnknownCpu, span, title).help(help));
-    generic
 }
 
 /// Parses and binds.
@@ -493,94 +365,6 @@ pub fn optimize(mut compiled: Compiled) -> Compiled {
     let reached = compiled.reached();
     compiled.with_usage(&usage, &reached)
 }
-
-/// The object file of a program that is lowered, and not optimised or only begun. At -O2 the code of unchanged functions comes from `cache`, which keeps
-/// the code that it did not have.
-pub fn object(compiled: Compiled, cache: Option<&Cache>) -> Result<Vec<u8>, CodegenError> {
-    let (finished, _) = object_of(linked::SYMBOL, compiled, Beside::Nothing, cache)?;
-    Ok(finished)
-}
-
-/// The objects of a program and of its code with probes, with the directory that leads to both; see [`lower_beside`].
-pub fn objects(plain: Compiled, probed: Compiled, caches: [Option<&Cache>; 2]) -> Result<[Vec<u8>; 3], CodegenError> {
-    const NAMES: [&str; 2] = ["plcc_plain", "plcc_probed"];
-    let (second, image) = object_of(NAMES[1], probed, Beside::Plain, caches[1])?;
-    let (first, _) = object_of(NAMES[0], plain, Beside::Probed(&image), caches[0])?;
-    Ok([first, second, plcc_codegen::directory_object(&NAMES)?])
-}
-
-/// Other code of the same program that an object file shares an executable with.
-enum Beside<'a> {
-    Nothing,
-    /// The code without probes, which has the image and the variables.
-    Plain,
-    /// The code with probes, which has this image.
-    Probed(&'a ProgramImage),
-}
-
-/// An object file that exports `name`, and the image of its program.
-fn object_of(
-    name: &str,
-    mut compiled: Compiled,
-    beside: Beside<'_>,
-    cache: Option<&Cache>,
-) -> Result<(Vec<u8>, ProgramImage), CodegenError> {
-    let Optimization { level, without, cpu_features } = compiled.optimization;
-    match (level, compiled.begun) {
-        (Level::O0, _) => {}
-        (Level::O2, false) => plcc_opt::optimize_together(&mut compiled.module, without),
-        (Level::O2, true) => plcc_opt::optimize_begun_together(&mut compiled.module, without),
-    }
-    let options = compiled.codegen_options();
-    let reached = compiled.reached();
-    let Compiled { mut module, image, optimization, begun } = compiled;
-    let surroundings = plcc_opt::Surroundings::new(&module);
-    // Keys are made of canonical functions, which the passes leave, and do not name the processor of this computer.
-    let is_kept = level == Level::O2 && without == Without::NOTHING && cpu_features == CpuFeatures::Baseline;
-    let cache = cache.filter(|_| is_kept && Keys::is_worth_while(&module));
-    let keys = cache.map(|_| Keys::new(&module, &surroundings, &options));
-    let old = cache.map(Cache::read);
-    let kept = |id, function: &Function| old.as_ref()?.get(keys.as_ref()?.key(id, function));
-    let finish = |function: &mut Function| {
-        if level == Level::O2 {
-            plcc_opt::optimize_alone(function, &surroundings, without);
-        }
-        usage_as_note(plcc_opt::usage_of(function, &surroundings))
-    };
-    let finishing = Finishing { kept: &kept, finish: &finish, keep: cache.is_some() };
-    let entries = module.entries.clone();
-    let finished = plcc_codegen::finish(&mut module, &options, &finishing)?;
-    let usage: Vec<Usage> = finished.notes.iter().copied().map(usage_of_note).collect();
-    let entries = Module { entries, ..Module::default() };
-    let mut compiled = Compiled { module: entries, image, optimization, begun }.with_usage(&usage, &reached);
-    let variables = match beside {
-        Beside::Nothing => Some(variables::of(&compiled.image)),
-        Beside::Plain => None,
-        Beside::Probed(probed) => {
-            compiled.share_image(probed);
-            Some(variables::of(&compiled.image))
-        }
-    };
-    let object = finished.object_as(name, &compiled.image_bytes(), variables.as_ref())?;
-    if let (Some(cache), Some(old), Some(keys)) = (cache, &old, &keys) {
-        cache.write(old, keys, &finished.made);
-    }
-    Ok((object, compiled.image))
-}
-
-/// What a function uses, in one number. Frames are shorter than what a number has room for.
-fn usage_as_note(usage: Usage) -> u64 {
-    let local_data = usage.local_data.min(NO_LOCAL_DATA);
-    u64::from(usage.outputs) | u64::from(usage.logic_only) << 32 | u64::from(local_data) << 33
-}
-
-fn usage_of_note(note: u64) -> Usage {
-    let local_data = Some((note >> 33) as u32).filter(|&first| first != NO_LOCAL_DATA).unwrap_or(u32::MAX);
-    Usage { outputs: note as u32, logic_only: note >> 32 & 1 != 0, local_data }
-}
-
-/// In a note: no local data are read.
-const NO_LOCAL_DATA: u32 = u32::MAX >> 1;
 
 /// Lowers and optimises.
 pub fn back(bound: &Bound, optimization: impl Into<Optimization>) -> Compiled {

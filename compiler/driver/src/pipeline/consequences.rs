@@ -1,0 +1,57 @@
+//! Messages that only follow from others: the user sees the cause alone.
+
+use plcc_diag::{Code, Diagnostic, FileId, SourceMap};
+use rustc_hash::FxHashSet;
+
+/// How many missing names are looked for in files that could not be read.
+const LOOKED_FOR_MAX: usize = 500;
+
+/// Removes messages about names that a file defines which could not be read: the message for that file says why they are missing.
+pub(super) fn forget_lost(diagnostics: &mut Vec<Diagnostic>, sources: &SourceMap) {
+    let is_lost =
+        |message: &&Diagnostic| message.is_error() && matches!(message.code, Code::ForeignContent | Code::NotASource);
+    let lost: FxHashSet<FileId> = diagnostics.iter().filter(is_lost).map(|message| message.primary.span.file).collect();
+    if lost.is_empty() {
+        return;
+    }
+    let is_missing = |code| matches!(code, Code::UnknownSymbol | Code::UnknownBlock | Code::UnknownType);
+    let mut left = LOOKED_FOR_MAX;
+    diagnostics.retain(|message| {
+        if !is_missing(message.code) || left == 0 {
+            return true;
+        }
+        left -= 1;
+        let span = message.primary.span;
+        let name = sources.file(span.file).text.get(span.range()).unwrap_or_default().trim_matches(['#', '"']);
+        let defines = |file: &FileId| {
+            let text = &sources.file(*file).text;
+            // Nothing is known of a workbook that could not be opened.
+            *file != span.file && (text.is_empty() || text.contains(name))
+        };
+        name.is_empty() || !lost.iter().any(defines)
+    });
+}
+
+/// Removes warnings about what a file lacks where a statement of it could not be read: that may be what is missing.
+pub(super) fn forget_doubtful(diagnostics: &mut Vec<Diagnostic>) {
+    let is_unread = |message: &&Diagnostic| {
+        let codes = [
+            Code::Syntax,
+            Code::UnknownInstruction,
+            Code::ForeignForm,
+            Code::UnexpectedCharacter,
+            Code::BadLiteral,
+            Code::LiteralRange,
+        ];
+        message.is_error() && codes.contains(&message.code)
+    };
+    let unread: FxHashSet<FileId> =
+        diagnostics.iter().filter(is_unread).map(|message| message.primary.span.file).collect();
+    let is_doubtful =
+        |code| matches!(code, Code::UnusedLabel | Code::TimerWithoutTime | Code::UnreachableCode | Code::MixedNumbers);
+    // What could not be read may be OB 1, or hide it, as a comment that is not closed does.
+    let hides = |message: &Diagnostic| matches!(message.code, Code::UnterminatedText | Code::BlockFrame);
+    let is_hidden = !unread.is_empty() || diagnostics.iter().any(hides);
+    diagnostics.retain(|message| !(is_hidden && message.code == Code::NoMainBlock));
+    diagnostics.retain(|message| !is_doubtful(message.code) || !unread.contains(&message.primary.span.file));
+}
