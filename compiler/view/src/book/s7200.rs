@@ -1,0 +1,80 @@
+//! Pages of programs of the S7-200.
+
+use plcc_syntax::s7200::ast as s7200;
+use plcc_syntax::stl::Mnemonics;
+
+use super::{Declaration, Maker, Page, Section};
+use crate::names::Scope;
+use crate::sheet;
+
+impl Maker<'_> {
+    pub(super) fn s7200(&self, block: &s7200::Block) -> Page {
+        let prefix = match block.kind {
+            s7200::BlockKind::Main => "OB",
+            s7200::BlockKind::Subroutine => "SBR",
+            s7200::BlockKind::Interrupt => "INT",
+        };
+        let number = block.number.map(|(number, _)| number).or((prefix == "OB").then_some(1));
+        let name = block.name.as_ref().map_or(String::new(), |(name, _)| name.clone());
+        let id =
+            number.map_or(if name.is_empty() { prefix.to_string() } else { name.clone() }, |n| format!("{prefix} {n}"));
+        let mut page = Page {
+            id,
+            name,
+            language: "STL",
+            title: block.title.clone(),
+            comment: block.comment.clone(),
+            ..Page::default()
+        };
+        for row in &block.declarations {
+            page.declarations.push(Declaration {
+                section: match row.section {
+                    s7200::Section::Input => "Input",
+                    s7200::Section::InOut => "InOut",
+                    s7200::Section::Output => "Output",
+                    s7200::Section::Temp => "Temp",
+                },
+                name: row.name.clone(),
+                ty: row.ty.clone(),
+                comment: row.comment.clone().unwrap_or_default(),
+                ..Declaration::default()
+            });
+        }
+        let scope = Scope { german: self.unit.mnemonics == Mnemonics::De, ..Scope::default() };
+        page.scope = scope;
+        for (at, network) in block.networks.iter().enumerate() {
+            // Micro/WIN writes symbols without quotes.
+            let label = |operand: &s7200::Operand| {
+                let label = self.names.label(&self.words(operand.span), scope);
+                match label.text.strip_prefix('"').and_then(|text| text.strip_suffix('"')) {
+                    Some(bare) if !label.key.is_empty() => sheet::Label { text: bare.to_string(), ..label },
+                    _ => label,
+                }
+            };
+            let drawn = sheet::s7200::sheet(&network.statements, &label, &|name| self.parameters(name));
+            let spans = network.statements.iter().map(|statement| statement.span);
+            page.sections.push(Section {
+                number: network.number.map_or(at + 1, |number| number as usize),
+                title: network.title.clone(),
+                comment: network.comment.clone(),
+                ..self.rungs(drawn, spans)
+            });
+        }
+        page
+    }
+
+    /// The parameters of a subroutine of the S7-200, and whether they are outputs.
+    fn parameters(&self, name: &str) -> Option<Vec<(String, bool)>> {
+        let name = name.trim_matches('"');
+        let mut blocks = self.unit.s7200.iter().flat_map(|source| &source.blocks);
+        let block = blocks.find(|block| {
+            let number = block
+                .number
+                .is_some_and(|(number, _)| name.replace(' ', "").eq_ignore_ascii_case(&format!("SBR{number}")));
+            let named = block.name.as_ref().is_some_and(|(own, _)| own.eq_ignore_ascii_case(name));
+            block.kind == s7200::BlockKind::Subroutine && (number || named)
+        })?;
+        let formals = block.declarations.iter().filter(|row| row.section != s7200::Section::Temp);
+        Some(formals.map(|row| (row.name.clone(), row.section == s7200::Section::Output)).collect())
+    }
+}
