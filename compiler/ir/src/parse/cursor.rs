@@ -2,7 +2,7 @@
 
 use plcc_abi::Type;
 
-use super::{LineResult, type_named};
+use super::LineResult;
 
 /// A place in a line.
 pub struct Cursor<'a> {
@@ -141,4 +141,9 @@ impl<'a> Cursor<'a> {
         }
         Err("the closing `\"` is missing".into())
     }
+}
+
+pub fn type_named(name: &str) -> LineResult<Type> {
+    const TYPES: [Type; 7] = [Type::I1, Type::I8, Type::I16, Type::I32, Type::I64, Type::F32, Type::F64];
+    TYPES.into_iter().find(|ty| ty.name() == name).ok_or_else(|| format!("`{name}` is not a type"))
 }

@@ -3,6 +3,7 @@
 use proptest::prelude::*;
 
 use super::*;
+use crate::entities::Value;
 use crate::print::module_text;
 
 #[test]
