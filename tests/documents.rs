@@ -295,7 +295,7 @@ fn codes_of(code: Code, example: &str) -> Vec<Code> {
             "gr7" => "main.gr7",
             "awl" => "main.awl",
             "s7res" => {
-                // It lies beside the source and is no source itself.
+                // It lies beside the source and is not a source itself.
                 fs::write(folder.path().join("main.s7res"), text).unwrap();
                 continue;
             }

@@ -1,8 +1,9 @@
 //! The names of the instructions that STEP 7 and the TIA Portal have, by group of their catalogues.
 //!
-//! A name that neither the standard library nor a table of plcc has is one that plcc does not have: a program that uses it is told so,
-//! rather than that the name is unknown. Names that plcc has may be here, too; what the library has comes first. Instructions that plcc has
-//! in some of its languages are not here: they are unknown only in the others.
+//! A name that neither the standard library nor a table of plcc has is one that plcc does not have: a program that
+//! uses it gets a message that says so, rather than that the name is unknown. Names that plcc has may be here, too;
+//! the library comes first. Instructions that plcc has in some of its languages are not here: they are unknown only
+//! in the others.
 
 /// Instructions that stand together in a catalogue.
 #[derive(Debug)]

@@ -69,7 +69,7 @@ fn said(output: &Output, code: i32, text: &str) -> Result<String, Failed> {
     }
 }
 
-/// The same memory after each cycle, in the executable and in memory; and what is not as it was is told.
+/// The same memory after each cycle, in the executable and in memory; differences are reported.
 pub fn timers_and_interrupts() -> Result<(), Failed> {
     let folder = tempfile::tempdir()?;
     let at = |name: &str| folder.path().join(name);

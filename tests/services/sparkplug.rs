@@ -1,4 +1,5 @@
-//! A node of Sparkplug B: a host that others have written, a broker that comes and goes, who may write, and commands that break the rules.
+//! A node of Sparkplug B: a host that is not ours, a broker that comes and goes, who may write, and commands that
+//! break the rules.
 
 use std::io::Write;
 use std::net::TcpStream;

@@ -1,7 +1,7 @@
 //! i1 values in machine code.
 //!
-//! Bits of PLC memory are combined far more often than they are stored or passed on, so an i1 is kept in the form in
-//! which it comes cheapest and brought into the byte 0 or 1 only where that is needed.
+//! Bits of PLC memory are combined far more often than they are stored or passed on, so an i1 is kept in the form
+//! that is cheapest to compute, and becomes the byte 0 or 1 only where that is needed.
 
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::{InstBuilder, Type, Value, types};

@@ -1,8 +1,8 @@
-//! Which values need not be numbers.
+//! Which values can stay in the byte order of PLC memory.
 //!
-//! What is only compared for equality, selected, combined bit by bit or stored stays in the byte order of PLC memory: a bit operation on
-//! swapped bytes gives swapped bytes, and two values are equal if they are equal with their bytes swapped. So copies, comparisons of words
-//! and masks need no byte swaps.
+//! A value that is only compared for equality, selected, combined bit by bit or stored stays in the byte order of PLC
+//! memory: a bit operation on swapped bytes gives swapped bytes, and two values are equal if they are equal with
+//! their bytes swapped. So copies, comparisons of words and masks need no byte swaps.
 
 use plcc_ir::entities::Entity;
 use plcc_ir::{BinaryOp, Function, Inst, InstData, IntCc, Type, Value};

@@ -1,4 +1,4 @@
-//! What other functions must know of a function, so that they can be compiled without looking at its code.
+//! Facts about a function, so that others can be compiled without looking at its code.
 
 use plcc_ir::{FuncId, Function, InstData, Region};
 

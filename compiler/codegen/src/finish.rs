@@ -1,7 +1,7 @@
 //! From functions that are not finished to an object file, with the code of those that have not changed since it was made.
 //!
-//! First each function is finished, or what was kept of it says what it would be; only then is it known how functions call each
-//! other. What was kept under another way of calling is not used.
+//! First each function is finished, or its kept code says what it would be; only then is it known how functions call
+//! each other. Code that was kept with another way of calling is not used.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::{Mutex, PoisonError};

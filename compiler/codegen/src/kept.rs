@@ -1,8 +1,8 @@
 //! Machine code that outlives a compilation.
 //!
-//! The code of a function depends on its IR and on how it and its callees are called. Whoever keeps code knows the IR by a
-//! key of its own; [`KeptFunction`] remembers how functions were called, and names them instead of numbering them. So the result
-//! of a compilation does not depend on what was kept.
+//! The code of a function depends on its IR and on how it and its callees are called. The caller that keeps code has
+//! a key of its own for the IR; [`KeptFunction`] remembers how functions were called, and refers to them by name
+//! instead of number. So the result of a compilation does not depend on what was kept.
 
 use cranelift_codegen::binemit::Reloc;
 use cranelift_codegen::ir::LibCall;

@@ -1,8 +1,9 @@
 //! DWARF variables of an object file: inputs, outputs, bit memory, data blocks and symbols, which a debugger shows and changes.
 //!
-//! A variable is at a fixed distance from the base of memory, whose address the runtime keeps in [`MEMORY_SYMBOL`]. Numbers are big-endian there,
-//! which `DW_AT_endianity` says of each type. A BOOL is one bit: in a structure a field of one bit, alone a piece of one bit. In an array
-//! it is a field that is named by its index, because debuggers have no distance of one bit between elements.
+//! A variable is at a fixed distance from the base of memory, whose address the runtime keeps in [`MEMORY_SYMBOL`].
+//! Numbers are big-endian there, as `DW_AT_endianity` says for each type. A BOOL is one bit: in a structure a field
+//! of one bit, alone a piece of one bit. In an array it is a field that is named by its index, because debuggers
+//! cannot place elements one bit apart.
 
 use gimli::write::{Address, AttributeValue, Expression, Unit, UnitEntryId};
 use plcc_abi::image::AssertType;

@@ -11,11 +11,11 @@
 //! - [`to_stl`]: networks of LAD and FBD as statements.
 //! - [`to_graph`]: statements as networks of LAD and FBD.
 //! - [`addresses`]: symbols as addresses and back.
-//! - [`migration`]: what of a program another CPU has.
+//! - [`migration`]: which parts of a program another CPU has.
 //! - [`literal`]: constants as text.
 //! - [`trivia`]: comments, which trees do not hold.
 //!
-//! What a notation cannot say is a message that names it; nothing is left out silently.
+//! If a notation cannot express something, a message names it; nothing is left out silently.
 //!
 //! **Invariant**: no files: a tree becomes a tree or a text. Only [`from_scl`],
 //! [`addresses`] and [`migration`] know symbols and types, from the bound program.

@@ -1,4 +1,4 @@
-//! A file that programs which show coverage read. Source: the manual page of geninfo, FILES.
+//! The LCOV file, for programs that show coverage. Source: the manual page of geninfo, FILES.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;

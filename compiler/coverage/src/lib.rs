@@ -1,4 +1,4 @@
-//! What tests have run of a program.
+//! Which parts of a program tests have run.
 //!
 //! - [`counter`]: counts what the probes of a running program tell, see `plcc_lower::probe`.
 //! - [`chart`]: which steps were active and which transitions switched, from the data of charts.

@@ -1,4 +1,5 @@
-//! The debugger while the program runs: it looks at each probe, and the program waits in it while the client looks around.
+//! The debugger while the program runs: it looks at each probe, and the program waits there while it is stopped for
+//! the client.
 
 use std::cell::RefCell;
 use std::collections::HashMap;

@@ -12,7 +12,8 @@
 //! The clock is virtual, so a run can be repeated to the byte. That is how the debugger goes back: it starts the program once more, with
 //! the same inputs and the same changes of the user, and stops it at the statement with the wanted number.
 //!
-//! **Invariant**: no message of a client ends the server; a request that cannot be done has an error as its answer.
+//! **Invariant**: no message of a client ends the server; a request that cannot be carried out is answered with an
+//! error.
 
 mod breakpoint;
 mod condition;

@@ -1,4 +1,4 @@
-//! The file that was meant by a name that no file has.
+//! Finds the file that was meant by a name that does not exist.
 
 use std::path::Path;
 

@@ -186,7 +186,7 @@ impl Reader {
             (Some(address), None) => {
                 let text = address.get_ref().trim();
                 let has_port = text.rsplit_once(':').is_some_and(|(host, port)| {
-                    // The last part of an address of version 6 is no port.
+                    // The last part of an address of version 6 is not a port.
                     (!host.contains(':') || host.ends_with(']')) && port.parse::<u16>().is_ok_and(|port| port != 0)
                 });
                 if text.is_empty() || text.contains(char::is_whitespace) || (!has_port && text.ends_with(':')) {

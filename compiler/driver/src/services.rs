@@ -1,4 +1,4 @@
-//! `[services]` of plc.toml: what clients can reach, and who they may be.
+//! `[services]` of plc.toml: what clients can reach, and who may connect.
 
 use plcc_abi::ProgramImage;
 use plcc_abi::services::{Client, Protection, Registers, Right, Role, ServicesConfig, User};

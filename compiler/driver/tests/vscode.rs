@@ -1,5 +1,5 @@
-//! The extension for Visual Studio Code with this plcc: what needs no editor, and the whole of it in an editor that is not there. Ignored
-//! where there is no node; the second also where `npm ci` has not been run in editors/vscode.
+//! The extension for Visual Studio Code with this plcc: the parts that need no editor, and all of it in a simulated
+//! editor. Ignored where there is no node; the second also where `npm ci` has not been run in editors/vscode.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};

@@ -8,7 +8,7 @@
 //! Only blanks and line ends change: words, signs, texts and comments stay as they are and in their order, which
 //! [`format`] checks before it returns anything. So does the syntax tree.
 //!
-//! **Invariant**: what comes out is laid out again to itself.
+//! **Invariant**: laying out the result again changes nothing.
 
 mod check;
 mod keywords;

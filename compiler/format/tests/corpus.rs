@@ -1,4 +1,5 @@
-//! Every source under tests/ and samples/ that parses keeps its words and its tree, and is laid out again to itself.
+//! Every source under tests/ and samples/ that parses keeps its words and its tree when it is laid out, and a second
+//! time nothing changes.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! Probes: calls that tell who looks at the program what its statements see. They are in the code only if
+//! Probes: calls that tell a watcher of the program what its statements see. They are in the code only if
 //! [`lower_with_probes`](crate::lower_with_probes), [`lower_for_debugger`](crate::lower_for_debugger) or
 //! [`lower_for_coverage`](crate::lower_for_coverage) makes it.
 //!

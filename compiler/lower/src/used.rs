@@ -1,4 +1,4 @@
-//! The places that the code of a program names: what a trace records if nobody says what.
+//! The places that the code of a program names; a trace records them by default.
 
 use plcc_abi::layout;
 use plcc_abi::names::{UsedArea, UsedPlace};

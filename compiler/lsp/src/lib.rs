@@ -9,7 +9,8 @@
 //! - A change is answered twice: at once with the syntax errors of the file, and with all messages when the program is bound.
 //! - The [`Host`] reads files and binds; it is the command line, which alone may read files.
 //!
-//! **Invariant**: no message of an editor ends the server; what it asks about and is not there has no answer.
+//! **Invariant**: no message of an editor ends the server; a question about something that does not exist has no
+//! answer.
 
 mod address;
 mod chart;

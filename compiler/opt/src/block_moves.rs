@@ -1,8 +1,9 @@
 //! Block moves by pointers that the program builds: SFC 20 BLKMOV, SFC 21 FILL and SFC 81 UBLKMOV without a call.
 //!
-//! A program that moves one of many records builds an ANY in its local data: type, length and number of the DB are constants, the
-//! address is computed. An FB moves its static data: all but the number of its instance DB is a constant. Where the structure of parameters
-//! says so, a test of address and DB decides at run time; what it does not hold for is left to the call, which knows all cases and errors.
+//! A program that moves one of many records builds an ANY in its local data: type, length and number of the DB are
+//! constants, the address is computed. An FB moves its static data: all but the number of its instance DB is a
+//! constant. Where the structure of parameters says so, a test of address and DB decides at run time; where it fails,
+//! the call remains, which knows all cases and errors.
 //!
 //! - `structure`: what the structure of parameters says; `place`: areas, and what is tested.
 //!

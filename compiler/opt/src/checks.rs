@@ -1,4 +1,4 @@
-//! Functions whose checks are decided at their beginning are there twice.
+//! Functions whose checks are decided at their beginning get a second copy.
 //!
 //! A block in SCL finds out where its IN_OUT parameters are before its first statement, and tests the result at each access: the cold
 //! side goes on where the hot one does, so nothing is known after it. If a function asks several times for what it computes at its

@@ -1,4 +1,4 @@
-//! What a loop looks up in the table of DBs is looked up before it.
+//! Look-ups in the table of DBs move from a loop to the code before it.
 //!
 //! Base and length of an open DB are loaded at each access. In a loop that opens no other DB, and calls nothing that may make, delete or
 //! move one, they stay the same. Looking up a number that the loop never uses does no harm; one that nothing is known of is cut to the 16

@@ -67,7 +67,7 @@ pub struct Declaration {
 /// A network, or a part of a page without networks.
 #[derive(Clone, Debug, Default)]
 pub struct Section {
-    /// 0: the section is no network.
+    /// 0: the section is not a network.
     pub number: usize,
     pub title: String,
     pub comment: Vec<String>,

@@ -1,5 +1,5 @@
-//! What holds of every drawing of a network: nothing overlaps, no wire crosses a box or a text, wires of different nets are never on top
-//! of each other, and the wires of a net are connected. Tests ask for it.
+//! What holds for every drawing of a network: nothing overlaps, no wire crosses a box or a text, wires of different
+//! nets are never on top of each other, and the wires of a net are connected. Tests check it.
 
 use crate::scene::{Area, Item, Point, Scene};
 use crate::sheet::{Link, Part, Sheet, Source};

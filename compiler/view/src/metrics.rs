@@ -1,4 +1,4 @@
-//! Widths of texts. Drawings use monospaced fonts, of which none is wider than this table says.
+//! Widths of texts. Drawings use monospaced fonts, none of which is wider than this table says.
 
 use unicode_width::UnicodeWidthStr;
 

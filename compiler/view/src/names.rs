@@ -245,7 +245,8 @@ fn walk(number: u16, ty: &DataType, byte: u32, bit: u8, path: &[String]) -> Opti
     }
 }
 
-/// The parts of `#a.b`, `"Db x".c`, and whether it is a local name. None if it is no plain name: indices, constants.
+/// The parts of `#a.b`, `"Db x".c`, and whether it is a local name. None if it is not a plain name: indices,
+/// constants.
 fn path(text: &str) -> Option<(bool, Vec<String>)> {
     let local = text.starts_with('#');
     let mut rest = text.strip_prefix('#').unwrap_or(text);

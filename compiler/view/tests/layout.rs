@@ -1,5 +1,6 @@
-//! What holds of every drawing: nothing overlaps, no wire crosses a box or a text, wires of different nets are never on top of each other,
-//! and the wires of a net are connected. Checked on random networks, also on such as no editor allows.
+//! What holds for every drawing: nothing overlaps, no wire crosses a box or a text, wires of different nets are never
+//! on top of each other, and the wires of a net are connected. Checked on random networks, also on some that no
+//! editor allows.
 
 use proptest::prelude::*;
 

@@ -1,4 +1,4 @@
-//! What the code of a program with probes tells, for whoever watches the program while it runs.
+//! What the code of a program with probes reports, to those who watch the program while it runs.
 //!
 //! An executable has the code of its program twice: as it runs, and with probes. The runtime changes from one to the other between
 //! two cycles.

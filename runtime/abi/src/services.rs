@@ -1,4 +1,4 @@
-//! `[services]` of plc.toml: what of a program clients can reach, and who they may be.
+//! `[services]` of plc.toml: which parts of a program clients can reach, and who may connect.
 //!
 //! Addresses are texts, `ADDR:PORT` or a port alone; plcc has checked them.
 

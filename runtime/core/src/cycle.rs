@@ -447,7 +447,8 @@ impl Cpu {
         }
     }
 
-    /// Where the process image of outputs is, and the bytes of it that can have changed: those that the program uses, unless others wrote more.
+    /// Where the process image of outputs is, and the bytes of it that can have changed: those that the program uses,
+    /// and up to where something else may have written.
     #[inline]
     pub(crate) fn changed_outputs(&self) -> (u32, u32) {
         let (base, length) = self.area(Area::Outputs);

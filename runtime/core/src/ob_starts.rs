@@ -1,4 +1,4 @@
-//! With which start information each OB began last, for clients. Kept only while there can be clients.
+//! The start information with which each OB last began, for clients. Kept only while there can be clients.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;

@@ -1,4 +1,4 @@
-//! Who looks at a program with probes while it runs: the status of blocks, a debugger.
+//! Watchers of a program with probes while it runs: the status of blocks, a debugger.
 //!
 //! The compiler puts probes into a program only when it is asked to; each has a place, an index into the list of places that the
 //! compiler returns with the code. Probes change nothing that the program can see.

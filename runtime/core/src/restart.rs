@@ -1,7 +1,7 @@
 //! Restarts within a run: a CPU in STOP goes to RUN again because a client asks for it.
 //!
-//! What a restart clears is the memory of a CPU that was just made. So the CPU that stopped hands over what outlasts a restart (retentive memory,
-//! clock, diagnostic buffer, modules, clients) to a new one with the same program.
+//! Memory that a restart clears is as in a CPU that was just made. So the CPU that stopped hands over what outlasts a
+//! restart (retentive memory, clock, diagnostic buffer, modules, clients) to a new one with the same program.
 //!
 //! Source: CPU manuals, operating modes; S7-200 system manual, which keeps all of its memory from STOP to RUN.
 

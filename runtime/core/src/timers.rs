@@ -4,8 +4,8 @@
 //! (`Cell::settle`) at an access after something became due, and the status bit is the one of that moment. A stopped timer
 //! keeps the remaining value, which stays readable until `R`.
 //!
-//! Generated code scans, starts, stops and resets timers itself as long as nothing is due and the clock is virtual; see
-//! `cells` of the lowering. Here is the rest, which means the same.
+//! Generated code scans, starts, stops and resets timers itself as long as nothing is due and the clock is virtual;
+//! see `cells` of the lowering. The rest is here, and does the same.
 
 use plcc_abi::functions::TimerMode;
 use plcc_abi::layout::{self, TIMER_CELL_BYTES, TIMERS_MAX, timer_cell};

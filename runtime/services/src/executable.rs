@@ -1,4 +1,4 @@
-//! The part of `main` that a program with services has of its own.
+//! The part of `main` that only programs with services have.
 
 use std::ffi::{c_char, c_int};
 

@@ -1,4 +1,4 @@
-//! What speaks to the outside: servers for clients of the CPU.
+//! Servers for clients of the CPU.
 //!
 //! - [`s7`]: S7 communication; [`modbus`]: Modbus TCP; [`metrics`]: Prometheus and health; [`mqtt`]: values to a broker, also as
 //!   Sparkplug B;
@@ -7,8 +7,9 @@
 //! - [`listen`], [`rights`], [`password`], [`limits`]: who may come in, and what they may use up. [`tls`], [`certificate`]: encryption.
 //! - [`client`]: a client of the page. [`options`]: the flags, and what they open. `executable` has `main` of a program with services.
 //!
-//! A thread of its own runs all servers. They reach the CPU through a [`link`] only, which it looks at between two cycles. Nothing is open unless
-//! a flag or plc.toml asks for it, and then only for this computer unless an address is written down.
+//! A thread of its own runs all servers. They reach the CPU through a [`link`] only, which it looks at between two
+//! cycles. Nothing is open unless a flag or plc.toml asks for it, and then only for this computer unless an address
+//! is given.
 //!
 //! **Invariant**: nothing that a client sends panics, hangs, or delays a cycle by more than the share of communication.
 

@@ -1,7 +1,8 @@
 //! The way from servers to the CPU and back.
 //!
-//! Servers run on a thread of their own and never touch PLC memory. They send work, which the CPU does at its cycle control point, between two
-//! cycles. So each piece of work sees one completed cycle. The queue is bounded: who sends more than the CPU can do waits.
+//! Servers run on a thread of their own and never touch PLC memory. They send work, which the CPU does at its cycle
+//! control point, between two cycles. So each piece of work sees one completed cycle. The queue is bounded: a client
+//! that sends more than the CPU can do waits.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};

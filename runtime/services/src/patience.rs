@@ -1,4 +1,5 @@
-//! A connection whose client must take what is written: who takes nothing for [`ANSWER_TIME`] is gone.
+//! A connection whose client must take what is written: a client that takes nothing for [`ANSWER_TIME`] counts as
+//! gone.
 
 use std::future::Future;
 use std::io;

@@ -82,7 +82,7 @@ struct Editor<'e> {
     names: &'e Names<'e>,
     to: To,
     set: Mnemonics,
-    /// Variables of the block, in small letters: a bare name of one of them is no symbol.
+    /// Variables of the block, in small letters: a bare name of one of them is not a symbol.
     locals: HashSet<String>,
     /// The notation of the TIA Portal: `%I0.0`, blocks by name only.
     is_tia: bool,

@@ -1,7 +1,8 @@
-//! What of a program another CPU has, what it has in another form, and what it lacks, with the lines.
+//! Which parts of a program another CPU has, which it has in another form, and which it lacks, with their lines.
 //!
-//! Each topic is one table: instructions, system functions, organization blocks, memory, interrupt events. [`s7200`] has those from the
-//! S7-200 to the S7-1200, [`s7300`] those from the S7-300/400 to the S7-1500. What no table names is reported as such.
+//! Each topic is one table: instructions, system functions, organization blocks, memory, interrupt events. [`s7200`]
+//! has those from the S7-200 to the S7-1200, [`s7300`] those from the S7-300/400 to the S7-1500. Whatever no table
+//! names is reported as such.
 
 mod s7200;
 mod s7300;

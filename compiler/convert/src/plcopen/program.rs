@@ -1,4 +1,4 @@
-//! What the sources of a program declare, and the names that it all gets.
+//! What the sources of a program declare, and the names that everything gets.
 
 use std::collections::{BTreeSet, HashMap, HashSet};
 

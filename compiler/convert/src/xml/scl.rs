@@ -79,7 +79,7 @@ fn add_blanks<'a>(text: &'a str, found: &mut Vec<&'a str>) {
     }
 }
 
-/// Words that stand before parentheses and are no functions.
+/// Words before parentheses that are not functions.
 const KEYWORDS: [&str; 22] = [
     "AND", "BY", "CASE", "DIV", "DO", "ELSE", "ELSIF", "EXIT", "FOR", "GOTO", "IF", "MOD", "NOT", "OF", "OR", "REPEAT",
     "RETURN", "THEN", "TO", "UNTIL", "WHILE", "XOR",

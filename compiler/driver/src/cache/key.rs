@@ -1,8 +1,8 @@
-//! The key of a function: a number that is another one if the machine code of the function may be another one.
+//! The key of a function: a number that differs whenever the machine code of the function may differ.
 //!
-//! It comes from the IR of the function after the passes that look at all functions, with the names of its callees, from
-//! the DBs of the program, which are addresses in the code, from what runs at safepoints, from the options, and from plcc itself. How functions call each other
-//! is not known yet; what is kept remembers it.
+//! It comes from the IR of the function after the passes that look at all functions, with the names of its callees,
+//! from the DBs of the program, which are addresses in the code, from what runs at safepoints, from the options, and
+//! from plcc itself. How functions call each other is not known yet; the kept code remembers it.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::OnceLock;

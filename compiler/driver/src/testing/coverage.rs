@@ -1,4 +1,4 @@
-//! What tests run of a program: runs with probes, and the files of the report.
+//! Which parts of a program tests run: runs with probes, and the files of the report.
 
 use std::path::Path;
 use std::rc::Rc;

@@ -1,4 +1,4 @@
-//! Many test programs in few executables: to write one takes longer than most programs run.
+//! Many test programs in few executables, because writing one takes longer than most programs run.
 //!
 //! The objects of a batch export their programs under different names. A directory object names them all; the
 //! executable reads from the environment variable `PLCC_TEST` which program to test and how. It prints the report as JSON.

@@ -75,7 +75,7 @@ fn is_test_file(path: &Path) -> bool {
         && read_text(path).is_ok_and(|text| !text.is_empty() && is_source(path, &text))
 }
 
-/// A table of symbols, which is no program alone.
+/// A table of symbols, which alone is not a program.
 fn is_table(path: &Path) -> bool {
     let read = inputs::read(&[path.to_path_buf()]);
     read.units.is_empty() && !read.tables.is_empty()

@@ -4,7 +4,7 @@
 //! - [`prepare`]: from one test input to a finished outcome or to programs to run.
 //! - [`carets`]: files that mark their expected messages.
 //! - [`executables`]: many programs in few executables.
-//! - [`coverage`]: what of the programs has run.
+//! - [`coverage`]: which parts of the programs have run.
 //! - [`junit`]: the results for CI services; [`progress`]: on a terminal; [`watch`]: when a source changes.
 //! - [`judge`]: from the reports of the forms, which must agree, to one outcome.
 

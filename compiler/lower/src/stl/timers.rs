@@ -1,7 +1,7 @@
 //! S5 timers. Source: STL reference, timer instructions.
 //!
-//! A running timer has the time at which it ends, on a clock that counts down; at rest that time is 0, to which the clock never
-//! comes. So one comparison tells that there is nothing to do, and what is in the cell is up to date:
+//! A running timer has the time at which it ends, on a clock that counts down; at rest that time is 0, which the
+//! clock never reaches. So one comparison tells that there is nothing to do, and what is in the cell is up to date:
 //!
 //! ```text
 //! v1 = load.i64 state 32      ; COUNTDOWN

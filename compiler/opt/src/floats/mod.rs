@@ -1,4 +1,4 @@
-//! Not-a-numbers get their one form only where somebody sees it.
+//! Floats that are not numbers get the form of the CPU only where it can be seen.
 //!
 //! The CPU has one form of an invalid REAL, the host has millions and hands on the form of an operand. So lowering brings the
 //! result of each operation into the form of the CPU, if it is not a number:

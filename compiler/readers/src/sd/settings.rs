@@ -1,7 +1,8 @@
 //! The attributes of blocks and networks: their names, and the values that they can have.
 //!
-//! An attribute that plcc does not use may be any; one that only differs by a slip from one that it uses, or has a value that does not
-//! exist, would change the meaning of the block in silence. Source: LAD/FBD reference, chapter A.
+//! An attribute that plcc does not use may have any name. One that differs only by a slip from one that plcc uses, or
+//! has a value that does not exist, would silently change the meaning of the block. Source: LAD/FBD reference,
+//! chapter A.
 
 use plcc_diag::{Code, Diagnostic};
 use plcc_literal::distance;

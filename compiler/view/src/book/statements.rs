@@ -56,7 +56,7 @@ impl Maker<'_> {
         (!is_empty).then(|| sheet::network::sheet_of_statements(&graph, self.names, scope, &label))
     }
 
-    /// The ladder of a network in STL, or its text and why it is no ladder.
+    /// The ladder of a network in STL, or its text and why it is not a ladder.
     pub(super) fn rungs(&self, drawn: Result<Sheet, String>, spans: impl Iterator<Item = Span>) -> Section {
         match drawn {
             Ok(mut sheet) => {

@@ -1,5 +1,5 @@
-//! A network as it is drawn: parts with pins, and nets between them. All notations of networks become sheets, and the layouts of LAD and FBD
-//! know nothing else.
+//! A network as it is drawn: parts with pins, and nets between them. All notations of networks become sheets; the
+//! layouts of LAD and FBD know only these.
 
 pub mod expression;
 pub mod network;
@@ -131,7 +131,7 @@ pub struct Label {
 }
 
 impl Label {
-    /// A text that is no operand.
+    /// A text that is not an operand.
     pub fn plain(text: impl Into<String>) -> Label {
         Label { text: text.into(), ..Label::default() }
     }

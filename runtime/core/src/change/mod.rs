@@ -1,4 +1,4 @@
-//! A program is changed while it runs: at a cycle control point the next cycle is one of the new program.
+//! A program is changed while it runs: after a cycle control point the cycles are those of the new program.
 //!
 //! [`plan`] compares two programs and says what data goes where, what is new, what is lost, and whether the change is possible at all; nothing
 //! of the CPU is needed for it. [`takeover`] makes the CPU that goes on. A [`Loader`] is the way from another thread to the CPU: it compares

@@ -1,4 +1,5 @@
-//! The CPU that goes on with a new program: everything but the program and its data blocks is what the CPU before had.
+//! The CPU that goes on with a new program: it has everything of the CPU before it except the program and its data
+//! blocks.
 
 use std::cell::OnceCell;
 use std::rc::Rc;

@@ -1,11 +1,11 @@
 //! A CPU as a unit of a co-simulation, by the Functional Mock-up Interface.
 //!
-//! - [`variables`]: what a unit shows of its program: the same list for who writes the model description and for the unit itself, which
-//!   know a variable by its place in it.
+//! - [`variables`]: what a unit shows of its program. The model description and the unit itself use the same list, in
+//!   which a variable is known by its place.
 //! - [`instance`]: a CPU that is stepped from outside, whose variables are read and set.
 //! - `abi`: the functions that a simulator calls, version 2.0 and 3.0.
 //!
-//! Instances know nothing of each other: code is there once, each has its own memory and its own virtual clock.
+//! Instances are independent: they share the code, and each has its own memory and its own virtual clock.
 
 #[cfg(all(feature = "executable", not(test)))]
 mod abi;

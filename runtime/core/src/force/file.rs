@@ -43,7 +43,8 @@ struct RowText {
 pub(crate) enum Table {
     /// The user names it: it must exist and be right.
     Named,
-    /// An earlier run has left it, maybe of another version of the program: what that cannot force is told and left out.
+    /// An earlier run has left it, maybe with another version of the program: what cannot be forced is reported and
+    /// left out.
     Kept,
 }
 

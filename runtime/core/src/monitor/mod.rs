@@ -1,8 +1,9 @@
 //! Status of blocks for clients, while the CPU runs: what the calls of the blocks that somebody watches see.
 //!
-//! The code of the program is there twice, as it runs and with probes ([`plcc_abi::monitor`]). While somebody watches, the code with
-//! probes runs; both codes change only between two cycles, and memory stays as it is. Of all that the probes tell, a [`Watch`] keeps what
-//! one call of its block sees, in one cycle, until it is read; then it keeps the next one.
+//! There are two copies of the program's code, one as it runs and one with probes ([`plcc_abi::monitor`]). While
+//! somebody watches, the code with probes runs; both codes change only between two cycles, and memory stays as it is.
+//! Of all that the probes tell, a [`Watch`] keeps what one call of its block sees, in one cycle, until it is read;
+//! then it keeps the next one.
 
 mod recorder;
 pub mod recording;

@@ -17,7 +17,7 @@ pub struct Sample {
     pub time: u64,
     /// Number of the signal.
     pub signal: u8,
-    /// Bits are 0 or 1, durations seconds. A value that is no number is NaN.
+    /// Bits are 0 or 1, durations seconds. A value that is not a number is NaN.
     pub value: f64,
 }
 
@@ -115,7 +115,7 @@ impl Recording {
         self.triggered.is_some() && self.samples.len() >= self.plan.samples
     }
 
-    /// What comes after the first `told` samples, `most` at most. Nothing is told before the trigger.
+    /// What comes after the first `told` samples, `most` at most. Before the trigger there is nothing.
     pub(crate) fn progress(&self, cpu: &Cpu, told: usize, most: usize) -> Progress {
         let samples = match self.triggered {
             Some(_) => self.samples.iter().skip(told).take(most).copied().collect(),

@@ -246,7 +246,7 @@ impl Board {
         Ok(number)
     }
 
-    /// How far a job is; its end is told once.
+    /// How far a job is; its end is returned once.
     pub fn take(&self, number: u32) -> State {
         let mut inner = self.inner();
         match inner.jobs.get(&number) {
@@ -377,7 +377,7 @@ impl Line {
 impl Inner {
     fn next_number(&mut self) -> u32 {
         loop {
-            // 0 is no job.
+            // 0 is not a job.
             self.last = self.last.checked_add(1).unwrap_or(1);
             if !self.jobs.contains_key(&self.last) {
                 return self.last;

@@ -1,4 +1,4 @@
-//! Memory that lasts: what a CPU keeps without power is in a file, from one process to the next.
+//! Retentive memory: what a CPU keeps without power is kept in a file, from one process to the next.
 //!
 //! A copy of retentive memory is made between two cycles, so it is that of one completed cycle. It is written to the file by a
 //! [thread](writer) that the cycle never waits for, as often as `every` says, or by the cycle itself if each cycle counts. When the CPU goes to

@@ -1,8 +1,8 @@
 //! Many CPUs with one program: `--instances`, `--instance-values`.
 //!
-//! They know nothing of each other, and each has the virtual clock, so what one does depends only on the program and its own values. As many
-//! run at the same time as there are processors; one takes the memory of its areas and data blocks, and code is there once. Results come in the
-//! order of the instances.
+//! They are independent, and each has a virtual clock, so what one does depends only on the program and its own
+//! values. As many run at the same time as there are processors. Each takes the memory of its areas and data blocks;
+//! they share the code. Results come in the order of the instances.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;

@@ -65,7 +65,7 @@ impl Session {
         self.set.extend(values);
     }
 
-    /// The program has changed: names mean places of the new one. What it does not have is told and left out.
+    /// The program has changed: names mean places of the new one. What it does not have is reported and left out.
     pub fn renew(&mut self, cpu: &Cpu, options: &RunOptions) {
         self.end_trace(cpu);
         self.printed.clear();

@@ -1,5 +1,6 @@
-//! The file of a recording: eight bytes that say what it is, then pieces with their lengths and checksums. The first piece is the head, each
-//! further one a cycle; the last is empty, so that a file that was cut off shows. What was kept of such a file can be repeated.
+//! The file of a recording: eight bytes that say what it is, then pieces with their lengths and checksums. The first
+//! piece is the head, each further one a cycle; the last is empty, so that a file that was cut off is recognised.
+//! What is left of such a file can be repeated.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};

@@ -1,8 +1,9 @@
 //! Recordings: what a run got from outside, cycle by cycle, so that it can be repeated to the byte.
 //!
-//! While a run is recorded its clock stands still within a cycle, as the virtual clock does, and follows the clock of the host between
-//! cycles. So all that is not in the program is when each cycle begins, what came from devices and what clients have changed; the file has these, and a checksum of
-//! memory after each cycle, which the repetition has to meet.
+//! While a run is recorded its clock stands still within a cycle, as the virtual clock does, and follows the clock of
+//! the host between cycles. So besides the program, a run depends only on when each cycle begins, what came from
+//! devices and what clients have changed. The file has these, and a checksum of memory after each cycle, which the
+//! repetition must match.
 
 mod devices;
 mod file;

@@ -1,4 +1,4 @@
-//! The text of a watch table: as a file, and as clients tell it each other.
+//! The text of a watch table: as a file, and as clients exchange it.
 
 use std::path::PathBuf;
 

@@ -374,7 +374,7 @@ impl<'p, 'a, 'w, 't> Body<'p, 'a, 'w, 't> {
     }
 }
 
-/// What stands for something that was refused; nothing more is told of it.
+/// Stands for something that was refused; nothing more is reported about it.
 fn nothing(span: Span) -> ExprKind {
     ExprKind::Name(Name { text: String::new(), form: NameForm::Bare, span })
 }

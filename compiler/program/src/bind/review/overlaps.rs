@@ -1,4 +1,5 @@
-//! Addresses of which neither is part of the other, as MW 10 and MW 11: whoever writes one of them changes a part of the other.
+//! Addresses of which neither is part of the other, as MW 10 and MW 11: writing one of them changes a part of the
+//! other.
 
 use std::collections::BTreeMap;
 

@@ -1,5 +1,6 @@
-//! What a block in STL does for nothing: statements that never run, labels that no jump names, timers that start without a time,
-//! outputs that are assigned twice. A warning is given only where no path through the block makes the statement useful.
+//! What has no effect in a block in STL: statements that never run, labels that no jump names, timers that start
+//! without a time, outputs that are assigned twice. A warning is given only where no path through the block makes the
+//! statement useful.
 
 use std::collections::HashMap;
 

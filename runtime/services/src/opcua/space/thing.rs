@@ -1,4 +1,4 @@
-//! What has a value, or consists of others: found by its name or address, with its parts and its type.
+//! Things that have a value or consist of others: found by name or address, with their parts and types.
 
 use plcc_abi::image::AssertType;
 use plcc_abi::names::{Dimension, NamedMember, NamedStruct, NamedType, TypeNumber};
