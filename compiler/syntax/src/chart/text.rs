@@ -7,31 +7,16 @@ use super::ast::{
 use crate::network;
 use crate::network::ast::{Content, Network};
 use crate::scl::ast::Name;
-use crate::scl::text::{expr, statements};
+use crate::scl::text::{Lines, expr};
 
 /// Its lines, each with its depth.
 pub fn lines(chart: &Body) -> Vec<(usize, String)> {
-    let mut out = Lines { lines: Vec::new(), depth: 0 };
+    let mut out = Lines::default();
     out.body(chart);
-    out.lines
-}
-
-struct Lines {
-    lines: Vec<(usize, String)>,
-    depth: usize,
+    out.finish()
 }
 
 impl Lines {
-    fn line(&mut self, text: impl Into<String>) {
-        self.lines.push((self.depth, text.into()));
-    }
-
-    fn inside(&mut self, print: impl FnOnce(&mut Lines)) {
-        self.depth += 1;
-        print(self);
-        self.depth -= 1;
-    }
-
     fn body(&mut self, chart: &Body) {
         self.line(match chart.dialect {
             Dialect::Classic => "chart",
@@ -212,11 +197,6 @@ impl Lines {
                 Content::Stl(list) => out.line(format!("{} statements of STL", list.len())),
             }
         });
-    }
-
-    fn statements(&mut self, list: &[crate::scl::ast::Statement]) {
-        let depth = self.depth;
-        self.lines.extend(statements(list).into_iter().map(|(inner, line)| (depth + inner, line)));
     }
 }
 

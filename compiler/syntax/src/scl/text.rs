@@ -18,14 +18,14 @@ pub fn expr(value: &Expr) -> String {
 
 /// Lines for statements, each with its depth.
 pub fn statements(list: &[Statement]) -> Vec<(usize, String)> {
-    let mut lines = Lines { lines: Vec::new(), depth: 0 };
+    let mut lines = Lines::default();
     lines.statements(list);
-    lines.lines
+    lines.finish()
 }
 
 /// Lines for the statements of a block, each with its depth.
 pub fn body(value: &Body) -> Vec<(usize, String)> {
-    let mut lines = Lines { lines: Vec::new(), depth: 0 };
+    let mut lines = Lines::default();
     match value.dialect {
         Dialect::Either => lines.line("scl"),
         Dialect::Classic => lines.line("scl classic"),
@@ -37,26 +37,32 @@ pub fn body(value: &Body) -> Vec<(usize, String)> {
         }
         lines.statements(&value.statements);
     });
-    lines.lines
+    lines.finish()
 }
 
-struct Lines {
+/// The lines of a tree, each with its depth; those of charts too.
+#[derive(Default)]
+pub(crate) struct Lines {
     lines: Vec<(usize, String)>,
     depth: usize,
 }
 
 impl Lines {
-    fn line(&mut self, text: impl Into<String>) {
+    pub(crate) fn finish(self) -> Vec<(usize, String)> {
+        self.lines
+    }
+
+    pub(crate) fn line(&mut self, text: impl Into<String>) {
         self.lines.push((self.depth, text.into()));
     }
 
-    fn inside(&mut self, print: impl FnOnce(&mut Lines)) {
+    pub(crate) fn inside(&mut self, print: impl FnOnce(&mut Lines)) {
         self.depth += 1;
         print(self);
         self.depth -= 1;
     }
 
-    fn statements(&mut self, statements: &[Statement]) {
+    pub(crate) fn statements(&mut self, statements: &[Statement]) {
         for statement in statements {
             self.statement(&statement.kind);
         }
