@@ -121,6 +121,36 @@ impl Elementary {
         }
     }
 
+    /// True for the types of the S7-300 and S7-400; the S7-1200 and S7-1500 have the others as well.
+    pub const fn is_of_s7300(self) -> bool {
+        match self {
+            Elementary::Bool
+            | Elementary::Byte
+            | Elementary::Word
+            | Elementary::Dword
+            | Elementary::Char
+            | Elementary::Int
+            | Elementary::Dint
+            | Elementary::Real
+            | Elementary::S5Time
+            | Elementary::Time
+            | Elementary::Date
+            | Elementary::TimeOfDay => true,
+            Elementary::Lword
+            | Elementary::Wchar
+            | Elementary::Sint
+            | Elementary::Usint
+            | Elementary::Uint
+            | Elementary::Udint
+            | Elementary::Lint
+            | Elementary::Ulint
+            | Elementary::Lreal
+            | Elementary::Ltime
+            | Elementary::Ltod
+            | Elementary::Ldt => false,
+        }
+    }
+
     /// SINT, USINT and the other integers.
     pub const fn is_integer(self) -> bool {
         matches!(self.class(), Class::Signed | Class::Unsigned)

@@ -47,32 +47,7 @@ impl Maker<'_> {
 
     /// STL of the S7-300 has instructions for the type.
     pub fn has_type(&mut self, value: &Expr) -> bool {
-        let known = match value.ty {
-            Elementary::Bool
-            | Elementary::Byte
-            | Elementary::Word
-            | Elementary::Dword
-            | Elementary::Char
-            | Elementary::Int
-            | Elementary::Dint
-            | Elementary::Real
-            | Elementary::S5Time
-            | Elementary::Time
-            | Elementary::Date
-            | Elementary::TimeOfDay => true,
-            Elementary::Lword
-            | Elementary::Wchar
-            | Elementary::Sint
-            | Elementary::Usint
-            | Elementary::Uint
-            | Elementary::Udint
-            | Elementary::Lint
-            | Elementary::Ulint
-            | Elementary::Lreal
-            | Elementary::Ltime
-            | Elementary::Ltod
-            | Elementary::Ldt => false,
-        };
+        let known = value.ty.is_of_s7300();
         if !known {
             let what = format!("values of type {}", value.ty.name());
             self.refuse(value.span, what, "use a type of the S7-300");

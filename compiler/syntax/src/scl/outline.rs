@@ -204,12 +204,6 @@ pub fn modern_type(word: &str) -> bool {
     match upper.as_str() {
         "DTL" | "WSTRING" | "VARIANT" => true,
         "TOD" | "S5TIME" => false,
-        name => Elementary::from_word(name).is_some_and(|ty| {
-            ty.bits() == 64
-                || matches!(
-                    ty,
-                    Elementary::Sint | Elementary::Usint | Elementary::Uint | Elementary::Udint | Elementary::Wchar
-                )
-        }),
+        name => Elementary::from_word(name).is_some_and(|ty| !ty.is_of_s7300()),
     }
 }

@@ -388,7 +388,7 @@ impl Declarations<'_> {
     ) -> Option<()> {
         let bytes = match ty {
             DataType::Elementary(elementary) => match elementary_bytes(*elementary, literal, Place::Declaration) {
-                Err(Mismatch::Type) if !in_stl(*elementary) => Constant::of_stl(literal)
+                Err(Mismatch::Type) if !elementary.is_of_s7300() => Constant::of_stl(literal)
                     .ok_or(Mismatch::Type)
                     .and_then(|constant| Globals::constant_bytes(&constant, ty)),
                 result => result,
@@ -454,25 +454,6 @@ fn is_char(ty: &DataType) -> bool {
 
 fn is_text(value: &Expr) -> bool {
     matches!(value.kind, ExprKind::Literal(plcc_syntax::scl::ast::Literal::Text { .. }))
-}
-
-/// Types of S7-300/400 that STL reads and writes.
-const fn in_stl(ty: Elementary) -> bool {
-    matches!(
-        ty,
-        Elementary::Bool
-            | Elementary::Byte
-            | Elementary::Word
-            | Elementary::Dword
-            | Elementary::Char
-            | Elementary::Int
-            | Elementary::Dint
-            | Elementary::Real
-            | Elementary::S5Time
-            | Elementary::Time
-            | Elementary::Date
-            | Elementary::TimeOfDay
-    )
 }
 
 /// `N(0)` with a constant N, which looks like a call.
