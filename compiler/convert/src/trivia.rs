@@ -81,11 +81,6 @@ impl<'a> Trivia<'a> {
         found
     }
 
-    /// Skips the comments before byte `at`, which belong to something that is written by itself.
-    pub fn skip_to(&mut self, at: u32) {
-        self.before(at);
-    }
-
     fn remark(&self, comment: &Comment) -> Remark {
         let text = self.source.get(comment.range()).unwrap_or_default().trim_end();
         let remark = Remark { text: text.to_string(), own_line: comment.own_line };

@@ -41,7 +41,8 @@ pub fn module_text(module: &Module) -> String {
 }
 
 /// The text form of one function of `module`.
-pub fn function_text(module: &Module, function: &Function) -> String {
+#[cfg(test)]
+pub(crate) fn function_text(module: &Module, function: &Function) -> String {
     let mut out = String::new();
     write_function(module, function, &mut out).expect("a String takes all text");
     out

@@ -142,11 +142,6 @@ const NOTE: usize = 16;
 const WIDTH: usize = 100;
 
 impl Report {
-    /// Whether everything carries over as it is.
-    pub fn is_complete(&self) -> bool {
-        self.rows.iter().all(|row| row.fate == Fate::Carries)
-    }
-
     /// The report for people.
     pub fn text(&self) -> String {
         let mut out = format!("{}: {}\n", self.title, self.program);
