@@ -241,15 +241,19 @@ impl Editor<'_> {
         {
             return self.not_natural(span, &found.name);
         }
-        if self.locals.contains(&found.name.to_lowercase()) && !self.is_tia {
-            return self.stays(
-                span,
-                &found.name,
-                "a variable of the block has the same name",
-                "give the variable another name",
-            );
+        if self.is_hidden(&found.name, span) {
+            return;
         }
         self.edit(span, names::symbol(&found.name));
+    }
+
+    /// Whether a variable of the block hides a symbol: then its address stays, with a warning.
+    fn is_hidden(&mut self, name: &str, span: Span) -> bool {
+        let is_hidden = self.locals.contains(&name.to_lowercase()) && !self.is_tia;
+        if is_hidden {
+            self.stays(span, name, "a variable of the block has the same name", "give the variable another name");
+        }
+        is_hidden
     }
 
     /// A component of a data block, or an address in one; false if it is neither.
@@ -321,13 +325,8 @@ impl Editor<'_> {
         if !Self::is_natural(Some(ty), width) {
             return self.not_natural(span, &format!("{}.{path}", found.name));
         }
-        if self.locals.contains(&found.name.to_lowercase()) && !self.is_tia {
-            return self.stays(
-                span,
-                &found.name,
-                "a variable of the block has the same name",
-                "give the variable another name",
-            );
+        if self.is_hidden(&found.name, span) {
+            return;
         }
         self.edit(span, format!("{}.{path}", names::symbol(&found.name)));
     }

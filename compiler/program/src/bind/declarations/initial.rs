@@ -386,16 +386,16 @@ impl Declarations<'_> {
         byte: u32,
         bit: u8,
     ) -> Option<()> {
+        let fitted = || {
+            let constant = Constant::of_stl(literal).ok_or(Mismatch::Type)?;
+            Globals::constant_bytes(&constant, ty)
+        };
         let bytes = match ty {
             DataType::Elementary(elementary) => match elementary_bytes(*elementary, literal, Place::Declaration) {
-                Err(Mismatch::Type) if !elementary.is_of_s7300() => Constant::of_stl(literal)
-                    .ok_or(Mismatch::Type)
-                    .and_then(|constant| Globals::constant_bytes(&constant, ty)),
+                Err(Mismatch::Type) if !elementary.is_of_s7300() => fitted(),
                 result => result,
             },
-            _ => Constant::of_stl(literal)
-                .ok_or(Mismatch::Type)
-                .and_then(|constant| Globals::constant_bytes(&constant, ty)),
+            _ => fitted(),
         };
         self.encode_bytes(bytes, literal_kind(literal), span, ty, image, byte, bit)
     }
