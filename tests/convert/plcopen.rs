@@ -334,7 +334,7 @@ fn sums_of_file(file: PathBuf, sum: &str, cycles: u32) -> Result<Vec<String>, St
 /// `PLCC_RANDOM_PROJECTS=N` sets the number of programs.
 #[test]
 fn random_networks_as_projects_do_the_same() {
-    let count = std::env::var("PLCC_RANDOM_PROJECTS").ok().and_then(|text| text.parse().ok()).unwrap_or(60);
+    let count = plcc_tests::random::setting("PLCC_RANDOM_PROJECTS", 60);
     let folder = tempfile::tempdir().expect("a folder");
     let (mut failed, mut compared) = (Vec::new(), 0);
     // One in which a flip-flop of FBD resets itself.
