@@ -349,7 +349,19 @@ impl BlockLowering<'_, '_> {
     }
 
     fn text_of(&mut self, actual: &Actual, direction: place::Direction) -> Option<TextOperand> {
-        let Actual::Place(place) = actual else { return None };
+        let place = match actual {
+            Actual::Place(place) => place,
+            Actual::Const(bytes) => {
+                let addr = self.temporary(bytes.len() as u32);
+                self.store_bytes(addr, bytes);
+                return self.constant_text(addr, bytes);
+            }
+            Actual::Number(_)
+            | Actual::PointerBytes(_)
+            | Actual::PointerTo { .. }
+            | Actual::PointerCopy(_)
+            | Actual::Variant(..) => return None,
+        };
         let target = self.target(place, Width::Byte, direction);
         let (addr, _, checks) = self.in_memory(target, Width::Byte, direction);
         self.text_in_memory(addr, 0, &checks, direction, |lowering| lowering.pointer_fields(place))

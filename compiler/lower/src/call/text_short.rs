@@ -23,7 +23,7 @@ use crate::block::BlockLowering;
 use crate::pointer::moved;
 
 /// Bytes before the characters.
-const HEAD_BYTES: u32 = 2;
+pub(super) const HEAD_BYTES: u32 = 2;
 /// Longest constant that is searched.
 const SOUGHT_MAX: usize = 4;
 /// `kind` of a number as INT and as DINT, see [`RuntimeFn::TextScan`].
@@ -50,6 +50,8 @@ struct Text<'t> {
     /// Neither length nor maximum is more.
     most: u32,
     characters: Option<&'t [u8]>,
+    /// It may be the one that is written; an i1 says whether it is.
+    is_out: Option<Value>,
 }
 
 /// Characters that become part of a result.
@@ -78,17 +80,13 @@ impl BlockLowering<'_, '_> {
         texts: &[TextOperand],
         values: &[Option<Value>],
     ) -> Value {
-        let numbers: Vec<Value> = values.iter().flatten().copied().collect();
-        if !self.has_short_way(function, texts, &numbers) {
+        if !self.has_short_way(function, texts, values) {
             return self.run_text(function, callee, texts, values);
         }
         let (call, end) = (self.b.create_cold_block(), self.b.create_block());
         let result = self.b.declare_var(Type::I64);
-        let done = self.short_way(function, texts, &numbers, call);
-        let value = self.b.zext(Type::I64, done.value);
-        let value = self.b.binary_imm(BinaryOp::Or, value, WRITTEN as i64);
+        let value = self.run_text_or_leave(function, texts, values, call);
         self.b.def_var(result, value);
-        self.set(self.regs.br, done.good);
         self.b.jump(end, &[]);
         self.b.seal_block(call);
         self.b.switch_to(call);
@@ -100,12 +98,29 @@ impl BlockLowering<'_, '_> {
         self.b.use_var(result)
     }
 
-    /// Whether [`short_way`](Self::short_way) knows the function, and enough of its operands.
-    fn has_short_way(&self, function: RuntimeFn, texts: &[TextOperand], numbers: &[Value]) -> bool {
+    /// The way without a call, if [`has_short_way`](Self::has_short_way); what is out of the ordinary goes to `call`. Result and BR are
+    /// those of [`run_text`](Self::run_text).
+    pub fn run_text_or_leave(
+        &mut self,
+        function: RuntimeFn,
+        texts: &[TextOperand],
+        values: &[Option<Value>],
+        call: Block,
+    ) -> Value {
+        let numbers: Vec<Value> = values.iter().flatten().copied().collect();
+        let done = self.short_way(function, texts, &numbers, call);
+        let value = self.b.zext(Type::I64, done.value);
+        self.set(self.regs.br, done.good);
+        self.b.binary_imm(BinaryOp::Or, value, WRITTEN as i64)
+    }
+
+    /// Whether there is a way without a call for the function and its operands.
+    pub fn has_short_way(&self, function: RuntimeFn, texts: &[TextOperand], values: &[Option<Value>]) -> bool {
         // Where the depth of calls is counted, each call may stop the CPU.
         if self.plan.checks_depth {
             return false;
         }
+        let numbers: Vec<Value> = values.iter().flatten().copied().collect();
         let constant = |number: &Value| self.b.constant_bits(*number);
         let holds_word = |text: &TextOperand| self.most(text) >= WORD && text.characters.is_none();
         match (function, texts) {
@@ -123,10 +138,8 @@ impl BlockLowering<'_, '_> {
                         (1..=SOUGHT_MAX).contains(&sought.len()) && sought.len() as u32 + WORD <= self.most(text)
                     })
             }
-            (RuntimeFn::TextCompare, [text, with]) => {
-                holds_word(text)
-                    && with.characters.as_ref().is_some_and(|characters| characters.len() <= WORD as usize)
-                    && numbers.last().and_then(constant).is_some()
+            (RuntimeFn::TextCompare, [one, two]) => {
+                numbers.last().and_then(constant).is_some_and(|relation| self.compares_shortly(one, two, relation))
             }
             (RuntimeFn::TextOfDint, [out]) => holds_word(out) && numbers.last().and_then(constant).is_some(),
             (RuntimeFn::TextLength, [text]) => text.characters.is_none() && numbers.last().and_then(constant).is_some(),
@@ -140,11 +153,16 @@ impl BlockLowering<'_, '_> {
 
     /// What the function does where nothing is out of the ordinary; anything else goes to `call`.
     fn short_way(&mut self, function: RuntimeFn, operands: &[TextOperand], numbers: &[Value], call: Block) -> Done {
-        let texts = self.texts_as_declared(operands, call);
-        if writes_text(function) {
-            self.require_apart(operands, call);
-        }
         let good = self.b.bool_const(true);
+        if let (RuntimeFn::TextCompare, [one, two], &[relation]) = (function, operands, numbers) {
+            let relation = self.b.constant_bits(relation).expect("the relation is a constant");
+            let holds = self.compare_shortly(one, two, relation, call);
+            return Done { value: self.b.zext(Type::I32, holds), good };
+        }
+        let mut texts = self.texts_as_declared(operands, call);
+        if writes_text(function) {
+            self.require_apart(function, operands, &mut texts, call);
+        }
         let zero = self.b.i32_const(0);
         let done = Done { value: zero, good };
         match (function, &texts[..], numbers) {
@@ -209,13 +227,6 @@ impl BlockLowering<'_, '_> {
                 let sought = sought.characters.expect("only constants are sought");
                 return self.find(text, sought, rules, call);
             }
-            (RuntimeFn::TextCompare, [text, with], &[relation]) => {
-                self.require_word(text, call);
-                let with = with.characters.expect("only compared with constants");
-                let relation = self.b.constant_bits(relation).expect("the relation is a constant");
-                let holds = self.word_relation(text.start, text.length, with, relation);
-                return Done { value: self.b.zext(Type::I32, holds), good };
-            }
             (RuntimeFn::TextOfDint, [out], &[number, form]) => {
                 self.require_word(out, call);
                 let plus = self.b.constant_bits(form).is_some_and(|form| form & u64::from(PLUS) != 0);
@@ -251,12 +262,19 @@ impl BlockLowering<'_, '_> {
     pub fn copy_text_shortly(&mut self, to: Address, from: Address, declared: u32, limit: u32) -> Option<Block> {
         let known = |maximum: u32| u8::try_from(maximum).ok().filter(|&maximum| maximum != 0);
         let (limit, declared) = (known(limit)?, known(declared)?);
-        if apart((to, limit), (from, declared)) != Places::Apart {
+        let places = apart((to, limit), (from, declared));
+        if places == Places::Same {
             return None;
         }
         let (call, end) = (self.b.create_cold_block(), self.b.create_block());
         let (valid, length) = self.head_as_declared(from, declared);
         self.require(valid, call);
+        if places == Places::Unknown {
+            let addresses = [to, from].map(|addr| self.b.address_of(addr));
+            let maxima = [limit, declared].map(|maximum| self.b.i32_const(maximum.into()));
+            let apart = self.are_apart(addresses, maxima);
+            self.require(apart, call);
+        }
         let most = declared.min(limit);
         if limit < declared {
             let fits = self.b.icmp_imm(IntCc::Ule, length, limit.into());
@@ -310,7 +328,8 @@ impl BlockLowering<'_, '_> {
                     (length, self.b.i32_const(operand.declared.into()))
                 }
             };
-            texts.push(Text { start, length, maximum, most, characters: operand.characters.as_deref() });
+            let characters = operand.characters.as_deref();
+            texts.push(Text { start, length, maximum, most, characters, is_out: None });
         }
         texts
     }
@@ -330,17 +349,37 @@ impl BlockLowering<'_, '_> {
         (self.b.and(right, exists), length, maximum)
     }
 
-    /// Of the texts of which the places are not known, none shares memory with the last one.
-    fn require_apart(&mut self, operands: &[TextOperand], call: Block) {
-        /// Bytes of the longest text.
-        const LONGEST: i64 = (HEAD_BYTES + ROOM_MAX) as i64;
-        let Some((out, inputs)) = operands.split_last() else { return };
-        for text in inputs.iter().filter(|text| places(text, out) == Places::Unknown) {
-            let distance = self.b.isub(out.address, text.address);
-            let distance = self.b.binary_imm(BinaryOp::Iadd, distance, LONGEST - 1);
-            let apart = self.b.icmp_imm(IntCc::Ugt, distance, 2 * (LONGEST - 1));
-            self.require(apart, call);
+    /// Of the texts of which the places are not known, none shares memory with the last one. The first may also be that one, where it does not
+    /// matter: its characters stay where they are or move to the front.
+    fn require_apart(&mut self, function: RuntimeFn, operands: &[TextOperand], texts: &mut [Text], call: Block) {
+        let (Some((out, inputs)), Some((written, read))) = (operands.split_last(), texts.split_last_mut()) else {
+            return;
+        };
+        let may_be_out = !matches!(function, RuntimeFn::TextInsert | RuntimeFn::TextReplace)
+            && inputs.iter().all(|text| places(text, out) != Places::Same);
+        for (index, (operand, text)) in inputs.iter().zip(read).enumerate() {
+            if places(operand, out) != Places::Unknown {
+                continue;
+            }
+            let mut ok = self.are_apart([out.address, operand.address], [written.maximum, text.maximum]);
+            if index == 0 && may_be_out {
+                let same = self.b.icmp(IntCc::Eq, out.address, operand.address);
+                text.is_out = Some(same);
+                ok = self.b.or(ok, same);
+            }
+            self.require(ok, call);
         }
+    }
+
+    /// Whether two texts share no byte, an i1: by their addresses and maxima, i32 all.
+    fn are_apart(&mut self, [one, two]: [Value; 2], maxima: [Value; 2]) -> Value {
+        // From `two` to the last byte of the text there, and the same for `one`.
+        let [one_last, two_last] =
+            maxima.map(|maximum| self.b.binary_imm(BinaryOp::Iadd, maximum, i64::from(HEAD_BYTES) - 1));
+        let distance = self.b.isub(one, two);
+        let distance = self.b.iadd(distance, one_last);
+        let both = self.b.iadd(one_last, two_last);
+        self.b.icmp(IntCc::Ugt, distance, both)
     }
 
     /// Eight characters of the text exist, whatever its length is.
@@ -359,7 +398,7 @@ impl BlockLowering<'_, '_> {
     }
 
     /// Goes to `call` unless `cond`.
-    fn require(&mut self, cond: Value, call: Block) {
+    pub(super) fn require(&mut self, cond: Value, call: Block) {
         if self.b.constant_bits(cond) == Some(1) {
             return;
         }
@@ -450,7 +489,19 @@ impl BlockLowering<'_, '_> {
                 Some(characters) => self.store_bytes(to, characters),
                 None => {
                     let room = room(self, part, written);
+                    let end = part.text.is_out.filter(|_| part.text.start == from).map(|is_there| {
+                        let (copy, end) = (self.b.create_block(), self.b.create_block());
+                        self.b.branch(is_there, end, copy);
+                        self.b.seal_block(copy);
+                        self.b.switch_to(copy);
+                        end
+                    });
                     self.copy_characters(to, from, part.count, part.text.most.min(out.most), room);
+                    if let Some(end) = end {
+                        self.b.jump(end, &[]);
+                        self.b.seal_block(end);
+                        self.b.switch_to(end);
+                    }
                 }
             }
         }
@@ -556,7 +607,8 @@ fn apart(one: (Address, u8), two: (Address, u8)) -> Places {
     }
     let is_db = |region: Region| matches!(region, Region::Db(_) | Region::AnyDb);
     let is_plain = |region: Region| is_db(region) || matches!(region, Region::I | Region::Q | Region::M | Region::L);
-    let end = |at: Address, declared: u8| at.offset + HEAD_BYTES + u32::from(declared);
+    let most = |declared: u8| if declared == 0 { ROOM_MAX } else { declared.into() };
+    let end = |at: Address, declared: u8| at.offset + HEAD_BYTES + most(declared);
     match () {
         () if !is_plain(a.region) || !is_plain(b.region) => Places::Unknown,
         // The data block of an instance may be any.

@@ -113,7 +113,7 @@ impl BlockLowering<'_, '_> {
     pub fn assign_text(&mut self, target: &Access, value: &Complex) {
         let kind = Text::of(&target.ty).expect("the binder assigns texts to texts");
         let located = self.locate(target);
-        let limit = text_limit(target);
+        let limit = self.text_limit(target);
         self.store_text(&located, limit, kind, value);
     }
 
@@ -129,7 +129,7 @@ impl BlockLowering<'_, '_> {
             Complex::Variable(access) => {
                 let from = self.locate(access);
                 let (from, checks) = self.located_address(&from, Direction::Read);
-                (from, checks, text_limit(access))
+                (from, checks, self.text_limit(access))
             }
             Complex::Call(_) => (self.complex_value(value), Vec::new(), TEXT_MAX),
             // Short constants are stored, and others copied by the runtime.
@@ -205,16 +205,20 @@ impl BlockLowering<'_, '_> {
         let Complex::Call(call) = value else { unreachable!("only used for calls") };
         self.scl_call(call).place.expect("the binder only accepts complex values of functions that have one")
     }
-}
 
-/// Maximum length of a text. For a formal parameter it is that of its actual.
-pub fn text_limit(target: &Access) -> u32 {
-    match (&target.base, &target.ty) {
-        (Base::Place(Place::Parameter { .. } | Place::ThroughPointer { .. }), _) if target.indices.is_empty() => {
-            OWN_MAXIMUM
+    /// Maximum length of a text. For a formal parameter it is that of its actual.
+    pub fn text_limit(&self, target: &Access) -> u32 {
+        let parameters = &self.block.interface.parameters;
+        let parameter = match &target.base {
+            Base::Place(Place::Parameter { parameter, .. }) => parameters.get(*parameter),
+            Base::Place(Place::ThroughPointer { pointer, .. }) => parameters.iter().find(|own| own.byte == *pointer),
+            Base::Place(_) | Base::Indexed { .. } => None,
+        };
+        match (&target.ty, parameter.map(|parameter| &parameter.ty)) {
+            (_, Some(DataType::String(_) | DataType::WideString(_))) => OWN_MAXIMUM,
+            (DataType::String(maximum), _) => u32::from(*maximum),
+            (DataType::WideString(maximum), _) => u32::from(*maximum),
+            _ => OWN_MAXIMUM,
         }
-        (_, DataType::String(maximum)) => u32::from(*maximum),
-        (_, DataType::WideString(maximum)) => u32::from(*maximum),
-        _ => OWN_MAXIMUM,
     }
 }

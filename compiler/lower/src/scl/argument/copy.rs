@@ -9,7 +9,7 @@ use crate::block::BlockLowering;
 use crate::fault::Substitute;
 use crate::place::{self, BitNumber, Target};
 use crate::pointer::moved;
-use crate::scl::text::{OWN_MAXIMUM, Text, text_limit};
+use crate::scl::text::{OWN_MAXIMUM, Text};
 
 impl BlockLowering<'_, '_> {
     /// Writes the input to the formal's place, relative to `base`. For a system function, all complex values are copies.
@@ -70,7 +70,7 @@ impl BlockLowering<'_, '_> {
         let (from, checks, declared) = match source {
             Source::Variable { access, located } => {
                 let (from, checks) = self.located_address(located, place::Direction::Read);
-                (from, checks, text_limit(access))
+                (from, checks, self.text_limit(access))
             }
             Source::Frame(from) => (*from, Vec::new(), OWN_MAXIMUM),
         };
@@ -102,8 +102,9 @@ impl BlockLowering<'_, '_> {
                     DataType::String(maximum) => u32::from(*maximum),
                     _ => OWN_MAXIMUM,
                 };
+                let limit = self.text_limit(back.access);
                 match Text::of(ty) {
-                    Some(kind) => self.copy_text(to, addr, declared, text_limit(back.access), kind),
+                    Some(kind) => self.copy_text(to, addr, declared, limit, kind),
                     None => self.b.copy(to, addr, bytes),
                 }
                 self.end_guard(guard);

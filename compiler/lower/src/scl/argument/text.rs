@@ -12,7 +12,7 @@ use crate::block::BlockLowering;
 use crate::call::{TextCall, TextInput, TextOperand};
 use crate::place::Direction;
 use crate::scl::access::Located;
-use crate::scl::text::{TEXT_MAX, text_limit};
+use crate::scl::text::TEXT_MAX;
 
 /// The arguments of a function of texts.
 pub struct TextArguments {
@@ -142,7 +142,7 @@ impl BlockLowering<'_, '_> {
 
     fn located_text(&mut self, access: &Access, located: &Located, direction: Direction) -> Option<TextOperand> {
         let (addr, checks) = self.located_address(located, direction);
-        let declared = text_limit(access);
+        let declared = self.text_limit(access);
         let declared = if declared <= TEXT_MAX { declared as u8 } else { 0 };
         self.text_in_memory(addr, declared, &checks, direction, |lowering| lowering.located_pointer(located))
     }
@@ -163,7 +163,7 @@ impl BlockLowering<'_, '_> {
         arguments: &TextArguments,
         given: &[Given],
     ) -> Option<Value> {
-        let result = self.run_text_or_compare(arguments.function, callee, &arguments.texts, &arguments.values);
+        let result = self.run_text_shortly(arguments.function, callee, &arguments.texts, &arguments.values);
         let (parameter, keeps) = text.value?;
         let formal = &callee.interface.parameters[parameter];
         let is_bit = formal.passing == Passing::Elementary(Width::Bit);
