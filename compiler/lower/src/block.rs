@@ -6,8 +6,10 @@ use plcc_abi::layout::{self, CpuRegister};
 use plcc_ir::{Address, Block, FunctionBuilder, Loc, Region, Value, Var};
 use plcc_model::{CodeBlock, LabelId, Passing, Place, StlStatement, Width};
 use plcc_syntax::stl::StlInsn;
+use rustc_hash::FxHashMap;
 
 use crate::Output;
+use crate::call::FormalText;
 use crate::labels::Labels;
 use crate::place::reference::References;
 use crate::plan::{self, Plan};
@@ -124,6 +126,8 @@ pub struct BlockLowering<'p, 'o> {
     pub instance: Option<Value>,
     /// The complex IN_OUT of an FB in SCL, LAD or FBD.
     pub references: References,
+    /// The formal parameters of a function in these languages that are texts, by their indices.
+    pub formal_texts: FxHashMap<usize, FormalText>,
     /// Local data that code can address, in bytes.
     pub local_bytes: u32,
     /// Temporaries of the current statement begin here in the frame; `frame_bytes` is the most that was ever used.
@@ -178,6 +182,7 @@ impl<'p, 'o> BlockLowering<'p, 'o> {
             pointed_copies: Vec::new(),
             instance: None,
             references: References::default(),
+            formal_texts: FxHashMap::default(),
             local_bytes,
             temporaries: local_bytes,
             frame_bytes: local_bytes,

@@ -131,7 +131,7 @@ impl BlockLowering<'_, '_> {
     }
 
     /// Reads from the structure that the caller put into its frame for a formal parameter.
-    fn read_parameter_structure(&mut self, parameter: usize, offset: u32, width: Width) -> Value {
+    pub fn read_parameter_structure(&mut self, parameter: usize, offset: u32, width: Width) -> Value {
         let base = self.parameters[parameter][0];
         self.load_zero_extended(Address::indexed(Region::V, base, offset), width)
     }

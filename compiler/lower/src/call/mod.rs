@@ -27,7 +27,7 @@ use plcc_model::{BlockKey, Call, CodeBlock, Passing};
 
 pub use self::block_move::{is_block_move, known_bytes};
 pub use self::function::has_area_pointer;
-pub use self::text::{TextCall, TextInput, TextOperand, text_call};
+pub use self::text::{FormalText, TextCall, TextInput, TextOperand, text_call};
 use crate::block::BlockLowering;
 use crate::fault::{Check, Substitute};
 use crate::plan;

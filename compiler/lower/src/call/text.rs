@@ -9,13 +9,14 @@ use plcc_abi::layout::{AREA_BYTES, area};
 use plcc_abi::text::{BR, LOCAL, OPERAND_BITS, ROOM_MAX, WRITTEN};
 use plcc_abi::{RuntimeFn, Type};
 use plcc_ir::{Address, BinaryOp, IntCc, Region, Value};
+use plcc_model::types::DataType;
 use plcc_model::{Actual, Argument, Body, CodeBlock, Direction, Passing, Place, StlStatementKind, Width};
 
 use super::big_endian;
 use crate::block::BlockLowering;
 use crate::fault::Check;
 use crate::place;
-use crate::plan::Plan;
+use crate::plan::{Plan, takes_references};
 use crate::pointer::PointerFields;
 
 /// The runtime functions of system functions, by number. Their arguments are what is known of the texts, the inputs in the order of the system function,
@@ -72,11 +73,24 @@ pub struct TextOperand {
     pub(super) address: Value,
     /// Characters that exist there, an i32 as [`plcc_abi::text`] describes it.
     pub(super) room: Value,
+    /// The same with at most 254 characters in local data, too.
+    pub(super) limit: Value,
     /// The declared maximum; 0 if it is not known.
     pub(super) declared: u8,
     /// The characters of a constant.
     pub(super) characters: Option<Vec<u8>>,
+    /// It exists as a whole, but `room` is not what the runtime wants to know.
+    pub is_whole: bool,
     /// i1: address and room are right.
+    ok: Value,
+}
+
+/// What the pointer of a formal parameter says about the text there.
+#[derive(Clone, Copy)]
+pub struct FormalText {
+    /// As in [`TextOperand`].
+    room: Value,
+    limit: Value,
     ok: Value,
 }
 
@@ -116,7 +130,17 @@ impl BlockLowering<'_, '_> {
     /// A text in this block's frame.
     pub fn text_in_frame(&mut self, addr: Address, declared: u8) -> TextOperand {
         let (address, room) = (self.b.address_of(addr), self.b.i32_const(LOCAL.into()));
-        TextOperand { addr, address, room, declared, characters: None, ok: self.b.bool_const(true) }
+        let limit = self.b.i32_const(ROOM_MAX);
+        TextOperand {
+            addr,
+            address,
+            room,
+            limit,
+            declared,
+            characters: None,
+            is_whole: false,
+            ok: self.b.bool_const(true),
+        }
     }
 
     /// A constant with its head, which is in this block's frame.
@@ -167,12 +191,58 @@ impl BlockLowering<'_, '_> {
             None => byte,
         };
         let room = self.room(length, byte);
-        Some(TextOperand { addr, address, room, declared, characters: None, ok })
+        Some(TextOperand { addr, address, room, limit: room, declared, characters: None, is_whole: false, ok })
+    }
+
+    /// A text with a `declared` maximum at `addr`, all of which exists if `ok`: where it is need not be known. Only for functions that are done
+    /// without a call.
+    pub fn whole_text(&mut self, addr: Address, declared: u8, ok: Value) -> TextOperand {
+        let (address, room) = (self.b.address_of(addr), self.b.i32_const(declared.into()));
+        TextOperand { addr, address, room, limit: room, declared, characters: None, is_whole: true, ok }
+    }
+
+    /// The text that a formal parameter of this function is, at `addr`; what its pointer says was found out where the function began.
+    pub fn formal_text(&mut self, addr: Address, formal: FormalText) -> TextOperand {
+        let FormalText { room, limit, ok } = formal;
+        TextOperand {
+            addr,
+            address: self.b.address_of(addr),
+            room,
+            limit,
+            declared: 0,
+            characters: None,
+            is_whole: false,
+            ok,
+        }
+    }
+
+    /// Follows the pointers of the formal parameters of a function that are texts. They stay as they are while it runs.
+    pub fn begin_formal_texts(&mut self) {
+        if !takes_references(self.block) {
+            return;
+        }
+        let block = self.block;
+        for (parameter, formal) in block.interface.parameters.iter().enumerate() {
+            if let (Passing::Complex { .. }, DataType::String(_)) = (formal.passing, &formal.ty) {
+                // Where it is in local data does not matter.
+                let db = self.read_parameter_structure(parameter, 0, Width::Word);
+                let pointer = self.read_parameter_structure(parameter, 2, Width::Dword);
+                let formal = self.room_at_pointer(PointerFields { db, pointer }, 0);
+                self.formal_texts.insert(parameter, formal);
+            }
+        }
     }
 
     /// A text at `addr`, to which `fields` point.
     fn text_at_pointer(&mut self, addr: Address, declared: u8, fields: PointerFields, ok: Value) -> TextOperand {
         let address = self.b.address_of(addr);
+        let FormalText { room, limit, ok: known } = self.room_at_pointer(fields, declared);
+        let ok = self.b.and(ok, known);
+        TextOperand { addr, address, room, limit, declared, characters: None, is_whole: false, ok }
+    }
+
+    /// What `fields` say of the text to which they point: it is in a DB, with a `declared` maximum as a whole, or in local data.
+    fn room_at_pointer(&mut self, fields: PointerFields, declared: u8) -> FormalText {
         let code = self.b.binary_imm(BinaryOp::Lshr, fields.pointer, 24);
         let in_db = self.b.icmp_imm(IntCc::Eq, code, i64::from(area::DB));
         let is_local = self.b.icmp_imm(IntCc::Eq, code, i64::from(area::V));
@@ -183,10 +253,10 @@ impl BlockLowering<'_, '_> {
         let end = self.b.binary_imm(BinaryOp::Iadd, byte, HEAD_BYTES + i64::from(declared));
         let inside = self.b.icmp(IntCc::Ule, end, length);
         let in_db = self.b.and(in_db, inside);
-        let local = self.b.i32_const(LOCAL.into());
+        let [local, most] = [LOCAL.into(), ROOM_MAX].map(|characters| self.b.i32_const(characters));
+        let limit = self.b.select(is_local, most, room);
         let room = self.b.select(is_local, local, room);
-        let known = self.b.or(in_db, is_local);
-        TextOperand { addr, address, room, declared, characters: None, ok: self.b.and(ok, known) }
+        FormalText { room, limit, ok: self.b.or(in_db, is_local) }
     }
 
     /// Characters of a text at `byte` that exist, if `length` bytes exist from 0 on.

@@ -21,6 +21,7 @@ use super::text::TextOperand;
 use super::text_words::WORD;
 use crate::block::BlockLowering;
 use crate::pointer::moved;
+use crate::scl::text::TextPlace;
 
 /// Bytes before the characters.
 pub(super) const HEAD_BYTES: u32 = 2;
@@ -117,7 +118,7 @@ impl BlockLowering<'_, '_> {
     /// Whether there is a way without a call for the function and its operands.
     pub fn has_short_way(&self, function: RuntimeFn, texts: &[TextOperand], values: &[Option<Value>]) -> bool {
         // Where the depth of calls is counted, each call may stop the CPU.
-        if self.plan.checks_depth {
+        if self.plan.checks_depth || self.scl.by_runtime {
             return false;
         }
         let numbers: Vec<Value> = values.iter().flatten().copied().collect();
@@ -257,42 +258,64 @@ impl BlockLowering<'_, '_> {
         done
     }
 
-    /// Copies at most `limit` characters of a text with a `declared` maximum as an assignment does, where its head is as declared and it fits.
-    /// Then all goes on at the result, and what is lowered next does the rest. `None`: the compiler does not know enough, nothing is lowered.
-    pub fn copy_text_shortly(&mut self, to: Address, from: Address, declared: u32, limit: u32) -> Option<Block> {
-        let known = |maximum: u32| u8::try_from(maximum).ok().filter(|&maximum| maximum != 0);
-        let (limit, declared) = (known(limit)?, known(declared)?);
-        let places = apart((to, limit), (from, declared));
+    /// Copies a text as an assignment does, where heads are as declared and it fits. Then all goes on at the result, and what is lowered next does
+    /// the rest. `None`: the compiler does not know enough, nothing is lowered.
+    pub fn copy_text_shortly(&mut self, to: TextPlace, from: TextPlace) -> Option<Block> {
+        if self.scl.by_runtime || [to, from].iter().any(|text| text.formal.is_none() && declared_of(text) == 0) {
+            return None;
+        }
+        let [to_declared, from_declared] = [to, from].map(|text| declared_of(&text));
+        let places = apart((to.addr, to_declared), (from.addr, from_declared));
         if places == Places::Same {
             return None;
         }
         let (call, end) = (self.b.create_cold_block(), self.b.create_block());
-        let (valid, length) = self.head_as_declared(from, declared);
-        self.require(valid, call);
-        if places == Places::Unknown {
-            let addresses = [to, from].map(|addr| self.b.address_of(addr));
-            let maxima = [limit, declared].map(|maximum| self.b.i32_const(maximum.into()));
-            let apart = self.are_apart(addresses, maxima);
+        let (length, from_maximum) = self.text_to_copy(from, true, call);
+        let (_, to_maximum) = self.text_to_copy(to, false, call);
+        if places == Places::Unknown || from.formal.is_some() || to.formal.is_some() {
+            let addresses = [to.addr, from.addr].map(|addr| self.b.address_of(addr));
+            let apart = self.are_apart(addresses, [to_maximum, from_maximum]);
             self.require(apart, call);
         }
-        let most = declared.min(limit);
-        if limit < declared {
-            let fits = self.b.icmp_imm(IntCc::Ule, length, limit.into());
+        if to.formal.is_some() || from.formal.is_some() || to_declared < from_declared {
+            let fits = self.b.icmp(IntCc::Ule, length, to_maximum);
             self.require(fits, call);
         }
-        let room = (u32::from(most) >= WORD).then(|| self.b.i32_const(most.into()));
-        self.copy_characters(moved(to, HEAD_BYTES), moved(from, HEAD_BYTES), length, most.into(), room);
+        let most = [to_declared, from_declared].into_iter().filter(|&declared| declared != 0).min();
+        let most = most.map_or(ROOM_MAX, u32::from);
+        let room = (most >= WORD).then(|| self.smaller(to_maximum, from_maximum));
+        self.copy_characters(moved(to.addr, HEAD_BYTES), moved(from.addr, HEAD_BYTES), length, most, room);
         // As in `set_length`; the maximum in memory stays.
-        let most = self.b.load(Type::I8, to);
+        let most = self.b.load(Type::I8, to.addr);
         let most = self.b.zext(Type::I32, most);
         let most = self.b.binary_imm(BinaryOp::Shl, most, 8);
         let head = self.b.or(most, length);
         let head = self.b.trunc(Type::I16, head);
-        self.b.store(to, head);
+        self.b.store(to.addr, head);
         self.b.jump(end, &[]);
         self.b.seal_block(call);
         self.b.switch_to(call);
         Some(end)
+    }
+
+    /// Length and maximum of a text that is copied; `is_read`: its length counts.
+    fn text_to_copy(&mut self, text: TextPlace, is_read: bool, call: Block) -> (Value, Value) {
+        if let Some(formal) = text.formal {
+            let operand = self.formal_text(text.addr, formal);
+            let known = self.texts_are_known(std::slice::from_ref(&operand));
+            self.require(known, call);
+            let (ok, length, maximum) = self.head_as_found(&operand);
+            self.require(ok, call);
+            return (length, maximum);
+        }
+        let declared = declared_of(&text);
+        let maximum = self.b.i32_const(declared.into());
+        if !is_read {
+            return (maximum, maximum);
+        }
+        let (ok, length) = self.head_as_declared(text.addr, declared);
+        self.require(ok, call);
+        (length, maximum)
     }
 
     /// The length that a text has at most.
@@ -342,10 +365,8 @@ impl BlockLowering<'_, '_> {
         let length = self.b.binary_imm(BinaryOp::And, head, 0xFF);
         // 0: nobody has set it up.
         let before = self.b.binary_imm(BinaryOp::Iadd, maximum, -1);
-        let is_one = self.b.icmp_imm(IntCc::Ult, before, ROOM_MAX.into());
-        let fits = self.b.icmp(IntCc::Ule, length, maximum);
-        let exists = self.b.icmp(IntCc::Ule, maximum, operand.room);
-        let right = self.b.and(is_one, fits);
+        let exists = self.b.icmp(IntCc::Ult, before, operand.limit);
+        let right = self.b.icmp(IntCc::Ule, length, maximum);
         (self.b.and(right, exists), length, maximum)
     }
 
@@ -398,7 +419,7 @@ impl BlockLowering<'_, '_> {
     }
 
     /// Goes to `call` unless `cond`.
-    pub(super) fn require(&mut self, cond: Value, call: Block) {
+    pub fn require(&mut self, cond: Value, call: Block) {
         if self.b.constant_bits(cond) == Some(1) {
             return;
         }
@@ -589,6 +610,11 @@ fn writes_text(function: RuntimeFn) -> bool {
             | RuntimeFn::TextScan
             | RuntimeFn::TextToDint
     )
+}
+
+/// The declared maximum of a text that is copied; 0 if it is not known.
+fn declared_of(text: &TextPlace) -> u8 {
+    u8::try_from(text.maximum).unwrap_or(0)
 }
 
 fn places(one: &TextOperand, two: &TextOperand) -> Places {

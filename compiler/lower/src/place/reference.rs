@@ -104,6 +104,18 @@ impl BlockLowering<'_, '_> {
         matches!(place, Place::ThroughPointer { pointer, .. } if self.references.contains_key(pointer))
     }
 
+    /// Where `place` is, in a variable that an IN_OUT refers to, if the i1 is true.
+    pub fn referenced(&mut self, place: &Place, direction: Direction) -> Option<(Address, Value)> {
+        let Place::ThroughPointer { pointer, byte, bit: 0 } = *place else { return None };
+        let reference = *self.references.get(&pointer)?;
+        let good = match direction {
+            Direction::Read => reference.readable,
+            Direction::Write => reference.writable,
+        };
+        let (good, target) = (self.b.use_var(good), self.b.use_var(reference.target));
+        Some((Address::indexed(Region::AnyDb, target, byte), good))
+    }
+
     /// Accesses `place`, in a variable that an IN_OUT refers to. `access` is done twice: with the place in a DB, and on a cold way with
     /// whatever else the pointer may be. It moves neither out of the variable without a check of its own.
     pub fn by_reference(

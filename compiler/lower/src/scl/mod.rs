@@ -14,7 +14,7 @@ mod expression;
 mod function;
 mod promote;
 mod statement;
-mod text;
+pub mod text;
 
 use plcc_abi::image::BlockKind;
 use plcc_ir::{Address, Block, Function, Region, Type, Value, Var};
@@ -47,6 +47,8 @@ pub struct SclState {
     inputs_in_place: bool,
     /// The result of the call that is lowered, if it is a text, is read by a function of texts only.
     only_text: bool,
+    /// Functions of texts are lowered as calls: their way without one was lowered before.
+    pub by_runtime: bool,
     loops: Vec<Loop>,
     /// Number of IF statements around the current one.
     conditions: u32,
@@ -103,6 +105,7 @@ impl BlockLowering<'_, '_> {
             self.instance = Some(self.instance_address(di, ar2));
         }
         self.begin_references();
+        self.begin_formal_texts();
         self.prepare_texts(body);
         let block = self.block;
         // A debugger reads and changes variables.

@@ -9,6 +9,7 @@ use plcc_model::{Place, Width};
 
 use super::access::Located;
 use crate::block::BlockLowering;
+use crate::call::FormalText;
 use crate::fault::Substitute;
 use crate::place::Direction;
 use crate::pointer::moved;
@@ -37,6 +38,16 @@ impl Text {
             _ => None,
         }
     }
+}
+
+/// A text that is copied.
+#[derive(Clone, Copy)]
+pub struct TextPlace {
+    pub addr: Address,
+    /// Its declared maximum, or [`OWN_MAXIMUM`].
+    pub maximum: u32,
+    /// It is a formal parameter.
+    pub formal: Option<FormalText>,
 }
 
 /// Bytes of a text of the longest kind in the frame.
@@ -114,32 +125,34 @@ impl BlockLowering<'_, '_> {
         let kind = Text::of(&target.ty).expect("the binder assigns texts to texts");
         let located = self.locate(target);
         let limit = self.text_limit(target);
-        self.store_text(&located, limit, kind, value);
-    }
-
-    /// Copies a text to a located place.
-    pub fn store_text(&mut self, to: &Located, limit: u32, kind: Text, value: &Complex) {
+        let to = &located;
         if let (Complex::Const(bytes), Text::Narrow) = (value, kind)
             && limit != OWN_MAXIMUM
             && bytes.len() <= STORED_BYTES_MAX
         {
             return self.store_constant_text(to, limit, &bytes[2..2 + usize::from(bytes[1])]);
         }
-        let (from, mut checks, declared) = match value {
+        let in_frame = |addr, maximum| TextPlace { addr, maximum, formal: None };
+        let (from, mut checks) = match value {
             Complex::Variable(access) => {
                 let from = self.locate(access);
                 let (from, checks) = self.located_address(&from, Direction::Read);
-                (from, checks, self.text_limit(access))
+                (self.text_place(access, from), checks)
             }
-            Complex::Call(_) => (self.complex_value(value), Vec::new(), TEXT_MAX),
+            Complex::Call(_) => (in_frame(self.complex_value(value), TEXT_MAX), Vec::new()),
             // Short constants are stored, and others copied by the runtime.
-            Complex::Const(_) | Complex::Character(_) => (self.complex_value(value), Vec::new(), OWN_MAXIMUM),
+            Complex::Const(_) | Complex::Character(_) => (in_frame(self.complex_value(value), OWN_MAXIMUM), Vec::new()),
         };
         let (to, more) = self.located_address(to, Direction::Write);
         checks.extend(more);
         let guard = self.begin_guard(checks, Substitute::None);
-        self.copy_text(to, from, declared, limit, kind);
+        self.copy_text(self.text_place(target, to), from, kind);
         self.end_guard(guard);
+    }
+
+    /// The text of an access, which is at `addr`.
+    pub fn text_place(&self, access: &Access, addr: Address) -> TextPlace {
+        TextPlace { addr, maximum: self.text_limit(access), formal: self.formal_text_of(access) }
     }
 
     /// Stores constant characters and their number; the variable keeps its maximum.
@@ -155,16 +168,17 @@ impl BlockLowering<'_, '_> {
         self.end_guard(guard);
     }
 
-    /// Copies characters of a text with a `declared` maximum; characters that do not fit are dropped, which clears the bit.
-    pub fn copy_text(&mut self, to: Address, from: Address, declared: u32, limit: u32, kind: Text) {
+    /// Copies characters of a text; those that do not fit are dropped, which clears the bit.
+    pub fn copy_text(&mut self, to: TextPlace, from: TextPlace, kind: Text) {
         let end = match kind {
-            Text::Narrow => self.copy_text_shortly(to, from, declared, limit),
+            Text::Narrow => self.copy_text_shortly(to, from),
             Text::Wide => None,
         };
-        let (to, from) = (self.b.address_of(to), self.b.address_of(from));
-        let limit = self.b.i32_const(limit);
+        let (to_address, from_address) = (self.b.address_of(to.addr), self.b.address_of(from.addr));
+        let limit = self.b.i32_const(to.maximum);
         let wide = self.b.i32_const(u32::from(kind == Text::Wide));
-        let cut = self.b.call_runtime(RuntimeFn::CopyText, &[to, from, limit, wide]).expect("copy_text has a result");
+        let arguments = [to_address, from_address, limit, wide];
+        let cut = self.b.call_runtime(RuntimeFn::CopyText, &arguments).expect("copy_text has a result");
         let cut = self.b.icmp_imm(IntCc::Ne, cut, 0);
         self.fail_if(cut);
         if let Some(end) = end {

@@ -9,7 +9,7 @@ use crate::block::BlockLowering;
 use crate::fault::Substitute;
 use crate::place::{self, BitNumber, Target};
 use crate::pointer::moved;
-use crate::scl::text::{OWN_MAXIMUM, Text};
+use crate::scl::text::{OWN_MAXIMUM, Text, TextPlace};
 
 impl BlockLowering<'_, '_> {
     /// Writes the input to the formal's place, relative to `base`. For a system function, all complex values are copies.
@@ -67,20 +67,22 @@ impl BlockLowering<'_, '_> {
     }
 
     fn copy_source(&mut self, addr: Address, ty: &DataType, source: &Source, bytes: u32) {
-        let (from, checks, declared) = match source {
+        let (from, checks) = match source {
             Source::Variable { access, located } => {
                 let (from, checks) = self.located_address(located, place::Direction::Read);
-                (from, checks, self.text_limit(access))
+                (self.text_place(access, from), checks)
             }
-            Source::Frame(from) => (*from, Vec::new(), OWN_MAXIMUM),
+            Source::Frame(addr) => (TextPlace { addr: *addr, maximum: OWN_MAXIMUM, formal: None }, Vec::new()),
         };
         let guard = self.begin_guard(checks, Substitute::None);
         match (Text::of(ty), ty) {
-            (Some(kind), DataType::String(maximum)) => self.copy_text(addr, from, declared, u32::from(*maximum), kind),
-            (Some(kind), DataType::WideString(maximum)) => {
-                self.copy_text(addr, from, declared, u32::from(*maximum), kind);
+            (Some(kind), DataType::String(maximum)) => {
+                self.copy_text(TextPlace { addr, maximum: u32::from(*maximum), formal: None }, from, kind);
             }
-            _ => self.b.copy(addr, from, bytes),
+            (Some(kind), DataType::WideString(maximum)) => {
+                self.copy_text(TextPlace { addr, maximum: u32::from(*maximum), formal: None }, from, kind);
+            }
+            _ => self.b.copy(addr, from.addr, bytes),
         }
         self.end_guard(guard);
     }
@@ -102,9 +104,11 @@ impl BlockLowering<'_, '_> {
                     DataType::String(maximum) => u32::from(*maximum),
                     _ => OWN_MAXIMUM,
                 };
-                let limit = self.text_limit(back.access);
                 match Text::of(ty) {
-                    Some(kind) => self.copy_text(to, addr, declared, limit, kind),
+                    Some(kind) => {
+                        let from = TextPlace { addr, maximum: declared, formal: None };
+                        self.copy_text(self.text_place(back.access, to), from, kind);
+                    }
                     None => self.b.copy(to, addr, bytes),
                 }
                 self.end_guard(guard);

@@ -13,7 +13,7 @@ use plcc_model::scl::{Access, Actual, Argument, Base, Complex, Conversion, ExprK
 use plcc_model::{Direction, Parameter, Place};
 
 use self::pointer::PointerSource;
-pub use self::text::joined_call;
+pub use self::text::{Look, TextArguments, TextSite, chain, joined_call};
 use crate::block::BlockLowering;
 use crate::scl::access::Located;
 

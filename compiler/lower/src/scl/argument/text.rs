@@ -2,17 +2,50 @@
 
 use plcc_abi::RuntimeFn;
 use plcc_abi::text::WRITTEN;
-use plcc_ir::{Address, Type, Value};
+use plcc_ir::{Address, Block, Region, Type, Value};
 use plcc_model::scl::walk::{self, Role, Visitor};
-use plcc_model::scl::{Access, Actual, Call, Complex};
-use plcc_model::{CodeBlock, Passing, Width};
+use plcc_model::scl::{Access, Actual, Base, Call, Complex, Expr, ExprKind};
+use plcc_model::{CodeBlock, Passing, Place, Width};
 
 use super::{Back, Given, Source, Supply};
 use crate::block::BlockLowering;
-use crate::call::{TextCall, TextInput, TextOperand};
+use crate::call::{FormalText, TextCall, TextInput, TextOperand};
 use crate::place::Direction;
 use crate::scl::access::Located;
 use crate::scl::text::TEXT_MAX;
+
+/// The calls of a function that joins two texts, the innermost first, if each but the outermost is the first text of the next one: what they get can
+/// be evaluated twice.
+pub fn chain<'m>(text: &TextCall, call: &'m Call) -> Vec<&'m Call> {
+    let mut calls = vec![call];
+    while let Some(inner) = calls.last().and_then(|call| joined_call(text, call)) {
+        calls.push(inner);
+    }
+    calls.reverse();
+    let is_plain = |(at, call): (usize, &&Call)| {
+        call.arguments.iter().all(|argument| match &argument.actual {
+            Actual::Complex(Complex::Variable(access)) | Actual::Reference(access) => {
+                access.indices.iter().all(|index| is_plain_index(&index.value))
+            }
+            Actual::Complex(Complex::Const(_)) => true,
+            // The call before it.
+            Actual::Complex(Complex::Call(_)) => at > 0,
+            _ => false,
+        })
+    };
+    if calls.iter().enumerate().all(is_plain) { calls } else { Vec::new() }
+}
+
+fn is_plain_index(index: &Expr) -> bool {
+    match &index.kind {
+        ExprKind::Const(_) => true,
+        ExprKind::Load(access) => access.indices.is_empty(),
+        ExprKind::Convert { operand, .. } => {
+            matches!(&operand.kind, ExprKind::Load(access) if access.indices.is_empty())
+        }
+        _ => false,
+    }
+}
 
 /// The arguments of a function of texts.
 pub struct TextArguments {
@@ -20,6 +53,25 @@ pub struct TextArguments {
     texts: Vec<TextOperand>,
     /// For each input, the value if it is not a text.
     values: Vec<Option<Value>>,
+}
+
+/// How texts are found.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Look {
+    /// By their pointers, as the runtime wants to know them.
+    Pointers,
+    /// Those that exist as a whole, since this block was given them so, as they are. Only for functions that are done without a call.
+    Heads,
+}
+
+/// A call of a function of texts.
+#[derive(Clone, Copy)]
+pub struct TextSite<'a, 'm> {
+    pub text: &'a TextCall,
+    pub call: &'m Call,
+    pub callee: &'a CodeBlock,
+    /// Where the result goes if the call does not say it.
+    pub room: Option<Address>,
 }
 
 /// Looks for calls.
@@ -61,21 +113,14 @@ pub fn joined_call<'m>(text: &TextCall, call: &'m Call) -> Option<&'m Call> {
 }
 
 impl BlockLowering<'_, '_> {
-    /// The arguments of `text` in `call`, which was given `given`, and whether the addresses are right, an i1; `room`: where the result goes if the
-    /// call does not say it. `None`: the block is called.
-    pub fn text_arguments(
-        &mut self,
-        text: &TextCall,
-        call: &Call,
-        callee: &CodeBlock,
-        given: &[Given],
-        room: Option<Address>,
-    ) -> Option<(TextArguments, Value)> {
+    /// The arguments of a call, which was given `given`, and whether the addresses are right, an i1. `None`: the block is called.
+    pub fn text_arguments(&mut self, site: TextSite, given: &[Given], look: Look) -> Option<(TextArguments, Value)> {
+        let TextSite { text, call, callee, room } = site;
         let mut arguments = TextArguments { function: text.function, texts: Vec::new(), values: Vec::new() };
         for input in &text.inputs {
             let value = match input {
                 TextInput::Text(parameter) => {
-                    arguments.texts.push(self.text_given(call, given, *parameter)?);
+                    arguments.texts.push(self.text_given(call, given, *parameter, look)?);
                     None
                 }
                 TextInput::Value(parameter) => {
@@ -87,37 +132,37 @@ impl BlockLowering<'_, '_> {
             arguments.values.push(value);
         }
         if let Some(parameter) = text.out {
-            arguments.texts.push(self.text_written(given, parameter, room)?);
+            arguments.texts.push(self.text_written(given, parameter, room, look)?);
         }
         let known = self.texts_are_known(&arguments.texts);
         Some((arguments, known))
     }
 
-    /// The arguments of the function that does `inner` and `call`, which join two texts each, if nothing about them is decided at run time.
+    /// The arguments of the function that does `calls`, which join two texts each, the first one the innermost, with what each was given; the last
+    /// one is that of `site`. With them, whether the addresses are right, an i1.
     pub fn joined_arguments(
         &mut self,
-        text: &TextCall,
-        (inner, inner_given): (&Call, &[Given]),
-        (call, given): (&Call, &[Given]),
-        room: Option<Address>,
-    ) -> Option<TextArguments> {
-        let [TextInput::Text(first), TextInput::Text(second)] = text.inputs[..] else { return None };
-        let texts = vec![
-            self.text_given(inner, inner_given, first)?,
-            self.text_given(inner, inner_given, second)?,
-            self.text_given(call, given, second)?,
-            self.text_written(given, text.out?, room)?,
-        ];
+        site: TextSite,
+        calls: &[(&Call, &[Given])],
+        look: Look,
+    ) -> Option<(TextArguments, Value)> {
+        let [TextInput::Text(first), TextInput::Text(second)] = site.text.inputs[..] else { return None };
+        let ((innermost, innermost_given), (_, given)) = (calls.first()?, calls.last()?);
+        let mut texts = vec![self.text_given(innermost, innermost_given, first, look)?];
+        for (call, given) in calls {
+            texts.push(self.text_given(call, given, second, look)?);
+        }
+        texts.push(self.text_written(given, site.text.out?, site.room, look)?);
         let known = self.texts_are_known(&texts);
-        let arguments = TextArguments { function: RuntimeFn::TextConcatThree, texts, values: vec![None; 3] };
-        (self.b.constant_bits(known) == Some(1)).then_some(arguments)
+        let values = vec![None; texts.len() - 1];
+        Some((TextArguments { function: RuntimeFn::TextConcatThree, texts, values }, known))
     }
 
     /// The text that parameter `parameter` was given.
-    fn text_given(&mut self, call: &Call, given: &[Given], parameter: usize) -> Option<TextOperand> {
+    fn text_given(&mut self, call: &Call, given: &[Given], parameter: usize, look: Look) -> Option<TextOperand> {
         let Supply::Complex(source) = &find(given, parameter)?.supply else { return None };
         match source {
-            Source::Variable { access, located } => self.located_text(access, located, Direction::Read),
+            Source::Variable { access, located } => self.located_text(access, located, Direction::Read, look),
             Source::Frame(addr) => {
                 let actual = &call.arguments.iter().find(|argument| argument.parameter == parameter)?.actual;
                 match actual {
@@ -130,21 +175,100 @@ impl BlockLowering<'_, '_> {
     }
 
     /// The text that is written: the variable of parameter `parameter`, or `room`.
-    fn text_written(&mut self, given: &[Given], parameter: usize, room: Option<Address>) -> Option<TextOperand> {
+    fn text_written(
+        &mut self,
+        given: &[Given],
+        parameter: usize,
+        room: Option<Address>,
+        look: Look,
+    ) -> Option<TextOperand> {
         match (find(given, parameter), room) {
             (Some(Given { back: Some(Back { access, located: Some(located), .. }), .. }), _) => {
-                self.located_text(access, located, Direction::Write)
+                self.located_text(access, located, Direction::Write, look)
             }
             (None, Some(room)) => Some(self.text_in_frame(room, TEXT_MAX as u8)),
             _ => None,
         }
     }
 
-    fn located_text(&mut self, access: &Access, located: &Located, direction: Direction) -> Option<TextOperand> {
-        let (addr, checks) = self.located_address(located, direction);
+    fn located_text(
+        &mut self,
+        access: &Access,
+        located: &Located,
+        direction: Direction,
+        look: Look,
+    ) -> Option<TextOperand> {
         let declared = self.text_limit(access);
         let declared = if declared <= TEXT_MAX { declared as u8 } else { 0 };
+        if look == Look::Heads
+            && declared != 0
+            && let Some((addr, ok)) = self.whole_place(access, located, direction)
+        {
+            return Some(self.whole_text(addr, declared, ok));
+        }
+        let (addr, checks) = self.located_address(located, direction);
+        if let Some(formal) = self.formal_text_of(access)
+            && checks.is_empty()
+            && (direction == Direction::Read || self.plan.protected_dbs.is_empty())
+        {
+            return Some(self.formal_text(addr, formal));
+        }
         self.text_in_memory(addr, declared, &checks, direction, |lowering| lowering.located_pointer(located))
+    }
+
+    /// What is known of a text that is a formal parameter of this function.
+    pub fn formal_text_of(&self, access: &Access) -> Option<FormalText> {
+        match &access.base {
+            Base::Place(Place::Parameter { parameter, byte: 0, bit: 0 }) if access.indices.is_empty() => {
+                self.formal_texts.get(parameter).copied()
+            }
+            _ => None,
+        }
+    }
+
+    /// Where a variable is if the i1 is true, in what this block was given by a caller who has seen that it exists as a whole.
+    fn whole_place(&mut self, access: &Access, located: &Located, direction: Direction) -> Option<(Address, Value)> {
+        match &access.base {
+            Base::Place(place @ Place::ThroughPointer { .. }) if access.indices.is_empty() => {
+                self.referenced(place, direction)
+            }
+            Base::Place(Place::Parameter { .. } | Place::Instance { .. })
+                if direction == Direction::Read || self.plan.protected_dbs.is_empty() =>
+            {
+                let (addr, checks) = self.located_address(located, direction);
+                if !matches!(addr.region, Region::Any | Region::AnyDb) {
+                    return None;
+                }
+                let mut ok = self.b.bool_const(true);
+                for check in checks {
+                    ok = self.b.and(ok, check.ok);
+                }
+                Some((addr, ok))
+            }
+            _ => None,
+        }
+    }
+
+    /// Whether a function is given a text by [`Look::Heads`] that is not known by its pointer alone.
+    pub fn has_whole_text(&self, arguments: &TextArguments) -> bool {
+        arguments.texts.iter().any(|text| text.is_whole)
+    }
+
+    /// Whether the code of the caller can do a function.
+    pub fn does_text_call(&self, arguments: &TextArguments) -> bool {
+        self.has_short_way(arguments.function, &arguments.texts, &arguments.values)
+    }
+
+    /// Does a function without a call, or goes to `leave`. Returns its value as [`run_text_call`](Self::run_text_call) does.
+    pub fn do_text_call(
+        &mut self,
+        site: TextSite,
+        arguments: &TextArguments,
+        given: &[Given],
+        leave: Block,
+    ) -> Option<Value> {
+        let result = self.run_text_or_leave(arguments.function, &arguments.texts, &arguments.values, leave);
+        self.text_value(site, given, result)
     }
 
     /// The value of an integer formal as an i32.
@@ -156,16 +280,16 @@ impl BlockLowering<'_, '_> {
     }
 
     /// Calls the function. Returns its value if the call does not say where that goes, as memory has it.
-    pub fn run_text_call(
-        &mut self,
-        text: &TextCall,
-        callee: &CodeBlock,
-        arguments: &TextArguments,
-        given: &[Given],
-    ) -> Option<Value> {
-        let result = self.run_text_shortly(arguments.function, callee, &arguments.texts, &arguments.values);
-        let (parameter, keeps) = text.value?;
-        let formal = &callee.interface.parameters[parameter];
+    pub fn run_text_call(&mut self, site: TextSite, arguments: &TextArguments, given: &[Given]) -> Option<Value> {
+        let TextArguments { function, texts, values } = arguments;
+        let result = self.run_text_shortly(*function, site.callee, texts, values);
+        self.text_value(site, given, result)
+    }
+
+    /// Puts the value in the `result` of a function where the call says it goes, or returns it.
+    fn text_value(&mut self, site: TextSite, given: &[Given], result: Value) -> Option<Value> {
+        let (parameter, keeps) = site.text.value?;
+        let formal = &site.callee.interface.parameters[parameter];
         let is_bit = formal.passing == Passing::Elementary(Width::Bit);
         let value = self.b.trunc(if is_bit { Type::I1 } else { Type::I32 }, result);
         let Some(back) = find(given, parameter).and_then(|given| given.back.as_ref()) else { return Some(value) };
