@@ -2,11 +2,12 @@
 
 use plcc_abi::functions::Effect;
 use plcc_abi::s7200::Operation;
+use plcc_ir::analysis::ControlFlow;
 use plcc_ir::entities::Entity;
-use plcc_ir::{Address, FuncId, Function, InstData, Module, Region, RuntimeFn, Value};
+use plcc_ir::{Address, Block, FuncId, Function, Inst, InstData, Module, Region, RuntimeFn, Value};
 use rustc_hash::FxHashMap;
 
-use crate::note_outputs::{is_note, is_unknown, text_target, written};
+use crate::note_outputs::{Writes, is_note, is_unknown, text_target, written};
 use crate::surroundings::Surroundings;
 
 /// No byte of the outputs is sure to stay as it is.
@@ -57,9 +58,21 @@ pub fn reached(module: &Module, roots: impl IntoIterator<Item = FuncId>) -> Vec<
 /// Looks at the code of a function.
 pub fn usage_of(function: &Function, surroundings: &Surroundings) -> Usage {
     let mut usage = Usage { local_data: local_data_read(function, surroundings), ..Usage::NOTHING };
+    let has_note = |block: Block| function.blocks[block].insts.iter().any(|&inst| is_note(&function.insts[inst]));
+    let is_write = |inst: &Inst| written(function, &function.insts[*inst]).is_some();
+    let writes = function.layout.iter().any(|&block| function.blocks[block].insts.iter().any(is_write)).then(|| {
+        let cfg = ControlFlow::new(function);
+        let writes = Writes::of(function, &cfg);
+        let later = writes.noted_later(function, &cfg, &has_note);
+        (writes, later)
+    });
+    let is_noted = |block: Block| {
+        let (writes, later) = writes.as_ref()?;
+        Some(has_note(block) || later.contains(&block) || !writes.may_be_in(block))
+    };
     for &block in &function.layout {
         let insts = || function.blocks[block].insts.iter().map(|&inst| &function.insts[inst]);
-        let is_noted = insts().any(is_note);
+        let is_noted = is_noted(block).unwrap_or(true);
         for data in insts() {
             // What is written through a pointer is noted when it happens.
             if !(is_noted && written(function, data).is_some()) {
@@ -239,8 +252,13 @@ mod tests {
         assert_eq!(of(&format!(" store.i32 any[v0]+0, v0\n{note} store.i32 Q 4, v0\n")).outputs, 8);
         assert_eq!(of(&format!(" copy Q[v0]+0, M 0, 9\n{note}")).outputs, 0);
         assert_eq!(of(&format!(" copy Q 0, M 0, 9\n{note}")).outputs, 9);
-        let elsewhere = format!(" store.i32 any[v0]+0, v0\n jump b1\nb1:\n{note}");
+        let elsewhere = format!(" v1 = load.i32 M 0\n store.i32 any[v1]+0, v0\n jump b1\nb1:\n{note}");
         assert_eq!(of(&elsewhere).outputs, ALL);
+        let later =
+            format!(" v1 = load.i32 M 0\n store.i32 any[v1]+8, v0\n jump b1\nb1:\n store.i32 any[v1]+0, v0\n{note}");
+        assert_eq!(of(&later).outputs, 0);
+        // The address 1 is not one of an output.
+        assert_eq!(of(" store.i32 any[v0]+0, v0\n").outputs, 0);
     }
 
     #[test]

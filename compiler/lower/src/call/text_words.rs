@@ -13,6 +13,9 @@ pub const WORD: u32 = 8;
 /// Characters that are copied at once where there are as many.
 const BLOCK: u32 = 16;
 
+/// No text has more characters.
+const NEAR: u32 = 0xFF;
+
 /// A word in which each character is the lowest bit.
 const ONES: u64 = 0x0101_0101_0101_0101;
 const HIGH_BITS: u64 = ONES << 7;
@@ -60,30 +63,28 @@ impl BlockLowering<'_, '_> {
         if most < BLOCK {
             return self.copy_last(to, from, count, most, room);
         }
-        let (left, done) = (self.b.declare_var(Type::I32), self.b.declare_var(Type::I32));
+        // Those of whole blocks.
+        let whole = self.b.binary_imm(BinaryOp::And, count, i64::from(NEAR & !(BLOCK - 1)));
+        let at_var = self.b.declare_var(Type::I32);
         let zero = self.b.i32_const(0);
-        self.b.def_var(left, count);
-        self.b.def_var(done, zero);
+        self.b.def_var(at_var, zero);
         let (body, rest) = (self.b.create_block(), self.b.create_block());
-        let is_long = self.b.icmp_imm(IntCc::Uge, count, BLOCK.into());
+        let is_long = self.b.icmp_imm(IntCc::Ne, whole, 0);
         self.b.branch(is_long, body, rest);
         self.b.switch_to(body);
-        let at = self.b.use_var(done);
+        let at = self.b.use_var(at_var);
         let (block_to, block_from) = (self.indexed(to, at), self.indexed(from, at));
         self.b.copy(block_to, block_from, BLOCK);
         let next = self.b.binary_imm(BinaryOp::Iadd, at, BLOCK.into());
-        self.b.def_var(done, next);
-        let before = self.b.use_var(left);
-        let after = self.b.binary_imm(BinaryOp::Iadd, before, -i64::from(BLOCK));
-        self.b.def_var(left, after);
-        let is_long = self.b.icmp_imm(IntCc::Uge, after, BLOCK.into());
-        self.b.branch(is_long, body, rest);
+        self.b.def_var(at_var, next);
+        let more = self.b.icmp(IntCc::Ult, next, whole);
+        self.b.branch(more, body, rest);
         self.b.seal_block(body);
         self.b.seal_block(rest);
         self.b.switch_to(rest);
-        let (at, count) = (self.b.use_var(done), self.b.use_var(left));
-        let (to, from) = (self.indexed(to, at), self.indexed(from, at));
-        let room = room.map(|room| self.b.isub(room, at));
+        let count = self.b.isub(count, whole);
+        let (to, from) = (self.indexed(to, whole), self.indexed(from, whole));
+        let room = room.map(|room| self.b.isub(room, whole));
         self.copy_last(to, from, count, BLOCK - 1, room);
     }
 
