@@ -15,7 +15,7 @@ use cranelift_codegen::isa::TargetIsa;
 use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
 use plcc_abi::{RuntimeFn, Type};
 use plcc_ir::entities::{Entity, EntityVec};
-use plcc_ir::{Block, BlockCall, FloatCc, FuncId, Function, Inst, InstData, Module, Value};
+use plcc_ir::{Block, BlockCall, ConvertOp, FloatCc, FuncId, Function, Inst, InstData, Module, Value};
 use rustc_hash::FxHashMap;
 
 use crate::CodegenError;
@@ -102,9 +102,24 @@ struct Lowering<'m, 'f> {
     memory: Memory<'m>,
     slots: Vec<Slot>,
     numbers: Numbers,
+    /// Bytes from memory that are extended somewhere, with the bits above them, which are 0; none before they are loaded.
+    extended: FxHashMap<Value, Option<ClifValue>>,
     blocks: Vec<Option<ir::Block>>,
     callees: FxHashMap<u32, FuncRef>,
     joins: Joins,
+}
+
+/// Bytes that are loaded and then extended with 0: the instruction that loads them does that already.
+fn extended_bytes(function: &Function) -> FxHashMap<Value, Option<ClifValue>> {
+    let insts = function.layout.iter().flat_map(|&block| &function.blocks[block].insts);
+    let is_loaded = |&value: &Value| {
+        function.ty(value) == Type::I8 && matches!(function.defining(value), Some(InstData::Load { .. }))
+    };
+    let extended = insts.filter_map(|&inst| match &function.insts[inst] {
+        InstData::Convert { op: ConvertOp::Zext, arg } => Some(function.resolve(*arg)),
+        _ => None,
+    });
+    extended.filter(is_loaded).map(|value| (value, None)).collect()
 }
 
 impl<'m, 'f> Lowering<'m, 'f> {
@@ -135,6 +150,7 @@ impl<'m, 'f> Lowering<'m, 'f> {
             memory,
             slots: vec![Slot::Missing; function.values.len()],
             numbers: Numbers::of(function),
+            extended: extended_bytes(function),
             blocks: vec![None; function.blocks.len()],
             callees: FxHashMap::default(),
             joins: Joins::new(function),
@@ -333,6 +349,11 @@ impl<'m, 'f> Lowering<'m, 'f> {
                     && let Some(raw) = self.memory.load_swapped(&mut self.b, ty, addr)?
                 {
                     self.slots[result.index()] = Slot::Swapped(raw);
+                } else if self.extended.contains_key(&result) {
+                    let wide = self.memory.load_extended(&mut self.b, addr)?;
+                    self.extended.insert(result, Some(wide));
+                    let value = self.b.ins().ireduce(types::I8, wide);
+                    self.define(result, value);
                 } else {
                     let value = self.memory.load(&mut self.b, ty, addr)?;
                     self.define(result, value);

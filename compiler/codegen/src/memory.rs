@@ -203,6 +203,12 @@ impl<'m> Memory<'m> {
         Ok(if clif.is_float() { b.ins().bitcast(clif, MemFlagsData::new(), value) } else { value })
     }
 
+    /// Reads a byte as an I64.
+    pub fn load_extended(&self, b: &mut FunctionBuilder<'_>, addr: Address) -> Result<Value, CodegenError> {
+        let place = self.place(b, addr)?;
+        Ok(b.ins().uload8(types::I64, place.flags, place.pointer, place.offset))
+    }
+
     /// Reads a whole number of more than one byte with its bytes as they are in PLC memory. `None`: they are in the order of the host there.
     pub fn load_swapped(
         &self,

@@ -148,6 +148,9 @@ impl Lowering<'_, '_> {
         let clif_to = clif_type(to);
         let value = match op {
             ConvertOp::Zext if from == Type::I1 => self.bit(arg)?.placed(&mut self.b, clif_to, 0),
+            ConvertOp::Zext if let Some(&Some(wide)) = self.extended.get(&self.function.resolve(arg)) => {
+                if clif_to == types::I64 { wide } else { self.b.ins().ireduce(clif_to, wide) }
+            }
             ConvertOp::Zext => {
                 let arg = self.value(arg)?;
                 if clif_type(from) == clif_to { arg } else { self.b.ins().uextend(clif_to, arg) }

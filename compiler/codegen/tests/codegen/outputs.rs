@@ -67,6 +67,18 @@ fn texts_name_functions() {
 }
 
 #[test]
+fn a_byte_is_extended_where_it_is_loaded() {
+    let mut b = FunctionBuilder::new("OB1", &[], &[]);
+    let byte = b.load(Type::I8, Address::direct(Region::M, 0));
+    b.store(Address::direct(Region::M, 1), byte);
+    let word = b.zext(Type::I32, byte);
+    b.store(Address::direct(Region::M, 4), word);
+    b.ret(&[]);
+    let clif = clif_text(&module(vec![b.finish()]), &CodegenOptions::default()).expect("it compiles");
+    assert!(clif.contains("uload8") && !clif.contains("uextend.i32"), "{clif}");
+}
+
+#[test]
 fn broken_modules_are_errors() {
     let mut b = FunctionBuilder::new("FC1", &[Type::I32], &[]);
     b.ret(&[]);
