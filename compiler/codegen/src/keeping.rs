@@ -15,7 +15,14 @@ use crate::abi::{clif_type, runtime_signature};
 use crate::lower::Target;
 
 /// The functions that are called with this convention.
-const KEEPING: [RuntimeFn; 4] = [RuntimeFn::Safepoint, RuntimeFn::SyncError, RuntimeFn::LocalError, RuntimeFn::Stop];
+const KEEPING: [RuntimeFn; 5] = [
+    RuntimeFn::Safepoint,
+    RuntimeFn::SyncError,
+    RuntimeFn::LocalError,
+    RuntimeFn::Stop,
+    // Under the virtual clock it is not called; the code around it runs in each cycle.
+    RuntimeFn::TimeTck,
+];
 
 /// Where the result is.
 pub const RESULT: u32 = layout::STATE + state::KEPT_RESULT;
