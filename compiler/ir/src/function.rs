@@ -46,6 +46,8 @@ pub struct Function {
     /// Bytes of L stack after the frame that functions inlined here have as their frames. Callees have theirs in the same place: what
     /// is there does not outlive a call. A multiple of [`plcc_abi::layout::FRAME_ALIGN`].
     pub inlined_bytes: u32,
+    /// A part of another function that is kept out of it: what rarely runs would cost the rest registers.
+    pub apart: bool,
     pub blocks: EntityVec<Block, BlockData>,
     /// Blocks in the order in which they are printed and laid out; the entry is the first.
     pub layout: Vec<Block>,
@@ -64,6 +66,7 @@ impl Function {
             returns: Vec::new(),
             frame_bytes: 0,
             inlined_bytes: 0,
+            apart: false,
             blocks: EntityVec::new(),
             layout: Vec::new(),
             insts: EntityVec::new(),

@@ -130,7 +130,7 @@ impl Signatures {
     }
 }
 
-/// `func @NAME -> TYPE, TYPE frame N inlined N {`
+/// `func @NAME -> TYPE, TYPE frame N inlined N apart {`
 fn parse_header(cursor: &mut Cursor) -> LineResult<Function> {
     cursor.word_is("func")?;
     let mut function = Function::new(cursor.function_name()?);
@@ -146,6 +146,7 @@ fn parse_header(cursor: &mut Cursor) -> LineResult<Function> {
     if cursor.take_word("inlined") {
         function.inlined_bytes = cursor.number()?;
     }
+    function.apart = cursor.take_word("apart");
     cursor.expect("{")?;
     cursor.end()?;
     Ok(function)

@@ -87,6 +87,9 @@ fn write_function(module: &Module, function: &Function, out: &mut String) -> fmt
     if function.inlined_bytes != 0 {
         write!(out, " inlined {}", function.inlined_bytes)?;
     }
+    if function.apart {
+        out.push_str(" apart");
+    }
     out.push_str(" {\n");
     for &block in &function.layout {
         text.write_block(block, out)?;

@@ -26,6 +26,7 @@ impl Function {
         new.returns = std::mem::take(&mut self.returns);
         new.frame_bytes = self.frame_bytes;
         new.inlined_bytes = self.inlined_bytes;
+        new.apart = self.apart;
         new.blocks = EntityVec::with_capacity(self.layout.len());
         new.layout = Vec::with_capacity(self.layout.len());
         new.insts = EntityVec::with_capacity(insts);

@@ -9,6 +9,7 @@
 //! - `assertion`: code that assertions of all languages share.
 //! - [`probe`]: what statements see, for a watcher of the program.
 //! - `shapes`: what data blocks look like, for blocks that write them to files.
+//! - `parts` makes functions of parts of a block.
 //! - `entry` creates the functions that the runtime calls.
 //!
 //! **Invariant**: a program that was bound without errors lowers without errors.
@@ -21,6 +22,7 @@ mod entry;
 mod fault;
 mod labels;
 mod names;
+mod parts;
 mod place;
 mod plan;
 mod pointer;
@@ -118,6 +120,7 @@ fn lower_to(program: &Program, sources: &SourceMap, probes: Probes, take: &mut d
         stops_itself: plan.stops_itself,
     };
     let mut output = Output::new(program, sources, facts, probes, take);
+    output.next_part = (0..program.blocks.len()).filter_map(|index| plan.function(index)).count();
     let is_large = program.blocks.len() > SMALL_BLOCKS_MAX;
     for (index, block) in program.blocks.iter().enumerate() {
         if is_large {
@@ -137,6 +140,9 @@ fn lower_to(program: &Program, sources: &SourceMap, probes: Probes, take: &mut d
                 "the plan has counted what calls put into the frame"
             );
         }
+    }
+    for part in std::mem::take(&mut output.parts) {
+        output.add(part);
     }
     for (index, block) in program.blocks.iter().enumerate() {
         let Some(function) = plan.function(index) else { continue };
@@ -193,6 +199,9 @@ pub(crate) struct Output<'s> {
     take: &'s mut dyn FnMut(Function),
     /// Bytes of the frame of each function.
     frames: EntityVec<FuncId, u32>,
+    /// Parts of blocks that are functions of their own. Their numbers follow those of all blocks; `next_part` is that of the next one.
+    parts: Vec<Function>,
+    next_part: usize,
     used: Places,
 }
 
@@ -248,7 +257,17 @@ impl<'s> Output<'s> {
             inner_blocks: Vec::new(),
             s7200: None,
         };
-        Output { module, image, probes, sources, take, frames: EntityVec::new(), used: Places::default() }
+        Output {
+            module,
+            image,
+            probes,
+            sources,
+            take,
+            frames: EntityVec::new(),
+            parts: Vec::new(),
+            next_part: 0,
+            used: Places::default(),
+        }
     }
 
     /// A function is complete.
@@ -257,6 +276,13 @@ impl<'s> Output<'s> {
         let id = self.frames.push(function.frame_bytes);
         (self.take)(function);
         id
+    }
+
+    /// Makes functions of the parts that begin at these blocks of a function.
+    pub fn cut(&mut self, function: &mut Function, starts: &[plcc_ir::Block], variables: u32) {
+        let parts = parts::cut(function, starts, variables, self.next_part);
+        self.next_part += parts.len();
+        self.parts.extend(parts);
     }
 
     /// Index of the span's file in the image, and its line there. Blocks of the standard library have the spans of their first calls.

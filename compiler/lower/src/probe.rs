@@ -312,7 +312,8 @@ impl BlockLowering<'_, '_> {
             | StatementKind::Stl(_)
             | StatementKind::Label(_)
             | StatementKind::Assert(_)
-            | StatementKind::Sleep(_) => false,
+            | StatementKind::Sleep(_)
+            | StatementKind::Apart => false,
         };
         let is_text = matches!(&self.block.body, Body::Scl(body) if body.networks.is_empty());
         if !is_silent || !is_text || statement.span == self.block.span || !self.is_probed(statement.span) {
@@ -327,7 +328,11 @@ impl BlockLowering<'_, '_> {
     fn count_before(&mut self, statement: &Statement) {
         match statement.kind {
             // Statements of STL are counted one by one.
-            StatementKind::Stl(_) | StatementKind::Label(_) | StatementKind::Assert(_) | StatementKind::Sleep(_) => {}
+            StatementKind::Stl(_)
+            | StatementKind::Label(_)
+            | StatementKind::Assert(_)
+            | StatementKind::Sleep(_)
+            | StatementKind::Apart => {}
             StatementKind::Assign { .. }
             | StatementKind::AssignText { .. }
             | StatementKind::Copy { .. }

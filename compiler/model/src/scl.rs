@@ -110,6 +110,8 @@ pub enum StatementKind {
     Assert(Assert),
     /// `//@ sleep N`, in milliseconds.
     Sleep(u32),
+    /// What follows, up to the end of the block, may be a function of its own. Only the code of charts has it.
+    Apart,
     /// A statement of a network in STL.
     Stl(Box<super::StlStatement>),
 }

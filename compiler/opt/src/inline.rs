@@ -174,7 +174,8 @@ impl<'a> Inliner<'a> {
         let fits = (shape.is_leaf || shape.is_leaf_by_moves && knows_areas)
             && shape.caller_bytes <= caller.frame_bytes
             && caller.frame_bytes + function.local_bytes() <= plcc_abi::layout::L_CLASS_BYTES
-            && !caller.blocks[block].cold;
+            && !caller.blocks[block].cold
+            && !function.apart;
         (fits && self.budget.allows(&shape, is_only_call, known)).then_some((function, shape))
     }
 }

@@ -75,7 +75,7 @@ impl Maker<'_> {
                 // A network has statements of its own.
                 self.push(StlInsn::Nop, Some(number(0, self.span)));
             }
-            StatementKind::Assert(_) | StatementKind::Sleep(_) => {}
+            StatementKind::Assert(_) | StatementKind::Sleep(_) | StatementKind::Apart => {}
             StatementKind::Stl(_) => self.refuse(statement.span, "a statement that is STL already", "write it in STL"),
         }
         self.release(&mark);

@@ -337,6 +337,7 @@ impl Visitor for Seen {
             | StatementKind::Label(_)
             | StatementKind::Assert(_)
             | StatementKind::Sleep(_)
+            | StatementKind::Apart
             | StatementKind::Stl(_) => return,
         };
         if is_outside(target) {

@@ -81,10 +81,10 @@ impl<'a> Keys<'a> {
     }
 
     fn bytes(&self, function: &Function) -> Vec<u8> {
-        let Function { name, returns, frame_bytes, inlined_bytes, blocks, layout, insts, values, results, locs } =
+        let Function { name, returns, frame_bytes, inlined_bytes, apart, blocks, layout, insts, values, results, locs } =
             function;
         let mut bytes = Bytes(self.common.clone());
-        (name, returns, frame_bytes, inlined_bytes).hash(&mut bytes);
+        (name, returns, frame_bytes, inlined_bytes, apart).hash(&mut bytes);
         let ty = |value: &plcc_ir::Value| values[*value].ty;
         for &block in layout {
             let data = &blocks[block];

@@ -56,6 +56,8 @@ pub struct SclState {
     pointed_copies: Vec<(Access, Address)>,
     /// The network that has the last probe of a beginning for a debugger; 0: none.
     pub told_network: u16,
+    /// Where parts begin that may be functions of their own.
+    parts: Vec<Block>,
     /// The promoted result, written when the block ends.
     result: Option<(usize, Elementary, Var)>,
 }
@@ -85,7 +87,10 @@ pub fn lower_block<'p>(
         lowering.declare_label(label, jumps);
     }
     lowering.statements(&body.statements);
-    lowering.finish_scl()
+    let (parts, variables) = (std::mem::take(&mut lowering.scl.parts), lowering.local_bytes);
+    let mut function = lowering.finish_scl();
+    output.cut(&mut function, &parts, variables);
+    function
 }
 
 impl BlockLowering<'_, '_> {
@@ -213,6 +218,17 @@ impl BlockLowering<'_, '_> {
             self.leave_block();
         }
         self.finish()
+    }
+
+    /// What follows may be a function of its own, unless probes look at it.
+    fn begin_part(&mut self) {
+        if self.output.probes.asked == Asked::Nothing {
+            let part = self.b.create_block();
+            self.b.jump(part, &[]);
+            self.b.seal_block(part);
+            self.b.switch_to(part);
+            self.scl.parts.push(part);
+        }
     }
 
     /// Code that is built after a jump belongs to a block that is never reached.

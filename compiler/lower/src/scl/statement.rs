@@ -81,6 +81,7 @@ impl BlockLowering<'_, '_> {
             StatementKind::Label(label) => self.place_label(*label),
             StatementKind::Assert(assert) => self.assert(assert, statement.span),
             StatementKind::Sleep(ms) => self.sleep(*ms),
+            StatementKind::Apart => self.begin_part(),
             StatementKind::Stl(statement) => self.stl_statement(statement),
         }
     }

@@ -87,6 +87,7 @@ impl StatementKind {
             | StatementKind::Label(_)
             | StatementKind::Assert(_)
             | StatementKind::Sleep(_)
+            | StatementKind::Apart
             | StatementKind::Stl(_) => Vec::new(),
         }
     }
@@ -121,6 +122,7 @@ pub fn own_part(statement: &StatementKind, visitor: &mut dyn Visitor) {
         | StatementKind::Goto(_)
         | StatementKind::Label(_)
         | StatementKind::Sleep(_)
+        | StatementKind::Apart
         | StatementKind::Stl(_) => {}
     }
 }

@@ -305,3 +305,20 @@ fn what_tests_pointers_into_the_frame_of_a_caller_that_knows_them_costs_less() {
     };
     assert_eq!((calls(5), calls(0x8700_0000)), (2, 0));
 }
+
+#[test]
+fn a_part_of_a_function_stays_apart() {
+    let text = "entry @F
+        func @F {
+        b0:
+        call @F.1()
+        ret
+        }
+        func @F.1 apart {
+        b0:
+        v0 = load.i32 M 0
+        store.i32 M 4, v0
+        ret
+        }";
+    check(text, text);
+}

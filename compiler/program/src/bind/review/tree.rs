@@ -161,6 +161,7 @@ impl Reached<'_> {
             | StatementKind::Label(_)
             | StatementKind::Assert(_)
             | StatementKind::Sleep(_)
+            | StatementKind::Apart
             | StatementKind::Stl(_) => false,
         }
     }

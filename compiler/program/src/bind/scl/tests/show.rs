@@ -46,6 +46,7 @@ fn statement(statement: &Statement) -> String {
         StatementKind::Assert(assert) => format!("assert {}", assert.text),
         StatementKind::Stl(statement) => format!("stl {:?}", statement.kind),
         StatementKind::Sleep(milliseconds) => format!("sleep {milliseconds}"),
+        StatementKind::Apart => "apart".to_string(),
     }
 }
 
