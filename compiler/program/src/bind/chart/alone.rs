@@ -9,12 +9,16 @@ use plcc_syntax::Elementary;
 
 use super::assemble::{Assembly, Condition, Parts};
 use super::build::{assign, if_then, load, number};
-use super::engine_data::{Engine, elements};
+use super::engine_data::{Engine, elements, own_names};
 use crate::bind::declarations::path::Variable;
 use crate::bind::scl::expression::binary_expr;
 use plcc_model::scl::walk::{self, Role, Visitor};
 use plcc_model::scl::{Access, Base, BinaryOp, Call, Complex, Conversion, Expr, ExprKind, Statement, StatementKind};
+use plcc_model::types::DataType;
 use plcc_model::{Assert, Place};
+
+/// What the short way hands over when it is left in the middle.
+pub const SHARED: [&str; 7] = ["left", "entered", "count", "may", "still_valid", "first_valid", "valid"];
 
 /// Whether a DB is shared, if it is known.
 pub type IsShared<'a> = dyn Fn(u16) -> Option<bool> + 'a;
@@ -182,26 +186,31 @@ impl Assembly<'_, '_> {
             let place = &elements(engine.variable(list))[place];
             assign(place, number(value as u64, Elementary::Byte, span), span)
         };
+        // The first two elements of a list, which has one step.
+        let head = |list: &str, step: usize| {
+            assign(engine.variable(list), number(0x200 + step as u64 + 1, Elementary::Word, span), span)
+        };
         let mask = |variable: &Variable, op: BinaryOp, mask: u64| {
             let mask = number(mask, Elementary::Byte, span);
             assign(variable, binary_expr(op, load(variable, span), mask, Elementary::Byte, span), span)
         };
-        let zero = |variable: &Variable| assign(variable, number(0, Elementary::Dint, span), span);
         let (left, entered) = (engine.raw(from), engine.raw(to));
         let mut statements = self.mark_fired(at);
         statements.extend([put("S0X", 1, from + 1), put("S1X", 1, to + 1)]);
         statements.push(mask(&left.states, BinaryOp::And, 0xC0));
-        statements.push(mask(&left.events, BinaryOp::Or, 0x20));
+        statements.push(match self.features.monitoring {
+            true => mask(&left.events, BinaryOp::Or, 0x20),
+            // Those of the last call have ended.
+            false => assign(&left.events, number(0x20, Elementary::Byte, span), span),
+        });
         statements.extend(engine.set_active(from, false, span));
         statements.extend(self.parts.codes[from].leave.iter().cloned());
         statements.push(assign(&entered.states, number(0x41, Elementary::Byte, span), span));
-        statements.push(put("SAX", 1, to + 1));
         statements.extend(engine.set_active(to, true, span));
         statements.push(mask(&entered.events, BinaryOp::Or, 0x01));
-        statements.extend([zero(&entered.t), zero(&entered.u)]);
-        for list in ["SAX", "S0X", "S1X"] {
-            statements.extend([put(list, 0, 2), put(list, 2, 0)]);
-        }
+        statements.push(assign(&entered.times, number(0, Elementary::Ulint, span), span));
+        statements.extend([head("SAX_HEAD", to), head("S0X_HEAD", from), head("S1X_HEAD", to)]);
+        statements.extend(["SAX", "S0X", "S1X"].map(|list| put(list, 2, 0)));
         statements.push(assign(engine.variable("alone"), self.place(to), span));
         if self.features.monitoring {
             statements.push(assign(engine.variable("replaced"), number(1, Elementary::Bool, span), span));
@@ -227,11 +236,27 @@ impl Assembly<'_, '_> {
 pub struct RawStep {
     pub events: Variable,
     pub states: Variable,
-    pub t: Variable,
-    pub u: Variable,
+    /// T and U as one number.
+    pub times: Variable,
 }
 
 impl Engine<'_> {
+    /// Leaves the short way. What follows is a function of its own, in which variables are as at the beginning, except those that are `kept`: it gets
+    /// nothing that the short way has computed.
+    pub fn leave_short_way(&self, kept: &[&str]) -> Vec<Statement> {
+        let zero = |name: &str| {
+            let variable = self.variable(name);
+            let ty = match &variable.ty {
+                DataType::Elementary(ty) => *ty,
+                _ => Elementary::Bool,
+            };
+            assign(variable, number(0, ty, self.span), self.span)
+        };
+        let apart = Statement { kind: StatementKind::Apart, span: self.span };
+        let names = own_names().filter(|name| !kept.contains(name));
+        std::iter::once(apart).chain(names.map(zero)).collect()
+    }
+
     /// Whether X of a step is set.
     fn is_marked(&self, step: usize, span: Span) -> Expr {
         load(&self.component(step, "X"), span)

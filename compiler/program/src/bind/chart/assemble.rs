@@ -8,7 +8,7 @@ use plcc_syntax::chart::ast::Transition;
 use rustc_hash::FxHashMap;
 
 use super::action::StepCode;
-use super::alone::IsShared;
+use super::alone::{IsShared, SHARED};
 use super::build::{assign, if_then, number};
 use super::engine_data::{Engine, all, compared, not};
 use crate::bind::declarations::path::Variable;
@@ -67,6 +67,8 @@ pub struct Assembly<'a, 'c> {
     owned: Vec<Vec<usize>>,
     /// Transitions that compete with a join for a step, best first: they switch after all others.
     competing: Vec<usize>,
+    /// The code is for the short way, on which a satisfied transition fires and none is forced.
+    ordinary: bool,
 }
 
 /// Transitions, grouped by the step whose arm evaluates them: the first of those they leave.
@@ -113,15 +115,19 @@ impl<'a, 'c> Assembly<'a, 'c> {
         owned: Vec<Vec<usize>>,
         competing: Vec<usize>,
     ) -> Assembly<'a, 'c> {
-        Assembly { engine, parts, features, results, owned, competing }
+        Assembly { engine, parts, features, results, owned, competing, ordinary: false }
     }
 
     /// The code for each placeholder of the engine.
-    pub fn holes(self, is_shared: &IsShared) -> FxHashMap<&'static str, Vec<Statement>> {
+    pub fn holes(mut self, is_shared: &IsShared) -> FxHashMap<&'static str, Vec<Statement>> {
         let engine = self.engine;
         let mut holes = FxHashMap::default();
         let per_step = |make: &dyn Fn(usize) -> Vec<Statement>| self.case("k", make);
         holes.insert("sets", engine.begin_sets());
+        let (long_way, go_on) = (engine.leave_short_way(&[]), engine.leave_short_way(&SHARED));
+        holes.insert("make_pair_since", engine.make_pair_since());
+        holes.insert("long_way", if self.features.alone { long_way } else { Vec::new() });
+        holes.insert("go_on", go_on);
         holes.insert("expire", per_step(&|step| self.parts.codes[step].expire.clone()));
         holes.insert("forget", per_step(&|step| self.forget(step)));
         holes.insert("enter_initial", self.enter_initial());
@@ -144,7 +150,9 @@ impl<'a, 'c> Assembly<'a, 'c> {
         holes.insert("add_pair", engine.add_pair());
         holes.insert("put_pair", engine.put_pair());
         holes.insert("act", per_step(&|step| self.parts.codes[step].active.clone()));
+        self.ordinary = true;
         if self.features.alone {
+            let per_step = |make: &dyn Fn(usize) -> Vec<Statement>| self.case("k", make);
             let alone = |make: &dyn Fn(usize) -> Vec<Statement>| self.case("alone", make);
             holes.insert("one", alone(&|step| self.one(step, is_shared)));
             holes.insert("watch_alone", alone(&|step| self.watch(step)));
@@ -153,6 +161,7 @@ impl<'a, 'c> Assembly<'a, 'c> {
             }
             holes.insert("act_alone", alone(&|step| self.ordinary_actions(step)));
             if self.features.several {
+                holes.insert("evaluate_ordinary", per_step(&|step| self.evaluate(step)));
                 holes.insert("act_ordinary", per_step(&|step| self.ordinary_actions(step)));
             }
         }
@@ -357,7 +366,10 @@ impl<'a, 'c> Assembly<'a, 'c> {
         if self.parts.from[at].len() > 1 || self.competing.contains(&at) {
             forced = and(forced, self.is_valid(at));
         }
-        let mut goes = or(and(satisfied, value("may")), forced);
+        let mut goes = match self.ordinary {
+            true => and(satisfied, value("may")),
+            false => or(and(satisfied, value("may")), forced),
+        };
         let from = self.parts.from[at].iter();
         let watched = from.filter(|step| self.parts.supervisions[**step].is_some());
         let good: Vec<Expr> = watched.map(|step| not(self.engine.faulty(*step, span))).collect();
@@ -406,6 +418,9 @@ impl<'a, 'c> Assembly<'a, 'c> {
         let span = engine.chart.transitions[at].span;
         let flags = super::build::load(&engine.flags(at), span);
         let flags = binary_expr(BinaryOp::Or, flags, number(4, Elementary::Byte, span), Elementary::Byte, span);
+        if self.ordinary {
+            return vec![self.set_flags(at, flags)];
+        }
         let pushed = match self.features.transition_display {
             true => super::build::load(engine.variable("still_valid"), span),
             false => number(0, Elementary::Bool, span),

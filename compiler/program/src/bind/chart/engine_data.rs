@@ -117,6 +117,11 @@ const KEPT: &[(&str, &[&str])] = &[
     ("ACTIVE", &["G7_DATA", "ACTIVE"]),
 ];
 
+/// Names of the engine's variables in the frame.
+pub fn own_names() -> impl Iterator<Item = &'static str> {
+    [BITS, NUMBERS, PLACES, TIMES, PAIRS].into_iter().flatten().copied()
+}
+
 impl<'c> Engine<'c> {
     /// None if the declarations could not be bound, which has been reported.
     pub fn new(
@@ -165,7 +170,11 @@ impl<'c> Engine<'c> {
         let double = |variable: &Variable| typed(variable, 0, DataType::Elementary(Elementary::Dword));
         names.insert("MOP_D", double(&names["MOP"]));
         names.insert("OLD_D", double(&names["OLD"]));
-        names.insert("G7_BITS", typed(&names["STARTED"], 0, DataType::Elementary(Elementary::Byte)));
+        for (name, list) in [("SAX_HEAD", "SAX"), ("S0X_HEAD", "S0X"), ("S1X_HEAD", "S1X")] {
+            names.insert(name, typed(&names[list], 0, DataType::Elementary(Elementary::Word)));
+        }
+        // STARTED and the other bits follow the last seen values.
+        names.insert("MODES", typed(&names["OLD"], 0, DataType::Elementary(Elementary::Lword)));
         let word = |word| Some(typed(&names["ACTIVE"], 8 * word, DataType::Elementary(Elementary::Ulint)));
         let active = Set((0..words(steps.len()) as u32).map(word).collect());
         names.insert("G7S", list(steps.first()?, steps.len(), steps[0].ty.clone()));
@@ -188,8 +197,7 @@ impl<'c> Engine<'c> {
         RawStep {
             events: part(0, Elementary::Byte),
             states: part(1, Elementary::Byte),
-            t: part(4, Elementary::Dint),
-            u: part(8, Elementary::Dint),
+            times: part(4, Elementary::Ulint),
         }
     }
 
@@ -382,27 +390,55 @@ impl<'c> Engine<'c> {
 
     /// `step`: the time that has passed, once for T and once for U.
     pub fn make_pair(&self) -> Vec<Statement> {
-        let bits = |operand: Expr, ty| {
-            let conversion = Conversion::Bits { checked: false };
-            Expr { kind: ExprKind::Convert { conversion, operand: Box::new(operand) }, ty, span: self.span }
-        };
-        // By way of a bit string, so that the upper half is 0.
-        let passed = || bits(bits(self.value("passed"), Elementary::Dword), Elementary::Ulint);
-        let high = self.both(BinaryOp::ShiftLeft, passed(), number(32, Elementary::Dint, self.span));
+        let passed = || self.widened(self.value("passed"));
+        let high = self.both(BinaryOp::ShiftLeft, passed(), self.places(32));
         vec![assign(self.variable("step"), self.both(BinaryOp::Or, high, passed()), self.span)]
     }
 
-    /// `both`: T and U of step `k`; `later`: with the time that has passed; `known`: neither is or becomes negative.
+    /// The same of the time since `LAST`, of which 31 bits count. Only shifts cut it: a mask would be computed again in each pass of a loop, and all
+    /// that depends on it.
+    pub fn make_pair_since(&self) -> Vec<Statement> {
+        let step = self.variable("step");
+        let (now, last) = (self.value("now"), self.value("LAST"));
+        let passed = self.widened(binary_expr(BinaryOp::Subtract, now, last, Elementary::Dint, self.span));
+        let high = self.both(BinaryOp::ShiftLeft, passed, self.places(33));
+        let high = self.both(BinaryOp::ShiftRight, high, self.places(1));
+        let low = self.both(BinaryOp::ShiftRight, self.value("step"), self.places(32));
+        let both = self.both(BinaryOp::Or, self.value("step"), low);
+        vec![assign(step, high, self.span), assign(step, both, self.span)]
+    }
+
+    /// A DINT as a number of 64 bits, by way of a bit string, so that the upper half is 0.
+    fn widened(&self, value: Expr) -> Expr {
+        self.bits(self.bits(value, Elementary::Dword), Elementary::Ulint)
+    }
+
+    fn bits(&self, operand: Expr, ty: Elementary) -> Expr {
+        let conversion = Conversion::Bits { checked: false };
+        Expr { kind: ExprKind::Convert { conversion, operand: Box::new(operand) }, ty, span: self.span }
+    }
+
+    fn places(&self, count: u64) -> Expr {
+        number(count, Elementary::Dint, self.span)
+    }
+
+    /// `both`: T and U of step `k`; `later`: with the time that has passed; `known`: neither is or becomes negative, and U does not stand still.
     pub fn add_pair(&self) -> Vec<Statement> {
         const SIGNS: u64 = 0x8000_0000_8000_0000;
-        let old = Expr { kind: ExprKind::Load(Box::new(self.times())), ty: Elementary::Ulint, span: self.span };
+        const LA_AND_VA: u64 = 6;
+        let loaded = |access: Access, ty| Expr { kind: ExprKind::Load(Box::new(access)), ty, span: self.span };
+        let old = loaded(self.times(), Elementary::Ulint);
         let later = self.both(BinaryOp::Add, self.value("both"), self.value("step"));
         let signs = self.both(BinaryOp::Or, self.value("both"), self.value("later"));
         let signs = self.both(BinaryOp::And, signs, number(SIGNS, Elementary::Ulint, self.span));
+        let states = part_of_element(self.variable("RAW"), 1, Elementary::Byte, self.value("k"), self.span);
+        let states = self.bits(loaded(states, Elementary::Byte), Elementary::Ulint);
+        let stops = self.both(BinaryOp::And, states, number(LA_AND_VA, Elementary::Ulint, self.span));
+        let obstacles = self.both(BinaryOp::Or, signs, stops);
         vec![
             assign(self.variable("both"), old, self.span),
             assign(self.variable("later"), later, self.span),
-            assign(self.variable("known"), compared(CompareOp::Equal, signs, 0), self.span),
+            assign(self.variable("known"), compared(CompareOp::Equal, obstacles, 0), self.span),
         ]
     }
 

@@ -80,7 +80,7 @@ const TICK: &str = "IF #RAW[#k].EVENTS <> BYTE#0 THEN
   #RAW[#k].EVENTS := 0;
 END_IF;
 add_pair();
-IF #known AND (#RAW[#k].STATES AND BYTE#16#06) = BYTE#0 THEN
+IF #known THEN
   put_pair();
 ELSE
   add_one_by_one();
@@ -128,8 +128,8 @@ END_IF;
 before();
 #now := TIME_TO_DINT(TIME_TCK());
 #passed := DWORD_TO_DINT(DINT_TO_DWORD(#now - #LAST) AND DWORD#16#7FFFFFFF);
-#LAST := #now;
-make_pair();";
+make_pair_since();
+#LAST := #now;";
 
 /// Ends the events of step `k`, which the last call left.
 const END_STEP: &str = "IF #RAW[#k].EVENTS <> BYTE#0 THEN
