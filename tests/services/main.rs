@@ -10,6 +10,7 @@ mod partners;
 mod process;
 mod record;
 mod rust7;
+mod s7200;
 mod sparkplug;
 mod tank;
 mod tls;
@@ -49,6 +50,7 @@ fn main() {
         trial("status_in_chromium", chromium().err(), status),
         trial("watch_table_and_forcing_in_chromium", chromium().err(), watch_table),
         trial("s7_of_rust7", None, rust7::talk),
+        trial("s7_areas_of_an_s7_200", None, s7200::areas),
         trial("values_reach_a_broker", mosquitto(), process::values_reach_a_broker),
         trial("values_reach_a_broker_with_tls", broker_and_openssl, tls::broker),
         trial("sparkplug_of_pysparkplug", sparkplug.clone(), sparkplug::host),

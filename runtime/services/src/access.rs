@@ -121,6 +121,14 @@ impl Access<'_> {
     }
 }
 
+/// The bytes of a place, or the bit of its byte that was asked for.
+fn asked(place: Place, bytes: &[u8]) -> Vec<u8> {
+    match place.bit {
+        Some(bit) => bytes.iter().map(|byte| byte >> bit & 1).collect(),
+        None => bytes.to_vec(),
+    }
+}
+
 /// The modes of an event that changes them, before and after it in half a byte each; `None`: another event. Source: System and standard
 /// functions, mode transitions in the diagnostic buffer.
 fn modes(event: u16) -> Option<u8> {
@@ -179,17 +187,11 @@ impl Plc for Access<'_> {
     fn read(&self, place: Place) -> Result<Vec<u8>, ItemError> {
         match place.area {
             Area::Timers | Area::Counters => self.read_cells(place),
-            Area::Peripheral => {
-                let bytes = self.read_modules(place)?;
-                Ok(match place.bit {
-                    Some(bit) => bytes.iter().map(|byte| byte >> bit & 1).collect(),
-                    None => bytes,
-                })
-            }
+            Area::Peripheral => Ok(asked(place, &self.read_modules(place)?)),
             Area::SystemInfo => {
                 let text = format!("{:<20}", self.names().module);
                 let (start, end) = (place.start as usize, (place.start + place.count) as usize);
-                text.as_bytes().get(start..end).map(<[u8]>::to_vec).ok_or(ItemError::OutOfRange)
+                text.as_bytes().get(start..end).map(|bytes| asked(place, bytes)).ok_or(ItemError::OutOfRange)
             }
             _ => {
                 let at = self.inside(place)?;

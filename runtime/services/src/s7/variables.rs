@@ -96,7 +96,7 @@ fn item(family: Family, body: &[u8]) -> Item {
     let element = ELEMENTS.iter().find(|element| element.code == transport).ok_or(ItemError::TypeUnknown)?;
     let s7200 = family == Family::S7200;
     let area = match area {
-        0x80 if !family.is_portal() => Area::Peripheral,
+        0x80 if !s7200 && !family.is_portal() => Area::Peripheral,
         0x81 => Area::Inputs,
         0x82 => Area::Outputs,
         0x83 => Area::BitMemory,

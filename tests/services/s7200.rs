@@ -1,0 +1,44 @@
+//! An S7-200 as clients of S7 see it.
+
+use libtest_mimic::Failed;
+
+use crate::hostile::{CONNECT, SETUP, asks};
+use crate::process::{self, Plc, free_port};
+
+/// A job that reads one item: transport size, number of elements, area, address in bits.
+fn read([transport, count, area, address]: [u8; 4]) -> [u8; 31] {
+    let head = [3, 0, 0, 31, 2, 0xF0, 0x80, 0x32, 1, 0, 0, 0, 5, 0, 14, 0, 0, 4, 1, 0x12, 10, 0x10];
+    let item = [transport, 0, count, 0, 0, area, 0, 0, address];
+    let mut frame = [0; 31];
+    frame[..22].copy_from_slice(&head);
+    frame[22..].copy_from_slice(&item);
+    frame
+}
+
+/// The name of the CPU by bytes and by bits; peripheral addresses are those of other CPUs.
+pub fn areas() -> Result<(), Failed> {
+    let (folder, port) = (tempfile::tempdir()?, free_port());
+    let (source, out) = (folder.path().join("main.awl"), folder.path().join("s7200"));
+    std::fs::write(
+        &source,
+        "ORGANIZATION_BLOCK MAIN:OB1\nBEGIN\nNETWORK 1\nLD SM0.0\n= Q0.0\nEND_ORGANIZATION_BLOCK\n",
+    )?;
+    process::plcc(&["build", "--quiet", "--services"], &[&source], &out)?;
+    let plc = Plc::run(&out, &["--s7", &port.to_string()])?;
+    // Transport size, elements, area, address; then the item in the answer. `C` is 2#0100_0011.
+    let cases: [([u8; 4], &[u8]); 6] = [
+        ([2, 3, 0x03, 0], &[0xFF, 4, 0, 24, b'C', b'P', b'U']),
+        ([1, 1, 0x03, 0], &[0xFF, 3, 0, 1, 1]),
+        ([1, 1, 0x03, 2], &[0xFF, 3, 0, 1, 0]),
+        ([1, 1, 0x82, 0], &[0xFF, 3, 0, 1, 1]),
+        ([2, 1, 0x80, 0], &[5, 0, 0, 0]),
+        ([1, 1, 0x80, 0], &[5, 0, 0, 0]),
+    ];
+    for (item, expected) in cases {
+        let answer = asks(port, &[CONNECT, SETUP, &read(item)])?;
+        if !answer.ends_with(expected) {
+            return Err(format!("{item:02X?} is answered with {answer:02X?}").into());
+        }
+    }
+    plc.end().map(drop)
+}
