@@ -18,7 +18,7 @@ use std::cell::Cell;
 use std::time::{Duration, Instant};
 
 use plcc_abi::image::{Family, Module};
-use plcc_abi::remote::{RemoteChannel, RemoteLine, RemoteStation};
+use plcc_abi::remote::{RemoteChannel, RemoteLine, RemoteStation, RemoteTable};
 
 use crate::cpu::Cpu;
 use crate::diagnostics::NO_SITE;
@@ -112,7 +112,7 @@ impl Remote {
         {
             if exchanged.refused.is_some() != refused.get() {
                 refused.set(exchanged.refused.is_some());
-                let why = exchanged.refused.map_or_else(String::new, |code| format!("exception {code}"));
+                let why = exchanged.refused.map_or_else(String::new, refusal);
                 changed(device.change(Some(channel), refused.get(), &why));
                 if refused.get() && !channel.output && !device.config.keep {
                     self.substitute(channel);
@@ -223,12 +223,40 @@ impl Device {
             fault,
             address: of.map_or(0, |channel| channel.byte as u16),
             output: of.is_some_and(|channel| channel.output),
-            text: match (fault, why) {
-                (true, why) => format!("io {}: {why}", self.config.name),
-                (false, _) => format!("io {}: answers again", self.config.name),
+            text: match (channel, fault) {
+                (None, true) => format!("io {}: {why}", self.config.name),
+                (None, false) => format!("io {}: answers again", self.config.name),
+                (Some(row), true) => format!("io {}: the device refuses {}: {why}", self.config.name, row_name(row)),
+                (Some(row), false) => format!("io {}: the device accepts {} again", self.config.name, row_name(row)),
             },
         }
     }
+}
+
+/// A row of the data as plc.toml has it, and where it is.
+fn row_name(channel: &RemoteChannel) -> String {
+    let table = match channel.table {
+        RemoteTable::Coils => "coils",
+        RemoteTable::DiscreteInputs => "discrete",
+        RemoteTable::HoldingRegisters => "holding",
+        RemoteTable::InputRegisters => "input",
+    };
+    let direction = if channel.output { "outputs" } else { "inputs" };
+    format!("`{table} = {}` ({direction} from byte {})", channel.first, channel.byte)
+}
+
+/// What an exception means. Source: Modbus application protocol V1.1b3, exception codes.
+fn refusal(code: u8) -> String {
+    let meaning = match code {
+        1 => "it does not know the function",
+        2 => "it does not have all of these elements",
+        3 => "it does not take the values",
+        4 => "it has failed",
+        6 => "it is busy",
+        10 | 11 => "the gateway does not reach it",
+        _ => return format!("exception {code}"),
+    };
+    format!("exception {code}, {meaning}")
 }
 
 impl Driver for Remote {

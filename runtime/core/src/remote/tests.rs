@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use plcc_abi::image::BlockKind;
 use plcc_abi::layout;
-use plcc_abi::remote::{RemoteParity, RemoteTable};
+use plcc_abi::remote::RemoteParity;
 
 use std::rc::Rc;
 
@@ -372,6 +372,31 @@ fn a_request_that_is_refused_is_a_module_fault() {
     running.until("OB 82 again", |cpu| cpu.memory.byte(layout::M + 1) == 8);
     assert_eq!(running.info(40)[..2], [0x38, 0x42]);
     assert_eq!(running.byte(0), 0, "no OB 86");
+}
+
+#[test]
+fn a_row_that_is_refused_is_named() {
+    let tables = tables();
+    let server = Server::new(tables.clone());
+    let remote = Remote::new(None, &[station(RemoteLine::Tcp(server.address.clone()))]).unwrap();
+    let mut texts = Vec::<String>::new();
+    let mut said = |count: usize| {
+        let end = Instant::now() + PATIENCE;
+        while texts.len() < count {
+            assert!(Instant::now() < end, "not in time: {texts:?}");
+            remote.exchange(&mut |change| texts.push(change.text));
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        std::mem::take(&mut texts)
+    };
+    let has = |texts: &[String], text: &str| assert!(texts.iter().any(|found| found == text), "{texts:?}");
+    tables.lock().unwrap().end = 1;
+    let refused = said(4);
+    let why = "exception 2, it does not have all of these elements";
+    has(&refused, &format!("io tank: the device refuses `discrete = 0` (inputs from byte 4): {why}"));
+    has(&refused, &format!("io tank: the device refuses `holding = 2` (outputs from byte 6): {why}"));
+    tables.lock().unwrap().end = 64;
+    has(&said(4), "io tank: the device accepts `input = 1` (inputs from byte 10) again");
 }
 
 #[test]
