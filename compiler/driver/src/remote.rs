@@ -1,6 +1,7 @@
 //! `[io.NAME]` of plc.toml: devices on a field bus whose data are inputs and outputs.
 
 use std::collections::BTreeMap;
+use std::net::Ipv6Addr;
 
 use plcc_abi::image::Module;
 use plcc_abi::remote::{RemoteChannel, RemoteLine, RemoteParity, RemoteScale, RemoteStation, RemoteTable};
@@ -99,6 +100,31 @@ pub fn modules(stations: &[RemoteStation]) -> impl Iterator<Item = Module> {
     })
 }
 
+/// The address of a device with its port. `Err`: what to write.
+fn tcp_address(text: &str) -> Result<String, String> {
+    let usual = || "write `192.168.0.20:502`".to_string();
+    if text.is_empty() || text.contains(char::is_whitespace) || text.contains('/') {
+        return Err(usual());
+    }
+    if text.parse::<Ipv6Addr>().is_ok() {
+        return Ok(format!("[{text}]:{PORT}"));
+    }
+    // Colons within brackets are those of an address of version 6.
+    let after_host = if text.starts_with('[') { text.find(']').map(|at| at + 1) } else { text.find(':') };
+    let is_v6 = |host: &str| host.strip_suffix(']').is_some_and(|host| host.parse::<Ipv6Addr>().is_ok());
+    match after_host.map_or((text, ""), |at| text.split_at(at)) {
+        ("", _) => Err(usual()),
+        (host, _) if host.strip_prefix('[').is_some_and(|host| !is_v6(host)) => Err(usual()),
+        (host, "") => Ok(format!("{host}:{PORT}")),
+        (host, rest) => match rest.strip_prefix(':').map(|port| (port, port.parse::<u16>())) {
+            Some((_, Ok(port))) if port != 0 => Ok(text.to_string()),
+            Some(("", _)) => Err(format!("write `{host}:{PORT}`")),
+            Some((port, _)) => Err(format!("`{port}` is not a port, a number from 1 to 65535: write `{host}:{PORT}`")),
+            None => Err(usual()),
+        },
+    }
+}
+
 struct Reader {
     file: FileId,
     diagnostics: Vec<Diagnostic>,
@@ -148,6 +174,10 @@ impl Reader {
     fn station(&mut self, name: &Spanned<String>, keys: &IoKeys) -> Option<RemoteStation> {
         let line = self.line(name, keys);
         let unit = self.number(&keys.unit, 0..=255, "an address of a device", 1u8);
+        if let Some(key) = keys.unit.as_ref().filter(|key| *key.get_ref() == 0 && keys.serial.is_some()) {
+            let title = "on a serial line 0 is all devices, and none of them answers".to_string();
+            self.report(key, title, "write the address of the device, from 1 to 247");
+        }
         let poll_ms = self.time(&keys.poll, 100);
         let timeout_ms = self.time(&keys.timeout, 1000);
         let substitute = self.word(&keys.away, ["keep", "substitute"]);
@@ -184,17 +214,23 @@ impl Reader {
         };
         match (&keys.modbus, &keys.serial) {
             (Some(address), None) => {
-                let text = address.get_ref().trim();
-                let has_port = text.rsplit_once(':').is_some_and(|(host, port)| {
-                    // The last part of an address of version 6 is not a port.
-                    (!host.contains(':') || host.ends_with(']')) && port.parse::<u16>().is_ok_and(|port| port != 0)
-                });
-                if text.is_empty() || text.contains(char::is_whitespace) || (!has_port && text.ends_with(':')) {
-                    self.report(address, format!("`{text}` is not an address"), "write `192.168.0.20:502`");
-                    return None;
+                let of_serial = [
+                    ("baud", keys.baud.as_ref().map(Spanned::span)),
+                    ("parity", keys.parity.as_ref().map(Spanned::span)),
+                ];
+                for (key, span) in of_serial.into_iter().filter_map(|(key, span)| Some((key, span?))) {
+                    let title = format!("`{key}` is a setting of serial lines");
+                    let help = "leave it out, or write `serial` in place of `modbus`";
+                    self.diagnostics.push(Diagnostic::new(Code::Project, Span::new(self.file, span), title).help(help));
                 }
-                let text = if has_port { text.to_string() } else { format!("{text}:{PORT}") };
-                Some(RemoteLine::Tcp(text))
+                match tcp_address(address.get_ref().trim()) {
+                    Ok(text) => Some(RemoteLine::Tcp(text)),
+                    Err(help) => {
+                        let title = format!("`{}` is not an address", address.get_ref());
+                        self.report(address, title, &help);
+                        None
+                    }
+                }
             }
             (None, Some(path)) => {
                 if path.get_ref().is_empty() || path.get_ref().contains('\0') {
@@ -453,6 +489,46 @@ mod tests {
         assert_eq!(messages, [(1, "`a` needs either `modbus` or `serial`".to_string())]);
         let (_, _, messages) = read("[io.a]\nmodbus = \"a b\"\ntimeout = \"soon\"\n");
         assert_eq!(messages.len(), 3, "{messages:?}");
+    }
+
+    #[test]
+    fn an_address_has_a_port() {
+        let address = |text: &str| tcp_address(text).unwrap_or_else(|help| help);
+        for (text, expected) in [
+            ("10.0.0.1", "10.0.0.1:502"),
+            ("plc:1502", "plc:1502"),
+            ("::1", "[::1]:502"),
+            ("[::1]", "[::1]:502"),
+            ("[::1]:1502", "[::1]:1502"),
+        ] {
+            assert_eq!(address(text), expected, "{text}");
+        }
+        assert_eq!(address("10.0.0.1:"), "write `10.0.0.1:502`");
+        for (text, port) in [("10.0.0.1:99999", "99999"), ("10.0.0.1:0", "0"), ("10.0.0.1:a:1", "a:1")] {
+            let expected = format!("`{port}` is not a port, a number from 1 to 65535: write `10.0.0.1:502`");
+            assert_eq!(address(text), expected, "{text}");
+        }
+        for text in ["", "a b", "tcp://10.0.0.1:502", ":502", "[::1]502", "[plc]:502", "[::1"] {
+            assert_eq!(address(text), "write `192.168.0.20:502`", "{text}");
+        }
+        let (stations, _, messages) =
+            read("[io.a]\nmodbus = \"10.0.0.1:99999\"\n[[io.a.data]]\nholding = 0\nat = \"IW4\"\n");
+        assert!(stations.is_empty());
+        assert_eq!(messages, [(2, "`10.0.0.1:99999` is not an address".to_string())]);
+    }
+
+    #[test]
+    fn settings_of_the_other_kind_of_line_are_refused() {
+        let messages = |keys: &str| read(&format!("[io.a]\n{keys}\n[[io.a.data]]\nholding = 0\nat = \"IW4\"\n")).2;
+        assert_eq!(messages("modbus = \"a\"\nunit = 0"), []);
+        assert_eq!(
+            messages("modbus = \"a\"\nparity = \"odd\""),
+            [(3, "`parity` is a setting of serial lines".to_string())]
+        );
+        assert_eq!(
+            messages("serial = \"/dev/ttyS0\"\nunit = 0"),
+            [(3, "on a serial line 0 is all devices, and none of them answers".to_string())]
+        );
     }
 
     #[test]
