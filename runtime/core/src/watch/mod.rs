@@ -260,12 +260,8 @@ impl Row {
             // What is not modified comes from the module again.
             cpu.name_input(&place.address);
         }
-        let modify = bits.map(|bits| Modify {
-            bits,
-            trigger: row.trigger,
-            every_cycle: row.every_cycle,
-            cycle: row.cycle.max(1),
-        });
+        let modify =
+            bits.map(|bits| Modify { bits, trigger: row.trigger, every_cycle: row.every_cycle, cycle: row.cycle });
         let Located { source, address, format } = place;
         Ok(Row { name, source, address, format, comment: row.comment, modify })
     }

@@ -101,6 +101,10 @@ pub(super) fn parse(text: &str) -> Result<Placed, (usize, String)> {
         (offset, format!("{}; {}", wrong.title, wrong.help))
     })?;
     check(sheet.row.len()).map_err(|error| (0, error))?;
+    if let Some(row) = sheet.row.iter().find(|row| row.cycle == 0) {
+        let message = "the first cycle is 1; write `cycle = 1`, or leave `cycle` out".to_string();
+        return Err((row.address.span().start, format!("{}: {message}", row.address.get_ref())));
+    }
     Ok(sheet)
 }
 
@@ -171,6 +175,8 @@ mod tests {
         let error = |text: &str| Sheet::read(text).unwrap_err();
         assert!(error("[[row]]\naddress = \"MW10\"\nformat = \"octal\"\n").starts_with("line 3: "));
         assert!(error("[[row]]\naddres = \"MW10\"\n").starts_with("line 2: "));
+        let no_cycle = error("[[row]]\naddress = \"MW10\"\nmodify = \"1\"\ncycle = 0\n");
+        assert_eq!(no_cycle, "line 2: MW10: the first cycle is 1; write `cycle = 1`, or leave `cycle` out");
         let row =
             RowText { address: "M0.0".to_string(), ..Sheet::read("[[row]]\naddress = \"\"").unwrap().row.remove(0) };
         let sheet = Sheet { row: vec![row; ROWS_MAX + 1], trace: None };
