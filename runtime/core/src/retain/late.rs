@@ -1,9 +1,13 @@
-//! The file of retentive memory, also while it cannot be opened: each copy tries it again.
+//! The file of retentive memory, also while it cannot be opened, and after somebody has deleted it: each copy tries it again.
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use super::slots::{Content, Fault, Slots};
+
+/// From one look at whether the file is still in its place to the next.
+const LOOK_PAUSE: Duration = Duration::from_millis(100);
 
 /// See the module comment.
 pub(super) struct LateFile {
@@ -12,6 +16,9 @@ pub(super) struct LateFile {
     slots: Option<Slots>,
     /// What it has was read; if not, that must not be lost when it is opened at last.
     is_read: bool,
+    /// Somebody has deleted or replaced it since it was opened.
+    is_replaced: bool,
+    looked: Instant,
 }
 
 /// How a file was found.
@@ -25,7 +32,8 @@ pub(super) struct Opened {
 impl LateFile {
     /// Opens the file, or at least reads it. `Err`: it is not for this process.
     pub(super) fn open(path: &Path) -> Result<Opened, Fault> {
-        let file = |slots, is_read| LateFile { path: path.to_path_buf(), slots, is_read };
+        let looked = Instant::now();
+        let file = |slots, is_read| LateFile { path: path.to_path_buf(), slots, is_read, is_replaced: false, looked };
         match Slots::open(path) {
             Ok((slots, content)) => Ok(Opened { file: file(Some(slots), true), content, error: None }),
             Err(Fault::Host(error)) => match Slots::read(path) {
@@ -51,6 +59,7 @@ impl LateFile {
 
     /// As [`Slots::write`], after the file was opened.
     pub(super) fn write(&mut self, content: &[u8]) -> std::io::Result<()> {
+        self.look();
         let slots = match self.slots.take() {
             Some(slots) => slots,
             None => self.open_again()?,
@@ -63,15 +72,71 @@ impl LateFile {
         self.slots.as_ref().ok_or(std::io::ErrorKind::NotFound)?.disk()
     }
 
-    fn open_again(&self) -> std::io::Result<Slots> {
+    /// Somebody may have taken the file away: what is written to it then is lost when the process ends.
+    fn look(&mut self) {
+        if self.looked.elapsed() < LOOK_PAUSE {
+            return;
+        }
+        self.looked = Instant::now();
+        if self.slots.as_mut().is_some_and(|slots| !slots.is_in_place()) {
+            super::say(&format!("{} was deleted or replaced, and is written again", self.path.display()));
+            (self.slots, self.is_read, self.is_replaced) = (None, false, true);
+        }
+    }
+
+    fn open_again(&mut self) -> std::io::Result<Slots> {
         let (slots, content) = Slots::open(&self.path).map_err(|fault| match fault {
             Fault::Host(error) => error,
             Fault::Foreign(_) | Fault::InUse => std::io::Error::other(fault.to_string()),
         })?;
         if !self.is_read && content != Content::Nothing {
             let kept = super::keep_before(&self.path);
-            super::say(&format!("{} could not be read at the start, and is overwritten{kept}", self.path.display()));
+            let why = if self.is_replaced { "is another file now" } else { "could not be read at the start" };
+            super::say(&format!("{} {why}, and is overwritten{kept}", self.path.display()));
         }
+        self.is_read = true;
         Ok(slots)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Where a file is, and what it has, after somebody did something with it while it was open, and a copy `two` was written.
+    fn after(name: &str, done: impl FnOnce(&Path)) -> (PathBuf, Content) {
+        let folder = std::env::temp_dir().join(format!("plcc-late-{}-{name}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&folder);
+        std::fs::create_dir_all(&folder).unwrap();
+        let path = folder.join("retain");
+        let mut file = LateFile::open(&path).unwrap().file;
+        file.write(b"one").unwrap();
+        done(&path);
+        std::thread::sleep(LOOK_PAUSE);
+        file.write(b"two").unwrap();
+        drop(file);
+        let content = Slots::read(&path).unwrap();
+        (path, content)
+    }
+
+    #[test]
+    fn a_file_that_is_taken_away_is_made_again() {
+        let two = || Content::Whole(b"two".to_vec());
+        assert_eq!(after("deleted", |path| std::fs::remove_file(path).unwrap()).1, two());
+        let away = |path: &Path| path.with_extension("away");
+        let (path, content) = after("moved", |path| std::fs::rename(path, away(path)).unwrap());
+        assert_eq!((content, Slots::read(&away(&path)).unwrap()), (two(), Content::Whole(b"one".to_vec())));
+        assert_eq!(after("cut", |path| drop(File::create(path).unwrap())).1, two());
+    }
+
+    #[test]
+    fn what_takes_the_place_of_the_file_is_kept() {
+        let (path, content) = after("replaced", |path| {
+            let other = path.with_extension("other");
+            Slots::open(&other).unwrap().0.write(b"other").unwrap();
+            std::fs::rename(other, path).unwrap();
+        });
+        assert_eq!(content, Content::Whole(b"two".to_vec()));
+        assert_eq!(Slots::read(&path.with_extension("old")).unwrap(), Content::Whole(b"other".to_vec()));
     }
 }

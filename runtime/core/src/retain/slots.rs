@@ -7,7 +7,7 @@
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{ErrorKind, Read, Write};
-use std::os::unix::fs::FileExt;
+use std::os::unix::fs::{FileExt, MetadataExt};
 use std::path::{Path, PathBuf};
 
 /// Begins the file; the last digit is the version of the format.
@@ -102,6 +102,22 @@ impl Slots {
     /// True if a content of so many bytes needs a file with larger slots, which takes longer to write.
     pub(crate) fn is_short_for(&self, bytes: usize) -> bool {
         (SLOT_HEAD_BYTES + bytes) as u64 > self.slot_bytes
+    }
+
+    /// False: somebody has deleted the file, or another one is in its place. One that somebody has cut is made anew with the next copy.
+    pub(crate) fn is_in_place(&mut self) -> bool {
+        let there = match std::fs::metadata(&self.path) {
+            Ok(there) => there,
+            Err(error) => return error.kind() != ErrorKind::NotFound,
+        };
+        if self.file.metadata().is_ok_and(|own| (own.dev(), own.ino()) != (there.dev(), there.ino())) {
+            return false;
+        }
+        let mut head = [0; MAGIC.len() + 8];
+        if self.file.read_exact_at(&mut head, 0).is_err() || slot_bytes_of(&head) != self.slot_bytes {
+            self.slot_bytes = 0;
+        }
+        true
     }
 
     /// The open file, for [`File::sync_data`] by another thread. After a [`Slots::write`] of a longer content it is another one.
