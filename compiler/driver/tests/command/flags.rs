@@ -78,11 +78,17 @@ fn wrong_flags_are_usage_errors() {
     for (text, says) in [
         ("MW0;MW2\n1;2\n", "i.csv:1: columns are separated by `,`; write MW0,MW2"),
         ("MW0,MW2\n1\n", "i.csv:2: 2 values are expected, as the first line has names, but here are 1"),
+        ("MW0,Speed\n1,2\n3,4\n", "runtime: i.csv:1: `Speed` is neither an address"),
+        ("MW0,mw0\n1,2\n", "i.csv:1: `mw0` has two columns; leave one of them out"),
+        ("MW0,MW2\n1,2\n3,many\n", "instance 1: runtime: i.csv:3: MW2: `many` is not a value"),
     ] {
         std::fs::write(folder.join("i.csv"), text).expect("the folder can be written");
         let errors = both(folder, &["--clock", "virtual", "--cycles", "2", "--instance-values", "i.csv"], 2);
-        assert!(errors.contains(says), "{errors}");
+        assert_eq!(errors.matches(says).count(), 1, "{errors}");
     }
+    // What is wrong for each of many CPUs is said once.
+    let errors = both(folder, &["--clock", "virtual", "--cycles", "2", "--instances", "3", "--print", "Speed"], 2);
+    assert_eq!(errors.matches("Speed").count(), 1, "{errors}");
 }
 
 #[test]

@@ -5,7 +5,7 @@
 //! they share the code. Results come in the order of the instances.
 
 use std::cell::RefCell;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
 use std::path::Path;
 use std::rc::Rc;
@@ -14,7 +14,7 @@ use std::sync::{Arc, mpsc};
 
 use plcc_abi::ProgramImage;
 
-use super::session::{prepare, setting};
+use super::session::{Session, prepare, settable, setting};
 use super::{
     CodeMaker, EXIT_FAULT, EXIT_OK, EXIT_USAGE, end_requested, pace, say, tell_partial, verdict, watch_signals,
 };
@@ -38,6 +38,8 @@ struct Outcome {
 
 /// Values that differ from instance to instance.
 struct Table {
+    /// The name of its file.
+    file: String,
     names: Vec<String>,
     rows: Vec<Vec<String>>,
 }
@@ -64,10 +66,14 @@ impl Table {
         {
             return Err(format!("{shown}:1: columns are separated by `,`; write {}", name.replace(';', ",")));
         }
+        let mut seen = BTreeSet::new();
+        if let Some(name) = names.iter().find(|name| !seen.insert(name.to_ascii_lowercase())) {
+            return Err(format!("{shown}:1: `{name}` has two columns; leave one of them out"));
+        }
         if rows.is_empty() {
             return Err(format!("{shown}: no values; the first line has names, each further line is an instance"));
         }
-        Ok(Table { names, rows })
+        Ok(Table { file: shown.to_string(), names, rows })
     }
 }
 
@@ -99,6 +105,10 @@ pub(super) fn run(image: ProgramImage, code: CodeMaker, options: &RunOptions) ->
     // Instances would write to one file.
     image.config.retain.file = None;
     let image = Arc::new(image);
+    if let Err(message) = fits(&image, code, options, table.as_ref()) {
+        say!("runtime: {message}");
+        return EXIT_USAGE;
+    }
     let next = AtomicUsize::new(0);
     let threads = std::thread::available_parallelism().map_or(1, usize::from).min(count);
     let (send, receive) = mpsc::sync_channel(4 * threads);
@@ -178,6 +188,29 @@ impl Write for Buffer {
     }
 }
 
+/// An instance that has not begun.
+fn begin(
+    image: &Arc<ProgramImage>,
+    code: CodeMaker,
+    options: &RunOptions,
+    out: Buffer,
+) -> Result<(Rc<Cpu>, Session), String> {
+    let driver = Box::new(Simulated::new(image.config.modules.clone()));
+    let cpu = Cpu::new(Arc::clone(image), code(), Clock::simulated(), driver);
+    let session = prepare(&cpu, options, Box::new(out))?;
+    match session.triggered.is_some() {
+        true => Err("the trace of a watch table is for one CPU: run the instance of interest alone".to_string()),
+        false => Ok((cpu, session)),
+    }
+}
+
+/// Whether all instances can begin: what is wrong in flags and names is so for each of them, and said once.
+fn fits(image: &Arc<ProgramImage>, code: CodeMaker, options: &RunOptions, table: Option<&Table>) -> Result<(), String> {
+    let (cpu, _) = begin(image, code, options, Buffer::default())?;
+    let Some(Table { file, names, .. }) = table else { return Ok(()) };
+    names.iter().try_for_each(|name| settable(&cpu, name).map(drop).map_err(|message| format!("{file}:1: {message}")))
+}
+
 /// Runs an instance to its end.
 fn one(
     number: usize,
@@ -188,23 +221,20 @@ fn one(
 ) -> Outcome {
     let failed =
         |message: String| Outcome { out: Vec::new(), lines: vec![format!("runtime: {message}")], exit: EXIT_USAGE };
-    let driver = Box::new(Simulated::new(image.config.modules.clone()));
-    let cpu = Cpu::new(Arc::clone(image), code(), Clock::simulated(), driver);
     let buffer = Buffer::default();
-    let mut session = match prepare(&cpu, options, Box::new(buffer.clone())) {
-        Ok(prepared) => prepared,
+    let (cpu, mut session) = match begin(image, code, options, buffer.clone()) {
+        Ok(begun) => begun,
         Err(message) => return failed(message),
     };
-    if session.triggered.is_some() {
-        return failed("the trace of a watch table is for one CPU: run the instance of interest alone".to_string());
-    }
-    if let Some(Table { names, rows }) = table {
+    if let Some(Table { file, names, rows }) = table {
         let row = rows.get(number).map_or(&[][..], Vec::as_slice);
-        let values: Result<Vec<_>, String> =
-            names.iter().zip(row).map(|(name, text)| setting(&cpu, name, text)).collect();
+        let value = |(name, text): (&String, &String)| {
+            setting(&cpu, name, text).map_err(|message| format!("{file}:{}: {name}: {message}", number + 2))
+        };
+        let values: Result<Vec<_>, String> = names.iter().zip(row).map(value).collect();
         match values {
             Ok(values) => session.set(values),
-            Err(message) => return failed(format!("line {}: {message}", number + 2)),
+            Err(message) => return failed(message),
         }
     }
     let cycles = cpu.execute(&pace(&cpu, options), &mut session);
@@ -312,7 +342,7 @@ mod tests {
         let image = Arc::new(image(&[(BlockKind::Ob, 1)]));
         let outcome = one(1, &image, &adding, &options, &table);
         assert_eq!(outcome.exit, EXIT_USAGE);
-        assert!(outcome.lines[0].contains("line 3"), "{:?}", outcome.lines);
+        assert!(outcome.lines[0].contains("wrong.csv:3: MW2: `many` "), "{:?}", outcome.lines);
         std::fs::remove_file(path).unwrap();
     }
 

@@ -227,12 +227,19 @@ fn settings(cpu: &Cpu, list: &[String]) -> Result<Vec<(Source, Value)>, String> 
     split_list(list).into_iter().map(one).collect()
 }
 
+/// What can be set before the startup OB runs.
+pub(super) fn settable(cpu: &Cpu, name: &str) -> Result<Source, String> {
+    let source = Source::find(name, &cpu.image, None)?;
+    if let Some(address) = source.address() {
+        cpu.check_address(address)?;
+    }
+    source.check_settable()?;
+    Ok(source)
+}
+
 /// A value that is set before the startup OB runs.
 pub(super) fn setting(cpu: &Cpu, name: &str, text: &str) -> Result<(Source, Value), String> {
-    let source = Source::find(name, &cpu.image, None)?;
-    let checked = match source.address() {
-        Some(address) => cpu.check_address(address).and_then(|()| source.check_settable()),
-        None => source.check_settable(),
-    };
-    checked.and_then(|()| source.parse(text, &cpu.image)).map(|value| (source, value))
+    let source = settable(cpu, name)?;
+    let value = source.parse(text, &cpu.image)?;
+    Ok((source, value))
 }
