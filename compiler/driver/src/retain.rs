@@ -44,6 +44,7 @@ pub fn read(keys: &RetainKeys, file: FileId) -> (RetainConfig, Vec<Diagnostic>) 
         timers,
         counters,
         reset: false,
+        for_hot: false,
     };
     (config, reader.diagnostics)
 }

@@ -369,6 +369,8 @@ pub struct RetainConfig {
     pub counters: Option<u32>,
     /// Memory reset: what is in the file does not come back.
     pub reset: bool,
+    /// A hot restart may come after this run, although it does not begin with one: all memory is kept.
+    pub for_hot: bool,
 }
 
 /// How often retentive memory is written.

@@ -130,6 +130,8 @@ impl RunOptions {
         if let Some(path) = &self.retain {
             config.retain.file = Some(path.display().to_string());
         }
+        // A warm or a cold restart in between takes nothing from the next hot one.
+        config.retain.for_hot |= config.startup == 101;
         match self.restart {
             None => {}
             Some(Restart::Warm) => config.startup = 100,

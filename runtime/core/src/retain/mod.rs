@@ -134,10 +134,12 @@ impl Cpu {
             self.note_lost(&format!("{} cannot be read: all data begins with its start values", path.display()));
         }
         let config = &self.image.config.retain;
-        let hot = self.startup.get() == HOT && self.image.profile.family == Family::S7400;
-        let items = Items::of(self, hot);
+        let is_s7400 = self.image.profile.family == Family::S7400;
+        let hot = is_s7400 && self.startup.get() == HOT;
+        // A client or a flag may have asked for another restart than the one that comes next time.
+        let items = Items::of(self, hot || is_s7400 && (self.image.config.startup == HOT || config.for_hot));
         let content = carried.map_or(content, |carried| Content::Whole(carried.retentive));
-        let restored = self.bring_back(path, &items, content);
+        let restored = self.bring_back(path, &Items::of(self, hot), content);
         // Cycles are not to wait for a file that must be made.
         let mut first = Vec::new();
         items.collect(self, &mut first);

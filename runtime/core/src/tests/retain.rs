@@ -11,7 +11,7 @@ use super::helpers::{Block, cpu_with, run};
 use crate::counters;
 use crate::cpu::Cpu;
 use crate::events::StartInfo;
-use crate::options::Restart;
+use crate::options::{Restart, RunOptions};
 use crate::restart::retained;
 use crate::timers;
 use plcc_abi::functions::TimerMode;
@@ -181,6 +181,16 @@ fn a_hot_restart_keeps_everything() {
     assert_eq!(started(&path, &hot), (100, START));
     leave(&path, hot);
     assert_eq!(started(&path, &hot), (101, FILLED));
+    // `--restart` says how one run begins; the next one is hot again.
+    for (restart, mark) in [(Restart::Cold, 102), (Restart::Warm, 100)] {
+        let other = |image: &mut ProgramImage| {
+            hot(image);
+            RunOptions { restart: Some(restart), ..RunOptions::default() }.configure(&mut image.config);
+        };
+        assert_eq!(started(&path, &other).0, mark);
+        leave(&path, other);
+        assert_eq!(started(&path, &hot), (101, FILLED));
+    }
     // The program has changed.
     leave(&path, hot);
     assert_eq!(
