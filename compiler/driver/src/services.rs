@@ -179,8 +179,11 @@ pub fn read(keys: &ServicesKeys, file: FileId) -> (ServicesConfig, Vec<Diagnosti
         tls: keys.tls.as_ref().and_then(|key| reader.file_name(key, "folder", "tls")),
         users: reader.users(&keys.user),
         mqtt: keys.mqtt.as_ref().and_then(|key| {
-            let check = |text: &str| options::check_broker(text).map_err(|_| "not the URL of a broker".to_string());
-            reader.checked(key, "write `mqtt://HOST:PORT/PREFIX`, with `USER@` before HOST if needed", check)
+            let wrong = options::check_broker(key.get_ref()).err();
+            if let Some(why) = &wrong {
+                reader.report(key, "not the URL of a broker".to_string(), why);
+            }
+            wrong.is_none().then(|| key.get_ref().clone())
         }),
         mqtt_ca: keys.mqtt_ca.as_ref().and_then(|key| reader.file_name(key, "file", "ca.pem")),
         mqtt_certificate: keys.mqtt_certificate.as_ref().and_then(|key| reader.file_name(key, "file", "plc.pem")),

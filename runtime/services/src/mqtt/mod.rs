@@ -72,14 +72,23 @@ impl Broker {
         };
         // An address of IPv6 is in brackets.
         let (host, port) = match place.rsplit_once(':').filter(|(host, _)| !host.contains(':') || host.ends_with(']')) {
-            Some((host, port)) => (host, port.parse().map_err(|_| wrong())?),
+            // What comes after the colon may be a password whose `@` is missing: the message does not show it.
+            Some((host, port)) => match port.parse::<u16>() {
+                Ok(port) if port != 0 => (host, port),
+                Ok(_) | Err(_) => return Err(format!("the port is not a number from 1 to 65535; {}", wrong())),
+            },
             None if is_secure => (place, PORT_TLS),
             None => (place, PORT),
         };
         let host = host.trim_matches(['[', ']']);
         let prefix = prefix.trim_matches('/');
-        if host.is_empty() || prefix.contains(['+', '#', '\0']) {
+        if host.is_empty() {
             return Err(wrong());
+        }
+        if prefix.contains(['+', '#', '\0']) {
+            return Err(
+                "PREFIX is the beginning of topics, without `+` and `#`, which are for those who subscribe".to_string()
+            );
         }
         let user = user.map(|user| {
             let (name, password) = user.split_once(':').unwrap_or((user, ""));
@@ -182,8 +191,16 @@ mod tests {
         assert_eq!(parse("mqtt://10.0.0.1:1884/plant/tank/").unwrap().0, "mqtt://10.0.0.1:1884/plant/tank");
         assert_eq!(Broker::parse("mqtt://[fd00::1]:1884").unwrap().host, "fd00::1");
         assert_eq!(parse("mqtt://me:s@cret@b").unwrap().1, Some(("me".to_string(), "s@cret".to_string())));
-        for text in ["broker", "mqtt://", "mqtts://", "http://b", "mqtt://b:x", "mqtt://b/a/#"] {
-            assert!(Broker::parse(text).is_err(), "{text}");
+        for (text, says) in [
+            ("broker", "write mqtt://HOST"),
+            ("mqtt://", "write mqtt://HOST"),
+            ("mqtts://", "write mqtt://HOST"),
+            ("http://b", "write mqtt://HOST"),
+            ("mqtt://b:x", "the port is not a number"),
+            ("mqtt://b:0", "the port is not a number"),
+            ("mqtt://b/a/#", "PREFIX is the beginning of topics, without `+` and `#`"),
+        ] {
+            assert!(Broker::parse(text).unwrap_err().starts_with(says), "{text}");
         }
     }
 
