@@ -180,7 +180,7 @@ pub fn without_services(error: &clap::Error) -> Option<String> {
     SERVICE_FLAGS.contains(&flag).then(|| {
         format!(
             "`{flag}` needs the services, which this executable does not contain: build it with `plcc build --services`, or with \
-             `[services]` in plcc.toml"
+             `[services]` in plc.toml"
         )
     })
 }

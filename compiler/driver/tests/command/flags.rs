@@ -92,6 +92,17 @@ fn wrong_flags_are_usage_errors() {
 }
 
 #[test]
+fn an_executable_without_services_says_how_it_gets_them() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    build(folder.path(), "      NOP   0\n");
+    let output = command(&folder.path().join("program").display().to_string(), folder.path(), &["--s7=10102"]);
+    assert_eq!(output.status.code(), Some(2));
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(errors.contains("`--s7` needs the services"), "{errors}");
+    assert!(errors.contains("with `[services]` in plc.toml"), "{errors}");
+}
+
+#[test]
 fn a_code_with_another_letter_is_recognized() {
     let output = Command::new(env!("CARGO_BIN_EXE_plcc")).args(["explain", "E0203"]).output().expect("plcc starts");
     assert_eq!(output.status.code(), Some(2));
