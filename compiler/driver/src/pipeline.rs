@@ -39,7 +39,7 @@ use crate::beginning;
 use crate::cli::{CompileArgs, CpuFeatures, Deny, Level};
 use crate::inputs::Read;
 use crate::parallel;
-use crate::project::Project;
+use crate::project::{self, Project};
 use crate::s7200;
 use crate::technology;
 
@@ -193,6 +193,7 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
     if let Some(project) = &project {
         diagnostics.extend(technology::check(&project.technology, &profile));
         diagnostics.extend(s7200::check(project.s7200, &profile));
+        diagnostics.extend(project::check_hot(project.hot, &profile));
     }
     let partial = settings.is_partial(project.as_ref()) || pragma_partial(settings, &units);
     if partial {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use plcc_abi::image::{Config, Module, TimeOfDay};
+use plcc_abi::image::{Config, Family, Module, Profile, TimeOfDay};
 use plcc_abi::ob::{OB_CLASSES, OB_FREE, OB_NUMBER_MAX, ObClass};
 use plcc_diag::{Code, Diagnostic, FileId, SourceFile, Span};
 use plcc_literal::duration::meant_span;
@@ -49,6 +49,8 @@ pub struct Project {
     pub names: services::Names,
     /// Place of the settings of an S7-200, checked later against the CPU.
     pub s7200: Option<Span>,
+    /// Place of `startup = "hot"`, checked later against the CPU.
+    pub hot: Option<Span>,
     /// The file could not be read as a whole, so that nothing is known of the project.
     pub unread: bool,
 }
@@ -109,7 +111,7 @@ struct Keys {
     symbols: Vec<Spanned<String>>,
     #[serde(default)]
     partial: bool,
-    startup: Option<StartupKey>,
+    startup: Option<Spanned<StartupKey>>,
     cycle_time: Option<Spanned<String>>,
     cycle_time_max: Option<Spanned<String>>,
     cycle_time_exceeded: Option<ExceededKey>,
@@ -231,6 +233,13 @@ struct Context {
     diagnostics: Vec<Diagnostic>,
 }
 
+/// Whether the CPU has the hot restart of this place. Source: System and standard functions, OB 101.
+pub fn check_hot(place: Option<Span>, profile: &Profile) -> Option<Diagnostic> {
+    let place = place.filter(|_| profile.family != Family::S7400)?;
+    let title = format!("the CPU {} has no hot restart", profile.name);
+    Some(Diagnostic::new(Code::Project, place, title).help("write `startup = \"warm\"`, or choose a CPU of the S7-400"))
+}
+
 impl Context {
     fn report(&mut self, range: Range<usize>, title: impl Into<String>, help: &str) {
         self.diagnostics.push(Diagnostic::new(Code::Project, Span::new(self.file, range), title).help(help));
@@ -259,11 +268,12 @@ impl Context {
             }
         }
         config.overrun_stops = keys.cycle_time_exceeded.map(|key| matches!(key, ExceededKey::Stop));
-        config.startup = match keys.startup {
+        config.startup = match keys.startup.as_ref().map(Spanned::get_ref) {
             None | Some(StartupKey::Warm) => 100,
             Some(StartupKey::Hot) => 101,
             Some(StartupKey::Cold) => 102,
         };
+        let hot = keys.startup.filter(|_| config.startup == 101).map(|key| Span::new(self.file, key.span()));
         for (number, ob) in &keys.ob {
             self.organization_block(number, ob, &mut config);
         }
@@ -324,6 +334,7 @@ impl Context {
             axes,
             names: keys.services.as_ref().map(|keys| services::names(keys, file)).unwrap_or_default(),
             s7200: keys.s7200.map(|keys| Span::new(file, keys.span())),
+            hot,
         }
     }
 

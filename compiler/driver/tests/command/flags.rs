@@ -55,6 +55,7 @@ fn wrong_flags_are_usage_errors() {
         (&["--trace-signals", "MW0"], "--trace-signals is about a trace, and there is none: add --trace FILE.csv"),
         (&["--trace-step", "1s"], "add --trace FILE.csv"),
         (&["--scenario", "missing.toml"], "missing.toml"),
+        (&["--restart", "hot"], "--restart hot: only a CPU of the S7-400 has hot restarts"),
         (&["--replay", "missing.rec"], "missing.rec: No such file or directory"),
         (&["--scenario", "pipe.toml"], "pipe.toml: a pipe, a socket or a device"),
         (&["--scenario", "/dev/zero"], "/dev/zero: a pipe, a socket or a device"),

@@ -2,9 +2,11 @@
 
 use std::io::Write;
 
+use plcc_abi::image::Family;
+
 use crate::cpu::Cpu;
 use crate::cycle::Observer;
-use crate::options::{RunOptions, split_list};
+use crate::options::{Restart, RunOptions, split_list};
 use crate::plant::Plant;
 use crate::scenario::{Player, Scenario};
 use crate::signal::{self, Signal, Source, Value};
@@ -124,6 +126,10 @@ impl Session {
 
 /// Everything that the flags name. What a scenario prints goes to `out`.
 pub(super) fn prepare(cpu: &Cpu, options: &RunOptions, out: Box<dyn Write>) -> Result<Session, String> {
+    if options.restart == Some(Restart::Hot) && cpu.image.profile.family != Family::S7400 {
+        return Err("--restart hot: only a CPU of the S7-400 has hot restarts; write --restart warm, or leave it out"
+            .to_string());
+    }
     cpu.check_retentive_file()?;
     let scenario = options.scenario.as_deref().map(|path| Scenario::read(path, &cpu.image)).transpose()?;
     let player = Player::new(scenario.unwrap_or_default(), cpu)?.print_to(out, options.json);
