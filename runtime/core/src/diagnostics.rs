@@ -7,6 +7,7 @@ use std::cell::{Cell, RefCell};
 
 use plcc_abi::ProgramImage;
 use plcc_abi::image::Site;
+use plcc_abi::remote::RemoteChannel;
 
 use crate::datetime;
 
@@ -156,10 +157,10 @@ pub fn event_text(image: &ProgramImage, entry: &Entry) -> String {
         0x4302 => "RUN".to_string(),
         0x4303 => "STOP by request".to_string(),
         0x4304 => "STOP by a client".to_string(),
-        0x39C4 | 0x39CB => format!("a device does not answer, address {info}"),
-        0x38C4 | 0x38CB => format!("a device answers again, address {info}"),
-        0x3942 => format!("a device refuses a request, address {info}"),
-        0x3842 => format!("a device does not refuse a request any more, address {info}"),
+        0x39C4 | 0x39CB => format!("{} does not answer, address {info}", device_text(image, info)),
+        0x38C4 | 0x38CB => format!("{} answers again, address {info}", device_text(image, info)),
+        0x3942 => format!("{} refuses a request, address {info}", device_text(image, info)),
+        0x3842 => format!("{} does not refuse a request any more, address {info}", device_text(image, info)),
         0x4562 => "STOP: programming error and no OB 121".to_string(),
         0x4563 => "STOP: I/O access error and no OB 122".to_string(),
         0x4568 if info == 2 => "STOP: cycle time exceeded twice in one cycle".to_string(),
@@ -184,18 +185,8 @@ pub fn event_text(image: &ProgramImage, entry: &Entry) -> String {
         0x3507 => format!("queue of interrupts is full (OB {info})"),
         0x35A1 => format!("OB {info} is requested but not loaded"),
         event @ 0x2521..=0x253F => sync_error_text(image, event as u8, info, entry.access),
-        0x2942 => {
-            format!(
-                "I/O access error: no module has {}, on reading",
-                address_text(entry.access, info).replacen('P', "PI", 1)
-            )
-        }
-        0x2943 => {
-            format!(
-                "I/O access error: no module has {}, on writing",
-                address_text(entry.access, info).replacen('P', "PQ", 1)
-            )
-        }
+        0x2942 => format!("I/O access error: {}, on reading", unanswered(image, entry, false)),
+        0x2943 => format!("I/O access error: {}, on writing", unanswered(image, entry, true)),
         0x8000..=0xBFFF => format!("event of the program (SFC 52), INFO2 16#{info:08X}"),
         ALARM_CAME => format!("alarm 16#{info:08X} came"),
         ALARM_WENT => format!("alarm 16#{info:08X} went"),
@@ -219,6 +210,32 @@ pub fn event_text(image: &ProgramImage, entry: &Entry) -> String {
         event => format!("event of class {}", event >> 12),
     };
     format!("16#{:04X} {words}", entry.event)
+}
+
+/// The device of `[io]` that has an address, if one alone has it; `output`: among the outputs, else among the inputs, `None`: among both.
+fn device(image: &ProgramImage, address: u32, output: Option<bool>) -> Option<&str> {
+    let has = |channel: &RemoteChannel| {
+        let range = channel.byte..channel.byte + channel.bytes();
+        output.is_none_or(|output| channel.output == output) && range.contains(&address)
+    };
+    let mut devices = image.config.remote.iter().filter(|station| station.channels.iter().any(has));
+    let found = devices.next()?;
+    devices.next().is_none().then_some(found.name.as_str())
+}
+
+/// `device tank`.
+fn device_text(image: &ProgramImage, address: u32) -> String {
+    device(image, address, None).map_or_else(|| "a device".to_string(), |name| format!("device {name}"))
+}
+
+/// Why an access to a peripheral address has failed.
+fn unanswered(image: &ProgramImage, entry: &Entry, output: bool) -> String {
+    let area = if output { "PQ" } else { "PI" };
+    let address = address_text(entry.access, entry.info).replacen('P', area, 1);
+    match device(image, entry.info, Some(output)) {
+        Some(name) => format!("device {name} is away or refuses {address}"),
+        None => format!("no module has {address}"),
+    }
 }
 
 /// `DBW 200`, `MB 70000`, `PIW 300`: the address of an access; `access` is the access byte of OB 121.
@@ -304,6 +321,8 @@ pub fn line(image: &ProgramImage, entry: &Entry) -> String {
 
 #[cfg(test)]
 mod tests {
+    use plcc_abi::remote::{RemoteLine, RemoteStation, RemoteTable};
+
     use super::*;
 
     #[test]
@@ -316,5 +335,41 @@ mod tests {
         assert_eq!((infos.len(), diagnostics.count()), (CAPACITY, CAPACITY as u64 + 3));
         assert_eq!(infos[0], CAPACITY as u32 + 2);
         assert_eq!(infos[CAPACITY - 1], 3);
+    }
+
+    #[test]
+    fn devices_are_named_by_their_addresses() {
+        let station = |name: &str, byte, output| RemoteStation {
+            name: name.to_string(),
+            line: RemoteLine::Tcp("127.0.0.1:502".to_string()),
+            unit: 1,
+            poll_ms: 100,
+            timeout_ms: 1000,
+            keep: true,
+            channels: vec![RemoteChannel {
+                table: RemoteTable::HoldingRegisters,
+                first: 0,
+                count: 2,
+                output,
+                byte,
+                bit: 0,
+                low_byte_first: false,
+                low_word_first: false,
+                scale: None,
+                substitute: 0,
+            }],
+        };
+        let mut image = crate::tests::image(&[]);
+        image.config.remote =
+            vec![station("tank", 300, false), station("drive", 310, true), station("hand", 310, false)];
+        let text = |event, info| {
+            let access = u32::from(plcc_abi::codes::access::WORD);
+            event_text(&image, &Entry { event, info, access, site: NO_SITE, ob: 0, wall: 0 })
+        };
+        assert_eq!(text(0x39C4, 300), "16#39C4 device tank does not answer, address 300");
+        assert_eq!(text(0x38C4, 310), "16#38C4 a device answers again, address 310");
+        assert_eq!(text(0x2942, 302), "16#2942 I/O access error: device tank is away or refuses PIW 302, on reading");
+        assert_eq!(text(0x2943, 310), "16#2943 I/O access error: device drive is away or refuses PQW 310, on writing");
+        assert_eq!(text(0x2942, 304), "16#2942 I/O access error: no module has PIW 304, on reading");
     }
 }
