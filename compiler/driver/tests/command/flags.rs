@@ -104,6 +104,24 @@ fn an_executable_without_services_says_how_it_gets_them() {
 }
 
 #[test]
+fn a_trace_has_whole_texts_and_dates() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let source = "DATA_BLOCK \"D\"\nSTRUCT\n  s : STRING[8]; ws : WSTRING[6]; dt : DTL; c : ARRAY[0..1] OF STRING[4]; j : INT;\nEND_STRUCT;\n\
+                  BEGIN\nEND_DATA_BLOCK\nORGANIZATION_BLOCK \"Main\"\nBEGIN\n  \"D\".s := 'abc'; \"D\".ws := WSTRING#'xy'; \"D\".dt.DAY := 3;\n  \
+                  \"D\".c[1] := 'q'; \"D\".j := LEN(\"D\".s);\nEND_ORGANIZATION_BLOCK\n";
+    std::fs::write(folder.path().join("texts.scl"), source).expect("the folder can be written");
+    let flags = ["run", "texts.scl", "--cpu=s7-1500", "--clock=virtual", "--cycles=1", "--trace=t.csv"];
+    let output = command(PLCC, folder.path(), &flags);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let trace = std::fs::read_to_string(folder.path().join("t.csv")).expect("there is a trace");
+    let head = trace.lines().next().unwrap_or_default();
+    assert!(!head.contains("DBB") && !head.contains("DBW"), "{head}");
+    for name in ["D.s", "D.dt", "D.c[1]", "D.j"] {
+        assert_eq!(head.split(',').filter(|found| *found == name).count(), 1, "{name}: {head}");
+    }
+}
+
+#[test]
 fn a_code_with_another_letter_is_recognized() {
     let output = Command::new(env!("CARGO_BIN_EXE_plcc")).args(["explain", "E0203"]).output().expect("plcc starts");
     assert_eq!(output.status.code(), Some(2));

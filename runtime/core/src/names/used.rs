@@ -15,6 +15,9 @@ use crate::s7200::Part as S7200Part;
 /// Values of an instance DB among those that a program uses.
 const INSTANCE_VALUES_MAX: usize = 64;
 
+/// Bytes of a DTL.
+const DTL_BYTES: u32 = 12;
+
 /// The value that an IEC timer or counter has, by a parameter of it that a call names.
 const CURRENT: [(&str, &str); 5] = [(".IN", ".ET"), (".PT", ".ET"), (".CU", ".CV"), (".CD", ".CV"), (".PV", ".CV")];
 
@@ -52,10 +55,17 @@ pub fn used(image: &ProgramImage) -> Vec<(String, Named)> {
 }
 
 impl Finder<'_> {
-    /// The value of a variable at `byte` and `bit` from its beginning (`None`: not a bit).
+    /// The value of a variable at `byte` and `bit` from its beginning (`None`: not a bit). Code reads and writes texts and DTL in parts: these
+    /// belong to the whole value.
     fn at(&self, name: String, variable: Variable, byte: u32, bit: Option<u8>) -> Option<(String, Named)> {
         if let Some(named) = self.end(variable) {
-            let is_here = byte == 0 && bit.is_none_or(|bit| bit == variable.bit);
+            let in_parts = match self.ty(variable.ty) {
+                Some(NamedType::Text { wide: false, length }) => byte < 2 + u32::from(*length),
+                Some(NamedType::Text { wide: true, length }) => byte < 4 + 2 * u32::from(*length),
+                Some(NamedType::Struct(_)) => byte < DTL_BYTES,
+                Some(NamedType::Value(_) | NamedType::Array { .. } | NamedType::Other { .. }) | None => false,
+            };
+            let is_here = in_parts || byte == 0 && bit.is_none_or(|bit| bit == variable.bit);
             return is_here.then_some((name, named));
         }
         match self.ty(variable.ty)? {
