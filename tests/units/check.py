@@ -161,6 +161,8 @@ def trace(path, inputs, expected):
     for steps in ([0.01], [0.005, 0.005], [0.0025, 0.0075], [0.001, 0.002, 0.007]):
         unit = Unit(path)
         unit.start()
+        for number in (float('nan'), float('inf')):
+            refused(lambda: unit.set('AI0', number))
         time = cycle = 0
         for row in rows[1:]:
             change = changes.get(round(cycle * 0.01, 2), {})

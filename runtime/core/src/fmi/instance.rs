@@ -199,6 +199,9 @@ impl Instance {
             }
             (Kind::Float32 | Kind::Float64, Scalar::Float(number)) => match source {
                 Source::Typed(_, ty) if typed::is_duration(ty.ty) => self.duration(source, *number, ty.ty),
+                Source::Channel(..) if !number.is_finite() => {
+                    Err(format!("{number} is not a value of an analog channel"))
+                }
                 _ => Ok(Value::Number(*number)),
             },
             (Kind::Text, Scalar::Text(text)) => match source {
