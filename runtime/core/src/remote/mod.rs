@@ -28,6 +28,8 @@ use station::{Shared, Station};
 
 /// How long the startup waits for devices. Source: parameters of the CPU, monitoring time for the ready message; here shorter.
 const STARTUP_WAIT: Duration = Duration::from_secs(2);
+/// How long the end of the process waits for devices that get their last outputs.
+const END_WAIT: Duration = Duration::from_secs(2);
 
 /// A driver with devices.
 pub struct Remote {
@@ -333,6 +335,9 @@ impl Drop for Remote {
     /// The process ends: outputs have their substitute values.
     fn drop(&mut self) {
         self.devices.iter().for_each(|device| self.give_substitutes(device));
+        self.devices.iter().for_each(|device| device.station.end());
+        let deadline = Instant::now() + END_WAIT;
+        self.devices.iter().for_each(|device| device.station.wait_for_end(deadline));
     }
 }
 

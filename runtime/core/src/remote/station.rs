@@ -31,7 +31,9 @@ pub struct Shared {
     pub attempts: u64,
     /// Why the device is away.
     pub error: String,
+    /// The thread is to end, and has ended.
     end: bool,
+    ended: bool,
 }
 
 /// The thread with what it shares.
@@ -60,11 +62,17 @@ impl Station {
             attempts: 0,
             error: String::new(),
             end: false,
+            ended: false,
         };
         let shared = Arc::new((Mutex::new(shared), Condvar::new()));
         let (of_thread, config) = (shared.clone(), config.clone());
         let name = format!("io {}", config.name);
-        let thread = std::thread::Builder::new().name(name).spawn(move || run(&config, &of_thread))?;
+        let work = move || {
+            run(&config, &of_thread);
+            lock(&of_thread.0).ended = true;
+            of_thread.1.notify_all();
+        };
+        let thread = std::thread::Builder::new().name(name).spawn(work)?;
         Ok(Station { shared, thread: Some(thread) })
     }
 
@@ -80,9 +88,24 @@ impl Station {
 
     /// Waits until the device was asked once, at most until `deadline`.
     pub fn wait_for_attempt(&self, deadline: Instant) {
+        self.wait(deadline, |state| state.attempts > 0);
+    }
+
+    /// The thread is to write the last outputs and to end.
+    pub fn end(&self) {
+        self.shared().end = true;
+        self.shared.1.notify_all();
+    }
+
+    /// Waits until the thread has ended, at most until `deadline`.
+    pub fn wait_for_end(&self, deadline: Instant) {
+        self.wait(deadline, |state| state.ended);
+    }
+
+    fn wait(&self, deadline: Instant, done: impl Fn(&Shared) -> bool) {
         let (shared, changed) = &*self.shared;
         let mut state = lock(shared);
-        while state.attempts == 0 {
+        while !done(&state) {
             let left = deadline.saturating_duration_since(Instant::now());
             if left.is_zero() {
                 return;
@@ -95,9 +118,10 @@ impl Station {
 
 impl Drop for Station {
     fn drop(&mut self) {
-        self.shared().end = true;
-        self.shared.1.notify_all();
-        if let Some(thread) = self.thread.take() {
+        self.end();
+        // A device that does not answer may hold its thread for longer, which then ends with the process.
+        let ended = self.shared().ended;
+        if let Some(thread) = self.thread.take().filter(|_| ended) {
             // It has nothing to say.
             let _ = thread.join();
         }

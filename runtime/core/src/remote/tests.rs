@@ -410,6 +410,18 @@ fn a_device_that_was_never_there_is_no_event() {
 }
 
 #[test]
+fn a_device_that_never_answers_does_not_hold_the_end() {
+    // Connections are accepted by the system, and nobody reads.
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let line = RemoteLine::Tcp(listener.local_addr().unwrap().to_string());
+    let slow = RemoteStation { timeout_ms: 60_000, ..station(line) };
+    let remote = Remote::new(None, &[slow.clone(), RemoteStation { name: "other".to_string(), ..slow }]).unwrap();
+    let before = Instant::now();
+    drop(remote);
+    assert!(before.elapsed() < PATIENCE, "{:?}", before.elapsed());
+}
+
+#[test]
 fn a_device_that_sends_anything_harms_nothing() {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = listener.local_addr().unwrap().to_string();
