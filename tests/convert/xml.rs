@@ -12,7 +12,7 @@ use plcc_driver::testing::{self, Form, Variant};
 use plcc_readers::ReadOptions;
 use plcc_syntax::ast::{Block, Code, SourceUnit};
 use plcc_syntax::{scl, stl};
-use plcc_tests::{plan, root, tests_folder};
+use plcc_tests::{is_chosen, plan, root, tests_folder};
 
 use crate::{everything, has_errors, sources, tree};
 
@@ -295,21 +295,13 @@ END_ORGANIZATION_BLOCK
     assert_eq!(results, [(4, 0)], "{:?}", outcomes.iter().map(|one| &one.failures).collect::<Vec<_>>());
 }
 
-/// Whether a source is among those that are tried: about one in four. Other sources do not change it.
-fn is_chosen(path: &Path) -> bool {
-    let name = path.strip_prefix(root()).unwrap_or(path).to_string_lossy();
-    let mix = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01B3);
-    let hash = name.bytes().fold(0xCBF2_9CE4_8422_2325, mix);
-    (hash >> 32).is_multiple_of(4)
-}
-
 /// One in four sources; all of them with `PLCC_ALL_SOURCES=1`.
 #[test]
 fn sources_as_xml_mean_the_same() {
     let (mut count, mut failed, mut refused) = (0, Vec::new(), BTreeMap::new());
     let all = std::env::var_os("PLCC_ALL_SOURCES").is_some();
     let paths = ["s7dcl", "scl", "stl"].iter().flat_map(|extension| sources(extension));
-    for path in paths.filter(|path| all || is_chosen(path)) {
+    for path in paths.filter(|path| all || is_chosen(path, 4)) {
         match as_xml(&path, &mut refused) {
             None => {}
             Some(Ok(())) => count += 1,

@@ -39,6 +39,14 @@ pub fn shown(path: &Path) -> String {
     path.strip_prefix(root()).unwrap_or(path).display().to_string()
 }
 
+/// Whether a source is among those that a test takes, about one in `part`. Other sources do not change it.
+pub fn is_chosen(path: &Path, part: u64) -> bool {
+    let name = path.strip_prefix(root()).unwrap_or(path).to_string_lossy();
+    let mix = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01B3);
+    let hash = name.bytes().fold(0xCBF2_9CE4_8422_2325, mix);
+    (hash >> 32).is_multiple_of(part)
+}
+
 /// True if expectations are to be renewed.
 pub fn updating() -> bool {
     std::env::var_os(UPDATE).is_some_and(|value| value != "0")
