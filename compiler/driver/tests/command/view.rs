@@ -53,3 +53,56 @@ fn a_folder_without_drawings_is_explained() {
     let messages = String::from_utf8_lossy(&output.stderr);
     assert!(messages.contains("no networks and no charts"), "{messages}");
 }
+
+/// The texts at the arrows of a chart with these transitions: the steps before and after each.
+fn arrows(steps: usize, transitions: &[(&str, &str)]) -> Vec<String> {
+    let mut source = "FUNCTION_BLOCK FB1\nVAR_INPUT\n  go : BOOL;\nEND_VAR\n".to_string();
+    for number in 1..=steps {
+        let word = if number == 1 { "INITIAL_STEP" } else { "STEP" };
+        source.push_str(&format!("{word} At{number} (*$_NUM {number}*):\nEND_STEP\n"));
+    }
+    for (at, (from, to)) in transitions.iter().enumerate() {
+        let number = at + 1;
+        let frame = format!("TRANSITION T{number} (*$_NUM {number}*)\n  FROM {from}\n  TO {to}\n");
+        source.push_str(&frame);
+        source.push_str("CONDITION := #go\nEND_TRANSITION\n");
+    }
+    source.push_str("END_FUNCTION_BLOCK\n");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    fs::write(folder.path().join("chart.gr7"), source).expect("the folder can be written");
+    let output = Command::new(PLCC).current_dir(folder.path()).args(["view", "chart.gr7", "-o", "pictures"]).output();
+    let output = output.expect("plcc starts");
+    let messages = String::from_utf8_lossy(&output.stderr);
+    let picture = fs::read_to_string(folder.path().join("pictures/FB_1.svg")).unwrap_or_else(|_| panic!("{messages}"));
+    let texts = picture.lines().filter(|line| line.starts_with("<text class=\"m\""));
+    texts.filter_map(|line| Some(line.split_once('>')?.1.trim_end_matches("</text>").to_string())).collect()
+}
+
+/// Two transitions join the same paths, and their ways come together again.
+#[test]
+fn alternatives_after_a_join_need_no_arrows() {
+    let transitions = [
+        ("At1", "(At2, At3)"),
+        ("(At2, At3)", "At4"),
+        ("(At3, At2)", "At5"),
+        ("At4", "At5"),
+        ("At5", "At1 (*$_JUMP*)"),
+    ];
+    assert_eq!(arrows(5, &transitions), ["S1 At1"]);
+}
+
+/// Both ways to At5 are lines, so the one from At4 to At6 would cross them and is an arrow; the one from At5 to At6 is a line.
+#[test]
+fn a_way_that_crosses_is_one_arrow() {
+    let transitions = [
+        ("At1", "At2"),
+        ("At1", "At3"),
+        ("At2", "At4"),
+        ("At2", "At5"),
+        ("At3", "At5"),
+        ("At4", "At6"),
+        ("At5", "At6"),
+        ("At6", "At1 (*$_JUMP*)"),
+    ];
+    assert_eq!(arrows(6, &transitions), ["S6 At6", "S1 At1"]);
+}

@@ -1,7 +1,8 @@
 //! Charts of GRAPH: steps from top to bottom, transitions with their conditions, branches side by side.
 //!
 //! A branch ends where all its ways have come together again: a single line joins alternatives, a double line paths that run at the same
-//! time. Where a drawing cannot show that (a jump, a loop, ways that cross), an arrow names the step.
+//! time. Where a drawing cannot show that (a jump, a loop, ways that cross), an arrow names the step. Once only one way to a step is left,
+//! since all others are arrows, the step is below that way.
 
 mod piece;
 mod tiles;
@@ -52,7 +53,10 @@ struct Maker<'a> {
     steps: HashMap<String, usize>,
     /// Transitions that leave a step, in the order of the drawing.
     leaving: Vec<Vec<usize>>,
-    /// How many transitions that are not drawn as jumps lead to a step.
+    /// The group of each transition, and the transitions of each group, in the order of the drawing: those that leave the same steps.
+    group: Vec<usize>,
+    groups: Vec<Vec<usize>>,
+    /// How many ways to a step are neither jumps nor drawn as arrows.
     entries: Vec<usize>,
     placed: HashSet<usize>,
     drawn: HashSet<usize>,
@@ -72,15 +76,27 @@ impl<'a> Maker<'a> {
             tiles,
             steps,
             leaving: vec![Vec::new(); body.steps.len()],
+            group: Vec::new(),
+            groups: Vec::new(),
             entries: vec![0; body.steps.len()],
             placed: HashSet::new(),
             drawn: HashSet::new(),
             level: 0,
         };
+        let mut known: HashMap<Vec<usize>, usize> = HashMap::new();
         for (at, transition) in body.transitions.iter().enumerate() {
-            for step in maker.of(&transition.from) {
+            let mut from = maker.of(&transition.from);
+            for &step in &from {
                 maker.leaving[step].push(at);
             }
+            from.sort_unstable();
+            let own = maker.groups.len();
+            let group = if from.is_empty() { own } else { *known.entry(from).or_insert(own) };
+            if group == own {
+                maker.groups.push(Vec::new());
+            }
+            maker.group.push(group);
+            maker.groups[group].push(at);
             if !transition.jump {
                 for step in maker.of(&transition.to) {
                     maker.entries[step] += 1;
@@ -88,7 +104,7 @@ impl<'a> Maker<'a> {
             }
         }
         let key = |at: &usize| (body.transitions[*at].path.clone(), body.transitions[*at].number);
-        maker.leaving.iter_mut().for_each(|list| list.sort_by_key(key));
+        maker.leaving.iter_mut().chain(&mut maker.groups).for_each(|list| list.sort_by_key(key));
         maker
     }
 
@@ -116,9 +132,24 @@ impl<'a> Maker<'a> {
         let names: Vec<String> =
             self.of(&self.body.transitions[at].from).into_iter().map(|step| self.name(step)).collect();
         let mut piece = Piece::joint(&names.join(", "));
-        let next = self.transition_and_more(at);
+        let mut next = self.after_join(at);
+        self.go_on(&mut next);
         piece.below(next);
         piece
+    }
+
+    /// The transitions that leave the same steps as this one, from left to right.
+    fn joining(&self, at: usize) -> &[usize] {
+        &self.groups[self.group[at]]
+    }
+
+    /// The transitions that join the same paths, side by side, and what follows.
+    fn after_join(&mut self, at: usize) -> Piece {
+        let branches: Vec<usize> = self.joining(at).iter().copied().filter(|at| !self.drawn.contains(at)).collect();
+        if branches.len() < 2 {
+            return self.transition(at);
+        }
+        Piece::beside(branches.into_iter().map(|at| self.transition_and_more(at)).collect(), false)
     }
 
     /// A step and all that follows, down to the open ends.
@@ -132,7 +163,7 @@ impl<'a> Maker<'a> {
             let (joining, own): (Vec<usize>, Vec<usize>) = leaving.iter().partition(|at| joins(at));
             match (&own[..], &joining[..]) {
                 ([], []) => return piece,
-                ([], [join]) => {
+                ([], [join, others @ ..]) if others.iter().all(|at| self.group[*at] == self.group[*join]) => {
                     piece.ends = vec![(piece.entry, End::Join(*join))];
                     return piece;
                 }
@@ -197,8 +228,10 @@ impl<'a> Maker<'a> {
                 let mut branches = Vec::new();
                 for &step in many {
                     let deep = self.level >= LEVELS_MAX;
-                    if transition.jump || deep || self.placed.contains(&step) || self.entries[step] > 1 {
+                    if transition.jump || self.placed.contains(&step) {
                         branches.push(self.arrow(step));
+                    } else if deep || self.entries[step] > 1 {
+                        branches.push(Piece::arrow(&self.target(End::Step(step))));
                     } else {
                         self.level += 1;
                         branches.push(self.sequence(step));
@@ -229,7 +262,7 @@ impl<'a> Maker<'a> {
         }
         self.others_leave(piece, End::Join(first));
         piece.close(true);
-        let next = self.transition(first);
+        let next = self.after_join(first);
         piece.below(next);
     }
 
@@ -253,7 +286,7 @@ impl<'a> Maker<'a> {
     }
 
     /// Ends other than `kept` become arrows.
-    fn others_leave(&self, piece: &mut Piece, kept: End) {
+    fn others_leave(&mut self, piece: &mut Piece, kept: End) {
         // From the right, so that no line crosses the text of an arrow; ends that are left go down with the piece.
         while let Some(at) = piece.ends.iter().rposition(|(_, end)| *end != kept) {
             let (x, end) = piece.ends.remove(at);
@@ -262,16 +295,23 @@ impl<'a> Maker<'a> {
     }
 
     /// All open ends become arrows.
-    fn finish(&self, piece: &mut Piece) {
+    fn finish(&mut self, piece: &mut Piece) {
         while let Some((x, end)) = piece.ends.pop() {
             piece.arrow_at(x, &self.target(end));
         }
     }
 
-    fn target(&self, end: End) -> String {
+    /// What an arrow says at the end of a way.
+    fn target(&mut self, end: End) -> String {
         match end {
-            End::Step(at) => self.name(at),
-            End::Join(at) => format!("to {}", label(&self.body.transitions[at])),
+            End::Step(at) => {
+                self.entries[at] = self.entries[at].saturating_sub(1);
+                self.name(at)
+            }
+            End::Join(at) => {
+                let labels = self.joining(at).iter().map(|at| label(&self.body.transitions[*at]));
+                format!("to {}", labels.collect::<Vec<_>>().join(", "))
+            }
         }
     }
 
