@@ -207,7 +207,13 @@ impl Writer<'_> {
         }
         match &network.content {
             Content::Graphic(graph) => self.rungs(graph, network.language),
-            Content::Scl(list) => self.statements(list),
+            Content::Scl(list) => {
+                self.statements(list);
+                let from = list.last().map_or(network.span.end, |last| last.span.end);
+                if let Some(end) = self.trivia.next_word("END_NETWORK", from) {
+                    self.remarks_before(end);
+                }
+            }
             Content::Stl(_) => {
                 self.refuse(network.span, format!("a network in {language} has no rungs"), "write it in LAD or FBD")
             }

@@ -9,6 +9,8 @@ pub struct Trivia<'a> {
     next: usize,
     /// The new notation has only `//`.
     only_lines: bool,
+    /// The new notation has regions.
+    regions: bool,
 }
 
 /// A comment as it stands in the source.
@@ -20,14 +22,19 @@ pub struct Remark {
 }
 
 impl<'a> Trivia<'a> {
-    /// `only_lines`: comments in brackets become lines with `//`.
+    /// `only_lines`: comments in brackets become lines with `//`, and lines of regions too.
     pub fn new(source: &'a str, comments: Vec<Comment>, only_lines: bool) -> Trivia<'a> {
-        Trivia { source, comments, next: 0, only_lines }
+        Trivia { source, comments, next: 0, only_lines, regions: !only_lines }
+    }
+
+    /// Lines of regions become comments, since the new notation has no regions.
+    pub fn without_regions(self) -> Trivia<'a> {
+        Trivia { regions: false, ..self }
     }
 
     /// A source whose comments are all in its tree.
     pub fn none() -> Trivia<'a> {
-        Trivia { source: "", comments: Vec::new(), next: 0, only_lines: false }
+        Trivia::new("", Vec::new(), false)
     }
 
     /// The next comments that begin before byte `at`.
@@ -68,6 +75,11 @@ impl<'a> Trivia<'a> {
         None
     }
 
+    /// Where a word begins after a place, outside of comments.
+    pub fn next_word(&self, word: &str, from: u32) -> Option<u32> {
+        self.word(word, from, u32::try_from(self.source.len()).ok()?)
+    }
+
     /// Takes out `//@ cpu` and `//@ test`, which mean the whole file: their texts.
     pub fn take_pragmas_of_file(&mut self) -> Vec<String> {
         let source = self.source;
@@ -85,6 +97,9 @@ impl<'a> Trivia<'a> {
         let text = self.source.get(comment.range()).unwrap_or_default().trim_end();
         let remark = Remark { text: text.to_string(), own_line: comment.own_line };
         match comment.form {
+            CommentForm::Line if !self.regions && !text.starts_with("//") => {
+                Remark { text: format!("// {text}"), ..remark }
+            }
             CommentForm::Line => remark,
             CommentForm::Block | CommentForm::Slash | CommentForm::Unterminated if self.only_lines => {
                 Remark { text: as_lines(text), ..remark }

@@ -124,7 +124,7 @@ impl<'p, 'a, 's> Project<'p, 'a, 's> {
     fn units(&mut self) {
         let program = self.program;
         for unit in &program.units {
-            let trivia = Trivia::new(unit.text, unit.comments.clone(), false);
+            let trivia = Trivia::new(unit.text, unit.comments.clone(), false).without_regions();
             let mut writer = Writer::new(Notation::St, Mnemonics::En, trivia, None);
             for block in &unit.unit.blocks {
                 match block {

@@ -59,11 +59,14 @@ pub fn row(text: &str, block: &CodeBlock, library: &Library, node: &mut Node) {
     }
 }
 
-/// The pieces of a text: words, signs, constants, comments, blanks and the ends of lines.
+/// The pieces of a text: words, signs, constants, comments, lines of regions, blanks and the ends of lines.
 fn with_lines(text: &str) -> Vec<&str> {
+    let mut ranges = scl::pieces(text);
+    ranges.extend(scl::regions(text));
+    ranges.sort_by_key(|range| range.start);
     let mut found = Vec::new();
     let mut end = 0;
-    for piece in scl::pieces(text) {
+    for piece in ranges {
         add_blanks(&text[end..piece.start], &mut found);
         found.push(&text[piece.clone()]);
         end = piece.end;
@@ -119,6 +122,15 @@ impl<'a> Maker<'a> {
         if piece.starts_with("//") || piece.starts_with("(*") || piece.starts_with("/*") || piece.starts_with("(/*") {
             self.at += 1;
             return list.push(line_comment(piece, &mut self.uids));
+        }
+        if let Some((word, name)) = region(piece) {
+            self.at += 1;
+            list.push(self.numbered("Token").with("Text", word));
+            if !name.is_empty() {
+                list.push(self.numbered("Blank"));
+                list.push(Node::of("Text", name).with("UId", self.uids.next()));
+            }
+            return;
         }
         let is_call = self.peek(1) == "(" && self.depth < DEPTH_MAX;
         let is_keyword = KEYWORDS.iter().any(|word| word.eq_ignore_ascii_case(piece));
@@ -350,6 +362,16 @@ impl<'a> Maker<'a> {
         self.depth -= 1;
         list.push(self.numbered("Access").with("Scope", "Call").child(info));
     }
+}
+
+/// The word of a line that opens or closes a region, and the name after it. `REGION` alone is a token like others.
+fn region(piece: &str) -> Option<(&'static str, &str)> {
+    let after = |word: &'static str| {
+        let (head, rest) = piece.split_at_checked(word.len())?;
+        let is_whole = !rest.starts_with(|c: char| c.is_alphanumeric() || c == '_');
+        (head.eq_ignore_ascii_case(word) && is_whole).then(|| (word, rest.trim().trim_matches(';').trim_end()))
+    };
+    after("END_REGION").or_else(|| after("REGION").filter(|(_, name)| !name.is_empty()))
 }
 
 fn is_quoted(piece: &str) -> bool {

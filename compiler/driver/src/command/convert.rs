@@ -103,7 +103,7 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
                     let (listed, mut found) = match &program {
                         Some(program) => {
                             let is_text = plcc_readers::xml::kind(&source.text).is_none();
-                            let comments = if is_text { scl::comments(&source.text) } else { Vec::new() };
+                            let comments = if is_text { scl::comments_and_regions(&source.text) } else { Vec::new() };
                             let meaning = unit.overlay.as_deref().unwrap_or(&source.text);
                             from_scl::unit(unit, program, meaning, &comments)
                         }
@@ -217,8 +217,7 @@ fn written(
     let comments = match unit.blocks.iter().any(is_chart) {
         true => plcc_readers::gr7::comments(source),
         false if is_stl => stl::comments(source),
-        false if to == ConvertTo::Scl => scl::comments_and_regions(source),
-        false => scl::comments(source),
+        false => scl::comments_and_regions(source),
     };
     let trivia = |only_lines| if is_text { Trivia::new(source, comments, only_lines) } else { Trivia::none() };
     let meaning = unit.overlay.as_deref().unwrap_or(source);

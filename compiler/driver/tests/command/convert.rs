@@ -53,6 +53,30 @@ fn regions_stay() {
     let words = |text: &str| text.lines().map(|line| line.split_whitespace().collect::<Vec<_>>().join(" ")).collect();
     let (found, wanted): (Vec<String>, Vec<String>) = (words(&text(&output.stdout)), words(source));
     assert_eq!(found, wanted);
+    let xml = text(&plcc(folder, &["convert", "a.scl", "--to", "xml"]).stdout);
+    let lines = |part: &str| xml.lines().filter(|line| line.contains(part)).count();
+    assert_eq!((lines(" Text=\"REGION\"/>"), lines(" Text=\"END_REGION\"/>")), (2, 2), "{xml}");
+    assert_eq!((lines("\">Start values</Text>"), lines("\">inside</Text>")), (1, 2), "{xml}");
+    // STL and PLCopen XML have no regions.
+    for (notation, cpu) in [("stl", "s7-300"), ("plcopen", "s7-1200")] {
+        let output = plcc(folder, &["convert", "a.scl", "--to", notation, "--cpu", cpu]);
+        let found = format!("{}{}", text(&output.stdout), text(&output.stderr));
+        let lines = |part: &str| found.lines().filter(|line| line.contains(part)).count();
+        assert_eq!((lines("// REGION"), lines("// END_REGION")), (2, 2), "{found}");
+    }
+}
+
+/// A region that ends a network stays inside it.
+#[test]
+fn regions_of_networks_stay() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "ORGANIZATION_BLOCK Main\n    { S7_Language := \"SCL\" }\n    NETWORK\n        REGION lamps\n        \
+                  %Q0.0 := TRUE;\n        END_REGION\n        // end\n    END_NETWORK\n    // between\n    \
+                  { S7_Language := \"SCL\" }\n    NETWORK\n        %Q0.1 := TRUE;\n    END_NETWORK\nEND_ORGANIZATION_BLOCK\n";
+    fs::write(folder.join("a.s7dcl"), source).expect("the folder can be written");
+    let output = plcc(folder, &["convert", "a.s7dcl", "--to", "sd"]);
+    assert_eq!(text(&output.stdout), source, "{}", text(&output.stderr));
 }
 
 /// LAD, SCL, data blocks and tags as one project, with what the format does not have.

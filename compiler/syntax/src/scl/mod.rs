@@ -142,6 +142,11 @@ pub fn comments(text: &str) -> Vec<crate::front::Comment> {
     raw::scan(text).comments
 }
 
+/// Bytes of the lines of REGION and END_REGION, in the order of the text.
+pub fn regions(text: &str) -> Vec<Range<usize>> {
+    raw::scan(text).regions.iter().map(|region| region.start as usize..region.end as usize).collect()
+}
+
 /// The comments of a source and the lines of its regions, which are folds of the editor, in the order of the text.
 pub fn comments_and_regions(text: &str) -> Vec<front::Comment> {
     let raw = raw::scan(text);

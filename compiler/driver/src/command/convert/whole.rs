@@ -78,7 +78,7 @@ fn unit<'a>(source: &'a str, unit: &'a SourceUnit) -> Unit<'a> {
             let is_chart = |block: &Block| matches!(block, Block::Code(code) if matches!(code.code, Code::Chart(_)));
             let mut comments = match unit.blocks.iter().any(is_chart) {
                 true => plcc_readers::gr7::comments(source),
-                false => scl::comments(source),
+                false => scl::comments_and_regions(source),
             };
             comments.retain(|comment| !source[comment.range()].starts_with("//@"));
             comments
