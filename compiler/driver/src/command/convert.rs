@@ -16,6 +16,8 @@ use plcc_convert::{from_scl, sd, to_graph, xml};
 use plcc_diag::{Diagnostic, FileId};
 use plcc_model::profile;
 use plcc_readers::plcopen;
+use plcc_readers::simatic_ml::{self, Remarks};
+use plcc_readers::xml::XmlKind;
 use plcc_runtime::files::writable;
 use plcc_syntax::ast::{Block, Code, SourceUnit};
 use plcc_syntax::network::ast::Language as Graphic;
@@ -102,10 +104,11 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
                 ConvertTo::Stl => {
                     let (listed, mut found) = match &program {
                         Some(program) => {
-                            let is_text = plcc_readers::xml::kind(&source.text).is_none();
-                            let comments = if is_text { scl::comments_and_regions(&source.text) } else { Vec::new() };
-                            let meaning = unit.overlay.as_deref().unwrap_or(&source.text);
-                            from_scl::unit(unit, program, meaning, &comments)
+                            let Remarks { text, comments } = remarks(unit, &source.text).unwrap_or_else(|| {
+                                let meaning = unit.overlay.as_deref().unwrap_or(&source.text);
+                                Remarks { text: meaning.to_string(), comments: Vec::new() }
+                            });
+                            from_scl::unit(unit, program, &text, &comments)
                         }
                         None => (unit.clone(), Vec::new()),
                     };
@@ -201,6 +204,41 @@ fn bound(args: &ConvertArgs, parsed: &pipeline::Parsed, default: Option<&str>) -
     Err(exit::COMPILE)
 }
 
+/// Whether a source has such a block.
+fn has(unit: &SourceUnit, is_such: impl Fn(&Code) -> bool) -> bool {
+    unit.blocks.iter().any(|block| matches!(block, Block::Code(block) if is_such(&block.code)))
+}
+
+/// The comments of a source, and the text in which they are; none if they are in its tree.
+fn remarks(unit: &SourceUnit, source: &str) -> Option<Remarks> {
+    let is_chart = has(unit, |code| matches!(code, Code::Chart(_)));
+    match plcc_readers::xml::kind(source) {
+        None => {
+            let comments = match is_chart {
+                true => plcc_readers::gr7::comments(source),
+                false if has(unit, |code| matches!(code, Code::Stl(_))) => stl::comments(source),
+                false => scl::comments_and_regions(source),
+            };
+            Some(Remarks { text: source.to_string(), comments })
+        }
+        Some(XmlKind::SimaticMl(_)) if !is_chart => Some(simatic_ml::remarks(source, unit.overlay.as_deref()?)),
+        Some(_) => None,
+    }
+}
+
+/// Blocks of an export up to the next one: the place of such a block is its start tag, and its comments come after that.
+fn whole_blocks(unit: &SourceUnit, end: u32) -> SourceUnit {
+    let mut unit = unit.clone();
+    let mut next = end;
+    for block in unit.blocks.iter_mut().rev() {
+        if let Block::Code(code) = block {
+            code.span.end = next;
+        }
+        next = block.span().start;
+    }
+    unit
+}
+
 /// The new text of a source, whose tree is `made` from `unit`.
 fn written(
     (args, to): (&ConvertArgs, ConvertTo),
@@ -210,16 +248,19 @@ fn written(
     source: &str,
 ) -> (Converted, Vec<Diagnostic>) {
     let set = args.mnemonics.map_or(unit.mnemonics, Mnemonics::from);
-    let is_text = plcc_readers::xml::kind(source).is_none();
-    let is_stl =
-        unit.blocks.iter().any(|block| matches!(block, Block::Code(block) if matches!(block.code, Code::Stl(_))));
-    let is_chart = |block: &Block| matches!(block, Block::Code(block) if matches!(block.code, Code::Chart(_)));
-    let comments = match unit.blocks.iter().any(is_chart) {
-        true => plcc_readers::gr7::comments(source),
-        false if is_stl => stl::comments(source),
-        false => scl::comments_and_regions(source),
+    let is_stl = has(unit, |code| matches!(code, Code::Stl(_)));
+    let whole;
+    let made = if matches!(plcc_readers::xml::kind(source), Some(XmlKind::SimaticMl(_))) {
+        whole = whole_blocks(made, source.len() as u32);
+        &whole
+    } else {
+        made
     };
-    let trivia = |only_lines| if is_text { Trivia::new(source, comments, only_lines) } else { Trivia::none() };
+    let remarks = remarks(unit, source);
+    let trivia = |only_lines| match &remarks {
+        Some(Remarks { text, comments }) => Trivia::new(text, comments.clone(), only_lines),
+        None => Trivia::none(),
+    };
     let meaning = unit.overlay.as_deref().unwrap_or(source);
     let name = String::new();
     match to {

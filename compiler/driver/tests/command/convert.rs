@@ -79,6 +79,36 @@ fn regions_of_networks_stay() {
     assert_eq!(text(&output.stdout), source, "{}", text(&output.stderr));
 }
 
+/// The comments, regions and pragmas of an export in XML are in what is made of it.
+#[test]
+fn comments_of_exports_stay() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "//@ cpu s7-1200\nFUNCTION \"F\" : VOID\nVAR_TEMP\n    n : INT;\nEND_VAR\nBEGIN\n    // first\n    REGION start\n    \
+                  #n := 1; // one\n    IF #n = 1 THEN\n        // inside\n        #n := 2;\n    END_IF;\n    END_REGION\n    // last\n\
+                  END_FUNCTION\n\nFUNCTION \"G\" : VOID\nVAR_TEMP\n    n : INT;\nEND_VAR\nBEGIN\n    // other\n    #n := 1;\n\
+                  END_FUNCTION\n";
+    fs::write(folder.join("a.scl"), source).expect("the folder can be written");
+    let convert = |from: &str, to: &str| {
+        let output = plcc(folder, &["convert", from, "--to", to]);
+        assert_eq!(output.status.code(), Some(0), "{from} to {to}: {}", text(&output.stderr));
+        text(&output.stdout).to_string()
+    };
+    let first = convert("a.scl", "xml");
+    fs::write(folder.join("a.xml"), &first).expect("the folder can be written");
+    assert_eq!(convert("a.xml", "xml"), first);
+    let words = |text: &str| {
+        let lines = text.lines().filter(|line| !line.trim().is_empty());
+        lines.map(|line| line.split_whitespace().collect::<Vec<_>>().join(" ")).collect::<Vec<_>>()
+    };
+    assert_eq!(words(&convert("a.xml", "scl")), words(source));
+    let stl = "FUNCTION \"F\" : VOID\nBEGIN\nNETWORK\n      SET; // one\n      // two\n      SAVE;\nEND_FUNCTION\n";
+    fs::write(folder.join("b.stl"), stl).expect("the folder can be written");
+    let first = convert("b.stl", "xml");
+    fs::write(folder.join("b.xml"), &first).expect("the folder can be written");
+    assert_eq!(convert("b.xml", "xml"), first);
+}
+
 /// LAD, SCL, data blocks and tags as one project, with what the format does not have.
 #[test]
 fn a_program_becomes_one_project_of_plcopen() {

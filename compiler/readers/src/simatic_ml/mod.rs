@@ -26,6 +26,7 @@ mod outline;
 mod overlay;
 pub mod parts;
 mod reader;
+mod remarks;
 mod schema;
 mod statements;
 mod step_time;
@@ -40,6 +41,7 @@ use crate::xml::{self, XmlKind, head, objects};
 use overlay::Overlay;
 use plcc_syntax::ast::SourceUnit;
 use reader::Reader;
+pub use remarks::{Remarks, remarks};
 
 /// Parses an export. The reader skips what it cannot read, and reports it.
 pub fn parse(file: FileId, text: &str, kind: &XmlKind, options: &ReadOptions) -> (SourceUnit, Vec<Diagnostic>) {
