@@ -569,6 +569,19 @@ fn charts_as_projects_do_the_same() {
     assert_eq!(before, after, "{written}");
 }
 
+/// A comment after a row is that of the row, and not also one of the next step.
+#[test]
+fn comments_of_rows_are_written_once() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let chart = CHART.replace("#valve_b   (N)", "#valve_b   (N)   // opens B");
+    let chart = chart.replace("#mixer   (N)", "// turns slowly\n#mixer   (N)");
+    let (written, messages) = chart_document(&chart_project(folder.path(), &chart));
+    assert!(!has_errors(&messages), "{messages:#?}");
+    for text in ["opens B", "turns slowly"] {
+        assert_eq!(written.matches(text).count(), 1, "{text} in\n{written}");
+    }
+}
+
 #[test]
 fn charts_of_projects_come_back() {
     for name in ["star-delta", "two-doses"] {

@@ -39,6 +39,7 @@ use super::documentation;
 use super::identifier::identifier;
 use super::objects::text_width;
 use super::program::{Global, is_function, local};
+use crate::frames::bare;
 use crate::gr7::logic;
 use crate::node::Node;
 use drawing::{StepParts, TransitionParts};
@@ -168,16 +169,20 @@ fn permanent(body: &mut Body, row: &Permanent) {
 }
 
 /// The comments before a part of a chart, and its own.
-fn comment(body: &mut Body, own: &[String], at: u32, dialect: Dialect) -> Option<Node> {
+fn comments(body: &mut Body, own: &[String], at: u32, dialect: Dialect) -> Vec<String> {
     // Those of XML belong to its statements.
     let mut lines = if dialect == Dialect::Sfc { Vec::new() } else { body.writer.lines_before(at) };
     lines.extend(own.iter().cloned());
+    lines
+}
+
+fn documented(mut lines: Vec<String>) -> Option<Node> {
     lines.retain(|line| !line.trim().is_empty());
     (!lines.is_empty()).then(|| documentation(&lines.join("\n")))
 }
 
 fn step(body: &mut Body, step: &Step, dialect: Dialect) -> StepParts {
-    let comment = comment(body, &step.comment, step.span.start, dialect);
+    let mut lines = comments(body, &step.comment, step.span.start, dialect);
     let name = &step.name.text;
     if step.supervision.is_some() {
         let title = format!("SFC has no supervision, such as that of step `{name}`");
@@ -188,14 +193,16 @@ fn step(body: &mut Body, step: &Step, dialect: Dialect) -> StepParts {
         let title = format!("SFC has no interlocks, such as that of step `{name}`");
         body.refuse(span, title, "write the condition into the action: `Valve := Fill.X AND Ready`");
     }
-    let mut rows = Rows { body, step, name: identifier(name), actions: Vec::new(), widest: 0, dialect };
+    let remarks = Vec::new();
+    let mut rows = Rows { body, step, name: identifier(name), actions: Vec::new(), remarks, widest: 0, dialect };
     rows.all();
     let (actions, widest) = (rows.actions, rows.widest);
-    StepParts { name: identifier(name), initial: step.initial, actions, widest, comment }
+    lines.extend(rows.remarks);
+    StepParts { name: identifier(name), initial: step.initial, actions, widest, comment: documented(lines) }
 }
 
 fn transition(body: &mut Body, transition: &Transition, dialect: Dialect) -> TransitionParts {
-    let comment = comment(body, &transition.comment, transition.span.start, dialect);
+    let lines = comments(body, &transition.comment, transition.span.start, dialect);
     let whose = format!("transition `{}`", transition.name.text);
     if transition.missing {
         body.refuse(transition.span, format!("the drawing has a gap at {whose}"), "draw the transition first");
@@ -210,7 +217,7 @@ fn transition(body: &mut Body, transition: &Transition, dialect: Dialect) -> Tra
     };
     let inline = Node::new("inline").with("name", "").child(structured_text(text.trim_end()));
     let condition = Node::new("condition").child(inline);
-    TransitionParts { condition, comment }
+    TransitionParts { condition, comment: documented(lines) }
 }
 
 fn structured_text(text: &str) -> Node {
@@ -231,6 +238,8 @@ struct Rows<'r, 'p, 'a, 'w, 't> {
     step: &'r Step,
     name: String,
     actions: Vec<Node>,
+    /// Comments between rows, which become part of the comment of the step.
+    remarks: Vec<String>,
     widest: i32,
     dialect: Dialect,
 }
@@ -246,6 +255,7 @@ impl Rows<'_, '_, '_, '_, '_> {
         let mut is_done = vec![false; rows.len()];
         for (at, action) in rows.iter().enumerate() {
             if std::mem::replace(&mut is_done[at], true) {
+                self.remarks_of(action, None);
                 continue;
             }
             // SFC executes an action with N once more when its step is left: two rows here.
@@ -262,7 +272,21 @@ impl Rows<'_, '_, '_, '_, '_> {
                 is_done[other] = true;
             }
             self.row(action, last.is_some());
+            self.remarks_of(action, action.comment.as_deref());
         }
+    }
+
+    /// Takes the comments up to the end of a row; `own` is written with the row.
+    fn remarks_of(&mut self, action: &Action, own: Option<&str>) {
+        // Those of XML belong to its statements.
+        if self.dialect == Dialect::Sfc {
+            return;
+        }
+        let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+        let own = own.map(words);
+        let mut remarks = self.body.writer.trivia.on_line(action.span.end);
+        remarks.retain(|remark| own.as_ref().is_none_or(|own| words(&bare(&remark.text)) != *own));
+        self.remarks.extend(remarks.iter().flat_map(|remark| remark.text.lines().map(bare).collect::<Vec<_>>()));
     }
 
     /// `is_last_too`: the row is also executed in the call that leaves the step.
