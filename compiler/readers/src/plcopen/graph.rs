@@ -33,6 +33,13 @@ enum Origin {
     Operand(Expr, bool),
 }
 
+/// What a variable gets when its turn comes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Turn {
+    Bool,
+    Value,
+}
+
 /// A network that is being built.
 pub struct Build<'r, 'a, 'b> {
     reader: &'r mut Reader<'a>,
@@ -231,6 +238,10 @@ impl Build<'_, '_, '_> {
         self.direct = input.from.len() == 1;
         let origins = self.sources(input);
         self.direct = false;
+        let turn = match origins.as_slice() {
+            [Origin::Pin(element, formal)] => self.turn(*element, formal, object),
+            _ => None,
+        };
         if let [Origin::Pin(element, _)] = origins.as_slice()
             && self
                 .objects
@@ -239,14 +250,14 @@ impl Build<'_, '_, '_> {
                 .any(|(block, object)| object.kind == Kind::Block && self.made.get(&block) == Some(element))
             && object.modifiers.edge == Edge::None
             && input.modifiers.edge == Edge::None
-            && !self.is_overtaken(*element, object)
+            && turn.is_none()
         {
             return self.write(at, object, origins);
         }
         let operand = self.operand(object);
         let value = self.input(Some(input), object.span);
         let span = object.span;
-        let is_value = matches!(&value, PinValue::Operand(_))
+        let is_value = (matches!(&value, PinValue::Operand(_)) || turn == Some(Turn::Value))
             && object.modifiers.storage == Storage::None
             && !object.modifiers.negated;
         let (row, mut pins) = if is_value {
@@ -265,15 +276,32 @@ impl Build<'_, '_, '_> {
         }
     }
 
-    /// Whether an element after a block names the variable to which a BOOL of the block goes: the variable then changes when its turn comes.
-    fn is_overtaken(&self, element: usize, object: &Object) -> bool {
-        let is_bool = match &self.graph.elements[element].target {
-            Target::Element { row, .. } => matches!(row.kind, RowKind::Gate(_) | RowKind::Compare(_)),
-            Target::Block { .. } => false,
-        };
+    /// What goes to a variable that an element after the block names: the variable then changes when its turn comes. None: the block
+    /// writes it at once.
+    fn turn(&self, element: usize, formal: &str, object: &Object) -> Option<Turn> {
         let text = object.text.clone().and_then(|range| self.reader.overlay.get(range)).unwrap_or_default();
         let last = words(text).next().and_then(|word| self.named.get(&word).copied());
-        (is_bool || object.modifiers.storage != Storage::None) && last.is_some_and(|last| last > element)
+        last.filter(|last| *last > element)?;
+        if object.modifiers.storage != Storage::None || formal.eq_ignore_ascii_case("ENO") {
+            return Some(Turn::Bool);
+        }
+        if let Some(ty) = self.body.scope.types.get(&text.trim().to_lowercase()) {
+            return Some(if ty.eq_ignore_ascii_case("BOOL") { Turn::Bool } else { Turn::Value });
+        }
+        let Target::Element { row, .. } = &self.graph.elements[element].target else { return None };
+        let is_value = matches!(
+            row.kind,
+            RowKind::Operator(_)
+                | RowKind::Function(_)
+                | RowKind::Formula
+                | RowKind::Move
+                | RowKind::Convert
+                | RowKind::Round(_)
+                | RowKind::Negate
+                | RowKind::Mux
+        );
+        let is_bool = matches!(row.kind, RowKind::Gate(_) | RowKind::Compare(_));
+        is_bool.then_some(Turn::Bool).or(is_value.then_some(Turn::Value))
     }
 
     /// The output of a block goes to a variable: another pin of the block.
