@@ -21,7 +21,7 @@ pub fn faults(scene: &Scene, sheet: &Sheet) -> Vec<String> {
         .items
         .iter()
         .filter_map(|item| match item {
-            Item::Wire { from, to, net } => Some(Wire { from: *from, to: *to, net: *net }),
+            Item::Wire { from, to, net, .. } => Some(Wire { from: *from, to: *to, net: *net }),
             _ => None,
         })
         .collect();

@@ -16,8 +16,8 @@ pub type Point = (i32, i32);
 /// One thing in a drawing.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Item {
-    /// A line of a net.
-    Wire { from: Point, to: Point, net: Option<usize> },
+    /// A line of a net, or at an operand: where that is in the source.
+    Wire { from: Point, to: Point, net: Option<usize>, place: Option<u32> },
     /// Two lines of a net meet.
     Dot { at: Point, net: Option<usize> },
     /// The power rail.
@@ -147,8 +147,13 @@ impl Item {
 impl Scene {
     /// A wire from left to right, or from top to bottom; nothing if it has no length.
     pub fn wire(&mut self, from: Point, to: Point, net: Option<usize>) {
+        self.wire_at(from, to, net, None);
+    }
+
+    /// A wire at the operand whose place in the source is `place`.
+    pub fn wire_at(&mut self, from: Point, to: Point, net: Option<usize>, place: Option<u32>) {
         if from != to {
-            self.items.push(Item::Wire { from, to, net });
+            self.items.push(Item::Wire { from, to, net, place });
         }
     }
 
@@ -208,7 +213,7 @@ impl Scene {
         let moved = |point: Point| (point.0 + dx, point.1 + dy);
         let area = |area: Area| Area { x: area.x + dx, y: area.y + dy, ..area };
         self.items.extend(other.items.into_iter().map(|item| match item {
-            Item::Wire { from, to, net } => Item::Wire { from: moved(from), to: moved(to), net },
+            Item::Wire { from, to, net, place } => Item::Wire { from: moved(from), to: moved(to), net, place },
             Item::Dot { at, net } => Item::Dot { at: moved(at), net },
             Item::Rail { from, to } => Item::Rail { from: moved(from), to: moved(to) },
             Item::Frame { area: a, kind, key, faults } => Item::Frame { area: area(a), kind, key, faults },

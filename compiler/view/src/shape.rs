@@ -259,7 +259,8 @@ fn boxed(of: &Part, title: &str, detail: &str, instance: Option<&Label>, rooms: 
                 (false, _) => stub,
             };
             let (from, to) = if is_right { (wire_edge, far) } else { (far, wire_edge) };
-            scene.wire((from, y), (to, y), net);
+            let place = lines.as_ref().and_then(|lines| lines.2);
+            scene.wire_at((from, y), (to, y), net, place);
             if net.is_some() {
                 shape.ends.insert(at, (far, y));
             }

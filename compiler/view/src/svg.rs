@@ -81,14 +81,15 @@ const WRITES: &str = "a String takes all text";
 fn write_item(out: &mut String, item: &Item, state: Option<&Shown>, places: bool) {
     let data = |net: &Option<usize>| net.map_or(String::new(), |net| format!(" data-n=\"{net}\""));
     match item {
-        Item::Wire { from, to, net } => {
+        Item::Wire { from, to, net, place } => {
             let way = match (to.0 - from.0, to.1 - from.1) {
                 (dx, 0) => format!("h{dx}"),
                 (0, dy) => format!("v{dy}"),
                 (dx, dy) => format!("l{dx} {dy}"),
             };
             let state = state.map_or("", |state| state.class(*net));
-            write!(out, "<path class=\"w{state}\"{} d=\"M{} {}{way}\"/>", data(net), from.0, from.1)
+            let place = place.filter(|_| places).map_or(String::new(), |place| format!(" data-o=\"{place}\""));
+            write!(out, "<path class=\"w{state}\"{}{place} d=\"M{} {}{way}\"/>", data(net), from.0, from.1)
         }
         Item::Dot { at, net } => {
             write!(out, "<circle class=\"d\"{} cx=\"{}\" cy=\"{}\" r=\"2.5\"/>", data(net), at.0, at.1)

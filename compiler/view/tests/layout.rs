@@ -205,3 +205,24 @@ proptest! {
         check("FBD", &diagram::draw(&sheet, width), &sheet);
     }
 }
+
+/// A page that watches a program paints the wire at an operand with the value of the operand, which it finds by its place.
+#[test]
+fn wires_at_operands_have_their_places() {
+    let label = |text: &str, place: u32| Link::Operand(Label { place: Some(place), ..Label::plain(text) });
+    let pins = vec![
+        pin("IN1", Place::Side, false, label("%I0.0", 70)),
+        pin("IN2", Place::Side, false, label("%I0.1", 81)),
+        pin("OUT", Place::Side, true, label("%Q0.0", 92)),
+    ];
+    let look = Look::Box { title: "&".to_string(), detail: String::new(), instance: None };
+    let part = Part { look, meaning: Meaning::And, pins, flow_in: None, flow_out: None, place: None, statement: None };
+    let scene = diagram::draw(&finished(vec![part], 1), 900);
+    let wires = |places: bool, place: u32| {
+        let wire = format!("<path class=\"w\" data-o=\"{place}\"");
+        plcc_view::svg::inline(&scene, places).matches(&wire).count()
+    };
+    for place in [70, 81, 92] {
+        assert_eq!((wires(true, place), wires(false, place)), (1, 0), "{place}");
+    }
+}

@@ -503,13 +503,15 @@ function look(d) {
   if (d.rows) return lookAtLines(d);
   if (!s.svg) return;
   d.parts ??= {
-    wires: [...d.querySelectorAll("path.w")].map((el) => ({ el, net: +el.dataset.n })),
+    wires: [...d.querySelectorAll("path.w")].map((el) => ({ el, net: +el.dataset.n, place: el.dataset.o === undefined ? null : +el.dataset.o })),
     contacts: (s.logic?.contacts ?? []).map(([part, place, open]) => ({ el: d.querySelector(`path.g[data-p="${part}"]`), place, open })).filter((c) => c.el),
     texts: [...d.querySelectorAll("text[data-o]")].map((el) => ({ el, place: +el.dataset.o, isValue: el.classList.contains("v") })),
   };
   const known = s.logic ? flowSeen(s.logic) : new Map();
   for (const w of d.parts.wires) {
-    const v = known.get(w.net), name = "w " + (v === true ? "on" : v === false ? "off" : "un");
+    // The wire at an operand has its value; that of a number is neither on nor off.
+    const v = w.place === null ? known.get(w.net) : operandAt(w.place);
+    const name = "w" + (v === true ? " on" : v === false ? " off" : v === undefined || v === null ? " un" : "");
     if (w.last !== name) w.el.setAttribute("class", (w.last = name));
   }
   for (const c of d.parts.contacts) {
