@@ -58,6 +58,14 @@ impl<'c> Part<'c> {
         }
     }
 
+    /// The components that programs read.
+    pub fn components(&self) -> &'static [Component] {
+        match self {
+            Part::Step(_) => &STEP,
+            Part::Transition(_) => &TRANSITION,
+        }
+    }
+
     pub fn comment(&self) -> String {
         match self {
             Part::Step(step) => step.comment.join("\n"),
@@ -65,6 +73,41 @@ impl<'c> Part<'c> {
         }
     }
 }
+
+/// A component of a step or transition: its name, its type and what it says. Source: GRAPH reference D.5.
+pub struct Component {
+    pub name: &'static str,
+    pub ty: &'static str,
+    pub doc: &'static str,
+}
+
+const fn row(name: &'static str, ty: &'static str, doc: &'static str) -> Component {
+    Component { name, ty, doc }
+}
+
+const STEP: [Component; 14] = [
+    row("X", "BOOL", "the step is active"),
+    row("T", "TIME", "time since the step was entered; it stays after the step is left"),
+    row("U", "TIME", "as T, without the time of faults"),
+    row("S1", "BOOL", "the step was entered in this call"),
+    row("S0", "BOOL", "the step was left in this call"),
+    row("LA", "BOOL", "the interlock is not satisfied"),
+    row("LS", "BOOL", "the condition of the interlock is satisfied"),
+    row("L1", "BOOL", "the interlock was lost in this call"),
+    row("L0", "BOOL", "the interlock was satisfied again in this call"),
+    row("VA", "BOOL", "a fault of the supervision is pending"),
+    row("VS", "BOOL", "the condition of the supervision is satisfied, which is a fault"),
+    row("V1", "BOOL", "a fault of the supervision came in this call"),
+    row("V0", "BOOL", "a fault of the supervision went in this call"),
+    row("SNO", "INT", "number of the step"),
+];
+
+const TRANSITION: [Component; 4] = [
+    row("TV", "BOOL", "the transition is valid: the steps before it are active"),
+    row("TT", "BOOL", "the condition is satisfied"),
+    row("TS", "BOOL", "the transition switches in this call"),
+    row("TNO", "INT", "number of the transition"),
+];
 
 /// The steps and transitions of a block.
 pub fn of(entry: Entry<'_>) -> Vec<Part<'_>> {

@@ -8,11 +8,12 @@ use plcc_syntax::scl::keyword::Keyword;
 use plcc_syntax::stl::{Mnemonics, StlInsn};
 use plcc_syntax::{Language, s7200};
 
+use crate::chart::Component;
 use crate::constants::{self, Constant};
 use crate::facts::same;
 use crate::index::{Declared, Entry, Index};
 use crate::labels;
-use crate::names::{Meaning, along, callee_around, open_bracket};
+use crate::names::{Meaning, along, callee_around, open_bracket, part_before};
 use crate::words::{Words, bare, is_name};
 
 /// Words of SCL that the grammar reads as lines of their own.
@@ -38,6 +39,13 @@ pub fn complete(index: &Index, words: &Words, file: FileId, byte: usize, set: Mn
     let written = writing.map_or("", |at| words.word(at));
     let entry = index.around(file, byte);
     if before == "." {
+        if let Some(part) = part_before(index, words, file, first - 1) {
+            let row = |one: &Component| CompletionItem {
+                documentation: Some(lsp_types::Documentation::String(one.doc.to_owned())),
+                ..item(one.name, CompletionItemKind::FIELD, one.ty)
+            };
+            return part.components().iter().map(row).collect();
+        }
         return members_before(index, words, file, first - 1).into_iter().map(|one| variable(index, one)).collect();
     }
     if before == "#" || written.starts_with('#') || words.word(first) == "#" && words.range(first).end == byte {

@@ -8,12 +8,13 @@ use plcc_syntax::{Language, s7200};
 use crate::address::{self, Address};
 use crate::facts;
 use crate::index::{Entry, Index};
-use crate::names::{Callee, Meaning, meaning};
+use crate::names::{Callee, Meaning, meaning, part_before};
 use crate::words::Words;
 
 /// Markdown about a piece.
 pub fn hover(index: &Index, words: &Words, file: FileId, at: usize) -> Option<String> {
-    match meaning(index, words, file, at)? {
+    let Some(found) = meaning(index, words, file, at) else { return component(index, words, file, at) };
+    match found {
         Meaning::Variable { declared: (direction, variable), path, owner } => {
             let mut text = code(&format!("{} : {}", path.join("."), index.type_text(&variable.ty)));
             let inside = owner.map(|owner| format!(" of {} {}", owner.keyword(), owner.text())).unwrap_or_default();
@@ -125,6 +126,14 @@ fn address_text(index: &Index, words: &Words, at: usize, found: &Address) -> Opt
     let first = (at.saturating_sub(found.pieces - 1)..=at).find(is_it).unwrap_or(at);
     let whole = words.text.get(words.range(first).start..words.range(first + found.pieces - 1).end);
     Some(format!("{}{bits} of {}\n\n{text}", code(whole.unwrap_or_default()), found.area))
+}
+
+/// `Fill.T` of a chart.
+fn component(index: &Index, words: &Words, file: FileId, at: usize) -> Option<String> {
+    let point = at.checked_sub(1).filter(|point| words.word(*point) == ".")?;
+    let part = part_before(index, words, file, point)?;
+    let found = part.components().iter().find(|one| facts::same(one.name, words.word(at)))?;
+    Some(format!("{}{}\n", code(&format!("{}.{} : {}", part.name(), found.name, found.ty)), found.doc))
 }
 
 /// What the table says about a mnemonic.

@@ -96,6 +96,17 @@ pub fn meaning<'c>(index: &Index<'c>, words: &Words, file: FileId, at: usize) ->
     mnemonic.then(|| Meaning::Word(mnemonic_at(words, at)))
 }
 
+/// The step or transition of which a component follows the point at a piece.
+pub fn part_before<'c>(index: &Index<'c>, words: &Words, file: FileId, point: usize) -> Option<chart::Part<'c>> {
+    let owner = point.checked_sub(1)?;
+    let (first, names) = words.path(owner);
+    let entry = index.around(file, words.range(owner).start);
+    let Some(Meaning::Chart(part)) = along(index, entry, &names, words.word(first).starts_with('#')) else {
+        return None;
+    };
+    Some(part)
+}
+
 /// The meaning of a path of names that begins in a block.
 pub fn along<'c>(index: &Index<'c>, entry: Option<Entry<'c>>, names: &[&str], local: bool) -> Option<Meaning<'c>> {
     let (root, rest) = names.split_first()?;

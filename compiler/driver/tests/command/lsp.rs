@@ -380,6 +380,15 @@ fn steps_and_blocks_of_the_library_are_known() {
     let found = editor.at("textDocument/hover", "door.gr7", "FROM Open|ing");
     let found = found["contents"]["value"].as_str().unwrap_or_default();
     assert!(found.contains("step S2 Opening") && found.contains("The motor runs"), "{found}");
+    for (piece, wanted) in [("AND Opening.|T >", "Opening.T : TIME"), ("NOT Ask.|TT", "Ask.TT : BOOL")] {
+        let found = editor.at("textDocument/hover", "door.gr7", piece);
+        let found = found["contents"]["value"].as_str().unwrap_or_default();
+        assert!(found.contains(wanted), "{found}");
+    }
+    let found = editor.at("textDocument/completion", "door.gr7", "AND Opening.|T >");
+    assert_eq!(labels(&found)[..4], ["X", "T", "U", "S1"]);
+    let found = editor.at("textDocument/completion", "door.gr7", "NOT Ask.|TT");
+    assert_eq!(labels(&found), ["TV", "TT", "TS", "TNO"]);
     let found = editor.at("textDocument/definition", "door.gr7", "TO Open|ing");
     assert_eq!(editor.covered(&json!([found])), ["door.gr7:10 Opening"]);
     let found = editor.at("textDocument/references", "door.gr7", "STEP Open|ing");
