@@ -19,9 +19,11 @@ pub(crate) use operand::constant;
 
 use plcc_diag::{Diagnostic, Span};
 use plcc_syntax::ast::{self, Block, CodeBlock, SourceUnit};
+use plcc_syntax::front::Comment;
 use plcc_syntax::network::ast::{Body, Content, Graph, Language, Network};
 use plcc_syntax::scl::ast::Name;
 
+use crate::frames::bare;
 use crate::to_stl::types::Types;
 
 /// A source whose blocks of STL, LAD and FBD are in `language`; the others stay as they are. With the reason for each network that cannot be drawn.
@@ -70,6 +72,29 @@ pub fn block(
         return Err(messages);
     }
     Ok(CodeBlock { code: ast::Code::Graphic(body), ..block.clone() })
+}
+
+/// The comments of a source that are not those of its networks, which the tree has.
+pub fn other_comments(unit: &SourceUnit, source: &str, comments: Vec<Comment>) -> Vec<Comment> {
+    let mut is_other = vec![true; comments.len()];
+    for block in &unit.blocks {
+        let Block::Code(CodeBlock { code: ast::Code::Stl(networks), span, .. }) = block else { continue };
+        let mut from = span.start;
+        for network in networks {
+            let (Some(first), Some(last)) = (network.statements.first(), network.statements.last()) else { continue };
+            let mut own = network.comment.iter().peekable();
+            let start = comments.partition_point(|comment| comment.start < from);
+            let before = comments[start..].iter().take_while(|comment| comment.start < first.span.start);
+            for (at, comment) in before.enumerate() {
+                let text = bare(source.get(comment.range()).unwrap_or_default());
+                if own.next_if(|line| **line == text).is_some() {
+                    is_other[start + at] = false;
+                }
+            }
+            from = last.span.end;
+        }
+    }
+    comments.into_iter().zip(is_other).filter_map(|(comment, is_other)| is_other.then_some(comment)).collect()
 }
 
 /// The networks of a block of STL for pictures, as LAD; or the reason for each one that cannot be drawn. Types that are not known do not matter.

@@ -256,7 +256,10 @@ fn written(
     } else {
         made
     };
-    let remarks = remarks(unit, source);
+    let mut remarks = remarks(unit, source);
+    if let Some(remarks) = remarks.as_mut().filter(|_| is_stl && matches!(to, ConvertTo::Lad | ConvertTo::Fbd)) {
+        remarks.comments = to_graph::other_comments(unit, &remarks.text, std::mem::take(&mut remarks.comments));
+    }
     let trivia = |only_lines| match &remarks {
         Some(Remarks { text, comments }) => Trivia::new(text, comments.clone(), only_lines),
         None => Trivia::none(),

@@ -109,6 +109,23 @@ fn comments_of_exports_stay() {
     assert_eq!(convert("b.xml", "xml"), first);
 }
 
+/// The comment of a network is in the texts of the networks, and not once more before it.
+#[test]
+fn comments_of_networks_are_written_once() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "FUNCTION FC 1 : VOID\nBEGIN\nNETWORK\nTITLE = lamps\n// both\n      A     I 0.0;\n      // inside\n      =     Q 0.0;\n\
+                  NETWORK\n// both\n      A     I 0.1;\n      =     Q 0.1;\nEND_FUNCTION\n";
+    fs::write(folder.join("a.stl"), source).expect("the folder can be written");
+    let output = plcc(folder, &["convert", "a.stl", "--to", "lad", "-o", "a.s7dcl"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let read = |name: &str| fs::read_to_string(folder.join(name)).expect("it is written");
+    let (networks, texts) = (read("a.s7dcl"), read("a.s7res"));
+    let count = |text: &str, part: &str| text.matches(part).count();
+    assert_eq!((count(&networks, "both"), count(&networks, "// inside")), (0, 1), "{networks}");
+    assert_eq!((count(&networks, "S7_NetworkComment"), count(&texts, "both")), (2, 2), "{networks}\n{texts}");
+}
+
 /// LAD, SCL, data blocks and tags as one project, with what the format does not have.
 #[test]
 fn a_program_becomes_one_project_of_plcopen() {
