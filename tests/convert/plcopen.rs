@@ -540,6 +540,127 @@ fn chart_document(project: &Path) -> (String, Vec<plcc_diag::Diagnostic>) {
     whole::document(&parsed, "Line")
 }
 
+/// A block of STL with a box of several statements, and edges.
+const STATEMENTS: &str = r##"FUNCTION_BLOCK "Line"
+VAR_INPUT
+  start : BOOL;
+  stop : BOOL;
+  speed : INT;
+END_VAR
+VAR_OUTPUT
+  run : BOOL;
+  fast : BOOL;
+  once : BOOL;
+  out : INT;
+END_VAR
+VAR
+  edge : BOOL;
+END_VAR
+BEGIN
+NETWORK
+TITLE = latch
+// keeps itself
+      A(;
+      O     #start;
+      O     #run;
+      );
+      AN    #stop;
+      =     #run;
+NETWORK
+TITLE = limits
+      A     #run;
+      A(;
+      L     #speed;
+      L     100;
+      >I;
+      );
+      =     #fast;
+      A     #start;
+      FP    #edge;
+      =     #once;
+NETWORK
+      A     #stop;
+      JNB   _001;
+      L     #speed;
+      L     7;
+      +I;
+      T     #out;
+      AN    OV;
+      SAVE;
+      CLR;
+_001: A     BR;
+      S     #fast;
+END_FUNCTION_BLOCK
+"##;
+
+/// A program that gives it inputs by chance, and sums up its outputs.
+const AROUND_STATEMENTS: &str = r##"//@ test cycles=300
+DATA_BLOCK "Line_DB" "Line"
+BEGIN
+END_DATA_BLOCK
+
+DATA_BLOCK "Sum_DB"
+STRUCT
+  seed : DINT := 1;
+  sum : DINT;
+END_STRUCT;
+BEGIN
+END_DATA_BLOCK
+
+ORGANIZATION_BLOCK "Main"
+BEGIN
+  "Sum_DB".seed := ("Sum_DB".seed * 75 + 74) MOD 65537;
+  "Line_DB"(start := "Sum_DB".seed MOD 2 = 1, stop := ("Sum_DB".seed / 4) MOD 2 = 1, speed := DINT_TO_INT("Sum_DB".seed MOD 200));
+  IF "Line_DB".run THEN "Sum_DB".sum := ("Sum_DB".sum * 3 + 1) MOD 100003; END_IF;
+  IF "Line_DB".fast THEN "Sum_DB".sum := ("Sum_DB".sum * 3 + 2) MOD 100003; END_IF;
+  IF "Line_DB".once THEN "Sum_DB".sum := ("Sum_DB".sum * 3 + 3) MOD 100003; END_IF;
+  "Sum_DB".sum := ("Sum_DB".sum + INT_TO_DINT("Line_DB".out)) MOD 100003;
+END_ORGANIZATION_BLOCK
+"##;
+
+/// A project of statements and the block that calls them.
+fn statements_project(folder: &Path, statements: &str) -> PathBuf {
+    let project = folder.join("project");
+    fs::create_dir_all(&project).expect("a folder");
+    let toml = "cpu = \"s7-300\"\nsources = [\"line.stl\", \"main.scl\"]\nsymbols = [\"tags.sdf\"]\n";
+    let numbers = NUMBERS.replace("\"Calls\",\"FC 7\",\"FC 7\",\"\"\n", "");
+    let sources = [("line.stl", statements), ("main.scl", AROUND_STATEMENTS), ("tags.sdf", &numbers)];
+    for (name, text) in sources.into_iter().chain([("plc.toml", toml)]) {
+        fs::write(project.join(name), text).expect("a file");
+    }
+    project
+}
+
+/// STL becomes LD, which does the same.
+#[test]
+fn statements_as_projects_do_the_same() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let project = statements_project(folder.path(), STATEMENTS);
+    fs::create_dir(project.join("tests")).expect("a folder");
+    fs::write(project.join("tests/sum.toml"), each_cycle("\"Sum_DB\".sum", 300)).expect("a file");
+    let before = sums(TestInput::Project(project.clone())).expect("a program");
+    assert_eq!(before.len(), 300);
+    let (written, messages) = chart_document(&project);
+    assert!(!has_errors(&messages), "{messages:#?}");
+    assert!(written.contains("<xhtml:p>latch\nkeeps itself</xhtml:p>"), "{written}");
+    let file = folder.path().join("a.xml");
+    let pragma = plcc_convert::with_pragmas(&written, &["cpu s7-300".to_string()]);
+    fs::write(&file, &pragma).expect("a file");
+    let after = sums_of_file(file, "\"GlobalVariables\".Sum_DB.sum", 300);
+    let after = after.unwrap_or_else(|messages| panic!("{messages}\n{written}"));
+    assert_eq!(before, after, "{written}");
+}
+
+/// What has no LAD is named once, with its statement.
+#[test]
+fn statements_without_networks_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let statements = STATEMENTS.replace("      T     #out;\n", "      SRW   3;\n      TAK;\n      T     #out;\n");
+    let (written, messages) = chart_document(&statements_project(folder.path(), &statements));
+    let errors: Vec<_> = messages.iter().filter(|one| one.is_error()).collect();
+    assert_eq!((errors.len(), written.as_str()), (1, ""), "{messages:#?}");
+}
+
 #[test]
 fn charts_as_projects_do_the_same() {
     let folder = tempfile::tempdir().expect("a folder");

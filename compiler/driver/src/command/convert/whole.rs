@@ -1,14 +1,16 @@
 //! `plcc convert --to plcopen`: a whole program as one document.
 
 use plcc_convert::plcopen::{self, Settings, Unit};
-use plcc_convert::with_pragmas;
+use plcc_convert::to_stl::types::Types;
+use plcc_convert::{to_graph, with_pragmas};
 use plcc_diag::Diagnostic;
 use plcc_readers::plcopen as reader;
 use plcc_runtime::events::default_period_ms;
 use plcc_syntax::ast::{Block, Code, SourceUnit};
-use plcc_syntax::scl;
+use plcc_syntax::network::ast::Language as Graphic;
+use plcc_syntax::{scl, stl};
 
-use super::{Converted, bound, exit, other_family, store};
+use super::{Converted, bound, exit, has, other_family, store};
 use crate::cli::{ConvertArgs, ConvertTo};
 use crate::report::MessageFormat;
 use crate::{inputs, pipeline, report};
@@ -60,8 +62,16 @@ pub fn document(parsed: &pipeline::Parsed, name: &str) -> (String, Vec<Diagnosti
         let set = config.and_then(|config| config.cyclic_period_ms.iter().find(|(number, _)| *number == ob));
         set.map_or_else(|| default_period_ms(ob), |(_, ms)| *ms)
     };
-    let units = parsed.units.iter().map(|(id, one)| unit(&parsed.sources.file(*id).text, one)).collect();
-    let (text, messages) = plcopen::write(units, &parsed.tables, &Settings { name, period_ms: &period_ms });
+    let types = Types::new(parsed.units.iter().map(|(_, unit)| unit), &parsed.tables);
+    let mut notes = Vec::new();
+    let drawn: Vec<SourceUnit> = parsed.units.iter().map(|(_, unit)| as_networks(unit, &types, &mut notes)).collect();
+    if notes.iter().any(Diagnostic::is_error) {
+        return (String::new(), notes);
+    }
+    let sources = parsed.units.iter().zip(&drawn);
+    let units = sources.map(|((id, one), drawn)| unit(&parsed.sources.file(*id).text, one, drawn)).collect();
+    let (text, mut messages) = plcopen::write(units, &parsed.tables, &Settings { name, period_ms: &period_ms });
+    messages.extend(notes);
     // Pragmas of files, such as the CPU, are comments after the first line.
     let mut pragmas: Vec<String> =
         parsed.units.iter().flat_map(|(_, unit)| &unit.pragmas).map(|one| one.text.trim().to_string()).collect();
@@ -70,13 +80,38 @@ pub fn document(parsed: &pipeline::Parsed, name: &str) -> (String, Vec<Diagnosti
     (with_pragmas(&text, &pragmas), messages)
 }
 
-/// A source with the text that its spans mean.
-fn unit<'a>(source: &'a str, unit: &'a SourceUnit) -> Unit<'a> {
+/// A source with its blocks of STL as LAD.
+fn as_networks(unit: &SourceUnit, types: &Types, notes: &mut Vec<Diagnostic>) -> SourceUnit {
+    let mut made = unit.clone();
+    for block in &mut made.blocks {
+        if let Block::Code(code) = block
+            && matches!(code.code, Code::Stl(_))
+        {
+            match to_graph::block(code, types, Graphic::Lad, notes) {
+                Ok(drawn) => *code = drawn,
+                Err(found) => notes.extend(found),
+            }
+        }
+    }
+    made
+}
+
+/// A source with the text that its spans mean. `drawn`: what is made of its tree.
+fn unit<'a>(source: &'a str, unit: &'a SourceUnit, drawn: &'a SourceUnit) -> Unit<'a> {
     let text = unit.overlay.as_deref().unwrap_or(source);
     let comments = match plcc_readers::xml::kind(source) {
+        // Assertions are comments of networks.
+        None if has(unit, |code| matches!(code, Code::Stl(_))) => {
+            let mut comments = to_graph::other_comments(unit, source, stl::comments(source));
+            let is_of_file = |text: &str| matches!(text.split_whitespace().next(), Some("cpu" | "test"));
+            comments.retain(|comment| {
+                let pragma = source[comment.range()].strip_prefix("//@");
+                pragma.is_none_or(|text| !is_of_file(text))
+            });
+            comments
+        }
         None => {
-            let is_chart = |block: &Block| matches!(block, Block::Code(code) if matches!(code.code, Code::Chart(_)));
-            let mut comments = match unit.blocks.iter().any(is_chart) {
+            let mut comments = match has(unit, |code| matches!(code, Code::Chart(_))) {
                 true => plcc_readers::gr7::comments(source),
                 false => scl::comments_and_regions(source),
             };
@@ -86,5 +121,5 @@ fn unit<'a>(source: &'a str, unit: &'a SourceUnit) -> Unit<'a> {
         Some(_) if reader::is_project(source) => reader::comments(source, text),
         Some(_) => Vec::new(),
     };
-    Unit { unit, text, comments }
+    Unit { unit: drawn, text, comments }
 }
