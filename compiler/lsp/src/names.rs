@@ -67,7 +67,11 @@ pub fn meaning<'c>(index: &Index<'c>, words: &Words, file: FileId, at: usize) ->
         return Some(Meaning::Block(entry));
     }
     if !is_name(word) {
-        return Some(Meaning::Word(mnemonic_at(words, at))).filter(|_| words.language(at) == Language::Stl);
+        return match words.language(at) {
+            Language::Stl => Some(Meaning::Word(mnemonic_at(words, at))),
+            Language::S7200 => mnemonic_of_line(words, at).map(Meaning::Word),
+            Language::Scl | Language::Sd | Language::Graph => None,
+        };
     }
     if let Some(entry) = entry {
         let span = Span::new(file, range.clone());
@@ -93,7 +97,8 @@ pub fn meaning<'c>(index: &Index<'c>, words: &Words, file: FileId, at: usize) ->
         return Some(found);
     }
     let mnemonic = !word.starts_with(['#', '"']) && names.len() == 1 && !local;
-    mnemonic.then(|| Meaning::Word(mnemonic_at(words, at)))
+    let of_line = || mnemonic_of_line(words, at).filter(|_| words.language(at) == Language::S7200);
+    mnemonic.then(|| Meaning::Word(of_line().unwrap_or_else(|| mnemonic_at(words, at))))
 }
 
 /// The step or transition of which a component follows the point at a piece.
@@ -187,6 +192,25 @@ fn numbered_block<'c>(index: &Index<'c>, words: &Words, at: usize) -> Option<Ent
     };
     let text = joined(at).or_else(|| joined(at.checked_sub(1)?)).unwrap_or_else(|| word.to_owned());
     text.ends_with(|c: char| c.is_ascii_digit()).then(|| index.block(&text))?
+}
+
+/// The mnemonic at the beginning of a line of an S7-200, if the piece is part of it: `LDW>=`, `+I`, `=`.
+fn mnemonic_of_line(words: &Words, at: usize) -> Option<String> {
+    const PIECES_MAX: usize = 3;
+    let sign = |word: &str| matches!(word, "+" | "-" | "*" | "/" | "=" | "<>" | ">" | "<" | ">=" | "<=");
+    let first = (0..=at).rev().take(PIECES_MAX).find(|at| words.first_on_line(*at))?;
+    let mut text = words.word(first).to_ascii_uppercase();
+    let mut next = first + 1;
+    while next < first + PIECES_MAX && words.glued(next) {
+        let word = words.word(next).to_ascii_uppercase();
+        let is_after_sign = sign(&text) && matches!(word.as_str(), "I" | "D" | "R");
+        if !(sign(&word) || is_after_sign) {
+            break;
+        }
+        text.push_str(&word);
+        next += 1;
+    }
+    (at < next).then_some(text)
 }
 
 /// A mnemonic with its signs: `A(`, `+I`, `==I`.

@@ -421,6 +421,9 @@ fn names_of_an_s7_200_are_known() {
         ("JMP    |3", &["LBL 3", "jump label of ORGANIZATION_BLOCK MAIN OB1"]),
         ("A      V10|1.2", &["one bit of V", "\"Level\"` VW100"]),
         ("MO|VW   #now", &["MOVW"]),
+        ("L|DW<   #now", &["LDW<"]),
+        ("LDW|<   #now", &["LDW<"]),
+        ("|=      #open", &["Writes S0 to the bit"]),
     ] {
         let found = editor.at("textDocument/hover", "main.awl", piece);
         let found = found["contents"]["value"].as_str().unwrap_or_default().to_owned();
