@@ -68,7 +68,8 @@ fn main() {
     link_template(&prelinked_unit(&archive, &out), &out.join(UNIT), &unit_options(&out));
 }
 
-/// The runtimes: name of the file, and what of the library is `main`. What it does not reach is left out.
+/// The runtimes: name of the file, and the function of the library that is `main`. What it does not reach is left
+/// out.
 const RUNTIMES: [(&str, &str); 2] = [("runtime", "plcc_main"), ("services", "plcc_main_with_services")];
 
 /// The library with room for a program that becomes a unit of a co-simulation.

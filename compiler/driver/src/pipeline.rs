@@ -343,7 +343,7 @@ pub fn lower_for_debugger(bound: &Bound) -> (Compiled, Vec<plcc_lower::probe::Pl
     )
 }
 
-/// The IR of a program without errors, with probes that tell what of it runs, and their places.
+/// The IR of a program without errors, with probes that tell which parts of it run, and their places.
 pub fn lower_for_coverage(
     bound: &Bound,
     optimization: impl Into<Optimization>,

@@ -1,4 +1,4 @@
-//! What is known of the CPU, what of it is shown, and what keys do.
+//! What is known about the CPU, which part of it is shown, and what keys do.
 
 use std::collections::BTreeMap;
 

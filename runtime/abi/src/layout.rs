@@ -77,7 +77,8 @@ pub mod state {
     pub const COUNTDOWN: u32 = 0x20;
     /// Milliseconds of the virtual clock, 31 bits of them. Bit 31 under the real clock: ask the runtime.
     pub const TICKS: u32 = 0x28;
-    /// [`COUNTDOWN`] under the real clock: less than the end of any running timer, so that whoever looks at one asks the runtime.
+    /// [`COUNTDOWN`] under the real clock: less than the end of any running timer, so that code that looks at one
+    /// asks the runtime.
     pub const ASK: u64 = 1;
     /// CPU registers at the border between generated code and the runtime, one `u32` each, in the order of
     /// [`CpuRegister`](super::CpuRegister).

@@ -10,7 +10,7 @@
 //! - [`codes`]: error numbers of S7 CPUs that both sides use.
 //! - [`technology`]: fast counters, pulse generators, hardware interrupts.
 //! - [`ob`]: organization blocks, grouped by the events that start them.
-//! - [`remote`]: devices on a field bus; [`services`]: what of a program clients can reach.
+//! - [`remote`]: devices on a field bus; [`services`]: which parts of a program clients can reach.
 //! - [`shape`]: what data blocks look like, for blocks that write them to files.
 //! - [`s7200`]: definitions of the S7-200 only.
 //!

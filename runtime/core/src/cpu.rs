@@ -157,7 +157,8 @@ fn is_marked(bits: &[u64], number: u16) -> bool {
 }
 
 impl Cpu {
-    /// How often the program was changed while it ran: whoever has found a place by its name looks again when this is another number.
+    /// How often the program was changed while it ran: a place that was found by its name must be looked up again
+    /// when this number is another one.
     pub fn generation(&self) -> u64 {
         self.generation
     }

@@ -23,8 +23,8 @@ pub struct Registers {
     pub di: u16,
 }
 
-/// Who is told what the probes see. All happens inside the running program: nothing here may wait longer than the cycle may last,
-/// unless the clock is virtual.
+/// Gets what the probes see. All happens inside the running program: nothing here may wait longer than the cycle may
+/// last, unless the clock is virtual.
 pub trait Watcher {
     /// A block begins; `instance` is the offset of its instance in memory, 0 if it has none.
     fn enter(&self, cpu: &Cpu, place: u32, instance: u32);

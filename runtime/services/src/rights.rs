@@ -74,7 +74,8 @@ impl Clients {
         found.or(self.others).map(|right| right.min(self.most))
     }
 
-    /// As a line about what was opened tells it. `control`: what a client with this right may do, which the protocol decides.
+    /// The words for the line that says what was opened. `control`: what a client with this right may do, which the
+    /// protocol decides.
     pub fn text(&self, control: &str) -> String {
         let may = |right: Right| match right.min(self.most) {
             Right::Read => "read".to_string(),

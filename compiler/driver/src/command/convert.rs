@@ -42,7 +42,7 @@ struct Converted {
 struct Beside {
     extension: &'static str,
     text: String,
-    /// What it has, for whoever asks for standard output.
+    /// What it has, for the message about standard output.
     what: &'static str,
 }
 

@@ -26,7 +26,7 @@ pub enum Runtime {
     Services,
 }
 
-/// What comes out of linking.
+/// What linking makes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
     Executable(Runtime),

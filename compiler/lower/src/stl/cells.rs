@@ -1,6 +1,7 @@
 //! Counters, and what timers and counters share. Source: STL reference, timer and counter instructions.
 //!
-//! Cells are a region of their own, with the fields of `layout::timer_cell` and `layout::counter_cell`; counting needs nobody else.
+//! Cells are a region of their own, with the fields of `layout::timer_cell` and `layout::counter_cell`; counting
+//! needs no call of the runtime.
 
 use plcc_abi::codes::sync;
 use plcc_abi::layout::{self, counter_cell, timer_cell};

@@ -1,4 +1,4 @@
-//! The walk over the typed tree: whoever looks for something in it implements [`Visitor`].
+//! The walk over the typed tree: code that looks for something in it implements [`Visitor`].
 //!
 //! Each part is reported before what it contains, except for calls and complex values, whose room in the frame is needed
 //! after that of their arguments.

@@ -1,4 +1,4 @@
-//! Status of blocks for clients, while the CPU runs: what the calls of the blocks that somebody watches see.
+//! Status of blocks for clients, while the CPU runs: what the calls of watched blocks see.
 //!
 //! There are two copies of the program's code, one as it runs and one with probes ([`plcc_abi::monitor`]). While
 //! somebody watches, the code with probes runs; both codes change only between two cycles, and memory stays as it is.
@@ -91,9 +91,9 @@ pub enum Seen {
     Stack(u64, Vec<String>),
 }
 
-/// What somebody who looks gets.
+/// What a client that watches gets.
 pub struct Looked {
-    /// The calls of the block that have run since somebody looks.
+    /// The calls of the block that have run since it has been watched.
     pub calls: Vec<String>,
     /// What one of them has seen since the last look, if it was called.
     pub recorded: Option<Recorded>,
@@ -143,7 +143,7 @@ impl Cpu {
         }
     }
 
-    /// The runs of an organization block since somebody looks; `None`: nobody does.
+    /// The runs of an organization block since somebody has been watching; `None`: nobody is.
     pub fn ob_runs(&self, number: u16) -> Option<ObRuns> {
         if self.monitor.watches.borrow().is_empty() {
             return None;

@@ -4,9 +4,9 @@
 //! blocks ──► Board ◄── the thread that has the network (services)
 //! ```
 //!
-//! Blocks leave jobs on the [`Board`] and go on; whoever has the network takes them, and puts results and what partners sent beside them.
-//! Blocks see both from the next cycle control point on ([`Board::exchange`]), so a cycle sees one state. Without a network every job ends
-//! with STATUS 1, as with a connection that is not up.
+//! Blocks leave jobs on the [`Board`] and go on; the thread that has the network takes them, and puts results and
+//! what partners sent beside them. Blocks see both from the next cycle control point on ([`Board::exchange`]), so a
+//! cycle sees one state. Without a network every job ends with STATUS 1, as with a connection that is not up.
 //!
 //! Source: System and standard functions, SFB 8 to 15.
 

@@ -42,7 +42,7 @@ pub struct Station {
     thread: Option<JoinHandle<()>>,
 }
 
-/// Of a thread that panicked the last state is as good as any.
+/// After a panic in the thread, its last state serves as well as any.
 fn lock(shared: &Mutex<Shared>) -> MutexGuard<'_, Shared> {
     shared.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -395,7 +395,7 @@ impl Signature {
     }
 }
 
-/// The signature of a data block's layout and of what of it is retentive.
+/// The signature of a data block's layout, and of which parts of it are retentive.
 fn signature_of(db: &DbEntry, types: &[NamedType]) -> u64 {
     let sum = Signature::default().number(db.data.len() as u32);
     let sum = db.ty.map_or(Signature(sum.0), |ty| Signature(sum.0).ty(ty, types));

@@ -50,7 +50,7 @@ impl Publisher {
         Ok(Publisher { target, signals, interval })
     }
 
-    /// As a line about what was opened tells it.
+    /// The words for the line that says what was opened.
     pub fn text(&self) -> String {
         format!("{} values to {}", self.signals.len(), self.target.broker)
     }

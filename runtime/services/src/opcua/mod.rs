@@ -66,7 +66,7 @@ pub struct Server {
     address: SocketAddr,
     /// Channels without security may have sessions.
     is_open: bool,
-    /// What somebody may do at most who does not sign in; `None`: nothing.
+    /// The most that a client may do without signing in; `None`: nothing.
     anonymous: Option<Right>,
     /// Since when, 100 ns since 1601.
     started: i64,
@@ -124,7 +124,7 @@ impl Server {
         Some(Server { space, ..self.clone() })
     }
 
-    /// As a line about what was opened tells it.
+    /// The words for the line that says what was opened.
     pub fn text(&self, clients: &str) -> String {
         match (self.users.is_open(), self.anonymous) {
             (true, None) => "nobody can sign in: complete protection, and no users".to_string(),

@@ -118,7 +118,7 @@ impl Tag {
         }
     }
 
-    /// As a birth tells it, but for its value.
+    /// The metric of a birth, without its value.
     pub fn birth(&self, alias: u64) -> Metric {
         let property = |datatype: DataType, value| Property { datatype: Some(datatype as u32), value: Some(value) };
         let read_only = property(DataType::Boolean, PropertyValue::Boolean(!self.is_writable()));

@@ -135,7 +135,7 @@ impl Node {
         })
     }
 
-    /// As a line about what was opened tells it.
+    /// The words for the line that says what was opened.
     pub fn text(&self) -> String {
         let count = self.tags.len();
         format!(
