@@ -13,11 +13,12 @@ const CHART_WORDS: [&str; 3] = ["INITIAL_STEP", "END_STEP", "END_TRANSITION"];
 
 /// Whether the text contains a chart, whatever the name of its file.
 pub fn has_chart(text: &str) -> bool {
-    let hints = text.contains("(*$_CMPSET")
-        || text.split(['\n', '\r']).any(|line| {
-            let word = line.split([' ', '\t', '(', ';']).find(|word| !word.is_empty()).unwrap_or_default();
-            CHART_WORDS.iter().any(|known| known.eq_ignore_ascii_case(word))
-        });
+    let hints = has_word(text, "(*$_CMPSET")
+        || CHART_WORDS.iter().any(|word| has_word(text, word))
+            && text.split(['\n', '\r']).any(|line| {
+                let word = line.split([' ', '\t', '(', ';']).find(|word| !word.is_empty()).unwrap_or_default();
+                CHART_WORDS.iter().any(|known| known.eq_ignore_ascii_case(word))
+            });
     if !hints {
         return false;
     }
@@ -28,6 +29,15 @@ pub fn has_chart(text: &str) -> bool {
         Some(Keyword::InitialStep | Keyword::EndStep | Keyword::EndTransition) => !colon(index),
         None => tokens[index].kind == RawKind::Pragma && text[tokens[index].range()].starts_with("(*$_CMPSET"),
         _ => false,
+    })
+}
+
+/// Whether the text contains `word`, in any case of its letters. The word has a `_`, of which most texts have few.
+fn has_word(text: &str, word: &str) -> bool {
+    let before = word.find('_').unwrap_or_default();
+    text.match_indices('_').any(|(at, _)| {
+        let found = at.checked_sub(before).and_then(|start| text.as_bytes().get(start..start + word.len()));
+        found.is_some_and(|found| found.eq_ignore_ascii_case(word.as_bytes()))
     })
 }
 
@@ -99,5 +109,23 @@ impl Scan<'_> {
             )
         });
         !chart && block.into_iter().any(|index| self.is_word(index, &["BEGIN", "NETWORK"]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_are_found_in_any_case() {
+        assert!(has_word("  Initial_Step Start:", "INITIAL_STEP") && has_word("END_STEP", "END_STEP"));
+        assert!(has_word("_END_END_STEP", "END_STEP") && has_word("ä (*$_CMPSET", "(*$_CMPSET"));
+        assert!(!has_word("_STEP END_STE", "END_STEP") && !has_word("ä_STEP", "END_STEP") && !has_word("", "END_STEP"));
+    }
+
+    #[test]
+    fn only_charts_have_steps() {
+        assert!(has_chart("FUNCTION_BLOCK FB 1\nBEGIN\nINITIAL_STEP S1 (*$_NUM 1*):\nEND_STEP\n"));
+        assert!(!has_chart("FUNCTION_BLOCK FB 1\nBEGIN\n// END_STEP\n#end_step := TRUE;\n"));
     }
 }

@@ -72,10 +72,12 @@ const ALIASES: [(&str, &str); 16] = [
 
 /// Number of characters of the longest word that may be a misspelt keyword.
 const LENGTH_MAX: usize = 30;
+/// Bytes of the shortest one.
+const WORD_MIN: usize = 3;
 
 /// The candidate that `word` is a slip of: the only nearest one, without letter case and `_`.
 pub fn slip_of<'c>(word: &str, candidates: impl IntoIterator<Item = &'c str>) -> Option<&'c str> {
-    if !(3..=LENGTH_MAX).contains(&word.len()) {
+    if !(WORD_MIN..=LENGTH_MAX).contains(&word.len()) {
         return None;
     }
     let plain = |text: &str| text.chars().filter(|c| *c != '_').map(|c| c.to_ascii_uppercase()).collect::<String>();
@@ -139,7 +141,9 @@ pub fn find<'a>(count: usize, seen: impl Fn(usize) -> Seen<'a>) -> Vec<Meant> {
     let mut found = Vec::new();
     let mut at = 0;
     while at < count {
-        if (scan.seen)(at).shape != Shape::Word {
+        let token = (scan.seen)(at);
+        // In statement lists most words have one letter.
+        if token.shape != Shape::Word || token.text.len() < 2 {
             at += 1;
             continue;
         }
@@ -233,6 +237,9 @@ impl<'a, F: Fn(usize) -> Seen<'a>> Scan<F> {
         }
         if let Some(found) = self.two_words(at, token) {
             return Some(found);
+        }
+        if token.text.len() < WORD_MIN {
+            return None;
         }
         let starts = at == 0
             || token.first_on_line && self.shape(at - 1) != Some(Shape::Operator)
@@ -347,8 +354,8 @@ impl<'a, F: Fn(usize) -> Seen<'a>> Scan<F> {
             return Some(Meant { first: at, count: if third.is_some() { 3 } else { 2 }, keyword });
         }
         let starts = at == 0 || token.first_on_line;
-        let named = self.beside(at + 2).is_some_and(|third| matches!(third.shape, Shape::Word | Shape::Name));
-        if !starts || !named || !next.text.eq_ignore_ascii_case("BLOCK") {
+        let named = || self.beside(at + 2).is_some_and(|third| matches!(third.shape, Shape::Word | Shape::Name));
+        if !starts || !next.text.eq_ignore_ascii_case("BLOCK") || !named() {
             return None;
         }
         let keyword = slip_of(&format!("{}_BLOCK", token.text), BLOCKS)?;
@@ -363,7 +370,7 @@ fn keywords() -> impl Iterator<Item = &'static str> {
 /// False for most words: keywords have few first letters, and none is shorter than `VAR`.
 fn looks_like_keyword(word: &str) -> bool {
     const FIRST_LETTERS: &[u8] = b"OFDTEVBCLSPN";
-    word.len() >= 3 && FIRST_LETTERS.contains(&word.as_bytes()[0].to_ascii_uppercase())
+    word.len() >= WORD_MIN && FIRST_LETTERS.contains(&word.as_bytes()[0].to_ascii_uppercase())
 }
 
 fn is_keyword(word: &str) -> bool {
@@ -382,6 +389,21 @@ fn known_or_slip<const N: usize>(word: &str, keywords: [&'static str; N]) -> Opt
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// What is found in words with blanks between them; the first one begins a line.
+    fn found(text: &str) -> Vec<Meant> {
+        let words: Vec<&str> = text.split(' ').collect();
+        let seen = |at: usize| Seen { shape: Shape::Word, text: words[at], first_on_line: at == 0 };
+        find(words.len(), seen)
+    }
+
+    #[test]
+    fn short_words_are_no_keywords() {
+        assert_eq!(found("TA BLOCK DB"), [Meant { first: 0, count: 2, keyword: "DATA_BLOCK" }]);
+        for text in ["T BLOCK DB", "A BLOCK", "A I", "AN BLOCK"] {
+            assert_eq!(found(text), [], "{text}");
+        }
+    }
 
     #[test]
     fn slips_have_one_meaning() {

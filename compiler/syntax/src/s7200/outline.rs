@@ -12,7 +12,7 @@ use crate::stl::{self, Mnemonics};
 pub fn is_s7200(text: &str) -> bool {
     let (mut own, mut foreign) = (0usize, 0usize);
     let mut data = false;
-    for line in raw::lines(text) {
+    for line in raw::each_line(text) {
         match of_line(text, &line, &mut data) {
             Sign::S7200 => return true,
             Sign::Other => return false,

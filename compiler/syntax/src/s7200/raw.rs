@@ -80,17 +80,27 @@ pub type RawToken = front::RawToken<RawKind>;
 
 /// The tokens of a text, line by line, each line without its end.
 pub fn lines(text: &str) -> Vec<Vec<RawToken>> {
-    let mut lines: Vec<Vec<RawToken>> = vec![Vec::new()];
-    for (kind, range) in RawKind::lexer(text).spanned() {
-        let kind = kind.unwrap_or(RawKind::Stray);
-        if kind == RawKind::Newline {
-            lines.push(Vec::new());
-        } else if let Some(line) = lines.last_mut() {
+    each_line(text).collect()
+}
+
+/// As [`lines`]; a line is read when it is asked for.
+pub fn each_line(text: &str) -> impl Iterator<Item = Vec<RawToken>> {
+    let mut tokens = Some(RawKind::lexer(text).spanned());
+    std::iter::from_fn(move || {
+        let mut line: Vec<RawToken> = Vec::new();
+        loop {
+            let Some((kind, range)) = tokens.as_mut()?.next() else {
+                tokens = None;
+                return Some(line);
+            };
+            let kind = kind.unwrap_or(RawKind::Stray);
+            if kind == RawKind::Newline {
+                return Some(line);
+            }
             let (start, end, first_on_line) = (range.start as u32, range.end as u32, line.is_empty());
             line.push(RawToken { kind, start, end, first_on_line, keyword: () });
         }
-    }
-    lines
+    })
 }
 
 /// The tokens of one line, or of a part of it, which begins at byte `offset` of the text.

@@ -241,3 +241,11 @@ fn each_row_is_read_in_both_sets() {
         }
     }
 }
+
+#[test]
+fn lines_are_read_one_by_one() {
+    let are_empty = |text: &str| -> Vec<bool> { super::raw::each_line(text).map(|line| line.is_empty()).collect() };
+    assert_eq!(are_empty(""), [true]);
+    assert_eq!(are_empty("LD I0.0"), [false]);
+    assert_eq!(are_empty("\nLD I0.0\n\n= Q0.0 // end\n"), [true, false, true, false, true]);
+}
