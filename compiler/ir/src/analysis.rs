@@ -27,6 +27,7 @@ struct Lists {
 }
 
 impl Lists {
+    #[inline]
     fn of(&self, block: Block) -> &[Block] {
         let index = block.index();
         &self.items[self.start[index] as usize..self.start[index + 1] as usize]
@@ -36,7 +37,7 @@ impl Lists {
 impl ControlFlow {
     pub fn new(function: &Function) -> ControlFlow {
         let successors = successor_lists(function);
-        let rpo = reverse_postorder(function, &successors);
+        let rpo = postorder_reversed(function, &successors);
         let mut position = EntityVec::filled(UNREACHABLE, function.blocks.len());
         for (index, &block) in (0u32..).zip(&rpo) {
             position[block] = index;
@@ -46,24 +47,45 @@ impl ControlFlow {
     }
 
     /// True if a path leads from the entry to `block`.
+    #[inline]
     pub fn is_reachable(&self, block: Block) -> bool {
         self.position[block] != UNREACHABLE
     }
 
     /// Place of a reachable block in `rpo`.
+    #[inline]
     pub fn rpo_index(&self, block: Block) -> Option<usize> {
         self.is_reachable(block).then(|| self.position[block] as usize)
     }
 
     /// Jump targets of `block`, in order, with repeats.
+    #[inline]
     pub fn successors(&self, block: Block) -> &[Block] {
         self.successors.of(block)
     }
 
     /// Reachable blocks that jump to `block`, once for each jump.
+    #[inline]
     pub fn predecessors(&self, block: Block) -> &[Block] {
         self.predecessors.of(block)
     }
+}
+
+/// True if a jump leads back.
+pub fn has_loops(function: &Function) -> bool {
+    let rpo = reverse_postorder(function);
+    let mut position = vec![UNREACHABLE; function.blocks.len()];
+    for (index, &block) in (0u32..).zip(&rpo) {
+        position[block.index()] = index;
+    }
+    let mut leads_back = false;
+    for &block in &rpo {
+        if let Some(inst) = function.terminator(block) {
+            let place = position[block.index()];
+            function.insts[inst].for_each_target(|call| leads_back |= position[call.block.index()] <= place);
+        }
+    }
+    leads_back
 }
 
 /// The blocks that a path leads to from the entry: what [`ControlFlow::is_reachable`] says, for a third of the time.
@@ -86,7 +108,9 @@ pub fn reachable(function: &Function) -> EntityVec<Block, bool> {
 }
 
 fn successor_lists(function: &Function) -> Lists {
-    let mut lists = Lists { start: vec![0], items: Vec::new() };
+    let blocks = function.blocks.len();
+    let mut lists = Lists { start: Vec::with_capacity(blocks + 1), items: Vec::with_capacity(2 * blocks) };
+    lists.start.push(0);
     for block in function.blocks.keys() {
         if let Some(inst) = function.terminator(block) {
             function.insts[inst].for_each_target(|call| lists.items.push(call.block));
@@ -96,7 +120,12 @@ fn successor_lists(function: &Function) -> Lists {
     lists
 }
 
-fn reverse_postorder(function: &Function, successors: &Lists) -> Vec<Block> {
+/// Reachable blocks; each is before the blocks that it dominates. What [`ControlFlow::rpo`] is, for half of the time.
+pub fn reverse_postorder(function: &Function) -> Vec<Block> {
+    postorder_reversed(function, &successor_lists(function))
+}
+
+fn postorder_reversed(function: &Function, successors: &Lists) -> Vec<Block> {
     let mut order = Vec::with_capacity(function.layout.len());
     let Some(&entry) = function.layout.first() else { return order };
     let mut seen = vec![false; function.blocks.len()];
@@ -162,9 +191,10 @@ impl Dominators {
             idom[block] = Some(cfg.rpo[immediate[index] as usize]);
         }
 
-        let mut children = vec![Vec::new(); cfg.rpo.len()];
+        // The children of each block, as linked lists.
+        let (mut child, mut sibling) = (vec![NONE; cfg.rpo.len()], vec![NONE; cfg.rpo.len()]);
         for index in (1..cfg.rpo.len()).rev() {
-            children[immediate[index] as usize].push(index as u32);
+            sibling[index] = std::mem::replace(&mut child[immediate[index] as usize], index as u32);
         }
         let mut enter = vec![0; function.blocks.len()];
         let mut leave = vec![0; function.blocks.len()];
@@ -178,16 +208,17 @@ impl Dominators {
         }
         while let Some(&index) = stack.last() {
             clock += 1;
-            match children[index as usize].pop() {
-                Some(child) => {
-                    let block = cfg.rpo[child as usize];
-                    enter[block.index()] = clock;
-                    preorder.push(block);
-                    stack.push(child);
-                }
-                None => {
+            match child[index as usize] {
+                NONE => {
                     leave[cfg.rpo[index as usize].index()] = clock;
                     stack.pop();
+                }
+                next => {
+                    child[index as usize] = sibling[next as usize];
+                    let block = cfg.rpo[next as usize];
+                    enter[block.index()] = clock;
+                    preorder.push(block);
+                    stack.push(next);
                 }
             }
         }
@@ -195,11 +226,13 @@ impl Dominators {
     }
 
     /// The closest block that every path to `block` passes; none for the entry and for unreachable blocks.
+    #[inline]
     pub fn immediate(&self, block: Block) -> Option<Block> {
         self.idom[block]
     }
 
     /// True if every path to `b` passes `a`; a block dominates itself. Both are reachable.
+    #[inline]
     pub fn dominates(&self, a: Block, b: Block) -> bool {
         self.enter[a.index()] <= self.enter[b.index()] && self.leave[b.index()] <= self.leave[a.index()]
     }
@@ -253,7 +286,8 @@ struct Walk {
 impl Walk {
     fn new(cfg: &ControlFlow) -> Walk {
         let number = EntityVec::filled(NONE, cfg.position.len());
-        let mut walk = Walk { order: Vec::with_capacity(cfg.rpo.len()), number, parent: Vec::new() };
+        let blocks = cfg.rpo.len();
+        let mut walk = Walk { order: Vec::with_capacity(blocks), number, parent: Vec::with_capacity(blocks) };
         let mut stack: Vec<(Block, u32)> = cfg.rpo.first().map(|&entry| (entry, 0)).into_iter().collect();
         while let Some((block, parent)) = stack.pop() {
             if walk.number[block] != NONE {
@@ -343,6 +377,12 @@ mod tests {
             let function = module.functions.values().next().expect("one function");
             let cfg = ControlFlow::new(function);
             let dominators = Dominators::new(function, &cfg);
+            assert_eq!(reverse_postorder(function), cfg.rpo);
+            let leads_back = |&block: &Block| {
+                let to = cfg.successors(block).iter();
+                to.copied().any(|target| cfg.rpo_index(target) <= cfg.rpo_index(block))
+            };
+            assert_eq!(has_loops(function), cfg.rpo.iter().any(leads_back));
             let reached_without = |avoided: Option<Block>| {
                 let mut seen = vec![false; function.blocks.len()];
                 let mut stack = vec![function.layout[0]];

@@ -17,10 +17,12 @@ macro_rules! entity {
         pub struct $name(u32);
 
         impl Entity for $name {
+            #[inline]
             fn new(index: usize) -> Self {
                 $name(u32::try_from(index).expect("fewer than 2^32 entities"))
             }
 
+            #[inline]
             fn index(self) -> usize {
                 self.0 as usize
             }
@@ -81,6 +83,7 @@ impl<K: Entity, V> EntityVec<K, V> {
     }
 
     /// Appends `value`; returns its key.
+    #[inline]
     pub fn push(&mut self, value: V) -> K {
         let key = K::new(self.items.len());
         self.items.push(value);
@@ -92,6 +95,7 @@ impl<K: Entity, V> EntityVec<K, V> {
         self.items.shrink_to_fit();
     }
 
+    #[inline]
     pub fn len(&self) -> usize {
         self.items.len()
     }
@@ -100,6 +104,7 @@ impl<K: Entity, V> EntityVec<K, V> {
         self.items.is_empty()
     }
 
+    #[inline]
     pub fn get(&self, key: K) -> Option<&V> {
         self.items.get(key.index())
     }
@@ -134,12 +139,14 @@ impl<K: Entity, V> Default for EntityVec<K, V> {
 impl<K: Entity, V> Index<K> for EntityVec<K, V> {
     type Output = V;
 
+    #[inline]
     fn index(&self, key: K) -> &V {
         &self.items[key.index()]
     }
 }
 
 impl<K: Entity, V> IndexMut<K> for EntityVec<K, V> {
+    #[inline]
     fn index_mut(&mut self, key: K) -> &mut V {
         &mut self.items[key.index()]
     }

@@ -77,6 +77,7 @@ impl Function {
     }
 
     /// The first block of the layout.
+    #[inline]
     pub fn entry(&self) -> Block {
         self.layout[0]
     }
@@ -131,10 +132,12 @@ impl Function {
     }
 
     /// The only result of `inst`.
+    #[inline]
     pub fn result(&self, inst: Inst) -> Value {
         self.results[inst][0]
     }
 
+    #[inline]
     pub fn ty(&self, value: Value) -> Type {
         self.values[value].ty
     }
@@ -161,6 +164,7 @@ impl Function {
     }
 
     /// Makes `value` another name of `other`.
+    #[inline]
     pub fn replace_value(&mut self, value: Value, other: Value) {
         let other = self.resolve(other);
         debug_assert_ne!(value, other);
@@ -169,20 +173,7 @@ impl Function {
 
     /// Replaces aliases with their values, in all instructions of all blocks.
     pub fn resolve_aliases(&mut self) {
-        // Shorten chains first, so that a long one is walked once.
-        for index in 0..self.values.len() {
-            let value = Value::new(index);
-            if let ValueDef::Alias(_) = self.values[value].def {
-                let target = self.resolve(value);
-                let mut at = value;
-                while let ValueDef::Alias(next) = self.values[at].def
-                    && next != target
-                {
-                    self.values[at].def = ValueDef::Alias(target);
-                    at = next;
-                }
-            }
-        }
+        self.shorten_aliases();
         let values = &self.values;
         let resolve = |value: Value| match values[value].def {
             ValueDef::Alias(other) => other,
@@ -195,7 +186,27 @@ impl Function {
         }
     }
 
+    /// Makes all aliases those of values, so that a long chain is walked once.
+    pub(crate) fn shorten_aliases(&mut self) {
+        for index in 0..self.values.len() {
+            let value = Value::new(index);
+            if let ValueDef::Alias(other) = self.values[value].def
+                && let ValueDef::Alias(_) = self.values[other].def
+            {
+                let target = self.resolve(value);
+                let mut at = value;
+                while let ValueDef::Alias(next) = self.values[at].def
+                    && next != target
+                {
+                    self.values[at].def = ValueDef::Alias(target);
+                    at = next;
+                }
+            }
+        }
+    }
+
     /// The instruction that defines `value`, unless it is a block parameter.
+    #[inline]
     pub fn defining(&self, value: Value) -> Option<&InstData> {
         match self.values[self.resolve(value)].def {
             ValueDef::Result(inst, _) => Some(&self.insts[inst]),
@@ -204,6 +215,7 @@ impl Function {
     }
 
     /// The bits of `value` if it is a constant.
+    #[inline]
     pub fn constant(&self, value: Value) -> Option<u64> {
         match self.defining(value) {
             Some(InstData::Const { bits }) => Some(*bits),
@@ -212,6 +224,7 @@ impl Function {
     }
 
     /// The last instruction of `block`, if it ends the block.
+    #[inline]
     pub fn terminator(&self, block: Block) -> Option<Inst> {
         self.blocks[block].insts.last().copied().filter(|&inst| self.insts[inst].is_terminator())
     }

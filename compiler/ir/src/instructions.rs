@@ -372,11 +372,13 @@ impl InstData {
     }
 
     /// True for the instructions that end a block.
+    #[inline]
     pub fn is_terminator(&self) -> bool {
         matches!(self.class(), Class::Choice | Class::Exit)
     }
 
     /// True if the instruction does more than compute its results.
+    #[inline]
     pub fn has_side_effect(&self) -> bool {
         match self {
             InstData::Store { .. }
@@ -412,6 +414,7 @@ impl InstData {
     }
 
     /// Calls `f` with each jump target, in the order of [`InstData::targets`].
+    #[inline]
     pub fn for_each_target<'a>(&'a self, mut f: impl FnMut(&'a BlockCall)) {
         match self {
             InstData::Jump { target } => f(target),
@@ -425,6 +428,7 @@ impl InstData {
     }
 
     /// Calls `f` with each jump target, in the order of [`InstData::targets`].
+    #[inline]
     pub fn for_each_target_mut(&mut self, mut f: impl FnMut(&mut BlockCall)) {
         match self {
             InstData::Jump { target } => f(target),
@@ -438,6 +442,7 @@ impl InstData {
     }
 
     /// Calls `f` with each address that the instruction names; `Copy` has two.
+    #[inline]
     pub fn for_each_address(&self, mut f: impl FnMut(&Address)) {
         match self {
             InstData::Load { addr }

@@ -6,13 +6,13 @@
 
 use crate::analysis::reachable;
 use crate::entities::{Block, Entity, EntityVec, Value};
-use crate::function::{BlockData, Function, Results, ValueData, ValueDef};
+use crate::function::{BlockData, Function, ValueData, ValueDef};
 
 impl Function {
     /// Makes the function canonical: drops instructions outside blocks, aliases, and blocks that are not laid out.
     /// Values that are used but defined nowhere, which the verifier would reject, are kept after the others.
     pub fn renumber(&mut self) {
-        self.resolve_aliases();
+        self.shorten_aliases();
         let mut blocks: EntityVec<Block, Option<Block>> = EntityVec::filled(None, self.blocks.len());
         for (index, &block) in self.layout.iter().enumerate() {
             blocks[block] = Some(Block::new(index));
@@ -44,12 +44,12 @@ impl Function {
             }
             for inst in data.insts {
                 // Results first, so that their numbers are those of the printed order.
-                let mut results = Results::new();
-                for (index, &result) in (0u32..).zip(&self.results[inst]) {
+                let mut results = std::mem::take(&mut self.results[inst]);
+                for (index, result) in (0u32..).zip(&mut results) {
                     let def = ValueDef::Result(crate::Inst::new(new.insts.len()), index);
-                    let value = new.values.push(ValueData { ty: self.values[result].ty, def });
-                    values[result] = Some(value);
-                    results.push(value);
+                    let value = new.values.push(ValueData { ty: self.values[*result].ty, def });
+                    values[*result] = Some(value);
+                    *result = value;
                 }
                 let data = std::mem::replace(&mut self.insts[inst], crate::InstData::Const { bits: 0 });
                 let moved = new.insts.push(data);
@@ -62,6 +62,10 @@ impl Function {
         let mut lost = Vec::new();
         for data in new.insts.values_mut() {
             data.map_uses(|value| {
+                let value = match self.values[value].def {
+                    ValueDef::Alias(other) => other,
+                    ValueDef::Result(..) | ValueDef::Param(..) => value,
+                };
                 *values[value].get_or_insert_with(|| {
                     lost.push(value);
                     Value::new(known + lost.len() - 1)

@@ -15,7 +15,7 @@
 //! A copy of 1, 2, 4 or 8 bytes becomes a load and a store, which other passes understand.
 
 use plcc_abi::layout;
-use plcc_ir::analysis::ControlFlow;
+use plcc_ir::analysis::reverse_postorder;
 use plcc_ir::{Address, BinaryOp, Function, Inst, InstData, Region, StaticDb, Type, Value};
 
 use crate::known_bits::unsigned_max;
@@ -36,7 +36,7 @@ impl Resolver<'_> {
     fn run(&mut self) -> bool {
         let mut changed = false;
         // Bases are resolved before their uses.
-        for block in ControlFlow::new(self.function).rpo {
+        for block in reverse_postorder(self.function) {
             let insts = std::mem::take(&mut self.function.blocks[block].insts);
             let mut out = Vec::with_capacity(insts.len());
             for inst in insts {

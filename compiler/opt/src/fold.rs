@@ -20,14 +20,14 @@
 mod compare;
 pub(crate) mod integer;
 
-use plcc_ir::analysis::ControlFlow;
+use plcc_ir::analysis::reverse_postorder;
 use plcc_ir::{BinaryOp, BlockCall, Class, ConvertOp, Function, Inst, InstData, Loc, Type, UnaryOp, Value, eval};
 
 /// Applies the rules to a function. Result: whether anything changed.
 pub fn fold(function: &mut Function) -> bool {
-    let cfg = ControlFlow::new(function);
+    let order = reverse_postorder(function);
     let mut folder = Folder { function, out: Vec::new(), loc: Loc(0), changed: false };
-    for &block in &cfg.rpo {
+    for block in order {
         let insts = std::mem::take(&mut folder.function.blocks[block].insts);
         folder.out = Vec::with_capacity(insts.len());
         for inst in insts {
@@ -70,36 +70,40 @@ impl Folder<'_> {
             return;
         }
         self.loc = self.function.locs[inst];
-        let mut data = std::mem::replace(&mut self.function.insts[inst], InstData::Const { bits: 0 });
         for _ in 0..STEPS_MAX {
-            let step = self.step(inst, &data);
-            self.changed |= step.is_some();
-            match step {
+            match self.step(inst) {
                 None => break,
-                Some(Change::Data(new)) => data = new,
+                Some(Change::Data(new)) => self.function.insts[inst] = new,
                 Some(Change::Value(value)) => {
+                    self.changed = true;
                     let result = self.function.result(inst);
                     self.function.replace_value(result, value);
+                    self.function.insts[inst] = InstData::Const { bits: 0 };
                     return;
                 }
             }
+            self.changed = true;
         }
-        self.function.insts[inst] = data;
         self.out.push(inst);
     }
 
-    fn step(&mut self, inst: Inst, data: &InstData) -> Option<Change> {
-        let result_type = |f: &Function| f.ty(f.result(inst));
-        match data {
-            InstData::Unary { op, arg } => self.unary(*op, *arg),
-            InstData::Binary { op, args } => self.binary(*op, *args),
-            InstData::IntCompare { cc, args } => self.int_compare(*cc, *args),
-            InstData::FloatCompare { cc, args } => self.float_compare(*cc, *args),
-            InstData::Convert { op, arg } => self.convert(*op, result_type(self.function), *arg),
-            InstData::Select { cond, if_true, if_false } => self.select(*cond, *if_true, *if_false),
-            InstData::Branch { cond, then_to, else_to } => self.branch(*cond, then_to, else_to),
-            InstData::Switch { value, targets, default } => {
-                let target = match self.function.constant(*value) {
+    fn step(&mut self, inst: Inst) -> Option<Change> {
+        match self.function.insts[inst] {
+            InstData::Unary { op, arg } => self.unary(op, arg),
+            InstData::Binary { op, args } => self.binary(op, args),
+            InstData::IntCompare { cc, args } => self.int_compare(cc, args),
+            InstData::FloatCompare { cc, args } => self.float_compare(cc, args),
+            InstData::Convert { op, arg } => self.convert(op, self.ty(self.function.result(inst)), arg),
+            InstData::Select { cond, if_true, if_false } => self.select(cond, if_true, if_false),
+            InstData::Branch { .. } => {
+                let data = std::mem::replace(&mut self.function.insts[inst], InstData::Const { bits: 0 });
+                let InstData::Branch { cond, then_to, else_to } = &data else { unreachable!("it is a branch") };
+                let change = self.branch(*cond, then_to, else_to);
+                self.function.insts[inst] = data;
+                change
+            }
+            InstData::Switch { value, ref targets, ref default } => {
+                let target = match self.function.constant(value) {
                     Some(bits) => targets.get(bits as usize).unwrap_or(default),
                     None if targets.iter().all(|target| target == default) => default,
                     None => return None,
