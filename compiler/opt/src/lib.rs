@@ -55,11 +55,31 @@ pub struct Pass {
     pub run: Run,
 }
 
+/// What a pass has changed in a function.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Change {
+    Nothing,
+    /// Equal constants are one value, and equal conditions.
+    Shared,
+    /// What nothing uses is gone.
+    Unused,
+    /// Something else.
+    Code,
+}
+
+impl From<bool> for Change {
+    fn from(changed: bool) -> Change {
+        if changed { Change::Code } else { Change::Nothing }
+    }
+}
+
 /// How much of the program a pass looks at. The result of a pass over a function is false if it has changed nothing.
 #[derive(Clone, Copy)]
 pub enum Run {
     /// One function.
     Function(fn(&mut Function) -> bool),
+    /// One function; it says what it has changed.
+    Telling(fn(&mut Function) -> Change),
     /// One function, and facts about the others.
     Surrounded(fn(&mut Function, &Surroundings) -> bool),
     Module(fn(&mut Module)),
@@ -67,6 +87,10 @@ pub enum Run {
 
 const fn function(name: &'static str, run: fn(&mut Function) -> bool) -> Pass {
     Pass { name, run: Run::Function(run) }
+}
+
+const fn telling(name: &'static str, run: fn(&mut Function) -> Change) -> Pass {
+    Pass { name, run: Run::Telling(run) }
 }
 
 const fn surrounded(name: &'static str, run: fn(&mut Function, &Surroundings) -> bool) -> Pass {
@@ -77,14 +101,48 @@ const fn module(name: &'static str, run: fn(&mut Module)) -> Pass {
     Pass { name, run: Run::Module(run) }
 }
 
+impl Pass {
+    /// True if the pass knows nothing but its function.
+    fn is_alone(&self) -> bool {
+        matches!(self.run, Run::Function(_) | Run::Telling(_))
+    }
+
+    /// True if the pass does nothing to a function without loops. No pass makes a loop where there is none.
+    fn is_for_loops(&self) -> bool {
+        matches!(
+            self.name,
+            "hoist-lookups" | "loop-memory" | "loop-ranges" | "part-cold-loops" | "turn-loops" | "unroll"
+        )
+    }
+
+    /// True if the pass has nothing to do after such a change, if it had nothing to do before it.
+    fn ignores(&self, change: Change) -> bool {
+        match change {
+            Change::Nothing => true,
+            // Constants are looked at as such, and conditions hardly more often when they are one.
+            Change::Shared => {
+                matches!(
+                    self.name,
+                    "addresses" | "bits" | "forward" | "loop-memory" | "loop-ranges" | "ranges" | "values"
+                )
+            }
+            Change::Unused => matches!(
+                self.name,
+                "addresses" | "bits" | "fold" | "forward" | "loop-ranges" | "ranges" | "unused" | "values"
+            ),
+            Change::Code => false,
+        }
+    }
+}
+
 /// What `-O2` does to all functions together, in order. A new pass is its module above and a row here or in [`ALONE`].
 pub const TOGETHER: &[Pass] = &[
     function("fold", fold::fold),
     function("control-flow", control_flow::simplify_control_flow),
-    function("unused", unused::remove_unused),
+    telling("unused", unused::remove_unused),
     function("compact", compact),
     surrounded("addresses", addresses::resolve_addresses),
-    function("values", values::share_values),
+    telling("values", values::share_values),
     surrounded("forward", forward::forward_memory),
     function("fold", fold::fold),
     function("control-flow", control_flow::simplify_control_flow),
@@ -105,7 +163,7 @@ pub const TOGETHER: &[Pass] = &[
 pub const ALONE: &[Pass] = &[
     surrounded("addresses", addresses::resolve_addresses),
     function("bits", bits::find_bits),
-    function("values", values::share_values),
+    telling("values", values::share_values),
     surrounded("forward", forward::forward_memory),
     surrounded("locals", locals::promote_locals),
     function("fold", fold::fold),
@@ -114,7 +172,7 @@ pub const ALONE: &[Pass] = &[
     function("control-flow", control_flow::simplify_control_flow),
     function("part-checks", checks::part_checks),
     surrounded("addresses", addresses::resolve_addresses),
-    function("values", values::share_values),
+    telling("values", values::share_values),
     surrounded("forward", forward::forward_memory),
     function("fold", fold::fold),
     surrounded("block-moves", block_moves::move_blocks),
@@ -131,17 +189,17 @@ pub const ALONE: &[Pass] = &[
     function("control-flow", control_flow::simplify_control_flow),
     surrounded("addresses", addresses::resolve_addresses),
     function("bits", bits::find_bits),
-    function("values", values::share_values),
+    telling("values", values::share_values),
     surrounded("forward", forward::forward_memory),
     function("fold", fold::fold),
     function("part-cold-ways", duplicate::part_cold_ways),
     function("control-flow", control_flow::simplify_control_flow),
-    function("values", values::share_values),
+    telling("values", values::share_values),
     surrounded("forward", forward::forward_memory),
     function("fold", fold::fold),
     function("part-cold-ways", duplicate::part_cold_ways),
     // Loops that were too large before their checks went; without what nothing uses any more they may be one block.
-    function("unused", unused::remove_unused),
+    telling("unused", unused::remove_unused),
     function("control-flow", control_flow::simplify_control_flow),
     // Pointers that were in memory have their ranges now, and reach less of it. Counters that were in memory are values then, with ranges
     // that say how often a loop runs, and so how far its pointers get.
@@ -161,11 +219,11 @@ pub const ALONE: &[Pass] = &[
     function("control-flow", control_flow::simplify_control_flow),
     // What was indexed by the counter of a loop that is unrolled.
     surrounded("addresses", addresses::resolve_addresses),
-    function("values", values::share_values),
+    telling("values", values::share_values),
     surrounded("forward", forward::forward_memory),
     // What nobody reads goes before stores under a condition, or of single bits, become ones that read what is there.
     surrounded("dead-stores", dead_stores::eliminate_dead_stores),
-    function("unused", unused::remove_unused),
+    telling("unused", unused::remove_unused),
     function("branches", branches::select_by_branches),
     function("control-flow", control_flow::simplify_control_flow),
     function("fold", fold::fold),
@@ -181,7 +239,7 @@ pub const ALONE: &[Pass] = &[
     function("fold", fold::fold),
     function("control-flow", control_flow::simplify_control_flow),
     surrounded("dead-stores", dead_stores::eliminate_dead_stores),
-    function("unused", unused::remove_unused),
+    telling("unused", unused::remove_unused),
     function("control-flow", control_flow::simplify_control_flow),
     surrounded("note-outputs", note_outputs::note_outputs),
     function("compact", compact),
@@ -236,7 +294,7 @@ fn beginning() -> (&'static [Pass], &'static [Pass]) {
 
 /// How many passes in a row know nothing but their function.
 fn row_of_functions(passes: &[Pass]) -> usize {
-    passes.iter().take_while(|pass| matches!(pass.run, Run::Function(_))).count()
+    passes.iter().take_while(|pass| pass.is_alone()).count()
 }
 
 /// The second part of [`optimize`], for one function of a module after the first part.
@@ -281,32 +339,48 @@ fn run_all(mut passes: &[Pass], module: &mut Module, without: Without) {
 ///
 /// Result: whether anything changed.
 fn run_on(passes: &[Pass], function: &mut Function, surroundings: &Surroundings, without: Without) -> bool {
-    run_each_on(passes, without, |run| match run {
-        Run::Function(run) => run(function),
-        Run::Surrounded(run) => run(function, surroundings),
+    run_each_on(passes, function, without, |run, function| match run {
+        Run::Function(run) => run(function).into(),
+        Run::Telling(run) => run(function),
+        Run::Surrounded(run) => run(function, surroundings).into(),
         Run::Module(_) => unreachable!("only passes that look at one function run so"),
     })
 }
 
 /// As [`run_on`], for passes that know nothing but their function.
 fn run_row(passes: &[Pass], function: &mut Function, without: Without) {
-    run_each_on(passes, without, |run| match run {
-        Run::Function(run) => run(function),
+    run_each_on(passes, function, without, |run, function| match run {
+        Run::Function(run) => run(function).into(),
+        Run::Telling(run) => run(function),
         Run::Surrounded(_) | Run::Module(_) => unreachable!("only passes that know nothing but their function run so"),
     });
 }
 
-fn run_each_on(passes: &[Pass], without: Without, mut run: impl FnMut(Run) -> bool) -> bool {
-    let mut changes = 0;
-    // For each pass, how many of the passes before it had changed something when it ran last.
+fn run_each_on(
+    passes: &[Pass],
+    function: &mut Function,
+    without: Without,
+    mut run: impl FnMut(Run, &mut Function) -> Change,
+) -> bool {
+    // What the passes have changed so far, and for each pass how much of that it has seen.
+    let mut changes: Vec<Change> = Vec::new();
     let mut seen: FxHashMap<&str, usize> = FxHashMap::default();
+    let mut has_loops = None;
     for pass in passes.iter().filter(|pass| !without.contains(pass.name)) {
-        if seen.insert(pass.name, changes) == Some(changes) {
+        if let Some(seen) = seen.insert(pass.name, changes.len())
+            && changes[seen..].iter().all(|&change| pass.ignores(change))
+        {
             continue;
         }
-        changes += usize::from(run(pass.run));
+        if pass.is_for_loops() && !*has_loops.get_or_insert_with(|| plcc_ir::analysis::has_loops(function)) {
+            continue;
+        }
+        let change = run(pass.run, function);
+        if change != Change::Nothing {
+            changes.push(change);
+        }
     }
-    changes > 0
+    !changes.is_empty()
 }
 
 /// Renumbers a function; its code stays as it is.

@@ -7,10 +7,11 @@ use plcc_ir::entities::Entity;
 use plcc_ir::function::ValueDef;
 use plcc_ir::{InstData, Value};
 
+use crate::Change;
 use crate::control_flow::remove_params;
 
-/// Removes instructions without an effect whose results nothing uses, and parameters of blocks likewise. Result: whether there were any.
-pub fn remove_unused(function: &mut Function) -> bool {
+/// Removes instructions without an effect whose results nothing uses, and parameters of blocks likewise.
+pub fn remove_unused(function: &mut Function) -> Change {
     let mut changed = function.remove_unreachable_blocks() > 0;
     let live = live_values(function);
     let entry = function.entry();
@@ -36,7 +37,7 @@ pub fn remove_unused(function: &mut Function) -> bool {
         changed |= insts.len() < before;
         function.blocks[block].insts = insts;
     }
-    changed
+    if changed { Change::Unused } else { Change::Nothing }
 }
 
 /// Which values an effect needs.
@@ -79,7 +80,11 @@ fn incoming_arguments(function: &Function) -> Vec<Vec<&[Value]>> {
     let mut incoming = vec![Vec::new(); function.blocks.len()];
     for &block in &function.layout {
         if let Some(jump) = function.terminator(block) {
-            function.insts[jump].for_each_target(|call| incoming[call.block.index()].push(call.args.as_slice()));
+            function.insts[jump].for_each_target(|call| {
+                if !call.args.is_empty() {
+                    incoming[call.block.index()].push(call.args.as_slice());
+                }
+            });
         }
     }
     incoming

@@ -13,6 +13,7 @@ use plcc_ir::function::ValueDef;
 use plcc_ir::{Block, Class, Function, Inst, InstData, Loc, Type, Value};
 use rustc_hash::FxHashMap;
 
+use crate::Change;
 use crate::fold::integer::is_commutative;
 
 /// A condition that is known after a block.
@@ -22,9 +23,9 @@ struct Known {
     value: Value,
 }
 
-/// Shares equal computations in a function. Result: whether there were any.
-pub fn share_values(function: &mut Function) -> bool {
-    let mut changed = false;
+/// Shares equal computations in a function.
+pub fn share_values(function: &mut Function) -> Change {
+    let mut change = Change::Nothing;
     let cfg = ControlFlow::new(function);
     let dominators = Dominators::new(function, &cfg);
     let mut uses: EntityVec<Value, u32> = EntityVec::filled(0, function.values.len());
@@ -60,8 +61,14 @@ pub fn share_values(function: &mut Function) -> bool {
                     Entry::Occupied(mut entry) => {
                         let (value, at) = *entry.get();
                         if dominators.dominates(at, block) {
+                            let is_small = matches!(function.insts[inst], InstData::Const { .. })
+                                || function.ty(value) == Type::I1;
+                            if !is_small {
+                                change = Change::Code;
+                            } else if change == Change::Nothing {
+                                change = Change::Shared;
+                            }
                             function.replace_value(function.result(inst), value);
-                            changed = true;
                             continue;
                         }
                         entry.insert((function.result(inst), block));
@@ -75,16 +82,18 @@ pub fn share_values(function: &mut Function) -> bool {
         }
         function.blocks[block].insts = out;
     }
-    changed |= !used.is_empty();
+    if !used.is_empty() {
+        change = Change::Code;
+    }
     for (value, block) in used {
         if let ValueDef::Result(inst, _) = function.values[value].def {
             function.blocks[block].insts.insert(0, inst);
         }
     }
-    if changed {
+    if change != Change::Nothing {
         function.resolve_aliases();
     }
-    changed
+    change
 }
 
 /// The condition of the only branch to `block`, and its value there.
