@@ -150,7 +150,8 @@ impl<'m> Compiler<'m> {
 
     /// The CLIF of function `id`.
     pub fn clif(&self, id: FuncId) -> Result<ir::Function, CodegenError> {
-        let mut function = lower::lower(&self.target(&*self.isa), id, &mut FunctionBuilderContext::new())?;
+        let mut function = ir::Function::new();
+        lower::lower(&self.target(&*self.isa), id, &mut FunctionBuilderContext::new(), &mut function)?;
         // As text, cold blocks are marked once, at their heads.
         let insts: Vec<ir::Inst> =
             function.layout.blocks().flat_map(|block| function.layout.block_insts(block)).collect();
@@ -231,7 +232,7 @@ impl Worker<'_, '_> {
             (true, true) => &*compiler.plain_quick_isa,
         };
         self.context.clear();
-        self.context.func = lower::lower(&compiler.target(isa), id, &mut self.builder)?;
+        lower::lower(&compiler.target(isa), id, &mut self.builder, &mut self.context.func)?;
         self.compile(isa, id.index() as u32, &function.name)
     }
 

@@ -57,18 +57,19 @@ impl Target<'_> {
     }
 }
 
-/// Lowers function `id` of the module.
+/// Lowers function `id` of the module to `clif`, which is empty: memory that it had for another function is used again.
 pub fn lower(
     target: &Target<'_>,
     id: FuncId,
     context: &mut FunctionBuilderContext,
-) -> Result<ir::Function, CodegenError> {
+    clif: &mut ir::Function,
+) -> Result<(), CodegenError> {
     let function = &target.module.functions[id];
-    let signature = target.abis[id].signature.clone();
-    let mut clif = ir::Function::with_name_signature(UserFuncName::user(0, id.index() as u32), signature);
+    clif.name = UserFuncName::user(0, id.index() as u32);
+    clif.signature = target.abis[id].signature.clone();
     // Source places count from 0, so code does not depend on the position of a function's first one.
     clif.params.ensure_base_srcloc(SourceLoc::new(0));
-    let builder = FunctionBuilder::new(&mut clif, context);
+    let builder = FunctionBuilder::new(clif, context);
     let mut lowering = Lowering::new(target, id, function, builder);
     match lowering.function_body() {
         Ok(()) => {}
@@ -81,7 +82,7 @@ pub fn lower(
     joins.finish(&mut b, |block| blocks[block.index()].expect("a block that is jumped to was made"));
     b.seal_all_blocks();
     b.finalize(target.isa.frontend_config());
-    Ok(clif)
+    Ok(())
 }
 
 /// A lowered value.
