@@ -35,15 +35,17 @@ struct Resolver<'a> {
 impl Resolver<'_> {
     fn run(&mut self) -> bool {
         let mut changed = false;
+        let mut out = Vec::new();
         // Bases are resolved before their uses.
         for block in reverse_postorder(self.function) {
-            let insts = std::mem::take(&mut self.function.blocks[block].insts);
-            let mut out = Vec::with_capacity(insts.len());
-            for inst in insts {
+            let mut insts = std::mem::take(&mut self.function.blocks[block].insts);
+            for &inst in &insts {
                 changed |= self.visit(inst, &mut out);
                 out.push(inst);
             }
-            self.function.blocks[block].insts = out;
+            insts.clear();
+            insts.append(&mut out);
+            self.function.blocks[block].insts = insts;
         }
         changed
     }

@@ -11,6 +11,7 @@
 
 use plcc_ir::analysis::ControlFlow;
 use plcc_ir::entities::{Entity, EntityVec};
+use plcc_ir::function::BlockData;
 use plcc_ir::{Block, BlockCall, Function, Inst, InstData, Loc, Value};
 
 /// Rounds over a function; a later one finds little.
@@ -89,8 +90,12 @@ fn thread_jumps(function: &mut Function) -> bool {
     changed
 }
 
-/// For each block, whether a parameter of it is used anywhere but in its terminator.
+/// For each block that could be skipped, whether a parameter of it is used anywhere but in its terminator.
 fn params_used_elsewhere(function: &Function) -> Vec<bool> {
+    let may_be_skipped = |block: &BlockData| block.insts.len() == 1 && !block.params.is_empty();
+    if !function.layout.iter().any(|&block| may_be_skipped(&function.blocks[block])) {
+        return vec![false; function.blocks.len()];
+    }
     let mut owner: EntityVec<Value, Option<Block>> = EntityVec::filled(None, function.values.len());
     for &block in &function.layout {
         for &param in &function.blocks[block].params {
@@ -150,6 +155,9 @@ enum Incoming {
 
 /// Replaces parameters that always get the same value.
 fn remove_redundant_params(function: &mut Function) -> bool {
+    if function.layout.iter().skip(1).all(|&block| function.blocks[block].params.is_empty()) {
+        return false;
+    }
     let mut any = false;
     for _ in 0..ROUNDS_MAX {
         let incoming = incoming_values(function);
@@ -240,6 +248,9 @@ pub fn remove_params(function: &mut Function, removed: &[bool]) {
 
 /// Appends blocks to their only predecessor.
 fn merge_blocks(function: &mut Function) -> bool {
+    if !has_sole_successors(function) {
+        return false;
+    }
     let cfg = ControlFlow::new(function);
     let mut merged = vec![false; function.blocks.len()];
     for &block in &cfg.rpo {
@@ -268,6 +279,19 @@ fn merge_blocks(function: &mut Function) -> bool {
         function.resolve_aliases();
     }
     any
+}
+
+/// True if a block only jumps to another one to which nothing else jumps. All blocks of the layout are reachable.
+fn has_sole_successors(function: &Function) -> bool {
+    let mut jumps = vec![0u32; function.blocks.len()];
+    let terminators = || function.layout.iter().filter_map(|&block| function.terminator(block));
+    for inst in terminators() {
+        function.insts[inst].for_each_target(|call| jumps[call.block.index()] += 1);
+    }
+    terminators().any(|inst| match &function.insts[inst] {
+        InstData::Jump { target } => jumps[target.block.index()] == 1,
+        _ => false,
+    })
 }
 
 fn sole_successor(function: &Function, cfg: &ControlFlow, block: Block) -> Option<Block> {

@@ -28,12 +28,13 @@ pub fn fold(function: &mut Function) -> bool {
     let order = reverse_postorder(function);
     let mut folder = Folder { function, out: Vec::new(), loc: Loc(0), changed: false };
     for block in order {
-        let insts = std::mem::take(&mut folder.function.blocks[block].insts);
-        folder.out = Vec::with_capacity(insts.len());
-        for inst in insts {
+        let mut insts = std::mem::take(&mut folder.function.blocks[block].insts);
+        for &inst in &insts {
             folder.visit(inst);
         }
-        folder.function.blocks[block].insts = std::mem::take(&mut folder.out);
+        insts.clear();
+        insts.append(&mut folder.out);
+        folder.function.blocks[block].insts = insts;
     }
     let changed = folder.changed;
     if changed {

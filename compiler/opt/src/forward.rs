@@ -76,13 +76,14 @@ fn forward(function: &mut Function, surroundings: &Surroundings, whole_words: Op
     for &block in &cfg.rpo {
         let takes = |function: &Function, from, to| takes_from(function, &cfg, effects, from, to, cold_takes_frame);
         pass.known = known_at_start(pass.function, &cfg, effects, block, &mut at_end, &takes);
-        let insts = std::mem::take(&mut pass.function.blocks[block].insts);
+        let mut insts = std::mem::take(&mut pass.function.blocks[block].insts);
         pass.words = whole_words.map(|dbs| Words::of(pass.function, &insts, dbs));
-        pass.out = Vec::with_capacity(insts.len());
-        for inst in insts {
+        for &inst in &insts {
             pass.visit(inst);
         }
-        pass.function.blocks[block].insts = std::mem::take(&mut pass.out);
+        insts.clear();
+        insts.append(&mut pass.out);
+        pass.function.blocks[block].insts = insts;
         let readers = cfg.successors(block).iter().filter(|&&next| takes(pass.function, block, next)).count();
         if readers > 0 {
             at_end[block] = Some(Box::new(AtEnd { memory: std::mem::take(&mut pass.known), readers }));

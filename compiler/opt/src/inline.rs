@@ -46,7 +46,9 @@ pub fn inline_calls(module: &mut Module) {
             inliner.run(&mut caller);
             module.functions[id] = caller;
         }
-        shapes[id] = Some(Shape::of(&module.functions[id]));
+        if graph.calls[id] > 0 {
+            shapes[id] = Some(Shape::of(&module.functions[id]));
+        }
     }
     remove_uncalled(module, &graph);
 }
@@ -124,7 +126,7 @@ struct Inliner<'a> {
 
 impl<'a> Inliner<'a> {
     fn run(mut self, caller: &mut Function) {
-        self.budget.begin(Shape::of(caller).size);
+        self.budget.begin(cost::size_of(caller));
         let mut changed = false;
         let mut independent = FxHashSet::default();
         for block in std::mem::take(&mut caller.layout) {
@@ -155,7 +157,8 @@ impl<'a> Inliner<'a> {
             }
         }
         if changed {
-            caller.compact();
+            caller.remove_unreachable_blocks();
+            caller.resolve_aliases();
         }
     }
 

@@ -5,12 +5,13 @@
 //! known in it and in all that it dominates: `JC` after another `JC` on the same RLO needs no test.
 
 use std::collections::hash_map::Entry;
+use std::hash::Hash;
 
 use plcc_abi::functions::Effect;
 use plcc_ir::analysis::{ControlFlow, Dominators};
 use plcc_ir::entities::{Entity, EntityVec};
 use plcc_ir::function::ValueDef;
-use plcc_ir::{Block, Class, Function, Inst, InstData, Loc, Type, Value};
+use plcc_ir::{Block, Function, Inst, InstData, Loc, Region, Type, Value};
 use rustc_hash::FxHashMap;
 
 use crate::Change;
@@ -32,55 +33,48 @@ pub fn share_values(function: &mut Function) -> Change {
     for data in function.insts.values() {
         data.for_each_use(|value| uses[value] += 1);
     }
-    let mut computed: FxHashMap<(Type, InstData), (Value, Block)> = FxHashMap::default();
-    let mut conditions: FxHashMap<Value, Known> = FxHashMap::default();
+    let mut computed = Computed::default();
+    let mut conditions: EntityVec<Value, Option<Known>> = EntityVec::filled(None, function.values.len());
+    let mut has_conditions = false;
     // Conditions that something in their block, or after it, reads.
     let mut used: FxHashMap<Value, Block> = FxHashMap::default();
+    let mut out = Vec::new();
     for &block in &dominators.preorder {
-        let insts = std::mem::take(&mut function.blocks[block].insts);
-        let mut out = Vec::with_capacity(insts.len());
+        let mut insts = std::mem::take(&mut function.blocks[block].insts);
         if let Some((cond, bit)) = known_condition(function, &cfg, block)
             && uses.get(cond).is_none_or(|&count| count > 1)
+            && conditions.get(cond).is_some()
         {
             let inst = function.make_inst(InstData::Const { bits: u64::from(bit) }, &[Type::I1], Loc(0));
-            conditions.insert(cond, Known { block, value: function.result(inst) });
+            conditions[cond] = Some(Known { block, value: function.result(inst) });
+            has_conditions = true;
         }
-        for inst in insts {
+        for &inst in &insts {
             function.resolve_uses(inst);
-            if !conditions.is_empty() {
-                function.insts[inst].map_uses(|value| match conditions.get(&value) {
-                    Some(known) if dominators.dominates(known.block, block) => {
+            if has_conditions {
+                function.insts[inst].map_uses(|value| match conditions.get(value) {
+                    Some(Some(known)) if dominators.dominates(known.block, block) => {
                         used.insert(known.value, known.block);
                         known.value
                     }
                     _ => value,
                 });
             }
-            if let Some(key) = key_of(function, inst) {
-                match computed.entry(key) {
-                    Entry::Occupied(mut entry) => {
-                        let (value, at) = *entry.get();
-                        if dominators.dominates(at, block) {
-                            let is_small = matches!(function.insts[inst], InstData::Const { .. })
-                                || function.ty(value) == Type::I1;
-                            if !is_small {
-                                change = Change::Code;
-                            } else if change == Change::Nothing {
-                                change = Change::Shared;
-                            }
-                            function.replace_value(function.result(inst), value);
-                            continue;
-                        }
-                        entry.insert((function.result(inst), block));
-                    }
-                    Entry::Vacant(entry) => {
-                        entry.insert((function.result(inst), block));
-                    }
+            if let Some(value) = computed.before(function, &dominators, inst, block) {
+                let is_small = matches!(function.insts[inst], InstData::Const { .. }) || function.ty(value) == Type::I1;
+                if !is_small {
+                    change = Change::Code;
+                } else if change == Change::Nothing {
+                    change = Change::Shared;
                 }
+                function.replace_value(function.result(inst), value);
+                continue;
             }
             out.push(inst);
         }
-        function.blocks[block].insts = out;
+        insts.clear();
+        insts.append(&mut out);
+        function.blocks[block].insts = insts;
     }
     if !used.is_empty() {
         change = Change::Code;
@@ -108,19 +102,106 @@ fn known_condition(function: &Function, cfg: &ControlFlow, block: Block) -> Opti
     }
 }
 
-/// The key of the result of a pure instruction. Constant addresses and runtime functions without effect are included.
-fn key_of(function: &Function, inst: Inst) -> Option<(Type, InstData)> {
-    let data = match &function.insts[inst] {
-        InstData::Binary { op, args: [a, b] } if is_commutative(*op) && b.index() < a.index() => {
-            InstData::Binary { op: *op, args: [*b, *a] }
+/// What has been computed, and in which blocks.
+#[derive(Default)]
+struct Computed {
+    values: FxHashMap<Key, (Value, Block)>,
+    /// Of runtime functions without effect.
+    calls: FxHashMap<InstData, (Value, Block)>,
+}
+
+/// What an instruction computes of what: equal ones compute the same.
+type Key = (u64, u64);
+
+impl Computed {
+    /// The value that is what `inst` computes, from a block that dominates `block`. If there is none, that of `inst` is noted.
+    fn before(&mut self, function: &Function, dominators: &Dominators, inst: Inst, block: Block) -> Option<Value> {
+        let data = &function.insts[inst];
+        if let InstData::CallRuntime { function: called, .. } = data {
+            let is_pure = called.effect() == Effect::Pure;
+            return before(&mut self.calls, is_pure.then(|| data.clone())?, function.result(inst), dominators, block);
         }
-        data @ InstData::CallRuntime { function, .. } if function.effect() == Effect::Pure => data.clone(),
-        data => match data.class() {
-            Class::Constant | Class::Value | Class::Address => data.clone(),
-            Class::Memory | Class::Call | Class::Choice | Class::Exit => return None,
-        },
+        let key = key_of(function, inst)?;
+        before(&mut self.values, key, function.result(inst), dominators, block)
+    }
+}
+
+fn before<K: Eq + Hash>(
+    computed: &mut FxHashMap<K, (Value, Block)>,
+    key: K,
+    result: Value,
+    dominators: &Dominators,
+    block: Block,
+) -> Option<Value> {
+    match computed.entry(key) {
+        Entry::Occupied(mut entry) => {
+            let (value, at) = *entry.get();
+            if dominators.dominates(at, block) {
+                return Some(value);
+            }
+            entry.insert((result, block));
+        }
+        Entry::Vacant(entry) => {
+            entry.insert((result, block));
+        }
+    }
+    None
+}
+
+/// The key of the result of a pure instruction. Constant addresses are included.
+fn key_of(function: &Function, inst: Inst) -> Option<Key> {
+    let number = |value: Value| value.index() as u64;
+    let pair = |[a, b]: [Value; 2]| number(a) | number(b) << 32;
+    let (kind, op, third, operands) = match function.insts[inst] {
+        InstData::Const { bits } => (0, 0, 0, bits),
+        InstData::Unary { op, arg } => (1, op as u64, 0, number(arg)),
+        InstData::Binary { op, args: [a, b] } if is_commutative(op) && b.index() < a.index() => {
+            (2, op as u64, 0, pair([b, a]))
+        }
+        InstData::Binary { op, args } => (2, op as u64, 0, pair(args)),
+        InstData::IntCompare { cc, args } => (3, cc as u64, 0, pair(args)),
+        InstData::FloatCompare { cc, args } => (4, cc as u64, 0, pair(args)),
+        InstData::Convert { op, arg } => (5, op as u64, 0, number(arg)),
+        InstData::Select { cond, if_true, if_false } => (6, 0, number(cond), pair([if_true, if_false])),
+        InstData::AddressOf { addr } => {
+            let base = addr.base.map_or(0, |base| number(base) + 1);
+            (7, region_number(addr.region), u64::from(addr.offset), base)
+        }
+        InstData::FrameBase { callee } => (8, u64::from(callee), 0, 0),
+        InstData::Load { .. }
+        | InstData::Store { .. }
+        | InstData::LoadBit { .. }
+        | InstData::StoreBit { .. }
+        | InstData::Clear { .. }
+        | InstData::Copy { .. }
+        | InstData::DbBase { .. }
+        | InstData::DbLength { .. }
+        | InstData::Call { .. }
+        | InstData::CallRuntime { .. }
+        | InstData::Jump { .. }
+        | InstData::Branch { .. }
+        | InstData::Switch { .. }
+        | InstData::Return { .. } => return None,
     };
-    Some((function.ty(function.result(inst)), data))
+    let ty = function.ty(function.result(inst)) as u64;
+    Some((kind | ty << 4 | op << 8 | third << 32, operands))
+}
+
+/// A number of fewer than 24 bits for each region.
+fn region_number(region: Region) -> u64 {
+    match region {
+        Region::State => 0,
+        Region::I => 1,
+        Region::Q => 2,
+        Region::M => 3,
+        Region::System => 4,
+        Region::Cells => 5,
+        Region::L => 6,
+        Region::V => 7,
+        Region::AnyDb => 8,
+        Region::Any => 9,
+        Region::Db(number) => 10 + u64::from(number),
+    }
 }
 
 #[cfg(test)]

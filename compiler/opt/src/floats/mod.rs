@@ -251,6 +251,10 @@ fn seen_forms(function: &Function, made: &FxHashMap<Value, Canonical>) -> Vec<bo
 /// Parameters of loops that get canonical values from within take them as they are, and are made canonical where their form is
 /// seen outside. Result: whether something changed.
 fn carry_raw(function: &mut Function, made: &FxHashMap<Value, Canonical>) -> bool {
+    let is_float = |&param: &Value| matches!(function.ty(param), Type::F32 | Type::F64);
+    if !function.layout.iter().skip(1).any(|&block| function.blocks[block].params.iter().any(is_float)) {
+        return false;
+    }
     let cfg = ControlFlow::new(function);
     let dominators = Dominators::new(function, &cfg);
     let loops = Loops::new(function, &cfg, &dominators);

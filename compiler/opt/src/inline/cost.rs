@@ -52,6 +52,11 @@ pub struct Shape {
     pub caller_bytes: u32,
 }
 
+/// Instructions of a function.
+pub fn size_of(function: &Function) -> u32 {
+    function.layout.iter().map(|&block| function.blocks[block].insts.len() as u32).sum()
+}
+
 impl Shape {
     pub fn of(function: &Function) -> Shape {
         let is_leaf = !frames::gives_address_away(function, |_, _| false);
@@ -315,7 +320,7 @@ pub struct Budget {
 
 impl Budget {
     pub fn new(module: &Module) -> Budget {
-        let size: u32 = module.functions.values().map(|function| function.insts.len() as u32).sum();
+        let size: u32 = module.functions.values().map(size_of).sum();
         Budget { growth: size / GROWTH_PART + GROWTH_FREE, caller: 0 }
     }
 

@@ -35,8 +35,8 @@ pub struct Ranges<'f> {
     dominators: &'f Dominators,
     /// What each value can be anywhere; `None`: it was not computed yet.
     values: Vec<Option<Interval>>,
-    /// What is known in addition here.
-    here: FxHashMap<Value, Interval>,
+    /// What is known in addition here, of each value.
+    here: Vec<Option<Interval>>,
     /// Entries of `here` before they were changed, for the way back up the tree.
     undo: Vec<(Value, Option<Interval>)>,
     /// Blocks on the way from the root, and the length of `undo` before each.
@@ -74,7 +74,7 @@ impl<'f> Ranges<'f> {
             cfg,
             dominators,
             values: vec![None; function.values.len()],
-            here: FxHashMap::default(),
+            here: vec![None; function.values.len()],
             undo: Vec::new(),
             path: Vec::new(),
             reached: vec![false; function.blocks.len()],
@@ -133,8 +133,7 @@ impl<'f> Ranges<'f> {
     /// A sweep begins.
     pub fn begin(&mut self) {
         self.sweeps += 1;
-        self.here.clear();
-        self.undo.clear();
+        self.forget(0);
         self.path.clear();
         self.forward.clear();
         self.next_back.clear();
@@ -147,13 +146,7 @@ impl<'f> Ranges<'f> {
                 break;
             }
             self.path.pop();
-            while self.undo.len() > length {
-                let Some((value, before)) = self.undo.pop() else { break };
-                match before {
-                    Some(before) => self.here.insert(value, before),
-                    None => self.here.remove(&value),
-                };
-            }
+            self.forget(length);
         }
         self.path.push((block, self.undo.len()));
         let entry = block == self.function.entry();
@@ -206,7 +199,9 @@ impl<'f> Ranges<'f> {
                     if known.is_none_or(|known| (known != 0) == holds) {
                         let length = self.undo.len();
                         // Both arms to one block bring what they know apart.
-                        self.learn(*cond, holds, DEPTH_MAX);
+                        if !target.args.is_empty() {
+                            self.learn(*cond, holds, DEPTH_MAX);
+                        }
                         grew |= self.bring(block, target);
                         self.forget(length);
                     }
@@ -223,10 +218,7 @@ impl<'f> Ranges<'f> {
     fn forget(&mut self, length: usize) {
         while self.undo.len() > length {
             let Some((value, before)) = self.undo.pop() else { break };
-            match before {
-                Some(before) => self.here.insert(value, before),
-                None => self.here.remove(&value),
-            };
+            self.here[value.index()] = before;
         }
     }
 
@@ -261,8 +253,8 @@ impl<'f> Ranges<'f> {
             return Some(if tracked { Interval::constant(ty, bits) } else { Interval::full(ty) });
         }
         let range = self.values[value.index()]?;
-        match self.here.get(&value) {
-            Some(&known) => range.meet(known),
+        match self.here[value.index()] {
+            Some(known) => range.meet(known),
             None => Some(range),
         }
     }
@@ -414,7 +406,7 @@ impl<'f> Ranges<'f> {
         if self.function.constant(value).is_some() {
             return;
         }
-        let before = self.here.get(&value).copied();
+        let before = self.here[value.index()];
         let now = match before {
             // Contradictions are left to the code that is never run.
             Some(before) => before.meet(range).unwrap_or(before),
@@ -422,7 +414,7 @@ impl<'f> Ranges<'f> {
         };
         if before != Some(now) {
             self.undo.push((value, before));
-            self.here.insert(value, now);
+            self.here[value.index()] = Some(now);
             if self.deriving < DEPTH_MAX {
                 self.deriving += 1;
                 self.derive(value);
