@@ -150,7 +150,6 @@ pub const TOGETHER: &[Pass] = &[
     function("fold", fold::fold),
     function("control-flow", control_flow::simplify_control_flow),
     module("dead-code", dead_code::eliminate_dead_code),
-    function("compact", compact),
     module("inline", inline::inline_calls),
     function("fold", fold::fold),
     function("control-flow", control_flow::simplify_control_flow),
