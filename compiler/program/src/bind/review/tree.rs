@@ -135,7 +135,7 @@ impl Reached<'_> {
                 all_leave && otherwise
             }
             StatementKind::For { start, end, step, body, .. } => {
-                if self.is_text && never_runs(start, end, step) {
+                if self.is_text && never_runs(start, end, step) && !self.counts_down(start.span, end.span) {
                     self.body_is_never_reached(body, start.span.to(end.span), EMPTY_RANGE);
                 }
                 self.list(body);
@@ -185,6 +185,13 @@ impl Reached<'_> {
         let text = self.sources.file(span.file).text.get(span.start as usize..span.end as usize)?;
         let is_word = self.is_text && (text.eq_ignore_ascii_case("TRUE") || text.eq_ignore_ascii_case("FALSE"));
         is_word.then_some(value != 0)
+    }
+
+    /// `10 DOWNTO 1`, which was reported.
+    fn counts_down(&self, start: Span, end: Span) -> bool {
+        let text = &self.sources.file(start.file).text;
+        let between = text.get(start.end as usize..end.start as usize).filter(|_| start.file == end.file);
+        between.is_some_and(|between| between.split_whitespace().any(|word| word.eq_ignore_ascii_case("DOWNTO")))
     }
 }
 

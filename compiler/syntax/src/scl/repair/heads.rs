@@ -284,7 +284,8 @@ impl Repair<'_> {
             RawKind::Word if self.hyphenated_declaration(token) || self.swapped_declaration(token) => return,
             _ => {}
         }
-        if self.repair_number(token) {
+        let is_text = token.kind == RawKind::Stray && self.curved_quotes(token);
+        if is_text || self.name_with_digit(token) || self.repair_number(token) {
             return;
         }
         self.at += 1;
@@ -297,6 +298,28 @@ impl Repair<'_> {
             _ => {}
         }
         self.last = Some(token);
+    }
+
+    /// `1a : INT;`, whose name is then one word wherever it is used.
+    fn name_with_digit(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        let rest = self.token(at + 1).filter(|next| next.kind == RawKind::Word && self.adjacent(at));
+        let Some(rest) = rest.filter(|_| token.kind == RawKind::Number) else { return false };
+        let begins = self.brackets.is_empty() && (at == self.statement || token.first_on_line);
+        let declares = matches!(self.kind(at + 2), Some(RawKind::Colon | RawKind::Comma | RawKind::Assign));
+        let is_value = |last: RawToken| matches!(last.kind, RawKind::Colon | RawKind::Assign | RawKind::Comma);
+        if !begins || !declares || self.last.is_some_and(is_value) {
+            return false;
+        }
+        let whole = RawToken { kind: RawKind::Word, end: rest.end, keyword: None, ..token };
+        let name = self.slice(whole);
+        let help = format!("write another name, such as `_{name}`");
+        self.report(at, at + 2, format!("`{name}` is not a name"), "a name begins with a letter or `_`", help);
+        self.declared.insert(name.to_uppercase(), at);
+        self.edits.push(super::Edit { first: at, after: at + 2, with: vec![whole] });
+        self.at = at + 2;
+        self.last = Some(whole);
+        true
     }
 
     /// The words from `at` that hyphens join without blanks, `belt-speed-max`: how many tokens they are.

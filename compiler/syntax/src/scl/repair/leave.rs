@@ -1,4 +1,4 @@
-//! Words of other languages that leave a branch, a loop or a block: `break;`, `EXIT FOR;`, `exit(1);`, `NEXT i;`.
+//! Words of other languages that leave a branch, a loop or a block: `break;`, `EXIT FOR;`, `EXIT IF c;`, `exit(1);`, `NEXT i;`.
 
 use super::words::alias;
 use super::{Repair, closer};
@@ -39,11 +39,38 @@ impl Repair<'_> {
         true
     }
 
-    /// `EXIT FOR;`, `exit(1);`, `NEXT i;`
+    /// `EXIT FOR;`, `EXIT IF i > 5;`, `exit(1);`, `NEXT i;`
     pub(super) fn leaving(&mut self, token: RawToken) -> bool {
         token.kind == RawKind::Word
             && self.starts(token)
-            && (self.named_loop(token) || self.exit_with_value(token) || self.next_with_variable(token))
+            && (self.named_loop(token)
+                || self.leaving_if(token)
+                || self.exit_with_value(token)
+                || self.next_with_variable(token))
+    }
+
+    /// `EXIT IF i > 5;`, `EXIT WHEN i > 5;`, and the same with CONTINUE and RETURN.
+    fn leaving_if(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        let leaves = [Keyword::Exit, Keyword::Continue, Keyword::Return];
+        let word = self.slice(token);
+        let meant = token.keyword.or_else(|| alias(word)).filter(|keyword| leaves.contains(keyword));
+        let Some(keyword) = meant else { return false };
+        let asks = self.beside(at + 1).is_some_and(|next| {
+            next.keyword == Some(Keyword::If) || next.keyword.is_none() && self.slice(next).eq_ignore_ascii_case("WHEN")
+        });
+        if !asks {
+            return false;
+        }
+        let end = self.end_of_statement(at + 2);
+        if self.kind(end) != Some(RawKind::Semicolon) || end == at + 2 {
+            return false;
+        }
+        let condition = self.words(at + 2, end - 1);
+        let help = format!("write `IF {condition} THEN {}; END_IF;`", keyword.word());
+        self.report(at, end, format!("{word} has no condition"), "a form of other languages", help);
+        self.replace(at, end, RawKind::Reported, None);
+        true
     }
 
     /// `EXIT FOR;`

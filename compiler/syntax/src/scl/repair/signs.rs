@@ -23,7 +23,7 @@ impl Repair<'_> {
             RawKind::Assign => self.value_with_sign(),
             RawKind::Arrow => self.value_with_sign() || self.arrow(),
             RawKind::LeftParen => self.type_in_brackets(),
-            RawKind::Hash => self.comment_with_hash(token),
+            RawKind::Hash => self.split_local(token) || self.comment_with_hash(token),
             RawKind::Caret => self.power(),
             RawKind::Text => self.doubled_quote(token),
             RawKind::Dot => self.bare_fraction() || self.bit_after_point(),
@@ -284,6 +284,47 @@ impl Repair<'_> {
         true
     }
 
+    /// `# i := 5`: a local name with a blank in it.
+    fn split_local(&mut self, token: RawToken) -> bool {
+        const LINE_MAX: usize = 40;
+        let at = self.at;
+        let Some(name) = self.beside(at + 1).filter(|next| next.kind == RawKind::Word && !self.adjacent(at)) else {
+            return false;
+        };
+        let word = self.slice(name);
+        // At the beginning of a line it may be a comment.
+        let begins = token.first_on_line || self.last.is_none_or(|last| last.kind == RawKind::Semicolon);
+        let assigns = |kind: Option<RawKind>| {
+            matches!(
+                kind,
+                Some(
+                    RawKind::Assign
+                        | RawKind::AddAssign
+                        | RawKind::SubtractAssign
+                        | RawKind::MultiplyAssign
+                        | RawKind::DivideAssign
+                )
+            )
+        };
+        let is_target = || match self.kind(at + 2) {
+            Some(RawKind::Dot | RawKind::LeftBracket) => (at + 3..)
+                .take(LINE_MAX)
+                .take_while(|index| self.beside(*index).is_some())
+                .any(|index| assigns(self.kind(index))),
+            kind => assigns(kind),
+        };
+        if !self.is_declared(word) || begins && !is_target() {
+            return false;
+        }
+        let help = format!("write `#{word}`");
+        self.report(at, at + 2, "no blank is between `#` and the name".to_owned(), "read as one name", help);
+        let local = RawToken { kind: RawKind::Local, keyword: None, first_on_line: token.first_on_line, ..name };
+        self.edits.push(super::Edit { first: at, after: at + 2, with: vec![local] });
+        self.at = at + 2;
+        self.note(local);
+        true
+    }
+
     /// `# comment` at the beginning of a line.
     fn comment_with_hash(&mut self, token: RawToken) -> bool {
         let at = self.at;
@@ -373,6 +414,14 @@ impl Repair<'_> {
         let next = self.token(at + 1).filter(|_| self.adjacent(at));
         let Some(next) = next else { return false };
         match next.kind {
+            RawKind::Word if self.is_declared(self.words(at, at + 1)) => {
+                // The name was reported where it is declared.
+                let name = RawToken { kind: RawKind::Word, end: next.end, keyword: None, ..token };
+                self.edits.push(super::Edit { first: at, after: at + 2, with: vec![name] });
+                self.at = at + 2;
+                self.note(name);
+                true
+            }
             RawKind::Word => {
                 let Some((title, written)) = foreign_number(number, self.slice(next)) else { return false };
                 let help = format!("write `{written}`");

@@ -235,19 +235,21 @@ impl Repair<'_> {
         true
     }
 
-    /// `‘text’`, `“text”`
+    /// `‘text’`, `“text”`, `` `text` ``
     pub(super) fn curved_quotes(&mut self, token: RawToken) -> bool {
+        const QUOTES: [char; 8] = ['‘', '’', '‚', '“', '”', '„', '`', '´'];
         let at = self.at;
         let closing = match self.slice(token) {
             "‘" | "’" | "‚" => ["’", "‘"],
             "“" | "”" | "„" => ["”", "“"],
+            "`" | "´" => ["`", "´"],
             _ => return false,
         };
         let line = (at + 1..self.tokens.len()).take_while(|index| self.beside(*index).is_some());
         let close = line.into_iter().find(|index| closing.contains(&self.slice(self.tokens[*index])));
         let Some(close) = close else { return false };
         let inner = self.words(at, close);
-        let inner = inner.trim_start_matches(['‘', '’', '‚', '“', '”', '„']).trim_end_matches(['‘', '’', '“', '”']);
+        let inner = inner.trim_matches(QUOTES);
         let help = format!("write `'{inner}'`");
         self.report(at, close + 1, "a text is written in straight quotes".to_owned(), "read as a text", help);
         self.replace(at, close + 1, RawKind::Reported, None);
