@@ -419,6 +419,15 @@ impl SclBinder<'_, '_> {
                     return None;
                 }
             },
+            Some((BlockPrefix::Fc | BlockPrefix::Sfc, _)) => {
+                let (function, whole) = (self.program.globals.text(base.span), self.program.globals.text(node.span));
+                self.program.report(
+                    Diagnostic::new(Code::OperandKind, node.span, format!("`{whole}` cannot be called"))
+                        .label("a function has no instance data block")
+                        .help(format!("write `{function}(…)`")),
+                );
+                return None;
+            }
             Some(_) => return self.no_callee(node.span),
             None => {
                 let access = self.access(ctx, base, Intent::Both)?;
@@ -459,9 +468,13 @@ impl SclBinder<'_, '_> {
         {
             return Some(key);
         }
-        // Timers share one layout, and counters of one type theirs, so IEC_TIMER accepts each of them.
-        let typed =
-            own.and_then(|key| self.program.globals.library_block(key)).and_then(|block| block.name.split_once('_'));
+        // Timers share one layout, and counters of one type theirs. IEC_TIMER and IEC_COUNTER, which accept each of them, are declared as
+        // TONR and CTUD.
+        let block = own.and_then(|key| self.program.globals.library_block(key));
+        if block.is_some_and(|block| !["TONR", "CTUD"].contains(&block.name.split('_').next().unwrap_or_default())) {
+            return None;
+        }
+        let typed = block.and_then(|block| block.name.split_once('_'));
         let key = typed
             .and_then(|(_, ty)| self.library_function(ctx.scope.rules, &format!("{name}_{ty}")))
             .or_else(|| self.library_function(ctx.scope.rules, name))?;
@@ -489,9 +502,13 @@ impl SclBinder<'_, '_> {
             Some(key) => {
                 let known =
                     self.program.globals.library_block(key).map_or(key.to_string(), |block| block.name.to_string());
-                Diagnostic::new(Code::NoBlockFits, name.span, format!("{what} is not an instance of `{}`", name.text))
+                // `CTU` of CTU_INT
+                let short = known.rsplit_once('_').filter(|(_, ty)| plcc_syntax::Elementary::from_word(ty).is_some());
+                let instruction = short.map_or(known.as_str(), |(first, _)| first);
+                let asked = &name.text;
+                Diagnostic::new(Code::NoBlockFits, name.span, format!("{what} is not an instance of `{asked}`"))
                     .label(format!("the name before the point is an instance of {known}"))
-                    .help(format!("write `{known}` here, or call the instance by its name alone"))
+                    .help(format!("write `{instruction}` here, or name an instance of `{asked}` before the point"))
             }
             None => {
                 let message = Diagnostic::new(
