@@ -249,6 +249,10 @@ impl<'a> Globals<'a> {
                     BlockPrefix::Ob => 255,
                     _ => 65_535,
                 };
+                // A number that the parser could not read was reported there.
+                if number == u32::MAX {
+                    return;
+                }
                 if number > limit || (prefix == BlockPrefix::Db && number == 0) {
                     self.report.push(
                         Diagnostic::new(

@@ -142,9 +142,16 @@ impl<'a> Classifier<'a, '_> {
             (prefix, number, token.end, 1)
         } else {
             let Some(prefix) = address::block_prefix(word) else { return false };
-            match self.raw.get(self.at + 1).copied() {
-                Some(next) if next.kind == RawKind::Number && !next.first_on_line => {
+            let beside = |index: usize| self.raw.get(index).copied().filter(|next| !next.first_on_line);
+            match (beside(self.at + 1), beside(self.at + 2)) {
+                (Some(next), _) if next.kind == RawKind::Number => {
                     (prefix, self.slice(next).replace('_', "").parse().unwrap_or(u32::MAX), next.end, 2)
+                }
+                // `FC -1`
+                (Some(sign), Some(next))
+                    if sign.kind == RawKind::Minus && next.kind == RawKind::Number && sign.end == next.start =>
+                {
+                    (prefix, u32::MAX, next.end, 3)
                 }
                 _ => return false,
             }
@@ -157,7 +164,7 @@ impl<'a> Classifier<'a, '_> {
                     self.span_of(token.start as usize, end as usize),
                     "no block can have this number",
                 )
-                .label("too large")
+                .label(if count == 3 { "below 0" } else { "too large" })
                 .help("blocks are numbered 0 to 65535"),
             );
         }

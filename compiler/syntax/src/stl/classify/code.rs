@@ -195,6 +195,15 @@ impl<'a> Classifier<'a, '_> {
             {
                 let name = self.slice(token);
                 self.take(Tok::Target(name));
+            } else if let Some((token, rest)) = self.peek().zip(self.raw_at(self.at + 1))
+                && (token.kind, rest.kind) == (RawKind::Number, RawKind::Word)
+                && !token.first_on_line
+                && token.end == rest.start
+            {
+                // `JU 1end`: such a label is reported where it stands.
+                let name = &self.text[token.start as usize..rest.end as usize];
+                let after = self.at + 2;
+                self.take_up_to(Tok::Target(name), after);
             }
         } else {
             self.push(start, Tok::Insn(insn), end);
@@ -234,6 +243,7 @@ impl<'a> Classifier<'a, '_> {
                 {
                     return self.parameters_without_call(first - 1);
                 }
+                RawKind::LeftParen if after_operand && self.index_in_parentheses(token, self.out[first].0) => continue,
                 RawKind::LeftBracket => open_brackets += 1,
                 RawKind::RightBracket => open_brackets = open_brackets.saturating_sub(1),
                 RawKind::Word | RawKind::Equal | RawKind::RightParen

@@ -7,7 +7,7 @@ use crate::stl::raw::{RawKind, RawToken};
 use crate::stl::token::Tok;
 use crate::stl::{messages, suggest};
 
-impl Classifier<'_, '_> {
+impl<'a> Classifier<'a, '_> {
     /// Whether `name.part[1] :=` follows.
     pub(super) fn assigns_path(&self) -> bool {
         let mut before = RawKind::Dot;
@@ -132,6 +132,21 @@ impl Classifier<'_, '_> {
                 self.at = index;
                 self.bad_statement();
             }
+            _ if let Some(label) = self.label_with_digit(index) => {
+                let end = token.start as usize + label.len();
+                self.report(
+                    Diagnostic::new(
+                        Code::Syntax,
+                        self.span_of(token.start as usize, end),
+                        format!("`{label}` is not a label"),
+                    )
+                    .label("a label begins with a letter")
+                    .help(format!("write another label, such as `m{label}:`, here and in the jumps to it")),
+                );
+                self.end_of_label();
+                // The number, the word and the colon.
+                self.take_up_to(Tok::Label(label), index + 3);
+            }
             _ => {
                 let compares = matches!(slice, ">" | "<" | ">=" | "<=" | "==" | "<>");
                 let message = Diagnostic::new(Code::Syntax, span, format!("`{slice}` cannot begin a statement"));
@@ -145,9 +160,6 @@ impl Classifier<'_, '_> {
                             .label("assigns in calls and declarations")
                             .help(format!("write `= {operand}` for a bit, `T {operand}` for a value"))
                     }
-                    _ if let Some(label) = self.label_with_digit(index) => message
-                        .label("a label begins with a letter")
-                        .help(format!("write another label, such as `m{label}:`")),
                     _ if let Some((title, label, help)) = self.sign_of_other_languages(index) => {
                         Diagnostic::new(Code::ForeignForm, span, title).label(label).help(help)
                     }
@@ -161,11 +173,49 @@ impl Classifier<'_, '_> {
     }
 
     /// `1lab` of `1lab:` at `index`.
-    fn label_with_digit(&self, index: usize) -> Option<&str> {
+    fn label_with_digit(&self, index: usize) -> Option<&'a str> {
         let (number, word) = (self.raw_at(index)?, self.raw_at(index + 1)?);
         let adjacent = number.end == word.start && self.kind_at(index + 2) == Some(RawKind::Colon);
         let kinds = number.kind == RawKind::Number && word.kind == RawKind::Word;
         (adjacent && kinds).then(|| &self.text[number.start as usize..word.end as usize])
+    }
+
+    /// `DB10.values(3)` for an element, whose index is read as if it was in brackets. `start`: where the operand begins.
+    pub(super) fn index_in_parentheses(&mut self, opening: RawToken, start: usize) -> bool {
+        const INDEX_MAX: usize = 20;
+        let named = matches!(self.last(), Some(Tok::Name(_) | Tok::Local(_) | Tok::Quoted(_)));
+        let is_index = |index: &usize| {
+            self.raw_at(*index).is_some_and(|token| {
+                !token.first_on_line && matches!(token.kind, RawKind::Number | RawKind::Comma | RawKind::Minus)
+            })
+        };
+        let count = (self.at + 1..).take(INDEX_MAX).take_while(is_index).count();
+        let close = self.at + 1 + count;
+        let Some(end) = self.raw_at(close).filter(|token| token.kind == RawKind::RightParen && count > 0) else {
+            return false;
+        };
+        let open = opening.start as usize;
+        if !named || self.last_end() != open {
+            return false;
+        }
+        let (array, index) = (&self.text[start..open], &self.text[opening.end as usize..end.start as usize]);
+        self.report(
+            Diagnostic::new(
+                Code::ForeignForm,
+                self.span_of(open, end.end as usize),
+                "the index of an element is in brackets",
+            )
+            .label("read as `[…]`")
+            .help(format!("write `{array}[{}]`", index.trim())),
+        );
+        self.take(Tok::LeftBracket);
+        while self.at < close {
+            self.operand_token();
+        }
+        if self.at == close {
+            self.take(Tok::RightBracket);
+        }
+        true
     }
 
     /// `- 5`, `*`, `#o = #a`, `# text`, `-- text`: title, label and help.

@@ -130,23 +130,29 @@ impl<'a> Classifier<'a, '_> {
         let upper = self.upper(self.at);
         let (letters, digits) = letters_and_digits(upper.as_str());
         let Some(prefix) = block_prefix(letters) else { return false };
+        let beside = |index: usize| self.raw_at(index).filter(|next| !next.first_on_line);
         let (number, end, count) = if digits.is_empty() {
-            let number = match self.raw_at(self.at + 1) {
-                Some(next) if next.kind == RawKind::Number && !next.first_on_line => next,
+            match (beside(self.at + 1), beside(self.at + 2)) {
+                (Some(next), _) if next.kind == RawKind::Number => (self.slice(next), next.end, 2),
+                // `FC -1`
+                (Some(sign), Some(next))
+                    if sign.kind == RawKind::Minus && next.kind == RawKind::Number && sign.end == next.start =>
+                {
+                    ("", next.end, 3)
+                }
                 _ => return false,
-            };
-            (self.slice(number), number.end, 2)
+            }
         } else {
             (&word[letters.len()..], token.end, 1)
         };
         self.at += count;
         let tok = match number.replace('_', "").parse::<u32>() {
-            Ok(number) => Tok::Block(prefix, number),
-            Err(_) => {
+            Ok(number) if number < u32::MAX => Tok::Block(prefix, number),
+            _ => {
                 let span = self.span_of(token.start as usize, end as usize);
                 self.report(
                     Diagnostic::new(Code::LiteralRange, span, "no block can have this number")
-                        .label("too large")
+                        .label(if number.is_empty() { "below 0" } else { "too large" })
                         .help("blocks are numbered 0 to 65535"),
                 );
                 Tok::Block(prefix, u32::MAX)
@@ -214,6 +220,7 @@ impl<'a> Classifier<'a, '_> {
                     has_content = true;
                     self.top_struct();
                 }
+                RawKind::Word if frame == Frame::Code && self.chart_begins() => return self.skip_chart(),
                 RawKind::Word if token.first_on_line && self.misspelt_header(frame) => {}
                 RawKind::Word | RawKind::Quoted
                     if frame != Frame::Code && !has_content && self.kind_at(self.at + 1) == Some(RawKind::Colon) =>
@@ -238,6 +245,29 @@ impl<'a> Classifier<'a, '_> {
                 }
                 _ => self.skip_in_header(frame),
             }
+        }
+    }
+
+    /// Whether the first part of a chart is here: `INITIAL_STEP Wait`. Function blocks with charts are read elsewhere.
+    fn chart_begins(&self) -> bool {
+        let named = self.raw_at(self.at + 1).is_some_and(|name| !name.first_on_line && name.kind == RawKind::Word);
+        named
+            && self.peek().is_some_and(|token| token.first_on_line)
+            && matches!(self.upper(self.at).as_str(), "INITIAL_STEP" | "STEP" | "TRANSITION")
+    }
+
+    fn skip_chart(&mut self) {
+        let span = self.span(self.raw[self.at]);
+        self.report(
+            Diagnostic::new(Code::BlockFrame, span, "a chart of GRAPH is a function block")
+                .label("a chart begins here")
+                .help("begin the block with `FUNCTION_BLOCK` and its name, and end it with `END_FUNCTION_BLOCK`"),
+        );
+        while self.peek().is_some_and(|token| {
+            let next_begins = token.first_on_line && self.block_keyword(self.at).is_some();
+            !(next_begins || is_end_of_block(self.upper(self.at).as_str()))
+        }) {
+            self.at += 1;
         }
     }
 

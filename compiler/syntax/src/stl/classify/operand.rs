@@ -268,6 +268,13 @@ impl<'a> Classifier<'a, '_> {
             }
         }
         if self.numbered_block() {
+            // A number that no block has was reported.
+            let has_part = self.kind_at(self.at) == Some(RawKind::Dot);
+            if let Some((_, tok @ Tok::Block(_, u32::MAX), _)) = self.out.last_mut()
+                && !has_part
+            {
+                *tok = Tok::BadOperand;
+            }
             return;
         }
         if let Some(status) = mnemonics::status(word, set) {
