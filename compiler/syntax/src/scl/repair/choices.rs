@@ -128,6 +128,13 @@ impl Repair<'_> {
         sign && outside && self.last.is_some_and(ends_operand) && self.assignment(2)
     }
 
+    /// `a = 5;` in a data block, which compares nothing.
+    pub(super) fn equal_in_data(&mut self) -> bool {
+        let outside = self.data && self.statements_begun && self.brackets.is_empty() && !self.is_assigned();
+        let twice = self.kind(self.at + 1) == Some(RawKind::Equal) && self.adjacent(self.at);
+        outside && self.last.is_some_and(ends_operand) && self.assignment(if twice { 2 } else { 1 })
+    }
+
     /// `>5:` as a value of CASE.
     pub(super) fn compared_case(&mut self, token: RawToken) -> bool {
         let at = self.at;

@@ -35,7 +35,7 @@ impl Repair<'_> {
             RawKind::LeftBracket => self.list_of_values(),
             RawKind::LeftBrace => self.index_in_braces(),
             kind if is_comparison(kind) && (self.half_comparison(token) || self.compared_case(token)) => true,
-            RawKind::Equal if self.value_with_sign() || self.exchanged_assignment() => true,
+            RawKind::Equal if self.value_with_sign() || self.exchanged_assignment() || self.equal_in_data() => true,
             RawKind::Less | RawKind::Greater if self.shift(token) || self.back_arrow(token) => true,
             RawKind::Equal | RawKind::Greater | RawKind::Ampersand => self.pair(token),
             _ => false,
