@@ -24,6 +24,7 @@ pub mod code;
 pub mod command;
 pub mod connections;
 pub mod content;
+pub mod cpu_settings;
 mod drawings;
 pub mod emit;
 pub mod inputs;

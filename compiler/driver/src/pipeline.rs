@@ -37,6 +37,7 @@ use cpu::{pragma_profile, profile_of};
 
 use crate::beginning;
 use crate::cli::{CompileArgs, CpuFeatures, Deny, Level};
+use crate::cpu_settings;
 use crate::inputs::Read;
 use crate::parallel;
 use crate::project::{self, Project};
@@ -190,8 +191,11 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
         Some(profile) => profile,
         None => profile_of(settings, project.as_ref(), &units, &mut sources, &mut diagnostics),
     };
-    if let Some(project) = &project {
+    // Nothing is known of a CPU that was refused.
+    let is_known = diagnostics.iter().all(|message| message.code != Code::UnknownCpu);
+    if let Some(project) = project.as_ref().filter(|_| is_known) {
         diagnostics.extend(technology::check(&project.technology, &profile));
+        diagnostics.extend(cpu_settings::check(&project.of_cpu, &profile));
         diagnostics.extend(s7200::check(project.s7200, &profile));
         diagnostics.extend(project::check_hot(project.hot, &profile));
     }
@@ -244,6 +248,7 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
     // Names of a program with errors may be missing because of these, those of a part of one because they are in the rest.
     if !names.is_empty() && !partial && diagnostics.iter().all(|message| message.severity != Severity::Error) {
         diagnostics.extend(names.check(&plcc_lower::names_of(&program, &sources)));
+        diagnostics.extend(names.check_blocks(|number| program.db(number).is_some()));
     }
     // A use of a symbol shows the row that cannot be read.
     let shown: FxHashSet<Span> = diagnostics

@@ -15,6 +15,7 @@ use toml::Spanned;
 
 use crate::axes;
 use crate::connections;
+use crate::cpu_settings::CpuSetting;
 use crate::remote;
 use crate::retain::{self, RetainKeys};
 use crate::s7200::{self, S7200Keys};
@@ -47,6 +48,8 @@ pub struct Project {
     pub axes: String,
     /// Values that `[services]` names, checked later against the program.
     pub names: services::Names,
+    /// Settings that not every CPU has, checked later against the CPU.
+    pub of_cpu: Vec<(CpuSetting, Span)>,
     /// Place of the settings of an S7-200, checked later against the CPU.
     pub s7200: Option<Span>,
     /// Place of `startup = "hot"`, checked later against the CPU.
@@ -57,7 +60,7 @@ pub struct Project {
 
 /// Reads the text of a `plc.toml`. Reports wrong keys as P0601 and ignores them.
 pub fn parse(file: FileId, source: &SourceFile) -> (Project, Vec<Diagnostic>) {
-    let mut context = Context { file, diagnostics: Vec::new() };
+    let mut context = Context { file, of_cpu: Vec::new(), diagnostics: Vec::new() };
     let project = match toml::from_str::<Keys>(&source.text) {
         Ok(keys) => context.project(keys),
         Err(error) => {
@@ -114,7 +117,7 @@ struct Keys {
     startup: Option<Spanned<StartupKey>>,
     cycle_time: Option<Spanned<String>>,
     cycle_time_max: Option<Spanned<String>>,
-    cycle_time_exceeded: Option<ExceededKey>,
+    cycle_time_exceeded: Option<Spanned<ExceededKey>>,
     #[serde(alias = "clock_memory_byte")]
     clock_memory: Option<Spanned<i64>>,
     system_memory_byte: Option<Spanned<i64>>,
@@ -230,6 +233,7 @@ const PERIPHERAL_BYTES: i64 = 65536;
 
 struct Context {
     file: FileId,
+    of_cpu: Vec<(CpuSetting, Span)>,
     diagnostics: Vec<Diagnostic>,
 }
 
@@ -241,6 +245,11 @@ pub fn check_hot(place: Option<Span>, profile: &Profile) -> Option<Diagnostic> {
 }
 
 impl Context {
+    /// Notes a setting that not every CPU has.
+    fn note_of_cpu(&mut self, setting: CpuSetting, range: Range<usize>) {
+        self.of_cpu.push((setting, Span::new(self.file, range)));
+    }
+
     fn report(&mut self, range: Range<usize>, title: impl Into<String>, help: &str) {
         self.diagnostics.push(Diagnostic::new(Code::Project, Span::new(self.file, range), title).help(help));
     }
@@ -267,7 +276,10 @@ impl Context {
                 config.data_folder = Some(data.into_inner());
             }
         }
-        config.overrun_stops = keys.cycle_time_exceeded.map(|key| matches!(key, ExceededKey::Stop));
+        if let Some(key) = &keys.cycle_time_exceeded {
+            config.overrun_stops = Some(matches!(key.get_ref(), ExceededKey::Stop));
+            self.note_of_cpu(CpuSetting::Exceeded, key.span());
+        }
         config.startup = match keys.startup.as_ref().map(Spanned::get_ref) {
             None | Some(StartupKey::Warm) => 100,
             Some(StartupKey::Hot) => 101,
@@ -333,6 +345,7 @@ impl Context {
             technology,
             axes,
             names: keys.services.as_ref().map(|keys| services::names(keys, file)).unwrap_or_default(),
+            of_cpu: std::mem::take(&mut self.of_cpu),
             s7200: keys.s7200.map(|keys| Span::new(file, keys.span())),
             hot,
         }
@@ -343,6 +356,7 @@ impl Context {
             let title = format!("`{}` is not a number of an organization block", number.get_ref());
             return self.report(number.span(), title, "write `[ob.35]`");
         };
+        self.note_of_cpu(CpuSetting::Ob(ob), number.span());
         let class = keys.class.as_ref().and_then(|class| self.class(ob, class));
         config.ob_classes.extend(class.map(|class| (ob, class)));
         // Without a class here, that of the block counts.
@@ -363,6 +377,7 @@ impl Context {
             }
         }
         if let Some(priority) = &keys.priority {
+            self.note_of_cpu(CpuSetting::Priority(ob, class.or(ObClass::of_number(ob))), priority.span());
             config.priorities.extend(self.number(priority, 2..=24, "a priority").map(|priority| (ob, priority)));
         }
         match (&keys.start, &keys.every) {

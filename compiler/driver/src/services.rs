@@ -1,8 +1,10 @@
 //! `[services]` of plc.toml: what clients can reach, and who may connect.
 
+use std::net::SocketAddr;
+
 use plcc_abi::ProgramImage;
 use plcc_abi::services::{Client, Protection, Registers, Right, Role, ServicesConfig, User};
-use plcc_diag::{Code, Diagnostic, FileId, Span};
+use plcc_diag::{Code, Diagnostic, FileId, Severity, Span};
 use plcc_services::{options, password, rights};
 use serde::Deserialize;
 use toml::Spanned;
@@ -137,6 +139,26 @@ impl Names {
         });
         wrong.collect()
     }
+
+    /// Warns of data blocks that the program does not have at its start. `has`: whether it has the DB with this number.
+    pub fn check_blocks(&self, has: impl Fn(u16) -> bool) -> Vec<Diagnostic> {
+        let missing = self.list.iter().filter_map(|(text, span, _)| {
+            let number = block_of_address(text).filter(|number| !has(*number))?;
+            let title = format!("the program has no data block DB {number}");
+            let mut message = Diagnostic::new(Code::Project, *span, title)
+                .help("clients get an error until the program makes it: add the block, or write another address");
+            message.severity = Severity::Warning;
+            Some(message)
+        });
+        missing.collect()
+    }
+}
+
+/// The number of the data block of `DB10.DBW0`, `%DB10.DBX0.1`.
+fn block_of_address(text: &str) -> Option<u16> {
+    let (block, part) = text.trim().trim_start_matches('%').split_once('.')?;
+    let is_db = |word: &str| word.get(..2).is_some_and(|letters| letters.eq_ignore_ascii_case("DB"));
+    block.get(2..).filter(|_| is_db(block) && is_db(part))?.parse().ok()
 }
 
 /// The names in the table.
@@ -163,6 +185,7 @@ const INTERVAL_MS_MAX: u32 = 3_600_000;
 /// Reads the table. Reports wrong keys and ignores them.
 pub fn read(keys: &ServicesKeys, file: FileId) -> (ServicesConfig, Vec<Diagnostic>) {
     let mut reader = Reader::new(file);
+    reader.one_address_each(keys);
     let password = keys.password.as_ref().and_then(|key| reader.hash(key, "plcc password"));
     let address = |text: &str| options::address(text).map(|_| ());
     let help = "write a port for clients on this computer, as in `\"10102\"`, or an address with a port, as in `\"0.0.0.0:10102\"`";
@@ -267,6 +290,33 @@ impl Reader {
             }
         }
         users
+    }
+
+    /// Reports a service with the port of another one.
+    fn one_address_each(&mut self, keys: &ServicesKeys) {
+        let services = [
+            ("s7", &keys.s7),
+            ("modbus", &keys.modbus),
+            ("opcua", &keys.opcua),
+            ("metrics", &keys.metrics),
+            ("web", &keys.web),
+        ];
+        let mut known: Vec<(&str, SocketAddr)> = Vec::new();
+        for (name, key) in services {
+            let Some(key) = key else { continue };
+            let Ok(address) = options::address(key.get_ref()) else { continue };
+            let is_same = |other: &SocketAddr| {
+                let everywhere = other.ip().is_unspecified() || address.ip().is_unspecified();
+                address.port() != 0 && other.port() == address.port() && (everywhere || other.ip() == address.ip())
+            };
+            match known.iter().find(|(_, other)| is_same(other)) {
+                Some((other, _)) => {
+                    let title = format!("`{name}` and `{other}` have one port");
+                    self.report(key, title, "give each service a port of its own");
+                }
+                None => known.push((name, address)),
+            }
+        }
     }
 
     fn client(&mut self, keys: &ClientKeys) -> Option<Client> {

@@ -1,0 +1,99 @@
+//! Settings of plc.toml that not every CPU has: organization blocks, their priorities, what becomes of a cycle that is too long.
+
+use plcc_abi::image::{Family, Profile};
+use plcc_abi::ob::{OB_FREE, ObClass};
+use plcc_diag::{Code, Diagnostic, Span};
+
+/// A setting that was made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CpuSetting {
+    /// `[ob.N]`
+    Ob(u16),
+    /// `priority` of OB N, and its class if plc.toml or the number says which.
+    Priority(u16, Option<ObClass>),
+    /// `cycle_time_exceeded`
+    Exceeded,
+}
+
+/// Reports settings that the CPU does not have.
+pub fn check(settings: &[(CpuSetting, Span)], profile: &Profile) -> Vec<Diagnostic> {
+    let report = |(setting, span): &(CpuSetting, Span)| {
+        let (title, help) = wrong(*setting, profile)?;
+        Some(Diagnostic::new(Code::Project, *span, title).help(help))
+    };
+    settings.iter().filter_map(report).collect()
+}
+
+/// What is wrong with the setting, and what to do. One about an OB that the CPU does not have says all of that OB.
+fn wrong(setting: CpuSetting, profile: &Profile) -> Option<(String, &'static str)> {
+    let (cpu, family) = (&profile.name, profile.family);
+    // OB 65 is of technology CPUs, OB 73 of an S7-400H.
+    let is_number = |ob: u16| ObClass::of_number(ob).is_some() || matches!(ob, 65 | 73);
+    let exists = |ob: u16| match ob >= OB_FREE {
+        true => family.is_portal(),
+        false => is_number(ob) && family != Family::S7200,
+    };
+    match setting {
+        CpuSetting::Ob(ob) if exists(ob) => None,
+        CpuSetting::Ob(_) if family == Family::S7200 => Some((
+            format!("the CPU {cpu} has no organization blocks"),
+            "remove this heading and its keys: ATCH of the program connects interrupt routines with events",
+        )),
+        CpuSetting::Ob(ob) => Some((
+            format!("the CPU {cpu} has no OB {ob}"),
+            match ob >= OB_FREE {
+                true => "OBs from 123 on belong to CPUs of the S7-1200 and S7-1500; OB 30 to OB 38 are cyclic",
+                false => {
+                    "OB 10 to OB 17 start at a time of day, OB 30 to OB 38 are cyclic, OB 40 to OB 47 are of hardware"
+                }
+            },
+        )),
+        CpuSetting::Priority(ob, _) if !exists(ob) => None,
+        CpuSetting::Priority(..) if family == Family::S7300 => Some((
+            format!("the priorities of the CPU {cpu} are fixed"),
+            "remove `priority`: CPUs of the S7-400, S7-1200 and S7-1500 have it",
+        )),
+        CpuSetting::Priority(ob, Some(ObClass::ProgramCycle | ObClass::Startup)) if family.is_portal() => Some((
+            format!("the priority of OB {ob} is fixed"),
+            "remove `priority`: blocks of the cycle and of the startup have the lowest one",
+        )),
+        CpuSetting::Priority(..) => None,
+        CpuSetting::Exceeded if family.is_portal() => None,
+        CpuSetting::Exceeded => Some((
+            format!("the CPU {cpu} has no setting `cycle_time_exceeded`"),
+            match family {
+                Family::S7200 => "remove it: `watchdog` below `[s7200]` is the longest time of a scan",
+                _ => "remove it: a cycle that is too long calls OB 80, and without this block the CPU stops",
+            },
+        )),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use plcc_diag::FileId;
+    use plcc_model::profile;
+
+    #[test]
+    fn each_cpu_has_its_settings() {
+        let wrong = |cpu: &str, setting: CpuSetting| {
+            let profile = profile::lookup(cpu).expect("the CPU is known");
+            !check(&[(setting, Span::new(FileId(0), 0..0))], &profile).is_empty()
+        };
+        let priority = |ob| CpuSetting::Priority(ob, ObClass::of_number(ob));
+        let cases = [
+            (CpuSetting::Ob(35), [false, false, false, true]),
+            (CpuSetting::Ob(77), [true, true, true, true]),
+            (CpuSetting::Ob(123), [true, true, false, true]),
+            (priority(1), [true, false, true, false]),
+            (priority(35), [true, false, false, false]),
+            (priority(123), [false, false, false, false]),
+            (CpuSetting::Exceeded, [true, true, false, true]),
+        ];
+        for (setting, expected) in cases {
+            let found = ["s7-300", "s7-400", "s7-1200", "s7-200"].map(|cpu| wrong(cpu, setting));
+            assert_eq!(found, expected, "{setting:?}");
+        }
+    }
+}
