@@ -168,8 +168,12 @@ pub fn tags(file: FileId, text: &str) -> (Vec<Tag>, Vec<Diagnostic>) {
         let Some(place) = node.attribute_node("address") else { continue };
         let span = Span::new(file, place.range_value());
         match Location::read(place.value()) {
-            Read::At(_) => {
+            Read::At(location) => {
                 if let Some((place, ty)) = located(&types, &addresses, node) {
+                    // Dates are wider here than in these editors.
+                    if place.width != location.width() && ty != "LDT" {
+                        messages.push(other_width(span, &name, &location, place.width, &ty));
+                    }
                     tag(name, place, ty, span);
                 }
             }
@@ -206,6 +210,27 @@ pub fn tags(file: FileId, text: &str) -> (Vec<Tag>, Vec<Diagnostic>) {
     }
     report_places(file, text, &addresses, &mut messages);
     (tags, messages)
+}
+
+/// The message for a variable whose type is wider or narrower than its address, `%IW0` of a BOOL. Some editors accept it.
+fn other_width(span: Span, name: &str, location: &Location, width: Width, ty: &str) -> Diagnostic {
+    let bits = |width: Width| match width {
+        Width::Bit => "1 bit".to_string(),
+        width => format!("{} bits", width.bytes() * 8),
+    };
+    let title =
+        format!("the address of `{name}` has {}, but its type {ty} has {}", bits(location.width()), bits(width));
+    let letter = match width {
+        Width::Bit => "X0.0",
+        Width::Byte => "B0",
+        Width::Word => "W0",
+        Width::Dword => "D0",
+        Width::Lword => "L0",
+    };
+    let (area, own) = (location.area, location.type_name());
+    Diagnostic::new(Code::Tolerated, span, title)
+        .label("only the beginning of the address counts")
+        .help(format!("write an address such as `%{area}{letter}`, or give the variable a type such as {own}"))
 }
 
 /// Reports addresses that are not where their numbers say.

@@ -146,8 +146,11 @@ pub fn faults(file: FileId, document: &Document) -> Vec<Diagnostic> {
                     .help("write the `localId` of an object of this network"),
             );
         }
-        if matches!(node.tag_name().name(), "LD" | "FBD" | "SFC") {
-            found.extend(twice(file, node));
+        match node.tag_name().name() {
+            "LD" | "FBD" | "SFC" => found.extend(twice(file, node)),
+            "interface" => found.extend(declared_twice(file, node)),
+            "simpleValue" => found.extend(without_value(file, node)),
+            _ => {}
         }
     }
     found.sort_by_key(|message| message.primary.span.start);
@@ -174,6 +177,44 @@ fn twice(file: FileId, body: Node) -> Vec<Diagnostic> {
         }
     }
     found
+}
+
+/// Variables of one interface with the same name, of which one has an address. Binding finds those without.
+fn declared_twice(file: FileId, interface: Node) -> Vec<Diagnostic> {
+    let mut known: HashMap<String, Node> = HashMap::new();
+    let mut found = Vec::new();
+    let variables = elements(interface).flat_map(elements).filter(|node| node.tag_name().name() == "variable");
+    for node in variables {
+        let Some(name) = node.attribute("name") else { continue };
+        let Some(first) = known.insert(name.to_lowercase(), node) else { continue };
+        if !(node.has_attribute("address") || first.has_attribute("address")) {
+            continue;
+        }
+        let place = |node: Node| Span::new(file, attribute_range(node, "name"));
+        found.push(
+            Diagnostic::new(Code::DuplicateName, place(node), format!("`{name}` is declared twice"))
+                .label("the second declaration")
+                .also(place(first), "the first declaration")
+                .help("give one of them another name"),
+        );
+    }
+    found
+}
+
+/// `<simpleValue val="5"/>`; without any attribute there is no value.
+fn without_value(file: FileId, node: Node) -> Option<Diagnostic> {
+    let other = node.attributes().find(|attribute| attribute.name() != "value")?;
+    if node.has_attribute("value") {
+        return None;
+    }
+    let name = other.name();
+    let title = format!("`simpleValue` has no attribute `{name}`");
+    let help = format!("write `value` for `{name}`");
+    Some(
+        Diagnostic::new(Code::ForeignContent, Span::new(file, other.range_qname()), title)
+            .label("the value is not read")
+            .help(help),
+    )
 }
 
 #[cfg(test)]
