@@ -150,6 +150,80 @@ impl Recovery {
                     format!("as a value of CASE write `{value}:` before the statement"),
                 )
             }
+            // `1 000`
+            (Recovery::Statement | Recovery::Condition | Recovery::Argument, Tok::Literal(_), Tok::Literal(_))
+                if is_digits(&text(before)) && is_digits(&text(at)) && at.0 == before.2 + 1 =>
+            {
+                told(
+                    before.0,
+                    at.2,
+                    "a number has no blanks".to_owned(),
+                    "two numbers",
+                    format!("write `{}{}`", text(before), text(at)),
+                )
+            }
+            // `1.`
+            (Recovery::Statement | Recovery::Condition | Recovery::Argument, Tok::Literal(_), Tok::Dot)
+                if is_digits(&text(before)) && at.0 == before.2 =>
+            {
+                told(
+                    before.0,
+                    at.2,
+                    "a decimal number has a digit after its point".to_owned(),
+                    "not a number of SCL",
+                    format!("write `{}.0`", text(before)),
+                )
+            }
+            // `values[0..3]`
+            (
+                Recovery::Statement | Recovery::Condition,
+                Tok::Literal(_) | Tok::Local(_) | Tok::Name(_),
+                Tok::DotDot,
+            ) if index
+                .checked_sub(2)
+                .and_then(|first| state.tokens.get(first))
+                .is_some_and(|(_, token, _)| matches!(token, Tok::LeftBracket | Tok::Comma)) =>
+            {
+                told(
+                    at.0,
+                    at.2,
+                    "an index is a single number".to_owned(),
+                    "a range",
+                    format!("write `[{}]` for one element; FILL_BLK sets several, MOVE_BLK copies them", text(before)),
+                )
+            }
+            // `2, 3 #q := TRUE;` in CASE
+            (Recovery::CaseValue, Tok::Literal(_), Tok::Comma) => {
+                let is_value =
+                    |(_, token, _): &&Spanned| matches!(token, Tok::Literal(_) | Tok::Comma | Tok::DotDot | Tok::Minus);
+                let rest = state.tokens.get(index..)?;
+                let count = rest.iter().take(CASE_VALUES_MAX).take_while(is_value).count();
+                let (last, next) = (rest.get(count.checked_sub(1)?)?, rest.get(count)?);
+                if !begins_operand(&next.1) || !matches!(last.1, Tok::Literal(_)) {
+                    return None;
+                }
+                let values = state.text.get(before.0..last.2)?;
+                told(
+                    before.0,
+                    last.2,
+                    "`:` is missing after the values of CASE".to_owned(),
+                    "a statement follows",
+                    format!("write `{values}:`"),
+                )
+            }
+            // `a := 1 b := 2;`
+            (Recovery::Statement, ended, next)
+                if ends_operand(ended) && begins_operand(next) && assigns(state, index) && assigned(state, index) =>
+            {
+                let value = text(before);
+                told(
+                    before.0,
+                    before.2,
+                    format!("`;` is missing after `{value}`"),
+                    "the statement ends here",
+                    "end each statement with `;`".to_owned(),
+                )
+            }
             (Recovery::Argument, Tok::Comma, Tok::RightParen | Tok::Comma) => told(
                 before.0,
                 before.2,
@@ -224,6 +298,43 @@ impl Recovery {
             _ => None,
         }
     }
+}
+
+/// How many values of CASE are looked at.
+const CASE_VALUES_MAX: usize = 40;
+/// How many tokens before and after a place are looked at for an assignment.
+const ASSIGNMENT_MAX: usize = 20;
+
+/// Whether the text is a decimal number without a point.
+fn is_digits(text: &str) -> bool {
+    !text.is_empty() && text.bytes().all(|digit| digit.is_ascii_digit())
+}
+
+/// Whether an operand ends with the token.
+fn ends_operand(token: &Tok) -> bool {
+    begins_operand(token) || matches!(token, Tok::Literal(_) | Tok::RightParen | Tok::RightBracket)
+}
+
+/// Whether a variable begins with the token.
+fn begins_operand(token: &Tok) -> bool {
+    matches!(token, Tok::Name(_) | Tok::Local(_) | Tok::Quoted(_) | Tok::Absolute(_))
+}
+
+/// Whether the variable at `index` is followed by `:=`, after its components and indexes.
+fn assigns(state: &State, index: usize) -> bool {
+    let rest = state.tokens.get(index + 1..).unwrap_or_default();
+    let is_part = |token: &Tok| {
+        begins_operand(token) || matches!(token, Tok::Dot | Tok::LeftBracket | Tok::RightBracket | Tok::Literal(_))
+    };
+    let next = rest.iter().take(ASSIGNMENT_MAX).find(|(_, token, _)| !is_part(token));
+    next.is_some_and(|(_, token, _)| matches!(token, Tok::Assign | Tok::Combine(_)))
+}
+
+/// Whether the statement assigns something before `index`.
+fn assigned(state: &State, index: usize) -> bool {
+    let before = state.tokens.get(..index).unwrap_or_default();
+    let statement = before.iter().rev().take(ASSIGNMENT_MAX).take_while(|(_, token, _)| !ends(token) && !begins(token));
+    statement.into_iter().any(|(_, token, _)| matches!(token, Tok::Assign | Tok::Combine(_)))
 }
 
 /// Whether the token combines or compares values.

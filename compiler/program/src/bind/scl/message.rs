@@ -52,9 +52,14 @@ impl SclBinder<'_, '_> {
 
     /// A value that may not fit where it goes.
     pub(super) fn may_lose(&mut self, span: Span, from: Elementary, to: Elementary) {
-        let text = self.program.globals.text(span);
-        let help = rewrite::of_constant(to, &text, rewrite::Form::Scl)
+        let mut text = self.program.globals.text(span);
+        let mut help = rewrite::of_constant(to, &text, rewrite::Form::Scl)
             .unwrap_or_else(|| format!("if that is intended, write {}", conversion(from, to, &text)));
+        if let Some((target, value)) = combined(&text) {
+            let converted = conversion(from, to, &value);
+            help = format!("if that is intended, write `{target} := {};`", converted.trim_matches('`'));
+            text = value;
+        }
         self.program.report(
             Diagnostic::new(
                 Code::Narrowing,
@@ -113,6 +118,16 @@ fn short_name(ty: Elementary) -> &'static str {
         Elementary::TimeOfDay => "TOD",
         other => other.name(),
     }
+}
+
+/// `a` and `a + b` of the statement `a += b;`.
+fn combined(text: &str) -> Option<(String, String)> {
+    let whole = text.trim_end_matches(';');
+    let (at, sign) = ["+=", "-=", "*=", "/="].into_iter().find_map(|sign| Some((whole.find(sign)?, &sign[..1])))?;
+    let (target, value) = (whole[..at].trim(), whole[at + 2..].trim());
+    let is_single = value.bytes().all(|byte| !b" +-*/".contains(&byte));
+    let value = if is_single { value.to_owned() } else { format!("({value})") };
+    Some((target.to_owned(), format!("{target} {sign} {value}")))
 }
 
 /// `DINT_TO_INT(#d)`.

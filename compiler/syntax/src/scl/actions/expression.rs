@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use plcc_diag::{Code, Diagnostic};
+use plcc_diag::{Code, Diagnostic, Span};
 
 use crate::ast::{Area, BlockPrefix, OperandKind};
 use crate::front::Sub;
@@ -84,6 +84,19 @@ pub fn check_targets(state: &mut State, targets: &[(Expr, AssignOp)]) {
     }
 }
 
+/// The operator at the end of a line after which another statement begins: `q := a AND`, `b := TRUE;`.
+fn open_operator(state: &State, target: &Expr) -> Option<Span> {
+    let mut part = target;
+    while let ExprKind::Binary { right, op_span, .. } = &part.kind {
+        let between = state.text.get(op_span.end as usize..right.span.start as usize)?;
+        if between.contains('\n') {
+            return Some(*op_span);
+        }
+        part = right;
+    }
+    None
+}
+
 /// Whether something can be assigned to the expression.
 pub fn check_target(state: &mut State, target: &Expr) {
     let fits = match &target.kind {
@@ -105,7 +118,14 @@ pub fn check_target(state: &mut State, target: &Expr) {
     };
     // The binder knows better what is wrong with a call.
     let call = matches!(target.kind, ExprKind::Call { .. });
-    if !fits && !call {
+    if let Some(operator) = open_operator(state, target) {
+        let sign = &state.text[operator.range()];
+        let title = format!("`{sign}` has no right side");
+        let help = format!("write a variable or a constant after `{sign}`, or remove it");
+        state.report(
+            Diagnostic::new(Code::Syntax, operator, title).label("an operand is missing after this").help(help),
+        );
+    } else if !fits && !call {
         let text = &state.text[target.span.range()];
         let title = if text.len() > 40 || text.contains('\n') {
             "nothing can be assigned to this expression".to_owned()

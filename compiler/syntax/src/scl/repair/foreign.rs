@@ -258,7 +258,13 @@ impl Repair<'_> {
         }
         let next = self.beside(at + 1).and_then(|next| next.keyword);
         let word = self.slice(token).to_ascii_uppercase();
+        // `IF a AND THEN b := TRUE;`: THEN ends the condition.
+        let ends_head = || {
+            self.head.as_ref().is_some_and(|head| head.wanted == Keyword::Then)
+                && self.keyword(self.end_of_statement((at + 2).min(self.tokens.len()))) != Some(Keyword::Then)
+        };
         let (count, keyword) = match (token.keyword, next, word.as_str()) {
+            (Some(Keyword::And), Some(Keyword::Then), _) if ends_head() => return false,
             (Some(Keyword::And), Some(Keyword::Then), _) => (2, Keyword::And),
             (Some(Keyword::Or), Some(Keyword::Else), _) => (2, Keyword::Or),
             (None, _, "AND_THEN") => (1, Keyword::And),
@@ -292,11 +298,14 @@ impl Repair<'_> {
         if !known || !inside || token.keyword.is_some() || self.starts(token) || self.is_declared(word) {
             return false;
         }
-        let argument = self.beside(at + 1).filter(|next| begins_operand(*next) && next.keyword.is_none());
+        // `ABS -5`
+        let sign = self.beside(at + 1).is_some_and(|sign| sign.kind == RawKind::Minus && self.adjacent(at + 1));
+        let first = if sign && !self.adjacent(at) { at + 2 } else { at + 1 };
+        let argument = self.beside(first).filter(|next| begins_operand(*next) && next.keyword.is_none());
         if argument.is_none() {
             return false;
         }
-        let after = self.operand_end(at + 1);
+        let after = self.operand_end(first);
         let argument = self.words(at + 1, after - 1).to_owned();
         let title = format!("the argument of `{word}` is written in brackets");
         self.report(at, after, title, "brackets are missing", format!("write `{word}({argument})`"));

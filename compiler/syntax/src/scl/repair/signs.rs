@@ -30,6 +30,8 @@ impl Repair<'_> {
             RawKind::Plus | RawKind::Minus => {
                 self.step(token) || self.step_before(token) || self.comment_with_minus(token)
             }
+            RawKind::Slash => self.half_comment(token),
+            RawKind::Star => self.end_of_no_comment(),
             RawKind::Comma => self.several_targets(),
             RawKind::DotDot => self.open_range(),
             RawKind::LeftBracket => self.list_of_values(),
@@ -342,6 +344,40 @@ impl Repair<'_> {
         self.report(at, at + 1, "a comment begins with `//`".to_owned(), "read as a comment", help);
         self.drop_tokens(at, after);
         self.statement = self.at;
+        true
+    }
+
+    /// `/ comment` at the beginning of a line.
+    fn half_comment(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        let begins = self.brackets.is_empty() && self.head.is_none() && at == self.statement;
+        if !begins || !token.first_on_line {
+            return false;
+        }
+        let mut after = at + 1;
+        while self.beside(after).is_some() {
+            after += 1;
+        }
+        let text = self.words(at, after - 1).trim_start_matches('/').trim().to_owned();
+        let help = format!("write `// {text}`");
+        self.report(at, at + 1, "a comment begins with `//`".to_owned(), "read as a comment", help);
+        self.drop_tokens(at, after);
+        self.statement = self.at;
+        true
+    }
+
+    /// `*)` without a comment that it ends.
+    fn end_of_no_comment(&mut self) -> bool {
+        let at = self.at;
+        if self.kind(at + 1) != Some(RawKind::RightParen) || !self.adjacent(at) || !self.brackets.is_empty() {
+            return false;
+        }
+        let help = "remove it, or write `(*` where the comment begins".to_owned();
+        self.report(at, at + 2, "`*)` ends no comment".to_owned(), "no comment is open here", help);
+        self.drop_tokens(at, at + 2);
+        if at == self.statement {
+            self.statement = self.at;
+        }
         true
     }
 
