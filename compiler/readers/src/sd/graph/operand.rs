@@ -3,7 +3,8 @@
 use plcc_diag::{Code, Diagnostic, Span};
 
 use super::Builder;
-use plcc_syntax::scl::ast::{Expr, ExprKind, Name, NameForm, UnaryOp};
+use plcc_syntax::network::ast::Language;
+use plcc_syntax::scl::ast::{BinaryOp, Expr, ExprKind, Name, NameForm, UnaryOp};
 use plcc_syntax::scl::fragment;
 
 impl Builder<'_, '_> {
@@ -25,12 +26,45 @@ impl Builder<'_, '_> {
         if told || is_operand(&expr) {
             return expr;
         }
+        let help = self.as_elements(&expr).unwrap_or_else(|| {
+            "write e.g. `#name`, `\"Tag\"`, `\"DB\".member`, `%I0.0` or a constant; CALCULATE has a formula".to_owned()
+        });
         self.report(
             Diagnostic::new(Code::Syntax, span, format!("`{}` is not an operand", self.slice(span)))
                 .label("neither a variable nor an address nor a constant")
-                .help("write e.g. `#name`, `\"Tag\"`, `\"DB\".member`, `%I0.0` or a constant; CALCULATE has a formula"),
+                .help(help),
         );
         Expr { kind: ExprKind::Error, span }
+    }
+
+    /// The elements that do what the expression does: a comparison, contacts in series or in branches.
+    fn as_elements(&self, expr: &Expr) -> Option<String> {
+        let ExprKind::Binary { op, left, right, .. } = &expr.kind else { return None };
+        if !is_operand(left) || !is_operand(right) {
+            return None;
+        }
+        let (left, right) = (self.slice(left.span), self.slice(right.span));
+        let (contact, gate) = match op {
+            BinaryOp::Equal => ("EQ_Contact", "Eq"),
+            BinaryOp::NotEqual => ("NE_Contact", "Ne"),
+            BinaryOp::Greater => ("GT_Contact", "Gt"),
+            BinaryOp::GreaterEqual => ("GE_Contact", "Ge"),
+            BinaryOp::Less => ("LT_Contact", "Lt"),
+            BinaryOp::LessEqual => ("LE_Contact", "Le"),
+            BinaryOp::And if self.language == Language::Lad => {
+                return Some(format!(
+                    "write two elements one after the other: `Contact( {left} )  Contact( {right} )`"
+                ));
+            }
+            BinaryOp::Or if self.language == Language::Lad => {
+                return Some(format!(
+                    "write two branches that end in the same wire: one for `{left}`, one for `{right}`"
+                ));
+            }
+            _ => return None,
+        };
+        let element = if self.language == Language::Lad { contact } else { gate };
+        Some(format!("a comparison is an element of its own: write `{element}( in1 := {left}, in2 := {right} )`"))
     }
 
     /// A label; it may have the name of a keyword.
