@@ -233,10 +233,13 @@ impl Report {
             if let Some(ty) = foreign_type(name) {
                 return message.help(format!("write `{ty}`"));
             }
+            // Data of timers, whose blocks have shorter names.
+            const TIMERS: [&str; 6] = ["IEC_TIMER", "TON_TIME", "TOF_TIME", "TP_TIME", "TONR_TIME", "IEC_COUNTER"];
             let instructions = plcc_stdlib::blocks()
                 .iter()
                 .filter(|block| block.is_tia() && block.class == plcc_stdlib::BlockClass::Sfb)
-                .map(|block| block.name);
+                .map(|block| block.name)
+                .chain(TIMERS);
             let meant = meant.or_else(|| known_type(name).map(str::to_owned));
             message.help(match meant.or_else(|| similar(name, instructions).map(str::to_owned)) {
                 Some(ty) => format!("is `{ty}` meant? Otherwise add the source that defines it"),

@@ -108,7 +108,9 @@ pub fn help(name: &str) -> String {
         .map(|(_, known)| known);
     let forms = "write a family (`s7-300`, `s7-400`, `s7-1200`, `s7-1500`, `s7-200`), a CPU as STEP 7 names it (`315-2 PN/DP`), or its order number";
     let numbered = || names().into_iter().find(is_alike);
-    match near.filter(is_alike).or(longest).or(begun).or_else(numbered).or(near) {
+    // `1500` for a family.
+    let family = names().into_iter().find(|known| normalized(known) == format!("S7{bare}"));
+    match family.or(near.filter(is_alike)).or(longest).or(begun).or_else(numbered).or(near) {
         Some(near) => format!("is `{near}` meant? Otherwise {forms}"),
         None => forms.to_string(),
     }

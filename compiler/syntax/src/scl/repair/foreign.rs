@@ -89,24 +89,63 @@ impl Repair<'_> {
             self.drop_tokens(at, at + 3);
             return true;
         }
-        if word == "CALL" && self.starts(token) {
-            let Some(next) = self.beside(at + 1) else { return false };
-            let name = matches!(next.kind, RawKind::Word | RawKind::Quoted | RawKind::Local) && next.keyword.is_none();
-            let mut after = at + 2;
-            while self.kind(after) == Some(RawKind::Dot) {
-                after += 2;
-            }
-            if !name || self.kind(after) != Some(RawKind::LeftParen) {
-                return false;
-            }
-            let callee = self.words(at + 1, after - 1).to_owned();
-            let title = "a block is called by its name alone".to_owned();
-            self.report(at, at + 1, title, "CALL is an instruction of STL", format!("write `{callee}( … );`"));
-            self.drop_tokens(at, at + 1);
-            self.statement = self.at;
-            return true;
+        word == "CALL" && self.starts(token) && self.call_of_stl()
+    }
+
+    /// `CALL "Motor", "Motor_DB" (start := a);`, `CALL FC 1;`
+    fn call_of_stl(&mut self) -> bool {
+        let at = self.at;
+        let Some(block) = self.end_of_callee(at + 1) else { return false };
+        let (mut first, mut after) = (at + 1, block);
+        if self.kind(block) == Some(RawKind::Comma) {
+            let Some(instance) = self.end_of_callee(block + 1) else { return false };
+            (first, after) = (block + 1, instance);
         }
-        false
+        let name = |first: usize, after: usize| {
+            let text = self.words(first, after - 1);
+            if text.starts_with(['"', '#']) { text.to_owned() } else { text.replace([' ', '\t'], "") }
+        };
+        let mut callee = name(first, after);
+        // `FC 1`, `DB 5`
+        let numbered = self.kind(after - 1) == Some(RawKind::Number);
+        let joined = first > at + 1 && (numbered || address::numbered_block(&callee).is_some());
+        if joined {
+            callee = format!("{}.{callee}", name(at + 1, block));
+        }
+        let opens = self.kind(after) == Some(RawKind::LeftParen);
+        let ends = self.kind(after) == Some(RawKind::Semicolon) || self.beside(after).is_none();
+        if !opens && !ends {
+            return false;
+        }
+        let help = if opens { format!("write `{callee}( … );`") } else { format!("write `{callee}();`") };
+        let title = "a block is called by its name alone".to_owned();
+        self.report(at, at + 1, title, "CALL is an instruction of STL", help);
+        if ends {
+            self.replace(at, after, RawKind::Reported, None);
+        } else if numbered || joined {
+            self.give_up(self.end_of_statement(after));
+        } else {
+            self.drop_tokens(at, first);
+            self.statement = self.at;
+        }
+        true
+    }
+
+    /// Index after the name of a block or an instance at `first`: `"Motor"`, `#motor.inner`, `FC 1`.
+    fn end_of_callee(&self, first: usize) -> Option<usize> {
+        let token = self.beside(first)?;
+        let is_name = matches!(token.kind, RawKind::Word | RawKind::Quoted | RawKind::Local);
+        if !is_name || token.keyword.is_some() {
+            return None;
+        }
+        let mut after = first + 1;
+        if address::block_prefix(self.slice(token)).is_some() && self.kind(after) == Some(RawKind::Number) {
+            return Some(after + 1);
+        }
+        while self.kind(after) == Some(RawKind::Dot) && after + 1 < self.tokens.len() {
+            after += 2;
+        }
+        Some(after)
     }
 
     /// `END_REPEAT UNTIL x;`

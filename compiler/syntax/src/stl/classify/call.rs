@@ -93,7 +93,8 @@ impl Classifier<'_, '_> {
                 let operandless = self
                     .mnemonic_at(index)
                     .is_some_and(|(insn, _)| matches!(insn.operand(), OperandClass::None | OperandClass::BitOrNone));
-                !operandless && !self.raw[index + 1].first_on_line
+                let arrow = self.kind_at(index + 2) == Some(RawKind::Greater) && self.adjacent(index + 1);
+                (!operandless || arrow) && !self.raw[index + 1].first_on_line
             }
             _ => false,
         }
