@@ -14,6 +14,7 @@
 //! - [`assigned`]: variables in SCL that are assigned again before anything reads them.
 //! - [`outputs`]: outputs that two blocks assign in one cycle.
 //! - [`overlaps`]: addresses that share a part of their bytes.
+//! - [`recursion`]: blocks that call each other in each of their calls.
 //! - [`timers`]: IEC timers without a time.
 
 mod assigned;
@@ -25,6 +26,7 @@ mod negation;
 mod numbers;
 mod outputs;
 mod overlaps;
+mod recursion;
 mod region;
 mod stl;
 mod temporary;
@@ -89,6 +91,7 @@ pub fn review(program: &mut Declarations, blocks: &[CodeBlock], mains: &[BlockKe
     let told: Vec<Span> = reported.filter(|one| one.code == Code::DoubleCoil).map(|one| one.primary.span).collect();
     outputs::review(&blocks, mains, &told, &mut found);
     overlaps::review(&blocks, &|span| program.globals.text(span), &mut found);
+    recursion::review(&blocks, &|key| program.globals.shown(key), &mut found);
     timers::review(program, &blocks, &mut found);
     found
 }
