@@ -22,6 +22,9 @@ pub struct Unreadable<'a, 'i> {
 
 type Text<'a, 'i> = Result<String, Unreadable<'a, 'i>>;
 
+/// The beginning of a scope has so many letters that it is meant: `LocalVar`.
+const SCOPE_MIN: usize = 8;
+
 /// How deep accesses may be nested, as indices.
 const DEPTH_MAX: usize = 32;
 
@@ -44,8 +47,9 @@ fn access_at_depth<'a, 'i>(node: Node<'a, 'i>, notation: Notation, depth: usize)
     }
     let scope = node.attribute("Scope").unwrap_or_default();
     // What resembles none of them is read by its parts.
+    let begins = || SCOPES.into_iter().find(|known| scope.len() >= SCOPE_MIN && known.starts_with(scope));
     if !SCOPES.contains(&scope)
-        && let Some(meant) = nearest(scope, SCOPES.into_iter())
+        && let Some(meant) = nearest(scope, SCOPES.into_iter()).or_else(begins)
     {
         return Err(Unreadable { node, what: format!("an operand with the scope `{scope}`"), meant: Some(meant) });
     }

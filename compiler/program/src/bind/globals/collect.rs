@@ -249,26 +249,31 @@ impl<'a> Globals<'a> {
                     BlockPrefix::Ob => 255,
                     _ => 65_535,
                 };
-                // A number that the parser could not read was reported there.
-                if number == u32::MAX {
-                    return;
-                }
-                if number > limit || (prefix == BlockPrefix::Db && number == 0) {
-                    self.report.push(
-                        Diagnostic::new(
-                            Code::AddressRange,
-                            span,
-                            format!("{} {number} is not a block number", prefix.letters()),
-                        )
-                        .label(format!("numbers go up to {limit}"))
-                        .help("use another number; DB 0 is reserved"),
-                    );
-                    return;
-                }
                 let symbol = match name {
                     BlockName::Symbol { name, .. } => Some(name),
                     BlockName::Numbered { .. } => None,
                 };
+                // A number that the parser could not read was reported there.
+                let is_unread = number == u32::MAX;
+                if number > limit || (prefix == BlockPrefix::Db && number == 0) {
+                    if !is_unread {
+                        self.report.push(
+                            Diagnostic::new(
+                                Code::AddressRange,
+                                span,
+                                format!("{} {number} is not a block number", prefix.letters()),
+                            )
+                            .label(format!("numbers go up to {limit}"))
+                            .help("use another number; DB 0 is reserved"),
+                        );
+                    }
+                    // The uses of its name are not mistakes.
+                    if let Some(name) = symbol {
+                        let class = class.filter(|_| prefix == BlockPrefix::Ob);
+                        unnumbered.push(Unnumbered { block, prefix, name: name.clone(), span, class });
+                    }
+                    return;
+                }
                 if movable
                     && used.contains(&(prefix, number))
                     && let Some(name) = symbol
