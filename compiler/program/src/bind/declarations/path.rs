@@ -3,6 +3,7 @@
 use std::rc::Rc;
 
 use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::article::with_article;
 use plcc_syntax::ast::{Area, BlockPrefix, CellKind, Path, PathPart, PathRoot, Width};
 
 use crate::bind::declarations::Declarations;
@@ -450,6 +451,9 @@ pub(crate) fn no_component(name: &str, ty: &DataType, span: Span) -> Diagnostic 
         }
         DataType::Array(_) if is_length(name) => told
             .help("the number of elements is `UPPER_BOUND(ARR := …, DIM := 1) - LOWER_BOUND(ARR := …, DIM := 1) + 1`"),
+        DataType::Elementary(ty) => {
+            told.help(format!("remove `.{name}`: {} is a single value", with_article(ty.name())))
+        }
         _ => told,
     }
 }

@@ -181,7 +181,8 @@ impl SclBinder<'_, '_> {
             Position::Known(index) if (1..=length).contains(&index) => spot.byte += (index - 1) as u32 * bytes,
             Position::Known(_) => {
                 let label = format!("it has the characters 1 to {length}");
-                self.refuse(Code::ArrayIndex, span, "this character is outside the text", &label, "");
+                let help = format!("write an index from 1 to {length}");
+                self.refuse(Code::ArrayIndex, span, "this character is outside the text", &label, &help);
                 return None;
             }
             Position::Dynamic(value) => {

@@ -315,6 +315,9 @@ impl<'a> Classifier<'a, '_> {
                     (None, Some(meant)) => message.label("a byte has the bits 0 to 7").help(format!(
                         "is `{meant}` meant, the bit after those of the byte, or another bit from 0 to 7?"
                     )),
+                    (None, None) if let Some(area) = area_of_number(bare) => message
+                        .label("a bit has a number after a point")
+                        .help(format!("write `{text}.0` for a bit, or `%{area}B{}` for the byte", &bare[area.len()..])),
                     (None, None) => message
                         .label("no area has this address")
                         .help("write e.g. `%MW10`, `%I0.7`, `%DB1.DBX2.0`; bits go from 0 to 7"),
@@ -367,6 +370,13 @@ impl<'a> Classifier<'a, '_> {
         self.report(diagnostic);
         self.take(Tok::Bad);
     }
+}
+
+/// The letter of `M0`, the address of a bit without its number.
+fn area_of_number(text: &str) -> Option<&str> {
+    let (area, number) = text.split_at_checked(1)?;
+    let is_number = !number.is_empty() && number.bytes().all(|digit| digit.is_ascii_digit());
+    (is_number && "IQMEAiqmea".contains(area)).then_some(area)
 }
 
 /// `%MW10.3`, whose bit has two addresses.
