@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use plcc_diag::{Code, Diagnostic, FileId, SourceFile, Span};
 use plcc_runtime::files::regular;
+use plcc_runtime::records::store;
 use plcc_syntax::Language;
 
 use super::Read;
@@ -103,7 +104,8 @@ pub(super) fn add_folder(read: &mut Read, folder: &Path) {
         let one = last.parent().unwrap_or(folder).display();
         return read.report(Code::Project, folder, title, &format!("give the folder of one of them, such as `{one}`"));
     }
-    for path in &files {
+    let data = folder.join(store::folder(None, None));
+    for path in files.iter().filter(|path| !path.starts_with(&data)) {
         add_file(read, path, Wanted::No);
     }
     if read.units.len() == before {
@@ -133,10 +135,16 @@ pub(super) fn add_project(read: &mut Read, folder: &Path) {
     match &project.sources {
         None if project.unread => {}
         None => {
-            for path in files_below(folder) {
-                if !path.starts_with(folder.join("tests")) && path.file_name() != Some(project::FILE_NAME.as_ref()) {
-                    add_file(read, &path, Wanted::No);
-                }
+            // What runs of the program have written, and its tests, are no part of it.
+            let data = store::folder(None, project.config.data_folder.as_deref());
+            let mut apart = vec![folder.join("tests"), folder.join(data)];
+            apart.retain(|other| !folder.starts_with(other));
+            let is_part = |path: &Path| {
+                !apart.iter().any(|other| path.starts_with(other))
+                    && path.file_name() != Some(project::FILE_NAME.as_ref())
+            };
+            for path in files_below(folder).iter().filter(|path| is_part(path)) {
+                add_file(read, path, Wanted::No);
             }
         }
         Some(sources) => sources.iter().for_each(|source| add_named(read, folder, source)),

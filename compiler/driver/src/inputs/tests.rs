@@ -128,6 +128,30 @@ fn what_is_no_file_is_not_read() {
 }
 
 #[test]
+fn what_a_run_has_written_is_no_part_of_the_program() {
+    let log = "Record,Date,UTC Time,Level\r\n1,01/31/2026,06:00:00.010,2.5\r\n//END\r\n";
+    let folder = folder(&[
+        ("plc.toml", "name = \"tank\"\n"),
+        ("a.stl", "A I 0.0\n"),
+        ("plc-data/DataLogs/level.csv", log),
+        ("plc-data/DataLogs/level.json", "{\"db\":1}\n"),
+        ("plc-data/b.stl", "A I 0.0\n"),
+    ]);
+    let found = read(&[folder.path().to_path_buf()]);
+    assert_eq!((found.units.len(), found.diagnostics.len()), (1, 0));
+    fs::remove_file(folder.path().join("plc.toml")).unwrap();
+    let found = read(&[folder.path().to_path_buf()]);
+    assert_eq!((found.units.len(), found.diagnostics.len()), (1, 0));
+    fs::rename(folder.path().join("plc-data"), folder.path().join("logs")).unwrap();
+    fs::write(folder.path().join("plc.toml"), "data = \"logs\"\n").unwrap();
+    let found = read(&[folder.path().to_path_buf()]);
+    assert_eq!((found.units.len(), found.diagnostics.len()), (1, 0));
+    // The folder of the program itself is no folder of data alone.
+    fs::write(folder.path().join("plc.toml"), "data = \".\"\n").unwrap();
+    assert_eq!(read(&[folder.path().to_path_buf()]).units.len(), 2);
+}
+
+#[test]
 fn a_project_names_its_sources() {
     let folder = folder(&[
         ("plc.toml", "name = \"tank\"\nsources = [\"a.stl\", \"gone.stl\"]\n"),
