@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::Access;
 use crate::collect::Found;
-use crate::operand::Operand;
+use crate::operand::{Area, Operand};
 use crate::symbols::Names;
 
 /// Overlaps that are listed for one operand at most.
@@ -51,7 +51,13 @@ pub(crate) fn operands(program: &Program, sources: &SourceMap, names: &Names, fo
         by_operand.entry(one.operand).or_default().push(one);
     }
     let keys: Vec<Operand> = by_operand.keys().copied().collect();
+    let mut symbols: Vec<String> = keys.iter().map(|&operand| names.of(operand)).collect();
     let mut overlaps = overlaps(&keys);
+    for (index, others) in overlaps.iter_mut().enumerate() {
+        if matches!(keys[index], Operand::Memory { area: Area::Db(_), .. }) {
+            others.retain(|&other| !are_apart(&symbols[index], &symbols[other]));
+        }
+    }
     let mut list = Vec::new();
     for (index, (operand, found)) in by_operand.into_iter().enumerate() {
         let mut found = found;
@@ -60,7 +66,7 @@ pub(crate) fn operands(program: &Program, sources: &SourceMap, names: &Names, fo
         let uses = found.into_iter().map(|one| place(program, sources, one)).collect();
         list.push(OperandUses {
             address: operand.to_string(),
-            symbol: names.of(operand),
+            symbol: std::mem::take(&mut symbols[index]),
             uses,
             overlaps: std::mem::take(&mut overlaps[index]).iter().map(|&other| keys[other].to_string()).collect(),
         });
@@ -88,6 +94,27 @@ pub(crate) fn place(program: &Program, sources: &SourceMap, found: &Found) -> Us
         access: found.access,
         statement: statement.chars().take(STATEMENT_MAX).collect(),
     }
+}
+
+/// True for two values of a data block that have no bit in common although the elements of their array lie between each other: `.a[*].x`
+/// and `.a[*].y`, where `*` is any index.
+fn are_apart(one: &str, other: &str) -> bool {
+    if !one.contains('*') && !other.contains('*') {
+        return false;
+    }
+    for (one, other) in one.split(['.', '[']).zip(other.split(['.', '['])) {
+        match (one.strip_suffix(']'), other.strip_suffix(']')) {
+            (Some(one), Some(other)) => {
+                let mut pairs = one.split(',').zip(other.split(','));
+                if pairs.any(|(one, other)| one != other && one != "*" && other != "*") {
+                    return true;
+                }
+            }
+            _ if one != other => return true,
+            _ => {}
+        }
+    }
+    false
 }
 
 /// For each operand the others that share bits with it. `operands` are sorted.

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, HashMap};
 
 use plcc_abi::image::BlockKind;
-use plcc_model::types::{DataType, Member};
+use plcc_model::types::{ArrayType, DataType, Member};
 use plcc_model::{Program, layout};
 use serde::Serialize;
 
@@ -54,9 +54,12 @@ impl<'a> Names<'a> {
             Operand::Block(key) => self.program.block(key).map(|block| block.name.clone()).unwrap_or_default(),
             Operand::Memory { area: Area::Db(number), start, bits } => {
                 let Some(db) = self.program.db(number) else { return String::new() };
-                let Some(path) = path(&db.members, start, bits) else { return String::new() };
                 let name = if db.name.is_empty() { format!("DB{number}") } else { db.name.clone() };
-                format!("{name}{path}")
+                match path(&db.members, start, bits) {
+                    Some(path) => format!("{name}{path}"),
+                    None if start == 0 && holds_all(&db.members, bits) => name,
+                    None => String::new(),
+                }
             }
             Operand::Memory { .. } | Operand::Timer(_) | Operand::Counter(_) | Operand::HighSpeedCounter(_) => {
                 String::new()
@@ -72,6 +75,12 @@ fn operand_of(address: &str, ty: Option<&DataType>) -> Option<Operand> {
         Some(ty) => operand.with_bits(layout::used_bits(ty)),
         None => operand,
     })
+}
+
+/// Whether the bits from 0 on are all of a data block.
+fn holds_all(members: &[Member], bits: u32) -> bool {
+    let end = |member: &Member| member.byte * 8 + u32::from(member.bit) + layout::used_bits(&member.ty);
+    !members.is_empty() && members.iter().all(|member| end(member) <= bits)
 }
 
 /// `.member[3].other` of what begins at bit `start` and has so many bits.
@@ -91,7 +100,7 @@ fn path_in(ty: &DataType, start: u32, bits: u32) -> Option<String> {
     }
     match ty {
         DataType::Struct(structure) => path(&structure.members, start, bits),
-        DataType::Array(array) => {
+        DataType::Array(array) if bits <= layout::used_bits(ty).saturating_sub(start) => {
             let count = layout::element_count(&array.bounds);
             let begin = |index: u64| {
                 let (byte, bit) = layout::element_place(array, index);
@@ -104,23 +113,33 @@ fn path_in(ty: &DataType, start: u32, bits: u32) -> Option<String> {
                 if begin(middle) <= start { low = middle + 1 } else { high = middle }
             }
             let index = low.checked_sub(1)?;
+            let (indices, bits) = indices(array, index, bits);
             let rest = path_in(&array.element, start - begin(index), bits)?;
-            Some(format!("[{}]{rest}", indices(&array.bounds, index)))
+            Some(format!("[{indices}]{rest}"))
         }
         _ => None,
     }
 }
 
-/// The indices of element number `index`.
-fn indices(bounds: &[(i32, i32)], mut index: u64) -> String {
+/// The indices of element number `index`, and the bits that are used in one element, if `bits` are used from there on. An index over
+/// whose distance the bits reach is computed, any one of its dimension: `*`.
+fn indices(array: &ArrayType, mut index: u64, mut bits: u32) -> (String, u32) {
     let mut texts = Vec::new();
-    for &(low, high) in bounds.iter().rev() {
+    let mut after = layout::element_count(&array.bounds);
+    for (dimension, &(low, high)) in array.bounds.iter().enumerate() {
         let length = (i64::from(high) - i64::from(low) + 1).max(1) as u64;
-        texts.push((i64::from(low) + (index % length) as i64).to_string());
-        index /= length;
+        after /= length;
+        let (number, distance) = (index / after.max(1), layout::distance(array, dimension));
+        index %= after.max(1);
+        let reach = distance.saturating_mul(u32::try_from(length - 1).unwrap_or(u32::MAX));
+        if number == 0 && length > 1 && bits > distance && bits > reach {
+            bits -= reach;
+            texts.push("*".to_string());
+        } else {
+            texts.push((i64::from(low) + number as i64).to_string());
+        }
     }
-    texts.reverse();
-    texts.join(",")
+    (texts.join(","), bits)
 }
 
 pub(crate) fn unused(program: &Program, found: &[Found]) -> Vec<UnusedSymbol> {
