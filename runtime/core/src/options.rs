@@ -98,6 +98,9 @@ pub struct RunOptions {
     /// S7-200: stop also on errors that leave a real CPU in RUN
     #[arg(long)]
     pub stop_on_error: bool,
+    /// Somebody only looks: the run leaves no trace in the files of the program, and may end before a scenario does. Not a flag.
+    #[arg(skip)]
+    pub looks: bool,
 }
 
 /// How a program starts.
@@ -132,6 +135,9 @@ impl RunOptions {
         }
         // A warm or a cold restart in between takes nothing from the next hot one.
         config.retain.for_hot |= config.startup == 101;
+        if self.looks {
+            config.retain.file = None;
+        }
         match self.restart {
             None => {}
             Some(Restart::Warm) => config.startup = 100,

@@ -51,6 +51,7 @@ fn show(args: &StatusArgs) -> Result<(Bound, Status, u8), u8> {
         scenario: args.scenario.clone(),
         force: args.force.clone(),
         quiet: true,
+        looks: true,
         ..RunOptions::default()
     };
     let (seen, ended) = run(&bound, choice, &options)?;

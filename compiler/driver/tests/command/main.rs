@@ -13,4 +13,5 @@ mod partial;
 mod partners;
 mod rename;
 mod stations;
+mod status;
 mod view;

@@ -26,6 +26,7 @@ use crate::options::{ClockKind, HANG_LIMIT_DEFAULT, Restart, RunOptions};
 use crate::probe::Watcher;
 use crate::records::store::{self, Store};
 use crate::remote::{self, Remote};
+use crate::testing::NOT_REACHED;
 use crate::trace::Recorder;
 use crate::{diagnostics, files, realtime, report};
 pub use debugged::{Ended, for_debugger, run_debugged};
@@ -278,8 +279,10 @@ fn furnish(cpu: &Cpu, options: &RunOptions) -> Result<(), String> {
     if let Some(port) = options.iso_port {
         cpu.communication.borrow_mut().set_iso_port(port);
     }
-    let folder = store::folder(options.data.as_deref(), cpu.image.config.data_folder.as_deref());
-    cpu.set_store(Store::new(folder));
+    if !options.looks {
+        let folder = store::folder(options.data.as_deref(), cpu.image.config.data_folder.as_deref());
+        cpu.set_store(Store::new(folder));
+    }
     // After a restart the file goes on.
     if let (Some(path), false) = (&options.alarm_log, cpu.is_restarted) {
         let file = files::writable(path).and_then(|()| File::create(path));
@@ -383,6 +386,9 @@ fn finish(cpu: &Cpu, options: &RunOptions, mut session: Session, cycles: u64) ->
 fn verdict(cpu: &Cpu, options: &RunOptions, session: &Session, cycles: u64) -> (Vec<String>, bool) {
     let (mut lines, mut fault) = (Vec::new(), false);
     for failure in session.player.failures() {
+        if options.looks && failure.left == NOT_REACHED {
+            continue;
+        }
         let place = failure.place().map(|place| format!(" {place}")).unwrap_or_default();
         let beside = match failure.beside.is_empty() {
             true => String::new(),
