@@ -32,12 +32,12 @@ impl Declarations<'_> {
                     }
                 }
             }
-            Bound::Name(name, span) => self.constant_number(name).or_else(|| self.not_a_constant(name, *span)),
+            Bound::Name(name, span) => self.constant_number(name).or_else(|| self.unknown_bound(name, *span)),
             Bound::Path(path) => match path.name() {
-                Some(name) => self.constant_number(name).or_else(|| self.not_a_constant(name, path.span)),
+                Some(name) => self.constant_number(name).or_else(|| self.unknown_bound(name, path.span)),
                 None => {
                     let text = self.globals.text(path.span);
-                    self.not_a_constant(&text, path.span)
+                    self.unknown_bound(&text, path.span)
                 }
             },
         }
@@ -50,7 +50,13 @@ impl Declarations<'_> {
         constant.and_then(Constant::integer).and_then(|number| i64::try_from(number).ok())
     }
 
-    /// Reports a name that is not a constant, where one is needed.
+    /// Reports a name that is not a constant, in a declaration.
+    fn unknown_bound<T>(&mut self, name: &str, span: Span) -> Option<T> {
+        self.globals.unknown_constant(name, false, span);
+        None
+    }
+
+    /// Reports a name that is not a constant, as the index of a statement.
     pub fn not_a_constant<T>(&mut self, name: &str, span: Span) -> Option<T> {
         if self.types.scope.scl || self.globals.input.partial {
             self.globals.unknown_constant(name, false, span);
