@@ -295,6 +295,95 @@ END_ORGANIZATION_BLOCK
     assert_eq!(results, [(4, 0)], "{:?}", outcomes.iter().map(|one| &one.failures).collect::<Vec<_>>());
 }
 
+/// The texts of comments in a document, in its order; those without text are left out.
+fn comments_of(document: &str) -> Vec<String> {
+    let tree = roxmltree::Document::parse(document).expect("it is XML");
+    let mut found = Vec::new();
+    for node in tree.descendants() {
+        let name = node.tag_name().name();
+        if matches!(name, "Comment" | "LineComment") || node.attribute("CompositionName") == Some("Comment") {
+            let is_text = |name: &str| matches!(name, "Text" | "MultiLanguageText");
+            let texts = node.descendants().filter(|part| is_text(part.tag_name().name()));
+            found.push(texts.filter_map(|part| part.text()).map(str::trim).collect::<String>());
+        }
+    }
+    found.retain(|text| !text.is_empty());
+    found
+}
+
+/// Each comment is once in the document, with the block, component, network or statement that it is about.
+#[test]
+fn comments_belong_to_what_they_are_about() {
+    let source = r#"TYPE "Motor"
+VERSION : 0.1
+//about the type
+// in two lines
+   STRUCT
+      // above speed
+      speed : Int := 1;   // of speed
+      on : Bool;
+   END_STRUCT;
+END_TYPE
+
+DATA_BLOCK "Store"
+VERSION : 0.1
+//about the block
+   STRUCT
+      level : Int;   // of level
+      // after the last
+   END_STRUCT;
+BEGIN
+   level := 3; // the start value
+END_DATA_BLOCK
+
+FUNCTION "Empty" : Void
+VERSION : 0.1
+//about the function
+BEGIN
+  // one statement
+  RETURN;
+END_FUNCTION
+"#;
+    let (unit, messages) = plcc_readers::parse(FileId::default(), source, &ReadOptions::default());
+    assert!(!has_errors(&messages), "{messages:#?}");
+    let library = plcc_convert::xml::Library::new(std::iter::once(&unit));
+    let trivia = Trivia::new(source, scl::comments(source), false);
+    let (document, messages) = plcc_convert::xml::write(&unit, &library, trivia, Some(source));
+    assert!(!has_errors(&messages), "{messages:#?}");
+    let wanted = [
+        "above speed\nof speed",
+        "about the type\nin two lines",
+        "of level",
+        "about the block\nafter the last\nthe start value",
+        "one statement",
+        "about the function",
+    ];
+    assert_eq!(comments_of(&document), wanted, "{document}");
+    // Lines of a comment stay comments.
+    let (again, messages) = plcc_readers::parse(FileId::default(), &document, &ReadOptions::default());
+    assert!(!has_errors(&messages), "{messages:#?}");
+    let others = plcc_convert::scl::Others::Refused;
+    let (written, messages) = plcc_convert::scl::write(&again, Trivia::none(), again.overlay.as_deref(), others);
+    assert!(!has_errors(&messages), "{messages:#?}");
+    assert!(written.contains("    // above speed\n    // of speed\n    speed : INT := 1;\n"), "{written}");
+    let (_, messages) = plcc_readers::parse(FileId::default(), &written, &ReadOptions::default());
+    assert!(!has_errors(&messages), "{messages:#?}");
+}
+
+/// The comment of a network of STL is not that of its first statement, too.
+#[test]
+fn comments_of_networks_of_stl_are_written_once() {
+    let source = "FUNCTION \"F\" : VOID\n//about F\nVERSION : 0.1\nBEGIN\nNETWORK\nTITLE =Lamp\n//about the network\n      \
+                  A     I 0.0; // of the row\n      //on its own\n      =     Q 4.0;\nEND_FUNCTION\n";
+    let (unit, messages) = plcc_readers::parse(FileId::default(), source, &ReadOptions::default());
+    assert!(!has_errors(&messages), "{messages:#?}");
+    let library = plcc_convert::xml::Library::new(std::iter::once(&unit));
+    let trivia = Trivia::new(source, stl::comments(source), false);
+    let (document, messages) = plcc_convert::xml::write(&unit, &library, trivia, None);
+    assert!(!has_errors(&messages), "{messages:#?}");
+    assert_eq!(comments_of(&document), ["of the row", "on its own", "about the network", "about F"], "{document}");
+}
+
 /// One in four sources; all of them with `PLCC_ALL_SOURCES=1`.
 #[test]
 fn sources_as_xml_mean_the_same() {

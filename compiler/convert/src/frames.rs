@@ -248,6 +248,12 @@ impl Writer<'_> {
 
     fn variable(&mut self, variable: &Variable) {
         self.remarks_before(variable.name_span.start);
+        let own = variable.comment.as_ref();
+        // After the declaration there is room for one line.
+        let is_long = self.notation != Notation::Gr7 && own.is_some_and(|comment| comment.contains('\n'));
+        if let Some(comment) = own.filter(|_| is_long) {
+            comment.lines().for_each(|line| self.out.line(format!("// {}", line.trim()).trim_end()));
+        }
         let mut head = names::declared(&variable.name);
         if !variable.attributes.is_empty() && self.notation == Notation::Sd {
             let list = variable.attributes.iter().map(|(key, value)| format!("{key} := \"{value}\""));
@@ -277,15 +283,14 @@ impl Writer<'_> {
             }
         }
         let end = variable.initial.as_ref().map_or(variable.ty.span.end, |value| value.span.end);
-        let own = variable.comment.as_ref();
-        if let Some(comment) = own {
+        if let Some(comment) = own.filter(|_| !is_long) {
             self.out.trail(&match self.notation {
                 Notation::Gr7 => format!("(* {} *)", comment.replace("*)", "* )")),
                 Notation::Stl | Notation::Scl | Notation::Sd | Notation::St => format!("// {comment}"),
             });
         }
         let mut remarks = self.trivia.on_line(end.max(variable.name_span.end));
-        remarks.retain(|remark| own.is_none_or(|own| bare(&remark.text) != *own));
+        remarks.retain(|remark| own.is_none_or(|own| bare(&remark.text) != *own && !has_lines(&remark.text, own)));
         self.out.remarks(&remarks);
     }
 
@@ -454,7 +459,7 @@ impl Writer<'_> {
     }
 
     /// Whether a comment was written with what it describes; each only once.
-    fn is_written(&mut self, text: &str) -> bool {
+    pub(crate) fn is_written(&mut self, text: &str) -> bool {
         let text = bare(text);
         match self.written.iter().position(|known| *known == text) {
             Some(at) => {
@@ -482,6 +487,11 @@ fn structure(ty: &TypeRef) -> Option<&[Variable]> {
 
 fn attribute(key: &str, value: &str) -> String {
     format!("{key} := '{value}'")
+}
+
+/// Whether the lines with `//` are those of a comment.
+fn has_lines(text: &str, comment: &str) -> bool {
+    text.lines().map(bare).eq(comment.lines().map(|line| line.trim().to_string()))
 }
 
 /// A comment without `//` or its brackets.

@@ -109,10 +109,11 @@ fn member(variable: &Variable, library: &Library, writer: &mut Writer) -> Node {
     }
     let end = variable.initial.as_ref().map_or(variable.ty.span.end, |value| value.span.end);
     let mut remarks = writer.trivia.before(variable.name_span.start);
-    remarks.extend(writer.trivia.on_line(end.max(variable.name_span.end)));
-    let mut comments: Vec<String> = variable.comment.iter().cloned().collect();
-    for remark in &remarks {
-        let text = bare(&remark.text);
+    remarks.retain(|remark| !writer.is_written(&remark.text));
+    let mut comments: Vec<String> = Vec::new();
+    let beside = writer.trivia.on_line(end.max(variable.name_span.end));
+    let texts = remarks.iter().map(|remark| bare(&remark.text)).chain(variable.comment.clone());
+    for text in texts.chain(beside.iter().map(|remark| bare(&remark.text))) {
         if !comments.contains(&text) {
             comments.push(text);
         }

@@ -172,6 +172,16 @@ impl Ids {
 }
 
 impl Writer<'_> {
+    /// The comments of a header, which ends where one of the words begins that open declarations. What the header holds as its comment is
+    /// not among them, and not met again.
+    fn header_lines(&mut self, header: &Header, from: u32, words: &[&str], first: u32) -> Vec<String> {
+        self.written.clone_from(&header.comment);
+        let opening = words.iter().find_map(|word| self.trivia.word(word, from, first));
+        let mut lines = opening.map_or_else(Vec::new, |at| self.lines_before(at));
+        lines.retain(|line| !self.is_written(line));
+        lines
+    }
+
     /// The comments before byte `at`, without their brackets.
     pub(crate) fn lines_before(&mut self, at: u32) -> Vec<String> {
         let remarks = self.trivia.before(at);
@@ -285,8 +295,9 @@ fn multilingual_lines(name: &'static str, lines: &[String]) -> Node {
     }
 }
 
-fn texts(header: &Header, before: Vec<String>, ids: &mut Ids) -> Vec<Node> {
-    let comment: Vec<String> = before.into_iter().chain(header.comment.iter().cloned()).collect();
+/// The title and the comment of a block: `before` its own comment and `after` it there may be others.
+fn texts(header: &Header, before: Vec<String>, after: Vec<String>, ids: &mut Ids) -> Vec<Node> {
+    let comment: Vec<String> = before.into_iter().chain(header.comment.iter().cloned()).chain(after).collect();
     let mut found = vec![multilingual("Comment", &comment.join("\n"), ids)];
     if let Some(title) = &header.title {
         found.push(multilingual("Title", title, ids));
@@ -296,6 +307,7 @@ fn texts(header: &Header, before: Vec<String>, ids: &mut Ids) -> Vec<Node> {
 
 fn code(block: &CodeBlock, before: Vec<String>, library: &Library, ids: &mut Ids, writer: &mut Writer) -> Option<Node> {
     check_header(&block.name, &block.header, writer);
+    writer.written.clone_from(&block.header.comment);
     let kind = match block.kind {
         CodeKind::Ob => "SW.Blocks.OB",
         CodeKind::Fc | CodeKind::Sfc => "SW.Blocks.FC",
@@ -323,6 +335,7 @@ fn code(block: &CodeBlock, before: Vec<String>, library: &Library, ids: &mut Ids
         }
         Code::Stl(networks) => {
             for network in networks {
+                writer.written.extend_from_slice(&network.comment);
                 let source = stl::statements(&network.statements, block, library, writer);
                 units.push(unit("STL", Some(source), network.title.as_deref(), &network.comment, ids));
             }
@@ -340,8 +353,9 @@ fn code(block: &CodeBlock, before: Vec<String>, library: &Library, ids: &mut Ids
             "GRAPH"
         }
     };
+    let after = writer.lines_before(block.span.end);
     let mut list = Node::new("ObjectList").children(units);
-    list.children.extend(texts(&block.header, before, ids));
+    list.children.extend(texts(&block.header, before, after, ids));
     let mut attributes = attributes(&block.name, &block.header, Some(interface), language);
     if let Code::Chart(chart) = &block.code {
         chart::settings(chart, &mut attributes, writer);
@@ -406,7 +420,7 @@ fn unit(language: &str, source: Option<Node>, title: Option<&str>, comment: &[St
 
 fn data_type(
     block: &TypeBlock,
-    before: Vec<String>,
+    mut before: Vec<String>,
     library: &Library,
     ids: &mut Ids,
     writer: &mut Writer,
@@ -416,16 +430,31 @@ fn data_type(
         writer.refuse(alias.span, title, "write the type where it is used");
         return None;
     }
+    let first = block.members.first().map_or(block.span.end, |member| member.name_span.start);
+    before.extend(writer.header_lines(&block.header, block.name.span().end, &["STRUCT"], first));
     let interface = interface::of_members("None", &block.members, &[], library, writer);
+    let after = writer.lines_before(block.span.end);
     check_header(&block.name, &block.header, writer);
     let mut list = attributes(&block.name, &block.header, Some(interface), "");
     list.children.retain(|child| !matches!(child.name, "AutoNumber" | "ProgrammingLanguage"));
-    let texts = Node::new("ObjectList").children(texts(&block.header, before, ids));
+    let texts = Node::new("ObjectList").children(texts(&block.header, before, after, ids));
     Some(Node::new("SW.Types.PlcStruct").with("ID", ids.next()).child(list).child(texts))
 }
 
-fn data(block: &DataBlock, before: Vec<String>, library: &Library, ids: &mut Ids, writer: &mut Writer) -> Option<Node> {
+fn data(
+    block: &DataBlock,
+    mut before: Vec<String>,
+    library: &Library,
+    ids: &mut Ids,
+    writer: &mut Writer,
+) -> Option<Node> {
     check_header(&block.name, &block.header, writer);
+    let first = match &block.content {
+        DataContent::Struct(members) => members.first().map(|member| member.name_span.start),
+        DataContent::OfType(_) | DataContent::Array(..) | DataContent::Empty => None,
+    };
+    let first = first.unwrap_or(block.span.end);
+    before.extend(writer.header_lines(&block.header, block.name.span().end, &["STRUCT", "VAR", "BEGIN"], first));
     let (kind, interface, mut more) = match &block.content {
         DataContent::Struct(members) => {
             let all = || -> Vec<String> { members.iter().map(|member| member.name.clone()).collect() };
@@ -475,8 +504,9 @@ fn data(block: &DataBlock, before: Vec<String>, library: &Library, ids: &mut Ids
             ("SW.Blocks.ArrayDB", interface::of_members("Static", &[], &[], library, writer), more)
         }
     };
+    let after = writer.lines_before(block.span.end);
     let mut list = attributes(&block.name, &block.header, Some(interface), "DB");
     list.children.append(&mut more);
-    let texts = Node::new("ObjectList").children(texts(&block.header, before, ids));
+    let texts = Node::new("ObjectList").children(texts(&block.header, before, after, ids));
     Some(Node::new(kind).with("ID", ids.next()).child(list).child(texts))
 }

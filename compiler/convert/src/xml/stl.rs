@@ -87,7 +87,10 @@ struct Maker<'a, 'w, 't> {
 
 impl Maker<'_, '_, '_> {
     fn statement(&mut self, statement: &Statement, list: &mut Node) {
-        for remark in self.writer.trivia.before(statement.span.start) {
+        let mut remarks = self.writer.trivia.before(statement.span.start);
+        // Those of the block and the network are with them.
+        remarks.retain(|remark| !self.writer.is_written(&remark.text));
+        for remark in remarks {
             for line in remark.text.lines() {
                 let mut row = self.numbered("StlStatement");
                 row.push(self.comment(line));
