@@ -440,11 +440,20 @@ impl<'a> Declarations<'a> {
                 );
                 return;
             }
+            // Constants are looked at before variables, wherever they stand.
+            let is_before = first.file == span.file && first.start > span.start;
+            let (first, second) = if is_before { (span, first) } else { (first, span) };
+            let written = [first, second].map(|span| self.globals.text(span).trim_matches('"').to_owned());
+            let shown = if fold(&written[1]) == fold(name) { written[1].as_str() } else { name };
+            let help = match fold(&written[0]) == fold(shown) && written[0] != shown {
+                true => "upper and lower case are the same in names: give one of them another name",
+                false => "give one of them another name",
+            };
             self.report(
-                Diagnostic::new(Code::DuplicateName, span, format!("`{name}` is declared twice"))
+                Diagnostic::new(Code::DuplicateName, second, format!("`{shown}` is declared twice"))
                     .label("the second declaration")
                     .also(first, "the first declaration")
-                    .help("give one of them another name"),
+                    .help(help),
             );
         }
     }
