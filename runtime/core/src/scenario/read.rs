@@ -211,9 +211,7 @@ impl Reader<'_> {
                 let scale = signal::scale(&address, unit, self.image)?;
                 Ok((Source::Channel(address, scale), Value::Number(number(middle)?), tolerance.abs()))
             }
-            (Source::Bits(_), None) => {
-                Err("a tolerance needs a number: write `50 +- 2 %`, or `\"Level as REAL\" = \"50 +- 2\"`".to_string())
-            }
+            (Source::Bits(address), None) => Err(without_type(name, text.trim(), address.width.bits())),
             (
                 Source::Typed(..)
                 | Source::Channel(..)
@@ -300,6 +298,22 @@ fn flatten<'a>(name: &str, value: &'a toml::Value, offset: usize, flat: &mut Vec
         }
         value => flat.push((name.to_string(), value, offset)),
     }
+}
+
+/// What to write for a tolerance of an address without a type, with so many bits.
+fn without_type(name: &str, text: &str, bits: u32) -> String {
+    let ty = match (bits, text.contains('.')) {
+        (1, _) => return "a bit has no tolerance: write `true` or `false`".to_string(),
+        (8, _) => "SINT",
+        (16, false) => "INT",
+        (16, true) => return format!("a tolerance needs a type or a unit: write `\"{text} %\"` for an analog channel"),
+        (32, false) => "DINT",
+        (32, true) => "REAL",
+        _ => "LREAL",
+    };
+    let quote = if name.contains('"') { '\'' } else { '"' };
+    let channel = if bits == 16 { format!(", or `\"{text} %\"` for an analog channel") } else { String::new() };
+    format!("a tolerance needs a type: write `{quote}{name} as {ty}{quote} = \"{text}\"`{channel}")
 }
 
 /// A TOML value as the text that `value::parse` takes.

@@ -54,6 +54,26 @@ fn addresses_outside_are_told_before_the_run() {
 }
 
 #[test]
+fn a_tolerance_of_bits_needs_a_type() {
+    let cpu = cpu(Vec::new());
+    let told = |line: &str| {
+        let scenario = Scenario::parse("s.toml", &format!("[[at]]\ncycle = 1\nexpect = {{ {line} }}\n"), &cpu.image);
+        scenario.and_then(|scenario| Player::new(scenario, &cpu).map(|_| ())).unwrap_err()
+    };
+    for (line, message) in [
+        ("\"MD20\" = \"0.45 +- 0.1\"", "MD20: a tolerance needs a type: write `\"MD20 as REAL\" = \"0.45 +- 0.1\"`"),
+        ("\"MD20\" = \"50 +- 1\"", "MD20: a tolerance needs a type: write `\"MD20 as DINT\" = \"50 +- 1\"`"),
+        (
+            "\"MW20\" = \"50 +- 1\"",
+            "MW20: a tolerance needs a type: write `\"MW20 as INT\" = \"50 +- 1\"`, or `\"50 +- 1 %\"` for an analog channel",
+        ),
+        ("\"Q0.0\" = \"1 +- 1\"", "Q0.0: a bit has no tolerance: write `true` or `false`"),
+    ] {
+        assert_eq!(told(line), format!("s.toml:3: {message}"));
+    }
+}
+
+#[test]
 fn sleep_in_one_block_and_wait_in_another() {
     let ob1: Block = Box::new(|cpu, _| {
         cpu.pass_time(1_000_000_000, false);
