@@ -10,8 +10,8 @@ use lsp_server::{Connection, Message, Notification, Request};
 use lsp_types::{
     CodeActionProviderCapability, CompletionOptions, DidChangeTextDocumentParams, DidCloseTextDocumentParams,
     DidOpenTextDocumentParams, HoverProviderCapability, OneOf, PublishDiagnosticsParams, SemanticTokensFullOptions,
-    SemanticTokensLegend, SemanticTokensOptions, ServerCapabilities, SignatureHelpOptions, TextDocumentSyncCapability,
-    TextDocumentSyncKind,
+    SemanticTokensLegend, SemanticTokensOptions, ServerCapabilities, SignatureHelpOptions, TextDocumentIdentifier,
+    TextDocumentSyncCapability, TextDocumentSyncKind,
 };
 use plcc_diag::{Diagnostic, FileId, SourceFile, SourceMap};
 use plcc_readers::ReadOptions;
@@ -76,6 +76,7 @@ pub fn serve(connection: &Connection, host: Arc<dyn Host>) -> Result<(), String>
         slow: BTreeSet::new(),
         stale: BTreeSet::new(),
         running: BTreeSet::new(),
+        bound: BTreeSet::new(),
         published: BTreeMap::new(),
         out: connection.sender.clone(),
         finished: sender,
@@ -97,6 +98,8 @@ struct Server {
     slow: BTreeSet<PathBuf>,
     stale: BTreeSet<PathBuf>,
     running: BTreeSet<PathBuf>,
+    /// Programs that were bound at least once: all of their files are known.
+    bound: BTreeSet<PathBuf>,
     /// Files with messages that the editor shows, by program.
     published: BTreeMap<PathBuf, BTreeSet<PathBuf>>,
     out: Sender<Message>,
@@ -115,6 +118,7 @@ impl Server {
                         if connection.handle_shutdown(&request).map_err(|error| error.to_string())? {
                             return Ok(());
                         }
+                        self.await_program(&request, results);
                         self.request(request);
                     }
                     Ok(Message::Notification(note)) => self.notification(note),
@@ -215,7 +219,11 @@ impl Server {
     /// Takes a program that was bound, unless it has changed since.
     fn accept(&mut self, root: PathBuf, checked: Checked) {
         self.running.remove(&root);
-        if self.due.contains_key(&root) || checked.units.is_empty() && checked.diagnostics.is_empty() {
+        if self.due.contains_key(&root) {
+            return;
+        }
+        self.bound.insert(root.clone());
+        if checked.units.is_empty() && checked.diagnostics.is_empty() {
             return;
         }
         let mut shown: BTreeMap<PathBuf, Vec<lsp_types::Diagnostic>> = BTreeMap::new();
@@ -247,6 +255,30 @@ impl Server {
         let note = Notification::new("textDocument/publishDiagnostics".to_owned(), params);
         // A closed connection is seen at the next message.
         let _ = self.out.send(Message::Notification(note));
+    }
+
+    /// Waits for the first check of a program whose other files a request is about: until then only open files are known, and a name
+    /// would be changed in some of its places.
+    fn await_program(&mut self, request: &Request, results: &Receiver<Finished>) {
+        const OF_PROGRAM: [&str; 6] = ["hover", "definition", "references", "rename", "completion", "signatureHelp"];
+        let is_of_program = request.method.strip_prefix("textDocument/").is_some_and(|name| OF_PROGRAM.contains(&name));
+        let document = request.params.get("textDocument").filter(|_| is_of_program);
+        let document = document.and_then(|one| serde_json::from_value::<TextDocumentIdentifier>(one.clone()).ok());
+        let path = document.and_then(|document| text::path(&document.uri));
+        let Some(root) = path.filter(|path| self.open.contains_key(path)).map(|path| self.host.root(&path)) else {
+            return;
+        };
+        while !self.bound.contains(&root) {
+            if !self.running.contains(&root) {
+                self.due.insert(root.clone(), Instant::now());
+                self.start_due();
+                if !self.running.contains(&root) {
+                    return;
+                }
+            }
+            let Ok((root, checked)) = results.recv() else { return };
+            self.accept(root, checked);
+        }
     }
 
     fn request(&mut self, request: Request) {

@@ -288,6 +288,21 @@ fn names_change_everywhere() {
     assert!(rename("level := M|W 10", "x").is_err());
 }
 
+/// Also right after the file was opened, when the others are not read yet.
+#[test]
+fn a_name_is_changed_everywhere_from_the_first_moment_on() {
+    for method in ["rename", "references"] {
+        let mut editor = Editor::new("plant");
+        editor.open("motor.scl");
+        let mut params = editor.position("motor.scl", "  st|art : BOOL");
+        params["newName"] = json!("launch");
+        let found = editor.ask(&format!("textDocument/{method}"), params).to_string();
+        for file in ["motor.scl", "main.stl"] {
+            assert!(found.contains(file), "{method}: {file} in {found}");
+        }
+    }
+}
+
 #[test]
 fn words_and_parameters_are_proposed() {
     let mut editor = Editor::new("plant");
