@@ -74,7 +74,14 @@ impl Writer<'_> {
     fn sd_block(&mut self, block: &CodeBlock, texts: &mut Texts) {
         let Code::Graphic(body) = &block.code else {
             let name = self.block_name(&block.name);
-            return self.refuse(block.name.span(), format!("{name} has no networks"), "convert it to LAD or FBD first");
+            let help = match &block.code {
+                Code::Stl(_) => "write it as networks first, with `--to lad` or `--to fbd`",
+                Code::Scl(_) => {
+                    "if its CPU has STL, write it with `--to stl` first, and that with `--to lad` or `--to fbd`"
+                }
+                Code::Chart(_) | Code::Graphic(_) => "leave it as it is: plcc builds charts and networks together",
+            };
+            return self.refuse(block.name.span(), format!("{name} has no networks"), help);
         };
         let (keyword, end) = match block.kind {
             CodeKind::Ob => ("ORGANIZATION_BLOCK", "END_ORGANIZATION_BLOCK"),

@@ -126,6 +126,18 @@ fn comments_of_networks_are_written_once() {
     assert_eq!((count(&networks, "S7_NetworkComment"), count(&texts, "both")), (2, 2), "{networks}\n{texts}");
 }
 
+/// What to do first with a block that is not in networks depends on its language.
+#[test]
+fn blocks_without_networks_say_what_comes_first() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    fs::write(folder.join("a.scl"), "FUNCTION \"F\" : VOID\nBEGIN\n  RETURN;\nEND_FUNCTION\n").expect("a file");
+    let output = plcc(folder, &["convert", "a.scl", "--to", "lad"]);
+    assert_eq!(output.status.code(), Some(3));
+    let said = text(&output.stderr);
+    assert!(said.contains("write it with `--to stl` first, and that with `--to lad`"), "{said}");
+}
+
 /// LAD, SCL, data blocks and tags as one project, with what the format does not have.
 #[test]
 fn a_program_becomes_one_project_of_plcopen() {
