@@ -337,6 +337,7 @@ BEGIN
 END_DATA_BLOCK
 
 FUNCTION "Empty" : Void
+{ S7_Optimized_Access := 'TRUE' }
 VERSION : 0.1
 //about the function
 BEGIN

@@ -25,8 +25,15 @@ pub fn nearest<'n>(name: &str, names: impl Iterator<Item = &'n str>) -> Option<&
         .filter(|other| other.chars().count().abs_diff(length) <= limit)
         .map(|other| (between(&wanted, &fold(other)), other))
         .filter(|(distance, _)| *distance <= limit)
+        // One other letter of two leaves no likeness either: `CV` is not meant by `CD`.
+        .filter(|(_, other)| length > 2 || other.chars().count() != 2 || is_swapped(&wanted, &fold(other)))
         .min()
         .map(|(_, other)| other)
+}
+
+/// The same letters, perhaps in another order.
+fn is_swapped(a: &str, b: &str) -> bool {
+    a == b || a.chars().rev().eq(b.chars())
 }
 
 #[cfg(test)]
@@ -40,6 +47,9 @@ mod tests {
         assert_eq!(nearest("a", ["b"].into_iter()), None);
         assert_eq!(nearest("viod", ["ltod", "void"].into_iter()), Some("void"));
         assert_eq!(nearest("tonn", ["dint"].into_iter()), None);
+        assert_eq!(nearest("cd", ["cv", "cu"].into_iter()), None);
+        assert_eq!(nearest("vp", ["cv", "pv"].into_iter()), Some("pv"));
+        assert_eq!(nearest("tp", ["tpx"].into_iter()), Some("tpx"));
     }
 
     #[test]

@@ -159,6 +159,18 @@ pub fn comments_and_regions(text: &str) -> Vec<front::Comment> {
     };
     all.extend(raw.regions.iter().map(line));
     all.sort_by_key(|one| one.start);
+    // A comment after a region on its line stays there.
+    all.dedup_by(|comment, region| {
+        let gap = text.get(region.end as usize..comment.start as usize);
+        let joins = region.form == CommentForm::Line
+            && comment.form == CommentForm::Line
+            && raw.regions.binary_search_by_key(&region.start, |one| one.start).is_ok()
+            && gap.is_some_and(|gap| !gap.contains('\n'));
+        if joins {
+            region.end = comment.end;
+        }
+        joins
+    });
     all
 }
 
