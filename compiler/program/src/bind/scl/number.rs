@@ -40,7 +40,7 @@ impl SclBinder<'_, '_> {
                 let nodes = pins.numbered("IN1");
                 let values: Vec<Option<Value>> = nodes.iter().map(|node| self.value(ctx, node)).collect();
                 let values: Vec<Value> = values.into_iter().collect::<Option<_>>()?;
-                if let Some(kind) = values.iter().find_map(ordered_kind) {
+                if let Some(kind) = ordered_kind(&values) {
                     let name = if op == BinaryOp::Min { "MIN" } else { "MAX" };
                     let mut values = values.into_iter();
                     let mut best = values.next()?;
@@ -61,7 +61,7 @@ impl SclBinder<'_, '_> {
                 let nodes = [pins.get("MN")?, pins.get("IN")?, pins.get("MX")?];
                 let values = nodes.map(|node| self.value(ctx, node));
                 let values: Vec<Value> = values.into_iter().collect::<Option<_>>()?;
-                if let Some(kind) = values.iter().find_map(ordered_kind) {
+                if let Some(kind) = ordered_kind(&values) {
                     return self.instruction_value(ctx, &format!("LIMIT_{kind}"), values, span);
                 }
                 let (arguments, ty) = self.alike_values(ctx, values, suffix)?;
@@ -71,7 +71,7 @@ impl SclBinder<'_, '_> {
                 let selector = self.of_type(ctx, pins.get("G")?, Elementary::Bool);
                 let values = [pins.get("IN0")?, pins.get("IN1")?].map(|node| self.value(ctx, node));
                 let values: Vec<Value> = values.into_iter().collect::<Option<_>>()?;
-                if let Some(kind) = values.iter().find_map(complex_kind) {
+                if let Some(kind) = complex_kind(&values) {
                     let inputs = std::iter::once(Value::Elementary(selector?)).chain(values).collect();
                     return self.instruction_value(ctx, &format!("SEL_{kind}"), inputs, span);
                 }
@@ -218,7 +218,7 @@ impl SclBinder<'_, '_> {
         nodes.extend(otherwise);
         let values: Vec<Option<Value>> = nodes.iter().map(|node| self.value(ctx, node)).collect();
         let values: Vec<Value> = values.into_iter().collect::<Option<_>>()?;
-        if let Some(kind) = values.iter().find_map(complex_kind) {
+        if let Some(kind) = complex_kind(&values) {
             return self.mux_by_selection(ctx, kind, selector?, values, otherwise.is_some(), span);
         }
         let (mut arguments, ty) = self.alike_values(ctx, values, suffix)?;
@@ -516,12 +516,18 @@ impl SclBinder<'_, '_> {
 }
 
 /// The block for MIN, MAX and LIMIT of values that are not single values.
-fn ordered_kind(value: &Value) -> Option<&'static str> {
-    complex_kind(value).filter(|kind| *kind != "DT")
+fn ordered_kind(values: &[Value]) -> Option<&'static str> {
+    let of_variables = values.iter().filter_map(own_kind).find(|kind| *kind != "DT");
+    of_variables.or_else(|| constant_kind(values)).filter(|kind| *kind != "DT")
 }
 
 /// The block for SEL of values that are not single values.
-fn complex_kind(value: &Value) -> Option<&'static str> {
+fn complex_kind(values: &[Value]) -> Option<&'static str> {
+    values.iter().find_map(own_kind).or_else(|| constant_kind(values))
+}
+
+/// What a value is that is not a single value; a constant of a date is what the others are.
+fn own_kind(value: &Value) -> Option<&'static str> {
     match value {
         Value::Complex { ty: DataType::DateAndTime, .. } => Some("DT"),
         Value::Complex { ty: DataType::Struct(structure), .. } if is_dtl(structure) => Some("DTL"),
@@ -529,6 +535,14 @@ fn complex_kind(value: &Value) -> Option<&'static str> {
         value if is_long_text(value) => Some("STRING"),
         _ => None,
     }
+}
+
+/// What constants of dates are if there is nothing else.
+fn constant_kind(values: &[Value]) -> Option<&'static str> {
+    let of_dtl = |value: &Value| matches!(value, Value::Constant(Constant::Dtl(_), _));
+    let is_date = |value: &Value| of_dtl(value) || matches!(value, Value::Constant(Constant::DateAndTime(_), _));
+    let kind = if values.iter().any(of_dtl) { "DTL" } else { "DT" };
+    (!values.is_empty() && values.iter().all(is_date)).then_some(kind)
 }
 
 /// True of a text of more than one character.
