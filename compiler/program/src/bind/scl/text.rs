@@ -31,6 +31,7 @@ const CLASSIC: &[(&str, &str)] = &[
     ("STRING_TO_REAL", "STRNG_R"),
     ("DT_TO_DATE", "DT_DATE"),
     ("DT_TO_TOD", "DT_TOD"),
+    ("STRING_TO_CHAR", "STRING_TO_CHAR_V5"),
 ];
 
 /// True of `X_TO_Y` (upper case) where one of the types is not a single value.
