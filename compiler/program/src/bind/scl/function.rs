@@ -286,7 +286,7 @@ impl SclBinder<'_, '_> {
             Named::Convert { .. } | Named::Bcd(_) | Named::Text(_) if self.misnamed_input(ctx, given, name) => {
                 return None;
             }
-            Named::Convert { from, to } => return self.conversion(ctx, *from, *to, given, span),
+            Named::Convert { from, to } => return self.conversion(ctx, *from, *to, given, name, span),
             Named::Bcd(name) => return self.bcd_conversion(ctx, name, given, span),
             Named::Text(function) => return self.text_conversion(ctx, function, given, name, span),
         };

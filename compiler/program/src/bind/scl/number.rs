@@ -11,7 +11,7 @@ use super::function::{Kind, Row};
 use super::message::described;
 use super::numeric::{self, Shape};
 use super::pins::Pins;
-use super::text::is_wide_text;
+use super::text::{is_wide_text, several_bytes, short};
 use super::value::Value;
 use super::{Rules, constant};
 use crate::bind::scl::{SclBinder, SclBlock};
@@ -409,6 +409,7 @@ impl SclBinder<'_, '_> {
         from: Option<Elementary>,
         to: Elementary,
         given: &[Given],
+        name: Span,
         span: Span,
     ) -> Option<Value> {
         let node = self.only_argument(ctx, given, span)?;
@@ -416,7 +417,14 @@ impl SclBinder<'_, '_> {
             Some(from) => self.of_type(ctx, node, from)?,
             None => {
                 let value = self.value(ctx, node)?;
-                self.own_type(ctx, value)?
+                // Of a text, or a date of several words: `TO_INT(#text)`, `TO_DATE(#dtl)`.
+                match several_bytes(&value) {
+                    Some(own) => match self.converted_text(ctx, &own, short(to.name()), value, name, span) {
+                        Ok(value) => return value,
+                        Err(value) => self.own_type(ctx, value)?,
+                    },
+                    None => self.own_type(ctx, value)?,
+                }
             }
         };
         let from = value.ty;

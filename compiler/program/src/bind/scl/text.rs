@@ -7,6 +7,7 @@ use plcc_syntax::scl::ast::{Argument as Given, Expr as Node, ExprKind as NodeKin
 
 use super::call::{Callee, is_result};
 use super::function::Named;
+use super::numeric::Shape;
 use super::pins::Pins;
 use super::reference::{argument, bare};
 use super::value::Value;
@@ -45,7 +46,7 @@ pub fn is_conversion(name: &str) -> bool {
 }
 
 /// A type's name in names of conversions, shortened.
-fn short(word: &str) -> &str {
+pub fn short(word: &str) -> &str {
     match word {
         "DATE_AND_TIME" => "DT",
         "TIME_OF_DAY" => "TOD",
@@ -73,6 +74,12 @@ pub fn type_word(value: &Value) -> Option<String> {
         _ => return None,
     };
     Some(word.to_string())
+}
+
+/// The type of a text or a date that is not a single value, as in names of conversions.
+pub fn several_bytes(value: &Value) -> Option<String> {
+    let is_single = matches!(Shape::of(value), Shape::Letter | Shape::Of(_));
+    type_word(value).filter(|word| !is_single && WORDS.contains(&word.as_str()))
 }
 
 /// Like [`type_word`], for a type.
