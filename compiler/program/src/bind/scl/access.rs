@@ -17,10 +17,11 @@ use crate::bind::declarations::path::{self, Resolved, Variable, type_of_width};
 use crate::bind::globals::names::code_kind;
 use crate::bind::scl::message::DEPTH_MAX;
 use crate::bind::scl::{SclBinder, SclBlock};
+use plcc_binding::constant::Constant;
 use plcc_binding::fold;
 use plcc_model::layout;
 use plcc_model::scl::{Access, Complex, Expr, ExprKind, IndexedArea, Part};
-use plcc_model::types::{DataType, ParameterType};
+use plcc_model::types::{DTL, DataType, ParameterType};
 use plcc_model::{BlockKey, Number};
 use plcc_syntax::symbols::SymbolTarget;
 
@@ -484,6 +485,7 @@ impl SclBinder<'_, '_> {
                 self.refuse(Code::UnknownMember, base, &title, "its data are in its instances", &help);
                 None
             }
+            Thing::Constant(Constant::Dtl(bytes)) => self.dtl_component(bytes, name),
             Thing::Constant(_)
             | Thing::Cell { .. }
             | Thing::Block { .. }
@@ -498,6 +500,19 @@ impl SclBinder<'_, '_> {
                 None
             }
         }
+    }
+
+    /// `#start.YEAR` of a constant, which is not in memory.
+    fn dtl_component(&mut self, bytes: [u8; 12], name: &Name) -> Option<Thing> {
+        let DataType::Struct(structure) = self.program.predefined(DTL, name.span)?.ty else { return None };
+        let Some(member) = self.program.types.member(&structure, &name.text) else {
+            self.program.unknown_member(&structure, &name.text, name.span);
+            return None;
+        };
+        let DataType::Elementary(ty) = member.ty else { return None };
+        let own = bytes.iter().skip(member.byte as usize).take(ty.bits() as usize / 8);
+        let bits = own.fold(0, |bits, byte| (bits << 8) | u64::from(*byte));
+        Some(Thing::Constant(Constant::Typed { ty, bits }))
     }
 
     /// A data block as one structure.
