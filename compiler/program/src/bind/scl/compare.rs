@@ -211,6 +211,9 @@ impl SclBinder<'_, '_> {
         span: Span,
     ) -> Option<Expr> {
         let equality = matches!(op, CompareOp::Equal | CompareOp::NotEqual);
+        if equality && let Some(compared) = self.compared_references(ctx, op, &left, &right, span) {
+            return compared;
+        }
         let variables = match (&left, &right) {
             (
                 Value::Complex { value: Complex::Variable(a), ty: x, .. },

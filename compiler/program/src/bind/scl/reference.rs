@@ -8,6 +8,7 @@ use plcc_syntax::scl::ast::{Argument, AssignOp, Expr as Node, ExprKind as NodeKi
 use plcc_syntax::{Class, Elementary};
 
 use super::Intent;
+use super::compare::comparison;
 use super::expression::constant_expr;
 use super::place::{Root, Spot};
 use super::value::Value;
@@ -15,7 +16,7 @@ use crate::bind::declarations::pointer::pointed_at;
 use crate::bind::declarations::reference::reference_to;
 use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_model::layout;
-use plcc_model::scl::{Base, CompareOp, Expr, ExprKind, IndexedArea};
+use plcc_model::scl::{Access, Base, CompareOp, Complex, Expr, ExprKind, IndexedArea};
 use plcc_model::types::DataType;
 use plcc_model::{Place, Pointed};
 
@@ -171,7 +172,7 @@ impl SclBinder<'_, '_> {
 
     /// `r = NULL`, `r <> NULL`; `None`: not a reference.
     pub(super) fn reference_is_null(&self, op: CompareOp, value: &Value, span: Span) -> Option<Value> {
-        let Value::Complex { value: plcc_model::scl::Complex::Variable(access), ty, .. } = value else { return None };
+        let Value::Complex { value: Complex::Variable(access), ty, .. } = value else { return None };
         target_of(ty)?;
         let DataType::Struct(structure) = ty else { return None };
         let db = super::place::part_of(access, structure.members.first()?)?;
@@ -179,5 +180,42 @@ impl SclBinder<'_, '_> {
         let right = constant_expr(0, Elementary::Word, span);
         let kind = ExprKind::Compare { op, left: Box::new(left), right: Box::new(right) };
         Some(Value::Elementary(Expr { kind, ty: Elementary::Bool, span }))
+    }
+    /// `r = REF(x)`, `REF(x) <> r`; `None`: other values, or two variables, which are compared as structures.
+    pub(super) fn compared_references(
+        &mut self,
+        ctx: &mut SclBlock,
+        op: CompareOp,
+        left: &Value,
+        right: &Value,
+        span: Span,
+    ) -> Option<Option<Expr>> {
+        let target = |value: &Value| match value {
+            Value::Complex { ty, .. } => target_of(ty).cloned(),
+            _ => None,
+        };
+        let is_variable = |value: &Value| matches!(value, Value::Complex { value: Complex::Variable(_), .. });
+        if target(left)? != target(right)? || (is_variable(left) && is_variable(right)) {
+            return None;
+        }
+        let ty = self.program.predefined("REFERENCE", span)?.ty;
+        let values = vec![untargeted(left, &ty), untargeted(right, &ty)];
+        let same = match self.instruction_value(ctx, "SAME_REFERENCE", values, span) {
+            Some(Value::Elementary(same)) => same,
+            _ => return Some(None),
+        };
+        Some(Some(comparison(op, same, constant_expr(1, Elementary::Bool, span), span)))
+    }
+}
+
+/// A reference as the structure that all of them are.
+fn untargeted(value: &Value, ty: &DataType) -> Value {
+    match value {
+        Value::Complex { value: Complex::Variable(access), span, .. } => {
+            let access = Access { ty: ty.clone(), ..access.clone() };
+            Value::Complex { value: Complex::Variable(access), ty: ty.clone(), span: *span }
+        }
+        Value::Complex { value, span, .. } => Value::Complex { value: value.clone(), ty: ty.clone(), span: *span },
+        other => other.clone(),
     }
 }
