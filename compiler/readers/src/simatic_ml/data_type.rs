@@ -3,13 +3,34 @@
 use std::ops::Range;
 
 use plcc_diag::Span;
+use plcc_literal::distance::nearest;
 
 use super::reader::Reader;
+use plcc_syntax::Elementary;
 use plcc_syntax::ast::{BlockName, BlockPrefix, Bound, TypeKind, TypeRef};
 use plcc_syntax::scl::{bound, fragment};
 
 /// How many `Array of` one type may have.
 const DEPTH_MAX: usize = 16;
+
+/// Types that are not single values, and others than those of the CPU's variables; `DT` is short for one of them.
+const OTHERS: [&str; 10] =
+    ["STRING", "WSTRING", "DATE_AND_TIME", "DT", "DTL", "TIMER", "COUNTER", "POINTER", "VARIANT", "ANY"];
+/// Types of other languages, and what STEP 7 calls them.
+const FOREIGN: [(&str, &str); 4] = [("INTEGER", "INT"), ("BOOLEAN", "BOOL"), ("FLOAT", "REAL"), ("DOUBLE", "LREAL")];
+
+/// The type that a slip means; `None`: a type, or a word that resembles none.
+pub fn meant(word: &str) -> Option<&'static str> {
+    let word = word.trim().split('[').next().unwrap_or_default().trim_end();
+    let upper = word.to_ascii_uppercase();
+    if Elementary::from_word(&upper).is_some() || OTHERS.contains(&upper.as_str()) || word.contains('"') {
+        return None;
+    }
+    let foreign = |name: &str| FOREIGN.iter().find(|(foreign, _)| *foreign == name).map(|(_, own)| *own);
+    foreign(&upper)
+        .or_else(|| nearest(word, Elementary::ALL.into_iter().map(|ty| ty.name()).chain(OTHERS)))
+        .or_else(|| foreign(nearest(word, FOREIGN.iter().map(|(foreign, _)| *foreign))?))
+}
 
 /// The type in `range` of the overlay.
 pub fn read(reader: &mut Reader, range: Range<usize>) -> TypeRef {

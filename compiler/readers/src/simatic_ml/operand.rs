@@ -3,6 +3,7 @@
 use plcc_literal::distance::nearest;
 use roxmltree::Node;
 
+use super::data_type;
 use crate::xml::{child, elements, is, text_of};
 
 /// Which language the text is for: each writes addresses and status bits in its own way.
@@ -57,7 +58,7 @@ fn access_at_depth<'a, 'i>(node: Node<'a, 'i>, notation: Notation, depth: usize)
     for part in elements(node).filter(|part| !is_informative(*part)) {
         let text = match part.tag_name().name() {
             "Symbol" => path(part, scope.starts_with("Local"), notation, depth)?,
-            "Constant" => constant(part, scope),
+            "Constant" => constant(part, scope)?,
             "Address" => address(part, notation)?,
             "Label" => part.attribute("Name").unwrap_or_default().to_string(),
             "Statusword" | "StatusWord" => status(part),
@@ -215,7 +216,7 @@ fn after_component<'a, 'i>(node: Node<'a, 'i>, notation: Notation, depth: usize)
 }
 
 /// A constant by its name, or its value as written.
-fn constant(node: Node, scope: &str) -> String {
+fn constant<'a, 'i>(node: Node<'a, 'i>, scope: &str) -> Text<'a, 'i> {
     if let Some(name) = node.attribute("Name") {
         // A number of hardware, which the export gives next to its name. Fast counters and pulse generators are defined in plc.toml.
         let lower = name.to_ascii_lowercase();
@@ -226,22 +227,26 @@ fn constant(node: Node, scope: &str) -> String {
             && !value.is_empty()
             && value.bytes().all(|digit| digit.is_ascii_digit())
         {
-            return value;
+            return Ok(value);
         }
-        return if scope.starts_with("Local") { format!("#{}", plain_or_quoted(name)) } else { quoted(name) };
+        return Ok(if scope.starts_with("Local") { format!("#{}", plain_or_quoted(name)) } else { quoted(name) });
     }
     let value = child(node, "ConstantValue").map(text_of).unwrap_or_default();
     let ty = child(node, "ConstantType").map(text_of).unwrap_or_default();
+    if let Some(meant) = data_type::meant(&ty) {
+        let (node, what) = (child(node, "ConstantType").unwrap_or(node), format!("a constant of the type `{ty}`"));
+        return Err(Unreadable { node, what, meant: Some(meant) });
+    }
     let is = |known: &str| ty.eq_ignore_ascii_case(known);
     let whole = || value.strip_prefix('-').unwrap_or(&value).bytes().all(|digit| digit.is_ascii_digit());
-    match value.as_str() {
+    Ok(match value.as_str() {
         "" if is("String") || is("WString") => "''".to_string(),
         "1" if is("Bool") => "TRUE".to_string(),
         "0" if is("Bool") => "FALSE".to_string(),
         // A REAL that is written like a whole number.
         _ if (is("Real") || is("LReal")) && !value.is_empty() && whole() => format!("{value}.0"),
         _ => value.replace(['\n', '\r'], " "),
-    }
+    })
 }
 
 /// `BR`, `OV`, `>0`, `STW`.

@@ -6,6 +6,7 @@ use plcc_diag::{Code, Diagnostic, Severity, Span};
 use plcc_literal::distance::nearest;
 use roxmltree::Node;
 
+use super::data_type;
 use super::operand;
 use super::reader::{Reader, Refused};
 use super::step_time;
@@ -359,6 +360,12 @@ fn template(reader: &mut Reader, node: Node, part: &mut Part, whose: &str) -> Re
         return Ok(());
     }
     let range = node.first_child().map_or_else(|| attribute_range(node, "Name"), |text| text.range());
+    if key != TemplateKey::Other
+        && let Some(meant) = data_type::meant(&value)
+    {
+        let title = format!("{whose} sets `{name}` of an element to `{value}`, which is not a data type");
+        return Err(reader.fault(range, title, "a data type is expected", format!("is `{meant}` meant?")));
+    }
     let placed = reader.overlay.place(&value, range.start, range.clone());
     part.templates.push(Template { key, value, span: reader.span(placed.unwrap_or(range)) });
     Ok(())
