@@ -1,4 +1,5 @@
-//! Settings of plc.toml that not every CPU has: organization blocks, their priorities, what becomes of a cycle that is too long.
+//! Settings of plc.toml that not every CPU has: organization blocks, their priorities, what becomes of a cycle that is too long, how much is
+//! retentive.
 
 use plcc_abi::image::{Family, Profile};
 use plcc_abi::ob::{OB_FREE, ObClass};
@@ -13,6 +14,16 @@ pub enum CpuSetting {
     Priority(u16, Option<ObClass>),
     /// `cycle_time_exceeded`
     Exceeded,
+    /// A number below `[retain]`.
+    Retentive(Retained, u32),
+}
+
+/// What `[retain]` gives a number of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Retained {
+    BitMemory,
+    Timers,
+    Counters,
 }
 
 /// Reports settings that the CPU does not have.
@@ -66,6 +77,20 @@ fn wrong(setting: CpuSetting, profile: &Profile) -> Option<(String, &'static str
                 _ => "remove it: a cycle that is too long calls OB 80, and without this block the CPU stops",
             },
         )),
+        // The keys have no effect there.
+        CpuSetting::Retentive(..) if family == Family::S7200 => None,
+        CpuSetting::Retentive(retained, count) => {
+            let (has, what) = match retained {
+                Retained::BitMemory => (profile.bit_memory, "bytes of bit memory"),
+                Retained::Timers => (profile.timers, "S5 timers"),
+                Retained::Counters => (profile.counters, "S5 counters"),
+            };
+            let wrong = match has {
+                0 => (format!("the CPU {cpu} has no {what}"), "remove this key"),
+                has => (format!("the CPU {cpu} has {has} {what}"), "write a number that is not larger"),
+            };
+            (count > has && profile.limits_checked).then_some(wrong)
+        }
     }
 }
 
@@ -90,6 +115,9 @@ mod tests {
             (priority(35), [true, false, false, false]),
             (priority(123), [false, false, false, false]),
             (CpuSetting::Exceeded, [true, true, false, true]),
+            (CpuSetting::Retentive(Retained::Timers, 4000), [true, true, true, false]),
+            (CpuSetting::Retentive(Retained::Counters, 8), [false, false, true, false]),
+            (CpuSetting::Retentive(Retained::BitMemory, 16), [false, false, false, false]),
         ];
         for (setting, expected) in cases {
             let found = ["s7-300", "s7-400", "s7-1200", "s7-200"].map(|cpu| wrong(cpu, setting));

@@ -295,6 +295,9 @@ impl Context {
         let (axes, messages) = axes::source(&keys.axis, self.file);
         self.diagnostics.extend(messages);
         if let Some(keys) = &keys.retain {
+            for (retained, count, range) in keys.counts() {
+                self.note_of_cpu(CpuSetting::Retentive(retained, count), range);
+            }
             let (retain, messages) = retain::read(keys, self.file);
             config.retain = retain;
             self.diagnostics.extend(messages);

@@ -1,10 +1,13 @@
 //! `[retain]` of plc.toml: what is retentive, and where it is kept.
 
+use std::ops::Range;
+
 use plcc_abi::image::{RetainConfig, RetainInterval};
 use plcc_diag::{Diagnostic, FileId};
 use serde::Deserialize;
 use toml::Spanned;
 
+use crate::cpu_settings::Retained;
 use crate::keys::Reader;
 use crate::project::{duration_ms, number_within};
 
@@ -20,6 +23,25 @@ pub struct RetainKeys {
     counters: Option<Spanned<i64>>,
 }
 
+impl RetainKeys {
+    /// How much is to be retentive, and where it is written. What is not a number of anything is reported by [`read`].
+    pub fn counts(&self) -> Vec<(Retained, u32, Range<usize>)> {
+        let keys = [
+            (Retained::BitMemory, &self.bit_memory),
+            (Retained::Timers, &self.timers),
+            (Retained::Counters, &self.counters),
+        ];
+        let counts = keys.into_iter().filter_map(|(retained, key)| {
+            let key = key.as_ref()?;
+            let count = u32::try_from(*key.get_ref()).ok().filter(|count| *count <= COUNT_MAX)?;
+            Some((retained, count, key.span()))
+        });
+        counts.collect()
+    }
+}
+
+/// What no CPU has more of.
+const COUNT_MAX: u32 = 65_536;
 /// Longest time between two copies.
 const EVERY_MS_MAX: u32 = 3_600_000;
 
@@ -28,7 +50,7 @@ pub fn read(keys: &RetainKeys, file: FileId) -> (RetainConfig, Vec<Diagnostic>) 
     let mut reader = Reader::new(file);
     let mut number = |key: &Option<Spanned<i64>>, what: &str| {
         let key = key.as_ref()?;
-        number_within::<u32>(key, 0..=65536, what)
+        number_within::<u32>(key, 0..=COUNT_MAX.into(), what)
             .map_err(|title| reader.report(key, title, "docs/plc-toml.md lists the keys and their values"))
             .ok()
     };
