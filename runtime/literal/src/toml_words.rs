@@ -102,7 +102,22 @@ pub fn plain(message: &str, place: &str, line: &str) -> Wrong {
         let key = place.split(['=', ']']).next().unwrap_or_default().trim();
         return wrong(format!("`{key}` is here twice"), "remove one of them".to_owned());
     }
+    if message.starts_with("wanted string or table") {
+        return no_word(line.split('#').next().unwrap_or_default());
+    }
     syntax(message, place, line.trim())
+}
+
+/// `startup = 5`, where one of a few words is expected, which the library does not tell.
+fn no_word(line: &str) -> Wrong {
+    let (key, value) = line.split_once('=').unwrap_or((line, "this"));
+    let (key, value) = (key.trim(), value.trim());
+    let help = match key {
+        "startup" => "write `startup = \"warm\"`; the others are `\"cold\"` and `\"hot\"`".to_owned(),
+        "cycle_time_exceeded" => "write `cycle_time_exceeded = \"run\"`, or `\"stop\"`".to_owned(),
+        key => format!("write `{key} = \"…\"`"),
+    };
+    Wrong { title: format!("a text in quotation marks is expected here, not {value}"), help }
 }
 
 /// The word between back quotes after `start`, and the rest.
@@ -521,6 +536,8 @@ mod tests {
         let module = "invalid type: string \"4..7\", expected struct AddressKeys";
         let bytes = "write `outputs = { start = 4, bytes = 4 }`";
         same(module, "outputs = \"4..7\"", "the addresses are expected here, not the text \"4..7\"", bytes);
+        let words = "write `startup = \"warm\"`; the others are `\"cold\"` and `\"hot\"`";
+        same("wanted string or table", "startup = 5 # s", "a text in quotation marks is expected here, not 5", words);
         let switch = "invalid type: boolean `true`, expected a string";
         let port = "write `s7 = \"102\"` for clients on this computer, `s7 = \"0.0.0.0:102\"` for those of the network";
         same(switch, "s7 = true", "a port in quotation marks is expected here, not true", port);
