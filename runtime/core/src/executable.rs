@@ -96,7 +96,8 @@ pub unsafe fn main_of<O: Opener>(argc: c_int, argv: *const *const c_char) -> c_i
             };
             match services.open(&image, run.flags_only(), loader) {
                 Ok((service, opened)) => {
-                    opened.iter().for_each(|line| crate::run::say!("{line}"));
+                    // For many CPUs clients are refused.
+                    opened.iter().filter(|_| !run.is_many()).for_each(|line| crate::run::say!("{line}"));
                     c_int::from(match inbox {
                         Some(inbox) => crate::run::start_changeable(image, Arc::new(code), &run, service, inbox),
                         None => crate::run::start(image, &code, &run, service),

@@ -20,7 +20,8 @@ pub fn run(args: &RunArgs) -> u8 {
     match compile(args) {
         Ok((image, code)) => match args.services.open(&image, args.run.flags_only(), None) {
             Ok((service, opened)) => {
-                opened.iter().for_each(|line| eprintln!("{line}"));
+                // For many CPUs clients are refused.
+                opened.iter().filter(|_| !args.run.is_many()).for_each(|line| eprintln!("{line}"));
                 plcc_runtime::run::start(image, &*code, &args.run, service)
             }
             Err(message) => {

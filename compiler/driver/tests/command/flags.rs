@@ -87,6 +87,14 @@ fn wrong_flags_are_usage_errors() {
         let errors = both(folder, &["--clock", "virtual", "--cycles", "2", "--instance-values", "i.csv"], 2);
         assert_eq!(errors.matches(says).count(), 1, "{errors}");
     }
+    // No client is told where many CPUs can be reached.
+    let flags =
+        ["run", "program.stl", "--clock", "virtual", "--cycles", "2", "--instances", "3", "--s7", "127.0.0.1:0"];
+    let output = command(PLCC, folder, &flags);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{errors}");
+    assert!(errors.contains("clients are answered by one CPU: leave out --instances"), "{errors}");
+    assert!(!errors.contains("S7 clients at"), "{errors}");
     // What is wrong for each of many CPUs is said once.
     let errors = both(folder, &["--clock", "virtual", "--cycles", "2", "--instances", "3", "--print", "Speed"], 2);
     assert_eq!(errors.matches("Speed").count(), 1, "{errors}");
