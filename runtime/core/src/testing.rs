@@ -186,7 +186,7 @@ fn judge(cpu: &Cpu, options: &TestOptions, until_stop: bool, player: &Player, re
     report.failures.extend(player.failures());
     let fault = cpu.stopped().filter(|stop| !stop.asked).map(|stop| cpu.stop_text(&stop));
     match (&fault, options.expect_fail.as_deref()) {
-        (Some(text), None) => report.problems.push(format!("the CPU went to STOP: {text}")),
+        (Some(text), None) => report.problems.push(format!("the CPU went to STOP: {text}{}", player.stopper())),
         (None, Some(_)) => {
             report.problems.push("the CPU was expected to go to STOP on a fault, but it did not".to_string())
         }

@@ -401,7 +401,8 @@ fn verdict(cpu: &Cpu, options: &RunOptions, session: &Session, cycles: u64) -> (
     fault |= cpu.stopped().is_some_and(|stop| !stop.asked);
     // With clients it was told when the CPU stopped.
     if !(cpu.is_stopped() && cpu.is_served.get()) {
-        lines.extend(stop_line(cpu, options, cycles));
+        let stopper = if fault { session.player.stopper() } else { String::new() };
+        lines.extend(stop_line(cpu, options, cycles).map(|line| line + &stopper));
     }
     (lines, fault)
 }

@@ -64,6 +64,8 @@ pub struct At {
     /// Parameters and states of the plant, by number.
     pub plant: Vec<(usize, f64)>,
     pub event: Option<Event>,
+    /// Where `event` is in the file; 0 without one.
+    pub event_line: u32,
     /// Characters that arrive at serial ports.
     pub receive: Vec<Received>,
     /// Characters that serial ports have sent.

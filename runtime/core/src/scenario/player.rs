@@ -61,6 +61,8 @@ pub struct Player {
     expectations_met: u64,
     failures: Vec<AssertFailure>,
     trains: Trains,
+    /// The OB whose event stopped the CPU at once, because it does not exist, and its line in the file.
+    stopper: Option<(u16, u32)>,
     /// Where `print` goes; nowhere in tests.
     out: Option<Box<dyn Write>>,
     json: bool,
@@ -110,6 +112,7 @@ impl Player {
             expectations_met: 0,
             failures: Vec::new(),
             trains: Trains::default(),
+            stopper: None,
             out: None,
             json: false,
         })
@@ -130,6 +133,12 @@ impl Player {
     /// Number of `expect` values that were found so far.
     pub fn expectations_met(&self) -> u64 {
         self.expectations_met
+    }
+
+    /// The event that stopped the CPU, after the reason of the STOP: `; s.toml:3 starts OB 41`. Empty: there is none.
+    pub fn stopper(&self) -> String {
+        let text = |(ob, line): (u16, u32)| format!("; {}:{line} starts OB {ob}", self.scenario.file);
+        self.stopper.map(text).unwrap_or_default()
     }
 
     /// All failures, and the expectations of entries that were not reached. Call it at the end.
@@ -259,7 +268,11 @@ impl Player {
             }
             at.receive.iter().for_each(|received| received.feed(cpu));
             if let Some(event) = at.event {
+                let ran = !cpu.is_stopped();
                 cpu.request(event);
+                if ran && cpu.is_stopped() {
+                    self.stopper = Some((event.ob, at.event_line));
+                }
             }
         }
     }

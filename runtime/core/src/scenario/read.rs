@@ -151,6 +151,7 @@ impl Reader<'_> {
             when,
             set: self.settings(&entry.set, Self::to_set)?,
             plant: plant.collect::<Result<_, _>>()?,
+            event_line: entry.event.as_ref().map_or(0, |event| (self.line)(event.span().start)),
             event: entry.event.map(|event| self.event(&event)).transpose()?,
             receive: line::received(&entry.receive, self.image).or_else(|(at, message)| self.error(at, &message))?,
             sent: line::sent(&entry.sent, self.image, self.line).or_else(|(at, message)| self.error(at, &message))?,

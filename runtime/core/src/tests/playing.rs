@@ -46,6 +46,21 @@ fn settings_events_and_expectations() {
 }
 
 #[test]
+fn an_event_without_its_ob_is_told_with_its_line() {
+    let play = |event: &str, blocks: Vec<(u16, Block)>| {
+        let cpu = cpu(blocks);
+        let text = format!("[[at]]\ncycle = 2\n{event}\n");
+        let mut player = Player::new(Scenario::parse("s.toml", &text, &cpu.image).unwrap(), &cpu).unwrap();
+        run_observed(&cpu, 5, &mut player);
+        player.stopper()
+    };
+    assert_eq!(play("event = \"OB41\"", Vec::new()), "; s.toml:3 starts OB 41");
+    assert_eq!(play("\nevent = { ob = \"OB82\" }", Vec::new()), "; s.toml:4 starts OB 82");
+    let ob41: Block = Box::new(|_, _| {});
+    assert_eq!(play("event = \"OB41\"", vec![(41, ob41)]), "");
+}
+
+#[test]
 fn addresses_outside_are_told_before_the_run() {
     let cpu = cpu(Vec::new());
     let scenario = Scenario::parse("s.toml", "[[at]]\ncycle = 1\nset = { \"MB9000\" = 1 }\n", &cpu.image).unwrap();
