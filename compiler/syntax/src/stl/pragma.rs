@@ -52,6 +52,12 @@ fn side(file: FileId, source: &str, range: Range<usize>, diagnostics: &mut Vec<D
             if let (negative, Some(exact)) = exact(text) {
                 return Some(AssertSide::Literal(AssertLiteral { loaded: None, exact: Some(exact), negative }));
             }
+            if let Some(at) = followed(text) {
+                let place = Span::new(file, range.start + at..range.start + at + 1);
+                let help = format!("assign `{}` to a variable, and compare that", text[..=at].trim());
+                diagnostics.push(pragma::unreadable(place, "an assertion does not follow references", &help));
+                return None;
+            }
             let place = Span::new(file, range);
             diagnostics.push(match found.into_iter().next() {
                 Some(first) => pragma::about_side(first, assertion::HELP),
@@ -84,6 +90,13 @@ fn exact(text: &str) -> (bool, Option<scl::ast::Literal>) {
         None => (false, text.strip_prefix('+').map_or(text, str::trim_start)),
     };
     (negative, scl::literal::parse(unsigned).ok().map(|read| read.value))
+}
+
+/// Where `^` follows a reference of SCL: `#r^`, `"Data".r^.speed`.
+fn followed(text: &str) -> Option<usize> {
+    let at = text.find('^')?;
+    let is_outside = |quote: char| text[..at].matches(quote).count() % 2 == 0;
+    (is_outside('"') && is_outside('\'') && text.trim_start().starts_with(['#', '"'])).then_some(at)
 }
 
 /// True for a name with an index.
