@@ -111,7 +111,7 @@ impl SclBinder<'_, '_> {
         }
         match implicit {
             Implicit::No => {
-                self.no_conversion(rules, span, from, ty);
+                self.no_conversion(&ctx.scope, span, from, ty);
                 return None;
             }
             Implicit::Unusual => self.unusual(span, from, ty),
@@ -122,7 +122,7 @@ impl SclBinder<'_, '_> {
                 match constant::computed(&value).filter(|_| ty.is_integer()) {
                     Some(number) if constant::fits(number, false, ty) => {}
                     Some(number) => self.value_lost(rules, span, number, ty),
-                    None => self.may_lose(span, from, ty),
+                    None => self.may_lose(&ctx.scope, span, from, ty),
                 }
             }
             Implicit::Yes => {}

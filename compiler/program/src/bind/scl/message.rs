@@ -3,6 +3,7 @@
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::Elementary;
 
+use super::scope::Scope;
 use super::value::Value;
 use super::{Rules, convert};
 use crate::bind::scl::SclBinder;
@@ -34,15 +35,16 @@ impl SclBinder<'_, '_> {
         });
     }
 
-    pub(super) fn no_conversion(&mut self, rules: Rules, span: Span, from: Elementary, to: Elementary) {
+    pub(super) fn no_conversion(&mut self, scope: &Scope, span: Span, from: Elementary, to: Elementary) {
         let text = self.program.globals.text(span);
         let help = match (from, to) {
             _ if let Some(help) = rewrite::of_constant(to, &text, rewrite::Form::Scl) => Some(help),
+            _ if scope.is_network() => in_element(scope.rules, from, to, &text),
             (Elementary::Time, _) if to.is_float() => {
                 Some(format!("as a number of milliseconds it is `DINT_TO_{}(TIME_TO_DINT({text}))`", to.name()))
             }
             (_, Elementary::Bool) => Some(compared_with_zero(from, &text)),
-            _ if convert::explicit(rules, from, to).is_some() => {
+            _ if convert::explicit(scope.rules, from, to).is_some() => {
                 Some(format!("convert it: {}", conversion(from, to, &text)))
             }
             _ => None,
@@ -51,11 +53,13 @@ impl SclBinder<'_, '_> {
     }
 
     /// A value that may not fit where it goes.
-    pub(super) fn may_lose(&mut self, span: Span, from: Elementary, to: Elementary) {
+    pub(super) fn may_lose(&mut self, scope: &Scope, span: Span, from: Elementary, to: Elementary) {
         let mut text = self.program.globals.text(span);
+        let element = || in_element(scope.rules, from, to, &text).filter(|_| scope.is_network());
         let mut help = rewrite::of_constant(to, &text, rewrite::Form::Scl)
+            .or_else(|| element().map(|help| format!("if that is intended, {help}")))
             .unwrap_or_else(|| format!("if that is intended, write {}", conversion(from, to, &text)));
-        if let Some((target, value)) = combined(&text) {
+        if let Some((target, value)) = combined(&text).filter(|_| !scope.is_network()) {
             let converted = conversion(from, to, &value);
             help = format!("if that is intended, write `{target} := {};`", converted.trim_matches('`'));
             text = value;
@@ -94,6 +98,26 @@ fn part_of(text: &str, is: &str, wanted: &str) -> Option<String> {
             Some(format!("name an element, as in `{text}[{}]`", first.join(", ")))
         }
     }
+}
+
+/// What a network has in place of a comparison or of a function that converts.
+fn in_element(rules: Rules, from: Elementary, to: Elementary, text: &str) -> Option<String> {
+    let is_number = matches!(from.class(), Class::Signed | Class::Unsigned | Class::Float | Class::Bits);
+    if to == Elementary::Bool {
+        let zero = if from.is_float() { "0.0" } else { "0" };
+        // The value of another element has no name.
+        let is_operand = text.starts_with(['#', '"', '%']) && !text.contains(char::is_whitespace);
+        return Some(match (is_number, is_operand) {
+            (true, true) => format!("compare it: `NE_Contact( in1 := {text}, in2 := {zero} )`, in FBD `Ne`"),
+            (true, false) => format!("compare it with {zero} in an element of its own: `NE_Contact`, in FBD `Ne`"),
+            (false, _) => "compare it with a value of its type".to_string(),
+        });
+    }
+    convert::explicit(rules, from, to)?;
+    Some(match from.is_float() && to.is_integer() {
+        true => format!("convert it to {} in an element of its own: `Round` or `Trunc`", to.name()),
+        false => format!("convert it from {} to {} in an element of its own: `Convert`", from.name(), to.name()),
+    })
 }
 
 /// How to write the condition that a number was meant as: `NOT #i` is `#i = 0`.

@@ -373,7 +373,7 @@ impl SclBinder<'_, '_> {
         let from = value.ty;
         let converted = convert::explicit_expr(ctx.scope.rules, value, ty);
         if converted.is_none() {
-            self.no_conversion(ctx.scope.rules, span, from, ty);
+            self.no_conversion(&ctx.scope, span, from, ty);
         }
         converted
     }
