@@ -128,9 +128,9 @@ fn described(row: &Row) -> (usize, &'static str) {
             "ROUND" => {
                 (0, "nearest integer, halves to the even one; a DINT, in the TIA Portal of the type of its target")
             }
-            "TRUNC" => (0, "integer toward 0; of the type of ROUND"),
-            "CEIL" => (0, "integer above; of the type of ROUND"),
-            _ => (0, "integer below; of the type of ROUND"),
+            "TRUNC" => (0, "integer toward 0; its type as for ROUND"),
+            "CEIL" => (0, "integer above; its type as for ROUND"),
+            _ => (0, "integer below; its type as for ROUND"),
         },
         Kind::NormX => (0, "(VALUE - MIN) / (MAX - MIN), a float; MAX not above MIN is an error"),
         Kind::ScaleX => (0, "VALUE * (MAX - MIN) + MIN, in the type of the limits; MAX not above MIN is an error"),
@@ -154,7 +154,7 @@ fn described(row: &Row) -> (usize, &'static str) {
         Kind::Shift(_) => (2, "rotated right by N"),
         Kind::Swap => (2, "bytes in reverse order"),
         Kind::Encode => (2, "number of the lowest bit that is 1, an INT; none is an error"),
-        Kind::Decode => (2, "bit number IN alone is 1; of the type of ROUND, if that is a bit string, else a DWORD"),
+        Kind::Decode => (2, "bit number IN alone is 1; a bit string of the type of its target, else a DWORD"),
         Kind::BitSum => (2, "how many bits are 1, an INT"),
         Kind::Scatter => (2, "writes the bits of IN to an array or structure of BOOL"),
         Kind::Gather => (2, "writes an array or structure of BOOL to a bit string"),

@@ -95,7 +95,7 @@ fn exact(text: &str) -> (bool, Option<scl::ast::Literal>) {
 /// Where `^` follows a reference of SCL: `#r^`, `"Data".r^.speed`.
 fn followed(text: &str) -> Option<usize> {
     let at = text.find('^')?;
-    let is_outside = |quote: char| text[..at].matches(quote).count() % 2 == 0;
+    let is_outside = |quote: char| text[..at].matches(quote).count().is_multiple_of(2);
     (is_outside('"') && is_outside('\'') && text.trim_start().starts_with(['#', '"'])).then_some(at)
 }
 

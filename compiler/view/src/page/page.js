@@ -456,14 +456,13 @@ function seenAt(from, ...kinds) {
   }
   return best?.value;
 }
-// The result of a comparison in an expression: of the values that begin with its left operand the shortest one that has the right one in it.
-function comparedAt(from, inside) {
+// The result of a comparison in an expression: that of the shortest expression that has both operands in it, perhaps in parentheses.
+function comparedAt(left, right) {
   let best;
-  for (const i of status.at.get(from) ?? []) {
-    const [, to, tells] = status.places[i];
-    if (tells !== "value" || to <= inside || best && best.to < to || best?.to === to && status.seen[i] == null) continue;
-    best = { to, value: status.seen[i] };
-  }
+  status.places.forEach(([from, to, tells], i) => {
+    if (tells !== "value" || from > left || to <= right) return;
+    if (!best || to - from < best.bytes || to - from === best.bytes && best.value == null) best = { bytes: to - from, value: status.seen[i] };
+  });
   return best?.value;
 }
 const truth = (v) => (typeof v === "boolean" ? v : null);
