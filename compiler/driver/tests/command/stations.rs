@@ -32,18 +32,31 @@ fn start(project: &Path, arguments: &[&str]) -> Child {
         .expect("plcc starts")
 }
 
+/// The partner, running, and its port. A port that was free may be taken by another test until the partner listens there: then it ends.
+fn listening_partner() -> (Child, u16) {
+    for _ in 0..5 {
+        let free = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).and_then(|listener| listener.local_addr());
+        let port = free.expect("a port is free").port();
+        let partner = project("station-3", 3, &format!("listen = \"127.0.0.1:{port}\""));
+        let mut partner = start(&partner, &["--set", "IB0=85", "--cycles", "5000"]);
+        for _ in 0..500 {
+            std::thread::sleep(Duration::from_millis(20));
+            if TcpStream::connect((Ipv4Addr::LOCALHOST, port)).is_ok() {
+                break;
+            }
+        }
+        std::thread::sleep(Duration::from_millis(200));
+        if partner.try_wait().is_ok_and(|ended| ended.is_none()) {
+            return (partner, port);
+        }
+    }
+    panic!("the partner listens nowhere");
+}
+
 #[test]
 fn a_master_reads_and_writes_its_partner() {
-    let port = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).and_then(|listener| listener.local_addr()).unwrap().port();
-    let partner = project("station-3", 3, &format!("listen = \"127.0.0.1:{port}\""));
+    let (partner, port) = listening_partner();
     let master = project("station-2", 2, &format!("stations = {{ \"3\" = \"127.0.0.1:{port}\" }}"));
-    let partner = start(&partner, &["--set", "IB0=85", "--cycles", "5000"]);
-    for _ in 0..500 {
-        if TcpStream::connect((Ipv4Addr::LOCALHOST, port)).is_ok() {
-            break;
-        }
-        std::thread::sleep(Duration::from_millis(20));
-    }
     let master = start(&master, &["--cycles", "1500"]);
     for program in [master, partner] {
         let output = program.wait_with_output().expect("it ends");
