@@ -2,7 +2,7 @@
 
 use super::measure::{Kind, LEAD, Laid, RAIL};
 use crate::scene::{Anchor, Item, Scene};
-use crate::sheet::{Net, Sheet, Source};
+use crate::sheet::{Link, Net, Sheet, Source};
 
 /// Height of the short rail at which an inner rung begins, above and below its line.
 const SHORT_RAIL: i32 = 7;
@@ -11,6 +11,8 @@ const SHORT_RAIL: i32 = 7;
 pub struct Painter<'a> {
     sheet: &'a Sheet,
     scene: Scene,
+    /// The nets of the sheet that lead somewhere.
+    read: Vec<bool>,
     /// Where the power rail is.
     rail: Option<i32>,
     /// Nets of wires before joins; the first has the number after that of the rail.
@@ -19,7 +21,17 @@ pub struct Painter<'a> {
 
 impl<'a> Painter<'a> {
     pub fn new(sheet: &'a Sheet) -> Painter<'a> {
-        Painter { sheet, scene: Scene::default(), rail: None, branches: Vec::new() }
+        let mut read = vec![false; sheet.nets.len()];
+        let pins = sheet.parts.iter().flat_map(|part| &part.pins).filter(|pin| !pin.output);
+        let by_pins = pins.filter_map(|pin| if let Link::Net(net) = pin.link { Some(net) } else { None });
+        let sources = sheet.nets.iter().flat_map(|net| &net.sources);
+        let by_nets = sources.filter_map(|source| if let Source::Net(net) = source { Some(*net) } else { None });
+        for net in by_pins.chain(by_nets) {
+            if let Some(read) = read.get_mut(net) {
+                *read = true;
+            }
+        }
+        Painter { sheet, scene: Scene::default(), read, rail: None, branches: Vec::new() }
     }
 
     /// The drawing, and the nets of wires before joins.
@@ -102,6 +114,9 @@ impl<'a> Painter<'a> {
             }
             Kind::Parallel(branches) => {
                 let (left, right) = (x + LEAD, x + width - LEAD);
+                // What is open ends before the place where something else may begin.
+                let is_open = after.is_some_and(|net| self.read.get(net) == Some(&false));
+                let end = if is_open { right + LEAD / 2 } else { x + width };
                 let rows = laid.rows();
                 for (branch, row) in branches.iter().zip(&rows) {
                     if !branch.loose {
@@ -110,11 +125,11 @@ impl<'a> Painter<'a> {
                     let own = self.own(branch, after);
                     self.block(branch, (left, y + row), right - left, before, own);
                     if !branch.ends {
-                        self.scene.wire((right, y + row), (x + width, y + row), own);
+                        self.scene.wire((right, y + row), (end, y + row), own);
                     }
                 }
                 self.spine(branches.iter().zip(&rows).filter(|(b, _)| !b.loose).map(|(_, r)| *r), x, y, before);
-                self.spine(branches.iter().zip(&rows).filter(|(b, _)| !b.ends).map(|(_, r)| *r), x + width, y, after);
+                self.spine(branches.iter().zip(&rows).filter(|(b, _)| !b.ends).map(|(_, r)| *r), end, y, after);
             }
             Kind::Fork { main, .. } => {
                 let rows = laid.rows();
