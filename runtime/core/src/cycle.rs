@@ -115,11 +115,12 @@ impl Cpu {
     }
 
     /// Nobody but the program takes part in the cycles, and nobody can join until they end: no scenario or trace, client, recording,
-    /// retentive file or forced value, under the virtual clock.
+    /// retentive file, forced value, fast counter or hardware interrupt, under the virtual clock.
     fn is_alone(&self, observer: &dyn Observer) -> bool {
         self.clock.is_virtual()
             && observer.rests()
             && self.driver.is_still()
+            && self.technology.is_unused()
             && self.tape.get().is_none()
             && self.retention.get().is_none()
             && !self.is_served.get()

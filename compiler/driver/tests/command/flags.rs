@@ -274,3 +274,17 @@ fn realtime_is_as_asked_or_refused() {
     let locked = status.lines().find_map(|line| line.strip_prefix("VmLck:")).expect("Linux says").trim();
     assert!(!locked.starts_with("0 "), "{status}");
 }
+
+/// Without a scenario the cycle copies the values of fast counters, too.
+#[test]
+fn fast_counters_reach_a_program_that_runs_alone() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let settings = "cpu = \"1214C\"\n[hsc.1]\nmode = \"single phase\"\ninitial = 77\n";
+    let source = "ORGANIZATION_BLOCK \"Main\"\nBEGIN\n%MD20 := %ID1000;\nEND_ORGANIZATION_BLOCK\n";
+    std::fs::write(folder.join("plc.toml"), settings).expect("the folder can be written");
+    std::fs::write(folder.join("main.scl"), source).expect("the folder can be written");
+    let flags = ["run", ".", "--clock", "virtual", "--cycles", "3", "--quiet", "--print", "MD20"];
+    let output = command(PLCC, folder, &flags);
+    assert_eq!(String::from_utf8_lossy(&output.stdout), "MD20 = 16#0000004D\n");
+}

@@ -137,6 +137,9 @@ impl Cpu {
             Body::Write { pointer, data } => match self.s7200_remote(*pointer, data.len()) {
                 Some(address) => {
                     self.memory.load(address, data);
+                    if pointer_area(*pointer) == Some(pointer::Q) {
+                        self.note_outputs(u32::MAX);
+                    }
                     (0, Vec::new())
                 }
                 None => (code::MESSAGE, Vec::new()),

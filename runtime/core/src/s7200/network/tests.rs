@@ -88,6 +88,23 @@ fn master_reads_and_writes_a_station() {
     assert_eq!(data(&slave, V + 100, 17), [&bytes[..], &[0]].concat());
 }
 
+/// The program of the station need not use the outputs itself.
+#[test]
+fn outputs_that_a_master_writes_reach_the_modules() {
+    let address = free_address();
+    let (master, slave) = (master(Some(&address)), slave(&address, 3));
+    // The first scan has copied all outputs.
+    slave.outputs_changed.set(0);
+    fill(&master, TABLE, 3, 0x0200_0001, 1);
+    master.memory.set_byte(TABLE + DATA, 0x5A);
+    write(&master, &operands(TABLE, 0));
+    assert_eq!(finish(&master, Some(&slave)), DONE);
+    assert_eq!(slave.memory.byte(layout::Q + 1), 0x5A);
+    assert_eq!(slave.outputs_changed.get(), u32::MAX);
+    slave.write_outputs();
+    assert_eq!(slave.driver.output(1, 1), 0x5A);
+}
+
 #[test]
 fn areas_of_the_station() {
     let address = free_address();
