@@ -10,7 +10,7 @@ use crate::assertion::Failed;
 use crate::clock::{Clock, NS_PER_MS};
 use crate::code::Code;
 use crate::cpu::Cpu;
-use crate::cycle::Pace;
+use crate::cycle::{Observer, Pace};
 use crate::io::Simulated;
 use crate::options::HANG_LIMIT_DEFAULT;
 use crate::probe::Watcher;
@@ -44,6 +44,8 @@ pub struct TestOptions {
     pub cycle_time: Option<u64>,
     /// Nanoseconds of host time for a cycle; `None`: 10 s.
     pub hang_limit: Option<u64>,
+    /// Look at each cycle, as a trace does: the way of a CPU that is not alone, though nothing else takes part.
+    pub observed: bool,
 }
 
 /// What an expectation found whose cycle did not come.
@@ -156,9 +158,25 @@ pub fn test_watched(
             return report;
         }
     };
-    report.cycles = cpu.execute(&pace, &mut player);
+    report.cycles = match options.observed {
+        true => cpu.execute(&pace, &mut Looking(&mut player)),
+        false => cpu.execute(&pace, &mut player),
+    };
     judge(&cpu, options, until_stop, &player, &mut report);
     report
+}
+
+/// A player that never [rests](Observer::rests).
+struct Looking<'a>(&'a mut Player);
+
+impl Observer for Looking<'_> {
+    fn before(&mut self, cpu: &Cpu, cycle: u64, time: u64) {
+        self.0.before(cpu, cycle, time);
+    }
+
+    fn after(&mut self, cpu: &Cpu, cycle: u64, time: u64) {
+        self.0.after(cpu, cycle, time);
+    }
 }
 
 fn judge(cpu: &Cpu, options: &TestOptions, until_stop: bool, player: &Player, report: &mut TestReport) {

@@ -57,7 +57,7 @@ impl Observer for Session {
     }
 
     fn rests(&self) -> bool {
-        self.player.is_idle() && self.recorder.is_none() && self.triggered.is_none() && self.watch.is_none()
+        self.player.rests() && self.recorder.is_none() && self.triggered.is_none() && self.watch.is_none()
     }
 }
 

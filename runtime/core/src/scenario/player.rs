@@ -231,6 +231,11 @@ impl Observer for Player {
             self.compare(cpu, cycle, time);
         }
     }
+
+    #[inline]
+    fn rests(&self) -> bool {
+        self.idle
+    }
 }
 
 impl Player {
