@@ -99,7 +99,8 @@ fn run(bound: &Bound, observed: bool) -> (TestReport, Vec<(u32, u64)>) {
         observed,
         ..TestOptions::default()
     };
-    let code = Rc::new(Seen { code: code::interpreter(&compiled), found: RefCell::default(), calls: RefCell::default() });
+    let code =
+        Rc::new(Seen { code: code::interpreter(&compiled), found: RefCell::default(), calls: RefCell::default() });
     let report = plcc_runtime::test(compiled.image, Rc::clone(&code) as Rc<dyn Code>, &options);
     (report, code.found.take())
 }

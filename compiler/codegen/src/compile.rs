@@ -3,7 +3,7 @@
 //! Functions do not depend on each other once their calling conventions are known, so threads share them out, the
 //! largest first. The result is in the order of the module, whatever thread was first.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::borrow::Borrow;
 use std::sync::{Mutex, PoisonError};
 
 use cranelift_codegen::control::ControlPlane;
@@ -13,7 +13,7 @@ use cranelift_frontend::FunctionBuilderContext;
 use cranelift_module::{Module as CraneliftModule, ModuleReloc};
 use plcc_abi::RuntimeFn;
 use plcc_ir::entities::{Entity, EntityVec};
-use plcc_ir::{FuncId, Module};
+use plcc_ir::{FuncId, Function, Module};
 
 use crate::abi::{self, FunctionAbi};
 use crate::facts::{Facts, facts};
@@ -151,7 +151,8 @@ impl<'m> Compiler<'m> {
     /// The CLIF of function `id`.
     pub fn clif(&self, id: FuncId) -> Result<ir::Function, CodegenError> {
         let mut function = ir::Function::new();
-        lower::lower(&self.target(&*self.isa), id, &mut FunctionBuilderContext::new(), &mut function)?;
+        let source = &self.module.functions[id];
+        lower::lower(&self.target(&*self.isa), id, source, &mut FunctionBuilderContext::new(), &mut function)?;
         // As text, cold blocks are marked once, at their heads.
         let insts: Vec<ir::Inst> =
             function.layout.blocks().flat_map(|block| function.layout.block_insts(block)).collect();
@@ -174,24 +175,31 @@ impl<'m> Compiler<'m> {
 
     /// All functions, in the order of the module.
     pub fn functions(&self) -> Result<Vec<CompiledFunction>, CodegenError> {
-        let functions = self.some_functions(self.module.functions.keys().collect())?;
+        let functions = self.some_functions(self.module.functions.iter().collect())?;
         Ok(functions.into_iter().map(|(_, function)| function).collect())
     }
 
-    /// These functions, in the order of the module.
-    pub fn some_functions(&self, mut order: Vec<FuncId>) -> Result<Vec<(FuncId, CompiledFunction)>, CodegenError> {
-        order.sort_by_key(|&id| std::cmp::Reverse(self.module.functions[id].insts.len()));
-        let next = AtomicUsize::new(0);
-        let done = Mutex::new(Vec::with_capacity(order.len()));
+    /// These functions, in the order of the module. Functions that are given away, not lent, are dropped as soon as they are code of
+    /// Cranelift: all of them together take most of the memory.
+    pub fn some_functions<F: Borrow<Function> + Send>(
+        &self,
+        mut functions: Vec<(FuncId, F)>,
+    ) -> Result<Vec<(FuncId, CompiledFunction)>, CodegenError> {
+        let count = functions.len();
+        // The next one is taken from the end.
+        functions.sort_by_key(|(_, function)| function.borrow().insts.len());
+        let waiting = Mutex::new(functions);
+        let next = || waiting.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        let done = Mutex::new(Vec::with_capacity(count));
         let work = || {
             let mut worker = Worker { compiler: self, context: Context::new(), builder: Default::default() };
-            while let Some(&id) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
-                let result = worker.function(id);
+            while let Some((id, function)) = next() {
+                let result = worker.function(id, function);
                 // A thread that panicked ends the program when it is joined.
                 done.lock().unwrap_or_else(PoisonError::into_inner).push((id, result));
             }
         };
-        in_threads(order.len(), &work);
+        in_threads(count, &work);
         let mut done = done.into_inner().unwrap_or_else(PoisonError::into_inner);
         done.sort_by_key(|&(id, _)| id);
         done.into_iter().map(|(id, result)| Ok((id, result?))).collect()
@@ -218,9 +226,9 @@ struct Worker<'c, 'm> {
 }
 
 impl Worker<'_, '_> {
-    fn function(&mut self, id: FuncId) -> Result<CompiledFunction, CodegenError> {
+    fn function(&mut self, id: FuncId, source: impl Borrow<Function>) -> Result<CompiledFunction, CodegenError> {
         let compiler = self.compiler;
-        let function = &compiler.module.functions[id];
+        let function = source.borrow();
         let tangled = work::jumps_back(function) > JUMPS_BACK_MAX;
         let plain = tangled || function.layout.len() > BLOCKS_MAX;
         // One pass takes quadratic time where many values live over many jumps back.
@@ -232,8 +240,9 @@ impl Worker<'_, '_> {
             (true, true) => &*compiler.plain_quick_isa,
         };
         self.context.clear();
-        lower::lower(&compiler.target(isa), id, &mut self.builder, &mut self.context.func)?;
-        self.compile(isa, id.index() as u32, &function.name)
+        lower::lower(&compiler.target(isa), id, function, &mut self.builder, &mut self.context.func)?;
+        drop(source);
+        self.compile(isa, id.index() as u32, &compiler.module.functions[id].name)
     }
 
     /// The function that calls `function` and keeps all registers.

@@ -44,7 +44,7 @@ enum State {
     Kept(KeptFunction),
 }
 
-/// Makes the machine code of a module. Functions that were kept stay unfinished.
+/// Makes the machine code of a module. Functions that were kept stay unfinished; of those that were compiled only the heads are left.
 pub fn finish<'m>(
     module: &'m mut Module,
     options: &CodegenOptions,
@@ -84,8 +84,9 @@ pub fn finish<'m>(
         states[id.index()] = state;
     }
 
+    let finished = ids.iter().copied().filter(|id| matches!(states[id.index()], State::Finished(_)));
+    let fresh: Vec<(FuncId, Function)> = finished.map(|id| (id, module.functions[id].take_body())).collect();
     let compiler = Compiler::with_facts(module, &all_facts, Placement::Object, options)?;
-    let fresh = ids.iter().copied().filter(|id| matches!(states[id.index()], State::Finished(_))).collect();
     let mut fresh = compiler.some_functions(fresh)?.into_iter();
     let mut finished =
         Finished { compiler, functions: Vec::with_capacity(ids.len()), notes: Vec::new(), made: Vec::new() };

@@ -57,14 +57,14 @@ impl Target<'_> {
     }
 }
 
-/// Lowers function `id` of the module to `clif`, which is empty: memory that it had for another function is used again.
+/// Lowers `function`, number `id` of the module, to `clif`, which is empty: memory that it had for another function is used again.
 pub fn lower(
     target: &Target<'_>,
     id: FuncId,
+    function: &Function,
     context: &mut FunctionBuilderContext,
     clif: &mut ir::Function,
 ) -> Result<(), CodegenError> {
-    let function = &target.module.functions[id];
     clif.name = UserFuncName::user(0, id.index() as u32);
     clif.signature = target.abis[id].signature.clone();
     // Source places count from 0, so code does not depend on the position of a function's first one.

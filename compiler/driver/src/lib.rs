@@ -31,6 +31,7 @@ pub mod inputs;
 mod keys;
 pub mod link;
 mod live;
+mod memory;
 mod near;
 pub mod package;
 mod parallel;

@@ -1,10 +1,8 @@
 //! A function of the IR: blocks, instructions, values.
 
-use plcc_abi::Type;
-use smallvec::SmallVec;
-
 use crate::entities::{Block, Entity, EntityVec, Inst, Loc, Value};
-use crate::instructions::{BlockCall, InstData};
+use crate::instructions::{BlockCall, InstData, Values};
+use plcc_abi::Type;
 
 /// Where a value comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,8 +29,114 @@ pub struct BlockData {
     pub cold: bool,
 }
 
-/// The results of an instruction: hardly ever more than one, except of calls.
-pub type Results = SmallVec<[Value; 4]>;
+/// The results of an instruction. Hardly ever there is more than one, except of calls: a single one needs no allocation.
+#[derive(Clone, Debug, Default)]
+pub enum Results {
+    #[default]
+    None,
+    One([Value; 1]),
+    More(Values),
+}
+
+impl Results {
+    #[inline]
+    pub fn as_slice(&self) -> &[Value] {
+        match self {
+            Results::None => &[],
+            Results::One(one) => one,
+            Results::More(more) => more,
+        }
+    }
+
+    /// Keeps those for which `keep` is true.
+    pub fn retain(&mut self, mut keep: impl FnMut(&mut Value) -> bool) {
+        match self {
+            Results::None => {}
+            Results::One([one]) => {
+                if !keep(one) {
+                    *self = Results::None;
+                }
+            }
+            Results::More(more) => more.retain_mut(keep),
+        }
+    }
+}
+
+impl std::ops::Deref for Results {
+    type Target = [Value];
+
+    #[inline]
+    fn deref(&self) -> &[Value] {
+        self.as_slice()
+    }
+}
+
+impl std::ops::DerefMut for Results {
+    #[inline]
+    fn deref_mut(&mut self) -> &mut [Value] {
+        match self {
+            Results::None => &mut [],
+            Results::One(one) => one,
+            Results::More(more) => more,
+        }
+    }
+}
+
+impl<'a> IntoIterator for &'a Results {
+    type Item = &'a Value;
+    type IntoIter = std::slice::Iter<'a, Value>;
+
+    #[inline]
+    fn into_iter(self) -> Self::IntoIter {
+        self.as_slice().iter()
+    }
+}
+
+impl<'a> IntoIterator for &'a mut Results {
+    type Item = &'a mut Value;
+    type IntoIter = std::slice::IterMut<'a, Value>;
+
+    #[inline]
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter_mut()
+    }
+}
+
+impl IntoIterator for Results {
+    type Item = Value;
+    type IntoIter = std::iter::Chain<std::option::IntoIter<Value>, thin_vec::IntoIter<Value>>;
+
+    #[inline]
+    fn into_iter(self) -> Self::IntoIter {
+        let (one, more) = match self {
+            Results::None => (None, Values::new()),
+            Results::One([one]) => (Some(one), Values::new()),
+            Results::More(more) => (None, more),
+        };
+        one.into_iter().chain(more)
+    }
+}
+
+/// Lists are the same if they have the same values, however they are kept.
+impl PartialEq for Results {
+    fn eq(&self, other: &Results) -> bool {
+        self.as_slice() == other.as_slice()
+    }
+}
+
+impl Eq for Results {}
+
+impl FromIterator<Value> for Results {
+    #[inline]
+    fn from_iter<T: IntoIterator<Item = Value>>(values: T) -> Results {
+        let mut values = values.into_iter();
+        match (values.next(), values.next()) {
+            (None, _) => Results::None,
+            (Some(one), None) => Results::One([one]),
+            (Some(one), Some(two)) => Results::More([one, two].into_iter().chain(values).collect()),
+        }
+    }
+}
 
 /// A function. The entry block is the first one; its parameters are the function's.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -115,6 +219,20 @@ impl Function {
         self.results.push(results);
         self.locs.push(loc);
         inst
+    }
+
+    /// Takes the code out. The name, types of parameters and results, and the frame stay: what callers need to know.
+    pub fn take_body(&mut self) -> Function {
+        let mut head = Function::new(self.name.clone());
+        head.returns.clone_from(&self.returns);
+        (head.frame_bytes, head.inlined_bytes, head.apart) = (self.frame_bytes, self.inlined_bytes, self.apart);
+        if !self.layout.is_empty() {
+            let entry = head.add_block();
+            self.params().for_each(|ty| {
+                head.add_param(entry, ty);
+            });
+        }
+        std::mem::replace(self, head)
     }
 
     /// Gives back memory that has been kept for more instructions: a third of what a function takes that has just been made.

@@ -1,6 +1,7 @@
 //! The instruction set of the IR.
 
 use plcc_abi::RuntimeFn;
+use thin_vec::ThinVec;
 
 use crate::entities::{Block, FuncId, Value};
 
@@ -202,16 +203,20 @@ impl Address {
     }
 }
 
+/// The values that an instruction uses where their number is not fixed. An empty list takes one pointer and no allocation: most jumps
+/// pass nothing, and an instruction is no longer than its fixed parts.
+pub type Values = ThinVec<Value>;
+
 /// A jump target with the values for its block parameters.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct BlockCall {
     pub block: Block,
-    pub args: Vec<Value>,
+    pub args: Values,
 }
 
 impl BlockCall {
     pub fn new(block: Block) -> BlockCall {
-        BlockCall { block, args: Vec::new() }
+        BlockCall { block, args: Values::new() }
     }
 }
 
@@ -295,11 +300,11 @@ pub enum InstData {
     /// Calls a function of the module; its frame begins `frame_bytes` of the caller after the caller's.
     Call {
         callee: FuncId,
-        args: Vec<Value>,
+        args: Values,
     },
     CallRuntime {
         function: RuntimeFn,
-        args: Vec<Value>,
+        args: Values,
     },
     /// Where the frame of a callee begins (`callee: true`) or this function's (false), as i32 offset from the memory base.
     FrameBase {
@@ -318,11 +323,11 @@ pub enum InstData {
     /// Goes to `targets[value]`, to `default` if there are fewer. `value` is an i32.
     Switch {
         value: Value,
-        targets: Vec<BlockCall>,
+        targets: ThinVec<BlockCall>,
         default: BlockCall,
     },
     Return {
-        values: Vec<Value>,
+        values: Values,
     },
 }
 
@@ -526,3 +531,6 @@ macro_rules! visitor {
 
 visitor!(visit, iter,);
 visitor!(visit_mut, iter_mut, mut);
+
+// A program of a million lines has four million of them at once.
+const _: () = assert!(size_of::<InstData>() == 40);

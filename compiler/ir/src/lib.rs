@@ -21,6 +21,8 @@ pub mod verify;
 pub use builder::FunctionBuilder;
 pub use entities::{Block, FuncId, Inst, Loc, Value, Var};
 pub use function::Function;
-pub use instructions::{Address, BinaryOp, BlockCall, Class, ConvertOp, FloatCc, InstData, IntCc, Region, UnaryOp};
+pub use instructions::{
+    Address, BinaryOp, BlockCall, Class, ConvertOp, FloatCc, InstData, IntCc, Region, UnaryOp, Values,
+};
 pub use module::{Areas, Module, StaticDb};
 pub use plcc_abi::{RuntimeFn, Type};

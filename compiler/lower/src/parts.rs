@@ -15,7 +15,7 @@
 use plcc_abi::layout;
 use plcc_ir::entities::{Entity, EntityVec, FuncId};
 use plcc_ir::function::ValueDef;
-use plcc_ir::{Address, Block, BlockCall, Class, Function, Inst, InstData, Loc, Region, Value};
+use plcc_ir::{Address, Block, BlockCall, Class, Function, Inst, InstData, Loc, Region, Value, Values};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 /// Where the variables of a frame begin.
@@ -42,7 +42,7 @@ pub fn cut(function: &mut Function, starts: &[Block], variables: u32, first: usi
     }
     for plan in plans {
         let start = plan.order[0];
-        let insts = call(function, callees[&start], plan.params, place_of(function, start));
+        let insts = call(function, callees[&start], plan.params.into(), place_of(function, start));
         function.blocks[start].insts = insts;
     }
     function.remove_unreachable_blocks();
@@ -50,10 +50,10 @@ pub fn cut(function: &mut Function, starts: &[Block], variables: u32, first: usi
 }
 
 /// A call of a part, whose results are those of the function.
-fn call(function: &mut Function, callee: FuncId, args: Vec<Value>, loc: Loc) -> Vec<Inst> {
+fn call(function: &mut Function, callee: FuncId, args: Values, loc: Loc) -> Vec<Inst> {
     let returns = function.returns.clone();
     let call = function.make_inst(InstData::Call { callee, args }, &returns, loc);
-    let values = function.results[call].to_vec();
+    let values = function.results[call].as_slice().into();
     let end = function.make_inst(InstData::Return { values }, &[], loc);
     vec![call, end]
 }

@@ -199,13 +199,13 @@ impl Plan {
         let zero = out.constant(Type::I16, 0);
         out.push(InstData::Store { addr: Address::direct(Region::L, self.at + RET_VAL_AT), value: zero });
         let good = out.constant(Type::I32, GOOD);
-        out.push(InstData::Jump { target: BlockCall { block: next, args: vec![good] } });
+        out.push(InstData::Jump { target: BlockCall { block: next, args: [good].into() } });
         let Builder { function, out: moved, .. } = out;
         function.blocks[direct].insts = moved;
 
         // The call has a copy, so that all uses of its answer are of what the two sides bring.
         let copy = function.make_inst(function.insts[call].clone(), &[Type::I32], loc);
-        let jump = InstData::Jump { target: BlockCall { block: next, args: vec![function.result(copy)] } };
+        let jump = InstData::Jump { target: BlockCall { block: next, args: [function.result(copy)].into() } };
         let jump = function.make_inst(jump, &[], loc);
         function.blocks[cold].insts = self.fills.into_iter().rev().chain([copy, jump]).collect();
         let merged = function.add_param(next, Type::I32);

@@ -20,7 +20,7 @@
 use plcc_ir::analysis::{ControlFlow, Dominators};
 use plcc_ir::entities::Entity;
 use plcc_ir::{
-    Address, BinaryOp, Block, BlockCall, ConvertOp, Function, Inst, InstData, Loc, Region, Type, UnaryOp, Value,
+    Address, BinaryOp, Block, BlockCall, ConvertOp, Function, Inst, InstData, Loc, Region, Type, UnaryOp, Value, Values,
 };
 use rustc_hash::FxHashMap;
 
@@ -117,7 +117,7 @@ struct Arm {
     /// A block of its own, if the way is not direct.
     block: Option<Block>,
     insts: Vec<Inst>,
-    args: Vec<Value>,
+    args: Values,
 }
 
 /// A branch that can go.
@@ -269,7 +269,7 @@ fn convert(function: &mut Function, block: Block, shape: Shape) {
         }
         out.push(store);
     }
-    let mut args = Vec::with_capacity(shape.then_arm.args.len());
+    let mut args = Values::with_capacity(shape.then_arm.args.len());
     for (&if_true, &if_false) in shape.then_arm.args.iter().zip(&shape.else_arm.args) {
         args.push(if if_true == if_false {
             if_true

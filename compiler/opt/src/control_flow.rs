@@ -12,7 +12,7 @@
 use plcc_ir::analysis::ControlFlow;
 use plcc_ir::entities::{Entity, EntityVec};
 use plcc_ir::function::BlockData;
-use plcc_ir::{Block, BlockCall, Function, Inst, InstData, Loc, Value};
+use plcc_ir::{Block, BlockCall, Function, Inst, InstData, Loc, Value, Values};
 
 /// Rounds over a function; a later one finds little.
 const ROUNDS_MAX: usize = 3;
@@ -69,7 +69,7 @@ fn thread_jumps(function: &mut Function) -> bool {
     let mut changed = false;
     for index in 0..function.layout.len() {
         let Some(inst) = function.terminator(function.layout[index]) else { continue };
-        let mut data = std::mem::replace(&mut function.insts[inst], InstData::Return { values: Vec::new() });
+        let mut data = std::mem::replace(&mut function.insts[inst], InstData::Return { values: Values::new() });
         data.for_each_target_mut(|call| {
             for _ in 0..HOPS_MAX {
                 match next_target(function, &foreign, call) {

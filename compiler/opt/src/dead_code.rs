@@ -181,7 +181,7 @@ fn kept_interfaces(module: &Module, live: &EntityVec<FuncId, Live>) -> EntityVec
 fn sweep(function: &mut Function, live: &Live, id: FuncId, kept: &EntityVec<FuncId, Kept>) {
     let removed: Vec<bool> = live.values.iter().map(|live| !live).collect();
     remove_params(function, &removed);
-    retain_marked(&mut function.returns, &kept[id].returns);
+    retain_marked(&kept[id].returns, |is_marked| function.returns.retain(|_| is_marked()));
     for index in 0..function.layout.len() {
         let block = function.layout[index];
         let mut insts = std::mem::take(&mut function.blocks[block].insts);
@@ -189,19 +189,18 @@ fn sweep(function: &mut Function, live: &Live, id: FuncId, kept: &EntityVec<Func
             let used = |function: &Function| function.results[inst].iter().any(|result| live.values[result.index()]);
             match &mut function.insts[inst] {
                 InstData::Call { callee, args } => {
-                    retain_marked(args, &kept[*callee].params);
+                    retain_marked(&kept[*callee].params, |is_marked| args.retain(|_| is_marked()));
                     let callee = *callee;
                     let mut results = std::mem::take(&mut function.results[inst]);
-                    let mut marks = kept[callee].returns.iter();
-                    results.retain(|_| marks.next().copied().unwrap_or(true));
-                    for (number, &result) in (0u32..).zip(&results) {
+                    retain_marked(&kept[callee].returns, |is_marked| results.retain(|_| is_marked()));
+                    for (number, &result) in (0u32..).zip(results.as_slice()) {
                         function.values[result].def = ValueDef::Result(inst, number);
                     }
                     function.results[inst] = results;
                     true
                 }
                 InstData::Return { values } => {
-                    retain_marked(values, &kept[id].returns);
+                    retain_marked(&kept[id].returns, |is_marked| values.retain(|_| is_marked()));
                     true
                 }
                 data => data.has_side_effect() || used(function),
@@ -211,9 +210,9 @@ fn sweep(function: &mut Function, live: &Live, id: FuncId, kept: &EntityVec<Func
     }
 }
 
-fn retain_marked<T>(items: &mut Vec<T>, marks: &[bool]) {
+fn retain_marked(marks: &[bool], retain: impl FnOnce(&mut dyn FnMut() -> bool)) {
     let mut marks = marks.iter();
-    items.retain(|_| marks.next().copied().unwrap_or(true));
+    retain(&mut || marks.next().copied().unwrap_or(true));
 }
 
 #[cfg(test)]

@@ -19,7 +19,7 @@
 
 use plcc_ir::entities::Entity;
 use plcc_ir::function::ValueDef;
-use plcc_ir::{BinaryOp, Block, BlockCall, ConvertOp, Function, Inst, InstData, IntCc, Loc, Type, Value};
+use plcc_ir::{BinaryOp, Block, BlockCall, ConvertOp, Function, Inst, InstData, IntCc, Loc, Type, Value, Values};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::floats::Numbers;
@@ -247,8 +247,8 @@ fn part_block(function: &mut Function, block: Block, leaving: &[bool], renamed: 
             hot.push(both);
             cond = function.result(both);
         }
-        let mut hot_args = Vec::new();
-        let mut cold_args = Vec::new();
+        let mut hot_args = Values::new();
+        let mut cold_args = Values::new();
         let mut start = Vec::new();
         let mut floats: FxHashMap<Value, Value> = FxHashMap::default();
         for &inst in &insts[first..=last] {

@@ -11,7 +11,7 @@ use crate::link::{Form, Runtime};
 use crate::package::{fmu, oci};
 use crate::pipeline::{self, Bound, Compiled, Settings};
 use crate::report::{self, MessageFormat};
-use crate::{drawings, emit, link, statistics};
+use crate::{drawings, emit, link, memory, statistics};
 
 /// Compiles and links, or writes an intermediate form.
 pub fn build(args: &BuildArgs) -> u8 {
@@ -153,6 +153,7 @@ fn cached_objects(bound: Bound, args: &BuildArgs, output: &Path) -> Result<Vec<V
     let probed = is_monitored.then(|| pipeline::lower_beside(&bound, &mut lowered));
     // A large program takes much memory; what is not needed any more makes room.
     drop(bound);
+    memory::give_back(memory::size(&lowered.module));
     let cache = |output: &Path| if args.no_cache { None } else { Cache::of(output) };
     let own = cache(output);
     let objects = match probed {

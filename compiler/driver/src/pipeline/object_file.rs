@@ -9,7 +9,7 @@ use plcc_opt::{Usage, Without};
 use super::{Compiled, Optimization};
 use crate::cache::{Cache, Keys};
 use crate::cli::{CpuFeatures, Level};
-use crate::variables;
+use crate::{memory, variables};
 
 /// The object file of a program that is lowered, and not optimised or only begun. At -O2 the code of unchanged functions comes from `cache`, which keeps
 /// the code that it did not have.
@@ -65,8 +65,9 @@ fn object_of(
         usage_as_note(plcc_opt::usage_of(function, &surroundings))
     };
     let finishing = Finishing { kept: &kept, finish: &finish, keep: cache.is_some() };
-    let entries = module.entries.clone();
+    let (entries, size) = (module.entries.clone(), memory::size(&module));
     let finished = plcc_codegen::finish(&mut module, &options, &finishing)?;
+    memory::give_back(size);
     let usage: Vec<Usage> = finished.notes.iter().copied().map(usage_of_note).collect();
     let entries = Module { entries, ..Module::default() };
     let mut compiled = Compiled { module: entries, image, optimization, begun }.with_usage(&usage, &reached);

@@ -291,14 +291,14 @@ impl FunctionBuilder {
 
     /// Calls `callee`, which returns values of types `returns`.
     pub fn call(&mut self, callee: FuncId, args: Vec<Value>, returns: &[Type]) -> Vec<Value> {
-        let inst = self.push(InstData::Call { callee, args }, returns);
+        let inst = self.push(InstData::Call { callee, args: args.into() }, returns);
         self.function.results[inst].to_vec()
     }
 
     /// Calls a runtime function; its result, if it has one.
     pub fn call_runtime(&mut self, function: RuntimeFn, args: &[Value]) -> Option<Value> {
         assert_eq!(function.params().len(), args.len(), "arguments of {}", function.name());
-        let inst = self.push(InstData::CallRuntime { function, args: args.to_vec() }, function.result().as_slice());
+        let inst = self.push(InstData::CallRuntime { function, args: args.into() }, function.result().as_slice());
         self.function.results[inst].first().copied()
     }
 
@@ -311,7 +311,7 @@ impl FunctionBuilder {
     // Terminators.
 
     pub fn jump(&mut self, block: Block, args: &[Value]) {
-        self.terminate(InstData::Jump { target: BlockCall { block, args: args.to_vec() } });
+        self.terminate(InstData::Jump { target: BlockCall { block, args: args.into() } });
     }
 
     /// Goes to `then_block` if `cond`, an i1, is 1. A constant condition makes a jump.
@@ -335,6 +335,6 @@ impl FunctionBuilder {
 
     pub fn ret(&mut self, values: &[Value]) {
         assert_eq!(values.len(), self.function.returns.len(), "values returned");
-        self.terminate(InstData::Return { values: values.to_vec() });
+        self.terminate(InstData::Return { values: values.into() });
     }
 }

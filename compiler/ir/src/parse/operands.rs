@@ -4,7 +4,7 @@ use super::LineResult;
 use super::body::FunctionParser;
 use super::cursor::Cursor;
 use crate::entities::Value;
-use crate::instructions::{Address, BlockCall, Region};
+use crate::instructions::{Address, BlockCall, Region, Values};
 
 impl FunctionParser<'_> {
     pub(super) fn pair(&mut self, cursor: &mut Cursor) -> LineResult<[Value; 2]> {
@@ -14,8 +14,8 @@ impl FunctionParser<'_> {
     }
 
     /// `(v1, v2)`
-    pub(super) fn arguments(&mut self, cursor: &mut Cursor) -> LineResult<Vec<Value>> {
-        let mut args = Vec::new();
+    pub(super) fn arguments(&mut self, cursor: &mut Cursor) -> LineResult<Values> {
+        let mut args = Values::new();
         cursor.expect("(")?;
         if cursor.take(")") {
             return Ok(args);
@@ -31,7 +31,7 @@ impl FunctionParser<'_> {
     /// `b1(v2)`
     pub(super) fn target(&mut self, cursor: &mut Cursor) -> LineResult<BlockCall> {
         let block = self.block(cursor)?;
-        let args = if cursor.peek("(") { self.arguments(cursor)? } else { Vec::new() };
+        let args = if cursor.peek("(") { self.arguments(cursor)? } else { Values::new() };
         Ok(BlockCall { block, args })
     }
 

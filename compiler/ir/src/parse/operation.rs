@@ -1,12 +1,13 @@
 //! An instruction, from its name to its last operand.
 
 use plcc_abi::{RuntimeFn, Type};
+use thin_vec::ThinVec;
 
 use super::LineResult;
 use super::body::FunctionParser;
 use super::cursor::{Cursor, type_named};
 use crate::entities::{Entity, Value};
-use crate::instructions::{BinaryOp, ConvertOp, FloatCc, InstData, IntCc, UnaryOp};
+use crate::instructions::{BinaryOp, ConvertOp, FloatCc, InstData, IntCc, UnaryOp, Values};
 
 /// Type of a result: known at once, or that of a value that may be defined further down.
 #[derive(Clone, Copy)]
@@ -148,7 +149,7 @@ impl FunctionParser<'_> {
             "switch" => {
                 let value = self.value(cursor)?;
                 cursor.expect("[")?;
-                let mut targets = Vec::new();
+                let mut targets = ThinVec::new();
                 if !cursor.take("]") {
                     targets.push(self.target(cursor)?);
                     while cursor.take(",") {
@@ -161,7 +162,7 @@ impl FunctionParser<'_> {
                 plain(InstData::Switch { value, targets, default }, &[])
             }
             "ret" => {
-                let mut values = Vec::new();
+                let mut values = Values::new();
                 if cursor.starts_entity('v') {
                     values.push(self.value(cursor)?);
                     while cursor.take(",") {

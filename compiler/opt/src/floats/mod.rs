@@ -17,7 +17,7 @@
 use plcc_ir::analysis::{ControlFlow, Dominators};
 use plcc_ir::entities::Entity;
 use plcc_ir::function::ValueDef;
-use plcc_ir::{BinaryOp, Block, ConvertOp, FloatCc, Function, Inst, InstData, Loc, Type, UnaryOp, Value};
+use plcc_ir::{BinaryOp, Block, ConvertOp, FloatCc, Function, Inst, InstData, Loc, Type, UnaryOp, Value, Values};
 use rustc_hash::FxHashMap;
 
 use crate::loops::Loops;
@@ -295,7 +295,7 @@ fn carry_raw(function: &mut Function, made: &FxHashMap<Value, Canonical>) -> boo
     // Jumps bring what the host made.
     for &block in &cfg.rpo {
         let Some(inst) = function.terminator(block) else { continue };
-        let mut data = std::mem::replace(&mut function.insts[inst], InstData::Return { values: Vec::new() });
+        let mut data = std::mem::replace(&mut function.insts[inst], InstData::Return { values: Values::new() });
         data.for_each_target_mut(|call| {
             for (index, &param) in function.blocks[call.block].params.iter().enumerate() {
                 if carried.contains_key(&param)

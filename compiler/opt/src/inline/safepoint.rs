@@ -13,7 +13,7 @@
 
 use plcc_abi::RuntimeFn;
 use plcc_abi::layout::state;
-use plcc_ir::{Address, Block, BlockCall, Function, Inst, InstData, IntCc, Region, Value};
+use plcc_ir::{Address, Block, BlockCall, Function, Inst, InstData, IntCc, Region, Value, Values};
 
 /// A safepoint, in the block that ends with its branch.
 pub struct Safepoint {
@@ -64,7 +64,7 @@ pub fn make_independent(function: &mut Function, exit: Block) {
     let InstData::Return { values } = function.insts[last].clone() else { return };
     let loc = function.locs[last];
     let mut insts = Vec::with_capacity(values.len() + 1);
-    let mut zeros = Vec::with_capacity(values.len());
+    let mut zeros = Values::with_capacity(values.len());
     for value in values {
         let zero = function.make_inst(InstData::Const { bits: 0 }, &[function.ty(value)], loc);
         insts.push(zero);

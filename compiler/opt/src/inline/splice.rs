@@ -1,7 +1,7 @@
 //! Puts a copy of one function in the place of a call.
 
 use plcc_ir::entities::EntityVec;
-use plcc_ir::{Address, Block, BlockCall, Function, Inst, InstData, Loc, Region, Value};
+use plcc_ir::{Address, Block, BlockCall, Function, Inst, InstData, Loc, Region, Value, Values};
 
 use super::address_in_caller;
 use super::safepoint::is_stop_exit;
@@ -93,7 +93,7 @@ impl<'a> Splice<'a> {
     }
 
     /// The values that the callee returns, if it returns at one place.
-    fn only_return(&self, copied: &[Block]) -> Option<Vec<Value>> {
+    fn only_return(&self, copied: &[Block]) -> Option<Values> {
         let mut returns =
             copied.iter().filter_map(|&block| match &self.callee.insts[self.callee.terminator(block)?] {
                 InstData::Return { values } => Some(values),
@@ -169,7 +169,7 @@ impl<'a> Splice<'a> {
                 if after == self.at {
                     return None;
                 }
-                let args = if single { Vec::new() } else { std::mem::take(values) };
+                let args = if single { Values::new() } else { std::mem::take(values) };
                 data = InstData::Jump { target: BlockCall { block: after, args } };
             }
             InstData::Load { addr }
