@@ -365,6 +365,7 @@ impl<'a> Classifier<'a, '_> {
                 statement.until = true;
                 self.take(Tok::Until);
                 self.run(Run::Until);
+                self.do_after_until(token);
                 if self.is_at(RawKind::Semicolon) {
                     self.take(Tok::End);
                 } else {
@@ -409,9 +410,33 @@ impl<'a> Classifier<'a, '_> {
         }
     }
 
+    /// `UNTIL condition DO`, as in the head of the other loops.
+    fn do_after_until(&mut self, until: RawToken) {
+        let Some(token) = self.peek().filter(|token| token.keyword == Some(Keyword::Do)) else { return };
+        let last = self.last_token().unwrap_or(until);
+        self.report(
+            Diagnostic::new(
+                Code::Syntax,
+                self.span(token),
+                format!("`{}` does not follow the condition of UNTIL", self.slice(token)),
+            )
+            .label("belongs to FOR and WHILE")
+            .help(format!("write `{}`", self.head_text(until, last))),
+        );
+        self.at += 1;
+    }
+
     /// Takes the word that ends a structured statement, with its `;`.
     fn closed(&mut self, _token: RawToken, tok: Tok<'a>) {
         let word = self.raw[self.at];
+        // The word that is meant, where another one is written.
+        let meant = match &tok {
+            Tok::EndIf => Keyword::EndIf,
+            Tok::EndCase => Keyword::EndCase,
+            Tok::EndFor => Keyword::EndFor,
+            Tok::EndWhile => Keyword::EndWhile,
+            _ => Keyword::EndRepeat,
+        };
         self.take(tok);
         if self.is_at(RawKind::Semicolon) {
             self.at += 1;
@@ -421,7 +446,7 @@ impl<'a> Classifier<'a, '_> {
                 self.span(word),
                 &format!("`;` is missing after `{text}`"),
                 "STEP 7 requires `;` here",
-                &format!("write `{text};`"),
+                &format!("write `{};`", if text.eq_ignore_ascii_case(meant.word()) { text } else { meant.word() }),
             );
         }
     }
@@ -585,8 +610,32 @@ impl<'a> Classifier<'a, '_> {
             self.at += 2;
             return;
         }
+        let (first, out, reported) = (self.at, self.out.len(), self.diagnostics.len());
         self.run(Run::Statement);
+        let in_case = open.last().is_some_and(|statement| statement.keyword == Keyword::Case && !statement.otherwise);
+        if in_case && reported == self.diagnostics.len() && self.value_without_colon(first) {
+            return self.out.truncate(out);
+        }
         self.end_of_statement();
+    }
+
+    /// Numbers alone on a line, from token `first` on: the values of an arm of CASE, without their `:`.
+    fn value_without_colon(&mut self, first: usize) -> bool {
+        let values = self.raw.get(first..self.at).unwrap_or_default();
+        let (Some(&start), Some(&end)) = (values.first(), values.last()) else { return false };
+        let is_value = |token: &RawToken| matches!(token.kind, RawKind::Number | RawKind::Minus | RawKind::DotDot);
+        let alone = self.peek().is_some_and(|next| next.first_on_line && next.kind != RawKind::Semicolon);
+        if !alone || end.kind != RawKind::Number || !values.iter().all(is_value) {
+            return false;
+        }
+        let text = self.head_text(start, end);
+        let span = Span { file: self.file, start: start.start, end: end.end };
+        self.report(
+            Diagnostic::new(Code::Syntax, span, format!("`:` is missing after `{text}`"))
+                .label("a value of this CASE")
+                .help(format!("write `{text}:`")),
+        );
+        true
     }
 
     /// Whether values and `:` follow rather than a statement.
