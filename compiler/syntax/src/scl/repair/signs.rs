@@ -12,6 +12,9 @@ const PAIRS: &[(RawKind, RawKind, RawKind, &str, &str)] = &[
     (RawKind::Ampersand, RawKind::Ampersand, RawKind::Ampersand, "AND", "the operator is `AND`"),
 ];
 
+/// How many tokens a condition may have that a help shows.
+const CONDITION_MAX: usize = 24;
+
 impl Repair<'_> {
     /// Repairs the sign or number at the current place.
     pub(super) fn repair_sign(&mut self, token: RawToken) -> bool {
@@ -65,11 +68,58 @@ impl Repair<'_> {
         title: &str,
     ) -> bool {
         let at = self.at;
-        let (left, right) = self.sides(at, at + count);
+        let (left, right) = match sign {
+            "AND" | "OR" => self.conditions(at, at + count),
+            _ => self.sides(at, at + count),
+        };
         let help = format!("write `{left} {sign} {right}`");
         self.report(at, at + count, title.to_owned(), &format!("read as `{sign}`"), help);
         self.replace(at, at + count, kind, keyword);
         true
+    }
+
+    /// The conditions before token `at` and from token `after` on, with their comparisons; `…` for what is itself written as in
+    /// another language, or is long.
+    fn conditions(&self, at: usize, after: usize) -> (String, String) {
+        let (mut first, mut depth) = (at, 0usize);
+        while first > self.statement && at - first < CONDITION_MAX {
+            let token = self.tokens[first - 1];
+            match token.kind {
+                RawKind::RightParen | RawKind::RightBracket => depth += 1,
+                RawKind::LeftParen | RawKind::LeftBracket if depth == 0 => break,
+                RawKind::LeftParen | RawKind::LeftBracket => depth -= 1,
+                _ if depth == 0 && ends_condition(token) => break,
+                _ => {}
+            }
+            first -= 1;
+        }
+        let left = if depth == 0 { self.condition(first, at) } else { None };
+        let mut end = after;
+        depth = 0;
+        while let Some(token) = self.token(end).filter(|_| end - after < CONDITION_MAX) {
+            match token.kind {
+                RawKind::LeftParen | RawKind::LeftBracket => depth += 1,
+                RawKind::RightParen | RawKind::RightBracket if depth == 0 => break,
+                RawKind::RightParen | RawKind::RightBracket => depth -= 1,
+                _ if depth > 0 => {}
+                _ if ends_condition(token) => break,
+                // Two operands in a row belong to different parts.
+                _ if end > after && begins_operand(token) && ends_operand(self.tokens[end - 1]) => break,
+                _ => {}
+            }
+            end += 1;
+        }
+        let right = if depth == 0 { self.condition(after, end) } else { None };
+        let shown = |condition: Option<&str>| condition.unwrap_or("…").to_owned();
+        (shown(left), shown(right))
+    }
+
+    /// The text of a condition, if it is one of SCL.
+    fn condition(&self, first: usize, end: usize) -> Option<&str> {
+        let tokens = self.tokens.get(first..end).filter(|tokens| !tokens.is_empty() && tokens.len() < CONDITION_MAX)?;
+        let foreign = tokens.iter().any(|token| matches!(token.kind, RawKind::Stray | RawKind::Arrow))
+            || tokens.windows(2).any(|pair| is_comparison(pair[0].kind) && is_comparison(pair[1].kind));
+        (!foreign).then(|| self.words(first, end - 1))
     }
 
     /// `!=`, `!x`, `||`, `|`, `%`, `x ? a : b`
@@ -513,6 +563,15 @@ impl Repair<'_> {
             }
         }
     }
+}
+
+/// Whether a condition cannot contain the token, outside of brackets.
+fn ends_condition(token: RawToken) -> bool {
+    let foreign = matches!(
+        token.kind,
+        RawKind::Assign | RawKind::Comma | RawKind::Semicolon | RawKind::Colon | RawKind::Ampersand | RawKind::Stray
+    );
+    foreign || token.keyword.is_some_and(|word| !matches!(word, Keyword::Mod | Keyword::Div | Keyword::Not))
 }
 
 pub(super) fn is_comparison(kind: RawKind) -> bool {
