@@ -18,6 +18,17 @@ struct Extent {
     qualifier: Option<usize>,
 }
 
+/// Instructions that need an event before them.
+const NEED_EVENTS: [&str; 10] = ["ON", "OFF", "CS", "CU", "CD", "CR", "TL", "TD", "TR", "TF"];
+
+/// `T#5S` for `5s`; another value as it is.
+fn with_prefix(value: &str) -> String {
+    let unit = value.trim_start_matches(|c: char| c.is_ascii_digit());
+    let is_time =
+        unit.len() < value.len() && ["ms", "s", "m", "h", "d"].iter().any(|own| unit.eq_ignore_ascii_case(own));
+    if is_time { format!("T#{}", value.to_ascii_uppercase()) } else { value.to_owned() }
+}
+
 impl<'a> Classifier<'a, '_> {
     /// `operand := value (qualifier)`
     pub(super) fn action_row(&mut self) {
@@ -193,8 +204,9 @@ impl<'a> Classifier<'a, '_> {
     fn no_qualifier(&mut self) {
         let last = self.raw[self.at - 1];
         // A bracket or character that was reported may include it.
-        if !self.reported_in_row() {
-            let help = self.meant_row().or_else(|| self.foreign_row()).or_else(|| self.assigned_row());
+        if !self.reported_in_row() && !self.section_in_row() {
+            let help = self.call_row().or_else(|| self.meant_row());
+            let help = help.or_else(|| self.foreign_row()).or_else(|| self.assigned_row());
             let help = help.unwrap_or_else(|| qualifier::help(""));
             self.report(
                 Diagnostic::new(Code::Qualifier, self.span(last), "the action has no qualifier")
@@ -205,9 +217,40 @@ impl<'a> Classifier<'a, '_> {
         self.push_here(Tok::Qualifier(None));
     }
 
+    /// Index of the first token of the row that ends here.
+    fn row_start(&self) -> Option<usize> {
+        (0..self.at).rev().find(|index| self.raw[*index].first_on_line)
+    }
+
+    /// `INTERLOCK := I0.5`: a section of the step, written as if it were an operand. It is reported.
+    fn section_in_row(&mut self) -> bool {
+        let Some(row) = self.row_start().filter(|row| self.kind_at(row + 1) == Some(RawKind::Assign)) else {
+            return false;
+        };
+        let Some(word) = ["INTERLOCK", "SUPERVISION"].into_iter().find(|word| self.is_word(row, word)) else {
+            return false;
+        };
+        let condition = self.row_text().and_then(|text| text.split_once(":=")).map_or("…", |(_, value)| value.trim());
+        let help = format!("write `{word}`, `CONDITION := {condition}` and `END_{word}`, each on its own line");
+        let first = self.span(self.raw[row]);
+        self.report(
+            Diagnostic::new(Code::Syntax, first, format!("`{word}` is a section of the step, not an operand"))
+                .label("an action begins with its operand")
+                .help(help),
+        );
+        true
+    }
+
+    /// `CALL FC1`
+    fn call_row(&self) -> Option<String> {
+        let row = self.row_start().filter(|row| self.is_word(*row, "CALL"))?;
+        (row + 1 < self.at).then_some(())?;
+        Some(format!("write `{} (N)`", self.row_text()?))
+    }
+
     /// How the author of a row without a qualifier means it: `Q0.0, T#5S (D)` for `Q0.0 (D, T#5S)`, `Q0.1 (N)` for `Q0.1 N`.
     fn meant_row(&self) -> Option<String> {
-        let row = (0..self.at).rev().find(|index| self.raw[*index].first_on_line)?;
+        let row = self.row_start()?;
         let last = self.at.checked_sub(1)?;
         let slice = |first: usize, after: usize| {
             (first < after).then(|| self.text[self.raw[first].start as usize..self.raw[after - 1].end as usize].trim())
@@ -245,12 +288,13 @@ impl<'a> Classifier<'a, '_> {
             }
         }
         qualifier::parse(mark)?;
-        Some(format!("write `{operand}, {value} ({mark})`"))
+        let event = if NEED_EVENTS.iter().any(|own| own.eq_ignore_ascii_case(mark)) { "S1 " } else { "" };
+        Some(format!("write `{operand}, {} ({event}{mark})`", with_prefix(value)))
     }
 
     /// The row, as written.
     fn row_text(&self) -> Option<&str> {
-        let row = (0..self.at).rev().find(|index| self.raw[*index].first_on_line)?;
+        let row = self.row_start()?;
         let last = self.raw.get(self.at.checked_sub(1)?)?;
         self.text.get(self.raw[row].start as usize..last.end as usize).map(str::trim)
     }
