@@ -72,8 +72,12 @@ impl SclBinder<'_, '_> {
                 self.refuse(Code::OperandKind, node.span, &title, "a variable is expected here", &help);
                 None
             }
-            Thing::Area(..) | Thing::DbArea(..) => {
+            Thing::Area(..) => {
                 self.no_address(node.span);
+                None
+            }
+            Thing::DbArea(db, _) => {
+                self.no_address_in(&db, node.span);
                 None
             }
         }
@@ -620,11 +624,30 @@ impl SclBinder<'_, '_> {
                 Value::Elementary(Expr { kind: ExprKind::Flag, ty: Elementary::Bool, span })
             }
             Thing::LastEno => Value::Elementary(Expr { kind: ExprKind::LastEno, ty: Elementary::Bool, span }),
-            Thing::Area(..) | Thing::DbArea(..) | Thing::Db { number: None, .. } => {
+            Thing::DbArea(db, _) => {
+                self.no_address_in(&db, span);
+                return None;
+            }
+            Thing::Area(..) | Thing::Db { number: None, .. } => {
                 self.no_address(span);
                 return None;
             }
         })
+    }
+
+    /// `"Data".d`: the letter of an area of the data block without its index; rather a component that the block does not have.
+    fn no_address_in(&mut self, db: &Db, span: Span) {
+        let text = self.program.globals.text(span);
+        let component = text.rsplit_once('.').map(|(_, component)| component).filter(|component| component.len() == 1);
+        if let (Db::Known(number), Some(component)) = (db, component)
+            && let Some(ty) = self.program.data.db_type(*number)
+        {
+            let end = span.end as usize;
+            let at = Span::new(span.file, end.saturating_sub(component.len()).max(span.start as usize)..end);
+            self.program.unknown_member(&ty, component, at);
+            return;
+        }
+        self.no_address(span);
     }
 
     fn no_address(&mut self, span: Span) {
