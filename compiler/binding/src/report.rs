@@ -124,6 +124,9 @@ impl Report {
             if is_duration(name) {
                 return message.help(format!("a time is written `T#{name}`, without quotes"));
             }
+            if let Some(help) = of_the_portal(name) {
+                return message.help(help);
+            }
             let meant = meant.filter(|_| !name.starts_with(|c: char| c.is_ascii_digit()));
             let meant = meant.or_else(|| similar(name, ["TRUE", "FALSE"].into_iter()).map(str::to_owned));
             match (misread_address(name), meant, hexadecimal(name)) {
@@ -362,6 +365,37 @@ impl Report {
         }
         (diagnostics, list)
     }
+}
+
+/// Tags that the TIA Portal makes for the system memory and the clock memory, with the addresses that it proposes.
+const PORTAL_TAGS: [(&str, &str, &str); 14] = [
+    ("System_Byte", "MB 1", "BYTE"),
+    ("FirstScan", "M 1.0", "BOOL"),
+    ("DiagStatusUpdate", "M 1.1", "BOOL"),
+    ("AlwaysTRUE", "M 1.2", "BOOL"),
+    ("AlwaysFALSE", "M 1.3", "BOOL"),
+    ("Clock_Byte", "MB 0", "BYTE"),
+    ("Clock_10Hz", "M 0.0", "BOOL"),
+    ("Clock_5Hz", "M 0.1", "BOOL"),
+    ("Clock_2.5Hz", "M 0.2", "BOOL"),
+    ("Clock_2Hz", "M 0.3", "BOOL"),
+    ("Clock_1.25Hz", "M 0.4", "BOOL"),
+    ("Clock_1Hz", "M 0.5", "BOOL"),
+    ("Clock_0.625Hz", "M 0.6", "BOOL"),
+    ("Clock_0.5Hz", "M 0.7", "BOOL"),
+];
+
+/// What to add for a tag or a data block that the TIA Portal makes without being asked.
+fn of_the_portal(name: &str) -> Option<String> {
+    if let Some((tag, address, ty)) = PORTAL_TAGS.iter().find(|(tag, ..)| tag.eq_ignore_ascii_case(name)) {
+        let memory = if tag.starts_with("Clock") { "clock" } else { "system" };
+        return Some(format!(
+            "it belongs to the {memory} memory: add the tag table that has it, or a symbol table `tags.sdf` with the row `\"{tag}\",\"{address}\",\"{ty}\",\"\"`"
+        ));
+    }
+    let begins = |word: &str| name.get(..word.len()).is_some_and(|head| head.eq_ignore_ascii_case(word));
+    let ty = ["IEC_TIMER", "IEC_COUNTER"].into_iter().find(|ty| begins(&format!("{ty}_")))?;
+    Some(format!("add the source of this data block, or define it: `DATA_BLOCK \"{name}\" {ty} BEGIN END_DATA_BLOCK`"))
 }
 
 /// `5s`, `1h30m`, `2.5s`: a time without its type.

@@ -621,6 +621,14 @@ impl SclBinder<'_, '_> {
             self.program.globals.report.missing_instance(name, fb, span, help);
             return;
         }
+        if let Some(instruction) = instruction_of_instance(&name.text) {
+            let name = &name.text;
+            let help = format!(
+                "define the instance: `DATA_BLOCK \"{name}\" {instruction} BEGIN END_DATA_BLOCK`; if it is a block of your own, add its source"
+            );
+            self.program.globals.report.missing_instance(name, instruction, span, help);
+            return;
+        }
         let own = blocks().filter(|global| matches!(global.target, SymbolTarget::Block { .. }));
         let own: Vec<&str> = own.map(|global| global.name.as_str()).collect();
         let shipped = plcc_stdlib::blocks().iter().map(|block| block.name);
@@ -635,6 +643,23 @@ impl SclBinder<'_, '_> {
         };
         self.program.globals.report.missing_function(&name.text, name.span, meant, false);
     }
+}
+
+/// The instruction whose data block the TIA Portal names so: `TON_DB`, `R_TRIG_DB_1`, `CTU_2`.
+fn instruction_of_instance(name: &str) -> Option<&'static str> {
+    const INSTRUCTIONS: [&str; 9] = ["TON", "TOF", "TP", "TONR", "CTU", "CTD", "CTUD", "R_TRIG", "F_TRIG"];
+    let rest = |instruction: &str| {
+        let head = name.get(..instruction.len()).filter(|head| head.eq_ignore_ascii_case(instruction));
+        head.and_then(|_| name[instruction.len()..].strip_prefix('_'))
+    };
+    let is_number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    INSTRUCTIONS.into_iter().find(|instruction| {
+        rest(instruction).is_some_and(|rest| {
+            is_number(rest)
+                || rest.get(..2).is_some_and(|db| db.eq_ignore_ascii_case("DB"))
+                    && (rest.len() == 2 || rest[2..].strip_prefix('_').is_some_and(is_number))
+        })
+    })
 }
 
 /// `WORD_TO_INT` for `WORD_TO_ITN`.
