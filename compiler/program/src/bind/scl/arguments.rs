@@ -14,6 +14,7 @@ use super::call::is_result;
 use super::{Intent, Rules};
 use crate::bind::declarations::typed::BoundInterface;
 use crate::bind::scl::{SclBinder, SclBlock};
+use crate::bind::trees::SYSTEM_FILE;
 use plcc_binding::fold;
 use plcc_model::scl::{Access, Actual, Argument, Expr, ExprKind};
 use plcc_model::types::DataType;
@@ -71,7 +72,7 @@ impl SclBinder<'_, '_> {
                 (None, None) => {
                     good = false;
                     misspelt.push(String::new());
-                    self.mixed_arguments(argument.span);
+                    self.mixed_arguments(argument.span, None);
                     continue;
                 }
             };
@@ -112,6 +113,9 @@ impl SclBinder<'_, '_> {
                     let is_value = matches!(formal.ty, DataType::Elementary(_));
                     if named && !argument.output && is_value && formal.direction == Direction::Output {
                         self.output_with_assign(key, formal, argument);
+                    }
+                    if argument.output && formal.direction == Direction::InOut && argument.span.file != SYSTEM_FILE {
+                        self.in_out_with_arrow(key, formal, argument);
                     }
                     list.arguments.push(Argument { parameter: index, actual, span: value.span });
                 }
@@ -199,7 +203,8 @@ impl SclBinder<'_, '_> {
         None
     }
 
-    fn mixed_arguments(&mut self, span: Span) {
+    /// An argument without a name in a call that names others; `pin`: the input that it may be meant for.
+    pub(super) fn mixed_arguments(&mut self, span: Span, pin: Option<&str>) {
         self.program.report(
             Diagnostic::new(Code::MissingOperand, span, "this argument names no parameter")
                 .label("others of this call are named")
@@ -207,7 +212,7 @@ impl SclBinder<'_, '_> {
                     Some((name, value)) if !name.contains([':', '<', '>']) => {
                         format!("a parameter is supplied with `:=`: write `{} := {}`", name.trim(), value.trim())
                     }
-                    _ => format!("write `parameter := {}`", self.program.globals.text(span)),
+                    _ => format!("write `{} := {}`", pin.unwrap_or("parameter"), self.program.globals.text(span)),
                 }),
         );
     }
@@ -233,6 +238,17 @@ impl SclBinder<'_, '_> {
             Diagnostic::new(Code::Tolerated, argument.span, title)
                 .label("read as `=>`")
                 .help(format!("write `{} => {given}`", formal.name)),
+        );
+    }
+
+    /// `c => x` for an in/out parameter.
+    fn in_out_with_arrow(&mut self, key: BlockKey, formal: &Parameter, argument: &Given) {
+        let given = argument.value.as_ref().map_or("…".to_string(), |value| self.program.globals.text(value.span));
+        let title = format!("`{}` of {} is an in/out parameter", formal.name, self.program.globals.shown(key));
+        self.program.report(
+            Diagnostic::new(Code::Tolerated, argument.span, title)
+                .label("read as `:=`")
+                .help(format!("write `{} := {given}`; `=>` is for outputs", formal.name)),
         );
     }
 

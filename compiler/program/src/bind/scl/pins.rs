@@ -175,7 +175,14 @@ impl SclBinder<'_, '_> {
         good: &mut bool,
     ) -> Option<(Pin, usize)> {
         let argument = &given[at];
+        let names = || given.iter().filter_map(|other| other.name.as_ref());
         let Some(name) = &argument.name else {
+            if names().any(|name| !matches!(fold(&name.text).as_str(), "en" | "eno")) {
+                *good = false;
+                let open = list.iter().find(|pin| !pin.output && names().all(|name| pin.matches(&name.text).is_none()));
+                self.mixed_arguments(argument.span, open.map(|pin| pin.name()));
+                return None;
+            }
             // The other arguments belong to numbered pins.
             let first = list.iter().position(|pin| pin.numbered);
             let found = match first {
