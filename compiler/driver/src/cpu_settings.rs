@@ -14,6 +14,8 @@ pub enum CpuSetting {
     Priority(u16, Option<ObClass>),
     /// `cycle_time_exceeded`
     Exceeded,
+    /// `startup = "cold"`
+    Cold,
     /// A number below `[retain]`.
     Retentive(Retained, u32),
 }
@@ -77,6 +79,12 @@ fn wrong(setting: CpuSetting, profile: &Profile) -> Option<(String, &'static str
                 _ => "remove it: a cycle that is too long calls OB 80, and without this block the CPU stops",
             },
         )),
+        // Source: S7-1200 and S7-1500 system manuals, operating modes: the only startup is the warm restart.
+        CpuSetting::Cold if family.is_portal() => Some((
+            format!("the CPU {cpu} has no cold restart"),
+            "write `startup = \"warm\"`; `--restart reset` gives retentive data their start values once",
+        )),
+        CpuSetting::Cold => None,
         // The keys have no effect there.
         CpuSetting::Retentive(..) if family == Family::S7200 => None,
         CpuSetting::Retentive(retained, count) => {
@@ -115,6 +123,7 @@ mod tests {
             (priority(35), [true, false, false, false]),
             (priority(123), [false, false, false, false]),
             (CpuSetting::Exceeded, [true, true, false, true]),
+            (CpuSetting::Cold, [false, false, true, false]),
             (CpuSetting::Retentive(Retained::Timers, 4000), [true, true, true, false]),
             (CpuSetting::Retentive(Retained::Counters, 8), [false, false, true, false]),
             (CpuSetting::Retentive(Retained::BitMemory, 16), [false, false, false, false]),

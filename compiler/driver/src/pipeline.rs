@@ -242,7 +242,8 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
         diagnostics.extend(messages);
         program
     };
-    if has_station {
+    // The addresses of a station that cannot be built say nothing.
+    if has_station && diagnostics.iter().all(|message| message.code != Code::Station) {
         diagnostics.extend(plcc_program::check_modules(&program));
     }
     // Names of a program with errors may be missing because of these, those of a part of one because they are in the rest.

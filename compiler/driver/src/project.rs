@@ -259,6 +259,14 @@ impl Context {
         let mut config = Config { cycle_time_ms, ..Config::default() };
         if let Some(time) = &keys.cycle_time_max {
             config.cycle_time_max_ms = self.duration(time, 1..=6000).unwrap_or(config.cycle_time_max_ms);
+            if let (Some(key), Some(cycle)) = (&keys.cycle_time, cycle_time_ms)
+                && cycle > config.cycle_time_max_ms
+            {
+                let (own, most) = (key.get_ref(), time.get_ref());
+                let help =
+                    format!("write a longer `cycle_time_max` than `{own}`, or a shorter `cycle_time` than `{most}`");
+                self.report(key.span(), "a cycle takes longer than its monitoring allows", &help);
+            }
         }
         config.clock_memory_byte = keys.clock_memory.and_then(|byte| self.number(&byte, 0..=65535, "a memory byte"));
         config.system_memory_byte =
@@ -285,6 +293,9 @@ impl Context {
             Some(StartupKey::Hot) => 101,
             Some(StartupKey::Cold) => 102,
         };
+        if let (Some(key), 102) = (&keys.startup, config.startup) {
+            self.note_of_cpu(CpuSetting::Cold, key.span());
+        }
         let hot = keys.startup.filter(|_| config.startup == 101).map(|key| Span::new(self.file, key.span()));
         for (number, ob) in &keys.ob {
             self.organization_block(number, ob, &mut config);
@@ -488,9 +499,8 @@ impl Context {
         range: std::ops::RangeInclusive<i64>,
         what: &str,
     ) -> Option<T> {
-        number_within(key, range, what)
-            .map_err(|title| self.report(key.span(), title, "docs/plc-toml.md lists the keys and their values"))
-            .ok()
+        let help = format!("write a number from {} to {}", range.start(), range.end());
+        number_within(key, range, what).map_err(|title| self.report(key.span(), title, &help)).ok()
     }
 
     /// A duration in milliseconds.
@@ -501,6 +511,9 @@ impl Context {
             let meant = meant_span(key.get_ref());
             let help = match meant.filter(|meant| duration_ms(meant).is_some_and(|ms| range.contains(&ms))) {
                 Some(meant) => format!("write `{meant}`"),
+                None if duration_ms(key.get_ref()).is_some_and(|ms| ms > *range.end()) => {
+                    format!("the longest time is `{}s`", range.end() / 1000)
+                }
                 None => "write a number with a unit, as in `200ms` or `2s`".to_string(),
             };
             self.report(key.span(), title, &help);

@@ -24,7 +24,7 @@ pub fn plain_at(message: &str, text: &str, offset: usize) -> Wrong {
     if let Some(wrong) = heading_of_a_text(message, text, &text[start..end], end) {
         return wrong;
     }
-    if let Some(wrong) = heading_without_name(message, &text[..start]) {
+    if let Some(wrong) = heading_without_name(message, &text[..start], &text[start..end]) {
         return wrong;
     }
     plain(message, text[offset..end].trim_end(), &text[start..end])
@@ -41,8 +41,8 @@ const NAMED: [(&str, &str); 7] = [
     ("hardware_interrupt", "\"NAME\""),
 ];
 
-/// `[axis]` with the keys of one axis below it. `before`: the text before the line of the first of them.
-fn heading_without_name(message: &str, before: &str) -> Option<Wrong> {
+/// `[axis]` with the keys of one axis below it. `line`: of the first of them; `before`: the text before it.
+fn heading_without_name(message: &str, before: &str, line: &str) -> Option<Wrong> {
     let (_, wanted) = message.lines().next()?.strip_prefix("invalid type: ")?.rsplit_once(", expected ")?;
     if !wanted.contains("map") && !wanted.contains("struct") {
         return None;
@@ -50,7 +50,14 @@ fn heading_without_name(message: &str, before: &str) -> Option<Wrong> {
     let heading = before.lines().rev().map(str::trim).find(|line| line.starts_with('['))?;
     let key = heading.strip_prefix('[')?.strip_suffix(']')?.trim();
     let (_, example) = NAMED.into_iter().find(|(own, _)| *own == key)?;
-    Some(Wrong { title: format!("`[{key}]` does not say which one"), help: format!("write `[{key}.{example}]`") })
+    // `30 = "50ms"`
+    let own = line.split('=').next().map(str::trim);
+    let number = own.filter(|own| !own.is_empty() && own.bytes().all(|digit| digit.is_ascii_digit()));
+    let help = match number {
+        Some(number) => format!("write `[{key}.{number}]`, and its keys below it"),
+        None => format!("write `[{key}.{example}]`"),
+    };
+    Some(Wrong { title: format!("`[{key}]` does not say which one"), help })
 }
 
 /// `[cpu]` with keys below it, where `cpu = "…"` is a key of its own. `end`: of the line of the heading.
@@ -204,6 +211,10 @@ fn wrong_type(found: &str, wanted: &str, line: &str) -> Wrong {
                 let number = is.trim_start_matches("the number ");
                 if is_of_time(line) {
                     ("a time with its unit", format!("write `\"{number}ms\"`"))
+                } else if let Some((key, usual)) =
+                    port_of(line).filter(|_| !number.parse::<u16>().is_ok_and(|port| port > 0))
+                {
+                    ("a port in quotation marks", format!("ports are 1 to 65535: write `{key} = \"{usual}\"`"))
                 } else {
                     ("a text in quotation marks", format!("write `\"{number}\"`"))
                 }
@@ -576,6 +587,16 @@ mod tests {
             (wrong.title.as_str(), wrong.help.as_str()),
             ("`[axis]` does not say which one", "write `[axis.Axis_1]`")
         );
+    }
+
+    #[test]
+    fn numbers_below_a_heading_and_ports_are_told() {
+        let text = "[ob]\n30 = \"50ms\"\n";
+        let wrong = plain_at("invalid type: string \"50ms\", expected struct ObKeys", text, 10);
+        assert_eq!(wrong.help, "write `[ob.30]`, and its keys below it");
+        let port = "invalid type: integer `99999`, expected a string";
+        let title = "a port in quotation marks is expected here, not the number 99999";
+        same(port, "web = 99999", title, "ports are 1 to 65535: write `web = \"8080\"`");
     }
 
     #[test]

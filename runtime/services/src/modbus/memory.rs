@@ -1,6 +1,7 @@
 //! Where the registers and bits of Modbus are in the CPU.
 
 use plcc_abi::ProgramImage;
+use plcc_abi::image::Family;
 use plcc_abi::services::Registers;
 use plcc_runtime::address::{self, Width};
 use plcc_runtime::signal;
@@ -48,12 +49,37 @@ impl Start {
     /// Of a table of bits, or of registers. `Err`: why it cannot begin there.
     fn of(text: &str, has_bits: bool, image: &ProgramImage) -> Result<Start, String> {
         match Start::find(text, image)? {
-            start if has_bits || start.bit == 0 => Ok(start),
+            (start, true) if has_bits => Ok(start),
+            (start, false) if has_bits => {
+                let near = start.first_bit(image).map_or(String::new(), |bit| format!("; did you mean `{bit}`?"));
+                Err(format!("`{text}` is not a bit, and a table of bits begins here{near}"))
+            }
+            (start, _) if start.bit == 0 => Ok(start),
             _ => Err(format!("`{text}` is a bit; registers begin at a byte")),
         }
     }
 
-    fn find(text: &str, image: &ProgramImage) -> Result<Start, String> {
+    /// The address of the first bit.
+    fn first_bit(self, image: &ProgramImage) -> Option<String> {
+        let Start { area, byte, .. } = self;
+        Some(match area {
+            Area::Inputs => format!("I{byte}.0"),
+            Area::Outputs => format!("Q{byte}.0"),
+            Area::BitMemory => format!("M{byte}.0"),
+            Area::Db(_) if image.profile.family == Family::S7200 => format!("V{byte}.0"),
+            Area::Db(number) => format!("DB{number}.DBX{byte}.0"),
+            Area::Peripheral
+            | Area::Timers
+            | Area::Counters
+            | Area::SpecialMemory
+            | Area::AnalogInputs
+            | Area::AnalogOutputs
+            | Area::SystemInfo => return None,
+        })
+    }
+
+    /// The place, and whether it is a bit.
+    fn find(text: &str, image: &ProgramImage) -> Result<(Start, bool), String> {
         let signals = signal::all(text, image, None)?;
         let found = signals.first().and_then(|signal| signal.source.address());
         let address = found.ok_or_else(|| format!("`{text}` has no address"))?;
@@ -72,7 +98,7 @@ impl Start {
                 return Err(format!("`{text}` is not in I, Q, M, V, a data block or the I/O"));
             }
         };
-        Ok(Start { area, byte, bit })
+        Ok((Start { area, byte, bit }, matches!(address.width, Width::Bit(_))))
     }
 
     /// The bytes of registers.
