@@ -1,9 +1,10 @@
 //! Mistakes in arguments that the parser of the command line takes for something else: a decimal comma in `--set X=1,5`, where commas
-//! separate values, a source where a command is expected, and words of other tools for a command.
+//! separate values, a blank in such a list, a source where a command is expected, and words of other tools for a command.
 
 use std::ffi::OsString;
 use std::path::Path;
 
+use plcc_runtime::address;
 use plcc_runtime::options::split_list;
 
 /// Flags with several values, separated by commas.
@@ -44,15 +45,18 @@ pub fn fault(args: &[OsString]) -> Option<String> {
         if *arg == "--" {
             return None;
         }
-        let (flag, value) = match arg.split_once('=') {
-            Some((flag, value)) if LISTS.contains(&flag) => (flag, value),
+        let (flag, value, next) = match arg.split_once('=') {
+            Some((flag, value)) if LISTS.contains(&flag) => (flag, value, args.get(at)),
             _ if LISTS.contains(arg) => match args.get(at) {
-                Some(value) => (*arg, *value),
+                Some(value) => (*arg, *value, args.get(at + 1)),
                 None => continue,
             },
             _ => continue,
         };
         if let Some(told) = decimal_comma(flag, value) {
+            return Some(told);
+        }
+        if let Some(told) = next.and_then(|next| list_with_blank(flag, value, next)) {
             return Some(told);
         }
     }
@@ -80,6 +84,20 @@ fn other_command(args: &[&str]) -> Option<String> {
     let (_, command) = COMMANDS.iter().find(|(word, _)| word == first)?;
     let meant = [&["plcc", *command][..], rest].concat().join(" ");
     Some(format!("`{first}` is not a command: write `{meant}`"))
+}
+
+/// `--print Q0.0 MW2`, `--print Q0.0, MW2`, `--set A=1 B=2`: a blank between the parts of a list, which makes a file of the next one.
+fn list_with_blank(flag: &str, value: &str, next: &str) -> Option<String> {
+    let is_value = match flag {
+        _ if value.ends_with(',') => true,
+        "--set" => next.contains('='),
+        _ => address::parse(next).is_some(),
+    };
+    if !is_value || next.starts_with('-') || Path::new(next).exists() {
+        return None;
+    }
+    let first = value.trim_end_matches(',');
+    Some(format!("`{next}` is not a file: {flag} takes a list without blanks; write {flag} {first},{next}"))
 }
 
 /// `DB.r=1,5`, `Q4,0`: digits alone after a comma.
@@ -121,6 +139,25 @@ mod tests {
         assert!(told(&["run", "--print", "Q4,0"]).is_some_and(|told| told.ends_with("write --print Q4.0")));
         assert_eq!(told(&["run", "x", "--set", "A=1,B=2", "--print", "A,MW10,Q4.0"]), None);
         assert_eq!(told(&["run", "x", "--set", "MD20=B#(1,14,100,120)", "--print", "D.a[1,2,3]"]), None);
+    }
+
+    #[test]
+    fn lists_have_no_blanks() {
+        let list = "takes a list without blanks; write";
+        assert_eq!(
+            told(&["run", "x", "--print", "QW0", "MW2"]),
+            Some(format!("`MW2` is not a file: --print {list} --print QW0,MW2"))
+        );
+        assert_eq!(
+            told(&["run", "--print", "Motor,", "Speed", "x"]),
+            Some(format!("`Speed` is not a file: --print {list} --print Motor,Speed"))
+        );
+        assert_eq!(
+            told(&["run", "x", "--set=A=1", "B=2"]),
+            Some(format!("`B=2` is not a file: --set {list} --set A=1,B=2"))
+        );
+        assert_eq!(told(&["run", "--print", "QW0", "main.scl"]), None);
+        assert_eq!(told(&["run", "--print", "QW0", "--cycles", "5"]), None);
     }
 
     #[test]

@@ -13,7 +13,7 @@ pub(crate) use disk::{entries, files_below, is_folder};
 pub use disk::{read_text, reason};
 pub(crate) use kinds::{is_source, may_be_input};
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use plcc_diag::{Code, Diagnostic, FileId, SourceFile, SourceMap, Span};
@@ -111,7 +111,12 @@ pub fn read_changed(paths: &[PathBuf], code_page: Option<CodePage>, texts: BTree
 }
 
 fn read_into(mut read: Read, paths: &[PathBuf]) -> Read {
+    let mut named = BTreeSet::new();
     for path in paths {
+        // A file that is named twice is one file.
+        if path.is_file() && path.canonicalize().is_ok_and(|whole| !named.insert(whole)) {
+            continue;
+        }
         if !path.is_dir() {
             add_file(&mut read, path, Wanted::Yes);
         } else if path.join(project::FILE_NAME).is_file() {

@@ -41,6 +41,9 @@ fn write(folder: &Path, name: &str, cpu_name: &str, cpu: &Profile) -> Result<(),
         Family::S7300 | Family::S7400 => ("main.stl", include_str!("../../templates/main.stl")),
         Family::S71200 | Family::S71500 => ("main.scl", include_str!("../../templates/main.scl")),
     };
+    if folder.is_file() {
+        return Err("a file has this name; name another folder".to_owned());
+    }
     let quoted = |text: &str| toml::Value::String(text.to_owned()).to_string();
     let settings = format!("name = {}\ncpu = {}\nsources = [\"{source}\"]\n", quoted(name), quoted(cpu_name));
     fs::create_dir_all(folder.join("tests")).map_err(|error| reason(&error))?;

@@ -34,6 +34,9 @@ fn a_new_project_builds_and_passes_its_test() {
     assert_eq!(plcc(folder.path(), &["new", "plant 224", "--cpu", "224"]).status.code(), Some(2));
     assert_eq!(fs::read_to_string(folder.path().join("plant 224/main.awl")).expect("it is there"), "LD I0.0\n");
     assert_eq!(plcc(folder.path(), &["new", "x", "--cpu", "no such"]).status.code(), Some(2));
+    std::fs::write(folder.path().join("note"), "").unwrap();
+    let refused = String::from_utf8_lossy(&plcc(folder.path(), &["new", "note"]).stderr).into_owned();
+    assert_eq!(refused, "plcc: cannot make `note`: a file has this name; name another folder\n");
     assert!(!folder.path().join("x").exists());
 }
 
