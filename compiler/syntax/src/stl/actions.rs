@@ -368,13 +368,14 @@ pub fn call(
     }
 }
 
-/// A parameter whose operand cannot be read: the call passes it, so it is not missing too.
+/// A parameter that cannot be read, or whose operand cannot: the call passes it, so it is not missing too. Its name may be empty.
 pub fn bad_parameter(state: &State, range: Range<usize>) -> Option<Parameter> {
     let tokens = state.tokens.get(state.index_of(range.start)..)?;
-    let (name, name_span) = tokens.iter().take(2).find_map(|(start, token, end)| match token {
+    let named = tokens.iter().take(2).find_map(|(start, token, end)| match token {
         Tok::Name(name) if *start == range.start => Some(((*name).to_owned(), state.span(*start..*end))),
         _ => None,
-    })?;
+    });
+    let (name, name_span) = named.unwrap_or_else(|| (String::new(), state.span(range.clone())));
     let actual = Some(Operand { kind: OperandKind::Error, span: state.span(range) });
     Some(Parameter { name, name_span, actual })
 }

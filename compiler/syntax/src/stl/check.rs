@@ -361,6 +361,14 @@ fn mismatch(insn: StlInsn, written: &str, shown: &str, operand: &Operand) -> (St
             format!("`{written}` takes an address, not `{shown}`"),
             "write `SET` for RLO 1, `CLR` for RLO 0".to_owned(),
         ),
+        (OperandKind::Literal(Literal::Bool(value)), _) if class == OperandClass::LoadSource => (
+            format!("`{shown}` is one bit, but `{written}` loads bytes, words and double words"),
+            format!(
+                "write `{}` for the RLO, `{written} {}` for a number",
+                if *value { "SET" } else { "CLR" },
+                u8::from(*value)
+            ),
+        ),
         (_, Form::Memory(_, width @ (Width::Byte | Width::Word | Width::Dword))) if bit_class => {
             let address = shown.trim_start_matches(|c: char| c.is_ascii_alphabetic()).trim();
             let letter = shown.chars().next().unwrap_or('M');

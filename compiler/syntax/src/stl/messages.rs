@@ -80,8 +80,14 @@ fn slip(state: &State, index: usize, before: Option<&Spanned>) -> Option<Diagnos
     match (before_token, token, next.map(|(_, token, _)| token)) {
         (Tok::Name(name), Tok::Literal(_), _) => {
             let letters = mnemonics::Upper::new(name);
-            let (area, width) = mnemonics::area(letters.as_str(), Some(mnemonics::other(state.rules)))?;
-            let own = mnemonics::letters(area, width, state.rules)?;
+            let own = match (letters.as_str(), state.rules) {
+                ("C", Mnemonics::De) => "Z".to_owned(),
+                ("Z", Mnemonics::En) => "C".to_owned(),
+                (letters, _) => {
+                    let (area, width) = mnemonics::area(letters, Some(mnemonics::other(state.rules)))?;
+                    mnemonics::letters(area, width, state.rules)?
+                }
+            };
             let number = &state.text[b_start + name.len()..*end];
             let (own_set, other_set) = (set_name(state.rules), set_name(mnemonics::other(state.rules)));
             told(

@@ -126,7 +126,14 @@ impl StlBinder<'_, '_> {
         let mut good = true;
         // Parameters given under a misspelt name: that they are missing is already reported.
         let mut misspelt: Vec<String> = Vec::new();
+        let mut unread = false;
         for (at, given) in call.parameters.iter().enumerate() {
+            // It could not be read, which is reported.
+            if given.name.is_empty() && matches!(&given.actual, Some(ast::Operand { kind: OperandKind::Error, .. })) {
+                good = false;
+                unread = true;
+                continue;
+            }
             let folded = fold(&given.name);
             let index = match given.name.is_empty() {
                 // Pointers in the order of the interface.
@@ -190,7 +197,7 @@ impl StlBinder<'_, '_> {
                 .collect();
             // A parameter that the block does not have may be meant as one that is missing.
             let unknown = misspelt.iter().filter(|name| name.is_empty()).count();
-            if missing.len() > unknown {
+            if missing.len() > unknown && !unread {
                 good = false;
                 let message = Diagnostic::new(
                     Code::MissingParameter,
