@@ -154,6 +154,7 @@ impl Builder<'_, '_> {
             match (pin, pins.row) {
                 (Given::Error, _) => {}
                 (Given::Unnamed, _) if value.is_none() => {}
+                (Given::Unnamed, Some(row)) if self.is_flow(row, span) => self.report_flow(row, span),
                 (Given::Unnamed, Some(row)) => match pins.next_unnamed(row, count) {
                     Some((known, name)) => self.row_pin(pins, row, known, name, value, span),
                     None => self.report_surplus(row, span),
@@ -292,6 +293,19 @@ impl Builder<'_, '_> {
                 .also(first, "first given here")
                 .help("remove one of them"),
         );
+    }
+
+    /// Whether the text is the name of a pin that the rung connects, alone: `EN`, `IN` of a timer.
+    fn is_flow(&self, row: &Row, span: Span) -> bool {
+        let text = self.slice(span);
+        [row.flow.0, row.flow.1, "en", "eno"].iter().any(|pin| text.eq_ignore_ascii_case(pin))
+    }
+
+    fn report_flow(&mut self, row: &Row, span: Span) {
+        let text = self.slice(span);
+        let title = format!("`{text}` of `{}` is connected by the rung", row.name);
+        let help = format!("remove `{text}`: the element has the wire before it at this pin");
+        self.report(Diagnostic::new(Code::Syntax, span, title).label("not an operand").help(help));
     }
 
     fn report_surplus(&mut self, row: &Row, span: Span) {
