@@ -4,9 +4,11 @@ use std::rc::Rc;
 
 use plcc_abi::image::{BlockKind, Config, Family};
 use plcc_abi::ob::ObClass;
-use plcc_diag::{Code, Diagnostic, FileId, SourceFile, SourceMap, Span};
+use plcc_diag::{Code, Diagnostic, FileId, Severity, SourceFile, SourceMap, Span};
 use plcc_stdlib::SystemBlock;
+use plcc_syntax::Elementary;
 use plcc_syntax::ast::{self, SectionKind};
+use plcc_syntax::symbols::SymbolTarget;
 
 use super::chart::ChartBinder;
 use super::declarations::Declarations;
@@ -15,7 +17,7 @@ use super::declarations::interface::variables;
 use super::declarations::path::Base;
 use super::declarations::typed::BoundInterface;
 use super::globals::Globals;
-use super::globals::names::kind_prefix;
+use super::globals::names::{code_kind, kind_prefix};
 use super::globals::sources::CodeSource;
 use super::network::NetworkBinder;
 use super::scl::SclBinder;
@@ -25,13 +27,47 @@ use crate::bind::review::review;
 use crate::bind::trees::blocks;
 use plcc_binding::pragma::is_asserted;
 use plcc_binding::{BindInput, Bound, fold};
-use plcc_model::types::Member;
-use plcc_model::{BlockKey, Body, CodeBlock, Interface, Program, profile};
+use plcc_model::types::{DataType, Member};
+use plcc_model::{BlockKey, Body, CodeBlock, Interface, Parameter, Program, profile};
 
 /// Binds a program. The program is complete if no message is an error and, with `partial`, nothing is undefined.
 pub fn bind(input: &BindInput) -> (Program, Vec<Diagnostic>) {
     let Bound { program, diagnostics, .. } = bind_all(input);
     (program, diagnostics)
+}
+
+/// Warns of calls in exports that give a parameter another type than the block has: they were made for another version of the block.
+fn check_outlines(program: &mut Declarations) {
+    let input = program.globals.input;
+    for outline in input.units.iter().flat_map(|(_, unit)| &unit.outlines) {
+        let ast::BlockName::Symbol { name, .. } = &outline.name else { continue };
+        let Some(SymbolTarget::Block { prefix, number }) = program.globals.global(name) else { continue };
+        let (Some(kind), Ok(number)) = (code_kind(prefix), u16::try_from(number)) else { continue };
+        let key = BlockKey { kind, number };
+        if !program.globals.sources.code.contains_key(&key) {
+            continue;
+        }
+        let Some(bound) = program.interface(key, outline.span) else { continue };
+        for variable in outline.sections.iter().flat_map(|section| &section.variables) {
+            let ast::TypeKind::Named(word) = &variable.ty.kind else { continue };
+            let of_name = |formal: &&Parameter| formal.name.eq_ignore_ascii_case(&variable.name);
+            let Some(formal) = bound.interface.parameters.iter().find(of_name) else { continue };
+            let (DataType::Elementary(own), Some(given)) = (&formal.ty, Elementary::from_word(&word.to_uppercase()))
+            else {
+                continue;
+            };
+            if *own == given {
+                continue;
+            }
+            let block = program.globals.shown(key);
+            let title = format!("`{}` of {block} is of type {}, not {}", formal.name, own.name(), given.name());
+            let mut message = Diagnostic::new(Code::TypeMismatch, variable.ty.span, title)
+                .label("the call was made for this type")
+                .help("update the call in the TIA Portal and export the block again");
+            message.severity = Severity::Warning;
+            program.globals.report.push(message);
+        }
+    }
 }
 
 /// As [`bind`], with the names that are defined nowhere.
@@ -44,6 +80,7 @@ pub fn bind_all(input: &BindInput) -> Bound {
     program.bind_data();
     program.check_tag_types();
     let mut blocks = bind_user_blocks(&mut program);
+    check_outlines(&mut program);
     let mains: Vec<BlockKey> =
         blocks.iter().filter(|block| is_main(input, &program.globals.config, block)).map(CodeBlock::key).collect();
     // What is wrong may be why a statement seems useless.

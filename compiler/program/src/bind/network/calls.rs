@@ -12,9 +12,10 @@ use plcc_syntax::scl::ast::{
 use super::bits::{argument, call_node};
 use super::pins::{connected, outputs};
 use super::sheet::Sheet;
+use crate::bind::globals::names::kind_prefix;
 use crate::bind::network::NetworkBinder;
 use crate::bind::scl::SclBlock;
-use crate::bind::scl::call::Callee;
+use crate::bind::scl::call::{Callee, block_of_name};
 use crate::bind::scl::value::Value;
 use plcc_abi::image::BlockKind;
 use plcc_binding::fold;
@@ -168,6 +169,9 @@ impl NetworkBinder<'_, '_> {
                     return None;
                 }
             };
+            if instance.is_some() && binder.is_misnamed(callee, key) {
+                return Some(());
+            }
             let bound = binder.program.interface(key, node.span)?;
             let element = sheet.element(at);
             let names = element.pins.iter().filter(|pin| pin.value != PinValue::Open).map(|pin| pin.name.as_str());
@@ -180,6 +184,25 @@ impl NetworkBinder<'_, '_> {
             }
             binder.function_call_of(ctx, sheet, at, node, key)
         })
+    }
+
+    /// Whether nothing has the name of the called block, although its instance is one of `key`. It is reported.
+    fn is_misnamed(&mut self, callee: &Node, key: BlockKey) -> bool {
+        let NodeKind::Name(name) = &callee.kind else { return false };
+        let globals = &mut self.program.globals;
+        let is_known = globals.global(&name.text).is_some()
+            || block_of_name(name).is_some()
+            || plcc_stdlib::blocks().iter().any(|block| block.name.eq_ignore_ascii_case(&name.text))
+            || plcc_stdlib::catalogued(&name.text).is_some();
+        if is_known {
+            return false;
+        }
+        let meant = match globals.library_block(key) {
+            Some(block) => block.name.to_owned(),
+            None => globals.names.block_name(kind_prefix(key.kind), key.number),
+        };
+        globals.report.missing_function(&name.text, name.span, Some(meant).filter(|meant| !meant.is_empty()), false);
+        true
     }
 
     /// The call of a function block with its instance: the instance itself, or `"block"."data block"` if the latter is not declared.
