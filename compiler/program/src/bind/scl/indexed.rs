@@ -17,6 +17,7 @@ use super::{Intent, constant, message};
 use crate::bind::declarations::path::{self, Variable, type_of_width};
 use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
+use plcc_binding::rewrite;
 use plcc_model::layout;
 use plcc_model::scl::{Expr, Index, IndexBounds, IndexedArea};
 use plcc_model::types::{ArrayType, DataType};
@@ -60,6 +61,7 @@ impl SclBinder<'_, '_> {
                     {
                         format!("a bit of it is `{name}.%X{}`", bit.trim())
                     }
+                    (_, Some((name, _))) => format!("write `{name}`, or declare it as an array"),
                     _ => String::new(),
                 };
                 self.refuse(Code::UnknownMember, span, "this is not an array", &label, &help);
@@ -212,7 +214,11 @@ impl SclBinder<'_, '_> {
             }
             other => {
                 let is = message::described(&other);
-                self.wrong_type(node.span, &is, "an integer", Some("convert it to INT or DINT".to_string()));
+                let text = self.program.globals.text(node.span);
+                let meant = rewrite::of_constant(Elementary::Int, &text, rewrite::Form::Scl);
+                let whole = meant.filter(|help| !help.contains("rounded"));
+                let help = whole.unwrap_or_else(|| "convert it to INT or DINT".to_string());
+                self.wrong_type(node.span, &is, "an integer", Some(help));
                 None
             }
         }

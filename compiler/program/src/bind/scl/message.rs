@@ -82,15 +82,30 @@ impl SclBinder<'_, '_> {
     }
 }
 
-/// What to name in place of `text`, a whole array or a block, where one value is expected.
+/// What to name in place of `text`, a whole array, a structure or a block, where one value is expected, and the other way round.
 fn part_of(text: &str, is: &str, wanted: &str) -> Option<String> {
     let is_name = !text.is_empty() && !text.contains(|c: char| c.is_whitespace() || c == '(');
+    let ty = is.strip_prefix("of type ").filter(|_| is_name);
+    if let (Some(ty), Some(target)) = (ty, wanted.strip_prefix("REF_TO "))
+        && ty == target
+    {
+        return Some(format!("a reference to it is `REF({text})`"));
+    }
+    if let Some(target) = ty.and_then(|ty| ty.strip_prefix("REF_TO "))
+        && target == wanted
+    {
+        return Some(format!("what it points to is `{text}^`"));
+    }
     if !is_name || wanted.contains("ARRAY") || wanted.contains("STRING") {
         return None;
     }
     match is {
         "a block (FC)" => Some(format!("call it with its parameters: `{text}(…)`")),
         "a block (DB)" => Some(format!("name a value in it, as in `{text}.name`")),
+        "of type STRUCT" if wanted != "STRUCT" => Some(format!("name one of its components, as in `{text}.name`")),
+        _ if wanted == "STRUCT" && is != "of type STRUCT" => {
+            Some("assign its components one by one, or name a structure of the same type".to_string())
+        }
         _ => {
             let bounds = is.strip_prefix("of type ARRAY[")?.split(']').next()?;
             let first: Vec<&str> =
