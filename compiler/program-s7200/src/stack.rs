@@ -170,7 +170,9 @@ impl Stack {
                 self.depth = self.depth.saturating_sub(1);
             }
             Effect::Pop => {
-                self.need(1, name, span, report);
+                // What LPS has pushed, and a level below it, which may be lost.
+                let levels = if self.depth < 2 { 2 } else { 1 };
+                self.need(levels, name, span, report);
                 self.depth = self.depth.saturating_sub(1);
             }
             Effect::Read => self.read(0, name, span, report),

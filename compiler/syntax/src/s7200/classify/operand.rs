@@ -107,8 +107,63 @@ impl<'a> Classifier<'a, '_> {
         Some(range.end)
     }
 
+    /// `CALL Init:SBR0`, `CALL Init(VW0)`, `CALL SBR 0`; reads the operands of the first two as meant.
+    fn foreign_call(&mut self, tokens: &[RawToken]) -> bool {
+        let [name, second, rest @ ..] = tokens else { return false };
+        let called = self.slice(name.range());
+        let sign = second.text(self.text);
+        if second.kind == RawKind::Integer && ["SBR", "SUB"].iter().any(|word| word.eq_ignore_ascii_case(called)) {
+            let range = name.range().start..second.range().end;
+            let title = format!("`{}` has a blank before its number", self.slice(range.clone()));
+            self.report(
+                Diagnostic::new(Code::Syntax, self.span(range.clone()), title)
+                    .label("two words")
+                    .help(format!("write `CALL SBR{sign}`")),
+            );
+            self.push(range, Tok::BadOperand);
+            self.operands(rest);
+            return true;
+        }
+        if let (RawKind::Colon, Some((block, rest))) = (second.kind, rest.split_first()) {
+            let span = self.span(second.range().start..block.range().end);
+            self.report(
+                Diagnostic::new(Code::Syntax, span, "a call names the subroutine once")
+                    .label("belongs to the header of the subroutine")
+                    .help(format!("write `CALL {called}`")),
+            );
+            self.operands(&tokens[..1]);
+            self.operands(rest);
+            return true;
+        }
+        let close = rest.iter().rposition(|token| token.text(self.text) == ")");
+        let Some((inner, after)) = close.filter(|_| sign == "(").map(|close| (&rest[..close], &rest[close + 1..]))
+        else {
+            return false;
+        };
+        let range = second.range().start..rest[inner.len()].range().end;
+        let listed = match (inner.first(), inner.last()) {
+            (Some(first), Some(last)) => format!(", {}", self.slice(first.range().start..last.range().end)),
+            _ => String::new(),
+        };
+        self.report(
+            Diagnostic::new(Code::ForeignForm, self.span(range), "the S7-200 calls without parentheses")
+                .label("a form of other languages")
+                .help(format!("write `CALL {called}{listed}`")),
+        );
+        self.operands(&tokens[..1]);
+        if !inner.is_empty() {
+            self.push(second.range(), Tok::Comma);
+            self.operands(inner);
+        }
+        self.operands(after);
+        true
+    }
+
     /// The operands of a statement; a decimal comma in an address, `LD I0,0`, is taken as a point.
     pub fn statement_operands(&mut self, insn: Insn, tokens: &[RawToken]) {
+        if insn == Insn::Call && self.foreign_call(tokens) {
+            return;
+        }
         let commas = tokens.iter().filter(|token| token.kind == RawKind::Comma).count();
         let mut rest = tokens;
         if commas == insn.operands().len()
