@@ -184,6 +184,21 @@ pub fn language_of(name: &str) -> Option<Language> {
     Path::new(name).extension().and_then(|extension| Language::of_extension(&extension.to_string_lossy()))
 }
 
+/// Says which symbol tables a project leaves out, where it has symbols that nothing defines.
+fn name_tables(diagnostics: &mut [Diagnostic], tables: &[String]) {
+    const SHOWN_MAX: usize = 5;
+    if tables.is_empty() {
+        return;
+    }
+    let names: Vec<String> = tables.iter().take(SHOWN_MAX).map(|name| format!("\"{name}\"")).collect();
+    let help = format!("write `symbols = [{}]` into plc.toml, which names no symbol table", names.join(", "));
+    for message in diagnostics.iter_mut().filter(|message| message.code == Code::UnknownSymbol) {
+        if message.help.as_ref().is_some_and(|help| help.contains("add the symbol table of the project")) {
+            message.help = Some(help.clone());
+        }
+    }
+}
+
 /// Resolves names, types and addresses.
 pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
     let Parsed { name, mut sources, units, tables, project, mut diagnostics } = parsed;
@@ -208,6 +223,7 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
     }
     let has_station = project.as_ref().is_some_and(|project| project.station.is_some());
     let names = project.as_ref().map(|project| project.names.clone()).unwrap_or_default();
+    let tables_beside = project.as_ref().map(|project| project.tables_beside.clone()).unwrap_or_default();
     let input = BindInput {
         name,
         sources: &sources,
@@ -251,6 +267,7 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
         diagnostics.extend(names.check(&plcc_lower::names_of(&program, &sources)));
         diagnostics.extend(names.check_blocks(|number| program.db(number).is_some()));
     }
+    name_tables(&mut diagnostics, &tables_beside);
     // A use of a symbol shows the row that cannot be read.
     let shown: FxHashSet<Span> = diagnostics
         .iter()

@@ -54,6 +54,8 @@ pub struct Project {
     pub s7200: Option<Span>,
     /// Place of `startup = "hot"`, checked later against the CPU.
     pub hot: Option<Span>,
+    /// Symbol tables in the folder, if `sources` and `symbols` name none.
+    pub tables_beside: Vec<String>,
     /// The file could not be read as a whole, so that nothing is known of the project.
     pub unread: bool,
 }
@@ -344,6 +346,7 @@ impl Context {
         config.cpu_order = station.as_ref().map(Station::cpu_order).unwrap_or_default();
         Project {
             unread: false,
+            tables_beside: Vec::new(),
             name: keys.name.map(Spanned::into_inner),
             cpu: station.as_ref().and_then(Station::profile).or(cpu),
             mnemonics: keys.mnemonics.map(|key| match key {

@@ -9,7 +9,7 @@ use plcc_runtime::records::store;
 use plcc_syntax::Language;
 
 use super::Read;
-use super::disk::{files_below, read_text, read_text_as, reason, stem};
+use super::disk::{entries, files_below, read_text, read_text_as, reason, stem};
 use super::kinds::{TEXTS_SUFFIX, content_in_folder, content_of, is_toml};
 use crate::content::Content;
 use crate::content::foreign;
@@ -129,7 +129,7 @@ pub(super) fn add_project(read: &mut Read, folder: &Path) {
     };
     let source = SourceFile::new(path.display().to_string(), text);
     let file = read.sources.add(source.clone());
-    let (project, diagnostics) = project::parse(file, &source);
+    let (mut project, diagnostics) = project::parse(file, &source);
     read.diagnostics.extend(diagnostics);
     read.name = project.name.clone().unwrap_or_else(|| stem(folder));
     match &project.sources {
@@ -150,12 +150,26 @@ pub(super) fn add_project(read: &mut Read, folder: &Path) {
         Some(sources) => sources.iter().for_each(|source| add_named(read, folder, source)),
     }
     project.symbols.iter().for_each(|table| add_named(read, folder, table));
+    if project.sources.is_some() && project.symbols.is_empty() && read.tables.is_empty() {
+        project.tables_beside = tables_in(folder);
+    }
     if !project.axes.is_empty() {
         let name = format!("{}{AXES_ENDING}", path.display());
         let file = read.sources.add(SourceFile::new(name, project.axes.clone()));
         read.units.push(file);
     }
     read.project = Some(project);
+}
+
+/// The names of symbol tables and workbooks in a folder.
+fn tables_in(folder: &Path) -> Vec<String> {
+    const ENDINGS: [&str; 5] = ["sdf", "asc", "seq", "dif", "xlsx"];
+    let is_table = |path: &PathBuf| {
+        let ending = path.extension().and_then(|ending| ending.to_str());
+        ending.is_some_and(|ending| ENDINGS.iter().any(|own| own.eq_ignore_ascii_case(ending)))
+    };
+    let tables = entries(folder).into_iter().filter(is_table);
+    tables.filter_map(|path| Some(path.file_name()?.to_str()?.to_owned())).collect()
 }
 
 /// A file or folder that plc.toml names.
