@@ -141,6 +141,15 @@ impl<'a> Globals<'a> {
                 continue;
             }
             let number = *number;
+            let is_main = class == Some(ObClass::ProgramCycle) && name.eq_ignore_ascii_case("Main");
+            if is_main && used.contains(&(prefix, 1)) && block_class(block).is_none() {
+                let title = format!("`{name}` is OB {number} here, because the sources have an OB 1 too");
+                let mut message = Diagnostic::new(Code::DuplicateBlock, span, title)
+                    .label("both blocks run in each cycle")
+                    .help("`Main` is the usual name of OB 1: if they are one block remove one of them, else give this one another name");
+                message.severity = Severity::Warning;
+                self.report.push(message);
+            }
             used.insert((prefix, number));
             if let Some(class) = class
                 && number >= u32::from(OB_FREE)
