@@ -327,16 +327,23 @@ impl Build<'_, '_, '_> {
             Target::Block { .. } => "block",
         };
         pin_name(&target, formal, true, 0)
-            .or_else(|| self.unknown_pin(&target, formal, block, true, span))
+            .or_else(|| self.unknown_pin(&target, (formal, None), block, true, span))
             .unwrap_or_else(|| formal.to_string())
     }
 
-    /// Reports a pin that a block does not have; returns the one that a misspelt name means.
-    fn unknown_pin(&mut self, target: &Target, formal: &str, block: &str, output: bool, span: Span) -> Option<String> {
+    /// Reports a pin that a block does not have; returns the one that a misspelt name means. `missing`: the only pin without a line.
+    fn unknown_pin(
+        &mut self,
+        target: &Target,
+        (formal, missing): (&str, Option<&str>),
+        block: &str,
+        output: bool,
+        span: Span,
+    ) -> Option<String> {
         let Target::Element { row, .. } = target else { return None };
         let on_side = |pin: &elements::PinRow| (pin.direction == PinDirection::Output) == output;
         let known: Vec<&str> = row.pins().filter(on_side).map(|pin| pin.name()).collect();
-        let meant = nearest(formal, known.iter().copied());
+        let meant = nearest(formal, known.iter().copied()).or(missing);
         let side = if output { "output" } else { "input" };
         let help = match meant {
             Some(meant) => format!("is `{}` meant?", meant.to_uppercase()),
@@ -386,6 +393,7 @@ impl Build<'_, '_, '_> {
         };
         let compared = row.is_some_and(|row| matches!(row.kind, elements::Kind::Compare(op) if op != "<>"));
         let (mut pins, mut further) = (Vec::new(), Vec::new());
+        let missing = row.and_then(|row| only_missing(row, &target, &object.inputs));
         for (number, input) in object.inputs.iter().enumerate() {
             if input.is_open() {
                 continue;
@@ -394,9 +402,10 @@ impl Build<'_, '_, '_> {
                 further.push(input);
                 continue;
             }
-            let Some(canonical) = pin_name(&target, &input.formal, false, number)
-                .or_else(|| self.unknown_pin(&target, &input.formal, &object.name, false, input.span))
-            else {
+            let Some(canonical) = pin_name(&target, &input.formal, false, number).or_else(|| {
+                let formal = (input.formal.as_str(), missing.as_deref());
+                self.unknown_pin(&target, formal, &object.name, false, input.span)
+            }) else {
                 continue;
             };
             let mut connected = pin(&canonical, self.input(Some(input), input.span), false, input.span);
@@ -519,6 +528,20 @@ fn conversion(name: &str) -> Option<(Elementary, Elementary, &'static str)> {
         }
     }
     None
+}
+
+/// The input that must have a line and has none, if it is the only one.
+fn only_missing(row: &'static Row, target: &Target, inputs: &[Connection]) -> Option<String> {
+    let is_given = |pin: &elements::PinRow| {
+        let mut names = inputs.iter().enumerate().map(|(number, input)| pin_name(target, &input.formal, false, number));
+        names.any(|name| name.as_deref() == Some(pin.name()))
+    };
+    let mut open = row.pins().filter(|pin| {
+        let of_instance = ["operand", "timer", "counter"].contains(&pin.name());
+        pin.direction == PinDirection::Input && !pin.optional && !of_instance && !is_given(pin)
+    });
+    let only = open.next()?;
+    open.next().is_none().then(|| only.name().to_string())
 }
 
 /// The name of a pin in the syntax tree; `None`: the element has no such pin. A pin without a name is number `number` on its side.
