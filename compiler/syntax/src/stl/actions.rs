@@ -63,6 +63,16 @@ pub fn code_block(
             Part::Struct(..) | Part::OfType(_) => {}
         }
     }
+    if kind == CodeKind::Fc && return_type.is_none() {
+        let named = name.span();
+        let text = state.text.get(named.range()).unwrap_or_default();
+        let help = format!("write `FUNCTION {text} : VOID`, or the type of its value after the `:`");
+        state.report(
+            Diagnostic::new(Code::Tolerated, named, "the function states no type")
+                .label("read as VOID: without a value")
+                .help(help),
+        );
+    }
     let header_end = sections.first().map_or(body_start, |section: &Section| section.span.start as usize);
     let header = header(state, header_parts, range.start..header_end);
     let return_type = return_type.filter(|ty| ty.kind != TypeKind::Named("VOID".to_owned()));
