@@ -27,8 +27,8 @@ use plcc_readers::ReadOptions;
 use plcc_readers::sd::Texts;
 use plcc_readers::symbols;
 use plcc_syntax::Language;
-use plcc_syntax::ast::SourceUnit;
-use plcc_syntax::stl::Mnemonics;
+use plcc_syntax::ast::{Block, SourceUnit, StatementKind};
+use plcc_syntax::stl::{Mnemonics, StlInsn};
 use plcc_syntax::symbols::SymbolTable;
 use rustc_hash::FxHashSet;
 
@@ -160,6 +160,7 @@ pub fn parse(read: Read, settings: &Settings) -> Parsed {
     }
     let (units, messages): (Vec<_>, Vec<_>) = parsed.into_iter().unzip();
     diagnostics.extend(messages.into_iter().flatten());
+    diagnostics.extend(doubtful_timers(&units));
     let mut parse_table = |file| {
         let (table, messages) = symbols::parse(file, sources.file(file));
         diagnostics.extend(messages);
@@ -177,6 +178,33 @@ fn is_german<'a>(units: impl Iterator<Item = &'a SourceUnit>) -> bool {
         counts[unit.mnemonics as usize] += 1;
     }
     counts[Mnemonics::De as usize] > counts[Mnemonics::En as usize]
+}
+
+/// Warns of `SE` where no source shows its mnemonics: it starts a timer in both sets, but not the same one.
+fn doubtful_timers(units: &[(FileId, SourceUnit)]) -> Vec<Diagnostic> {
+    if units.iter().any(|(_, unit)| unit.shows_mnemonics == Some(true)) {
+        return Vec::new();
+    }
+    let first = |unit: &SourceUnit| {
+        let networks =
+            unit.blocks.iter().flat_map(|block| if let Block::Code(code) = block { code.networks() } else { &[] });
+        networks.flat_map(|network| &network.statements).find_map(|statement| {
+            let StatementKind::Instruction { insn: StlInsn::TimerExtendedPulse, mnemonic_span, .. } = &statement.kind
+            else {
+                return None;
+            };
+            Some(*mnemonic_span)
+        })
+    };
+    let doubtful = units.iter().filter(|(_, unit)| unit.shows_mnemonics == Some(false));
+    let message = |span| {
+        let title = "no source shows its mnemonics, and `SE` is in both sets";
+        let help = "write `mnemonics = \"en\"` into plc.toml if that is right, or `\"de\"`, where `SE` is an on-delay, the international `SD`; `--mnemonics` does the same";
+        Diagnostic::new(Code::Tolerated, span, title)
+            .label("read as the international one, an extended pulse")
+            .help(help)
+    };
+    doubtful.filter_map(|(_, unit)| first(unit)).map(message).collect()
 }
 
 /// The language that the name of a file implies.
