@@ -8,7 +8,9 @@ use plcc_syntax::ast::{BlockName, BlockPrefix, OperandKind};
 use plcc_syntax::scl;
 use plcc_syntax::scl::ast::{Argument as Given, Expr as Node, ExprKind as NodeKind, Literal, Name, NameForm};
 
+use super::expression::constant_expr;
 use super::function::Named;
+use super::place::{Db, Thing};
 use super::value::Value;
 use super::{Intent, Rules};
 use crate::bind::globals::names::{Global, code_kind};
@@ -32,6 +34,9 @@ impl SclBinder<'_, '_> {
     /// Binds a call: of a block, an instance, a function of the language. `statement`: its value may be unused.
     pub fn call(&mut self, ctx: &mut SclBlock, node: &Node, statement: bool) -> Option<Value> {
         let NodeKind::Call { callee, arguments } = &node.kind else { return None };
+        if let Some(number) = self.number_of_block(ctx, callee, arguments, node.span) {
+            return number;
+        }
         let wide = self.overload(ctx, callee, arguments).map(|key| Callee::Block { key, instance: None });
         if self.cast(ctx, callee, arguments)
             || self.foreign_function(ctx, callee)
@@ -52,6 +57,40 @@ impl SclBinder<'_, '_> {
             }
             Callee::Function(named) => self.function(ctx, &named, arguments, callee.span, node.span, statement),
         }
+    }
+
+    /// `BLOCK_DB_TO_WORD(x)`: the number of a data block. `None`: another call.
+    ///
+    /// Source: SCL reference, conversions of numbers of data blocks.
+    fn number_of_block(
+        &mut self,
+        ctx: &mut SclBlock,
+        callee: &Node,
+        given: &[Given],
+        span: Span,
+    ) -> Option<Option<Value>> {
+        let NodeKind::Name(name) = &callee.kind else { return None };
+        if !name.text.eq_ignore_ascii_case("BLOCK_DB_TO_WORD")
+            || self.program.globals.names.symbols.contains_key(&fold(&name.text))
+        {
+            return None;
+        }
+        let [Given { value: Some(node), .. }] = given else { return None };
+        let number = match self.thing(ctx, node, Intent::Read) {
+            Some(Thing::Db { db: Db::Known(number), .. }) => {
+                constant_expr(number.into(), plcc_syntax::Elementary::Word, span)
+            }
+            Some(Thing::Db { db: Db::Dynamic(word), .. }) => Expr { span, ..word },
+            Some(_) => {
+                let text = self.program.globals.text(node.span);
+                let title = format!("`{text}` is not a data block");
+                let help = "name a data block, or a parameter of type BLOCK_DB";
+                self.refuse(Code::OperandKind, node.span, &title, "a data block is expected here", help);
+                return Some(None);
+            }
+            None => return Some(None),
+        };
+        Some(Some(Value::Elementary(number)))
     }
 
     /// `INT(x)`, which other languages convert with, is reported.
