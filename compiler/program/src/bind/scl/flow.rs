@@ -95,9 +95,19 @@ impl SclBinder<'_, '_> {
         };
         // What a statement assigns that has a message of its own is not known.
         let unread = ctx.scope.unread || !ctx.block.unknown_locals.is_empty();
+        // An initial value, which temporary data does not have, is reported where it stands.
+        let initial: FxHashSet<String> = block
+            .sections
+            .iter()
+            .filter(|section| section.kind == ast::SectionKind::Temp)
+            .flat_map(|section| &section.variables)
+            .filter(|variable| variable.initial.is_some())
+            .map(|variable| fold(&variable.name))
+            .collect();
         let mut told = FxHashSet::default();
         for read in reads {
             let known = unread || read.first < supplied || is_written(read.first, read.end);
+            let known = known || (!initial.is_empty() && initial.contains(&fold(&read.name)));
             if known || !told.insert((read.first, read.end)) {
                 continue;
             }
