@@ -187,7 +187,7 @@ impl<'a> Classifier<'a, '_> {
     }
 
     /// Declarations up to the end of their section or STRUCT.
-    fn declarations(&mut self, depth: usize) {
+    pub(super) fn declarations(&mut self, depth: usize) {
         while let Some(token) = self.peek() {
             if self.section_ends(token) {
                 return;

@@ -222,6 +222,18 @@ impl<'a> Classifier<'a, '_> {
                 (RawKind::Word, _) if self.header_keyword(self.at) => self.header_word(token),
                 (RawKind::Word, None) if token.first_on_line && self.misspelt_header(frame) => {}
                 (RawKind::Semicolon, _) if frame != Frame::Code => self.at += 1,
+                (RawKind::Colon, _) if frame == Frame::Data && !has_content && self.type_after_colon() => {
+                    self.colon_before_type(token);
+                }
+                (RawKind::Word | RawKind::Quoted, _)
+                    if frame != Frame::Code
+                        && !has_content
+                        && token.first_on_line
+                        && self.kind_at(self.at + 1) == Some(RawKind::Colon) =>
+                {
+                    has_content = true;
+                    self.bare_components(token);
+                }
                 (RawKind::Word | RawKind::Quoted | RawKind::Local, _) if frame != Frame::Code && !has_content => {
                     has_content = true;
                     self.content();
@@ -268,6 +280,45 @@ impl<'a> Classifier<'a, '_> {
                     self.skip_in_header(frame);
                 }
             }
+        }
+    }
+
+    /// `DATA_BLOCK "M1" : "Motor"`: whether a type follows the colon.
+    fn type_after_colon(&self) -> bool {
+        let next = self.raw.get(self.at + 1);
+        next.is_some_and(|next| matches!(next.kind, RawKind::Word | RawKind::Quoted) && !next.first_on_line)
+    }
+
+    fn colon_before_type(&mut self, colon: RawToken) {
+        let name = self.last_token().map_or("", |name| self.slice(name));
+        let ty = self.raw.get(self.at + 1).map_or("", |ty| self.slice(*ty));
+        self.report(
+            Diagnostic::new(Code::BlockFrame, self.span(colon), "a data block has no `:` before its type")
+                .label("read without it")
+                .help(format!("write `DATA_BLOCK {name} {ty}`")),
+        );
+        self.at += 1;
+    }
+
+    /// Components without `STRUCT` around them.
+    fn bare_components(&mut self, first: RawToken) {
+        self.report(
+            Diagnostic::new(Code::BlockFrame, self.span(first), "`STRUCT` is missing before the components")
+                .label("the first component")
+                .help("write `STRUCT` on a line before it, and `END_STRUCT;` after the last component"),
+        );
+        self.push_here(Tok::Content);
+        self.push_here(Tok::Struct);
+        self.declarations(1);
+        if self.keyword_at(self.at) == Some(Keyword::EndStruct) {
+            self.take(Tok::EndStruct);
+        } else {
+            self.push_here(Tok::EndStruct);
+        }
+        if self.is_at(RawKind::Semicolon) {
+            self.take(Tok::End);
+        } else {
+            self.push_here(Tok::End);
         }
     }
 
