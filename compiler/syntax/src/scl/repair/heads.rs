@@ -18,6 +18,10 @@ impl Repair<'_> {
         let at = self.at;
         let for_head = keyword == Keyword::For;
         let statement = if keyword == Keyword::ElseIf { Keyword::Elsif } else { keyword };
+        let begins = for_head && !assigned && self.last.is_some_and(|last| last.keyword == Some(Keyword::For));
+        if begins && token.kind != RawKind::LeftParen && self.bare_for_of_c() {
+            return true;
+        }
         match token.kind {
             RawKind::Word if outside => match token.keyword {
                 Some(found @ (Keyword::Then | Keyword::Do | Keyword::Of))

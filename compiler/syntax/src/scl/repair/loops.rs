@@ -3,7 +3,11 @@
 use std::ops::Range;
 
 use super::Repair;
+use crate::scl::keyword::Keyword;
 use crate::scl::raw::RawKind;
+
+/// How many tokens the head of a loop may have.
+const HEAD_MAX: usize = 60;
 
 impl Repair<'_> {
     /// `FOR i FROM 0 TO 9 DO`
@@ -23,20 +27,39 @@ impl Repair<'_> {
         let Some(close) = self.closing(at) else { return false };
         let mut ends = (at..close).filter(|index| self.kind(*index) == Some(RawKind::Semicolon));
         let (Some(first), second) = (ends.next(), ends.next()) else { return false };
-        let assigned =
-            (at + 2..first).find(|index| matches!(self.kind(*index), Some(RawKind::Equal | RawKind::Assign)));
-        let (variable, start) = match assigned.filter(|assigned| *assigned + 1 < first) {
-            Some(assigned) => (self.words(assigned - 1, assigned - 1), self.words(assigned + 1, first - 1)),
-            None => ("i", "first"),
-        };
-        let second = second.unwrap_or(close);
-        let last = self.last_of_c(first + 1..second).unwrap_or_else(|| "last".to_owned());
-        let step = self.step_of_c((second + 1).min(close)..close, variable);
-        let help = format!("write `FOR {variable} := {start} TO {last}{step} DO … END_FOR;`");
+        let help = self.counted_of_c(at + 1, first, second.unwrap_or(close), close);
         self.report(at, close + 1, "FOR counts with `:=` and TO".to_owned(), "a form of other languages", help);
         self.brackets.clear();
         self.replace(at, close + 1, RawKind::Reported, None);
         true
+    }
+
+    /// `FOR i := 0; i < 10; i++ DO`
+    pub(super) fn bare_for_of_c(&mut self) -> bool {
+        let at = self.at;
+        let end = (at + 1..self.tokens.len().min(at + HEAD_MAX)).find(|index| {
+            self.keyword(*index) == Some(Keyword::Do) || self.token(*index).is_some_and(|token| token.first_on_line)
+        });
+        let Some(end) = end.filter(|end| self.keyword(*end) == Some(Keyword::Do)) else { return false };
+        let mut ends = (at + 1..end).filter(|index| self.kind(*index) == Some(RawKind::Semicolon));
+        let (Some(first), Some(second)) = (ends.next(), ends.next()) else { return false };
+        let help = self.counted_of_c(at, first, second, end);
+        self.report(at, end, "FOR counts with `:=` and TO".to_owned(), "a form of other languages", help);
+        self.replace(at, end, RawKind::Reported, None);
+        true
+    }
+
+    /// How SCL writes the head from token `inner` to `close`, whose parts end at `first` and `second`.
+    fn counted_of_c(&self, inner: usize, first: usize, second: usize, close: usize) -> String {
+        let assigned =
+            (inner + 1..first).find(|index| matches!(self.kind(*index), Some(RawKind::Equal | RawKind::Assign)));
+        let (variable, start) = match assigned.filter(|assigned| *assigned + 1 < first) {
+            Some(assigned) => (self.words(assigned - 1, assigned - 1), self.words(assigned + 1, first - 1)),
+            None => ("i", "first"),
+        };
+        let last = self.last_of_c(first + 1..second).unwrap_or_else(|| "last".to_owned());
+        let step = self.step_of_c((second + 1).min(close)..close, variable);
+        format!("write `FOR {variable} := {start} TO {last}{step} DO … END_FOR;`")
     }
 
     /// The last value that `i < 10` lets through.
