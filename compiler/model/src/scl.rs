@@ -263,9 +263,9 @@ pub enum Conversion {
     /// TIME to LTIME, TIME_OF_DAY to LTOD and back: milliseconds and nanoseconds.
     MillisToNanos,
     NanosToMillis,
-    /// The pattern stays; out of 0..=`max` clears the bit (DATE, TIME_OF_DAY).
+    /// The pattern stays; out of 0..=`max` clears the bit (DATE, TIME_OF_DAY, LTOD, LDT).
     Ranged {
-        max: u32,
+        max: i64,
     },
 }
 

@@ -57,7 +57,7 @@ impl BlockLowering<'_, '_> {
             }
             Conversion::Ranged { max } => {
                 let wide = self.wide(value, from);
-                let failed = self.b.icmp_imm(IntCc::Ugt, wide, i64::from(max));
+                let failed = self.b.icmp_imm(IntCc::Ugt, wide, max);
                 self.fail_if(failed);
                 self.resized(value, from, to)
             }

@@ -7,9 +7,11 @@ use Elementary::*;
 use plcc_model::scl::{BinaryOp, Conversion, Expr, ExprKind, Function, Overflow};
 
 /// Days from 1990-01-01 to 2168-12-31, the last DATE.
-const DATE_MAX: u32 = 65_378;
-const DAY_MILLISECONDS: u32 = 86_400_000;
+const DATE_MAX: i64 = 65_378;
+const DAY_MILLISECONDS: i64 = 86_400_000;
 const DAY_NANOSECONDS: u64 = 86_400_000_000_000;
+/// An LDT is not before 1970.
+pub const TO_LDT: Conversion = Conversion::Ranged { max: i64::MAX };
 
 /// Dialects that share implicit conversions.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -159,9 +161,11 @@ pub fn explicit(rules: Rules, from: Elementary, to: Elementary) -> Option<Conver
         (Time, Dword | Dint) | (Dword | Dint, Time) | (Ltime, Lword | Lint) | (Lword | Lint, Ltime) => bits,
         (Time | Ltime, _) if to.is_integer() => value,
         (_, Time | Ltime) if from.is_integer() => value,
-        (Ltime | Lword | Lint | Ulint, Ldt | Ltod) | (Ldt | Ltod, Ltime | Lword | Lint | Ulint) => bits,
+        (Ldt | Ltod, Ltime | Lword | Lint | Ulint) => bits,
+        (Ltime | Lword | Lint | Ulint, Ldt) => TO_LDT,
+        (Ltime | Lword | Lint | Ulint, Ltod) => Conversion::Ranged { max: DAY_NANOSECONDS as i64 - 1 },
         (Date, Word | Uint | Dint | Udint | Dword | Lint | Ulint | Lword) => bits,
-        (Date, Int) => cut,
+        (Date, Int) => Conversion::Ranged { max: i64::from(i16::MAX) },
         (Int | Word | Uint | Dint | Udint | Dword, Date) => Conversion::Ranged { max: DATE_MAX },
         (TimeOfDay, Dint | Udint | Dword | Time | Lint | Ulint | Lword) => bits,
         (Dint | Udint | Dword | Time, TimeOfDay) => Conversion::Ranged { max: DAY_MILLISECONDS - 1 },

@@ -121,7 +121,7 @@ impl SclBinder<'_, '_> {
                 let both = left.zip(right);
                 both.map(|(left, right)| {
                     let sum = binary_expr(binary_op(op), as_bits(left, Lint), as_bits(right, Lint), Lint, span);
-                    Value::Elementary(as_bits(sum, Ldt))
+                    Value::Elementary(convert::converted(sum, convert::TO_LDT, Ldt))
                 })
             }
             (Of(day), Of(other)) if subtract && day == other => self.difference(ctx, day, left, right, span),

@@ -89,6 +89,10 @@ fn what_conversions_compute() {
     assert_eq!(tia(Time, Dint), Some(BITS));
     assert_eq!(tia(Time, Udint), Some(Conversion::Value(Overflow::LowBits)));
     assert_eq!(tia(Dint, TimeOfDay), Some(Conversion::Ranged { max: 86_399_999 }));
+    assert_eq!(tia(Lint, Ltod), Some(Conversion::Ranged { max: 86_399_999_999_999 }));
+    assert_eq!(tia(Ltime, Ldt), Some(TO_LDT));
+    assert_eq!(tia(Ldt, Ltime), Some(BITS));
+    assert_eq!(tia(Date, Int), Some(Conversion::Ranged { max: 32_767 }));
     assert_eq!(tia(Char, Int), Some(BITS));
     assert_eq!(tia(Int, Char), Some(CUT));
     assert_eq!(tia(S5Time, Time), Some(Conversion::FromS5Time));
