@@ -304,6 +304,7 @@ impl BlockLowering<'_, '_> {
             | StatementKind::Goto(_) => true,
             StatementKind::Assign { .. }
             | StatementKind::SetFlag(_)
+            | StatementKind::Failed
             | StatementKind::If { .. }
             | StatementKind::Case { .. }
             | StatementKind::For { .. }
@@ -329,6 +330,7 @@ impl BlockLowering<'_, '_> {
         match statement.kind {
             // Statements of STL are counted one by one.
             StatementKind::Stl(_)
+            | StatementKind::Failed
             | StatementKind::Label(_)
             | StatementKind::Assert(_)
             | StatementKind::Sleep(_)

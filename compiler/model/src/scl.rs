@@ -69,6 +69,8 @@ pub enum StatementKind {
     },
     /// `OK := e`, `ENO := e`.
     SetFlag(Expr),
+    /// An instruction that is several statements has failed: clears the bit if operations of the block do ([`SclBody::sets_flag`]).
+    Failed,
     /// A call whose value, if any, is not used.
     Call(Box<Call>),
     /// An expression for its effects: a timer or counter function.

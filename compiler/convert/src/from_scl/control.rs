@@ -75,6 +75,8 @@ impl Maker<'_> {
                 // A network has statements of its own.
                 self.push(StlInsn::Nop, Some(number(0, self.span)));
             }
+            // A block whose errors clear the bit is refused as a whole.
+            StatementKind::Failed => {}
             StatementKind::Assert(_) | StatementKind::Sleep(_) | StatementKind::Apart => {}
             StatementKind::Stl(_) => self.refuse(statement.span, "a statement that is STL already", "write it in STL"),
         }

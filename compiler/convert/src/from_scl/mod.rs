@@ -324,7 +324,8 @@ impl Visitor for Seen {
             | StatementKind::Copy { target, .. }
             | StatementKind::For { variable: target, .. } => target,
             StatementKind::SetFlag(_) | StatementKind::Return(Some(_)) => return self.flag = true,
-            StatementKind::Call(_)
+            StatementKind::Failed
+            | StatementKind::Call(_)
             | StatementKind::Evaluate(_)
             | StatementKind::If { .. }
             | StatementKind::Case { .. }

@@ -44,6 +44,13 @@ impl BlockLowering<'_, '_> {
                 let flag = self.flag();
                 self.b.def_var(flag, value);
             }
+            StatementKind::Failed => {
+                if self.wants_flag() {
+                    let flag = self.flag();
+                    let failed = self.zero(Elementary::Bool);
+                    self.b.def_var(flag, failed);
+                }
+            }
             StatementKind::Call(call) => {
                 self.scl_call(call);
             }

@@ -78,6 +78,7 @@ impl StatementKind {
             | StatementKind::AssignText { .. }
             | StatementKind::Copy { .. }
             | StatementKind::SetFlag(_)
+            | StatementKind::Failed
             | StatementKind::Call(_)
             | StatementKind::Evaluate(_)
             | StatementKind::Exit
@@ -117,7 +118,8 @@ pub fn own_part(statement: &StatementKind, visitor: &mut dyn Visitor) {
         }
         StatementKind::Return(value) => value.iter().for_each(|value| expr(value, visitor)),
         StatementKind::Assert(assert) => visitor.assert(assert),
-        StatementKind::Exit
+        StatementKind::Failed
+        | StatementKind::Exit
         | StatementKind::Continue
         | StatementKind::Goto(_)
         | StatementKind::Label(_)

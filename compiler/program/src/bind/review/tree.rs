@@ -156,6 +156,7 @@ impl Reached<'_> {
             | StatementKind::AssignText { .. }
             | StatementKind::Copy { .. }
             | StatementKind::SetFlag(_)
+            | StatementKind::Failed
             | StatementKind::Call(_)
             | StatementKind::Evaluate(_)
             | StatementKind::Label(_)

@@ -7,7 +7,7 @@ use plcc_syntax::Elementary;
 use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind};
 
 use super::Intent;
-use super::memory::{binary, elementary_at, failed, load, minus_one, number, whole};
+use super::memory::{binary, elementary_at, load, minus_one, number, whole};
 use super::message::described;
 use super::pins::Pins;
 use super::value::Value;
@@ -75,8 +75,8 @@ impl SclBinder<'_, '_> {
         let to = self.kept(ctx, &mut code, target.first.clone());
         let left = self.temp(ctx, Elementary::Dint, span);
         code.push(StatementKind::Assign { target: left.clone(), value: count });
-        code.push(shortened(ctx, &left, &source, &from, span));
-        code.push(shortened(ctx, &left, &target, &to, span));
+        code.push(shortened(&left, &source, &from, span));
+        code.push(shortened(&left, &target, &to, span));
         let at = self.temp(ctx, Elementary::Dint, span);
         let offset = || load(&at, Elementary::Dint);
         let copy = copied(target.at(&to, offset()), &source.at(&from, offset()), &source.element);
@@ -126,7 +126,7 @@ impl SclBinder<'_, '_> {
         let to = self.kept(ctx, &mut code, target.first.clone());
         let left = self.temp(ctx, Elementary::Dint, span);
         code.push(StatementKind::Assign { target: left.clone(), value: count });
-        code.push(shortened(ctx, &left, &target, &to, span));
+        code.push(shortened(&left, &target, &to, span));
         let at = self.temp(ctx, Elementary::Dint, span);
         let element = target.at(&to, load(&at, Elementary::Dint));
         code.push(StatementKind::For {
@@ -355,7 +355,7 @@ fn whole_copy(source: &Run, target: &Run, count: &Expr) -> Option<StatementKind>
 }
 
 /// Limits `left` to the number of elements that the array still has.
-pub(super) fn shortened(ctx: &SclBlock, left: &Access, run: &Run, first: &Expr, span: Span) -> StatementKind {
+pub(super) fn shortened(left: &Access, run: &Run, first: &Expr, span: Span) -> StatementKind {
     let room = || {
         let rest = binary(BinaryOp::Subtract, run.last(), first.clone());
         binary(BinaryOp::Add, rest, number(1, span))
@@ -370,8 +370,8 @@ pub(super) fn shortened(ctx: &SclBlock, left: &Access, run: &Run, first: &Expr, 
         span,
     };
     let cut = StatementKind::Assign { target: left.clone(), value: room() };
-    let mut body = vec![Statement { kind: cut, span }];
-    body.extend(failed(ctx, span));
+    let failed = StatementKind::Failed;
+    let body = vec![Statement { kind: cut, span }, Statement { kind: failed, span }];
     StatementKind::If { branches: vec![(condition, body)], otherwise: Vec::new() }
 }
 

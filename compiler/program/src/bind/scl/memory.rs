@@ -297,7 +297,7 @@ impl SclBinder<'_, '_> {
             Some(node) => assign(node)?,
             None => Vec::new(),
         };
-        otherwise.extend(failed(ctx, span));
+        otherwise.push(Statement { kind: StatementKind::Failed, span });
         code.push(StatementKind::Case { selector: selector?, arms, otherwise });
         Some(code)
     }
@@ -333,12 +333,6 @@ impl SclBinder<'_, '_> {
         code.push(StatementKind::Assign { target, value });
         again
     }
-}
-
-/// The statement that clears OK/ENO, if the block uses it.
-pub fn failed(ctx: &SclBlock, span: Span) -> Option<Statement> {
-    let value = Expr { kind: ExprKind::Const(0), ty: Elementary::Bool, span };
-    ctx.scope.sets_flag.then_some(Statement { kind: StatementKind::SetFlag(value), span })
 }
 
 pub fn load(access: &Access, ty: Elementary) -> Expr {

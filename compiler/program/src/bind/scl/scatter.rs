@@ -38,11 +38,11 @@ impl SclBinder<'_, '_> {
         let left = self.temp(ctx, Elementary::Dint, span);
         let rest = || load(&left, Elementary::Dint);
         code.push(StatementKind::Assign { target: left.clone(), value: count });
-        code.push(shortened(ctx, &left, strings, &string, span));
+        code.push(shortened(&left, strings, &string, span));
         // As many strings as there are BOOLs for them.
         let value = binary(BinaryOp::Multiply, rest(), width());
         code.push(StatementKind::Assign { target: left.clone(), value });
-        code.push(shortened(ctx, &left, bools, &bool_at, span));
+        code.push(shortened(&left, bools, &bool_at, span));
         let value = binary(BinaryOp::Divide, rest(), width());
         code.push(StatementKind::Assign { target: left.clone(), value });
 

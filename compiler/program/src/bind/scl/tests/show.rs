@@ -15,6 +15,7 @@ fn statement(statement: &Statement) -> String {
             format!("{} :={bytes} {}", access(target), complex(source))
         }
         StatementKind::SetFlag(value) => format!("flag := {}", expr(value)),
+        StatementKind::Failed => "failed".to_string(),
         StatementKind::Call(call) => format!("call {}", call.target),
         StatementKind::Evaluate(value) => format!("evaluate {}", expr(value)),
         StatementKind::If { branches, otherwise } => {
