@@ -244,6 +244,15 @@ fn up_to_dint(value: Expr, low: i64) -> Expr {
     Expr { kind: ExprKind::Function { function: Function::Limit, arguments }, ty, span }
 }
 
+/// A ULINT as a LINT, at most the largest one.
+pub fn up_to_lint(value: Expr) -> Expr {
+    let (ty, span) = (value.ty, value.span);
+    let limit = |bits: u64| Expr { kind: ExprKind::Const(bits), ty, span };
+    let arguments = vec![limit(0), value, limit(i64::MAX as u64)];
+    let limited = Expr { kind: ExprKind::Function { function: Function::Limit, arguments }, ty, span };
+    converted(limited, Conversion::Bits { checked: false }, Lint)
+}
+
 /// Days from 1970-01-01 to 1990-01-01: 20 years, five of them leap years.
 const EPOCH_DAYS: u64 = 20 * 365 + 5;
 

@@ -99,13 +99,15 @@ impl SclBinder<'_, '_> {
                 let left = self.convert(ctx, left, ty);
                 let right = self.factor(ctx, right, ty);
                 let both = left.zip(right);
-                both.map(|(left, right)| Value::Elementary(binary_expr(binary_op(op), left, right, ty, span)))
+                let scaled = both.and_then(|(left, right)| self.scaled(ctx, binary_op(op), left, right, span));
+                scaled.map(Value::Elementary)
             }
             (Number, Of(ty @ (Time | Ltime))) if matches!(op, Operator::Add | Operator::Multiply) => {
-                let left = self.factor(ctx, left, ty);
-                let right = self.convert(ctx, right, ty);
-                let both = left.zip(right);
-                both.map(|(left, right)| Value::Elementary(binary_expr(binary_op(op), left, right, ty, span)))
+                let number = self.factor(ctx, left, ty);
+                let duration = self.convert(ctx, right, ty);
+                let both = number.zip(duration);
+                let converted = both.and_then(|(number, duration)| Some((self.counted(ctx, number, ty)?, duration)));
+                converted.map(|(left, right)| Value::Elementary(binary_expr(binary_op(op), left, right, ty, span)))
             }
             (Of(day @ (TimeOfDay | Ltod)), Of(Time | Ltime)) if sum => {
                 let step = if day == Ltod { Ltime } else { Time };
@@ -361,21 +363,41 @@ impl SclBinder<'_, '_> {
         self.library_call(ctx, key, inputs, span, span)
     }
 
-    /// An integer next to a TIME, as that many milliseconds (LTIME: nanoseconds).
+    /// An integer next to a TIME or LTIME.
     fn factor(&mut self, ctx: &mut SclBlock, value: Value, ty: Elementary) -> Option<Expr> {
         let own = if ty == Ltime { Lint } else { Dint };
-        let value = match value {
-            Value::Elementary(expr) => expr,
-            Value::Constant(Constant::Typed { ty, bits }, span) => constant_expr(bits, ty, span),
-            other => self.convert(ctx, other, own)?,
-        };
-        let span = value.span;
-        let from = value.ty;
-        let converted = convert::explicit_expr(ctx.scope.rules, value, ty);
+        match value {
+            Value::Elementary(expr) => Some(expr),
+            Value::Constant(Constant::Typed { ty, bits }, span) => Some(constant_expr(bits, ty, span)),
+            other => self.convert(ctx, other, own),
+        }
+    }
+
+    /// An integer as that many milliseconds (LTIME: nanoseconds).
+    fn counted(&mut self, ctx: &SclBlock, number: Expr, ty: Elementary) -> Option<Expr> {
+        let (from, span) = (number.ty, number.span);
+        let converted = convert::explicit_expr(ctx.scope.rules, number, ty);
         if converted.is_none() {
             self.no_conversion(&ctx.scope, span, from, ty);
         }
         converted
+    }
+
+    /// `duration op number`. With a number that the duration's type may not hold this is computed in 64 bits: `T#10s / 4_294_967_295` is 0.
+    fn scaled(&mut self, ctx: &SclBlock, op: BinaryOp, duration: Expr, number: Expr, span: Span) -> Option<Expr> {
+        let (ty, rules) = (duration.ty, ctx.scope.rules);
+        let number = match (ty, number.ty) {
+            (Time, Udint | Lint) => number,
+            // No duration is longer than the largest LINT.
+            (_, Ulint) if op == BinaryOp::Divide => convert::up_to_lint(number),
+            _ => {
+                let number = self.counted(ctx, number, ty)?;
+                return Some(binary_expr(op, duration, number, ty, span));
+            }
+        };
+        let number = convert::explicit_expr(rules, number, Lint)?;
+        let duration = convert::explicit_expr(rules, duration, Lint)?;
+        convert::explicit_expr(rules, binary_expr(op, duration, number, Lint, span), ty)
     }
 
     /// The time between two dates of one type.
