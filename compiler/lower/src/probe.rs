@@ -305,6 +305,7 @@ impl BlockLowering<'_, '_> {
             StatementKind::Assign { .. }
             | StatementKind::SetFlag(_)
             | StatementKind::Failed
+            | StatementKind::Watch(_)
             | StatementKind::If { .. }
             | StatementKind::Case { .. }
             | StatementKind::For { .. }
@@ -331,6 +332,7 @@ impl BlockLowering<'_, '_> {
             // Statements of STL are counted one by one.
             StatementKind::Stl(_)
             | StatementKind::Failed
+            | StatementKind::Watch(_)
             | StatementKind::Label(_)
             | StatementKind::Assert(_)
             | StatementKind::Sleep(_)

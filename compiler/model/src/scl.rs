@@ -71,6 +71,8 @@ pub enum StatementKind {
     SetFlag(Expr),
     /// An instruction that is several statements has failed: clears the bit if operations of the block do ([`SclBody::sets_flag`]).
     Failed,
+    /// From here to `Watch(false)` operations clear the bit, whatever the block says: a function has `ENO => x`.
+    Watch(bool),
     /// A call whose value, if any, is not used.
     Call(Box<Call>),
     /// An expression for its effects: a timer or counter function.

@@ -77,6 +77,9 @@ impl Maker<'_> {
             }
             // A block whose errors clear the bit is refused as a whole.
             StatementKind::Failed => {}
+            StatementKind::Watch(_) => {
+                self.refuse(statement.span, "the ENO of this function", "call it without `ENO =>`");
+            }
             StatementKind::Assert(_) | StatementKind::Sleep(_) | StatementKind::Apart => {}
             StatementKind::Stl(_) => self.refuse(statement.span, "a statement that is STL already", "write it in STL"),
         }

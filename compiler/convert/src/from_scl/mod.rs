@@ -325,6 +325,7 @@ impl Visitor for Seen {
             | StatementKind::For { variable: target, .. } => target,
             StatementKind::SetFlag(_) | StatementKind::Return(Some(_)) => return self.flag = true,
             StatementKind::Failed
+            | StatementKind::Watch(_)
             | StatementKind::Call(_)
             | StatementKind::Evaluate(_)
             | StatementKind::If { .. }

@@ -41,7 +41,9 @@ pub struct SclState {
     /// OK or ENO, and the ENO of the last call; both none in other languages.
     flag: Option<Var>,
     last_eno: Option<Var>,
+    /// Operations clear the flag: here, and in the block as a whole.
     sets_flag: bool,
+    block_sets_flag: bool,
     calls_set_flag: bool,
     /// See [`SclBody::inputs_in_place`].
     inputs_in_place: bool,
@@ -103,6 +105,7 @@ impl BlockLowering<'_, '_> {
         self.scl.flag = Some(flags[0]);
         self.scl.last_eno = Some(flags[1]);
         self.scl.sets_flag = body.sets_flag;
+        self.scl.block_sets_flag = body.sets_flag;
         self.scl.calls_set_flag = body.calls_set_flag;
         self.scl.inputs_in_place = body.inputs_in_place;
         if matches!(self.block.kind, BlockKind::Fb | BlockKind::Sfb) {

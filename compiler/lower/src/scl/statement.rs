@@ -44,6 +44,7 @@ impl BlockLowering<'_, '_> {
                 let flag = self.flag();
                 self.b.def_var(flag, value);
             }
+            StatementKind::Watch(on) => self.scl.sets_flag = *on || self.scl.block_sets_flag,
             StatementKind::Failed => {
                 if self.wants_flag() {
                     let flag = self.flag();

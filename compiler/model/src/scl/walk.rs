@@ -79,6 +79,7 @@ impl StatementKind {
             | StatementKind::Copy { .. }
             | StatementKind::SetFlag(_)
             | StatementKind::Failed
+            | StatementKind::Watch(_)
             | StatementKind::Call(_)
             | StatementKind::Evaluate(_)
             | StatementKind::Exit
@@ -119,6 +120,7 @@ pub fn own_part(statement: &StatementKind, visitor: &mut dyn Visitor) {
         StatementKind::Return(value) => value.iter().for_each(|value| expr(value, visitor)),
         StatementKind::Assert(assert) => visitor.assert(assert),
         StatementKind::Failed
+        | StatementKind::Watch(_)
         | StatementKind::Exit
         | StatementKind::Continue
         | StatementKind::Goto(_)

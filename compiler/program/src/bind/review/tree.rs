@@ -157,6 +157,7 @@ impl Reached<'_> {
             | StatementKind::Copy { .. }
             | StatementKind::SetFlag(_)
             | StatementKind::Failed
+            | StatementKind::Watch(_)
             | StatementKind::Call(_)
             | StatementKind::Evaluate(_)
             | StatementKind::Label(_)

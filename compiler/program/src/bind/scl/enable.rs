@@ -13,11 +13,11 @@ use super::Intent;
 use super::arguments::names_eno;
 use super::expression::constant_expr;
 use super::function::Named;
-use super::memory::{binary, load};
+use super::memory::load;
 use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::fold;
 use plcc_model::layout;
-use plcc_model::scl::{Access, BinaryOp, Expr, ExprKind, Statement, StatementKind};
+use plcc_model::scl::{Access, Expr, ExprKind, Statement, StatementKind, UnaryOp};
 
 impl SclBinder<'_, '_> {
     /// Binds a statement whose function has EN or ENO; false: it has neither.
@@ -83,16 +83,27 @@ impl SclBinder<'_, '_> {
         None
     }
 
-    /// Statements, followed by a test whether each of their operations was possible. The bit of the block stays FALSE if it was.
+    /// Statements, followed by a test whether each of their operations was possible. A failure clears the bit of the block only if other
+    /// operations of the block do.
     fn with_result(&mut self, ctx: &mut SclBlock, body: Vec<Statement>, target: &Access, span: Span) -> Vec<Statement> {
-        ctx.scope.sets_flag = true;
         let before = self.temp(ctx, Elementary::Bool, span);
+        let after = self.temp(ctx, Elementary::Bool, span);
         let flag = || Expr { kind: ExprKind::Flag, ty: Elementary::Bool, span };
-        let set = |value| Statement { kind: StatementKind::SetFlag(value), span };
-        let mut code = vec![assign(before.clone(), flag(), span), set(constant_expr(1, Elementary::Bool, span))];
+        let statement = |kind| Statement { kind, span };
+        let mut code = vec![
+            assign(before.clone(), flag(), span),
+            statement(StatementKind::SetFlag(constant_expr(1, Elementary::Bool, span))),
+            statement(StatementKind::Watch(true)),
+        ];
         code.extend(body);
-        code.push(assign(target.clone(), flag(), span));
-        code.push(set(binary(BinaryOp::And, flag(), load(&before, Elementary::Bool))));
+        code.push(statement(StatementKind::Watch(false)));
+        code.push(assign(after.clone(), flag(), span));
+        code.push(statement(StatementKind::SetFlag(load(&before, Elementary::Bool))));
+        code.push(assign(target.clone(), load(&after, Elementary::Bool), span));
+        let operand = Box::new(load(&after, Elementary::Bool));
+        let failed = Expr { kind: ExprKind::Unary { op: UnaryOp::Not, operand }, ty: Elementary::Bool, span };
+        let branches = vec![(failed, vec![statement(StatementKind::Failed)])];
+        code.push(statement(StatementKind::If { branches, otherwise: Vec::new() }));
         code
     }
 }

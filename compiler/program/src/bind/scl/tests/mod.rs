@@ -262,6 +262,8 @@ fn flags() {
     };
     assert!(!sets("ENO := TRUE;", ""));
     assert!(sets("#b := ENO;", ""));
+    // The ENO of one function is not that of the block.
+    assert!(!sets("#i := LIMIT(MN := 1, IN := #j, MX := 3, ENO => #b);", ""));
     assert!(sets("#i := #i + 1;", "{ S7_SetENOAutomatically := 'TRUE' }\n"));
 }
 

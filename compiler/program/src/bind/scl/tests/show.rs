@@ -16,6 +16,7 @@ fn statement(statement: &Statement) -> String {
         }
         StatementKind::SetFlag(value) => format!("flag := {}", expr(value)),
         StatementKind::Failed => "failed".to_string(),
+        StatementKind::Watch(on) => format!("watch {on}"),
         StatementKind::Call(call) => format!("call {}", call.target),
         StatementKind::Evaluate(value) => format!("evaluate {}", expr(value)),
         StatementKind::If { branches, otherwise } => {
