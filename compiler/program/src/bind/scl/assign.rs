@@ -4,8 +4,9 @@ use plcc_diag::{Code, Span};
 use plcc_syntax::Elementary;
 use plcc_syntax::scl::ast::{AssignOp, BinaryOp as Operator, Expr as Node, ExprKind as NodeKind, NameForm};
 
-use super::coerce::{access_has_call, copied_bytes};
+use super::coerce::{access_has_call, copied_bytes, is_untyped};
 use super::convert;
+use super::expression::constant_expr;
 use super::place::Thing;
 use super::value::Value;
 use super::{Intent, Rules, message};
@@ -93,9 +94,58 @@ impl SclBinder<'_, '_> {
             }
         };
         let result = if read { current(&access) } else { None };
+        let value = self.converted_mux(ctx, &access, value, bound)?;
         let kind = self.assignment(ctx, access, value)?;
         bound.push(Statement { kind, span });
         result
+    }
+
+    /// A MUX without ELSE whose value is converted to the type of the variable: the variable keeps its own value, not what is left of it
+    /// after conversions, if no input has the number. K is evaluated once.
+    fn converted_mux(
+        &mut self,
+        ctx: &mut SclBlock,
+        target: &Access,
+        value: Value,
+        bound: &mut Vec<Statement>,
+    ) -> Option<Value> {
+        let mut expr = match value {
+            Value::Elementary(expr) => expr,
+            other => return Some(other),
+        };
+        let span = expr.span;
+        let is_open = inputs_without_else(&mut expr).is_some();
+        let is_text = matches!(target.ty, DataType::String(_) | DataType::WideString(_));
+        if is_open && is_text && matches!(expr.kind, ExprKind::Function { .. }) {
+            let help = "add `INELSE := …`, the value for all other numbers";
+            self.refuse(Code::OperandKind, span, "this MUX of texts cannot be computed", "INELSE is missing", help);
+            return None;
+        }
+        let keeps = matches!(ctx.scope.rules, Rules::Tia1200 | Rules::Tia1500)
+            && !access_has_call(target)
+            && !is_untyped(ctx, target.span);
+        let ty = match target.elementary() {
+            Some(ty) if is_open && keeps => ty,
+            _ => return Some(Value::Elementary(expr)),
+        };
+        let mut expr = self.convert(ctx, Value::Elementary(expr), ty)?;
+        if !matches!(expr.kind, ExprKind::Convert { .. }) {
+            return Some(Value::Elementary(expr));
+        }
+        let Some(inputs) = inputs_without_else(&mut expr) else { return Some(Value::Elementary(expr)) };
+        let mut code = Vec::new();
+        let selector = self.kept(ctx, &mut code, inputs[0].clone());
+        inputs[0] = selector.clone();
+        let count = inputs.len() - 1;
+        bound.extend(code.into_iter().map(|kind| Statement { kind, span }));
+        // TRUE for each input, FALSE for all other numbers.
+        let found = (0..=count).map(|at| constant_expr(u64::from(at < count), Elementary::Bool, span));
+        let arguments = std::iter::once(selector).chain(found).collect();
+        let found = Function::Mux { has_else: true };
+        let found = Expr { kind: ExprKind::Function { function: found, arguments }, ty: Elementary::Bool, span };
+        let old = Expr { kind: ExprKind::Load(Box::new(target.clone())), ty, span };
+        let kind = ExprKind::Function { function: Function::Select, arguments: vec![found, old, expr] };
+        Some(Value::Elementary(Expr { kind, ty, span }))
     }
 
     pub(in crate::bind) fn binary_value(
@@ -212,6 +262,15 @@ fn with_else(rules: Rules, target: &Access, mut value: Expr) -> Expr {
         add_else(rules, Expr { kind, ty, span }, &mut value);
     }
     value
+}
+
+/// K and the inputs of a MUX without ELSE, even if its value is converted.
+fn inputs_without_else(value: &mut Expr) -> Option<&mut Vec<Expr>> {
+    match &mut value.kind {
+        ExprKind::Function { function: Function::Mux { has_else: false }, arguments } => Some(arguments),
+        ExprKind::Convert { operand, .. } => inputs_without_else(operand),
+        _ => None,
+    }
 }
 
 /// Sets `otherwise` of a MUX, even if its value is converted.
