@@ -5,7 +5,7 @@
 //! Source: STL reference, IEC function library; SCL reference, explicit conversions.
 
 use plcc_abi::image::BlockKind;
-use plcc_stdlib::{BlockClass, Form};
+use plcc_stdlib::{BlockClass, Form, Language, SystemBlock};
 
 use plcc_model::BlockKey;
 use plcc_model::scl::{Access, Actual, Argument, Call, Complex, ExprKind, StatementKind};
@@ -52,9 +52,11 @@ impl SclBinder<'_, '_> {
         Some(StatementKind::Call(Box::new(call)))
     }
 
+    /// Those in SCL do not clear ENO if the target is too short: the assignment after the call does.
     fn writes_texts(&self, key: BlockKey) -> bool {
         let function = matches!(key.kind, BlockKind::Fc | BlockKind::Sfc);
-        function && self.program.globals.library_block(key).is_some_and(|block| block.form == Form::Source)
+        let clears_eno = |block: &SystemBlock| block.form == Form::Source && block.language == Language::Stl;
+        function && self.program.globals.library_block(key).is_some_and(clears_eno)
     }
 
     /// FC 37 STRNG_DI, FC 38 STRNG_I, FC 39 STRNG_R.
