@@ -115,7 +115,7 @@ impl SclBinder<'_, '_> {
                 if ty.class() != Class::Bits || ty == Elementary::Bool {
                     return self.bad_suffix(row, ty, pins.name);
                 }
-                let value = self.count_value(ctx, pins.get("IN")?)?;
+                let value = self.count_value(ctx, pins.get("IN")?, "write the number of the bit, from 0")?;
                 Some(computed(Function::Decode, vec![value], ty, span))
             }
             Kind::IsValid => {
@@ -176,8 +176,8 @@ impl SclBinder<'_, '_> {
         self.convert(ctx, value, ty)
     }
 
-    /// A count: an integer of any type.
-    fn count_value(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Expr> {
+    /// A count: an integer of any type. `help`: what to write instead of a negative one.
+    fn count_value(&mut self, ctx: &mut SclBlock, node: &Node, help: &str) -> Option<Expr> {
         let value = self.value(ctx, node)?;
         if let Value::Constant(Constant::Integer { value: count, .. }, span) = &value
             && *count < 0
@@ -186,7 +186,7 @@ impl SclBinder<'_, '_> {
             self.program.report(
                 Diagnostic::new(Code::ShiftCount, span, "this number is negative")
                     .label("0 or more is expected")
-                    .help("for the other direction call the other function"),
+                    .help(help),
             );
             return None;
         }
@@ -212,7 +212,7 @@ impl SclBinder<'_, '_> {
     }
 
     fn mux(&mut self, ctx: &mut SclBlock, suffix: Option<Elementary>, pins: &Pins, span: Span) -> Option<Value> {
-        let selector = self.count_value(ctx, pins.get("K")?);
+        let selector = self.count_value(ctx, pins.get("K")?, "write the number of an input: 0 for IN0");
         let mut nodes = pins.numbered("IN0");
         let otherwise = pins.get("INELSE");
         nodes.extend(otherwise);
@@ -286,7 +286,7 @@ impl SclBinder<'_, '_> {
         span: Span,
     ) -> Option<Expr> {
         let value = self.value(ctx, pins.get("IN")?);
-        let count = self.count_value(ctx, pins.get("N")?);
+        let count = self.count_value(ctx, pins.get("N")?, "for the other direction call the other function");
         let value = value?;
         let ty = match (suffix, Shape::of(&value)) {
             (Some(ty), _) | (None, Shape::Of(ty)) => ty,
