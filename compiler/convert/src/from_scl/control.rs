@@ -240,15 +240,10 @@ impl Maker<'_> {
             }
         };
         let Some(counter) = self.operand(variable) else { return };
-        // All are computed before the variable gets its first value.
-        let known = [end, step].iter().all(|value| matches!(value.kind, ExprKind::Const(_)));
-        let first = (!known).then(|| self.fixed(start));
-        let (last, by) = (self.fixed(end), self.fixed(step));
-        match first {
-            Some(first) => self.push(StlInsn::Load, Some(first)),
-            None => self.number(start),
-        }
+        // End and step may read the variable: it has its first value by then.
+        self.number(start);
         self.push(StlInsn::Transfer, Some(counter.clone()));
+        let (last, by) = (self.fixed(end), self.fixed(step));
         let (head, next, exit) = (self.new_label(), self.new_label(), self.new_label());
         self.label(&head, self.span.end);
         let compare = |maker: &mut Self, insn: StlInsn, left: &Operand, right: &Operand| {

@@ -260,13 +260,14 @@ impl BlockLowering<'_, '_> {
         let computed = !variable.indices.is_empty() || matches!(variable.base, Base::Indexed { .. });
         let located = computed.then(|| self.locate(variable));
         let start = self.value(start);
-        let end = self.value(end);
-        let step_value = self.value(step);
         let write = |lowering: &mut Self, value| match &located {
             Some(located) => lowering.write_located(variable, located, value),
             None => lowering.write_access(variable, value),
         };
+        // End and step may read the variable: it has its first value by then.
         write(self, start);
+        let end = self.value(end);
+        let step_value = self.value(step);
         let (head, run, next, exit) =
             (self.b.create_block(), self.b.create_block(), self.b.create_block(), self.b.create_block());
         self.b.jump(head, &[]);
