@@ -10,13 +10,20 @@ use plcc_syntax::literal::Literal;
 use plcc_syntax::stl::StlInsn;
 
 use super::Maker;
+use super::address::Target;
 
 /// Blocks of the library with higher numbers have them from plcc.
 const SYSTEM_NUMBER_MAX: u16 = 999;
 
 /// What an output of the call is copied to after it.
 struct Back<'m> {
+    /// Place of the formal parameter.
+    parameter: usize,
     access: &'m Access,
+    /// Its address, as its indices are before the call: the callee may change them.
+    target: Target,
+    /// The formal parameter has a value when the callee begins.
+    has_value: bool,
     from: Operand,
     formal: Elementary,
     conversion: Option<plcc_model::scl::Conversion>,
@@ -53,6 +60,9 @@ impl Maker<'_> {
             }
             parameters.push((argument.parameter, formal.name.clone(), actual));
         }
+        // After all arguments, which may contain calls that change the value.
+        backs.iter().filter(|back| back.has_value).for_each(|back| self.preload(back));
+        backs.sort_by_key(|back| back.parameter);
         if let (Some(index), Some((operand, _))) = (result_index, &result) {
             parameters.push((index, "RET_VAL".to_string(), Some(operand.clone())));
         }
@@ -124,8 +134,7 @@ impl Maker<'_> {
         let to = back.access.elementary().unwrap_or(back.formal);
         let is_bool = [back.formal, to].contains(&Elementary::Bool);
         let Some(conversion) = back.conversion else {
-            let Some(target) = self.target(back.access, true) else { return };
-            let operand = self.reach(&target, to);
+            let operand = self.reach(&back.target, to);
             return self.load_and_store(to, back.from.clone(), operand);
         };
         if is_bool {
@@ -133,10 +142,8 @@ impl Maker<'_> {
         }
         self.push(StlInsn::Load, Some(back.from.clone()));
         self.convert_loaded(conversion, back.formal, to, back.access.span);
-        let stored = self.keep(to);
-        let Some(target) = self.target(back.access, true) else { return };
-        let operand = self.reach(&target, to);
-        self.load_and_store(to, stored, operand);
+        let operand = self.reach(&back.target, to);
+        self.push(StlInsn::Transfer, Some(operand));
     }
 
     /// `FC 1`, `"Motor"`; `FB 1, DB 5`; `#motor`.
@@ -223,10 +230,17 @@ impl Maker<'_> {
                     }
                 }
                 let from = self.temporary(ty);
-                if formal.direction == Direction::InOut || !matches!(callee.kind, BlockKind::Fb | BlockKind::Sfb) {
-                    self.preload(access, ty, &from);
-                }
-                backs.push(Back { access, from: from.clone(), formal: ty, conversion: *back });
+                let target = self.target(access, false)?;
+                let is_instance = matches!(callee.kind, BlockKind::Fb | BlockKind::Sfb);
+                backs.push(Back {
+                    parameter: argument.parameter,
+                    access,
+                    target,
+                    has_value: formal.direction == Direction::InOut || !is_instance,
+                    from: from.clone(),
+                    formal: ty,
+                    conversion: *back,
+                });
                 Some(from)
             }
             Actual::Complex(Complex::Variable(access)) | Actual::Reference(access) => {
@@ -327,13 +341,11 @@ impl Maker<'_> {
     }
 
     /// The value that an output has before the call.
-    fn preload(&mut self, access: &Access, ty: Elementary, to: &Operand) {
-        if access.elementary() != Some(ty) {
-            return;
+    fn preload(&mut self, back: &Back) {
+        if back.access.elementary() == Some(back.formal) {
+            let operand = self.reach(&back.target, back.formal);
+            self.load_and_store(back.formal, operand, back.from.clone());
         }
-        let Some(target) = self.target(access, true) else { return };
-        let operand = self.reach(&target, ty);
-        self.load_and_store(ty, operand, to.clone());
     }
 
     fn number_actual(&mut self, formal: &Parameter, number: &Number, span: Span) -> Option<Operand> {
