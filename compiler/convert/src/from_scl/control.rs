@@ -232,9 +232,9 @@ impl Maker<'_> {
         }
         let parts = self.positions.compound(statement.span.start);
         let ty = start.ty;
-        let (add, up, down) = match ty {
-            Elementary::Int => (StlInsn::AddI, StlInsn::CompareLeI, StlInsn::CompareGeI),
-            Elementary::Dint => (StlInsn::AddD, StlInsn::CompareLeD, StlInsn::CompareGeD),
+        let (add, up, down, greater) = match ty {
+            Elementary::Int => (StlInsn::AddI, StlInsn::CompareLeI, StlInsn::CompareGeI, StlInsn::CompareGtI),
+            Elementary::Dint => (StlInsn::AddD, StlInsn::CompareLeD, StlInsn::CompareGeD, StlInsn::CompareGtD),
             _ => {
                 return self.refuse(variable.span, format!("FOR with {}", ty.name()), "count in INT or DINT");
             }
@@ -259,7 +259,7 @@ impl Maker<'_> {
             _ => {
                 // Up for a step of at least 0, otherwise down.
                 let zero = self.constant(ty, 0);
-                for (sign, goes_on, joins) in [(up, up, StlInsn::AndNest), (down, down, StlInsn::OrNest)] {
+                for (sign, goes_on, joins) in [(up, up, StlInsn::AndNest), (greater, down, StlInsn::OrNest)] {
                     self.push(joins, None);
                     compare(self, sign, &zero, &by);
                     self.push(StlInsn::AndNest, None);
