@@ -107,7 +107,7 @@ const GROUPS: &[Group] = &[
     ]),
     // Technology.
     tia("fast counting and measurement", &[
-        "CTRL_HSC_EXT", "High_Speed_Counter", "HighSpeed_Counter", "SSI_Absolute_Encoder", "CountFrequencyPeriod", "MeasureInput",
+        "High_Speed_Counter", "HighSpeed_Counter", "SSI_Absolute_Encoder", "CountFrequencyPeriod", "MeasureInput",
         "OutputCam", "FM350", "CNT_CTRL", "CNT_CTL1", "CNT_CTL2", "DIAG_INF",
     ]),
     tia("PID control", &[

@@ -180,9 +180,10 @@ impl Reader {
             Some(key) => {
                 let ms = duration_us(key.get_ref())
                     .and_then(|us| PERIODS_MS.into_iter().find(|ms| u64::from(*ms) * 1000 == us));
-                let Some(ms) = ms.filter(|_| mode == CountMode::Frequency) else {
+                let Some(ms) = ms.filter(|_| mode.is_measuring()) else {
                     let title = format!("`{}` is not a measuring period", key.get_ref());
-                    self.report(key, title, "mode \"frequency\" has \"10ms\", \"100ms\" or \"1s\"".to_string());
+                    let help = "modes \"frequency\" and \"period\" have \"10ms\", \"100ms\" or \"1s\"";
+                    self.report(key, title, help.to_string());
                     return None;
                 };
                 ms
@@ -251,7 +252,7 @@ impl Reader {
                 let possible = match source {
                     EventSource::Direction(_) => counter.mode.is_external(),
                     EventSource::Reset(_) => counter.reset.is_some(),
-                    EventSource::Reference(_) => counter.mode != CountMode::Frequency,
+                    EventSource::Reference(_) => !counter.mode.is_measuring(),
                     EventSource::Edge { .. } => true,
                 };
                 if !possible {

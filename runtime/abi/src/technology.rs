@@ -38,6 +38,8 @@ pub enum CountMode {
     Quadrature(u8),
     /// Hertz of one input.
     Frequency,
+    /// Time between the edges of one input.
+    Period,
 }
 
 impl CountMode {
@@ -49,6 +51,7 @@ impl CountMode {
         ("quadrature", CountMode::Quadrature(1)),
         ("quadrature 4x", CountMode::Quadrature(4)),
         ("frequency", CountMode::Frequency),
+        ("period", CountMode::Period),
     ];
 
     /// The direction comes from the inputs.
@@ -56,11 +59,20 @@ impl CountMode {
         matches!(self, CountMode::SingleExternal | CountMode::TwoPhase | CountMode::Quadrature(_))
     }
 
+    /// It measures in periods of equal length and has no count.
+    pub const fn is_measuring(self) -> bool {
+        matches!(self, CountMode::Frequency | CountMode::Period)
+    }
+
     /// Counts a pulse.
     pub const fn counts(self) -> i64 {
         match self {
             CountMode::Quadrature(counts) => counts as i64,
-            CountMode::Single | CountMode::SingleExternal | CountMode::TwoPhase | CountMode::Frequency => 1,
+            CountMode::Single
+            | CountMode::SingleExternal
+            | CountMode::TwoPhase
+            | CountMode::Frequency
+            | CountMode::Period => 1,
         }
     }
 }
@@ -78,7 +90,7 @@ pub struct FastCounter {
     pub reference: i32,
     /// Input bit whose rising edge resets the counter.
     pub reset: Option<(u32, u8)>,
-    /// Measuring period in mode `Frequency`: 10, 100 or 1000.
+    /// Measuring period in modes `Frequency` and `Period`: 10, 100 or 1000.
     pub period_ms: u16,
 }
 

@@ -512,6 +512,7 @@ pub static CHAPTERS: &[Chapter] = &[
             row("CTD", &["CTD"], &["CTD", "CTD_DINT", "CTD_UDINT", "CTD_LINT", "CTD_ULINT"], "?en cd ?ld|load pv ?>q ?>cv ?>eno", ("cd", "q"), Instance("CTD")),
             row("CTUD", &["CTUD"], &["CTUD", "CTUD_DINT", "CTUD_UDINT", "CTUD_LINT", "CTUD_ULINT"], "?en cu ?cd ?r|reset ?ld|load pv ?>qu ?>qd ?>cv ?>eno", ("cu", "qu"), Instance("CTUD")),
             en("CTRL_HSC", &["CTRL_HSC"], &[], "?en hsc ?dir ?cv ?rv ?period ?new_dir ?new_cv ?new_rv ?new_period ?>busy ?>status ?>eno", Instance("CTRL_HSC")),
+            en("CTRL_HSC_EXT", &["CTRL_HSC_EXT"], &[], "?en hsc =ctrl ?>done ?>busy ?>error ?>status ?>eno", Instance("CTRL_HSC_EXT")),
         ],
     },
     Chapter {

@@ -251,6 +251,7 @@ system_functions! {
     2035 REAL_AT_START (Any)              -> (Dword)           = numbers::real_at_start;
     2090 HSC_CONTROL (Word, Byte, Word, Dword, Dword, Word) -> (Word) = technology::hsc_control;
     2091 PWM_CONTROL (Word, Bool)           -> (Word)            = technology::pwm_control;
+    2092 HSC_EXTENDED (Word)                -> (Word, Variant)   = technology::hsc_extended;
     2095 ZONE_SET (Word, Word, Dword, Byte, Dword, Byte) -> (Word) = zone::set;
     2100 LINK_OPEN (Any, Word, Bool)      -> (Word, Word)      = communication::open;
     2101 LINK_STATE (Word)                -> (Word, Word, Word) = communication::state;

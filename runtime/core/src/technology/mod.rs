@@ -118,8 +118,7 @@ impl Cpu {
         for counter in &self.technology.counters {
             let Some((byte, bit)) = counter.config.reset else { continue };
             let level = self.input_level(byte, bit);
-            if !counter.reset_level.replace(level) && level {
-                counter.set_count(now, counter.config.initial);
+            if !counter.reset_level.replace(level) && level && counter.reset(now) {
                 self.raise_counter(EventSource::Reset(counter.config.number), EVENT_RESET);
             }
         }
