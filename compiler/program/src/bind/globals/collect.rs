@@ -39,10 +39,11 @@ fn own_global<'g>(globals: &'g FxHashMap<String, Global>, prefix: BlockPrefix, n
 
 /// The message about a row whose address has another width than its data type. Types of more than 32 bits are at the address of their first bit.
 fn type_fault(symbol: &Symbol, ty: Elementary) -> Option<Diagnostic> {
-    let SymbolTarget::Memory { width, .. } = symbol.target else { return None };
+    let SymbolTarget::Memory { area, width, byte, bit } = symbol.target else { return None };
     // Bytes and words that are too narrow are reported for tags of all kinds.
     let is_narrow = width != ast::Width::Bit && ty.bits() > width.bits();
-    if ty.bits() > 32 || ty.bits() == width.bits() || is_narrow {
+    let is_long = ty.bits() > 32;
+    if is_long && bit == 0 || ty.bits() == width.bits() || is_narrow {
         return None;
     }
     let bits = |count: u32| if count == 1 { "one bit".to_owned() } else { format!("{count} bits") };
@@ -53,11 +54,22 @@ fn type_fault(symbol: &Symbol, ty: Elementary) -> Option<Diagnostic> {
         bits(ty.bits()),
         bits(width.bits())
     );
-    Some(
-        Diagnostic::new(Code::SymbolTable, symbol.span, title)
-            .label("the address counts")
-            .help("correct the address or the data type, so that both have the same width"),
-    )
+    let help = if is_long {
+        format!("write the address of its first bit, such as `{} {byte}.0`", area.letters())
+    } else {
+        "correct the address or the data type, so that both have the same width".to_owned()
+    };
+    Some(Diagnostic::new(Code::SymbolTable, symbol.span, title).label("the address counts").help(help))
+}
+
+/// What a symbol with this data type means: one of 64 bits has the address of its first bit.
+fn target_of(symbol: &Symbol, ty: Option<Elementary>) -> SymbolTarget {
+    match (symbol.target, ty) {
+        (SymbolTarget::Memory { area, width: ast::Width::Bit, byte, bit: 0 }, Some(ty)) if ty.bits() > 32 => {
+            SymbolTarget::Memory { area, width: ast::Width::Lword, byte, bit: 0 }
+        }
+        (target, _) => target,
+    }
 }
 
 /// Whether blocks of these kinds may share a name, because the context distinguishes them: a data type and a block that is not one.
@@ -404,13 +416,14 @@ impl<'a> Globals<'a> {
             }
             let structure = ty.is_none().then(|| symbol.ty.trim().trim_matches('"').to_string());
             let structure = structure.filter(|name| !name.is_empty());
-            let global = Global { name: symbol.name.clone(), target: symbol.target, ty, structure, span: symbol.span };
+            let target = target_of(symbol, ty);
+            let global = Global { name: symbol.name.clone(), target, ty, structure, span: symbol.span };
             match self.names.symbols.entry(fold(&symbol.name)) {
                 std::collections::hash_map::Entry::Vacant(entry) => {
                     entry.insert(global);
                 }
                 std::collections::hash_map::Entry::Occupied(entry) => {
-                    if entry.get().target != symbol.target {
+                    if entry.get().target != target {
                         let first = entry.get().span;
                         self.report.push(
                             Diagnostic::new(
