@@ -6,11 +6,13 @@
 //!              statements.rs: let x = 5, do … while, (INT)x      cases.rs: 1 := x := 2, SELECT CASE
 //!              leave.rs: break, EXIT FOR                   loops.rs: for (i = 0; …)                  declare.rs: POINTER TO, AT %MW10
 //!              sections.rs: VAR_GLOBAL                     values.rs: a IN [1, 2], a, b := 1        choices.rs: if (x) a = 1
+//!              around.rs: NAMESPACE, TYPE x : (a, b)
 //! ```
 //!
 //! Each rule looks for something that is wrong in SCL wherever it is, so correct sources pass unchanged; most have no repairs at all, and
 //! their tokens are not even copied.
 
+mod around;
 mod cases;
 mod choices;
 mod declare;
@@ -127,6 +129,8 @@ struct Repair<'t> {
     begins_reported: bool,
     /// LOOP without its END_LOOP.
     loops: usize,
+    /// NAMESPACE without its END_NAMESPACE.
+    name_spaces: usize,
     /// The text is of an editor of IEC 61131-3.
     iec: bool,
 }
@@ -154,6 +158,7 @@ impl<'t> Repair<'t> {
             braces_reported: false,
             begins_reported: false,
             loops: 0,
+            name_spaces: 0,
             iec: false,
         }
     }
@@ -191,6 +196,7 @@ impl<'t> Repair<'t> {
     fn foreign(&mut self, token: RawToken) -> bool {
         matches!(token.kind, RawKind::Word | RawKind::Absolute)
             && (self.foreign_part(token)
+                || self.around_blocks(token)
                 || self.global_section(token)
                 || self.foreign_prefix(token)
                 || self.late_condition(token)
