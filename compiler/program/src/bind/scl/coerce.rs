@@ -27,6 +27,9 @@ const STRING_MAX: usize = 254;
 /// Functions of a REAL or LREAL.
 const OF_FLOATS: &[&str] = &["SQR", "SQRT", "EXP", "EXPD", "LN", "LOG", "SIN", "COS", "TAN", "ASIN", "ACOS", "ATAN"];
 
+/// Functions that choose among values.
+const CHOICES: &[&str] = &["SEL", "MUX", "LIMIT", "MIN", "MAX"];
+
 impl SclBinder<'_, '_> {
     /// Binds an expression whose value must have type `ty`, with an implicit conversion if needed.
     pub(in crate::bind) fn of_type(&mut self, ctx: &mut SclBlock, node: &Node, ty: Elementary) -> Option<Expr> {
@@ -98,6 +101,9 @@ impl SclBinder<'_, '_> {
             return Some(value);
         }
         let rules = ctx.scope.rules;
+        if let Some(own) = self.choice_of_constants(ctx, &value, ty) {
+            return Some(own);
+        }
         let is_address = matches!(value.kind, ExprKind::Load(_)) && is_untyped(ctx, span);
         if is_address && let Some(bits) = convert::same_bits(rules, from, ty) {
             return Some(convert::converted(value, bits, ty));
@@ -236,6 +242,82 @@ impl SclBinder<'_, '_> {
             }
             _ => None,
         }
+    }
+
+    /// Both sides of an operator. In the TIA Portal a constant without a type has the type of the other side, and so has a choice among such
+    /// constants: `#int + SEL(G := #b, IN0 := 1, IN1 := 2)` is an INT.
+    pub(super) fn partners(&self, ctx: &SclBlock, left: Value, right: Value) -> (Value, Value) {
+        let (Value::Elementary(a), Value::Elementary(b)) = (&left, &right) else { return (left, right) };
+        if a.ty == b.ty {
+            return (left, right);
+        }
+        let (a, b) = (self.choice_of_constants(ctx, a, b.ty), self.choice_of_constants(ctx, b, a.ty));
+        (a.map_or(left, Value::Elementary), b.map_or(right, Value::Elementary))
+    }
+
+    /// SEL, MUX, LIMIT, MIN and MAX among constants without a type, and functions of a float such as `SQRT(3.0)`, in type `ty`; none: it is
+    /// something else, or a constant does not fit.
+    fn choice_of_constants(&self, ctx: &SclBlock, value: &Expr, ty: Elementary) -> Option<Expr> {
+        if ctx.scope.rules.is_300() || ctx.scope.is_network() {
+            return None;
+        }
+        let names = match &value.kind {
+            ExprKind::Function { function: Function::Select | Function::Mux { .. } | Function::Limit, .. } => CHOICES,
+            ExprKind::Binary { op: BinaryOp::Min | BinaryOp::Max, .. } => CHOICES,
+            ExprKind::Function { .. } if value.ty == Elementary::Lreal && ty == Elementary::Real => OF_FLOATS,
+            _ => return None,
+        };
+        let own = self.chosen_as(ctx.scope.rules, value, ty)?;
+        self.is_call_of(value, names).then_some(own)
+    }
+
+    /// Part of [`Self::choice_of_constants`], without a look at the name.
+    fn chosen_as(&self, rules: Rules, value: &Expr, ty: Elementary) -> Option<Expr> {
+        let all = |arguments: &[Expr]| -> Option<Vec<Expr>> {
+            arguments.iter().map(|argument| self.constant_as(rules, argument, ty)).collect()
+        };
+        let kind = match &value.kind {
+            ExprKind::Const(_) => return self.constant_as(rules, value, ty),
+            ExprKind::Function { function: function @ (Function::Select | Function::Mux { .. }), arguments } => {
+                let (first, rest) = arguments.split_first()?;
+                let arguments = std::iter::once(first.clone()).chain(all(rest)?).collect();
+                ExprKind::Function { function: *function, arguments }
+            }
+            // LIMIT, and functions of floats.
+            ExprKind::Function { function, arguments } if ty.class() != Class::Bits => {
+                ExprKind::Function { function: *function, arguments: all(arguments)? }
+            }
+            ExprKind::Binary { op: op @ (BinaryOp::Min | BinaryOp::Max), left, right } if ty.class() != Class::Bits => {
+                let right = Box::new(self.constant_as(rules, right, ty)?);
+                let left = Box::new(self.chosen_as(rules, left, ty)?);
+                ExprKind::Binary { op: *op, left, right }
+            }
+            _ => return None,
+        };
+        Some(Expr { kind, ty, span: value.span })
+    }
+
+    /// A constant without a type, in type `ty`, if it fits.
+    fn constant_as(&self, rules: Rules, value: &Expr, ty: Elementary) -> Option<Expr> {
+        let ExprKind::Const(bits) = value.kind else { return None };
+        let bits = if value.ty.is_integer() {
+            let number = constant::integer(value.ty, bits);
+            let default = constant::default_type(rules, &Constant::Integer { value: number, based: false });
+            let is_bits = ty.class() == Class::Bits && ty != Elementary::Bool;
+            if value.ty != default || !(is_bits || ty.is_integer()) || !constant::fits(number, false, ty) {
+                return None;
+            }
+            number as u64 & (u64::MAX >> (64 - ty.bits()))
+        } else {
+            let number = f64::from_bits(bits);
+            if value.ty != Elementary::Lreal || ty != Elementary::Real || number.abs() > f64::from(f32::MAX) {
+                return None;
+            }
+            u64::from((number as f32).to_bits())
+        };
+        let text = self.program.globals.text(value.span);
+        let untyped = text.trim_start_matches(['+', '-', ' ']).starts_with(|first: char| first.is_ascii_digit());
+        untyped.then(|| constant_expr(bits, ty, value.span))
     }
 
     /// True of ROUND, TRUNC, CEIL and FLOOR without a type in the name, in the TIA Portal.

@@ -231,7 +231,10 @@ impl SclBinder<'_, '_> {
             | Operator::Equal
             | Operator::NotEqual => self.compare(ctx, op, op_span, left, right, span).map(Value::Elementary),
             _ if Shape::of(&left).is_untyped() && Shape::of(&right).is_untyped() => self.folded_constant(ctx, node),
-            Operator::And | Operator::Or | Operator::Xor => self.bitwise(ctx, op, op_span, left, right, span),
+            Operator::And | Operator::Or | Operator::Xor => {
+                let (left, right) = self.partners(ctx, left, right);
+                self.bitwise(ctx, op, op_span, left, right, span)
+            }
             Operator::Power => self.power(ctx, op_span, left, right, span),
             Operator::Add
             | Operator::Subtract
@@ -239,6 +242,7 @@ impl SclBinder<'_, '_> {
             | Operator::Divide
             | Operator::DivideInteger
             | Operator::Modulo => {
+                let (left, right) = self.partners(ctx, left, right);
                 let (left, right) =
                     if ctx.scope.address_numbers { self.address_operands(ctx, left, right) } else { (left, right) };
                 match self.time_arithmetic(ctx, op, op_span, left, right, span) {
