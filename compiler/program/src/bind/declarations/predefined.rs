@@ -53,6 +53,30 @@ const TCON_QDN_DEFAULT: [u8; 266] = {
     bytes
 };
 
+/// A mail server by its IPv4 address, SMTP; no names.
+const TMAIL_V4_DEFAULT: [u8; 850] = {
+    let mut bytes = [0; 850];
+    bytes[4] = 0x20;
+    // Lengths of the texts.
+    bytes[16] = 254;
+    bytes[272] = 254;
+    bytes[528] = 64;
+    bytes[594] = 254;
+    bytes
+};
+
+/// The same by its domain name.
+const TMAIL_FQDN_DEFAULT: [u8; 1102] = {
+    let mut bytes = [0; 1102];
+    bytes[4] = 0x22;
+    bytes[12] = 254;
+    bytes[268] = 254;
+    bytes[524] = 254;
+    bytes[780] = 64;
+    bytes[846] = 254;
+    bytes
+};
+
 /// Type of a component.
 #[derive(Clone, Copy)]
 enum Part {
@@ -330,6 +354,26 @@ const STRUCTURES: &[Structure] = &[
             ("TLSServerCertRef", One(Elementary::Udint)), ("TLSClientCertRef", One(Elementary::Udint)),
         ],
         default: &[],
+    },
+    Structure { name: "EMAIL_ADDR", members: &[("LocalPartPlusAtSign", Text(64)), ("FullQualifiedDomainName", Text(254))], default: &[] },
+    Structure {
+        name: "TMail_V4",
+        members: &[
+            ("InterfaceId", One(Elementary::Word)), ("ID", One(Elementary::Word)), ("ConnectionType", One(Elementary::Byte)),
+            ("ActiveEstablished", One(Elementary::Bool)), ("CertIndex", One(Elementary::Byte)), ("WatchDogTime", One(Elementary::Time)),
+            ("MailServerAddress", Part::Structure("IP_V4")), ("UserName", Text(254)), ("PassWord", Text(254)),
+            ("From", Part::Structure("EMAIL_ADDR")),
+        ],
+        default: &TMAIL_V4_DEFAULT,
+    },
+    Structure {
+        name: "TMail_FQDN",
+        members: &[
+            ("InterfaceId", One(Elementary::Word)), ("ID", One(Elementary::Word)), ("ConnectionType", One(Elementary::Byte)),
+            ("ActiveEstablished", One(Elementary::Bool)), ("CertIndex", One(Elementary::Byte)), ("WatchDogTime", One(Elementary::Time)),
+            ("MailServerAddress", Text(254)), ("UserName", Text(254)), ("PassWord", Text(254)), ("From", Part::Structure("EMAIL_ADDR")),
+        ],
+        default: &TMAIL_FQDN_DEFAULT,
     },
 ];
 
