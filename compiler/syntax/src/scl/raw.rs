@@ -414,6 +414,11 @@ fn word(lexer: &mut Lexer<RawKind>) -> RawKind {
         return RawKind::Absolute;
     }
     if member {
+        // `"tag".component:P`; not the label `1..MAX:` before a variable P.
+        let is_range = lexer.source()[..lexer.span().start].ends_with("..");
+        if extent::peripheral(rest) && !is_range {
+            lexer.bump(2);
+        }
         return RawKind::Word;
     }
     let blanks = rest.len() - rest.trim_start_matches([' ', '\t']).len();

@@ -109,7 +109,13 @@ impl SclBinder<'_, '_> {
             }
             NodeKind::Member { base, name } => {
                 let base = self.thing(ctx, base, intent)?;
-                self.member_thing(ctx, base, name, span)
+                match without_peripheral(&base, name) {
+                    Some(own) => {
+                        let thing = self.member_thing(ctx, base, &own, span)?;
+                        self.past_image(thing, span).map(Thing::Spot)
+                    }
+                    None => self.member_thing(ctx, base, name, span),
+                }
             }
             NodeKind::MemberAbsolute { base, width, byte, bit } => {
                 let base_span = base.span;
@@ -268,14 +274,7 @@ impl SclBinder<'_, '_> {
             _ => None,
         };
         let Some((area, width, byte, bit)) = place else {
-            let label = format!("`{tag}` is neither");
-            self.refuse(
-                Code::OperandKind,
-                span,
-                "only inputs and outputs can be accessed without the process image",
-                &label,
-                "write it without `:P`",
-            );
+            self.only_in_image(tag, span);
             return None;
         };
         let mut thing = self.operand_thing(ctx, &OperandKind::Absolute { area, width, byte, bit }, span)?;
@@ -286,6 +285,52 @@ impl SclBinder<'_, '_> {
             spot.ty = DataType::Elementary(ty);
         }
         Some(thing)
+    }
+
+    fn only_in_image(&mut self, text: &str, span: Span) {
+        let title = "only inputs and outputs can be accessed without the process image";
+        let label = format!("`{text}` is neither");
+        self.refuse(Code::OperandKind, span, title, &label, "write it without `:P`");
+    }
+
+    /// `"tag".component:P`: the component of an input or output itself, past the process image.
+    fn past_image(&mut self, thing: Thing, span: Span) -> Option<Spot> {
+        let text = self.program.globals.text(span);
+        let text = text.strip_suffix(":P").or_else(|| text.strip_suffix(":p")).unwrap_or(&text).to_owned();
+        let Thing::Spot(mut spot) = thing else {
+            self.only_in_image(&text, span);
+            return None;
+        };
+        let base = match spot.root {
+            Root::Fixed(path::Base::I | path::Base::Pi) => path::Base::Pi,
+            Root::Fixed(path::Base::Q | path::Base::Pq) => path::Base::Pq,
+            Root::Fixed(_) | Root::Indexed { .. } => {
+                self.only_in_image(&text, span);
+                return None;
+            }
+        };
+        if !spot.indices.is_empty() {
+            let label = "the program computes which element it is";
+            let help = "write it without `:P`, or a number between the brackets";
+            self.refuse(Code::OperandKind, span, "this element cannot be accessed past the process image", label, help);
+            return None;
+        }
+        match spot.ty {
+            // Peripheral addresses have no bits; a bit is read out of its byte.
+            DataType::Elementary(Elementary::Bool) => {
+                spot.ty = DataType::Elementary(Elementary::Byte);
+                spot.part = Some(Part { width: Width::Bit, index: spot.bit });
+                spot.bit = 0;
+            }
+            DataType::Elementary(_) => {}
+            _ => {
+                let help = format!("name a single value in it: `{text}.component:P`");
+                self.refuse(Code::OperandKind, span, "`:P` is only possible with a single value", "a structure", &help);
+                return None;
+            }
+        }
+        spot.root = Root::Fixed(base);
+        Some(spot)
     }
 
     /// Words with their own meaning: `OK`, `ENO`, `MW10`, `T5`, `DB10`, `MW` before an index.
@@ -740,6 +785,17 @@ impl SclBinder<'_, '_> {
         }
         Some(())
     }
+}
+
+/// The name of a component without `:P`; none: it has none, or is called so.
+fn without_peripheral(base: &Thing, name: &Name) -> Option<Name> {
+    let text = name.text.strip_suffix(":P").or_else(|| name.text.strip_suffix(":p"))?;
+    if let Thing::Spot(Spot { ty: DataType::Struct(structure), .. }) = base
+        && structure.members.iter().any(|member| member.name.eq_ignore_ascii_case(&name.text))
+    {
+        return None;
+    }
+    Some(Name { text: text.to_owned(), ..name.clone() })
 }
 
 /// A block by its letters.
