@@ -456,7 +456,7 @@ fn repeated_name(rest: &str, opened: &str) -> usize {
     let line = line.split("(*").next().unwrap_or_default().trim_end();
     let name = line.trim_start_matches([' ', '\t']);
     let first = name.split(|c: char| !c.is_alphanumeric() && c != '_').next().unwrap_or_default();
-    let is_text = !first.is_empty()
+    let is_text = (!first.is_empty() || name.starts_with('"'))
         && Keyword::from_word(first).is_none()
         && !matches!(first.to_ascii_uppercase().as_str(), "REGION" | "END_REGION")
         && !name.contains([':', ';', '=', '(', '[', '{']);
