@@ -231,7 +231,15 @@ impl Report {
             if let Some(message) = absent_instruction(name, span) {
                 return message;
             }
-            let message = Diagnostic::new(Code::UnknownType, span, format!("the data type `{shown}` is not defined"))
+            let title = format!("the data type `{shown}` is not defined");
+            // A name in quotes is one of the program.
+            let is_quoted = span.end - span.start == shown.len() as u32 + 2;
+            if !is_quoted && let Some(function) = system_function(shown) {
+                return Diagnostic::new(Code::UnknownType, span, title)
+                    .label("a function, which has no instance")
+                    .help(format!("remove the variable, and call the function by its name: `{function}( … );`"));
+            }
+            let message = Diagnostic::new(Code::UnknownType, span, title)
                 .label("neither a data type nor a UDT or FB of the program");
             if let Some(ty) = foreign_type(name) {
                 return message.help(format!("write `{ty}`"));
@@ -441,6 +449,17 @@ fn absent_instruction(name: &str, span: Span) -> Option<Diagnostic> {
     Some(Diagnostic::new(Code::NotShipped, span, title).label(format!("group: {}", group.name)).help(format!(
         "if `{written}` is a block of your own, add the source that defines it; otherwise write a block with this name that does the same"
     )))
+}
+
+/// The system function with this name, in any letter case; parts of library blocks are none.
+fn system_function(name: &str) -> Option<&'static str> {
+    const FIRST_PART: u16 = 2000;
+    let is = |block: &&plcc_stdlib::SystemBlock| {
+        block.class == plcc_stdlib::BlockClass::Sfc
+            && block.number < FIRST_PART
+            && block.name.eq_ignore_ascii_case(name.trim())
+    };
+    plcc_stdlib::blocks().iter().find(is).map(|block| block.name)
 }
 
 /// Elements of LAD and FBD that people look for in SCL, and what is written there.
