@@ -375,14 +375,17 @@ END_FUNCTION
 #[test]
 fn comments_of_networks_of_stl_are_written_once() {
     let source = "FUNCTION \"F\" : VOID\n//about F\nVERSION : 0.1\nBEGIN\nNETWORK\nTITLE =Lamp\n//about the network\n      \
-                  A     I 0.0; // of the row\n      //on its own\n      =     Q 4.0;\nEND_FUNCTION\n";
+                  A     I 0.0; // of the row\n      //on its own\n      =     Q 4.0;\n//@ assert Q4.0 == 0\n//the end\n\
+                  END_FUNCTION\n";
     let (unit, messages) = plcc_readers::parse(FileId::default(), source, &ReadOptions::default());
     assert!(!has_errors(&messages), "{messages:#?}");
     let library = plcc_convert::xml::Library::new(std::iter::once(&unit));
     let trivia = Trivia::new(source, stl::comments(source), false);
     let (document, messages) = plcc_convert::xml::write(&unit, &library, trivia, None);
     assert!(!has_errors(&messages), "{messages:#?}");
-    assert_eq!(comments_of(&document), ["of the row", "on its own", "about the network", "about F"], "{document}");
+    // Those after the last statement follow it, where an assertion still is one.
+    let wanted = ["of the row", "on its own", "@ assert Q4.0 == 0", "the end", "about the network", "about F"];
+    assert_eq!(comments_of(&document), wanted, "{document}");
 }
 
 /// One in four sources; all of them with `PLCC_ALL_SOURCES=1`.

@@ -128,7 +128,7 @@ impl Maker<'_, '_> {
         match &network.content {
             Content::Graphic(graph) => flgnet::network(graph, network, self.block, self.library, self.writer),
             Content::Scl(list) => Some(scl::statements(list, self.block, self.library, network.span.end, self.writer)),
-            Content::Stl(list) => Some(stl::statements(list, self.block, self.library, self.writer)),
+            Content::Stl(list) => Some(stl::statements(list, self.block, self.library, None, self.writer)),
         }
     }
 

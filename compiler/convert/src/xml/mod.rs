@@ -334,9 +334,11 @@ fn code(block: &CodeBlock, before: Vec<String>, library: &Library, ids: &mut Ids
             "SCL"
         }
         Code::Stl(networks) => {
-            for network in networks {
+            for (at, network) in networks.iter().enumerate() {
                 writer.written.extend_from_slice(&network.comment);
-                let source = stl::statements(&network.statements, block, library, writer);
+                // Assertions at the end of the block are still among statements.
+                let end = (at + 1 == networks.len()).then_some(block.span.end);
+                let source = stl::statements(&network.statements, block, library, end, writer);
                 units.push(unit("STL", Some(source), network.title.as_deref(), &network.comment, ids));
             }
             "STL"
@@ -387,7 +389,7 @@ fn network_units(
         Content::Graphic(graph) if graph.elements.is_empty() && network.labels.is_empty() => None,
         Content::Graphic(graph) => flgnet::network(graph, network, block, library, writer),
         Content::Scl(list) => Some(scl::statements(list, block, library, end, writer)),
-        Content::Stl(list) => Some(stl::statements(list, block, library, writer)),
+        Content::Stl(list) => Some(stl::statements(list, block, library, None, writer)),
     };
     // Networks have no place for comments between their elements.
     let after = between_networks(end, &mut comment, ids, writer);

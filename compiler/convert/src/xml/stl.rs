@@ -64,8 +64,14 @@ const WORDS: &[(&str, &str)] = &[
     (")MCR", "BRACK_MCR"),
 ];
 
-/// The statements of a network.
-pub fn statements(list: &[Statement], block: &CodeBlock, library: &Library, writer: &mut Writer) -> Node {
+/// The statements of a network. `end`: comments after the last statement and before this byte follow it.
+pub fn statements(
+    list: &[Statement],
+    block: &CodeBlock,
+    library: &Library,
+    end: Option<u32>,
+    writer: &mut Writer,
+) -> Node {
     let before = (writer.notation, writer.mnemonics);
     (writer.notation, writer.mnemonics) = (Notation::Stl, Mnemonics::En);
     let mut maker = Maker { block, library, uids: Uids::new(), writer };
@@ -73,6 +79,9 @@ pub fn statements(list: &[Statement], block: &CodeBlock, library: &Library, writ
         .with("xmlns", "http://www.siemens.com/automation/Openness/SW/NetworkSource/StatementList/v4");
     for statement in list {
         maker.statement(statement, &mut node);
+    }
+    if let Some(end) = end {
+        maker.remarks(end, &mut node);
     }
     (writer.notation, writer.mnemonics) = before;
     node
@@ -86,8 +95,9 @@ struct Maker<'a, 'w, 't> {
 }
 
 impl Maker<'_, '_, '_> {
-    fn statement(&mut self, statement: &Statement, list: &mut Node) {
-        let mut remarks = self.writer.trivia.before(statement.span.start);
+    /// The comments before byte `at`, as rows of their own.
+    fn remarks(&mut self, at: u32, list: &mut Node) {
+        let mut remarks = self.writer.trivia.before(at);
         // Those of the block and the network are with them.
         remarks.retain(|remark| !self.writer.is_written(&remark.text));
         for remark in remarks {
@@ -98,6 +108,10 @@ impl Maker<'_, '_, '_> {
                 list.push(row);
             }
         }
+    }
+
+    fn statement(&mut self, statement: &Statement, list: &mut Node) {
+        self.remarks(statement.span.start, list);
         let mut row = self.numbered("StlStatement");
         if let Some(label) = &statement.label {
             let label = Node::new("Label").with("Name", &label.name);
