@@ -10,5 +10,7 @@
 mod bind;
 mod modules;
 
-pub use bind::{bind, complete, implied_profile, is_about_drafts, is_s7200, library_interface, runs, tables};
+pub use bind::{
+    bind, complete, implied_profile, is_about_drafts, is_s7200, library_interface, runs, system_members, tables,
+};
 pub use modules::check_modules;

@@ -7,7 +7,7 @@ use plcc_syntax::scl::ast::{Expr, ExprKind, NameForm};
 
 use super::access::{self, Whose};
 use super::order::Drawing;
-use super::{Library, Uids, interface, name_of, referred};
+use super::{Library, Uids, interface, referred};
 use crate::node::Node;
 use crate::scl::expression;
 use crate::writer::Writer;
@@ -218,6 +218,17 @@ impl<'a> Maker<'a> {
             self.settings(element, &mut node, writer);
             return Some(node);
         }
+        // The same on an instance: `#alarm.Program_Alarm( … )`.
+        if let ExprKind::Member { base, name } = &callee.kind
+            && instance.is_none()
+            && self.is_instance_of(base, &name.text)
+        {
+            let mut node = Node::new("Part").with("Name", &name.text).with("Version", "1.0").with("UId", uid);
+            self.eno(element, true, &mut node);
+            node.push(self.instance(base, writer)?);
+            self.settings(element, &mut node, writer);
+            return Some(node);
+        }
         let (name, instance) = match self.called(callee, instance) {
             Some(found) => found,
             None => {
@@ -229,9 +240,13 @@ impl<'a> Maker<'a> {
                 return None;
             }
         };
-        if let ExprKind::Absolute(OperandKind::Block(number)) = &callee.kind {
-            referred(number, self.library, writer);
-        }
+        let name = match &callee.kind {
+            ExprKind::Absolute(OperandKind::Block(number)) => {
+                referred(number, self.library, writer);
+                self.library.standard_name(number).map_or(name, str::to_string)
+            }
+            _ => name,
+        };
         let known = self.library.blocks.get(&name.to_lowercase());
         let is_fb = instance.is_some() || known.is_some_and(|(kind, ..)| *kind == CodeKind::Fb);
         let mut info = Node::new("CallInfo").with("Name", &name).with("BlockType", if is_fb { "FB" } else { "FC" });
@@ -244,6 +259,24 @@ impl<'a> Maker<'a> {
         Some(node.child(info))
     }
 
+    /// Whether a variable of the block or a data block is declared as an instance of a block of the system with that name.
+    fn is_instance_of(&self, value: &Expr, block: &str) -> bool {
+        let ExprKind::Name(name) = &value.kind else { return false };
+        if self.library.blocks.contains_key(&block.to_lowercase()) {
+            return false;
+        }
+        if access::whose(&name.text, name.form, self.block) == Whose::Global {
+            return self.library.instance(&name.text).is_some_and(|of| of.eq_ignore_ascii_case(block));
+        }
+        let mut variables = self.block.sections.iter().flat_map(|section| &section.variables);
+        let variable = variables.find(|variable| variable.name.eq_ignore_ascii_case(&name.text));
+        variable.is_some_and(|variable| match &variable.ty.kind {
+            TypeKind::Named(of) => of.eq_ignore_ascii_case(block),
+            TypeKind::Block(of) => self.library.block_name(of).eq_ignore_ascii_case(block),
+            _ => false,
+        })
+    }
+
     /// The name of the block that is called, and its instance.
     fn called<'e>(&self, callee: &'e Expr, instance: Option<&'e Expr>) -> Option<(String, Option<&'e Expr>)> {
         if let Some(name) = access::block_name(callee) {
@@ -252,8 +285,8 @@ impl<'a> Maker<'a> {
                 _ => false,
             };
             if !is_local {
-                return match self.library.instances.get(&name.to_lowercase()).filter(|_| instance.is_none()) {
-                    Some(of) => Some((of.clone(), Some(callee))),
+                return match self.library.instance(&name).filter(|_| instance.is_none()) {
+                    Some(of) => Some((of, Some(callee))),
                     None => Some((name, instance)),
                 };
             }
@@ -274,7 +307,7 @@ impl<'a> Maker<'a> {
             kind => kind,
         };
         match kind {
-            TypeKind::Block(of) => Some((name_of(of), Some(callee))),
+            TypeKind::Block(of) => Some((self.library.block_name(of), Some(callee))),
             TypeKind::Named(of) => Some((of.clone(), Some(callee))),
             _ => None,
         }

@@ -162,7 +162,10 @@ pub fn type_text(ty: &TypeRef, library: &Library, writer: &mut Writer) -> String
         }
         TypeKind::Reference(target) => format!("REF_TO {}", type_text(target, library, writer)),
         TypeKind::Struct(_) => "Struct".to_string(),
-        TypeKind::Block(name) => format!("\"{}\"", referred(name, library, writer)),
+        TypeKind::Block(name) => match library.standard_name(name) {
+            Some(standard) => standard.to_string(),
+            None => format!("\"{}\"", referred(name, library, writer)),
+        },
         TypeKind::Error => {
             writer.refuse(ty.span, "a type that was not understood", "repair the source first");
             String::new()

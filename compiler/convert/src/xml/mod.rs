@@ -22,13 +22,15 @@ mod wires;
 use std::collections::HashMap;
 
 use plcc_diag::Diagnostic;
+use plcc_stdlib::BlockClass;
 use plcc_syntax::ast::{
-    Block, BlockName, Bound, Code, CodeBlock, CodeKind, DataBlock, DataContent, Header, Section, SourceUnit, TypeBlock,
-    TypeKind, TypeRef, Variable,
+    Block, BlockName, BlockPrefix, Bound, Code, CodeBlock, CodeKind, DataBlock, DataContent, Header, Section,
+    SourceUnit, TypeBlock, TypeKind, TypeRef, Variable,
 };
 use plcc_syntax::network::ast::{Content, Language, Network};
 use plcc_syntax::scl::ast::Dialect;
 use plcc_syntax::stl::Mnemonics;
+use plcc_syntax::symbols::{SymbolTable, SymbolTarget};
 
 use crate::frames::bare;
 use crate::node::{self, Node};
@@ -47,7 +49,13 @@ pub struct Library {
     /// Data blocks.
     data: Vec<String>,
     /// Blocks of instance data blocks.
-    instances: HashMap<String, String>,
+    instances: HashMap<String, BlockName>,
+    /// Types of components of data blocks.
+    data_types: Vec<TypeRef>,
+    /// Names of numbered blocks, in the sources or the symbol tables.
+    names: HashMap<(BlockPrefix, u32), String>,
+    /// Members of blocks and data types of the system, by folded names.
+    system: HashMap<String, Vec<Variable>>,
 }
 
 impl Library {
@@ -60,6 +68,18 @@ impl Library {
                     let name = folded(&block.name);
                     library.members.insert(name.clone(), members);
                     library.blocks.insert(name, (block.kind, block.sections.clone(), block.return_type.clone()));
+                    let prefix = match block.kind {
+                        CodeKind::Ob => BlockPrefix::Ob,
+                        CodeKind::Fc => BlockPrefix::Fc,
+                        CodeKind::Fb => BlockPrefix::Fb,
+                        CodeKind::Sfc => BlockPrefix::Sfc,
+                        CodeKind::Sfb => BlockPrefix::Sfb,
+                    };
+                    if let BlockName::Symbol { name, .. } = &block.name
+                        && let Some(number) = number_in(&block.header)
+                    {
+                        library.names.insert((prefix, number), name.clone());
+                    }
                 }
                 Block::Type(block) => {
                     library.types.push(folded(&block.name));
@@ -67,8 +87,18 @@ impl Library {
                 }
                 Block::Data(block) => {
                     library.data.push(folded(&block.name));
-                    if let DataContent::OfType(TypeRef { kind: TypeKind::Block(of), .. }) = &block.content {
-                        library.instances.insert(folded(&block.name), name_of(of));
+                    match &block.content {
+                        DataContent::OfType(ty) => {
+                            if let TypeKind::Block(of) = &ty.kind {
+                                library.instances.insert(folded(&block.name), of.clone());
+                            }
+                            library.data_types.push(ty.clone());
+                        }
+                        DataContent::Struct(members) => {
+                            library.data_types.extend(members.iter().map(|member| member.ty.clone()));
+                        }
+                        DataContent::Array(ty, _) => library.data_types.push(ty.clone()),
+                        DataContent::Empty => {}
                     }
                 }
             }
@@ -76,14 +106,91 @@ impl Library {
         library
     }
 
-    /// The members of a data type or function block.
-    fn members<'s>(&'s self, ty: &'s TypeRef) -> Option<&'s [Variable]> {
-        match &ty.kind {
-            TypeKind::Block(name) => self.members.get(&folded(name)).map(Vec::as_slice),
-            TypeKind::Named(name) => self.members.get(&name.to_lowercase()).map(Vec::as_slice),
-            TypeKind::Struct(members) => Some(members),
-            _ => None,
+    /// Adds the names that symbol tables give to numbered blocks.
+    pub fn add_symbols(&mut self, tables: &[SymbolTable]) {
+        for symbol in tables.iter().flat_map(|table| &table.symbols) {
+            if let SymbolTarget::Block { prefix, number } = symbol.target {
+                self.names.entry((prefix, number)).or_insert_with(|| symbol.name.clone());
+            }
         }
+    }
+
+    /// Adds the members of the blocks and data types of the system that the sources name. `find`: those of one.
+    pub fn add_system(&mut self, find: impl Fn(&str) -> Option<Vec<Variable>>) {
+        let mut open = Vec::new();
+        for variable in self.members.values().flatten() {
+            self.mentioned(&variable.ty, &mut open);
+        }
+        for ty in &self.data_types {
+            self.mentioned(ty, &mut open);
+        }
+        while let Some(name) = open.pop() {
+            if self.members.contains_key(&name) || self.system.contains_key(&name) {
+                continue;
+            }
+            if let Some(members) = find(&name) {
+                for member in &members {
+                    self.mentioned(&member.ty, &mut open);
+                }
+                self.system.insert(name, members);
+            }
+        }
+    }
+
+    /// The folded names of the types that a type consists of.
+    fn mentioned(&self, ty: &TypeRef, found: &mut Vec<String>) {
+        match &ty.kind {
+            TypeKind::Named(name) => found.push(name.to_lowercase()),
+            TypeKind::Block(name) => found.push(self.block_name(name).to_lowercase()),
+            TypeKind::Array { element, .. } | TypeKind::OpenArray { element, .. } => self.mentioned(element, found),
+            TypeKind::Struct(members) => {
+                for member in members {
+                    self.mentioned(&member.ty, found);
+                }
+            }
+            TypeKind::String(_) | TypeKind::WideString(_) | TypeKind::Reference(_) | TypeKind::Error => {}
+        }
+    }
+
+    /// The members of a data type or block.
+    fn members<'s>(&'s self, ty: &'s TypeRef) -> Option<&'s [Variable]> {
+        let name = match &ty.kind {
+            TypeKind::Block(name) => self.block_name(name).to_lowercase(),
+            TypeKind::Named(name) => name.to_lowercase(),
+            TypeKind::Struct(members) => return Some(members),
+            _ => return None,
+        };
+        self.members.get(&name).or_else(|| self.system.get(&name)).map(Vec::as_slice)
+    }
+
+    /// The block of an instance data block.
+    fn instance(&self, name: &str) -> Option<String> {
+        self.instances.get(&name.to_lowercase()).map(|of| self.block_name(of))
+    }
+
+    /// The name of a block in the file.
+    fn block_name(&self, name: &BlockName) -> String {
+        self.standard_name(name).map_or_else(|| name_of(name), str::to_string)
+    }
+
+    /// The name of a numbered block of the CPU or of a library, `TON` of SFB 4; `None`: the program may have another one.
+    fn standard_name(&self, name: &BlockName) -> Option<&'static str> {
+        let BlockName::Numbered { prefix, number, .. } = name else { return None };
+        let class = match prefix {
+            BlockPrefix::Fc => BlockClass::Fc,
+            BlockPrefix::Fb => BlockClass::Fb,
+            BlockPrefix::Sfc => BlockClass::Sfc,
+            BlockPrefix::Sfb => BlockClass::Sfb,
+            BlockPrefix::Ob | BlockPrefix::Db | BlockPrefix::Di | BlockPrefix::Udt | BlockPrefix::Vat => return None,
+        };
+        let block = plcc_stdlib::find(class, u16::try_from(*number).ok()?)?;
+        if block.is_tia() || self.members.contains_key(&folded(name)) {
+            return None;
+        }
+        // Blocks of the CPU cannot be replaced.
+        let is_of_cpu = matches!(class, BlockClass::Sfc | BlockClass::Sfb);
+        let is_same = |own: &String| plcc_stdlib::standard_name(own).eq_ignore_ascii_case(block.name);
+        (is_of_cpu || self.names.get(&(*prefix, *number)).is_none_or(is_same)).then_some(block.name)
     }
 }
 
@@ -101,6 +208,9 @@ pub(super) fn name_of(name: &BlockName) -> String {
 
 /// The name of a block that is called or named as a type. One that only a number names must be in the sources, which give it its name.
 pub(super) fn referred(name: &BlockName, library: &Library, writer: &mut Writer) -> String {
+    if let Some(standard) = library.standard_name(name) {
+        return standard.to_string();
+    }
     let found = name_of(name);
     if let BlockName::Numbered { span, .. } = name
         && !library.members.contains_key(&found.to_lowercase())
@@ -196,18 +306,23 @@ fn set(list: &mut Node, name: &'static str, value: impl Into<String>) {
     list.push(Node::of(name, value));
 }
 
+/// A text of a header by one of the names that sources have for it.
+fn attribute<'h>(header: &'h Header, names: &[&str]) -> Option<&'h str> {
+    let named = |(key, _): &&(String, String)| names.iter().any(|name| name.eq_ignore_ascii_case(key));
+    header.attributes.iter().find(named).map(|(_, value)| value.as_str())
+}
+
+/// The number that a header says.
+fn number_in(header: &Header) -> Option<u32> {
+    header.number.or_else(|| attribute(header, &["S7_BlockNumber"]).and_then(|number| number.trim().parse().ok()))
+}
+
 /// The attributes that all objects have.
 fn attributes(name: &BlockName, header: &Header, interface: Option<Node>, language: &str) -> Node {
     let mut list = Node::new("AttributeList");
-    let attribute = |names: &[&str]| {
-        let named = |(key, _): &&(String, String)| names.iter().any(|name| name.eq_ignore_ascii_case(key));
-        header.attributes.iter().find(named).map(|(_, value)| value.as_str())
-    };
     let number = match name {
         BlockName::Numbered { number, .. } => Some(*number),
-        BlockName::Symbol { .. } => {
-            header.number.or_else(|| attribute(&["S7_BlockNumber"]).and_then(|number| number.trim().parse().ok()))
-        }
+        BlockName::Symbol { .. } => number_in(header),
     };
     set(&mut list, "AutoNumber", if number.is_none() || header.auto_number { "true" } else { "false" });
     for (key, value) in
@@ -226,9 +341,9 @@ fn attributes(name: &BlockName, header: &Header, interface: Option<Node>, langua
             set(&mut list, key, "true");
         }
     }
-    let safety = attribute(&["ProgrammingLanguage", "S7_PreferredLanguage", "S7_Language"]);
+    let safety = attribute(header, &["ProgrammingLanguage", "S7_PreferredLanguage", "S7_Language"]);
     let safety = safety.filter(|language| language.starts_with("F_"));
-    if let Some(optimized) = attribute(&["S7_Optimized_Access", "S7_Optimized"]) {
+    if let Some(optimized) = attribute(header, &["S7_Optimized_Access", "S7_Optimized"]) {
         set(&mut list, "MemoryLayout", if optimized.eq_ignore_ascii_case("TRUE") { "Optimized" } else { "Standard" });
     }
     set(&mut list, "Name", name_of(name));
@@ -236,10 +351,10 @@ fn attributes(name: &BlockName, header: &Header, interface: Option<Node>, langua
         set(&mut list, "Number", number.to_string());
     }
     set(&mut list, "ProgrammingLanguage", safety.unwrap_or(language));
-    if let Some(ty) = attribute(&["SecondaryType", "S7_EventClass"]) {
+    if let Some(ty) = attribute(header, &["SecondaryType", "S7_EventClass"]) {
         set(&mut list, "SecondaryType", ty);
     }
-    if attribute(&["S7_SetENOAutomatically", "SetENOAutomatically"])
+    if attribute(header, &["S7_SetENOAutomatically", "SetENOAutomatically"])
         .is_some_and(|value| value.eq_ignore_ascii_case("TRUE"))
     {
         set(&mut list, "SetENOAutomatically", "true");
@@ -483,7 +598,7 @@ fn data(
                 writer.warn(block.name.span(), title, help);
             }
             let more = match &ty.kind {
-                TypeKind::Block(of) => {
+                TypeKind::Block(of) if library.standard_name(of).is_none() => {
                     let is_type = library.types.contains(&folded(of));
                     let kind = if is_type { "UDT" } else { "FB" };
                     vec![Node::of("InstanceOfName", referred(of, library, writer)), Node::of("InstanceOfType", kind)]

@@ -7,7 +7,7 @@ use plcc_syntax::scl::ast::{NameForm, Statement};
 use plcc_syntax::scl::{self, address};
 
 use super::access::{self, Whose};
-use super::{Library, Uids, comment_text, name_of};
+use super::{Library, Uids, comment_text};
 use crate::node::Node;
 use crate::trivia::Remark;
 use crate::writer::Writer;
@@ -259,12 +259,12 @@ impl<'a> Maker<'a> {
     /// The block of an instance, if the sources say it.
     fn block_of(&self, name: &str, whose: Whose, alone: bool) -> String {
         if whose == Whose::Global {
-            return self.library.instances.get(&name.to_lowercase()).cloned().unwrap_or_default();
+            return self.library.instance(name).unwrap_or_default();
         }
         let mut variables = self.block.sections.iter().flat_map(|section| &section.variables);
         let variable = variables.find(|variable| alone && variable.name.eq_ignore_ascii_case(name));
         match variable.map(|variable| &variable.ty.kind) {
-            Some(TypeKind::Block(name)) => name_of(name),
+            Some(TypeKind::Block(name)) => self.library.block_name(name),
             Some(TypeKind::Named(name)) => name.clone(),
             _ => String::new(),
         }
@@ -300,7 +300,7 @@ impl<'a> Maker<'a> {
     /// `"Block"(…)`: a function, or an instance data block.
     fn block_call(&mut self, piece: &str, list: &mut Node) {
         let name = piece.trim_matches('"');
-        match self.library.instances.get(&name.to_lowercase()) {
+        match self.library.instance(name) {
             Some(of) => {
                 let instance = Node::new("Instance").child(Node::new("Component").with("Name", name));
                 let node = Node::new("CallInfo").with("Name", of).with("BlockType", "FB");

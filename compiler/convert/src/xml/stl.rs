@@ -7,7 +7,7 @@ use plcc_syntax::ast::{
 use plcc_syntax::stl::{Mnemonics, StlInsn};
 
 use super::access::{address, area_name};
-use super::{Library, Uids, comment_text, name_of, referred};
+use super::{Library, Uids, comment_text, referred};
 use crate::node::Node;
 use crate::operand;
 use crate::trivia::Remark;
@@ -190,8 +190,13 @@ impl Maker<'_, '_, '_> {
             {
                 (Some(name.clone()), instance.as_ref())
             }
-            // A multi-instance, by the type of its declaration.
-            (OperandKind::Path(path), None) => (self.declared(path), Some(&call.target)),
+            (OperandKind::Path(path), instance) => match (self.declared(path), &path.root) {
+                // A multi-instance, by the type of its declaration.
+                (Some(of), _) if instance.is_none() => (Some(of), Some(&call.target)),
+                // An instruction, by its name alone.
+                (None, PathRoot::Bare { name, .. }) if path.parts.is_empty() => (Some(name.clone()), instance.as_ref()),
+                _ => (None, None),
+            },
             _ => (None, None),
         };
         let Some(name) = name else {
@@ -248,7 +253,7 @@ impl Maker<'_, '_, '_> {
         let mut variables = self.block.sections.iter().flat_map(|section| &section.variables);
         let variable = variables.find(|variable| variable.name.eq_ignore_ascii_case(name))?;
         match &variable.ty.kind {
-            plcc_syntax::ast::TypeKind::Block(name) => Some(name_of(name)),
+            plcc_syntax::ast::TypeKind::Block(name) => Some(self.library.block_name(name)),
             plcc_syntax::ast::TypeKind::Named(name) => Some(name.clone()),
             _ => None,
         }

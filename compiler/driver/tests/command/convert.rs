@@ -109,6 +109,98 @@ fn comments_of_exports_stay() {
     assert_eq!(convert("b.xml", "xml"), first);
 }
 
+/// Blocks and data types of the CPU and the libraries, whose sources nobody has, and their start values.
+#[test]
+fn blocks_of_the_system_become_xml() {
+    const SCL: &str = r#"//@ cpu s7-1500
+DATA_BLOCK "Link" TCON_IP_v4
+BEGIN
+  InterfaceId := 64;
+  RemoteAddress.ADDR[1] := 192;
+  RemotePort := 502;
+END_DATA_BLOCK
+DATA_BLOCK "Level" CONT_C
+BEGIN
+  GAIN := 3.0;
+END_DATA_BLOCK
+FUNCTION_BLOCK "Plant"
+{ S7_Optimized_Access := 'TRUE' }
+VERSION : 0.1
+VAR
+  zone : TimeTransformationRule := (Bias := 60, TimeZoneName := 'here');
+  loops : Array[0..1] of CONT_C := [(TI := T#5s), (TI := T#6s)];
+END_VAR
+BEGIN
+  //@ assert #zone.Bias == 60
+  //@ assert #zone.TimeZoneName == 'here'
+  //@ assert #loops[0].TI == T#5s
+  //@ assert #loops[1].TI == T#6s
+  //@ assert #loops[1].GAIN == 2.0
+END_FUNCTION_BLOCK
+DATA_BLOCK "Plant_DB" "Plant"
+BEGIN
+END_DATA_BLOCK
+ORGANIZATION_BLOCK "Main"
+BEGIN
+  "Plant_DB"();
+  //@ assert "Link".RemoteAddress.ADDR[1] == 192
+  //@ assert "Link".RemotePort == 502
+  //@ assert "Link".ConnectionType == 11
+  //@ assert "Level".GAIN == 3.0
+END_ORGANIZATION_BLOCK
+"#;
+    const STL: &str = r#"FUNCTION_BLOCK FB 1
+VAR
+  wait : SFB 4;
+  level : FB 41;
+END_VAR
+BEGIN
+NETWORK
+      CALL #wait (IN := M 0.0, PT := T#1S, Q := M 0.1);
+      CALL #level (GAIN := 3.0);
+END_FUNCTION_BLOCK
+DATA_BLOCK DB 1 FB 1
+BEGIN
+END_DATA_BLOCK
+DATA_BLOCK DB 4 SFB 4
+BEGIN
+  PT := T#2S;
+END_DATA_BLOCK
+ORGANIZATION_BLOCK OB 1
+BEGIN
+NETWORK
+//@ assert DB4.DBD2 == 2000
+      CALL FB 1, DB 1;
+//@ assert DB1.level.GAIN == 3.0
+      CALL SFB 4, DB 4 (IN := M 0.0, PT := T#3S, Q := M 0.1);
+      CALL TON, DB 4 (IN := M 0.0, PT := T#3S, Q := M 0.1);
+      CALL SFC 64 (RET_VAL := MD 10);
+      CALL TIME_TCK (RET_VAL := MD 10);
+      CALL FC 105 (IN := 27648, HI_LIM := 10.0, LO_LIM := 0.0, BIPOLAR := FALSE, RET_VAL := MW 20, OUT := MD 24);
+//@ assert MD24 == 10.0
+      BE;
+END_ORGANIZATION_BLOCK
+"#;
+    for (name, source, set) in [("a.scl", SCL, "9 passed, 0 failed"), ("b.stl", STL, "3 passed, 0 failed")] {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        fs::write(folder.path().join(name), source).expect("the folder can be written");
+        let made = plcc(folder.path(), &["convert", name, "--to", "xml", "-o", "made.xml"]);
+        assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+        let cpu = if name == "a.scl" { "1511-1" } else { "315-2DP" };
+        let tested = plcc(folder.path(), &["test", "made.xml", "--cpu", cpu]);
+        let document = fs::read_to_string(folder.path().join("made.xml")).expect("it is written");
+        assert!(text(&tested.stdout).contains(set), "{}{}{document}", text(&tested.stdout), text(&tested.stderr));
+    }
+    // A block with this number may be another one.
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("a file");
+    write("a.stl", "FUNCTION FC 1 : VOID\nBEGIN\nNETWORK\n      CALL FC 105;\nEND_FUNCTION\n");
+    write("a.sdf", "\"Motor\",\"FC 105\",\"FC 105\",\"\"\n");
+    let made = plcc(folder.path(), &["convert", "a.stl", "a.sdf", "--to", "xml"]);
+    assert_eq!(made.status.code(), Some(3), "{}", text(&made.stdout));
+    assert!(text(&made.stderr).contains("FC 105 has no name"), "{}", text(&made.stderr));
+}
+
 /// The comment of a network is in the texts of the networks, and not once more before it.
 #[test]
 fn comments_of_networks_are_written_once() {

@@ -31,6 +31,7 @@ mod notation;
 #[cfg(test)]
 mod tests;
 
+pub use declarations::predefined::system_members;
 pub use network::is_about_drafts;
 pub use partial::complete;
 pub use program::{bind, library_interface};

@@ -6,12 +6,12 @@
 use std::rc::Rc;
 
 use plcc_abi::image::BlockKind;
-use plcc_syntax::ast::{BlockName, BlockPrefix, TypeKind, TypeRef};
+use plcc_syntax::ast::{BlockName, BlockPrefix, Bound, SectionKind, TypeKind, TypeRef, Variable};
 
 use crate::bind::declarations::Declarations;
 use crate::bind::declarations::block::CurrentBlock;
 use crate::bind::declarations::typed::{StructBuilder, Typed, TypedStruct, Use, elementary_typed};
-use crate::bind::globals::names;
+use crate::bind::globals::{library, names};
 use plcc_binding::fold;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_model::types::{ArrayType, DTL, DataType, Elementary};
@@ -425,6 +425,52 @@ const INSTANCES: &[(&str, &[&str])] = &[
     ("CTD_INT",        &["CTD_INT", "CTD"]),
     ("CTUD_INT",       &["CTUD_INT", "CTUD"]),
 ];
+
+/// The members of a data type of the CPU, or of an instance of a block of the library, as a source would declare them; `None`: there is
+/// none with this name.
+pub fn system_members(name: &str) -> Option<Vec<Variable>> {
+    let name = name.trim();
+    if let Some(structure) = STRUCTURES.iter().find(|structure| structure.name.eq_ignore_ascii_case(name)) {
+        return Some(structure.members.iter().map(|(name, part)| declared(name, *part)).collect());
+    }
+    let own = [name];
+    let candidates = INSTANCES.iter().find(|(ty, _)| ty.eq_ignore_ascii_case(name)).map_or(&own[..], |row| row.1);
+    let is_type = |block: &&plcc_stdlib::SystemBlock| matches!(block.class, BlockClass::Fb | BlockClass::Sfb);
+    let tia = || candidates.iter().find_map(|name| plcc_stdlib::find_tia(name).filter(is_type));
+    let classic = || candidates.iter().find_map(|name| plcc_stdlib::find_name(name).filter(is_type));
+    let block = tia().or_else(classic)?;
+    let sections = library::parsed(block.language, block.source).sections.into_iter();
+    let kept = sections.filter(|section| section.kind != SectionKind::Temp);
+    Some(kept.flat_map(|section| section.variables).collect())
+}
+
+/// The declaration of a component.
+fn declared(name: &str, part: Part) -> Variable {
+    let span = Span::default();
+    let named = |name: &str| TypeRef { kind: TypeKind::Named(name.to_string()), span };
+    let array = |element: TypeRef, count: u16| {
+        let bounds = vec![(Bound::Number(1, span), Bound::Number(i64::from(count), span))];
+        TypeRef { kind: TypeKind::Array { bounds, element: Box::new(element) }, span }
+    };
+    let ty = match part {
+        One(ty) => named(ty.name()),
+        Bytes(count) => array(named(Elementary::Byte.name()), count),
+        Uints(count) => array(named(Elementary::Uint.name()), count),
+        Chars(count) => array(named(Elementary::Char.name()), count),
+        Text(length) => TypeRef { kind: TypeKind::String(Some(Bound::Number(i64::from(length), span))), span },
+        Part::Structure(name) => named(name),
+        Part::Structures(name, count) => array(named(name), count),
+    };
+    Variable {
+        name: name.to_string(),
+        name_span: span,
+        attributes: Vec::new(),
+        at: None,
+        ty,
+        initial: None,
+        comment: None,
+    }
+}
 
 impl Declarations<'_> {
     /// The block that a data type's name means: one of the sources, `FB10`, or one of the library; no message.

@@ -337,7 +337,7 @@ fn parameters(block: &SystemBlock) -> Vec<(String, bool)> {
 }
 
 /// The syntax tree of a block of the library.
-fn parsed(language: Language, source: &str) -> ast::CodeBlock {
+pub fn parsed(language: Language, source: &str) -> ast::CodeBlock {
     let options = ParseOptions { mnemonics: Some(stl::Mnemonics::En), ..ParseOptions::default() };
     let (unit, _) = match language {
         Language::Stl => stl::parse(SYSTEM_FILE, source, &options),
