@@ -239,6 +239,42 @@ END_DATA_BLOCK
     assert_eq!(flags.collect::<Vec<_>>(), wanted, "{written}");
 }
 
+/// Versions of system blocks, and what panels may do with a variable.
+#[test]
+fn attributes_of_declarations_stay() {
+    let source = r#"FUNCTION_BLOCK "F"
+{ S7_Optimized_Access := 'TRUE' }
+VERSION : 0.1
+VAR
+  wait { InstructionName := 'TON_TIME'; LibVersion := '1.1' } : TON_TIME;
+  limit { ExternalWritable := 'False'; S7_SetPoint := 'True' } : Real;
+  shown { ExternalVisible := 'True' } : Real;
+END_VAR
+BEGIN
+END_FUNCTION_BLOCK
+"#;
+    let (unit, messages) = plcc_readers::parse(FileId::default(), source, &ReadOptions::default());
+    assert!(!has_errors(&messages), "{messages:#?}");
+    let library = plcc_convert::xml::Library::new(std::iter::once(&unit));
+    let (document, messages) = plcc_convert::xml::write(&unit, &library, Trivia::none(), Some(source));
+    assert!(messages.is_empty(), "{messages:#?}");
+    assert!(document.contains(r#"<Member Name="wait" Datatype="TON_TIME" Version="1.1"/>"#), "{document}");
+    let (again, messages) = plcc_readers::parse(FileId::default(), &document, &ReadOptions::default());
+    assert!(!has_errors(&messages), "{messages:#?}");
+    let others = plcc_convert::scl::Others::Refused;
+    let (written, messages) = plcc_convert::scl::write(&again, Trivia::none(), again.overlay.as_deref(), others);
+    assert!(!has_errors(&messages), "{messages:#?}");
+    let lines = [
+        "wait { LibVersion := '1.1' } : TON_TIME;",
+        "limit { ExternalWritable := 'False'; S7_SetPoint := 'True' } : REAL;",
+        // A variable is visible unless an attribute says that it is not.
+        "shown : REAL;",
+    ];
+    for line in lines {
+        assert!(written.contains(line), "{line} in\n{written}");
+    }
+}
+
 /// Pragmas of the file are in comments of the document; assertions and pauses between networks are networks.
 #[test]
 fn pragmas_come_through() {

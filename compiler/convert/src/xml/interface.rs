@@ -103,9 +103,11 @@ fn member(variable: &Variable, library: &Library, writer: &mut Writer) -> Node {
         let attribute = Node::of("StringAttribute", at.as_str()).with("Name", "At").with("SystemDefined", "true");
         node.children.insert(0, Node::new("AttributeList").child(attribute));
     }
-    for (key, _) in &variable.attributes {
-        let title = format!("the attribute `{key}` of `{}` is not in the file", variable.name);
-        writer.warn(variable.name_span, title, "set it in the editor again");
+    for (key, value) in &variable.attributes {
+        if !attribute(key, value, &mut node) {
+            let title = format!("the attribute `{key}` of `{}` is not in the file", variable.name);
+            writer.warn(variable.name_span, title, "set it in the editor again");
+        }
     }
     let end = variable.initial.as_ref().map_or(variable.ty.span.end, |value| value.span.end);
     let mut remarks = writer.trivia.before(variable.name_span.start);
@@ -126,6 +128,39 @@ fn member(variable: &Variable, library: &Library, writer: &mut Writer) -> Node {
         start_values(value, &variable.ty, &mut node, library, writer);
     }
     node
+}
+
+/// Attributes of declarations that are switches, with their names in the file.
+const SWITCHES: [(&str, &str); 4] = [
+    ("ExternalAccessible", "ExternalAccessible"),
+    ("ExternalVisible", "ExternalVisible"),
+    ("ExternalWritable", "ExternalWritable"),
+    ("S7_SetPoint", "SetPoint"),
+];
+
+/// Gives a member an attribute of its declaration; `false`: the file has none like it.
+fn attribute(key: &str, value: &str, member: &mut Node) -> bool {
+    let is = |name: &str| key.eq_ignore_ascii_case(name);
+    if is("LibVersion") {
+        member.attributes.push(("Version", value.to_string()));
+        return true;
+    }
+    if is("InstructionName") || is("OriginalPartName") {
+        // The type says it.
+        return member.attributes.iter().any(|(name, ty)| *name == "Datatype" && ty.eq_ignore_ascii_case(value.trim()));
+    }
+    let Some((_, name)) = SWITCHES.iter().find(|(source, _)| is(source)) else { return false };
+    let is_set = match value.trim() {
+        text if text.eq_ignore_ascii_case("true") => "true",
+        text if text.eq_ignore_ascii_case("false") => "false",
+        _ => return false,
+    };
+    let switch = Node::of("BooleanAttribute", is_set).with("Name", name).with("SystemDefined", "true");
+    match member.children.iter_mut().find(|child| child.name == "AttributeList") {
+        Some(list) => list.push(switch),
+        None => member.children.insert(0, Node::new("AttributeList").child(switch)),
+    }
+    true
 }
 
 /// A member with its type, and the members of its structure.

@@ -168,12 +168,39 @@ pub fn variable(reader: &mut Reader, member: Node, depth: usize) -> Variable {
     Variable {
         name: name_of(member),
         name_span,
-        attributes: Vec::new(),
+        attributes: attributes(member),
         at: overlaid(reader, member),
         initial: initial::of_member(reader, member, &ty),
         ty,
         comment: child(member, "Comment").map(text_of).filter(|text| !text.is_empty()),
     }
+}
+
+/// The attributes of members that are switches, with their names in sources and the value that is not written.
+const SWITCHES: [(&str, &str, bool); 4] = [
+    ("ExternalAccessible", "ExternalAccessible", true),
+    ("ExternalVisible", "ExternalVisible", true),
+    ("ExternalWritable", "ExternalWritable", true),
+    ("SetPoint", "S7_SetPoint", false),
+];
+
+/// The attributes of a declaration that have no effect on the program: the version of its system block, and what panels may do.
+fn attributes(member: Node) -> Vec<(String, String)> {
+    let mut found = Vec::new();
+    let is_own = member.attribute("Datatype").is_none_or(|ty| ty.contains('"'));
+    if let Some(version) = member.attribute("Version").filter(|_| !is_own) {
+        found.push(("LibVersion".to_string(), version.trim().to_string()));
+    }
+    for switch in child(member, "AttributeList").into_iter().flat_map(|list| children(list, "BooleanAttribute")) {
+        let row = SWITCHES.iter().find(|(name, ..)| switch.attribute("Name") == Some(*name));
+        if let Some((_, source, usual)) = row {
+            let is_set = text_of(switch).eq_ignore_ascii_case("true");
+            if is_set != *usual {
+                found.push(((*source).to_string(), if is_set { "True" } else { "False" }.to_string()));
+            }
+        }
+    }
+    found
 }
 
 /// The type of a member; a `Struct`, or an array of them, has its members below it.
