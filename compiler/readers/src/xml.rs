@@ -137,6 +137,16 @@ pub fn objects<'a, 'i>(root: Node<'a, 'i>) -> Vec<Node<'a, 'i>> {
     found
 }
 
+/// The tag tables of an export that has other objects, too, as a document of their own; `None`: it has none, or nothing else.
+pub fn tag_tables(text: &str) -> Option<String> {
+    let Some(XmlKind::SimaticMl(Contents { blocks: true, tags: true, .. })) = kind(text) else { return None };
+    let document = parse(text).ok()?;
+    let tables = objects(document.root_element()).into_iter().filter(|node| is(*node, "SW.Tags.PlcTagTable"));
+    let tables: Vec<&str> = tables.filter_map(|table| text.get(table.range())).collect();
+    let head = "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<Document>\n  <Engineering version=\"V17\"/>";
+    Some(format!("{head}\n  {}\n</Document>\n", tables.join("\n  ")))
+}
+
 /// Why a text cannot be read as XML.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {

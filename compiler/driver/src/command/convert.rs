@@ -1,10 +1,12 @@
 //! `plcc convert`: sources in another notation. [`addresses`]: with symbols or addresses; [`migration`]: what another CPU has of them;
-//! [`whole`]: programs as one document.
+//! [`whole`]: programs as one document; [`companions`]: what a folder of sources needs besides them.
 
 mod addresses;
+mod companions;
 mod migration;
 pub mod whole;
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use plcc_abi::image::Family;
@@ -22,7 +24,10 @@ use plcc_runtime::files::writable;
 use plcc_syntax::ast::{Block, Code, SourceUnit};
 use plcc_syntax::network::ast::Language as Graphic;
 use plcc_syntax::stl::{self, Mnemonics};
+use plcc_syntax::symbols::SymbolTable;
 use plcc_syntax::{Form, ParseOptions, ast_text, scl};
+
+use companions::Companion;
 
 use super::exit;
 use crate::cli::{ConvertArgs, ConvertTo};
@@ -34,8 +39,8 @@ struct Converted {
     /// Of the file that it is made of.
     name: String,
     text: String,
-    /// What is in a file of its own.
-    beside: Option<Beside>,
+    /// What is in files of their own.
+    beside: Vec<Beside>,
 }
 
 /// A second file that belongs to a source.
@@ -49,6 +54,17 @@ struct Beside {
 /// Titles and comments of SIMATIC SD.
 fn texts_beside(text: String) -> Beside {
     Beside { extension: "s7res", text, what: "titles and comments are" }
+}
+
+/// The variables with addresses that a source declares itself: those of a project in PLCopen XML, and tag tables among exported blocks.
+fn tags_beside(file: FileId, source: &str, tables: &[SymbolTable]) -> (Option<Beside>, Vec<Diagnostic>) {
+    const WHAT: &str = "names and addresses of variables are";
+    if plcopen::is_project(source) {
+        let (text, found) = plcc_convert::symbols::write(file, tables);
+        return (text.map(|text| Beside { extension: "sdf", text, what: WHAT }), found);
+    }
+    let text = plcc_readers::xml::tag_tables(source);
+    (text.map(|text| Beside { extension: "tags.xml", text, what: WHAT }), Vec::new())
 }
 
 /// Writes each source as the command line says, or the report of a migration. Returns 3 if one has an error or cannot be converted; then
@@ -66,6 +82,7 @@ pub fn convert(args: &ConvertArgs) -> u8 {
 fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
     let read = inputs::read_as(&args.inputs, args.code_page);
     let unreadable = read.is_unreadable();
+    let tables = companions::tables(&read);
     let mut parsed = pipeline::parse(read, &pipeline::Settings::default());
     let mut messages = std::mem::take(&mut parsed.diagnostics);
     // What only warns about the source stays as it is.
@@ -91,13 +108,16 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
         let keeps_br = profile.is_some_and(|profile| matches!(profile.family, Family::S7300 | Family::S7400));
         for (id, unit) in &parsed.units {
             let source = parsed.sources.file(*id);
+            if companions::is_made(&source.name) {
+                continue;
+            }
             let is_awl = to == ConvertTo::Awl;
             if let Some(s7200) = &unit.s7200
                 && is_awl
             {
                 let set = args.mnemonics.map_or(unit.mnemonics, Mnemonics::from);
                 let text = plcc_convert::addresses::apply(&source.text, &plcc_convert::awl::edits(s7200, set));
-                files.push(Converted { name: source.name.clone(), text, beside: None });
+                files.push(Converted { name: source.name.clone(), text, beside: Vec::new() });
                 continue;
             }
             if is_awl || unit.s7200.is_some() {
@@ -134,15 +154,10 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
             if !refused {
                 let (file, found) = written((args, to), *id, (unit, &made), &library, &source.text);
                 messages.extend(found);
-                let is_project = to == ConvertTo::Scl && plcopen::is_project(&source.text);
-                let (symbols, found) = match is_project {
-                    true => plcc_convert::symbols::write(*id, &parsed.tables),
-                    false => (None, Vec::new()),
-                };
+                let (tags, found) = tags_beside(*id, &source.text, &parsed.tables);
                 messages.extend(found);
-                let symbols =
-                    symbols.map(|text| Beside { extension: "sdf", text, what: "names and addresses of variables are" });
-                files.push(Converted { name: source.name.clone(), beside: file.beside.or(symbols), ..file });
+                let beside = file.beside.into_iter().chain(tags).collect();
+                files.push(Converted { name: source.name.clone(), text: file.text, beside });
             }
         }
     }
@@ -154,7 +169,11 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
         report::say(&report::summary(&messages));
         return exit::COMPILE;
     }
-    store(args, Some(to.extension()), &files).err().unwrap_or(exit::OK)
+    let companions = match companions::of(args, &tables, &parsed, Some(to)) {
+        Ok(companions) => companions,
+        Err(code) => return code,
+    };
+    store(args, Some(to.extension()), &files, &companions).err().unwrap_or(exit::OK)
 }
 
 /// Programs of the S7-200 and those of the other families share no notation.
@@ -272,35 +291,37 @@ fn written(
     let name = String::new();
     match to {
         // Sources of the S7-200 and whole programs are written by others.
-        ConvertTo::Awl | ConvertTo::Plcopen => (Converted { name, text: source.to_string(), beside: None }, Vec::new()),
+        ConvertTo::Awl | ConvertTo::Plcopen => {
+            (Converted { name, text: source.to_string(), beside: Vec::new() }, Vec::new())
+        }
         ConvertTo::Stl => {
             let (text, messages) = plcc_convert::stl::write(made, set, trivia(true), is_stl.then_some(meaning));
             warn_of_set(file, &text, set);
-            (Converted { name, text, beside: None }, messages)
+            (Converted { name, text, beside: Vec::new() }, messages)
         }
         ConvertTo::Lad | ConvertTo::Fbd | ConvertTo::Sd => {
             let sd::Document { text, texts, messages } = sd::write(made, trivia(false), (!is_stl).then_some(meaning));
-            (Converted { name, text, beside: texts.map(texts_beside) }, messages)
+            (Converted { name, text, beside: Vec::from_iter(texts.map(texts_beside)) }, messages)
         }
         ConvertTo::Gr7 => {
             let (text, messages) = plcc_convert::gr7::write(made, trivia(is_stl), Some(meaning));
-            (Converted { name, text, beside: None }, messages)
+            (Converted { name, text, beside: Vec::new() }, messages)
         }
         ConvertTo::Xml => {
             let (text, messages) =
                 plcc_convert::xml::write(made, library, trivia(is_stl), (!is_stl).then_some(meaning));
-            (Converted { name, text, beside: None }, messages)
+            (Converted { name, text, beside: Vec::new() }, messages)
         }
         ConvertTo::Scl if plcopen::is_project(source) => {
             let trivia = Trivia::new(meaning, plcopen::comments(source, meaning), false);
             // Its constants and addresses have other forms, so none is copied from the source.
             let (text, messages) = plcc_convert::scl::write(made, trivia, None, Others::LeftOut);
-            (Converted { name, text, beside: None }, messages)
+            (Converted { name, text, beside: Vec::new() }, messages)
         }
         ConvertTo::Scl => {
             let same = (!is_stl).then_some(meaning);
             let (text, messages) = plcc_convert::scl::write(made, trivia(false), same, Others::Refused);
-            (Converted { name, text, beside: None }, messages)
+            (Converted { name, text, beside: Vec::new() }, messages)
         }
     }
 }
@@ -318,41 +339,56 @@ fn warn_of_set(file: FileId, text: &str, set: Mnemonics) {
 }
 
 /// Writes the texts to standard output, to a file or into a folder, there with that extension, or the one of the source.
-fn store(args: &ConvertArgs, extension: Option<&str>, files: &[Converted]) -> Result<(), u8> {
+///
+/// `companions`: what else belongs into a folder.
+fn store(args: &ConvertArgs, extension: Option<&str>, files: &[Converted], companions: &[Companion]) -> Result<(), u8> {
     let Some(output) = &args.output else {
-        if let Some(Beside { extension, what, .. }) = files.iter().find_map(|file| file.beside.as_ref()) {
+        if let Some(Beside { extension, what, .. }) = files.iter().flat_map(|file| &file.beside).next() {
             report::say(&format!("{what} in a file of their own (`.{extension}`): name the output with `-o`"));
             return Err(exit::USAGE);
         }
         return files.iter().try_for_each(|file| report::print(&file.text));
     };
     let is_folder = output.is_dir() || output.as_os_str().as_encoded_bytes().ends_with(b"/");
-    let paths: Vec<PathBuf> = match files {
-        [_] if !is_folder => vec![output.clone()],
+    let mut texts: Vec<(PathBuf, Vec<u8>)> = Vec::new();
+    match files {
+        [file] if !is_folder => texts.extend(named(args, file, output.clone())),
         _ => {
             if let Err(error) = std::fs::create_dir_all(output) {
                 report::say(&format!("cannot make the folder `{}`: {error}", output.display()));
                 return Err(exit::USAGE);
             }
-            let name_of = |file: &Converted| {
+            for file in files {
                 let name = Path::new(&file.name);
                 let name = extension.map_or_else(|| name.to_path_buf(), |extension| name.with_extension(extension));
-                output.join(name.file_name().unwrap_or_default())
-            };
-            files.iter().map(name_of).collect()
+                texts.extend(named(args, file, output.join(name.file_name().unwrap_or_default())));
+            }
+            for Companion { name, bytes, yields } in companions {
+                let path = output.join(name);
+                if !yields || !path.exists() {
+                    texts.push((path, bytes.clone()));
+                }
+            }
         }
-    };
-    if let Some(at) = (1..paths.len()).find(|at| paths[..*at].contains(&paths[*at])) {
-        report::say(&format!("two sources would be written to `{}`", paths[at].display()));
-        return Err(exit::USAGE);
     }
-    paths.iter().zip(files).try_for_each(|(path, file)| {
-        match encoded(args, file) {
-            Some(bytes) => write(path, bytes)?,
-            None => write(path, &file.text)?,
+    let mut paths = BTreeSet::new();
+    for (path, _) in &texts {
+        if !paths.insert(path) {
+            report::say(&format!("two sources would be written to `{}`", path.display()));
+            return Err(exit::USAGE);
         }
-        file.beside.iter().try_for_each(|beside| write(&path.with_extension(beside.extension), &beside.text))
-    })
+    }
+    texts.iter().try_for_each(|(path, text)| write(path, text))
+}
+
+/// The text of a file at its path, and what is beside it.
+fn named(args: &ConvertArgs, file: &Converted, path: PathBuf) -> Vec<(PathBuf, Vec<u8>)> {
+    let beside =
+        file.beside.iter().map(|beside| (path.with_extension(beside.extension), beside.text.clone().into_bytes()));
+    let mut found: Vec<(PathBuf, Vec<u8>)> = beside.collect();
+    let text = encoded(args, file).unwrap_or_else(|| file.text.clone().into_bytes());
+    found.insert(0, (path, text));
+    found
 }
 
 /// The text in the encoding and with the line ends of its source, if both are text sources: STEP 7 V5 and Micro/WIN read them in the

@@ -378,6 +378,61 @@ fn one_conversion_at_a_time() {
     }
 }
 
+/// A converted folder is a project of its own: with its tables, its settings, and the CPU that the sources implied.
+#[test]
+fn converted_folders_are_projects() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let write = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        fs::create_dir_all(path.parent().expect("a folder")).expect("the folder can be written");
+        fs::write(path, text).expect("the folder can be written");
+    };
+    let read = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap_or_default();
+    let run = |arguments: &[&str]| {
+        let output = plcc(folder.path(), arguments);
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", text(&output.stderr));
+    };
+    let main =
+        "ORGANIZATION_BLOCK OB 1\nBEGIN\nNETWORK\n      A     \"start\";\n      CC    FC 1;\nEND_ORGANIZATION_BLOCK\n";
+    let lamp = "FUNCTION FC 1 : VOID\nBEGIN\nNETWORK\n      A     \"start\";\n      =     Q 4.0;\nEND_FUNCTION\n";
+    write("plant/src/main.stl", main);
+    write("plant/src/lamp.stl", lamp);
+    write("plant/names.sdf", "\"start\",\"I 0.0\",\"BOOL\",\"a button\"\n");
+    let settings = "name = \"lamps\"\nsources = [\n  \"src\",\n]\nsymbols = [\"names.sdf\"]\ncpu = \"315-2DP\"\nmnemonics = \"en\"\n";
+    write("plant/plc.toml", settings);
+    run(&["convert", "plant", "--to", "lad", "-o", "lad/"]);
+    assert_eq!(read("lad/plc.toml"), "name = \"lamps\"\ncpu = \"315-2DP\"\n");
+    assert_eq!(read("lad/names.sdf"), read("plant/names.sdf"));
+    run(&["check", "lad", "--deny", "warnings"]);
+    run(&["convert", "plant", "--to", "stl", "--mnemonics", "de", "-o", "german/"]);
+    assert_eq!(read("german/plc.toml"), "mnemonics = \"de\"\nname = \"lamps\"\ncpu = \"315-2DP\"\n");
+    run(&["check", "german", "--deny", "warnings"]);
+    // A second time, settings that are there stay.
+    write("lad/plc.toml", "cpu = \"317-2DP\"\n");
+    run(&["convert", "plant", "--to", "lad", "-o", "lad/"]);
+    assert_eq!(read("lad/plc.toml"), "cpu = \"317-2DP\"\n");
+    // Without a project, statement lists are those of an S7-300, and SIMATIC SD is of the TIA Portal.
+    fs::remove_file(folder.path().join("plant/plc.toml")).expect("it is there");
+    run(&["convert", "plant", "--to", "lad", "-o", "other/"]);
+    assert_eq!(read("other/plc.toml"), "cpu = \"s7-300\"\n");
+    run(&["check", "other", "--deny", "warnings"]);
+}
+
+/// Tags in an export with blocks are beside what is made of the blocks.
+#[test]
+fn tags_among_exported_blocks_stay() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let export = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/scl/exports/memory-by-tags.xml");
+    for (to, name) in [("xml", "a.xml"), ("scl", "b.scl")] {
+        let made = plcc(folder.path(), &["convert", &export.to_string_lossy(), "--to", to, "-o", name]);
+        assert_eq!(made.status.code(), Some(0), "{to}: {}", text(&made.stderr));
+        let tags = Path::new(name).with_extension("tags.xml");
+        let tested = plcc(folder.path(), &["test", name, &tags.to_string_lossy()]);
+        let said = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
+        assert!(said.contains("3 passed, 0 failed"), "{to}: {said}");
+    }
+}
+
 #[test]
 fn scl_as_stl_does_the_same() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -424,24 +479,15 @@ fn programs_with_symbols_go_there_and_back() {
         let shown = project.to_string_lossy().into_owned();
         let made = plcc(folder.path(), &["convert", &shown, "--absolute", "-o", "there"]);
         assert_eq!(made.status.code(), Some(0), "{shown}: {}", text(&made.stderr));
-        let sources = files(&there);
-        for path in files(&project).iter().filter(|path| is_table(path)) {
-            let name = path.file_name().expect("a file has a name");
-            fs::copy(path, folder.path().join(name)).expect("the folder can be written");
-        }
+        let is_source = |path: &PathBuf| !is_table(path) && !path.ends_with("plc.toml");
+        let sources: Vec<PathBuf> = files(&there).into_iter().filter(is_source).collect();
         for source in &sources {
             let name = source.file_name().expect("a file has a name");
             let own = files(&project).into_iter().find(|path| path.file_name() == Some(name));
             changed += usize::from(own.is_some_and(|own| fs::read(own).ok() != fs::read(source).ok()));
         }
-        let mut arguments = vec!["convert".to_string()];
-        arguments.extend(sources.iter().map(|path| path.to_string_lossy().into_owned()));
-        let tables = files(folder.path()).into_iter().filter(|path| is_table(path));
-        arguments.extend(tables.map(|path| path.to_string_lossy().into_owned()));
-        arguments.extend(["--symbolic", "-o", "back"].map(str::to_string));
-        fs::create_dir(folder.path().join("back")).expect("the folder can be written");
-        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
-        let back = plcc(folder.path(), &arguments);
+        // The folder is a project with its symbols.
+        let back = plcc(folder.path(), &["convert", "there", "--symbolic", "-o", "back/"]);
         assert_eq!(back.status.code(), Some(0), "{shown}: {}", text(&back.stderr));
     }
     assert!(changed >= 5, "only {changed} sources had symbols");

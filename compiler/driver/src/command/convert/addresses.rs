@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use plcc_convert::addresses::{self, Edit, To, names::Names};
 use plcc_diag::{Code, Diagnostic, FileId, Severity, Span};
 
-use super::{Converted, bound, store};
+use super::{Converted, bound, companions, store};
 use crate::cli::{ConvertArgs, Level};
 use crate::command::exit;
 use crate::report::MessageFormat;
@@ -20,6 +20,7 @@ pub(super) fn write(args: &ConvertArgs, to: To) -> u8 {
     let read = inputs::read_as(&args.inputs, args.code_page);
     let unreadable = read.is_unreadable();
     let beside = read.texts.clone();
+    let tables = companions::tables(&read);
     let mut parsed = pipeline::parse(read, &pipeline::Settings::default());
     let mut messages = std::mem::take(&mut parsed.diagnostics);
     messages.retain(Diagnostic::is_error);
@@ -48,17 +49,25 @@ pub(super) fn write(args: &ConvertArgs, to: To) -> u8 {
     report::messages(&mut messages, &parsed.sources, MessageFormat::Human);
     let files: Vec<Converted> = edits
         .iter()
+        .filter(|(file, _)| !companions::is_made(&parsed.sources.file(*file).name))
         .map(|(file, own)| {
             let source = parsed.sources.file(*file);
             let texts = beside.iter().find(|(unit, _)| unit == file);
             Converted {
                 name: source.name.clone(),
                 text: addresses::apply(&source.text, own),
-                beside: texts.map(|(_, texts)| super::texts_beside(parsed.sources.file(*texts).text.to_string())),
+                beside: texts
+                    .map(|(_, texts)| super::texts_beside(parsed.sources.file(*texts).text.to_string()))
+                    .into_iter()
+                    .collect(),
             }
         })
         .collect();
-    store(args, None, &files).err().unwrap_or(exit::OK)
+    let companions = match companions::of(args, &tables, &parsed, None) {
+        Ok(companions) => companions,
+        Err(code) => return code,
+    };
+    store(args, None, &files, &companions).err().unwrap_or(exit::OK)
 }
 
 /// A source whose operands are not text.

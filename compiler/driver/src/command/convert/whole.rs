@@ -45,14 +45,14 @@ pub fn plcopen(args: &ConvertArgs) -> u8 {
         let (text, found) = document(&parsed, &name.or(folder).unwrap_or_default());
         messages.extend(found);
         let name = args.inputs.first().map_or_else(String::new, |path| path.to_string_lossy().into_owned());
-        files.push(Converted { name, text, beside: None });
+        files.push(Converted { name, text, beside: Vec::new() });
     }
     report::messages(&mut messages, &parsed.sources, MessageFormat::Human);
     if messages.iter().any(Diagnostic::is_error) {
         report::say(&report::summary(&messages));
         return exit::COMPILE;
     }
-    store(args, Some(ConvertTo::Plcopen.extension()), &files).err().unwrap_or(exit::OK)
+    store(args, Some(ConvertTo::Plcopen.extension()), &files, &[]).err().unwrap_or(exit::OK)
 }
 
 /// The document of a parsed program, and messages.

@@ -1,0 +1,152 @@
+//! What a folder of converted sources needs besides them, to be the same program: symbol tables and the settings of the project.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use plcc_model::profile;
+use serde::Deserialize;
+use toml::Spanned;
+
+use crate::cli::{ConvertArgs, ConvertTo, MnemonicsArg};
+use crate::command::exit;
+use crate::inputs::{AXES_ENDING, Read, read_text};
+use crate::project::FILE_NAME;
+use crate::{pipeline, report};
+
+/// A file that is written into the folder.
+pub(super) struct Companion {
+    pub name: PathBuf,
+    pub bytes: Vec<u8>,
+    /// A file with this name stays as it is.
+    pub yields: bool,
+}
+
+/// Keys of plc.toml that mean something else in the new folder.
+#[derive(Deserialize)]
+struct Moved {
+    sources: Option<Spanned<Vec<String>>>,
+    symbols: Option<Spanned<Vec<String>>>,
+    mnemonics: Option<Spanned<String>>,
+}
+
+/// Whether a source is made of other settings: axes are in plc.toml.
+pub(super) fn is_made(name: &str) -> bool {
+    name.ends_with(AXES_ENDING)
+}
+
+/// The files that have only symbols.
+pub(super) fn tables(read: &Read) -> Vec<PathBuf> {
+    let alone = read.tables.iter().filter(|table| !read.units.contains(table));
+    alone.map(|table| PathBuf::from(&read.sources.file(*table).name)).collect()
+}
+
+/// What a folder of the sources needs. `Err`: the exit code, after a message.
+pub(super) fn of(
+    args: &ConvertArgs,
+    tables: &[PathBuf],
+    parsed: &pipeline::Parsed,
+    to: Option<ConvertTo>,
+) -> Result<Vec<Companion>, u8> {
+    let mut found = Vec::new();
+    for path in tables {
+        let bytes = fs::read(path).map_err(|error| {
+            report::say(&format!("cannot read `{}`: {error}", path.display()));
+            exit::USAGE
+        })?;
+        found.push(Companion { name: PathBuf::from(path.file_name().unwrap_or_default()), bytes, yields: false });
+    }
+    if args.inputs.iter().any(|path| path.is_dir()) {
+        let settings = settings(args, parsed, to)?;
+        found.extend((!settings.is_empty()).then(|| Companion {
+            name: PathBuf::from(FILE_NAME),
+            bytes: settings.into_bytes(),
+            yields: true,
+        }));
+    }
+    Ok(found)
+}
+
+/// The text of plc.toml for the folder: that of the project, with the CPU that the sources imply if nothing names one.
+fn settings(args: &ConvertArgs, parsed: &pipeline::Parsed, to: Option<ConvertTo>) -> Result<String, u8> {
+    let own = args.inputs.iter().map(|path| path.join(FILE_NAME)).find(|path| path.is_file());
+    let text = own.map_or_else(|| Ok(String::new()), |path| text_of(&path))?;
+    // Sources and tables are now in the folder itself. Only statement lists have mnemonics.
+    let keeps_set = args.mnemonics.is_none() && matches!(to, None | Some(ConvertTo::Stl | ConvertTo::Awl));
+    let mut text = without_moved(&text, keeps_set);
+    if let Some(set) = args.mnemonics.filter(|_| matches!(to, Some(ConvertTo::Stl | ConvertTo::Awl))) {
+        let set = match set {
+            MnemonicsArg::De => "de",
+            MnemonicsArg::En => "en",
+        };
+        text = format!("mnemonics = \"{set}\"\n{text}");
+    }
+    let names_cpu = parsed.project.as_ref().is_some_and(|project| project.cpu.is_some())
+        || parsed.units.iter().any(|(file, _)| parsed.sources.file(*file).text.lines().any(is_pragma_of_cpu));
+    // Statement lists and charts of S7-GRAPH imply an S7-300, others a CPU of the TIA Portal.
+    let implies_another = match to {
+        None | Some(ConvertTo::Stl | ConvertTo::Gr7 | ConvertTo::Awl | ConvertTo::Plcopen) => false,
+        Some(ConvertTo::Lad | ConvertTo::Fbd | ConvertTo::Sd | ConvertTo::Scl | ConvertTo::Xml) => true,
+    };
+    if !names_cpu && implies_another {
+        let named = args.cpu.as_deref().and_then(profile::lookup);
+        let cpu = named.unwrap_or_else(|| plcc_program::implied_profile(&parsed.units));
+        text = format!("cpu = \"{}\"\n{text}", cpu.name);
+    }
+    Ok(text)
+}
+
+/// `//@ cpu 315-2DP`, or the same in a comment of an export.
+fn is_pragma_of_cpu(line: &str) -> bool {
+    let line = line.trim_start();
+    let text = line.strip_prefix("//@").or_else(|| line.strip_prefix("<!--@"));
+    text.is_some_and(|text| text.split_whitespace().next() == Some("cpu"))
+}
+
+fn text_of(path: &Path) -> Result<String, u8> {
+    read_text(path).map_err(|error| {
+        report::say(&format!("cannot read `{}`: {error}", path.display()));
+        exit::USAGE
+    })
+}
+
+/// The settings without the keys that name files, and without the mnemonics unless they stay.
+fn without_moved(text: &str, keeps_set: bool) -> String {
+    // What is wrong in the file has been reported.
+    let Ok(moved) = toml::from_str::<Moved>(text) else { return text.to_string() };
+    let set = moved.mnemonics.filter(|_| !keeps_set).map(|value| value.span());
+    let values = [moved.sources.map(|value| value.span()), moved.symbols.map(|value| value.span()), set];
+    let mut lines: Vec<(usize, usize)> = values
+        .into_iter()
+        .flatten()
+        .map(|value| {
+            let start = text.get(..value.start).and_then(|text| text.rfind('\n')).map_or(0, |at| at + 1);
+            let end = text.get(value.end..).and_then(|text| text.find('\n'));
+            (start, end.map_or(text.len(), |at| value.end + at + 1))
+        })
+        .collect();
+    lines.sort_unstable();
+    let mut kept = String::new();
+    let mut at = 0;
+    for (start, end) in lines {
+        kept.push_str(text.get(at..start).unwrap_or_default());
+        at = end;
+    }
+    kept.push_str(text.get(at..).unwrap_or_default());
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_that_name_files_are_left_out() {
+        let text = "# a plant\nsources = [\n  \"a\", # one\n  \"b]\",\n] # all\ncpu = \"315-2DP\"\nmnemonics = \"de\"\n[ob.35]\nperiod = \"1s\"\n";
+        assert_eq!(
+            without_moved(text, true),
+            "# a plant\ncpu = \"315-2DP\"\nmnemonics = \"de\"\n[ob.35]\nperiod = \"1s\"\n"
+        );
+        assert_eq!(without_moved(text, false), "# a plant\ncpu = \"315-2DP\"\n[ob.35]\nperiod = \"1s\"\n");
+        assert_eq!(without_moved("symbols = []", true), "");
+    }
+}
