@@ -201,6 +201,29 @@ END_ORGANIZATION_BLOCK
     assert!(text(&made.stderr).contains("FC 105 has no name"), "{}", text(&made.stderr));
 }
 
+/// Comments of statements in an export are in the project as those of a source are.
+#[test]
+fn comments_of_exports_reach_projects() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "//@ cpu s7-1200\nFUNCTION_BLOCK \"F\"\nVERSION : 0.1\nVAR\n    n : Int;   // of n\nEND_VAR\nBEGIN\n    // first\n    \
+                  REGION start\n    #n := 1; // one\n    //@ assert #n == 1\n    IF #n = 1 THEN\n        // inside\n        #n := 2;\n    \
+                  END_IF;\n    END_REGION\n    // last\nEND_FUNCTION_BLOCK\nORGANIZATION_BLOCK \"Main\"\nBEGIN\n    // call it\n    \
+                  \"F_DB\"();\nEND_ORGANIZATION_BLOCK\nDATA_BLOCK \"F_DB\" \"F\"\nBEGIN\nEND_DATA_BLOCK\n";
+    fs::write(folder.join("c.scl"), source).expect("the folder can be written");
+    let convert = |from: &str, to: &str| {
+        let output = plcc(folder, &["convert", from, "--to", to, "--cpu", "1214C"]);
+        assert_eq!(output.status.code(), Some(0), "{from} to {to}: {}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    let project = convert("c.scl", "plcopen");
+    for comment in ["// first", "// REGION start", "// one", "// inside", "// last", "// call it", ">of n<"] {
+        assert_eq!(project.matches(comment).count(), 1, "{comment} in\n{project}");
+    }
+    fs::write(folder.join("c.xml"), convert("c.scl", "xml")).expect("the folder can be written");
+    assert_eq!(convert("c.xml", "plcopen"), project);
+}
+
 /// The comment of a network is in the texts of the networks, and not once more before it.
 #[test]
 fn comments_of_networks_are_written_once() {

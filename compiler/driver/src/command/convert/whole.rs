@@ -3,14 +3,16 @@
 use plcc_convert::plcopen::{self, Settings, Unit};
 use plcc_convert::to_stl::types::Types;
 use plcc_convert::{to_graph, with_pragmas};
-use plcc_diag::Diagnostic;
+use plcc_diag::{Diagnostic, FileId};
 use plcc_readers::plcopen as reader;
+use plcc_readers::simatic_ml::Remarks;
+use plcc_readers::xml::XmlKind;
 use plcc_runtime::events::default_period_ms;
 use plcc_syntax::ast::{Block, Code, SourceUnit};
 use plcc_syntax::network::ast::Language as Graphic;
 use plcc_syntax::{scl, stl};
 
-use super::{Converted, bound, exit, has, other_family, store};
+use super::{Converted, bound, exit, has, other_family, remarks, store, whole_blocks};
 use crate::cli::{ConvertArgs, ConvertTo};
 use crate::report::MessageFormat;
 use crate::{inputs, pipeline, report};
@@ -64,12 +66,23 @@ pub fn document(parsed: &pipeline::Parsed, name: &str) -> (String, Vec<Diagnosti
     };
     let types = Types::new(parsed.units.iter().map(|(_, unit)| unit), &parsed.tables);
     let mut notes = Vec::new();
-    let drawn: Vec<SourceUnit> = parsed.units.iter().map(|(_, unit)| as_networks(unit, &types, &mut notes)).collect();
+    let mut drawn: Vec<SourceUnit> =
+        parsed.units.iter().map(|(_, unit)| as_networks(unit, &types, &mut notes)).collect();
     if notes.iter().any(Diagnostic::is_error) {
         return (String::new(), notes);
     }
-    let sources = parsed.units.iter().zip(&drawn);
-    let units = sources.map(|((id, one), drawn)| unit(&parsed.sources.file(*id).text, one, drawn)).collect();
+    // Comments of exports are not in their overlays.
+    let exported: Vec<Option<Remarks>> = parsed.units.iter().map(|(id, one)| exported(one, parsed, *id)).collect();
+    for (((id, _), drawn), _) in parsed.units.iter().zip(&mut drawn).zip(&exported).filter(|(_, found)| found.is_some())
+    {
+        *drawn = whole_blocks(drawn, parsed.sources.file(*id).text.len() as u32);
+    }
+    let sources = parsed.units.iter().zip(&drawn).zip(&exported);
+    let units = sources.map(|(((id, one), drawn), exported)| {
+        let source = &parsed.sources.file(*id).text;
+        unit(source, one, drawn, exported.as_ref())
+    });
+    let units = units.collect();
     let (text, mut messages) = plcopen::write(units, &parsed.tables, &Settings { name, period_ms: &period_ms });
     messages.extend(notes);
     // Pragmas of files, such as the CPU, are comments after the first line.
@@ -96,30 +109,36 @@ fn as_networks(unit: &SourceUnit, types: &Types, notes: &mut Vec<Diagnostic>) ->
     made
 }
 
-/// A source with the text that its spans mean. `drawn`: what is made of its tree.
-fn unit<'a>(source: &'a str, unit: &'a SourceUnit, drawn: &'a SourceUnit) -> Unit<'a> {
-    let text = unit.overlay.as_deref().unwrap_or(source);
-    let comments = match plcc_readers::xml::kind(source) {
-        // Assertions are comments of networks.
-        None if has(unit, |code| matches!(code, Code::Stl(_))) => {
-            let mut comments = to_graph::other_comments(unit, source, stl::comments(source));
-            let is_of_file = |text: &str| matches!(text.split_whitespace().next(), Some("cpu" | "test"));
-            comments.retain(|comment| {
-                let pragma = source[comment.range()].strip_prefix("//@");
-                pragma.is_none_or(|text| !is_of_file(text))
-            });
-            comments
-        }
-        None => {
-            let mut comments = match has(unit, |code| matches!(code, Code::Chart(_))) {
-                true => plcc_readers::gr7::comments(source),
-                false => scl::comments_and_regions(source),
-            };
-            comments.retain(|comment| !source[comment.range()].starts_with("//@"));
-            comments
-        }
-        Some(_) if reader::is_project(source) => reader::comments(source, text),
-        Some(_) => Vec::new(),
+/// The comments of an export of the TIA Portal without charts, and the text in which they are.
+fn exported(unit: &SourceUnit, parsed: &pipeline::Parsed, id: FileId) -> Option<Remarks> {
+    let source = &parsed.sources.file(id).text;
+    match plcc_readers::xml::kind(source) {
+        Some(XmlKind::SimaticMl(_)) => remarks(unit, source),
+        _ => None,
+    }
+}
+
+/// A source with the text that its spans mean. `drawn`: what is made of its tree; `exported`: comments of an export.
+fn unit<'a>(source: &'a str, unit: &'a SourceUnit, drawn: &'a SourceUnit, exported: Option<&'a Remarks>) -> Unit<'a> {
+    let overlay = unit.overlay.as_deref().unwrap_or(source);
+    let text = exported.map_or(overlay, |exported| exported.text.as_str());
+    let is_stl = has(unit, |code| matches!(code, Code::Stl(_)));
+    let comments = match exported {
+        Some(exported) => exported.comments.clone(),
+        None if reader::is_project(source) => reader::comments(source, text),
+        None if plcc_readers::xml::kind(source).is_some() => Vec::new(),
+        None if is_stl => stl::comments(source),
+        None if has(unit, |code| matches!(code, Code::Chart(_))) => plcc_readers::gr7::comments(source),
+        None => scl::comments_and_regions(source),
     };
+    if reader::is_project(source) {
+        return Unit { unit: drawn, text, comments };
+    }
+    // Assertions are statements, but those of STL are comments of networks.
+    let mut comments = if is_stl { to_graph::other_comments(unit, text, comments) } else { comments };
+    comments.retain(|comment| {
+        let pragma = text.get(comment.range()).and_then(|text| text.strip_prefix("//@"));
+        pragma.is_none_or(|text| is_stl && !matches!(text.split_whitespace().next(), Some("cpu" | "test")))
+    });
     Unit { unit: drawn, text, comments }
 }
