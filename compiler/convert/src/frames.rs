@@ -78,8 +78,8 @@ impl Writer<'_> {
         for value in &block.values {
             self.value(value);
         }
-        self.out.dedent();
         self.remarks_before(block.span.end);
+        self.out.dedent();
         self.out.line("END_DATA_BLOCK");
     }
 

@@ -51,6 +51,7 @@ impl Writer<'_> {
         self.code_frame(block, |writer| {
             writer.out.indent();
             writer.statements(&body.statements);
+            writer.remarks_before(block.span.end);
             writer.out.dedent();
         });
     }

@@ -101,7 +101,11 @@ fn comments_of_exports_stay() {
         let lines = text.lines().filter(|line| !line.trim().is_empty());
         lines.map(|line| line.split_whitespace().collect::<Vec<_>>().join(" ")).collect::<Vec<_>>()
     };
-    assert_eq!(words(&convert("a.xml", "scl")), words(source));
+    let scl = convert("a.xml", "scl");
+    assert_eq!(words(&scl), words(source));
+    // What stands at the end of a body is indented as its statements are.
+    assert!(scl.contains("\n    REGION start\n"), "{scl}");
+    assert!(scl.contains("\n    END_REGION\n    // last\nEND_FUNCTION\n"), "{scl}");
     let stl = "FUNCTION \"F\" : VOID\nBEGIN\nNETWORK\n      SET; // one\n      // two\n      SAVE;\nEND_FUNCTION\n";
     fs::write(folder.join("b.stl"), stl).expect("the folder can be written");
     let first = convert("b.stl", "xml");

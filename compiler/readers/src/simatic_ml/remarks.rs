@@ -49,7 +49,13 @@ pub fn remarks(file: &str, overlay: &str) -> Remarks {
 /// Adds the lines of the regions of statements.
 fn regions(found: &mut Remarks, overlay: &str, range: Range<usize>) {
     for region in scl::regions(overlay.get(range.clone()).unwrap_or_default()) {
-        let (start, end) = ((range.start + region.start) as u32, (range.start + region.end) as u32);
+        let (start, end) = (range.start + region.start, range.start + region.end);
+        // The name is at its place in the file, far from the word before it.
+        let whole = found.text.get(start..end).unwrap_or_default();
+        let line = whole.split_whitespace().collect::<Vec<_>>().join(" ");
+        let blanks = " ".repeat(whole.len() - line.len());
+        put(&mut found.text, &format!("{line}{blanks}"), start);
+        let (start, end) = (start as u32, (start + line.len()) as u32);
         found.comments.push(Comment { start, end, own_line: true, form: CommentForm::Line });
     }
 }
