@@ -280,13 +280,19 @@ impl Build<'_, '_, '_> {
     /// writes it at once.
     fn turn(&self, element: usize, formal: &str, object: &Object) -> Option<Turn> {
         let text = object.text.clone().and_then(|range| self.reader.overlay.get(range)).unwrap_or_default();
-        let last = words(text).next().and_then(|word| self.named.get(&word).copied());
+        // An index counts, too: `cells[i]`.
+        let last = words(text).filter_map(|word| self.named.get(&word).copied()).max();
         last.filter(|last| *last > element)?;
         if object.modifiers.storage != Storage::None || formal.eq_ignore_ascii_case("ENO") {
             return Some(Turn::Bool);
         }
         if let Some(ty) = self.body.scope.types.get(&text.trim().to_lowercase()) {
             return Some(if ty.eq_ignore_ascii_case("BOOL") { Turn::Bool } else { Turn::Value });
+        }
+        match object.text.clone().and_then(|range| self.type_of(range)) {
+            Some(Ty::Of(Elementary::Bool)) => return Some(Turn::Bool),
+            Some(_) => return Some(Turn::Value),
+            None => {}
         }
         let Target::Element { row, .. } = &self.graph.elements[element].target else { return None };
         let is_value = matches!(
@@ -464,6 +470,11 @@ impl Build<'_, '_, '_> {
             }
             _ => None,
         }?;
+        self.type_of(text)
+    }
+
+    /// The type of the expression in a part of the file, as far as it is known.
+    fn type_of(&self, text: Range<usize>) -> Option<Ty> {
         let (mut value, _) = fragment::iec_expression(self.reader.file, &self.reader.overlay, text, self.reader.iec());
         let scope = &self.body.scope;
         // Errors in it are reported where it is read.
