@@ -152,13 +152,16 @@ impl Collector<'_> {
         }
     }
 
-    /// A POINTER or an ANY that is known.
-    fn pointer(&mut self, bytes: &[u8], access: Access, span: Span) {
+    /// A POINTER or an ANY that is known, or the ANY of a VARIANT.
+    fn pointer(&mut self, bytes: &[u8], passing: Passing, access: Access, span: Span) {
         let word = |at: usize| bytes.get(at..at + 2).map_or(0, |word| u16::from_be_bytes([word[0], word[1]]));
         let long = |at: usize| u32::from(word(at)) << 16 | u32::from(word(at + 2));
         let (db, pointer, bits) = match bytes.len() {
             6 => (word(0), long(2), 1),
             10.. => {
+                if let Some((operand, access)) = self.numbered(bytes[1], word(8), passing, access) {
+                    return self.add_at(operand, access, span);
+                }
                 let fields = any::Fields { head: long(0), db: word(4), pointer: long(6) };
                 match any::decode(fields, 0, any::Access::Read) {
                     Ok(Some(any)) => (fields.db, fields.pointer, any.bytes.saturating_mul(8)),
@@ -177,6 +180,27 @@ impl Collector<'_> {
             _ => return,
         };
         self.add_at(Operand::Memory { area, start: pointer & 0x7_FFFF, bits }, access, span);
+    }
+
+    /// What an ANY with the number of a block, a timer or a counter means: a VARIANT of a data block is all that the block holds.
+    fn numbered(&self, code: u8, number: u16, passing: Passing, access: Access) -> Option<(Operand, Access)> {
+        let block = |kind| Operand::Block(BlockKey { kind, number });
+        Some(match code {
+            any::BLOCK_FB => (block(BlockKind::Fb), access),
+            any::BLOCK_FC => (block(BlockKind::Fc), access),
+            any::BLOCK_DB => {
+                let bytes = self.program.db(number).and_then(|db| u32::try_from(db.data.len()).ok()).unwrap_or(0);
+                match bytes.saturating_mul(8) {
+                    bits if bits > 0 && passing == Passing::Variant => {
+                        (Operand::Memory { area: Area::Db(number), start: 0, bits }, access)
+                    }
+                    _ => (Operand::db(number), Access::Open),
+                }
+            }
+            any::COUNTER => (Operand::Counter(number), access),
+            any::TIMER => (Operand::Timer(number), access),
+            _ => return None,
+        })
     }
 
     fn stl(&mut self, statement: &StlStatement) {

@@ -39,6 +39,13 @@ pub const WIDE_STRING: u8 = 0x14;
 /// Type code of WCHAR, in a VARIANT.
 pub const WIDE_CHARACTER: u8 = 0x2C;
 
+/// Type codes of ANY pointers that hold the number of a block, a counter or a timer in the place of an address.
+pub const BLOCK_FB: u8 = 0x17;
+pub const BLOCK_FC: u8 = 0x18;
+pub const BLOCK_DB: u8 = 0x19;
+pub const COUNTER: u8 = 0x1C;
+pub const TIMER: u8 = 0x1D;
+
 /// General part of an error code: the source or the destination is shorter than its pointer says.
 const SHORT_READ: u16 = 0x22;
 const SHORT_WRITE: u16 = 0x23;

@@ -133,7 +133,7 @@ impl Visitor for Walk<'_, '_, '_> {
                 Actual::Complex(Complex::Variable(variable)) => self.uses(variable, access),
                 Actual::PointerToComplex { value: Complex::Variable(variable), .. } => self.uses(variable, access),
                 Actual::Number(number) => self.collector.passed_number(number, parameter),
-                Actual::PointerBytes(bytes) => self.collector.pointer(bytes, access, argument.span),
+                Actual::PointerBytes(bytes) => self.collector.pointer(bytes, parameter.passing, access, argument.span),
                 Actual::Value(_)
                 | Actual::Complex(_)
                 | Actual::PointerCopy(_)

@@ -85,7 +85,7 @@ impl Collector<'_> {
             match argument.actual.pointer() {
                 Actual::Place(place) => self.place(place, Self::passed_bits(parameter), access, argument.span),
                 Actual::Number(number) => self.passed_number(number, parameter),
-                Actual::PointerBytes(bytes) => self.pointer(bytes, access, argument.span),
+                Actual::PointerBytes(bytes) => self.pointer(bytes, parameter.passing, access, argument.span),
                 Actual::PointerTo { place, type_code, count } => {
                     let bits = super::pointed_bits(*type_code, *count);
                     self.place(place, bits, access, argument.span);

@@ -1,5 +1,6 @@
 //! The bytes of POINTER, ANY and VARIANT.
 
+use plcc_abi::any;
 use plcc_model::layout::{self, type_code};
 use plcc_model::types::{DataType, ParameterType};
 use plcc_model::{Actual, Parameter, Place, Pointed};
@@ -7,11 +8,6 @@ use plcc_syntax::ast::{BlockPrefix, CellKind};
 
 pub const CODE_BYTE: u8 = 0x02;
 pub const CODE_DATE_AND_TIME: u8 = 0x0E;
-const CODE_BLOCK_FB: u8 = 0x17;
-const CODE_BLOCK_FC: u8 = 0x18;
-const CODE_BLOCK_DB: u8 = 0x19;
-const CODE_COUNTER: u8 = 0x1C;
-const CODE_TIMER: u8 = 0x1D;
 /// First byte of every ANY.
 const ANY_SYNTAX: u8 = 0x10;
 
@@ -74,8 +70,8 @@ pub fn any_bytes(code: u8, count: u16, db: u16, pointer: u32) -> Vec<u8> {
 /// The ANY of a timer or counter.
 pub fn any_number_of_cell(kind: CellKind, number: u16) -> Vec<u8> {
     let code = match kind {
-        CellKind::Timer => CODE_TIMER,
-        CellKind::Counter => CODE_COUNTER,
+        CellKind::Timer => any::TIMER,
+        CellKind::Counter => any::COUNTER,
     };
     any_bytes(code, 1, 0, u32::from(number))
 }
@@ -83,9 +79,9 @@ pub fn any_number_of_cell(kind: CellKind, number: u16) -> Vec<u8> {
 /// The ANY of a block; some kinds do not have one.
 pub fn any_number_of_block(prefix: BlockPrefix, number: u16) -> Option<Vec<u8>> {
     let code = match prefix {
-        BlockPrefix::Fb | BlockPrefix::Sfb => CODE_BLOCK_FB,
-        BlockPrefix::Fc | BlockPrefix::Sfc => CODE_BLOCK_FC,
-        BlockPrefix::Db | BlockPrefix::Di => CODE_BLOCK_DB,
+        BlockPrefix::Fb | BlockPrefix::Sfb => any::BLOCK_FB,
+        BlockPrefix::Fc | BlockPrefix::Sfc => any::BLOCK_FC,
+        BlockPrefix::Db | BlockPrefix::Di => any::BLOCK_DB,
         BlockPrefix::Ob | BlockPrefix::Udt | BlockPrefix::Vat => return None,
     };
     Some(any_bytes(code, 1, 0, u32::from(number)))
