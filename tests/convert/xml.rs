@@ -283,6 +283,7 @@ fn pragmas_come_through() {
 DATA_BLOCK Counts
     VAR
         cycle : Int;
+        since, seconds : LReal;
     END_VAR
 END_DATA_BLOCK
 ORGANIZATION_BLOCK Main
@@ -299,6 +300,20 @@ NETWORK
 END_NETWORK
 //@ assert "Counts".cycle > 0
 //@ sleep 1000
+{ S7_Language := "LAD" }
+NETWORK
+    RUNG wire#powerrail
+        RUNTIME( MEM := "Counts".since, RET_VAL => "Counts".seconds )
+    END_RUNG
+END_NETWORK
+//@ sleep 2000
+{ S7_Language := "LAD" }
+NETWORK
+    RUNG wire#powerrail
+        RUNTIME( MEM := "Counts".since, RET_VAL => "Counts".seconds )
+    END_RUNG
+END_NETWORK
+//@ assert "Counts".seconds > 1.5
 { S7_Language := "SCL" }
 NETWORK
     IF "Counts".cycle < 3 THEN
@@ -328,7 +343,7 @@ END_ORGANIZATION_BLOCK
     let variant = Variant { form: Form::Jit, optimization: Level::O0.into() };
     let outcomes = testing::run(&[TestInput::File(file)], &plan(vec![variant]));
     let results: Vec<_> = outcomes.iter().map(|one| (one.passed, one.failed)).collect();
-    assert_eq!(results, [(4, 0)], "{:?}", outcomes.iter().map(|one| &one.failures).collect::<Vec<_>>());
+    assert_eq!(results, [(5, 0)], "{:?}", outcomes.iter().map(|one| &one.failures).collect::<Vec<_>>());
 }
 
 /// The texts of comments in a document, in its order; those without text are left out.

@@ -9,6 +9,7 @@ use plcc_diag::{Code, Diagnostic, FileId, Span};
 use super::ast::{Expr, ExprKind, Statement, StatementKind};
 use super::{extensions, raw};
 use crate::ast::{Block, Code as BlockCode, Pragma};
+use crate::front::pragma::is_for_file;
 
 /// The statements in a part of a text. `pragmas`: assertions are read.
 pub fn statements(file: FileId, text: &str, range: Range<usize>, pragmas: bool) -> (Vec<Statement>, Vec<Diagnostic>) {
@@ -48,8 +49,8 @@ fn scanned(
             found.extend(body.statements);
         }
     }
-    // Assertions where there is no statement.
-    let alone = parsed.pragmas.into_iter().filter(|pragma| pragma.assert.is_some());
+    // Assertions and pauses where there is no statement.
+    let alone = parsed.pragmas.into_iter().filter(|pragma| !is_for_file(pragma));
     found.extend(alone.map(|pragma| Statement { span: pragma.span, kind: StatementKind::Pragma(pragma) }));
     (found, parsed.diagnostics)
 }
