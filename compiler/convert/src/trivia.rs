@@ -37,6 +37,11 @@ impl<'a> Trivia<'a> {
         Trivia::new("", Vec::new(), false)
     }
 
+    /// The text in which the comments are; empty for a source whose comments are all in its tree.
+    pub fn source(&self) -> &'a str {
+        self.source
+    }
+
     /// The next comments that begin before byte `at`.
     pub fn before(&mut self, at: u32) -> Vec<Remark> {
         let mut found = Vec::new();

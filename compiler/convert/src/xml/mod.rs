@@ -430,6 +430,7 @@ fn code(block: &CodeBlock, before: Vec<String>, library: &Library, ids: &mut Ids
     };
     let interface = interface::of_code(block, library, writer);
     let mut units = Vec::new();
+    let mut after: Vec<String> = Vec::new();
     let language = match &block.code {
         Code::Scl(body) if body.dialect == Dialect::Classic => {
             let title = format!(
@@ -456,6 +457,18 @@ fn code(block: &CodeBlock, before: Vec<String>, library: &Library, ids: &mut Ids
                 let source = stl::statements(&network.statements, block, library, end, writer);
                 units.push(unit("STL", Some(source), network.title.as_deref(), &network.comment, ids));
             }
+            // A block with nothing but assertions has them in a network.
+            let mut remarks = Vec::new();
+            if networks.is_empty() {
+                remarks = writer.trivia.before(block.span.end);
+                remarks.retain(|remark| !writer.is_written(&remark.text));
+            }
+            if remarks.iter().any(|remark| remark.text.starts_with("//@")) {
+                let source = stl::remarks(&remarks, block, library, writer);
+                units.push(unit("STL", Some(source), None, &[], ids));
+            } else {
+                after.extend(remarks.iter().flat_map(|remark| remark.text.lines().map(bare)));
+            }
             "STL"
         }
         Code::Graphic(body) => {
@@ -470,7 +483,7 @@ fn code(block: &CodeBlock, before: Vec<String>, library: &Library, ids: &mut Ids
             "GRAPH"
         }
     };
-    let after = writer.lines_before(block.span.end);
+    after.extend(writer.lines_before(block.span.end));
     let mut list = Node::new("ObjectList").children(units);
     list.children.extend(texts(&block.header, before, after, ids));
     let mut attributes = attributes(&block.name, &block.header, Some(interface), language);

@@ -64,6 +64,8 @@ const WORDS: &[(&str, &str)] = &[
     (")MCR", "BRACK_MCR"),
 ];
 
+const NAMESPACE: &str = "http://www.siemens.com/automation/Openness/SW/NetworkSource/StatementList/v4";
+
 /// The statements of a network. `end`: comments after the last statement and before this byte follow it.
 pub fn statements(
     list: &[Statement],
@@ -72,18 +74,26 @@ pub fn statements(
     end: Option<u32>,
     writer: &mut Writer,
 ) -> Node {
-    let before = (writer.notation, writer.mnemonics);
+    let before = (writer.notation, writer.mnemonics, writer.source);
     (writer.notation, writer.mnemonics) = (Notation::Stl, Mnemonics::En);
+    // A number keeps its digits: a LREAL has more of them than its constant.
+    writer.source = Some(writer.trivia.source()).filter(|source| !source.is_empty()).or(writer.source);
     let mut maker = Maker { block, library, uids: Uids::new(), writer };
-    let mut node = Node::new("StatementList")
-        .with("xmlns", "http://www.siemens.com/automation/Openness/SW/NetworkSource/StatementList/v4");
+    let mut node = Node::new("StatementList").with("xmlns", NAMESPACE);
     for statement in list {
         maker.statement(statement, &mut node);
     }
     if let Some(end) = end {
         maker.remarks(end, &mut node);
     }
-    (writer.notation, writer.mnemonics) = before;
+    (writer.notation, writer.mnemonics, writer.source) = before;
+    node
+}
+
+/// A network of comments.
+pub fn remarks(list: &[Remark], block: &CodeBlock, library: &Library, writer: &mut Writer) -> Node {
+    let mut node = Node::new("StatementList").with("xmlns", NAMESPACE);
+    Maker { block, library, uids: Uids::new(), writer }.rows(list, &mut node);
     node
 }
 
@@ -100,13 +110,15 @@ impl Maker<'_, '_, '_> {
         let mut remarks = self.writer.trivia.before(at);
         // Those of the block and the network are with them.
         remarks.retain(|remark| !self.writer.is_written(&remark.text));
-        for remark in remarks {
-            for line in remark.text.lines() {
-                let mut row = self.numbered("StlStatement");
-                row.push(self.comment(line));
-                row.push(self.numbered("StlToken").with("Text", "COMMENT"));
-                list.push(row);
-            }
+        self.rows(&remarks, list);
+    }
+
+    fn rows(&mut self, remarks: &[Remark], list: &mut Node) {
+        for line in remarks.iter().flat_map(|remark| remark.text.lines()) {
+            let mut row = self.numbered("StlStatement");
+            row.push(self.comment(line));
+            row.push(self.numbered("StlToken").with("Text", "COMMENT"));
+            list.push(row);
         }
     }
 

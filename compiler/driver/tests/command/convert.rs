@@ -228,6 +228,25 @@ fn comments_of_exports_reach_projects() {
     assert_eq!(convert("c.xml", "plcopen"), project);
 }
 
+/// Assertions of STL are in the XML where they were, also where a network or a block has nothing else; numbers keep their digits.
+#[test]
+fn assertions_of_stl_become_xml() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "//@ cpu s7-1500\nFUNCTION \"Take\" : VOID\nVAR_INPUT\n  share : LREAL;\nEND_VAR\nBEGIN\n\
+                  //@ assert #share == 0.123456789\nEND_FUNCTION\nORGANIZATION_BLOCK OB 1\nBEGIN\nNETWORK\n\
+                  //@ assert MW10 == 0\n      L     1;\n      T     MW 10;\n      CALL  \"Take\" (share := 0.123456789);\nNETWORK\n\
+                  //@ assert MW10 == 1\n      T     MW 12;\n// the end\nNETWORK\n//@ assert MW12 == 1\nEND_ORGANIZATION_BLOCK\n";
+    fs::write(folder.join("a.stl"), source).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "a.stl", "--to", "xml", "-o", "a.xml"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    for name in ["a.stl", "a.xml"] {
+        let tested = plcc(folder, &["test", name]);
+        let said = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
+        assert!(said.contains("4 passed, 0 failed"), "{name}: {said}");
+    }
+}
+
 /// The comment of a network is in the texts of the networks, and not once more before it.
 #[test]
 fn comments_of_networks_are_written_once() {

@@ -8,8 +8,8 @@ use plcc_diag::{Diagnostic, FileId};
 
 use super::mnemonics::Detected;
 use super::{Mnemonics, raw};
-use crate::ast::{Block, Statement};
-use crate::front;
+use crate::ast::{Block, Statement, StatementKind};
+use crate::front::{self, pragma::is_for_file};
 
 /// The statements in a part of a text. `pragmas`: assertions are read.
 pub fn statements(file: FileId, text: &str, range: Range<usize>, pragmas: bool) -> (Vec<Statement>, Vec<Diagnostic>) {
@@ -23,6 +23,10 @@ pub fn statements(file: FileId, text: &str, range: Range<usize>, pragmas: bool) 
             let networks = block.networks().to_vec();
             found.extend(networks.into_iter().flat_map(|network| network.statements));
         }
+    }
+    // Assertions and pauses where there is no statement.
+    for pragma in parsed.pragmas.into_iter().filter(|pragma| !is_for_file(pragma)) {
+        found.push(Statement { label: None, span: pragma.span, kind: StatementKind::Pragma(pragma) });
     }
     (found, parsed.diagnostics)
 }
