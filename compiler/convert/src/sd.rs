@@ -10,7 +10,7 @@ use std::collections::{HashMap, HashSet};
 use plcc_diag::Diagnostic;
 use plcc_syntax::ast::{Block, Code, CodeBlock, CodeKind, DataBlock, DataContent, Header, SourceUnit, TypeBlock};
 use plcc_syntax::network::ast::{
-    Comparison, Content, Element, Eno, Graph, Language, NetId, Network, Pin, PinValue, Source, Storage, Target,
+    Comparison, Content, Element, Eno, Graph, Language, Net, NetId, Network, Pin, PinValue, Source, Storage, Target,
     TemplateKey,
 };
 use plcc_syntax::network::elements::{Kind, Row};
@@ -231,6 +231,7 @@ impl Writer<'_> {
 
     fn rungs(&mut self, graph: &Graph, language: Language) {
         let wires = Wires::new(graph);
+        let crossed = crossed(graph);
         let mut rung: Option<Rung> = None;
         for (at, element) in graph.elements.iter().enumerate() {
             let flow = flow_pin(element).map(|pin| (&pin.value, pin.negated));
@@ -273,7 +274,27 @@ impl Writer<'_> {
                 PinValue::Operand(_) | PinValue::Open => None,
             });
             current.fed = current.out.is_none();
-            self.remarks_before(element.span.start);
+            let mut remarks = self.trivia.before(element.span.start);
+            remarks.retain(|remark| !self.is_written(&remark.text));
+            let asserts = remarks.iter().any(|remark| remark.text.starts_with("//@"));
+            if asserts && at > 0 && !joined && !crossed[at] {
+                // An assertion stands between networks.
+                self.out.dedent();
+                self.out.line("END_NETWORK");
+                self.out.remarks(&remarks);
+                self.out.line(format!(
+                    "{{ S7_Language := \"{}\" }}",
+                    if language == Language::Lad { "LAD" } else { "FBD" }
+                ));
+                self.out.line("NETWORK");
+                self.out.indent();
+            } else {
+                if asserts && at > 0 {
+                    let title = "an assertion before this element stands inside its network, where `plcc test` does not read it";
+                    self.warn(element.span, title, "move it after the network, or end the logic before it with SET");
+                }
+                self.out.remarks(&remarks);
+            }
             rung = Some(current);
         }
         if let Some(rung) = rung.take() {
@@ -490,6 +511,38 @@ impl Wires {
     fn is_only(&self, graph: &Graph, net: NetId) -> bool {
         graph.net(net).sources.len() == 1 && self.uses.get(&net.0) == Some(&1)
     }
+}
+
+/// For each element, whether a wire of an element before it goes on to it or past it: the network cannot be divided there.
+fn crossed(graph: &Graph) -> Vec<bool> {
+    let is_rail = |net: &Net| matches!(net.sources[..], [Source::Rail]);
+    let is_of_pins = |net: &Net| net.sources.iter().all(|source| matches!(source, Source::Pin { .. }));
+    if !graph.nets.iter().all(|net| is_rail(net) || is_of_pins(net)) {
+        return vec![true; graph.elements.len()];
+    }
+    // The first and the last element at each net.
+    let mut reach: Vec<Option<(usize, usize)>> = vec![None; graph.nets.len()];
+    for (at, element) in graph.elements.iter().enumerate() {
+        for pin in &element.pins {
+            if let PinValue::Net(net) = pin.value
+                && !is_rail(graph.net(net))
+                && let Some(slot) = reach.get_mut(net.0 as usize)
+            {
+                *slot = Some((slot.map_or(at, |(first, _)| first), at));
+            }
+        }
+    }
+    let mut ends = vec![0_usize; graph.elements.len()];
+    for (first, last) in reach.into_iter().flatten() {
+        ends[first] = ends[first].max(last);
+    }
+    let mut furthest = 0;
+    let is_crossed = ends.iter().enumerate().map(|(at, end)| {
+        let crossed = at > 0 && furthest >= at;
+        furthest = furthest.max(*end);
+        crossed
+    });
+    is_crossed.collect()
 }
 
 fn is_not(element: &Element) -> bool {

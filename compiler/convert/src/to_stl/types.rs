@@ -111,6 +111,15 @@ impl<'a> Types<'a> {
         called.sections.iter().find(has).map(|section| section.kind)
     }
 
+    /// The type of a parameter of the block that is called, if it is elementary.
+    pub fn formal(&self, call: &Call, parameter: &str, block: &CodeBlock) -> Option<Elementary> {
+        let name = key(&self.called(call, block)?);
+        let called = self.blocks.get(&name).or_else(|| self.blocks.get(self.other_names.get(&name)?))?;
+        let mut variables = called.sections.iter().flat_map(|section| &section.variables);
+        let formal = variables.find(|variable| variable.name.eq_ignore_ascii_case(parameter))?;
+        self.part(&formal.ty, &[])
+    }
+
     /// The element for a call of a function block that editors have as one, such as TON.
     pub fn row_of(&self, call: &Call, block: &CodeBlock) -> Option<&'static Row> {
         let BlockName::Symbol { name, .. } = self.called(call, block)? else { return None };

@@ -247,6 +247,49 @@ fn assertions_of_stl_become_xml() {
     }
 }
 
+/// In LAD and FBD assertions stand between networks: a network of STL with assertions among its statements is divided.
+#[test]
+fn assertions_divide_networks() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "//@ cpu 315-2DP\nORGANIZATION_BLOCK OB 1\nBEGIN\nNETWORK\nTITLE =two values\n      L     W#16#1234\n      T     MW 10\n\
+                  //@ assert MB 10 == B#16#12\n//@ assert MB 11 == B#16#34\n      AN    M 20.0\n      =     M 20.1\n      =     M 20.2\n\
+                  //@ assert MB 20 == B#16#06\n// the end\n      SET\n      S     M 30.0\nEND_ORGANIZATION_BLOCK\n";
+    fs::write(folder.join("a.stl"), source).expect("the folder can be written");
+    for to in ["lad", "fbd"] {
+        let name = format!("{to}.s7dcl");
+        let made = plcc(folder, &["convert", "a.stl", "--to", to, "-o", &name]);
+        assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+        let tested = plcc(folder, &["test", &name]);
+        let written = fs::read_to_string(folder.join(&name)).expect("it is written");
+        let said = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
+        assert!(said.contains("3 passed, 0 failed"), "{said}{written}");
+        assert_eq!(written.matches("S7_NetworkTitle").count(), 1, "{written}");
+    }
+    // The signal goes on after the assertion.
+    fs::write(folder.join("b.stl"), source.replace("      SET\n", "")).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "b.stl", "--to", "lad", "-o", "b.s7dcl"]);
+    assert!(text(&made.stderr).contains("stands inside its network"), "{}", text(&made.stderr));
+}
+
+/// A number at a LREAL stays a LREAL; with more digits than a constant of a statement has, it is refused.
+#[test]
+fn long_numbers_in_networks() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "//@ cpu s7-1500\nFUNCTION \"Take\" : VOID\nVAR_INPUT\n  share : LREAL; ratio : REAL;\nEND_VAR\nBEGIN\n\
+                  END_FUNCTION\nORGANIZATION_BLOCK OB 1\nBEGIN\nNETWORK\n\
+                  \x20     CALL  \"Take\" (share := 0.1, ratio := 0.1);\nEND_ORGANIZATION_BLOCK\n";
+    fs::write(folder.join("a.stl"), source).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "a.stl", "--to", "lad"]);
+    let written = text(&made.stdout);
+    assert!(written.contains("share := LREAL#0.1, ratio := REAL#0.1"), "{written}{}", text(&made.stderr));
+    fs::write(folder.join("b.stl"), source.replace("0.1,", "0.123456789,")).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "b.stl", "--to", "lad"]);
+    assert_eq!(made.status.code(), Some(3), "{}", text(&made.stdout));
+    assert!(text(&made.stderr).contains("more than six digits at a LREAL"), "{}", text(&made.stderr));
+}
+
 /// The comment of a network is in the texts of the networks, and not once more before it.
 #[test]
 fn comments_of_networks_are_written_once() {

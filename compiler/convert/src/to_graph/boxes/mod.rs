@@ -6,10 +6,13 @@ mod cells;
 mod operations;
 mod overlap;
 
+use plcc_diag::Span;
 use plcc_syntax::Elementary;
 use plcc_syntax::ast::{self, Operand, OperandKind, SectionKind, Statement, StatementKind, StatusOperand};
+use plcc_syntax::literal::Literal;
 use plcc_syntax::network::ast::{Eno, Pin, PinValue, Target, Template, TemplateKey};
 use plcc_syntax::network::elements::PinDirection;
+use plcc_syntax::scl::ast::{Expr, ExprKind, Literal as SclLiteral};
 use plcc_syntax::stl::StlInsn;
 
 use super::drawing::{Reason, Signal, pin};
@@ -317,6 +320,11 @@ impl Reader<'_> {
             }
             let mut made = operand_pin(&parameter.name, actual, None, is_output)?;
             made.span = parameter.name_span;
+            if let OperandKind::Literal(Literal::Real(number)) = actual.kind
+                && self.types.formal(call, &parameter.name, self.block) == Some(Elementary::Lreal)
+            {
+                made.value = PinValue::Operand(long_real(number, actual.span)?);
+            }
             pins.push(made);
         }
         // A function in STL looks at its operands themselves, a box at what they were before the call.
@@ -368,6 +376,20 @@ fn tail(rest: &[&Statement]) -> Tail {
 }
 
 /// A pin with an operand; `ty`: that of a constant.
+/// A number at a LREAL. The constant of a statement has the digits of a REAL; up to six of them are all that the author wrote.
+fn long_real(number: f32, span: Span) -> Result<Expr, Reason> {
+    let text = format!("{number:e}");
+    let digits = text.split('e').next().unwrap_or_default().chars().filter(char::is_ascii_digit).count();
+    match text.parse::<f64>() {
+        Ok(value) if digits <= 6 => {
+            let literal = SclLiteral::Typed { ty: Elementary::Lreal, bits: value.to_bits() };
+            // Without text of its own: the notation of the source is another one.
+            Ok(Expr { kind: ExprKind::Literal(literal), span: Span { end: span.start, ..span } })
+        }
+        _ => Err("a number with more than six digits at a LREAL".to_string()),
+    }
+}
+
 fn operand_pin(name: &str, operand: &Operand, ty: Option<&str>, output: bool) -> Result<Pin, Reason> {
     let value = expression(operand)?;
     let value = ty.map_or(value.clone(), |ty| typed(value, ty));
