@@ -207,7 +207,9 @@ fn constants_that_networks_would_change_are_refused() {
 /// What statements do with bits that a box does not do: no network is drawn of them.
 #[test]
 fn constants_that_networks_would_extend_are_refused() {
-    const REFUSED: [(&str, &str); 8] = [
+    const REFUSED: [(&str, &str); 10] = [
+        ("L DIW 0; T MW 20;", "the open instance data block"),
+        ("A I 0.0; S DIX 2.0;", "the open instance data block"),
         ("L -5; T MD 20;", "a constant to an operand of another type"),
         ("L 300; T MB 20;", "a constant to an operand of another type"),
         ("L L#70000; T MW 20;", "a constant to an operand of another type"),

@@ -20,8 +20,8 @@ pub(crate) use operand::constant;
 use plcc_diag::{Diagnostic, Span};
 use plcc_syntax::ast::{self, Block, CodeBlock, SourceUnit};
 use plcc_syntax::front::Comment;
-use plcc_syntax::network::ast::{Body, Content, Graph, Language, Network};
-use plcc_syntax::scl::ast::Name;
+use plcc_syntax::network::ast::{Body, Content, Graph, Language, Network, PinValue, Source};
+use plcc_syntax::scl::ast::{Expr, ExprKind, Name};
 
 use crate::frames::bare;
 use crate::to_stl::types::Types;
@@ -63,6 +63,7 @@ pub fn block(
         match statements::graph(network, (block, &jumps), types, language, (span, false)) {
             Ok(drawn) => {
                 notes.extend(drawn.notes);
+                messages.extend(of_open_instance(&drawn.graph, language));
                 body.networks.push(made(network, language, drawn.labels, drawn.graph, span));
             }
             Err(found) => messages.extend(found),
@@ -72,6 +73,22 @@ pub fn block(
         return Err(messages);
     }
     Ok(CodeBlock { code: ast::Code::Graphic(body), ..block.clone() })
+}
+
+/// The first address in the open instance data block, `DIW 0`, which pictures show and files of networks do not have.
+fn of_open_instance(graph: &Graph, language: Language) -> Option<Diagnostic> {
+    let is_such =
+        |value: &Expr| matches!(value.kind, ExprKind::Absolute(ast::OperandKind::Absolute { area: ast::Area::Di, .. }));
+    let pins = graph.elements.iter().flat_map(|element| &element.pins).filter_map(|pin| match &pin.value {
+        PinValue::Operand(value) => Some((value, pin.span)),
+        PinValue::Net(_) | PinValue::Open => None,
+    });
+    let sources = graph.nets.iter().flat_map(|net| &net.sources).filter_map(|source| match source {
+        Source::Operand { value, .. } => Some((value, value.span)),
+        Source::Rail | Source::Pin { .. } | Source::Net(_) => None,
+    });
+    let (_, span) = pins.chain(sources).find(|(value, _)| is_such(value))?;
+    Some(statements::refusal(span, "an address in the open instance data block", language))
 }
 
 /// The comments of a source that are not those of its networks, which the tree has.

@@ -72,7 +72,7 @@ pub fn graph(
     Ok(Drawn { labels: reader.labels, graph: reader.drawing.graph, notes: reader.notes })
 }
 
-fn refusal(span: Span, reason: &str, language: Language) -> Diagnostic {
+pub(super) fn refusal(span: Span, reason: &str, language: Language) -> Diagnostic {
     let name = if language == Language::Fbd { "FBD" } else { "LAD" };
     Diagnostic::new(Code::NotConverted, span, format!("{name} has no form for {reason}"))
         .label("cannot be drawn")
