@@ -226,3 +226,24 @@ fn wires_at_operands_have_their_places() {
         assert_eq!((wires(true, place), wires(false, place)), (1, 0), "{place}");
     }
 }
+
+/// The value of a box that another box of its own rung reads: a name at the output and one at the input, and no line besides.
+#[test]
+fn values_between_rungs_have_their_name_at_the_pins() {
+    let of_box = |value: Pin| {
+        let look = Look::Box { title: "ADD".to_string(), detail: "DInt".to_string(), instance: None };
+        let pins = vec![pin("EN", Place::Side, false, Link::Net(0)), value, pin("IN2", Place::Side, false, operand(2))];
+        Part { look, meaning: Meaning::Other, pins, flow_in: Some(0), flow_out: None, place: None, statement: None }
+    };
+    let reads = || of_box(pin("IN1", Place::Side, false, Link::Net(1)));
+    for readers in 1..3 {
+        let mut parts = vec![of_box(pin("OUT", Place::Side, true, Link::Net(1)))];
+        parts.extend((0..readers).map(|_| reads()));
+        let mut sheet = finished(parts, 2);
+        let scene = ladder::draw(&mut sheet, 900);
+        check("LAD", &scene, &sheet);
+        let drawn = plcc_view::svg::file(&scene, None);
+        let count = |text: &str| drawn.matches(text).count();
+        assert_eq!((count("»w1"), count("w1»"), count("??")), (1, readers, 0), "{drawn}");
+    }
+}

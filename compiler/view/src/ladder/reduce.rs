@@ -136,7 +136,15 @@ impl<'a> Reducer<'a> {
                 None => graph.tails[from].push(Tail { block: Block::Series(items), order: at, depth: 0 }),
             }
         }
-        for (net, name) in started {
+        // A line begins again for those that follow it; pins that read a value show its name themselves.
+        let goes_on = |net: usize| {
+            let follows = |(part, pin): &(usize, usize)| {
+                parts.contains(part) && !claimed.contains(part) && self.sheet.parts[*part].flow_in == Some(*pin)
+            };
+            self.readers[net].iter().any(follows) || !self.fed[net].is_empty() || goal == Some(net)
+        };
+        let begun: HashSet<usize> = started.iter().map(|(net, _)| *net).collect();
+        for (net, name) in started.into_iter().filter(|(net, _)| goes_on(*net)) {
             let items = vec![(Block::Connector { name, goes_on: true, label: None }, Some(net))];
             graph.add(Edge { from: root_net, to: net, items, order: 0, depth: 0 });
         }
@@ -164,7 +172,16 @@ impl<'a> Reducer<'a> {
                 }
             }
         }
-        for &net in &named {
+        // The output of a box has the name already.
+        let is_led = |net: usize| {
+            let writes = |at: &usize| {
+                let part = &self.sheet.parts[*at];
+                parts.contains(at) && part.net(part.flow_out) == Some(net)
+            };
+            let is_other = |source: &Source| !matches!(source, Source::Pin { .. });
+            self.writers[net].iter().any(writes) || self.sheet.nets[net].sources.iter().any(is_other)
+        };
+        for &net in named.iter().filter(|net| !begun.contains(*net) || is_led(**net)) {
             let order = self.readers[net].iter().map(|(part, _)| *part).min().unwrap_or(usize::MAX);
             let block = Block::Connector { name: self.sheet.nets[net].name.clone(), goes_on: false, label: None };
             let from = start(self, net);
@@ -378,7 +395,12 @@ impl<'a> Reducer<'a> {
                 Link::Operand(_) | Link::Open => true,
             })
         };
+        // Each of them is on a line that comes from the output: a box with another line into EN stands in its own rung.
+        let is_on_line = |part: &usize| {
+            let part = &self.sheet.parts[*part];
+            part.net(part.flow_in).is_some_and(|from| nets.contains(&from))
+        };
         let alone = |other: &usize| *other == net || self.writers[*other].iter().all(|part| found.contains(part));
-        (found.iter().all(inside) && nets.iter().all(alone)).then_some(found)
+        (found.iter().all(inside) && found.iter().all(is_on_line) && nets.iter().all(alone)).then_some(found)
     }
 }
