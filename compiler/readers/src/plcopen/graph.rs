@@ -509,11 +509,28 @@ impl Build<'_, '_, '_> {
         };
         let is_word = |at: &usize| {
             let text = self.objects[*at].text.clone().and_then(|range| self.reader.overlay.get(range));
-            text.is_some_and(|text| self.body.words.contains(&text.trim().to_lowercase()))
+            text.is_some_and(|text| self.body.words.contains(&text.trim().to_lowercase()) || is_word_constant(text))
         };
         let mut inputs = object.inputs.iter().flat_map(|input| &input.from).map(|(at, _)| at);
         inputs.any(is_word).then(|| elements::find_sd(word).map(|(row, _)| row))?
     }
+}
+
+/// `WORD#16#F`, or a number that is no BOOL, `16#FF0F`.
+fn is_word_constant(text: &str) -> bool {
+    let text = text.trim().to_ascii_uppercase();
+    if ["BYTE#", "WORD#", "DWORD#", "LWORD#"].iter().any(|word| text.starts_with(word)) {
+        return true;
+    }
+    let digits = text.replace('_', "");
+    let number = match digits.split_once('#') {
+        Some(("2", digits)) => u64::from_str_radix(digits, 2),
+        Some(("8", digits)) => u64::from_str_radix(digits, 8),
+        Some(("16", digits)) => u64::from_str_radix(digits, 16),
+        Some(_) => return false,
+        None => digits.parse(),
+    };
+    number.is_ok_and(|number| number > 1)
 }
 
 /// `IN3` and above.
