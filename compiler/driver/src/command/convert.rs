@@ -88,8 +88,9 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
     // What only warns about the source stays as it is.
     messages.retain(Diagnostic::is_error);
     let mut files = Vec::new();
+    let told = companions::cpu_of_pragmas(&parsed).filter(|name| profile::lookup(name).is_some());
     let program = match messages.is_empty() && has_scl_for_stl(to, &parsed) {
-        true => match bound(args, &parsed, Some("s7-300")) {
+        true => match bound(args, &parsed, Some(told.unwrap_or("s7-300"))) {
             Ok(bound) => Some(bound.program),
             Err(code) => return code,
         },
@@ -103,7 +104,7 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
             library.add_system(plcc_program::system_members);
         }
         let project = parsed.project.as_ref().and_then(|project| project.cpu.as_ref());
-        let cpu = args.cpu.as_deref().or(project.map(|(name, _)| name.as_str()));
+        let cpu = args.cpu.as_deref().or(project.map(|(name, _)| name.as_str())).or(told);
         let profile = cpu.and_then(profile::lookup);
         let keeps_br = profile.is_some_and(|profile| matches!(profile.family, Family::S7300 | Family::S7400));
         for (id, unit) in &parsed.units {

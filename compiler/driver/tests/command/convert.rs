@@ -522,6 +522,26 @@ fn tags_among_exported_blocks_stay() {
     }
 }
 
+/// The CPU that a source names in a pragma decides what its statements mean, as it does for `plcc test`.
+#[test]
+fn scl_for_the_cpu_of_its_pragma_becomes_stl_for_it() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "//@ cpu s7-1500\nORGANIZATION_BLOCK \"Main\"\n{ S7_Optimized_Access := 'TRUE' }\nVERSION : 0.1\nVAR_TEMP\n  w : Word;\n  \
+                  i : Int;\n  d : DInt;\nEND_VAR\nBEGIN\n  #w := 16#FFFF;\n  #i := 1;\n  #d := #w + #i;\n  //@ assert #d == L#65536\n\
+                  END_ORGANIZATION_BLOCK\n";
+    fs::write(folder.join("a.scl"), source).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "a.scl", "--to", "stl", "-o", "a.stl"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let tested = plcc(folder, &["test", "a.stl"]);
+    assert_eq!(tested.status.code(), Some(0), "{}{}", text(&tested.stdout), text(&tested.stderr));
+    // An S7-1200 has no STL.
+    fs::write(folder.join("b.scl"), source.replace("s7-1500", "1214C")).expect("the folder can be written");
+    let refused = plcc(folder, &["convert", "b.scl", "--to", "stl"]);
+    assert_eq!(refused.status.code(), Some(3), "{}", text(&refused.stdout));
+    assert!(text(&refused.stderr).contains("S7-1200"), "{}", text(&refused.stderr));
+}
+
 #[test]
 fn scl_as_stl_does_the_same() {
     let folder = tempfile::tempdir().expect("a temporary folder");

@@ -80,8 +80,8 @@ fn settings(args: &ConvertArgs, parsed: &pipeline::Parsed, to: Option<ConvertTo>
         };
         text = format!("mnemonics = \"{set}\"\n{text}");
     }
-    let names_cpu = parsed.project.as_ref().is_some_and(|project| project.cpu.is_some())
-        || parsed.units.iter().any(|(file, _)| parsed.sources.file(*file).text.lines().any(is_pragma_of_cpu));
+    let names_cpu =
+        parsed.project.as_ref().is_some_and(|project| project.cpu.is_some()) || cpu_of_pragmas(parsed).is_some();
     // Statement lists and charts of S7-GRAPH imply an S7-300, others a CPU of the TIA Portal.
     let implies_another = match to {
         None | Some(ConvertTo::Stl | ConvertTo::Gr7 | ConvertTo::Awl | ConvertTo::Plcopen) => false,
@@ -95,11 +95,16 @@ fn settings(args: &ConvertArgs, parsed: &pipeline::Parsed, to: Option<ConvertTo>
     Ok(text)
 }
 
-/// `//@ cpu 315-2DP`, or the same in a comment of an export.
-fn is_pragma_of_cpu(line: &str) -> bool {
+/// The CPU of the first source that names one.
+pub(super) fn cpu_of_pragmas(parsed: &pipeline::Parsed) -> Option<&str> {
+    parsed.units.iter().find_map(|(file, _)| parsed.sources.file(*file).text.lines().find_map(cpu_of_pragma))
+}
+
+/// The name in `//@ cpu 315-2DP`, or in the same in a comment of an export.
+fn cpu_of_pragma(line: &str) -> Option<&str> {
     let line = line.trim_start();
-    let text = line.strip_prefix("//@").or_else(|| line.strip_prefix("<!--@"));
-    text.is_some_and(|text| text.split_whitespace().next() == Some("cpu"))
+    let text = line.strip_prefix("//@").or_else(|| line.strip_prefix("<!--@")?.trim_end().strip_suffix("-->"))?;
+    text.trim().strip_prefix("cpu")?.strip_prefix(char::is_whitespace).map(str::trim)
 }
 
 fn text_of(path: &Path) -> Result<String, u8> {
