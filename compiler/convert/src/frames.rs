@@ -11,6 +11,7 @@ use crate::operand;
 use crate::scl::expression;
 use crate::to_stl::types::elementary;
 use crate::writer::{Notation, Writer};
+use crate::xml::cased;
 use crate::{literal, names};
 
 impl Writer<'_> {
@@ -317,6 +318,9 @@ impl Writer<'_> {
 
     /// A type; of a structure only `STRUCT`, with the dimensions of an array of structures.
     pub(crate) fn type_text(&mut self, ty: &TypeRef) -> String {
+        if self.notation == Notation::Sd {
+            return self.sd_type_text(ty);
+        }
         match &ty.kind {
             TypeKind::Named(name) => name.clone(),
             TypeKind::String(None) => "STRING".to_string(),
@@ -337,6 +341,37 @@ impl Writer<'_> {
                 self.needs_scl(ty.span, "a reference");
                 format!("REF_TO {}", self.type_text(target))
             }
+            TypeKind::Struct(_) => "STRUCT".to_string(),
+            TypeKind::Block(name) => self.block_name(name),
+            TypeKind::Error => {
+                self.refuse(ty.span, "a type that was not understood", "repair the source first");
+                String::new()
+            }
+        }
+    }
+
+    /// A type as documents of SIMATIC SD have it: names as the author wrote them, otherwise as the TIA Portal does.
+    fn sd_type_text(&mut self, ty: &TypeRef) -> String {
+        match &ty.kind {
+            TypeKind::Named(name) => {
+                let text = self.source.and_then(|source| source.get(ty.span.range())).map(str::trim);
+                let own = text.filter(|text| text.eq_ignore_ascii_case(name));
+                own.map_or_else(|| cased(name), str::to_string)
+            }
+            TypeKind::String(None) => "String".to_string(),
+            TypeKind::String(Some(length)) => format!("String[{}]", self.bound(length)),
+            TypeKind::WideString(None) => "WString".to_string(),
+            TypeKind::WideString(Some(length)) => format!("WString[{}]", self.bound(length)),
+            TypeKind::Array { bounds, element } => {
+                let list: Vec<String> =
+                    bounds.iter().map(|(low, high)| format!("{}..{}", self.bound(low), self.bound(high))).collect();
+                format!("Array[{}] of {}", list.join(", "), self.sd_type_text(element))
+            }
+            TypeKind::OpenArray { dimensions, element } => {
+                let stars = vec!["*"; usize::from(*dimensions)].join(", ");
+                format!("Array[{stars}] of {}", self.sd_type_text(element))
+            }
+            TypeKind::Reference(target) => format!("REF_TO {}", self.sd_type_text(target)),
             TypeKind::Struct(_) => "STRUCT".to_string(),
             TypeKind::Block(name) => self.block_name(name),
             TypeKind::Error => {

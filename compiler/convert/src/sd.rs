@@ -92,7 +92,7 @@ impl Writer<'_> {
         self.sd_header(&block.header, texts);
         let returns = match (&block.return_type, block.kind) {
             (Some(ty), _) => format!(" : {}", self.type_text(ty)),
-            (None, CodeKind::Fc | CodeKind::Sfc) => " : VOID".to_string(),
+            (None, CodeKind::Fc | CodeKind::Sfc) => " : Void".to_string(),
             (None, CodeKind::Ob | CodeKind::Fb | CodeKind::Sfb) => String::new(),
         };
         let name = document_name(&block.name);

@@ -19,6 +19,8 @@ mod stl;
 mod system;
 mod wires;
 
+pub(crate) use interface::cased;
+
 use std::collections::HashMap;
 
 use plcc_diag::Diagnostic;

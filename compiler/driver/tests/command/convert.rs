@@ -290,6 +290,55 @@ fn long_numbers_in_networks() {
     assert!(text(&made.stderr).contains("more than six digits at a LREAL"), "{}", text(&made.stderr));
 }
 
+/// A document of SIMATIC SD comes back as the same text up to white space, with types in the letters of its author.
+#[test]
+fn documents_come_back_as_they_were() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = r#"TYPE
+    Point : STRUCT
+        x : Array[0..15] of Bool;
+        name : String[8];
+    END_STRUCT;
+END_TYPE
+
+FUNCTION_BLOCK Lamp
+    VAR_INPUT
+        start : Bool;
+        place : Point;
+        wait : TON_TIME;
+        names : Array[0..3] of String[8];
+    END_VAR
+    { S7_Language := "LAD" }
+    NETWORK
+        RUNG wire#powerrail  Contact( #start )  Coil( %Q0.0 )  END_RUNG
+    END_NETWORK
+END_FUNCTION_BLOCK
+
+DATA_BLOCK Lamp_DB : Lamp
+END_DATA_BLOCK
+
+FUNCTION Nothing : Void
+    { S7_Language := "FBD" }
+    NETWORK
+        RUNG %I0.0  Coil( %Q0.1 )  END_RUNG
+    END_NETWORK
+END_FUNCTION
+"#;
+    fs::write(folder.join("a.s7dcl"), source).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "a.s7dcl", "--to", "sd"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let written = text(&made.stdout);
+    let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert_eq!(words(&written), words(source), "{written}");
+    // Names of types in other sources have the letters of the TIA Portal.
+    let stl = "FUNCTION FC 1 : VOID\nVAR_TEMP\n  n : DINT; t : ARRAY [0..3] OF WORD;\nEND_VAR\nBEGIN\nNETWORK\n      SET\n      =     M 0.0\n\
+               END_FUNCTION\n";
+    fs::write(folder.join("b.stl"), stl).expect("the folder can be written");
+    let written = text(&plcc(folder, &["convert", "b.stl", "--to", "lad"]).stdout);
+    assert!(written.contains("n : DInt;") && written.contains("t : Array[0..3] of Word;"), "{written}");
+}
+
 /// The comment of a network is in the texts of the networks, and not once more before it.
 #[test]
 fn comments_of_networks_are_written_once() {
