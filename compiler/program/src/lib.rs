@@ -11,6 +11,7 @@ mod bind;
 mod modules;
 
 pub use bind::{
-    bind, complete, implied_profile, is_about_drafts, is_s7200, library_interface, runs, system_members, tables,
+    bind, block_of_file, complete, implied_profile, is_about_drafts, is_s7200, library_interface, runs, system_members,
+    tables,
 };
 pub use modules::check_modules;

@@ -32,7 +32,7 @@ use plcc_syntax::ast::{
 use plcc_syntax::network::ast::{Content, Language, Network};
 use plcc_syntax::scl::ast::Dialect;
 use plcc_syntax::stl::Mnemonics;
-use plcc_syntax::symbols::{SymbolTable, SymbolTarget};
+use plcc_syntax::symbols::{SymbolTable, SymbolTarget, parse_address};
 
 use crate::frames::bare;
 use crate::node::{self, Node};
@@ -78,7 +78,7 @@ impl Library {
                         CodeKind::Sfb => BlockPrefix::Sfb,
                     };
                     if let BlockName::Symbol { name, .. } = &block.name
-                        && let Some(number) = number_in(&block.header)
+                        && let Some(number) = number_in(&block.header).or_else(|| number_of(name, prefix))
                     {
                         library.names.insert((prefix, number), name.clone());
                     }
@@ -317,6 +317,14 @@ fn attribute<'h>(header: &'h Header, names: &[&str]) -> Option<&'h str> {
 /// The number that a header says.
 fn number_in(header: &Header) -> Option<u32> {
     header.number.or_else(|| attribute(header, &["S7_BlockNumber"]).and_then(|number| number.trim().parse().ok()))
+}
+
+/// The number in a name such as `FC10`.
+fn number_of(name: &str, prefix: BlockPrefix) -> Option<u32> {
+    match parse_address(name)? {
+        SymbolTarget::Block { prefix: named, number } if named == prefix => Some(number),
+        SymbolTarget::Block { .. } | SymbolTarget::Memory { .. } | SymbolTarget::Cell { .. } => None,
+    }
 }
 
 /// The attributes that all objects have.

@@ -21,7 +21,7 @@ use plcc_readers::plcopen;
 use plcc_readers::simatic_ml::{self, Remarks};
 use plcc_readers::xml::XmlKind;
 use plcc_runtime::files::writable;
-use plcc_syntax::ast::{Block, Code, SourceUnit};
+use plcc_syntax::ast::{Block, BlockName, BlockPrefix, Code, CodeKind, SourceUnit};
 use plcc_syntax::network::ast::Language as Graphic;
 use plcc_syntax::stl::{self, Mnemonics};
 use plcc_syntax::symbols::SymbolTable;
@@ -84,6 +84,9 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
     let unreadable = read.is_unreadable();
     let tables = companions::tables(&read);
     let mut parsed = pipeline::parse(read, &pipeline::Settings::default());
+    if to != ConvertTo::Stl {
+        name_by_files(&mut parsed);
+    }
     let mut messages = std::mem::take(&mut parsed.diagnostics);
     // What only warns about the source stays as it is.
     messages.retain(Diagnostic::is_error);
@@ -175,6 +178,35 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
         Err(code) => return code,
     };
     store(args, Some(to.extension()), &files, &companions).err().unwrap_or(exit::OK)
+}
+
+/// Statements without a header are the block that the name of their file states, `FC19_Count.awl`. Only statement lists are written
+/// without headers.
+fn name_by_files(parsed: &mut pipeline::Parsed) {
+    for (file, unit) in &mut parsed.units {
+        let name = &parsed.sources.file(*file).name;
+        let stem = Path::new(name).file_stem().unwrap_or_default().to_string_lossy();
+        let Some((prefix, number)) = plcc_program::block_of_file(&stem) else { continue };
+        for block in &mut unit.blocks {
+            if let Block::Code(code) = block
+                && let BlockName::Numbered { prefix: BlockPrefix::Ob, number: 1, span } = code.name
+                && span.start == span.end
+            {
+                code.kind = match prefix {
+                    BlockPrefix::Fc => CodeKind::Fc,
+                    BlockPrefix::Fb => CodeKind::Fb,
+                    BlockPrefix::Ob
+                    | BlockPrefix::Sfc
+                    | BlockPrefix::Sfb
+                    | BlockPrefix::Db
+                    | BlockPrefix::Di
+                    | BlockPrefix::Udt
+                    | BlockPrefix::Vat => CodeKind::Ob,
+                };
+                code.name = BlockName::Numbered { prefix, number, span };
+            }
+        }
+    }
 }
 
 /// Programs of the S7-200 and those of the other families share no notation.

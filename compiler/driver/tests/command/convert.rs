@@ -339,6 +339,27 @@ END_FUNCTION
     assert!(written.contains("n : DInt;") && written.contains("t : Array[0..3] of Word;"), "{written}");
 }
 
+/// Statements without a header are the block that the name of their file states, in other notations too.
+#[test]
+fn names_of_files_name_blocks() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    fs::create_dir(folder.join("parts")).expect("the folder can be written");
+    let write = |name: &str, text: &str| fs::write(folder.join("parts").join(name), text).expect("a file");
+    write("FC19_Count.awl", "      A     I 0.0\n      =     Q 4.0\n");
+    write("OB1_MAIN.awl", "      CALL  FC 19\n");
+    let read = |name: &str| fs::read_to_string(folder.join(name)).unwrap_or_default();
+    for (to, ending) in [("xml", "xml"), ("lad", "s7dcl")] {
+        let out = format!("{to}/");
+        let made = plcc(folder, &["convert", "parts", "--to", to, "-o", &out]);
+        assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+        let checked = plcc(folder, &["check", to]);
+        let written = read(&format!("{to}/FC19_Count.{ending}"));
+        assert_eq!(checked.status.code(), Some(0), "{}{written}", text(&checked.stderr));
+        assert!(written.contains("<Name>FC_19</Name>") || written.contains("FUNCTION FC19 : Void"), "{written}");
+    }
+}
+
 /// The comment of a network is in the texts of the networks, and not once more before it.
 #[test]
 fn comments_of_networks_are_written_once() {

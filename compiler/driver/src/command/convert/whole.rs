@@ -12,7 +12,7 @@ use plcc_syntax::ast::{Block, Code, SourceUnit};
 use plcc_syntax::network::ast::Language as Graphic;
 use plcc_syntax::{scl, stl};
 
-use super::{Converted, bound, exit, has, other_family, remarks, store, whole_blocks};
+use super::{Converted, bound, exit, has, name_by_files, other_family, remarks, store, whole_blocks};
 use crate::cli::{ConvertArgs, ConvertTo};
 use crate::report::MessageFormat;
 use crate::{inputs, pipeline, report};
@@ -26,6 +26,7 @@ pub fn plcopen(args: &ConvertArgs) -> u8 {
     // Assertions are statements: the names in them are those of the file.
     let settings = pipeline::Settings { pragmas: true, ..pipeline::Settings::default() };
     let mut parsed = pipeline::parse(read, &settings);
+    name_by_files(&mut parsed);
     let mut messages = std::mem::take(&mut parsed.diagnostics);
     messages.retain(Diagnostic::is_error);
     messages.extend(
