@@ -5,7 +5,7 @@
 use proptest::prelude::*;
 
 use plcc_view::faults::faults;
-use plcc_view::scene::Scene;
+use plcc_view::scene::{Item, Scene};
 use plcc_view::sheet::{Label, Link, Look, Meaning, Net, Part, Pin, Place, Sheet, Source};
 use plcc_view::{diagram, ladder};
 
@@ -246,4 +246,27 @@ fn values_between_rungs_have_their_name_at_the_pins() {
         let count = |text: &str| drawn.matches(text).count();
         assert_eq!((count("»w1"), count("w1»"), count("??")), (1, readers, 0), "{drawn}");
     }
+}
+
+/// Branches that come together and others that part after them have a column each, as in the editors.
+#[test]
+fn branches_after_branches_have_columns_of_their_own() {
+    let both = || Rung::Parallel(vec![Rung::Element(0), Rung::Element(1)]);
+    let mut builder = Builder { parts: Vec::new(), nets: 1 };
+    let end = builder.net();
+    builder.add(&Rung::Series(vec![both(), both()]), 0, end);
+    builder.parts.push(part(0, end, None, None, None));
+    let mut sheet = finished(builder.parts, builder.nets);
+    let scene = ladder::draw(&mut sheet, 900);
+    check("LAD", &scene, &sheet);
+    // Net 2 is between the branches.
+    let columns: std::collections::BTreeSet<i32> = scene
+        .items
+        .iter()
+        .filter_map(|item| match item {
+            Item::Wire { from, to, net: Some(2), .. } if from.0 == to.0 && from.1 != to.1 => Some(from.0),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(columns.len(), 2, "{columns:?}");
 }

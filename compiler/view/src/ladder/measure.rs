@@ -112,7 +112,8 @@ impl<'a> Measure<'a> {
                 other => self.block(other, room, false),
             };
             let line = lines.last_mut().expect("there is a line from the beginning");
-            if width + laid.width > room && !line.is_empty() && !line.iter().all(|(laid, _)| laid.loose) {
+            let gap = line.last().map_or(0, |(before, _)| joint(before, &laid));
+            if width + gap + laid.width > room && !line.is_empty() && !line.iter().all(|(laid, _)| laid.loose) {
                 self.connectors += 1;
                 let name = self.connectors.to_string();
                 let net_before = line.last().and_then(|(_, net)| *net);
@@ -128,7 +129,7 @@ impl<'a> Measure<'a> {
                 lines.push(vec![(start, net_before), (laid, *net)]);
                 continue;
             }
-            width += laid.width;
+            width += gap + laid.width;
             down = down.max(laid.down);
             line.push((laid, *net));
         }
@@ -208,12 +209,19 @@ fn centered(shape: Shape, width: i32, net: Option<usize>) -> Shape {
     wider
 }
 
+/// The line between branches that come together and others that part there: two columns show that they do.
+pub fn joint(before: &Laid, next: &Laid) -> i32 {
+    let parts = matches!(&next.kind, Kind::Parallel(_) | Kind::Fork { .. });
+    if matches!(&before.kind, Kind::Parallel(_)) && parts && !before.loose { LEAD } else { 0 }
+}
+
 /// Items beside each other.
 fn row(items: Vec<(Laid, Option<usize>)>) -> Laid {
+    let joints = items.windows(2).map(|pair| joint(&pair[0].0, &pair[1].0)).sum::<i32>();
     let sum = |of: fn(&Laid) -> i32| items.iter().map(|(laid, _)| of(laid)).sum::<i32>();
     let most = |of: fn(&Laid) -> i32| items.iter().map(|(laid, _)| of(laid)).max().unwrap_or(8);
     Laid {
-        width: sum(|laid| laid.width),
+        width: sum(|laid| laid.width) + joints,
         up: most(|laid| laid.up),
         down: most(|laid| laid.down),
         loose: items.first().is_some_and(|(laid, _)| laid.loose),

@@ -1,6 +1,6 @@
 //! Blocks at their places.
 
-use super::measure::{Kind, LEAD, Laid, RAIL};
+use super::measure::{Kind, LEAD, Laid, RAIL, joint};
 use crate::scene::{Anchor, Item, Scene};
 use crate::sheet::{Link, Net, Sheet, Source};
 
@@ -189,6 +189,11 @@ impl<'a> Painter<'a> {
         let outer = self.rail;
         for (index, (item, next)) in items.iter().enumerate() {
             let is_last = index + 1 == items.len();
+            let gap = if index == 0 { 0 } else { joint(&items[index - 1].0, item) };
+            if gap > 0 && !loose {
+                self.scene.wire((at, y), (at + gap, y), net);
+            }
+            at += gap;
             let next = self.own(item, if is_last { after.or(*next) } else { *next });
             let free = x + width - at - item.width;
             let mut space = item.width;
