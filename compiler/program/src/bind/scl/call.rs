@@ -78,6 +78,7 @@ impl SclBinder<'_, '_> {
         let [Given { value: Some(node), .. }] = given else { return None };
         let number = match self.thing(ctx, node, Intent::Read) {
             Some(Thing::Db { db: Db::Known(number), .. }) => {
+                self.program.use_db(number, node.span);
                 constant_expr(number.into(), plcc_syntax::Elementary::Word, span)
             }
             Some(Thing::Db { db: Db::Dynamic(word), .. }) => Expr { span, ..word },

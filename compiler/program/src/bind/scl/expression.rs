@@ -48,10 +48,7 @@ impl SclBinder<'_, '_> {
                     let thing = thing?;
                     self.thing_value(ctx, thing, node.span)
                 }
-                None => match self.number_of_db(ctx, callee, arguments, node.span) {
-                    Some(number) => number,
-                    None => self.call(ctx, node, false),
-                },
+                None => self.call(ctx, node, false),
             },
             NodeKind::Reference(target) => self.reference(ctx, target, node.span),
             NodeKind::Unary { op, operand } => self.unary(ctx, node, *op, operand, None),

@@ -356,35 +356,6 @@ impl SclBinder<'_, '_> {
             _ => None,
         }
     }
-
-    /// `BLOCK_DB_TO_WORD(db)`, the number of a data block. `None`: another call.
-    pub(super) fn number_of_db(
-        &mut self,
-        ctx: &mut SclBlock,
-        callee: &Node,
-        arguments: &[Argument],
-        span: Span,
-    ) -> Option<Option<Value>> {
-        let NodeKind::Name(name) = &callee.kind else { return None };
-        if !name.text.eq_ignore_ascii_case("BLOCK_DB_TO_WORD") {
-            return None;
-        }
-        let [Argument { value: Some(block), .. }] = arguments else { return None };
-        let Some(thing) = self.thing(ctx, block, Intent::Read) else { return Some(None) };
-        let Thing::Db { db, .. } = thing else {
-            let help = "pass a parameter of type BLOCK_DB, or a data block such as `DB10`";
-            self.refuse(Code::OperandKind, block.span, "this is not a data block", "a data block is expected", help);
-            return Some(None);
-        };
-        let number = match db {
-            Db::Known(number) => {
-                self.program.use_db(number, block.span);
-                super::expression::constant_expr(number.into(), Elementary::Word, span)
-            }
-            Db::Dynamic(number) => Expr { span, ..number },
-        };
-        Some(Some(Value::Elementary(number)))
-    }
 }
 
 /// Types that can be a number of elements.

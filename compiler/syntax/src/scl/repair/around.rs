@@ -11,7 +11,7 @@ impl Repair<'_> {
     /// What stands around a block, or in its place.
     pub(super) fn around_blocks(&mut self, token: RawToken) -> bool {
         let outside = !self.statements_begun && token.first_on_line && self.brackets.is_empty();
-        outside && (self.name_space(token) || self.list_of_values(token))
+        outside && (self.name_space(token) || self.choice_by_name(token))
     }
 
     /// `NAMESPACE Plant.Line … END_NAMESPACE`, `USING Plant.Line;`
@@ -55,7 +55,7 @@ impl Repair<'_> {
     }
 
     /// `TYPE State : (Idle, Run); END_TYPE`, `TYPE State : INT (Idle := 0, Run := 1); END_TYPE`
-    fn list_of_values(&mut self, token: RawToken) -> bool {
+    fn choice_by_name(&mut self, token: RawToken) -> bool {
         let at = self.at;
         if token.keyword != Some(Keyword::Type) {
             return false;
