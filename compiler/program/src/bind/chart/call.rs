@@ -12,7 +12,8 @@ use plcc_syntax::scl::ast::{
 
 use crate::bind::chart::ChartBinder;
 use crate::bind::scl::SclBlock;
-use crate::bind::scl::call::{Callee, is_result};
+use crate::bind::scl::call::is_result;
+use crate::bind::scl::callee::Callee;
 use plcc_binding::fold;
 use plcc_model::scl::Statement;
 use plcc_model::{BlockKey, Direction};

@@ -15,7 +15,7 @@ use super::sheet::Sheet;
 use crate::bind::globals::names::kind_prefix;
 use crate::bind::network::NetworkBinder;
 use crate::bind::scl::SclBlock;
-use crate::bind::scl::call::{Callee, block_of_name};
+use crate::bind::scl::callee::{Callee, block_of_name};
 use crate::bind::scl::value::Value;
 use plcc_abi::image::BlockKind;
 use plcc_binding::fold;

@@ -9,7 +9,7 @@ use plcc_syntax::scl::ast::{
 
 use super::evidence::Hint;
 use super::look::{Look, Start, Step};
-use crate::bind::scl::call::Callee;
+use crate::bind::scl::callee::Callee;
 use crate::bind::scl::function::Named;
 use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::fold;

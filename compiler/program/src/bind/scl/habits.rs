@@ -3,7 +3,7 @@
 use plcc_diag::{Code, Diagnostic};
 use plcc_syntax::scl::ast::{Argument as Given, BinaryOp, Expr as Node, ExprKind as NodeKind, NameForm};
 
-use super::call::Callee;
+use super::callee::Callee;
 use super::function::Named;
 use super::pins::has_pin;
 use crate::bind::scl::{SclBinder, SclBlock};

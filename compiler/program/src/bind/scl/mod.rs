@@ -3,8 +3,10 @@
 //! - `statement`: statements and loops; `assign`: assignments; `case`: CASE; `flow`: labels, jumps and data that is never written.
 //! - `expression`: operators; `numeric`: the types that they work in; `time`: dates and times; `compare`: comparisons.
 //! - `convert`: the conversions of each dialect; `coerce`: values in the required type; `constant`: constants in their context.
-//! - `access`: names, components, indices and slices; `place`: what they result in; `indexed`: absolute and indexed addresses.
-//! - `call`: calls of blocks; `arguments`, `actual`, `pointer`: what they pass.
+//! - `access`: variables; `operand`: a name or an address alone; `component`: components and slices; `peripheral`: `:P`; `indexed`: indexed
+//!   addresses; `place`: what all these result in.
+//! - `call`: calls; `callee`: what they name; `instance`: instances in them; `unknown_function`: names without a meaning; `arguments`,
+//!   `actual`, `pointer`: what they pass.
 //! - `function`: the functions of the language, one table row each; `pins`: their arguments; `number`, `timer`, `memory`, `array`, `text`:
 //!   what they compute.
 //! - `variant`: queries of a VARIANT.
@@ -18,9 +20,11 @@ mod arguments;
 mod array;
 pub(in crate::bind) mod assign;
 pub(in crate::bind) mod call;
+pub(in crate::bind) mod callee;
 mod case;
 pub(in crate::bind) mod coerce;
 mod compare;
+mod component;
 pub(in crate::bind) mod constant;
 pub(in crate::bind) mod convert;
 mod enable;
@@ -30,11 +34,14 @@ pub(in crate::bind) mod function;
 mod habits;
 mod iec_timer;
 mod indexed;
+mod instance;
 mod memory;
 pub(in crate::bind) mod message;
 pub(in crate::bind) mod naming;
 mod number;
 pub(in crate::bind) mod numeric;
+mod operand;
+mod peripheral;
 mod pins;
 pub(in crate::bind) mod place;
 mod pointer;
@@ -48,6 +55,7 @@ mod text;
 mod text_number;
 mod time;
 mod timer;
+mod unknown_function;
 pub(in crate::bind) mod value;
 pub(in crate::bind) mod variant;
 

@@ -5,7 +5,8 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::Elementary;
 use plcc_syntax::scl::ast::{Argument as Given, Expr as Node, ExprKind as NodeKind, Literal, Name, NameForm};
 
-use super::call::{Callee, is_result};
+use super::call::is_result;
+use super::callee::Callee;
 use super::function::Named;
 use super::numeric::Shape;
 use super::pins::Pins;
