@@ -5,7 +5,7 @@
 //! so the grammar always sees a balanced text, and one mistake remains one message.
 //!
 //! ```text
-//! file ──► block ──► header                                                    header.rs
+//! file ──► block ──► header                                                    block.rs, header.rs, attributes.rs
 //!            │          ├────► declarations (VAR … END_VAR, STRUCT … END_STRUCT)   declaration.rs
 //!            │          ├────► statements                                      code.rs
 //!            │          └────► values of a data block                          declaration.rs
@@ -14,6 +14,8 @@
 //! expressions                                                                  expression.rs
 //! ```
 
+mod attributes;
+mod block;
 mod code;
 mod declaration;
 mod expression;
