@@ -13,7 +13,8 @@ use plcc_syntax::ast::CodeBlock;
 use plcc_syntax::chart::ast::{Body, Call, Condition, Dialect, Permanent, PermanentKind, Step, Transition};
 use plcc_syntax::network::ast::{Content, Network};
 
-use super::{Ids, Library, flgnet, language_name, multilingual_lines, scl, set, stl, unit};
+use super::header::set;
+use super::{Ids, Library, flgnet, language_name, multilingual_lines, scl, stl, unit};
 use crate::node::Node;
 use crate::scl::expression;
 use crate::writer::Writer;

@@ -5,6 +5,7 @@
 //! - `flgnet`, `wires`: networks of LAD and FBD; `order`: the order in which a reader finds their elements.
 //! - `scl`, `stl`: statements as tokens.
 //! - `chart`: charts of GRAPH.
+//! - `library`: what the sources declare; `header`: the attributes of objects.
 //! - `system`: components of timers and counters.
 //!
 //! Source: LAD/FBD reference A2.
@@ -12,7 +13,9 @@
 mod access;
 mod chart;
 mod flgnet;
+mod header;
 mod interface;
+mod library;
 mod order;
 mod scl;
 mod stl;
@@ -20,209 +23,22 @@ mod system;
 mod wires;
 
 pub(crate) use interface::cased;
-
-use std::collections::HashMap;
+pub use library::Library;
 
 use plcc_diag::Diagnostic;
-use plcc_stdlib::BlockClass;
 use plcc_syntax::ast::{
-    Block, BlockName, BlockPrefix, Bound, Code, CodeBlock, CodeKind, DataBlock, DataContent, Header, Section,
-    SourceUnit, TypeBlock, TypeKind, TypeRef, Variable,
+    Block, Bound, Code, CodeBlock, CodeKind, DataBlock, DataContent, Header, SourceUnit, TypeBlock, TypeKind,
 };
 use plcc_syntax::network::ast::{Content, Language, Network};
 use plcc_syntax::scl::ast::Dialect;
 use plcc_syntax::stl::Mnemonics;
-use plcc_syntax::symbols::{SymbolTable, SymbolTarget, parse_address};
 
 use crate::frames::bare;
 use crate::node::{self, Node};
 use crate::trivia::{Remark, Trivia};
 use crate::writer::{Notation, Writer};
-
-/// What the sources of a program declare: blocks for calls, structures for start values.
-#[derive(Default)]
-pub struct Library {
-    /// Declarations of function blocks and functions, by folded names.
-    blocks: HashMap<String, (CodeKind, Vec<Section>, Option<TypeRef>)>,
-    /// Members of data types and function blocks, also of timers and counters of the system.
-    members: HashMap<String, Vec<Variable>>,
-    /// Data types.
-    types: Vec<String>,
-    /// Data blocks.
-    data: Vec<String>,
-    /// Blocks of instance data blocks.
-    instances: HashMap<String, BlockName>,
-    /// Types of components of data blocks.
-    data_types: Vec<TypeRef>,
-    /// Names of numbered blocks, in the sources or the symbol tables.
-    names: HashMap<(BlockPrefix, u32), String>,
-    /// Members of blocks and data types of the system, by folded names.
-    system: HashMap<String, Vec<Variable>>,
-}
-
-impl Library {
-    pub fn new<'a>(units: impl Iterator<Item = &'a SourceUnit>) -> Library {
-        let mut library = Library { members: system::members().collect(), ..Library::default() };
-        for block in units.flat_map(|unit| &unit.blocks) {
-            match block {
-                Block::Code(block) => {
-                    let members = block.sections.iter().flat_map(|section| section.variables.clone()).collect();
-                    let name = folded(&block.name);
-                    library.members.insert(name.clone(), members);
-                    library.blocks.insert(name, (block.kind, block.sections.clone(), block.return_type.clone()));
-                    let prefix = match block.kind {
-                        CodeKind::Ob => BlockPrefix::Ob,
-                        CodeKind::Fc => BlockPrefix::Fc,
-                        CodeKind::Fb => BlockPrefix::Fb,
-                        CodeKind::Sfc => BlockPrefix::Sfc,
-                        CodeKind::Sfb => BlockPrefix::Sfb,
-                    };
-                    if let BlockName::Symbol { name, .. } = &block.name
-                        && let Some(number) = number_in(&block.header).or_else(|| number_of(name, prefix))
-                    {
-                        library.names.insert((prefix, number), name.clone());
-                    }
-                }
-                Block::Type(block) => {
-                    library.types.push(folded(&block.name));
-                    library.members.insert(folded(&block.name), block.members.clone());
-                }
-                Block::Data(block) => {
-                    library.data.push(folded(&block.name));
-                    match &block.content {
-                        DataContent::OfType(ty) => {
-                            if let TypeKind::Block(of) = &ty.kind {
-                                library.instances.insert(folded(&block.name), of.clone());
-                            }
-                            library.data_types.push(ty.clone());
-                        }
-                        DataContent::Struct(members) => {
-                            library.data_types.extend(members.iter().map(|member| member.ty.clone()));
-                        }
-                        DataContent::Array(ty, _) => library.data_types.push(ty.clone()),
-                        DataContent::Empty => {}
-                    }
-                }
-            }
-        }
-        library
-    }
-
-    /// Adds the names that symbol tables give to numbered blocks.
-    pub fn add_symbols(&mut self, tables: &[SymbolTable]) {
-        for symbol in tables.iter().flat_map(|table| &table.symbols) {
-            if let SymbolTarget::Block { prefix, number } = symbol.target {
-                self.names.entry((prefix, number)).or_insert_with(|| symbol.name.clone());
-            }
-        }
-    }
-
-    /// Adds the members of the blocks and data types of the system that the sources name. `find`: those of one.
-    pub fn add_system(&mut self, find: impl Fn(&str) -> Option<Vec<Variable>>) {
-        let mut open = Vec::new();
-        for variable in self.members.values().flatten() {
-            self.mentioned(&variable.ty, &mut open);
-        }
-        for ty in &self.data_types {
-            self.mentioned(ty, &mut open);
-        }
-        while let Some(name) = open.pop() {
-            if self.members.contains_key(&name) || self.system.contains_key(&name) {
-                continue;
-            }
-            if let Some(members) = find(&name) {
-                for member in &members {
-                    self.mentioned(&member.ty, &mut open);
-                }
-                self.system.insert(name, members);
-            }
-        }
-    }
-
-    /// The folded names of the types that a type consists of.
-    fn mentioned(&self, ty: &TypeRef, found: &mut Vec<String>) {
-        match &ty.kind {
-            TypeKind::Named(name) => found.push(name.to_lowercase()),
-            TypeKind::Block(name) => found.push(self.block_name(name).to_lowercase()),
-            TypeKind::Array { element, .. } | TypeKind::OpenArray { element, .. } => self.mentioned(element, found),
-            TypeKind::Struct(members) => {
-                for member in members {
-                    self.mentioned(&member.ty, found);
-                }
-            }
-            TypeKind::String(_) | TypeKind::WideString(_) | TypeKind::Reference(_) | TypeKind::Error => {}
-        }
-    }
-
-    /// The members of a data type or block.
-    fn members<'s>(&'s self, ty: &'s TypeRef) -> Option<&'s [Variable]> {
-        let name = match &ty.kind {
-            TypeKind::Block(name) => self.block_name(name).to_lowercase(),
-            TypeKind::Named(name) => name.to_lowercase(),
-            TypeKind::Struct(members) => return Some(members),
-            _ => return None,
-        };
-        self.members.get(&name).or_else(|| self.system.get(&name)).map(Vec::as_slice)
-    }
-
-    /// The block of an instance data block.
-    fn instance(&self, name: &str) -> Option<String> {
-        self.instances.get(&name.to_lowercase()).map(|of| self.block_name(of))
-    }
-
-    /// The name of a block in the file.
-    fn block_name(&self, name: &BlockName) -> String {
-        self.standard_name(name).map_or_else(|| name_of(name), str::to_string)
-    }
-
-    /// The name of a numbered block of the CPU or of a library, `TON` of SFB 4; `None`: the program may have another one.
-    fn standard_name(&self, name: &BlockName) -> Option<&'static str> {
-        let BlockName::Numbered { prefix, number, .. } = name else { return None };
-        let class = match prefix {
-            BlockPrefix::Fc => BlockClass::Fc,
-            BlockPrefix::Fb => BlockClass::Fb,
-            BlockPrefix::Sfc => BlockClass::Sfc,
-            BlockPrefix::Sfb => BlockClass::Sfb,
-            BlockPrefix::Ob | BlockPrefix::Db | BlockPrefix::Di | BlockPrefix::Udt | BlockPrefix::Vat => return None,
-        };
-        let block = plcc_stdlib::find(class, u16::try_from(*number).ok()?)?;
-        if block.is_tia() || self.members.contains_key(&folded(name)) {
-            return None;
-        }
-        // Blocks of the CPU cannot be replaced.
-        let is_of_cpu = matches!(class, BlockClass::Sfc | BlockClass::Sfb);
-        let is_same = |own: &String| plcc_stdlib::standard_name(own).eq_ignore_ascii_case(block.name);
-        (is_of_cpu || self.names.get(&(*prefix, *number)).is_none_or(is_same)).then_some(block.name)
-    }
-}
-
-fn folded(name: &BlockName) -> String {
-    name_of(name).to_lowercase()
-}
-
-/// The name of a block; one with only a number gets a name of it.
-pub(super) fn name_of(name: &BlockName) -> String {
-    match name {
-        BlockName::Symbol { name, .. } => name.clone(),
-        BlockName::Numbered { prefix, number, .. } => format!("{}_{number}", prefix.letters()),
-    }
-}
-
-/// The name of a block that is called or named as a type. One that only a number names must be in the sources, which give it its name.
-pub(super) fn referred(name: &BlockName, library: &Library, writer: &mut Writer) -> String {
-    if let Some(standard) = library.standard_name(name) {
-        return standard.to_string();
-    }
-    let found = name_of(name);
-    if let BlockName::Numbered { span, .. } = name
-        && !library.members.contains_key(&found.to_lowercase())
-        && !library.data.contains(&found.to_lowercase())
-    {
-        let title = format!("{} has no name, and SimaticML names blocks", writer.block_name(name));
-        writer.refuse(*span, title, "give the source of the block, too, or name it by its symbol");
-    }
-    found
-}
+use header::{attributes, check_header};
+use library::{folded, name_of, referred};
 
 /// The text of a comment. Only `//@` is an assertion; another comment that begins with `@` keeps its brackets.
 pub(super) fn comment_text(comment: &str) -> String {
@@ -302,102 +118,6 @@ impl Writer<'_> {
 }
 
 // Objects.
-
-/// A setting of an object.
-fn set(list: &mut Node, name: &'static str, value: impl Into<String>) {
-    list.push(Node::of(name, value));
-}
-
-/// A text of a header by one of the names that sources have for it.
-fn attribute<'h>(header: &'h Header, names: &[&str]) -> Option<&'h str> {
-    let named = |(key, _): &&(String, String)| names.iter().any(|name| name.eq_ignore_ascii_case(key));
-    header.attributes.iter().find(named).map(|(_, value)| value.as_str())
-}
-
-/// The number that a header says.
-fn number_in(header: &Header) -> Option<u32> {
-    header.number.or_else(|| attribute(header, &["S7_BlockNumber"]).and_then(|number| number.trim().parse().ok()))
-}
-
-/// The number in a name such as `FC10`.
-fn number_of(name: &str, prefix: BlockPrefix) -> Option<u32> {
-    match parse_address(name)? {
-        SymbolTarget::Block { prefix: named, number } if named == prefix => Some(number),
-        SymbolTarget::Block { .. } | SymbolTarget::Memory { .. } | SymbolTarget::Cell { .. } => None,
-    }
-}
-
-/// The attributes that all objects have.
-fn attributes(name: &BlockName, header: &Header, interface: Option<Node>, language: &str) -> Node {
-    let mut list = Node::new("AttributeList");
-    let number = match name {
-        BlockName::Numbered { number, .. } => Some(*number),
-        BlockName::Symbol { .. } => number_in(header),
-    };
-    set(&mut list, "AutoNumber", if number.is_none() || header.auto_number { "true" } else { "false" });
-    for (key, value) in
-        [("HeaderAuthor", &header.author), ("HeaderFamily", &header.family), ("HeaderName", &header.name)]
-    {
-        if let Some(value) = value {
-            set(&mut list, key, value.as_str());
-        }
-    }
-    if let Some(version) = &header.version {
-        set(&mut list, "HeaderVersion", version.as_str());
-    }
-    list.children.extend(interface);
-    for (key, is_set) in [("IsOnlyStoredInLoadMemory", header.unlinked), ("IsWriteProtectedInAS", header.read_only)] {
-        if is_set {
-            set(&mut list, key, "true");
-        }
-    }
-    let safety = attribute(header, &["ProgrammingLanguage", "S7_PreferredLanguage", "S7_Language"]);
-    let safety = safety.filter(|language| language.starts_with("F_"));
-    if let Some(optimized) = attribute(header, &["S7_Optimized_Access", "S7_Optimized"]) {
-        set(&mut list, "MemoryLayout", if optimized.eq_ignore_ascii_case("TRUE") { "Optimized" } else { "Standard" });
-    }
-    set(&mut list, "Name", name_of(name));
-    if let Some(number) = number {
-        set(&mut list, "Number", number.to_string());
-    }
-    set(&mut list, "ProgrammingLanguage", safety.unwrap_or(language));
-    if let Some(ty) = attribute(header, &["SecondaryType", "S7_EventClass"]) {
-        set(&mut list, "SecondaryType", ty);
-    }
-    if attribute(header, &["S7_SetENOAutomatically", "SetENOAutomatically"])
-        .is_some_and(|value| value.eq_ignore_ascii_case("TRUE"))
-    {
-        set(&mut list, "SetENOAutomatically", "true");
-    }
-    list
-}
-
-/// Reports what a header says and the file does not.
-fn check_header(name: &BlockName, header: &Header, writer: &mut Writer) {
-    const KNOWN: [&str; 11] = [
-        "S7_SetENOAutomatically",
-        "SetENOAutomatically",
-        "S7_Optimized_Access",
-        "S7_Optimized",
-        "S7_BlockNumber",
-        "S7_Version",
-        "S7_PreferredLanguage",
-        "S7_PreferredLang",
-        "ProgrammingLanguage",
-        "SecondaryType",
-        "S7_EventClass",
-    ];
-    for (key, _) in &header.attributes {
-        if !KNOWN.iter().any(|known| known.eq_ignore_ascii_case(key)) {
-            let title = format!("the attribute `{key}` of `{}` is not in the file", name_of(name));
-            writer.warn(name.span(), title, "set it in the editor again");
-        }
-    }
-    if header.know_how_protect {
-        let title = "the protection of the block is not in the file";
-        writer.warn(name.span(), title, "protect the block again in the editor");
-    }
-}
 
 /// A title or comment of an object.
 fn multilingual(name: &str, text: &str, ids: &mut Ids) -> Node {

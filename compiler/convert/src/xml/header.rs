@@ -1,0 +1,95 @@
+//! What the header of a block says, as the attributes of an object.
+
+use plcc_syntax::ast::{BlockName, Header};
+
+use super::library::name_of;
+use crate::node::Node;
+use crate::writer::Writer;
+
+/// The attributes that all objects have.
+pub(super) fn attributes(name: &BlockName, header: &Header, interface: Option<Node>, language: &str) -> Node {
+    let mut list = Node::new("AttributeList");
+    let number = match name {
+        BlockName::Numbered { number, .. } => Some(*number),
+        BlockName::Symbol { .. } => number_in(header),
+    };
+    set(&mut list, "AutoNumber", if number.is_none() || header.auto_number { "true" } else { "false" });
+    for (key, value) in
+        [("HeaderAuthor", &header.author), ("HeaderFamily", &header.family), ("HeaderName", &header.name)]
+    {
+        if let Some(value) = value {
+            set(&mut list, key, value.as_str());
+        }
+    }
+    if let Some(version) = &header.version {
+        set(&mut list, "HeaderVersion", version.as_str());
+    }
+    list.children.extend(interface);
+    for (key, is_set) in [("IsOnlyStoredInLoadMemory", header.unlinked), ("IsWriteProtectedInAS", header.read_only)] {
+        if is_set {
+            set(&mut list, key, "true");
+        }
+    }
+    let safety = attribute(header, &["ProgrammingLanguage", "S7_PreferredLanguage", "S7_Language"]);
+    let safety = safety.filter(|language| language.starts_with("F_"));
+    if let Some(optimized) = attribute(header, &["S7_Optimized_Access", "S7_Optimized"]) {
+        set(&mut list, "MemoryLayout", if optimized.eq_ignore_ascii_case("TRUE") { "Optimized" } else { "Standard" });
+    }
+    set(&mut list, "Name", name_of(name));
+    if let Some(number) = number {
+        set(&mut list, "Number", number.to_string());
+    }
+    set(&mut list, "ProgrammingLanguage", safety.unwrap_or(language));
+    if let Some(ty) = attribute(header, &["SecondaryType", "S7_EventClass"]) {
+        set(&mut list, "SecondaryType", ty);
+    }
+    if attribute(header, &["S7_SetENOAutomatically", "SetENOAutomatically"])
+        .is_some_and(|value| value.eq_ignore_ascii_case("TRUE"))
+    {
+        set(&mut list, "SetENOAutomatically", "true");
+    }
+    list
+}
+
+/// Reports what a header says and the file does not.
+pub(super) fn check_header(name: &BlockName, header: &Header, writer: &mut Writer) {
+    const KNOWN: [&str; 11] = [
+        "S7_SetENOAutomatically",
+        "SetENOAutomatically",
+        "S7_Optimized_Access",
+        "S7_Optimized",
+        "S7_BlockNumber",
+        "S7_Version",
+        "S7_PreferredLanguage",
+        "S7_PreferredLang",
+        "ProgrammingLanguage",
+        "SecondaryType",
+        "S7_EventClass",
+    ];
+    for (key, _) in &header.attributes {
+        if !KNOWN.iter().any(|known| known.eq_ignore_ascii_case(key)) {
+            let title = format!("the attribute `{key}` of `{}` is not in the file", name_of(name));
+            writer.warn(name.span(), title, "set it in the editor again");
+        }
+    }
+    if header.know_how_protect {
+        let title = "the protection of the block is not in the file";
+        writer.warn(name.span(), title, "protect the block again in the editor");
+    }
+}
+
+/// The number that a header says.
+pub(super) fn number_in(header: &Header) -> Option<u32> {
+    header.number.or_else(|| attribute(header, &["S7_BlockNumber"]).and_then(|number| number.trim().parse().ok()))
+}
+
+/// A text of a header by one of the names that sources have for it.
+fn attribute<'h>(header: &'h Header, names: &[&str]) -> Option<&'h str> {
+    let named = |(key, _): &&(String, String)| names.iter().any(|name| name.eq_ignore_ascii_case(key));
+    header.attributes.iter().find(named).map(|(_, value)| value.as_str())
+}
+
+/// A setting of an object.
+pub(super) fn set(list: &mut Node, name: &'static str, value: impl Into<String>) {
+    list.push(Node::of(name, value));
+}

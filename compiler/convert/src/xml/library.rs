@@ -1,0 +1,206 @@
+//! What the sources of a program declare, and the names of blocks in the file.
+
+use std::collections::HashMap;
+
+use plcc_stdlib::BlockClass;
+use plcc_syntax::ast::{
+    Block, BlockName, BlockPrefix, CodeKind, DataContent, Section, SourceUnit, TypeKind, TypeRef, Variable,
+};
+use plcc_syntax::symbols::{SymbolTable, SymbolTarget, parse_address};
+
+use super::header::number_in;
+use super::system;
+use crate::writer::Writer;
+
+/// What the sources of a program declare: blocks for calls, structures for start values.
+#[derive(Default)]
+pub struct Library {
+    /// Declarations of function blocks and functions, by folded names.
+    pub(super) blocks: HashMap<String, (CodeKind, Vec<Section>, Option<TypeRef>)>,
+    /// Members of data types and function blocks, also of timers and counters of the system.
+    members: HashMap<String, Vec<Variable>>,
+    /// Data types.
+    pub(super) types: Vec<String>,
+    /// Data blocks.
+    data: Vec<String>,
+    /// Blocks of instance data blocks.
+    pub(super) instances: HashMap<String, BlockName>,
+    /// Types of components of data blocks.
+    data_types: Vec<TypeRef>,
+    /// Names of numbered blocks, in the sources or the symbol tables.
+    names: HashMap<(BlockPrefix, u32), String>,
+    /// Members of blocks and data types of the system, by folded names.
+    system: HashMap<String, Vec<Variable>>,
+}
+
+impl Library {
+    pub fn new<'a>(units: impl Iterator<Item = &'a SourceUnit>) -> Library {
+        let mut library = Library { members: system::members().collect(), ..Library::default() };
+        for block in units.flat_map(|unit| &unit.blocks) {
+            match block {
+                Block::Code(block) => {
+                    let members = block.sections.iter().flat_map(|section| section.variables.clone()).collect();
+                    let name = folded(&block.name);
+                    library.members.insert(name.clone(), members);
+                    library.blocks.insert(name, (block.kind, block.sections.clone(), block.return_type.clone()));
+                    let prefix = match block.kind {
+                        CodeKind::Ob => BlockPrefix::Ob,
+                        CodeKind::Fc => BlockPrefix::Fc,
+                        CodeKind::Fb => BlockPrefix::Fb,
+                        CodeKind::Sfc => BlockPrefix::Sfc,
+                        CodeKind::Sfb => BlockPrefix::Sfb,
+                    };
+                    if let BlockName::Symbol { name, .. } = &block.name
+                        && let Some(number) = number_in(&block.header).or_else(|| number_of(name, prefix))
+                    {
+                        library.names.insert((prefix, number), name.clone());
+                    }
+                }
+                Block::Type(block) => {
+                    library.types.push(folded(&block.name));
+                    library.members.insert(folded(&block.name), block.members.clone());
+                }
+                Block::Data(block) => {
+                    library.data.push(folded(&block.name));
+                    match &block.content {
+                        DataContent::OfType(ty) => {
+                            if let TypeKind::Block(of) = &ty.kind {
+                                library.instances.insert(folded(&block.name), of.clone());
+                            }
+                            library.data_types.push(ty.clone());
+                        }
+                        DataContent::Struct(members) => {
+                            library.data_types.extend(members.iter().map(|member| member.ty.clone()));
+                        }
+                        DataContent::Array(ty, _) => library.data_types.push(ty.clone()),
+                        DataContent::Empty => {}
+                    }
+                }
+            }
+        }
+        library
+    }
+
+    /// Adds the names that symbol tables give to numbered blocks.
+    pub fn add_symbols(&mut self, tables: &[SymbolTable]) {
+        for symbol in tables.iter().flat_map(|table| &table.symbols) {
+            if let SymbolTarget::Block { prefix, number } = symbol.target {
+                self.names.entry((prefix, number)).or_insert_with(|| symbol.name.clone());
+            }
+        }
+    }
+
+    /// Adds the members of the blocks and data types of the system that the sources name. `find`: those of one.
+    pub fn add_system(&mut self, find: impl Fn(&str) -> Option<Vec<Variable>>) {
+        let mut open = Vec::new();
+        for variable in self.members.values().flatten() {
+            self.mentioned(&variable.ty, &mut open);
+        }
+        for ty in &self.data_types {
+            self.mentioned(ty, &mut open);
+        }
+        while let Some(name) = open.pop() {
+            if self.members.contains_key(&name) || self.system.contains_key(&name) {
+                continue;
+            }
+            if let Some(members) = find(&name) {
+                for member in &members {
+                    self.mentioned(&member.ty, &mut open);
+                }
+                self.system.insert(name, members);
+            }
+        }
+    }
+
+    /// The folded names of the types that a type consists of.
+    fn mentioned(&self, ty: &TypeRef, found: &mut Vec<String>) {
+        match &ty.kind {
+            TypeKind::Named(name) => found.push(name.to_lowercase()),
+            TypeKind::Block(name) => found.push(self.block_name(name).to_lowercase()),
+            TypeKind::Array { element, .. } | TypeKind::OpenArray { element, .. } => self.mentioned(element, found),
+            TypeKind::Struct(members) => {
+                for member in members {
+                    self.mentioned(&member.ty, found);
+                }
+            }
+            TypeKind::String(_) | TypeKind::WideString(_) | TypeKind::Reference(_) | TypeKind::Error => {}
+        }
+    }
+
+    /// The members of a data type or block.
+    pub(super) fn members<'s>(&'s self, ty: &'s TypeRef) -> Option<&'s [Variable]> {
+        let name = match &ty.kind {
+            TypeKind::Block(name) => self.block_name(name).to_lowercase(),
+            TypeKind::Named(name) => name.to_lowercase(),
+            TypeKind::Struct(members) => return Some(members),
+            _ => return None,
+        };
+        self.members.get(&name).or_else(|| self.system.get(&name)).map(Vec::as_slice)
+    }
+
+    /// The block of an instance data block.
+    pub(super) fn instance(&self, name: &str) -> Option<String> {
+        self.instances.get(&name.to_lowercase()).map(|of| self.block_name(of))
+    }
+
+    /// The name of a block in the file.
+    pub(super) fn block_name(&self, name: &BlockName) -> String {
+        self.standard_name(name).map_or_else(|| name_of(name), str::to_string)
+    }
+
+    /// The name of a numbered block of the CPU or of a library, `TON` of SFB 4; `None`: the program may have another one.
+    pub(super) fn standard_name(&self, name: &BlockName) -> Option<&'static str> {
+        let BlockName::Numbered { prefix, number, .. } = name else { return None };
+        let class = match prefix {
+            BlockPrefix::Fc => BlockClass::Fc,
+            BlockPrefix::Fb => BlockClass::Fb,
+            BlockPrefix::Sfc => BlockClass::Sfc,
+            BlockPrefix::Sfb => BlockClass::Sfb,
+            BlockPrefix::Ob | BlockPrefix::Db | BlockPrefix::Di | BlockPrefix::Udt | BlockPrefix::Vat => return None,
+        };
+        let block = plcc_stdlib::find(class, u16::try_from(*number).ok()?)?;
+        if block.is_tia() || self.members.contains_key(&folded(name)) {
+            return None;
+        }
+        // Blocks of the CPU cannot be replaced.
+        let is_of_cpu = matches!(class, BlockClass::Sfc | BlockClass::Sfb);
+        let is_same = |own: &String| plcc_stdlib::standard_name(own).eq_ignore_ascii_case(block.name);
+        (is_of_cpu || self.names.get(&(*prefix, *number)).is_none_or(is_same)).then_some(block.name)
+    }
+}
+
+pub(super) fn folded(name: &BlockName) -> String {
+    name_of(name).to_lowercase()
+}
+
+/// The name of a block; one with only a number gets a name of it.
+pub(super) fn name_of(name: &BlockName) -> String {
+    match name {
+        BlockName::Symbol { name, .. } => name.clone(),
+        BlockName::Numbered { prefix, number, .. } => format!("{}_{number}", prefix.letters()),
+    }
+}
+
+/// The name of a block that is called or named as a type. One that only a number names must be in the sources, which give it its name.
+pub(super) fn referred(name: &BlockName, library: &Library, writer: &mut Writer) -> String {
+    if let Some(standard) = library.standard_name(name) {
+        return standard.to_string();
+    }
+    let found = name_of(name);
+    if let BlockName::Numbered { span, .. } = name
+        && !library.members.contains_key(&found.to_lowercase())
+        && !library.data.contains(&found.to_lowercase())
+    {
+        let title = format!("{} has no name, and SimaticML names blocks", writer.block_name(name));
+        writer.refuse(*span, title, "give the source of the block, too, or name it by its symbol");
+    }
+    found
+}
+
+/// The number in a name such as `FC10`.
+fn number_of(name: &str, prefix: BlockPrefix) -> Option<u32> {
+    match parse_address(name)? {
+        SymbolTarget::Block { prefix: named, number } if named == prefix => Some(number),
+        SymbolTarget::Block { .. } | SymbolTarget::Memory { .. } | SymbolTarget::Cell { .. } => None,
+    }
+}
