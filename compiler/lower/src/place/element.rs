@@ -6,7 +6,7 @@ use plcc_model::{ElementIndex, Place, Width};
 
 use super::{Direction, Target};
 use crate::block::BlockLowering;
-use crate::scl::access::Located;
+use crate::scl::located::Located;
 
 impl BlockLowering<'_, '_> {
     /// The access to an element that is at `base` with the lowest indices.

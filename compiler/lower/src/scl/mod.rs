@@ -1,10 +1,10 @@
 //! Statements of SCL: the typed tree to SSA IR. Source: SCL reference.
 //!
 //! - `statement`: control flow and assignments; `expression`, `arithmetic`, `convert`, `function`: values.
-//! - `access`: variables; `promote`: those in SSA values.
+//! - `access`: values of variables; `located`: their places; `promote`: those in SSA values.
 //! - `call`, `argument`: calls of blocks; `text`: STRING and WSTRING; `cell`: timers and counters.
 
-pub mod access;
+mod access;
 mod argument;
 mod arithmetic;
 mod call;
@@ -12,6 +12,7 @@ mod cell;
 mod convert;
 mod expression;
 mod function;
+pub mod located;
 mod promote;
 mod statement;
 pub mod text;

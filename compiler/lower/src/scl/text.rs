@@ -7,7 +7,7 @@ use plcc_model::scl::{Access, Base, Complex, SclBody};
 use plcc_model::types::{DataType, Elementary};
 use plcc_model::{Place, Width};
 
-use super::access::Located;
+use super::located::Located;
 use crate::block::BlockLowering;
 use crate::call::FormalText;
 use crate::fault::Substitute;

@@ -15,7 +15,7 @@ use plcc_model::{Direction, Parameter, Place};
 use self::pointer::PointerSource;
 pub use self::text::{Look, TextArguments, TextSite, chain, joined_call};
 use crate::block::BlockLowering;
-use crate::scl::access::Located;
+use crate::scl::located::Located;
 
 /// An argument with evaluated expressions.
 pub struct Given<'m> {

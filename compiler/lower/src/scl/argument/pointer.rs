@@ -13,7 +13,7 @@ use crate::call::known_bytes;
 use crate::fault::Substitute;
 use crate::place::{self, BitNumber, Target};
 use crate::pointer::{ANY_HEAD_BYTES, PointerFields, moved};
-use crate::scl::access::Located;
+use crate::scl::located::Located;
 
 /// A POINTER or ANY.
 pub enum PointerSource<'m> {

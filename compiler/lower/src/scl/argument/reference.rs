@@ -11,7 +11,7 @@ use crate::block::BlockLowering;
 use crate::call::has_area_pointer;
 use crate::place::{self, BitNumber, Target};
 use crate::pointer::PointerFields;
-use crate::scl::access::Located;
+use crate::scl::located::Located;
 
 impl BlockLowering<'_, '_> {
     /// The values that an FC gets for a formal; see [`crate::plan::parameter_types`]. Adds to `temporaries` what is copied back after the call.

@@ -11,7 +11,7 @@ use super::{Back, Given, Source, Supply};
 use crate::block::BlockLowering;
 use crate::call::{FormalText, TextCall, TextInput, TextOperand};
 use crate::place::Direction;
-use crate::scl::access::Located;
+use crate::scl::located::Located;
 use crate::scl::text::TEXT_MAX;
 
 /// The calls of a function that joins two texts, the innermost first, if each but the outermost is the first text of the next one: what they get can
