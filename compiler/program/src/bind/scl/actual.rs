@@ -12,7 +12,7 @@ use plcc_syntax::{Class, Elementary};
 use super::convert::{self, Implicit};
 use super::message::described;
 use super::value::Value;
-use super::{Intent, coerce};
+use super::{Intent, coerce, complex};
 use crate::bind::globals::names::code_kind;
 use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_model::layout;
@@ -59,7 +59,7 @@ impl SclBinder<'_, '_> {
                 Intent::Read => Some(Actual::Complex(self.complex(ctx, node, &formal.ty)?)),
                 Intent::Write | Intent::Both => {
                     let access = self.access(ctx, node, intent)?;
-                    if !coerce::assignable(ctx.scope.rules, &formal.ty, &access.ty) || access.part.is_some() {
+                    if !complex::assignable(ctx.scope.rules, &formal.ty, &access.ty) || access.part.is_some() {
                         return self.wrong_actual(callee, formal, &access_type(&access), node.span);
                     }
                     Some(Actual::Reference(access))

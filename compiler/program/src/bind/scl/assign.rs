@@ -4,7 +4,8 @@ use plcc_diag::{Code, Span};
 use plcc_syntax::Elementary;
 use plcc_syntax::scl::ast::{AssignOp, BinaryOp as Operator, Expr as Node, ExprKind as NodeKind, NameForm};
 
-use super::coerce::{access_has_call, copied_bytes, is_untyped};
+use super::coerce::{access_has_call, is_untyped};
+use super::complex::copied_bytes;
 use super::convert;
 use super::expression::constant_expr;
 use super::place::Thing;

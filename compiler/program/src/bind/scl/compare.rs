@@ -5,7 +5,8 @@ use plcc_syntax::scl::ast::BinaryOp as Operator;
 use plcc_syntax::{Class, Elementary};
 
 use super::assign::value_of;
-use super::coerce::{access_has_call, assignable};
+use super::coerce::access_has_call;
+use super::complex::assignable;
 use super::convert::{self, Implicit};
 use super::expression::{binary_expr, constant_expr, typed_constant};
 use super::numeric::{self, Shape};

@@ -2,7 +2,7 @@
 //!
 //! - `statement`: statements and loops; `assign`: assignments; `case`: CASE; `flow`: labels, jumps and data that is never written.
 //! - `expression`: operators; `numeric`: the types that they work in; `time`: dates and times; `compare`: comparisons.
-//! - `convert`: the conversions of each dialect; `coerce`: values in the required type; `constant`: constants in their context.
+//! - `convert`: the conversions of each dialect; `coerce`, `complex`: values in the required type; `constant`: constants in their context.
 //! - `access`: variables; `operand`: a name or an address alone; `component`: components and slices; `peripheral`: `:P`; `indexed`: indexed
 //!   addresses; `place`: what all these result in.
 //! - `call`: calls; `callee`: what they name; `instance`: instances in them; `unknown_function`: names without a meaning; `arguments`,
@@ -24,6 +24,7 @@ pub(in crate::bind) mod callee;
 mod case;
 pub(in crate::bind) mod coerce;
 mod compare;
+mod complex;
 mod component;
 pub(in crate::bind) mod constant;
 pub(in crate::bind) mod convert;

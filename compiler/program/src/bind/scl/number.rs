@@ -4,7 +4,8 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::scl::ast::{Argument as Given, BinaryOp as NodeOp, Expr as Node};
 use plcc_syntax::{Class, Elementary};
 
-use super::coerce::{has_call, is_dtl};
+use super::coerce::has_call;
+use super::complex::is_dtl;
 use super::convert::{self, converted};
 use super::expression::constant_expr;
 use super::function::{Kind, Row};

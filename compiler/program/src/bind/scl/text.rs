@@ -90,7 +90,7 @@ pub fn type_word_of(ty: &DataType) -> Option<String> {
         DataType::DateAndTime => "DT",
         DataType::String(_) => "STRING",
         DataType::WideString(_) => "WSTRING",
-        DataType::Struct(structure) if super::coerce::is_dtl(structure) => "DTL",
+        DataType::Struct(structure) if super::complex::is_dtl(structure) => "DTL",
         _ => return None,
     };
     Some(word.to_string())

@@ -4,7 +4,7 @@ use plcc_diag::{Code, Span};
 use plcc_syntax::scl::ast::{AssignOp, BinaryOp as Operator, Expr as Node, ExprKind as NodeKind};
 use plcc_syntax::{Class, Elementary};
 
-use super::coerce::is_dtl;
+use super::complex::is_dtl;
 use super::convert;
 use super::expression::{as_bits, binary_expr, binary_op, constant_expr};
 use super::function::Named;
