@@ -1,5 +1,7 @@
 //! `plc.toml`: the parts of a project and the settings of its CPU. docs/plc-toml.md describes every key.
 
+mod keys;
+
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -10,18 +12,18 @@ use plcc_literal::duration::meant_span;
 use plcc_literal::toml_words;
 use plcc_runtime::options::parse_duration;
 use plcc_syntax::stl::Mnemonics;
-use serde::Deserialize;
 use toml::Spanned;
 
 use crate::axes;
 use crate::connections;
 use crate::cpu_settings::CpuSetting;
 use crate::remote;
-use crate::retain::{self, RetainKeys};
-use crate::s7200::{self, S7200Keys};
-use crate::services::{self, ServicesKeys};
-use crate::station::{self, Station, StationKeys};
+use crate::retain;
+use crate::s7200;
+use crate::services;
+use crate::station::{self, Station};
 use crate::technology;
+use keys::{AddressKeys, ExceededKey, Keys, MnemonicsKey, ModuleKeys, ObKeys, StartupKey};
 
 /// Name of the file that makes a folder a project.
 pub const FILE_NAME: &str = "plc.toml";
@@ -101,121 +103,6 @@ fn belongs_below(title: &str, before: &str) -> Option<String> {
         "ob.35" => format!("`{key}` is of one organization block: write it below its heading, as `[ob.35]`"),
         heading => format!("write it below the heading `[{heading}]`"),
     })
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Keys {
-    name: Option<Spanned<String>>,
-    cpu: Option<Spanned<String>>,
-    mnemonics: Option<MnemonicsKey>,
-    #[serde(default)]
-    safety_as_standard: bool,
-    sources: Option<Vec<Spanned<String>>>,
-    #[serde(default)]
-    symbols: Vec<Spanned<String>>,
-    #[serde(default)]
-    partial: bool,
-    startup: Option<Spanned<StartupKey>>,
-    cycle_time: Option<Spanned<String>>,
-    cycle_time_max: Option<Spanned<String>>,
-    cycle_time_exceeded: Option<Spanned<ExceededKey>>,
-    #[serde(alias = "clock_memory_byte")]
-    clock_memory: Option<Spanned<i64>>,
-    system_memory_byte: Option<Spanned<i64>>,
-    #[serde(default)]
-    ob: BTreeMap<Spanned<String>, ObKeys>,
-    #[serde(default)]
-    module: Vec<ModuleKeys>,
-    station: Option<StationKeys>,
-    #[serde(default)]
-    hsc: BTreeMap<Spanned<String>, technology::HscKeys>,
-    #[serde(default)]
-    pulse: BTreeMap<Spanned<String>, technology::PulseKeys>,
-    #[serde(default)]
-    hardware_interrupt: BTreeMap<Spanned<String>, technology::InterruptKeys>,
-    #[serde(default)]
-    axis: BTreeMap<Spanned<String>, axes::AxisKeys>,
-    /// Folder of the program's files.
-    data: Option<Spanned<String>>,
-    s7200: Option<Spanned<S7200Keys>>,
-    retain: Option<RetainKeys>,
-    services: Option<ServicesKeys>,
-    #[serde(default)]
-    io: BTreeMap<Spanned<String>, remote::IoKeys>,
-    #[serde(default)]
-    connection: BTreeMap<Spanned<String>, connections::ConnectionKeys>,
-}
-
-#[derive(Deserialize)]
-enum MnemonicsKey {
-    #[serde(rename = "en")]
-    En,
-    #[serde(rename = "de")]
-    De,
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum StartupKey {
-    Warm,
-    Hot,
-    Cold,
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum ExceededKey {
-    Run,
-    Stop,
-}
-
-/// `[ob.N]`.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ObKeys {
-    class: Option<Spanned<String>>,
-    period: Option<Spanned<String>>,
-    phase: Option<Spanned<String>>,
-    priority: Option<Spanned<i64>>,
-    start: Option<Spanned<String>>,
-    every: Option<Spanned<String>>,
-}
-
-/// `[[module]]`.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ModuleKeys {
-    name: Spanned<String>,
-    #[serde(default, deserialize_with = "addresses_in_table")]
-    inputs: Option<AddressKeys>,
-    #[serde(default, deserialize_with = "addresses_in_table")]
-    outputs: Option<AddressKeys>,
-}
-
-/// Reads a table; a list of numbers says nothing of which is which.
-fn addresses_in_table<'de, D: serde::Deserializer<'de>>(from: D) -> Result<Option<AddressKeys>, D::Error> {
-    struct Table;
-    impl<'de> serde::de::Visitor<'de> for Table {
-        type Value = AddressKeys;
-
-        fn expecting(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-            f.write_str("struct AddressKeys")
-        }
-
-        fn visit_map<A: serde::de::MapAccess<'de>>(self, map: A) -> Result<AddressKeys, A::Error> {
-            AddressKeys::deserialize(serde::de::value::MapAccessDeserializer::new(map))
-        }
-    }
-    from.deserialize_map(Table).map(Some)
-}
-
-/// `{ start = 0, bytes = 4 }`.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct AddressKeys {
-    start: Spanned<i64>,
-    bytes: Spanned<i64>,
 }
 
 /// Codes of SFC 28 for the words of `every`. Source: SFC reference, SET_TINT.
