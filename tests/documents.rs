@@ -212,6 +212,37 @@ fn names_a_file(pattern: &str) -> bool {
         .any(|file| file.len() >= begin.len() + end.len() && file.starts_with(begin) && file.ends_with(end))
 }
 
+/// What comments and tests name after `Source:` is in the table of docs/SOURCES.md.
+#[test]
+fn sources_are_in_the_table() {
+    let page = fs::read_to_string(root().join("docs/SOURCES.md")).unwrap();
+    let rows = page.lines().filter(|line| line.starts_with("| ")).skip(2);
+    let cells = rows.filter_map(|row| row.split('|').nth(1));
+    let names: Vec<String> = cells.flat_map(|cell| cell.trim().split(", ")).map(str::to_lowercase).collect();
+    let mut unknown = Vec::new();
+    for path in
+        ["compiler", "runtime", "samples", "stdlib", "tests"].iter().flat_map(|folder| all_files(&root().join(folder)))
+    {
+        let Ok(text) = fs::read_to_string(&path) else { continue };
+        for (at, line) in text.lines().enumerate() {
+            let Some((_, source)) = line.split_once("Source: ") else { continue };
+            let source = source.to_lowercase();
+            // Code that looks for such lines goes on with a quote.
+            let is_name = source.starts_with(char::is_alphanumeric);
+            if is_name && !names.iter().any(|name| source.starts_with(name.as_str())) {
+                unknown.push(format!("{}:{}: {source}", shown(&path), at + 1));
+            }
+        }
+    }
+    assert!(unknown.is_empty(), "no name of docs/SOURCES.md begins these:\n{}", unknown.join("\n"));
+}
+
+/// All files below `folder`, also those of projects.
+fn all_files(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    entries.flat_map(|path| if path.is_dir() { all_files(&path) } else { vec![path] }).collect()
+}
+
 #[test]
 fn links_in_documents_lead_somewhere() {
     let folders = ["docs", "samples", "stdlib", "tests"].map(|folder| files(&root().join(folder), "md"));

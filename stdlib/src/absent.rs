@@ -23,7 +23,7 @@ const fn step7(name: &'static str, names: &'static [&'static str]) -> Group {
     Group { tool: "STEP 7", name, names }
 }
 
-/// The catalogues. Source: information systems of STEP 7 V5 and of the TIA Portal, lists of instructions.
+/// The catalogues. Source: TIA Portal help and the help of STEP 7 V5, lists of instructions.
 #[rustfmt::skip]
 const GROUPS: &[Group] = &[
     // Basic instructions.

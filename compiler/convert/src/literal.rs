@@ -122,7 +122,7 @@ pub fn duration(prefix: &str, ns: i128) -> String {
 const DAYS_TO_1990: i64 = 7305;
 const NS_PER_DAY: i64 = 86_400_000_000_000;
 
-/// `1990-1-1`, of days since 1970-01-01. Source: Howard Hinnant, chrono-Compatible Low-Level Date Algorithms.
+/// `1990-1-1`, of days since 1970-01-01. Source: chrono-Compatible Low-Level Date Algorithms.
 fn date(days: i64) -> String {
     let shifted = days + 719_468;
     let era = shifted.div_euclid(146_097);

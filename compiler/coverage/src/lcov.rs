@@ -1,4 +1,4 @@
-//! The LCOV file, for programs that show coverage. Source: the manual page of geninfo, FILES.
+//! The LCOV file, for programs that show coverage. Source: geninfo, FILES.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;

@@ -79,7 +79,7 @@ fn wrong(setting: CpuSetting, profile: &Profile) -> Option<(String, &'static str
                 _ => "remove it: a cycle that is too long calls OB 80, and without this block the CPU stops",
             },
         )),
-        // Source: S7-1200 and S7-1500 system manuals, operating modes: the only startup is the warm restart.
+        // Source: CPU manuals of S7-1200 and S7-1500, operating modes: the only startup is the warm restart.
         CpuSetting::Cold if family.is_portal() => Some((
             format!("the CPU {cpu} has no cold restart"),
             "write `startup = \"warm\"`; `--restart reset` gives retentive data their start values once",

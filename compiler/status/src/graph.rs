@@ -5,7 +5,7 @@ use plcc_model::types::{DataType, Elementary};
 use plcc_model::{BlockKey, Program, layout};
 
 /// The steps of a block, by their data in its instance; none if it is not a chart. Steps are structures of an instance with the members X, T
-/// and U. Source: S7-GRAPH, parameters of the step.
+/// and U. Source: GRAPH reference, parameters of the step.
 pub fn steps(program: &Program, block: BlockKey) -> Vec<Step> {
     let Some(block) = program.block(block) else { return Vec::new() };
     let step = |member: &plcc_model::types::Member| {
@@ -33,7 +33,7 @@ pub struct Bits {
 }
 
 /// The bits of a block; none if it is not a chart. `steps`, `transitions`: how many the chart has; structures of the user that look like
-/// them come before. Source: S7-GRAPH, parameters of steps and transitions.
+/// them come before. Source: GRAPH reference, parameters of steps and transitions.
 pub fn bits(program: &Program, block: BlockKey, steps: usize, transitions: usize) -> Bits {
     let Some(block) = program.block(block) else { return Bits::default() };
     let of = |names: &[&str], wanted: &str, count: usize| {

@@ -69,7 +69,7 @@ pub mod fault_info {
     pub const INDICES: u32 = 0x200;
 }
 
-/// Events that stop the CPU without an error OB. Source: event list, classes 4.
+/// Events that stop the CPU without an error OB. Source: event list of the CPUs, class 4.
 pub mod stop {
     pub const NESTING_STACK: u16 = 0x4571;
     pub const MCR_STACK: u16 = 0x4572;

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A connection that blocks name by its ID. Source: STEP 7, connection table.
+/// A connection that blocks name by its ID. Source: Communication with SIMATIC, connection table.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct S7Connection {
     /// The local ID: never 0.

@@ -2,7 +2,7 @@
 //!
 //! One table of ranges. A word of 27648 is the end of the nominal range; next to it are overrange and underrange, beyond them
 //! overflow (32767) and underflow (-32768).
-//! Source: S7-300 module data, representation of analog values.
+//! Source: SIMATIC S7-300, Module Data, representation of analog values.
 
 use plcc_abi::image::AnalogChannel;
 

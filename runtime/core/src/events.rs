@@ -78,7 +78,7 @@ pub fn cause(base: u8, first: u16, ob: u16) -> u8 {
 
 /// Reaction to a missing OB.
 ///
-/// Source: for S7-1200 the LAD/FBD reference, organization blocks.
+/// Source: LAD/FBD reference, organization blocks, for the S7-1200.
 pub fn missing(ob: u16, family: Family) -> Missing {
     match (ob, family) {
         (83, Family::S71200) => return Missing::Stop(0x456B),

@@ -52,8 +52,9 @@ pub fn log(x: f32) -> f32 {
     single(log_long(f64::from(x)))
 }
 
-/// `x` to the power `y`: 0 to the power 0 is 1, 0 to a negative power is infinite, and a negative `x` takes whole exponents only. Source:
-/// SCL reference, arithmetic operators.
+/// `x` to the power `y`: 0 to the power 0 is 1, 0 to a negative power is infinite, and a negative `x` takes whole exponents only.
+///
+/// Source: SCL reference, arithmetic operators.
 pub fn pow(x: f32, y: f32) -> f32 {
     single(pow_long(f64::from(x), f64::from(y)))
 }

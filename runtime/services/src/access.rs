@@ -129,8 +129,9 @@ fn asked(place: Place, bytes: &[u8]) -> Vec<u8> {
     }
 }
 
-/// The modes of an event that changes them, before and after it in half a byte each; `None`: another event. Source: System and standard
-/// functions, mode transitions in the diagnostic buffer.
+/// The modes of an event that changes them, before and after it in half a byte each; `None`: another event.
+///
+/// Source: System and standard functions, mode transitions in the diagnostic buffer.
 fn modes(event: u16) -> Option<u8> {
     const STOP: u8 = 4;
     const WARM: u8 = 6;

@@ -124,7 +124,7 @@ impl Inputs {
     }
 }
 
-/// State of a step. Source: D.5.
+/// State of a step. Source: GRAPH reference, D.5.
 #[derive(Clone, Debug, Default)]
 pub struct StepState {
     pub x: bool,
@@ -530,7 +530,7 @@ impl Model {
         self.enter_all(entered, self.may_switch(edge), memory);
     }
 
-    /// Whether satisfied transitions fire. Source: D.11.
+    /// Whether satisfied transitions fire. Source: GRAPH reference, D.11.
     fn may_switch(&self, edge: &dyn Fn(Input) -> bool) -> bool {
         match self.mode {
             Mode::Auto | Mode::Top => !self.halted,
@@ -539,7 +539,7 @@ impl Model {
         }
     }
 
-    /// Phase 9: enters steps, or those that come instead of them, once each. Source: D.9, skip steps.
+    /// Phase 9: enters steps, or those that come instead of them, once each. Source: GRAPH reference, D.9, skip steps.
     ///
     /// choice: steps are skipped however they would be entered, where transitions may fire. The time of this step begins with 0. The
     /// first satisfied transition by priority counts; its TS stays 0, and its steps come in place of that one.
@@ -705,7 +705,7 @@ impl Model {
         }
     }
 
-    /// A row whose time has come. Source: D.6 to D.8.
+    /// A row whose time has come. Source: GRAPH reference, D.6 to D.8.
     fn execute(&mut self, step: usize, row: &Row, memory: &mut Memory) {
         let state = &self.steps[step];
         let interlock = !row.interlock || !state.la;
@@ -807,7 +807,7 @@ impl Model {
         };
     }
 
-    /// The step in `S_NO`. Source: E.2.
+    /// The step in `S_NO`. Source: GRAPH reference, E.2.
     fn show(&mut self) {
         let shows_active = self.shown.is_some_and(|step| self.steps[step].x);
         let lowest = self.order.iter().copied().min_by_key(|&step| self.chart.steps[step].number);

@@ -6,7 +6,7 @@ use plcc_syntax::stl::{Mnemonics, StlInsn, operand_phrase};
 
 /// A family of instructions: heading, chapter of the reference manual, first and last row.
 ///
-/// Source: "Statement List (STL) for S7-300 and S7-400 Programming", reference manual.
+/// Source: Statement List (STL), contents.
 const FAMILIES: &[(&str, &str, StlInsn, StlInsn)] = &[
     ("Bit logic", "1 Bit Logic Instructions", StlInsn::And, StlInsn::EdgeNegative),
     ("Load and transfer", "9 Load and Transfer Instructions", StlInsn::Load, StlInsn::SwapAr),

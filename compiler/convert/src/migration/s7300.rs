@@ -1,7 +1,6 @@
 //! From the S7-300/400 to the S7-1500, which has STL, SCL, LAD, FBD and GRAPH.
 //!
-//! Source: system software for S7-300/400, system and standard functions; S7-1500 and TIA Portal information system, comparison list of
-//! instructions and organization blocks.
+//! Source: System and standard functions; S7-1500 information system, comparison list of instructions and organization blocks.
 
 use plcc_abi::image::BlockKind;
 use plcc_model::{Body, Program, StlStatementKind};

@@ -60,7 +60,7 @@ const fn row(
 #[rustfmt::skip]
 pub(super) const PROFILES: &[Row] = &[
     //  name                 family accus image     M     T     C      L     DB depth err checked order numbers
-    // Generic ones. Source: docs/decisions/0003-profiles.md.
+    // Generic ones. Source: decision 0003.
     row("s7-300",            S7300,  2,  2048,  8192, 2048, 2048, 32768, 65534, 16, 4, true,  &[]),
     row("s7-400",            S7400,  4, 16384, 16384, 2048, 2048, 65536, 65534, 24, 2, true,  &[]),
     row("s7-200",            S7200,  2,    16,    32,  256,  256,    64, 10240,  8, 0, true,  &[]),
@@ -75,7 +75,7 @@ pub(super) const PROFILES: &[Row] = &[
     row("1215C",             S71200, 2,  1024,  8192,    0,    0, 16384, 65534, 16, 6, true,  &["215-1AG", "215-1BG", "215-1HG"]),
     row("1215FC",            S71200, 2,  1024,  8192,    0,    0, 16384, 65534, 16, 6, true,  &["215-1AF", "215-1HF"]),
     row("1217C",             S71200, 2,  1024,  8192,    0,    0, 16384, 65534, 16, 6, true,  &["217-1AG"]),
-    // S7-1500, ET 200SP, ET 200pro and drive controllers. Source: their data sheets, which agree in all columns.
+    // S7-1500, ET 200SP, ET 200pro and drive controllers. Source: technical data, which agree in all columns.
     row("1504D TF",          S71500, 2, 32768, 16384, 2048, 2048, 65536, 65534, 24, 2, true,  &[]),
     row("1507D TF",          S71500, 2, 32768, 16384, 2048, 2048, 65536, 65534, 24, 2, true,  &[]),
     row("1505SP",            S71500, 2, 32768, 16384, 2048, 2048, 65536, 65534, 24, 2, true,  &[]),
@@ -136,7 +136,7 @@ pub(super) const PROFILES: &[Row] = &[
     row("1518F-3PN",         S71500, 2, 32768, 16384, 2048, 2048, 65536, 65534, 24, 2, true,  &[]),
     row("1518T-3PN",         S71500, 2, 32768, 16384, 2048, 2048, 65536, 65534, 24, 2, true,  &[]),
     row("1518TF-3PN",        S71500, 2, 32768, 16384, 2048, 2048, 65536, 65534, 24, 2, true,  &[]),
-    // S7-300 of the first generations. Source: their instruction lists.
+    // S7-300 of the first generations. Source: instruction lists of these CPUs.
     row("312IFM",            S7300,  2,   128,   128,   64,   32,   256,  8192,  8, 4, false, &["312-5AA", "312-5AC"]),
     row("313",               S7300,  2,    32,   256,  128,   64,   256,  8192,  8, 4, true,  &["313-1AD"]),
     row("314IFM",            S7300,  2,   128,   256,  128,   64,   256,  8192,  8, 4, false, &["314-5AE"]),

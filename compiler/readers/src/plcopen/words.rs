@@ -1,4 +1,4 @@
-//! How the elements of PLCopen XML are spelt, and which values their attributes have. Source: the schema of TC6, versions 1.0 to 2.01.
+//! How the elements of PLCopen XML are spelt, and which values their attributes have. Source: PLCopen TC6, schema 1.0 to 2.01.
 
 use std::collections::HashMap;
 

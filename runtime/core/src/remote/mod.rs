@@ -26,7 +26,7 @@ use crate::events::{Event, StartInfo};
 use crate::io::{Change, Driver, Simulated};
 use station::{Shared, Station};
 
-/// How long the startup waits for devices. Source: parameters of the CPU, monitoring time for the ready message; here shorter.
+/// How long the startup waits for devices, shorter than a CPU. Source: CPU manuals, monitoring time for the ready message.
 const STARTUP_WAIT: Duration = Duration::from_secs(2);
 /// How long the end of the process waits for devices that get their last outputs.
 const END_WAIT: Duration = Duration::from_secs(2);

@@ -339,7 +339,7 @@ struct Defaults {
 }
 
 impl Defaults {
-    /// Source: configuration of the CPUs, retentive memory: MB 0 to 15 and C 0 to 7 on an S7-300/400, nothing on an S7-1200/1500.
+    /// Source: CPU manuals, retentive memory: MB 0 to 15 and C 0 to 7 on an S7-300/400, nothing on an S7-1200/1500.
     fn of(family: Family) -> Defaults {
         match family {
             Family::S7300 | Family::S7400 => Defaults { bit_memory: 16, timers: 0, counters: 8 },

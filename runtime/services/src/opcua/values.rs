@@ -1,5 +1,5 @@
-//! Values of PLC types in memory, and the variants that clients see. Source: the mapping of an S7-1500; DATE_AND_TIME and DTL are
-//! DateTime here.
+//! Values of PLC types in memory, and the variants that clients see. Source: S7-1500 information system, mapping of data types; but
+//! DATE_AND_TIME and DTL are DateTime here.
 //!
 //! At the cycle control point only bytes are copied; what they mean is found out on the thread of the services.
 
@@ -376,7 +376,7 @@ fn decode(ty: ValueType, bytes: &[u8], bit: u8) -> Result<Scalar, Status> {
     })
 }
 
-/// Source: S7-1200 manual, DTL.
+/// Source: S7-1200 system manual, DTL.
 fn dtl(bytes: [u8; 12]) -> Option<i64> {
     let [y0, y1, month, day, _, hour, minute, second, nanos @ ..] = bytes;
     let small = |byte: u8| i8::try_from(byte).ok();

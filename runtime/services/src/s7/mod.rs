@@ -7,7 +7,7 @@
 //!
 //! `server` has the connections, those that clients open and those to partners, which `dial` sets up.
 //!
-//! Everything but the server is a function of bytes and the CPU. Source: ISO 8073, RFC 1006; captures of clients and CPUs.
+//! Everything but the server is a function of bytes and the CPU. Source: S7comm reference; RFC 1006 and RFC 905 (ISO 8073).
 
 mod cyclic;
 mod dial;

@@ -44,7 +44,7 @@ pub struct Engine<'c> {
 #[derive(Clone)]
 pub struct Set(Vec<Option<Variable>>);
 
-/// Variables of the engine in the frame. Source: `engine.scl`.
+/// Variables of the engine in the frame, as `engine.scl` declares them.
 const BITS: &[&str] = &[
     "off",
     "init",

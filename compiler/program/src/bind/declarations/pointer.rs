@@ -112,7 +112,7 @@ pub fn pointed_at(ty: &DataType) -> Pointed {
     }
 }
 
-/// Type code of an array of `element` in an ANY, and the number that one element counts as. Source: as [`any_of`].
+/// Type code of an array of `element` in an ANY, and the number that one element counts as. [`any_of`] names the source.
 pub fn code_for_elements(element: &DataType) -> (u8, u16) {
     let bytes_of = |elements: i32| layout::array_bytes(&[(1, elements)], element);
     match element {

@@ -1,7 +1,7 @@
 //! Classifies the words of code: where statements begin and end, labels, mnemonics, calls, networks.
 //!
 //! A line end ends a statement unless the statement is incomplete or the next line begins with `(`; `;` always ends it.
-//! Source: docs/decisions/0001-both-statement-forms.md.
+//! Source: decision 0001.
 
 use plcc_diag::{Code, Diagnostic};
 
