@@ -476,16 +476,15 @@ END_TRANSITION
 END_FUNCTION_BLOCK
 "##;
 
-/// A program that gives a chart inputs by chance, and sums up its outputs.
-const AROUND: &str = r##"//@ test cycles=300
-FUNCTION "Calls" : INT
-VAR_INPUT
-  IN : INT;
-END_VAR
-BEGIN
-  #Calls := #IN + 1;
-END_FUNCTION
-
+/// A program that gives the instance of "Line" `inputs` by chance, and sums up its outputs: `bits`, and `numbers`.
+fn around(inputs: &str, bits: &[&str], numbers: &str) -> String {
+    let sum = |(at, bit): (usize, &&str)| {
+        format!("  IF \"Line_DB\".{bit} THEN \"Sum_DB\".sum := (\"Sum_DB\".sum * 3 + {}) MOD 100003; END_IF;\n", at + 1)
+    };
+    let lines: Vec<String> = bits.iter().enumerate().map(sum).collect();
+    let lines = lines.concat();
+    format!(
+        r##"//@ test cycles=300
 DATA_BLOCK "Line_DB" "Line"
 BEGIN
 END_DATA_BLOCK
@@ -501,18 +500,22 @@ END_DATA_BLOCK
 ORGANIZATION_BLOCK "Main"
 BEGIN
   "Sum_DB".seed := ("Sum_DB".seed * 75 + 74) MOD 65537;
-  "Line_DB"(start := "Sum_DB".seed MOD 2 = 1, full_a := ("Sum_DB".seed / 4) MOD 2 = 1, full_b := ("Sum_DB".seed / 16) MOD 2 = 1,
-    ready := ("Sum_DB".seed / 64) MOD 2 = 1, skip := ("Sum_DB".seed / 256) MOD 4 = 1);
-  IF "Line_DB".valve_a THEN "Sum_DB".sum := ("Sum_DB".sum * 3 + 1) MOD 100003; END_IF;
-  IF "Line_DB".valve_b THEN "Sum_DB".sum := ("Sum_DB".sum * 3 + 2) MOD 100003; END_IF;
-  IF "Line_DB".mixer THEN "Sum_DB".sum := ("Sum_DB".sum * 3 + 3) MOD 100003; END_IF;
-  IF "Line_DB".lamp THEN "Sum_DB".sum := ("Sum_DB".sum * 3 + 4) MOD 100003; END_IF;
-  IF "Line_DB".late THEN "Sum_DB".sum := ("Sum_DB".sum * 3 + 5) MOD 100003; END_IF;
-  IF "Line_DB".pulse THEN "Sum_DB".sum := ("Sum_DB".sum * 3 + 6) MOD 100003; END_IF;
-  IF "Line_DB".kept THEN "Sum_DB".sum := ("Sum_DB".sum * 3 + 7) MOD 100003; END_IF;
-  IF "Line_DB".begun THEN "Sum_DB".sum := ("Sum_DB".sum * 3 + 8) MOD 100003; END_IF;
-  "Sum_DB".sum := ("Sum_DB".sum + INT_TO_DINT("Line_DB".count) + INT_TO_DINT("Line_DB".calls) + TIME_TO_DINT("Line_DB".idle_time)) MOD 100003;
+  "Line_DB"({inputs});
+{lines}  "Sum_DB".sum := ("Sum_DB".sum + {numbers}) MOD 100003;
 END_ORGANIZATION_BLOCK
+"##
+    )
+}
+
+/// A function that the chart calls.
+const CALLS: &str = r##"
+FUNCTION "Calls" : INT
+VAR_INPUT
+  IN : INT;
+END_VAR
+BEGIN
+  #Calls := #IN + 1;
+END_FUNCTION
 "##;
 
 const NUMBERS: &str = "\
@@ -521,19 +524,30 @@ const NUMBERS: &str = "\
 \"Calls\",\"FC 7\",\"FC 7\",\"\"\n\
 \"Sum_DB\",\"DB 2\",\"DB 2\",\"\"\n";
 
-/// A project of a chart, the block that calls it, and the numbers of all blocks.
-fn chart_project(folder: &Path, chart: &str) -> PathBuf {
+/// A project of `source`, the program around it, and the numbers of all blocks.
+fn project_of(folder: &Path, (name, source): (&str, &str), main: &str, numbers: &str) -> PathBuf {
     let project = folder.join("project");
     fs::create_dir_all(&project).expect("a folder");
-    let toml = "cpu = \"s7-300\"\nsources = [\"chart.gr7\", \"main.scl\"]\nsymbols = [\"tags.sdf\"]\n";
-    for (name, text) in [("plc.toml", toml), ("chart.gr7", chart), ("main.scl", AROUND), ("tags.sdf", NUMBERS)] {
+    let toml = format!("cpu = \"s7-300\"\nsources = [\"{name}\", \"main.scl\"]\nsymbols = [\"tags.sdf\"]\n");
+    for (name, text) in [("plc.toml", toml.as_str()), (name, source), ("main.scl", main), ("tags.sdf", numbers)] {
         fs::write(project.join(name), text).expect("a file");
     }
     project
 }
 
+/// A project of a chart.
+fn chart_project(folder: &Path, chart: &str) -> PathBuf {
+    let inputs = r#"start := "Sum_DB".seed MOD 2 = 1, full_a := ("Sum_DB".seed / 4) MOD 2 = 1,
+    full_b := ("Sum_DB".seed / 16) MOD 2 = 1, ready := ("Sum_DB".seed / 64) MOD 2 = 1,
+    skip := ("Sum_DB".seed / 256) MOD 4 = 1"#;
+    let bits = ["valve_a", "valve_b", "mixer", "lamp", "late", "pulse", "kept", "begun"];
+    let numbers = r#"INT_TO_DINT("Line_DB".count) + INT_TO_DINT("Line_DB".calls) + TIME_TO_DINT("Line_DB".idle_time)"#;
+    let main = around(inputs, &bits, numbers) + CALLS;
+    project_of(folder, ("chart.gr7", chart), &main, NUMBERS)
+}
+
 /// The project as a document, and messages.
-fn chart_document(project: &Path) -> (String, Vec<plcc_diag::Diagnostic>) {
+fn project_document(project: &Path) -> (String, Vec<plcc_diag::Diagnostic>) {
     let settings = Settings { pragmas: true, ..Settings::default() };
     let parsed = pipeline::parse(inputs::read(&[project.to_path_buf()]), &settings);
     assert!(!has_errors(&parsed.diagnostics), "{:#?}", parsed.diagnostics);
@@ -593,57 +607,27 @@ _001: A     BR;
 END_FUNCTION_BLOCK
 "##;
 
-/// A program that gives it inputs by chance, and sums up its outputs.
-const AROUND_STATEMENTS: &str = r##"//@ test cycles=300
-DATA_BLOCK "Line_DB" "Line"
-BEGIN
-END_DATA_BLOCK
-
-DATA_BLOCK "Sum_DB"
-STRUCT
-  seed : DINT := 1;
-  sum : DINT;
-END_STRUCT;
-BEGIN
-END_DATA_BLOCK
-
-ORGANIZATION_BLOCK "Main"
-BEGIN
-  "Sum_DB".seed := ("Sum_DB".seed * 75 + 74) MOD 65537;
-  "Line_DB"(start := "Sum_DB".seed MOD 2 = 1, stop := ("Sum_DB".seed / 4) MOD 2 = 1, speed := DINT_TO_INT("Sum_DB".seed MOD 200));
-  IF "Line_DB".run THEN "Sum_DB".sum := ("Sum_DB".sum * 3 + 1) MOD 100003; END_IF;
-  IF "Line_DB".fast THEN "Sum_DB".sum := ("Sum_DB".sum * 3 + 2) MOD 100003; END_IF;
-  IF "Line_DB".once THEN "Sum_DB".sum := ("Sum_DB".sum * 3 + 3) MOD 100003; END_IF;
-  "Sum_DB".sum := ("Sum_DB".sum + INT_TO_DINT("Line_DB".out)) MOD 100003;
-END_ORGANIZATION_BLOCK
-"##;
-
-/// A project of statements and the block that calls them.
+/// A project of statements.
 fn statements_project(folder: &Path, statements: &str) -> PathBuf {
-    let project = folder.join("project");
-    fs::create_dir_all(&project).expect("a folder");
-    let toml = "cpu = \"s7-300\"\nsources = [\"line.stl\", \"main.scl\"]\nsymbols = [\"tags.sdf\"]\n";
+    let inputs = r#"start := "Sum_DB".seed MOD 2 = 1, stop := ("Sum_DB".seed / 4) MOD 2 = 1,
+    speed := DINT_TO_INT("Sum_DB".seed MOD 200)"#;
+    let main = around(inputs, &["run", "fast", "once"], r#"INT_TO_DINT("Line_DB".out)"#);
     let numbers = NUMBERS.replace("\"Calls\",\"FC 7\",\"FC 7\",\"\"\n", "");
-    let sources = [("line.stl", statements), ("main.scl", AROUND_STATEMENTS), ("tags.sdf", &numbers)];
-    for (name, text) in sources.into_iter().chain([("plc.toml", toml)]) {
-        fs::write(project.join(name), text).expect("a file");
-    }
-    project
+    project_of(folder, ("line.stl", statements), &main, &numbers)
 }
 
-/// STL becomes LD, which does the same.
-#[test]
-fn statements_as_projects_do_the_same() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let project = statements_project(folder.path(), STATEMENTS);
+/// Converts a project, whose program then does the same in each of its 300 cycles; the document contains `parts`.
+fn converts_to_the_same(folder: &Path, project: &Path, parts: &[&str]) {
     fs::create_dir(project.join("tests")).expect("a folder");
     fs::write(project.join("tests/sum.toml"), each_cycle("\"Sum_DB\".sum", 300)).expect("a file");
-    let before = sums(TestInput::Project(project.clone())).expect("a program");
+    let before = sums(TestInput::Project(project.to_path_buf())).expect("a program");
     assert_eq!(before.len(), 300);
-    let (written, messages) = chart_document(&project);
+    let (written, messages) = project_document(project);
     assert!(!has_errors(&messages), "{messages:#?}");
-    assert!(written.contains("<xhtml:p>latch\nkeeps itself</xhtml:p>"), "{written}");
-    let file = folder.path().join("a.xml");
+    for &part in parts {
+        assert!(written.contains(part), "{part} in\n{written}");
+    }
+    let file = folder.join("a.xml");
     let pragma = plcc_convert::with_pragmas(&written, &["cpu s7-300".to_string()]);
     fs::write(&file, &pragma).expect("a file");
     let after = sums_of_file(file, "\"GlobalVariables\".Sum_DB.sum", 300);
@@ -651,12 +635,20 @@ fn statements_as_projects_do_the_same() {
     assert_eq!(before, after, "{written}");
 }
 
+/// STL becomes LD, which does the same.
+#[test]
+fn statements_as_projects_do_the_same() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let project = statements_project(folder.path(), STATEMENTS);
+    converts_to_the_same(folder.path(), &project, &["<xhtml:p>latch\nkeeps itself</xhtml:p>"]);
+}
+
 /// What has no LAD is named once, with its statement.
 #[test]
 fn statements_without_networks_are_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     let statements = STATEMENTS.replace("      T     #out;\n", "      SRW   3;\n      TAK;\n      T     #out;\n");
-    let (written, messages) = chart_document(&statements_project(folder.path(), &statements));
+    let (written, messages) = project_document(&statements_project(folder.path(), &statements));
     let errors: Vec<_> = messages.iter().filter(|one| one.is_error()).collect();
     assert_eq!((errors.len(), written.as_str()), (1, ""), "{messages:#?}");
 }
@@ -665,13 +657,7 @@ fn statements_without_networks_are_refused() {
 fn charts_as_projects_do_the_same() {
     let folder = tempfile::tempdir().expect("a folder");
     let project = chart_project(folder.path(), CHART);
-    fs::create_dir(project.join("tests")).expect("a folder");
-    fs::write(project.join("tests/sum.toml"), each_cycle("\"Sum_DB\".sum", 300)).expect("a file");
-    let before = sums(TestInput::Project(project.clone())).expect("a program");
-    assert_eq!(before.len(), 300);
-    let (written, messages) = chart_document(&project);
-    assert!(!has_errors(&messages), "{messages:#?}");
-    for part in [
+    let parts = [
         "targetName=\"Idle\"",
         "<selectionConvergence",
         "<simultaneousConvergence",
@@ -679,15 +665,8 @@ fn charts_as_projects_do_the_same() {
         "<selectionDivergence",
         "qualifier=\"D\" duration=\"T#100MS\"",
         "<xhtml:p>waits for start</xhtml:p>",
-    ] {
-        assert!(written.contains(part), "{part} in\n{written}");
-    }
-    let file = folder.path().join("a.xml");
-    let pragma = plcc_convert::with_pragmas(&written, &["cpu s7-300".to_string()]);
-    fs::write(&file, &pragma).expect("a file");
-    let after = sums_of_file(file, "\"GlobalVariables\".Sum_DB.sum", 300);
-    let after = after.unwrap_or_else(|messages| panic!("{messages}\n{written}"));
-    assert_eq!(before, after, "{written}");
+    ];
+    converts_to_the_same(folder.path(), &project, &parts);
 }
 
 /// A comment after a row is that of the row, and not also one of the next step.
@@ -696,7 +675,7 @@ fn comments_of_rows_are_written_once() {
     let folder = tempfile::tempdir().expect("a folder");
     let chart = CHART.replace("#valve_b   (N)", "#valve_b   (N)   // opens B");
     let chart = chart.replace("#mixer   (N)", "// turns slowly\n#mixer   (N)");
-    let (written, messages) = chart_document(&chart_project(folder.path(), &chart));
+    let (written, messages) = project_document(&chart_project(folder.path(), &chart));
     assert!(!has_errors(&messages), "{messages:#?}");
     for text in ["opens B", "turns slowly"] {
         assert_eq!(written.matches(text).count(), 1, "{text} in\n{written}");
@@ -707,7 +686,7 @@ fn comments_of_rows_are_written_once() {
 fn charts_of_projects_come_back() {
     for name in ["star-delta", "two-doses"] {
         let folder = tests_folder().join("run/plcopen").join(name);
-        let (written, messages) = chart_document(&folder);
+        let (written, messages) = project_document(&folder);
         assert!(!has_errors(&messages), "{name}: {messages:#?}");
         let new = tempfile::tempdir().expect("a folder");
         for from in everything(&folder) {
@@ -779,7 +758,7 @@ fn what_sfc_does_not_have_is_refused() {
         assert!(CHART.contains(old), "{old}");
         let folder = tempfile::tempdir().expect("a folder");
         let project = chart_project(folder.path(), &CHART.replacen(old, new, 1));
-        let (_, messages) = chart_document(&project);
+        let (_, messages) = project_document(&project);
         let titles: Vec<&str> = messages.iter().filter(|one| one.is_error()).map(|one| one.title.as_str()).collect();
         assert_eq!(titles, [wanted], "{new}");
     }

@@ -180,4 +180,4 @@ pub fn file_scenario(file: &Path) -> Option<PathBuf> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

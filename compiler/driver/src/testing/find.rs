@@ -144,21 +144,12 @@ pub fn lone_scenarios(paths: &[PathBuf], tests: &[TestInput]) -> Vec<PathBuf> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::inputs::tests::folder;
     use std::fs;
 
     const MAIN: &str = "ORGANIZATION_BLOCK OB 1\nBEGIN\nCALL FC 1\nEND_ORGANIZATION_BLOCK\n";
     const FUNCTION: &str = "FUNCTION FC 1 : VOID\nBEGIN\nA \"Start\"\n= Q 4.0\nEND_FUNCTION\n";
     const TABLE: &str = "126,Start                   I       0.0 BOOL\n";
-
-    fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
-        let folder = tempfile::tempdir().unwrap();
-        for (name, text) in files {
-            let path = folder.path().join(name);
-            fs::create_dir_all(path.parent().unwrap()).unwrap();
-            fs::write(path, text).unwrap();
-        }
-        folder
-    }
 
     fn tests_of(folder: &tempfile::TempDir) -> Vec<TestInput> {
         find_tests(&[folder.path().to_path_buf()])
