@@ -145,7 +145,7 @@ impl Debugger {
             let id = state.next_id;
             let line = given.get("line").and_then(Value::as_u64).map(|line| line + from);
             let place = || -> Result<(u32, Vec<u32>), String> {
-                let file = file.ok_or("the file is no part of the program")?;
+                let file = file.ok_or("the file is not part of the program")?;
                 let line = line.and_then(|line| u32::try_from(line).ok()).ok_or("a breakpoint needs its line")?;
                 self.places
                     .at_line(file, line, &self.program, &self.sources)

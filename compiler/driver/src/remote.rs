@@ -208,7 +208,7 @@ impl Reader {
             Some((_, "odd")) => Some(RemoteParity::Odd),
             Some((_, "none")) => Some(RemoteParity::None),
             Some((key, other)) => {
-                self.report(key, format!("`{other}` is none of `even`, `odd`, `none`"), "");
+                self.report(key, format!("`{other}` is not `even`, `odd` or `none`"), "");
                 None
             }
         };

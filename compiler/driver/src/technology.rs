@@ -245,7 +245,7 @@ impl Reader {
                 ];
                 let Some(on) = &keys.on else {
                     let help = "add `on = \"reference\"`, \"direction\" or \"reset\"".to_string();
-                    self.report(name, "which event of the fast counter is not said".to_string(), help);
+                    self.report(name, "the event of the fast counter is missing".to_string(), help);
                     return None;
                 };
                 let source = self.word(on, &words, "event of a fast counter")?;

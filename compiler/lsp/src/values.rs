@@ -30,7 +30,7 @@ pub enum StringForm {
 }
 
 impl ValuePart {
-    /// Another name in the place of this one. `Err`: it cannot stand there.
+    /// Another name in the place of this one. `Err`: it is not possible there.
     fn renamed(&self, to: &str) -> Result<String, String> {
         let is_plain = to.chars().all(|c| c.is_alphanumeric() || matches!(c, '_' | '-' | ' '))
             && ![" as ", " in "].iter().any(|word| to.to_ascii_lowercase().contains(word));

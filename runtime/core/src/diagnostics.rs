@@ -160,7 +160,7 @@ pub fn event_text(image: &ProgramImage, entry: &Entry) -> String {
         0x39C4 | 0x39CB => format!("{} does not answer, address {info}", device_text(image, info)),
         0x38C4 | 0x38CB => format!("{} answers again, address {info}", device_text(image, info)),
         0x3942 => format!("{} refuses a request, address {info}", device_text(image, info)),
-        0x3842 => format!("{} does not refuse a request any more, address {info}", device_text(image, info)),
+        0x3842 => format!("{} accepts requests again, address {info}", device_text(image, info)),
         0x4562 => "STOP: programming error and no OB 121".to_string(),
         0x4563 => "STOP: I/O access error and no OB 122".to_string(),
         0x4568 if info == 2 => "STOP: cycle time exceeded twice in one cycle".to_string(),
@@ -199,11 +199,9 @@ pub fn event_text(image: &ProgramImage, entry: &Entry) -> String {
         MEMORY_RESET => "memory reset".to_string(),
         FORCE_ACTIVE if info == 1 => "1 value is forced".to_string(),
         FORCE_ACTIVE => format!("{info} values are forced"),
-        FORCE_ENDED => "no value is forced any more".to_string(),
-        FORCE_LEFT_OUT if info == 1 => {
-            "1 value that was forced is not forced any more: the program has changed".to_string()
-        }
-        FORCE_LEFT_OUT => format!("{info} values that were forced are not forced any more: the program has changed"),
+        FORCE_ENDED => "forcing has ended".to_string(),
+        FORCE_LEFT_OUT if info == 1 => "1 value is no longer forced: the program has changed".to_string(),
+        FORCE_LEFT_OUT => format!("{info} values are no longer forced: the program has changed"),
         OUTPUTS_ENABLED => "a client has enabled the outputs in STOP".to_string(),
         OUTPUTS_DISABLED => "outputs are disabled again".to_string(),
         PROGRAM_CHANGED => "the program was changed".to_string(),

@@ -81,7 +81,7 @@ pub fn plain(message: &str, place: &str, line: &str) -> Wrong {
     if message.starts_with("unknown field") && line.trim() == "[project]" {
         return wrong(
             "the keys of a project have no heading".to_owned(),
-            "remove `[project]`: the keys stand at the top of the file".to_owned(),
+            "remove `[project]`: write its keys at the top of the file".to_owned(),
         );
     }
     if let Some((name, rest)) = quoted_after(message, "unknown field ") {
@@ -511,7 +511,7 @@ mod tests {
             "write `warm`",
         );
         let (title, help) =
-            ("the keys of a project have no heading", "remove `[project]`: the keys stand at the top of the file");
+            ("the keys of a project have no heading", "remove `[project]`: write its keys at the top of the file");
         assert_eq!(of(&format!("unknown field `project`, {known}"), "[project]"), (title.to_owned(), help.to_owned()));
         same("missing field `slot`", "", "the key `slot` is missing here", "add `slot = …`");
         let twice = "expected one of `every`, `bit-memory`, `bit_memory`";

@@ -338,7 +338,7 @@ fn line(who: &str, door: &Door, text: &str) -> String {
 fn partner(connection: &S7Connection, has_port: bool) -> String {
     let id = connection.id;
     match (connection.active, &connection.partner) {
-        (true, partner) => format!("connection {id}: to {}", partner.as_deref().unwrap_or("nobody")),
+        (true, partner) => format!("connection {id}: to {}", partner.as_deref().unwrap_or("its partner")),
         (false, _) if !has_port => format!("connection {id}: its partner cannot connect without an S7 port; add --s7"),
         (false, _) => format!("connection {id}: waits for its partner"),
     }

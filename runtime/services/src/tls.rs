@@ -98,15 +98,15 @@ fn wrong(flag: &str, path: &Path, error: &dyn std::fmt::Display) -> String {
 fn certificates(flag: &str, path: &Path) -> Result<Vec<CertificateDer<'static>>, String> {
     let text = fs::read(path).map_err(|error| wrong(flag, path, &error))?;
     let all: Result<Vec<_>, _> = CertificateDer::pem_slice_iter(&text).collect();
-    let all = all.map_err(|_| wrong(flag, path, &"not certificates in the form PEM"))?;
-    if all.is_empty() { Err(wrong(flag, path, &"there is no certificate in it, in the form PEM")) } else { Ok(all) }
+    let all = all.map_err(|_| wrong(flag, path, &"not certificates in PEM format"))?;
+    if all.is_empty() { Err(wrong(flag, path, &"it contains no certificate in PEM format")) } else { Ok(all) }
 }
 
 fn private_key(flag: &str, path: &Path) -> Result<PrivateKeyDer<'static>, String> {
     let text = fs::read(path).map_err(|error| wrong(flag, path, &error))?;
     // What is wrong in it is not shown: it may be part of the key.
     PrivateKeyDer::from_pem_slice(&text)
-        .map_err(|_| wrong(flag, path, &"there is no private key in it, in the form PEM without a password"))
+        .map_err(|_| wrong(flag, path, &"it contains no private key in PEM format without a password"))
 }
 
 /// The server with the certificate and the key in a folder; makes them if there are none. `name`: of the program. `Err`: why there is none.

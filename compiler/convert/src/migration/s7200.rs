@@ -160,7 +160,7 @@ fn event(number: u32) -> Verdict {
         12 | 13 | 16 | 29 | 32 | 33 => (Changes, "a hardware interrupt of the fast counter: value reached"),
         14 | 17 | 27 | 30 => (Changes, "a hardware interrupt of the fast counter: direction changed"),
         15 | 18 | 28 | 31 => (Changes, "a hardware interrupt of the fast counter: reset"),
-        19 | 20 => (Lost, "the end of a pulse train is no event; look at BUSY and DONE of CTRL_PTO or of the axis"),
+        19 | 20 => (Lost, "the end of a pulse train is not an event; look at BUSY and DONE of CTRL_PTO or of the axis"),
         21 | 22 => (Changes, "a time-delay interrupt, SRT_DINT"),
         23 | 24 => (Changes, "no event: NDR of Receive_P2P"),
         _ => (Unknown, ""),

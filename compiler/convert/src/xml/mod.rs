@@ -286,7 +286,8 @@ fn data_type(
     writer: &mut Writer,
 ) -> Option<Node> {
     if let Some(alias) = &block.alias {
-        let title = format!("`{}` is no structure, and SimaticML has only these", name_of(&block.name));
+        let title =
+            format!("`{}` is not a structure, and SimaticML has data types only for structures", name_of(&block.name));
         writer.refuse(alias.span, title, "write the type where it is used");
         return None;
     }

@@ -58,7 +58,10 @@ fn once(args: &TestArgs, paths: &[PathBuf]) -> u8 {
         let found = tests.len();
         tests.retain(|test| testing::name_of(test).contains(part.as_str()));
         if tests.is_empty() && found > 0 {
-            report::say(&format!("none of the {found} tests has `{part}` in its path"));
+            report::say(&match found {
+                1 => format!("the only test does not have `{part}` in its path"),
+                _ => format!("none of the {found} tests has `{part}` in its path"),
+            });
             return exit::USAGE;
         }
     }

@@ -114,7 +114,7 @@ impl Watch {
                 Event::NoLines => {
                     self.can_ask = false;
                     if self.pending.take().is_some() {
-                        report::say("not changed: nobody answers on standard input; add --lose allow");
+                        report::say("not changed: no answer on standard input; add --lose allow");
                     }
                 }
             }

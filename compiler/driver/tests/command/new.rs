@@ -69,6 +69,8 @@ fn tests_are_chosen_and_reported() {
     let none = plcc(folder, &["test", ".", "--filter", "other"]);
     assert_eq!(none.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&none.stderr).contains("none of the 2 tests"));
+    let only = plcc(folder, &["test", "good.stl", "--filter", "other"]);
+    assert_eq!(String::from_utf8_lossy(&only.stderr), "plcc: the only test does not have `other` in its path\n");
 }
 
 #[test]

@@ -87,7 +87,7 @@ impl<'a> Classifier<'a, '_> {
             _ => Diagnostic::new(
                 Code::BlockFrame,
                 self.span(token),
-                format!("`{word}` cannot stand outside the chart"),
+                format!("`{word}` is not allowed outside the chart"),
             )
             .label("neither a step nor a transition is open here")
             .help("a GRAPH block contains permanent instructions, steps from `STEP` to `END_STEP`, then transitions"),

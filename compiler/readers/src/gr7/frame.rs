@@ -84,7 +84,7 @@ impl Reader<'_, '_> {
     fn outside_of_blocks(&mut self, token: RawToken) {
         let word = &self.text[token.range()];
         self.report(
-            Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{word}` cannot stand outside a block"))
+            Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{word}` is not allowed outside a block"))
                 .label("no block is open here")
                 .help("write a chart between `FUNCTION_BLOCK FB1` and `END_FUNCTION_BLOCK`"),
         );

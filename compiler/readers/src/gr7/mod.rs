@@ -72,7 +72,7 @@ fn report_comments(file: FileId, raw: &lexer::RawText, diagnostics: &mut Vec<Dia
 
 /// An assertion among steps and transitions: it is undefined when it would be checked.
 fn misplaced(file: FileId, range: Range<usize>) -> Diagnostic {
-    Diagnostic::new(Code::Pragma, Span::new(file, range), "an assertion cannot stand inside a chart")
+    Diagnostic::new(Code::Pragma, Span::new(file, range), "an assertion is not allowed inside a chart")
         .label("among steps and transitions")
         .help("write it after the call of the block, for example in OB 1: `//@ assert DB1.Run.X == 1`")
 }

@@ -49,7 +49,7 @@ impl<'a> Classifier<'a, '_> {
     /// Skips tokens outside rungs.
     fn outside_of_rungs(&mut self, token: RawToken) {
         let diagnostic = if token.kind == RawKind::LeftBrace {
-            Diagnostic::new(Code::Syntax, self.span(token), "attributes cannot stand between rungs")
+            Diagnostic::new(Code::Syntax, self.span(token), "attributes are not allowed between rungs")
                 .label("belongs neither to an element nor to a network")
                 .help("write attributes of a network directly before `NETWORK`, those of an element directly before it")
         } else if token.kind == RawKind::Semicolon {
@@ -64,7 +64,7 @@ impl<'a> Classifier<'a, '_> {
             let title = if self.is_word("END_RUNG") {
                 "`END_RUNG` has no matching RUNG".to_owned()
             } else {
-                format!("`{text}` cannot stand outside a rung")
+                format!("`{text}` is not allowed outside a rung")
             };
             let next = self.raw.get(self.at + 1).map_or("", |next| &self.text[next.range()]);
             let help = match token.keyword {

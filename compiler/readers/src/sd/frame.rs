@@ -116,7 +116,7 @@ impl Reader<'_, '_> {
         let word = &self.text[token.range()];
         let ends = token.keyword.is_some_and(Keyword::ends_block);
         self.report(
-            Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{word}` cannot stand outside a block"))
+            Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{word}` is not allowed outside a block"))
                 .label("no block is open here")
                 .help(if ends {
                     "remove it, or write the beginning of its block before it"
@@ -209,7 +209,7 @@ impl Reader<'_, '_> {
         }
         let word = &self.text[token.range()];
         self.report(
-            Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{word}` cannot stand outside a network"))
+            Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{word}` is not allowed outside a network"))
                 .label("no network is open here")
                 .help("write statements and rungs between `NETWORK` and `END_NETWORK`"),
         );

@@ -34,7 +34,7 @@ impl Place<Tok<'_>, ()> for Recovery {
             None => state.tokens.last().map_or((0, 0), |(start, _, end)| (*start, *end)),
         };
         let title = match state.text.get(start..end) {
-            Some(text) if !text.is_empty() => format!("`{text}` cannot stand here in a {what}"),
+            Some(text) if !text.is_empty() => format!("`{text}` is not allowed here in a {what}"),
             _ => format!("this {what} is not complete"),
         };
         Diagnostic::new(Code::Syntax, state.span(start..end), title).label("not expected here").help(help)

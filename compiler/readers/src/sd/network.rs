@@ -105,7 +105,7 @@ fn report_assertions(source: &Source, network: &NetworkSource, diagnostics: &mut
     {
         let span = Span { file: source.file, start: found.start, end: found.end };
         diagnostics.push(
-            Diagnostic::new(Code::Pragma, span, "an assertion cannot stand inside a network of LAD or FBD")
+            Diagnostic::new(Code::Pragma, span, "an assertion is not allowed inside a network of LAD or FBD")
                 .label("between rungs")
                 .help("write it after `END_NETWORK`; it is checked when the network has run"),
         );

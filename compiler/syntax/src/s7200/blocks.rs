@@ -258,7 +258,7 @@ impl Builder<'_> {
                 self.report(
                     Code::BlockFrame,
                     span,
-                    "a title cannot stand among statements",
+                    "a title is not allowed among statements",
                     "not the title of anything",
                     help,
                 );
@@ -286,7 +286,13 @@ impl Builder<'_> {
         let (late, kind, is_bare) = (open.in_code, open.block.kind, open.block.is_bare);
         if late {
             let help = "write the declarations of a block before `BEGIN`";
-            self.report(Code::DeclarationSyntax, span, "declarations cannot stand among statements", "too late", help);
+            self.report(
+                Code::DeclarationSyntax,
+                span,
+                "declarations are not allowed among statements",
+                "too late",
+                help,
+            );
         } else if section != Section::Temp && kind != BlockKind::Subroutine && !is_bare {
             let help = "write `VAR`; values reach it by V, M and other global addresses";
             let title = "only subroutines have parameters";

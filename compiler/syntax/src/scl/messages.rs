@@ -234,7 +234,7 @@ impl Recovery {
             (Recovery::Argument, Tok::LeftParen, Tok::Comma) => told(
                 at.0,
                 at.2,
-                "no parameter stands before `,`".to_owned(),
+                "no parameter comes before `,`".to_owned(),
                 "one sign too many",
                 "remove `,` after `(`".to_owned(),
             ),

@@ -86,7 +86,7 @@ impl Cpu {
             if table == Table::Named {
                 return Err(message);
             }
-            say!("runtime: {message}; it is not forced any more");
+            say!("runtime: {message}; it is no longer forced");
             left_out += 1;
         }
         if left_out > 0 {

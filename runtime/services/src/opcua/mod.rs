@@ -127,7 +127,7 @@ impl Server {
     /// The words for the line that says what was opened.
     pub fn text(&self, clients: &str) -> String {
         match (self.users.is_open(), self.anonymous) {
-            (true, None) => "nobody can sign in: complete protection, and no users".to_string(),
+            (true, None) => "no one can sign in: the protection is complete, and there are no users".to_string(),
             (true, Some(_)) => clients.to_string(),
             (false, _) => "users may sign in".to_string(),
         }

@@ -170,7 +170,7 @@ impl SclBinder<'_, '_> {
             },
             NodeKind::Dereference(base) => self.dereferenced(ctx, base, span).map(Thing::Spot),
             NodeKind::Reference(_) => {
-                self.misplaced_reference(span, "REF(…) is a value, and no variable");
+                self.misplaced_reference(span, "REF(…) is a value, not a variable");
                 None
             }
             NodeKind::Literal(_) | NodeKind::Unary { .. } | NodeKind::Binary { .. } => {

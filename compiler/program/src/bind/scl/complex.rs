@@ -61,7 +61,7 @@ impl SclBinder<'_, '_> {
         {
             return false;
         }
-        let title = format!("`\"{}\"` is a name that nothing defines, and no text", name.text);
+        let title = format!("`\"{}\"` is an undefined name, not a text", name.text);
         let help = format!("a text is written in single quotes: `'{}'`", name.text);
         self.refuse(Code::UnknownSymbol, name.span, &title, "neither a symbol nor a variable", &help);
         true
@@ -286,7 +286,7 @@ fn first_difference(from: &DataType, wanted: &DataType) -> Option<String> {
     let pairs = from.members.iter().zip(&wanted.members);
     for (own, other) in pairs {
         if plcc_binding::fold(&own.name) != plcc_binding::fold(&other.name) {
-            return Some(format!("the component `{}` stands where `{}` is expected", own.name, other.name));
+            return Some(format!("the component `{}` is where `{}` is expected", own.name, other.name));
         }
         let (is, needed) = (layout::type_name(&own.ty), layout::type_name(&other.ty));
         if is != needed {

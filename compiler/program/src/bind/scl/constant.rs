@@ -34,7 +34,7 @@ impl SclBinder<'_, '_> {
                 return None;
             }
             Literal::Null => {
-                self.misplaced_reference(span, "NULL is no value here");
+                self.misplaced_reference(span, "NULL is not a value here");
                 return None;
             }
         };

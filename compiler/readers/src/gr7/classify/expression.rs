@@ -233,7 +233,7 @@ impl<'a> Classifier<'a, '_> {
                 let help = "remove it, or put it into a comment `(* … *)`";
                 front::stray_characters(span, slice, "chart", "GRAPH outside comments", help)
             }
-            _ => Diagnostic::new(Code::Syntax, span, format!("`{slice}` cannot stand here"))
+            _ => Diagnostic::new(Code::Syntax, span, format!("`{slice}` is not allowed here"))
                 .label("not expected")
                 .help("an operand is an address, a symbol, a step or transition with its member, or a constant"),
         };

@@ -224,7 +224,7 @@ impl<'a> Classifier<'a, '_> {
         };
         let span = self.span(not.range());
         self.report(
-            Diagnostic::new(Code::ForeignForm, span, "`NOT` cannot stand before an operand")
+            Diagnostic::new(Code::ForeignForm, span, "`NOT` is not allowed before an operand")
                 .label("an instruction without operand")
                 .help(help),
         );

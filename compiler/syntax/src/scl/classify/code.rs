@@ -233,9 +233,13 @@ impl<'a> Classifier<'a, '_> {
         let section = self.head_text(token, self.raw[self.at.max(first + 1) - 1]);
         let section = if section.len() > SECTION_MAX { format!("{word} …") } else { section };
         self.report(
-            Diagnostic::new(Code::BlockFrame, self.span(token), format!("`{word}` cannot stand among the statements"))
-                .label("declarations must come before BEGIN")
-                .help(format!("write `{section}` before BEGIN")),
+            Diagnostic::new(
+                Code::BlockFrame,
+                self.span(token),
+                format!("`{word}` is not allowed among the statements"),
+            )
+            .label("declarations must come before BEGIN")
+            .help(format!("write `{section}` before BEGIN")),
         );
         true
     }

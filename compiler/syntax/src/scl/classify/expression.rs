@@ -343,7 +343,7 @@ impl<'a> Classifier<'a, '_> {
         let span = self.span(opening);
         self.tolerate(
             span,
-            "an attribute list cannot stand among statements",
+            "an attribute list is not allowed among statements",
             "skipped",
             "remove it; it has no meaning here",
         );
@@ -363,7 +363,7 @@ impl<'a> Classifier<'a, '_> {
                 let language = "SCL outside texts and comments";
                 front::stray_characters(span, slice, "statement", language, &front::stray_help(slice, "name"))
             }
-            _ => Diagnostic::new(Code::Syntax, span, format!("`{slice}` cannot stand here"))
+            _ => Diagnostic::new(Code::Syntax, span, format!("`{slice}` is not allowed here"))
                 .label("not expected")
                 .help("an operand is a variable, a constant, an address or a call"),
         };

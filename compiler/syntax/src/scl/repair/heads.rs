@@ -103,7 +103,7 @@ impl Repair<'_> {
                 true
             }
             RawKind::Semicolon if self.keyword(at + 1) == Some(wanted) && wanted != Keyword::EndRepeat => {
-                let title = format!("`;` cannot stand before `{}`", wanted.word());
+                let title = format!("`;` is not allowed before `{}`", wanted.word());
                 let head = self.words(self.statement_head(), at - 1);
                 let help = format!("write `{} {head} {}`", statement.word(), wanted.word());
                 self.report(at, at + 1, title, "the head of the statement is not complete here", help);

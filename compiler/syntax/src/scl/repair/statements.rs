@@ -140,7 +140,7 @@ impl Repair<'_> {
             return false;
         };
         let value = self.words(at + 1, colon).to_owned();
-        let title = "a value of CASE stands alone before its `:`".to_owned();
+        let title = "a value of CASE needs no word before it".to_owned();
         self.report(at, at + 1, title, "a form of other languages", format!("write `{value}`"));
         self.drop_tokens(at, at + 1);
         self.statement = self.at;
@@ -174,7 +174,13 @@ impl Repair<'_> {
         let operands: Vec<&str> = parts.iter().zip(ends).map(|(first, last)| self.words(*first, last)).collect();
         let word = keyword.word();
         let help = format!("write `{}`", operands.join(&format!(" {word} ")));
-        self.report(at, close + 1, format!("{word} stands between its operands"), "a form of other languages", help);
+        self.report(
+            at,
+            close + 1,
+            format!("{word} is written between its operands"),
+            "a form of other languages",
+            help,
+        );
         self.replace(at, close + 1, RawKind::Reported, None);
         true
     }

@@ -214,7 +214,7 @@ impl Classifier<'_, '_> {
             self.skip_pragma();
             let span = self.span_of(comment.start as usize, comment.end as usize);
             self.report(
-                Diagnostic::new(Code::Pragma, span, "a pragma cannot stand inside a statement")
+                Diagnostic::new(Code::Pragma, span, "a pragma is not allowed inside a statement")
                     .label("the call is not ended yet")
                     .help("write it after the call"),
             );

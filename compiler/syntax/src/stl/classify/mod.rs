@@ -309,7 +309,7 @@ impl<'a> Classifier<'a, '_> {
                     .label("a form of other languages")
                     .help(help)
             }
-            _ => Diagnostic::new(Code::Syntax, span, format!("`{slice}` cannot stand here"))
+            _ => Diagnostic::new(Code::Syntax, span, format!("`{slice}` is not allowed here"))
                 .label("not expected")
                 .help("an operand is an address (`M 10.0`), a name (`#name`, `\"symbol\"`) or a constant"),
         };
