@@ -18,7 +18,7 @@ pub fn sort(diagnostics: &mut [Diagnostic]) {
     diagnostics.sort_by_key(|d| (d.primary.span.file, d.primary.span.start, std::cmp::Reverse(d.severity), d.code));
 }
 
-/// Maximum number of messages that are written. Nobody reads more, and they would fill the memory.
+/// Maximum number of messages that are written. More would fill the memory, and would not be read.
 pub const SHOWN_MAX: usize = 5000;
 
 /// The messages that are written, and the number of the others. With more than [`SHOWN_MAX`], errors go before warnings.
