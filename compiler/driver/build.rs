@@ -81,7 +81,7 @@ fn only_checked() -> bool {
         .is_some_and(|wrapper| Path::new(&wrapper).file_stem() == Some(OsStr::new("clippy-driver")))
 }
 
-/// Writes empty files in the place of all runtimes: nobody uses them, and compiling the runtime takes minutes.
+/// Writes empty files in the place of all runtimes: they are not used, and compiling the runtime takes minutes.
 fn without_runtime(out: &Path) {
     let forms =
         RUNTIMES.iter().flat_map(|(name, _)| [".o", "-template", "-static"].map(|form| format!("{name}{form}")));

@@ -140,7 +140,7 @@ impl Sums {
     }
 }
 
-/// `blocks 3 of 3, statements 12 of 14`, without what there is none of.
+/// `blocks 3 of 3, statements 12 of 14`, without the kinds that do not occur.
 impl std::fmt::Display for Sums {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let parts = self.parts().into_iter().filter(|(_, part)| part.all > 0);

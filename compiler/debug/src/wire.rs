@@ -61,7 +61,7 @@ fn read_all(mut input: impl BufRead, send: &Sender<Incoming>) {
         let incoming = match message(&mut input) {
             Ok(Some(body)) => incoming(&body),
             Ok(None) => Some(Incoming::Closed),
-            // After a wrong head nobody knows where the next message begins.
+            // After a wrong head it is unknown where the next message begins.
             Err(error) => {
                 let _ = send.send(Incoming::Wrong(error));
                 Some(Incoming::Closed)

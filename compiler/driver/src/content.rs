@@ -27,7 +27,7 @@ pub enum Content {
     Program(&'static str),
     /// Not for plcc; what it is instead.
     Other(&'static str),
-    /// A document, a picture or an empty file, which nobody expects plcc to read.
+    /// A document, a picture or an empty file, which plcc is not expected to read.
     Nothing,
 }
 

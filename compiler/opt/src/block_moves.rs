@@ -21,7 +21,7 @@
 //! b3(v11: i32):
 //! ```
 //!
-//! What fills the structure goes to the cold side with the call, unless somebody reads it before. Takes time linear in the size of the function.
+//! What fills the structure goes to the cold side with the call, unless it is read before. Takes time linear in the size of the function.
 //!
 //! Source: System and standard functions, SFC 20, 21, 81.
 

@@ -52,7 +52,7 @@ pub fn part_cold_loops(function: &mut Function, surroundings: &Surroundings) -> 
         if function.blocks[each.header].cold || !comes_back(function, effects, &cfg, each, &inside) {
             continue;
         }
-        // A block of a loop that was copied is not on all ways any more.
+        // A block of a loop that was copied is no longer on all ways.
         let before = dominators.immediate(each.header).filter(|before| !done.contains(before));
         let before = before.unwrap_or(function.entry());
         growth -= insts;

@@ -14,7 +14,7 @@
 //! ```
 //!
 //! A sum, difference or product that is finite has finite operands, so the last test of a chain says what the ones before it would. Where it
-//! fails, a cold copy does all from the first test on. Nothing is stored or called between the tests that are taken together, so nobody sees what was
+//! fails, a cold copy does all from the first test on. Nothing is stored or called between the tests that are taken together, so nothing shows what was
 //! computed in vain. A result that is a number anyway needs no test. Takes time linear in the size of the function.
 
 use plcc_ir::entities::Entity;

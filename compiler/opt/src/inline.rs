@@ -8,7 +8,7 @@
 //! ```
 //!
 //! Functions are visited with callees before callers, so code inlined into a callee moves with it. Only a function
-//! that makes no calls itself (any more) is inlined:
+//! that makes no calls, or whose calls have all been inlined, is inlined:
 //!
 //! - Its frame begins where that of any callee begins, [`Function::inlined_bytes`] after the caller's frame. So local data keep
 //!   their addresses, and neither their total size nor the content of area V changes.

@@ -197,7 +197,7 @@ pub const ALONE: &[Pass] = &[
     surrounded("forward", forward::forward_memory),
     function("fold", fold::fold),
     function("part-cold-ways", duplicate::part_cold_ways),
-    // Loops that were too large before their checks went; without what nothing uses any more they may be one block.
+    // Loops that were too large before their checks went; without what is unused they may be one block.
     telling("unused", unused::remove_unused),
     function("control-flow", control_flow::simplify_control_flow),
     // Pointers that were in memory have their ranges now, and reach less of it. Counters that were in memory are values then, with ranges
@@ -220,7 +220,7 @@ pub const ALONE: &[Pass] = &[
     surrounded("addresses", addresses::resolve_addresses),
     telling("values", values::share_values),
     surrounded("forward", forward::forward_memory),
-    // What nobody reads goes before stores under a condition, or of single bits, become ones that read what is there.
+    // What is never read goes before stores under a condition, or of single bits, become ones that read what is there.
     surrounded("dead-stores", dead_stores::eliminate_dead_stores),
     telling("unused", unused::remove_unused),
     function("branches", branches::select_by_branches),

@@ -1,4 +1,4 @@
-//! Local data that nobody else can reach becomes values.
+//! Local data that no other block can reach becomes values.
 //!
 //! STL keeps its loop counters and intermediate results in temporary variables, so that each pass of a loop would write and
 //! read memory. Where only the function itself reaches its frame, and a place is always accessed with the same offset and

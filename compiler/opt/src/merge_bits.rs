@@ -1,7 +1,7 @@
 //! Bits of one word that are written one after the other become one store.
 //!
 //! Within a block the bits that are written to a word, or to a byte where that is enough (see [`Words`]), are collected in a register and
-//! stored when somebody may look: at an access that overlaps, at a call, and at the end of the block. Until then a bit that is written
+//! stored when it may be read: at an access that overlaps, at a call, and at the end of the block. Until then a bit that is written
 //! again replaces itself.
 //!
 //! ```text

@@ -94,7 +94,7 @@ fn unroll_in_function(function: &mut Function, growth: &mut usize, done: &mut Fx
             is_left = true;
             continue;
         }
-        // A block of a loop that was copied is not on all ways any more.
+        // A block of a loop that was copied is no longer on all ways.
         let before = dominators.immediate(each.header).filter(|before| !copied.contains(before));
         let before = before.unwrap_or(function.entry());
         *growth -= size;

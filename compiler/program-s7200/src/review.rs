@@ -156,7 +156,7 @@ fn local_memory(body: &S7200Body, blocks: &[CodeBlock], found: &mut Vec<Diagnost
             StatementKind::Instruction { insn, operands } => {
                 for (operand, class) in operands.iter().zip(insn.operands()) {
                     match class {
-                        // The address of local memory is known to somebody from here on.
+                        // The address of local memory is known elsewhere from here on.
                         OperandClass::DwordInAddress if matches!(operand, Operand::Const(_)) => written.all = true,
                         class if is_read(*class) => reads.push(operand),
                         _ => writes.push((operand, is_single(*class))),

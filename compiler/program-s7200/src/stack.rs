@@ -1,6 +1,6 @@
 //! The logic stack of a network: how many levels statements push and need.
 //!
-//! A network may contain several rungs, and each begins with a load that pushes one more level; levels that nobody needs any more are
+//! A network may contain several rungs, and each begins with a load that pushes one more level; levels that are no longer needed are
 //! simply lost at the bottom. Networks do not clear the stack, but each is counted separately.
 //! Source: S7-200 system manual, logic stack instructions and compile rule violations.
 

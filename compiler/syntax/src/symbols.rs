@@ -20,7 +20,7 @@ pub struct SymbolTable {
 /// The reason of a row whose quotes are not in pairs.
 pub const QUOTE_MISSING: &str = "a quote is missing";
 
-/// A row whose address nobody understands.
+/// A row whose address is not understood.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UnreadableRow {
     pub name: String,

@@ -282,7 +282,7 @@ fn written(address: &str, german: bool) -> String {
     found.map_or(address.to_string(), |(de, rest)| format!("{de}{rest}"))
 }
 
-/// An address in one form: `I0.0`, `MW10`, `DB5.DBX2.0`, `T5`. None if it is none.
+/// An address in one form: `I0.0`, `MW10`, `DB5.DBX2.0`, `T5`. None: another text.
 pub fn canonical(text: &str, german: bool) -> Option<String> {
     let text: String = text.chars().filter(|c| !c.is_whitespace()).collect::<String>().to_ascii_uppercase();
     let digits = |text: &str| !text.is_empty() && text.len() <= 7 && text.bytes().all(|b| b.is_ascii_digit());

@@ -12,7 +12,7 @@ pub enum Access {
     Write,
 }
 
-/// What an ANY points at; nobody has looked whether it exists.
+/// What an ANY points at; whether it exists is not checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Any {
     /// Type code.

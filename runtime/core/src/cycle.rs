@@ -114,7 +114,7 @@ impl Cpu {
         }
     }
 
-    /// Nobody but the program takes part in the cycles, and nobody can join until they end: no scenario or trace, client, recording,
+    /// Only the program takes part in the cycles, and nothing can join until they end: no scenario or trace, client, recording,
     /// retentive file, forced value, fast counter or hardware interrupt, under the virtual clock.
     fn is_alone(&self, observer: &dyn Observer) -> bool {
         self.clock.is_virtual()

@@ -104,7 +104,7 @@ impl Diagnostics {
         self.next.set((self.next.get() + 1) % CAPACITY);
     }
 
-    /// Entries since the CPU was switched on, those that the ring does not hold any more included.
+    /// Entries since the CPU was switched on, those that the ring no longer holds included.
     pub fn count(&self) -> u64 {
         self.count.get()
     }

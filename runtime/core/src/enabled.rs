@@ -6,7 +6,7 @@
 //! | S7-1200/1500 | `PQ`; not possible while values are forced |
 //! | S7-200 | `Q` and `AQ`; forced outputs have their values meanwhile |
 //!
-//! Outputs that nobody writes keep their values of STOP. It ends when the client ends it or goes, with a restart, a memory reset, a change
+//! Outputs that are not written keep their values of STOP. It ends when the client ends it or goes, with a restart, a memory reset, a change
 //! of the program, and when other values are forced: all outputs have their values of STOP again.
 //!
 //! Source: Programming with STEP 7, 20.4, enabling peripheral outputs; S7-200 system manual, writing and forcing outputs in STOP.

@@ -14,7 +14,7 @@ use crate::change::CodeSource;
 use crate::code::{Entries, EntryFunction};
 use crate::{functions, guest};
 
-/// Memory with code. It goes when nobody has an entry function of it any more.
+/// Memory with code. It is freed when no entry function of it is in use.
 struct Mapping {
     base: NonNull<u8>,
     bytes: usize,

@@ -142,7 +142,7 @@ impl Cpu {
         let class = u32::from(priority).min(ERROR_CLASS - 1);
         if self.has_local_data(block, limit) {
             self.run_block(block, layout::l_stack(class), limit, loaded.depth_max, info);
-            // Nobody asks for start information between OBs.
+            // Start information is not read between OBs.
             self.memory.set_state::<{ state::DEPTH }, 4>([0; 4]);
         }
         running.priority.set(0);

@@ -3,7 +3,7 @@
 //! - [`duration`]: `T#1D_2H_3M_4S_5MS` of the languages, `1.5s` of flags and files, `PT0.02S` of projects in XML.
 //! - [`calendar`]: days of months and years, `2000-6-20`, `5:45:00.5`.
 //! - [`number`]: `-5`, `1_000`, `16#FF`.
-//! - [`distance`]: the name that somebody meant.
+//! - [`distance`]: the name that was meant.
 //! - [`article`]: `a` or `an`.
 //! - [`toml_words`]: what is wrong in a TOML file, in plain words.
 //!

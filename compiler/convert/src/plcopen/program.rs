@@ -126,7 +126,7 @@ impl<'a> Program<'a> {
     pub fn uses(&self, name: &str) -> usize {
         match name.chars().all(|c| c.is_alphanumeric() || c == '_') {
             true => self.words.get(&name.to_lowercase()).copied().unwrap_or(0),
-            // Not a word: nobody has counted it.
+            // Not a word, so it was not counted.
             false => usize::MAX,
         }
     }

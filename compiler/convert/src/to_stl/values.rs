@@ -108,7 +108,7 @@ impl Maker<'_> {
         let from = match from {
             Some(from) => from,
             None if is_number => ty,
-            // Its own type, which nobody else needs here.
+            // Its own type; no other value has it here.
             None if ty == Elementary::S5Time => ty,
             None => {
                 self.unknown_type(element);

@@ -1,7 +1,7 @@
 //! Machine code of earlier builds: what has not changed is not compiled again.
 //!
 //! The code of a function is kept under a key of all that it depends on (`key`). An executable has one file of code, in
-//! `$XDG_CACHE_HOME/plcc` or `~/.cache/plcc`: what its last build used. Nobody has to clean up: a file that is damaged or of
+//! `$XDG_CACHE_HOME/plcc` or `~/.cache/plcc`: what its last build used. No clean-up is needed: a file that is damaged or of
 //! another plcc is written again, and when all files together are too large, the least recently used ones go. Files are
 //! replaced as a whole, so builds at the same time do not disturb each other. Without a folder for it nothing is kept.
 

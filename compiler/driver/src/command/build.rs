@@ -151,7 +151,7 @@ fn cached_objects(bound: Bound, args: &BuildArgs, output: &Path) -> Result<Vec<V
     let mut lowered = pipeline::lower_begun(&bound, args.optimization.optimization());
     let is_monitored = args.monitor || bound.program.config.services.web.is_some() && !args.no_monitor;
     let probed = is_monitored.then(|| pipeline::lower_beside(&bound, &mut lowered));
-    // A large program takes much memory; what is not needed any more makes room.
+    // A large program takes much memory; what is no longer needed makes room.
     drop(bound);
     memory::give_back(memory::size(&lowered.module));
     let cache = |output: &Path| if args.no_cache { None } else { Cache::of(output) };

@@ -7,7 +7,7 @@ use std::path::Path;
 pub enum Foreign {
     /// A program of another tool, which the user may miss.
     Program(&'static str),
-    /// A document, a picture or a file of a version control system: nobody expects plcc to read it.
+    /// A document, a picture or a file of a version control system: plcc is not expected to read it.
     Document,
     /// Something else that is never a PLC source.
     Other(&'static str),
@@ -42,7 +42,7 @@ const PROGRAMS: [(&[&str], &str); 14] = [
     (&["cxp", "cxt", "smc2"], "a project of CX-One or Sysmac Studio"),
 ];
 
-/// Extensions of documents, pictures and other files that nobody expects plcc to read.
+/// Extensions of documents, pictures and other files that plcc is not expected to read.
 const DOCUMENTS: &[&str] = &[
     "md", "markdown", "rst", "adoc", "tex", "pdf", "doc", "docx", "odt", "rtf", "ppt", "pptx", "odp", "chm", "png",
     "jpg", "jpeg", "gif", "bmp", "ico", "svg", "tif", "tiff", "webp", "eps", "drawio", "vsd", "vsdx", "dia", "psd",

@@ -76,7 +76,7 @@ impl fmt::Display for LinkError {
                 Some(folder) if error.kind() == io::ErrorKind::NotADirectory => {
                     write!(f, "cannot write `{}`: `{}` is a file, not a folder", path.display(), folder.display())
                 }
-                // The error names the temporary file, which is none of the user's.
+                // The error names the temporary file, which the user does not know.
                 _ => write!(f, "cannot write `{}`: {}", path.display(), crate::inputs::reason(error)),
             },
             LinkError::Object(message) => {

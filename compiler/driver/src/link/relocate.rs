@@ -11,7 +11,7 @@ use super::place::{CODE, Image, ObjectFile, Place, wrong};
 
 /// Applies all relocations of `objects`.
 ///
-/// Errors: a symbol that nobody defines, a relocation that code of plcc does not have, or a program that is too large.
+/// Errors: a symbol that is not defined, a relocation that code of plcc does not have, or a program that is too large.
 pub fn relocate(objects: &[ObjectFile<'_>], image: &mut Image) -> Result<(), LinkError> {
     for (number, object) in objects.iter().enumerate() {
         // Symbols by their index in the object.

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use sha2::{Digest as _, Sha256};
 use tar::{Builder, EntryType, Header};
 
-/// User and group of the process: nobody in particular.
+/// User and group of the process: an ordinary user.
 const USER: u64 = 65_532;
 /// Where the process keeps its files; a volume belongs there.
 const DATA: &str = "data";

@@ -25,7 +25,7 @@ pub fn look(paths: &[PathBuf]) -> Seen {
     Seen(files.map(state).collect())
 }
 
-/// Waits until the files are not as they were, and then until they do not change any more.
+/// Waits until the files are not as they were, and then until they stop changing.
 pub fn wait(paths: &[PathBuf], mut seen: Seen) {
     let mut changed = false;
     loop {

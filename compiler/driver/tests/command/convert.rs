@@ -113,7 +113,7 @@ fn comments_of_exports_stay() {
     assert_eq!(convert("b.xml", "xml"), first);
 }
 
-/// Blocks and data types of the CPU and the libraries, whose sources nobody has, and their start values.
+/// Blocks and data types of the CPU and the libraries, whose sources are not available, and their start values.
 #[test]
 fn blocks_of_the_system_become_xml() {
     const SCL: &str = r#"//@ cpu s7-1500

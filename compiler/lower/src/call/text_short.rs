@@ -363,7 +363,7 @@ impl BlockLowering<'_, '_> {
         let head = self.b.zext(Type::I32, head);
         let maximum = self.b.binary_imm(BinaryOp::Lshr, head, 8);
         let length = self.b.binary_imm(BinaryOp::And, head, 0xFF);
-        // 0: nobody has set it up.
+        // 0: it has not been set up.
         let before = self.b.binary_imm(BinaryOp::Iadd, maximum, -1);
         let exists = self.b.icmp(IntCc::Ult, before, operand.limit);
         let right = self.b.icmp(IntCc::Ule, length, maximum);

@@ -18,7 +18,7 @@ pub(super) struct Structure {
     dbs: [Option<Value>; 2],
     /// The same of the pointers, i32.
     pointers: [Option<Value>; 2],
-    /// What fills it and nobody reads before the call, last first.
+    /// What fills it and is not read before the call, last first.
     pub fills: Vec<Inst>,
 }
 

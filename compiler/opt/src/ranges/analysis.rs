@@ -3,7 +3,7 @@
 //! A sweep computes each value from its operands, in the order of the tree, so that what a branch has tested is known in all
 //! blocks that only it leads to. Values that come over jumps back are those of the sweep before; none come in the first one,
 //! so that a sweep only ever finds more numbers. A parameter that grows from sweep to sweep is widened to the next landmark;
-//! when nothing grows any more, a few sweeps without widening make intervals smaller again.
+//! when nothing grows, a few sweeps without widening make intervals smaller again.
 
 mod companions;
 
@@ -15,7 +15,7 @@ use rustc_hash::FxHashMap;
 
 use super::interval::{self, Interval};
 
-/// Sweeps until nothing grows any more; with more the function is left as it is.
+/// Sweeps until nothing grows; with more the function is left as it is.
 const GROWING_MAX: usize = 40;
 /// Sweeps after which what still grows may be any number.
 const LANDMARKS_UNTIL: usize = 16;

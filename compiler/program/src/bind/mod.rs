@@ -7,7 +7,7 @@
 //! 3. [`declarations`]: types, interfaces and data blocks.
 //! 4. [`stl`], [`scl`], [`network`] (LAD and FBD) and [`chart`] (GRAPH) bind statements over them, each by a type of its own. Networks
 //!    become the typed tree of SCL, and charts use SCL and networks.
-//! 5. [`review`] looks in bound blocks for statements without effect, and for values that nobody has set.
+//! 5. [`review`] looks in bound blocks for statements without effect, and for values that are never set.
 //! 6. [`program`](mod@program) binds a whole program, each block in its language.
 //! 7. [`partial`] binds a program in which parts may be missing, by binding it several times.
 //!

@@ -12,7 +12,7 @@ pub enum Tail {
     Separate,
 }
 
-/// Bytes of the pointer after `P#`; `None` if it is none: `P##name`, `P#"name"`.
+/// Bytes of the pointer after `P#`; `None` if it is not a pointer: `P##name`, `P#"name"`.
 pub fn length(rest: &str, tail: Tail) -> Option<usize> {
     if rest.starts_with(['#', '"']) {
         return None;

@@ -449,7 +449,7 @@ fn word(lexer: &mut Lexer<RawKind>) -> RawKind {
 
 /// The length of the name that a region repeats at its end: `END_REGION Outputs`. `rest`: the text after the keyword, `opened`: the name.
 ///
-/// A line that may be a statement is none.
+/// A line that may be a statement repeats no name.
 fn repeated_name(rest: &str, opened: &str) -> usize {
     let line = rest.split('\n').next().unwrap_or_default();
     let line = line.split("//").next().unwrap_or_default();

@@ -307,7 +307,7 @@ impl Band<'_> {
         let inside: HashSet<usize> = members.iter().copied().collect();
         let mut roots: Vec<usize> = members.to_vec();
         roots.sort_by_key(|at| (usize::MAX - self.columns[*at], *at));
-        // The rungs stay in their order: the walk begins at the first part whose outputs nobody of the band reads.
+        // The rungs stay in their order: the walk begins at the first part whose outputs no part of the band reads.
         roots.sort_by_key(|at| {
             let written = |pin: &crate::sheet::Pin| matches!(pin.link, Link::Net(net) if pin.output && self.is_read(net, &inside));
             (self.sheet.parts[*at].pins.iter().any(written), *at)

@@ -273,7 +273,7 @@ function structure() {
   found.forEach((list, i) => list.forEach((t) => (data.pages[t].callers ??= []).push(i)));
   return found;
 }
-// It takes a moment in a large program; nobody waits for it.
+// It takes a moment in a large program; nothing waits for it.
 setTimeout(() => { structure(); if (here >= 0) for (const c of main.querySelectorAll(".callers")) c.innerHTML = callers(here); }, 50);
 function calls() {
   if (xref) return callTree();

@@ -378,7 +378,7 @@ fn ask_for(name: String) -> Receiver<Option<Ipv4Addr>> {
                 SocketAddr::V6(_) => None,
             })
         });
-        // Nobody waits for it if the connection has ended.
+        // Nothing waits for it if the connection has ended.
         let _ = sender.send(found);
     });
     answer

@@ -31,7 +31,7 @@ impl Datagrams {
     pub fn work(&mut self) {
         let mut buffer = [0; DATAGRAM_BYTES_MAX as usize + 1];
         while self.arrived.len() < DATAGRAMS_MAX {
-            // An error of an earlier datagram, that nobody took it, does not matter.
+            // An error of an earlier datagram, which was not received, does not matter.
             let Ok((count, SocketAddr::V4(from))) = self.socket.recv_from(&mut buffer) else { return };
             if count <= DATAGRAM_BYTES_MAX as usize {
                 self.arrived.push_back((buffer[..count].to_vec(), from));

@@ -1,7 +1,7 @@
 //! Status of blocks for clients, while the CPU runs: what the calls of watched blocks see.
 //!
 //! There are two copies of the program's code, one as it runs and one with probes ([`plcc_abi::monitor`]). While
-//! somebody watches, the code with probes runs; both codes change only between two cycles, and memory stays as it is.
+//! a client watches, the code with probes runs; both codes change only between two cycles, and memory stays as it is.
 //! Of all that the probes tell, a [`Watch`] keeps what one call of its block sees, in one cycle, until it is read;
 //! then it keeps the next one.
 
@@ -36,7 +36,7 @@ pub struct Monitor {
     started: RefCell<Vec<u64>>,
 }
 
-/// How often an organization block ran while somebody looked, and how long, in nanoseconds. What interrupts it is part of that.
+/// How often an organization block ran while a client looked, and how long, in nanoseconds. What interrupts it is part of that.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ObRuns {
     pub count: u64,
@@ -143,7 +143,7 @@ impl Cpu {
         }
     }
 
-    /// The runs of an organization block since somebody has been watching; `None`: nobody is.
+    /// The runs of an organization block since a client has been watching; `None`: none is.
     pub fn ob_runs(&self, number: u16) -> Option<ObRuns> {
         if self.monitor.watches.borrow().is_empty() {
             return None;
@@ -153,7 +153,7 @@ impl Cpu {
         Some(self.monitor.obs.borrow().get(&block.first).copied().unwrap_or_default())
     }
 
-    /// `client` does not look any more. Only between two cycles.
+    /// `client` has stopped looking. Only between two cycles.
     pub fn unwatch_block(&self, client: u64) {
         let mut watches = self.monitor.watches.borrow_mut();
         watches.retain(|watch| watch.client != client);

@@ -91,7 +91,7 @@ pub fn neighbours(text: &str, image: &ProgramImage, most: usize) -> Vec<(String,
     values.take(most).collect()
 }
 
-/// Timers and counters have values of a type, although nobody declares them.
+/// Timers and counters have values of a type, although they are not declared.
 fn usual_type(place: Place) -> Option<ValueType> {
     match place {
         Place::TimerValue(_) => Some(ValueType::of(AssertType::S5Time)),

@@ -57,7 +57,7 @@ pub mod status {
     pub const RUNNING: u16 = 25;
 }
 
-/// Jobs at once, those included whose result nobody has taken.
+/// Jobs at once, those included whose result has not been taken.
 const JOBS_MAX: usize = 256;
 
 /// An area of a partner, as an item of S7 communication names it.
@@ -130,7 +130,7 @@ struct Job {
 #[derive(Default)]
 struct Line {
     is_up: bool,
-    /// How often it came up: who served it before has nothing to say any more.
+    /// How often it came up: results of what served it before do not count.
     turn: u64,
     waiting: VecDeque<(u32, Work)>,
     wake: Option<Wake>,
@@ -175,7 +175,7 @@ impl Board {
     }
 }
 
-/// The board as the CPU has it: nobody carries jobs unless services do.
+/// The board as the CPU has it: jobs are not carried without services.
 #[derive(Default)]
 pub(crate) struct Partners(RefCell<Option<Arc<Board>>>);
 
@@ -233,7 +233,7 @@ impl Board {
             return Err(status::NO_CONNECTION);
         }
         if inner.jobs.len() >= JOBS_MAX {
-            // What has ended and is not taken belongs to blocks that are not called any more.
+            // What has ended and is not taken belongs to blocks that are no longer called.
             inner.jobs.retain(|_, job| job.ended.is_none());
             if inner.jobs.len() >= JOBS_MAX {
                 return Err(status::RESOURCES);
@@ -309,7 +309,7 @@ impl Board {
         own.turn
     }
 
-    /// Nobody else has taken the connection over.
+    /// Nothing else has taken the connection over.
     pub fn is_current(&self, line: usize, turn: u64) -> bool {
         self.inner().lines[line].turn == turn
     }

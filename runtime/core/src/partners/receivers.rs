@@ -81,7 +81,7 @@ impl Receivers {
         self.0.contains_key(&(line, slot.kind, slot.r_id))
     }
 
-    /// `new`: a handle that nobody has, if the R_ID is not known. Result: the handle of the next call; what has come, or STATUS.
+    /// `new`: an unused handle, if the R_ID is not known. Result: the handle of the next call; what has come, or STATUS.
     pub fn receive(
         &mut self,
         line: usize,
@@ -137,7 +137,7 @@ impl Receivers {
     }
 
     pub fn message(&mut self, line: usize, r_id: u32, areas: Vec<Vec<u8>>) {
-        // A message for nobody is lost: it is not acknowledged.
+        // A message without a receiver is lost: it is not acknowledged.
         if let Some(receiver) = self.0.get_mut(&(line, Kind::Message, r_id)).filter(|receiver| receiver.enabled) {
             receiver.overwritten |= receiver.new.is_some();
             receiver.new = Some(areas);

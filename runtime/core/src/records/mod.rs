@@ -18,7 +18,7 @@ use store::{Fault, Store};
 
 use crate::cpu::Cpu;
 
-/// Jobs that wait, and ends of jobs that nobody has asked for; the oldest go.
+/// Jobs that wait, and ends of jobs that were not asked for; the oldest go.
 const JOBS_MAX: usize = 256;
 
 /// What a block asks for.

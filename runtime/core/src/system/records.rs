@@ -15,7 +15,7 @@ use crate::records::{Job, fields};
 
 const STARTED: u16 = 0x7001;
 const RUNNING: u16 = 0x7002;
-/// The job is not known any more.
+/// The job is no longer known.
 const LOST: u16 = 0x807F;
 const NO_ROOM: u16 = 0x8070;
 const NAME_TYPE: u16 = 0x8091;

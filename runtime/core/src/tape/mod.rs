@@ -41,7 +41,7 @@ enum Side {
 /// What a driver that is recorded has noted.
 #[derive(Default)]
 pub struct Notes {
-    /// Inputs that clients set, as long as somebody wants to know.
+    /// Inputs that clients set, as long as they are wanted.
     inputs: RefCell<Option<Vec<(u32, u32, u32)>>>,
     /// What came from devices before this cycle.
     devices: RefCell<Devices>,

@@ -172,7 +172,7 @@ fn pulse_output(source: &Source) -> Option<u8> {
     }
 }
 
-/// Signals that are recorded if nobody names them.
+/// Signals that are recorded if none are named.
 const SIGNALS_MAX: usize = 1000;
 
 /// The signals to record, see the module comment, and whether there are more.

@@ -51,7 +51,7 @@ impl Format {
         if width.bits() == 1 { Format::Bool } else { Format::Hex }
     }
 
-    /// The value as the format writes it. What is none of its values is hexadecimal.
+    /// The value as the format writes it. What is not one of its values is hexadecimal.
     pub fn show(self, bits: Bits, width: Width) -> String {
         let typed = |ty| Value::of_type(ty, bits).text();
         match self {

@@ -162,7 +162,7 @@ async fn connect(mut events: EventLoop, send: watch::Sender<u64>, broker: String
                     told = true;
                     crate::say(&format!("{broker} does not answer: {error}; trying again"));
                 }
-                // What was not delivered is not current any more when the broker is back: it gets all values then.
+                // What was not delivered is no longer current when the broker is back: it gets all values then.
                 events.clean();
                 events.pending.clear();
                 send.send_modify(|number| *number += *number % 2);

@@ -296,7 +296,7 @@ impl EventItem {
     pub fn take(&mut self, count: u64, events: &[Arc<Event>], started: i64) {
         let told = self.told.replace(count).unwrap_or(count);
         let first = events.first().map_or(count, |event| event.number);
-        // The diagnostic buffer does not have them any more.
+        // The diagnostic buffer no longer has them.
         self.has_lost |= first > told && count > told;
         for event in events.iter().filter(|event| event.number >= told) {
             if !self.filter.wants(event, started) {

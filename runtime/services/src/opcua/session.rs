@@ -321,7 +321,7 @@ impl Session {
         self.subscriptions.due().map_or(end, |due| due.min(end))
     }
 
-    /// Nobody has used it for too long.
+    /// It has not been used for too long.
     pub fn is_over(&self) -> bool {
         self.used + self.time <= Instant::now()
     }

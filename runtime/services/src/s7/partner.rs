@@ -261,7 +261,7 @@ impl Partner {
         Some(self.running.swap_remove(index))
     }
 
-    /// An answer to PUT or GET. What nobody waits for has no effect.
+    /// An answer to PUT or GET. An answer that is not awaited has no effect.
     fn answered(&mut self, reference: [u8; 2], error: u16, parameter: &[u8], data: Bytes) {
         let Some(Running { number, what, .. }) = self.remove(reference) else { return };
         let ended = match what {

@@ -169,7 +169,7 @@ impl Session {
                 pdus.extend(self.subscriptions.indications(plc, pdu, now));
                 pdus
             }
-            // The client has given its right back: nothing is due any more.
+            // The client has given its right back: nothing is due.
             _ => {
                 self.watched.clear();
                 self.subscriptions.clear();

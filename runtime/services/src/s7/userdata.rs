@@ -168,7 +168,7 @@ fn first(session: &mut Session, request: &Request, sequence: u8, plc: &dyn Plc) 
         },
         // Under complete protection a client learns what CPU it is, and may send a password.
         (BLOCKS | TIME | TEST, _) if !session.may_read() => Err(NOT_IMPLEMENTED),
-        // Nobody sees it, and nothing else comes of it.
+        // It is not seen, and nothing else comes of it.
         (TEST, FLASH_LED) => Ok(Vec::new()),
         (TEST, watch_list::FUNCTION) => {
             let pdu = session.pdu.ok_or(NOT_IMPLEMENTED)?;
@@ -231,7 +231,7 @@ fn kind_of(letter: u8) -> Option<u8> {
     BLOCK_KINDS.contains(&kind).then_some(kind)
 }
 
-/// The language of blocks of a kind, as lists have it: what a block was written in is not known any more.
+/// The language of blocks of a kind, as lists have it: what a block was written in is no longer known.
 fn language_of(kind: u8) -> u8 {
     const UNKNOWN: u8 = 0;
     const DATA_BLOCK: u8 = 5;

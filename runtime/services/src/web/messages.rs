@@ -51,7 +51,7 @@ pub enum Order {
         name: Option<String>,
     },
     Stop,
-    /// Outputs in STOP: what this page modifies reaches the modules, or no page does that any more.
+    /// Outputs in STOP: what this page modifies reaches the modules, or no page does.
     Outputs {
         enable: bool,
     },

@@ -249,7 +249,7 @@ async fn loaded(
     request: Request,
 ) -> Result<Response, Response> {
     let loader = loader(&asked, &headers)?;
-    // Nobody else may send so much.
+    // No other client may send so much.
     let body = timeout(PROGRAM_TIME, to_bytes(request.into_body(), PROGRAM_MAX)).await;
     let body = body.map_err(|_| refused(StatusCode::REQUEST_TIMEOUT, "the program took too long to come"))?;
     let body = body.map_err(|_| refused(StatusCode::PAYLOAD_TOO_LARGE, "the program is too large, or was cut"))?;

@@ -45,7 +45,7 @@ pub async fn serve(socket: WebSocket, link: Link, user: String, may: May, is_sig
         () = signed_out(is_signed_in) => {}
     }
     recorder.stop().await;
-    // From now on the code without probes runs, if nobody else watches.
+    // The code without probes runs next, if no other client watches.
     let left = link.ask(move |cpu| {
         cpu.unwatch_block(client);
         cpu.disable_outputs(client);

@@ -67,7 +67,7 @@ impl Known {
         Known { turn, ..Known::default() }
     }
 
-    /// Nothing any more: the program has changed.
+    /// Nothing: the program has changed.
     pub fn forget(&mut self) {
         *self = Known::since(self.turn);
     }

@@ -59,7 +59,7 @@ struct Session {
     until: Instant,
 }
 
-/// The hash of a password that nobody has.
+/// The hash of a password that no user has.
 pub(super) const NOBODY: &str =
     "$argon2id$v=19$m=19456,t=2,p=1$c29tZXNhbHRzb21lc2FsdA$3mB0uVJ8ZkqjZ2TgzrPfQH9aZ1sXy0B1tW1vJtVn2nE";
 impl Users {
@@ -67,7 +67,7 @@ impl Users {
         Users { users: users.into(), sessions: Arc::default() }
     }
 
-    /// Nobody has to sign in.
+    /// Signing in is not necessary.
     pub fn is_open(&self) -> bool {
         self.users.is_empty()
     }

@@ -59,7 +59,7 @@ pub fn may_be_same(read: &Operand, written: &Operand) -> bool {
     }
 }
 
-/// Whether two operands of a call may have bits in common. A local variable is none of the others.
+/// Whether two operands of a call may have bits in common. A local variable shares bits with no other operand.
 pub fn overlaps(one: &Operand, other: &Operand) -> bool {
     use OperandKind as K;
     let is_local = |operand: &Operand| {

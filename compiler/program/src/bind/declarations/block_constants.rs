@@ -52,7 +52,7 @@ impl Declarations<'_> {
         self.constant_block(block, bound, data);
     }
 
-    /// A constant array or structure is a variable in a data block that nobody writes.
+    /// A constant array or structure is a variable in a data block that is never written.
     fn constant_data(
         &mut self,
         constant: &ast::Constant,

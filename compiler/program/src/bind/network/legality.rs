@@ -1,6 +1,6 @@
 //! Which networks of LAD and FBD are valid: the rules of their editors, on the graph.
 //!
-//! Everything that the vendor's editors export is valid: a coil directly on the rail, empty networks, outputs that nobody uses. Types and
+//! Everything that the vendor's editors export is valid: a coil directly on the rail, empty networks, unused outputs. Types and
 //! names are not checked here. Source: LAD/FBD reference, chapter E.3.
 
 mod block;

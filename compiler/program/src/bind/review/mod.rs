@@ -1,4 +1,4 @@
-//! Statements without effect, and values that nobody has set: warnings about bound code that is valid.
+//! Statements without effect, and values that are never set: warnings about bound code that is valid.
 //!
 //! A warning is given only where no path through the program makes the statement useful.
 //!

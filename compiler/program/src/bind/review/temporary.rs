@@ -236,7 +236,7 @@ impl Flow {
                     self.read(bits, span);
                 }
             }
-            // Its address is known to somebody from here on.
+            // Its address is known elsewhere from here on.
             Operand::Const { value, .. } if value >> 24 == u32::from(area::L) => self.write_anything(),
             Operand::Label(label) => {
                 self.order += 1;

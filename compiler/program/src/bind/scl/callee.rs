@@ -197,7 +197,7 @@ impl SclBinder<'_, '_> {
         None
     }
 
-    /// The block that a node names; no message if it is none.
+    /// The block that a node names; no message if it names no block.
     pub(in crate::bind) fn quiet_block(&self, ctx: &SclBlock, node: &Node) -> Option<(BlockPrefix, u16)> {
         let name = match &node.kind {
             NodeKind::Name(name) if name.form != NameForm::Local && !self.is_local(ctx, name) => name,

@@ -105,7 +105,7 @@ impl SclBinder<'_, '_> {
         Some(repaired)
     }
 
-    /// Reports a call of a function that other languages have and no block of the program; false: it is none.
+    /// Reports a call of a function that only other languages have; false: it is not such a call.
     pub(super) fn foreign_function(&mut self, ctx: &SclBlock, callee: &Node) -> bool {
         let NodeKind::Name(name) = &callee.kind else { return false };
         let known = |(names, _): &&(&[&str], &str)| names.iter().any(|own| own.eq_ignore_ascii_case(&name.text));

@@ -58,7 +58,7 @@ pub struct Scope {
     pub temp_writes: Vec<(u32, u32)>,
     /// The function's own value is assigned somewhere.
     pub value_set: bool,
-    /// A statement could not be read, which is reported; nobody knows what it assigns.
+    /// A statement could not be read, which is reported; what it assigns is unknown.
     pub unread: bool,
     /// Variables that no source declares, under names that no source can use: values of nets in LAD and FBD.
     pub hidden: FxHashMap<String, Variable>,

@@ -81,7 +81,7 @@ impl Keyword {
     }
 }
 
-/// The keyword that a word which is none stands for: `ENDSTEP`, `TRANSITON`. Only where no operand can be: alone on its line, or before
+/// The keyword that a word is meant as: `ENDSTEP`, `TRANSITON`. Only where no operand can be: alone on its line, or before
 /// a name with its number or a colon.
 pub fn misspelt(text: &str, raw: &[RawToken], index: usize) -> Option<Keyword> {
     let token = raw.get(index).filter(|token| token.kind == RawKind::Word && token.first_on_line)?;

@@ -165,7 +165,7 @@ impl Component {
             if !(length >= 0.0 && from.is_finite() && end - self.start <= SECONDS_MAX) {
                 return Err(format!("a step from {from} s of {length} s is not possible"));
             }
-            // Rounding of the simulator is none of our business, going back is.
+            // Rounding of the simulator is accepted, going back is not.
             if (from - self.now).abs() > 1e-3 * length + 1e-9 {
                 return Err(format!("the step begins at {from} s, but the last one ended at {} s", self.now));
             }
@@ -289,7 +289,7 @@ unsafe fn slice<'a, T>(pointer: *const T, length: usize) -> &'a [T] {
 /// The elements at `pointer`, to be written.
 ///
 /// # Safety
-/// As [`slice`], and nobody else uses them.
+/// As [`slice`], and nothing else uses them.
 unsafe fn slice_mut<'a, T>(pointer: *mut T, length: usize) -> &'a mut [T] {
     match pointer.is_null() || length == 0 {
         true => &mut [],
@@ -318,7 +318,7 @@ fn lend_component(component: Option<Box<Component>>) -> *mut c_void {
 /// Takes a component back.
 ///
 /// # Safety
-/// As [`with`]; afterwards `pointer` is not used any more.
+/// As [`with`]; afterwards `pointer` is not used.
 unsafe fn free(pointer: *mut c_void) {
     if !pointer.is_null() {
         // SAFETY: as the caller promises.

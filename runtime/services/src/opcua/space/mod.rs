@@ -1,4 +1,4 @@
-//! The address space: what there is, found by name when a client asks. Nothing is kept for a node that nobody asks for.
+//! The address space: what there is, found by name when a client asks. Nothing is kept for a node that is not asked for.
 //!
 //! ```text
 //! Objects

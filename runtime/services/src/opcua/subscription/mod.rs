@@ -64,7 +64,7 @@ pub struct Subscriptions {
     waiting: VecDeque<Waiting>,
     last_id: u32,
     last_item: u32,
-    /// Subscriptions that ended because nobody asked.
+    /// Subscriptions that ended because no client asked.
     ended: VecDeque<u32>,
 }
 

@@ -134,7 +134,7 @@ impl Subscriptions {
                 return;
             }
             let Some(waiting) = self.waiting.pop_front() else {
-                // Nobody asks: some day the subscription is of no use.
+                // No client asks: some day the subscription is of no use.
                 subscription.lonely += 1;
                 if subscription.lonely >= subscription.lifetime {
                     self.list.remove(&id);

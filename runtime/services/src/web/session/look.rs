@@ -37,7 +37,7 @@ pub(super) struct Seen {
 pub(super) struct Renewed {
     /// The names have other places.
     pub(super) watched: Watched,
-    /// Why some mean nothing any more.
+    /// Why some no longer mean anything.
     pub(super) wrong: Vec<(usize, String)>,
     pub(super) image: Arc<ProgramImage>,
 }

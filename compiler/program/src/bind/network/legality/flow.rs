@@ -141,7 +141,7 @@ fn dead_end(check: &mut Check, at: usize, element: &Element, told: &mut [bool]) 
     }
 }
 
-/// Rungs of FBD with an operand that feeds a net that nobody reads.
+/// Rungs of FBD with an operand that feeds a net that is not read.
 fn operands_for_nothing(check: &mut Check) {
     let graph = check.graph;
     for (at, net) in graph.nets.iter().enumerate() {
