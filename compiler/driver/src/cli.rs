@@ -54,13 +54,13 @@ pub enum Command {
     },
     /// Write sources in another notation.
     Convert(ConvertArgs),
-    /// Draw a trace as an SVG picture.
+    /// Draw a trace as an SVG picture or an HTML page.
     Plot(PlotArgs),
     /// Draw a program: networks, charts and code.
     View(ViewArgs),
     /// Make the hash of a password for plc.toml: reads the password, one line, from standard input.
     Password {
-        /// Of a user of the page, not of the CPU.
+        /// The password is that of a user of the page, not of the CPU.
         #[arg(long)]
         user: bool,
     },
@@ -548,8 +548,8 @@ pub struct PlotArgs {
     /// A trace, written by `--trace FILE.csv`.
     #[arg(value_name = "TRACE.csv")]
     pub trace: PathBuf,
-    /// Output file [default: the name of the trace with the extension svg]; FILE.html is a page with zoom and cursors.
-    #[arg(short, value_name = "OUT.svg")]
+    /// Output file; one that ends in .html is a page with zoom and cursors [default: the name of the trace with the extension svg].
+    #[arg(short, value_name = "OUT.svg|OUT.html")]
     pub output: Option<PathBuf>,
     /// Title above the picture.
     #[arg(long, value_name = "TEXT")]
