@@ -247,19 +247,36 @@ fn all_files(folder: &Path) -> Vec<PathBuf> {
 fn links_in_documents_lead_somewhere() {
     let folders = ["docs", "samples", "stdlib", "tests"].map(|folder| files(&root().join(folder), "md"));
     let mut documents = folders.concat();
-    documents.push(root().join("README.md"));
+    documents.extend(["README.md", "CONTRIBUTING.md"].map(|name| root().join(name)));
     let mut broken = Vec::new();
     for document in &documents {
         let text = fs::read_to_string(document).unwrap();
-        for target in link_targets(&text) {
-            let path = target.split('#').next().unwrap_or_default();
-            let folder = document.parent().unwrap();
-            if !path.is_empty() && !path.contains("://") && !folder.join(path).exists() {
+        for target in link_targets(&text).into_iter().filter(|target| !target.contains("://")) {
+            let (path, anchor) = target.split_once('#').unwrap_or((target, ""));
+            let file = if path.is_empty() { document.clone() } else { document.parent().unwrap().join(path) };
+            let has_anchor = || anchors(&fs::read_to_string(&file).unwrap()).iter().any(|own| own == anchor);
+            if !file.exists() || !anchor.is_empty() && !has_anchor() {
                 broken.push(format!("{}: {target}", shown(document)));
             }
         }
     }
     assert!(broken.is_empty(), "{}", broken.join("\n"));
+}
+
+/// The anchors of the headings of a document: small letters, with `-` for each blank and without punctuation.
+fn anchors(text: &str) -> Vec<String> {
+    let mut in_code = false;
+    let mut anchors = Vec::new();
+    for line in text.lines() {
+        in_code ^= line.starts_with("```");
+        let heading = line.trim_start_matches('#');
+        if !in_code && line.starts_with('#') && heading.starts_with(' ') {
+            let letters = heading.trim().to_lowercase();
+            let kept = letters.chars().filter(|c| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_'));
+            anchors.push(kept.map(|c| if c == ' ' { '-' } else { c }).collect());
+        }
+    }
+    anchors
 }
 
 /// Targets of `[text](target)` outside of code.
