@@ -434,7 +434,7 @@ fn foreign_value(name: &str) -> Option<&'static str> {
 /// The message for the name of an instruction that plcc does not have; none: no instruction has the name.
 fn absent_instruction(name: &str, span: Span) -> Option<Diagnostic> {
     if let Some((_, help)) = INSTEAD.iter().find(|(own, _)| own.eq_ignore_ascii_case(name.trim())) {
-        let title = format!("`{name}` is an instruction of LAD and FBD, and none of text languages");
+        let title = format!("`{name}` is an instruction of LAD and FBD, not of text languages");
         return Some(Diagnostic::new(Code::NotShipped, span, title).label("an element of networks").help(*help));
     }
     let known = plcc_stdlib::catalogued(name);

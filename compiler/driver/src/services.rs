@@ -311,7 +311,7 @@ impl Reader {
             };
             match known.iter().find(|(_, other)| is_same(other)) {
                 Some((other, _)) => {
-                    let title = format!("`{name}` and `{other}` have one port");
+                    let title = format!("`{name}` and `{other}` have the same port");
                     self.report(key, title, "give each service a port of its own");
                 }
                 None => known.push((name, address)),

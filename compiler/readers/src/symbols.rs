@@ -166,7 +166,7 @@ impl Reader<'_> {
         let Some(row) = loose::row(line) else { return false };
         let mut message = self.message(start, line, label).help(help);
         message.severity = Severity::Error;
-        message.title = "this line of the symbol table has another form than the table".to_string();
+        message.title = "this line of the symbol table has a different form from the others".to_string();
         self.diagnostics.push(message);
         self.row(start, line, row.name, row.address, row.ty, "");
         true
@@ -187,7 +187,7 @@ impl Reader<'_> {
         };
         let mut message =
             self.message(start, line, "neither a row of .asc, .sdf, .seq, .dif nor of `;`-separated text");
-        message.title = "the columns of this symbol table are in none of the known forms".to_string();
+        message.title = "the columns of this symbol table have none of the known forms".to_string();
         message.severity = Severity::Error;
         let ty = if row.ty.is_empty() { "BOOL" } else { row.ty };
         self.diagnostics.push(message.help(format!(

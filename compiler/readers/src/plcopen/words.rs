@@ -172,7 +172,7 @@ fn twice(file: FileId, body: Node) -> Vec<Diagnostic> {
                 message
                     .label("the second one")
                     .also(first, "the first one")
-                    .help("give one of them a `localId` of its own, and correct each `refLocalId` that means it"),
+                    .help("give one of them a `localId` of its own, and correct each `refLocalId` that names it"),
             );
         }
     }

@@ -202,7 +202,7 @@ fn numbers(reader: &mut Reader, list: Node, whose: &str) -> Result<(), Refused> 
         if let Some(first) = known.insert(uid, node) {
             let free = elements(list).filter_map(self::uid).max().unwrap_or(0).saturating_add(1);
             let title = format!("{whose} has the UId {uid} twice");
-            let help = format!("give one of them another number, such as {free}, and correct the wires that mean it");
+            let help = format!("give one of them another number, such as {free}, and correct the wires that name it");
             let refused = reader.fault(range, title, "the second part with this number", help);
             let first = reader.span(attribute_range(first, "UId"));
             if let Some(message) = reader.diagnostics.pop() {

@@ -99,7 +99,7 @@ impl Recovery {
                 told(
                     open + 1,
                     at.0,
-                    "two points are between the bounds of an array".to_owned(),
+                    "the bounds of an array are separated by two points".to_owned(),
                     "a subtraction",
                     format!("write `{low}..{high}`"),
                 )

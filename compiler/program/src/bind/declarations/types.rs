@@ -214,9 +214,13 @@ impl<'a> Declarations<'a> {
                 (Ok(low), Ok(high)) if low <= high => limits.push((low, high)),
                 (Ok(low), Ok(high)) => {
                     self.report(
-                        Diagnostic::new(Code::DeclarationSyntax, span, "the bounds of the array are exchanged")
-                            .label(format!("from {low} to {high}"))
-                            .help(format!("write the low bound first: `ARRAY[{high}..{low}]`")),
+                        Diagnostic::new(
+                            Code::DeclarationSyntax,
+                            span,
+                            "the bounds of the array are in the wrong order",
+                        )
+                        .label(format!("from {low} to {high}"))
+                        .help(format!("write the low bound first: `ARRAY[{high}..{low}]`")),
                     );
                     return None;
                 }

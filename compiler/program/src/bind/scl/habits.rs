@@ -26,7 +26,7 @@ const FUNCTIONS: [(&[&str], &str); 14] = [
     (&["pow", "power"], "write the operator `**`, as in `a ** b`"),
     (
         &["sizeof"],
-        "SCL knows no sizes in bytes: count elements with `CountOfElements`, or write the number as a constant",
+        "SCL has no sizes in bytes: count elements with `CountOfElements`, or write the number as a constant",
     ),
     (
         &["adr", "bitadr"],

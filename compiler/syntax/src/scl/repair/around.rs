@@ -41,7 +41,7 @@ impl Repair<'_> {
                 "USING" => "remove it: each block is called by its own name".to_owned(),
                 _ => format!("remove it and END_NAMESPACE; a call has the name of the block alone, without `{name}.`"),
             };
-            self.report(at, after, "plcc has no name spaces".to_owned(), "all blocks are in one program", help);
+            self.report(at, after, "plcc has no namespaces".to_owned(), "all blocks are in one program", help);
         }
         match word.as_str() {
             "NAMESPACE" => self.name_spaces += 1,

@@ -143,7 +143,7 @@ impl Repair<'_> {
                 self.operator(1, RawKind::Word, Some(Keyword::Or), "OR", "the operator is `OR`")
             }
             "%" if after_operand => {
-                self.operator(1, RawKind::Word, Some(Keyword::Mod), "MOD", "the rest of a division is `MOD`")
+                self.operator(1, RawKind::Word, Some(Keyword::Mod), "MOD", "the remainder of a division is `MOD`")
             }
             "?" if after_operand => {
                 let end = self.end_of_statement(at);
@@ -369,7 +369,7 @@ impl Repair<'_> {
             return false;
         }
         let help = format!("write `#{word}`");
-        self.report(at, at + 2, "no blank is between `#` and the name".to_owned(), "read as one name", help);
+        self.report(at, at + 2, "`#` and the name have no blank between them".to_owned(), "read as one name", help);
         let local = RawToken { kind: RawKind::Local, keyword: None, first_on_line: token.first_on_line, ..name };
         self.edits.push(super::Edit { first: at, after: at + 2, with: vec![local] });
         self.at = at + 2;
@@ -493,7 +493,7 @@ impl Repair<'_> {
                 return false;
             }
             let help = format!("write `{number}`");
-            self.report(at, at + 2, "no letter follows a REAL number".to_owned(), "not a number of SCL", help);
+            self.report(at, at + 2, "a REAL number has no letter after it".to_owned(), "not a number of SCL", help);
             self.replace(at, at + 2, RawKind::Reported, None);
             return true;
         }

@@ -250,7 +250,7 @@ impl<'a> Classifier<'a, '_> {
                 format!("write `+ -{rest}`"),
             )),
             ("-" | "*" | "/", _) => Some((
-                format!("`{sign}` says nothing of the type of the values"),
+                format!("`{sign}` does not say of which type the values are"),
                 "the type of the values is missing",
                 format!("write `{sign}I` for INT, `{sign}D` for DINT or `{sign}R` for REAL"),
             )),
