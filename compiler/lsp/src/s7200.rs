@@ -354,7 +354,7 @@ impl<'c> Names<'c> {
         items.extend(self.rows().map(|row| item(&row.name, CompletionItemKind::VARIABLE, &row.address)));
         for owner in &self.blocks {
             if let Some((name, _)) = &owner.block.name {
-                items.push(item(name, CompletionItemKind::MODULE, keyword(owner.block.kind)));
+                items.push(item(name, CompletionItemKind::MODULE, owner.block.kind.keyword()));
             }
         }
         items
@@ -383,14 +383,6 @@ const fn section(section: Section) -> &'static str {
     }
 }
 
-const fn keyword(kind: BlockKind) -> &'static str {
-    match kind {
-        BlockKind::Main => "ORGANIZATION_BLOCK",
-        BlockKind::Subroutine => "SUBROUTINE_BLOCK",
-        BlockKind::Interrupt => "INTERRUPT_BLOCK",
-    }
-}
-
 /// `SUBROUTINE_BLOCK Scale SBR0`
 fn block_text(block: &Block) -> String {
     let letters = match block.kind {
@@ -400,7 +392,7 @@ fn block_text(block: &Block) -> String {
     };
     let name = block.name.as_ref().map_or(String::new(), |(name, _)| format!(" {name}"));
     let number = block.number.map_or(String::new(), |(number, _)| format!(" {letters}{number}"));
-    format!("{}{name}{number}", keyword(block.kind))
+    format!("{}{name}{number}", block.kind.keyword())
 }
 
 /// The bits of a direct address. Timers, counters and accumulators are one thing each.

@@ -439,15 +439,8 @@ fn path(path: &Path) -> String {
 
 fn letters(area: Area, width: Width) -> String {
     let name = area.letters();
-    let width = match width {
-        Width::Bit if matches!(area, Area::Db | Area::Di) => "X",
-        Width::Bit => "",
-        Width::Byte => "B",
-        Width::Word => "W",
-        Width::Dword => "D",
-        Width::Lword => "L",
-    };
-    format!("{name}{width}")
+    let has_no_letter = width == Width::Bit && !matches!(area, Area::Db | Area::Di);
+    format!("{name}{}", if has_no_letter { "" } else { width.letter() })
 }
 
 fn address(width: Width, byte: u32, bit: u8) -> String {
@@ -489,16 +482,7 @@ pub(crate) fn operand_text(kind: &OperandKind) -> String {
             format!("{} [{}]", letters.letters(), operand(pointer))
         }
         OperandKind::RegisterIndirect { area, width, register: base, offset } => {
-            let letters = area.map_or_else(
-                || match width {
-                    Width::Bit => "X".to_owned(),
-                    Width::Byte => "B".to_owned(),
-                    Width::Word => "W".to_owned(),
-                    Width::Dword => "D".to_owned(),
-                    Width::Lword => "L".to_owned(),
-                },
-                |area| letters(area, *width),
-            );
+            let letters = area.map_or_else(|| width.letter().to_owned(), |area| letters(area, *width));
             format!("{letters} [{},{}.{}]", register(*base), offset >> 3, offset & 7)
         }
         OperandKind::Block(name) => block_name(name),

@@ -51,7 +51,7 @@ fn written(value: &Expr, around: u8, writer: &mut Writer) -> String {
             }
             let bit = if *width == Width::Bit { format!(".{bit}") } else { String::new() };
             let sign = if writer.notation == Notation::Gr7 { "" } else { "%" };
-            format!("{base}.{sign}DB{}{byte}{bit}", width_letter(*width))
+            format!("{base}.{sign}DB{}{byte}{bit}", width.letter())
         }
         ExprKind::Slice { .. } | ExprKind::Dereference(_) | ExprKind::Reference(_)
             if writer.notation == Notation::Gr7 =>
@@ -61,7 +61,7 @@ fn written(value: &Expr, around: u8, writer: &mut Writer) -> String {
             String::new()
         }
         ExprKind::Slice { base, width, index } => {
-            format!("{}.%{}{index}", written(base, u8::MAX, writer), width_letter(*width))
+            format!("{}.%{}{index}", written(base, u8::MAX, writer), width.letter())
         }
         ExprKind::Index { base, indices } => {
             let base = written(base, u8::MAX, writer);
@@ -126,16 +126,6 @@ fn member(name: &Name) -> String {
     match name.form {
         NameForm::Quoted => names::symbol(&name.text),
         NameForm::Bare | NameForm::Local => names::declared(&name.text),
-    }
-}
-
-fn width_letter(width: Width) -> &'static str {
-    match width {
-        Width::Bit => "X",
-        Width::Byte => "B",
-        Width::Word => "W",
-        Width::Dword => "D",
-        Width::Lword => "L",
     }
 }
 

@@ -1,6 +1,6 @@
 //! Statements of SCL as text.
 
-use plcc_syntax::scl::ast::{AssignOp, CaseValue, Expr, ExprKind, Name, Statement, StatementKind};
+use plcc_syntax::scl::ast::{CaseValue, Expr, ExprKind, Name, Statement, StatementKind};
 
 use super::expression::{argument, name_text, text};
 use crate::writer::Writer;
@@ -38,7 +38,7 @@ impl Writer<'_> {
             StatementKind::Assign { targets, value } => {
                 let mut line = String::new();
                 for (target, op) in targets {
-                    line.push_str(&format!("{} {} ", text(target, self), sign(*op)));
+                    line.push_str(&format!("{} {} ", text(target, self), op.sign()));
                 }
                 let value = text(value, self);
                 self.out.line(format!("{line}{value};"));
@@ -179,15 +179,4 @@ impl Writer<'_> {
 /// The end of the last statement; `otherwise` if there is none.
 fn end_of(body: &[Statement], otherwise: u32) -> u32 {
     body.last().map_or(otherwise, |last| last.span.end)
-}
-
-fn sign(op: AssignOp) -> &'static str {
-    match op {
-        AssignOp::Set => ":=",
-        AssignOp::Add => "+=",
-        AssignOp::Subtract => "-=",
-        AssignOp::Multiply => "*=",
-        AssignOp::Divide => "/=",
-        AssignOp::Attempt => "?=",
-    }
 }

@@ -148,7 +148,7 @@ impl BlockLowering<'_, '_> {
     /// The slice of a value that was read, or the value.
     fn part_of(&mut self, access: &Access, value: Value) -> Value {
         let Some(part) = access.part else { return value };
-        let bits = self.whole_bits(value);
+        let bits = self.as_bits(value);
         let shift = i64::from(part.index) * i64::from(part.width.bits());
         let moved = self.b.binary_imm(BinaryOp::Lshr, bits, shift);
         let ty = crate::place::width_type(part.width);
@@ -157,7 +157,7 @@ impl BlockLowering<'_, '_> {
 
     /// `whole` with the slice replaced by `value`.
     fn with_part(&mut self, whole: Value, part: Part, value: Value) -> Value {
-        let bits = self.whole_bits(whole);
+        let bits = self.as_bits(whole);
         let ty = self.b.ty(bits);
         let shift = i64::from(part.index) * i64::from(part.width.bits());
         let ones = if part.width.bits() == 64 { u64::MAX } else { (1 << part.width.bits()) - 1 };
@@ -169,14 +169,6 @@ impl BlockLowering<'_, '_> {
         match self.b.ty(whole) {
             float @ (Type::F32 | Type::F64) => self.b.bitcast(float, bits),
             _ => bits,
-        }
-    }
-
-    fn whole_bits(&mut self, value: Value) -> Value {
-        match self.b.ty(value) {
-            Type::F32 => self.b.bitcast(Type::I32, value),
-            Type::F64 => self.b.bitcast(Type::I64, value),
-            _ => value,
         }
     }
 }

@@ -138,6 +138,17 @@ impl Width {
     pub const fn bytes(self) -> u32 {
         self.bits().div_ceil(8)
     }
+
+    /// Its letter in slices and in addresses of data blocks: `%X3`, `DBW 4`.
+    pub const fn letter(self) -> &'static str {
+        match self {
+            Width::Bit => "X",
+            Width::Byte => "B",
+            Width::Word => "W",
+            Width::Dword => "D",
+            Width::Lword => "L",
+        }
+    }
 }
 
 /// `T n`, `C n`.

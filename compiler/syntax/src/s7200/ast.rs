@@ -23,6 +23,17 @@ pub enum BlockKind {
     Interrupt,
 }
 
+impl BlockKind {
+    /// The word that begins a block.
+    pub const fn keyword(self) -> &'static str {
+        match self {
+            BlockKind::Main => "ORGANIZATION_BLOCK",
+            BlockKind::Subroutine => "SUBROUTINE_BLOCK",
+            BlockKind::Interrupt => "INTERRUPT_BLOCK",
+        }
+    }
+}
+
 /// A program block.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Block {

@@ -199,12 +199,12 @@ impl Builder<'_> {
         self.pending.clear();
         let BlockLabel { name, number } = label;
         if name.is_none() && number.is_none() {
-            let help = format!("write `{} name:{}`", keyword(kind), letters(kind, 0));
+            let help = format!("write `{} name:{}`", kind.keyword(), letters(kind, 0));
             self.report(Code::BlockFrame, span, "this block has no name", "a name or a number is missing", &help);
         }
         if let Some((written, at, number_span)) = number {
             if written != kind {
-                let title = format!("`{}` cannot be numbered as `{}`", keyword(kind), letters(written, at));
+                let title = format!("`{}` cannot be numbered as `{}`", kind.keyword(), letters(written, at));
                 let help = format!("write `{}`", letters(kind, at));
                 self.report(Code::BlockFrame, number_span, title, "the number of another kind of block", &help);
             } else if kind == BlockKind::Main && at != 1 {
@@ -231,7 +231,7 @@ impl Builder<'_> {
             }
             _ => {
                 let title = format!("`{}` ends nothing", end_keyword(kind));
-                let help = format!("the block begins with `{} name:{}`", keyword(kind), letters(kind, 0));
+                let help = format!("the block begins with `{} name:{}`", kind.keyword(), letters(kind, 0));
                 self.report(Code::BlockFrame, span, title, "no block with a header is open", &help);
             }
         }
@@ -376,7 +376,7 @@ impl Builder<'_> {
     /// `SBR 0`, `INT 0` begin a section of a flat list.
     fn marker(&mut self, kind: BlockKind, number: Option<(u32, Span)>, span: Span) {
         if self.data.is_some() || self.open.as_ref().is_some_and(|open| !open.block.is_bare) {
-            let help = format!("end the block, and begin the next with `{} name:{}`", keyword(kind), letters(kind, 0));
+            let help = format!("end the block, and begin the next with `{} name:{}`", kind.keyword(), letters(kind, 0));
             let title = "a section of a flat list cannot begin inside a block";
             return self.report(Code::BlockFrame, span, title, "only in sources without block headers", &help);
         }
@@ -478,14 +478,6 @@ impl Builder<'_> {
         if let Some(network) = networks.last_mut() {
             network.statements.push(statement);
         }
-    }
-}
-
-fn keyword(kind: BlockKind) -> &'static str {
-    match kind {
-        BlockKind::Main => "ORGANIZATION_BLOCK",
-        BlockKind::Subroutine => "SUBROUTINE_BLOCK",
-        BlockKind::Interrupt => "INTERRUPT_BLOCK",
     }
 }
 

@@ -149,6 +149,20 @@ pub enum AssignOp {
     Attempt,
 }
 
+impl AssignOp {
+    /// As SCL writes it.
+    pub const fn sign(self) -> &'static str {
+        match self {
+            AssignOp::Set => ":=",
+            AssignOp::Add => "+=",
+            AssignOp::Subtract => "-=",
+            AssignOp::Multiply => "*=",
+            AssignOp::Divide => "/=",
+            AssignOp::Attempt => "?=",
+        }
+    }
+}
+
 /// An arm of CASE.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Arm {

@@ -3,8 +3,7 @@
 use std::fmt::Write;
 
 use super::ast::{
-    Argument, AssignOp, Body, CaseValue, Dialect, Expr, ExprKind, Literal, Name, NameForm, Statement, StatementKind,
-    UnaryOp,
+    Argument, Body, CaseValue, Dialect, Expr, ExprKind, Literal, Name, NameForm, Statement, StatementKind, UnaryOp,
 };
 use crate::ast::{BlockName, OperandKind, Width};
 use crate::ast_text;
@@ -82,7 +81,7 @@ impl Lines {
                 let mut text = String::new();
                 for (target, op) in targets {
                     write_expr(&mut text, target);
-                    let _ = write!(text, " {} ", assign_op(*op));
+                    let _ = write!(text, " {} ", op.sign());
                 }
                 write_expr(&mut text, value);
                 self.line(text);
@@ -129,17 +128,6 @@ impl Lines {
     }
 }
 
-fn assign_op(op: AssignOp) -> &'static str {
-    match op {
-        AssignOp::Set => ":=",
-        AssignOp::Add => "+=",
-        AssignOp::Subtract => "-=",
-        AssignOp::Multiply => "*=",
-        AssignOp::Divide => "/=",
-        AssignOp::Attempt => "?=",
-    }
-}
-
 fn case_value(value: &CaseValue) -> String {
     match &value.high {
         Some(high) => format!("{}..{}", expr(&value.low), expr(high)),
@@ -164,16 +152,6 @@ fn argument(argument: &Argument) -> String {
     }
 }
 
-fn width(width: Width) -> &'static str {
-    match width {
-        Width::Bit => "X",
-        Width::Byte => "B",
-        Width::Word => "W",
-        Width::Dword => "D",
-        Width::Lword => "L",
-    }
-}
-
 fn write_expr(out: &mut String, value: &Expr) {
     match &value.kind {
         ExprKind::Literal(value) => out.push_str(&literal(value)),
@@ -185,14 +163,14 @@ fn write_expr(out: &mut String, value: &Expr) {
         }
         ExprKind::MemberAbsolute { base, width: size, byte, bit } => {
             write_expr(out, base);
-            let _ = write!(out, ".%DB{}{byte}", width(*size));
+            let _ = write!(out, ".%DB{}{byte}", size.letter());
             if *size == Width::Bit {
                 let _ = write!(out, ".{bit}");
             }
         }
         ExprKind::Slice { base, width: size, index } => {
             write_expr(out, base);
-            let _ = write!(out, ".%{}{index}", width(*size));
+            let _ = write!(out, ".%{}{index}", size.letter());
         }
         ExprKind::Index { base, indices } => {
             write_expr(out, base);
