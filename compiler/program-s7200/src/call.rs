@@ -2,6 +2,7 @@
 
 use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::count::counted;
 use plcc_syntax::s7200::OperandClass;
 use plcc_syntax::s7200::ast::{self, Constant, Section};
 
@@ -44,7 +45,7 @@ impl Binder<'_> {
                 Diagnostic::new(
                     Code::MissingParameter,
                     mnemonic,
-                    format!("{title} has {wanted} parameters, the call has {} (0090)", actuals.len()),
+                    format!("{title} has {}, the call has {} (0090)", counted(wanted, "parameter"), actuals.len()),
                 )
                 .label(format!("missing: {}", missing.join(", ")))
                 .help("write all parameters in the order of the declarations: inputs, in/outs, outputs"),
@@ -55,7 +56,7 @@ impl Binder<'_> {
                 Diagnostic::new(
                     Code::UnknownParameter,
                     surplus.span,
-                    format!("{title} has {wanted} parameters, the call has {} (0090)", actuals.len()),
+                    format!("{title} has {}, the call has {} (0090)", counted(wanted, "parameter"), actuals.len()),
                 )
                 .label("the first surplus argument")
                 .help("remove what the subroutine does not declare, or declare it"),

@@ -16,7 +16,7 @@ mod assertion;
 pub mod ast;
 mod ast_text;
 pub mod chart;
-pub use plcc_literal::{article, distance};
+pub use plcc_literal::{article, count, distance};
 mod elementary;
 mod encoding;
 pub mod front;

@@ -4,7 +4,7 @@
 //! - [`calendar`]: days of months and years, `2000-6-20`, `5:45:00.5`.
 //! - [`number`]: `-5`, `1_000`, `16#FF`.
 //! - [`distance`]: the name that was meant.
-//! - [`article`]: `a` or `an`.
+//! - [`article`]: `a` or `an`; [`count`]: `1 cycle`, `12 cycles`.
 //! - [`toml_words`]: what is wrong in a TOML file, in plain words.
 //!
 //! Everything is computed in integers, so `1.001s` is 1001 ms. Ranges of types and messages are the caller's.
@@ -13,6 +13,7 @@
 
 pub mod article;
 pub mod calendar;
+pub mod count;
 pub mod distance;
 pub mod duration;
 pub mod number;

@@ -178,7 +178,8 @@ fn write_unit(compiled: &Compiled, args: &BuildArgs, name: &str) -> Result<(), u
     let library = library.map_err(|error| unlinked(&error))?;
     let (bytes, left_out) = fmu::pack(&compiled.image, &library, args.fmi).map_err(|error| internal(&error))?;
     if left_out > 0 {
-        report::say(&format!("the unit does not show {left_out} values of data blocks: there are too many"));
+        let left_out = plcc_literal::count::counted(left_out, "value");
+        report::say(&format!("the unit does not show {left_out} of data blocks: there are too many"));
     }
     write_bytes(&output, &bytes)?;
     written(&output, args)

@@ -31,6 +31,15 @@ fn both(folder: &Path, flags: &[&str], code: i32) -> String {
 }
 
 #[test]
+fn one_cycle_is_not_cycles() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    build(folder, "      L     MW 0\n      T     MW 2\n");
+    assert_eq!(both(folder, &["--clock", "virtual", "--cycles", "1"], 0), "ended after 1 cycle\n");
+    assert_eq!(both(folder, &["--clock", "virtual", "--cycles", "2"], 0), "ended after 2 cycles\n");
+}
+
+#[test]
 fn wrong_flags_are_usage_errors() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();

@@ -233,11 +233,11 @@ impl<'a> Finder<'a> {
                 }
                 (Part::Index(indices), Some(NamedType::Array { dimensions, element })) => {
                     if indices.len() != dimensions.len() {
-                        return Err(format!(
-                            "`{so_far}` is {}: it needs {} indices",
-                            self.name(variable.ty),
-                            dimensions.len()
-                        ));
+                        let wanted = match dimensions.len() {
+                            1 => "1 index".to_string(),
+                            count => format!("{count} indices"),
+                        };
+                        return Err(format!("`{so_far}` is {}: it needs {wanted}", self.name(variable.ty)));
                     }
                     let mut bits = u64::from(variable.bit);
                     for (&index, dimension) in indices.iter().zip(dimensions) {

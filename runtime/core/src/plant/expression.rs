@@ -4,6 +4,7 @@
 //! `exp` and `ln` are defined here.
 
 use fasteval::{Error, Evaler, ExpressionI, Parser, Slab};
+use plcc_literal::count::counted;
 use plcc_literal::distance::nearest;
 
 /// Functions in addition to those of the crate: name and number of arguments.
@@ -120,7 +121,7 @@ fn wrong(text: &str, error: &Error) -> String {
         Error::EOF | Error::EofWhileParsing(_) => format!("`{text}` ends too early"),
         Error::TooLong | Error::TooDeep | Error::SlabOverflow => format!("`{text}` is too large"),
         Error::Undefined(name) => match FUNCTIONS.iter().find(|(function, _)| function == name) {
-            Some((name, count)) => format!("`{text}`: {name} takes {count} arguments"),
+            Some((name, count)) => format!("`{text}`: {name} takes {}", counted(*count, "argument")),
             None => format!("`{text}`: `{}` is not a known function", name.trim_start_matches(MARK)),
         },
         _ => format!("`{text}` is not an expression: write numbers, names, operators and functions"),

@@ -412,9 +412,14 @@ fn stop_line(cpu: &Cpu, options: &RunOptions, cycles: u64) -> Option<String> {
     let line = match cpu.stopped() {
         Some(stop) if !stop.asked => return Some(cpu.stop_text(&stop)),
         Some(stop) if stop.entry.event == STOP_BY_REQUEST => "ended in startup".to_string(),
-        Some(stop) if stop.entry.event == STOP_BY_CLIENT => format!("stopped by a client after {cycles} cycles"),
-        Some(_) => format!("stopped by the program after {cycles} cycles"),
-        None => format!("ended after {cycles} cycles"),
+        Some(stop) if stop.entry.event == STOP_BY_CLIENT => format!("stopped by a client after {}", counted(cycles)),
+        Some(_) => format!("stopped by the program after {}", counted(cycles)),
+        None => format!("ended after {}", counted(cycles)),
     };
     (!options.quiet).then_some(line)
+}
+
+/// `1 cycle`, `12 cycles`.
+fn counted(cycles: u64) -> String {
+    plcc_literal::count::counted(cycles as usize, "cycle")
 }

@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use plcc_abi::ProgramImage;
 
-use super::{EXIT_FAULT, EXIT_OK, EXIT_USAGE, driver, say};
+use super::{EXIT_FAULT, EXIT_OK, EXIT_USAGE, counted, driver, say};
 use crate::clock::Clock;
 use crate::io::Driver;
 use crate::options::{ClockKind, Duration, RunOptions};
@@ -145,11 +145,12 @@ pub(super) fn end(tape: &Tape, options: &RunOptions, cycles: u64) -> u8 {
         }
         None if options.quiet => EXIT_OK,
         None if is_recorded => {
-            say!("recorded {cycles} cycles");
+            say!("recorded {}", counted(cycles));
             EXIT_OK
         }
         None => {
-            say!("memory was as recorded after each of {cycles} cycles");
+            let each = if cycles == 1 { "" } else { "each of " };
+            say!("memory was as recorded after {each}{}", counted(cycles));
             EXIT_OK
         }
     }

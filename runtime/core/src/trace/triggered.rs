@@ -83,7 +83,8 @@ impl Triggered {
         let count = progress.samples.len();
         let before =
             if self.wanted.trigger.is_some() { format!(", {before} from before the trigger") } else { String::new() };
-        Some(written.map(|()| format!("{path}: {count} samples{before}")))
+        let samples = plcc_literal::count::counted(count, "sample");
+        Some(written.map(|()| format!("{path}: {samples}{before}")))
     }
 }
 

@@ -52,7 +52,8 @@ impl Publisher {
 
     /// The words for the line that says what was opened.
     pub fn text(&self) -> String {
-        format!("{} values to {}", self.signals.len(), self.target.broker)
+        let count = self.signals.len();
+        format!("{count} value{} to {}", if count == 1 { "" } else { "s" }, self.target.broker)
     }
 }
 

@@ -5,6 +5,7 @@ use std::rc::Rc;
 use plcc_abi::image::{BlockKind, Kept};
 use plcc_diag::{Code, Diagnostic, Severity, Span};
 use plcc_syntax::ast::{self, BlockName, BlockPrefix, DataContent, OperandKind, PathPart, PathRoot, TypeKind};
+use plcc_syntax::count::counted;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::bind::declarations::Declarations;
@@ -109,7 +110,7 @@ impl Declarations<'_> {
                 let defined = db.block.span;
                 self.report(
                     Diagnostic::new(Code::DbRange, span, format!("this address is beyond the end of DB {number}"))
-                        .label(format!("the data block has {length} bytes"))
+                        .label(format!("the data block has {}", counted(length as usize, "byte")))
                         .also(defined, "the data block")
                         .help("at run time this is an error (OB 121)"),
                 );

@@ -4,6 +4,7 @@
 
 use plcc_diag::{Code, Diagnostic, Severity, Span};
 use plcc_syntax::ast::{BlockName, BlockPrefix, Bound, CellKind, InitialKind, InitialValue, OperandKind};
+use plcc_syntax::count::counted;
 use plcc_syntax::literal::Literal;
 use plcc_syntax::scl::ast::{Expr, ExprKind, Name};
 
@@ -354,7 +355,11 @@ impl Declarations<'_> {
                     None => {
                         self.report(
                             Diagnostic::new(Code::InitialValue, span, "more values than the structure has components")
-                                .label(format!("{} values, {} components", fields.len(), structure.members.len())),
+                                .label(format!(
+                                    "{}, {}",
+                                    counted(fields.len(), "value"),
+                                    counted(structure.members.len(), "component")
+                                )),
                         );
                         return None;
                     }

@@ -7,6 +7,7 @@ use std::rc::Rc;
 use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Severity, Span};
 use plcc_syntax::Elementary;
+use plcc_syntax::count::counted;
 use plcc_syntax::scl::ast::{Argument as Given, Expr as Node, Name};
 use rustc_hash::FxHashMap;
 
@@ -194,9 +195,14 @@ impl SclBinder<'_, '_> {
         let message = Diagnostic::new(
             code,
             name,
-            format!("{} arguments do not fit {}", given.len(), self.program.globals.shown(key)),
+            format!(
+                "{} {} {}",
+                counted(given.len(), "argument"),
+                if given.len() == 1 { "does not fit" } else { "do not fit" },
+                self.program.globals.shown(key)
+            ),
         )
-        .label(format!("it has {} parameters, {} of them inputs", all.len(), inputs.len()))
+        .label(format!("it has {}, {} of them inputs", counted(all.len(), "parameter"), inputs.len()))
         .help(self.program.globals.with_library_note(key, help));
         self.program.report(message);
         self.note_arguments(ctx, given);

@@ -4,6 +4,7 @@ use std::rc::Rc;
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::Elementary;
+use plcc_syntax::count::counted;
 use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind};
 
 use super::Intent;
@@ -198,7 +199,7 @@ impl SclBinder<'_, '_> {
                 let Some((low, high)) = bounds else {
                     self.program.report(
                         Diagnostic::new(Code::ArrayIndex, span, "the array does not have this dimension")
-                            .label(format!("it has {} dimensions", array.bounds.len())),
+                            .label(format!("it has {}", counted(array.bounds.len(), "dimension"))),
                     );
                     return None;
                 };

@@ -5,6 +5,7 @@ use std::rc::Rc;
 use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{self, BlockPrefix, OperandKind};
+use plcc_syntax::count::counted;
 use rustc_hash::FxHashMap;
 
 use crate::bind::declarations::block::CurrentBlock;
@@ -217,7 +218,11 @@ impl StlBinder<'_, '_> {
             Diagnostic::new(
                 Code::UnknownParameter,
                 span,
-                format!("{} has {count} parameters, but the call passes more", self.program.globals.shown(key)),
+                format!(
+                    "{} has {}, but the call passes more",
+                    self.program.globals.shown(key),
+                    counted(count, "parameter")
+                ),
             )
             .label("this pointer does not belong to any of them"),
         );

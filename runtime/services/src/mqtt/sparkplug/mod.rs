@@ -139,7 +139,8 @@ impl Node {
     pub fn text(&self) -> String {
         let count = self.tags.len();
         format!(
-            "{count} values as Sparkplug B {} to {}: {}",
+            "{count} value{} as Sparkplug B {} to {}: {}",
+            if count == 1 { "" } else { "s" },
             self.name,
             self.target.broker,
             self.clients.text("read and write")
