@@ -7,7 +7,8 @@ use plcc_runtime::change::CodeSource;
 use crate::cli::{ReplayArgs, RunArgs};
 use crate::code;
 use crate::command::build::{accepted, internal};
-use crate::{drawings, inputs, live, pipeline};
+use crate::command::exit;
+use crate::{drawings, inputs, live, pipeline, report};
 
 /// Compiles in memory and runs; the exit code is that of the program.
 pub fn run(args: &RunArgs) -> u8 {
@@ -36,6 +37,11 @@ pub fn run(args: &RunArgs) -> u8 {
 /// Repeats a recorded run.
 pub fn replay(args: &ReplayArgs) -> u8 {
     let mut run = args.run.clone();
+    let others = [("--record", &run.run.record), ("--replay", &run.run.replay)];
+    if let Some((flag, _)) = others.iter().find(|(_, file)| file.is_some()) {
+        report::say(&format!("`plcc replay` repeats one recording; leave out {flag}"));
+        return exit::USAGE;
+    }
     run.run.replay = Some(args.recording.clone());
     self::run(&run)
 }

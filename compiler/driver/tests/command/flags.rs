@@ -40,6 +40,19 @@ fn one_cycle_is_not_cycles() {
 }
 
 #[test]
+fn a_repeated_run_is_not_recorded() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    std::fs::write(folder.join("program.stl"), "      L     MW 0\n").expect("the folder can be written");
+    for flag in ["--record", "--replay"] {
+        let output = command(PLCC, folder, &["replay", "plant.rec", "program.stl", flag, "other.rec"]);
+        assert_eq!(output.status.code(), Some(2));
+        let says = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(says, format!("plcc: `plcc replay` repeats one recording; leave out {flag}\n"));
+    }
+}
+
+#[test]
 fn wrong_flags_are_usage_errors() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
