@@ -152,6 +152,8 @@ pub struct Function {
     pub inlined_bytes: u32,
     /// A part of another function that is kept out of it: what rarely runs would cost the rest registers.
     pub apart: bool,
+    /// It reaches the frame of its caller only where its parameters say, and by the area pointers that the caller has stored there.
+    pub by_pointers: bool,
     pub blocks: EntityVec<Block, BlockData>,
     /// Blocks in the order in which they are printed and laid out; the entry is the first.
     pub layout: Vec<Block>,
@@ -171,6 +173,7 @@ impl Function {
             frame_bytes: 0,
             inlined_bytes: 0,
             apart: false,
+            by_pointers: false,
             blocks: EntityVec::new(),
             layout: Vec::new(),
             insts: EntityVec::new(),

@@ -147,6 +147,7 @@ fn parse_header(cursor: &mut Cursor) -> LineResult<Function> {
         function.inlined_bytes = cursor.number()?;
     }
     function.apart = cursor.take_word("apart");
+    function.by_pointers = cursor.take_word("by_pointers");
     cursor.expect("{")?;
     cursor.end()?;
     Ok(function)

@@ -90,6 +90,9 @@ fn write_function(module: &Module, function: &Function, out: &mut String) -> fmt
     if function.apart {
         out.push_str(" apart");
     }
+    if function.by_pointers {
+        out.push_str(" by_pointers");
+    }
     out.push_str(" {\n");
     for &block in &function.layout {
         text.write_block(block, out)?;

@@ -27,6 +27,7 @@ impl Function {
         new.frame_bytes = self.frame_bytes;
         new.inlined_bytes = self.inlined_bytes;
         new.apart = self.apart;
+        new.by_pointers = self.by_pointers;
         new.blocks = EntityVec::with_capacity(self.layout.len());
         new.layout = Vec::with_capacity(self.layout.len());
         new.insts = EntityVec::with_capacity(insts);

@@ -4,7 +4,7 @@ use plcc_abi::Type;
 use plcc_abi::image::BlockKind;
 use plcc_abi::layout::{self, CpuRegister};
 use plcc_ir::{Address, Block, FunctionBuilder, Loc, Region, Value, Var};
-use plcc_model::{CodeBlock, LabelId, Passing, Place, StlStatement, Width};
+use plcc_model::{Body, CodeBlock, LabelId, Passing, Place, StlStatement, Width, scl};
 use plcc_syntax::stl::StlInsn;
 use rustc_hash::FxHashMap;
 
@@ -448,6 +448,14 @@ impl<'p, 'o> BlockLowering<'p, 'o> {
         }
         self.stop_exit.finish(&mut self.b, &self.plan.function_returns(self.block));
         self.b.set_frame_bytes(layout::frame_bytes(self.frame_bytes));
-        self.b.finish()
+        let by_pointers = self.block.library || is_by_pointers(&self.block.body);
+        plcc_ir::Function { by_pointers, ..self.b.finish() }
     }
+}
+
+/// True of a block without statements in STL, which reach local data of the caller by any address.
+fn is_by_pointers(body: &Body) -> bool {
+    let Body::Scl(body) = body else { return false };
+    let is_stl = |statement: &scl::Statement| matches!(statement.kind, scl::StatementKind::Stl(_)).then_some(());
+    scl::walk::find(&body.statements, &is_stl).is_none()
 }

@@ -11,7 +11,7 @@ use plcc_ir::entities::EntityVec;
 use plcc_ir::{Areas, FuncId, Function, Module, Region, StaticDb};
 
 use crate::effects::Effects;
-use crate::frames::{Callees, Frames};
+use crate::frames::{Callees, CallerReads, Frames};
 
 /// The facts about a module that hold while its functions are optimised one by one.
 pub struct Surroundings {
@@ -46,6 +46,11 @@ impl Surroundings {
     /// True if a call of `callee` may read or write the frame of its caller.
     pub fn touches_caller(&self, callee: FuncId) -> bool {
         self.callees.touches_caller(callee)
+    }
+
+    /// What a call of `callee` reads of the frame of its caller.
+    pub fn caller_reads(&self, callee: FuncId) -> &CallerReads {
+        self.callees.caller_reads(callee)
     }
 
     /// Where a region is, as offsets from the memory base in bits.

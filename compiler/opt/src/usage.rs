@@ -2,12 +2,14 @@
 
 use plcc_abi::functions::Effect;
 use plcc_abi::s7200::Operation;
-use plcc_ir::analysis::ControlFlow;
+use plcc_ir::analysis::{ControlFlow, Dominators};
 use plcc_ir::entities::Entity;
-use plcc_ir::{Address, Block, FuncId, Function, Inst, InstData, Module, Region, RuntimeFn, Value};
-use rustc_hash::FxHashMap;
+use plcc_ir::{Address, BinaryOp, Block, FuncId, Function, Inst, InstData, Module, Region, RuntimeFn, Value};
+use rustc_hash::{FxHashMap, FxHashSet};
 
+use crate::frames::{is_base_only, pointers_stored};
 use crate::note_outputs::{Writes, is_note, is_unknown, text_target, written};
+use crate::ranges::base_ranges;
 use crate::surroundings::Surroundings;
 
 /// No byte of the outputs is sure to stay as it is.
@@ -140,50 +142,164 @@ impl Usage {
 
 /// The first byte of the local data of the function that anybody may read.
 fn local_data_read(function: &Function, surroundings: &Surroundings) -> u32 {
-    let frames = surroundings.frames(function);
-    let insts = || function.layout.iter().flat_map(|&block| &function.blocks[block].insts);
-    let read = |addr: &Address| match (addr.region, addr.base) {
-        (Region::L, None) => addr.offset,
-        (Region::L, Some(_)) => 0,
-        _ => u32::MAX,
-    };
-    let mut first = u32::MAX;
-    // Addresses, with the bytes that they are of.
-    let mut given: FxHashMap<Value, u32> = FxHashMap::default();
-    for &inst in insts() {
-        let from = match &function.insts[inst] {
-            InstData::Load { addr } | InstData::LoadBit { addr, .. } => read(addr),
-            InstData::AddressOf { addr } if addr.region == Region::L && addr.base.is_none() => {
-                given.insert(function.result(inst), addr.offset);
-                u32::MAX
-            }
-            InstData::AddressOf { addr } => read(addr),
-            // To write a bit is to read the others.
-            InstData::StoreBit { addr, .. } => read(addr),
-            InstData::Copy { from, .. } => read(from),
+    let first = direct_reads(function, surroundings);
+    // Only the start information matters, which is at the beginning.
+    let first = if first == 0 { 0 } else { first.min(indexed_reads(function)) };
+    if first == 0 { 0 } else { first.min(reads_of_others(function, surroundings)) }
+}
+
+/// The addresses of which an instruction reads what is there, by their places among its addresses.
+fn addresses_read(data: &InstData) -> [Option<&Address>; 2] {
+    match data {
+        // To write a bit is to read the others.
+        InstData::Load { addr } | InstData::LoadBit { addr, .. } | InstData::StoreBit { addr, .. } => {
+            [Some(addr), None]
+        }
+        InstData::AddressOf { addr } if addr.base.is_some() => [Some(addr), None],
+        InstData::Copy { from, .. } => [None, Some(from)],
+        _ => [None, None],
+    }
+}
+
+/// What the function reads at constant addresses.
+fn direct_reads(function: &Function, surroundings: &Surroundings) -> u32 {
+    let is_direct = |addr: &&Address| addr.region == Region::L && addr.base.is_none();
+    let (mut first, mut pointers) = (NONE, None);
+    for &inst in function.layout.iter().flat_map(|&block| &function.blocks[block].insts) {
+        first = first.min(match &function.insts[inst] {
             InstData::FrameBase { .. } => 0,
-            InstData::Call { callee, .. } if frames.call_touches(*callee) => 0,
-            _ => u32::MAX,
-        };
-        first = first.min(from);
-    }
-    if given.is_empty() {
-        return first;
-    }
-    for &inst in insts() {
-        let data = &function.insts[inst];
-        let is_of_text = matches!(data, InstData::CallRuntime { function, args } if reads_upward(*function, args));
-        data.for_each_use(|value| {
-            if let Some(&offset) = given.get(&function.resolve(value)) {
-                first = first.min(if is_of_text { offset } else { 0 });
+            InstData::Call { callee, args } => {
+                let mut by_pointer = |place: u32| {
+                    let pointers = pointers.get_or_insert_with(|| pointers_stored(function));
+                    // Without a store something else makes the pointer.
+                    pointers.get(&place).copied().unwrap_or(0)
+                };
+                surroundings.caller_reads(*callee).first_of_call(function, args, &mut by_pointer)
+            }
+            data => {
+                let direct = addresses_read(data).into_iter().flatten().filter(is_direct);
+                direct.map(|addr| addr.offset).min().unwrap_or(NONE)
             }
         });
     }
     first
 }
 
+/// What the function reads at computed addresses.
+fn indexed_reads(function: &Function) -> u32 {
+    let is_indexed = |addr: &Address| addr.region == Region::L && addr.base.is_some();
+    let mut insts = function.layout.iter().flat_map(|&block| &function.blocks[block].insts);
+    let mut indexed =
+        |inst: &Inst| addresses_read(&function.insts[*inst]).into_iter().flatten().any(|addr| is_indexed(addr));
+    if !insts.any(&mut indexed) {
+        return NONE;
+    }
+    let cfg = ControlFlow::new(function);
+    let ranges = base_ranges(function, &cfg, &Dominators::new(function, &cfg));
+    let mut first = NONE;
+    for &inst in function.layout.iter().flat_map(|&block| &function.blocks[block].insts) {
+        for (index, addr) in addresses_read(&function.insts[inst]).into_iter().enumerate() {
+            let Some(addr) = addr.filter(|addr| is_indexed(addr)) else { continue };
+            // Whoever has an address may look before it.
+            let is_address = matches!(function.insts[inst], InstData::AddressOf { .. });
+            let range = ranges.get(&inst).and_then(|ranges| ranges[index]).filter(|_| !is_address);
+            // Beyond the frame an access would wrap around.
+            first = first.min(match range {
+                Some((least, most)) if most < FRAME_MAX => addr.offset + least as u32,
+                _ => 0,
+            });
+        }
+    }
+    first
+}
+
+/// What others read to which the function gives addresses of its local data.
+fn reads_of_others(function: &Function, surroundings: &Surroundings) -> u32 {
+    let insts = || function.layout.iter().flat_map(|&block| &function.blocks[block].insts);
+    // Addresses, with the bytes that they are of.
+    let mut given: FxHashMap<Value, u32> = FxHashMap::default();
+    for &inst in insts() {
+        if let InstData::AddressOf { addr: Address { region: Region::L, base: None, offset } } = &function.insts[inst] {
+            given.insert(function.result(inst), *offset);
+        }
+    }
+    // Blocks pass addresses on to their parameters.
+    for _ in 0..ROUNDS_MAX {
+        if given.is_empty() {
+            return NONE;
+        }
+        let mut passed: FxHashMap<Value, u32> = FxHashMap::default();
+        for &inst in insts() {
+            function.insts[inst].for_each_target(|target| {
+                for (&arg, &param) in target.args.iter().zip(&function.blocks[target.block].params) {
+                    if let Some(&offset) = given.get(&function.resolve(arg))
+                        && given.get(&param).is_none_or(|&known| known > offset)
+                    {
+                        let known = passed.entry(param).or_insert(offset);
+                        *known = offset.min(*known);
+                    }
+                }
+            });
+        }
+        if passed.is_empty() {
+            return reads_of_given(function, surroundings, &given);
+        }
+        given.extend(passed);
+    }
+    0
+}
+
+/// As [`reads_of_others`], of the addresses that are `given`.
+fn reads_of_given(function: &Function, surroundings: &Surroundings, given: &FxHashMap<Value, u32>) -> u32 {
+    let (mut first, mut sums) = (NONE, FxHashSet::default());
+    for &inst in function.layout.iter().flat_map(|&block| &function.blocks[block].insts) {
+        let data = &function.insts[inst];
+        let mut index = 0;
+        data.for_each_use(|value| {
+            if let Some(&offset) = given.get(&function.resolve(value)) {
+                let is_upward = match data {
+                    InstData::CallRuntime { function, args } => reads_upward(*function, args),
+                    InstData::Call { callee, .. } => surroundings.caller_reads(*callee).is_upward(index),
+                    // The parameters that get it are among the given addresses.
+                    InstData::Jump { .. } | InstData::Branch { .. } | InstData::Switch { .. } => true,
+                    InstData::IntCompare { .. } => true,
+                    // Whether it is one of an output.
+                    InstData::Binary { op: BinaryOp::Iadd, args }
+                        if args.iter().any(|&arg| function.constant(arg).is_some()) =>
+                    {
+                        sums.insert(function.result(inst));
+                        true
+                    }
+                    data => is_base_only(function, data, value),
+                };
+                first = first.min(if is_upward { offset } else { 0 });
+            }
+            index += 1;
+        });
+    }
+    if sums.is_empty() || are_only_compared(function, &sums) { first } else { 0 }
+}
+
+/// True if nothing but comparisons use values.
+fn are_only_compared(function: &Function, values: &FxHashSet<Value>) -> bool {
+    let mut insts = function.layout.iter().flat_map(|&block| &function.blocks[block].insts);
+    insts.all(|&inst| {
+        let data = &function.insts[inst];
+        let mut is_used = false;
+        data.for_each_use(|used| is_used |= values.contains(&function.resolve(used)));
+        !is_used || matches!(data, InstData::IntCompare { .. })
+    })
+}
+
+/// Rounds in which addresses are followed to parameters of blocks.
+const ROUNDS_MAX: usize = 8;
+/// No byte is read.
+const NONE: u32 = u32::MAX;
+/// No frame has as many bytes.
+const FRAME_MAX: u64 = 1 << 24;
+
 /// True of functions of texts: they read nothing before an address that they get.
-fn reads_upward(called: RuntimeFn, args: &[Value]) -> bool {
+pub fn reads_upward(called: RuntimeFn, args: &[Value]) -> bool {
     let only_reads = matches!(
         called,
         RuntimeFn::TextCompare
@@ -222,14 +338,23 @@ mod tests {
         let reads = |code: &str| {
             let text = format!(
                 "entry @F\nfunc @F frame 24 {{\nb0:\n v0 = const.i32 1\n{code} ret\n}}\nfunc @G {{\nb0:\nret\n}}\nfunc @H {{\nb0:\n v0 = \
-                 load.i8 V 0\n ret\n}}\n"
+                 load.i8 V 0\n ret\n}}\nfunc @P by_pointers {{\nb0:\n v0 = load.i32 V 20\n v1 = address V 0\n v2 = iadd v1, v0\n v3 = load.i8 any[v2]+0\n store.i8 M 0, v3\n \
+                 ret\n}}\n"
             );
             usage(&plcc_ir::parse::parse_module(&text).expect("text is well formed"))[0].local_data
         };
         assert_eq!([reads(""), reads(" store.i32 L 20, v0\n"), reads(" call @G()\n")], [u32::MAX; 3]);
-        assert_eq!([reads(" v1 = load.i8 L 6\n"), reads(" v1 = load.i8 L[v0]+6\n")], [6, 0]);
+        assert_eq!([reads(" v1 = load.i8 L 6\n"), reads(" v1 = load.i8 L[v0]+6\n")], [6, 7]);
+        // An index of which nothing is known, one that is at least 0, and an address with one.
+        let index = |code: &str| reads(&format!(" v1 = load.i32 M 0\n v2 = and v1, v0\n{code}"));
+        assert_eq!([index(" v3 = load.i8 L[v1]+20\n"), index(" v3 = load.i8 L[v2]+20\n")], [0, 20]);
+        assert_eq!(index(" v3 = address L[v2]+20\n store.i32 M 0, v3\n"), 0);
         assert_eq!([reads(" copy M 0, L 20, 2\n"), reads(" v1 = address L 20\n store.i32 M 0, v1\n")], [20, 0]);
         assert_eq!(reads(" call @H()\n"), 0);
+        // By a pointer that is stored for it: to DB 1, to byte 10 of the caller's frame, and one that nobody knows.
+        let pointed = |pointer: &str| reads(&format!(" {pointer}\n store.i32 L 20, v1\n call @P()\n"));
+        let constants = [0x8400_0000u32, 0x8700_0050].map(|pointer| pointed(&format!("v1 = const.i32 {pointer}")));
+        assert_eq!((constants, pointed("v1 = load.i32 M 0")), ([20, 10], 0));
         let text = |address: &str| {
             reads(&format!(
                 " v1 = const.i64 0\n v2 = address L 20\n v3 = {address}\n v4 = rt @text_find(v1, v2, v3, v0)\n"

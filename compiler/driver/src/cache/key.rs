@@ -81,10 +81,22 @@ impl<'a> Keys<'a> {
     }
 
     fn bytes(&self, function: &Function) -> Vec<u8> {
-        let Function { name, returns, frame_bytes, inlined_bytes, apart, blocks, layout, insts, values, results, locs } =
-            function;
+        let Function {
+            name,
+            returns,
+            frame_bytes,
+            inlined_bytes,
+            apart,
+            by_pointers,
+            blocks,
+            layout,
+            insts,
+            values,
+            results,
+            locs,
+        } = function;
         let mut bytes = Bytes(self.common.clone());
-        (name, returns, frame_bytes, inlined_bytes, apart).hash(&mut bytes);
+        (name, returns, frame_bytes, inlined_bytes, apart, by_pointers).hash(&mut bytes);
         let ty = |value: &plcc_ir::Value| values[*value].ty;
         for &block in layout {
             let data = &blocks[block];
@@ -96,7 +108,8 @@ impl<'a> Keys<'a> {
                 match &insts[inst] {
                     InstData::Call { callee, args } => {
                         let touches = self.surroundings.touches_caller(*callee);
-                        ("call", &self.names[callee.index()], touches, args).hash(&mut bytes);
+                        let reads = self.surroundings.caller_reads(*callee);
+                        ("call", &self.names[callee.index()], touches, reads, args).hash(&mut bytes);
                     }
                     data => data.hash(&mut bytes),
                 }

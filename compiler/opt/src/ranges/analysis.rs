@@ -10,7 +10,7 @@ mod companions;
 use plcc_ir::analysis::{ControlFlow, Dominators};
 use plcc_ir::entities::Entity;
 use plcc_ir::function::ValueDef;
-use plcc_ir::{BinaryOp, Block, BlockCall, ConvertOp, Function, Inst, InstData, IntCc, Type, Value};
+use plcc_ir::{BinaryOp, Block, BlockCall, ConvertOp, Function, Inst, InstData, IntCc, Type, UnaryOp, Value};
 use rustc_hash::FxHashMap;
 
 use super::interval::{self, Interval};
@@ -303,6 +303,7 @@ impl<'f> Ranges<'f> {
                 }
             }
             InstData::AddressOf { .. } => Interval::between(0, i64::from(i32::MAX)),
+            InstData::Unary { op: UnaryOp::Ctz, .. } => Interval::between(0, i64::from(ty.bits())),
             _ => full,
         })
     }
