@@ -76,7 +76,71 @@ fn combine(op: BinaryOp, a: u8, b: u8) -> Option<u8> {
     }
 }
 
+/// A number that is compared with a constant: the least or the greatest that it can be, and whether they are signed.
+struct Bound {
+    number: Value,
+    is_signed: bool,
+    is_least: bool,
+    bits: u64,
+}
+
 impl Folder<'_> {
+    /// A number between two constants, by one comparison of its distance from the first.
+    pub(super) fn between(&mut self, op: BinaryOp, a: Value, b: Value) -> Option<Change> {
+        if op != BinaryOp::And || self.ty(a) != Type::I1 {
+            return None;
+        }
+        let (one, two) = (self.bound(a)?, self.bound(b)?);
+        let (least, greatest) = if one.is_least { (one, two) } else { (two, one) };
+        let is_pair = least.is_least && !greatest.is_least && least.is_signed == greatest.is_signed;
+        if !is_pair || least.number != greatest.number {
+            return None;
+        }
+        let ty = self.ty(least.number);
+        let is_ordered = match least.is_signed {
+            true => eval::signed(ty, least.bits) <= eval::signed(ty, greatest.bits),
+            false => least.bits <= greatest.bits,
+        };
+        if !is_ordered || least.bits == 0 {
+            return None;
+        }
+        let back = self.emit_const(ty, least.bits.wrapping_neg());
+        let distance = self.emit(InstData::Binary { op: BinaryOp::Iadd, args: [least.number, back] }, ty);
+        let most = self.emit_const(ty, greatest.bits.wrapping_sub(least.bits));
+        Some(Change::Data(InstData::IntCompare { cc: IntCc::Ule, args: [distance, most] }))
+    }
+
+    fn bound(&self, compare: Value) -> Option<Bound> {
+        let &InstData::IntCompare { cc, args: [number, constant] } = self.function.defining(compare)? else {
+            return None;
+        };
+        let (ty, bits) = (self.ty(number), self.constant(constant)?);
+        if ty == Type::I1 {
+            return None;
+        }
+        let step = |by: i64| {
+            let next = eval::mask(ty, bits.wrapping_add(by as u64));
+            // Without a bound there is nothing beyond it.
+            let (old, new) = match cc {
+                IntCc::Sgt | IntCc::Slt => (eval::signed(ty, bits), eval::signed(ty, next)),
+                _ => (bits as i64, next as i64),
+            };
+            (bits >> 63 == 0 && next >> 63 == 0 && new - old == by).then_some(next)
+        };
+        let (is_signed, is_least, bits) = match cc {
+            IntCc::Uge => (false, true, bits),
+            IntCc::Ugt => (false, true, step(1)?),
+            IntCc::Ule => (false, false, bits),
+            IntCc::Ult => (false, false, step(-1)?),
+            IntCc::Sge => (true, true, bits),
+            IntCc::Sgt => (true, true, step(1)?),
+            IntCc::Sle => (true, false, bits),
+            IntCc::Slt => (true, false, step(-1)?),
+            IntCc::Eq | IntCc::Ne => return None,
+        };
+        Some(Bound { number, is_signed, is_least, bits })
+    }
+
     pub(super) fn int_compare(&mut self, cc: IntCc, [a, b]: [Value; 2]) -> Option<Change> {
         let ty = self.ty(a);
         let (ca, cb) = (self.constant(a), self.constant(b));

@@ -189,3 +189,23 @@ fn a_counter_under_a_condition_is_a_sum() {
     let text = "v10 = const.i16 2\nv11 = iadd v3, v10\nv12 = select v2, v11, v3\nstore.i16 M 0, v12\nret v0";
     check(text, text);
 }
+
+#[test]
+fn a_number_between_two_constants_takes_one_comparison() {
+    // From '0' to '9'.
+    check(
+        "v10 = const.i16 48\nv11 = uge v3, v10\nv12 = const.i16 57\nv13 = ule v3, v12\nv14 = and v11, v13\nv15 = zext.i32 v14\nret v15",
+        "v10 = const.i16 65488\nv11 = iadd v3, v10\nv12 = const.i16 9\nv13 = ule v11, v12\nv14 = zext.i32 v13\nret v14",
+    );
+    check(
+        "v10 = const.i16 65533\nv11 = sgt v3, v10\nv12 = const.i16 5\nv13 = slt v3, v12\nv14 = and v13, v11\nv15 = zext.i32 v14\nret v15",
+        "v10 = const.i16 2\nv11 = iadd v3, v10\nv12 = const.i16 6\nv13 = ule v11, v12\nv14 = zext.i32 v13\nret v14",
+    );
+    // None is at least 9 and at most 3, and signs differ.
+    for compares in ["v11 = uge v3, v10\nv13 = ule v3, v12", "v11 = sge v3, v12\nv13 = ule v3, v10"] {
+        let text = format!(
+            "v10 = const.i16 9\nv12 = const.i16 3\n{compares}\nv14 = and v11, v13\nv15 = zext.i32 v14\nret v15"
+        );
+        check(&text, &text);
+    }
+}
