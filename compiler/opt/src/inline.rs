@@ -174,7 +174,9 @@ impl<'a> Inliner<'a> {
         let is_pointer = |at: usize| at < 64 && shape.pointers >> at & 1 != 0;
         let mut pointers = args.iter().enumerate().filter(|&(at, _)| is_pointer(at));
         let known = Known { areas: knows_areas, pointers: pointers.all(|(_, &arg)| caller.constant(arg).is_some()) };
-        let fits = (shape.is_leaf || shape.is_leaf_by_moves && knows_areas)
+        // The local data of a caller that works with texts itself are not private anyway.
+        let is_leaf_for_caller = || shape.is_leaf_by_texts && crate::frames::gives_address_away(caller, |_, _| false);
+        let fits = (shape.is_leaf || shape.is_leaf_by_moves && knows_areas || is_leaf_for_caller())
             && shape.caller_bytes <= caller.frame_bytes
             && caller.frame_bytes + function.local_bytes() <= plcc_abi::layout::L_CLASS_BYTES
             && !caller.blocks[block].cold

@@ -9,6 +9,7 @@ use plcc_abi::layout::area;
 use plcc_ir::{BinaryOp, Block, ConvertOp, Function, Inst, InstData, IntCc, Module, Region, Type, UnaryOp, Value};
 use rustc_hash::{FxHashMap, FxHashSet};
 
+use crate::usage::reads_upward;
 use crate::{block_moves, frames};
 
 /// Instructions that cost as much as a call.
@@ -46,6 +47,8 @@ pub struct Shape {
     pub is_leaf: bool,
     /// The same but for block moves, which get the addresses of pointers. Where those are known it is one without calls.
     pub is_leaf_by_moves: bool,
+    /// The same but for functions of texts, which get addresses of local data.
+    pub is_leaf_by_texts: bool,
     /// It calls no runtime function that may run organization blocks or stop the CPU.
     pub is_quiet: bool,
     /// Bytes of the caller's frame that it addresses directly.
@@ -61,6 +64,7 @@ impl Shape {
     pub fn of(function: &Function) -> Shape {
         let is_leaf = !frames::gives_address_away(function, |_, _| false);
         let is_leaf_by_moves = is_leaf || !frames::gives_address_away(function, block_moves::is_block_move);
+        let is_leaf_by_texts = is_leaf || !frames::gives_address_away(function, is_of_texts);
         let pointers = Pointers::of(function);
         let mut shape = Shape {
             cost: 0,
@@ -70,6 +74,7 @@ impl Shape {
             size: 0,
             is_leaf,
             is_leaf_by_moves,
+            is_leaf_by_texts,
             is_quiet: true,
             caller_bytes: 0,
         };
@@ -113,8 +118,14 @@ impl Shape {
         }
         shape.is_leaf &= is_candidate && returns;
         shape.is_leaf_by_moves &= is_candidate && returns;
+        shape.is_leaf_by_texts &= is_candidate && returns;
         shape
     }
+}
+
+/// True of a function of texts.
+fn is_of_texts(_: &Function, data: &InstData) -> bool {
+    matches!(data, InstData::CallRuntime { function, args } if reads_upward(*function, args))
 }
 
 /// What a function computes of its parameters and constants alone. A formal parameter of an FC is the address of its actual one, in bits:

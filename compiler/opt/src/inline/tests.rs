@@ -322,3 +322,33 @@ fn a_part_of_a_function_stays_apart() {
         }";
     check(text, text);
 }
+
+#[test]
+fn a_function_that_gives_texts_to_the_runtime_is_inlined_where_its_caller_does_so() {
+    let calls = |caller: &str| {
+        let text = format!(
+            "entry @F
+            func @F frame 16 {{
+            b0:
+            v0 = const.i32 4
+            v1 = const.i64 0
+            v2 = address L 0
+            {caller}
+            call @G()
+            ret
+            }}
+            func @G frame 16 {{
+            b0:
+            v0 = const.i32 4
+            v1 = const.i64 0
+            v2 = address L 0
+            v3 = rt @text_find(v1, v2, v2, v0)
+            ret
+            }}"
+        );
+        let mut module = plcc_ir::parse::parse_module(&text).expect("text is well formed");
+        crate::run_pass(&mut module, "inline").expect("there is such a pass");
+        plcc_ir::print::module_text(&module).matches("call @G").count()
+    };
+    assert_eq!((calls(""), calls("v3 = rt @text_find(v1, v2, v2, v0)")), (1, 0));
+}
