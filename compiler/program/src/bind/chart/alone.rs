@@ -83,7 +83,7 @@ pub fn is_copyable(statements: &[Statement]) -> bool {
 }
 
 /// True of statements that only compute, cannot fail and write nothing that a chart keeps. `begin`: where the data of the chart begins.
-fn is_tame(statements: &[Statement], begin: u32, is_shared: &IsShared) -> bool {
+pub fn is_tame(statements: &[Statement], begin: u32, is_shared: &IsShared) -> bool {
     let mut look = Look { tame: true, begin, is_shared };
     walk::statements(statements, &mut look);
     look.tame
@@ -175,7 +175,7 @@ impl Assembly<'_, '_> {
     }
 
     /// The position of a step, a DINT.
-    fn place(&self, step: usize) -> Expr {
+    pub fn place(&self, step: usize) -> Expr {
         number(step as u64 + 1, Elementary::Dint, self.engine.span)
     }
 
@@ -234,6 +234,8 @@ impl Assembly<'_, '_> {
 
 /// A step as whole bytes and numbers.
 pub struct RawStep {
+    /// Events and states together.
+    pub heads: Variable,
     pub events: Variable,
     pub states: Variable,
     /// T and U as one number.

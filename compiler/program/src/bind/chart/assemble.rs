@@ -54,6 +54,8 @@ pub struct Features {
     pub tame_actions: bool,
     /// The end of the call is short, and there again on the short way.
     pub own_end: bool,
+    /// The quick way in place of the short one, see `quick.rs`.
+    pub quick: bool,
 }
 
 /// Fills the placeholders.
@@ -64,7 +66,7 @@ pub struct Assembly<'a, 'c> {
     /// BOOLs of the frame, one for each transition of the step with the most of them.
     pub results: Vec<Variable>,
     /// Transitions that a step's arm evaluates, best first.
-    owned: Vec<Vec<usize>>,
+    pub owned: Vec<Vec<usize>>,
     /// Transitions that compete with a join for a step, best first: they switch after all others.
     competing: Vec<usize>,
     /// The code is for the short way, on which a satisfied transition fires and none is forced.
@@ -154,14 +156,22 @@ impl<'a, 'c> Assembly<'a, 'c> {
         if self.features.alone {
             let per_step = |make: &dyn Fn(usize) -> Vec<Statement>| self.case("k", make);
             let alone = |make: &dyn Fn(usize) -> Vec<Statement>| self.case("alone", make);
-            holes.insert("one", alone(&|step| self.one(step, is_shared)));
-            holes.insert("watch_alone", alone(&|step| self.watch(step)));
-            if self.features.selection {
-                holes.insert("select_alone", alone(&|step| self.select_alone(step, is_shared)));
+            if self.features.quick {
+                let yes = number(1, Elementary::Bool, engine.span);
+                let leave = Statement { kind: StatementKind::Return(Some(yes)), span: engine.span };
+                holes.insert("leave_block", vec![leave]);
+                self.quick_holes(&mut holes, is_shared);
+            } else {
+                holes.insert("one", alone(&|step| self.one(step, is_shared)));
+                holes.insert("watch_alone", alone(&|step| self.watch(step)));
+                if self.features.selection {
+                    holes.insert("select_alone", alone(&|step| self.select_alone(step, is_shared)));
+                }
             }
             holes.insert("act_alone", alone(&|step| self.ordinary_actions(step)));
             if self.features.several {
                 holes.insert("evaluate_ordinary", per_step(&|step| self.evaluate(step)));
+                holes.insert("select_ordinary", per_step(&|step| self.select(step)));
                 holes.insert("act_ordinary", per_step(&|step| self.ordinary_actions(step)));
             }
         }
@@ -171,7 +181,7 @@ impl<'a, 'c> Assembly<'a, 'c> {
     }
 
     /// `CASE selector OF`, with an arm for each step that has statements.
-    fn case(&self, selector: &str, make: &dyn Fn(usize) -> Vec<Statement>) -> Vec<Statement> {
+    pub fn case(&self, selector: &str, make: &dyn Fn(usize) -> Vec<Statement>) -> Vec<Statement> {
         let steps = 0..self.engine.chart.steps.len();
         let arms: Vec<Arm> = steps
             .filter_map(|step| {
@@ -188,12 +198,12 @@ impl<'a, 'c> Assembly<'a, 'c> {
     }
 
     /// The call after the one that left a step.
-    fn forget(&self, step: usize) -> Vec<Statement> {
+    pub fn forget(&self, step: usize) -> Vec<Statement> {
         let span = self.engine.chart.steps[step].span;
         self.owned[step].iter().map(|at| self.set_flags(*at, number(0, Elementary::Byte, span))).collect()
     }
 
-    fn set_flags(&self, transition: usize, value: Expr) -> Statement {
+    pub fn set_flags(&self, transition: usize, value: Expr) -> Statement {
         assign(&self.engine.flags(transition), value, self.engine.chart.transitions[transition].span)
     }
 

@@ -85,14 +85,19 @@ const BITS: &[&str] = &[
     "short",
     "done",
     "ended",
+    "single",
+    "empty",
+    "timed",
+    "beyond",
+    "swapped",
 ];
 const NUMBERS: &[&str] =
     &["number", "wanted", "lowest", "lowest_at", "lowest_faulty", "lowest_faulty_at", "faults", "first_valid", "valid"];
 /// Positions in lists and positions of steps: DINT, as an index is, so that nothing is extended.
-const PLACES: &[&str] = &["i", "j", "k", "count", "left", "entered", "kept", "target", "alone"];
+const PLACES: &[&str] = &["i", "j", "k", "count", "left", "entered", "kept", "target", "alone", "first", "other"];
 const TIMES: &[&str] = &["now", "passed", "elapsed"];
-/// Times T and U of a step as one number, for `tick();`.
-const PAIRS: &[&str] = &["both", "later", "step"];
+/// Times T and U of a step as one number, for `tick();`. Sets of steps.
+const PAIRS: &[&str] = &["both", "later", "step", "mask", "rest", "signs"];
 
 /// Data of the engine in the instance: the name in the templates, and their paths.
 const KEPT: &[(&str, &[&str])] = &[
@@ -112,6 +117,7 @@ const KEPT: &[(&str, &[&str])] = &[
     ("SEL_OLD", &["G7_DATA", "SEL_OLD"]),
     ("T_SHOWN", &["G7_DATA", "T_SHOWN"]),
     ("ALL_WERE", &["G7_DATA", "ALL_WERE"]),
+    ("EVENTFUL", &["G7_DATA", "EVENTFUL"]),
     ("ASKED_ON", &["G7_DATA", "ASKED_ON"]),
     ("ASKED_OFF", &["G7_DATA", "ASKED_OFF"]),
     ("ACTIVE", &["G7_DATA", "ACTIVE"]),
@@ -173,7 +179,9 @@ impl<'c> Engine<'c> {
         for (name, list) in [("SAX_HEAD", "SAX"), ("S0X_HEAD", "S0X"), ("S1X_HEAD", "S1X")] {
             names.insert(name, typed(&names[list], 0, DataType::Elementary(Elementary::Word)));
         }
+        names.insert("SQ_BYTE", typed(&names["SQ_FLAGS"], 0, DataType::Elementary(Elementary::Byte)));
         // STARTED and the other bits follow the last seen values.
+        names.insert("NOTES", typed(&names["STARTED"], 0, DataType::Elementary(Elementary::Byte)));
         names.insert("MODES", typed(&names["OLD"], 0, DataType::Elementary(Elementary::Lword)));
         let word = |word| Some(typed(&names["ACTIVE"], 8 * word, DataType::Elementary(Elementary::Ulint)));
         let active = Set((0..words(steps.len()) as u32).map(word).collect());
@@ -195,10 +203,30 @@ impl<'c> Engine<'c> {
     pub fn raw(&self, step: usize) -> RawStep {
         let part = |byte, ty| typed(&self.steps[step], byte, DataType::Elementary(ty));
         RawStep {
+            heads: part(0, Elementary::Word),
             events: part(0, Elementary::Byte),
             states: part(1, Elementary::Byte),
             times: part(4, Elementary::Ulint),
         }
+    }
+
+    /// A part of a list of steps, or of other data in the instance.
+    pub fn part(&self, name: &str, byte: u32, ty: Elementary) -> Variable {
+        typed(&self.names[name], byte, DataType::Elementary(ty))
+    }
+
+    /// Where the data of a step is in the instance, and that of a variable.
+    pub fn bytes_of_step(&self, step: usize) -> std::ops::Range<u32> {
+        bytes_of(&self.steps[step])
+    }
+
+    pub fn bytes_of(&self, name: &str) -> std::ops::Range<u32> {
+        bytes_of(&self.names[name])
+    }
+
+    /// The first word of the set of active steps.
+    pub fn active_word(&self) -> &Variable {
+        self.active.0[0].as_ref().expect("nothing leaves out a word of the active steps")
     }
 
     /// Where the data of the chart begins in the instance: parameters and variables of the block are before it.
@@ -408,6 +436,12 @@ impl<'c> Engine<'c> {
         vec![assign(step, high, self.span), assign(step, both, self.span)]
     }
 
+    /// `passed`, of `step`.
+    pub fn passed_of_pair(&self) -> Statement {
+        let passed = self.bits(self.bits(self.value("step"), Elementary::Dword), Elementary::Dint);
+        assign(self.variable("passed"), passed, self.span)
+    }
+
     /// A DINT as a number of 64 bits, by way of a bit string, so that the upper half is 0.
     fn widened(&self, value: Expr) -> Expr {
         self.bits(self.bits(value, Elementary::Dword), Elementary::Ulint)
@@ -424,7 +458,6 @@ impl<'c> Engine<'c> {
 
     /// `both`: T and U of step `k`; `later`: with the time that has passed; `known`: neither is or becomes negative, and U does not stand still.
     pub fn add_pair(&self) -> Vec<Statement> {
-        const SIGNS: u64 = 0x8000_0000_8000_0000;
         const LA_AND_VA: u64 = 6;
         let loaded = |access: Access, ty| Expr { kind: ExprKind::Load(Box::new(access)), ty, span: self.span };
         let old = loaded(self.times(), Elementary::Ulint);
@@ -440,6 +473,33 @@ impl<'c> Engine<'c> {
             assign(self.variable("later"), later, self.span),
             assign(self.variable("known"), compared(CompareOp::Equal, obstacles, 0), self.span),
         ]
+    }
+
+    /// `later`: T and U in `both` with the time that has passed, each for itself. What would be negative stays at the end.
+    pub fn count_separately(&self) -> Vec<Statement> {
+        const UPPER: u64 = 0xFFFF_FFFF_0000_0000;
+        let value = |name: &str| self.value(name);
+        let and = |value: Expr, mask: u64| self.both(BinaryOp::And, value, number(mask, Elementary::Ulint, self.span));
+        let put = |name: &str, value: Expr| assign(self.variable(name), value, self.span);
+        let lower = and(self.both(BinaryOp::Add, value("both"), value("step")), !UPPER);
+        let upper = self.both(BinaryOp::Add, and(value("both"), UPPER), and(value("step"), UPPER));
+        let sign_bits = self.both(BinaryOp::ShiftRight, value("rest"), self.places(31));
+        let ends = self.both(BinaryOp::Subtract, value("rest"), sign_bits);
+        vec![
+            put("later", self.both(BinaryOp::Or, upper, lower)),
+            put("rest", and(value("later"), SIGNS)),
+            put("later", and(self.both(BinaryOp::Or, value("later"), ends), !SIGNS)),
+        ]
+    }
+
+    /// T and U of step `k`, to which `step` has been added as to one number, as if it had been added to each for itself.
+    pub fn separate_pair(&self) -> Vec<Statement> {
+        let later = Expr { kind: ExprKind::Load(Box::new(self.times())), ty: Elementary::Ulint, span: self.span };
+        let before = self.both(BinaryOp::Subtract, later, self.value("step"));
+        let mut statements = vec![assign(self.variable("both"), before, self.span)];
+        statements.extend(self.count_separately());
+        statements.extend(self.put_pair());
+        statements
     }
 
     /// Stores `later` as T and U of step `k`.
@@ -567,6 +627,10 @@ pub fn elements(array: &Variable) -> Vec<Variable> {
         Variable { base: array.base, byte: array.byte + byte, bit, ty: ty.element.clone(), untyped: false }
     };
     (0..layout::element_count(&ty.bounds)).map(element).collect()
+}
+
+fn bytes_of(variable: &Variable) -> std::ops::Range<u32> {
+    variable.byte..variable.byte + layout::bytes(&variable.ty)
 }
 
 /// The data at this byte offset in a variable, as another type.

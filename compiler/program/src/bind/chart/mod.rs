@@ -6,7 +6,7 @@
 //! - `action`: rows of actions; `permanent`: permanent instructions; `condition`: conditions; `call`: block calls of the first two;
 //!   `leaving`: statements that are not possible in them.
 //! - `assemble`: the code of steps and transitions, put into the placeholders.
-//! - `alone`: the short way of a call with one active step; `ordinary`: its actions.
+//! - `alone`: the short way of a call with one active step; `quick`: a quicker one for charts that have less; `ordinary`: their actions.
 //! - `analysis`: which charts are valid.
 //!
 //! Source: GRAPH reference, chapters D to G.
@@ -24,6 +24,7 @@ mod leaving;
 mod names;
 mod ordinary;
 mod permanent;
+mod quick;
 mod template;
 #[cfg(test)]
 mod testing;
@@ -49,7 +50,7 @@ use index::Index;
 use plcc_model::Direction;
 use plcc_model::scl::{SclBody, Statement, StatementKind, walk};
 use plcc_model::types::DataType;
-use template::{ALONE, ENGINE, FINISH, MONITOR, Meaning};
+use template::{ALONE, ENGINE, FINISH, MONITOR, Meaning, QUICK};
 
 /// Clears the requests of ON, OFF and the operator.
 const CLEAR_REQUESTS: &str = "#REQUESTED := FALSE;
@@ -146,6 +147,18 @@ const END_OF_LEAVING: &str = "IF #S0X[0] > BYTE#1 THEN
     end_step();
   END_FOR;
   #S0X[0] := BYTE#1;
+END_IF;";
+
+/// What SQ_FLAGS says.
+const FLAGS: &str = "#SQ_FLAGS.ERROR := #error;
+#SQ_FLAGS.FAULT := #fault;
+#SQ_FLAGS.ERR_FLT := #error OR #fault;
+#SQ_FLAGS.SQ_ISOFF := #count = 0;";
+
+/// The same, all in one byte, on the quick way.
+const QUICK_FLAGS: &str = "#SQ_BYTE := BYTE#0;
+IF #empty THEN
+  #SQ_BYTE := BYTE#16#08;
 END_IF;";
 
 /// Continues a loop if `k` is not a position of a step.
@@ -291,6 +304,14 @@ impl ChartBinder<'_, '_> {
         let monitoring = supervision || parts.interlocks.iter().any(Option::is_some);
         // On the short way a step is monitored before it is left.
         let selection = supervision || !competing.is_empty() || transition_display || alone && monitoring;
+        let requests = chart.steps.iter().flat_map(|step| &step.actions).any(|row| row.qualifier == Qualifier::Off);
+        let displays = any(&DISPLAYS) || transition_display;
+        let one_loop = alone && alone::is_independent(engine, &parts, &is_shared);
+        let tame_actions = alone && alone::has_tame_actions(engine, &parts, &is_shared);
+        let own_end = alone && alone::is_copyable(&parts.after) && !displays;
+        let has_less = one_loop && tame_actions && own_end && !selection && !requests;
+        let can_end = parts.to.iter().any(Vec::is_empty);
+        let quick = has_less && quick::is_possible(engine, &parts, is_wide, &is_shared);
         let features = Features {
             monitoring,
             selection,
@@ -299,12 +320,13 @@ impl ChartBinder<'_, '_> {
             display: any(&DISPLAYS),
             transition_display,
             safe_activation: chart.settings.safe_activation == Some(true),
-            requests: chart.steps.iter().flat_map(|step| &step.actions).any(|row| row.qualifier == Qualifier::Off),
+            requests,
             alone,
             several: alone && is_wide && !selection,
-            one_loop: alone && alone::is_independent(engine, &parts, &is_shared),
-            tame_actions: alone && alone::has_tame_actions(engine, &parts, &is_shared),
-            own_end: alone && alone::is_copyable(&parts.after) && !any(&DISPLAYS) && !transition_display,
+            one_loop,
+            tame_actions,
+            own_end,
+            quick,
         };
         let meaning = |name: &str| -> Meaning {
             match name {
@@ -319,8 +341,11 @@ impl ChartBinder<'_, '_> {
                 "has_one_loop" => Meaning::Bool(features.one_loop),
                 "has_tame_actions" => Meaning::Bool(features.tame_actions),
                 "has_own_end" => Meaning::Bool(features.own_end),
-                "short" | "done" if !features.alone => Meaning::Bool(false),
-                "ended" if !features.own_end => Meaning::Bool(false),
+                "empty" if !can_end => Meaning::Bool(false),
+                "has_quick" => Meaning::Bool(features.quick),
+                "short" if !features.alone => Meaning::Bool(false),
+                "done" if !features.alone || features.quick => Meaning::Bool(false),
+                "ended" if !features.own_end || features.quick => Meaning::Bool(false),
                 "has_safe_activation" => Meaning::Bool(features.safe_activation),
                 "steps" => Meaning::Number(chart.steps.len() as u64),
                 "last_step" => Meaning::Number(chart.steps.len() as u64 - 1),
@@ -334,12 +359,15 @@ impl ChartBinder<'_, '_> {
                 },
             }
         };
+        let quick_finish = FINISH.replace("flags();", QUICK_FLAGS).replace("#count = 0", "#empty");
         let text = ENGINE
-            .replace("alone_way();", ALONE)
+            .replace("alone_way();", if quick { QUICK } else { ALONE })
+            .replace("finish_quick();", &quick_finish)
             .replace("begin();", BEGIN)
             .replace("end_of_leaving();", END_OF_LEAVING)
             .replace("end_step();", END_STEP)
             .replace("finish();", FINISH)
+            .replace("flags();", FLAGS)
             .replace("edges();", &parameters::edges(declared))
             .replace("monitor();", MONITOR)
             .replace("tick();", TICK)

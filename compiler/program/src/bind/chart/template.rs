@@ -10,6 +10,8 @@ use crate::bind::trees::SYSTEM_FILE;
 pub const ENGINE: &str = include_str!("engine.scl");
 /// The short way of a call with one active step.
 pub const ALONE: &str = include_str!("alone.scl");
+/// The quick way.
+pub const QUICK: &str = include_str!("quick.scl");
 /// The end of a call.
 pub const FINISH: &str = include_str!("finish.scl");
 /// Monitoring of a step.
@@ -176,6 +178,7 @@ mod tests {
     fn the_templates_can_be_read() {
         assert!(!parse(ENGINE).is_empty());
         assert!(!parse(ALONE).is_empty());
+        assert!(!parse(QUICK).is_empty());
         assert!(!parse(MONITOR).is_empty());
     }
 }

@@ -151,7 +151,7 @@ fn engine_data(chart: &Chart) -> String {
         MOPEDGE : STRUCT {none} END_STRUCT; MOP : STRUCT {all} END_STRUCT;
         SQ_FLAGS : STRUCT ERR_FLT, ERROR, FAULT, SQ_ISOFF : BOOL; END_STRUCT;
         G7_DATA : STRUCT OLD : STRUCT {old} END_STRUCT;
-            STARTED, REQUESTED, PAGED, ALL_WERE : BOOL; LAST : DINT; SHOWN, SHOWN_AT, SEL_OLD, T_SHOWN : INT;
+            STARTED, REQUESTED, PAGED, ALL_WERE, EVENTFUL : BOOL; LAST : DINT; SHOWN, SHOWN_AT, SEL_OLD, T_SHOWN : INT;
             ASKED_ON, ASKED_OFF : ARRAY[1..{steps}] OF BOOL; ACTIVE : ARRAY[1..{active}] OF BYTE;
         END_STRUCT;",
         none = bits(&never),
