@@ -85,19 +85,25 @@ const BITS: &[&str] = &[
     "short",
     "done",
     "ended",
-    "single",
-    "empty",
-    "timed",
-    "beyond",
-    "swapped",
 ];
 const NUMBERS: &[&str] =
     &["number", "wanted", "lowest", "lowest_at", "lowest_faulty", "lowest_faulty_at", "faults", "first_valid", "valid"];
 /// Positions in lists and positions of steps: DINT, as an index is, so that nothing is extended.
-const PLACES: &[&str] = &["i", "j", "k", "count", "left", "entered", "kept", "target", "alone", "first", "other"];
+const PLACES: &[&str] = &["i", "j", "k", "count", "left", "entered", "kept", "target", "alone"];
 const TIMES: &[&str] = &["now", "passed", "elapsed"];
-/// Times T and U of a step as one number, for `tick();`. Sets of steps.
-const PAIRS: &[&str] = &["both", "later", "step", "mask", "rest", "signs"];
+/// Times T and U of a step as one number, for `tick();`.
+const PAIRS: &[&str] = &["both", "later", "step"];
+
+/// Variables of the quick way, which has no use for the others: they are in the same place.
+const QUICK: &[(&str, &str)] = &[
+    ("single", "push"),
+    ("empty", "off"),
+    ("timed", "register"),
+    ("beyond", "next"),
+    ("swapped", "previous"),
+    ("first", "j"),
+    ("other", "elapsed"),
+];
 
 /// Data of the engine in the instance: the name in the templates, and their paths.
 const KEPT: &[(&str, &[&str])] = &[
@@ -166,6 +172,13 @@ impl<'c> Engine<'c> {
             Set((0..words(steps.len())).map(word).collect())
         };
         let (left, entered, passed) = (set(), set(), set());
+        for &(name, other) in QUICK {
+            let variable = names[other].clone();
+            names.insert(name, variable);
+        }
+        for (name, set) in [("mask", &left), ("rest", &entered), ("signs", &passed)] {
+            names.extend(set.0[0].clone().map(|word| (name, word)));
+        }
         for (name, path) in KEPT {
             let found = match chart.dialect {
                 Dialect::Tia => variable(&bound, &[&[TIA_DATA], *path].concat())?,
@@ -483,11 +496,11 @@ impl<'c> Engine<'c> {
         let put = |name: &str, value: Expr| assign(self.variable(name), value, self.span);
         let lower = and(self.both(BinaryOp::Add, value("both"), value("step")), !UPPER);
         let upper = self.both(BinaryOp::Add, and(value("both"), UPPER), and(value("step"), UPPER));
-        let sign_bits = self.both(BinaryOp::ShiftRight, value("rest"), self.places(31));
-        let ends = self.both(BinaryOp::Subtract, value("rest"), sign_bits);
+        let sign_bits = self.both(BinaryOp::ShiftRight, value("both"), self.places(31));
+        let ends = self.both(BinaryOp::Subtract, value("both"), sign_bits);
         vec![
             put("later", self.both(BinaryOp::Or, upper, lower)),
-            put("rest", and(value("later"), SIGNS)),
+            put("both", and(value("later"), SIGNS)),
             put("later", and(self.both(BinaryOp::Or, value("later"), ends), !SIGNS)),
         ]
     }

@@ -275,7 +275,8 @@ impl Assembly<'_, '_> {
             ways[*to] == 1 && from != to && rivals[*to] == 0 && !has_twin[*from]
         };
         holes.insert("find_rivals", self.find_rivals(rivals.clone()));
-        let mut to_lists = engine.leave_short_way(&["step", "timed", "beyond", "mask", "left", "target"]);
+        // `timed` and `beyond` by the names of their places.
+        let mut to_lists = engine.leave_short_way(&["step", "register", "next", "left", "target"]);
         to_lists.push(engine.passed_of_pair());
         holes.insert("to_lists", to_lists);
         holes.insert("each_step", self.each_of(&steps, &|step| self.each_step(step, &rivals, &is_usual)));
