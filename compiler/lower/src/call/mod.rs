@@ -27,7 +27,8 @@ use plcc_model::{BlockKey, Call, CodeBlock, Passing};
 
 pub use self::block_move::{is_block_move, known_bytes};
 pub use self::function::has_area_pointer;
-pub use self::text::{FormalText, TextCall, TextInput, TextOperand, text_call};
+pub use self::text::{FormalText, TextCall, TextInput, TextOperand, TextResult, is_length, text_call};
+pub use self::text_short::declared_of;
 use crate::block::BlockLowering;
 use crate::fault::{Check, Substitute};
 use crate::plan;

@@ -13,11 +13,13 @@ use plcc_model::types::DataType;
 use plcc_model::{Actual, Argument, Body, CodeBlock, Direction, Passing, Place, StlStatementKind, Width};
 
 use super::big_endian;
+use super::text_short::writes_text;
 use crate::block::BlockLowering;
 use crate::fault::Check;
 use crate::place;
-use crate::plan::{Plan, takes_references};
+use crate::plan::{GivenText, Plan, takes_references};
 use crate::pointer::PointerFields;
+use crate::scl::OwnText;
 
 /// The runtime functions of system functions, by number. Their arguments are what is known of the texts, the inputs in the order of the system function,
 /// then the text that is written.
@@ -44,6 +46,8 @@ const FUNCTIONS: &[(u16, RuntimeFn)] = &[
     (2035, RuntimeFn::TextScanReal),
 ];
 
+/// LEN of STEP 7 V5.
+const LENGTH: u16 = 21;
 /// Bytes before the characters of a STRING.
 const HEAD_BYTES: i64 = 2;
 
@@ -79,10 +83,36 @@ pub struct TextOperand {
     pub(super) declared: u8,
     /// The characters of a constant.
     pub(super) characters: Option<Vec<u8>>,
+    /// The bytes of a constant, with its head: they are stored where something is called.
+    pub(super) constant: Vec<u8>,
+    /// Its length is a value.
+    pub(super) own: Option<OwnText>,
+    /// What it was made of has no more characters.
+    pub(super) longest: Option<u32>,
+    /// It is a parameter that this one is of; `room` is only found out where it is needed.
+    formal: Option<usize>,
+    /// It is the result of this function, which has no other name.
+    pub(super) is_result: bool,
     /// It exists as a whole, but `room` is not what the runtime wants to know.
     pub is_whole: bool,
     /// i1: address and room are right.
     ok: Value,
+}
+
+impl TextOperand {
+    /// The same text, of which it is known what it has at most.
+    pub fn with_longest(self, longest: Option<u32>) -> TextOperand {
+        TextOperand { longest, ..self }
+    }
+}
+
+/// The result of a function of texts.
+#[derive(Clone, Copy)]
+pub struct TextResult {
+    /// An i32.
+    pub value: Value,
+    /// There is a value, an i1; without it the variable for the value stays as it is.
+    pub written: Value,
 }
 
 /// What the pointer of a formal parameter says about the text there.
@@ -92,6 +122,23 @@ pub struct FormalText {
     room: Value,
     limit: Value,
     ok: Value,
+    /// What is known of all texts that the parameter gets.
+    pub given: Option<GivenText>,
+    parameter: usize,
+    /// It is the result, and its length is a value.
+    pub own: Option<OwnText>,
+}
+
+impl FormalText {
+    /// The declared maximum of all texts that the parameter gets; 0 if it is not known.
+    pub fn declared(&self) -> u8 {
+        self.given.map_or(0, |given| given.declared)
+    }
+
+    /// It has no other name.
+    pub fn is_room(&self) -> bool {
+        self.given.is_some_and(|given| given.is_room)
+    }
 }
 
 /// What `callee` hands on, if it does nothing else and the runtime has a function for it.
@@ -126,6 +173,11 @@ pub fn text_call(plan: &Plan, callee: &CodeBlock) -> Option<TextCall> {
     Some(text)
 }
 
+/// True of LEN of STEP 7 V5, which only reads the second byte of a text.
+pub fn is_length(plan: &Plan, callee: &CodeBlock) -> bool {
+    callee.library && callee.kind == BlockKind::Fc && callee.number == LENGTH && !plan.checks_depth
+}
+
 impl BlockLowering<'_, '_> {
     /// A text in this block's frame.
     pub fn text_in_frame(&mut self, addr: Address, declared: u8) -> TextOperand {
@@ -138,17 +190,28 @@ impl BlockLowering<'_, '_> {
             limit,
             declared,
             characters: None,
+            constant: Vec::new(),
+            own: self.own_text(addr, declared),
+            longest: None,
+            formal: None,
+            is_result: false,
             is_whole: false,
             ok: self.b.bool_const(true),
         }
     }
 
-    /// A constant with its head, which is in this block's frame.
+    /// A constant with its head, for which there is room in this block's frame.
     pub fn constant_text(&mut self, addr: Address, bytes: &[u8]) -> Option<TextOperand> {
         let (&[maximum, length], characters) = bytes.split_first_chunk()?;
         let characters = characters.get(..usize::from(length))?.to_vec();
-        let characters = (maximum != 0).then_some(characters);
-        Some(TextOperand { characters, ..self.text_in_frame(addr, maximum) })
+        if maximum == 0 {
+            self.store_bytes(addr, bytes);
+        }
+        let (characters, constant) = match maximum {
+            0 => (None, Vec::new()),
+            _ => (Some(characters), bytes.to_vec()),
+        };
+        Some(TextOperand { characters, constant, own: None, ..self.text_in_frame(addr, maximum) })
     }
 
     /// A text at `addr` if all `checks` hold; with a `declared` maximum all of it exists then. `pointer` makes the pointer to it that a called block would get. `None`: only the system function
@@ -191,26 +254,60 @@ impl BlockLowering<'_, '_> {
             None => byte,
         };
         let room = self.room(length, byte);
-        Some(TextOperand { addr, address, room, limit: room, declared, characters: None, is_whole: false, ok })
+        Some(TextOperand {
+            addr,
+            address,
+            room,
+            limit: room,
+            declared,
+            characters: None,
+            constant: Vec::new(),
+            own: None,
+            longest: None,
+            formal: None,
+            is_result: false,
+            is_whole: false,
+            ok,
+        })
     }
 
     /// A text with a `declared` maximum at `addr`, all of which exists if `ok`: where it is need not be known. Only for functions that are done
     /// without a call.
     pub fn whole_text(&mut self, addr: Address, declared: u8, ok: Value) -> TextOperand {
         let (address, room) = (self.b.address_of(addr), self.b.i32_const(declared.into()));
-        TextOperand { addr, address, room, limit: room, declared, characters: None, is_whole: true, ok }
+        TextOperand {
+            addr,
+            address,
+            room,
+            limit: room,
+            declared,
+            characters: None,
+            constant: Vec::new(),
+            own: None,
+            longest: None,
+            formal: None,
+            is_result: false,
+            is_whole: true,
+            ok,
+        }
     }
 
     /// The text that a formal parameter of this function is, at `addr`; what its pointer says was found out where the function began.
     pub fn formal_text(&mut self, addr: Address, formal: FormalText) -> TextOperand {
-        let FormalText { room, limit, ok } = formal;
+        let FormalText { room, limit, ok, own, parameter, .. } = formal;
+        let declared = formal.declared();
         TextOperand {
             addr,
             address: self.b.address_of(addr),
             room,
             limit,
-            declared: 0,
+            declared,
             characters: None,
+            constant: Vec::new(),
+            own,
+            formal: (declared != 0).then_some(parameter),
+            is_result: formal.is_room(),
+            longest: None,
             is_whole: false,
             ok,
         }
@@ -224,21 +321,51 @@ impl BlockLowering<'_, '_> {
         let block = self.block;
         for (parameter, formal) in block.interface.parameters.iter().enumerate() {
             if let (Passing::Complex { .. }, DataType::String(_)) = (formal.passing, &formal.ty) {
-                // Where it is in local data does not matter.
-                let db = self.read_parameter_structure(parameter, 0, Width::Word);
-                let pointer = self.read_parameter_structure(parameter, 2, Width::Dword);
-                let formal = self.room_at_pointer(PointerFields { db, pointer }, 0);
+                let given = self.plan.given_text(block.key(), parameter);
+                let yes = self.b.bool_const(true);
+                let mut formal = match given {
+                    Some(given) if given.declared != 0 => {
+                        let none = self.b.i32_const(0);
+                        FormalText { room: none, limit: none, ok: yes, given: None, parameter, own: None }
+                    }
+                    _ => self.room_of_formal(parameter),
+                };
+                if given.is_some() {
+                    formal = FormalText { ok: yes, given, own: self.own_result(parameter), ..formal };
+                }
                 self.formal_texts.insert(parameter, formal);
             }
         }
     }
 
+    /// What the pointer of a formal parameter says of the text there. Where it is in local data does not matter.
+    fn room_of_formal(&mut self, parameter: usize) -> FormalText {
+        let db = self.read_parameter_structure(parameter, 0, Width::Word);
+        let pointer = self.read_parameter_structure(parameter, 2, Width::Dword);
+        let FormalText { room, limit, ok, .. } = self.room_at_pointer(PointerFields { db, pointer }, 0);
+        FormalText { room, limit, ok, given: None, parameter, own: None }
+    }
+
     /// A text at `addr`, to which `fields` point.
     fn text_at_pointer(&mut self, addr: Address, declared: u8, fields: PointerFields, ok: Value) -> TextOperand {
         let address = self.b.address_of(addr);
-        let FormalText { room, limit, ok: known } = self.room_at_pointer(fields, declared);
+        let FormalText { room, limit, ok: known, .. } = self.room_at_pointer(fields, declared);
         let ok = self.b.and(ok, known);
-        TextOperand { addr, address, room, limit, declared, characters: None, is_whole: false, ok }
+        TextOperand {
+            addr,
+            address,
+            room,
+            limit,
+            declared,
+            characters: None,
+            constant: Vec::new(),
+            own: None,
+            longest: None,
+            formal: None,
+            is_result: false,
+            is_whole: false,
+            ok,
+        }
     }
 
     /// What `fields` say of the text to which they point: it is in a DB, with a `declared` maximum as a whole, or in local data.
@@ -256,7 +383,7 @@ impl BlockLowering<'_, '_> {
         let [local, most] = [LOCAL.into(), ROOM_MAX].map(|characters| self.b.i32_const(characters));
         let limit = self.b.select(is_local, most, room);
         let room = self.b.select(is_local, local, room);
-        FormalText { room, limit, ok: self.b.or(in_db, is_local) }
+        FormalText { room, limit, ok: self.b.or(in_db, is_local), given: None, parameter: usize::MAX, own: None }
     }
 
     /// Characters of a text at `byte` that exist, if `length` bytes exist from 0 on.
@@ -276,12 +403,22 @@ impl BlockLowering<'_, '_> {
         callee: &CodeBlock,
         texts: &[TextOperand],
         values: &[Option<Value>],
-    ) -> Value {
+    ) -> TextResult {
+        for text in texts {
+            if let Some(own) = text.own {
+                self.store_own_length(text.addr, own);
+            }
+            self.store_bytes(text.addr, &text.constant);
+        }
         let depth = self.enter_call(callee);
         let mut known = self.b.iconst(Type::I64, 0);
         for (index, operand) in texts.iter().enumerate() {
             let declared = i64::from(operand.declared) << (OPERAND_BITS / 2);
-            let operand = self.b.binary_imm(BinaryOp::Or, operand.room, declared);
+            let room = match operand.formal {
+                Some(parameter) => self.room_of_formal(parameter).room,
+                None => operand.room,
+            };
+            let operand = self.b.binary_imm(BinaryOp::Or, room, declared);
             let operand = self.b.zext(Type::I64, operand);
             let operand = self.b.binary_imm(BinaryOp::Shl, operand, i64::from(OPERAND_BITS) * index as i64);
             known = self.b.or(known, operand);
@@ -294,13 +431,19 @@ impl BlockLowering<'_, '_> {
         arguments.extend(addresses);
         let result = self.b.call_runtime(function, &arguments).expect("functions of texts have a result");
         self.leave_call(depth);
+        if let (true, Some(text)) = (writes_text(function), texts.last())
+            && let Some(own) = text.own
+        {
+            self.load_own_length(text.addr, own);
+        }
         let br = self.bit_of(result, BR);
         self.set(self.regs.br, br);
-        result
+        let value = self.b.trunc(Type::I32, result);
+        TextResult { value, written: self.bit_of(result, WRITTEN) }
     }
 
     /// A bit of the result of a function of texts.
-    pub fn bit_of(&mut self, result: Value, bit: u64) -> Value {
+    fn bit_of(&mut self, result: Value, bit: u64) -> Value {
         let shifted = self.b.binary_imm(BinaryOp::Lshr, result, i64::from(bit.trailing_zeros()));
         self.b.trunc(Type::I1, shifted)
     }
@@ -334,13 +477,13 @@ impl BlockLowering<'_, '_> {
         let Passing::Elementary(width) = callee.interface.parameters[parameter].passing else {
             unreachable!("the value of a function of texts is elementary")
         };
-        let value = self.b.trunc(if width == Width::Bit { Type::I1 } else { Type::I32 }, result);
+        let TextResult { value, written } = result;
+        let value = if width == Width::Bit { self.b.trunc(Type::I1, value) } else { value };
         if !keeps {
             self.write(place, width, value);
             self.set(self.regs.db, db);
             return true;
         }
-        let written = self.bit_of(result, WRITTEN);
         let (write, after) = (self.b.create_block(), self.b.create_block());
         self.b.branch(written, write, after);
         self.b.seal_block(write);
@@ -423,7 +566,6 @@ impl BlockLowering<'_, '_> {
             Actual::Place(place) => place,
             Actual::Const(bytes) => {
                 let addr = self.temporary(bytes.len() as u32);
-                self.store_bytes(addr, bytes);
                 return self.constant_text(addr, bytes);
             }
             Actual::Number(_)
@@ -434,7 +576,18 @@ impl BlockLowering<'_, '_> {
         };
         let target = self.target(place, Width::Byte, direction);
         let (addr, _, checks) = self.in_memory(target, Width::Byte, direction);
-        self.text_in_memory(addr, 0, &checks, direction, |lowering| lowering.pointer_fields(place))
+        let maximum = self.maximum_at_start(place);
+        self.text_in_memory(addr, maximum, &checks, direction, |lowering| lowering.pointer_fields(place))
+    }
+
+    /// The maximum of the text at `place` as the data block has it when it is loaded; 0 if it is not known. Whoever is in a hurry looks whether it is
+    /// still so.
+    fn maximum_at_start(&self, place: &Place) -> u8 {
+        let Place::Db { number, byte, bit: 0 } = place else { return 0 };
+        let Some(db) = self.plan.db_at_start(*number) else { return 0 };
+        let maximum = db.data.get(*byte as usize).copied().unwrap_or(0);
+        let exists = *byte as usize + HEAD_BYTES as usize + usize::from(maximum) <= db.data.len();
+        if exists && u32::from(maximum) <= ROOM_MAX { maximum } else { 0 }
     }
 
     /// The low word of an i32 with its sign, as an i32.

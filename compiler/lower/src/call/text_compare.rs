@@ -198,6 +198,9 @@ impl BlockLowering<'_, '_> {
             let length = self.b.i32_const(characters.len() as u32);
             return (self.b.bool_const(true), length);
         }
+        if let Some(own) = text.own {
+            return (self.b.bool_const(true), self.own_length(own));
+        }
         if text.declared == 0 {
             let (right, length, maximum) = self.head_as_found(text);
             let exist = self.b.icmp_imm(IntCc::Uge, maximum, compared as i64);
@@ -231,4 +234,10 @@ impl BlockLowering<'_, '_> {
         }
         all
     }
+}
+
+/// Whether constant characters are compared with others as numbers in the code.
+pub(super) fn compares_at_once(characters: &[u8], relation: u64) -> bool {
+    let asks_if_equal = matches!(relation, EQUAL | DIFFERENT);
+    characters.len() <= if asks_if_equal { CHARACTERS_MAX } else { WORD as usize }
 }

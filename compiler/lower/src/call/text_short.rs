@@ -12,21 +12,25 @@
 //! A text of a formal parameter has no declared maximum: then its head says it, and must agree with what exists there. Which texts share memory
 //! is known at compile time, one variable that is changed in place or texts apart; or a test finds that they are apart.
 
-use plcc_abi::text::{PLUS, ROOM_MAX, Rules, WRITTEN};
+use plcc_abi::text::{PLUS, ROOM_MAX, Rules};
 use plcc_abi::{RuntimeFn, Type};
-use plcc_ir::{Address, BinaryOp, Block, IntCc, Region, Value};
+use plcc_ir::{Address, BinaryOp, Block, IntCc, Region, UnaryOp, Value};
 use plcc_model::CodeBlock;
 
-use super::text::TextOperand;
+use super::text::{TextOperand, TextResult};
+use super::text_compare::compares_at_once;
 use super::text_words::WORD;
 use crate::block::BlockLowering;
 use crate::pointer::moved;
+use crate::scl::OwnText;
 use crate::scl::text::TextPlace;
 
 /// Bytes before the characters.
 pub(super) const HEAD_BYTES: u32 = 2;
 /// Longest constant that is searched.
 const SOUGHT_MAX: usize = 4;
+/// Lengths have no other bits.
+const ROOM_MAX_BITS: i64 = 0xFF;
 /// `kind` of a number as INT and as DINT, see [`RuntimeFn::TextScan`].
 const KIND_INT: u64 = 2;
 
@@ -53,6 +57,7 @@ struct Text<'t> {
     characters: Option<&'t [u8]>,
     /// It may be the one that is written; an i1 says whether it is.
     is_out: Option<Value>,
+    own: Option<OwnText>,
 }
 
 /// Characters that become part of a result.
@@ -80,23 +85,25 @@ impl BlockLowering<'_, '_> {
         callee: &CodeBlock,
         texts: &[TextOperand],
         values: &[Option<Value>],
-    ) -> Value {
+    ) -> TextResult {
         if !self.has_short_way(function, texts, values) {
             return self.run_text(function, callee, texts, values);
         }
         let (call, end) = (self.b.create_cold_block(), self.b.create_block());
-        let result = self.b.declare_var(Type::I64);
-        let value = self.run_text_or_leave(function, texts, values, call);
-        self.b.def_var(result, value);
+        let (value, written) = (self.b.declare_var(Type::I32), self.b.declare_var(Type::I1));
+        let done = self.run_text_or_leave(function, texts, values, call);
+        self.b.def_var(value, done.value);
+        self.b.def_var(written, done.written);
         self.b.jump(end, &[]);
         self.b.seal_block(call);
         self.b.switch_to(call);
         let answer = self.run_text(function, callee, texts, values);
-        self.b.def_var(result, answer);
+        self.b.def_var(value, answer.value);
+        self.b.def_var(written, answer.written);
         self.b.jump(end, &[]);
         self.b.seal_block(end);
         self.b.switch_to(end);
-        self.b.use_var(result)
+        TextResult { value: self.b.use_var(value), written: self.b.use_var(written) }
     }
 
     /// The way without a call, if [`has_short_way`](Self::has_short_way); what is out of the ordinary goes to `call`. Result and BR are
@@ -107,12 +114,11 @@ impl BlockLowering<'_, '_> {
         texts: &[TextOperand],
         values: &[Option<Value>],
         call: Block,
-    ) -> Value {
+    ) -> TextResult {
         let numbers: Vec<Value> = values.iter().flatten().copied().collect();
         let done = self.short_way(function, texts, &numbers, call);
-        let value = self.b.zext(Type::I64, done.value);
         self.set(self.regs.br, done.good);
-        self.b.binary_imm(BinaryOp::Or, value, WRITTEN as i64)
+        TextResult { value: done.value, written: self.b.bool_const(true) }
     }
 
     /// Whether there is a way without a call for the function and its operands.
@@ -155,6 +161,11 @@ impl BlockLowering<'_, '_> {
     /// What the function does where nothing is out of the ordinary; anything else goes to `call`.
     fn short_way(&mut self, function: RuntimeFn, operands: &[TextOperand], numbers: &[Value], call: Block) -> Done {
         let good = self.b.bool_const(true);
+        for (index, operand) in operands.iter().enumerate() {
+            if self.reads_constant(function, index, operand, numbers) {
+                self.store_bytes(operand.addr, &operand.constant);
+            }
+        }
         if let (RuntimeFn::TextCompare, [one, two], &[relation]) = (function, operands, numbers) {
             let relation = self.b.constant_bits(relation).expect("the relation is a constant");
             let holds = self.compare_shortly(one, two, relation, call);
@@ -180,7 +191,7 @@ impl BlockLowering<'_, '_> {
             (RuntimeFn::TextRight, [text, out], &[l, _]) => {
                 self.require_at_least(1, l, call);
                 let count = self.smaller(l, text.length);
-                let skipped = self.b.isub(text.length, count);
+                let skipped = self.less_or_none(text.length, l);
                 self.put(&[Part { text, skipped, count }], out, call);
             }
             (RuntimeFn::TextMid, [text, out], &[l, p]) => {
@@ -195,7 +206,8 @@ impl BlockLowering<'_, '_> {
                 let first = self.before_position(p, text, call);
                 let rest = self.b.isub(text.length, first);
                 let gone = self.smaller(l, rest);
-                let (skipped, count) = (self.b.iadd(first, gone), self.b.isub(rest, gone));
+                let skipped = self.b.iadd(first, gone);
+                let count = self.less_or_none(rest, l);
                 let parts = [Part { text, skipped: zero, count: first }, Part { text, skipped, count }];
                 self.put(&parts, out, call);
             }
@@ -233,7 +245,12 @@ impl BlockLowering<'_, '_> {
                 let plus = self.b.constant_bits(form).is_some_and(|form| form & u64::from(PLUS) != 0);
                 let (word, count, fits) = self.decimal_word(number, plus);
                 self.require(fits, call);
-                self.store_some(out.start, word, count);
+                if out.own.is_some_and(|own| own.is_room) {
+                    let word = self.b.unary(UnaryOp::Bswap, word);
+                    self.b.store(out.start, word);
+                } else {
+                    self.store_some(out.start, word, count);
+                }
                 self.set_length(out, count);
             }
             (RuntimeFn::TextLength, [text], &[maximum]) => {
@@ -258,6 +275,20 @@ impl BlockLowering<'_, '_> {
         done
     }
 
+    /// Whether the way without a call reads the constant that is an operand in memory: a part of it, or more of it than is compared as numbers.
+    fn reads_constant(&self, function: RuntimeFn, index: usize, operand: &TextOperand, numbers: &[Value]) -> bool {
+        let Some(characters) = &operand.characters else { return false };
+        match function {
+            RuntimeFn::TextConcat | RuntimeFn::TextConcatThree | RuntimeFn::TextFind => false,
+            RuntimeFn::TextInsert | RuntimeFn::TextReplace => index == 0,
+            RuntimeFn::TextCompare => {
+                let relation = numbers.first().and_then(|&number| self.b.constant_bits(number));
+                !relation.is_some_and(|relation| compares_at_once(characters, relation))
+            }
+            _ => true,
+        }
+    }
+
     /// Copies a text as an assignment does, where heads are as declared and it fits. Then all goes on at the result, and what is lowered next does
     /// the rest. `None`: the compiler does not know enough, nothing is lowered.
     pub fn copy_text_shortly(&mut self, to: TextPlace, from: TextPlace) -> Option<Block> {
@@ -265,26 +296,38 @@ impl BlockLowering<'_, '_> {
             return None;
         }
         let [to_declared, from_declared] = [to, from].map(|text| declared_of(&text));
-        let places = apart((to.addr, to_declared), (from.addr, from_declared));
+        let is_result = |text: TextPlace| text.formal.is_some_and(|formal| formal.is_room());
+        let places = match is_result(to) == is_result(from) {
+            true => apart((to.addr, to_declared), (from.addr, from_declared)),
+            false => Places::Apart,
+        };
         if places == Places::Same {
             return None;
         }
         let (call, end) = (self.b.create_cold_block(), self.b.create_block());
         let (length, from_maximum) = self.text_to_copy(from, true, call);
         let (_, to_maximum) = self.text_to_copy(to, false, call);
-        if places == Places::Unknown || from.formal.is_some() || to.formal.is_some() {
+        let may_meet = from.formal.is_some() || to.formal.is_some();
+        if places == Places::Unknown || may_meet && is_result(to) == is_result(from) {
             let addresses = [to.addr, from.addr].map(|addr| self.b.address_of(addr));
             let apart = self.are_apart(addresses, [to_maximum, from_maximum]);
             self.require(apart, call);
         }
-        if to.formal.is_some() || from.formal.is_some() || to_declared < from_declared {
+        if to_declared == 0 || from_declared == 0 || to_declared < from_declared {
             let fits = self.b.icmp(IntCc::Ule, length, to_maximum);
             self.require(fits, call);
         }
         let most = [to_declared, from_declared].into_iter().filter(|&declared| declared != 0).min();
         let most = most.map_or(ROOM_MAX, u32::from);
         let room = (most >= WORD).then(|| self.smaller(to_maximum, from_maximum));
-        self.copy_characters(moved(to.addr, HEAD_BYTES), moved(from.addr, HEAD_BYTES), length, most, room);
+        self.copy_apart(moved(to.addr, HEAD_BYTES), moved(from.addr, HEAD_BYTES), length, most, room);
+        if let Some(own) = self.own_text_at(&to) {
+            self.set_own_length(own, length);
+            self.b.jump(end, &[]);
+            self.b.seal_block(call);
+            self.b.switch_to(call);
+            return Some(end);
+        }
         // As in `set_length`; the maximum in memory stays.
         let most = self.b.load(Type::I8, to.addr);
         let most = self.b.zext(Type::I32, most);
@@ -300,6 +343,16 @@ impl BlockLowering<'_, '_> {
 
     /// Length and maximum of a text that is copied; `is_read`: its length counts.
     fn text_to_copy(&mut self, text: TextPlace, is_read: bool, call: Block) -> (Value, Value) {
+        let declared = declared_of(&text);
+        let maximum = self.b.i32_const(declared.into());
+        if let Some(own) = self.own_text_at(&text) {
+            return (self.own_length(own), maximum);
+        }
+        if text.formal.is_some() && declared != 0 {
+            let (ok, length) = self.head_as_declared(text.addr, declared);
+            self.require(ok, call);
+            return (length, maximum);
+        }
         if let Some(formal) = text.formal {
             let operand = self.formal_text(text.addr, formal);
             let known = self.texts_are_known(std::slice::from_ref(&operand));
@@ -308,8 +361,6 @@ impl BlockLowering<'_, '_> {
             self.require(ok, call);
             return (length, maximum);
         }
-        let declared = declared_of(&text);
-        let maximum = self.b.i32_const(declared.into());
         if !is_read {
             return (maximum, maximum);
         }
@@ -322,7 +373,7 @@ impl BlockLowering<'_, '_> {
     pub(super) fn most(&self, text: &TextOperand) -> u32 {
         match &text.characters {
             Some(characters) => characters.len() as u32,
-            None if text.declared != 0 => text.declared.into(),
+            None if text.declared != 0 => text.longest.unwrap_or(text.declared.into()),
             None => self.b.constant_bits(text.room).map_or(ROOM_MAX, |room| ROOM_MAX.min(room as u32)),
         }
     }
@@ -330,6 +381,7 @@ impl BlockLowering<'_, '_> {
     /// The heads of `operands`, each looked at once.
     fn texts_as_declared<'t>(&mut self, operands: &'t [TextOperand], call: Block) -> Vec<Text<'t>> {
         let mut texts: Vec<Text> = Vec::new();
+        let is_far = operands.last().is_some_and(|out| matches!(out.addr.region, Region::Any | Region::AnyDb));
         for (index, operand) in operands.iter().enumerate() {
             let start = moved(operand.addr, HEAD_BYTES);
             let same = (0..index).find(|&other| places(&operands[other], operand) == Places::Same);
@@ -340,6 +392,12 @@ impl BlockLowering<'_, '_> {
                     (length, length)
                 }
                 (None, Some(other)) => (texts[other].length, texts[other].maximum),
+                (None, None) if let Some(own) = operand.own => {
+                    let length = self.own_length(own);
+                    // It may be out of sight how long the text is, and so how far from its begin what is written.
+                    let length = if is_far { self.b.binary_imm(BinaryOp::And, length, ROOM_MAX_BITS) } else { length };
+                    (length, self.b.i32_const(operand.declared.into()))
+                }
                 (None, None) if operand.declared == 0 => {
                     let (ok, length, maximum) = self.head_as_found(operand);
                     self.require(ok, call);
@@ -352,7 +410,7 @@ impl BlockLowering<'_, '_> {
                 }
             };
             let characters = operand.characters.as_deref();
-            texts.push(Text { start, length, maximum, most, characters, is_out: None });
+            texts.push(Text { start, length, maximum, most, characters, is_out: None, own: operand.own });
         }
         texts
     }
@@ -442,6 +500,14 @@ impl BlockLowering<'_, '_> {
         before
     }
 
+    /// `number` less `by`, or 0: what the less of both leaves of `number`, and so that ranges say it.
+    fn less_or_none(&mut self, number: Value, by: Value) -> Value {
+        let zero = self.b.i32_const(0);
+        let rest = self.b.isub(number, by);
+        let is_none = self.b.icmp_imm(IntCc::Slt, rest, 0);
+        self.b.select(is_none, zero, rest)
+    }
+
     fn smaller(&mut self, one: Value, two: Value) -> Value {
         let less = self.b.icmp(IntCc::Slt, one, two);
         self.b.select(less, one, two)
@@ -517,7 +583,7 @@ impl BlockLowering<'_, '_> {
                         self.b.switch_to(copy);
                         end
                     });
-                    self.copy_characters(to, from, part.count, part.text.most.min(out.most), room);
+                    self.copy_apart(to, from, part.count, part.text.most.min(out.most), room);
                     if let Some(end) = end {
                         self.b.jump(end, &[]);
                         self.b.seal_block(end);
@@ -539,6 +605,9 @@ impl BlockLowering<'_, '_> {
     /// Writes both bytes of the head, the first as it is: a processor waits when it reads a word of which it has just written a part, and the
     /// next function of the text reads the head.
     fn set_length(&mut self, out: &Text, length: Value) {
+        if let Some(own) = out.own {
+            return self.set_own_length(own, length);
+        }
         let maximum = self.b.binary_imm(BinaryOp::Shl, out.maximum, 8);
         let head = self.b.or(length, maximum);
         let head = self.b.trunc(Type::I16, head);
@@ -601,7 +670,7 @@ impl BlockLowering<'_, '_> {
 }
 
 /// True if the last text of the function is its result.
-fn writes_text(function: RuntimeFn) -> bool {
+pub(super) fn writes_text(function: RuntimeFn) -> bool {
     !matches!(
         function,
         RuntimeFn::TextFind
@@ -613,11 +682,17 @@ fn writes_text(function: RuntimeFn) -> bool {
 }
 
 /// The declared maximum of a text that is copied; 0 if it is not known.
-fn declared_of(text: &TextPlace) -> u8 {
-    u8::try_from(text.maximum).unwrap_or(0)
+pub fn declared_of(text: &TextPlace) -> u8 {
+    match text.formal {
+        Some(formal) => formal.declared(),
+        None => u8::try_from(text.maximum).unwrap_or(0),
+    }
 }
 
 fn places(one: &TextOperand, two: &TextOperand) -> Places {
+    if one.is_result != two.is_result {
+        return Places::Apart;
+    }
     match (&one.characters, &two.characters) {
         // Constants have a place of their own.
         (Some(_), _) | (_, Some(_)) => Places::Apart,

@@ -82,10 +82,55 @@ impl BlockLowering<'_, '_> {
         self.b.seal_block(body);
         self.b.seal_block(rest);
         self.b.switch_to(rest);
-        let count = self.b.isub(count, whole);
+        let count = self.b.binary_imm(BinaryOp::And, count, i64::from(BLOCK - 1));
         let (to, from) = (self.indexed(to, whole), self.indexed(from, whole));
         let room = room.map(|room| self.b.isub(room, whole));
         self.copy_last(to, from, count, BLOCK - 1, room);
+    }
+
+    /// As [`copy_characters`](Self::copy_characters), where the two places share no memory: the last block may begin before the end of the one
+    /// before it.
+    pub(super) fn copy_apart(&mut self, to: Address, from: Address, count: Value, most: u32, room: Option<Value>) {
+        if most < BLOCK || self.b.constant_bits(count).is_some() {
+            return self.copy_characters(to, from, count, most, room);
+        }
+        let [long, short, end] = std::array::from_fn(|_| self.b.create_block());
+        let is_long = self.b.icmp_imm(IntCc::Uge, count, BLOCK.into());
+        self.b.branch(is_long, long, short);
+        self.b.seal_block(long);
+        self.b.seal_block(short);
+        self.b.switch_to(long);
+        let last = self.b.binary_imm(BinaryOp::Iadd, count, -i64::from(BLOCK));
+        if most <= 2 * BLOCK {
+            self.b.copy(to, from, BLOCK);
+        } else {
+            let at_var = self.b.declare_var(Type::I32);
+            let zero = self.b.i32_const(0);
+            self.b.def_var(at_var, zero);
+            let before_last = self.b.binary_imm(BinaryOp::Iadd, count, -1);
+            let before_last = self.b.binary_imm(BinaryOp::And, before_last, i64::from(NEAR & !(BLOCK - 1)));
+            let (body, rest) = (self.b.create_block(), self.b.create_block());
+            self.b.jump(body, &[]);
+            self.b.switch_to(body);
+            let at = self.b.use_var(at_var);
+            let (block_to, block_from) = (self.indexed(to, at), self.indexed(from, at));
+            self.b.copy(block_to, block_from, BLOCK);
+            let next = self.b.binary_imm(BinaryOp::Iadd, at, BLOCK.into());
+            self.b.def_var(at_var, next);
+            let more = self.b.icmp(IntCc::Ult, next, before_last);
+            self.b.branch(more, body, rest);
+            self.b.seal_block(body);
+            self.b.seal_block(rest);
+            self.b.switch_to(rest);
+        }
+        let (last_to, last_from) = (self.indexed(to, last), self.indexed(from, last));
+        self.b.copy(last_to, last_from, BLOCK);
+        self.b.jump(end, &[]);
+        self.b.switch_to(short);
+        self.copy_last(to, from, count, BLOCK - 1, room);
+        self.b.jump(end, &[]);
+        self.b.seal_block(end);
+        self.b.switch_to(end);
     }
 
     /// Copies `count` characters, an i32 of at most `most`, inside a text; `is_back`, an i1: `to` is not after `from`.

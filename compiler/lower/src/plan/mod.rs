@@ -1,9 +1,10 @@
 //! What the blocks of a program must know about each other before any of them is lowered.
 //!
-//! `facts` are those of one block by itself, `frame` counts bytes in its frame.
+//! `facts` are those of one block by itself, `frame` counts bytes in its frame, `texts` finds out which texts functions get.
 
 mod facts;
 mod frame;
+mod texts;
 
 use plcc_abi::Type;
 use plcc_abi::codes;
@@ -12,12 +13,13 @@ use plcc_abi::layout::{self, CpuRegister};
 use plcc_ir::StaticDb;
 use plcc_ir::entities::{Entity, FuncId};
 use plcc_model::Program;
-use plcc_model::{BlockKey, Body, CodeBlock, Passing};
+use plcc_model::{BlockKey, Body, CodeBlock, DataBlock, Passing};
 use rustc_hash::FxHashMap;
 
 use self::facts::BlockFacts;
 pub use self::facts::changes_ar2;
 pub use self::frame::{INDEX_COPY_BYTES, POINTED_COPY_BYTES, local_bytes};
+pub use self::texts::GivenText;
 
 /// Facts about the whole program.
 pub struct Plan<'a> {
@@ -27,6 +29,7 @@ pub struct Plan<'a> {
     /// DBs in memory, sorted by number.
     pub dbs: Vec<StaticDb>,
     pub db_end: u32,
+    dbs_at_start: FxHashMap<u16, &'a DataBlock>,
     /// Numbers of write-protected DBs.
     pub protected_dbs: Vec<u16>,
     /// A call names its block at run time: every FC and FB needs an entry.
@@ -44,6 +47,10 @@ pub struct Plan<'a> {
     handles_errors: Vec<bool>,
     /// Elementary parameters of functions whose area pointer their code loads (`L P##x`).
     pointed: Vec<Vec<usize>>,
+    /// Parameters that are texts which surely exist.
+    given_texts: Vec<Vec<Option<GivenText>>>,
+    /// Functions that use the text that is their result only as a whole.
+    own_results: Vec<bool>,
 }
 
 impl<'a> Plan<'a> {
@@ -74,6 +81,7 @@ impl<'a> Plan<'a> {
                 .collect(),
             dbs,
             db_end,
+            dbs_at_start: program.dbs.iter().filter(|db| !db.unlinked).map(|db| (db.number, db)).collect(),
             protected_dbs: program.dbs.iter().filter(|db| db.read_only).map(|db| db.number).collect(),
             has_dynamic_calls: facts.iter().any(|facts| facts.dynamic_calls),
             checks_depth: false,
@@ -88,9 +96,13 @@ impl<'a> Plan<'a> {
                 .collect(),
             handles_errors: facts.iter().map(BlockFacts::handles_errors).collect(),
             pointed: program.blocks.iter().zip(&facts).map(|(block, facts)| facts.pointed_of(block)).collect(),
+            given_texts: Vec::new(),
+            own_results: Vec::new(),
         };
+        plan.given_texts = texts::given_texts(program, &plan.index, &plan.dbs, plan.has_dynamic_calls);
         plan.changes_ar2 = plan.find_ar2_changes(&facts);
         plan.checks_depth = plan.has_dynamic_calls || plan.too_deep(&facts);
+        plan.own_results = program.blocks.iter().map(|block| has_own_result(&plan, block)).collect();
         plan
     }
 
@@ -123,6 +135,17 @@ impl<'a> Plan<'a> {
         self.block_index(key).map_or(&[], |index| &self.pointed[index])
     }
 
+    /// What all callers give a function for a parameter that is a text, if all these exist.
+    pub fn given_text(&self, key: BlockKey, parameter: usize) -> Option<GivenText> {
+        *self.given_texts.get(self.block_index(key)?)?.get(parameter)?
+    }
+
+    /// True of a function whose result is a text that only functions of texts and assignments reach in it, and that has room in the frame of
+    /// each caller.
+    pub fn has_own_result(&self, key: BlockKey) -> bool {
+        self.block_index(key).is_some_and(|index| self.own_results[index])
+    }
+
     /// Like [`local_bytes`], with the room for the first error of a block that handles its errors.
     pub fn local_bytes(&self, block: &CodeBlock) -> u32 {
         local_bytes(block) + if self.handles_errors(block.key()) { codes::local_error::BYTES } else { 0 }
@@ -142,6 +165,11 @@ impl<'a> Plan<'a> {
     /// The DB's address, if it is in memory before the first cycle.
     pub fn static_db(&self, number: u16) -> Option<&StaticDb> {
         self.dbs.binary_search_by_key(&number, |db| db.number).ok().map(|index| &self.dbs[index])
+    }
+
+    /// The DB as it is when the program is loaded, if it is in memory then.
+    pub fn db_at_start(&self, number: u16) -> Option<&'a DataBlock> {
+        self.dbs_at_start.get(&number).copied()
     }
 
     /// Types of the parameters of a block's function: the registers, what [`parameter_types`] lists, then an area pointer for each
@@ -247,6 +275,14 @@ impl<'a> Plan<'a> {
         }
         heights[root]
     }
+}
+
+/// See [`Plan::has_own_result`].
+fn has_own_result(plan: &Plan, block: &CodeBlock) -> bool {
+    let (Body::Scl(body), Some((index, parameter))) = (&block.body, crate::scl::result(block)) else { return false };
+    let is_text = matches!(parameter.ty, plcc_model::types::DataType::String(_));
+    let is_room = || plan.given_text(block.key(), index).is_some_and(|given| given.is_room);
+    is_text && is_room() && crate::scl::is_own_result(plan, body, index)
 }
 
 /// Size of a call tree: blocks on the longest path, limit of the local data in bytes.

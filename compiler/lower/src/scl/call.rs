@@ -8,9 +8,11 @@ use plcc_model::types::{DataType, Elementary};
 use plcc_model::{CodeBlock, Direction, Parameter, Passing, Place, Width};
 
 use super::argument::{self, Given, Look, TextArguments, TextSite, joined_call};
+use super::own_texts::OwnText;
+use super::text::TEXT_MAX;
 use super::value_type;
 use crate::block::BlockLowering;
-use crate::call::{is_block_move, text_call};
+use crate::call::{is_block_move, is_length, text_call};
 use crate::fault::{Check, Substitute};
 use crate::place::{self, BitNumber, Target};
 
@@ -44,13 +46,18 @@ impl BlockLowering<'_, '_> {
         let result = result(callee);
         let result = result.filter(|&(index, _)| !supplies(call, index));
         let text = text_call(plan, callee);
+        let is_own = plan.has_own_result(call.target);
         let room = result.map(|(_, parameter)| match (&text, &parameter.ty) {
             (Some(_), DataType::String(_)) if self.scl.only_text => self.text_room(),
+            (None, DataType::String(_)) if self.scl.only_text && is_own => self.own_result_room(),
             (_, ty) => self.result_room(ty),
         });
         let only_text = std::mem::replace(&mut self.scl.only_text, text.is_some());
         let returned = self.call_in_room(call, callee, function, room);
         self.scl.only_text = only_text;
+        if let Some(room) = room.filter(|_| is_own) {
+            self.take_own_result(room);
+        }
         returned
     }
 
@@ -159,6 +166,9 @@ impl BlockLowering<'_, '_> {
         function: FuncId,
         room: Option<Address>,
     ) -> Returned {
+        if let Some(length) = self.own_length_asked(call, callee) {
+            return Returned { value: Some(length), place: None };
+        }
         let Some(text) = text_call(self.plan, callee) else {
             let given = self.given(call, callee);
             return self.call_given(call, callee, function, given, room);
@@ -167,6 +177,51 @@ impl BlockLowering<'_, '_> {
         let begun = self.begin_chain(site);
         let returned = self.call_joined(site, function);
         self.end_text(begun, returned)
+    }
+
+    /// LEN of a text whose length is a value.
+    fn own_length_asked(&mut self, call: &Call, callee: &CodeBlock) -> Option<Value> {
+        let ty = value_of(callee).filter(|_| is_length(self.plan, callee))?;
+        let [argument] = &call.arguments[..] else { return None };
+        let (Actual::Complex(Complex::Variable(access)) | Actual::Reference(access)) = &argument.actual else {
+            return None;
+        };
+        let (_, own) = self.own_text_of(access)?;
+        let length = self.own_length(own);
+        let yes = self.b.bool_const(true);
+        self.set(self.regs.br, yes);
+        Some(self.typed(length, ty))
+    }
+
+    /// Calls the block of a function of texts, which looks at its texts in memory.
+    fn call_text_block(&mut self, site: TextSite, function: FuncId, given: Vec<Given>) -> Returned {
+        let TextSite { call, callee, room, .. } = site;
+        let mut own: Vec<(Address, OwnText)> = Vec::new();
+        for given in &given {
+            let access = match (&given.supply, &given.back) {
+                (argument::Supply::Complex(argument::Source::Variable { access, .. }), _)
+                | (_, Some(argument::Back { access, .. })) => *access,
+                (argument::Supply::Complex(argument::Source::Frame(addr)), _) => {
+                    let actual = call.arguments.iter().find(|argument| argument.parameter == given.parameter);
+                    if let Some(Actual::Complex(Complex::Const(bytes))) = actual.map(|argument| &argument.actual) {
+                        self.store_bytes(*addr, bytes);
+                    }
+                    own.extend(self.own_text(*addr, TEXT_MAX as u8).map(|text| (*addr, text)));
+                    continue;
+                }
+                _ => continue,
+            };
+            own.extend(self.own_text_of(access));
+        }
+        own.extend(room.and_then(|room| Some((room, self.own_text(room, TEXT_MAX as u8)?))));
+        for &(addr, text) in &own {
+            self.store_own_length(addr, text);
+        }
+        let returned = self.call_given(call, callee, function, given, room);
+        for &(addr, text) in &own {
+            self.load_own_length(addr, text);
+        }
+        returned
     }
 
     /// Calls a function of texts; one that joins two texts with the result of another call joins three.
@@ -281,9 +336,9 @@ impl BlockLowering<'_, '_> {
     }
 
     fn call_text_by_pointers(&mut self, site: TextSite, function: FuncId, given: Vec<Given>) -> Returned {
-        let TextSite { call, callee, room, .. } = site;
+        let TextSite { callee, room, .. } = site;
         let Some((arguments, known)) = self.text_arguments(site, &given, Look::Pointers) else {
-            return self.call_given(call, callee, function, given, room);
+            return self.call_text_block(site, function, given);
         };
         let ty = value_of(callee);
         if self.b.constant_bits(known) == Some(1) {
@@ -307,7 +362,7 @@ impl BlockLowering<'_, '_> {
         }
         self.b.jump(end, &[]);
         self.b.switch_to(call_it);
-        let returned = self.call_given(call, callee, function, given, room);
+        let returned = self.call_text_block(site, function, given);
         if let (Some(var), Some(value), true) = (var, returned.value, has_value) {
             self.b.def_var(var, value);
         }

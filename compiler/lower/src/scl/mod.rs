@@ -1,7 +1,8 @@
 //! Statements of SCL: the typed tree to SSA IR. Source: SCL reference.
 //!
 //! - `statement`: control flow and assignments; `expression`, `arithmetic`, `convert`, `function`: values.
-//! - `access`: values of variables; `located`: their places; `promote`: those in SSA values.
+//! - `access`: values of variables; `located`: their places; `promote`: those in SSA values;
+//!   `own_texts`: texts whose lengths are.
 //! - `call`, `argument`: calls of blocks; `text`: STRING and WSTRING; `cell`: timers and counters.
 
 mod access;
@@ -13,6 +14,7 @@ mod convert;
 mod expression;
 mod function;
 pub mod located;
+mod own_texts;
 mod promote;
 mod statement;
 pub mod text;
@@ -32,6 +34,7 @@ use crate::plan::Plan;
 use crate::probe::Asked;
 
 pub use self::call::result;
+pub use self::own_texts::{OwnText, is_own_result};
 use self::promote::Slot;
 pub use self::text::result_bytes;
 
@@ -49,7 +52,9 @@ pub struct SclState {
     /// See [`SclBody::inputs_in_place`].
     inputs_in_place: bool,
     /// The result of the call that is lowered, if it is a text, is read by a function of texts only.
-    only_text: bool,
+    pub only_text: bool,
+    /// Texts whose lengths are values, by their bytes in the frame.
+    own_texts: FxHashMap<u32, OwnText>,
     /// Functions of texts are lowered as calls: their way without one was lowered before.
     pub by_runtime: bool,
     loops: Vec<Loop>,
@@ -116,6 +121,7 @@ impl BlockLowering<'_, '_> {
         self.begin_references();
         self.begin_formal_texts();
         self.prepare_texts(body);
+        self.begin_own_texts(body);
         let block = self.block;
         // A debugger reads and changes variables.
         let promoted = match self.output.probes.asked {
@@ -212,6 +218,7 @@ impl BlockLowering<'_, '_> {
             let place = plcc_model::Place::Parameter { parameter: index, byte: 0, bit: 0 };
             self.write(&place, layout::width(ty), value);
         }
+        self.leave_own_result();
         let flag = self.b.use_var(self.flag());
         self.set(self.regs.br, flag);
         self.return_registers();

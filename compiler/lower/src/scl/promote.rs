@@ -215,7 +215,7 @@ impl Visitor for Seen {
 }
 
 /// Bits that an access may touch from its first element on. An index out of its bounds touches nothing.
-fn reach(access: &Access) -> u32 {
+pub fn reach(access: &Access) -> u32 {
     let whole_stack = 8 * plcc_abi::layout::L_CLASS_BYTES;
     let mut bits = 8 * u64::from(layout::bytes(&access.ty));
     for index in &access.indices {
@@ -226,7 +226,7 @@ fn reach(access: &Access) -> u32 {
 }
 
 /// The ranges in order, those that touch as one.
-fn joined(ranges: &[(u32, u32)]) -> Vec<(u32, u32)> {
+pub fn joined(ranges: &[(u32, u32)]) -> Vec<(u32, u32)> {
     let mut ranges = ranges.to_vec();
     ranges.sort_unstable();
     let mut joined: Vec<(u32, u32)> = Vec::new();

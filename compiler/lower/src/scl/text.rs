@@ -8,6 +8,7 @@ use plcc_model::types::{DataType, Elementary};
 use plcc_model::{Place, Width};
 
 use super::located::Located;
+use super::own_texts::OwnText;
 use crate::block::BlockLowering;
 use crate::call::FormalText;
 use crate::fault::Substitute;
@@ -85,6 +86,14 @@ impl BlockLowering<'_, '_> {
     pub fn text_room(&mut self) -> Address {
         let addr = self.temporary(TEXT_MAX + 2);
         self.store_head(addr, Text::Narrow, TEXT_MAX, 0);
+        self.add_room(addr);
+        addr
+    }
+
+    /// As [`text_room`](Self::text_room), for the result of a function of the program that reads and writes it so.
+    pub fn own_result_room(&mut self) -> Address {
+        let addr = self.text_room();
+        self.drop_room(addr);
         addr
     }
 
@@ -92,6 +101,7 @@ impl BlockLowering<'_, '_> {
     pub fn result_room(&mut self, ty: &DataType) -> Address {
         let bytes = result_bytes(ty);
         let addr = self.temporary(bytes);
+        self.drop_room(addr);
         self.b.clear(addr, bytes);
         match Text::of(ty) {
             Some(kind) => self.store_head(addr, kind, TEXT_MAX, 0),
@@ -124,13 +134,14 @@ impl BlockLowering<'_, '_> {
     pub fn assign_text(&mut self, target: &Access, value: &Complex) {
         let kind = Text::of(&target.ty).expect("the binder assigns texts to texts");
         let located = self.locate(target);
-        let limit = self.text_limit(target);
+        let own = self.formal_text_of(target).and_then(|formal| formal.own);
+        let limit = own.map_or(self.text_limit(target), |own| own.declared.into());
         let to = &located;
         if let (Complex::Const(bytes), Text::Narrow) = (value, kind)
             && limit != OWN_MAXIMUM
             && bytes.len() <= STORED_BYTES_MAX
         {
-            return self.store_constant_text(to, limit, &bytes[2..2 + usize::from(bytes[1])]);
+            return self.store_constant_text(to, limit, &bytes[2..2 + usize::from(bytes[1])], own);
         }
         let in_frame = |addr, maximum| TextPlace { addr, maximum, formal: None };
         let (from, mut checks) = match value {
@@ -139,7 +150,12 @@ impl BlockLowering<'_, '_> {
                 let (from, checks) = self.located_address(&from, Direction::Read);
                 (self.text_place(access, from), checks)
             }
-            Complex::Call(_) => (in_frame(self.complex_value(value), TEXT_MAX), Vec::new()),
+            Complex::Call(_) => {
+                let only_text = std::mem::replace(&mut self.scl.only_text, true);
+                let from = self.complex_value(value);
+                self.scl.only_text = only_text;
+                (in_frame(from, TEXT_MAX), Vec::new())
+            }
             // Short constants are stored, and others copied by the runtime.
             Complex::Const(_) | Complex::Character(_) => (in_frame(self.complex_value(value), OWN_MAXIMUM), Vec::new()),
         };
@@ -156,13 +172,16 @@ impl BlockLowering<'_, '_> {
     }
 
     /// Stores constant characters and their number; the variable keeps its maximum.
-    fn store_constant_text(&mut self, to: &Located, limit: u32, characters: &[u8]) {
+    fn store_constant_text(&mut self, to: &Located, limit: u32, characters: &[u8], own: Option<OwnText>) {
         let kept = characters.len().min(limit as usize);
         let (to, checks) = self.located_address(to, Direction::Write);
         let guard = self.begin_guard(checks, Substitute::None);
         self.store_bytes(Address { offset: to.offset + 2, ..to }, &characters[..kept]);
         let length = self.b.i32_const(kept as u32);
-        self.store_low(Address { offset: to.offset + 1, ..to }, Width::Byte, length);
+        match own.or_else(|| self.own_text(to, u8::try_from(limit).ok()?)) {
+            Some(own) => self.set_own_length(own, length),
+            None => self.store_low(Address { offset: to.offset + 1, ..to }, Width::Byte, length),
+        }
         let cut = self.b.bool_const(kept < characters.len());
         self.fail_if(cut);
         self.end_guard(guard);
@@ -178,7 +197,14 @@ impl BlockLowering<'_, '_> {
         let limit = self.b.i32_const(to.maximum);
         let wide = self.b.i32_const(u32::from(kind == Text::Wide));
         let arguments = [to_address, from_address, limit, wide];
+        let [own_to, own_from] = [to, from].map(|text| self.own_text_at(&text).filter(|_| kind == Text::Narrow));
+        if let Some(own) = own_from {
+            self.store_own_length(from.addr, own);
+        }
         let cut = self.b.call_runtime(RuntimeFn::CopyText, &arguments).expect("copy_text has a result");
+        if let Some(own) = own_to {
+            self.load_own_length(to.addr, own);
+        }
         let cut = self.b.icmp_imm(IntCc::Ne, cut, 0);
         self.fail_if(cut);
         if let Some(end) = end {

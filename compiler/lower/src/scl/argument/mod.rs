@@ -115,6 +115,8 @@ impl BlockLowering<'_, '_> {
 
     fn source<'m>(&mut self, value: &'m Complex) -> Source<'m> {
         match value {
+            // It is stored where something is called.
+            Complex::Const(bytes) if self.scl.only_text => Source::Frame(self.temporary(bytes.len() as u32)),
             Complex::Variable(access) => Source::Variable { access, located: self.locate(access) },
             _ => Source::Frame(self.complex_value(value)),
         }

@@ -1,7 +1,6 @@
 //! Calls from SCL of functions of texts, see [`crate::call::text_call`].
 
 use plcc_abi::RuntimeFn;
-use plcc_abi::text::WRITTEN;
 use plcc_ir::{Address, Block, Region, Type, Value};
 use plcc_model::scl::walk::{self, Role, Visitor};
 use plcc_model::scl::{Access, Actual, Base, Call, Complex, Expr, ExprKind};
@@ -9,7 +8,7 @@ use plcc_model::{CodeBlock, Passing, Place, Width};
 
 use super::{Back, Given, Source, Supply};
 use crate::block::BlockLowering;
-use crate::call::{FormalText, TextCall, TextInput, TextOperand};
+use crate::call::{FormalText, TextCall, TextInput, TextOperand, TextResult, text_call};
 use crate::place::Direction;
 use crate::scl::located::Located;
 use crate::scl::text::TEXT_MAX;
@@ -168,10 +167,23 @@ impl BlockLowering<'_, '_> {
                 match actual {
                     Actual::Complex(Complex::Const(bytes)) => self.constant_text(*addr, bytes),
                     Actual::Complex(Complex::Character(_)) => Some(self.text_in_frame(*addr, 1)),
+                    Actual::Complex(Complex::Call(call)) => {
+                        let longest = self.longest_result(call);
+                        Some(self.text_in_frame(*addr, TEXT_MAX as u8).with_longest(longest))
+                    }
                     _ => Some(self.text_in_frame(*addr, TEXT_MAX as u8)),
                 }
             }
         }
+    }
+
+    /// The most characters that the result of a call has, if that is known: a number as text.
+    fn longest_result(&self, call: &Call) -> Option<u32> {
+        let (callee, _) = self.plan.block(call.target)?;
+        let text = text_call(self.plan, callee).filter(|text| text.function == RuntimeFn::TextOfDint)?;
+        let Some(TextInput::Value(number)) = text.inputs.first() else { return None };
+        let is_word = callee.interface.parameters[*number].passing == Passing::Elementary(Width::Word);
+        Some(if is_word { "-32768".len() } else { "-2147483648".len() } as u32)
     }
 
     /// The text that is written: the variable of parameter `parameter`, or `room`.
@@ -209,7 +221,7 @@ impl BlockLowering<'_, '_> {
         let (addr, checks) = self.located_address(located, direction);
         if let Some(formal) = self.formal_text_of(access)
             && checks.is_empty()
-            && (direction == Direction::Read || self.plan.protected_dbs.is_empty())
+            && (direction == Direction::Read || self.plan.protected_dbs.is_empty() || formal.is_room())
         {
             return Some(self.formal_text(addr, formal));
         }
@@ -287,17 +299,17 @@ impl BlockLowering<'_, '_> {
     }
 
     /// Puts the value in the `result` of a function where the call says it goes, or returns it.
-    fn text_value(&mut self, site: TextSite, given: &[Given], result: Value) -> Option<Value> {
+    fn text_value(&mut self, site: TextSite, given: &[Given], result: TextResult) -> Option<Value> {
         let (parameter, keeps) = site.text.value?;
         let formal = &site.callee.interface.parameters[parameter];
         let is_bit = formal.passing == Passing::Elementary(Width::Bit);
-        let value = self.b.trunc(if is_bit { Type::I1 } else { Type::I32 }, result);
+        let TextResult { value, written } = result;
+        let value = if is_bit { self.b.trunc(Type::I1, value) } else { value };
         let Some(back) = find(given, parameter).and_then(|given| given.back.as_ref()) else { return Some(value) };
         if !keeps {
             self.write_formal(formal, back, value);
             return None;
         }
-        let written = self.bit_of(result, WRITTEN);
         let (write, after) = (self.b.create_block(), self.b.create_block());
         self.b.branch(written, write, after);
         self.b.seal_block(write);
@@ -310,8 +322,7 @@ impl BlockLowering<'_, '_> {
     }
     /// Calls the function that joins three texts. The result is BR of the inner call.
     pub fn run_joined_call(&mut self, callee: &CodeBlock, arguments: &TextArguments) -> Value {
-        let result = self.run_text_shortly(arguments.function, callee, &arguments.texts, &arguments.values);
-        self.bit_of(result, WRITTEN)
+        self.run_text_shortly(arguments.function, callee, &arguments.texts, &arguments.values).written
     }
 }
 

@@ -44,6 +44,9 @@ pub struct Engine<'c> {
 #[derive(Clone)]
 pub struct Set(Vec<Option<Variable>>);
 
+/// The signs of T and U of a step in one number.
+pub const SIGNS: u64 = 0x8000_0000_8000_0000;
+
 /// Variables of the engine in the frame, as `engine.scl` declares them.
 const BITS: &[&str] = &[
     "off",
