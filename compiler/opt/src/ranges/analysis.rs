@@ -21,6 +21,8 @@ const GROWING_MAX: usize = 40;
 const LANDMARKS_UNTIL: usize = 16;
 /// Sweeps that make intervals smaller.
 const SHRINKING: usize = 2;
+/// Inner loops within each other that begin with what the outer one has got to.
+const NESTED: usize = 2;
 /// Address registers have the area above an address of 24 bits.
 const ADDRESS_MASK: i64 = 0x00FF_FFFF;
 /// How many steps back a condition is followed: conversions, sums with constants, conditions joined by AND and OR.
@@ -105,9 +107,15 @@ impl<'f> Ranges<'f> {
         for _ in 0..SHRINKING {
             ranges.sweep();
         }
-        ranges.find_companions();
-        for _ in 0..SHRINKING {
-            ranges.sweep();
+        // What an inner loop begins with is known once it is known how far the outer one gets.
+        for _ in 0..=NESTED {
+            let is_nested = ranges.find_companions();
+            for _ in 0..SHRINKING {
+                ranges.sweep();
+            }
+            if !is_nested {
+                break;
+            }
         }
         Some(ranges)
     }

@@ -1,36 +1,52 @@
 //! Parameters of a loop that count along with each other.
 
 use plcc_ir::entities::Entity;
+use plcc_ir::function::ValueDef;
 use plcc_ir::{BinaryOp, Block, BlockCall, ConvertOp, InstData, Value};
 
-use super::{ADDRESS_MASK, DEPTH_MAX, Ranges};
+use super::{ADDRESS_MASK, Ranges};
 use crate::ranges::interval::{self, Interval};
 
+/// Steps back from what a jump back brings to the parameter; more are not worth the time.
+const BUDGET: u32 = 64;
+
 impl<'f> Ranges<'f> {
-    /// Parameters of a loop that all change by a constant with each pass count along with each other: one with known ends says how
-    /// often the loop runs at most, and so how far the others get.
-    pub(super) fn find_companions(&mut self) {
-        for &header in &self.cfg.rpo {
+    /// Parameters of a loop that all change by a constant, or by an amount of a known range, with each pass count along with each other:
+    /// one with known ends that changes by a constant says how often the loop runs at most, and so how far the others get.
+    ///
+    /// Result: whether a parameter gets on by what an inner loop adds to it.
+    pub(super) fn find_companions(&mut self) -> bool {
+        let mut is_nested = false;
+        // Inner loops come first.
+        for &header in self.cfg.rpo.iter().rev() {
             let Some(calls) = self.jumps_back(header) else { continue };
             let params = &self.function.blocks[header].params;
             let step = |(index, &param): (usize, &Value)| {
-                // An address register keeps its area.
-                let area = self.first(header, param).and_then(|first| interval::common_bits(first, ADDRESS_MASK));
-                let mut steps = calls.iter().map(|call| self.step_of(param, call.args[index], area.unwrap_or(0)));
+                let area = self.area_of(header, param);
+                let mut way = Way { param, area, budget: BUDGET, is_nested: false };
+                let mut steps = calls.iter().map(|call| self.step_of(&mut way, call.args[index]));
                 let first = steps.next()??;
-                steps.all(|other| other == Some(first)).then_some(first)
+                let step = steps.try_fold(first, |step, other| step.or(other?))?;
+                Some((step, way.is_nested))
             };
-            let steps: Vec<Option<Step>> = params.iter().enumerate().map(step).collect();
-            let passes = params.iter().zip(&steps).filter_map(|(&param, step)| self.passes(param, (*step)?)).min();
+            let steps: Vec<Option<(Step, bool)>> = params.iter().enumerate().map(step).collect();
+            let passes = params.iter().zip(&steps).filter_map(|(&param, step)| self.passes(param, (*step)?.0)).min();
             let Some(passes) = passes else { continue };
             self.passes.insert(header, passes);
             for (&param, step) in params.iter().zip(&steps) {
-                let (Some(step), Some(first)) = (*step, self.first(header, param)) else { continue };
+                let (Some((step, nested)), Some(first)) = (*step, self.first(header, param)) else { continue };
                 if let Some(limit) = reach(first, step, passes) {
                     self.limits.insert(param, limit);
+                    is_nested |= nested;
                 }
             }
         }
+        is_nested
+    }
+
+    /// The bits above the address that a parameter has in the first pass: an address register keeps its area.
+    fn area_of(&self, header: Block, param: Value) -> i64 {
+        self.first(header, param).and_then(|first| interval::common_bits(first, ADDRESS_MASK)).unwrap_or(0)
     }
 
     /// The jumps back to `header`, if it is the head of a loop.
@@ -47,26 +63,40 @@ impl<'f> Ranges<'f> {
         (!calls.is_empty()).then_some(calls)
     }
 
-    /// The constant by which the argument of the jump back differs from the parameter.
-    /// `area`: the bits above the address that the parameter has in the first pass.
-    fn step_of(&self, param: Value, arg: Value, area: i64) -> Option<Step> {
+    /// By how much the argument of the jump back differs from the parameter.
+    fn step_of(&self, way: &mut Way, arg: Value) -> Option<Step> {
+        let (param, area) = (way.param, way.area);
         let mut keeps_area = false;
-        let mut step = Step { by: 0, fits: Interval::full(self.function.ty(param)) };
+        let mut step = Step::none(Interval::full(self.function.ty(param)));
         let mut at = self.function.resolve(arg);
-        for _ in 0..=2 * DEPTH_MAX {
-            if at == param {
-                return Some(step);
-            }
-            match *self.function.defining(at)? {
+        while at != param {
+            way.budget = way.budget.checked_sub(1)?;
+            let ValueDef::Result(inst, _) = self.function.values[at].def else {
+                return step.then(self.step_of_param(way, at)?);
+            };
+            match self.function.insts[inst] {
                 InstData::Binary { op: BinaryOp::Iadd, args: [a, b] } => {
-                    step.by = step.by.checked_add(self.constant(b)?)?;
                     step.fits = step.fits.meet(Interval::full(self.function.ty(at)))?;
+                    let Some(constant) = self.constant(b) else {
+                        // One of the two is what the parameter has become, the other one is added.
+                        let (from, added) = match self.step_of(way, a) {
+                            Some(from) => (from, self.anywhere(b)?),
+                            None => (self.step_of(way, b)?, self.anywhere(a)?),
+                        };
+                        let added = Step { lo: added.lo, hi: added.hi, zeros: added.zeros, fits: step.fits };
+                        return step.then(added)?.then(from);
+                    };
+                    step = step.plus(constant)?;
                     at = self.function.resolve(a);
                 }
                 InstData::Binary { op: BinaryOp::Isub, args: [a, b] } => {
-                    step.by = step.by.checked_sub(self.constant(b)?)?;
+                    step = step.plus(self.constant(b)?.checked_neg()?)?;
                     step.fits = step.fits.meet(Interval::full(self.function.ty(at)))?;
                     at = self.function.resolve(a);
+                }
+                InstData::Select { if_true, if_false, .. } => {
+                    let either = self.step_of(way, if_true)?.or(self.step_of(way, if_false)?)?;
+                    return step.then(either);
                 }
                 // The address register: the byte of the area stays, the rest is counted in 24 bits.
                 // The area may be known by now.
@@ -108,7 +138,7 @@ impl<'f> Ranges<'f> {
                 }
                 InstData::Binary { op: BinaryOp::And, args: [a, mask] } => {
                     let mask = self.constant(mask)?;
-                    if mask < 0 || mask & (mask + 1) != 0 || step.by != 0 {
+                    if mask < 0 || mask & (mask + 1) != 0 || step.lo != 0 || step.hi != 0 {
                         return None;
                     }
                     let low = if keeps_area { area } else { 0 };
@@ -126,13 +156,63 @@ impl<'f> Ranges<'f> {
                 _ => return None,
             }
         }
-        None
+        Some(step)
+    }
+
+    /// [`Ranges::step_of`] for a parameter of another block of the loop: where ways of a pass meet, or of an inner loop.
+    fn step_of_param(&self, way: &mut Way, at: Value) -> Option<Step> {
+        let ValueDef::Param(block, index) = self.function.values[at].def else { return None };
+        let place = self.cfg.rpo_index(block)?;
+        let mut step: Option<Step> = None;
+        let mut is_loop = false;
+        for &pred in self.cfg.predecessors(block) {
+            if self.cfg.rpo_index(pred)? >= place {
+                is_loop = true;
+                continue;
+            }
+            let inst = self.function.terminator(pred)?;
+            for call in self.function.insts[inst].targets().into_iter().filter(|call| call.block == block) {
+                let other = self.step_of(way, call.args[index as usize])?;
+                step = Some(match step {
+                    Some(step) => step.or(other)?,
+                    None => other,
+                });
+            }
+        }
+        let step = step?;
+        if !is_loop {
+            return Some(step);
+        }
+        // Each pass of the inner loop but the last one adds to it.
+        let passes = *self.passes.get(&block)?;
+        let mut inner = Way { param: at, area: self.area_of(block, at), budget: way.budget, is_nested: false };
+        let mut added: Option<Step> = None;
+        for call in self.jumps_back(block)? {
+            let other = self.step_of(&mut inner, call.args[index as usize])?;
+            added = Some(match added {
+                Some(added) => added.or(other)?,
+                None => other,
+            });
+        }
+        way.budget = inner.budget;
+        way.is_nested = true;
+        step.then(added?.times(passes.checked_sub(1)?)?)
+    }
+
+    /// What a value can be anywhere.
+    fn anywhere(&self, value: Value) -> Option<Interval> {
+        let value = self.function.resolve(value);
+        match self.function.constant(value) {
+            Some(_) => self.get(value),
+            None => self.values[value.index()],
+        }
     }
 
     /// How often the loop of a parameter that changes by `step` begins a pass at most; `None`: it may wrap.
     fn passes(&self, param: Value, step: Step) -> Option<i64> {
         let range = self.values[param.index()]?;
-        (step.by != 0 && step.keeps(range)).then(|| (range.hi - range.lo) / step.by.abs() + 1)
+        let by = (step.lo == step.hi && step.lo != 0).then_some(step.lo)?;
+        step.keeps(range).then(|| (range.hi - range.lo) / by.abs() + 1)
     }
 
     /// What a parameter of a loop can be in the first pass.
@@ -143,11 +223,7 @@ impl<'f> Ranges<'f> {
         for &pred in self.cfg.predecessors(header).iter().filter(|&&pred| self.cfg.rpo_index(pred) < place) {
             let inst = self.function.terminator(pred)?;
             for call in self.function.insts[inst].targets().into_iter().filter(|call| call.block == header) {
-                let arg = self.function.resolve(call.args[index]);
-                let range = match self.function.constant(arg) {
-                    Some(_) => self.get(arg)?,
-                    None => self.values[arg.index()]?,
-                };
+                let range = self.anywhere(call.args[index])?;
                 first = Some(first.map_or(range, |first| first.join(range)));
             }
         }
@@ -155,28 +231,81 @@ impl<'f> Ranges<'f> {
     }
 }
 
-/// How a parameter of a loop changes from pass to pass.
+/// The way back from what a jump back brings to the parameter of a loop.
+struct Way {
+    param: Value,
+    /// The bits above the address that the parameter has in the first pass.
+    area: i64,
+    /// Steps that are left.
+    budget: u32,
+    /// It leads through an inner loop.
+    is_nested: bool,
+}
+
+/// How a parameter of a loop changes from pass to pass: by a number from `lo` to `hi`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Step {
-    by: i64,
+    lo: i64,
+    hi: i64,
+    /// Bits at the low end of the number that are 0.
+    zeros: u32,
     /// It is so as long as the parameter is in here before and after: the narrowest type and mask on the way.
     fits: Interval,
 }
 
 impl Step {
+    fn none(fits: Interval) -> Step {
+        Step { lo: 0, hi: 0, zeros: 63, fits }
+    }
+
+    /// This step and one by a constant, of which only the sum counts.
+    fn plus(self, by: i64) -> Option<Step> {
+        let (lo, hi) = (self.lo.checked_add(by)?, self.hi.checked_add(by)?);
+        let zeros = if lo == hi { lo.trailing_zeros().min(63) } else { self.zeros.min(by.trailing_zeros()) };
+        Some(Step { lo, hi, zeros, ..self })
+    }
+
+    /// One after the other; in one direction, so that what is between them is between the ends.
+    fn then(self, other: Step) -> Option<Step> {
+        if self.lo < 0 && other.hi > 0 || self.hi > 0 && other.lo < 0 {
+            return None;
+        }
+        Some(Step {
+            lo: self.lo.checked_add(other.lo)?,
+            hi: self.hi.checked_add(other.hi)?,
+            zeros: self.zeros.min(other.zeros),
+            fits: self.fits.meet(other.fits)?,
+        })
+    }
+
+    /// One or the other.
+    fn or(self, other: Step) -> Option<Step> {
+        Some(Step {
+            lo: self.lo.min(other.lo),
+            hi: self.hi.max(other.hi),
+            zeros: self.zeros.min(other.zeros),
+            fits: self.fits.meet(other.fits)?,
+        })
+    }
+
+    /// Up to `count` times.
+    fn times(self, count: i64) -> Option<Step> {
+        Some(Step { lo: self.lo.min(0).checked_mul(count)?, hi: self.hi.max(0).checked_mul(count)?, ..self })
+    }
+
     /// True if all numbers of `range` stay within bounds with this step.
     fn keeps(self, range: Interval) -> bool {
         let inside = |number: i64| (self.fits.lo..=self.fits.hi).contains(&number);
-        [range.lo, range.hi].into_iter().all(|end| inside(end) && end.checked_add(self.by).is_some_and(inside))
+        let steps = [(range.lo, self.lo), (range.hi, self.hi)];
+        steps.into_iter().all(|(end, by)| inside(end) && end.checked_add(by).is_some_and(inside))
     }
 }
 
 /// How far a value gets that changes by `step` from pass to pass; `None`: it may wrap.
 fn reach(first: Interval, step: Step, passes: i64) -> Option<Interval> {
-    let way = step.by.checked_mul(passes.checked_sub(1)?)?;
-    let (lo, hi) = (first.lo.checked_add(way.min(0))?, first.hi.checked_add(way.max(0))?);
-    let zeros = first.zeros.min(if step.by == 0 { 63 } else { step.by.trailing_zeros() });
-    let range = Interval { lo, hi, zeros };
+    let way = step.times(passes.checked_sub(1)?)?;
+    let (lo, hi) = (first.lo.checked_add(way.lo)?, first.hi.checked_add(way.hi)?);
+    let range = Interval { lo, hi, zeros: first.zeros.min(step.zeros) };
     // After the last pass it is computed once more.
     step.keeps(range).then_some(range)
 }
