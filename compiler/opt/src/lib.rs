@@ -33,6 +33,7 @@ mod loops;
 mod merge_bits;
 mod note_outputs;
 mod ranges;
+mod sink_stores;
 mod surroundings;
 mod unroll;
 mod unused;
@@ -238,6 +239,7 @@ pub const ALONE: &[Pass] = &[
     function("fold", fold::fold),
     function("control-flow", control_flow::simplify_control_flow),
     surrounded("dead-stores", dead_stores::eliminate_dead_stores),
+    surrounded("sink-stores", sink_stores::sink_stores),
     telling("unused", unused::remove_unused),
     function("control-flow", control_flow::simplify_control_flow),
     surrounded("note-outputs", note_outputs::note_outputs),
