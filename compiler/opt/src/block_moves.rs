@@ -67,13 +67,25 @@ fn first_move(function: &Function, block: Block, surroundings: &Surroundings) ->
         return None;
     }
     let insts = &function.blocks[block].insts;
-    (0..insts.len()).find_map(|at| {
-        let (number, args) = block_move(function, &function.insts[insts[at]])?;
-        let at_frame = local_offset(function, args[2])?;
-        let base = local_offset(function, args[3])?;
-        let frame = Frame { base, structure: at_frame };
-        let structure = Structure::before(function, &insts[..at], at_frame);
-        Some((at, Plan::new(function, number, at_frame, structure, frame, surroundings)?))
+    (0..insts.len()).find_map(|at| Some((at, plan_of(function, insts, at, surroundings)?)))
+}
+
+/// What the call at place `at` of the instructions of a block does, if it is a block move and a test can tell that it is possible.
+fn plan_of(function: &Function, insts: &[Inst], at: usize, surroundings: &Surroundings) -> Option<Plan> {
+    let (number, args) = block_move(function, &function.insts[insts[at]])?;
+    let at_frame = local_offset(function, args[2])?;
+    let base = local_offset(function, args[3])?;
+    let frame = Frame { base, structure: at_frame };
+    let structure = Structure::before(function, &insts[..at], at_frame);
+    Plan::new(function, number, at_frame, structure, frame, surroundings)
+}
+
+/// True if all block moves of a function that are not on cold sides can be done in place after a test.
+pub fn are_possible(function: &Function, surroundings: &Surroundings) -> bool {
+    let hot = function.layout.iter().map(|&block| &function.blocks[block]).filter(|block| !block.cold);
+    hot.map(|block| &block.insts).all(|insts| {
+        let is_move = |&at: &usize| is_block_move(function, &function.insts[insts[at]]);
+        (0..insts.len()).filter(is_move).all(|at| plan_of(function, insts, at, surroundings).is_some())
     })
 }
 

@@ -21,7 +21,9 @@ mod compare;
 pub(crate) mod integer;
 
 use plcc_ir::analysis::reverse_postorder;
-use plcc_ir::{BinaryOp, BlockCall, Class, ConvertOp, Function, Inst, InstData, Loc, Type, UnaryOp, Value, eval};
+use plcc_ir::{
+    BinaryOp, BlockCall, Class, ConvertOp, Function, Inst, InstData, IntCc, Loc, Type, UnaryOp, Value, eval,
+};
 
 /// Applies the rules to a function. Result: whether anything changed.
 pub fn fold(function: &mut Function) -> bool {
@@ -230,6 +232,13 @@ impl Folder<'_> {
         let (t, f) = (self.constant(if_true), self.constant(if_false));
         if t.is_some() && t == f {
             return Some(Change::Value(if_true));
+        }
+        // Where the two are equal it does not matter which one it is.
+        if let Some(&InstData::IntCompare { cc: cc @ (IntCc::Eq | IntCc::Ne), args: [a, b] }) =
+            self.function.defining(cond)
+            && ([a, b] == [if_true, if_false] || [b, a] == [if_true, if_false])
+        {
+            return Some(Change::Value(if cc == IntCc::Eq { if_false } else { if_true }));
         }
         if let Some(x) = self.negated(cond) {
             return Some(Change::Data(InstData::Select { cond: x, if_true: if_false, if_false: if_true }));

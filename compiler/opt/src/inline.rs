@@ -14,6 +14,9 @@
 //!   their addresses, and neither their total size nor the content of area V changes.
 //! - It is not recursive.
 //!
+//! Block moves count as none where the caller knows the pointers, or where a test lets them be done in place and no other copy of the
+//! function remains: what the caller passes may decide the test.
+//!
 //! A safepoint follows each call (see `safepoint`). A STOP in the callee is a return, and the safepoint makes the caller return, too:
 //! inlined code goes there directly. If the callee calls nothing in the runtime that can bring a STOP or an interrupt, it is
 //! as if its instructions stood in the caller, and the safepoint goes away.
@@ -30,6 +33,8 @@ use plcc_ir::{Address, Block, FuncId, Function, Inst, InstData, Module, Region, 
 
 use rustc_hash::FxHashSet;
 
+use crate::block_moves;
+use crate::surroundings::Surroundings;
 use cost::{Budget, Known, Shape};
 use safepoint::Safepoint;
 use splice::Splice;
@@ -38,6 +43,8 @@ use splice::Splice;
 pub fn inline_calls(module: &mut Module) {
     let graph = CallGraph::new(module);
     let mut budget = Budget::new(module);
+    // Only what is known of DBs is asked for.
+    let mut surroundings: Option<Surroundings> = None;
     let mut shapes: EntityVec<FuncId, Option<Shape>> = EntityVec::filled(None, module.functions.len());
     for &id in &graph.callees_first {
         if !graph.callees[id].is_empty() {
@@ -47,7 +54,13 @@ pub fn inline_calls(module: &mut Module) {
             module.functions[id] = caller;
         }
         if graph.calls[id] > 0 {
-            shapes[id] = Some(Shape::of(&module.functions[id]));
+            let function = &module.functions[id];
+            let mut shape = Shape::of(function);
+            shape.moves_in_place = shape.is_leaf_by_moves && !shape.is_leaf && {
+                let surroundings = surroundings.get_or_insert_with(|| Surroundings::new(module));
+                block_moves::are_possible(function, surroundings)
+            };
+            shapes[id] = Some(shape);
         }
     }
     remove_uncalled(module, &graph);
@@ -176,7 +189,8 @@ impl<'a> Inliner<'a> {
         let known = Known { areas: knows_areas, pointers: pointers.all(|(_, &arg)| caller.constant(arg).is_some()) };
         // The local data of a caller that works with texts itself are not private anyway.
         let is_leaf_for_caller = || shape.is_leaf_by_texts && crate::frames::gives_address_away(caller, |_, _| false);
-        let fits = (shape.is_leaf || shape.is_leaf_by_moves && knows_areas || is_leaf_for_caller())
+        let moves_away = || shape.is_leaf_by_moves && (knows_areas || shape.moves_in_place && is_only_call);
+        let fits = (shape.is_leaf || moves_away() || is_leaf_for_caller())
             && shape.caller_bytes <= caller.frame_bytes
             && caller.frame_bytes + function.local_bytes() <= plcc_abi::layout::L_CLASS_BYTES
             && !caller.blocks[block].cold

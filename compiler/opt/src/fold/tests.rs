@@ -178,6 +178,16 @@ fn sums_of_extended_words_are_narrow() {
 }
 
 #[test]
+fn of_two_equal_values_it_does_not_matter_which_one_is_chosen() {
+    for choice in ["v10 = eq v0, v1\nv11 = select v10, v0, v1", "v10 = ne v0, v1\nv11 = select v10, v1, v0"] {
+        check(&format!("{choice}\nret v11"), "ret v1");
+    }
+    check("v10 = eq v0, v1\nv11 = select v10, v1, v0\nret v11", "ret v0");
+    let text = "v10 = const.i32 7\nv11 = eq v0, v1\nv12 = select v11, v0, v10\nret v12";
+    check(text, text);
+}
+
+#[test]
 fn a_counter_under_a_condition_is_a_sum() {
     check(
         "v10 = const.i16 1\nv11 = iadd v3, v10\nv12 = select v2, v11, v3\nstore.i16 M 0, v12\nv13 = const.i32 4294967295\nv14 = iadd v0, \

@@ -47,6 +47,8 @@ pub struct Shape {
     pub is_leaf: bool,
     /// The same but for block moves, which get the addresses of pointers. Where those are known it is one without calls.
     pub is_leaf_by_moves: bool,
+    /// All of those can be done in place after a test.
+    pub moves_in_place: bool,
     /// The same but for functions of texts, which get addresses of local data.
     pub is_leaf_by_texts: bool,
     /// It calls no runtime function that may run organization blocks or stop the CPU.
@@ -74,6 +76,7 @@ impl Shape {
             size: 0,
             is_leaf,
             is_leaf_by_moves,
+            moves_in_place: false,
             is_leaf_by_texts,
             is_quiet: true,
             caller_bytes: 0,

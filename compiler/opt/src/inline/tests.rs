@@ -270,6 +270,49 @@ fn what_gets_constant_addresses_costs_less() {
 }
 
 #[test]
+fn a_block_move_with_a_computed_pointer_goes_into_the_only_caller() {
+    let calls = |calls: &str, fields: &str| {
+        let text = format!(
+            "db 1 at 0x400000 length 100
+            db 2 at 0x400070 length 40
+            entry @F
+            func @F frame 24 {{
+            b0:
+            {calls}ret
+            }}
+            func @G frame 24 {{
+            b0:
+            v0 = load.i32 M 0
+            v1 = const.i32 0x10020014
+            v2 = const.i16 1
+            v3 = const.i16 2
+            v4 = const.i32 0x84000050
+            v5 = const.i32 20
+            v6 = const.i32 0
+            store.i16 L 4, v2
+            store.i32 L 6, v0
+            clear L 10, 2
+            store.i32 L 12, v1
+            store.i16 L 16, v3
+            store.i32 L 18, v4
+            {fields}v7 = address L 0
+            v8 = frame_base
+            v9 = rt @system_function(v6, v5, v7, v8)
+            ret
+            }}"
+        );
+        let mut module = plcc_ir::parse::parse_module(&text).expect("text is well formed");
+        crate::run_pass(&mut module, "inline").expect("there is such a pass");
+        plcc_ir::print::module_text(&module).matches("call @G").count()
+    };
+    let known = "store.i32 L 0, v1\n";
+    assert_eq!(calls("call @G()\n", known), 0);
+    assert_eq!(calls("call @G()\ncall @G()\n", known), 2);
+    // Type and length of the source are not known.
+    assert_eq!(calls("call @G()\n", "store.i32 L 0, v0\n"), 1);
+}
+
+#[test]
 fn what_tests_pointers_into_the_frame_of_a_caller_that_knows_them_costs_less() {
     // Twenty words of the caller are copied, each after a test of how far its frame is away.
     let words: String = (0..20)

@@ -93,13 +93,15 @@ fn count_of(ty: Type, count: Interval) -> Option<u32> {
     count.single().map(|count| (count & i64::from(ty.bits() - 1)) as u32)
 }
 
-/// The bits in which the numbers of an interval differ from each other, and all below them.
+/// The bits in which the numbers of an interval differ from each other, and all below them that are not 0 in all of them.
 fn free_bits(a: Interval) -> i64 {
-    ((a.lo ^ a.hi) as u64).checked_ilog2().map_or(0, |highest| (u64::MAX >> (63 - highest)) as i64)
+    let below = ((a.lo ^ a.hi) as u64).checked_ilog2().map_or(0, |highest| u64::MAX >> (63 - highest));
+    (below & u64::MAX << a.zeros.min(63)) as i64
 }
 
 /// The bits of all numbers of the interval outside `mask`, if those are the same.
 pub fn common_bits(a: Interval, mask: i64) -> Option<i64> {
+    let a = a.rounded();
     (free_bits(a) & !mask == 0).then_some(a.lo & !mask)
 }
 
@@ -110,6 +112,7 @@ fn ordered(op: BinaryOp, a: Interval, b: Interval) -> Option<Interval> {
         (Some(constant), _) => (b, constant),
         _ => return None,
     };
+    let a = a.rounded();
     let free = free_bits(a);
     let (lo, hi) = match op {
         BinaryOp::And if free & constant == 0 => return Some(Interval::between(a.lo & constant, a.lo & constant)),
@@ -319,6 +322,14 @@ mod tests {
     use super::*;
 
     /// Every operation on all i8 of small intervals stays in the interval that is computed for it.
+    #[test]
+    fn a_multiple_of_bytes_has_no_bits_of_a_byte() {
+        let pointer = Interval { lo: -0x7C00_0000, hi: -0x7C00_0000 + 2240, zeros: 6 };
+        let mask = Interval::constant(Type::I32, 0xFF00_0007);
+        assert_eq!(binary(BinaryOp::And, Type::I32, pointer, mask).single(), Some(-0x7C00_0000));
+        assert_eq!(common_bits(pointer, 0x00FF_FFF8), Some(-0x7C00_0000));
+    }
+
     #[test]
     fn intervals_contain_every_result() {
         use BinaryOp::*;
