@@ -17,6 +17,16 @@
 //!                            ; ret
 //! ```
 //!
+//! Bits that were taken out of one value, and go as far from their places there, are taken and moved together:
+//!
+//! ```text
+//! v1 = trunc.i1 v0           ; v3 = and v0, 3
+//! v2 = lshr v0, 1            ; v4 = load.i8 M 4
+//! v3 = trunc.i1 v2           ; v5 = and v4, 16#FC
+//! store.bit M 4.0, v1        ; v6 = or v5, v3
+//! store.bit M 4.1, v3        ; store.i8 M 4, v6
+//! ```
+//!
 //! At most [`OPEN_MAX`] words are collected at a time, so that they fit into registers.
 
 use plcc_abi::functions::Effect;
@@ -145,15 +155,35 @@ fn groups(function: &Function, block: Block, words: &Words<'_>) -> Vec<Group> {
     done
 }
 
+/// Bits of one value that go to the same distance from their places there.
+#[derive(Clone, Copy)]
+struct Piece {
+    from: Value,
+    /// Shifts to the left, if it is positive.
+    distance: i32,
+    /// The bits, where they go to.
+    mask: u64,
+}
+
 /// What a group has collected.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Default)]
 struct Collected {
     /// The bits that are variable, in place; all others are 0.
     bits: Option<Value>,
+    pieces: Vec<Piece>,
     /// The bits that are 1.
     ones: u64,
     /// All bits that were written.
     mask: u64,
+}
+
+impl Collected {
+    fn add(&mut self, from: Value, distance: i32, bit: u64) {
+        match self.pieces.iter_mut().find(|piece| (piece.from, piece.distance) == (from, distance)) {
+            Some(piece) => piece.mask |= bit,
+            None => self.pieces.push(Piece { from, distance, mask: bit }),
+        }
+    }
 }
 
 fn rewrite(function: &mut Function, block: Block, groups: Vec<Group>) {
@@ -166,17 +196,20 @@ fn rewrite(function: &mut Function, block: Block, groups: Vec<Group>) {
     let mut collected = vec![Collected::default(); groups.len()];
     let mut ends = groups.iter().enumerate().peekable();
     let insts = std::mem::take(&mut function.blocks[block].insts);
-    let mut out = Out { function, insts: Vec::with_capacity(insts.len()), loc: Loc(0) };
+    let mut out = Out { function, insts: Vec::with_capacity(insts.len()), loaded: Vec::new(), loc: Loc(0) };
     for (position, inst) in insts.into_iter().enumerate() {
         while let Some((index, group)) = ends.next_if(|(_, group)| group.end == position) {
-            out.store(group, collected[index]);
+            out.store(group, std::mem::take(&mut collected[index]));
         }
         if dead.contains(&inst) {
             continue;
         }
         match of_store.get(&inst) {
             Some(&(index, number)) => out.collect(inst, &mut collected[index], groups[index].ty, number),
-            None => out.insts.push(inst),
+            None => {
+                out.note(inst);
+                out.insts.push(inst);
+            }
         }
     }
     let insts = out.insts;
@@ -186,7 +219,37 @@ fn rewrite(function: &mut Function, block: Block, groups: Vec<Group>) {
 struct Out<'f> {
     function: &'f mut Function,
     insts: Vec<Inst>,
+    /// What was loaded last, and is still there, and after how many instructions.
+    loaded: Vec<(Address, Value, usize)>,
     loc: Loc,
+}
+
+/// Loads that are remembered.
+const LOADED_MAX: usize = 8;
+/// Instructions after a load in which it is not made again: later it would rather go to the stack and come back.
+const NEAR: usize = 24;
+
+/// The value of which an i1 is a bit, and its number there, if that is a byte or word of up to `bits` bits.
+fn bit_of(function: &Function, value: Value, bits: u32) -> Option<(Value, u32)> {
+    let &InstData::Convert { op: ConvertOp::Trunc, arg } = function.defining(value)? else { return None };
+    let (from, number) = match function.defining(arg) {
+        Some(&InstData::Binary { op: BinaryOp::Lshr, args: [x, count] }) => match function.constant(count) {
+            Some(count) if count < u64::from(function.ty(x).bits()) => (x, count as u32),
+            _ => (arg, 0),
+        },
+        _ => (arg, 0),
+    };
+    (function.ty(from).bits() <= bits).then(|| (function.resolve(from), number))
+}
+
+/// True if an access may touch memory of a load.
+fn overlap(function: &Function, (addr, value): (Address, Value), other: &Address, bytes: u32) -> bool {
+    if (addr.region, addr.base) == (other.region, other.base) {
+        let (start, end) = (u64::from(addr.offset), u64::from(addr.offset) + u64::from(function.ty(value).bytes()));
+        u64::from(other.offset) < end && start < u64::from(other.offset) + u64::from(bytes)
+    } else {
+        addr.region.may_alias(other.region)
+    }
 }
 
 impl Out<'_> {
@@ -200,6 +263,37 @@ impl Out<'_> {
         self.emit(InstData::Const { bits }, ty)
     }
 
+    /// An instruction is next: remembers what it loads, and forgets what it may write.
+    fn note(&mut self, inst: Inst) {
+        let function = &*self.function;
+        let written = match &function.insts[inst] {
+            InstData::Load { addr } => {
+                let value = function.result(inst);
+                if matches!(function.ty(value), Type::I8 | Type::I32) {
+                    if self.loaded.len() == LOADED_MAX {
+                        self.loaded.remove(0);
+                    }
+                    self.loaded.push((*addr, value, self.insts.len()));
+                }
+                return;
+            }
+            InstData::Store { addr, value } => Some((addr, function.ty(*value).bytes())),
+            InstData::StoreBit { addr, .. } => Some((addr, 1)),
+            InstData::Clear { addr, len } | InstData::Copy { to: addr, len, .. } => Some((addr, *len)),
+            InstData::CallRuntime { function, .. } if matches!(function.effect(), Effect::Pure | Effect::Cells) => {
+                return;
+            }
+            InstData::Call { .. } | InstData::CallRuntime { .. } => None,
+            _ => return,
+        };
+        match written {
+            Some((addr, bytes)) => {
+                self.loaded.retain(|&(load, value, _)| !overlap(function, (load, value), addr, bytes))
+            }
+            None => self.loaded.clear(),
+        }
+    }
+
     fn binary(&mut self, op: BinaryOp, args: [Value; 2], ty: Type) -> Value {
         self.emit(InstData::Binary { op, args }, ty)
     }
@@ -211,18 +305,36 @@ impl Out<'_> {
         collected.mask |= 1 << number;
         match self.function.constant(value) {
             Some(bits) => collected.ones |= bits << number,
-            None => {
-                let mut placed = self.emit(InstData::Convert { op: ConvertOp::Zext, arg: value }, ty);
-                if number > 0 {
-                    let count = self.constant(u64::from(number), ty);
-                    placed = self.binary(BinaryOp::Shl, [placed, count], ty);
+            None => match bit_of(self.function, value, ty.bits()) {
+                Some((from, bit)) => collected.add(from, number as i32 - bit as i32, 1 << number),
+                None => {
+                    let mut placed = self.emit(InstData::Convert { op: ConvertOp::Zext, arg: value }, ty);
+                    if number > 0 {
+                        let count = self.constant(u64::from(number), ty);
+                        placed = self.binary(BinaryOp::Shl, [placed, count], ty);
+                    }
+                    collected.bits = Some(match collected.bits {
+                        Some(bits) => self.binary(BinaryOp::Or, [bits, placed], ty),
+                        None => placed,
+                    });
                 }
-                collected.bits = Some(match collected.bits {
-                    Some(bits) => self.binary(BinaryOp::Or, [bits, placed], ty),
-                    None => placed,
-                });
-            }
+            },
         }
+    }
+
+    /// The bits of a piece, in place; all others are 0.
+    fn placed(&mut self, piece: Piece, ty: Type) -> Value {
+        let mut bits = piece.from;
+        if self.function.ty(bits) != ty {
+            bits = self.emit(InstData::Convert { op: ConvertOp::Zext, arg: bits }, ty);
+        }
+        if piece.distance != 0 {
+            let op = if piece.distance > 0 { BinaryOp::Shl } else { BinaryOp::Lshr };
+            let count = self.constant(u64::from(piece.distance.unsigned_abs()), ty);
+            bits = self.binary(op, [bits, count], ty);
+        }
+        let mask = self.constant(piece.mask, ty);
+        self.binary(BinaryOp::And, [bits, mask], ty)
     }
 
     /// Stores what was collected.
@@ -231,7 +343,12 @@ impl Out<'_> {
         let all = u64::MAX >> (64 - ty.bits());
         let mut parts = Vec::new();
         if collected.mask != all {
-            let old = self.emit(InstData::Load { addr: group.addr }, ty);
+            let now = self.insts.len();
+            let is_old = |&&(addr, value, at): &&(Address, Value, usize)| {
+                addr == group.addr && self.function.ty(value) == ty && now - at <= NEAR
+            };
+            let loaded = self.loaded.iter().find(is_old).map(|&(_, value, _)| value);
+            let old = loaded.unwrap_or_else(|| self.emit(InstData::Load { addr: group.addr }, ty));
             let others = self.constant(all & !collected.mask, ty);
             parts.push(self.binary(BinaryOp::And, [old, others], ty));
         }
@@ -239,9 +356,13 @@ impl Out<'_> {
             parts.push(self.constant(collected.ones, ty));
         }
         parts.extend(collected.bits);
+        for piece in collected.pieces {
+            parts.push(self.placed(piece, ty));
+        }
         let value = parts.into_iter().reduce(|a, b| self.binary(BinaryOp::Or, [a, b], ty));
         let value = value.unwrap_or_else(|| self.constant(0, ty));
         let inst = self.function.make_inst(InstData::Store { addr: group.addr, value }, &[], self.loc);
+        self.note(inst);
         self.insts.push(inst);
     }
 }
@@ -314,6 +435,35 @@ mod tests {
              v5\nstore.i32 DB5 12, v6",
         );
         check_pass("merge-bits", &stores, &store);
+    }
+
+    #[test]
+    fn bits_of_one_byte_move_together() {
+        check(
+            "v2 = load.i8 M 9\nv3 = trunc.i1 v2\nv4 = const.i8 1\nv5 = lshr v2, v4\nv6 = trunc.i1 v5\nv7 = const.i8 6\nv8 = lshr v2, \
+             v7\nv9 = trunc.i1 v8\nstore.bit Q 4.0, v3\nstore.bit Q 4.1, v6\nstore.bit Q 4.2, v9\nret v0",
+            "v2 = load.i8 M 9\nv3 = trunc.i1 v2\nv4 = const.i8 1\nv5 = lshr v2, v4\nv6 = trunc.i1 v5\nv7 = const.i8 6\nv8 = lshr v2, \
+             v7\nv9 = trunc.i1 v8\nv10 = load.i8 Q 4\nv11 = const.i8 248\nv12 = and v10, v11\nv13 = const.i8 3\nv14 = and v2, \
+             v13\nv15 = const.i8 4\nv16 = lshr v2, v15\nv17 = const.i8 4\nv18 = and v16, v17\nv19 = or v12, v14\nv20 = or v19, \
+             v18\nstore.i8 Q 4, v20\nret v0",
+        );
+    }
+
+    #[test]
+    fn what_was_loaded_is_not_loaded_again() {
+        let text = |between: &str, load: &str, old: &str| {
+            format!(
+                "v2 = load.i8 Q 4\n{between}v3 = zext.i8 v1\nv4 = const.i8 5\nv5 = shl v3, v4\n{load}v7 = const.i8 95\nv8 = and \
+                 {old}, v7\nv9 = or v8, v5\nstore.i8 Q 4, v9\nret v0"
+            )
+        };
+        let from = |between: &str| {
+            format!("v2 = load.i8 Q 4\n{between}v6 = const.i1 0\nstore.bit Q 4.5, v1\nstore.bit Q 4.7, v6\nret v0")
+        };
+        let expected = |between: &str, load: &str, old: &str| text(&format!("{between}v6 = const.i1 0\n"), load, old);
+        check(&from("store.i32 Q 8, v0\n"), &expected("store.i32 Q 8, v0\n", "", "v2"));
+        let between = "store.i32 any[v0]+8, v0\n";
+        check(&from(between), &expected(between, "v10 = load.i8 Q 4\n", "v10"));
     }
 
     #[test]
