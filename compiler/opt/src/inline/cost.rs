@@ -20,6 +20,11 @@ const SMALL: u32 = 2 * CALL_COST;
 const MEDIUM: u32 = 4 * CALL_COST;
 /// The same of a function that gets pointers whose areas, or addresses, it then knows.
 const ONE_AREA: u32 = 7 * CALL_COST;
+/// Up to this cost it is inlined as long as few have been: most of a small program runs in each cycle, and an instance whose address is known
+/// needs no computed addresses.
+const LARGE: u32 = 16 * CALL_COST;
+/// Growth by those.
+const LARGE_GROWTH: u32 = 4000;
 /// Up to this size a function that is called once is inlined.
 const ONCE_MAX: u32 = 2000;
 /// No function grows beyond this size, but for small callees: code generation takes more than linear time for large ones.
@@ -329,13 +334,15 @@ pub struct Known {
 /// How much the program may still grow.
 pub struct Budget {
     growth: u32,
+    /// The same by large callees.
+    large: u32,
     caller: u32,
 }
 
 impl Budget {
     pub fn new(module: &Module) -> Budget {
         let size: u32 = module.functions.values().map(size_of).sum();
-        Budget { growth: size / GROWTH_PART + GROWTH_FREE, caller: 0 }
+        Budget { growth: size / GROWTH_PART + GROWTH_FREE, large: LARGE_GROWTH, caller: 0 }
     }
 
     /// A caller of this size is visited.
@@ -360,12 +367,15 @@ impl Budget {
         } else if is_only_call {
             fits && callee.size <= ONCE_MAX
         } else {
-            fits && cost <= if by_area || by_pointers { ONE_AREA } else { MEDIUM } && size <= self.growth
+            let medium = cost <= if by_area || by_pointers { ONE_AREA } else { MEDIUM } && size <= self.growth;
+            let large = cost <= LARGE && size <= self.large;
+            fits && (medium || large)
         };
         if allowed {
             self.caller = caller;
             if !small && !is_only_call {
-                self.growth -= size;
+                self.growth = self.growth.saturating_sub(size);
+                self.large = self.large.saturating_sub(size);
             }
         }
         allowed

@@ -232,8 +232,8 @@ fn what_callees_inlined_goes_on_with_them() {
 
 #[test]
 fn what_gets_constant_addresses_costs_less() {
-    // Forty bits are copied: much code where their addresses are values, a load and a store each where they are constants.
-    let bits: String = (0..40)
+    // Eighty bits are copied: much code where their addresses are values, a load and a store each where they are constants.
+    let bits: String = (0..80)
         .map(|number| {
             let value = |at: usize| format!("v{}", 10 + 20 * number + at);
             let v: Vec<String> = (0..16).map(value).collect();
@@ -314,8 +314,8 @@ fn a_block_move_with_a_computed_pointer_goes_into_the_only_caller() {
 
 #[test]
 fn what_tests_pointers_into_the_frame_of_a_caller_that_knows_them_costs_less() {
-    // Twenty words of the caller are copied, each after a test of how far its frame is away.
-    let words: String = (0..20)
+    // Sixty words of the caller are copied, each after a test of how far its frame is away.
+    let words: String = (0..60)
         .map(|number| {
             let v: Vec<String> = (0..7).map(|at| format!("v{}", 10 + 10 * number + at)).collect();
             format!(
