@@ -32,6 +32,7 @@ mod loop_memory;
 mod loops;
 mod merge_bits;
 mod note_outputs;
+mod pointer_tests;
 mod ranges;
 mod sink_stores;
 mod surroundings;
@@ -233,6 +234,7 @@ pub const ALONE: &[Pass] = &[
     function("finite-results", finite::part_finite_results),
     surrounded("hoist-lookups", invariants::hoist_lookups),
     function("turn-loops", duplicate::turn_loops),
+    function("pointer-tests", pointer_tests::join_pointer_tests),
     function("fold", fold::fold),
     function("control-flow", control_flow::simplify_control_flow),
     // The test before the first pass of a loop that was turned may be known.
