@@ -35,6 +35,29 @@ pub fn addresses(function: &Function, ranges: &Ranges<'_>, surroundings: &Surrou
     simpler.iter().any(Option::is_some).then_some(Change::Addresses(simpler))
 }
 
+/// Accesses at sums of one value and different constants are at one sum and different offsets: a pointer of an S7-200 minus that to V memory,
+/// in a loop of which several passes are one. The sum is what the value is above its least number.
+pub fn from_the_least(function: &Function, ranges: &Ranges<'_>, inst: Inst) -> Option<Change> {
+    let (InstData::Load { addr }
+    | InstData::Store { addr, .. }
+    | InstData::LoadBit { addr, .. }
+    | InstData::StoreBit { addr, .. }) = &function.insts[inst]
+    else {
+        return None;
+    };
+    let (x, by) = sum_with_constant(function, ranges, addr.base?)?;
+    let (of_x, of_sum) = (ranges.get(x)?, ranges.get(addr.base?)?);
+    let is_exact = of_sum.lo == of_x.lo.checked_add(by)? && of_x.hi.checked_add(by)? <= i64::from(i32::MAX);
+    let fits = of_x.is_natural() && of_sum.is_natural() && is_exact && by < 0 && by != -of_x.lo;
+    // The offset grows by what the sum is at least.
+    let offset = i64::from(addr.offset).checked_add(of_sum.lo)?;
+    (fits && offset <= i64::from(i32::MAX) && function.constant(x).is_none()).then_some(Change::AddressFrom(
+        x,
+        -of_x.lo as u64,
+        Address { offset: offset as u32, ..*addr },
+    ))
+}
+
 /// Gives an instruction those of the addresses that are there.
 pub fn set_addresses(data: &mut InstData, [first, second]: [Option<Address>; 2]) {
     match data {

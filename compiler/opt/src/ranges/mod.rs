@@ -93,6 +93,8 @@ enum Change {
     ExtendAndAdd(ConvertOp, Value, u64),
     /// Its addresses are these; a copy has two.
     Addresses([Option<Address>; 2]),
+    /// Its only address begins at a value and a constant added, which is negative.
+    AddressFrom(Value, u64, Address),
 }
 
 /// A value that is shifted by a constant, or multiplied with one.
@@ -107,14 +109,19 @@ struct Part {
 ///
 /// Result: whether anything changed.
 pub fn use_ranges(function: &mut Function, surroundings: &Surroundings) -> bool {
+    use_all(function, surroundings, false)
+}
+
+/// `last`: also for what hides how far pointers get from passes that have run by then.
+fn use_all(function: &mut Function, surroundings: &Surroundings, last: bool) -> bool {
     if is_too_large(function) {
         return false;
     }
-    let first = use_once(function, surroundings);
+    let first = use_once(function, surroundings, last);
     // A sum in the wide type, then its multiple, then the address: each shows when the one before is there.
     if first.has_sums {
-        use_once(function, surroundings);
-        use_once(function, surroundings);
+        use_once(function, surroundings, last);
+        use_once(function, surroundings, last);
     }
     first.changed
 }
@@ -123,7 +130,7 @@ pub fn use_ranges(function: &mut Function, surroundings: &Surroundings) -> bool 
 ///
 /// Result: whether anything changed.
 pub fn use_ranges_of_loops(function: &mut Function, surroundings: &Surroundings) -> bool {
-    analysis::has_loops(function, &ControlFlow::new(function)) && use_ranges(function, surroundings)
+    analysis::has_loops(function, &ControlFlow::new(function)) && use_all(function, surroundings, true)
 }
 
 /// What one look at the ranges did.
@@ -134,7 +141,7 @@ struct Done {
     has_sums: bool,
 }
 
-fn use_once(function: &mut Function, surroundings: &Surroundings) -> Done {
+fn use_once(function: &mut Function, surroundings: &Surroundings, last: bool) -> Done {
     let cfg = ControlFlow::new(function);
     let dominators = Dominators::new(function, &cfg);
     let Some(mut ranges) = Ranges::of(function, &cfg, &dominators) else { return Done::default() };
@@ -147,9 +154,10 @@ fn use_once(function: &mut Function, surroundings: &Surroundings) -> Done {
         }
         for &inst in &function.blocks[block].insts {
             ranges.compute(inst);
-            if let Some(change) =
-                access::addresses(function, &ranges, surroundings, inst).or_else(|| change_of(function, &ranges, inst))
-            {
+            let change = access::addresses(function, &ranges, surroundings, inst)
+                .or_else(|| if last { access::from_the_least(function, &ranges, inst) } else { None })
+                .or_else(|| change_of(function, &ranges, inst));
+            if let Some(change) = change {
                 changes.push((block, inst, change));
             }
         }
@@ -464,10 +472,18 @@ fn apply(function: &mut Function, changes: Vec<(Block, Inst, Change)>) {
         let insts = std::mem::take(&mut function.blocks[block].insts);
         let mut out = Vec::with_capacity(insts.len() + 4);
         for inst in insts {
-            let Some((_, _, change)) = changes.next_if(|&(at, changed, _)| at == block && changed == inst) else {
+            let Some((_, _, mut change)) = changes.next_if(|&(at, changed, _)| at == block && changed == inst) else {
                 out.push(inst);
                 continue;
             };
+            if let Change::AddressFrom(value, by, addr) = change {
+                let (ty, loc) = (function.ty(value), function.locs[inst]);
+                let by = function.make_inst(InstData::Const { bits: eval::mask(ty, by) }, &[ty], Loc(0));
+                let args = [value, function.result(by)];
+                let base = function.make_inst(InstData::Binary { op: BinaryOp::Iadd, args }, &[ty], loc);
+                out.extend([by, base]);
+                change = Change::Addresses([Some(Address { base: Some(function.result(base)), ..addr }), None]);
+            }
             if let Change::Addresses(addresses) = change {
                 access::set_addresses(&mut function.insts[inst], addresses);
                 out.push(inst);
@@ -475,7 +491,7 @@ fn apply(function: &mut Function, changes: Vec<(Block, Inst, Change)>) {
             }
             let (result, loc) = (function.result(inst), function.locs[inst]);
             match change {
-                Change::Addresses(_) => unreachable!("done above"),
+                Change::Addresses(_) | Change::AddressFrom(..) => unreachable!("done above"),
                 Change::Constant(bits) => {
                     function.insts[inst] = InstData::Const { bits };
                     function.locs[inst] = Loc(0);
