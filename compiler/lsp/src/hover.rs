@@ -143,12 +143,15 @@ fn instruction(language: Language, word: &str) -> Option<String> {
             let insn = StlInsn::ALL
                 .iter()
                 .find(|insn| [stl::Mnemonics::En, stl::Mnemonics::De].iter().any(|set| insn.mnemonic(*set) == word))?;
+            // A word of both sets is taken as an international one.
+            let is_german = insn.mnemonic(stl::Mnemonics::En) != word;
+            let set = if is_german { stl::Mnemonics::De } else { stl::Mnemonics::En };
             let head = code(&format!("{} / {}", insn.mnemonic(stl::Mnemonics::En), insn.mnemonic(stl::Mnemonics::De)));
             let table = format!("`BR CC1 CC0 OV OS OR STA RLO /FC`\n\n`{}`", insn.status());
             Some(format!(
                 "{head}{}\n\nOperand: {}\n\n{table}\n",
                 insn.doc().trim(),
-                stl::operand_phrase(insn.operand())
+                stl::operand_phrase(insn.operand(), set)
             ))
         }
         Language::S7200 => {

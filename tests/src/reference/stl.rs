@@ -57,7 +57,7 @@ pub fn reference() -> String {
                 "| {} | {} | {} | `{}` | {} |",
                 code(insn.mnemonic(Mnemonics::En)),
                 code(insn.mnemonic(Mnemonics::De)),
-                operand_phrase(insn.operand()),
+                operand_phrase(insn.operand(), Mnemonics::En),
                 insn.status(),
                 cell(insn.doc().trim()),
             );

@@ -349,7 +349,7 @@ pub fn instruction(
 ) -> StatementKind {
     let mnemonic_span = state.span(mnemonic.start..mnemonic.end);
     let operand_is_bad = operand.as_ref().is_some_and(|operand| operand.kind == OperandKind::Error);
-    match check::operand(state.text, insn, mnemonic_span, operand.as_ref()) {
+    match check::operand(state.text, state.rules, insn, mnemonic_span, operand.as_ref()) {
         Some(diagnostic) => {
             state.report(diagnostic);
             StatementKind::Error

@@ -9,10 +9,16 @@ use crate::ast::{
 use crate::literal::Literal;
 use crate::stl::actions::NO_BIT;
 use crate::stl::messages::operand_phrase;
-use crate::stl::{OperandClass, StlInsn};
+use crate::stl::{Mnemonics, OperandClass, StlInsn};
 
-/// Checks the operand of an instruction; a name fits everything.
-pub fn operand(text: &str, insn: StlInsn, mnemonic: Span, operand: Option<&Operand>) -> Option<Diagnostic> {
+/// Checks the operand of an instruction; a name fits everything. Messages have the mnemonics `set` of the file.
+pub fn operand(
+    text: &str,
+    set: Mnemonics,
+    insn: StlInsn,
+    mnemonic: Span,
+    operand: Option<&Operand>,
+) -> Option<Diagnostic> {
     let class = insn.operand();
     let written = text[mnemonic.range()].to_owned();
     let Some(operand) = operand else {
@@ -22,7 +28,7 @@ pub fn operand(text: &str, insn: StlInsn, mnemonic: Span, operand: Option<&Opera
                 "write `+I` for INT, `+D` for DINT or `+R` for REAL, or the number that is added, as in `+ 5`"
                     .to_owned()
             }
-            _ => format!("`{written}` takes {}", operand_phrase(class)),
+            _ => format!("`{written}` takes {}", operand_phrase(class, set)),
         };
         return (!class.may_be_missing()).then(|| {
             Diagnostic::new(Code::MissingOperand, mnemonic, format!("`{written}` has no operand"))
@@ -62,11 +68,11 @@ pub fn operand(text: &str, insn: StlInsn, mnemonic: Span, operand: Option<&Opera
                 .help(format!("write `{written} {block}`, and `{part}` in the statements after it")),
         );
     }
-    let (title, help) = mismatch(insn, &written, shown, operand);
+    let (title, help) = mismatch(set, insn, &written, shown, operand);
     Some(
         Diagnostic::new(Code::OperandKind, operand.span, title)
             .label(describe(&operand.kind))
-            .also(mnemonic, format!("takes {}", operand_phrase(class)))
+            .also(mnemonic, format!("takes {}", operand_phrase(class, set)))
             .help(help),
     )
 }
@@ -345,9 +351,9 @@ fn constant_range(class: OperandClass, written: &str, shown: &str, operand: &Ope
 }
 
 /// Title and help for an operand of the wrong kind.
-fn mismatch(insn: StlInsn, written: &str, shown: &str, operand: &Operand) -> (String, String) {
+fn mismatch(set: Mnemonics, insn: StlInsn, written: &str, shown: &str, operand: &Operand) -> (String, String) {
     let class = insn.operand();
-    let takes = format!("`{written}` takes {}", operand_phrase(class));
+    let takes = format!("`{written}` takes {}", operand_phrase(class, set));
     let bit_class = matches!(
         class,
         OperandClass::Bit
@@ -405,7 +411,8 @@ fn mismatch(insn: StlInsn, written: &str, shown: &str, operand: &Operand) -> (St
             if matches!(class, OperandClass::LoadSource | OperandClass::TransferTarget) =>
         {
             (format!("`{written}` moves bytes, words and double words, but `{shown}` is one bit"), {
-                let bit = format!("{} {shown}", if insn == StlInsn::Load { "A" } else { "=" });
+                let single = if insn == StlInsn::Load { StlInsn::And } else { StlInsn::Assign };
+                let bit = format!("{} {shown}", single.mnemonic(set));
                 match wide_addresses(shown) {
                     Some((byte, word)) => format!("name `{byte}` or `{word}`, or use `{bit}` for the bit"),
                     None => format!("name a byte, word or double word, or use `{bit}` for the bit"),
@@ -414,11 +421,19 @@ fn mismatch(insn: StlInsn, written: &str, shown: &str, operand: &Operand) -> (St
         }
         (_, Form::Memory(Some(Area::Pi), _)) if class == OperandClass::TransferTarget => (
             format!("`{shown}` is a peripheral input and cannot be written"),
-            "write to the output side, e.g. `PQW 256`".to_owned(),
+            match set {
+                Mnemonics::En => "write to the output side, e.g. `PQW 256`",
+                Mnemonics::De => "write to the output side, e.g. `PAW 256`",
+            }
+            .to_owned(),
         ),
         (_, Form::Memory(Some(Area::Pq), _)) if class == OperandClass::LoadSource => (
             format!("`{shown}` is a peripheral output and cannot be read"),
-            "read the process image, e.g. `QW 4`, or the input side `PIW`".to_owned(),
+            match set {
+                Mnemonics::En => "read the process image, e.g. `QW 4`, or the input side `PIW`",
+                Mnemonics::De => "read the process image, e.g. `AW 4`, or the input side `PEW`",
+            }
+            .to_owned(),
         ),
         (OperandKind::Literal(Literal::Text(_)), _) if class == OperandClass::LoadSource => (
             format!("`{shown}` does not fit into ACCU1"),
@@ -426,11 +441,21 @@ fn mismatch(insn: StlInsn, written: &str, shown: &str, operand: &Operand) -> (St
         ),
         (OperandKind::Literal(Literal::AreaPointer { db, .. }), _) if *db != 0 => (
             format!("`{shown}` does not fit into 32 bits: there is no room for the number of the data block"),
-            format!("write the pointer without it, e.g. `P#DBX 0.0`, and open the block with `OPN DB {db}`"),
+            format!(
+                "write the pointer without it, e.g. `P#DBX 0.0`, and open the block with `{} DB {db}`",
+                StlInsn::OpenDb.mnemonic(set)
+            ),
         ),
         (OperandKind::Cell { kind: CellKind::Timer, .. }, _) if insn == StlInsn::Set => (
             format!("`{shown}` is not an operand of `{written}`"),
-            format!("a timer is started with `SD {shown}`, or SP, SE, SS or SF, after its time is loaded"),
+            match set {
+                Mnemonics::En => {
+                    format!("a timer is started with `SD {shown}`, or SP, SE, SS or SF, after its time is loaded")
+                }
+                Mnemonics::De => {
+                    format!("a timer is started with `SE {shown}`, or SI, SV, SS or SA, after its time is loaded")
+                }
+            },
         ),
         _ => (format!("`{shown}` is not an operand of `{written}`"), takes),
     }
@@ -461,7 +486,13 @@ fn describe(kind: &OperandKind) -> String {
     };
     match kind {
         OperandKind::Absolute { area: own, width, byte, .. } if *width != Width::Bit && *byte < u32::MAX - 4 => {
-            format!("{} {} of bytes {byte} to {}", area(Some(*own)), width_name(*width), byte + width.bytes() - 1)
+            match width {
+                Width::Byte => format!("{} byte {byte}", area(Some(*own))),
+                Width::Bit | Width::Word | Width::Dword | Width::Lword => {
+                    let last = byte + width.bytes() - 1;
+                    format!("{} {} of bytes {byte} to {last}", area(Some(*own)), width_name(*width))
+                }
+            }
         }
         _ => match form(kind) {
             Form::Memory(own, width) => format!("{} {}", area(own), width_name(width)),

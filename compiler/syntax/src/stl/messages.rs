@@ -273,7 +273,9 @@ fn statement_error(state: &State, index: usize, at: Option<&Spanned>, before: Op
             "write `CALL block, instance ( name := operand, … )`, or each `name := operand` on a separate line"
                 .to_owned()
         }
-        Some(Tok::Insn(insn)) => format!("`{}` takes {}", insn.mnemonic(state.rules), operand_phrase(insn.operand())),
+        Some(Tok::Insn(insn)) => {
+            format!("`{}` takes {}", insn.mnemonic(state.rules), operand_phrase(insn.operand(), state.rules))
+        }
         Some(Tok::Jump(insn)) if matches!(at, Some((_, Tok::Colon, _))) => {
             let label = before.and_then(|(start, _, end)| state.text.get(*start..*end)).unwrap_or("…");
             format!("write `{} {label}`: only the label itself has a `:`", insn.mnemonic(state.rules))
@@ -485,20 +487,29 @@ fn assignment_error(state: &State, at: Option<&Spanned>, before: Option<&Spanned
     message(state, at, before, Code::Syntax, "assignment").help("write `component := constant;`, e.g. `a.b[3] := 5;`")
 }
 
-/// What an instruction accepts, for help texts.
-pub fn operand_phrase(class: crate::stl::OperandClass) -> &'static str {
+/// What an instruction accepts, for help texts, with addresses as the mnemonics of the file write them.
+pub fn operand_phrase(class: crate::stl::OperandClass, set: Mnemonics) -> &'static str {
     use crate::stl::OperandClass;
     match class {
         OperandClass::None => "no operand",
-        OperandClass::Bit => "one bit, e.g. `I 0.0`, a timer, a counter or a status bit",
-        OperandClass::BitOrNone => "one bit, e.g. `I 0.0`, or nothing",
+        OperandClass::Bit => match set {
+            Mnemonics::En => "one bit, e.g. `I 0.0`, a timer, a counter or a status bit",
+            Mnemonics::De => "one bit, e.g. `E 0.0`, a timer, a counter or a status bit",
+        },
+        OperandClass::BitOrNone => match set {
+            Mnemonics::En => "one bit, e.g. `I 0.0`, or nothing",
+            Mnemonics::De => "one bit, e.g. `E 0.0`, or nothing",
+        },
         OperandClass::BitWrite => "one bit, e.g. `M 0.0`",
         OperandClass::BitWriteOrCounter => "one bit, e.g. `M 0.0`, or a counter",
         OperandClass::BitWriteOrCell => "one bit, e.g. `M 0.0`, a timer or a counter",
         OperandClass::LoadSource => "a byte, word or double word, e.g. `MW 10`, or a constant",
         OperandClass::TransferTarget => "a byte, word or double word, e.g. `MW 10`",
         OperandClass::Timer => "a timer, e.g. `T 5`",
-        OperandClass::Counter => "a counter, e.g. `C 5`",
+        OperandClass::Counter => match set {
+            Mnemonics::En => "a counter, e.g. `C 5`",
+            Mnemonics::De => "a counter, e.g. `Z 5`",
+        },
         OperandClass::Cell => "a timer or a counter, e.g. `T 5`",
         OperandClass::LoadAr1 => "nothing, a double word, a pointer `P#10.0` or `AR2`",
         OperandClass::LoadAr2 => "nothing, a double word or a pointer `P#10.0`",
