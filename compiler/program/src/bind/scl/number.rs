@@ -17,6 +17,7 @@ use super::value::Value;
 use super::{Rules, constant};
 use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
+use plcc_binding::rewrite;
 use plcc_model::scl::{BinaryOp, Conversion, Expr, ExprKind, Function, UnaryOp};
 use plcc_model::types::DataType;
 
@@ -346,8 +347,12 @@ impl SclBinder<'_, '_> {
     fn widest(&mut self, ctx: &SclBlock, values: &[Value]) -> Option<Elementary> {
         let rules = ctx.scope.rules;
         let mut shapes: Vec<(Shape, &Value)> = values.iter().map(|value| (Shape::of(value), value)).collect();
-        // Constants without a type follow the others.
-        shapes.sort_by_key(|(shape, _)| shape.is_untyped() || *shape == Shape::Letter);
+        // Constants without a type follow the others; what is not a single value is compared with the type of the others.
+        shapes.sort_by_key(|(shape, _)| match shape {
+            Shape::Of(_) => 0,
+            Shape::Integer(_) | Shape::Real | Shape::Letter => 1,
+            Shape::Other => 2,
+        });
         let mut widest: Option<Shape> = None;
         for (shape, value) in shapes {
             let joined = match (widest, shape) {
@@ -365,11 +370,14 @@ impl SclBinder<'_, '_> {
             };
             if joined.is_none() {
                 let is = described(value);
-                let wanted = match widest {
-                    Some(Shape::Of(ty)) => ty.name().to_string(),
-                    _ => "a single value".to_string(),
+                let (wanted, help) = match widest {
+                    Some(Shape::Of(ty)) => {
+                        let text = self.program.globals.text(value.span());
+                        (ty.name().to_string(), rewrite::of_constant(ty, &text, rewrite::Form::Scl))
+                    }
+                    _ => ("a single value".to_string(), None),
                 };
-                self.wrong_type(value.span(), &is, &wanted, None);
+                self.wrong_type(value.span(), &is, &wanted, help);
                 return None;
             }
             widest = joined;
