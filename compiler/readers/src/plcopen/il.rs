@@ -31,6 +31,28 @@ use plcc_syntax::scl::ast::{
 /// Most open parentheses.
 const DEPTH_MAX: usize = 100;
 
+/// Words of other instruction lists, in capitals, and the operators of IL that they mean.
+const OTHER_WORDS: &[(&str, &str)] = &[
+    ("LOAD L", "LD"),
+    ("LOADN LDI", "LDN"),
+    ("STORE T", "ST"),
+    ("STOREN", "STN"),
+    ("SET", "S"),
+    ("RESET RST", "R"),
+    ("A U", "AND"),
+    ("AN UN ANDNOT", "ANDN"),
+    ("O", "OR"),
+    ("ON ORNOT", "ORN"),
+    ("X", "XOR"),
+    ("XN", "XORN"),
+    ("CALL", "CAL"),
+    ("JUMP JU SPA", "JMP"),
+    ("JC SPB", "JMPC"),
+    ("JCN SPBN", "JMPCN"),
+    ("BE BEU BEA", "RET"),
+    ("BEC BEB", "RETC"),
+];
+
 /// A line: its label, its operator and what follows.
 #[derive(Debug)]
 struct Line {
@@ -111,7 +133,14 @@ impl List<'_, '_, '_> {
     /// The line does not need the result before it.
     fn begins_anew(&self, line: &Line) -> bool {
         let Some(operator) = &line.operator else { return true };
-        matches!(self.slice(operator).to_ascii_uppercase().as_str(), "LD" | "LDN" | "CAL" | "JMP" | "RET")
+        let word = self.slice(operator).to_ascii_uppercase();
+        matches!(self.meant(&word).unwrap_or(&word), "LD" | "LDN" | "CAL" | "JMP" | "RET")
+    }
+
+    /// The operator that a word of other instruction lists means; a POU of the project may have this name.
+    fn meant(&self, word: &str) -> Option<&'static str> {
+        let (_, meant) = OTHER_WORDS.iter().find(|(other, _)| other.split(' ').any(|other| other == word))?;
+        (!self.body.scope.shared.pous.contains(&word.to_lowercase())).then_some(*meant)
     }
 
     fn refuse(&mut self, span: Span, text: &str, help: &str) {
@@ -223,9 +252,16 @@ impl List<'_, '_, '_> {
         }
         let Some(operator) = line.operator.clone() else { return };
         let span = self.reader.span(operator.clone());
-        let word = self.slice(&operator).to_ascii_uppercase();
+        let mut word = self.slice(&operator).to_ascii_uppercase();
         if word == ")" {
             return self.close(span);
+        }
+        if let Some(meant) = self.meant(&word) {
+            let written = format!("{meant} {}", self.slice(&line.operand).trim());
+            let title = format!("`{}` is not an operator of IL", self.slice(&operator));
+            let told = Diagnostic::new(Code::ForeignForm, span, title).label("a word of other instruction lists");
+            self.reader.messages.push(told.help(format!("write `{}`", written.trim_end())));
+            word = meant.to_string();
         }
         match word.as_str() {
             "LD" | "LDN" => {
