@@ -157,13 +157,21 @@ pub fn faults(file: FileId, document: &Document) -> Vec<Diagnostic> {
     found
 }
 
-/// Objects of one body with the same number: it would be open which of them a line means.
+/// Objects of one body with the same number, for which it would be open what a line means, and objects whose number is not one.
 fn twice(file: FileId, body: Node) -> Vec<Diagnostic> {
     let mut known: HashMap<&str, Node> = HashMap::new();
     let mut found = Vec::new();
     for node in elements(body) {
         let Some(id) = node.attribute("localId").map(str::trim) else { continue };
         let span = Span::new(file, attribute_range(node, "localId"));
+        if id.parse::<u64>().is_err() {
+            let message = Diagnostic::new(Code::ForeignContent, span, format!("`{id}` is not the number of an object"));
+            found.push(message.label("lines name the object by its `localId`").help(
+                "write a whole number that no other object of this network has, and the same in each `refLocalId` \
+                 that means the object",
+            ));
+            continue;
+        }
         if let Some(first) = known.insert(id, node) {
             let first = Span::new(file, attribute_range(first, "localId"));
             let message =
@@ -251,6 +259,9 @@ mod tests {
             ]
         );
         assert_eq!(told("<contact localId='1'/><coil localId='1'/>").len(), 1);
+        let number = told("<contact localId='x'/><coil localId='2'/>");
+        assert_eq!(number.len(), 1);
+        assert!(number[0].starts_with("`x` is not the number of an object; write a whole number"), "{number:?}");
         assert_eq!(told("<contcat localId='1'/><coil nagated='true'/>").len(), 2);
     }
 }
