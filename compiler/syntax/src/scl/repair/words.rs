@@ -39,23 +39,24 @@ pub(super) fn alias(word: &str) -> Option<Keyword> {
     ALIASES.iter().find(|(alias, _)| alias.eq_ignore_ascii_case(word)).map(|(_, keyword)| *keyword)
 }
 
-/// The keyword among `known` that `word` is a slip of. Short keywords allow one added letter: `IFF`, `ORR`.
+/// The keyword among `known` that `word` is a slip of. Short keywords allow one added letter, `IFF`, or the other order, `FO`.
 pub(super) fn slip(word: &str, known: &[Keyword]) -> Option<Keyword> {
     if let Some(found) = alias(word).filter(|found| known.contains(found)) {
         return Some(found);
     }
     let found = slip_of(word, known.iter().map(|keyword| keyword.word()));
-    let doubled = || known.iter().map(|keyword| keyword.word()).find(|keyword| is_doubled(word, keyword));
+    let doubled = || known.iter().map(|keyword| keyword.word()).find(|keyword| is_short_slip(word, keyword));
     found.or_else(doubled).and_then(Keyword::from_word)
 }
 
-/// `word` is `keyword` of two letters with one of them twice.
-fn is_doubled(word: &str, keyword: &str) -> bool {
-    let (word, keyword) = (word.to_ascii_uppercase(), keyword.as_bytes());
-    let word = word.as_bytes();
-    keyword.len() == 2
-        && word.len() == 3
-        && (word == [keyword[0], keyword[0], keyword[1]] || word == [keyword[0], keyword[1], keyword[1]])
+/// `word` is `keyword` of two letters with one of them twice, or both exchanged.
+fn is_short_slip(word: &str, keyword: &str) -> bool {
+    let word = word.to_ascii_uppercase();
+    match (word.as_bytes(), keyword.as_bytes()) {
+        ([a, b, c], [first, last]) => a == first && c == last && (b == first || b == last),
+        ([a, b], [first, last]) => a == last && b == first,
+        _ => false,
+    }
 }
 
 impl Repair<'_> {
