@@ -75,6 +75,15 @@ fn values_are_modified_at_their_triggers() {
     );
 }
 
+#[test]
+fn a_row_whose_cycle_has_not_come_is_not_modified() {
+    let cpu = cpu(vec![(1, Box::new(|_: &Cpu, _: u32| {}) as Block)]);
+    let text = "[[row]]\naddress = \"MW10\"\nmodify = \"5\"\ncycle = 40\n";
+    let table = Table::parse(text, &cpu).unwrap();
+    run_observed(&cpu, 4, &mut Watched(table.clone()));
+    assert_eq!(table.text(&cpu), "MW10  W#16#0000  cycle 40 has not come\n");
+}
+
 /// Source: Programming with STEP 7, 20.5: modifying a timer changes its time, a counter its count, and no edge.
 #[test]
 fn timers_and_counters_are_modified_by_their_values() {
@@ -189,6 +198,13 @@ fn a_trace_is_of_numbers_and_has_limits() {
     assert!(wrong("file = \"a.csv\"\nsignals = [\"ML0\"]").contains("32 bits"));
     assert!(wrong("file = \"a.csv\"\nsignals = [\"MW1\"]\ntrigger = \"MW2\"").contains("one of the signals"));
     assert!(wrong("file = \"a.csv\"\nsignals = [\"MW1\"]\nsamples = 100001").contains("100000"));
+    assert!(wrong("file = \"a.csv\"\nsignals = [\"MW1\", \"MB5\", \"MW1\"]").contains("MW1 is in the signals twice"));
+    let level = |signal: &str, rest: &str| {
+        format!("file = \"a.csv\"\nsignals = [\"{signal}\"]\ntrigger = \"{signal}\"\n{rest}")
+    };
+    assert_eq!(wrong(&level("MW1", "level = 65536")), "MW1 cannot rise to 65536: its values are 0 to 65535");
+    assert_eq!(wrong(&level("MW1", "level = 0")), "MW1 cannot rise to 0: its values are 0 to 65535");
+    assert_eq!(wrong(&level("M1.0", "edge = \"falling\"\nlevel = 1")), "M1.0 cannot fall to 1: its values are 0 to 1");
     let many: Vec<String> = (0..17).map(|byte| format!("\"MB{byte}\"")).collect();
     assert!(wrong(&format!("file = \"a.csv\"\nsignals = [{}]", many.join(", "))).contains("16 signals"));
 }
@@ -198,7 +214,8 @@ fn what_a_table_refuses() {
     let cpu = cpu(Vec::new());
     let wrong = |text: &str| Table::parse(text, &cpu).expect_err(text).1;
     assert!(wrong("[[row]]\naddress = \"MX1\"").contains("MX1"));
-    assert!(wrong("[[row]]\naddress = \"MW10\"\nformat = \"real\"").contains("16 bits"));
+    let real = wrong("[[row]]\naddress = \"MW10\"\nformat = \"real\"");
+    assert!(real.starts_with("MW10 has 16 bits, which this format does not show: write bin, hex, dec,"), "{real}");
     assert!(wrong("[[row]]\naddress = \"MB10\"\nmodify = \"256\"\nformat = \"dec\"").contains("does not fit"));
     assert!(wrong("[[row]]\naddress = \"MB10\"\nformt = \"dec\"").contains("formt"));
     assert!(wrong("[[row]]\naddress = \"T5\"\nmodify = \"1\"").contains("state of a timer"));

@@ -105,7 +105,10 @@ impl Format {
                 let ty = with_article(typed::name(ty.ty));
                 Err(format!("{name} is {ty}, which no format shows: leave the format out"))
             }
-            _ if !self.fits(width) => Err(format!("{name} has {} bits, which this format does not show", width.bits())),
+            _ if !self.fits(width) => {
+                let (bits, formats) = possible(width);
+                Err(format!("{name} has {bits}, which this format does not show: write {formats}"))
+            }
             _ => Ok(self),
         }
     }
@@ -162,6 +165,17 @@ impl Format {
                 value::parse(&format!("P#{text}"), width).or_else(|_| wrong("a pointer, such as M10.0 or 10.0"))
             }
         }
+    }
+}
+
+/// How wide a value is, and the formats that show it.
+fn possible(width: Width) -> (&'static str, &'static str) {
+    match width {
+        Width::Bit(_) => ("1 bit", "bool"),
+        Width::Byte => ("8 bits", "bin, hex, dec, unsigned, char or bcd"),
+        Width::Word => ("16 bits", "bin, hex, dec, unsigned, s5time, date, counter, char or bcd"),
+        Width::Dword => ("32 bits", "bin, hex, dec, unsigned, real, time, time-of-day, char, pointer or bcd"),
+        Width::Lword => ("64 bits", "bin, hex, dec, unsigned or real"),
     }
 }
 
@@ -236,6 +250,16 @@ fn pointer(bits: u32) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn formats_of_a_width_are_listed() {
+        for width in [Width::Bit(0), Width::Byte, Width::Word, Width::Dword, Width::Lword] {
+            for word in possible(width).1.split([',', ' ']).filter(|word| !matches!(*word, "" | "or")) {
+                let format: Format = toml::Value::String(word.to_string()).try_into().unwrap();
+                assert!(format.fits(width), "{word} of {width:?}");
+            }
+        }
+    }
 
     #[test]
     fn values_are_shown_by_their_formats() {

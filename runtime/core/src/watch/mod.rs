@@ -28,6 +28,7 @@ pub mod sheet;
 use std::path::Path;
 
 use plcc_abi::ProgramImage;
+use plcc_abi::image::AssertType;
 use serde::{Deserialize, Serialize};
 
 use crate::address::Address;
@@ -138,14 +139,20 @@ impl Table {
     /// The table for people.
     pub fn text(&self, cpu: &Cpu) -> String {
         let rows = self.shown(cpu);
+        let last = cpu.cycle_number();
+        let mark = |row: &Row| match row.modify {
+            None => String::new(),
+            Some(modify) if last > 0 && modify.cycle > last => format!("cycle {} has not come", modify.cycle),
+            Some(_) => "modified".to_string(),
+        };
         let width = |of: &dyn Fn(&Shown) -> usize| rows.iter().map(of).max().unwrap_or(0);
         let (names, values) = (width(&|row| row.address.chars().count()), width(&|row| row.value.chars().count()));
-        let line = |row: &Shown| {
-            let mark = if row.modified { "modified" } else { "" };
-            let line = format!("{:names$}  {:values$}  {mark:8}  {}", row.address, row.value, row.comment);
+        let line = |(row, shown): (&Row, &Shown)| {
+            let mark = mark(row);
+            let line = format!("{:names$}  {:values$}  {mark:8}  {}", shown.address, shown.value, shown.comment);
             format!("{}\n", line.trim_end())
         };
-        rows.iter().map(line).collect()
+        self.rows.iter().zip(&rows).map(line).collect()
     }
 }
 
@@ -157,6 +164,11 @@ fn trace(text: TraceText, cpu: &Cpu) -> Result<Wanted, String> {
         Ok::<_, String>(Signal { name: name.clone(), source })
     };
     let signals: Vec<Signal> = text.signals.iter().map(signal).collect::<Result<_, _>>()?;
+    let is_again = |(at, name): (usize, &String)| text.signals[..at].contains(name).then(|| name.clone());
+    // More signals than there may be are refused below.
+    if let Some(name) = text.signals.iter().enumerate().take(recording::SIGNALS_MAX).find_map(is_again) {
+        return Err(format!("{name} is in the signals twice: name it once"));
+    }
     let trigger = match &text.trigger {
         Some(name) => {
             let signal = signals.iter().position(|signal| signal.name == *name);
@@ -165,6 +177,12 @@ fn trace(text: TraceText, cpu: &Cpu) -> Result<Wanted, String> {
             let rising = text.edge.unwrap_or(Edge::Rising) == Edge::Rising;
             // A bit rises to 1, and falls to 0.
             let level = text.level.unwrap_or(if rising { 1.0 } else { 0.0 });
+            if let Some((low, high)) = range(&signals[signal].source)
+                && (level < low || level > high || level == if rising { low } else { high })
+            {
+                let does = if rising { "rise" } else { "fall" };
+                return Err(format!("{name} cannot {does} to {level}: its values are {low} to {high}"));
+            }
             Some(recording::Trigger { signal, level, rising })
         }
         None if text.level.is_some() || text.edge.is_some() || text.before > 0 => {
@@ -175,6 +193,42 @@ fn trace(text: TraceText, cpu: &Cpu) -> Result<Wanted, String> {
     let wanted = Wanted { file: text.file, signals, trigger, samples: text.samples, before: text.before };
     wanted.check()?;
     Ok(wanted)
+}
+
+/// The lowest and the highest value of a signal that is a bit or a whole number.
+fn range(source: &Source) -> Option<(f64, f64)> {
+    let unsigned = |bits: u8| (0.0, f64::from(bits).exp2() - 1.0);
+    match source {
+        Source::Bits(address) => Some(unsigned(address.width.bits() as u8)),
+        Source::Typed(_, ty) => match ty.ty {
+            AssertType::Bool => Some(unsigned(1)),
+            AssertType::Bits(bits) | AssertType::Unsigned(bits) => Some(unsigned(bits)),
+            AssertType::Signed(bits) => {
+                let half = (f64::from(bits) - 1.0).exp2();
+                Some((-half, half - 1.0))
+            }
+            AssertType::Real
+            | AssertType::Lreal
+            | AssertType::Char
+            | AssertType::Wchar
+            | AssertType::S5Time
+            | AssertType::Time
+            | AssertType::Ltime
+            | AssertType::Date
+            | AssertType::TimeOfDay
+            | AssertType::Ltod
+            | AssertType::Ldt
+            | AssertType::DateAndTime
+            | AssertType::Dtl
+            | AssertType::Text
+            | AssertType::WideText => None,
+        },
+        Source::Channel(..)
+        | Source::Plant(_)
+        | Source::PulseDuty(_)
+        | Source::PulsePeriod(_)
+        | Source::PulseCount(_) => None,
+    }
 }
 
 /// A value for an address of the program; whether that exists on the CPU is checked elsewhere.
